@@ -1,0 +1,55 @@
+// The algebra formulation, ISOSYRK: unknowns on g (third row of each block of the paper's Table 1).
+#pragma once
+
+#include <vector>
+
+#include "core/integrator.h"
+#include "core/tableau.h"
+
+namespace isosyrk {
+
+/// Unknowns X_i, K_ij, W̃_i, i, j = 1..s, each n x n.  Stage equations and update, B_j = B(W̃_j):
+///
+///     X_i  = -h (W₀ + Σ_j a_ij X_j) B_i
+///     K_ij =  h B_j ( Σ_j' a_ij' X_j' + Σ_j' a_jj' K_ij' )
+///     W̃_i  = W₀ + Σ_j a_ij ( X_j - J⁻¹ X_j† J + K_ij )
+///     W₁   = W₀ + h Σ_i b_i [B_i, W̃_i],   [B, W̃] = C - J⁻¹ C† J with C = B W̃
+///
+/// Products: s² + s a sweep, s for the update.  Poisson solves: s a sweep, s for the update.
+/// Source: the paper's ISOSYRK equations, with B_j for the printed B_i in K_ij.  The update formed
+/// from C alone keeps W in g exactly; formed as B W̃ - W̃ B it would drift out exponentially.
+/// At s = 1 the isospectral midpoint form is the cheaper way to the same step.
+class AlgebraForm final : public Integrator {
+ public:
+  /// Throws std::invalid_argument for an inconsistent tableau.
+  AlgebraForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
+              ProductBackend backend);
+
+ protected:
+  SolveReport advance(const Matrix& W0, double h, Matrix& W1) override;
+
+ private:
+  using Stages = std::vector<Matrix>;
+
+  void start(const Matrix& W0);
+  double sweep(const Matrix& W0, double h);
+  double sum_stages(const Matrix& W0);
+  double update_stage_vorticities(const Matrix& W0);
+  void update(const Matrix& W0, double h, Matrix& W1);
+
+  Tableau tableau_;
+  SolverOptions options_;
+  std::size_t s_;
+  Stages X_;                    // X_i
+  std::vector<Stages> K_;       // K_[i][j] = K_ij
+  Stages X_old_;                // of the sweep before, and buffers of the next
+  std::vector<Stages> K_old_;
+  Stages W_stage_;              // W̃_i
+  Stages B_;                    // B(W̃_i); in the update, C_i
+  Stages X_sum_;                // Y_i = Σ_j a_ij X_j
+  Stages X_input_;              // W₀ + Y_i
+  std::vector<Stages> K_input_;  // Y_i + Σ_j' a_jj' K_ij'
+  Matrix adjoint_;              // J⁻¹ Y† J, where J is not I
+};
+
+}  // namespace isosyrk

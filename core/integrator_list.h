@@ -1,0 +1,48 @@
+// The list of integrators: what tests, benchmarks, tables and charts run over.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/integrator.h"
+#include "core/tableau.h"
+
+namespace isosyrk {
+
+/// The three equivalent formulations of the paper.
+enum class Formulation { cotangent, group, algebra };
+
+/// In the order of the paper's Table 1.
+const std::vector<Formulation>& formulations();
+/// "cotangent", "group", "algebra".
+std::string_view name(Formulation formulation);
+/// Throws std::invalid_argument, naming what is allowed.
+Formulation formulation_from_name(std::string_view name);
+
+/// A Runge-Kutta method in one of the formulations.  The flow must outlive the integrator.
+/// `algebra` with the one-stage Gauss tableau is the isospectral midpoint.
+/// Throws std::invalid_argument for an inconsistent tableau.
+std::unique_ptr<Integrator> make_formulation(Formulation formulation, const Flow& flow,
+                                             const Tableau& tableau, const SolverOptions& options,
+                                             ProductBackend backend);
+
+/// One line of the list.
+struct IntegratorEntry {
+  std::string name;
+  int stages;
+  int order;
+  bool isospectral;   ///< keeps the spectrum of W
+  bool lie_poisson;   ///< the step is a Poisson map
+  bool symmetric;     ///< step(-h) inverts step(h)
+  bool is_explicit;   ///< no iteration
+  std::function<std::unique_ptr<Integrator>(const Flow&, const SolverOptions&, ProductBackend)>
+      make;
+};
+
+/// Every integrator of the project.
+const std::vector<IntegratorEntry>& integrators();
+
+}  // namespace isosyrk

@@ -1,0 +1,62 @@
+#include "core/invariants.h"
+
+#include <fmt/format.h>
+#include <lapacke.h>
+
+#include <Eigen/Dense>
+#include <stdexcept>
+
+#include "core/spin.h"
+
+namespace isosyrk {
+
+RealVector spectrum(const Matrix& W) {
+  if (W.rows() != W.cols() || !W.allFinite()) {
+    throw std::invalid_argument(
+        fmt::format("spectrum: W is {} x {}; must be square and finite", W.rows(), W.cols()));
+  }
+  const Complex minus_half_i(0.0, -0.5);
+  Matrix hermitian = minus_half_i * (W - W.adjoint());
+  const auto n = static_cast<lapack_int>(W.rows());
+  RealVector eigenvalues(W.rows());
+  const lapack_int info =
+      LAPACKE_zheevd(LAPACK_ROW_MAJOR, 'N', 'U', n,
+                     reinterpret_cast<lapack_complex_double*>(hermitian.data()), n,
+                     eigenvalues.data());
+  if (info != 0) throw std::runtime_error(fmt::format("spectrum: zheevd failed ({})", info));
+  return eigenvalues;
+}
+
+double spectrum_error(const Matrix& W, const Matrix& V) {
+  return (spectrum(W) - spectrum(V)).cwiseAbs().maxCoeff();
+}
+
+double spectral_norm(const Matrix& W) { return spectrum(W).cwiseAbs().maxCoeff(); }
+
+Complex casimir(const Matrix& W, int k) {
+  if (k < 1) throw std::invalid_argument(fmt::format("casimir: k = {}, must be at least 1", k));
+  Matrix power = W;
+  for (int i = 1; i < k; ++i) power = (power * W).eval();
+  return power.trace();
+}
+
+double skew_defect(const Matrix& W) { return (W + W.adjoint()).cwiseAbs().maxCoeff(); }
+
+std::array<double, 3> angular_momentum(const Matrix& W) {
+  const Spin spin(W.rows());
+  Complex raised = 0.0;  // tr((S_x + i S_y) W) = Σ ladder_i W_{i+1,i}
+  Complex lowered = 0.0;
+  Complex z = 0.0;
+  for (Index i = 0; i < W.rows(); ++i) {
+    z += spin.magnetic(i) * W(i, i);
+    if (i + 1 < W.rows()) {
+      raised += spin.ladder(i) * W(i + 1, i);
+      lowered += spin.ladder(i) * W(i, i + 1);
+    }
+  }
+  const Complex x = 0.5 * (raised + lowered);
+  const Complex y = Complex(0.0, -0.5) * (raised - lowered);
+  return {x.imag(), y.imag(), z.imag()};
+}
+
+}  // namespace isosyrk

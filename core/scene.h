@@ -1,0 +1,26 @@
+// Scenes: a flow with initial data, a name and a time span.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/euler_zeitlin.h"
+#include "core/modes.h"
+
+namespace isosyrk {
+
+/// What is simulated, as data.
+struct Scene {
+  std::string name;
+  std::shared_ptr<const Flow> flow;
+  Matrix initial;  ///< W at time 0, n x n, spectral norm 1
+  double time;     ///< end of the time span
+};
+
+/// The scene of the paper's Table 1: Euler-Zeitlin from a few smooth modes (by default those with
+/// l <= 4), T = 5.  Throws std::invalid_argument for n < 2 or modes that do not fit n.
+Scene smooth_scene(Index n, HbarConvention convention = HbarConvention::paper,
+                   const std::vector<Mode>& modes = default_modes());
+
+}  // namespace isosyrk
