@@ -1,0 +1,78 @@
+#include "benchmarks/arguments.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+
+namespace isosyrk {
+
+long whole_number(const std::string& option, const std::string& text, long least, long most) {
+  long value = 0;
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  const bool parsed = stop == end && (error == std::errc() || error == std::errc::result_out_of_range);
+  if (!parsed) {
+    throw BadArgument(fmt::format("{} '{}': not a whole number; must be {} to {}", option, text,
+                                  least, most));
+  }
+  if (error != std::errc() || value < least || value > most) {
+    throw BadArgument(
+        fmt::format("{} {}: out of range; must be {} to {}", option, text, least, most));
+  }
+  return value;
+}
+
+double real_number(const std::string& option, const std::string& text,
+                   const std::string& allowed) {
+  double value = 0.0;
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  if (stop != end || error != std::errc()) {
+    throw BadArgument(fmt::format("{} '{}': not a number; must be {}", option, text, allowed));
+  }
+  if (!std::isfinite(value)) {
+    throw BadArgument(fmt::format("{} {}: not finite; must be {}", option, text, allowed));
+  }
+  return value;
+}
+
+long step_count(double time, double step) {
+  constexpr double most = 1e15;  // beyond this a double no longer counts steps
+  const double quotient = time / step;
+  const double steps = std::round(quotient);
+  if (!(quotient <= most)) {
+    throw BadArgument(
+        fmt::format("--time {} with --step {}: {} steps; must be at most {}", time, step, quotient,
+                    most));
+  }
+  if (std::abs(quotient - steps) > 1e-9 * std::max(1.0, quotient)) {
+    throw BadArgument(fmt::format(
+        "--time {} with --step {}: {:.6g} steps; must be a whole number of steps", time, step,
+        quotient));
+  }
+  return static_cast<long>(steps);
+}
+
+HbarConvention hbar_convention(const std::string& text) {
+  if (text == "paper") return HbarConvention::paper;
+  if (text == "standard") return HbarConvention::standard;
+  throw BadArgument(fmt::format("--hbar '{}': must be paper or standard", text));
+}
+
+BackendChoice backend_choice(const std::string& text) {
+  if (text == "fastest") return std::nullopt;
+  for (const ProductBackend backend : product_backends()) {
+    if (name(backend) == text) return backend;
+  }
+  throw BadArgument(fmt::format("--products '{}': must be fastest, openblas or eigen", text));
+}
+
+void print_error(const char* program, std::string message) {
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  std::fputs(fmt::format("{}: {}\n", program, message).c_str(), stderr);
+}
+
+}  // namespace isosyrk

@@ -1,0 +1,56 @@
+// Reading command lines strictly: one line on an error, naming the argument, the value and what is
+// allowed.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+#include "benchmarks/product_rate.h"
+#include "core/euler_zeitlin.h"
+
+
+namespace isosyrk {
+
+/// Exit codes of every program of the project.
+enum ExitCode : int { exit_done = 0, exit_bad_arguments = 2, exit_solver_failed = 3 };
+
+/// A command line that cannot be used; what() is the line to print.
+class BadArgument : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// A whole number in [least, most].  Throws BadArgument.
+long whole_number(const std::string& option, const std::string& text, long least, long most);
+
+/// A finite real number.  Throws BadArgument, saying that it must be `allowed`.
+double real_number(const std::string& option, const std::string& text, const std::string& allowed);
+
+/// T / h as a whole number of steps, to 1e-9.  Throws BadArgument.
+long step_count(double time, double step);
+
+/// "paper" or "standard".  Throws BadArgument.
+HbarConvention hbar_convention(const std::string& text);
+
+/// "fastest", "openblas" or "eigen".  Throws BadArgument.
+BackendChoice backend_choice(const std::string& text);
+
+/// Runs a program's body and turns BadArgument, std::invalid_argument and CLI11's errors into one
+/// line on stderr and exit_bad_arguments.  `body` returns the exit code.
+template <class Body>
+int guarded(const char* program, Body&& body);
+
+/// Prints `program: message` on one line of stderr.
+void print_error(const char* program, std::string message);
+
+template <class Body>
+int guarded(const char* program, Body&& body) {
+  try {
+    return body();
+  } catch (const std::exception& error) {
+    print_error(program, error.what());
+    return exit_bad_arguments;
+  }
+}
+
+}  // namespace isosyrk

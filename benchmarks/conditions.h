@@ -1,0 +1,30 @@
+// The conditions of a measurement, recorded with every raw file.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "benchmarks/product_rate.h"
+#include "core/fixed_point.h"
+#include "core/scene.h"
+
+namespace isosyrk {
+
+/// Named facts, in the order in which they are reported.
+using Conditions = std::vector<std::pair<std::string, std::string>>;
+
+/// What holds for any program: commit, compiler, processor, BLAS and the kernels it really picked,
+/// environment, measured peak and the product rates given.
+Conditions machine_conditions(const std::string& program, BackendChoice choice,
+                              const std::vector<BackendRates>& rates);
+
+/// How the equations were solved: tolerance, norm, start, order of updates, ħ, modes.
+Conditions solver_conditions(const SolverOptions& options, HbarConvention convention,
+                             const std::vector<Mode>& modes);
+
+/// Why the timings may not be what this machine can do (kernels below its vector units, an inherited
+/// OPENBLAS_CORETYPE, an unoptimised build), or empty.
+std::string notice();
+
+}  // namespace isosyrk

@@ -1,0 +1,24 @@
+// Reading initial modes from a file.
+#pragma once
+
+#include <istream>
+#include <string>
+#include <vector>
+
+#include "core/modes.h"
+
+namespace isosyrk {
+
+/// Reads modes from CSV: a header line naming the columns l, m, re and im, in any order, then a
+/// line a mode.  Checks form only; what (l, m) may be is core's require_valid.  Throws
+/// std::invalid_argument naming `source` and the line.
+std::vector<Mode> read_modes(std::istream& input, const std::string& source);
+
+/// Reads the file at `path`, and checks it for size n.  Throws std::invalid_argument.
+std::vector<Mode> read_modes_file(const std::string& path, Index n);
+
+/// A hash of the modes (FNV-1a, 64 bits, of the lines "l,m,re,im" in the order given), as 16 hex
+/// digits: tells whether two results started from the same data.
+std::string hash_of(const std::vector<Mode>& modes);
+
+}  // namespace isosyrk

@@ -1,0 +1,87 @@
+#include "benchmarks/output_file.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <bit>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "benchmarks/arguments.h"
+
+namespace isosyrk {
+
+namespace fs = std::filesystem;
+
+OutputFile::OutputFile(std::string option, const std::string& path)
+    : option_(std::move(option)), shown_(path) {
+  if (path.empty()) fail("empty; must name a file");
+  std::error_code error;
+  // Through a symbolic link the file it points to is replaced, not the link.
+  const fs::path target = fs::weakly_canonical(path, error);
+  if (error) fail(error.message());
+  if (fs::exists(target) && !fs::is_regular_file(target)) {
+    fail("not a plain file; must name a file");
+  }
+  if (fs::exists(target) && access(target.c_str(), W_OK) != 0) fail(std::strerror(errno));
+  path_ = target.string();
+  temporary_ = fmt::format("{}.{}.partial", path_, getpid());
+  {
+    std::ofstream probe(temporary_);
+    if (!probe) fail(fmt::format("cannot be written ({})", std::strerror(errno)));
+  }
+  fs::remove(temporary_, error);
+}
+
+void OutputFile::fail(const std::string& why) const {
+  throw BadArgument(fmt::format("{} {}: {}", option_, shown_, why));
+}
+
+void OutputFile::commit() const {
+  std::error_code error;
+  fs::rename(temporary_, path_, error);
+  if (error) {
+    discard();
+    fail(fmt::format("cannot be written ({})", error.message()));
+  }
+}
+
+void OutputFile::discard() const {
+  std::error_code error;
+  fs::remove(temporary_, error);
+}
+
+void OutputFile::write(const std::string& contents) const {
+  {
+    std::ofstream output(temporary_, std::ios::binary);
+    output.write(contents.data(), static_cast<std::streamsize>(contents.size()));
+    output.close();
+    if (!output) {
+      const std::string why = std::strerror(errno);
+      discard();
+      fail(fmt::format("cannot be written ({})", why));
+    }
+  }
+  commit();
+}
+
+std::string npy(const Matrix& W) {
+  static_assert(std::endian::native == std::endian::little);
+  // Format 1.0: magic, version, header length, then a Python literal padded to 64 bytes.
+  std::string header = fmt::format(
+      "{{'descr': '<c16', 'fortran_order': False, 'shape': ({}, {}), }}", W.rows(), W.cols());
+  constexpr std::size_t preamble = 10;
+  while ((preamble + header.size() + 1) % 64 != 0) header += ' ';
+  header += '\n';
+  std::string contents("\x93NUMPY\x01\x00", 8);
+  contents += static_cast<char>(header.size() & 0xffU);
+  contents += static_cast<char>(header.size() >> 8U);
+  contents += header;
+  contents.append(reinterpret_cast<const char*>(W.data()),
+                  static_cast<std::size_t>(W.size()) * sizeof(Complex));
+  return contents;
+}
+
+}  // namespace isosyrk

@@ -1,0 +1,13 @@
+// The floating point peak of one core, measured.
+#pragma once
+
+namespace isosyrk {
+
+/// Floating point operations per second of one core in fused multiply-adds on doubles, held in
+/// registers, as wide as this program was compiled for: the best of several short runs.
+double measured_peak_flops();
+
+/// What it was compiled for: "AVX-512", "AVX2 with FMA" or "baseline".
+const char* compiled_vector_units();
+
+}  // namespace isosyrk

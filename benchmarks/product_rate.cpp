@@ -1,0 +1,75 @@
+#include "benchmarks/product_rate.h"
+
+#include <cblas.h>
+
+#include <algorithm>
+#include <ctime>
+#include <random>
+
+namespace isosyrk {
+
+double cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+namespace {
+
+Matrix random_matrix(Index n, std::mt19937_64& generator) {
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  Matrix X(n, n);
+  for (Index i = 0; i < n * n; ++i) X.data()[i] = {uniform(generator), uniform(generator)};
+  return X;
+}
+
+}  // namespace
+
+double product_rate(ProductBackend backend, Index n, double seconds) {
+  constexpr int blocks = 9;
+  std::mt19937_64 generator(1);
+  const Matrix A = random_matrix(n, generator);
+  const Matrix B = random_matrix(n, generator);
+  Matrix C(n, n);
+  Products products(backend, n);
+  products.multiply(A, B, C);  // warms caches and the library's own buffers
+
+  const double least = seconds / blocks;
+  std::vector<double> rates;
+  for (int block = 0; block < blocks; ++block) {
+    // Read the clock once in about 20 microseconds, so that it does not weigh at small n.
+    const long batch = std::max(1L, static_cast<long>(1e6 / product_flops(n)));
+    const double start = cpu_seconds();
+    const long before = products.count();
+    double elapsed = 0.0;
+    do {
+      for (long k = 0; k < batch; ++k) products.multiply(A, B, C);
+      elapsed = cpu_seconds() - start;
+    } while (elapsed < least);
+    rates.push_back(static_cast<double>(products.count() - before) / elapsed);
+  }
+  std::nth_element(rates.begin(), rates.begin() + blocks / 2, rates.end());
+  return rates[blocks / 2];
+}
+
+BackendRates choose_backend(BackendChoice choice, Index n) {
+  constexpr Index largest_measured = 257;
+  constexpr double seconds = 0.02;
+  BackendRates result;
+  result.n = std::min(n, largest_measured);
+  double best = 0.0;
+  for (const ProductBackend backend : product_backends()) {
+    const double rate = product_rate(backend, result.n, seconds);
+    result.rates.push_back(rate);
+    if (rate > best) {
+      best = rate;
+      result.chosen = backend;
+    }
+  }
+  if (choice) result.chosen = *choice;
+  return result;
+}
+
+void use_one_blas_thread() { openblas_set_num_threads(1); }
+
+}  // namespace isosyrk

@@ -1,0 +1,35 @@
+// How fast matrix products are here, measured.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/products.h"
+
+namespace isosyrk {
+
+/// The backend a user asked for; none means the faster one by measurement.
+using BackendChoice = std::optional<ProductBackend>;
+
+/// CPU seconds used by this process so far (all threads).
+double cpu_seconds();
+
+/// Products of n x n matrices per second of CPU time: the median over blocks that take about
+/// `seconds` together.
+double product_rate(ProductBackend backend, Index n, double seconds);
+
+/// Rates of every backend at one n, measured in turn, and the one chosen.
+struct BackendRates {
+  Index n = 0;                  ///< size measured at
+  std::vector<double> rates;    ///< products per second, in the order of product_backends()
+  ProductBackend chosen = ProductBackend::openblas;
+};
+
+/// Measures every backend at n, or at 257 for larger n (where the order no longer changes), and
+/// takes the choice, or else the fastest.
+BackendRates choose_backend(BackendChoice choice, Index n);
+
+/// Keeps BLAS to one thread, as every benchmark here wants that is not about threads.
+void use_one_blas_thread();
+
+}  // namespace isosyrk

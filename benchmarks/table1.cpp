@@ -1,0 +1,213 @@
+// Table 1 of the paper: CPU time of 50 steps of each formulation, over n and s.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+#include <map>
+#include <memory>
+
+#include "benchmarks/arguments.h"
+#include "benchmarks/benchmark_program.h"
+#include "core/gauss_tableau.h"
+#include "core/integrator_list.h"
+#include "core/invariants.h"
+#include "core/run.h"
+
+namespace isosyrk {
+namespace {
+
+constexpr double step_size = 0.1;
+constexpr long step_total = 50;
+const std::vector<Index> sizes = {17, 33, 65, 129};
+const std::vector<int> stage_counts = {1, 2, 3};
+
+// What a run does besides taking time: measured once per cell, in an untimed run.
+struct Quality {
+  RunReport run;
+  double spectrum_error = 0.0;
+  double skew_defect = 0.0;
+  double energy_error = 0.0;
+  double h_norm_B = 0.0;
+};
+
+Quality measure_quality(const Scene& scene, Integrator& integrator) {
+  Quality quality;
+  Matrix B(scene.initial.rows(), scene.initial.cols());
+  scene.flow->generator(scene.initial, B);
+  quality.h_norm_B = step_size * spectral_norm(B);
+
+  const double initial_energy = scene.flow->hamiltonian(scene.initial);
+  Matrix W = scene.initial;
+  quality.run = run(integrator, W, step_size, step_total,
+                    [&](long, const Matrix& V, const StepReport&) {
+                      const double error =
+                          std::abs(scene.flow->hamiltonian(V) / initial_energy - 1.0);
+                      quality.energy_error = larger(quality.energy_error, error);
+                    });
+  quality.spectrum_error = spectrum_error(W, scene.initial);
+  quality.skew_defect = skew_defect(W);
+  return quality;
+}
+
+// Lines of progress on stderr, since Google Benchmark prints nothing until the end when
+// repetitions are interleaved.
+class Progress {
+ public:
+  Progress(std::size_t cells, long repetitions)
+      : cells_(cells), repetitions_(repetitions), start_(Clock::now()) {}
+
+  void finished(const std::string& cell, double cpu_seconds_per_run, double wall_seconds) {
+    Seen& seen = seen_[cell];
+    ++seen.calls;
+    seen.wall_seconds = wall_seconds;
+    const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
+    std::string left = "";
+    if (seen_.size() == cells_) {
+      double seconds = 0.0;
+      for (const auto& [name, each] : seen_) {
+        seconds += static_cast<double>(std::max(0L, repetitions_ - each.calls)) * each.wall_seconds;
+      }
+      left = fmt::format(", about {:.0f} s left", seconds);
+    }
+    std::fputs(fmt::format("[{:4.0f} s{}] {}  {:.4g} s a run\n", elapsed, left, cell,
+                           cpu_seconds_per_run)
+                   .c_str(),
+               stderr);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Seen {
+    long calls = 0;
+    double wall_seconds = 0.0;
+  };
+  std::size_t cells_;
+  long repetitions_;
+  Clock::time_point start_;
+  std::map<std::string, Seen> seen_;
+};
+
+/// One cell of the table.  One timed iteration is the whole run of 50 steps.
+class Table1 : public benchmark::Fixture {
+ public:
+  Table1(Formulation formulation, Index n, int s, ProductBackend backend, Progress* progress)
+      : name_(fmt::format("table1/{}/n:{}/s:{}", isosyrk::name(formulation), n, s)),
+        formulation_(formulation),
+        n_(n),
+        s_(s),
+        backend_(backend),
+        progress_(progress) {
+    SetName(name_.c_str());
+    Unit(benchmark::kMillisecond);
+  }
+
+  using benchmark::Fixture::SetUp;
+  void SetUp(benchmark::State&) override {
+    if (integrator_) return;  // repetitions share one cell
+    scene_ = smooth_scene(n_);
+    integrator_ = make_formulation(formulation_, *scene_.flow, gauss_tableau(s_), SolverOptions{},
+                                   backend_);
+    quality_ = measure_quality(scene_, *integrator_);
+  }
+
+ protected:
+  void BenchmarkCase(benchmark::State& state) override {
+    const auto wall_start = std::chrono::steady_clock::now();
+    if (!quality_.run.converged()) {
+      fail_row(state, fmt::format("{} at step {} (last change {:.2g})",
+                                  isosyrk::name(quality_.run.status), quality_.run.failed_step,
+                                  quality_.run.last_change));
+      return;
+    }
+    // The product rate of the moment, on both sides of what it is compared with.
+    constexpr double rate_seconds = 0.01;
+    const double rate_before = product_rate(backend_, n_, rate_seconds);
+    Matrix W = scene_.initial;
+    RunReport timed;
+    const double start = cpu_seconds();
+    for ([[maybe_unused]] auto _ : state) {
+      W = scene_.initial;
+      timed = run(*integrator_, W, step_size, step_total);
+      benchmark::DoNotOptimize(W.data());
+    }
+    const double seconds = (cpu_seconds() - start) / static_cast<double>(state.iterations());
+    const double rate = 0.5 * (rate_before + product_rate(backend_, n_, rate_seconds));
+    if (timed.sweeps != quality_.run.sweeps) {
+      fail_row(state, fmt::format("{} sweeps where the run before took {}", timed.sweeps,
+                                  quality_.run.sweeps));
+      return;
+    }
+    state.counters["sweeps_per_step"] = timed.sweeps_per_step();
+    state.counters["products"] = static_cast<double>(timed.products);
+    state.counters["poisson_solves"] = static_cast<double>(timed.poisson_solves);
+    state.counters["spectrum_error"] = quality_.spectrum_error;
+    state.counters["skew_defect"] = quality_.skew_defect;
+    state.counters["energy_error"] = quality_.energy_error;
+    state.counters["h_norm_B"] = quality_.h_norm_B;
+    state.counters["product_share"] = static_cast<double>(timed.products) / rate / seconds;
+    progress_->finished(
+        name_, seconds,
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count());
+  }
+
+ private:
+  std::string name_;
+  Formulation formulation_;
+  Index n_;
+  int s_;
+  ProductBackend backend_;
+  Progress* progress_;
+  Scene scene_;
+  std::unique_ptr<Integrator> integrator_;
+  Quality quality_;
+};
+
+int main_program(int argc, char** argv) {
+  CLI::App app{
+      "Times 50 steps of each formulation at n = 17, 33, 65, 129 and s = 1, 2, 3 (the paper's "
+      "Table 1).  Takes Google Benchmark's arguments as well, such as "
+      "--benchmark_filter=n:17/ and --benchmark_out=FILE."};
+  std::string products = "fastest";
+  app.add_option("--products", products, "fastest (default), openblas or eigen");
+  app.allow_extras();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp& help) {
+    return app.exit(help);
+  }
+  use_one_blas_thread();
+  const BackendChoice choice = backend_choice(products);
+
+  std::vector<std::string> arguments = {argv[0], "--benchmark_out_format=json"};
+  for (const std::string& extra : app.remaining()) arguments.push_back(extra);
+  Progress progress(sizes.size() * stage_counts.size() * formulations().size(),
+                    std::atol(benchmark_flag(arguments, "repetitions", "1").c_str()));
+
+  std::vector<BackendRates> rates;
+  for (const Index n : sizes) {
+    rates.push_back(choose_backend(choice, n));
+    for (const Formulation formulation : formulations()) {
+      for (const int s : stage_counts) {
+        benchmark::internal::RegisterBenchmarkInternal(
+            new Table1(formulation, n, s, rates.back().chosen, &progress));
+      }
+    }
+  }
+  Conditions conditions = machine_conditions("table1", choice, rates);
+  for (const auto& condition :
+       solver_conditions(SolverOptions{}, HbarConvention::paper, default_modes())) {
+    conditions.push_back(condition);
+  }
+  if (const std::string remark = notice(); !remark.empty()) {
+    std::fputs(fmt::format("table1: note: {}\n", remark).c_str(), stderr);
+  }
+  return run_benchmarks(arguments, conditions);
+}
+
+}  // namespace
+}  // namespace isosyrk
+
+int main(int argc, char** argv) {
+  return isosyrk::guarded("table1", [&] { return isosyrk::main_program(argc, argv); });
+}
