@@ -13,10 +13,11 @@ long whole_number(const std::string& option, const std::string& text, long least
   long value = 0;
   const char* end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, value);
-  const bool parsed = stop == end && (error == std::errc() || error == std::errc::result_out_of_range);
+  const bool parsed =
+      stop == end && (error == std::errc() || error == std::errc::result_out_of_range);
   if (!parsed) {
-    throw BadArgument(fmt::format("{} '{}': not a whole number; must be {} to {}", option, text,
-                                  least, most));
+    throw BadArgument(
+        fmt::format("{} '{}': not a whole number; must be {} to {}", option, text, least, most));
   }
   if (error != std::errc() || value < least || value > most) {
     throw BadArgument(
@@ -25,8 +26,7 @@ long whole_number(const std::string& option, const std::string& text, long least
   return value;
 }
 
-double real_number(const std::string& option, const std::string& text,
-                   const std::string& allowed) {
+double real_number(const std::string& option, const std::string& text, const std::string& allowed) {
   double value = 0.0;
   const char* end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, value);
@@ -44,14 +44,13 @@ long step_count(double time, double step) {
   const double quotient = time / step;
   const double steps = std::round(quotient);
   if (!(quotient <= most)) {
-    throw BadArgument(
-        fmt::format("--time {} with --step {}: {} steps; must be at most {}", time, step, quotient,
-                    most));
+    throw BadArgument(fmt::format("--time {} with --step {}: {} steps; must be at most {}", time,
+                                  step, quotient, most));
   }
   if (std::abs(quotient - steps) > 1e-9 * std::max(1.0, quotient)) {
-    throw BadArgument(fmt::format(
-        "--time {} with --step {}: {:.6g} steps; must be a whole number of steps", time, step,
-        quotient));
+    throw BadArgument(
+        fmt::format("--time {} with --step {}: {:.6g} steps; must be a whole number of steps", time,
+                    step, quotient));
   }
   return static_cast<long>(steps);
 }

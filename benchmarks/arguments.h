@@ -8,7 +8,6 @@
 #include "benchmarks/product_rate.h"
 #include "core/euler_zeitlin.h"
 
-
 namespace isosyrk {
 
 /// Exit codes of every program of the project.

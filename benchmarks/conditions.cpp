@@ -51,7 +51,8 @@ std::string relevant_environment() {
     if (text.starts_with("OPENBLAS_") || text.starts_with("OMP_")) found.emplace_back(text);
   }
   std::sort(found.begin(), found.end());
-  return found.empty() ? "no OPENBLAS_* or OMP_* variable set" : fmt::format("{}", fmt::join(found, " "));
+  return found.empty() ? "no OPENBLAS_* or OMP_* variable set"
+                       : fmt::format("{}", fmt::join(found, " "));
 }
 
 std::string kernel_set() { return openblas_get_corename(); }
@@ -84,7 +85,8 @@ std::string rates_text(const std::vector<BackendRates>& rates) {
 
 std::string chosen_text(BackendChoice choice, const std::vector<BackendRates>& rates) {
   std::vector<std::string> sizes;
-  for (const BackendRates& at : rates) sizes.push_back(fmt::format("n={} {}", at.n, name(at.chosen)));
+  for (const BackendRates& at : rates)
+    sizes.push_back(fmt::format("n={} {}", at.n, name(at.chosen)));
   return fmt::format("{}: {}", choice ? "as asked" : "the faster by measurement",
                      fmt::join(sizes, ", "));
 }
@@ -96,7 +98,8 @@ std::string notice() {
   const char* core_type = std::getenv("OPENBLAS_CORETYPE");
   if (cpu_has("avx512f") && !kernels_use_avx512()) {
     remarks.push_back(fmt::format(
-        "this CPU has AVX-512 and OpenBLAS runs its {} kernels, which do not use it{}", kernel_set(),
+        "this CPU has AVX-512 and OpenBLAS runs its {} kernels, which do not use it{}",
+        kernel_set(),
         core_type == nullptr ? "" : fmt::format(" (OPENBLAS_CORETYPE={} is set)", core_type)));
   } else if (core_type != nullptr) {
     remarks.push_back(fmt::format("OPENBLAS_CORETYPE={} is set; OpenBLAS runs its {} kernels",

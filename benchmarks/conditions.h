@@ -23,8 +23,8 @@ Conditions machine_conditions(const std::string& program, BackendChoice choice,
 Conditions solver_conditions(const SolverOptions& options, HbarConvention convention,
                              const std::vector<Mode>& modes);
 
-/// Why the timings may not be what this machine can do (kernels below its vector units, an inherited
-/// OPENBLAS_CORETYPE, an unoptimised build), or empty.
+/// Why the timings may not be what this machine can do (kernels below its vector units, an
+/// inherited OPENBLAS_CORETYPE, an unoptimised build), or empty.
 std::string notice();
 
 }  // namespace isosyrk

@@ -1,6 +1,6 @@
 // Runs one scene with one integrator, and prints what it cost and what it kept.
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -154,8 +154,9 @@ void print_text(const nlohmann::ordered_json& result) {
 }
 
 int main_program(int argc, char** argv) {
-  CLI::App app{"Integrates the Euler-Zeitlin equations with one formulation of an isospectral "
-               "symplectic Runge-Kutta (Gauss) method."};
+  CLI::App app{
+      "Integrates the Euler-Zeitlin equations with one formulation of an isospectral "
+      "symplectic Runge-Kutta (Gauss) method."};
   Text text;
   bool json = false;
   app.add_option("--n", text.n, "matrix size, 2 to 4096")->required();
@@ -167,8 +168,8 @@ int main_program(int argc, char** argv) {
   app.add_option("--max-sweeps", text.max_sweeps, "sweeps allowed in a step (default 1000)");
   app.add_option("--hbar", text.hbar, "paper: 2/sqrt(n(n-1)) (default); standard: 2/sqrt(n^2-1)");
   app.add_option("--products", text.products, "fastest (default), openblas or eigen");
-  const auto* modes = app.add_option("--modes", text.modes,
-                                     "initial modes, CSV with the header l,m,re,im");
+  const auto* modes =
+      app.add_option("--modes", text.modes, "initial modes, CSV with the header l,m,re,im");
   const auto* output =
       app.add_option("--output", text.output, "write W(T) as NumPy .npy, complex128");
   app.add_flag("--json", json, "print one JSON object");

@@ -1,6 +1,6 @@
 // The parts a sweep is made of: products of each backend, the Poisson solve, and the core's peak.
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include "benchmarks/arguments.h"
 #include "benchmarks/benchmark_program.h"
@@ -15,8 +15,8 @@ const std::vector<Index> sizes = {17, 33, 65, 129};
 // ‖C - AB‖_F / (‖A‖_F ‖B‖_F u), the error of a product in units of roundoff.
 double product_error(const Matrix& A, const Matrix& B, const Matrix& C) {
   using Extended = Eigen::Matrix<std::complex<long double>, Eigen::Dynamic, Eigen::Dynamic>;
-  const Extended exact = Extended(A.cast<std::complex<long double>>()) *
-                         Extended(B.cast<std::complex<long double>>());
+  const Extended exact =
+      Extended(A.cast<std::complex<long double>>()) * Extended(B.cast<std::complex<long double>>());
   const auto error =
       static_cast<double>((exact - Extended(C.cast<std::complex<long double>>())).norm());
   constexpr double unit_roundoff = 0.5 * std::numeric_limits<double>::epsilon();

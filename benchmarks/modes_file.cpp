@@ -70,7 +70,8 @@ std::vector<Mode> read_modes(std::istream& input, const std::string& source) {
         std::size_t at = 0;
         while (at < fields.size() && fields[at] != column_names[k]) ++at;
         if (at == fields.size()) {
-          fail(fmt::format("column {} is missing; the header must name l,m,re,im", column_names[k]));
+          fail(
+              fmt::format("column {} is missing; the header must name l,m,re,im", column_names[k]));
         }
         column[k] = at;
       }

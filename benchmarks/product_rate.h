@@ -15,13 +15,13 @@ using BackendChoice = std::optional<ProductBackend>;
 double cpu_seconds();
 
 /// Products of n x n matrices per second of CPU time: the median over blocks that take about
-/// `seconds` together.
+/// `seconds` together, of products whose matrices take turns as in a sweep.
 double product_rate(ProductBackend backend, Index n, double seconds);
 
 /// Rates of every backend at one n, measured in turn, and the one chosen.
 struct BackendRates {
-  Index n = 0;                  ///< size measured at
-  std::vector<double> rates;    ///< products per second, in the order of product_backends()
+  Index n = 0;                ///< size measured at
+  std::vector<double> rates;  ///< products per second, in the order of product_backends()
   ProductBackend chosen = ProductBackend::openblas;
 };
 

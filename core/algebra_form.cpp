@@ -1,5 +1,7 @@
 #include "core/algebra_form.h"
 
+#include <utility>
+
 #include "core/commutator_update.h"
 #include "core/stage_sums.h"
 
@@ -13,100 +15,92 @@ AlgebraForm::AlgebraForm(const Flow& flow, const Tableau& tableau, const SolverO
       s_(static_cast<std::size_t>(tableau.stages())) {
   require_consistent(tableau);
   X_ = stage_matrices(tableau.stages(), flow.size());
-  X_old_ = W_stage_ = B_ = X_sum_ = X_input_ = X_;
+  X_old_ = X_sum_ = W_stage_ = B_ = K_row_ = X_;
   K_.assign(s_, X_);
-  K_old_ = K_input_ = K_;
-  if (!flow.algebra().is_skew_hermitian()) adjoint_ = Matrix::Zero(flow.size(), flow.size());
+  input_ = X_[0];
+  change_.resize(3);
+  if (!flow.algebra().is_skew_hermitian()) adjoint_ = X_[0];
 }
 
 void AlgebraForm::start(const Matrix& W0) {
   for (std::size_t i = 0; i < s_; ++i) {
     X_[i].setZero();
+    X_sum_[i].setZero();
     W_stage_[i] = W0;
-    X_input_[i] = W0;
-    for (std::size_t j = 0; j < s_; ++j) {
-      K_[i][j].setZero();
-      K_input_[i][j].setZero();
-    }
+    for (Matrix& K_ij : K_[i]) K_ij.setZero();
   }
 }
 
+// Each sum over stages is formed just before the product that needs it, while it stays in cache,
+// and no more is stored than X, K and one row of K twice.
 double AlgebraForm::sweep(const Matrix& W0, double h) {
   std::swap(X_, X_old_);
-  std::swap(K_, K_old_);
   for (std::size_t i = 0; i < s_; ++i) generator(W_stage_[i], B_[i]);
+  change_.setZero();
   for (std::size_t i = 0; i < s_; ++i) {
-    products_.multiply(X_input_[i], B_[i], X_[i], -h);
-    for (std::size_t j = 0; j < s_; ++j) products_.multiply(B_[j], K_input_[i][j], K_[i][j], h);
-  }
-  const double change = sum_stages(W0);
-  return larger(change, update_stage_vorticities(W0));
-}
+    for_each_block(flow_.size(), [&](Block block) {
+      entries(input_, block) = entries(W0, block) + entries(X_sum_[i], block);
+    });
+    products_.multiply(input_, B_[i], X_[i], -h);
+    change_(0) = larger(change_(0), squared_change(X_[i], X_old_[i]));
 
-// From the new X and K: every sum over stages that W̃ and the next sweep need, and the largest
-// change of an X_i or K_ij.
-double AlgebraForm::sum_stages(const Matrix& W0) {
-  const Index n = flow_.size();
-  double largest = 0.0;
-  for (std::size_t i = 0; i < s_; ++i) {
-    const auto a_i = tableau_.a.row(static_cast<Index>(i));
-    double change_X = 0.0;
-    for (Index r = 0; r < n; ++r) {
-      change_X += squared_change(row(X_[i], r), row(X_old_[i], r));
-      Row Y = row(X_sum_[i], r);
-      combine_row(a_i, X_.data(), r, Y);
-      row(X_input_[i], r) = row(W0, r) + Y;
-      for (std::size_t j = 0; j < s_; ++j) {
-        Row input = row(K_input_[i][j], r);
-        combine_row(tableau_.a.row(static_cast<Index>(j)), K_[i].data(), r, input);
-        input += Y;
-      }
-    }
-    largest = larger(largest, change_X);
     for (std::size_t j = 0; j < s_; ++j) {
-      double change_K = 0.0;
-      for (Index r = 0; r < n; ++r) {
-        change_K += squared_change(row(K_[i][j], r), row(K_old_[i][j], r));
-      }
-      largest = larger(largest, change_K);
+      add_K_row(X_sum_[i], i, tableau_.a.row(static_cast<Index>(j)), input_);
+      products_.multiply(B_[j], input_, K_row_[j], h);
+      change_(1) = larger(change_(1), squared_change(K_row_[j], K_[i][j]));
     }
+    std::swap(K_[i], K_row_);
   }
-  return std::sqrt(largest);
+  update_stage_vorticities(W0);
+  return largest_change(change_);
 }
 
-// W̃_i = W₀ + (Y_i + Σ_j a_ij K_ij) - J⁻¹ Y_i† J, where the bracket is K_input_ii; returns the
-// largest change.
-double AlgebraForm::update_stage_vorticities(const Matrix& W0) {
+// out = X + Σ_j weights_j K_ij
+template <class Weights>
+void AlgebraForm::add_K_row(const Matrix& X, std::size_t i, const Weights& weights, Matrix& out) {
+  for_each_block(flow_.size(), [&](Block block) {
+    Entries sum = entries(out, block);
+    combine(weights, K_[i].data(), block, sum);
+    sum += entries(X, block);
+  });
+}
+
+// With Y_i = Σ_j a_ij X_j:  W̃_i = W₀ + Y_i - J⁻¹ Y_i† J + Σ_j a_ij K_ij.
+void AlgebraForm::update_stage_vorticities(const Matrix& W0) {
+  for_each_block(flow_.size(), [&](Block block) {
+    for (std::size_t i = 0; i < s_; ++i) {
+      combine(tableau_.a.row(static_cast<Index>(i)), X_.data(), block, entries(X_sum_[i], block));
+    }
+  });
   const QuadraticAlgebra& algebra = flow_.algebra();
-  double largest = 0.0;
   for (std::size_t i = 0; i < s_; ++i) {
+    const Matrix& Y = X_sum_[i];
+    add_K_row(Y, i, tableau_.a.row(static_cast<Index>(i)), input_);
     double change = 0.0;
     if (algebra.is_skew_hermitian()) {
       change = replace(W_stage_[i], [&](Index r, Index c) {
-        return W0(r, c) + K_input_[i][i](r, c) - std::conj(X_sum_[i](c, r));
+        return W0(r, c) + (input_(r, c) - std::conj(Y(c, r)));
       });
     } else {
-      algebra.involution(X_sum_[i], adjoint_);
+      algebra.involution(Y, adjoint_);
       change = replace(W_stage_[i], [&](Index r, Index c) {
-        return W0(r, c) + K_input_[i][i](r, c) - adjoint_(r, c);
+        return W0(r, c) + (input_(r, c) - adjoint_(r, c));
       });
     }
-    largest = larger(largest, change);
+    change_(2) = larger(change_(2), change);
   }
-  return std::sqrt(largest);
 }
 
 void AlgebraForm::update(const Matrix& W0, double h, Matrix& W1) {
+  Stages& C = K_row_;
   for (std::size_t i = 0; i < s_; ++i) {
     generator(W_stage_[i], B_[i]);
-    products_.multiply(B_[i], W_stage_[i], X_old_[i]);
+    products_.multiply(B_[i], W_stage_[i], C[i]);
   }
-  const auto b = h * tableau_.b.array();
-  for (Index r = 0; r < flow_.size(); ++r) {
-    Row sum = row(X_sum_[0], r);
-    combine_row(b, X_old_.data(), r, sum);
-  }
-  add_commutator(flow_.algebra(), W0, X_sum_[0], adjoint_, W1);
+  for_each_block(flow_.size(), [&](Block block) {
+    combine(h * tableau_.b.array(), C.data(), block, entries(input_, block));
+  });
+  add_commutator(flow_.algebra(), W0, input_, adjoint_, W1);
 }
 
 SolveReport AlgebraForm::advance(const Matrix& W0, double h, Matrix& W1) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/integrator.h"
+#include "core/stage_sums.h"
 #include "core/tableau.h"
 
 namespace isosyrk {
@@ -33,23 +34,24 @@ class AlgebraForm final : public Integrator {
 
   void start(const Matrix& W0);
   double sweep(const Matrix& W0, double h);
-  double sum_stages(const Matrix& W0);
-  double update_stage_vorticities(const Matrix& W0);
+  template <class Weights>
+  void add_K_row(const Matrix& X, std::size_t i, const Weights& weights, Matrix& out);
+  void update_stage_vorticities(const Matrix& W0);
   void update(const Matrix& W0, double h, Matrix& W1);
 
   Tableau tableau_;
   SolverOptions options_;
   std::size_t s_;
-  Stages X_;                    // X_i
-  std::vector<Stages> K_;       // K_[i][j] = K_ij
-  Stages X_old_;                // of the sweep before, and buffers of the next
-  std::vector<Stages> K_old_;
-  Stages W_stage_;              // W̃_i
-  Stages B_;                    // B(W̃_i); in the update, C_i
-  Stages X_sum_;                // Y_i = Σ_j a_ij X_j
-  Stages X_input_;              // W₀ + Y_i
-  std::vector<Stages> K_input_;  // Y_i + Σ_j' a_jj' K_ij'
-  Matrix adjoint_;              // J⁻¹ Y† J, where J is not I
+  Stages X_;               // X_i
+  Stages X_old_;           // of the sweep before
+  Stages X_sum_;           // Σ_j a_ij X_j
+  std::vector<Stages> K_;  // K_[i][j] = K_ij
+  Stages K_row_;           // the new K_i1 .. K_is, while the old ones are needed
+  Stages W_stage_;         // W̃_i
+  Stages B_;               // B(W̃_i)
+  Matrix input_;           // the factor of the next product, or a sum
+  Matrix adjoint_;         // J⁻¹ Y† J, where J is not I
+  RealVector change_;      // squared, largest of the X, of the K and of the W̃
 };
 
 }  // namespace isosyrk

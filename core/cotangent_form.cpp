@@ -4,15 +4,15 @@
 
 namespace isosyrk {
 
-CotangentForm::CotangentForm(const Flow& flow, const Tableau& tableau,
-                             const SolverOptions& options, ProductBackend backend)
+CotangentForm::CotangentForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
+                             ProductBackend backend)
     : Integrator(flow, backend), tableau_(tableau), options_(options) {
   require_consistent(tableau);
   const Index n = flow.size();
   Q_ = stage_matrices(tableau.stages(), n);
   P_ = QB_ = PB_ = Q_;
   W_stage_ = B_ = Q_next_ = P_next_ = Matrix::Zero(n, n);
-  row_.resize(2 * n);
+  change_.resize(2 * tableau.stages());
 }
 
 // QB_j = Q_j B(W̃_j)† and PB_j = P_j B(W̃_j) from the present Q_j, P_j.
@@ -27,28 +27,26 @@ void CotangentForm::evaluate_stages() {
 
 double CotangentForm::sweep(const Matrix& W0, double h) {
   evaluate_stages();
-  Row fresh(row_.data(), row_.size());
-  double largest = 0.0;
-  for (std::size_t i = 0; i < Q_.size(); ++i) {
-    const auto a_i = h * tableau_.a.row(static_cast<Index>(i)).array();
-    double change_Q = 0.0;
-    double change_P = 0.0;
-    for (Index r = 0; r < flow_.size(); ++r) {
-      combine_row(a_i, QB_.data(), r, fresh);
-      fresh(2 * r) += 1.0;  // the identity
-      Row old_Q = row(Q_[i], r);
-      change_Q += squared_change(fresh, old_Q);
-      old_Q = fresh;
+  const Index n = flow_.size();
+  change_.setZero();
+  for_each_block(n, [&](Block block) {
+    Entries fresh = block_.entries(block);
+    for (Index i = 0; i < tableau_.stages(); ++i) {
+      const auto a_i = h * tableau_.a.row(i).array();
+      combine(a_i, QB_.data(), block, fresh);
+      add_identity(fresh, n, block);
+      Entries Q = entries(Q_[static_cast<std::size_t>(i)], block);
+      change_(2 * i) += squared_change(fresh, Q);
+      Q = fresh;
 
-      combine_row(a_i, PB_.data(), r, fresh);
-      fresh = row(W0, r) - fresh;
-      Row old_P = row(P_[i], r);
-      change_P += squared_change(fresh, old_P);
-      old_P = fresh;
+      combine(a_i, PB_.data(), block, fresh);
+      fresh = entries(W0, block) - fresh;
+      Entries P = entries(P_[static_cast<std::size_t>(i)], block);
+      change_(2 * i + 1) += squared_change(fresh, P);
+      P = fresh;
     }
-    largest = larger(largest, larger(change_Q, change_P));
-  }
-  return std::sqrt(largest);
+  });
+  return largest_change(change_);
 }
 
 SolveReport CotangentForm::advance(const Matrix& W0, double h, Matrix& W1) {
@@ -59,14 +57,14 @@ SolveReport CotangentForm::advance(const Matrix& W0, double h, Matrix& W1) {
 
   evaluate_stages();
   const auto b = h * tableau_.b.array();
-  Row sum(row_.data(), row_.size());
-  for (Index r = 0; r < flow_.size(); ++r) {
-    combine_row(b, QB_.data(), r, sum);
-    row(Q_next_, r) = sum;
-    Q_next_(r, r) += 1.0;
-    combine_row(b, PB_.data(), r, sum);
-    row(P_next_, r) = row(W0, r) - sum;
-  }
+  for_each_block(flow_.size(), [&](Block block) {
+    Entries Q = entries(Q_next_, block);
+    combine(b, QB_.data(), block, Q);
+    add_identity(Q, flow_.size(), block);
+    Entries P = entries(P_next_, block);
+    combine(b, PB_.data(), block, P);
+    P = entries(W0, block) - P;
+  });
   products_.multiply_adjoint_left(Q_next_, P_next_, W1);
   return report;
 }

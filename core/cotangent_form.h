@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/integrator.h"
+#include "core/stage_sums.h"
 #include "core/tableau.h"
 
 namespace isosyrk {
@@ -39,7 +40,8 @@ class CotangentForm final : public Integrator {
   Matrix B_;
   Matrix Q_next_;
   Matrix P_next_;
-  RealVector row_;
+  BlockWorkspace block_;
+  RealVector change_;  // squared, of each Q_i and P_i in turn
 };
 
 }  // namespace isosyrk

@@ -13,6 +13,7 @@ DirectForm::DirectForm(const Flow& flow, const Tableau& tableau, const SolverOpt
   W_stage_ = stage_matrices(tableau.stages(), n);
   C_ = W_stage_;
   B_ = sum_ = fresh_ = Matrix::Zero(n, n);
+  change_.resize(tableau.stages());
   if (!flow.algebra().is_skew_hermitian()) scratch_ = Matrix::Zero(n, n);
 }
 
@@ -25,19 +26,25 @@ void DirectForm::evaluate_stages() {
 
 double DirectForm::sweep(const Matrix& W0, double h) {
   evaluate_stages();
-  double largest = 0.0;
-  for (std::size_t i = 0; i < W_stage_.size(); ++i) {
-    const auto a_i = h * tableau_.a.row(static_cast<Index>(i)).array();
-    for (Index r = 0; r < flow_.size(); ++r) combine_row(a_i, C_.data(), r, row(sum_, r));
-    add_commutator(flow_.algebra(), W0, sum_, scratch_, fresh_);
-    double change = 0.0;
-    for (Index r = 0; r < flow_.size(); ++r) {
-      change += squared_change(row(fresh_, r), row(W_stage_[i], r));
-    }
-    largest = larger(largest, change);
-    W_stage_[i].swap(fresh_);
+  const Index n = flow_.size();
+  change_.setZero();
+  for (Index i = 0; i < tableau_.stages(); ++i) {
+    Matrix& W = W_stage_[static_cast<std::size_t>(i)];
+    add_increment(W0, h * tableau_.a.row(i).transpose(), fresh_);
+    for_each_block(n, [&](Block block) {
+      change_(i) += squared_change(entries(fresh_, block), entries(W, block));
+    });
+    W.swap(fresh_);
   }
-  return std::sqrt(largest);
+  return largest_change(change_);
+}
+
+// out = W₀ + Σ_j weights_j [B_j, W̃_j]
+template <class Weights>
+void DirectForm::add_increment(const Matrix& W0, const Weights& weights, Matrix& out) {
+  for_each_block(flow_.size(),
+                 [&](Block block) { combine(weights, C_.data(), block, entries(sum_, block)); });
+  add_commutator(flow_.algebra(), W0, sum_, scratch_, out);
 }
 
 SolveReport DirectForm::advance(const Matrix& W0, double h, Matrix& W1) {
@@ -46,9 +53,7 @@ SolveReport DirectForm::advance(const Matrix& W0, double h, Matrix& W1) {
   if (report.status != Status::converged) return report;
 
   evaluate_stages();
-  const auto b = h * tableau_.b.array();
-  for (Index r = 0; r < flow_.size(); ++r) combine_row(b, C_.data(), r, row(sum_, r));
-  add_commutator(flow_.algebra(), W0, sum_, scratch_, W1);
+  add_increment(W0, h * tableau_.b, W1);
   return report;
 }
 

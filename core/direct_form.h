@@ -27,14 +27,17 @@ class DirectForm final : public Integrator {
  private:
   void evaluate_stages();
   double sweep(const Matrix& W0, double h);
+  template <class Weights>
+  void add_increment(const Matrix& W0, const Weights& weights, Matrix& out);
 
   Tableau tableau_;
   SolverOptions options_;
   std::vector<Matrix> W_stage_;
   std::vector<Matrix> C_;  // B_i W̃_i
   Matrix B_;
-  Matrix sum_;      // h Σ_j a_ij C_j
-  Matrix fresh_;    // the new W̃_i
+  Matrix sum_;    // Σ_j weights_j C_j
+  Matrix fresh_;  // the new W̃_i
+  RealVector change_;
   Matrix scratch_;  // where J is not I
 };
 

@@ -11,17 +11,21 @@ namespace isosyrk {
 /// How a step ended.
 enum class Status {
   converged,
-  diverged,    ///< a change was not finite or above 1e6
-  stagnated,   ///< the best change so far was not improved in 50 sweeps
-  sweep_cap,   ///< max_sweeps reached while still falling
+  diverged,   ///< a change was not finite or above 1e6
+  stagnated,  ///< the best change so far was not improved in 50 sweeps
+  sweep_cap,  ///< max_sweeps reached while still falling
 };
 
 inline std::string_view name(Status status) {
   switch (status) {
-    case Status::converged: return "converged";
-    case Status::diverged: return "diverged";
-    case Status::stagnated: return "stagnated";
-    case Status::sweep_cap: return "sweep cap";
+    case Status::converged:
+      return "converged";
+    case Status::diverged:
+      return "diverged";
+    case Status::stagnated:
+      return "stagnated";
+    case Status::sweep_cap:
+      return "sweep cap";
   }
   return "unknown";
 }

@@ -13,7 +13,7 @@ GroupForm::GroupForm(const Flow& flow, const Tableau& tableau, const SolverOptio
   QB_ = Q_;
   W_stage_ = B_ = W0Q_ = Q_next_ = Matrix::Zero(n, n);
   if (!flow.algebra().is_skew_hermitian()) JQ_ = Matrix::Zero(n, n);
-  row_.resize(2 * n);
+  change_.resize(tableau.stages());
 }
 
 // W = Q† W₀ J Q J⁻¹
@@ -39,21 +39,19 @@ void GroupForm::evaluate_stages(const Matrix& W0) {
 
 double GroupForm::sweep(const Matrix& W0, double h) {
   evaluate_stages(W0);
-  Row fresh(row_.data(), row_.size());
-  double largest = 0.0;
-  for (std::size_t i = 0; i < Q_.size(); ++i) {
-    const auto a_i = h * tableau_.a.row(static_cast<Index>(i)).array();
-    double change = 0.0;
-    for (Index r = 0; r < flow_.size(); ++r) {
-      combine_row(a_i, QB_.data(), r, fresh);
-      fresh(2 * r) += 1.0;  // the identity
-      Row old = row(Q_[i], r);
-      change += squared_change(fresh, old);
-      old = fresh;
+  const Index n = flow_.size();
+  change_.setZero();
+  for_each_block(n, [&](Block block) {
+    Entries fresh = block_.entries(block);
+    for (Index i = 0; i < tableau_.stages(); ++i) {
+      combine(h * tableau_.a.row(i).array(), QB_.data(), block, fresh);
+      add_identity(fresh, n, block);
+      Entries Q = entries(Q_[static_cast<std::size_t>(i)], block);
+      change_(i) += squared_change(fresh, Q);
+      Q = fresh;
     }
-    largest = larger(largest, change);
-  }
-  return std::sqrt(largest);
+  });
+  return largest_change(change_);
 }
 
 SolveReport GroupForm::advance(const Matrix& W0, double h, Matrix& W1) {
@@ -62,12 +60,11 @@ SolveReport GroupForm::advance(const Matrix& W0, double h, Matrix& W1) {
   if (report.status != Status::converged) return report;
 
   evaluate_stages(W0);
-  const auto b = h * tableau_.b.array();
-  for (Index r = 0; r < flow_.size(); ++r) {
-    Row fresh = row(Q_next_, r);
-    combine_row(b, QB_.data(), r, fresh);
-    fresh(2 * r) += 1.0;
-  }
+  for_each_block(flow_.size(), [&](Block block) {
+    Entries Q = entries(Q_next_, block);
+    combine(h * tableau_.b.array(), QB_.data(), block, Q);
+    add_identity(Q, flow_.size(), block);
+  });
   transport(W0, Q_next_, W1);
   return report;
 }

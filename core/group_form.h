@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/integrator.h"
+#include "core/stage_sums.h"
 #include "core/tableau.h"
 
 namespace isosyrk {
@@ -39,7 +40,8 @@ class GroupForm final : public Integrator {
   Matrix W0Q_;     // W₀ J Q J⁻¹
   Matrix JQ_;      // J Q J⁻¹, where J is not I
   Matrix Q_next_;  // Q₁ of the update
-  RealVector row_;
+  BlockWorkspace block_;
+  RealVector change_;  // squared, of each Q_i
 };
 
 }  // namespace isosyrk

@@ -15,7 +15,8 @@ StepReport Integrator::step(Matrix& W, double h) {
     throw std::invalid_argument(
         fmt::format("step: W is {} x {}, must be {} x {}", W.rows(), W.cols(), n, n));
   }
-  if (!std::isfinite(h)) throw std::invalid_argument(fmt::format("step: h = {}, must be finite", h));
+  if (!std::isfinite(h))
+    throw std::invalid_argument(fmt::format("step: h = {}, must be finite", h));
 
   const long products_before = products_.count();
   const long solves_before = poisson_solves_;

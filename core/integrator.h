@@ -12,7 +12,7 @@ namespace isosyrk {
 /// What one step did.
 struct StepReport {
   Status status = Status::converged;
-  int sweeps = 0;           ///< 0 for explicit methods
+  int sweeps = 0;  ///< 0 for explicit methods
   double last_change = 0.0;
   long products = 0;        ///< n x n complex matrix products
   long poisson_solves = 0;  ///< evaluations of the generator B

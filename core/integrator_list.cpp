@@ -21,9 +21,12 @@ const std::vector<Formulation>& formulations() {
 
 std::string_view name(Formulation formulation) {
   switch (formulation) {
-    case Formulation::cotangent: return "cotangent";
-    case Formulation::group: return "group";
-    case Formulation::algebra: return "algebra";
+    case Formulation::cotangent:
+      return "cotangent";
+    case Formulation::group:
+      return "group";
+    case Formulation::algebra:
+      return "algebra";
   }
   return "unknown";
 }
@@ -68,13 +71,14 @@ const std::vector<IntegratorEntry>& integrators() {
     std::vector<IntegratorEntry> list;
     for (const Formulation formulation : formulations()) {
       for (int s = 1; s <= 3; ++s) {
-        list.push_back({fmt::format("{}{}", name(formulation), s), s, 2 * s,
-                        /*isospectral=*/true, /*lie_poisson=*/true, /*symmetric=*/true,
-                        /*is_explicit=*/false,
-                        [formulation, tableau = gauss_tableau(s)](
-                            const Flow& flow, const SolverOptions& options, ProductBackend backend) {
-                          return make_formulation(formulation, flow, tableau, options, backend);
-                        }});
+        list.push_back(
+            {fmt::format("{}{}", name(formulation), s), s, 2 * s,
+             /*isospectral=*/true, /*lie_poisson=*/true, /*symmetric=*/true,
+             /*is_explicit=*/false,
+             [formulation, tableau = gauss_tableau(s)](
+                 const Flow& flow, const SolverOptions& options, ProductBackend backend) {
+               return make_formulation(formulation, flow, tableau, options, backend);
+             }});
       }
     }
     for (int s = 1; s <= 3; ++s) {

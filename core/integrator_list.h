@@ -34,10 +34,10 @@ struct IntegratorEntry {
   std::string name;
   int stages;
   int order;
-  bool isospectral;   ///< keeps the spectrum of W
-  bool lie_poisson;   ///< the step is a Poisson map
-  bool symmetric;     ///< step(-h) inverts step(h)
-  bool is_explicit;   ///< no iteration
+  bool isospectral;  ///< keeps the spectrum of W
+  bool lie_poisson;  ///< the step is a Poisson map
+  bool symmetric;    ///< step(-h) inverts step(h)
+  bool is_explicit;  ///< no iteration
   std::function<std::unique_ptr<Integrator>(const Flow&, const SolverOptions&, ProductBackend)>
       make;
 };

@@ -19,10 +19,9 @@ RealVector spectrum(const Matrix& W) {
   Matrix hermitian = minus_half_i * (W - W.adjoint());
   const auto n = static_cast<lapack_int>(W.rows());
   RealVector eigenvalues(W.rows());
-  const lapack_int info =
-      LAPACKE_zheevd(LAPACK_ROW_MAJOR, 'N', 'U', n,
-                     reinterpret_cast<lapack_complex_double*>(hermitian.data()), n,
-                     eigenvalues.data());
+  const lapack_int info = LAPACKE_zheevd(LAPACK_ROW_MAJOR, 'N', 'U', n,
+                                         reinterpret_cast<lapack_complex_double*>(hermitian.data()),
+                                         n, eigenvalues.data());
   if (info != 0) throw std::runtime_error(fmt::format("spectrum: zheevd failed ({})", info));
   return eigenvalues;
 }

@@ -64,7 +64,8 @@ Laplacian::Laplacian(Index n) : n_(n) {
     const double coupling = m == 0 ? e(n - 2) : 0.0;
     const lapack_int info = LAPACKE_dpttrf(static_cast<lapack_int>(rank), d.data(), e.data());
     if (info != 0) {
-      throw std::runtime_error(fmt::format("laplacian: factoring diagonal {} failed ({})", m, info));
+      throw std::runtime_error(
+          fmt::format("laplacian: factoring diagonal {} failed ({})", m, info));
     }
     if (m == 0) e(n - 2) = coupling / d(n - 2);
     for (Index i = 0; i < n - m; ++i) {

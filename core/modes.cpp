@@ -1,22 +1,20 @@
 #include "core/modes.h"
 
 #include <fmt/format.h>
-#include <lapacke.h>
 
 #include <set>
 #include <stdexcept>
 #include <utility>
 
 #include "core/invariants.h"
-#include "core/laplacian.h"
 
 namespace isosyrk {
 
 const std::vector<Mode>& default_modes() {
   static const std::vector<Mode> modes = {
-      {1, 0, {1.0, 0.0}},   {1, 1, {-0.3, 1.3}},  {2, 0, {-0.7, 0.0}}, {2, 1, {-1.4, 0.1}},
-      {2, 2, {-1.0, -0.6}}, {3, 0, {0.2, 0.0}},   {3, 1, {-1.0, -0.6}}, {3, 2, {0.6, -2.0}},
-      {3, 3, {0.8, 1.4}},   {4, 0, {-0.6, 0.0}},  {4, 1, {1.2, 2.4}},  {4, 2, {1.8, -0.7}},
+      {1, 0, {1.0, 0.0}},   {1, 1, {-0.3, 1.3}}, {2, 0, {-0.7, 0.0}},  {2, 1, {-1.4, 0.1}},
+      {2, 2, {-1.0, -0.6}}, {3, 0, {0.2, 0.0}},  {3, 1, {-1.0, -0.6}}, {3, 2, {0.6, -2.0}},
+      {3, 3, {0.8, 1.4}},   {4, 0, {-0.6, 0.0}}, {4, 1, {1.2, 2.4}},   {4, 2, {1.8, -0.7}},
       {4, 3, {0.3, 1.3}},   {4, 4, {0.9, -0.3}},
   };
   return modes;
@@ -43,63 +41,51 @@ void require_valid(const std::vector<Mode>& modes, Index n) {
   if (all_zero) throw std::invalid_argument("modes: at least one must be nonzero");
 }
 
-namespace {
-
-// Sign of v_k relative to v_0 for the eigenvector v of the tridiagonal (d, e) for the eigenvalue
-// lambda, by its three-term recurrence from v_0 = 1.  Towards growing |v| this is stable, and it
-// settles the sign even where v_0 itself is far below rounding.
-double sign_by_recurrence(const RealVector& d, const RealVector& e, double lambda, Index k) {
-  double previous = 0.0;
-  double current = 1.0;
-  for (Index i = 0; i < k; ++i) {
-    const double coupling = i == 0 ? 0.0 : e(i - 1) * previous;
-    const double next = ((lambda - d(i)) * current - coupling) / e(i);
-    previous = current;
-    current = next;
-    const double size = std::max(std::abs(current), std::abs(previous));
-    current /= size;
-    previous /= size;
-  }
-  return current < 0.0 ? -1.0 : 1.0;
-}
-
-}  // namespace
-
 RealVector harmonic(Index n, int l, int m) {
   if (m < 0 || m > l || l >= n) {
     throw std::invalid_argument(
         fmt::format("harmonic: l = {}, m = {}, n = {}; must be 0 <= m <= l < n", l, m, n));
   }
+  // The eigenvalue is known, so the eigenvector v follows from its first entry by the three-term
+  // recurrence  e_i v_{i+1} = (l(l+1) - d_i) v_i - e_{i-1} v_{i-1},  which is stable as far as the
+  // middle (v grows, then oscillates); the rest is its mirror image, of parity (-1)^(l-m).  In
+  // extended precision with whole numbers under the roots this is good to a few roundings at any
+  // n, where an eigensolver in double loses a factor n^2, and the sign of the first entry holds
+  // even where that entry is far below rounding.
+  using Extended = long double;
   const Index length = n - m;
-  const double first_sign = m % 2 == 0 ? 1.0 : -1.0;
-  if (length == 1) return RealVector::Constant(1, first_sign);
+  const auto off_diagonal = [n, m](Index i) {  // of Laplacian::off_diagonal, from whole numbers
+    const Index under_root = (i + 1) * (n - 1 - i) * (i + m + 1) * (n - 1 - i - m);
+    return -std::sqrt(static_cast<Extended>(under_root));
+  };
+  const auto diagonal = [n, m](Index i) {
+    const Index doubled = n * n - 1 - (n - 1 - 2 * i) * (n - 1 - 2 * (i + m));
+    return static_cast<Extended>(doubled) / 2;
+  };
+  const Extended eigenvalue = static_cast<Extended>(l) * static_cast<Extended>(l + 1);
+  const Extended parity = (l - m) % 2 == 0 ? 1 : -1;
 
-  const RealVector d = Laplacian::diagonal(n, m);
-  const RealVector e = Laplacian::off_diagonal(n, m);
-  // The eigenvalues of diagonal m are l(l+1), l = m..n-1, ascending: number l-m+1 is wanted.
-  RealVector d_work = d;
-  RealVector e_work(length);  // LAPACK wants one entry more than it reads
-  e_work << e, 0.0;
-  RealVector eigenvalues(length);
-  RealVector v(length);
-  lapack_int found = 0;
-  lapack_int support[2];
-  const auto wanted = static_cast<lapack_int>(l - m + 1);
-  const lapack_int info = LAPACKE_dstevr(
-      LAPACK_COL_MAJOR, 'V', 'I', static_cast<lapack_int>(length), d_work.data(), e_work.data(),
-      0.0, 0.0, wanted, wanted, 0.0, &found, eigenvalues.data(), v.data(),
-      static_cast<lapack_int>(length), support);
-  if (info != 0 || found != 1) {
-    throw std::runtime_error(fmt::format("harmonic: no eigenvector for l = {}, m = {}", l, m));
+  std::vector<Extended> v(static_cast<std::size_t>(length), 0);
+  v[0] = m % 2 == 0 ? 1 : -1;
+  const Index middle = (length - 1) / 2;
+  for (Index i = 0; i < middle; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const Extended before = i == 0 ? 0 : off_diagonal(i - 1) * v[at - 1];
+    v[at + 1] = ((eigenvalue - diagonal(i)) * v[at] - before) / off_diagonal(i);
   }
-  v.normalize();
-  // Compare signs at the first entry that is clearly above rounding.
-  const double largest = v.cwiseAbs().maxCoeff();
-  Index k = 0;
-  while (std::abs(v(k)) < 0.1 * largest) ++k;
-  const double lambda = static_cast<double>(l) * (static_cast<double>(l) + 1.0);
-  const double sign = (v(k) < 0.0 ? -1.0 : 1.0) * sign_by_recurrence(d, e, lambda, k);
-  return first_sign * sign * v;
+  if (length % 2 == 1 && parity < 0) v[static_cast<std::size_t>(middle)] = 0;
+  Extended square = 0;
+  for (Index i = 0; i < length; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    if (i > middle) v[at] = parity * v[static_cast<std::size_t>(length - 1 - i)];
+    square += v[at] * v[at];
+  }
+  const Extended norm = std::sqrt(square);
+  RealVector T(length);
+  for (Index i = 0; i < length; ++i) {
+    T(i) = static_cast<double>(v[static_cast<std::size_t>(i)] / norm);
+  }
+  return T;
 }
 
 Matrix vorticity_from_modes(const std::vector<Mode>& modes, Index n) {

@@ -53,8 +53,7 @@ void QuadraticAlgebra::conjugate_by_J(const Matrix& Q, Matrix& out) const {
   out.setZero();
   for (const Entry& left : entries_) {
     for (const Entry& right : entries_) {
-      out(left.row, right.column) +=
-          left.value * Q(left.column, right.row) * right.value / alpha_;
+      out(left.row, right.column) += left.value * Q(left.column, right.row) * right.value / alpha_;
     }
   }
 }

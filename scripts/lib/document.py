@@ -1,0 +1,281 @@
+"""A small document (headings, paragraphs, lists, tables) and its three writers: text, Markdown, LaTeX.
+
+Tables and verdicts are built once as data; only the writers know a format, and each escapes what it is given.
+"""
+
+import itertools
+import os
+import re
+import textwrap
+from dataclasses import dataclass
+from typing import List, Tuple
+
+TEXT_WIDTH = 100
+
+
+@dataclass(frozen=True)
+class Heading:
+    text: str
+    level: int = 2
+
+
+@dataclass(frozen=True)
+class Paragraph:
+    text: str
+
+
+@dataclass(frozen=True)
+class Item:
+    """A list entry: a few words that stand out, and the rest with its own punctuation."""
+
+    strong: str
+    rest: str = ""
+
+
+@dataclass(frozen=True)
+class Items:
+    items: List[Item]
+
+
+@dataclass(frozen=True)
+class Column:
+    heading: str
+    group: str = ""
+    align: str = "right"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One table entry; `marked` is what stands out: bold, or a star in plain text."""
+
+    text: str
+    marked: bool = False
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of entries, in blocks set apart from one another."""
+
+    columns: Tuple[Column, ...]
+    blocks: List[List[List[Entry]]]
+
+    def rows(self):
+        return list(itertools.chain.from_iterable(self.blocks))
+
+    def groups(self):
+        """Returns (group, first column, number of columns) of each run of columns in one group."""
+        runs, first = [], 0
+        for group, members in itertools.groupby(column.group for column in self.columns):
+            size = len(list(members))
+            runs.append((group, first, size))
+            first += size
+        return runs
+
+
+def padded(texts, widths, columns):
+    return [text.rjust(width) if column.align == "right" else text.ljust(width)
+            for text, width, column in zip(texts, widths, columns)]
+
+
+def column_widths(rows):
+    return [max(map(len, texts)) for texts in zip(*rows)]
+
+
+# ---- plain text
+
+
+def as_text(document):
+    """Writes plain text of at most 110 columns: paragraphs are filled, tables as wide as they are."""
+    writers = {Heading: text_heading, Paragraph: text_paragraph, Items: text_items, Table: text_table}
+    return "\n\n".join(writers[type(part)](part) for part in document) + "\n"
+
+
+def text_heading(heading):
+    underline = {1: "=", 2: "-"}.get(heading.level)
+    return heading.text + ("\n" + underline * len(heading.text) if underline else "")
+
+
+def fill(text, indent="", first=""):
+    """Breaks lines, but not inside an equation such as p = 0.01."""
+    glued = text.replace(" = ", "\xa0=\xa0")
+    lines = textwrap.fill(glued, TEXT_WIDTH, initial_indent=first, subsequent_indent=indent, break_on_hyphens=False)
+    return lines.replace("\xa0", " ")
+
+
+def text_paragraph(paragraph):
+    return fill(paragraph.text)
+
+
+def text_items(items):
+    return "\n".join(fill(item.strong + item.rest, "  ", "- ") for item in items.items)
+
+
+def text_table(table):
+    starred = [any(row[i].marked for row in table.rows()) for i in range(len(table.columns))]
+    star = [" " if has_star else "" for has_star in starred]
+    headings = [column.heading + blank for column, blank in zip(table.columns, star)]
+    blocks = [[[entry.text + ("*" if entry.marked else blank) for entry, blank in zip(row, star)] for row in block]
+              for block in table.blocks]
+    widths = column_widths([headings] + [row for block in blocks for row in block])
+
+    def line(texts):
+        return "  ".join(padded(texts, widths, table.columns)).rstrip()
+
+    top = [line(headings), "  ".join("-" * width for width in widths)]
+    if any(column.group for column in table.columns):
+        top.insert(0, text_groups(table, widths))
+    return "\n".join(top) + "\n" + "\n\n".join("\n".join(map(line, block)) for block in blocks)
+
+
+def text_groups(table, widths):
+    """Writes the names of column groups, each across its columns."""
+    labels = []
+    for group, first, size in table.groups():
+        width = sum(widths[first:first + size]) + 2 * (size - 1)
+        labels.append(f" {group} ".center(width, "-") if group else " " * width)
+    return "  ".join(labels).rstrip()
+
+
+# ---- Markdown
+
+
+def as_markdown(document):
+    writers = {Heading: markdown_heading, Paragraph: markdown_paragraph, Items: markdown_items,
+               Table: markdown_table}
+    return "\n\n".join(writers[type(part)](part) for part in document) + "\n"
+
+
+def markdown_escape(text):
+    return re.sub(r"([\\`*_\[\]<>|~$#&])", r"\\\1", text)
+
+
+def markdown_strong(text):
+    return f"**{markdown_escape(text)}**" if text else ""
+
+
+def markdown_heading(heading):
+    return "#" * heading.level + " " + markdown_escape(heading.text)
+
+
+def markdown_paragraph(paragraph):
+    return markdown_escape(paragraph.text)
+
+
+def markdown_items(items):
+    return "\n".join(f"- {markdown_strong(item.strong)}{markdown_escape(item.rest)}" for item in items.items)
+
+
+def markdown_table(table):
+    """Writes a pipe table whose source is aligned too; it has one heading row, so groups go into the names."""
+    headings = [markdown_escape(f"{column.group}, {column.heading}" if column.group else column.heading)
+                for column in table.columns]
+    rows = [[markdown_strong(entry.text) if entry.marked else markdown_escape(entry.text) for entry in row]
+            for row in table.rows()]
+    widths = [max(width, 3) for width in column_widths([headings] + rows)]
+    rule = ["-" * (width - 1) + ":" if column.align == "right" else ":" + "-" * (width - 1)
+            for width, column in zip(widths, table.columns)]
+    lines = [padded(headings, widths, table.columns), rule]
+    lines += [padded(row, widths, table.columns) for row in rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+# ---- LaTeX
+
+LATEX_CHARACTERS = {
+    "\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "$": r"\$", "&": r"\&", "#": r"\#", "_": r"\_",
+    "%": r"\%", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}",
+    ">": r"\textgreater{}", "|": r"\textbar{}", '"': "''", "[": "{[}", "]": "{]}", "-": "-{}",
+    "±": r"$\pm$", "–": "--", "—": "---", "×": r"$\times$", "·": r"$\cdot$", "≤": r"$\le$", "≥": r"$\ge$",
+    "ħ": r"$\hbar$", "‖": r"$\|$", "…": r"\dots{}", "²": r"$^2$", "³": r"$^3$", "µ": r"$\mu$", "Δ": r"$\Delta$",
+}
+
+
+def as_latex(document):
+    """Writes a fragment to \\input: whole tabular environments, ASCII only."""
+    writers = {Heading: latex_heading, Paragraph: latex_paragraph, Items: latex_items, Table: latex_table}
+    needs = "% A fragment to \\input; needs \\usepackage{booktabs}."
+    return "\n\n".join([needs] + [writers[type(part)](part) for part in document]) + "\n"
+
+
+def latex_escape(text):
+    """Escapes text for any pdflatex; a character it cannot print is named by its code, never lost.
+
+    A hyphen is touched only before another one, where the two would become a dash.
+    """
+    return re.sub(r"-(?=-)|[^-]", lambda match: latex_character(match[0]), text)
+
+
+def latex_character(character):
+    plain = character if character.isascii() else f"(U+{ord(character):04X})"
+    return LATEX_CHARACTERS.get(character, plain)
+
+
+def latex_strong(text):
+    return rf"\textbf{{{latex_escape(text)}}}" if text else ""
+
+
+def latex_heading(heading):
+    command = {1: "section", 2: "subsection"}.get(heading.level, "subsubsection")
+    return rf"\{command}*{{{latex_escape(heading.text)}}}"
+
+
+def latex_paragraph(paragraph):
+    return latex_escape(paragraph.text)
+
+
+def latex_items(items):
+    lines = [rf"  \item {latex_strong(item.strong)}{latex_escape(item.rest)}" for item in items.items]
+    return "\n".join([r"\begin{itemize}", *lines, r"\end{itemize}"])
+
+
+def latex_row(texts):
+    return " & ".join(texts) + r" \\"
+
+
+def latex_table(table):
+    alignment = "".join("r" if column.align == "right" else "l" for column in table.columns)
+    blocks = ["\n".join(latex_row([latex_strong(entry.text) if entry.marked else latex_escape(entry.text)
+                                   for entry in row]) for row in block) for block in table.blocks]
+    return "\n".join([
+        r"\begin{center}\footnotesize", rf"\begin{{tabular}}{{{alignment}}}", r"\toprule", *latex_groups(table),
+        latex_row([latex_escape(column.heading) for column in table.columns]), r"\midrule",
+        "\n\\addlinespace\n".join(blocks), r"\bottomrule", r"\end{tabular}", r"\end{center}"])
+
+
+def latex_groups(table):
+    """Writes the row that names column groups, with a rule under each; nothing where there are none."""
+    groups = table.groups()
+    if not any(group for group, _, _ in groups):
+        return []
+    names = [rf"\multicolumn{{{size}}}{{c}}{{{latex_escape(group)}}}" for group, _, size in groups]
+    rules = [rf"\cmidrule(lr){{{first + 1}-{first + size}}}" for group, first, size in groups if group]
+    return [latex_row(names), "".join(rules)]
+
+
+WRITERS = {"text": as_text, "markdown": as_markdown, "latex": as_latex}
+
+
+# ---- output
+
+
+def replace_file(path, data):
+    """Writes to a temporary neighbour and renames it, so that nobody ever sees half a file."""
+    target = os.path.realpath(path)
+    if os.path.exists(target) and not os.path.isfile(target):
+        raise OSError(0, "is a directory or a device, not a file")
+    temporary = f"{target}.{os.getpid()}.partial"
+    try:
+        with open(temporary, "xb") as stream:
+            stream.write(data)
+        os.replace(temporary, target)
+    except BaseException:
+        if os.path.exists(temporary):
+            os.unlink(temporary)
+        raise
+
+
+def write_standard_output(data):
+    """Writes past Python's buffer, which would report a full disk only after the exit status is settled."""
+    view = memoryview(data)
+    while view:
+        view = view[os.write(1, view):]

@@ -1,0 +1,57 @@
+# Sourced by scripts/reproduce and scripts/test: packages, configuration, build.
+#
+# Packages are those of Debian 12 (bookworm) or newer and of Ubuntu 22.04 or newer.
+
+PACKAGES=(build-essential cmake git libeigen3-dev libopenblas-pthread-dev liblapacke-dev
+          libbenchmark-dev libfmt-dev libgtest-dev libcli11-dev nlohmann-json3-dev python3)
+
+say() { printf '%s\n' "$*" >&2; }
+
+die() {  # die CODE MESSAGE
+  say "$(basename "$0"): $2"
+  exit "$1"
+}
+
+missing_packages() {
+  local package
+  for package in "${PACKAGES[@]}"; do
+    dpkg-query --show --showformat='${Status}\n' "$package" 2>/dev/null |
+      grep -q '^install ok installed$' || printf '%s\n' "$package"
+  done
+}
+
+# install_packages yes|no: installs what is missing, or only names it.
+install_packages() {
+  command -v dpkg-query >/dev/null ||
+    die 2 "needs a Debian or Ubuntu machine (no dpkg-query here); install by hand: ${PACKAGES[*]}"
+  local missing
+  mapfile -t missing < <(missing_packages)
+  [ "${#missing[@]}" -eq 0 ] && return 0
+  [ "$1" = yes ] || die 2 "missing packages, not installed because of --no-install: ${missing[*]}"
+  local as_root=()
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null ||
+      die 2 "missing packages, and neither root nor sudo to install them: ${missing[*]}"
+    as_root=(sudo)
+  fi
+  say "Installing: ${missing[*]}"
+  export DEBIAN_FRONTEND=noninteractive
+  "${as_root[@]}" apt-get update -qq >&2 || die 2 "apt-get update failed"
+  "${as_root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >&2 ||
+    die 2 "apt-get install failed for: ${missing[*]}"
+}
+
+# build FOLDER [CMAKE_ARGUMENT ...]: configures and builds; the log is shown only on failure.
+build() {
+  local folder=$1 log
+  shift
+  log=$(mktemp)
+  say "Building in ${folder#"$ROOT"/} ..."
+  if ! { cmake -S "$ROOT" -B "$folder" "$@" &&
+         cmake --build "$folder" --parallel "$(nproc)"; } >"$log" 2>&1; then
+    tail -n 40 "$log" >&2
+    rm -f "$log"
+    die 2 "the build in $folder failed"
+  fi
+  rm -f "$log"
+}

@@ -1,0 +1,67 @@
+#include "benchmarks/arguments.h"
+
+#include <gtest/gtest.h>
+
+namespace isosyrk::testing {
+namespace {
+
+TEST(WholeNumber, IsReadStrictly) {
+  EXPECT_EQ(whole_number("--n", "17", 2, 4096), 17);
+  for (const char* text : {"", "x", "17x", " 17", "1e9", "17.0", "+17", "0x11"}) {
+    EXPECT_THROW(whole_number("--n", text, 2, 4096), BadArgument) << text;
+  }
+  for (const char* text : {"1", "4097", "-5", "99999999999999999999999"}) {
+    EXPECT_THROW(whole_number("--n", text, 2, 4096), BadArgument) << text;
+  }
+  try {
+    whole_number("--n", "1", 2, 4096);
+  } catch (const BadArgument& error) {
+    EXPECT_STREQ(error.what(), "--n 1: out of range; must be 2 to 4096");
+  }
+}
+
+TEST(RealNumber, IsReadStrictlyAndFinite) {
+  EXPECT_EQ(real_number("--step", "1e-1", "positive"), 0.1);
+  for (const char* text : {"", "h", "0.1s", "nan", "inf", "-inf", "1e999", "0,1"}) {
+    EXPECT_THROW(real_number("--step", text, "positive"), BadArgument) << text;
+  }
+}
+
+TEST(StepCount, IsAWholeNumberToOnePartInABillion) {
+  EXPECT_EQ(step_count(5.0, 0.1), 50);
+  EXPECT_EQ(step_count(0.0, 0.1), 0);
+  EXPECT_EQ(step_count(0.3, 0.1), 3);
+  EXPECT_EQ(step_count(1.0 + 1e-11, 0.1), 10);
+  EXPECT_EQ(step_count(1e5, 0.1), 1000000);
+  EXPECT_THROW(step_count(1.0 + 1e-8, 0.1), BadArgument);
+  EXPECT_THROW(step_count(5.0, 0.3), BadArgument);
+  EXPECT_THROW(step_count(0.01, 0.1), BadArgument);
+  EXPECT_THROW(step_count(1e300, 1e-300), BadArgument);
+  EXPECT_THROW(step_count(1e20, 1.0), BadArgument);
+}
+
+TEST(Choices, AreReadByName) {
+  EXPECT_EQ(hbar_convention("standard"), HbarConvention::standard);
+  EXPECT_THROW(hbar_convention("Paper"), BadArgument);
+  EXPECT_EQ(backend_choice("fastest"), std::nullopt);
+  EXPECT_EQ(backend_choice("eigen"), ProductBackend::eigen);
+  EXPECT_THROW(backend_choice("mkl"), BadArgument);
+}
+
+TEST(BackendChoice, TakesTheFasterByMeasurementUnlessAsked) {
+  const BackendRates measured = choose_backend(std::nullopt, 17);
+  ASSERT_EQ(measured.rates.size(), product_backends().size());
+  for (std::size_t k = 0; k < measured.rates.size(); ++k) {
+    EXPECT_GT(measured.rates[k], 0.0);
+    if (product_backends()[k] != measured.chosen) {
+      const auto chosen = measured.chosen == product_backends()[0] ? 0U : 1U;
+      EXPECT_GE(measured.rates[chosen], measured.rates[k]);
+    }
+  }
+  EXPECT_EQ(choose_backend(ProductBackend::eigen, 17).chosen, ProductBackend::eigen);
+  EXPECT_EQ(choose_backend(ProductBackend::openblas, 17).chosen, ProductBackend::openblas);
+  EXPECT_EQ(choose_backend(ProductBackend::openblas, 4096).n, 257);
+}
+
+}  // namespace
+}  // namespace isosyrk::testing

@@ -1,0 +1,158 @@
+#include "core/fixed_point.h"
+
+#include <gtest/gtest.h>
+
+#include "core/gauss_tableau.h"
+#include "tests/support.h"
+
+namespace isosyrk::testing {
+namespace {
+
+const double nan = std::numeric_limits<double>::quiet_NaN();
+const double infinity = std::numeric_limits<double>::infinity();
+
+// The driver on a given sequence of changes; the last one repeats for ever.
+SolveReport solve_changes(const std::vector<double>& changes, const SolverOptions& options = {}) {
+  std::size_t next = 0;
+  return solve_fixed_point(options, [&] { return changes[std::min(next++, changes.size() - 1)]; });
+}
+
+TEST(FixedPoint, ConvergesAtTheFirstChangeBelowTolerance) {
+  const SolveReport report = solve_changes({1.0, 1e-5, 1e-13, 9e-14, 1e-20});
+  EXPECT_EQ(report.status, Status::converged);
+  EXPECT_EQ(report.sweeps, 4);  // a change equal to the tolerance is not below it
+  EXPECT_EQ(report.change, 9e-14);
+}
+
+TEST(FixedPoint, DivergesOnLargeOrNonFiniteChange) {
+  for (const double bad : {1.1e6, infinity, nan}) {
+    const SolveReport report = solve_changes({1.0, bad, 0.0});
+    EXPECT_EQ(report.status, Status::diverged);
+    EXPECT_EQ(report.sweeps, 2);
+  }
+  EXPECT_EQ(solve_changes({1e6, 0.0}).status, Status::converged);
+}
+
+TEST(FixedPoint, StagnatesAfter50SweepsWithoutABetterChange) {
+  const SolveReport report = solve_changes({1.0, 0.5, 0.5});
+  EXPECT_EQ(report.status, Status::stagnated);
+  EXPECT_EQ(report.sweeps, 2 + 50);
+}
+
+TEST(FixedPoint, IsNotCalledStagnatedWhileItImprovesNowAndThen) {
+  double change = 1.0;
+  int sweep = 0;
+  const SolveReport report = solve_fixed_point({1e-3, 1000}, [&] {
+    if (++sweep % 50 == 0) change *= 0.5;
+    return change;
+  });
+  EXPECT_EQ(report.status, Status::converged);
+}
+
+TEST(FixedPoint, ReportsTheSweepCapWhileStillFalling) {
+  double change = 1.0;
+  const SolveReport report = solve_fixed_point({1e-13, 20}, [&] { return change *= 0.9; });
+  EXPECT_EQ(report.status, Status::sweep_cap);
+  EXPECT_EQ(report.sweeps, 20);
+}
+
+TEST(Larger, KeepsNanWhateverItsPlace) {
+  EXPECT_EQ(larger(1.0, 2.0), 2.0);
+  EXPECT_TRUE(std::isnan(larger(1.0, nan)));
+  EXPECT_TRUE(std::isnan(larger(nan, 1.0)));
+}
+
+class SolverOf : public ::testing::TestWithParam<std::tuple<Formulation, int>> {};
+
+TEST_P(SolverOf, LeavesWAsItWasWhenItFails) {
+  const auto [formulation, s] = GetParam();
+  const Scene scene = smooth_scene(17);
+  const auto integrator = gauss(formulation, *scene.flow, s);
+  Matrix W = scene.initial;
+  const StepReport report = integrator->step(W, 50.0);
+  EXPECT_EQ(report.status, Status::diverged);
+  EXPECT_EQ(W, scene.initial);
+  // And works again afterwards.
+  EXPECT_EQ(integrator->step(W, 0.1).status, Status::converged);
+}
+
+TEST_P(SolverOf, SaysDivergedForNanInW) {
+  const auto [formulation, s] = GetParam();
+  const Scene scene = smooth_scene(9);
+  const auto integrator = gauss(formulation, *scene.flow, s);
+  for (const double bad : {nan, infinity}) {
+    Matrix W = scene.initial;
+    W(2, 3) = bad;
+    EXPECT_EQ(integrator->step(W, 0.1).status, Status::diverged);
+  }
+}
+
+TEST_P(SolverOf, EndsInBoundedSweepsAtTheRoundingFloor) {
+  const auto [formulation, s] = GetParam();
+  for (const Index n : {5, 17, 33}) {
+    const Scene scene = smooth_scene(n);
+    for (const double tolerance : {1e-15, 1e-17, 1e-300}) {
+      Matrix W = scene.initial;
+      const StepReport report = gauss(formulation, *scene.flow, s, tolerance)->step(W, 0.1);
+      EXPECT_TRUE(report.status == Status::converged || report.status == Status::stagnated);
+      EXPECT_LE(report.sweeps, 100);
+      if (report.status == Status::converged) {
+        EXPECT_LT(report.last_change, tolerance);
+      }
+    }
+  }
+}
+
+TEST_P(SolverOf, ReportsTheSweepCap) {
+  const auto [formulation, s] = GetParam();
+  const Scene scene = smooth_scene(17);
+  const auto integrator = make_formulation(formulation, *scene.flow, gauss_tableau(s), {1e-13, 4},
+                                           ProductBackend::openblas);
+  Matrix W = scene.initial;
+  const StepReport report = integrator->step(W, 0.1);
+  EXPECT_EQ(report.status, Status::sweep_cap);
+  EXPECT_EQ(report.sweeps, 4);
+  EXPECT_EQ(W, scene.initial);
+}
+
+TEST_P(SolverOf, CountsItsProductsAndPoissonSolves) {
+  const auto [formulation, s] = GetParam();
+  const Scene scene = smooth_scene(9);
+  Matrix W = scene.initial;
+  const StepReport report = gauss(formulation, *scene.flow, s)->step(W, 0.1);
+  const long sweeps = report.sweeps;
+  EXPECT_EQ(report.poisson_solves, s * (sweeps + 1));
+  switch (formulation) {
+    case Formulation::cotangent:
+      EXPECT_EQ(report.products, 3 * s * (sweeps + 1) + 1);
+      break;
+    case Formulation::group:
+      EXPECT_EQ(report.products, 3 * s * (sweeps + 1) + 2);
+      break;
+    case Formulation::algebra:
+      EXPECT_EQ(report.products, (s * s + s) * sweeps + s);
+      break;
+  }
+}
+
+TEST_P(SolverOf, RefusesWrongSizesAndSteps) {
+  const auto [formulation, s] = GetParam();
+  const Scene scene = smooth_scene(9);
+  const auto integrator = gauss(formulation, *scene.flow, s);
+  Matrix small = Matrix::Zero(8, 8);
+  EXPECT_THROW(integrator->step(small, 0.1), std::invalid_argument);
+  Matrix W = scene.initial;
+  EXPECT_THROW(integrator->step(W, nan), std::invalid_argument);
+  EXPECT_THROW(integrator->step(W, infinity), std::invalid_argument);
+}
+
+INSTANTIATE_TEST_SUITE_P(Formulations, SolverOf,
+                         ::testing::Combine(::testing::ValuesIn(formulations()),
+                                            ::testing::Values(1, 2, 3)),
+                         [](const auto& tested) {
+                           return std::string(name(std::get<0>(tested.param))) +
+                                  std::to_string(std::get<1>(tested.param));
+                         });
+
+}  // namespace
+}  // namespace isosyrk::testing

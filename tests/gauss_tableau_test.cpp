@@ -1,0 +1,102 @@
+#include "core/gauss_tableau.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support.h"
+
+namespace isosyrk::testing {
+namespace {
+
+// Distance in units in the last place of the expected value.
+double ulps(double value, double expected) {
+  const double spacing =
+      std::nextafter(std::abs(expected), std::numeric_limits<double>::infinity()) -
+      std::abs(expected);
+  return std::abs(value - expected) / spacing;
+}
+
+TEST(GaussTableau, AgreesWithTheClosedFormsTo4Ulp) {
+  const Tableau one = gauss_tableau(1);
+  EXPECT_EQ(one.a(0, 0), 0.5);
+  EXPECT_EQ(one.b(0), 1.0);
+  EXPECT_EQ(one.c(0), 0.5);
+
+  // Hairer, Lubich, Wanner, Geometric Numerical Integration, Table II.1.1; evaluated in extended
+  // precision so that the comparison is with the correctly rounded coefficient.
+  const long double r3 = std::sqrt(3.0L);
+  const Tableau two = gauss_tableau(2);
+  const long double a2[2][2] = {{0.25L, 0.25L - r3 / 6}, {0.25L + r3 / 6, 0.25L}};
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 2; ++j) EXPECT_LE(ulps(two.a(i, j), static_cast<double>(a2[i][j])), 4.0);
+    EXPECT_LE(ulps(two.b(i), 0.5), 4.0);
+  }
+  EXPECT_LE(ulps(two.c(0), static_cast<double>(0.5L - r3 / 6)), 4.0);
+  EXPECT_LE(ulps(two.c(1), static_cast<double>(0.5L + r3 / 6)), 4.0);
+
+  const long double r15 = std::sqrt(15.0L);
+  const Tableau three = gauss_tableau(3);
+  const long double a3[3][3] = {{5.0L / 36, 2.0L / 9 - r15 / 15, 5.0L / 36 - r15 / 30},
+                                {5.0L / 36 + r15 / 24, 2.0L / 9, 5.0L / 36 - r15 / 24},
+                                {5.0L / 36 + r15 / 30, 2.0L / 9 + r15 / 15, 5.0L / 36}};
+  const long double b3[3] = {5.0L / 18, 4.0L / 9, 5.0L / 18};
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) EXPECT_LE(ulps(three.a(i, j), static_cast<double>(a3[i][j])), 4.0);
+    EXPECT_LE(ulps(three.b(i), static_cast<double>(b3[i])), 4.0);
+    EXPECT_LE(ulps(three.c(i), static_cast<double>(0.5L + (i - 1) * r15 / 10)), 4.0);
+  }
+}
+
+TEST(GaussTableau, IntegratesPolynomialsOfDegree2sMinus1AndNoMore) {
+  for (int s = 1; s <= max_gauss_stages; ++s) {
+    const Tableau tableau = gauss_tableau(s);
+    EXPECT_EQ(tableau.order, 2 * s);
+    const auto quadrature_error = [&](int power) {
+      return std::abs((tableau.b.array() * tableau.c.array().pow(power)).sum() - 1.0 / (power + 1));
+    };
+    for (int power = 0; power < 2 * s; ++power) EXPECT_LE(quadrature_error(power), 1e-15) << s;
+    if (s <= 5) {
+      EXPECT_GE(quadrature_error(2 * s), 1e-9) << s;
+    }
+  }
+}
+
+TEST(GaussTableau, SatisfiesTheCollocationConditions) {
+  for (int s = 1; s <= max_gauss_stages; ++s) {
+    const Tableau tableau = gauss_tableau(s);
+    for (int power = 0; power < s; ++power) {
+      const RealVector left = tableau.a * tableau.c.array().pow(power).matrix();
+      const RealVector right = tableau.c.array().pow(power + 1).matrix() / (power + 1);
+      EXPECT_LE((left - right).cwiseAbs().maxCoeff(), 1e-15) << s << " " << power;
+    }
+  }
+}
+
+TEST(GaussTableau, IsSymplecticTo16Epsilon) {
+  for (int s = 1; s <= max_gauss_stages; ++s) {
+    EXPECT_LE(symplecticity_defect(gauss_tableau(s)), 16 * 2.3e-16) << s;
+  }
+}
+
+TEST(SymplecticityDefect, TellsRadauFromGauss) {
+  EXPECT_GE(symplecticity_defect(radau_iia()), 0.05);
+}
+
+TEST(GaussTableau, RefusesStageNumbersOutOfRange) {
+  EXPECT_THROW(gauss_tableau(0), std::invalid_argument);
+  EXPECT_THROW(gauss_tableau(-1), std::invalid_argument);
+  EXPECT_THROW(gauss_tableau(max_gauss_stages + 1), std::invalid_argument);
+}
+
+TEST(Tableau, ThatIsInconsistentIsRefused) {
+  Tableau tableau = gauss_tableau(2);
+  EXPECT_NO_THROW(require_consistent(tableau));
+  tableau.a(0, 1) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(require_consistent(tableau), std::invalid_argument);
+  tableau = gauss_tableau(2);
+  tableau.b.resize(3);
+  EXPECT_THROW(require_consistent(tableau), std::invalid_argument);
+  EXPECT_THROW(require_consistent(Tableau{}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace isosyrk::testing

@@ -1,0 +1,72 @@
+#include "benchmarks/modes_file.h"
+
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+namespace isosyrk::testing {
+namespace {
+
+std::vector<Mode> read(const std::string& text) {
+  std::istringstream input(text);
+  return read_modes(input, "modes.csv");
+}
+
+std::string refusal(const std::string& text) {
+  try {
+    read(text);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(ModesFile, IsReadWhateverTheOrderOfItsColumnsAndItsLineEnds) {
+  for (const char* text :
+       {"l,m,re,im\n2,1,0.5,-1e-3\n", "\xEF\xBB\xBFl, m ,re,im\r\n2,1, +0.5,-0.001\r\n\r\n",
+        "im,re,m,l\n-1e-3,5e-1,1,2"}) {
+    const std::vector<Mode> modes = read(text);
+    ASSERT_EQ(modes.size(), 1U);
+    EXPECT_EQ(modes[0].l, 2);
+    EXPECT_EQ(modes[0].m, 1);
+    EXPECT_EQ(modes[0].value, Complex(0.5, -1e-3));
+  }
+}
+
+TEST(ModesFile, OfTheDefaultModesGivesTheirHash) {
+  const auto modes = read_modes_file(std::string(ISOSYRK_TEST_DATA "/initial_modes.csv"), 5);
+  EXPECT_EQ(hash_of(modes), hash_of(default_modes()));
+  auto changed = modes;
+  changed.back().value += 1e-16;
+  EXPECT_NE(hash_of(changed), hash_of(modes));
+}
+
+TEST(ModesFile, ThatIsBrokenIsRefusedWithItsLine) {
+  EXPECT_EQ(refusal(""), "modes.csv: empty; must have the header l,m,re,im");
+  EXPECT_EQ(refusal("\n\n"), "modes.csv: empty; must have the header l,m,re,im");
+  EXPECT_EQ(refusal("l,m,re,im\n"), "modes.csv: no modes; must have at least one line");
+  EXPECT_EQ(refusal("l,m,re\n1,0,1\n"),
+            "modes.csv, line 1: column im is missing; the header must name l,m,re,im");
+  EXPECT_EQ(refusal("l,m,re,im,x\n1,0,1,0,5\n"),
+            "modes.csv, line 1: 5 columns; the header must name l,m,re,im and no other");
+  EXPECT_EQ(refusal("1,0,1,0\n"),
+            "modes.csv, line 1: column l is missing; the header must name l,m,re,im");
+  EXPECT_EQ(refusal("l,m,re,im\n1,0,1\n"), "modes.csv, line 2: 3 fields; must be 4 (l,m,re,im)");
+  EXPECT_EQ(refusal("l,m,re,im\n1.5,0,1,0\n"),
+            "modes.csv, line 2: l = '1.5' is not a whole number");
+  EXPECT_EQ(refusal("l,m,re,im\n1,x,1,0\n"), "modes.csv, line 2: m = 'x' is not a whole number");
+  EXPECT_EQ(refusal("l,m,re,im\n\n1,0,,0\n"), "modes.csv, line 3: re = '' is not a number");
+  EXPECT_EQ(refusal("l,m,re,im\n1,0,1,0x1\n"), "modes.csv, line 2: im = '0x1' is not a number");
+  EXPECT_EQ(refusal("l,m,re,im\n1,0,1,\x01\xff\n"),
+            "modes.csv, line 2: im = '?\?' is not a number");
+  EXPECT_EQ(refusal("l,m,re,im\n99999999999,0,1,0\n"),
+            "modes.csv, line 2: l = '99999999999' is not a whole number");
+}
+
+TEST(ModesFile, ThatCannotBeReadIsNamed) {
+  EXPECT_THROW(read_modes_file("no/such/file.csv", 5), std::invalid_argument);
+  EXPECT_THROW(read_modes_file(ISOSYRK_TEST_DATA, 5), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace isosyrk::testing

@@ -1,0 +1,172 @@
+#include "core/modes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "core/invariants.h"
+#include "core/laplacian.h"
+#include "core/scene.h"
+#include "tests/support.h"
+
+namespace isosyrk::testing {
+namespace {
+
+// Wigner's 3j symbol (j l j; -m1 m m2) by Racah's sum, for whole or half-integer j; arguments
+// doubled.  Good to about 1e-12 at the sizes used here.
+double three_j(int j2, int l2, int minus_m1_2, int m_2, int m2_2) {
+  const auto f = [](int doubled) { return std::lgamma(doubled / 2 + 1.0); };  // log factorial
+  const int a = j2, b = l2, c = j2, al = minus_m1_2, be = m_2, ga = m2_2;
+  if (al + be + ga != 0) return 0.0;
+  const double delta = 0.5 * (f(a + b - c) + f(a - b + c) + f(-a + b + c) - f(a + b + c + 2));
+  const double norm =
+      delta + 0.5 * (f(a + al) + f(a - al) + f(b + be) + f(b - be) + f(c + ga) + f(c - ga));
+  double sum = 0.0;
+  for (int k2 = 0; k2 <= a + b - c; k2 += 2) {
+    const int d1 = c - b + al + k2, d2 = c - a - be + k2, d3 = a + b - c - k2, d4 = a - al - k2,
+              d5 = b + be - k2;
+    if (d1 < 0 || d2 < 0 || d3 < 0 || d4 < 0 || d5 < 0) continue;
+    const double term = std::exp(norm - f(k2) - f(d1) - f(d2) - f(d3) - f(d4) - f(d5));
+    sum += (k2 / 2) % 2 == 0 ? term : -term;
+  }
+  const int phase = (a - b - ga) / 2;
+  return phase % 2 == 0 ? sum : -sum;
+}
+
+TEST(Harmonic, EqualsItsFormulaIn3jSymbols) {
+  for (const int n : {6, 7}) {
+    const int j2 = n - 1;
+    for (int l = 0; l < n; ++l) {
+      for (int m = 0; m <= l; ++m) {
+        const RealVector T = harmonic(n, l, m);
+        for (int i = 0; i < n - m; ++i) {
+          const int m1 = j2 - 2 * i;
+          const int m2 = j2 - 2 * (i + m);
+          const double sign = i % 2 == 0 ? 1.0 : -1.0;  // (-1)^(j - m1)
+          EXPECT_NEAR(T(i), std::sqrt(2.0 * l + 1.0) * sign * three_j(j2, 2 * l, -m1, 2 * m, m2),
+                      1e-12)
+              << n << " " << l << " " << m << " " << i;
+        }
+      }
+    }
+  }
+}
+
+TEST(Harmonic, IsNormalisedAndOrthogonal) {
+  const Index n = 20;
+  for (int m = 0; m < n; ++m) {
+    for (int l = m; l < n; ++l) {
+      for (int k = m; k <= l; ++k) {
+        EXPECT_NEAR(harmonic(n, l, m).dot(harmonic(n, k, m)), l == k ? 1.0 : 0.0, 1e-13);
+      }
+    }
+  }
+}
+
+TEST(Harmonic, KeepsItsSignWhereTheFirstEntryIsBelowRounding) {
+  // T_mm is of one sign; its first entry, relative to the largest, is about 1e-27 here.
+  const RealVector T = harmonic(513, 256, 256);
+  EXPECT_LT(std::abs(T(0)), 1e-20 * T.cwiseAbs().maxCoeff());
+  EXPECT_GT(T.minCoeff(), 0.0);
+  EXPECT_LT(harmonic(513, 255, 255).maxCoeff(), 0.0);  // (-1)^m, m odd
+  // The next l has one sign change, in the middle: odd, positive at first.
+  const RealVector U = harmonic(513, 257, 256);
+  EXPECT_GT(U.head(U.size() / 2).minCoeff(), 0.0);
+  EXPECT_LT(U.tail(U.size() / 2).maxCoeff(), 0.0);
+}
+
+TEST(Harmonic, IsAnEigenvectorToRoundingAtLargeSizes) {
+  for (const auto& [n, l, m] :
+       {std::tuple{129, 4, 0}, {129, 90, 17}, {1025, 7, 3}, {1025, 1000, 1}}) {
+    const RealVector T = harmonic(n, l, m);
+    const RealVector d = Laplacian::diagonal(n, m);
+    const RealVector e = Laplacian::off_diagonal(n, m);
+    RealVector residual = d.cwiseProduct(T) - l * (l + 1.0) * T;
+    residual.head(n - m - 1) += e.cwiseProduct(T.tail(n - m - 1));
+    residual.tail(n - m - 1) += e.cwiseProduct(T.head(n - m - 1));
+    // A few roundings of the matrix, whose norm is n² at most.
+    EXPECT_LE(residual.norm(), 1e-15 * n * n) << n << " " << l << " " << m;
+    EXPECT_NEAR(T.norm(), 1.0, 1e-15);
+  }
+}
+
+TEST(Harmonic, RefusesIndicesOutOfRange) {
+  EXPECT_THROW(harmonic(5, 5, 0), std::invalid_argument);
+  EXPECT_THROW(harmonic(5, 2, 3), std::invalid_argument);
+  EXPECT_THROW(harmonic(5, 2, -1), std::invalid_argument);
+}
+
+TEST(DefaultModes, AreThoseOfTheDataFile) {
+  std::ifstream input(std::string(ISOSYRK_TEST_DATA "/initial_modes.csv"));
+  std::string line;
+  std::getline(input, line);
+  std::size_t count = 0;
+  while (std::getline(input, line)) {
+    int l = 0, m = 0;
+    double re = 0.0, im = 0.0;
+    ASSERT_EQ(std::sscanf(line.c_str(), "%d,%d,%lf,%lf", &l, &m, &re, &im), 4);
+    ASSERT_LT(count, default_modes().size());
+    const Mode& mode = default_modes()[count++];
+    EXPECT_EQ(mode.l, l);
+    EXPECT_EQ(mode.m, m);
+    EXPECT_EQ(mode.value, Complex(re, im));
+  }
+  EXPECT_EQ(count, default_modes().size());
+}
+
+TEST(InitialVorticity, EqualsTheReferenceAtN17) {
+  EXPECT_LE(largest_difference(vorticity_from_modes(default_modes(), 17),
+                               read_reference("W0_n17.csv", 17)),
+            1e-14);
+}
+
+TEST(InitialVorticity, IsSkewHermitianTraceFreeAndOfNorm1) {
+  for (const Index n : {5, 6, 17, 34, 129}) {
+    const Matrix W = vorticity_from_modes(default_modes(), n);
+    EXPECT_EQ(skew_defect(W), 0.0);
+    EXPECT_NEAR(std::abs(W.trace()), 0.0, 1e-14);
+    EXPECT_NEAR(spectral_norm(W), 1.0, 1e-14);
+  }
+}
+
+TEST(InitialVorticity, GivesTheStatedStiffnessAtEverySize) {
+  // h |B(W0)| at h = 0.1, as stated for these modes.
+  const std::vector<std::pair<Index, double>> stated = {
+      {17, 0.140}, {33, 0.253}, {65, 0.479}, {129, 0.930}};
+  for (const auto& [n, value] : stated) {
+    const Scene scene = smooth_scene(n);
+    Matrix B(n, n);
+    scene.flow->generator(scene.initial, B);
+    EXPECT_NEAR(0.1 * spectral_norm(B), value, 0.0006) << n;
+  }
+}
+
+TEST(Modes, ThatDoNotFitAreRefusedByName) {
+  const auto refused = [](const std::vector<Mode>& modes, Index n, const std::string& part) {
+    try {
+      require_valid(modes, n);
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+      return true;
+    }
+    return false;
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(refused({{1, 0, 1.0}}, 2, ""));
+  EXPECT_TRUE(refused({{0, 0, 1.0}}, 5, "l=0"));
+  EXPECT_TRUE(refused({{5, 0, 1.0}}, 5, "l must be 1 to n-1 = 4"));
+  EXPECT_TRUE(refused({{2, 3, 1.0}}, 5, "m must be 0 to l"));
+  EXPECT_TRUE(refused({{2, -1, 1.0}}, 5, "m must be 0 to l"));
+  EXPECT_TRUE(refused({{2, 1, nan}}, 5, "finite"));
+  EXPECT_TRUE(refused({{2, 1, {0.0, infinity}}}, 5, "finite"));
+  EXPECT_TRUE(refused({{2, 0, {1.0, 0.5}}}, 5, "im = 0.5"));
+  EXPECT_TRUE(refused({{2, 1, 1.0}, {2, 1, 2.0}}, 5, "twice"));
+  EXPECT_TRUE(refused({{2, 1, 0.0}}, 5, "nonzero"));
+  EXPECT_TRUE(refused({}, 5, "nonzero"));
+  EXPECT_TRUE(refused(default_modes(), 4, "l=4"));
+}
+
+}  // namespace
+}  // namespace isosyrk::testing

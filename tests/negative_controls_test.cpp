@@ -1,0 +1,110 @@
+// What must fail, fails: the misprint, a tableau that is not symplectic, Gauss applied to W.
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+
+#include "core/direct_form.h"
+#include "core/euler_zeitlin.h"
+#include "core/gauss_tableau.h"
+#include "core/invariants.h"
+#include "tests/plain_isosyrk.h"
+#include "tests/support.h"
+
+namespace isosyrk::testing {
+namespace {
+
+TEST(PrintedKIndex, BreaksSpectrumAndCoincidenceAtTwoAndThreeStagesButNotAtOne) {
+  const Scene scene = smooth_scene(17);
+  for (const int s : {1, 2, 3}) {
+    const Matrix printed =
+        plain_isosyrk(*scene.flow, gauss_tableau(s), KIndex::printed, scene.initial, 0.1, 50);
+    const Matrix group =
+        integrated(*gauss(Formulation::group, *scene.flow, s), scene.initial, 0.1, 50);
+    const double difference = largest_difference(printed, group);
+    const double drift = spectrum_error(printed, scene.initial);
+    if (s == 1) {
+      EXPECT_LE(difference, 1e-11);
+      EXPECT_LE(drift, 1e-12);
+    } else {
+      EXPECT_GE(difference, 1e-7) << s;
+      EXPECT_GE(drift, 1e-7) << s;
+    }
+  }
+}
+
+TEST(PrintedKIndex, DropsTheOrderToThree) {
+  const Scene scene = smooth_scene(9);
+  const Matrix exact =
+      integrated(*gauss(Formulation::group, *scene.flow, 5, 1e-15), scene.initial, 0.05, 40);
+  std::vector<double> h;
+  std::vector<double> errors;
+  for (const long count : {8L, 12L, 16L, 24L, 32L}) {
+    h.push_back(2.0 / static_cast<double>(count));
+    errors.push_back(
+        largest_difference(plain_isosyrk(*scene.flow, gauss_tableau(3), KIndex::printed,
+                                         scene.initial, h.back(), count),
+                           exact));
+  }
+  EXPECT_NEAR(observed_order(h, errors), 3.0, 0.4);
+}
+
+TEST(NonSymplecticTableau, LosesTheSpectrumAndTheCoincidence) {
+  const Scene scene = smooth_scene(17);
+  std::vector<Matrix> answers;
+  for (const Formulation formulation : formulations()) {
+    const auto integrator =
+        make_formulation(formulation, *scene.flow, radau_iia(), {}, ProductBackend::openblas);
+    answers.push_back(integrated(*integrator, scene.initial, 0.1, 50));
+    EXPECT_GE(spectrum_error(answers.back(), scene.initial), 1e-7) << name(formulation);
+  }
+  EXPECT_GE(largest_difference(answers[1], answers[2]), 1e-7);
+  // cotangent and group share one tableau for Q and P, so that P_i = W0 J Q_i J^-1 whatever it is:
+  // these two need no symplecticity to coincide.
+  EXPECT_LE(largest_difference(answers[0], answers[1]), 1e-11);
+}
+
+TEST(GaussAppliedToW, KeepsTheSecondCasimirAndLosesTheThird) {
+  const Scene scene = smooth_scene(17);
+  for (const int s : {1, 2, 3}) {
+    DirectForm direct(*scene.flow, gauss_tableau(s), {1e-14, 1000}, ProductBackend::openblas);
+    const Matrix W = integrated(direct, scene.initial, 0.5, 10);
+    EXPECT_LE(std::abs(casimir(W, 2) - casimir(scene.initial, 2)), 1e-12) << s;
+    EXPECT_GE(std::abs(casimir(W, 3) - casimir(scene.initial, 3)), 1e-9) << s;
+    EXPECT_EQ(skew_defect(W), 0.0);
+  }
+}
+
+TEST(SkippingTheTrace, GivesAnotherAnswerThatAllThreeAgreeOn) {
+  // A Poisson solve that forgets that stage values are not trace-free, and just pins the last
+  // unknown of the singular diagonal: only the reference sees it.
+  class Forgetful final : public Flow {
+   public:
+    explicit Forgetful(Index n) : Flow(QuadraticAlgebra::skew_hermitian(n)), right_(n) {
+      RealMatrix minus_laplacian = Laplacian::diagonal(n, 0).asDiagonal();
+      minus_laplacian.diagonal(1) = minus_laplacian.diagonal(-1) = Laplacian::off_diagonal(n, 0);
+      from_trace_ = RealVector::Zero(n);
+      from_trace_.head(n - 1) =
+          -minus_laplacian.topLeftCorner(n - 1, n - 1).llt().solve(RealVector::Ones(n - 1));
+      from_trace_ /= hbar(HbarConvention::paper, n);
+    }
+    void generator(const Matrix& W, Matrix& B) const override {
+      right_.generator(W, B);
+      const Complex mean = W.trace() / static_cast<double>(size());
+      B.diagonal() += mean * from_trace_;
+    }
+    double hamiltonian(const Matrix& W) const override { return right_.hamiltonian(W); }
+
+   private:
+    EulerZeitlin right_;
+    RealVector from_trace_;
+  };
+  const Forgetful flow(17);
+  const Scene scene = smooth_scene(17);
+  const Matrix group = integrated(*gauss(Formulation::group, flow, 2), scene.initial, 0.1, 50);
+  const Matrix algebra = integrated(*gauss(Formulation::algebra, flow, 2), scene.initial, 0.1, 50);
+  EXPECT_LE(largest_difference(group, algebra), 1e-11);
+  EXPECT_GE(largest_difference(group, read_reference("W_t5_h0.1_n17_s2.csv", 17)), 1e-7);
+}
+
+}  // namespace
+}  // namespace isosyrk::testing

@@ -1,0 +1,96 @@
+#include "benchmarks/output_file.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include <unistd.h>
+
+#include "benchmarks/arguments.h"
+
+namespace isosyrk::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+class OutputFiles : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() /
+              ("isosyrk_" + std::to_string(::getpid()) + "_" +
+               ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::create_directory(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  static std::string contents(const fs::path& path) {
+    std::ifstream input(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(input), {}};
+  }
+  std::size_t files() const {
+    return static_cast<std::size_t>(
+        std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(OutputFiles, AppearOnlyWhenComplete) {
+  const fs::path path = folder_ / "W.npy";
+  const OutputFile output("--output", path.string());
+  EXPECT_EQ(files(), 0U);  // the check leaves nothing behind
+  output.write("new");
+  EXPECT_EQ(contents(path), "new");
+  EXPECT_EQ(files(), 1U);
+}
+
+TEST_F(OutputFiles, KeepTheEarlierFileUntilThen) {
+  const fs::path path = folder_ / "W.npy";
+  std::ofstream(path) << "old";
+  const OutputFile output("--output", path.string());
+  EXPECT_EQ(contents(path), "old");
+  output.discard();
+  EXPECT_EQ(contents(path), "old");
+  output.write("new");
+  EXPECT_EQ(contents(path), "new");
+}
+
+TEST_F(OutputFiles, GoThroughASymbolicLinkWithoutReplacingIt) {
+  std::ofstream(folder_ / "real") << "old";
+  fs::create_symlink(folder_ / "real", folder_ / "link");
+  OutputFile("--output", (folder_ / "link").string()).write("new");
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link"));
+  EXPECT_EQ(contents(folder_ / "real"), "new");
+}
+
+TEST_F(OutputFiles, ThatCannotBeWrittenAreRefusedAtOnce) {
+  EXPECT_THROW(OutputFile("--output", ""), BadArgument);
+  EXPECT_THROW(OutputFile("--output", folder_.string()), BadArgument);
+  EXPECT_THROW(OutputFile("--output", (folder_ / "no" / "W.npy").string()), BadArgument);
+  EXPECT_THROW(OutputFile("--output", "/dev/null"), BadArgument);
+  std::ofstream(folder_ / "file") << "x";
+  EXPECT_THROW(OutputFile("--output", (folder_ / "file" / "W.npy").string()), BadArgument);
+  EXPECT_EQ(files(), 1U);
+}
+
+TEST_F(OutputFiles, InNumpyFormatHoldTheMatrixByRows) {
+  Matrix W(2, 2);
+  W << Complex(1, 2), Complex(3, 4), Complex(5, 6), Complex(7, 8);
+  const std::string bytes = npy(W);
+  EXPECT_EQ(bytes.substr(0, 8), std::string("\x93NUMPY\x01\x00", 8));
+  const auto header = static_cast<std::size_t>(static_cast<unsigned char>(bytes[8])) +
+                      256U * static_cast<unsigned char>(bytes[9]);
+  EXPECT_EQ((10 + header) % 64, 0U);
+  EXPECT_EQ(bytes.size(), 10 + header + 4 * sizeof(Complex));
+  EXPECT_NE(bytes.find("'descr': '<c16', 'fortran_order': False, 'shape': (2, 2)"),
+            std::string::npos);
+  double second_row_first = 0.0;
+  std::memcpy(&second_row_first, bytes.data() + 10 + header + 2 * sizeof(Complex), sizeof(double));
+  EXPECT_EQ(second_row_first, 5.0);
+}
+
+}  // namespace
+}  // namespace isosyrk::testing

@@ -1,0 +1,65 @@
+// What several tests need.
+#pragma once
+
+#include <ostream>
+#include <string>
+
+#include "core/flow.h"
+#include "core/integrator.h"
+#include "core/integrator_list.h"
+#include "core/scene.h"
+
+namespace isosyrk::testing {
+
+/// Largest entry of |A - B|.
+double largest_difference(const Matrix& A, const Matrix& B);
+
+/// n x n, entries uniform in the unit square, from a fixed seed.
+Matrix random_matrix(Index n, unsigned seed);
+
+/// Random skew-Hermitian, spectral norm 1.
+Matrix random_skew_hermitian(Index n, unsigned seed);
+
+/// A matrix from tests/data, in columns i,j,re,im.
+Matrix read_reference(const std::string& file, Index n);
+
+/// A one-step method applied until T = steps * h, which must converge throughout.
+Matrix integrated(Integrator& integrator, const Matrix& W0, double h, long steps);
+
+/// The formulation with the Gauss tableau of s stages, OpenBLAS products, tolerance 1e-13.
+std::unique_ptr<Integrator> gauss(Formulation formulation, const Flow& flow, int s,
+                                  double tolerance = 1e-13);
+
+/// Least-squares slope of log(error) against log(h).
+double observed_order(const std::vector<double>& h, const std::vector<double>& errors);
+
+/// Radau IIA with two stages, order 3: not symplectic.
+Tableau radau_iia();
+
+/// J = [[0, I], [-I, 0]] of size 2k.
+Matrix symplectic_J(Index k);
+/// J = diag(1 (p times), -1 (q times)).
+Matrix indefinite_J(Index p, Index q);
+
+/// A rigid-body-like flow on any J-quadratic algebra with J† = ±J:  B(W) = D W D with
+/// D = J⁻¹ D† J, which maps g to g and is the gradient of H(W) = ½ Re tr(W D W D).
+class ConjugationFlow final : public Flow {
+ public:
+  ConjugationFlow(const QuadraticAlgebra& algebra, unsigned seed);
+  void generator(const Matrix& W, Matrix& B) const override;
+  double hamiltonian(const Matrix& W) const override;
+  /// An element of g of Frobenius norm 1.
+  Matrix element(unsigned seed) const;
+
+ private:
+  Matrix D_;
+};
+
+}  // namespace isosyrk::testing
+
+namespace isosyrk {
+
+/// How GoogleTest names an entry in its reports.
+inline void PrintTo(const IntegratorEntry& entry, std::ostream* out) { *out << entry.name; }
+
+}  // namespace isosyrk
