@@ -90,11 +90,13 @@ class Progress {
 /// One cell of the table.  One timed iteration is the whole run of 50 steps.
 class Table1 : public benchmark::Fixture {
  public:
-  Table1(Formulation formulation, Index n, int s, ProductBackend backend, Progress* progress)
+  Table1(Formulation formulation, Index n, int s, const SolverOptions& options,
+         ProductBackend backend, Progress* progress)
       : name_(fmt::format("table1/{}/n:{}/s:{}", isosyrk::name(formulation), n, s)),
         formulation_(formulation),
         n_(n),
         s_(s),
+        options_(options),
         backend_(backend),
         progress_(progress) {
     SetName(name_.c_str());
@@ -106,7 +108,7 @@ class Table1 : public benchmark::Fixture {
     if (integrator_) return;  // repetitions share one cell
     scene_ = smooth_scene(n_);
     integrator_ =
-        make_formulation(formulation_, *scene_.flow, gauss_tableau(s_), SolverOptions{}, backend_);
+        make_formulation(formulation_, *scene_.flow, gauss_tableau(s_), options_, backend_);
     quality_ = measure_quality(scene_, *integrator_);
   }
 
@@ -155,6 +157,7 @@ class Table1 : public benchmark::Fixture {
   Formulation formulation_;
   Index n_;
   int s_;
+  SolverOptions options_;
   ProductBackend backend_;
   Progress* progress_;
   Scene scene_;
@@ -169,6 +172,8 @@ int main_program(int argc, char** argv) {
       "--benchmark_filter=n:17/ and --benchmark_out=FILE."};
   std::string products = "fastest";
   app.add_option("--products", products, "fastest (default), openblas or eigen");
+  std::string max_sweeps = "1000";
+  app.add_option("--max-sweeps", max_sweeps, "sweeps allowed in a step (default 1000)");
   app.allow_extras();
   try {
     app.parse(argc, argv);
@@ -177,6 +182,8 @@ int main_program(int argc, char** argv) {
   }
   use_one_blas_thread();
   const BackendChoice choice = backend_choice(products);
+  SolverOptions options;
+  options.max_sweeps = static_cast<int>(whole_number("--max-sweeps", max_sweeps, 1, 1000000));
 
   std::vector<std::string> arguments = {argv[0], "--benchmark_out_format=json"};
   for (const std::string& extra : app.remaining()) arguments.push_back(extra);
@@ -189,13 +196,12 @@ int main_program(int argc, char** argv) {
     for (const Formulation formulation : formulations()) {
       for (const int s : stage_counts) {
         benchmark::internal::RegisterBenchmarkInternal(
-            new Table1(formulation, n, s, rates.back().chosen, &progress));
+            new Table1(formulation, n, s, options, rates.back().chosen, &progress));
       }
     }
   }
   Conditions conditions = machine_conditions("table1", choice, rates);
-  for (const auto& condition :
-       solver_conditions(SolverOptions{}, HbarConvention::paper, default_modes())) {
+  for (const auto& condition : solver_conditions(options, HbarConvention::paper, default_modes())) {
     conditions.push_back(condition);
   }
   if (const std::string remark = notice(); !remark.empty()) {

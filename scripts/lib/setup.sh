@@ -41,14 +41,14 @@ install_packages() {
     die 2 "apt-get install failed for: ${missing[*]}"
 }
 
-# build FOLDER [CMAKE_ARGUMENT ...]: configures and builds; the log is shown only on failure.
+# build FOLDER TARGET [CMAKE_ARGUMENT ...]: configures and builds; the log is shown only on failure.
 build() {
-  local folder=$1 log
-  shift
+  local folder=$1 target=$2 log
+  shift 2
   log=$(mktemp)
   say "Building in ${folder#"$ROOT"/} ..."
   if ! { cmake -S "$ROOT" -B "$folder" "$@" &&
-         cmake --build "$folder" --parallel "$(nproc)"; } >"$log" 2>&1; then
+         cmake --build "$folder" --target "$target" --parallel "$(nproc)"; } >"$log" 2>&1; then
     tail -n 40 "$log" >&2
     rm -f "$log"
     die 2 "the build in $folder failed"
