@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <iostream>
 
 namespace isosyrk {
 
@@ -67,6 +68,21 @@ BackendChoice backend_choice(const std::string& text) {
     if (name(backend) == text) return backend;
   }
   throw BadArgument(fmt::format("--products '{}': must be fastest, openblas or eigen", text));
+}
+
+void require_values(int argc, char** argv) {
+  for (int k = 1; k < argc; ++k) {
+    const std::string argument = argv[k];
+    if (argument.starts_with("--") && argument.ends_with('=')) {
+      throw BadArgument(fmt::format("{}: empty; must be followed by a value", argument));
+    }
+  }
+}
+
+void require_printed() {
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0 || !std::cout) {
+    throw BadArgument("standard output: cannot be written");
+  }
 }
 
 void print_error(const char* program, std::string message) {

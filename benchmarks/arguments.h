@@ -39,6 +39,13 @@ BackendChoice backend_choice(const std::string& text);
 template <class Body>
 int guarded(const char* program, Body&& body);
 
+/// Throws BadArgument for an option given as `--option=` with nothing behind: CLI11 would take the
+/// next argument for its value.
+void require_values(int argc, char** argv);
+
+/// Throws BadArgument if what was printed on stdout could not be written.
+void require_printed();
+
 /// Prints `program: message` on one line of stderr.
 void print_error(const char* program, std::string message);
 

@@ -1,18 +1,69 @@
 #include "benchmarks/benchmark_program.h"
 
 #include <fmt/format.h>
+#include <regex.h>
 
-#include <optional>
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
 
 #include "benchmarks/arguments.h"
-#include "benchmarks/output_file.h"
+
+extern "C" char** environ;  // NOLINT(readability-redundant-declaration)
 
 namespace isosyrk {
 namespace {
 
 int failed_rows = 0;
 
-std::string prefix(const std::string& flag) { return fmt::format("--benchmark_{}=", flag); }
+// Google Benchmark divides 0 by 0 for the coefficient of variation of a counter that is always 0,
+// and prints NaN, which is not JSON.
+class StrictJsonReporter final : public benchmark::JSONReporter {
+ public:
+  void ReportRuns(const std::vector<Run>& runs) override {
+    std::vector<Run> finite = runs;
+    for (Run& run : finite) {
+      for (auto counter = run.counters.begin(); counter != run.counters.end();) {
+        counter =
+            std::isfinite(counter->second.value) ? std::next(counter) : run.counters.erase(counter);
+      }
+    }
+    JSONReporter::ReportRuns(finite);
+  }
+};
+
+// Google Benchmark's rule: an extended regular expression found anywhere in a name; a leading '-'
+// inverts it.
+bool matches_any(const std::string& filter, const std::vector<std::string>& names) {
+  const bool inverted = filter.starts_with('-');
+  regex_t expression;
+  if (regcomp(&expression, filter.c_str() + (inverted ? 1 : 0), REG_EXTENDED | REG_NOSUB) != 0) {
+    throw BadArgument(
+        fmt::format("--benchmark_filter={}: not a regular expression; must be one", filter));
+  }
+  const bool found = std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+    return (regexec(&expression, name.c_str(), 0, nullptr, 0) == 0) != inverted;
+  });
+  regfree(&expression);
+  return found;
+}
+
+// BENCHMARK_OUT and its like would pass by the checks of the arguments.
+void clear_environment() {
+  std::vector<std::string> names;
+  for (char** entry = environ; *entry != nullptr; ++entry) {
+    const std::string text = *entry;
+    if (text.starts_with("BENCHMARK_")) names.push_back(text.substr(0, text.find('=')));
+  }
+  for (const std::string& name : names) unsetenv(name.c_str());
+}
+
+bool is_whole_json(const std::string& path) {
+  std::ifstream input(path);
+  return nlohmann::json::accept(input);
+}
 
 }  // namespace
 
@@ -21,38 +72,86 @@ void fail_row(benchmark::State& state, const std::string& why) {
   state.SkipWithError(why.c_str());
 }
 
-std::string benchmark_flag(const std::vector<std::string>& arguments, const std::string& flag,
-                           const std::string& fallback) {
-  std::string value = fallback;
-  for (const std::string& argument : arguments) {
-    if (argument.starts_with(prefix(flag))) value = argument.substr(prefix(flag).size());
+BenchmarkArguments::BenchmarkArguments(const std::vector<std::string>& given,
+                                       const std::vector<std::string>& names) {
+  const std::string prefix = "--benchmark_";
+  for (const std::string& argument : given) {
+    if (!argument.starts_with(prefix)) {
+      throw BadArgument(
+          fmt::format("'{}': not an argument of this program (see --help)", argument));
+    }
+    const auto equals = argument.find('=');
+    const std::string flag = argument.substr(prefix.size(), equals - prefix.size());
+    take(flag, equals == std::string::npos ? "true" : argument.substr(equals + 1), names);
   }
-  return value;
 }
 
-int run_benchmarks(std::vector<std::string> arguments, const Conditions& conditions) {
-  std::optional<OutputFile> output;
-  for (std::string& argument : arguments) {
-    if (argument.starts_with(prefix("out"))) {
-      output.emplace("--benchmark_out", argument.substr(prefix("out").size()));
-      argument = prefix("out") + output->temporary_path();
-    }
+void BenchmarkArguments::take(const std::string& flag, const std::string& value,
+                              const std::vector<std::string>& names) {
+  const std::string option = "--benchmark_" + flag;
+  if (flag == "out") {
+    output_.emplace(option, value);
+    passed_on_.push_back(fmt::format("{}={}", option, output_->temporary_path()));
+    return;
   }
+  if (flag == "filter") {
+    if (!matches_any(value, names)) {
+      throw BadArgument(fmt::format("{}={}: matches no benchmark; names are like {}", option, value,
+                                    names.front()));
+    }
+  } else if (flag == "repetitions") {
+    repetitions_ = whole_number(option, value, 1, 1000);
+  } else if (flag == "min_time") {
+    const std::string allowed = "positive seconds, at most 3600";
+    const double seconds = real_number(option, value, allowed);
+    if (seconds <= 0.0 || seconds > 3600.0) {
+      throw BadArgument(fmt::format("{} {}: must be {}", option, value, allowed));
+    }
+  } else if (flag == "enable_random_interleaving" || flag == "report_aggregates_only" ||
+             flag == "display_aggregates_only" || flag == "counters_tabular" ||
+             flag == "list_tests") {
+    if (value != "true" && value != "false") {
+      throw BadArgument(fmt::format("{} '{}': must be true or false", option, value));
+    }
+  } else {
+    throw BadArgument(
+        fmt::format("'{}={}': not an argument of this program (see --help)", option, value));
+  }
+  passed_on_.push_back(fmt::format("{}={}", option, value));
+}
+
+int run_benchmarks(const std::string& program, BenchmarkArguments arguments,
+                   const Conditions& conditions) {
+  clear_environment();
+  const std::optional<OutputFile>& output = arguments.output_;
+  std::vector<std::string> passed_on = {program, "--benchmark_out_format=json"};
+  passed_on.insert(passed_on.end(), arguments.passed_on_.begin(), arguments.passed_on_.end());
   std::vector<char*> argv;
-  for (std::string& argument : arguments) argv.push_back(argument.data());
+  for (std::string& argument : passed_on) argv.push_back(argument.data());
   int argc = static_cast<int>(argv.size());
   benchmark::Initialize(&argc, argv.data());
-  if (argc > 1) throw BadArgument(fmt::format("'{}': not an argument of this program", argv[1]));
 
   for (const auto& [key, value] : conditions) benchmark::AddCustomContext(key, value);
-  const std::size_t matched = benchmark::RunSpecifiedBenchmarks();
+  StrictJsonReporter json;
+  // Without --benchmark_out Google Benchmark refuses a reporter for the file.
+  benchmark::RunSpecifiedBenchmarks(nullptr, output ? &json : nullptr);
   benchmark::Shutdown();
-  if (matched == 0) {
-    if (output) output->discard();
-    throw BadArgument(fmt::format("--benchmark_filter={}: matches no benchmark",
-                                  benchmark_flag(arguments, "filter", "")));
+  const auto listed = [](const std::string& argument) {
+    return argument == "--benchmark_list_tests=true";
+  };
+  if (output) {
+    if (std::any_of(passed_on.begin(), passed_on.end(), listed)) {
+      output->discard();
+    } else if (!is_whole_json(output->temporary_path())) {
+      output->discard();
+      throw BadArgument(fmt::format(
+          "--benchmark_out {}: could not be written whole; is the disk full?", output->path()));
+    } else {
+      output->commit();
+    }
   }
-  if (output && benchmark_flag(arguments, "list_tests", "false") == "false") output->commit();
+  std::cout.flush();
+  require_printed();
   return failed_rows == 0 ? exit_done : exit_solver_failed;
 }
 

@@ -3,10 +3,12 @@
 
 #include <benchmark/benchmark.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "benchmarks/conditions.h"
+#include "benchmarks/output_file.h"
 
 namespace isosyrk {
 
@@ -14,15 +16,32 @@ namespace isosyrk {
 /// Google Benchmark alone would leave at 0.
 void fail_row(benchmark::State& state, const std::string& why);
 
-/// Runs the registered benchmarks with Google Benchmark's own `arguments` (program name first) and
-/// returns the exit code: exit_bad_arguments for an argument that is not known, an output that
-/// cannot be written or a filter that matches nothing; exit_solver_failed if a row failed.
-/// --benchmark_out is written to a temporary neighbour and renamed at the end.
-/// Throws BadArgument.
-int run_benchmarks(std::vector<std::string> arguments, const Conditions& conditions);
+/// Those of Google Benchmark's arguments that our programs take, checked: what it finds wrong
+/// itself it reports in other words, other exit codes, or not at all.
+class BenchmarkArguments {
+ public:
+  /// `given` are arguments such as --benchmark_filter=n:17/, `names` those of all benchmarks of the
+  /// program.  Throws BadArgument for an argument or value that is not known, a filter that
+  /// matches none of the names, and an output that cannot be written.
+  BenchmarkArguments(const std::vector<std::string>& given, const std::vector<std::string>& names);
 
-/// The value of Google Benchmark's `--benchmark_<flag>=value` in the arguments, or `fallback`.
-std::string benchmark_flag(const std::vector<std::string>& arguments, const std::string& flag,
-                           const std::string& fallback);
+  long repetitions() const { return repetitions_; }
+
+ private:
+  friend int run_benchmarks(const std::string& program, BenchmarkArguments arguments,
+                            const Conditions& conditions);
+  void take(const std::string& flag, const std::string& value,
+            const std::vector<std::string>& names);
+
+  std::vector<std::string> passed_on_;
+  std::optional<OutputFile> output_;
+  long repetitions_ = 1;
+};
+
+/// Runs the registered benchmarks and returns the exit code: exit_solver_failed if a row failed.
+/// --benchmark_out is written to a temporary neighbour and renamed when it is whole.
+/// Throws BadArgument.
+int run_benchmarks(const std::string& program, BenchmarkArguments arguments,
+                   const Conditions& conditions);
 
 }  // namespace isosyrk

@@ -172,7 +172,8 @@ int main_program(int argc, char** argv) {
       app.add_option("--modes", text.modes, "initial modes, CSV with the header l,m,re,im");
   const auto* output =
       app.add_option("--output", text.output, "write W(T) as NumPy .npy, complex128");
-  app.add_flag("--json", json, "print one JSON object");
+  app.add_flag("--json", json, "print one JSON object")->disable_flag_override();
+  require_values(argc, argv);
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp& help) {
@@ -191,6 +192,7 @@ int main_program(int argc, char** argv) {
   } else {
     print_text(result);
   }
+  require_printed();
   if (outcome.run.converged()) return exit_done;
   print_error("integrate",
               fmt::format("{} at step {} of {} after {} sweeps in all, last change {:.3g}; no "

@@ -12,6 +12,11 @@ namespace {
 
 const std::vector<Index> sizes = {17, 33, 65, 129};
 
+std::string product_name(ProductBackend backend, Index n) {
+  return fmt::format("kernels/product/{}/n:{}", name(backend), n);
+}
+std::string poisson_name(Index n) { return fmt::format("kernels/poisson/n:{}", n); }
+
 // ‖C - AB‖_F / (‖A‖_F ‖B‖_F u), the error of a product in units of roundoff.
 double product_error(const Matrix& A, const Matrix& B, const Matrix& C) {
   using Extended = Eigen::Matrix<std::complex<long double>, Eigen::Dynamic, Eigen::Dynamic>;
@@ -65,14 +70,21 @@ int main_program(int argc, char** argv) {
       "Measures matrix products per backend, the Poisson solve and the core's multiply-add peak at "
       "n = 17, 33, 65, 129.  Takes Google Benchmark's arguments."};
   app.allow_extras();
+  require_values(argc, argv);
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp& help) {
     return app.exit(help);
   }
   use_one_blas_thread();
-  std::vector<std::string> arguments = {argv[0], "--benchmark_out_format=json"};
-  for (const std::string& extra : app.remaining()) arguments.push_back(extra);
+  std::vector<std::string> names = {"kernels/peak"};
+  for (const Index n : sizes) {
+    for (const ProductBackend backend : product_backends()) {
+      names.push_back(product_name(backend, n));
+    }
+    names.push_back(poisson_name(n));
+  }
+  const BenchmarkArguments arguments(app.remaining(), names);
 
   const double peak = measured_peak_flops();
   std::vector<BackendRates> rates;
@@ -80,14 +92,13 @@ int main_program(int argc, char** argv) {
   for (const Index n : sizes) {
     rates.push_back(choose_backend(std::nullopt, n));
     for (const ProductBackend backend : product_backends()) {
-      benchmark::RegisterBenchmark(fmt::format("kernels/product/{}/n:{}", name(backend), n).c_str(),
-                                   product, backend, n, peak)
+      benchmark::RegisterBenchmark(product_name(backend, n).c_str(), product, backend, n, peak)
           ->Unit(benchmark::kMicrosecond);
     }
-    benchmark::RegisterBenchmark(fmt::format("kernels/poisson/n:{}", n).c_str(), poisson, n)
+    benchmark::RegisterBenchmark(poisson_name(n).c_str(), poisson, n)
         ->Unit(benchmark::kMicrosecond);
   }
-  return run_benchmarks(arguments, machine_conditions("kernels", std::nullopt, rates));
+  return run_benchmarks(argv[0], arguments, machine_conditions("kernels", std::nullopt, rates));
 }
 
 }  // namespace

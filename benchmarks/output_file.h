@@ -15,6 +15,8 @@ class OutputFile {
   /// that is not a plain file).  Leaves nothing behind.
   OutputFile(std::string option, const std::string& path);
 
+  /// As the user named it.
+  const std::string& path() const { return shown_; }
   /// Where to write first.
   const std::string& temporary_path() const { return temporary_; }
   /// Moves what was written at temporary_path() into place.  Throws BadArgument.

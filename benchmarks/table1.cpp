@@ -22,6 +22,10 @@ constexpr long step_total = 50;
 const std::vector<Index> sizes = {17, 33, 65, 129};
 const std::vector<int> stage_counts = {1, 2, 3};
 
+std::string cell_name(Formulation formulation, Index n, int s) {
+  return fmt::format("table1/{}/n:{}/s:{}", name(formulation), n, s);
+}
+
 // What a run does besides taking time: measured once per cell, in an untimed run.
 struct Quality {
   RunReport run;
@@ -92,7 +96,7 @@ class Table1 : public benchmark::Fixture {
  public:
   Table1(Formulation formulation, Index n, int s, const SolverOptions& options,
          ProductBackend backend, Progress* progress)
-      : name_(fmt::format("table1/{}/n:{}/s:{}", isosyrk::name(formulation), n, s)),
+      : name_(cell_name(formulation, n, s)),
         formulation_(formulation),
         n_(n),
         s_(s),
@@ -175,6 +179,7 @@ int main_program(int argc, char** argv) {
   std::string max_sweeps = "1000";
   app.add_option("--max-sweeps", max_sweeps, "sweeps allowed in a step (default 1000)");
   app.allow_extras();
+  require_values(argc, argv);
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp& help) {
@@ -185,10 +190,14 @@ int main_program(int argc, char** argv) {
   SolverOptions options;
   options.max_sweeps = static_cast<int>(whole_number("--max-sweeps", max_sweeps, 1, 1000000));
 
-  std::vector<std::string> arguments = {argv[0], "--benchmark_out_format=json"};
-  for (const std::string& extra : app.remaining()) arguments.push_back(extra);
-  Progress progress(sizes.size() * stage_counts.size() * formulations().size(),
-                    std::atol(benchmark_flag(arguments, "repetitions", "1").c_str()));
+  std::vector<std::string> names;
+  for (const Index n : sizes) {
+    for (const Formulation formulation : formulations()) {
+      for (const int s : stage_counts) names.push_back(cell_name(formulation, n, s));
+    }
+  }
+  const BenchmarkArguments arguments(app.remaining(), names);
+  Progress progress(names.size(), arguments.repetitions());
 
   std::vector<BackendRates> rates;
   for (const Index n : sizes) {
@@ -207,7 +216,7 @@ int main_program(int argc, char** argv) {
   if (const std::string remark = notice(); !remark.empty()) {
     std::fputs(fmt::format("table1: note: {}\n", remark).c_str(), stderr);
   }
-  return run_benchmarks(arguments, conditions);
+  return run_benchmarks(argv[0], arguments, conditions);
 }
 
 }  // namespace

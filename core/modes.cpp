@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 #include <stdexcept>
 #include <utility>
@@ -90,11 +91,22 @@ RealVector harmonic(Index n, int l, int m) {
 
 Matrix vorticity_from_modes(const std::vector<Mode>& modes, Index n) {
   require_valid(modes, n);
+  // W is scaled in the end, so that a power of two may be taken out first: squares of very large or
+  // very small values would not be finite or not be there.
+  double largest = 0.0;
+  for (const Mode& mode : modes) {
+    largest = std::max({largest, std::abs(mode.value.real()), std::abs(mode.value.imag())});
+  }
+  const int exponent = std::ilogb(largest);
+  const auto scaled = [exponent](Complex value) {
+    return Complex(std::scalbn(value.real(), -exponent), std::scalbn(value.imag(), -exponent));
+  };
   const Complex imaginary_unit(0.0, 1.0);
   Matrix W = Matrix::Zero(n, n);
   for (const Mode& mode : modes) {
     const RealVector T = harmonic(n, mode.l, mode.m);
-    for (Index i = 0; i < T.size(); ++i) W(i, i + mode.m) += imaginary_unit * mode.value * T(i);
+    for (Index i = 0; i < T.size(); ++i)
+      W(i, i + mode.m) += imaginary_unit * scaled(mode.value) * T(i);
   }
   for (Index i = 0; i < n; ++i) {
     for (Index k = i + 1; k < n; ++k) W(k, i) = -std::conj(W(i, k));

@@ -130,6 +130,17 @@ TEST(InitialVorticity, IsSkewHermitianTraceFreeAndOfNorm1) {
   }
 }
 
+TEST(InitialVorticity, DoesNotDependOnTheScaleOfTheModes) {
+  const Matrix W = vorticity_from_modes({{1, 1, {0.3, -0.8}}, {2, 0, 0.5}}, 9);
+  for (const double scale : {0x1p900, 0x1p-900, 0x1p1000}) {
+    const Matrix V =
+        vorticity_from_modes({{1, 1, {0.3 * scale, -0.8 * scale}}, {2, 0, 0.5 * scale}}, 9);
+    EXPECT_EQ(W, V) << scale;
+  }
+  const double smallest = std::numeric_limits<double>::denorm_min();
+  EXPECT_TRUE(vorticity_from_modes({{2, 1, smallest}}, 9).allFinite());
+}
+
 TEST(InitialVorticity, GivesTheStatedStiffnessAtEverySize) {
   // h |B(W0)| at h = 0.1, as stated for these modes.
   const std::vector<std::pair<Index, double>> stated = {

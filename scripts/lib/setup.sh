@@ -28,14 +28,13 @@ install_packages() {
   mapfile -t missing < <(missing_packages)
   [ "${#missing[@]}" -eq 0 ] && return 0
   [ "$1" = yes ] || die 2 "missing packages, not installed because of --no-install: ${missing[*]}"
-  local as_root=()
+  local as_root=(env DEBIAN_FRONTEND=noninteractive)
   if [ "$(id -u)" -ne 0 ]; then
     command -v sudo >/dev/null ||
       die 2 "missing packages, and neither root nor sudo to install them: ${missing[*]}"
-    as_root=(sudo)
+    as_root=(sudo "${as_root[@]}")  # sudo would not pass the environment on
   fi
   say "Installing: ${missing[*]}"
-  export DEBIAN_FRONTEND=noninteractive
   "${as_root[@]}" apt-get update -qq >&2 || die 2 "apt-get update failed"
   "${as_root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >&2 ||
     die 2 "apt-get install failed for: ${missing[*]}"

@@ -1,0 +1,160 @@
+"""What the tests that run programs and scripts from outside share. Standard library only, Python 3.9 or later."""
+
+import ast
+import json
+import os
+import shutil
+import signal
+import struct
+import subprocess
+import tempfile
+import unittest
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+BUILD = os.environ.get("ISOSYRK_BUILD") or os.path.join(ROOT, "build")
+DATA = os.path.join(ROOT, "tests", "data")
+
+DONE, BAD_ARGUMENTS, SOLVER_FAILED = 0, 2, 3
+FORMULATIONS = ("cotangent", "group", "algebra")
+
+
+def is_sanitized():
+    """Tells whether the programs carry AddressSanitizer, under which n > 33 takes too long."""
+    if os.environ.get("ISOSYRK_SANITIZE"):
+        return os.environ["ISOSYRK_SANITIZE"] == "1"
+    try:
+        with open(os.path.join(BUILD, "CMakeCache.txt"), encoding="utf-8") as cache:
+            return any(line.startswith("ISOSYRK_SANITIZE:BOOL=ON") for line in cache)
+    except OSError:
+        return False
+
+
+SANITIZED = is_sanitized()
+
+
+def program(name):
+    return os.path.join(BUILD, "benchmarks", name)
+
+
+def environment(**changes):
+    """Returns this environment without what steers OpenBLAS and Google Benchmark; None removes a variable."""
+    steering = ("OPENBLAS_", "OMP_", "BENCHMARK_")
+    result = {name: value for name, value in os.environ.items() if not name.startswith(steering)}
+    result["LC_ALL"] = "C"
+    for name, value in changes.items():
+        if value is None:
+            result.pop(name, None)
+        else:
+            result[name] = value
+    return result
+
+
+def default_signals():
+    """Undoes what a background job inherits: there SIGINT is ignored, and so would a test's be."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+
+def run(command, timeout=60, env=None, prepare=None, **streams):
+    """Runs a command to its end; its output is text. `prepare` is called in the child before it starts."""
+    streams = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **streams}
+    return subprocess.run(command, timeout=timeout, env=env or environment(), preexec_fn=prepare, check=False,
+                          encoding="utf-8", errors="replace", **streams)
+
+
+def start(command, env=None, **streams):
+    """Starts a command as leader of a process group of its own, as a terminal does."""
+    return subprocess.Popen(command, env=env or environment(), preexec_fn=default_signals, start_new_session=True,
+                            stdin=subprocess.DEVNULL, encoding="utf-8", errors="replace", **streams)
+
+
+def end(process):
+    """Ends what is left of a started process and its group."""
+    try:
+        os.killpg(process.pid, signal.SIGKILL)
+    except ProcessLookupError:
+        pass
+    process.wait()
+    for stream in (process.stdout, process.stderr):
+        if stream:
+            stream.close()
+
+
+def strict_json(text):
+    """Parses exactly one JSON value; a bare NaN or a repeated key is an error, as other readers have it."""
+    def refuse(constant):
+        raise ValueError(f"{constant} is not JSON")
+
+    def unique(pairs):
+        if len({key for key, _ in pairs}) != len(pairs):
+            raise ValueError("a key stands twice")
+        return dict(pairs)
+
+    return json.loads(text, parse_constant=refuse, object_pairs_hook=unique)
+
+
+def read_npy(path):
+    """Returns the rows of a square complex128 .npy file in C order; anything else raises ValueError."""
+    with open(path, "rb") as stream:
+        contents = stream.read()
+    if contents[:8] != b"\x93NUMPY\x01\x00":
+        raise ValueError("not a .npy file of format 1.0")
+    (header_length,) = struct.unpack("<H", contents[8:10])
+    begin = 10 + header_length
+    header = ast.literal_eval(contents[10:begin].decode("ascii"))
+    if begin % 64 != 0 or contents[begin - 1:begin] != b"\n":
+        raise ValueError("the header is not padded to 64 bytes")
+    rows, columns = header["shape"]
+    if header != {"descr": "<c16", "fortran_order": False, "shape": (rows, columns)}:
+        raise ValueError(f"not complex128 in C order: {header}")
+    if len(contents) - begin != 16 * rows * columns:
+        raise ValueError(f"{len(contents) - begin} bytes of data for {rows} x {columns} entries")
+    parts = struct.unpack(f"<{2 * rows * columns}d", contents[begin:])
+    entries = [complex(re, im) for re, im in zip(parts[::2], parts[1::2])]
+    return [entries[i * columns:(i + 1) * columns] for i in range(rows)]
+
+
+def snapshot(folder):
+    """Returns every file under a folder with its bytes, and every folder, hidden ones too."""
+    found = {}
+    for place, folders, files in os.walk(folder):
+        for name in folders:
+            found[os.path.relpath(os.path.join(place, name), folder)] = None
+        for name in files:
+            path = os.path.join(place, name)
+            if os.path.isfile(path):
+                with open(path, "rb") as stream:
+                    found[os.path.relpath(path, folder)] = stream.read()
+    return found
+
+
+class FolderTest(unittest.TestCase):
+    """Every test has a folder of its own, removed at its end."""
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="isosyrk-")
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+
+    def path(self, *names):
+        return os.path.join(self.folder, *names)
+
+    def write(self, name, text, executable=False):
+        path = self.path(name)
+        os.makedirs(os.path.dirname(path), exist_ok=True)
+        with open(path, "w", encoding="utf-8") as stream:
+            stream.write(text)
+        if executable:
+            os.chmod(path, 0o755)
+        return path
+
+    def assert_one_line(self, text, *parts):
+        self.assertEqual(text.count("\n"), 1, f"not exactly one line: {text!r}")
+        self.assertTrue(text.endswith("\n"), f"not a whole line: {text!r}")
+        for part in parts:
+            self.assertIn(part, text)
+
+    def assert_refused(self, result, *parts):
+        """Exit 2, nothing on stdout, and one line on stderr with every one of `parts` in it."""
+        self.assertEqual(result.returncode, BAD_ARGUMENTS, result.stderr)
+        self.assertEqual(result.stdout, "")
+        self.assert_one_line(result.stderr, *parts)

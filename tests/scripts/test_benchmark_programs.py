@@ -1,0 +1,423 @@
+"""Tests of build/benchmarks/table1 and build/benchmarks/kernels from outside.
+
+Run with: python3 -m unittest discover -s tests/scripts
+"""
+
+import math
+import os
+import platform
+import resource
+import shutil
+import signal
+import stat
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+
+from programs import (DONE, FORMULATIONS, ROOT, SANITIZED, SOLVER_FAILED, FolderTest, end, environment, program, run,
+                      snapshot, start, strict_json)
+
+PROGRAMS = ("table1", "kernels")
+BACKENDS = ("openblas", "eigen")
+BRIEF = ("--benchmark_filter=n:17", "--benchmark_min_time=0.01")
+ONE_ROW = ("--benchmark_filter=table1/group/n:17/s:1", "--benchmark_min_time=0.01")
+COUNTERS = ("sweeps_per_step", "products", "poisson_solves", "spectrum_error", "skew_defect", "energy_error",
+            "h_norm_B", "product_share")
+MACHINE_CONTEXT = ("isosyrk_program", "isosyrk_format", "commit", "dirty", "compiler", "flags", "build_type", "cpu",
+                   "vector_units", "load_average", "blas_library", "blas_kernels", "blas_threads", "environment",
+                   "products", "product_rate", "peak_gflops", "notice")
+SOLVER_CONTEXT = ("tolerance", "norm", "start", "update_order", "hbar", "modes_hash")
+EARLIER = "an earlier result"
+
+
+def measure(name, path, *arguments, **changes):
+    """Runs a program with --benchmark_out and returns how it ended and its raw file."""
+    done = run([program(name), f"--benchmark_out={path}", *arguments], env=environment(**changes))
+    with open(path, encoding="utf-8") as stream:
+        return done, strict_json(stream.read())
+
+
+class MeasuredTest(unittest.TestCase):
+    """One run for all tests of a class."""
+
+    program = "table1"
+    arguments = BRIEF
+    changes = {}
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(prefix="isosyrk-")
+        cls.addClassCleanup(shutil.rmtree, cls.folder, ignore_errors=True)
+        cls.path = os.path.join(cls.folder, "raw.json")
+        cls.done, cls.raw = measure(cls.program, cls.path, *cls.arguments, **cls.changes)
+        cls.context, cls.rows = cls.raw["context"], cls.raw["benchmarks"]
+
+
+class Table1(MeasuredTest):
+    def test_a_complete_run_ends_with_0(self):
+        self.assertEqual(self.done.returncode, DONE, self.done.stderr)
+
+    def test_every_formulation_and_stage_count_has_one_row(self):
+        expected = [f"table1/{formulation}/n:17/s:{s}" for formulation in FORMULATIONS for s in (1, 2, 3)]
+        self.assertEqual(sorted(row["run_name"].split("/min_time")[0] for row in self.rows), sorted(expected))
+
+    def test_every_row_has_every_counter_finite(self):
+        for row in self.rows:
+            for counter in COUNTERS:
+                with self.subTest(row=row["run_name"], counter=counter):
+                    self.assertTrue(math.isfinite(row[counter]))
+
+    def test_every_row_has_a_time(self):
+        for row in self.rows:
+            self.assertGreater(row["cpu_time"], 0, row["run_name"])
+
+    def test_product_share_is_a_share(self):
+        for row in self.rows:
+            with self.subTest(row=row["run_name"]):
+                self.assertGreater(row["product_share"], 0)
+                self.assertLess(row["product_share"], 1.5)  # the rate is measured beside the run: above 1 by noise
+
+    def test_counts_are_those_of_50_steps(self):
+        for row in self.rows:
+            with self.subTest(row=row["run_name"]):
+                sweeps = 50 * row["sweeps_per_step"]
+                self.assertAlmostEqual(sweeps, round(sweeps), places=6)
+                self.assertGreaterEqual(row["products"], 2 * sweeps)
+                self.assertGreaterEqual(row["poisson_solves"], sweeps)
+
+    def test_algebra_keeps_the_algebra_exactly(self):
+        for row in self.rows:
+            if "/algebra/" in row["run_name"]:
+                self.assertEqual(row["skew_defect"], 0.0)
+
+    def test_the_spectrum_is_kept(self):
+        for row in self.rows:
+            self.assertLessEqual(row["spectrum_error"], 1e-11, row["run_name"])
+
+    def test_every_condition_is_recorded(self):
+        for field in (*MACHINE_CONTEXT, *SOLVER_CONTEXT):
+            with self.subTest(field=field):
+                self.assertIsInstance(self.context[field], str)
+                self.assertTrue(self.context[field] or field == "notice")
+
+    def test_the_program_names_itself(self):
+        self.assertEqual((self.context["isosyrk_program"], self.context["isosyrk_format"]), ("table1", "1"))
+
+    def test_one_blas_thread_runs(self):
+        self.assertEqual(self.context["blas_threads"], "1")
+
+    def test_a_clean_environment_is_recorded_as_such(self):
+        self.assertNotIn("=", self.context["environment"])
+
+    def test_dirty_is_yes_or_no(self):
+        self.assertIn(self.context["dirty"], ("yes", "no", "unknown"))
+
+    def test_rates_are_measured_for_every_backend(self):
+        for backend in BACKENDS:
+            self.assertIn(backend, self.context["product_rate"])
+
+    def test_progress_names_every_row(self):
+        for row in self.rows:
+            self.assertIn(row["run_name"], self.done.stderr)
+
+    def test_nothing_but_the_raw_file_is_left(self):
+        self.assertEqual(os.listdir(self.folder), ["raw.json"])
+
+    def test_the_renderer_reads_it(self):
+        rendered = run([sys.executable, os.path.join(ROOT, "scripts", "render_table1"), self.path])
+        self.assertEqual((rendered.returncode, rendered.stderr), (DONE, ""))
+        self.assertIn("Table 1", rendered.stdout)
+        self.assertNotIn("failed", rendered.stdout)
+
+
+class Table1WithoutEnoughSweeps(MeasuredTest):
+    arguments = (*BRIEF, "--max-sweeps", "5")
+
+    def test_the_run_ends_with_3(self):
+        self.assertEqual(self.done.returncode, SOLVER_FAILED)
+
+    def test_every_row_is_an_error_row_that_says_sweep_cap(self):
+        self.assertEqual(len(self.rows), 9)
+        for row in self.rows:
+            self.assertIs(row["error_occurred"], True)
+            self.assertIn("sweep cap", row["error_message"])
+
+    def test_no_row_has_a_time(self):
+        for row in self.rows:
+            self.assertEqual((row["iterations"], row["cpu_time"], row["real_time"]), (0, 0, 0))
+
+    def test_no_row_has_counters(self):
+        for row in self.rows:
+            self.assertFalse(set(COUNTERS) & set(row))
+
+    def test_the_cap_is_recorded(self):
+        self.assertEqual(self.context["max_sweeps"], "5")
+
+    def test_the_renderer_marks_the_failed_cells(self):
+        rendered = run([sys.executable, os.path.join(ROOT, "scripts", "render_table1"), self.path])
+        self.assertEqual((rendered.returncode, rendered.stderr), (DONE, ""))
+        self.assertIn("sweep cap", rendered.stdout)
+        self.assertNotIn("holds", rendered.stdout)
+
+
+class Table1WithEigen(MeasuredTest):
+    arguments = (*BRIEF, "--products", "eigen")
+
+    def test_the_choice_is_recorded(self):
+        self.assertIn("as asked", self.context["products"])
+        self.assertIn("n=17 eigen", self.context["products"])
+        self.assertNotIn("openblas", self.context["products"])
+
+    def test_the_choice_is_honoured(self):
+        # Two libraries add in different orders; the rounding that remains tells them apart.
+        _, other = measure("table1", os.path.join(self.folder, "openblas.json"), *BRIEF, "--products", "openblas")
+        left_by = [[(row["spectrum_error"], row["skew_defect"]) for row in rows]
+                   for rows in (self.rows, other["benchmarks"])]
+        self.assertNotEqual(*left_by)
+
+
+@unittest.skipIf(SANITIZED, "every start measures rates up to n = 129")
+class Table1WithInheritedKernels(MeasuredTest):
+    """OPENBLAS_CORETYPE in the environment decides which kernels run; it must be seen in the raw file."""
+
+    arguments = ONE_ROW
+    changes = {"OPENBLAS_CORETYPE": "Nehalem"}
+
+    @classmethod
+    def setUpClass(cls):
+        if platform.machine() not in ("x86_64", "AMD64"):
+            raise unittest.SkipTest("Nehalem kernels are for x86-64")
+        super().setUpClass()
+        if "DYNAMIC_ARCH" not in cls.context["blas_library"]:
+            raise unittest.SkipTest("this OpenBLAS has one set of kernels")
+
+    def test_the_environment_is_recorded(self):
+        self.assertIn("OPENBLAS_CORETYPE=Nehalem", self.context["environment"])
+
+    def test_the_notice_tells_it(self):
+        self.assertIn("OPENBLAS_CORETYPE=Nehalem", self.context["notice"])
+
+    def test_the_notice_is_printed(self):
+        self.assertIn("OPENBLAS_CORETYPE=Nehalem", self.done.stderr)
+
+    def test_the_kernels_really_picked_are_recorded(self):
+        self.assertEqual(self.context["blas_kernels"], "Nehalem")
+
+    def test_without_the_variable_other_kernels_run(self):
+        if os.path.exists("/proc/cpuinfo"):
+            with open("/proc/cpuinfo", encoding="utf-8") as info:
+                if " avx2 " not in info.read():
+                    self.skipTest("this processor may run Nehalem kernels by itself")
+        _, raw = measure("table1", os.path.join(self.folder, "free.json"), *ONE_ROW)
+        self.assertNotEqual(raw["context"]["blas_kernels"], "Nehalem")
+
+    def test_a_name_openblas_does_not_know_is_told_with_the_kernels_that_run(self):
+        _, raw = measure("table1", os.path.join(self.folder, "unknown.json"), *ONE_ROW, OPENBLAS_CORETYPE="Abacus")
+        self.assertIn("OPENBLAS_CORETYPE=Abacus", raw["context"]["notice"])
+        self.assertIn(raw["context"]["blas_kernels"], raw["context"]["notice"])
+
+    def test_more_threads_asked_for_are_recorded_but_do_not_run(self):
+        _, raw = measure("table1", os.path.join(self.folder, "threads.json"), *ONE_ROW, OPENBLAS_NUM_THREADS="2")
+        self.assertIn("OPENBLAS_NUM_THREADS=2", raw["context"]["environment"])
+        self.assertEqual(raw["context"]["blas_threads"], "1")
+
+
+class Kernels(MeasuredTest):
+    program = "kernels"
+    arguments = ("--benchmark_filter=n:17$|peak", "--benchmark_min_time=0.01")
+
+    def named(self, name):
+        rows = [row for row in self.rows if row["run_name"] == name]
+        self.assertEqual(len(rows), 1, name)
+        return rows[0]
+
+    def products(self):
+        return [self.named(f"kernels/product/{backend}/n:17") for backend in BACKENDS]
+
+    def test_a_complete_run_ends_with_0(self):
+        self.assertEqual(self.done.returncode, DONE, self.done.stderr)
+
+    def test_peak_products_and_poisson_solve_have_one_row_each(self):
+        expected = ["kernels/peak", "kernels/poisson/n:17", *(f"kernels/product/{each}/n:17" for each in BACKENDS)]
+        self.assertEqual(sorted(row["run_name"] for row in self.rows), sorted(expected))
+
+    def test_every_size_has_its_rows(self):
+        listed = run([program("kernels"), "--benchmark_list_tests"]).stdout.split()
+        for n in (17, 33, 65, 129):
+            self.assertIn(f"kernels/poisson/n:{n}", listed)
+            for backend in BACKENDS:
+                self.assertIn(f"kernels/product/{backend}/n:{n}", listed)
+
+    def test_peak_is_positive(self):
+        self.assertGreater(self.named("kernels/peak")["gflops"], 0)
+
+    @unittest.skipIf(SANITIZED, "the peak is that of sanitised code, OpenBLAS is not sanitised")
+    def test_share_of_peak_is_a_share(self):
+        for row in self.products():
+            with self.subTest(row=row["run_name"]):
+                self.assertGreater(row["share_of_peak"], 0)
+                self.assertLess(row["share_of_peak"], 1.2)  # both are measured: above 1 by noise
+
+    def test_products_are_accurate(self):
+        # ‖C - AB‖ ≤ (n + 2) √2 u ‖A‖ ‖B‖ for complex products; in units of u ‖A‖ ‖B‖ below 2 (n + 2).
+        for row in self.products():
+            self.assertLess(row["error_in_roundoffs"], 2 * (17 + 2))
+
+    def test_poisson_residual_is_rounding(self):
+        # The condition of the Laplacian grows as n², the residual in units of roundoff no faster.
+        self.assertLess(self.named("kernels/poisson/n:17")["residual"], 17 * 17 * 2.0 ** -53)
+
+    def test_every_condition_is_recorded(self):
+        for field in MACHINE_CONTEXT:
+            with self.subTest(field=field):
+                self.assertIsInstance(self.context[field], str)
+                self.assertTrue(self.context[field] or field == "notice")
+
+    def test_the_program_names_itself(self):
+        self.assertEqual(self.context["isosyrk_program"], "kernels")
+
+
+class Refusals(FolderTest):
+    """Exit 2 and one line; an earlier raw file stays as it was, alone in its folder."""
+
+    def setUp(self):
+        super().setUp()
+        self.output = self.write("out/raw.json", EARLIER)
+
+    def refuses(self, name, arguments, *parts, timeout=30):
+        before = snapshot(self.folder)
+        try:
+            done = run([program(name), *arguments], timeout=timeout)
+        except subprocess.TimeoutExpired:
+            self.fail(f"not refused within {timeout} s")
+        self.assert_refused(done, *parts)
+        self.assertEqual(snapshot(self.folder), before)
+
+    def refuses_beside_output(self, name, argument, *parts, **options):
+        with self.subTest(program=name, argument=argument):
+            self.refuses(name, [f"--benchmark_out={self.output}", *argument.split()], *parts, **options)
+
+    def refuses_path(self, path, *parts, programs=("table1",)):
+        for name in programs:
+            with self.subTest(program=name):
+                self.refuses(name, [*BRIEF, f"--benchmark_out={path}"], "--benchmark_out", path, *parts)
+
+    def test_a_filter_that_matches_nothing(self):
+        for name in PROGRAMS:
+            self.refuses_beside_output(name, "--benchmark_filter=nothing", "--benchmark_filter", "nothing")
+
+    def test_a_filter_that_is_no_regular_expression(self):
+        for name in PROGRAMS:
+            self.refuses_beside_output(name, "--benchmark_filter=n:17/(", "--benchmark_filter", "n:17/(")
+
+    def test_an_unknown_argument(self):
+        for name in PROGRAMS:
+            for argument in ("--benchmark_fliter=x", "--speed"):
+                self.refuses_beside_output(name, argument, argument)
+
+    def test_a_stray_word(self):
+        for name in PROGRAMS:
+            self.refuses_beside_output(name, "perhaps", "perhaps")
+
+    def test_products_is_a_backend_or_fastest(self):
+        for value in ("abacus", "Eigen"):
+            self.refuses_beside_output("table1", f"--products {value}", "--products", value, "fastest", *BACKENDS)
+
+    def test_max_sweeps_is_at_least_1(self):
+        for value in ("0", "-1", "x", "2.5"):
+            self.refuses_beside_output("table1", f"--max-sweeps {value}", "--max-sweeps", value, "1 to ")
+
+    def test_a_missing_value_is_named(self):
+        for argument in ("--products", "--max-sweeps"):
+            self.refuses_beside_output("table1", argument, argument)
+
+    def test_a_bad_value_for_google_benchmark_is_named(self):
+        for argument in ("--benchmark_repetitions=x", "--benchmark_repetitions=0", "--benchmark_repetitions=-1",
+                         "--benchmark_min_time=x", "--benchmark_min_time=nan", "--benchmark_time_unit=parsec"):
+            self.refuses_beside_output("table1", f"{ONE_ROW[0]} {argument}", *argument.split("="), timeout=5)
+
+    def test_an_output_in_a_missing_folder(self):
+        self.refuses_path(self.path("nowhere", "raw.json"), programs=PROGRAMS)
+
+    def test_an_output_that_is_a_directory(self):
+        self.refuses_path(self.folder, "file")
+
+    def test_an_output_that_is_empty(self):
+        self.refuses_path("", "value")
+
+    def test_an_output_under_a_file(self):
+        self.refuses_path(os.path.join(self.output, "raw.json"))
+
+    def test_an_output_that_is_a_device(self):
+        self.refuses_path("/dev/null", "file")
+        self.assertTrue(stat.S_ISCHR(os.stat("/dev/null").st_mode))
+
+    @unittest.skipIf(os.geteuid() == 0, "root writes everywhere")
+    def test_an_output_in_a_read_only_folder(self):
+        os.mkdir(self.path("closed"), 0o555)
+        self.refuses_path(self.path("closed", "raw.json"))
+
+    def test_help_is_no_error(self):
+        for name in PROGRAMS:
+            done = run([program(name), "--help"])
+            self.assertEqual((done.returncode, done.stderr), (DONE, ""))
+            self.assertIn("benchmark", done.stdout)
+
+
+class EarlierFile(FolderTest):
+    """What stands at --benchmark_out stays until the new file is complete."""
+
+    def setUp(self):
+        super().setUp()
+        self.output = self.write("raw.json", EARLIER)
+
+    def assert_earlier_file(self):
+        with open(self.output, encoding="utf-8") as stream:
+            self.assertEqual(stream.read(), EARLIER)
+
+    def kill_in_the_middle(self, number):
+        process = start([program("table1"), "--benchmark_filter=n:17/", "--benchmark_min_time=20",
+                         f"--benchmark_out={self.output}"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        self.addCleanup(end, process)
+        watchdog = threading.Timer(40, process.kill)
+        watchdog.start()
+        self.addCleanup(watchdog.cancel)
+        for line in process.stderr:
+            if "s a run" in line:  # a row is being measured
+                break
+        self.assertIsNone(process.poll(), "ended before it could be interrupted")
+        self.assert_earlier_file()
+        process.send_signal(number)
+        self.assertNotEqual(process.wait(timeout=20), DONE)
+        self.assert_earlier_file()
+
+    def test_a_termination_leaves_it_alone(self):
+        self.kill_in_the_middle(signal.SIGTERM)
+
+    def test_an_interrupt_leaves_it_alone(self):
+        self.kill_in_the_middle(signal.SIGINT)
+
+    def test_a_complete_run_replaces_it(self):
+        done, raw = measure("table1", self.output, *ONE_ROW)
+        self.assertEqual(done.returncode, DONE)
+        self.assertEqual(len(raw["benchmarks"]), 1)
+
+    def test_listing_the_names_leaves_it_alone(self):
+        done = run([program("table1"), "--benchmark_list_tests", f"--benchmark_out={self.output}"])
+        self.assertEqual(len(done.stdout.split()), 36)
+        self.assertEqual(snapshot(self.folder), {"raw.json": EARLIER.encode()})
+
+    def test_a_full_disk_leaves_it_alone_and_is_no_success(self):
+        def small_files_only():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # writing fails as on a full disk
+            resource.setrlimit(resource.RLIMIT_FSIZE, (1024, 1024))
+
+        done = run([program("table1"), f"--benchmark_out={self.output}", *ONE_ROW], prepare=small_files_only)
+        self.assert_earlier_file()
+        self.assertNotEqual(done.returncode, DONE)
+
+
+if __name__ == "__main__":
+    unittest.main()

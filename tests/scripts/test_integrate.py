@@ -1,0 +1,544 @@
+"""Tests of build/benchmarks/integrate from outside: what it refuses, what it answers, and how it fails.
+
+Run with: python3 -m unittest discover -s tests/scripts
+"""
+
+import csv
+import math
+import os
+import signal
+import stat
+import subprocess
+import unittest
+
+from programs import (DATA, DONE, FORMULATIONS, SANITIZED, SOLVER_FAILED, FolderTest, end, program, read_npy, run,
+                      snapshot, start, strict_json)
+
+# The project's answers must agree with the references to 1e-11; see tests/data.
+TOLERANCE = 1e-11
+SHORT = {"n": "17", "stages": "2", "formulation": "group", "step": "0.1", "time": "0.5"}
+WHOLE = {**SHORT, "time": "5"}
+DIVERGING = {**SHORT, "n": "129", "step": "0.4", "time": "4"}
+PROMISED_KEYS = {"n", "stages", "formulation", "step", "steps", "tolerance", "converged", "status", "sweeps_total",
+                 "products", "seconds", "spectrum_error", "skew_defect", "energy_error"}
+EARLIER = "an earlier result"
+
+
+def command(arguments, *flags, **changes):
+    """Returns a command line; a change to None drops the argument, and max_sweeps stands for --max-sweeps."""
+    line = [program("integrate")]
+    for name, value in {**arguments, **changes}.items():
+        if value is not None:
+            line += ["--" + name.replace("_", "-"), value]
+    return line + list(flags)
+
+
+def read_reference(name):
+    """Returns the rows of a reference matrix, given as CSV lines i,j,re,im."""
+    with open(os.path.join(DATA, name), newline="", encoding="utf-8") as stream:
+        entries = {(int(row["i"]), int(row["j"])): complex(float(row["re"]), float(row["im"]))
+                   for row in csv.DictReader(stream)}
+    n = 1 + max(i for i, _ in entries)
+    return [[entries[i, j] for j in range(n)] for i in range(n)]
+
+
+def disagreement(W, reference, tolerance):
+    """Returns what is wrong with W, or None if it has the shape of the reference and every entry agrees."""
+    if [len(row) for row in W] != [len(row) for row in reference]:
+        return "another shape"
+    for i, (row, expected_row) in enumerate(zip(W, reference)):
+        for j, (entry, expected) in enumerate(zip(row, expected_row)):
+            if not abs(entry - expected) <= tolerance:  # so that NaN is a disagreement
+                return f"entry ({i}, {j}) is {entry}, expected {expected} within {tolerance}"
+    return None
+
+
+class IntegrateTest(FolderTest):
+    def result(self, arguments, *flags, **changes):
+        """Runs to the end and returns the JSON object and W."""
+        output = self.path("W.npy")
+        done = run(command(arguments, "--json", "--output", output, *flags, **changes))
+        self.assertEqual(done.returncode, DONE, done.stderr)
+        self.assertEqual(done.stderr, "")
+        return strict_json(done.stdout), read_npy(output)
+
+    def assert_agrees(self, W, reference, tolerance):
+        self.assertIsNone(disagreement(W, reference, tolerance))
+
+
+class RefusalTest(IntegrateTest):
+    """Every refusal stands beside an earlier output file, which must stay as it was, alone in its folder."""
+
+    def setUp(self):
+        super().setUp()
+        self.output = self.write("out/W.npy", EARLIER)
+
+    def assert_refused_alone(self, line, *parts):
+        before = snapshot(self.folder)
+        self.assert_refused(run(line), *parts)
+        self.assertEqual(snapshot(self.folder), before)
+
+
+class RefusedArguments(RefusalTest):
+    def refuses(self, argument, values, *allowed):
+        for value in values:
+            with self.subTest(argument=argument, value=value):
+                line = command(SHORT, "--output", self.output, **{argument: value})
+                self.assert_refused_alone(line, "--" + argument.replace("_", "-"), value, *allowed)
+
+    def test_n_is_a_whole_number_from_2_to_4096(self):
+        values = ("x", "17x", "17.0", "0x11", " 17", "", "nan", "-3", "0", "1", "4097", "1e9", "1000000000", "9" * 30)
+        self.refuses("n", values, "2 to 4096")
+
+    def test_stages_is_a_whole_number_from_1_to_20(self):
+        self.refuses("stages", ("0", "-1", "21", "x", "2.5", "", "1e0", "9" * 30), "1 to 20")
+
+    def test_step_is_positive_and_finite(self):
+        self.refuses("step", ("0", "-0", "-0.1", "nan", "inf", "-inf", "x", "0.1x", "", "1e400"), "positive and finite")
+
+    def test_time_is_not_negative_and_finite(self):
+        self.refuses("time", ("-1", "-0.1", "nan", "inf", "x", ""), "0 or positive, and finite")
+
+    def test_time_is_a_whole_number_of_steps(self):
+        self.refuses("time", ("0.55", "0.05", "0.5001"), "--step", "0.1", "whole number")
+
+    def test_number_of_steps_can_be_counted(self):
+        self.refuses("time", ("1e+300",), "--step", "at most")
+
+    def test_tolerance_is_at_least_1e_15(self):
+        self.refuses("tolerance", ("0", "-1", "nan", "inf", "1e-16", "9.99e-16", "x", ""), "at least 1e-15")
+
+    def test_max_sweeps_is_at_least_1(self):
+        self.refuses("max_sweeps", ("0", "-1", "x", "2.5", "", "9" * 30), "1 to ")
+
+    def test_formulation_is_one_of_three(self):
+        self.refuses("formulation", ("quotient", "Group", "group ", ""), *FORMULATIONS)
+
+    def test_hbar_is_one_of_two(self):
+        self.refuses("hbar", ("planck", "Paper", ""), "paper", "standard")
+
+    def test_products_is_a_backend_or_fastest(self):
+        self.refuses("products", ("abacus", "Eigen", ""), "fastest", "openblas", "eigen")
+
+    def test_a_value_with_a_line_break_still_gives_one_line(self):
+        line = command(SHORT, "--output", self.output, formulation="gr\noup")
+        self.assert_refused_alone(line, "--formulation")
+
+    def test_a_missing_argument_is_named(self):
+        for argument in SHORT:
+            with self.subTest(argument=argument):
+                line = command(SHORT, "--output", self.output, **{argument: None})
+                self.assert_refused_alone(line, f"--{argument} ")
+
+    def test_a_missing_value_is_named(self):
+        line = command(SHORT, "--output", self.output, "--tolerance")
+        self.assert_refused_alone(line, "--tolerance")
+
+    def test_an_argument_given_twice_is_named(self):
+        line = command(SHORT, "--output", self.output, "--n", "33")
+        self.assert_refused_alone(line, "--n")
+
+    def test_an_unknown_option_is_named(self):
+        for option in ("--stepsize", "--jso", "-x", "--stepsize=3"):
+            with self.subTest(option=option):
+                line = command(SHORT, "--output", self.output, option)
+                self.assert_refused_alone(line, option)
+
+    def test_a_stray_word_is_named(self):
+        line = command(SHORT, "--output", self.output, "perhaps")
+        self.assert_refused_alone(line, "perhaps")
+
+    def test_small_n_without_modes_says_what_is_needed(self):
+        for n in ("2", "3", "4"):
+            with self.subTest(n=n):
+                line = command(SHORT, "--output", self.output, n=n)
+                self.assert_refused_alone(line, f"--n {n}", "n >= 5", "--modes")
+
+
+class RefusedModes(RefusalTest):
+    """Modes files: the line names the file and what is wrong."""
+
+    HEADER = "l,m,re,im\n"
+
+    def refuses_modes(self, text, *parts):
+        modes = self.write("modes.csv", text)
+        line = command(SHORT, "--output", self.output, "--modes", modes)
+        self.assert_refused_alone(line, "--modes", modes, *parts)
+
+    def refuses_path(self, path, *parts):
+        line = command(SHORT, "--output", self.output, "--modes", path)
+        self.assert_refused_alone(line, "--modes", path, *parts)
+
+    def test_a_missing_file(self):
+        self.refuses_path(self.path("nowhere.csv"), "cannot be read")
+
+    def test_a_path_under_a_file(self):
+        self.refuses_path(os.path.join(self.output, "modes.csv"), "cannot be read")
+
+    def test_a_directory(self):
+        self.refuses_path(self.path("out"), "directory")
+
+    def test_an_empty_path(self):
+        self.refuses_path("")
+
+    @unittest.skipIf(os.geteuid() == 0, "root reads everything")
+    def test_a_file_that_may_not_be_read(self):
+        modes = self.write("modes.csv", self.HEADER + "1,0,1,0\n")
+        os.chmod(modes, 0)
+        line = command(SHORT, "--output", self.output, "--modes", modes)
+        self.assert_refused(run(line), "--modes", modes)
+
+    def test_an_empty_file(self):
+        self.refuses_modes("", "empty")
+
+    def test_a_header_alone(self):
+        self.refuses_modes(self.HEADER)
+
+    def test_a_missing_header(self):
+        self.refuses_modes("2,0,1,0\n", "l,m,re,im")
+
+    def test_a_missing_column(self):
+        self.refuses_modes("l,m,re\n2,0,1\n", "im", "l,m,re,im")
+
+    def test_a_column_too_many(self):
+        self.refuses_modes("l,m,re,im,phase\n2,0,1,0,0\n", "l,m,re,im")
+
+    def test_a_missing_field(self):
+        self.refuses_modes(self.HEADER + "2,0,1\n", "line 2")
+
+    def test_a_field_too_many(self):
+        self.refuses_modes(self.HEADER + "2,0,1,0,0\n", "line 2")
+
+    def test_l_out_of_range(self):
+        for l in ("0", "-1", "17", "2147483647"):
+            with self.subTest(l=l):
+                self.refuses_modes(self.HEADER + f"{l},0,1,0\n", f"l={l}", "1 to n-1")
+
+    def test_m_out_of_range(self):
+        for m in ("-1", "3"):
+            with self.subTest(m=m):
+                self.refuses_modes(self.HEADER + f"2,{m},1,0\n", f"m={m}", "0 to l")
+
+    def test_l_and_m_that_are_no_whole_numbers(self):
+        for row in ("2.0,0,1,0", "x,0,1,0", "2,x,1,0", ",0,1,0", "99999999999999999999,0,1,0"):
+            with self.subTest(row=row):
+                self.refuses_modes(self.HEADER + row + "\n", "line 2", "whole number")
+
+    def test_values_that_are_no_numbers(self):
+        for row in ("2,1,x,0", "2,1,1,x", "2,1,,0", "2,1,1 0,0", "2,1,1e999,0"):
+            with self.subTest(row=row):
+                self.refuses_modes(self.HEADER + row + "\n", "line 2", "number")
+
+    def test_values_that_are_not_finite(self):
+        for row in ("2,1,nan,0", "2,1,0,nan", "2,1,inf,0", "2,1,0,-inf"):
+            with self.subTest(row=row):
+                self.refuses_modes(self.HEADER + row + "\n", "l=2", "m=1", "finite")
+
+    def test_an_imaginary_part_where_m_is_0(self):
+        self.refuses_modes(self.HEADER + "2,0,1,0.5\n", "l=2", "m=0", "0.5", "must be 0")
+
+    def test_a_repeated_mode(self):
+        self.refuses_modes(self.HEADER + "2,1,1,0\n3,0,1,0\n2,1,0.5,0\n", "l=2", "m=1", "twice")
+
+    def test_only_zeros(self):
+        self.refuses_modes(self.HEADER + "2,0,0,0\n3,1,-0,0\n", "nonzero")
+
+    def test_bytes_that_are_no_text(self):
+        modes = self.path("modes.csv")
+        with open(modes, "wb") as stream:
+            stream.write(bytes(range(256)) * 40)
+        line = command(SHORT, "--output", self.output, "--modes", modes)
+        self.assert_refused_alone(line, "--modes", modes)
+
+    def test_finite_values_whose_squares_are_not_are_used_or_refused_by_name(self):
+        for value in ("1e200", "1e-320"):
+            with self.subTest(value=value):
+                modes = self.write("modes.csv", self.HEADER + f"2,1,{value},0\n")
+                done = run(command(SHORT, "--json", "--modes", modes))
+                if done.returncode == DONE:
+                    energy_error = strict_json(done.stdout)["energy_error"]
+                    self.assertTrue(isinstance(energy_error, float) and math.isfinite(energy_error), done.stdout)
+                else:
+                    self.assert_refused(done, "--modes", modes)
+
+
+class RefusedOutput(IntegrateTest):
+    """Output paths that cannot be written are found before the run."""
+
+    # Were the run begun before the path is looked at, the test would time out.
+    ENDLESS = {**SHORT, "time": "100000000"}
+
+    def refuses(self, path, *parts):
+        before = snapshot(self.folder)
+        self.assert_refused(run(command(self.ENDLESS, "--output", path), timeout=20), "--output", path, *parts)
+        self.assertEqual(snapshot(self.folder), before)
+
+    def test_a_missing_folder(self):
+        self.refuses(self.path("nowhere", "W.npy"))
+
+    def test_a_directory(self):
+        self.refuses(self.folder, "file")
+
+    def test_an_empty_path(self):
+        self.refuses("", "file")
+
+    def test_a_path_under_a_file(self):
+        self.refuses(os.path.join(self.write("plain", EARLIER), "W.npy"))
+
+    def test_a_device(self):
+        self.refuses("/dev/null", "file")
+        self.assertTrue(stat.S_ISCHR(os.stat("/dev/null").st_mode))
+
+    def test_a_pipe(self):
+        os.mkfifo(self.path("pipe"))
+        self.refuses(self.path("pipe"), "file")
+
+    def test_a_name_too_long(self):
+        self.refuses(self.path("W" * 300))
+
+    def test_a_link_to_itself(self):
+        os.symlink("W.npy", self.path("W.npy"))
+        self.refuses(self.path("W.npy"))
+
+    @unittest.skipIf(os.geteuid() == 0, "root writes everywhere")
+    def test_a_read_only_folder(self):
+        os.mkdir(self.path("closed"), 0o555)
+        self.refuses(self.path("closed", "W.npy"))
+
+    @unittest.skipIf(os.geteuid() == 0, "root writes everywhere")
+    def test_a_read_only_file(self):
+        os.chmod(self.write("W.npy", EARLIER), 0o444)
+        self.refuses(self.path("W.npy"))
+
+
+class GoodRuns(IntegrateTest):
+    def test_json_has_every_promised_key(self):
+        result, _ = self.result(SHORT)
+        self.assertLessEqual(PROMISED_KEYS, set(result))
+
+    def test_json_repeats_what_was_asked(self):
+        result, _ = self.result(SHORT, tolerance="1e-12")
+        asked = {"n": 17, "stages": 2, "formulation": "group", "step": 0.1, "steps": 5, "tolerance": 1e-12}
+        self.assertEqual({key: result[key] for key in asked}, asked)
+
+    def test_json_of_a_good_run_says_converged_and_names_no_failed_step(self):
+        result, _ = self.result(SHORT)
+        self.assertIs(result["converged"], True)
+        self.assertEqual(result["status"], "converged")
+        self.assertNotIn("failed_step", result)
+
+    def test_every_number_of_the_json_is_finite(self):
+        result, _ = self.result(SHORT)
+        for key, value in result.items():
+            self.assertIsInstance(value, (str, bool, int, float), key)
+            if isinstance(value, float):
+                self.assertTrue(math.isfinite(value), key)
+
+    def test_invariants_are_kept(self):
+        for formulation in FORMULATIONS:
+            with self.subTest(formulation=formulation):
+                result, _ = self.result(WHOLE, formulation=formulation)
+                self.assertLessEqual(result["spectrum_error"], 1e-11)
+                self.assertLessEqual(result["skew_defect"], 1e-13)
+                self.assertLessEqual(result["energy_error"], 1e-3)
+
+    def test_text_lists_the_keys_of_the_json(self):
+        result, _ = self.result(SHORT)
+        text = run(command(SHORT))
+        self.assertEqual(text.returncode, DONE)
+        self.assertEqual([line.split()[0] for line in text.stdout.splitlines()], list(result))
+
+    def test_text_says_what_the_json_says(self):
+        result, _ = self.result(SHORT, products="openblas")
+        text = run(command(SHORT, products="openblas"))
+        shown = dict(line.split(None, 1) for line in text.stdout.splitlines())
+        for key in ("n", "formulation", "steps", "status", "sweeps_total", "products", "modes_hash"):
+            self.assertEqual(shown[key], str(result[key]))
+
+    def test_output_agrees_with_the_references(self):
+        for stages in ("1", "2", "3"):
+            reference = read_reference(f"W_t5_h0.1_n17_s{stages}.csv")
+            for formulation in FORMULATIONS:
+                with self.subTest(stages=stages, formulation=formulation):
+                    _, W = self.result(WHOLE, stages=stages, formulation=formulation)
+                    self.assert_agrees(W, reference, TOLERANCE)
+
+    def test_no_time_gives_the_initial_vorticity(self):
+        reference = read_reference("W0_n17.csv")
+        for formulation in FORMULATIONS:
+            with self.subTest(formulation=formulation):
+                result, W = self.result(SHORT, formulation=formulation, time="0")
+                self.assert_agrees(W, reference, 1e-14)
+                self.assertEqual((result["steps"], result["sweeps_total"]), (0, 0))
+
+    def test_both_product_backends_agree(self):
+        eigen, W_eigen = self.result(WHOLE, products="eigen")
+        openblas, W_openblas = self.result(WHOLE, products="openblas")
+        self.assert_agrees(W_eigen, W_openblas, TOLERANCE)
+        self.assertEqual((eigen["product_backend"], openblas["product_backend"]), ("eigen", "openblas"))
+
+    def test_the_other_hbar_gives_another_answer(self):
+        _, W = self.result(WHOLE, hbar="standard")
+        self.assertIsNotNone(disagreement(W, read_reference("W_t5_h0.1_n17_s2.csv"), 1e-6))
+
+    def test_other_modes_give_another_answer(self):
+        modes = self.write("modes.csv", "l,m,re,im\n1,0,1,0\n2,1,0.5,0.5\n")
+        result, W = self.result(SHORT, modes=modes, time="0")
+        default, _ = self.result(SHORT, time="0")
+        self.assertIsNotNone(disagreement(W, read_reference("W0_n17.csv"), 1e-6))
+        self.assertNotEqual(result["modes_hash"], default["modes_hash"])
+
+    def test_the_default_modes_from_a_file_give_the_same_answer_bit_for_bit(self):
+        default, W_default = self.result(WHOLE, products="openblas")
+        given, W_given = self.result(WHOLE, products="openblas", modes=os.path.join(DATA, "initial_modes.csv"))
+        self.assertEqual(W_given, W_default)
+        self.assertEqual(given["modes_hash"], default["modes_hash"])
+
+    def test_the_smallest_n_runs_with_modes_of_its_own(self):
+        modes = self.write("modes.csv", "l,m,re,im\n1,0,1,0\n1,1,0.5,-0.25\n")
+        for formulation in FORMULATIONS:
+            with self.subTest(formulation=formulation):
+                _, W = self.result(SHORT, n="2", formulation=formulation, modes=modes)
+                self.assertEqual([len(row) for row in W], [2, 2])
+
+    def test_output_replaces_an_earlier_file(self):
+        self.write("W.npy", EARLIER)
+        _, W = self.result(SHORT)
+        self.assertEqual(len(W), 17)
+
+    def test_nothing_but_the_output_is_left(self):
+        self.result(SHORT)
+        self.assertEqual(os.listdir(self.folder), ["W.npy"])
+
+    def test_help_explains_every_argument(self):
+        done = run([program("integrate"), "--help"])
+        self.assertEqual((done.returncode, done.stderr), (DONE, ""))
+        for argument in (*SHORT, "tolerance", "max-sweeps", "hbar", "products", "modes", "output", "json"):
+            self.assertIn(f"--{argument}", done.stdout)
+
+    @unittest.skipUnless(os.path.exists("/dev/full"), "no /dev/full here")
+    def test_an_answer_that_could_not_be_printed_is_no_success(self):
+        with open("/dev/full", "w", encoding="utf-8") as full:
+            done = run(command(SHORT, "--json"), stdout=full)
+        self.assertNotEqual(done.returncode, DONE)
+
+
+class TheCheckItself(unittest.TestCase):
+    """Negative controls of `disagreement`, on which the tests above rest."""
+
+    def setUp(self):
+        self.reference = read_reference("W_t5_h0.1_n17_s2.csv")
+        self.W = [list(row) for row in self.reference]
+
+    def assert_noticed(self):
+        self.assertIsNotNone(disagreement(self.W, self.reference, TOLERANCE))
+
+    def test_the_reference_agrees_with_itself(self):
+        self.assertIsNone(disagreement(self.W, self.reference, TOLERANCE))
+
+    def test_one_entry_off_by_ten_tolerances_is_noticed(self):
+        self.W[3][5] += 10 * TOLERANCE
+        self.assert_noticed()
+
+    def test_the_last_entry_off_in_its_imaginary_part_is_noticed(self):
+        self.W[-1][-1] += 10j * TOLERANCE
+        self.assert_noticed()
+
+    def test_a_nan_is_noticed(self):
+        self.W[0][0] = complex(math.nan, 0)
+        self.assert_noticed()
+
+    def test_the_transpose_is_noticed(self):
+        self.W = [list(column) for column in zip(*self.W)]
+        self.assert_noticed()
+
+    def test_a_missing_row_is_noticed(self):
+        self.W.pop()
+        self.assert_noticed()
+
+    def test_other_stages_are_noticed(self):
+        self.W = read_reference("W_t5_h0.1_n17_s3.csv")
+        self.assert_noticed()
+
+
+class FailedRuns(IntegrateTest):
+    """Exit 3, one line on stderr that says which step and how, one JSON object, and no output file."""
+
+    def assert_fails(self, arguments, status, **changes):
+        output = self.write("out/W.npy", EARLIER)
+        before = snapshot(self.folder)
+        done = run(command(arguments, "--json", "--output", output, **changes), timeout=60)
+        self.assertEqual(done.returncode, SOLVER_FAILED, done.stderr)
+        result = strict_json(done.stdout)
+        self.assertLessEqual(PROMISED_KEYS, set(result))
+        self.assertIs(result["converged"], False)
+        self.assertEqual(result["status"], status)
+        self.assertGreaterEqual(result["failed_step"], 1)
+        self.assert_one_line(done.stderr, status, f"step {result['failed_step']}", "last change")
+        self.assertEqual(snapshot(self.folder), before)
+        return result
+
+    def assert_makes_no_output(self, arguments, **changes):
+        done = run(command(arguments, "--output", self.path("W.npy"), **changes))
+        self.assertEqual(done.returncode, SOLVER_FAILED, done.stderr)
+        self.assertEqual(os.listdir(self.folder), [])
+
+    @unittest.skipIf(SANITIZED, "n = 129 takes too long when sanitised")
+    def test_a_step_far_too_long_diverges(self):
+        for formulation in FORMULATIONS:
+            with self.subTest(formulation=formulation):
+                self.assert_fails(DIVERGING, "diverged", formulation=formulation)
+
+    def test_a_step_far_too_long_diverges_at_small_n(self):
+        for formulation in FORMULATIONS:
+            with self.subTest(formulation=formulation):
+                self.assert_fails(SHORT, "diverged", formulation=formulation, step="20", time="20")
+
+    def test_too_few_sweeps_end_as_sweep_cap(self):
+        for formulation in FORMULATIONS:
+            with self.subTest(formulation=formulation):
+                result = self.assert_fails(SHORT, "sweep cap", formulation=formulation, max_sweeps="3")
+                self.assertEqual(result["sweeps_total"], 3)
+
+    def test_a_diverging_run_makes_no_output(self):
+        self.assert_makes_no_output(SHORT, step="20", time="20")
+
+    def test_a_capped_run_makes_no_output(self):
+        self.assert_makes_no_output(SHORT, max_sweeps="3")
+
+    def test_a_failed_run_lists_its_text_too(self):
+        done = run(command(SHORT, max_sweeps="3"))
+        self.assertEqual(done.returncode, SOLVER_FAILED)
+        self.assertIn("failed_step", done.stdout)
+
+    def test_a_tolerance_at_the_rounding_floor_ends(self):
+        for formulation in FORMULATIONS:
+            for stages in ("1", "2", "3"):
+                with self.subTest(formulation=formulation, stages=stages):
+                    done = run(command(WHOLE, "--json", formulation=formulation, stages=stages, tolerance="1e-15"))
+                    status = strict_json(done.stdout)["status"]
+                    self.assertIn((done.returncode, status), ((DONE, "converged"), (SOLVER_FAILED, "stagnated")))
+
+
+class InterruptedRuns(IntegrateTest):
+    LONG = {**SHORT, "n": "33", "time": "100000"}
+
+    def assert_leaves_the_earlier_file_alone(self, number):
+        output = self.write("W.npy", EARLIER)
+        process = start(command(self.LONG, "--output", output), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(end, process)
+        with self.assertRaises(subprocess.TimeoutExpired):
+            process.wait(timeout=1)  # it is running, and goes on for minutes
+        process.send_signal(number)
+        self.assertNotEqual(process.wait(timeout=20), DONE)
+        self.assertEqual(snapshot(self.folder), {"W.npy": EARLIER.encode()})
+
+    def test_an_interrupt_leaves_the_earlier_file_alone(self):
+        self.assert_leaves_the_earlier_file_alone(signal.SIGINT)
+
+    def test_a_termination_leaves_the_earlier_file_alone(self):
+        self.assert_leaves_the_earlier_file_alone(signal.SIGTERM)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,559 @@
+"""Tests of scripts/reproduce and scripts/test in a copy of the repository whose tools are stand-ins.
+
+The copy has the real scripts; package tools, CMake, CTest and the benchmark program are small shell scripts that
+write down how they were called.
+
+Run with: python3 -m unittest discover -s tests/scripts
+"""
+
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import unittest
+
+from programs import (BAD_ARGUMENTS, DONE, FORMULATIONS, ROOT, SOLVER_FAILED, FolderTest, end, environment, run,
+                      snapshot, start)
+
+HOST_NAME = "a-host-to-keep-private"
+RESULTS = {"raw.json", "context.json", "table.txt", "table.md", "table.tex"}
+EARLIER = {name: f"earlier {name}" for name in RESULTS}
+
+STAND_INS = {
+    # Knows every package but those in $MISSING, and of $REMOVED only the configuration.
+    "dpkg-query": """
+for package; do :; done
+case " $MISSING " in *" $package "*) echo "dpkg-query: no packages found matching $package" >&2; exit 1 ;; esac
+case " $REMOVED " in *" $package "*) echo "deinstall ok config-files"; exit 0 ;; esac
+echo "install ok installed"
+""",
+    "apt-get": """
+echo "apt-get[${DEBIAN_FRONTEND:-}] $*" >>"$CALLS"
+echo "chatter of apt-get"
+exit "${APT_STATUS:-0}"
+""",
+    # As sudo does unless told otherwise, it passes on hardly anything of the environment.
+    "sudo": """
+echo "sudo $*" >>"$CALLS"
+exec env -i PATH="$PATH" CALLS="$CALLS" "$@"
+""",
+    "id": """
+echo "${USER_ID:-0}"
+""",
+    "cmake": """
+echo "cmake $*" >>"$CALLS"
+echo "chatter of cmake"
+exit "${CMAKE_STATUS:-0}"
+""",
+    "ctest": """
+echo "ctest $*" >>"$CALLS"
+exit "${CTEST_STATUS:-0}"
+""",
+    # The one that runs these tests; a version manager's takes its time.
+    "python3": f"""
+exec '{sys.executable}' "$@"
+""",
+}
+
+# The benchmark program: writes down its arguments and kernels asked for, then does what $BENCHMARK says.
+TABLE1 = """
+echo "table1[${OPENBLAS_CORETYPE-none}] $*" >>"$CALLS"
+for argument; do
+  case $argument in --benchmark_out=*) out=${argument#*=} ;; esac
+done
+echo "chatter of table1"
+case $BENCHMARK in
+  finish) cp "$RAW" "$out.1.partial" && mv "$out.1.partial" "$out" ;;
+  scribble) echo '{"context": {' >"$out" ;;
+  fail) echo "some reason"; exit 7 ;;
+  die) echo half >"$out.1.partial"; kill -KILL $$ ;;
+  wait) echo half >"$out.1.partial"; echo started >>"$CALLS"; exec sleep 60 ;;
+esac
+exit "${BENCHMARK_STATUS:-0}"
+"""
+
+
+def raw_file(failed=False):
+    """Returns a raw file of table1 at n = 17, with the algebra rows failed or not."""
+    context = {"date": "2024-05-01T10:00:00+00:00", "host_name": HOST_NAME, "num_cpus": 2, "mhz_per_cpu": 3000,
+               "library_build_type": "debug", "isosyrk_program": "table1", "isosyrk_format": "1"}
+    for field in ("commit", "dirty", "compiler", "flags", "build_type", "cpu", "vector_units", "load_average",
+                  "blas_library", "blas_kernels", "blas_threads", "environment", "products", "product_rate",
+                  "peak_gflops", "notice", "tolerance", "max_sweeps", "norm", "start", "update_order", "hbar",
+                  "modes_hash"):
+        context[field] = f"some {field}"
+    counters = {"sweeps_per_step": 11.0, "products": 3700, "poisson_solves": 1200, "spectrum_error": 1e-15,
+                "skew_defect": 0.0, "energy_error": 1e-8, "h_norm_B": 0.14, "product_share": 0.8}
+    rows = []
+    for place, formulation in enumerate(FORMULATIONS):
+        for s in (1, 2, 3):
+            for repetition in range(7):
+                name = f"table1/{formulation}/n:17/s:{s}"
+                row = {"name": name, "run_name": name, "run_type": "iteration", "repetitions": 7,
+                       "repetition_index": repetition, "threads": 1, "iterations": 20, "time_unit": "ms"}
+                if failed and formulation == "algebra":
+                    row.update(error_occurred=True, error_message="sweep cap at step 1", real_time=0, cpu_time=0)
+                else:
+                    milliseconds = 2.0 * s + place + 0.01 * repetition
+                    row.update(real_time=milliseconds, cpu_time=milliseconds, **counters)
+                rows.append(row)
+    return {"context": context, "benchmarks": rows}
+
+
+class CopyTest(FolderTest):
+    def setUp(self):
+        super().setUp()
+        ignored = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(os.path.join(ROOT, "scripts"), self.path("root", "scripts"), ignore=ignored)
+        shutil.copytree(os.path.join(ROOT, "results", "paper"), self.path("root", "results", "paper"))
+        self.write("root/build/benchmarks/table1", "#!/bin/sh\n" + TABLE1, executable=True)
+        for name, body in STAND_INS.items():
+            self.write(f"tools/{name}", "#!/bin/sh\n" + body, executable=True)
+        os.mkdir(self.path("tmp"))
+        self.calls_path = self.write("calls", "")
+        self.use_raw_file(raw_file())
+        self.out = self.path("out")
+
+    def use_raw_file(self, raw):
+        self.raw_path = self.write("prepared.json", json.dumps(raw, indent=2))  # line by line, as table1 does
+
+    def line(self, script, *arguments):
+        return [self.path("root", "scripts", script), *arguments]
+
+    def surroundings(self, **changes):
+        settings = {"PATH": self.path("tools") + os.pathsep + os.environ["PATH"], "TMPDIR": self.path("tmp"),
+                    "CALLS": self.calls_path, "RAW": self.raw_path, "BENCHMARK": "finish",
+                    "PYTHONDONTWRITEBYTECODE": "1", "DEBIAN_FRONTEND": None, "ASAN_OPTIONS": None}
+        return environment(**{**settings, **changes})
+
+    def script(self, name, *arguments, **changes):
+        return run(self.line(name, *arguments), env=self.surroundings(**changes), cwd=self.folder)
+
+    def calls(self, tool=""):
+        with open(self.calls_path, encoding="utf-8") as stream:
+            return [line for line in stream.read().splitlines() if line.startswith(tool)]
+
+    def path_with_only(self, *names):
+        """Returns a PATH on which nothing but these programs is found, stand-ins first."""
+        os.mkdir(self.path("few"))
+        for name in names:
+            stand_in = self.path("tools", name)
+            os.symlink(stand_in if os.path.exists(stand_in) else shutil.which(name), self.path("few", name))
+        return self.path("few")
+
+    def keep_earlier_results(self):
+        for name, text in EARLIER.items():
+            self.write(f"out/{name}", text)
+        return snapshot(self.out)
+
+
+class BadArguments(CopyTest):
+    def refuses(self, script, arguments, *parts, **changes):
+        with self.subTest(script=script, arguments=arguments):
+            before = snapshot(self.folder)
+            self.assert_refused(self.script(script, *arguments, **changes), script, *parts)
+            self.assertEqual(snapshot(self.folder), before)
+
+    def test_reproduce_names_an_unknown_argument_and_what_is_allowed(self):
+        for argument in ("table2", "--quik", "--quick=yes", "--out=here", "-q", "", "Table1"):
+            self.refuses("reproduce", [argument], argument, "table1", "--quick", "--out", "--no-install")
+
+    def test_reproduce_does_one_job_at_a_time(self):
+        self.refuses("reproduce", ["table1", "all"], "all")
+
+    def test_reproduce_needs_a_folder_after_out(self):
+        self.refuses("reproduce", ["--out"], "--out")
+        self.refuses("reproduce", ["--out", ""], "--out")
+
+    def test_reproduce_refuses_an_out_that_is_a_file(self):
+        path = self.write("plain", "a file")
+        self.refuses("reproduce", ["--out", path], "--out", path)
+
+    def test_reproduce_refuses_an_out_under_a_file(self):
+        path = os.path.join(self.write("plain", "a file"), "results")
+        self.refuses("reproduce", ["--out", path], "--out", path)
+
+    @unittest.skipUnless(os.path.isdir("/proc/self"), "no /proc here")
+    def test_reproduce_refuses_an_out_where_nobody_may_write(self):
+        self.refuses("reproduce", ["--out", "/proc/results"], "--out", "/proc/results")
+
+    @unittest.skipIf(os.geteuid() == 0, "root writes everywhere")
+    def test_reproduce_refuses_a_read_only_out(self):
+        os.mkdir(self.out, 0o555)
+        self.refuses("reproduce", ["--out", self.out], "--out", self.out)
+
+    def test_reproduce_takes_no_option_for_the_folder_of_out(self):
+        self.refuses("reproduce", ["--out", "--quick"], "--out")
+
+    def test_test_names_an_unknown_argument_and_what_is_allowed(self):
+        for argument in ("all", "--sanitise", "--no-install=yes", "-s", ""):
+            self.refuses("test", [argument], argument, "--sanitize", "--no-install")
+
+    def test_a_bad_argument_after_good_ones_is_still_found_first(self):
+        self.refuses("reproduce", ["--quick", "--no-install", "perhaps"], "perhaps", MISSING="cmake")
+        self.refuses("test", ["--sanitize", "perhaps"], "perhaps", MISSING="cmake")
+
+
+class Help(CopyTest):
+    def explains(self, script, *options):
+        for flag in ("--help", "-h"):
+            before = snapshot(self.folder)
+            done = self.script(script, flag)
+            self.assertEqual((done.returncode, done.stderr), (DONE, ""))
+            for option in options:
+                self.assertIn(option, done.stdout)
+            self.assertEqual(snapshot(self.folder), before)
+
+    def test_reproduce_explains_its_options(self):
+        self.explains("reproduce", "table1", "--quick", "--out", "--no-install", "--keep-coretype")
+
+    def test_test_explains_its_options(self):
+        self.explains("test", "--sanitize", "--no-install")
+
+
+class MissingPackages(CopyTest):
+    BASICS = ("bash", "sh", "dirname", "basename", "realpath", "mkdir", "grep", "id")
+
+    def install(self, **changes):
+        """Runs reproduce up to a build that fails: by then everything is installed, or not."""
+        return self.script("reproduce", "--out", self.out, **{"CMAKE_STATUS": "1", **changes})
+
+    def test_no_install_names_what_is_missing(self):
+        for script in ("reproduce", "test"):
+            with self.subTest(script=script):
+                done = self.script(script, "--no-install", MISSING="libfmt-dev git")
+                self.assert_refused(done, "--no-install", "git", "libfmt-dev")
+
+    def test_no_install_names_nothing_that_is_there(self):
+        self.assertNotIn("cmake", self.script("reproduce", "--no-install", MISSING="git").stderr)
+
+    def test_no_install_calls_no_other_tool(self):
+        for script in ("reproduce", "test"):
+            self.script(script, "--no-install", MISSING="libfmt-dev")
+        self.assertEqual(self.calls(), [])
+
+    def test_no_install_with_everything_there_goes_on(self):
+        self.assertEqual(self.script("reproduce", "--no-install", "--out", self.out).returncode, DONE)
+
+    def test_a_removed_package_of_which_the_configuration_stays_is_missing(self):
+        self.assert_refused(self.script("reproduce", "--no-install", REMOVED="libgtest-dev"), "libgtest-dev")
+
+    def test_nothing_is_installed_where_nothing_is_missing(self):
+        self.install()
+        self.assertEqual(self.calls("apt-get") + self.calls("sudo"), [])
+
+    def test_just_what_is_missing_is_installed(self):
+        self.install(MISSING="libfmt-dev git")
+        install = self.calls("apt-get")[-1].split()
+        self.assertIn("install", install)
+        self.assertEqual([word for word in install[2:] if not word.startswith("-")], ["git", "libfmt-dev"])
+
+    def test_test_installs_too(self):
+        self.script("test", MISSING="libfmt-dev")
+        self.assertIn("libfmt-dev", self.calls("apt-get")[-1])
+
+    def test_after_an_installation_the_run_goes_on(self):
+        done = self.install(MISSING="libfmt-dev", CMAKE_STATUS="0")
+        self.assertEqual(done.returncode, DONE, done.stderr)
+
+    def test_what_is_installed_is_said(self):
+        done = self.install(MISSING="libfmt-dev")
+        self.assertIn("libfmt-dev", done.stderr)
+
+    def test_the_list_of_packages_is_renewed_first(self):
+        self.install(MISSING="libfmt-dev")
+        self.assertIn("update", self.calls("apt-get")[0])
+
+    def test_root_installs_without_sudo(self):
+        self.install(MISSING="libfmt-dev", USER_ID="0")
+        self.assertEqual(self.calls("sudo"), [])
+
+    def test_another_user_installs_through_sudo(self):
+        self.install(MISSING="libfmt-dev", USER_ID="1000")
+        self.assertEqual(len(self.calls("sudo")), len(self.calls("apt-get")))
+        self.assertIn("libfmt-dev", self.calls("sudo")[-1])
+
+    def test_apt_asks_no_questions(self):
+        self.install(MISSING="libfmt-dev", USER_ID="0")
+        for call in self.calls("apt-get"):
+            self.assertTrue(call.startswith("apt-get[noninteractive]"), call)
+
+    def test_apt_asks_no_questions_through_sudo(self):
+        self.install(MISSING="libfmt-dev", USER_ID="1000")
+        self.assertTrue(self.calls("apt-get"))
+        for call in self.calls("apt-get"):
+            self.assertTrue(call.startswith("apt-get[noninteractive]"), call)
+
+    def test_neither_root_nor_sudo_names_what_is_missing(self):
+        path = self.path_with_only(*self.BASICS, "dpkg-query")
+        done = self.install(MISSING="libfmt-dev", USER_ID="1000", PATH=path)
+        self.assert_refused(done, "sudo", "libfmt-dev")
+
+    def test_a_machine_without_dpkg_is_told_what_to_install(self):
+        path = self.path_with_only(*self.BASICS)
+        self.assert_refused(self.install(PATH=path), "dpkg-query", "libfmt-dev")
+
+    def test_a_failed_installation_ends_there(self):
+        done = self.install(MISSING="libfmt-dev", APT_STATUS="100")
+        self.assertEqual((done.returncode, done.stdout), (BAD_ARGUMENTS, ""))
+        self.assertIn("apt-get", done.stderr.splitlines()[-1])
+        self.assertEqual(self.calls("cmake"), [])
+
+
+class InheritedKernels(CopyTest):
+    """OPENBLAS_CORETYPE left in the environment can halve the speed."""
+
+    def kernels_asked_for(self):
+        (call,) = self.calls("table1")
+        return re.match(r"table1\[(.*?)\]", call)[1]
+
+    def test_it_is_cleared_and_said(self):
+        done = self.script("reproduce", "--out", self.out, BENCHMARK="fail", OPENBLAS_CORETYPE="Nehalem")
+        self.assertEqual(self.kernels_asked_for(), "none")
+        self.assertRegex(done.stderr, "(?i)cleared.*OPENBLAS_CORETYPE=Nehalem")
+
+    def test_it_is_kept_when_asked_to_and_said(self):
+        done = self.script("reproduce", "--out", self.out, "--keep-coretype", BENCHMARK="fail",
+                           OPENBLAS_CORETYPE="Nehalem")
+        self.assertEqual(self.kernels_asked_for(), "Nehalem")
+        self.assertRegex(done.stderr, "(?i)OPENBLAS_CORETYPE=Nehalem.*kept")
+
+    def test_nothing_is_said_where_nothing_was_inherited(self):
+        self.assertNotIn("OPENBLAS_CORETYPE", self.script("reproduce", "--out", self.out, BENCHMARK="fail").stderr)
+
+
+class EndToEnd(CopyTest):
+    def reproduce(self, *arguments, **changes):
+        done = self.script("reproduce", "--out", self.out, *arguments, **changes)
+        self.assertEqual(done.returncode, DONE, done.stderr)
+        return done
+
+    def result(self, name):
+        with open(os.path.join(self.out, name), encoding="utf-8") as stream:
+            return stream.read()
+
+    def test_the_folder_has_raw_file_context_and_tables_and_nothing_else(self):
+        self.reproduce()
+        self.assertEqual(set(os.listdir(self.out)), RESULTS)
+
+    def test_the_raw_file_is_the_benchmark_s(self):
+        self.reproduce()
+        self.assertEqual(json.loads(self.result("raw.json"))["benchmarks"], raw_file()["benchmarks"])
+
+    def test_the_context_is_the_raw_file_s_without_the_host_name(self):
+        self.reproduce()
+        expected = raw_file()["context"]
+        del expected["host_name"]
+        self.assertEqual(json.loads(self.result("context.json")), expected)
+
+    def test_no_result_has_the_host_name(self):
+        self.reproduce()
+        for name in RESULTS:
+            self.assertNotIn(HOST_NAME, self.result(name), name)
+
+    def test_the_three_tables_are_in_their_formats(self):
+        self.reproduce()
+        self.assertTrue(self.result("table.txt").startswith("Table 1"))
+        self.assertTrue(self.result("table.md").startswith("# Table 1"))
+        self.assertIn(r"\toprule", self.result("table.tex"))
+
+    def test_the_table_alone_ends_on_stdout(self):
+        self.assertEqual(self.reproduce().stdout, self.result("table.txt"))
+
+    def test_the_folder_is_named_at_the_end(self):
+        self.assertIn(self.out, self.reproduce().stderr.splitlines()[-1])
+
+    def test_earlier_results_are_replaced(self):
+        self.keep_earlier_results()
+        self.reproduce()
+        for name in RESULTS:
+            self.assertNotEqual(self.result(name), EARLIER[name])
+
+    def test_other_files_in_the_folder_stay(self):
+        self.write("out/notes", "mine")
+        self.reproduce()
+        self.assertEqual(self.result("notes"), "mine")
+
+    def test_nothing_stays_in_the_folder_for_temporary_files(self):
+        self.reproduce()
+        self.assertEqual(os.listdir(self.path("tmp")), [])
+
+    def test_a_relative_folder_is_where_the_user_is(self):
+        done = self.script("reproduce", "--out", "here")
+        self.assertEqual(done.returncode, DONE, done.stderr)
+        self.assertEqual(set(os.listdir(self.path("here"))), RESULTS)
+
+    def test_a_folder_with_spaces_in_its_name(self):
+        self.out = self.path("my results", "of today")
+        self.reproduce()
+        self.assertEqual(set(os.listdir(self.out)), RESULTS)
+
+    def test_without_out_results_are_under_results_latest(self):
+        for arguments, name in (((), "table1"), (("--quick",), "table1-quick"), (("all",), "table1")):
+            with self.subTest(arguments=arguments):
+                self.assertEqual(self.script("reproduce", *arguments).returncode, DONE)
+                self.assertEqual(set(os.listdir(self.path("root", "results", "latest", name))), RESULTS)
+
+    def call_of_table1(self, *arguments):
+        self.script("reproduce", "--out", self.out, *arguments, BENCHMARK="fail")
+        return self.calls("table1")[-1]
+
+    def filtered_sizes(self, *arguments):
+        (pattern,) = re.findall(r"--benchmark_filter=(\S+)", self.call_of_table1(*arguments))
+        return [n for n in (17, 33, 65, 129) if re.search(pattern, f"table1/group/n:{n}/s:1")]
+
+    def test_every_size_is_measured(self):
+        self.assertEqual(self.filtered_sizes(), [17, 33, 65, 129])
+
+    def test_quick_measures_the_two_smallest_sizes(self):
+        self.assertEqual(self.filtered_sizes("--quick"), [17, 33])
+
+    def test_repetitions_are_enough_for_a_verdict_and_interleaved(self):
+        for arguments in ((), ("--quick",)):
+            call = self.call_of_table1(*arguments)
+            self.assertGreaterEqual(int(re.search(r"--benchmark_repetitions=(\d+)", call)[1]), 5)
+            self.assertIn("--benchmark_enable_random_interleaving=true", call)
+
+    def test_the_copy_is_configured_as_release_and_built(self):
+        self.call_of_table1()
+        configure, build = self.calls("cmake")
+        self.assertIn(f"-S {self.path('root')}", configure)
+        self.assertIn("-DCMAKE_BUILD_TYPE=Release", configure)
+        self.assertIn(f"--build {self.path('root', 'build')}", build)
+
+
+class FailedRuns(CopyTest):
+    """Whatever goes wrong, earlier results stay as they were and nothing stray is left."""
+
+    def setUp(self):
+        super().setUp()
+        self.before = self.keep_earlier_results()
+
+    def reproduce(self, **changes):
+        return self.script("reproduce", "--out", self.out, **changes)
+
+    def assert_earlier_results(self):
+        self.assertEqual(snapshot(self.out), self.before)
+        self.assertEqual(os.listdir(self.path("tmp")), [])
+
+    def test_a_failed_build_shows_its_log(self):
+        done = self.reproduce(CMAKE_STATUS="1")
+        self.assertEqual((done.returncode, done.stdout), (BAD_ARGUMENTS, ""))
+        self.assertIn("chatter of cmake", done.stderr)
+        self.assertIn("build", done.stderr.splitlines()[-1])
+        self.assert_earlier_results()
+
+    def test_a_failed_benchmark_passes_its_status_on_and_shows_its_reason(self):
+        done = self.reproduce(BENCHMARK="fail")
+        self.assertEqual((done.returncode, done.stdout), (7, ""))
+        self.assertIn("some reason", done.stderr)
+        self.assert_earlier_results()
+
+    def test_a_killed_benchmark_leaves_earlier_results(self):
+        done = self.reproduce(BENCHMARK="die")
+        self.assertEqual((done.returncode, done.stdout), (128 + signal.SIGKILL, ""))
+        self.assert_earlier_results()
+
+    def test_a_missing_benchmark_leaves_earlier_results(self):
+        os.unlink(self.path("root", "build", "benchmarks", "table1"))
+        done = self.reproduce()
+        self.assertNotEqual(done.returncode, DONE)
+        self.assertEqual(done.stdout, "")
+        self.assert_earlier_results()
+
+    def test_a_raw_file_that_cannot_be_read_leaves_earlier_results(self):
+        done = self.reproduce(BENCHMARK="scribble")
+        self.assertNotEqual(done.returncode, DONE)
+        self.assertEqual(done.stdout, "")
+        self.assert_earlier_results()
+
+    def test_a_raw_file_that_cannot_be_read_is_told_in_a_line(self):
+        done = self.reproduce(BENCHMARK="scribble")
+        self.assertNotIn("Traceback", done.stderr)
+        self.assertIn("raw.json", done.stderr.splitlines()[-1])
+
+    def test_a_raw_file_that_cannot_be_rendered_leaves_earlier_results(self):
+        self.use_raw_file({"context": {}, "benchmarks": []})
+        done = self.reproduce()
+        self.assertNotEqual(done.returncode, DONE)
+        self.assertEqual(done.stdout, "")
+        self.assert_earlier_results()
+
+    def test_rows_that_did_not_converge_are_shown_and_end_with_3(self):
+        self.use_raw_file(raw_file(failed=True))
+        done = self.reproduce(BENCHMARK_STATUS="3")
+        self.assertEqual(done.returncode, SOLVER_FAILED)
+        self.assertIn("sweep cap at step 1", done.stdout)
+        self.assertEqual(set(os.listdir(self.out)), RESULTS)
+
+
+class InterruptedRuns(CopyTest):
+    def setUp(self):
+        super().setUp()
+        self.before = self.keep_earlier_results()
+        self.process = start(self.line("reproduce", "--out", self.out), env=self.surroundings(BENCHMARK="wait"),
+                             stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+        self.addCleanup(end, self.process)
+        deadline = time.monotonic() + 30
+        while "started" not in self.calls():
+            self.assertLess(time.monotonic(), deadline, "the benchmark did not start")
+            time.sleep(0.02)
+
+    def assert_ends_with(self, status):
+        try:
+            self.assertEqual(self.process.wait(timeout=5), status)
+        except subprocess.TimeoutExpired:
+            self.fail("it went on for 5 seconds")
+        self.assertEqual(self.process.stdout.read(), "")
+        self.assertEqual(snapshot(self.out), self.before)
+        self.assertEqual(os.listdir(self.path("tmp")), [])
+
+    def test_ctrl_c_leaves_earlier_results(self):
+        os.killpg(self.process.pid, signal.SIGINT)
+        self.assert_ends_with(128 + signal.SIGINT)
+
+    def test_a_termination_of_all_leaves_earlier_results(self):
+        os.killpg(self.process.pid, signal.SIGTERM)
+        self.assert_ends_with(128 + signal.SIGTERM)
+
+    def test_a_termination_of_the_script_alone_ends_the_benchmark_with_it(self):
+        self.process.send_signal(signal.SIGTERM)
+        self.assert_ends_with(128 + signal.SIGTERM)
+        with self.assertRaises(ProcessLookupError, msg="the benchmark went on"):
+            for _ in range(50):
+                os.killpg(self.process.pid, 0)
+                time.sleep(0.1)
+
+
+class TestScript(CopyTest):
+    def test_the_suite_passing_is_0(self):
+        self.assertEqual(self.script("test").returncode, DONE)
+
+    def test_the_suite_failing_is_passed_on(self):
+        self.assertEqual(self.script("test", CTEST_STATUS="8").returncode, 8)
+
+    def test_the_suite_runs_in_the_ordinary_build(self):
+        self.script("test")
+        self.assertIn(f"--test-dir {self.path('root', 'build')} ", self.calls("ctest")[0])
+        self.assertNotIn("SANITIZE=ON", self.calls("cmake")[0])
+
+    def test_sanitize_builds_and_runs_in_a_folder_of_its_own(self):
+        self.script("test", "--sanitize")
+        folder = self.path("root", "build-sanitize")
+        self.assertIn(f"-B {folder} ", self.calls("cmake")[0])
+        self.assertIn("-DISOSYRK_SANITIZE=ON", self.calls("cmake")[0])
+        self.assertIn(f"--test-dir {folder} ", self.calls("ctest")[0])
+
+    def test_a_failed_build_runs_no_tests(self):
+        done = self.script("test", CMAKE_STATUS="1")
+        self.assertEqual(done.returncode, BAD_ARGUMENTS)
+        self.assertIn("chatter of cmake", done.stderr)
+        self.assertEqual(self.calls("ctest"), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
