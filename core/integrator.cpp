@@ -18,13 +18,13 @@ StepReport Integrator::step(Matrix& W, double h) {
   if (!std::isfinite(h))
     throw std::invalid_argument(fmt::format("step: h = {}, must be finite", h));
 
-  const long products_before = products_.count();
+  const long products_before = products();
   const long solves_before = poisson_solves_;
   SolveReport solve = advance(W, h, next_);
   // Stages can converge and the update still overflow.
   if (solve.status == Status::converged && !next_.allFinite()) solve.status = Status::diverged;
   if (solve.status == Status::converged) W.swap(next_);
-  return {solve.status, solve.sweeps, solve.change, products_.count() - products_before,
+  return {solve.status, solve.sweeps, solve.change, products() - products_before,
           poisson_solves_ - solves_before};
 }
 

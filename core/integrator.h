@@ -44,10 +44,19 @@ class Integrator {
     ++poisson_solves_;
   }
 
+  /// Counts the work of a step of another integrator that this one is made of.
+  void add_work(const StepReport& inner) {
+    inner_products_ += inner.products;
+    poisson_solves_ += inner.poisson_solves;
+  }
+
   const Flow& flow_;
   Products products_;
 
  private:
+  long products() const { return products_.count() + inner_products_; }
+
+  long inner_products_ = 0;
   long poisson_solves_ = 0;
   Matrix next_;
 };

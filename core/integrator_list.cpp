@@ -5,8 +5,10 @@
 #include <stdexcept>
 
 #include "core/algebra_form.h"
+#include "core/composition.h"
 #include "core/cotangent_form.h"
 #include "core/direct_form.h"
+#include "core/explicit_methods.h"
 #include "core/gauss_tableau.h"
 #include "core/group_form.h"
 #include "core/isospectral_midpoint.h"
@@ -66,31 +68,84 @@ std::unique_ptr<Integrator> make_formulation(Formulation formulation, const Flow
   throw std::invalid_argument("make_formulation: unknown formulation");
 }
 
-const std::vector<IntegratorEntry>& integrators() {
-  static const std::vector<IntegratorEntry> all = [] {
-    std::vector<IntegratorEntry> list;
-    for (const Formulation formulation : formulations()) {
-      for (int s = 1; s <= 3; ++s) {
-        list.push_back(
-            {fmt::format("{}{}", name(formulation), s), s, 2 * s,
-             /*isospectral=*/true, /*lie_poisson=*/true, /*symmetric=*/true,
-             /*is_explicit=*/false,
-             [formulation, tableau = gauss_tableau(s)](
-                 const Flow& flow, const SolverOptions& options, ProductBackend backend) {
-               return make_formulation(formulation, flow, tableau, options, backend);
-             }});
-      }
-    }
-    for (int s = 1; s <= 3; ++s) {
-      list.push_back({fmt::format("direct{}", s), s, 2 * s, /*isospectral=*/false,
-                      /*lie_poisson=*/false, /*symmetric=*/true, /*is_explicit=*/false,
-                      [tableau = gauss_tableau(s)](const Flow& flow, const SolverOptions& options,
+namespace {
+
+using Make =
+    std::function<std::unique_ptr<Integrator>(const Flow&, const SolverOptions&, ProductBackend)>;
+
+Make make_gauss(Formulation formulation, int s) {
+  return [formulation, tableau = gauss_tableau(s)](const Flow& flow, const SolverOptions& options,
                                                    ProductBackend backend) {
-                        return std::make_unique<DirectForm>(flow, tableau, options, backend);
-                      }});
-    }
-    return list;
-  }();
+    return make_formulation(formulation, flow, tableau, options, backend);
+  };
+}
+
+Make make_direct(int s) {
+  return [tableau = gauss_tableau(s)](const Flow& flow, const SolverOptions& options,
+                                      ProductBackend backend) {
+    return std::make_unique<DirectForm>(flow, tableau, options, backend);
+  };
+}
+
+Make make_composition(const CompositionScheme& scheme) {
+  return [scheme](const Flow& flow, const SolverOptions& options, ProductBackend backend) {
+    return std::make_unique<Composition>(flow, scheme, options, backend);
+  };
+}
+
+template <class Explicit>
+Make make_explicit() {
+  return [](const Flow& flow, const SolverOptions&, ProductBackend backend) {
+    return std::make_unique<Explicit>(flow, backend);
+  };
+}
+
+constexpr Properties isosyrk_properties = {
+    .isospectral = true, .lie_poisson = true, .symmetric = true, .is_explicit = false};
+
+std::vector<IntegratorEntry> make_list() {
+  std::vector<IntegratorEntry> list;
+  const auto add_gauss = [&list](Formulation formulation, int s) {
+    list.push_back({fmt::format("{}{}", name(formulation), s), s, 2 * s, isosyrk_properties,
+                    make_gauss(formulation, s)});
+  };
+  for (const Formulation formulation : formulations()) {
+    for (int s = 1; s <= 3; ++s) add_gauss(formulation, s);
+  }
+  add_gauss(Formulation::group, 4);
+  add_gauss(Formulation::group, 5);
+  for (const CompositionScheme& scheme : {yoshida4(), suzuki4(), kahan_li6()}) {
+    list.push_back({scheme.name, static_cast<int>(scheme.fractions.size()), scheme.order,
+                    isosyrk_properties, make_composition(scheme)});
+  }
+  list.push_back(
+      {"rkmk4",
+       4,
+       4,
+       {.isospectral = true, .lie_poisson = false, .symmetric = false, .is_explicit = true},
+       make_explicit<MuntheKaas4>()});
+  // Controls, which give structure up.
+  for (int s = 1; s <= 3; ++s) {
+    list.push_back(
+        {fmt::format("direct{}", s),
+         s,
+         2 * s,
+         {.isospectral = false, .lie_poisson = false, .symmetric = true, .is_explicit = false},
+         make_direct(s)});
+  }
+  list.push_back(
+      {"rk4",
+       4,
+       4,
+       {.isospectral = false, .lie_poisson = false, .symmetric = false, .is_explicit = true},
+       make_explicit<ClassicalRungeKutta4>()});
+  return list;
+}
+
+}  // namespace
+
+const std::vector<IntegratorEntry>& integrators() {
+  static const std::vector<IntegratorEntry> all = make_list();
   return all;
 }
 

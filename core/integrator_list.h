@@ -29,15 +29,20 @@ std::unique_ptr<Integrator> make_formulation(Formulation formulation, const Flow
                                              const Tableau& tableau, const SolverOptions& options,
                                              ProductBackend backend);
 
+/// What an integrator keeps, each checked by a test in both directions.
+struct Properties {
+  bool isospectral;  ///< keeps the spectrum of W
+  bool lie_poisson;  ///< the step is a Poisson map
+  bool symmetric;    ///< step(-h) inverts step(h)
+  bool is_explicit;  ///< no iteration
+};
+
 /// One line of the list.
 struct IntegratorEntry {
   std::string name;
   int stages;
   int order;
-  bool isospectral;  ///< keeps the spectrum of W
-  bool lie_poisson;  ///< the step is a Poisson map
-  bool symmetric;    ///< step(-h) inverts step(h)
-  bool is_explicit;  ///< no iteration
+  Properties keeps;
   std::function<std::unique_ptr<Integrator>(const Flow&, const SolverOptions&, ProductBackend)>
       make;
 };

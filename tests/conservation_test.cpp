@@ -104,7 +104,7 @@ TEST(EachListedIntegrator, IsAPoissonMapIfAndOnlyIfItSaysSo) {
   for (const IntegratorEntry& entry : integrators()) {
     const auto integrator = entry.make(*scene.flow, {1e-15, 1000}, ProductBackend::openblas);
     const double defect = poisson_map_defect(*integrator, scene.initial, 2.0);
-    if (entry.lie_poisson) {
+    if (entry.keeps.lie_poisson) {
       EXPECT_LE(defect, 1e-10) << entry.name;
     } else {
       EXPECT_GE(defect, 1e-6) << entry.name;

@@ -1,4 +1,5 @@
 // Every cell of Table 1: coincidence, spectrum, skewness and sweeps.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <map>
@@ -66,7 +67,7 @@ std::vector<Cell> cells_of(bool large) {
 }
 
 const auto cell_name = [](const auto& tested) {
-  return "n" + std::to_string(tested.param.n) + "s" + std::to_string(tested.param.s);
+  return fmt::format("n{}s{}", tested.param.n, tested.param.s);
 };
 
 INSTANTIATE_TEST_SUITE_P(Small, EachCell, ::testing::ValuesIn(cells_of(false)), cell_name);

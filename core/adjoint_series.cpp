@@ -1,0 +1,39 @@
+#include "core/adjoint_series.h"
+
+namespace isosyrk {
+
+AdjointSeries::AdjointSeries(const QuadraticAlgebra& algebra) : algebra_(algebra) {
+  term_ = next_ = product_ = Matrix::Zero(algebra.size(), algebra.size());
+  if (!algebra.is_skew_hermitian()) adjoint_ = term_;
+}
+
+void AdjointSeries::commutator(Products& products, const Matrix& A, const Matrix& B, Matrix& out) {
+  products.multiply(A, B, product_);
+  if (algebra_.is_skew_hermitian()) {
+    out = product_ - product_.adjoint();
+    return;
+  }
+  algebra_.involution(product_, adjoint_);
+  out = product_ - adjoint_;
+}
+
+bool AdjointSeries::conjugate(Products& products, double scale, const Matrix& Omega,
+                              const Matrix& W, Matrix& out) {
+  constexpr int most_terms = 200;
+  constexpr double rounding = 1e-17;  // relative to W, in the Frobenius norm
+  const double bound = rounding * W.norm();
+  out = W;
+  term_ = W;
+  for (int k = 1; k <= most_terms; ++k) {
+    commutator(products, Omega, term_, next_);
+    next_ *= scale / static_cast<double>(k);
+    out += next_;
+    term_.swap(next_);
+    const double size = term_.norm();
+    if (!std::isfinite(size)) return false;
+    if (size <= bound) return true;
+  }
+  return false;
+}
+
+}  // namespace isosyrk
