@@ -2,6 +2,8 @@
 // allowed.
 #pragma once
 
+#include <CLI/CLI.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -39,9 +41,10 @@ BackendChoice backend_choice(const std::string& text);
 template <class Body>
 int guarded(const char* program, Body&& body);
 
-/// Throws BadArgument for an option given as `--option=` with nothing behind: CLI11 would take the
-/// next argument for its value.
-void require_values(int argc, char** argv);
+/// Reads the command line into the app's options; an exit code if that was all, as for --help.
+/// Throws CLI11's errors, and BadArgument for an option given as `--option=` with nothing behind,
+/// where CLI11 would take the next argument for its value.
+std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv);
 
 /// Throws BadArgument if what was printed on stdout could not be written.
 void require_printed();

@@ -1,6 +1,5 @@
 // Runs one scene with one integrator, and prints what it cost and what it kept.
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -173,12 +172,7 @@ int main_program(int argc, char** argv) {
   const auto* output =
       app.add_option("--output", text.output, "write W(T) as NumPy .npy, complex128");
   app.add_flag("--json", json, "print one JSON object")->disable_flag_override();
-  require_values(argc, argv);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::CallForHelp& help) {
-    return app.exit(help);
-  }
+  if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
   use_one_blas_thread();
   const Request request = parse(text, modes->count() > 0, output->count() > 0);
   const Scene scene = smooth_scene(request.n, request.hbar, request.modes);

@@ -1,6 +1,5 @@
 // The parts a sweep is made of: products of each backend, the Poisson solve, and the core's peak.
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include "benchmarks/arguments.h"
 #include "benchmarks/benchmark_program.h"
@@ -70,12 +69,7 @@ int main_program(int argc, char** argv) {
       "Measures matrix products per backend, the Poisson solve and the core's multiply-add peak at "
       "n = 17, 33, 65, 129.  Takes Google Benchmark's arguments."};
   app.allow_extras();
-  require_values(argc, argv);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::CallForHelp& help) {
-    return app.exit(help);
-  }
+  if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
   use_one_blas_thread();
   std::vector<std::string> names = {"kernels/peak"};
   for (const Index n : sizes) {

@@ -1,6 +1,5 @@
 // Table 1 of the paper: CPU time of 50 steps of each formulation, over n and s.
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <chrono>
 #include <cstdio>
@@ -179,12 +178,7 @@ int main_program(int argc, char** argv) {
   std::string max_sweeps = "1000";
   app.add_option("--max-sweeps", max_sweeps, "sweeps allowed in a step (default 1000)");
   app.allow_extras();
-  require_values(argc, argv);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::CallForHelp& help) {
-    return app.exit(help);
-  }
+  if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
   use_one_blas_thread();
   const BackendChoice choice = backend_choice(products);
   SolverOptions options;

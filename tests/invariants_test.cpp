@@ -5,7 +5,6 @@
 #include <Eigen/Dense>
 
 #include "core/scene.h"
-#include "core/spin.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -42,21 +41,10 @@ TEST(SkewDefect, SeesASingleEntry) {
 }
 
 TEST(AngularMomentum, IsTheTraceWithTheSpinMatrices) {
-  const Index n = 7;
-  const Spin spin(n);
-  const Matrix W = random_skew_hermitian(n, 2);
-  Matrix up = Matrix::Zero(n, n);
-  Matrix Sz = Matrix::Zero(n, n);
-  for (Index i = 0; i < n; ++i) {
-    Sz(i, i) = spin.magnetic(i);
-    if (i + 1 < n) up(i, i + 1) = spin.ladder(i);
-  }
-  const Matrix Sx = 0.5 * (up + up.adjoint());
-  const Matrix Sy = Complex(0.0, -0.5) * (up - up.adjoint());
+  const Matrix W = random_skew_hermitian(7, 2);
+  const auto S = spin_matrices(7);
   const auto momentum = angular_momentum(W);
-  EXPECT_NEAR(momentum[0], (Sx * W).trace().imag(), 1e-14);
-  EXPECT_NEAR(momentum[1], (Sy * W).trace().imag(), 1e-14);
-  EXPECT_NEAR(momentum[2], (Sz * W).trace().imag(), 1e-14);
+  for (std::size_t a = 0; a < 3; ++a) EXPECT_NEAR(momentum[a], (S[a] * W).trace().imag(), 1e-14);
 }
 
 TEST(EulerZeitlin, HasTheTwoValuesOfHbar) {

@@ -6,7 +6,6 @@
 
 #include "core/invariants.h"
 #include "core/modes.h"
-#include "core/spin.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -14,19 +13,9 @@ namespace {
 
 // ΔW = -Σ_a [S_a, [S_a, W]] with the spin matrices written out.
 Matrix laplacian_by_commutators(const Matrix& W) {
-  const Index n = W.rows();
-  const Spin spin(n);
-  Matrix up = Matrix::Zero(n, n);
-  Matrix Sz = Matrix::Zero(n, n);
-  for (Index i = 0; i < n; ++i) {
-    Sz(i, i) = spin.magnetic(i);
-    if (i + 1 < n) up(i, i + 1) = spin.ladder(i);
-  }
-  const Matrix Sx = 0.5 * (up + up.adjoint());
-  const Matrix Sy = Complex(0.0, -0.5) * (up - up.adjoint());
   const auto commutator = [](const Matrix& A, const Matrix& B) { return Matrix(A * B - B * A); };
-  Matrix sum = Matrix::Zero(n, n);
-  for (const Matrix& S : {Sx, Sy, Sz}) sum -= commutator(S, commutator(S, W));
+  Matrix sum = Matrix::Zero(W.rows(), W.cols());
+  for (const Matrix& S : spin_matrices(W.rows())) sum -= commutator(S, commutator(S, W));
   return sum;
 }
 

@@ -13,6 +13,7 @@
 #include "core/gauss_tableau.h"
 #include "core/invariants.h"
 #include "core/run.h"
+#include "core/spin.h"
 
 namespace isosyrk::testing {
 
@@ -94,6 +95,17 @@ Tableau radau_iia() {
   tableau.b << 3.0 / 4.0, 1.0 / 4.0;
   tableau.c << 1.0 / 3.0, 1.0;
   return tableau;
+}
+
+std::array<Matrix, 3> spin_matrices(Index n) {
+  const Spin spin(n);
+  Matrix up = Matrix::Zero(n, n);
+  Matrix Sz = Matrix::Zero(n, n);
+  for (Index i = 0; i < n; ++i) {
+    Sz(i, i) = spin.magnetic(i);
+    if (i + 1 < n) up(i, i + 1) = spin.ladder(i);
+  }
+  return {0.5 * (up + up.adjoint()), Complex(0.0, -0.5) * (up - up.adjoint()), Sz};
 }
 
 Matrix symplectic_J(Index k) {

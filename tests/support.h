@@ -1,6 +1,7 @@
 // What several tests need.
 #pragma once
 
+#include <array>
 #include <ostream>
 #include <string>
 
@@ -35,6 +36,9 @@ double observed_order(const std::vector<double>& h, const std::vector<double>& e
 
 /// Radau IIA with two stages, order 3: not symplectic.
 Tableau radau_iia();
+
+/// The spin matrices S_x, S_y, S_z of size n, written out.
+std::array<Matrix, 3> spin_matrices(Index n);
 
 /// J = [[0, I], [-I, 0]] of size 2k.
 Matrix symplectic_J(Index k);
