@@ -45,7 +45,7 @@ struct Request {
 Request parse(const Text& text, bool modes_given, bool output_given) {
   Request request{};
   request.n = whole_number("--n", text.n, 2, 4096);
-  request.stages = static_cast<int>(whole_number("--stages", text.stages, 1, max_gauss_stages));
+  request.stages = static_cast<int>(whole_number("--stages", text.stages, 1, max_stages));
   try {
     request.formulation = formulation_from_name(text.formulation);
   } catch (const std::invalid_argument& error) {

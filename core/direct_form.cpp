@@ -26,14 +26,10 @@ void DirectForm::evaluate_stages() {
 
 double DirectForm::sweep(const Matrix& W0, double h) {
   evaluate_stages();
-  const Index n = flow_.size();
-  change_.setZero();
   for (Index i = 0; i < tableau_.stages(); ++i) {
     Matrix& W = W_stage_[static_cast<std::size_t>(i)];
     add_increment(W0, h * tableau_.a.row(i).transpose(), fresh_);
-    for_each_block(n, [&](Block block) {
-      change_(i) += squared_change(entries(fresh_, block), entries(W, block));
-    });
+    change_(i) = squared_change(fresh_, W);
     W.swap(fresh_);
   }
   return largest_change(change_);
@@ -42,8 +38,7 @@ double DirectForm::sweep(const Matrix& W0, double h) {
 // out = W₀ + Σ_j weights_j [B_j, W̃_j]
 template <class Weights>
 void DirectForm::add_increment(const Matrix& W0, const Weights& weights, Matrix& out) {
-  for_each_block(flow_.size(),
-                 [&](Block block) { combine(weights, C_.data(), block, entries(sum_, block)); });
+  combine(weights, C_, sum_);
   add_commutator(flow_.algebra(), W0, sum_, scratch_, out);
 }
 

@@ -60,9 +60,9 @@ Extended lagrange(const std::vector<Extended>& nodes, std::size_t j, Extended x)
 }  // namespace
 
 Tableau gauss_tableau(int s) {
-  if (s < 1 || s > max_gauss_stages) {
+  if (s < 1 || s > max_stages) {
     throw std::invalid_argument(
-        fmt::format("gauss_tableau: s = {}, must be 1 to {}", s, max_gauss_stages));
+        fmt::format("gauss_tableau: s = {}, must be 1 to {}", s, max_stages));
   }
   const std::vector<Extended> zeros = legendre_zeros(s);
   const auto size = static_cast<std::size_t>(s);

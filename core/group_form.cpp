@@ -13,6 +13,7 @@ GroupForm::GroupForm(const Flow& flow, const Tableau& tableau, const SolverOptio
   QB_ = Q_;
   W_stage_ = B_ = W0Q_ = Q_next_ = Matrix::Zero(n, n);
   if (!flow.algebra().is_skew_hermitian()) JQ_ = Matrix::Zero(n, n);
+  identity_ = Matrix::Identity(n, n);
   change_.resize(tableau.stages());
 }
 
@@ -39,18 +40,7 @@ void GroupForm::evaluate_stages(const Matrix& W0) {
 
 double GroupForm::sweep(const Matrix& W0, double h) {
   evaluate_stages(W0);
-  const Index n = flow_.size();
-  change_.setZero();
-  for_each_block(n, [&](Block block) {
-    Entries fresh = block_.entries(block);
-    for (Index i = 0; i < tableau_.stages(); ++i) {
-      combine(h * tableau_.a.row(i).array(), QB_.data(), block, fresh);
-      add_identity(fresh, n, block);
-      Entries Q = entries(Q_[static_cast<std::size_t>(i)], block);
-      change_(i) += squared_change(fresh, Q);
-      Q = fresh;
-    }
-  });
+  update_unknowns(identity_, h, tableau_.a, QB_, Q_, change_.data());
   return largest_change(change_);
 }
 
@@ -60,11 +50,7 @@ SolveReport GroupForm::advance(const Matrix& W0, double h, Matrix& W1) {
   if (report.status != Status::converged) return report;
 
   evaluate_stages(W0);
-  for_each_block(flow_.size(), [&](Block block) {
-    Entries Q = entries(Q_next_, block);
-    combine(h * tableau_.b.array(), QB_.data(), block, Q);
-    add_identity(Q, flow_.size(), block);
-  });
+  combine(identity_, h * tableau_.b, QB_, Q_next_);
   transport(W0, Q_next_, W1);
   return report;
 }

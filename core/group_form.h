@@ -40,7 +40,7 @@ class GroupForm final : public Integrator {
   Matrix W0Q_;     // W₀ J Q J⁻¹
   Matrix JQ_;      // J Q J⁻¹, where J is not I
   Matrix Q_next_;  // Q₁ of the update
-  BlockWorkspace block_;
+  Matrix identity_;
   RealVector change_;  // squared, of each Q_i
 };
 

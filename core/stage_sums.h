@@ -1,95 +1,73 @@
-// Linear combinations of stage matrices, block by block, and the change of an unknown.
+// Linear combinations of stage matrices, and the change of an unknown, in one pass over memory.
 //
-// The sums over stages cost O(s^2 n^2) and would, done matrix by matrix, be passes over memory.
-// Done in blocks, a block of every stage is in the first-level cache when it is combined, stored
-// and compared with its old value.  All coefficients are real, so that a matrix is seen as 2n²
-// real numbers and a block is a range of them.
+// The sums over stages cost O(s² n²) beside the products' O(s n³), and at the sizes of interest
+// they are what keeps a sweep from running at the products' speed.  So each matrix is read once:
+// all coefficients are real, a matrix is seen as its 2n² real numbers, and everything that is
+// wanted of a few of these is done while they are in registers.
 #pragma once
 
 #include <vector>
 
 #include "core/matrix.h"
+#include "core/tableau.h"
 
 namespace isosyrk {
 
-/// Real numbers begin .. begin + length - 1 of the 2n² of a matrix.
-struct Block {
-  Index begin;
-  Index length;
-};
+using Reals = Eigen::Map<Eigen::ArrayXd>;
+using ConstReals = Eigen::Map<const Eigen::ArrayXd>;
 
-/// Real numbers in a block: the dozen or so blocks combined together fit the first-level cache.
-inline constexpr Index block_length = 128;
-
-/// Calls body(Block) for the blocks of an n x n matrix in turn.
-template <class Body>
-void for_each_block(Index n, Body&& body) {
-  const Index end = 2 * n * n;
-  for (Index begin = 0; begin < end; begin += block_length) {
-    body(Block{begin, std::min(block_length, end - begin)});
-  }
+/// The 2n² real numbers of X, in storage order.
+inline Reals reals(Matrix& X) { return {reinterpret_cast<double*>(X.data()), 2 * X.size()}; }
+inline ConstReals reals(const Matrix& X) {
+  return {reinterpret_cast<const double*>(X.data()), 2 * X.size()};
 }
 
-using Entries = Eigen::Map<Eigen::ArrayXd>;
-using ConstEntries = Eigen::Map<const Eigen::ArrayXd>;
-
-/// The block's part of X.
-inline Entries entries(Matrix& X, Block block) {
-  return {reinterpret_cast<double*>(X.data()) + block.begin, block.length};
-}
-inline ConstEntries entries(const Matrix& X, Block block) {
-  return {reinterpret_cast<const double*>(X.data()) + block.begin, block.length};
+/// s matrices of size n x n, zero.
+inline std::vector<Matrix> stage_matrices(Index s, Index n) {
+  return std::vector<Matrix>(static_cast<std::size_t>(s), Matrix::Zero(n, n));
 }
 
-/// Room for the entries of one block.
-class BlockWorkspace {
- public:
-  Entries entries(Block block) { return {values_, block.length}; }
+namespace stage_sums {
 
- private:
-  alignas(64) double values_[block_length] = {};
-};
-
-/// Adds the identity's part to a block of an n x n matrix.
-inline void add_identity(Entries values, Index n, Block block) {
-  const Index period = 2 * (n + 1);  // from one diagonal entry to the next
-  for (Index at = (block.begin + period - 1) / period * period; at < block.begin + block.length;
-       at += period) {
-    values(at - block.begin) += 1.0;
-  }
-}
-
-/// sum = coefficient(0) X_0 + ... + coefficient(s-1) X_{s-1} on one block, s >= 1.
-/// `coefficients` is any s-vector expression of doubles.
-template <class Coefficients>
-void combine(const Coefficients& coefficients, const Matrix* X, Block block, Entries sum) {
-  const Index s = coefficients.size();
-  // Up to three terms in one pass over the block; the rest is added three at a time.
-  switch (s) {
+/// Calls set(sum) with the sum of the first terms weights(j) Y_j, up to three, as an expression to
+/// be evaluated in one pass; the rest is added to out one term at a time.
+template <class Weights, class Set>
+void combine(const Weights& weights, const std::vector<Matrix>& Y, Matrix& out, Set&& set) {
+  switch (Y.size()) {
     case 1:
-      sum = coefficients(0) * entries(X[0], block);
+      set(weights(0) * reals(Y[0]));
       return;
     case 2:
-      sum = coefficients(0) * entries(X[0], block) + coefficients(1) * entries(X[1], block);
+      set(weights(0) * reals(Y[0]) + weights(1) * reals(Y[1]));
       return;
     default:
-      sum = coefficients(0) * entries(X[0], block) + coefficients(1) * entries(X[1], block) +
-            coefficients(2) * entries(X[2], block);
+      set(weights(0) * reals(Y[0]) + weights(1) * reals(Y[1]) + weights(2) * reals(Y[2]));
       break;
   }
-  for (Index j = 3; j < s; ++j) sum += coefficients(j) * entries(X[j], block);
+  for (std::size_t j = 3; j < Y.size(); ++j) {
+    reals(out) += weights(static_cast<Index>(j)) * reals(Y[j]);
+  }
 }
 
-/// Σ |fresh - old|² over one block.
-template <class Fresh, class Old>
-double squared_change(const Fresh& fresh, const Old& old) {
-  return (fresh - old).square().sum();
+}  // namespace stage_sums
+
+/// out = Σ_j weights(j) Y_j, at least one term.  `weights` is any vector expression of doubles; out
+/// is none of the Y_j.
+template <class Weights>
+void combine(const Weights& weights, const std::vector<Matrix>& Y, Matrix& out) {
+  stage_sums::combine(weights, Y, out, [&](const auto& sum) { reals(out) = sum; });
+}
+
+/// out = base + Σ_j weights(j) Y_j, likewise; out is not base either.
+template <class Weights>
+void combine(const Matrix& base, const Weights& weights, const std::vector<Matrix>& Y,
+             Matrix& out) {
+  stage_sums::combine(weights, Y, out, [&](const auto& sum) { reals(out) = reals(base) + sum; });
 }
 
 /// Σ |fresh - old|² over two matrices.
 inline double squared_change(const Matrix& fresh, const Matrix& old) {
-  const Block all{0, 2 * fresh.size()};
-  return squared_change(entries(fresh, all), entries(old, all));
+  return (reals(fresh) - reals(old)).square().sum();
 }
 
 /// The largest change of several unknowns from their squares; NaN if any is.
@@ -99,9 +77,75 @@ inline double largest_change(const RealVector& squares) {
   return std::sqrt(largest);
 }
 
-/// s matrices of size n x n, zero.
-inline std::vector<Matrix> stage_matrices(Index s, Index n) {
-  return std::vector<Matrix>(static_cast<std::size_t>(s), Matrix::Zero(n, n));
+namespace stage_sums {
+
+/// `Length` neighbouring real numbers of a matrix.
+template <int Length>
+using Piece = Eigen::Array<double, Length, 1>;
+
+template <int Length>
+Piece<Length> load(const Matrix& X, Index at) {
+  return Eigen::Map<const Piece<Length>>(reinterpret_cast<const double*>(X.data()) + at);
+}
+
+template <int Length>
+void store(const Piece<Length>& values, Matrix& X, Index at) {
+  Eigen::Map<Piece<Length>>(reinterpret_cast<double*>(X.data()) + at) = values;
+}
+
+/// update_unknowns on the real numbers from `at` on.
+template <int Length, class Coefficients>
+void update_piece(const Matrix& base, const Coefficients& c, const std::vector<Matrix>& Y,
+                  std::vector<Matrix>& X, Index at, Piece<Length>* squares) {
+  const Index s = c.rows();
+  Piece<Length> y[Coefficients::MaxRowsAtCompileTime];
+  for (Index j = 0; j < s; ++j) y[j] = load<Length>(Y[static_cast<std::size_t>(j)], at);
+  const Piece<Length> start = load<Length>(base, at);
+  for (Index i = 0; i < s; ++i) {
+    Piece<Length> fresh = start;
+    for (Index j = 0; j < s; ++j) fresh += c(i, j) * y[j];
+    Matrix& X_i = X[static_cast<std::size_t>(i)];
+    squares[i] += (fresh - load<Length>(X_i, at)).square();
+    store<Length>(fresh, X_i, at);
+  }
+}
+
+/// update_unknowns for s = Size, which the compiler unrolls, or for any s (Eigen::Dynamic).
+template <int Size>
+void update_all(const Matrix& base, double h, const RealMatrix& a, const std::vector<Matrix>& Y,
+                std::vector<Matrix>& X, double* squares) {
+  constexpr int most = Size == Eigen::Dynamic ? max_stages : Size;
+  const Eigen::Matrix<double, Size, Size, Eigen::ColMajor, most, most> c = h * a;
+  constexpr int length = 8;
+  Piece<length> sums[most];
+  for (Index i = 0; i < c.rows(); ++i) sums[i].setZero();
+  const Index end = 2 * base.size();
+  Index at = 0;
+  for (; at + length <= end; at += length) update_piece<length>(base, c, Y, X, at, sums);
+
+  constexpr int rest = 2;  // 2n² is even
+  Piece<rest> rest_sums[most];
+  for (Index i = 0; i < c.rows(); ++i) rest_sums[i].setZero();
+  for (; at < end; at += rest) update_piece<rest>(base, c, Y, X, at, rest_sums);
+  for (Index i = 0; i < c.rows(); ++i) squares[i] = sums[i].sum() + rest_sums[i].sum();
+}
+
+}  // namespace stage_sums
+
+/// X_i = base + h Σ_j a_ij Y_j for i = 1..s, each Y_j read once; squares[i] = Σ |change of X_i|².
+/// a is s x s, s = Y.size() = X.size() <= max_stages.
+inline void update_unknowns(const Matrix& base, double h, const RealMatrix& a,
+                            const std::vector<Matrix>& Y, std::vector<Matrix>& X, double* squares) {
+  switch (Y.size()) {
+    case 1:
+      return stage_sums::update_all<1>(base, h, a, Y, X, squares);
+    case 2:
+      return stage_sums::update_all<2>(base, h, a, Y, X, squares);
+    case 3:
+      return stage_sums::update_all<3>(base, h, a, Y, X, squares);
+    default:
+      return stage_sums::update_all<Eigen::Dynamic>(base, h, a, Y, X, squares);
+  }
 }
 
 }  // namespace isosyrk

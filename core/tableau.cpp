@@ -13,11 +13,12 @@ double symplecticity_defect(const Tableau& tableau) {
 
 void require_consistent(const Tableau& tableau) {
   const Index s = tableau.b.size();
-  if (s < 1 || tableau.a.rows() != s || tableau.a.cols() != s || tableau.c.size() != s) {
-    throw std::invalid_argument(
-        fmt::format("tableau {}: a is {} x {}, b has {} and c {} entries; must be s x s, s and s "
-                    "with s >= 1",
-                    tableau.name, tableau.a.rows(), tableau.a.cols(), s, tableau.c.size()));
+  if (s < 1 || s > max_stages || tableau.a.rows() != s || tableau.a.cols() != s ||
+      tableau.c.size() != s) {
+    throw std::invalid_argument(fmt::format(
+        "tableau {}: a is {} x {}, b has {} and c {} entries; must be s x s, s and s "
+        "with s = 1..{}",
+        tableau.name, tableau.a.rows(), tableau.a.cols(), s, tableau.c.size(), max_stages));
   }
   if (!tableau.a.allFinite() || !tableau.b.allFinite() || !tableau.c.allFinite()) {
     throw std::invalid_argument(

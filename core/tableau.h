@@ -7,6 +7,9 @@
 
 namespace isosyrk {
 
+/// The most stages a tableau may have; Gauss tableaux are computed to the last digit up to here.
+inline constexpr int max_stages = 20;
+
 /// Coefficients a_ij, b_i, c_i of a Runge-Kutta method with s stages.
 struct Tableau {
   std::string name;
@@ -22,8 +25,8 @@ struct Tableau {
 /// those for which the three formulations coincide (the paper's theorem).
 double symplecticity_defect(const Tableau& tableau);
 
-/// Throws std::invalid_argument unless the sizes agree, there is at least one stage and every
-/// coefficient is finite.
+/// Throws std::invalid_argument unless the sizes agree, there are 1 to max_stages stages and
+/// every coefficient is finite.
 void require_consistent(const Tableau& tableau);
 
 }  // namespace isosyrk

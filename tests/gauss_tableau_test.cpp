@@ -47,7 +47,7 @@ TEST(GaussTableau, AgreesWithTheClosedFormsTo4Ulp) {
 }
 
 TEST(GaussTableau, IntegratesPolynomialsOfDegree2sMinus1AndNoMore) {
-  for (int s = 1; s <= max_gauss_stages; ++s) {
+  for (int s = 1; s <= max_stages; ++s) {
     const Tableau tableau = gauss_tableau(s);
     EXPECT_EQ(tableau.order, 2 * s);
     const auto quadrature_error = [&](int power) {
@@ -61,7 +61,7 @@ TEST(GaussTableau, IntegratesPolynomialsOfDegree2sMinus1AndNoMore) {
 }
 
 TEST(GaussTableau, SatisfiesTheCollocationConditions) {
-  for (int s = 1; s <= max_gauss_stages; ++s) {
+  for (int s = 1; s <= max_stages; ++s) {
     const Tableau tableau = gauss_tableau(s);
     for (int power = 0; power < s; ++power) {
       const RealVector left = tableau.a * tableau.c.array().pow(power).matrix();
@@ -72,7 +72,7 @@ TEST(GaussTableau, SatisfiesTheCollocationConditions) {
 }
 
 TEST(GaussTableau, IsSymplecticTo16Epsilon) {
-  for (int s = 1; s <= max_gauss_stages; ++s) {
+  for (int s = 1; s <= max_stages; ++s) {
     EXPECT_LE(symplecticity_defect(gauss_tableau(s)), 16 * 2.3e-16) << s;
   }
 }
@@ -84,7 +84,7 @@ TEST(SymplecticityDefect, TellsRadauFromGauss) {
 TEST(GaussTableau, RefusesStageNumbersOutOfRange) {
   EXPECT_THROW(gauss_tableau(0), std::invalid_argument);
   EXPECT_THROW(gauss_tableau(-1), std::invalid_argument);
-  EXPECT_THROW(gauss_tableau(max_gauss_stages + 1), std::invalid_argument);
+  EXPECT_THROW(gauss_tableau(max_stages + 1), std::invalid_argument);
 }
 
 TEST(Tableau, ThatIsInconsistentIsRefused) {

@@ -1,0 +1,86 @@
+// Sums over stages in one pass against the same sums entry by entry.
+#include "core/stage_sums.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "core/gauss_tableau.h"
+
+namespace isosyrk {
+namespace {
+
+// n odd and even, so that the last few real numbers are taken apart; s below, at and above the
+// counts that are unrolled.
+struct Sizes {
+  Index n;
+  int s;
+};
+
+class StageSums : public testing::TestWithParam<Sizes> {
+ protected:
+  std::vector<Matrix> random_stages() const {
+    std::vector<Matrix> Y;
+    for (int j = 0; j < GetParam().s; ++j) Y.push_back(Matrix::Random(GetParam().n, GetParam().n));
+    return Y;
+  }
+};
+
+TEST_P(StageSums, UpdateUnknownsIsTheStageEquationAndItsChange) {
+  const auto [n, s] = GetParam();
+  const double h = -0.3;
+  const RealMatrix a = gauss_tableau(s).a;
+  const Matrix base = Matrix::Random(n, n);
+  const std::vector<Matrix> Y = random_stages();
+  std::vector<Matrix> X = random_stages();
+  const std::vector<Matrix> old = X;
+  RealVector squares(s);
+  update_unknowns(base, h, a, Y, X, squares.data());
+  for (int i = 0; i < s; ++i) {
+    Matrix expected = base;
+    for (int j = 0; j < s; ++j) expected += h * a(i, j) * Y[static_cast<std::size_t>(j)];
+    const auto at = static_cast<std::size_t>(i);
+    EXPECT_LE((X[at] - expected).cwiseAbs().maxCoeff(), 1e-14 * s);
+    const double change = (expected - old[at]).squaredNorm();
+    EXPECT_NEAR(squares(i), change, 1e-13 * change);
+  }
+}
+
+TEST_P(StageSums, CombineIsTheWeightedSum) {
+  const auto [n, s] = GetParam();
+  const RealVector b = gauss_tableau(s).b;
+  const Matrix base = Matrix::Random(n, n);
+  const std::vector<Matrix> Y = random_stages();
+  Matrix expected = Matrix::Zero(n, n);
+  for (int j = 0; j < s; ++j) expected += b(j) * Y[static_cast<std::size_t>(j)];
+  Matrix sum(n, n);
+  combine(b, Y, sum);
+  EXPECT_LE((sum - expected).cwiseAbs().maxCoeff(), 1e-15 * s);
+  combine(base, b, Y, sum);
+  EXPECT_LE((sum - (base + expected)).cwiseAbs().maxCoeff(), 1e-15 * (s + 1));
+}
+
+TEST_P(StageSums, AChangeThatIsNotANumberIsSeen) {
+  const auto [n, s] = GetParam();
+  std::vector<Matrix> Y = random_stages();
+  Y.back()(n - 1, n - 1) = Complex(std::numeric_limits<double>::quiet_NaN(), 0.0);
+  std::vector<Matrix> X = random_stages();
+  RealVector squares(s);
+  update_unknowns(Matrix::Zero(n, n), 1.0, gauss_tableau(s).a, Y, X, squares.data());
+  EXPECT_TRUE(std::isnan(largest_change(squares)));
+}
+
+INSTANTIATE_TEST_SUITE_P(SizesAndStages, StageSums,
+                         testing::Values(Sizes{2, 1}, Sizes{3, 2}, Sizes{5, 3}, Sizes{6, 4},
+                                         Sizes{17, 3}, Sizes{17, 7}, Sizes{4, max_stages}));
+
+TEST(RequireConsistent, RefusesMoreStagesThanTheSumsHaveRoomFor) {
+  Tableau tableau = gauss_tableau(1);
+  const Index s = max_stages + 1;
+  tableau.a = RealMatrix::Zero(s, s);
+  tableau.b = tableau.c = RealVector::Constant(s, 1.0 / static_cast<double>(s));
+  EXPECT_THROW(require_consistent(tableau), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace isosyrk
