@@ -86,6 +86,10 @@ BenchmarkArguments::BenchmarkArguments(const std::vector<std::string>& given,
   }
 }
 
+bool BenchmarkArguments::selects_any(const std::vector<std::string>& names) const {
+  return filter_.empty() || matches_any(filter_, names);
+}
+
 void BenchmarkArguments::take(const std::string& flag, const std::string& value,
                               const std::vector<std::string>& names) {
   const std::string option = "--benchmark_" + flag;
@@ -99,6 +103,7 @@ void BenchmarkArguments::take(const std::string& flag, const std::string& value,
       throw BadArgument(fmt::format("{}={}: matches no benchmark; names are like {}", option, value,
                                     names.front()));
     }
+    filter_ = value;
   } else if (flag == "repetitions") {
     repetitions_ = whole_number(option, value, 1, 1000);
   } else if (flag == "min_time") {

@@ -26,6 +26,8 @@ class BenchmarkArguments {
   BenchmarkArguments(const std::vector<std::string>& given, const std::vector<std::string>& names);
 
   long repetitions() const { return repetitions_; }
+  /// Whether the filter leaves any of these names in.
+  bool selects_any(const std::vector<std::string>& names) const;
 
  private:
   friend int run_benchmarks(const std::string& program, BenchmarkArguments arguments,
@@ -34,6 +36,7 @@ class BenchmarkArguments {
             const std::vector<std::string>& names);
 
   std::vector<std::string> passed_on_;
+  std::string filter_;
   std::optional<OutputFile> output_;
   long repetitions_ = 1;
 };

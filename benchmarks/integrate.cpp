@@ -8,10 +8,9 @@
 #include "benchmarks/arguments.h"
 #include "benchmarks/modes_file.h"
 #include "benchmarks/output_file.h"
-#include "core/gauss_tableau.h"
+#include "benchmarks/timed_run.h"
+#include "core/conservation.h"
 #include "core/integrator_list.h"
-#include "core/invariants.h"
-#include "core/run.h"
 #include "core/scene.h"
 
 namespace isosyrk {
@@ -19,7 +18,7 @@ namespace {
 
 // The command line as text; every value is read strictly by `parse`.
 struct Text {
-  std::string n, stages, formulation, step, time;
+  std::string n, stages, formulation, integrator, step, time;
   std::string tolerance = "1e-13";
   std::string max_sweeps = "1000";
   std::string hbar = "paper";
@@ -30,8 +29,8 @@ struct Text {
 
 struct Request {
   Index n;
-  int stages;
-  Formulation formulation;
+  IntegratorEntry integrator;
+  std::optional<Formulation> formulation;  // where it was chosen by this
   double step;
   double time;
   long steps;
@@ -42,15 +41,37 @@ struct Request {
   std::optional<OutputFile> output;
 };
 
-Request parse(const Text& text, bool modes_given, bool output_given) {
-  Request request{};
-  request.n = whole_number("--n", text.n, 2, 4096);
-  request.stages = static_cast<int>(whole_number("--stages", text.stages, 1, max_stages));
+// Which of the options that have no default were given.
+struct Given {
+  bool formulation, stages, integrator, modes, output;
+};
+
+// --integrator, or --formulation and --stages.
+void choose_integrator(const Text& text, const Given& given, Request& request) {
+  if (given.integrator && (given.formulation || given.stages)) {
+    throw BadArgument(
+        fmt::format("--integrator {}: must stand alone, in place of --formulation and --stages",
+                    text.integrator));
+  }
   try {
+    if (given.integrator) {
+      request.integrator = integrator_entry(text.integrator);
+      return;
+    }
+    if (!given.stages) throw BadArgument("--stages is required, or --integrator");
+    if (!given.formulation) throw BadArgument("--formulation is required, or --integrator");
+    const int stages = static_cast<int>(whole_number("--stages", text.stages, 1, max_stages));
     request.formulation = formulation_from_name(text.formulation);
+    request.integrator = gauss_entry(*request.formulation, stages);
   } catch (const std::invalid_argument& error) {
     throw BadArgument(fmt::format("--{}", error.what()));
   }
+}
+
+Request parse(const Text& text, const Given& given) {
+  Request request{};
+  request.n = whole_number("--n", text.n, 2, 4096);
+  choose_integrator(text, given, request);
   const std::string positive = "positive and finite";
   request.step = real_number("--step", text.step, positive);
   if (request.step <= 0.0) {
@@ -71,7 +92,7 @@ Request parse(const Text& text, bool modes_given, bool output_given) {
       static_cast<int>(whole_number("--max-sweeps", text.max_sweeps, 1, 1000000));
   request.hbar = hbar_convention(text.hbar);
   request.products = backend_choice(text.products);
-  if (modes_given) {
+  if (given.modes) {
     request.modes = read_modes_file(text.modes, request.n);
   } else if (request.n < 5) {
     throw BadArgument(fmt::format(
@@ -79,49 +100,41 @@ Request parse(const Text& text, bool modes_given, bool output_given) {
   } else {
     request.modes = default_modes();
   }
-  if (output_given) request.output.emplace("--output", text.output);
+  if (given.output) request.output.emplace("--output", text.output);
   return request;
 }
 
 struct Outcome {
   RunReport run;
   double seconds = 0.0;
-  double energy_error = 0.0;
+  Conservation kept;
   double h_norm_B = 0.0;
   Matrix W;
 };
 
 Outcome integrate(const Request& request, const Scene& scene, ProductBackend backend) {
-  const auto integrator = make_formulation(request.formulation, *scene.flow,
-                                           gauss_tableau(request.stages), request.solver, backend);
+  const auto integrator = request.integrator.make(*scene.flow, request.solver, backend);
   Outcome outcome;
   outcome.W = scene.initial;
-  Matrix B(request.n, request.n);
-  scene.flow->generator(scene.initial, B);
-  outcome.h_norm_B = request.step * spectral_norm(B);
-
-  const double initial_energy = scene.flow->hamiltonian(scene.initial);
-  double observing = 0.0;  // what looking at the energy costs is no part of the run
-  const double start = cpu_seconds();
-  outcome.run = run(*integrator, outcome.W, request.step, request.steps,
-                    [&](long, const Matrix& W, const StepReport&) {
-                      const double before = cpu_seconds();
-                      const double error =
-                          std::abs(scene.flow->hamiltonian(W) / initial_energy - 1.0);
-                      outcome.energy_error = larger(outcome.energy_error, error);
-                      observing += cpu_seconds() - before;
-                    });
-  outcome.seconds = cpu_seconds() - start - observing;
+  outcome.h_norm_B = request.step * generator_norms(scene).B;
+  ConservationWatch watch(scene);
+  const TimedRun timed = timed_run(*integrator, outcome.W, request.step, request.steps,
+                                   [&](const Matrix& W) { watch.observe(W); });
+  outcome.run = timed.run;
+  outcome.seconds = timed.seconds;
+  outcome.kept = watch.report(outcome.W);
   return outcome;
 }
 
-nlohmann::ordered_json as_json(const Request& request, const Scene& scene, const Outcome& outcome,
+nlohmann::ordered_json as_json(const Request& request, const Outcome& outcome,
                                ProductBackend backend) {
   const RunReport& run = outcome.run;
   nlohmann::ordered_json json = {
       {"n", request.n},
-      {"stages", request.stages},
-      {"formulation", name(request.formulation)},
+      {"integrator", request.integrator.name},
+      {"stages", request.integrator.stages},
+      {"formulation", request.formulation ? nlohmann::ordered_json(name(*request.formulation))
+                                          : nlohmann::ordered_json(nullptr)},
       {"step", request.step},
       {"steps", request.steps},
       {"time", request.time},
@@ -137,9 +150,9 @@ nlohmann::ordered_json as_json(const Request& request, const Scene& scene, const
       {"poisson_solves", run.poisson_solves},
       {"seconds", outcome.seconds},
       {"h_norm_B", outcome.h_norm_B},
-      {"spectrum_error", spectrum_error(outcome.W, scene.initial)},
-      {"skew_defect", skew_defect(outcome.W)},
-      {"energy_error", outcome.energy_error},
+      {"spectrum_error", outcome.kept.spectrum_error},
+      {"skew_defect", outcome.kept.skew_defect},
+      {"energy_error", outcome.kept.energy_error},
       {"last_change", run.last_change},
   };
   if (!run.converged()) json["failed_step"] = run.failed_step;
@@ -148,6 +161,7 @@ nlohmann::ordered_json as_json(const Request& request, const Scene& scene, const
 
 void print_text(const nlohmann::ordered_json& result) {
   for (const auto& [key, value] : result.items()) {
+    if (value.is_null()) continue;  // the formulation of an integrator that is none
     fmt::print("{:<16} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
   }
 }
@@ -155,12 +169,17 @@ void print_text(const nlohmann::ordered_json& result) {
 int main_program(int argc, char** argv) {
   CLI::App app{
       "Integrates the Euler-Zeitlin equations with one formulation of an isospectral "
-      "symplectic Runge-Kutta (Gauss) method."};
+      "symplectic Runge-Kutta (Gauss) method, or with any listed integrator."};
   Text text;
   bool json = false;
   app.add_option("--n", text.n, "matrix size, 2 to 4096")->required();
-  app.add_option("--stages", text.stages, "stages of the Gauss tableau, 1 to 20")->required();
-  app.add_option("--formulation", text.formulation, "cotangent, group or algebra")->required();
+  const auto* stages =
+      app.add_option("--stages", text.stages, "stages of the Gauss tableau, 1 to 20");
+  const auto* formulation =
+      app.add_option("--formulation", text.formulation, "cotangent, group or algebra");
+  const auto* integrator =
+      app.add_option("--integrator", text.integrator,
+                     "name of a listed integrator, in place of --formulation and --stages");
   app.add_option("--step", text.step, "step size h > 0")->required();
   app.add_option("--time", text.time, "end time T >= 0, a whole number of steps")->required();
   app.add_option("--tolerance", text.tolerance, "of the fixed point, >= 1e-15 (default 1e-13)");
@@ -174,12 +193,16 @@ int main_program(int argc, char** argv) {
   app.add_flag("--json", json, "print one JSON object")->disable_flag_override();
   if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
   use_one_blas_thread();
-  const Request request = parse(text, modes->count() > 0, output->count() > 0);
+  const Request request = parse(text, {.formulation = formulation->count() > 0,
+                                       .stages = stages->count() > 0,
+                                       .integrator = integrator->count() > 0,
+                                       .modes = modes->count() > 0,
+                                       .output = output->count() > 0});
   const Scene scene = smooth_scene(request.n, request.hbar, request.modes);
   const ProductBackend backend = choose_backend(request.products, request.n).chosen;
   const Outcome outcome = integrate(request, scene, backend);
 
-  const nlohmann::ordered_json result = as_json(request, scene, outcome, backend);
+  const nlohmann::ordered_json result = as_json(request, outcome, backend);
   if (outcome.run.converged() && request.output) request.output->write(npy(outcome.W));
   if (json) {
     fmt::print("{}\n", result.dump());

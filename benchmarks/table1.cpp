@@ -5,12 +5,14 @@
 #include <cstdio>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "benchmarks/arguments.h"
 #include "benchmarks/benchmark_program.h"
+#include "benchmarks/reference.h"
+#include "core/conservation.h"
 #include "core/gauss_tableau.h"
 #include "core/integrator_list.h"
-#include "core/invariants.h"
 #include "core/run.h"
 
 namespace isosyrk {
@@ -25,30 +27,33 @@ std::string cell_name(Formulation formulation, Index n, int s) {
   return fmt::format("table1/{}/n:{}/s:{}", name(formulation), n, s);
 }
 
+std::vector<std::string> cell_names(Index n) {
+  std::vector<std::string> names;
+  for (const Formulation formulation : formulations()) {
+    for (const int s : stage_counts) names.push_back(cell_name(formulation, n, s));
+  }
+  return names;
+}
+
 // What a run does besides taking time: measured once per cell, in an untimed run.
 struct Quality {
   RunReport run;
-  double spectrum_error = 0.0;
-  double skew_defect = 0.0;
-  double energy_error = 0.0;
+  Conservation kept;
   double h_norm_B = 0.0;
+  std::optional<double> relative_error;  // where there is a reference solution
 };
 
-Quality measure_quality(const Scene& scene, Integrator& integrator) {
+Quality measure_quality(const Scene& scene, Integrator& integrator,
+                        const std::optional<Reference>& reference) {
   Quality quality;
-  Matrix B(scene.initial.rows(), scene.initial.cols());
-  scene.flow->generator(scene.initial, B);
-  quality.h_norm_B = step_size * spectral_norm(B);
-
-  const double initial_energy = scene.flow->hamiltonian(scene.initial);
+  quality.h_norm_B = step_size * generator_norms(scene).B;
+  ConservationWatch watch(scene);
   Matrix W = scene.initial;
-  quality.run =
-      run(integrator, W, step_size, step_total, [&](long, const Matrix& V, const StepReport&) {
-        const double error = std::abs(scene.flow->hamiltonian(V) / initial_energy - 1.0);
-        quality.energy_error = larger(quality.energy_error, error);
-      });
-  quality.spectrum_error = spectrum_error(W, scene.initial);
-  quality.skew_defect = skew_defect(W);
+  quality.run = run(integrator, W, step_size, step_total,
+                    [&](long, const Matrix& V, const StepReport&) { watch.observe(V); });
+  if (!quality.run.converged()) return quality;
+  quality.kept = watch.report(W);
+  if (reference) quality.relative_error = relative_error(W, reference->W);
   return quality;
 }
 
@@ -94,13 +99,14 @@ class Progress {
 class Table1 : public benchmark::Fixture {
  public:
   Table1(Formulation formulation, Index n, int s, const SolverOptions& options,
-         ProductBackend backend, Progress* progress)
+         ProductBackend backend, const std::optional<Reference>* reference, Progress* progress)
       : name_(cell_name(formulation, n, s)),
         formulation_(formulation),
         n_(n),
         s_(s),
         options_(options),
         backend_(backend),
+        reference_(*reference),
         progress_(progress) {
     SetName(name_.c_str());
     Unit(benchmark::kMillisecond);
@@ -112,7 +118,7 @@ class Table1 : public benchmark::Fixture {
     scene_ = smooth_scene(n_);
     integrator_ =
         make_formulation(formulation_, *scene_.flow, gauss_tableau(s_), options_, backend_);
-    quality_ = measure_quality(scene_, *integrator_);
+    quality_ = measure_quality(scene_, *integrator_, reference_);
   }
 
  protected:
@@ -145,10 +151,14 @@ class Table1 : public benchmark::Fixture {
     state.counters["sweeps_per_step"] = timed.sweeps_per_step();
     state.counters["products"] = static_cast<double>(timed.products);
     state.counters["poisson_solves"] = static_cast<double>(timed.poisson_solves);
-    state.counters["spectrum_error"] = quality_.spectrum_error;
-    state.counters["skew_defect"] = quality_.skew_defect;
-    state.counters["energy_error"] = quality_.energy_error;
+    state.counters["spectrum_error"] = quality_.kept.spectrum_error;
+    state.counters["skew_defect"] = quality_.kept.skew_defect;
+    state.counters["energy_error"] = quality_.kept.energy_error;
     state.counters["h_norm_B"] = quality_.h_norm_B;
+    if (quality_.relative_error) {
+      state.counters["relative_error"] = *quality_.relative_error;
+      state.counters["reference_uncertainty"] = reference_->uncertainty;
+    }
     state.counters["product_share"] = static_cast<double>(timed.products) / rate / seconds;
     progress_->finished(
         name_, seconds,
@@ -162,6 +172,7 @@ class Table1 : public benchmark::Fixture {
   int s_;
   SolverOptions options_;
   ProductBackend backend_;
+  const std::optional<Reference>& reference_;
   Progress* progress_;
   Scene scene_;
   std::unique_ptr<Integrator> integrator_;
@@ -177,6 +188,9 @@ int main_program(int argc, char** argv) {
   app.add_option("--products", products, "fastest (default), openblas or eigen");
   std::string max_sweeps = "1000";
   app.add_option("--max-sweeps", max_sweeps, "sweeps allowed in a step (default 1000)");
+  std::string references;
+  const auto* references_given = app.add_option(
+      "--references", references, "folder that reference_solutions filled: adds relative_error");
   app.allow_extras();
   if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
   use_one_blas_thread();
@@ -186,20 +200,23 @@ int main_program(int argc, char** argv) {
 
   std::vector<std::string> names;
   for (const Index n : sizes) {
-    for (const Formulation formulation : formulations()) {
-      for (const int s : stage_counts) names.push_back(cell_name(formulation, n, s));
-    }
+    for (std::string& name : cell_names(n)) names.push_back(std::move(name));
   }
   const BenchmarkArguments arguments(app.remaining(), names);
   Progress progress(names.size(), arguments.repetitions());
 
   std::vector<BackendRates> rates;
+  std::map<Index, std::optional<Reference>> reference;  // of each n that the filter leaves in
   for (const Index n : sizes) {
+    if (references_given->count() > 0 && arguments.selects_any(cell_names(n))) {
+      reference[n] = read_reference("--references", references, smooth_scene(n),
+                                    HbarConvention::paper, default_modes());
+    }
     rates.push_back(choose_backend(choice, n));
     for (const Formulation formulation : formulations()) {
       for (const int s : stage_counts) {
         benchmark::internal::RegisterBenchmarkInternal(
-            new Table1(formulation, n, s, options, rates.back().chosen, &progress));
+            new Table1(formulation, n, s, options, rates.back().chosen, &reference[n], &progress));
       }
     }
   }

@@ -1,6 +1,6 @@
 #include "core/integrator_list.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <stdexcept>
 
@@ -105,15 +105,11 @@ constexpr Properties isosyrk_properties = {
 
 std::vector<IntegratorEntry> make_list() {
   std::vector<IntegratorEntry> list;
-  const auto add_gauss = [&list](Formulation formulation, int s) {
-    list.push_back({fmt::format("{}{}", name(formulation), s), s, 2 * s, isosyrk_properties,
-                    make_gauss(formulation, s)});
-  };
   for (const Formulation formulation : formulations()) {
-    for (int s = 1; s <= 3; ++s) add_gauss(formulation, s);
+    for (int s = 1; s <= 3; ++s) list.push_back(gauss_entry(formulation, s));
   }
-  add_gauss(Formulation::group, 4);
-  add_gauss(Formulation::group, 5);
+  list.push_back(gauss_entry(Formulation::group, 4));
+  list.push_back(gauss_entry(Formulation::group, 5));
   for (const CompositionScheme& scheme : {yoshida4(), suzuki4(), kahan_li6()}) {
     list.push_back({scheme.name, static_cast<int>(scheme.fractions.size()), scheme.order,
                     isosyrk_properties, make_composition(scheme)});
@@ -138,15 +134,33 @@ std::vector<IntegratorEntry> make_list() {
        4,
        4,
        {.isospectral = false, .lie_poisson = false, .symmetric = false, .is_explicit = true},
-       make_explicit<ClassicalRungeKutta4>()});
+       make_explicit<ClassicalRungeKutta4>(),
+       // For a constant generator W' = ad_B W, whose eigenvalues are imaginary: |R(iy)| <= 1 of
+       // R(z) = 1 + z + z²/2 + z³/6 + z⁴/24 holds for y <= 2√2.
+       2.0 * std::sqrt(2.0)});
   return list;
 }
 
 }  // namespace
 
+IntegratorEntry gauss_entry(Formulation formulation, int s) {
+  return {fmt::format("{}{}", name(formulation), s), s, 2 * s, isosyrk_properties,
+          make_gauss(formulation, s)};
+}
+
 const std::vector<IntegratorEntry>& integrators() {
   static const std::vector<IntegratorEntry> all = make_list();
   return all;
+}
+
+const IntegratorEntry& integrator_entry(std::string_view wanted) {
+  std::vector<std::string_view> names;
+  for (const IntegratorEntry& entry : integrators()) {
+    if (entry.name == wanted) return entry;
+    names.push_back(entry.name);
+  }
+  throw std::invalid_argument(
+      fmt::format("integrator '{}': must be one of {}", wanted, fmt::join(names, ", ")));
 }
 
 }  // namespace isosyrk

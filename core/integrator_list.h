@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -45,9 +46,18 @@ struct IntegratorEntry {
   Properties keeps;
   std::function<std::unique_ptr<Integrator>(const Flow&, const SolverOptions&, ProductBackend)>
       make;
+  /// Largest h‖ad_B‖₂ at which the step is stable for a constant generator; a longer step lets
+  /// perturbations grow whatever the accuracy asked for.
+  double stability_limit = std::numeric_limits<double>::infinity();
 };
+
+/// The Gauss method with s stages in one of the formulations.  Throws std::invalid_argument unless
+/// 1 <= s <= max_stages.
+IntegratorEntry gauss_entry(Formulation formulation, int s);
 
 /// Every integrator of the project.
 const std::vector<IntegratorEntry>& integrators();
+/// The one of this name.  Throws std::invalid_argument, naming what is allowed.
+const IntegratorEntry& integrator_entry(std::string_view name);
 
 }  // namespace isosyrk

@@ -155,6 +155,42 @@ class RefusedArguments(RefusalTest):
                 self.assert_refused_alone(line, f"--n {n}", "n >= 5", "--modes")
 
 
+class NamedIntegrator(RefusalTest):
+    """--integrator NAME in place of --formulation and --stages."""
+
+    NAMED = {**SHORT, "stages": None, "formulation": None}
+
+    def test_a_formulation_by_its_name_is_the_same_method(self):
+        named, named_W = self.result(self.NAMED, integrator="group2")
+        chosen, W = self.result(SHORT)
+        self.assertEqual(named_W, W)
+        self.assertEqual((named["integrator"], named["stages"]), (chosen["integrator"], chosen["stages"]))
+
+    def test_an_explicit_method_takes_no_sweeps(self):
+        result, _ = self.result(self.NAMED, integrator="rkmk4")
+        self.assertEqual((result["sweeps_total"], result["formulation"]), (0, None))
+        self.assertLess(result["spectrum_error"], 1e-13)
+
+    def test_a_method_that_is_not_listed_is_refused(self):
+        self.assert_refused_alone(command(self.NAMED, "--output", self.output, integrator="euler"),
+                                  "--integrator 'euler'", "rkmk4", "group2")
+
+    def test_it_stands_alone(self):
+        for other in ("stages", "formulation"):
+            with self.subTest(other=other):
+                line = command({**self.NAMED, other: SHORT[other]}, "--output", self.output, integrator="rk4")
+                self.assert_refused_alone(line, "--integrator", "must stand alone")
+
+    def test_an_explicit_run_that_explodes_diverges(self):
+        line = command({**self.NAMED, "n": "33", "step": "4", "time": "400"}, "--output", self.output,
+                       integrator="rk4")
+        before = snapshot(self.folder)
+        done = run(line)
+        self.assertEqual(done.returncode, SOLVER_FAILED)
+        self.assertIn("diverged at step", done.stderr)
+        self.assertEqual(snapshot(self.folder), before)
+
+
 class RefusedModes(RefusalTest):
     """Modes files: the line names the file and what is wrong."""
 

@@ -1,0 +1,440 @@
+// Accuracy against cost: every integrator over step sizes, and the formulations over tolerances.
+//
+// A line is one integrator at one n.  Its points are runs of the smooth scene to T, of more and
+// more steps, until the next run would take too long or the error no longer falls (but as many as
+// in Table 1 at least).  First every
+// run is made once and looked at; then all are timed, in turns, so that a slow minute of the
+// machine falls on all lines alike.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "benchmarks/arguments.h"
+#include "benchmarks/conditions.h"
+#include "benchmarks/output_file.h"
+#include "benchmarks/reference.h"
+#include "benchmarks/timed_run.h"
+#include "core/conservation.h"
+#include "core/gauss_tableau.h"
+#include "core/integrator_list.h"
+
+namespace isosyrk {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// About a factor √2 apart, with Table 1's 50 among them.
+const std::vector<long> step_counts = {5,   7,   10,  14,  20,  28,   35,   50,   70,   100,  140,
+                                       200, 280, 400, 560, 800, 1120, 1600, 2240, 3200, 4480, 6400};
+
+const std::vector<Index> default_sizes = {17, 33, 65, 129};
+const std::vector<Index> quick_sizes = {17, 33};
+
+// The longest run of a line, in CPU seconds: a line costs up to 3.4 times this in each pass, so
+// that n <= 65 takes under ten minutes and n = 129 some twenty.
+double longest_run(Index n) {
+  if (n <= 17) return 0.2;
+  if (n <= 33) return 0.5;
+  if (n <= 65) return 1.2;
+  return 5.0;
+}
+
+// The tolerance study: Table 1's cells.  Not beyond n = 65, where it would take as long as all
+// else.
+constexpr Index largest_tolerance_size = 65;
+constexpr long table1_step_count = 50;
+
+struct Setting {
+  Scene scene;
+  Reference reference;
+  GeneratorNorms norms;
+  ProductBackend backend;
+
+  Index n() const { return scene.initial.rows(); }
+};
+
+// A run to be timed again and again: what it is, and what it was when looked at.
+struct Point {
+  const Setting* setting = nullptr;
+  Integrator* integrator = nullptr;
+  long steps = 0;
+  RunReport run{};
+  std::string status{};
+  Matrix W{};
+  double error = std::nan("");
+  Conservation kept{};
+  double seconds_at_first = 0.0;
+  std::vector<double> cpu_seconds{};
+
+  double step() const { return setting->scene.time / static_cast<double>(steps); }
+};
+
+// Looks at one run.  A run whose eigenvalues are off by a tenth of the largest, which is 1, has
+// lost what it should keep, and is called unstable.
+Point look(const Setting& setting, Integrator& integrator, long steps) {
+  constexpr double lost = 0.1;
+  Point point{.setting = &setting, .integrator = &integrator, .steps = steps};
+  ConservationWatch watch(setting.scene);
+  point.W = setting.scene.initial;
+  const TimedRun timed = timed_run(integrator, point.W, point.step(), steps,
+                                   [&](const Matrix& V) { watch.observe(V); });
+  point.run = timed.run;
+  point.seconds_at_first = timed.seconds;
+  point.status = name(timed.run.status);
+  if (!timed.run.converged()) return point;
+  if (!point.W.allFinite()) {
+    point.status = "unstable";
+    return point;
+  }
+  point.kept = watch.report(point.W);
+  if (point.kept.spectrum_error > lost) {
+    point.status = "unstable";
+    return point;
+  }
+  point.error = relative_error(point.W, setting.reference.W);
+  return point;
+}
+
+// One repetition: as many runs as fill a hundredth of a second, so that the clock does not weigh.
+void time_once(Point& point) {
+  constexpr double least = 0.01;
+  const double once = std::max(point.seconds_at_first, 1e-6);
+  const int runs = std::max(1, static_cast<int>(std::ceil(least / once)));
+  double seconds = 0.0;
+  for (int k = 0; k < runs; ++k) {
+    Matrix W = point.setting->scene.initial;
+    seconds +=
+        timed_run(*point.integrator, W, point.step(), point.steps, [](const Matrix&) {}).seconds;
+  }
+  point.cpu_seconds.push_back(seconds / runs);
+}
+
+class Progress {
+ public:
+  void say(const std::string& what, double seconds_left) const {
+    const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
+    std::fputs(
+        fmt::format("[{:4.0f} s, at most {:.0f} s left] {}\n", elapsed, seconds_left, what).c_str(),
+        stderr);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now();
+};
+
+struct Line {
+  const IntegratorEntry* entry;
+  std::unique_ptr<Integrator> integrator;
+  std::vector<Point> points;
+};
+
+// More and more steps, as the head of this file says.
+Line draw_line(const Setting& setting, const IntegratorEntry& entry, double longest) {
+  constexpr double near_rounding = 1e-8;  // above, an error that does not fall is no floor yet
+  Line line{&entry, entry.make(*setting.scene.flow, {}, setting.backend), {}};
+  double last_error = std::nan("");
+  double last_seconds_per_step = 0.0;
+  for (const long steps : step_counts) {
+    if (last_seconds_per_step * static_cast<double>(steps) > longest) break;
+    line.points.push_back(look(setting, *line.integrator, steps));
+    Point& point = line.points.back();
+    point.W.resize(0, 0);  // not needed again
+    if (point.run.steps > 0 && point.run.converged()) {
+      last_seconds_per_step = point.seconds_at_first / static_cast<double>(steps);
+    }
+    const bool at_floor = point.error < 2.0 * setting.reference.uncertainty ||
+                          (last_error < near_rounding && point.error > 0.8 * last_error);
+    if (at_floor && steps >= table1_step_count) break;
+    last_error = point.error;
+  }
+  return line;
+}
+
+struct ToleranceCell {
+  Formulation formulation;
+  int stages;
+  std::vector<double> tolerances;
+  std::vector<std::unique_ptr<Integrator>> integrators;
+  std::vector<Point> points;  // one for each tolerance, from loose to tight
+};
+
+ToleranceCell study_tolerance(const Setting& setting, Formulation formulation, int stages) {
+  ToleranceCell cell{formulation, stages, {}, {}, {}};
+  for (int exponent = 4; exponent <= 15; ++exponent) {
+    SolverOptions options;
+    options.tolerance = std::pow(10.0, -exponent);
+    cell.tolerances.push_back(options.tolerance);
+    cell.integrators.push_back(make_formulation(formulation, *setting.scene.flow,
+                                                gauss_tableau(stages), options, setting.backend));
+    cell.points.push_back(look(setting, *cell.integrators.back(), table1_step_count));
+  }
+  return cell;
+}
+
+Json costs_as_json(const Point& point) {
+  return {{"sweeps", point.run.sweeps},
+          {"products", point.run.products},
+          {"poisson_solves", point.run.poisson_solves},
+          {"cpu_seconds", point.cpu_seconds}};
+}
+
+// Numbers of a run that did not come to a usable end are null: nlohmann writes NaN so.
+Json quality_as_json(const Point& point) {
+  Json json = {{"n", point.setting->n()},
+               {"steps", point.steps},
+               {"step", point.step()},
+               {"status", point.status}};
+  if (!point.run.converged()) json["failed_step"] = point.run.failed_step;
+  const double none = std::nan("");
+  const bool usable = !std::isnan(point.error);
+  json["error"] = point.error;
+  json["spectrum_error"] = usable ? point.kept.spectrum_error : none;
+  json["casimir_errors"] = usable ? Json(point.kept.casimir_errors) : Json(nullptr);
+  json["energy_error"] = usable ? point.kept.energy_error : none;
+  json["angular_momentum_error"] = usable ? point.kept.angular_momentum_error : none;
+  json["skew_defect"] = usable ? point.kept.skew_defect : none;
+  return json;
+}
+
+Json as_json(const Point& point, const IntegratorEntry& entry) {
+  Json json = {{"integrator", entry.name}};
+  json.update(quality_as_json(point));
+  json["h_norm_B"] = point.step() * point.setting->norms.B;
+  json["h_norm_ad_B"] = point.step() * point.setting->norms.ad_B;
+  json["beyond_limit"] = point.step() * point.setting->norms.ad_B > entry.stability_limit;
+  json.update(costs_as_json(point));
+  return json;
+}
+
+// The error that the tolerance alone makes is the distance from the tightest that converged.
+Json as_json(const ToleranceCell& cell, std::size_t at) {
+  const Point& point = cell.points[at];
+  const Matrix* tightest = nullptr;
+  for (const Point& other : cell.points) {
+    if (!std::isnan(other.error)) tightest = &other.W;
+  }
+  Json json = {{"formulation", name(cell.formulation)},
+               {"stages", cell.stages},
+               {"tolerance", cell.tolerances[at]}};
+  json.update(quality_as_json(point));
+  json["solver_error"] = std::isnan(point.error) ? point.error : relative_error(point.W, *tightest);
+  json.update(costs_as_json(point));
+  return json;
+}
+
+Json as_json(const ReferenceRun& run) {
+  return {{"integrator", run.integrator}, {"steps", run.steps}};
+}
+
+Json as_json(const IntegratorEntry& entry) {
+  return {{"name", entry.name},
+          {"stages", entry.stages},
+          {"order", entry.order},
+          {"isospectral", entry.keeps.isospectral},
+          {"lie_poisson", entry.keeps.lie_poisson},
+          {"symmetric", entry.keeps.symmetric},
+          {"explicit", entry.keeps.is_explicit},
+          {"stability_limit", entry.stability_limit}};
+}
+
+// The command line.
+struct Request {
+  std::vector<Index> sizes;
+  std::vector<const IntegratorEntry*> integrators;
+  BackendChoice products;
+  std::string references;
+  long repetitions;
+  std::optional<double> longest;
+  std::optional<OutputFile> output;
+};
+
+struct Text {
+  std::vector<std::string> sizes, integrators;
+  std::string products = "fastest";
+  std::string references, out;
+  std::string repetitions = "3";
+  std::string longest;
+  bool quick = false;
+};
+
+Request parse(const Text& text) {
+  Request request;
+  for (const std::string& n : text.sizes) {
+    request.sizes.push_back(whole_number("--n", n, 5, 513));
+  }
+  if (request.sizes.empty()) request.sizes = text.quick ? quick_sizes : default_sizes;
+  for (const std::string& wanted : text.integrators) {
+    request.integrators.push_back(&integrator_entry(wanted));
+  }
+  if (request.integrators.empty()) {
+    for (const IntegratorEntry& entry : integrators()) request.integrators.push_back(&entry);
+  }
+  request.products = backend_choice(text.products);
+  request.references = text.references;
+  request.repetitions = whole_number("--repetitions", text.repetitions, 1, 1000);
+  if (!text.longest.empty()) {
+    const std::string allowed = "positive and finite";
+    request.longest = real_number("--longest", text.longest, allowed);
+    if (*request.longest <= 0.0) {
+      throw BadArgument(fmt::format("--longest {}: must be {}", text.longest, allowed));
+    }
+  }
+  request.output.emplace("--out", text.out);
+  return request;
+}
+
+class Study {
+ public:
+  explicit Study(const Request& request) : request_(request) {
+    for (const Index n : request.sizes) {
+      auto setting = std::make_unique<Setting>();
+      setting->scene = smooth_scene(n);
+      setting->reference = read_reference("--references", request.references, setting->scene,
+                                          HbarConvention::paper, default_modes());
+      setting->norms = generator_norms(setting->scene);
+      rates_.push_back(choose_backend(request.products, n));
+      setting->backend = rates_.back().chosen;
+      settings_.push_back(std::move(setting));
+    }
+  }
+
+  void run() {
+    for (const auto& setting : settings_) {
+      for (const IntegratorEntry* entry : request_.integrators) {
+        lines_.push_back(draw_line(*setting, *entry, longest(setting->n())));
+        say(fmt::format("looked at {} at n = {}: {} runs", entry->name, setting->n(),
+                        lines_.back().points.size()));
+      }
+    }
+    for (const auto& setting : settings_) {
+      if (setting->n() > largest_tolerance_size) continue;
+      for (const Formulation formulation : formulations()) {
+        for (int s = 1; s <= 3; ++s) {
+          const std::string gauss = fmt::format("{}{}", name(formulation), s);
+          const auto wanted = [&](const IntegratorEntry* entry) { return entry->name == gauss; };
+          if (std::none_of(request_.integrators.begin(), request_.integrators.end(), wanted))
+            continue;
+          cells_.push_back(study_tolerance(*setting, formulation, s));
+        }
+      }
+      say(fmt::format("looked at tolerances at n = {}", setting->n()));
+    }
+    for (long repetition = 1; repetition <= request_.repetitions; ++repetition) {
+      timed_passes_ = repetition - 1;
+      for (Line& line : lines_) time_all(line.points);
+      for (ToleranceCell& cell : cells_) time_all(cell.points);
+      timed_passes_ = repetition;
+      say(fmt::format("timed all runs, {} of {} times", repetition, request_.repetitions));
+    }
+  }
+
+  Json as_json() const {
+    Json json = {{"format", "isosyrk work_precision 1"}};
+    Conditions conditions = machine_conditions("work_precision", request_.products, rates_);
+    for (const auto& condition : solver_conditions({}, HbarConvention::paper, default_modes())) {
+      conditions.push_back(condition);
+    }
+    for (const auto& [key, value] : conditions) json["context"][key] = value;
+    json["scene"] = settings_.front()->scene.name;
+    json["time"] = settings_.front()->scene.time;
+    for (const auto& setting : settings_) {
+      const Reference& reference = setting->reference;
+      json["references"].push_back({{"n", setting->n()},
+                                    {"uncertainty", reference.uncertainty},
+                                    {"first", isosyrk::as_json(reference.first)},
+                                    {"second", isosyrk::as_json(reference.second)}});
+    }
+    for (const IntegratorEntry* entry : request_.integrators) {
+      json["integrators"].push_back(isosyrk::as_json(*entry));
+    }
+    for (const Line& line : lines_) {
+      for (const Point& point : line.points) {
+        json["points"].push_back(isosyrk::as_json(point, *line.entry));
+      }
+    }
+    json["tolerance_points"] = Json::array();
+    for (const ToleranceCell& cell : cells_) {
+      for (std::size_t at = 0; at < cell.points.size(); ++at) {
+        json["tolerance_points"].push_back(isosyrk::as_json(cell, at));
+      }
+    }
+    return json;
+  }
+
+ private:
+  double longest(Index n) const { return request_.longest.value_or(longest_run(n)); }
+
+  static void time_all(std::vector<Point>& points) {
+    for (Point& point : points) {
+      if (!std::isnan(point.error)) time_once(point);
+    }
+  }
+
+  // What is known to be left: of lines not yet drawn the most they may take.
+  double seconds_left() const {
+    constexpr double line_over_longest = 3.4;  // 1 + 1/√2 + 1/2 + ...
+    const auto passes = static_cast<double>(request_.repetitions);
+    double seconds = 0.0;
+    for (std::size_t k = lines_.size(); k < settings_.size() * request_.integrators.size(); ++k) {
+      const Index n = settings_[k / request_.integrators.size()]->n();
+      seconds += (1.0 + passes) * line_over_longest * longest(n);
+    }
+    double pass = 0.0;
+    for (const Line& line : lines_) {
+      for (const Point& point : line.points) pass += point.seconds_at_first;
+    }
+    for (const ToleranceCell& cell : cells_) {
+      for (const Point& point : cell.points) pass += point.seconds_at_first;
+    }
+    return seconds + pass * static_cast<double>(request_.repetitions - timed_passes_);
+  }
+
+  void say(const std::string& what) const { progress_.say(what, seconds_left()); }
+
+  const Request& request_;
+  std::vector<BackendRates> rates_;
+  std::vector<std::unique_ptr<Setting>> settings_;
+  std::vector<Line> lines_;
+  std::vector<ToleranceCell> cells_;
+  long timed_passes_ = 0;
+  Progress progress_;
+};
+
+int main_program(int argc, char** argv) {
+  CLI::App app{
+      "Runs every integrator over step sizes, and the three formulations over tolerances, and "
+      "writes error, invariants and cost of each run as JSON."};
+  Text text;
+  app.add_option("--references", text.references, "folder that reference_solutions filled")
+      ->required();
+  app.add_option("--out", text.out, "write the measurements here, as JSON")->required();
+  app.add_option("--n", text.sizes, "matrix sizes (default 17 33 65 129)");
+  app.add_option("--integrator", text.integrators, "names of integrators (default all)");
+  app.add_option("--repetitions", text.repetitions, "timings of each run (default 3)");
+  app.add_option("--longest", text.longest, "CPU seconds that one run may take (default by n)");
+  app.add_option("--products", text.products, "fastest (default), openblas or eigen");
+  app.add_flag("--quick", text.quick, "n = 17 and 33 only")->disable_flag_override();
+  if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
+  use_one_blas_thread();
+  const Request request = parse(text);
+  if (const std::string remark = notice(); !remark.empty()) {
+    std::fputs(fmt::format("work_precision: note: {}\n", remark).c_str(), stderr);
+  }
+  Study study(request);
+  study.run();
+  request.output->write(study.as_json().dump(1) + "\n");
+  return exit_done;
+}
+
+}  // namespace
+}  // namespace isosyrk
+
+int main(int argc, char** argv) {
+  return isosyrk::guarded("work_precision", [&] { return isosyrk::main_program(argc, argv); });
+}

@@ -1,0 +1,44 @@
+#include "core/conservation.h"
+
+#include "core/invariants.h"
+
+namespace isosyrk {
+
+ConservationWatch::ConservationWatch(const Scene& scene)
+    : scene_(scene), initial_energy_(scene.flow->hamiltonian(scene.initial)) {}
+
+void ConservationWatch::observe(const Matrix& W) {
+  const double error = std::abs(scene_.flow->hamiltonian(W) / initial_energy_ - 1.0);
+  energy_error_ = larger(energy_error_, error);
+}
+
+Conservation ConservationWatch::report(const Matrix& W) const {
+  const Matrix& W0 = scene_.initial;
+  Conservation result;
+  result.spectrum_error = spectrum_error(W, W0);
+  result.skew_defect = skew_defect(W);
+  result.energy_error = energy_error_;
+
+  const RealVector eigenvalues = spectrum(W0).cwiseAbs();
+  for (std::size_t i = 0; i < result.casimir_errors.size(); ++i) {
+    const int k = static_cast<int>(i) + 2;
+    const double scale = eigenvalues.array().pow(k).sum();
+    result.casimir_errors[i] = std::abs(casimir(W, k) - casimir(W0, k)) / scale;
+  }
+
+  const std::array<double, 3> momentum = angular_momentum(W);
+  const std::array<double, 3> initial = angular_momentum(W0);
+  double change = 0.0;
+  for (std::size_t a = 0; a < 3; ++a) change = larger(change, std::abs(momentum[a] - initial[a]));
+  result.angular_momentum_error = change / std::hypot(initial[0], initial[1], initial[2]);
+  return result;
+}
+
+GeneratorNorms generator_norms(const Scene& scene) {
+  Matrix B(scene.initial.rows(), scene.initial.cols());
+  scene.flow->generator(scene.initial, B);
+  const RealVector eigenvalues = spectrum(B);
+  return {eigenvalues.cwiseAbs().maxCoeff(), eigenvalues.maxCoeff() - eigenvalues.minCoeff()};
+}
+
+}  // namespace isosyrk
