@@ -4,6 +4,8 @@
 
 PACKAGES=(build-essential cmake git libeigen3-dev libopenblas-pthread-dev liblapacke-dev
           libbenchmark-dev libfmt-dev libgtest-dev libcli11-dev nlohmann-json3-dev python3)
+# What charts need besides.
+CHART_PACKAGES=(python3-numpy python3-matplotlib)
 
 say() { printf '%s\n' "$*" >&2; }
 
