@@ -55,12 +55,15 @@ class Run:
     measurements: Dict[CellKey, Measurement]
 
 
-def read_run(path, program, counters):
-    """Returns the Run in `path`, written by `program`, whose every good row must have all `counters`."""
+def read_run(path, program, counters, optional=()):
+    """Returns the Run in `path`, written by `program`, whose every good row must have all `counters`.
+
+    A cell has an optional counter if each of its repetitions has it.
+    """
     try:
         document = parse_json(read_text(path))
         context, rows = context_and_rows(document, program)
-        return Run(context, measurements(rows, program, counters))
+        return Run(context, measurements(rows, program, counters, optional))
     except UnusableFile as problem:
         raise UnusableFile(f"{one_line(path)}: {problem}") from None
 
@@ -129,13 +132,14 @@ def context_text(value):
     return None
 
 
-def measurements(rows, program, counters):
+def measurements(rows, program, counters, optional):
     """Gathers the repetitions of each cell."""
     repetitions = {}
     for row in rows:
         key = cell_key(row, program)
         if key is not None:
-            add_repetition(repetitions.setdefault(key, {}), row, counters)
+            present = (*counters, *(name for name in optional if name in row))
+            add_repetition(repetitions.setdefault(key, {}), row, present)
     if not repetitions:
         raise UnusableFile(f"has no measured row named {program}/… (run_type \"iteration\")")
     return {key: measurement(cell) for key, cell in repetitions.items()}
@@ -177,7 +181,7 @@ def measurement(cell):
     if failures:
         some = f" ({len(failures)} of {len(repetitions)} repetitions)" if len(failures) < len(repetitions) else ""
         return Measurement(failure=failures[0] + some)
-    names = repetitions[0].counters
+    names = [name for name in repetitions[0].counters if all(name in each.counters for each in repetitions)]
     return Measurement(tuple(each.times[0] for each in repetitions),
                        {name: statistics.median(each.counters[name] for each in repetitions) for name in names})
 

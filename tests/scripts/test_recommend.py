@@ -1,0 +1,454 @@
+"""Tests of scripts/recommend on the made-up study of study_documents.py, whose answers are worked out by hand.
+
+There h is 1, 1/2, 1/4, 1/10, 1/20, 1/40, and errors and seconds are, with N = 5/h steps,
+rk4 1e-2 h⁴ and 1e-4 N; rkmk4 1e-3 h⁴ and 1e-3 N; group2 0.1 h⁴ and 4e-3 N; group1 h² and 1.5e-3 N;
+cotangent1 h² and 2e-3 N. group1 fails at h = 1; at n = 33, but not at n = 17, rk4 is unstable there.
+"""
+
+import copy
+import json
+import os
+import random
+import re
+import shutil
+import subprocess
+import sys
+import unittest
+
+from programs import ROOT, FolderTest, run, strict_json
+from study_documents import point, study_document, write_study
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
+import recommendation  # noqa: E402
+import work_precision  # noqa: E402
+from benchmark_json import UnusableFile  # noqa: E402
+from document import WRITERS  # noqa: E402
+
+SCRIPT = os.path.join(ROOT, "scripts", "recommend")
+UNANSWERABLE = 3
+
+
+class RecommendTest(FolderTest):
+    def setUp(self):
+        super().setUp()
+        self.document = study_document()
+
+    def point(self, name, n, steps):
+        return next(each for each in self.document["points"]
+                    if (each["integrator"], each["n"], each["steps"]) == (name, n, steps))
+
+    def recommend(self, *arguments, **options):
+        """Runs the script on the document as it is now."""
+        raw = write_study(self.folder, self.document)
+        return run([sys.executable, "-B", SCRIPT, "--raw", raw, *arguments], **options)
+
+    def found(self, n, error, structure="nothing"):
+        return recommendation.recommendation(work_precision.study(self.document), n, error, structure)
+
+    def winner(self, n, error, structure="nothing"):
+        """Returns the name and number of steps of the run that is offered."""
+        winner = self.found(n, error, structure).winner
+        return winner.integrator.name, winner.point.quality.steps
+
+    def assert_unanswered(self, result, *parts):
+        self.assertEqual((result.returncode, result.stdout), (UNANSWERABLE, ""), result.stderr)
+        self.assert_one_line(result.stderr, *parts)
+
+
+class AnswerTest(RecommendTest):
+    def test_the_cheapest_for_each_structure(self):
+        # 1e-3 is reached by rk4 from h = 1/2 on, by rkmk4 from h = 1 on, by group2 from h = 1/4 on.
+        for structure, expected in (("nothing", ("rk4", 10)), ("spectrum", ("rkmk4", 5)), ("poisson", ("group2", 20))):
+            with self.subTest(structure=structure):
+                self.assertEqual(self.winner(33, 1e-3, structure), expected)
+
+    def test_the_cheapest_for_each_error(self):
+        # Of the Lie–Poisson methods group1 needs h = 1/2 for 0.3 (15 ms), group2 h = 1 (20 ms).
+        for error, expected in ((0.3, ("group1", 10)), (0.01, ("group2", 10)), (2e-5, ("group2", 50))):
+            with self.subTest(error=error):
+                self.assertEqual(self.winner(17, error, "poisson"), expected)
+
+    def test_an_error_equal_to_the_wanted_one_reaches_it(self):
+        error = self.point("group2", 17, 20)["error"]
+        self.assertEqual(self.winner(17, error, "poisson"), ("group2", 20))
+        self.assertEqual(self.winner(17, error * (1 - 1e-15), "poisson"), ("group2", 50))
+
+    def test_times_are_compared_by_their_median(self):
+        self.point("rkmk4", 17, 5)["cpu_seconds"] = [1e-6, 2.0, 3.0]
+        self.assertEqual(self.winner(17, 1e-3, "spectrum"), ("rkmk4", 10))
+
+    def test_of_equal_times_the_better_error(self):
+        self.point("rkmk4", 17, 10)["cpu_seconds"] = self.point("rkmk4", 17, 5)["cpu_seconds"]
+        self.assertEqual(self.winner(17, 1e-3, "spectrum"), ("rkmk4", 10))
+
+    def test_another_raw_file_gives_another_answer(self):
+        before = self.recommend("--n", "17", "--error", "1e-3", "--keep", "poisson")
+        self.point("group2", 17, 10)["error"] = 9e-4
+        after = self.recommend("--n", "17", "--error", "1e-3", "--keep", "poisson")
+        self.assertIn("step: h = 0.25 (20 steps)", before.stdout)
+        self.assertIn("step: h = 0.5 (10 steps)", after.stdout)
+
+    def test_an_error_below_the_uncertainty_of_the_reference_is_not_known(self):
+        self.assertEqual(self.winner(17, 1e-9, "spectrum"), ("rkmk4", 200))
+        self.document["references"][0]["uncertainty"] = 2e-9
+        self.assertIsNone(self.found(17, 1e-9, "spectrum"))
+        self.assertEqual(self.winner(17, 2e-9, "spectrum"), ("rkmk4", 200))
+
+
+class NeverOfferedTest(RecommendTest):
+    """A run that would win is not offered once it failed or its step is too long; without that it is."""
+
+    def assert_offered(self, expected):
+        self.assertEqual(self.winner(17, 1e-3, "poisson"), expected)
+
+    def setUp(self):
+        super().setUp()
+        self.assert_offered(("group2", 20))
+        self.point("group1", 17, 10)["error"] = 1e-4  # 15 ms
+        self.assert_offered(("group1", 10))
+
+    def test_a_run_that_failed(self):
+        for status in work_precision.STATUSES:
+            with self.subTest(status=status):
+                self.point("group1", 17, 10)["status"] = status
+                self.assert_offered(("group1", 10) if status == "converged" else ("group2", 20))
+
+    def test_a_failed_run_as_it_is_recorded(self):
+        index = self.document["points"].index(self.point("group1", 17, 10))
+        self.document["points"][index] = point("group1", 17, 10, "unstable")
+        self.assert_offered(("group2", 20))
+
+    def test_a_step_beyond_the_stability_limit(self):
+        self.point("group1", 17, 10)["beyond_limit"] = True
+        self.assert_offered(("group2", 20))
+
+    def test_the_limit_of_rk4_depends_on_n(self):
+        # h‖ad_B‖ is 2.80 at n = 17 and 5.44 at n = 33, the limit 2.83; the error at h = 1 is 1e-2 in both.
+        self.assertEqual((self.winner(17, 0.01), self.winner(33, 0.01)), (("rk4", 5), ("rk4", 10)))
+        self.point("rk4", 33, 5)["beyond_limit"] = False
+        self.assertEqual(self.winner(33, 0.01), ("rk4", 5))
+
+    def test_a_method_that_does_not_keep_the_structure(self):
+        rkmk4 = next(each for each in self.document["integrators"] if each["name"] == "rkmk4")
+        self.assertNotEqual(self.winner(17, 1e-3, "poisson")[0], "rkmk4")
+        rkmk4["lie_poisson"] = True
+        self.assertEqual(self.winner(17, 1e-3, "poisson"), ("rkmk4", 5))
+
+    def test_none_is_the_best_that_is_named_either(self):
+        self.point("rkmk4", 17, 200)["beyond_limit"] = True
+        result = self.recommend("--n", "17", "--error", "1e-12")
+        self.assert_unanswered(result, "the best has 3.91e-09", "by rk4 with")
+
+
+class RunnersUpTest(RecommendTest):
+    def runners_up(self):
+        found = self.found(33, 1e-3)
+        return [(each.integrator.name, each.point.quality.steps, round(found.ratio(each), 9),
+                 found.winner.separated_from(each)) for each in found.runners_up()]
+
+    def test_the_best_run_of_each_other_integrator(self):
+        # To 1 ms of rk4: 5, 80, 300 and 400 ms.
+        self.assertEqual(self.runners_up(), [("rkmk4", 5, 5, True), ("group2", 20, 80, True),
+                                             ("group1", 200, 300, True), ("cotangent1", 200, 400, True)])
+
+    def test_at_most_four(self):
+        listed = next(each for each in self.document["integrators"] if each["name"] == "rk4")
+        self.document["integrators"].append({**listed, "name": "rival"})
+        self.document["points"].append({**self.point("rk4", 33, 20), "integrator": "rival"})
+        self.assertEqual([name for name, *_ in self.runners_up()], ["rival", "rkmk4", "group2", "group1"])
+
+    def test_overlapping_repetitions_do_not_separate(self):
+        # rk4 takes 0.99, 1.00 and 1.02 ms; as much as a tie is an overlap.
+        slowest = max(self.point("rk4", 33, 10)["cpu_seconds"])
+        for fastest, separated in ((1.0e-3, False), (slowest, False), (1.021e-3, True)):
+            with self.subTest(fastest=fastest):
+                self.point("rkmk4", 33, 5)["cpu_seconds"] = [1.2e-3, fastest, 1.1e-3]
+                self.assertEqual(self.runners_up()[0], ("rkmk4", 5, 1.1, separated))
+
+    def test_a_lone_repetition_separates_nothing(self):
+        self.point("rkmk4", 33, 5)["cpu_seconds"] = [5e-3]
+        self.assertEqual(self.runners_up()[0], ("rkmk4", 5, 5, False))
+
+
+class TextTest(RecommendTest):
+    def test_the_whole_answer(self):
+        # Of three equidistant times the quartiles are halfway between the median and the ends.
+        self.point("rk4", 33, 10)["cpu_seconds"] = [0.98e-3, 1.0e-3, 1.02e-3]
+        self.point("rkmk4", 33, 5)["cpu_seconds"] = [1.0e-3, 1.1e-3, 1.2e-3]
+        self.point("group2", 33, 20)["cpu_seconds"] = [0.072, 0.080, 0.088]
+        result = self.recommend("--n", "33", "--time", "5", "--error", "1e-3")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        for line in ("- method: rk4, order 4, keeps nothing", "- step: h = 0.5 (10 steps)",
+                     "- expected error: 0.000625 (the reference is good to 1e-14)", "- spectrum error: 0.000625",
+                     "- CPU seconds: 0.00100 ±1.0 %", "- products: 40", "- Poisson solves: 40"):
+            self.assertIn(f"{line}\n", result.stdout)
+        rows = [re.split(r"\s{2,}", line) for line in result.stdout.splitlines()]
+        self.assertIn(["rkmk4", "4", "the spectrum", "h = 1 (5 steps)", "0.001", "0.00110 ±4.5 %", "1.10",
+                       "not separated"], rows)
+        self.assertIn(["group2", "4", "the Lie–Poisson structure", "h = 0.25 (20 steps)", "0.000391",
+                       "0.0800 ±5.0 %", "80.0", "separated"], rows)
+        last = " ".join(result.stdout.split("Measured: ", 1)[1].split())
+        self.assertEqual(last, f"{self.path('raw.json')}, on a processor, commit 0123456789ab.")
+
+    def test_a_changed_tree_is_said(self):
+        self.document["context"]["dirty"] = "yes"
+        self.assertIn("commit 0123456789ab with changes.", self.recommend("--n", "33", "--error", "1").stdout)
+
+    def test_a_file_that_does_not_name_its_processor_or_commit(self):
+        self.document["context"] = {}
+        self.assertIn("on an unknown processor, commit unknown.",
+                      " ".join(self.recommend("--n", "33", "--error", "1").stdout.split()))
+
+    def test_a_winner_without_rival(self):
+        result = self.recommend("--n", "33", "--error", "3e-9", "--keep", "spectrum")
+        self.assertIn("rkmk4", result.stdout)
+        self.assertIn("No other integrator has a recorded run that does.", result.stdout)
+
+    def test_json(self):
+        result = self.recommend("--n", "33", "--error", "1e-3", "--keep", "spectrum", "--json")
+        answer = strict_json(result.stdout)
+        self.assertEqual(answer["question"], {"n": 33, "time": 5.0, "error": 1e-3, "keep": "spectrum"})
+        winner = answer["winner"]
+        self.assertAlmostEqual(winner.pop("half_interquartile_range"), 0.0075 * 5e-3)
+        self.assertEqual(winner, {"integrator": "rkmk4", "order": 4, "keeps": "spectrum", "step": 1.0, "steps": 5,
+                                  "error": 1e-3, "spectrum_error": 1e-15, "seconds": 5e-3, "repetitions": 3,
+                                  "products": 20, "poisson_solves": 20})
+        self.assertEqual([(each["integrator"], each["separated"], round(each["ratio"], 9))
+                          for each in answer["runners_up"]],
+                         [("group2", True, 16), ("group1", True, 60), ("cotangent1", True, 80)])
+        self.assertEqual(answer["source"], {"raw": self.path("raw.json"), "cpu": "a processor",
+                                            "commit": "0123456789ab", "dirty": "no"})
+
+    def test_needs_no_utf8_locale(self):
+        result = self.recommend("--n", "33", "--error", "1e-3", env={"LC_ALL": "C", "PYTHONIOENCODING": "ascii"})
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        self.assertIn("Lie–Poisson", result.stdout)
+
+
+class TableTest(RecommendTest):
+    def tables(self, structures=tuple(recommendation.KEPT)):
+        return WRITERS["text"](recommendation.recommendation_tables(work_precision.study(self.document), structures))
+
+    def row(self, n, structure):
+        line = next(line for line in self.tables((structure,)).splitlines() if line.startswith(f"{n}  "))
+        return re.split(r"\s{2,}", line)
+
+    def test_a_row_of_each_structure(self):
+        self.point("rk4", 33, 50)["error"] = 9e-7  # 1e-6 otherwise, to rounding
+        for structure, row in (
+                ("nothing", ["rk4, h = 0.5, 0.00100 s*", "rk4, h = 0.25, 0.00200 s*", "rk4, h = 0.1, 0.00500 s*",
+                             "rk4, h = 0.025, 0.0200 s*"]),
+                ("spectrum", ["rkmk4, h = 1, 0.00500 s*", "rkmk4, h = 0.5, 0.0100 s*", "rkmk4, h = 0.1, 0.0500 s*",
+                              "rkmk4, h = 0.05, 0.100 s"]),
+                ("poisson", ["group2, h = 0.5, 0.0400 s*", "group2, h = 0.1, 0.200 s", "group2, h = 0.05, 0.400 s",
+                             "–"])):
+            with self.subTest(structure=structure):
+                self.assertEqual(self.row(33, structure), ["33", *row])
+
+    def test_a_rival_that_is_not_separated_takes_the_mark(self):
+        self.assertEqual(self.row(17, "nothing")[2], "rk4, h = 0.25, 0.00200 s*")
+        self.point("rkmk4", 17, 10)["cpu_seconds"] = [2.01e-3, 2.02e-3, 2.03e-3]
+        self.assertEqual(self.row(17, "nothing")[2], "rk4, h = 0.25, 0.00200 s")
+
+    def test_without_keep_there_are_three_tables(self):
+        text = self.recommend("--table").stdout
+        self.assertEqual(re.findall(r"^(\S.*)\n-+$", text, re.M),
+                         ["Whatever is kept", "Keeping the spectrum", "Keeping the Lie–Poisson structure"])
+        self.assertEqual(text.count("error 1e-8"), 3)
+        self.assertIn("commit 0123456789ab", text)
+
+    def test_with_keep_there_is_one(self):
+        text = self.recommend("--table", "--keep", "spectrum").stdout
+        self.assertIn("Keeping the spectrum\n", text)
+        self.assertEqual(text.count("error 1e-8"), 1)
+
+    def test_markdown(self):
+        text = self.recommend("--table", "--format", "markdown").stdout
+        rows = [line for line in text.splitlines() if line.startswith("|")]
+        self.assertEqual(len(rows), 3 * (2 + 2))
+        self.assertEqual({line.count("|") for line in rows}, {6})
+        self.assertIn("**rkmk4, h = 1, 0.00500 s**", text)
+
+    def test_a_size_without_points_is_shown_as_unreached(self):
+        self.document["points"] = [each for each in self.document["points"] if each["n"] == 17]
+        self.assertEqual(self.row(33, "nothing"), ["33", "–", "–", "–", "–"])
+
+
+class UnansweredTest(RecommendTest):
+    def test_an_error_no_method_reached(self):
+        for structure, best in (("nothing", "rkmk4"), ("spectrum", "rkmk4"), ("poisson", "group2")):
+            with self.subTest(structure=structure):
+                result = self.recommend("--n", "17", "--error", "1e-12", "--keep", structure)
+                error = {"rkmk4": "3.91e-10", "group2": "3.91e-08"}[best]
+                self.assert_unanswered(result, "n = 17", "1e-12", f"the best has {error}", f"by {best} with h = 0.025")
+
+    def test_a_structure_no_usable_run_kept(self):
+        for each in self.document["points"]:
+            if each["n"] == 17 and each["integrator"] != "rk4":
+                each["status"] = "diverged"
+        result = self.recommend("--n", "17", "--error", "1", "--keep", "spectrum")
+        self.assert_unanswered(result, "no recorded run at n = 17 that keeps the spectrum came to a stable end")
+        self.assertEqual(self.recommend("--n", "17", "--error", "1").returncode, 0)
+
+    def test_an_n_that_is_not_recorded(self):
+        for n in ("2", "18", "65", "4096"):
+            with self.subTest(n=n):
+                self.assert_unanswered(self.recommend("--n", n, "--error", "1"), f"n = {n} is not recorded",
+                                       "time 5", "n = 17, 33", "nothing is extrapolated")
+
+    def test_an_n_with_a_reference_but_no_run(self):
+        self.document["points"] = [each for each in self.document["points"] if each["n"] == 33]
+        self.assert_unanswered(self.recommend("--n", "17", "--error", "1"), "n = 17 is not recorded", "n = 33)")
+
+    def test_a_time_that_is_not_recorded(self):
+        for time in ("4.99", "10", "1e300"):
+            with self.subTest(time=time):
+                self.assert_unanswered(self.recommend("--n", "17", "--error", "1", "--time", time),
+                                       "is not recorded", "time 5", "n = 17, 33", "nothing is extrapolated")
+
+    def test_the_recorded_time_in_other_words(self):
+        for time in ("5", "5.0", "0.5e1"):
+            with self.subTest(time=time):
+                self.assertEqual(self.recommend("--n", "17", "--error", "1", "--time", time).returncode, 0)
+
+    def test_json_prints_none_either(self):
+        self.assert_unanswered(self.recommend("--n", "17", "--error", "1e-12", "--json"), "1e-12")
+
+
+class ArgumentTest(RecommendTest):
+    NUMBERS = ("0", "-1", "-1e-6", "0.0", "nan", "inf", "-inf", "1e999", "1e-999", "x", "", "1_0", "١", "0x1", "1,5")
+
+    def test_bad_n(self):
+        for value in ("0", "1", "-17", "17.0", "1e2", "4097", "9" * 5000, "x", "", "1_7", "nan", "١٧", " 17"):
+            with self.subTest(value=value[:10]):
+                self.assert_refused(self.recommend("--n", value, "--error", "1"), "--n", f"'{value}'",
+                                    "a whole number from 2 to 4096")
+
+    def test_bad_error(self):
+        for value in self.NUMBERS:
+            with self.subTest(value=value):
+                self.assert_refused(self.recommend("--n", "17", "--error", value), "--error", f"'{value}'",
+                                    "a finite number above 0")
+
+    def test_bad_time(self):
+        for value in self.NUMBERS:
+            with self.subTest(value=value):
+                self.assert_refused(self.recommend("--n", "17", "--error", "1", "--time", value), "--time",
+                                    f"'{value}'", "a finite number above 0")
+
+    def test_any_positive_error_is_a_question(self):
+        for value in ("1", "7.5", "1e300"):
+            with self.subTest(value=value):
+                self.assertEqual(self.recommend("--n", "17", "--error", value).returncode, 0)
+        self.assert_unanswered(self.recommend("--n", "17", "--error", "1e-300"), "1e-300")
+
+    def test_unknown_structure(self):
+        self.assert_refused(self.recommend("--n", "17", "--error", "1", "--keep", "energy"), "--keep", "'energy'",
+                            "nothing", "spectrum", "poisson")
+
+    def test_unknown_format(self):
+        self.assert_refused(self.recommend("--table", "--format", "html"), "--format", "'html'", "text", "markdown")
+
+    def test_missing_values(self):
+        for arguments, name in ((("--error", "1"), "--n"), (("--n", "17"), "--error"), ((), "--n"),
+                                (("--n", "--error", "1"), "--n"), (("--n", "17", "--error"), "--error")):
+            with self.subTest(arguments=arguments):
+                self.assert_refused(self.recommend(*arguments), f"argument {name}")
+
+    def test_what_does_not_go_with_the_table(self):
+        for arguments in (("--n", "17"), ("--error", "0.5"), ("--time", "2.5")):
+            with self.subTest(arguments=arguments):
+                self.assert_refused(self.recommend("--table", *arguments), " ".join(arguments),
+                                    "not allowed with --table")
+        self.assert_refused(self.recommend("--table", "--json"), "--json", "not allowed with --table")
+
+    def test_two_formats_at_once(self):
+        self.assert_refused(self.recommend("--n", "17", "--error", "1", "--json", "--format", "text"), "--format text",
+                            "not allowed with --json")
+
+    def test_unknown_arguments(self):
+        for arguments in (("17",), ("--size", "17"), ("--err", "1"), ("two\nlines",)):
+            with self.subTest(arguments=arguments):
+                self.assert_refused(self.recommend("--n", "17", "--error", "1", *arguments), arguments[0].split()[0])
+
+
+class FileTest(RecommendTest):
+    def recommend_from(self, raw):
+        return run([sys.executable, "-B", SCRIPT, "--n", "17", "--error", "1", "--raw", raw])
+
+    def test_missing_file(self):
+        self.assert_refused(self.recommend_from(self.path("none.json")), "none.json", "No such file")
+
+    def test_folder(self):
+        self.assert_refused(self.recommend_from(self.folder), self.folder, "directory")
+
+    def test_broken_and_foreign_files(self):
+        for name, text in (("empty", ""), ("cut", json.dumps(self.document)[:-100]), ("foreign", '{"benchmarks": []}'),
+                           ("list", "[]"), ("deep", "[" * 200000), ("table", "n,error\n17,1\n")):
+            with self.subTest(name=name):
+                raw = self.write(f"{name}.json", text)
+                self.assert_refused(self.recommend_from(raw), f"recommend: {raw}: ")
+                self.assert_refused(run([sys.executable, "-B", SCRIPT, "--table", "--raw", raw]), raw)
+
+    def test_a_name_with_a_line_break(self):
+        self.assert_refused(self.recommend_from(self.path("two\nlines.json")), "two lines.json")
+
+    def test_every_doubtful_file_is_refused_or_answered(self):
+        choose = random.Random(4)
+        strange = (0, 1, 1e-300, 1e300, 10**14, True, None, "unstable", [1e-9], [1e9], [5e-324], [1e308, 1e308])
+        outcomes = []
+        for _ in range(400):
+            document = copy.deepcopy(self.document)
+            changed = choose.choice(document["points"] + document["integrators"] + document["references"])
+            changed[choose.choice(list(changed))] = choose.choice(strange)
+            try:
+                study = work_precision.study(document)
+            except UnusableFile:
+                outcomes.append("refused")
+                continue
+            outcomes.append("answered")
+            WRITERS["text"](recommendation.recommendation_tables(study))
+            for question in ((n, 1.0, structure) for n in study.sizes() for structure in recommendation.KEPT):
+                n, error, structure = question
+                found = recommendation.answer(study, n, None, error, structure)
+                json.dumps(recommendation.answer_data(study, found, *question, "raw.json"), allow_nan=False)
+                WRITERS["text"](recommendation.answer_document(study, found, *question, "raw.json"))
+        self.assertGreater(outcomes.count("answered"), 20)
+        self.assertGreater(outcomes.count("refused"), 20)
+
+    def test_the_recorded_run_is_the_default(self):
+        # In a copy of scripts/, so that whatever is recorded in this tree does not matter.
+        shutil.copytree(os.path.join(ROOT, "scripts"), self.path("scripts"))
+        script = [sys.executable, "-B", self.path("scripts", "recommend"), "--n", "17", "--error", "1e-3"]
+        self.assert_refused(run(script), os.path.join("results", "recorded", "accuracy", "raw.json"))
+        recorded = self.path("results", "recorded", "accuracy")
+        os.makedirs(recorded)
+        write_study(recorded, self.document)
+        self.assertIn("method: rk4", run(script).stdout)
+
+
+class OutputTest(RecommendTest):
+    def test_a_reader_that_has_seen_enough(self):
+        raw = write_study(self.folder, self.document)
+        reader, writer = os.pipe()
+        os.close(reader)
+        result = run([sys.executable, "-B", SCRIPT, "--table", "--raw", raw], stdout=writer)
+        os.close(writer)
+        self.assertEqual((result.returncode, result.stderr), (1, ""))
+
+    @unittest.skipUnless(os.path.exists("/dev/full"), "needs a device that is always full")
+    def test_full_standard_output(self):
+        with open("/dev/full", "wb") as full:
+            result = self.recommend("--table", stdout=full)
+        self.assertEqual(result.returncode, 2)
+        self.assert_one_line(result.stderr, "recommend: standard output: cannot be written")
+
+    def test_is_executable(self):
+        result = subprocess.run([SCRIPT, "--help"], stdout=subprocess.PIPE, check=True, encoding="utf-8")
+        for option in ("--n", "--error", "--time", "--keep", "--raw", "--table", "--format", "--json"):
+            self.assertIn(option, result.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,387 @@
+"""Tests of scripts/lib/work_precision.py: what it refuses, and the floors and orders it finds on made-up lines."""
+
+import copy
+import json
+import math
+import os
+import random
+import sys
+import unittest
+
+from programs import ROOT, FolderTest
+from study_documents import INTEGRATORS, SIZES, STEPS, study_document, write_study
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
+import work_precision  # noqa: E402
+from benchmark_json import UnusableFile, parse_json  # noqa: E402
+
+NAN, INFINITY = math.nan, math.inf
+NO_NUMBERS = (None, True, "1", [], {}, NAN, INFINITY, -INFINITY, -1, -1e-30, 10**400)
+
+# What no field of a kind may be, in the objects whose every field is read.
+WRONG = {
+    "text": (None, True, 7, [], {}, "", "two\nlines"),
+    "truth": (None, 0, 1, "true", [], {}, NAN),
+    "not negative": NO_NUMBERS,
+    "positive": (*NO_NUMBERS, 0),
+    "optional": tuple(value for value in NO_NUMBERS if value is not None),
+    "count": (*NO_NUMBERS, 1.5, 1.0, 10**15),
+    "positive count": (*NO_NUMBERS, 1.5, 1.0, 10**15, 0),
+    "casimirs": (None, True, 1, "1", {}, [], [1e-15] * 3, [1e-15] * 5, [1e-15, 1e-15, 1e-15, NAN],
+                 [1e-15, 1e-15, 1e-15, -1], [1e-15, 1e-15, 1e-15, None], [1e-15, 1e-15, 1e-15, INFINITY]),
+    "times": (None, True, 1, "1", {}, [], [0], [1, -1], [1, NAN], [1, INFINITY], [1, "1"], [1, None],
+              [1e300], [1e-300]),
+    "object": (None, True, 1, "group5", [], {}),
+}
+QUALITY = {"n": "positive count", "steps": "positive count", "step": "positive", "status": "text", "error": "positive",
+           "spectrum_error": "not negative", "casimir_errors": "casimirs", "energy_error": "not negative",
+           "angular_momentum_error": "not negative", "skew_defect": "not negative"}
+COSTS = {"sweeps": "count", "products": "count", "poisson_solves": "count", "cpu_seconds": "times"}
+KINDS = {
+    "references": {"n": "positive count", "uncertainty": "positive", "first": "object", "second": "object"},
+    "integrators": {"name": "text", "stages": "positive count", "order": "positive count", "isospectral": "truth",
+                    "lie_poisson": "truth", "symmetric": "truth", "explicit": "truth",
+                    "stability_limit": "optional"},
+    "points": {"integrator": "text", **QUALITY, **COSTS, "h_norm_B": "not negative", "h_norm_ad_B": "not negative",
+               "beyond_limit": "truth"},
+    "tolerance_points": {"formulation": "text", "stages": "positive count", "tolerance": "positive",
+                         "solver_error": "not negative", **QUALITY, **COSTS},
+}
+
+
+class ReaderTest(FolderTest):
+    def setUp(self):
+        super().setUp()
+        self.document = study_document()
+
+    def assert_refused(self, document, *words):
+        """Refused, in one short line that has every one of `words` in it."""
+        with self.assertRaises(UnusableFile) as caught:
+            work_precision.study(document)
+        self.assert_one_line(f"{caught.exception}\n", *words)
+        self.assertLess(len(str(caught.exception)), 300)
+
+    def assert_file_refused(self, contents, *words):
+        path = self.path("raw.json")
+        with open(path, "wb") as stream:
+            stream.write(contents)
+        with self.assertRaises(UnusableFile) as caught:
+            work_precision.read_study(path)
+        self.assert_one_line(f"{caught.exception}\n", path, *words)
+
+    def point(self, name, n, steps):
+        return next(each for each in self.document["points"]
+                    if (each["integrator"], each["n"], each["steps"]) == (name, n, steps))
+
+
+class SoundFileTest(ReaderTest):
+    def test_every_object_is_read(self):
+        study = work_precision.read_study(write_study(self.folder))
+        self.assertEqual((study.sizes(), list(study.integrators), len(study.points), len(study.tolerance_points)),
+                         (list(SIZES), list(INTEGRATORS), len(self.document["points"]),
+                          len(self.document["tolerance_points"])))
+
+    def test_values_stand_where_they_belong(self):
+        point = work_precision.study(self.document).at_step("group2", 33, 0.5)
+        self.assertEqual((point.integrator, point.quality.n, point.quality.steps, point.quality.error,
+                          point.costs.products, point.costs.seconds, point.beyond_limit),
+                         ("group2", 33, 10, 0.1 * 0.5**4, 40, 0.04, False))
+
+    def test_a_failed_run_needs_no_errors(self):
+        point = work_precision.study(self.document).at_step("group1", 17, 1.0)
+        self.assertEqual((point.quality.usable, point.quality.status, point.quality.error), (False, "diverged", None))
+
+    def test_every_known_status_is_read(self):
+        for status in work_precision.STATUSES:
+            with self.subTest(status=status):
+                self.document["points"][0]["status"] = status
+                self.assertEqual(work_precision.study(self.document).points[0].quality.status, status)
+
+    def test_what_an_integrator_keeps(self):
+        integrators = work_precision.study(self.document).integrators
+        kept = {name: [structure for structure in ("nothing", "spectrum", "poisson")
+                       if integrators[name].keeps(structure)] for name in ("rk4", "rkmk4", "group2")}
+        self.assertEqual(kept, {"rk4": ["nothing"], "rkmk4": ["nothing", "spectrum"],
+                                "group2": ["nothing", "spectrum", "poisson"]})
+
+
+class RefusalTest(ReaderTest):
+    def test_the_kinds_name_every_field_of_the_made_up_file(self):
+        for list_name, kinds in KINDS.items():
+            self.assertEqual(set(kinds), set(self.document[list_name][0]), list_name)
+
+    def test_every_field_is_required(self):
+        for list_name, kinds in KINDS.items():
+            for field in kinds:
+                with self.subTest(list=list_name, field=field):
+                    document = copy.deepcopy(self.document)
+                    del document[list_name][0][field]
+                    self.assert_refused(document, field)
+
+    def test_every_field_must_be_of_its_kind(self):
+        for list_name, kinds in KINDS.items():
+            changed = self.document[list_name][0]
+            for field, kind in kinds.items():
+                sound = changed[field]
+                for value in WRONG[kind]:
+                    with self.subTest(list=list_name, field=field, value=str(value)[:20]):
+                        changed[field] = value
+                        self.assert_refused(self.document, *(["has", field] if kind != "object" else []))
+                changed[field] = sound
+        work_precision.study(self.document)
+
+    def test_fields_of_the_runs_behind_a_reference(self):
+        for run in ("first", "second"):
+            for field, kind in (("integrator", "text"), ("steps", "positive count")):
+                for value in WRONG[kind]:
+                    with self.subTest(run=run, field=field, value=str(value)[:20]):
+                        document = copy.deepcopy(self.document)
+                        document["references"][0][run][field] = value
+                        self.assert_refused(document, run, field)
+
+    def test_every_list_is_required(self):
+        for list_name in KINDS:
+            for value in (None, {}, "points", 3, [None], [[]], [3]):
+                with self.subTest(list=list_name, value=value):
+                    self.assert_refused({**self.document, list_name: value}, list_name)
+            without = {name: value for name, value in self.document.items() if name != list_name}
+            self.assert_refused(without, list_name)
+
+    def test_empty_references_and_integrators(self):
+        self.assert_refused({**self.document, "references": []}, "names no n")
+        self.assert_refused({**self.document, "integrators": []}, "names no name")
+
+    def test_time(self):
+        for value in WRONG["positive"]:
+            with self.subTest(value=str(value)[:20]):
+                self.assert_refused({**self.document, "time": value}, "time")
+
+    def test_context(self):
+        for value in (None, [], "context", 3):
+            with self.subTest(value=value):
+                self.assert_refused({**self.document, "context": value}, "context")
+
+    def test_another_format(self):
+        for value in (None, 1, [], {}, "isosyrk work_precision 2"):
+            with self.subTest(value=value):
+                self.assert_refused({**self.document, "format": value}, "was not written by work_precision")
+
+    def test_unknown_status(self):
+        self.document["points"][0]["status"] = "finished"
+        self.assert_refused(self.document, "finished", "converged")
+
+    def test_point_of_an_unlisted_integrator(self):
+        self.document["points"][0]["integrator"] = "magic"
+        self.assert_refused(self.document, "magic")
+
+    def test_points_at_a_size_without_reference(self):
+        for list_name in ("points", "tolerance_points"):
+            with self.subTest(list=list_name):
+                document = copy.deepcopy(self.document)
+                document[list_name][0]["n"] = 65
+                self.assert_refused(document, "n = 65", "no reference")
+
+    def test_doubled_point(self):
+        self.document["points"].append(copy.deepcopy(self.point("group2", 33, 50)))
+        self.assert_refused(self.document, "group2 at n = 33 with 50 steps twice")
+
+    def test_doubled_reference_and_integrator(self):
+        for list_name in ("references", "integrators"):
+            with self.subTest(list=list_name):
+                document = copy.deepcopy(self.document)
+                document[list_name].append(document[list_name][0])
+                self.assert_refused(document, "twice")
+
+    def test_steps_that_do_not_come_to_the_time(self):
+        for list_name in ("points", "tolerance_points"):
+            with self.subTest(list=list_name):
+                document = copy.deepcopy(self.document)
+                document[list_name][0]["step"] *= 1.001
+                self.assert_refused(document, "do not come to the time 5")
+
+
+class HostileFileTest(ReaderTest):
+    def test_missing_file(self):
+        with self.assertRaisesRegex(UnusableFile, r"none\.json: cannot be read: No such file"):
+            work_precision.read_study(self.path("none.json"))
+
+    def test_folder(self):
+        with self.assertRaisesRegex(UnusableFile, "cannot be read"):
+            work_precision.read_study(self.folder)
+
+    def test_empty(self):
+        for contents in (b"", b" \n\t\n"):
+            self.assert_file_refused(contents, "is empty")
+
+    def test_foreign(self):
+        for contents in (b"7", b"null", b"[]", b"{}", b'"text"', b'{"context": {}, "benchmarks": []}'):
+            with self.subTest(contents=contents):
+                self.assert_file_refused(contents, "was not written by work_precision")
+
+    def test_no_json(self):
+        for contents in (b"n,error\n17,1e-3\n", b"\xff\xfe\x00", b"[" * 200000, b"9" * 5000):
+            with self.subTest(contents=contents[:10]):
+                self.assert_file_refused(contents)
+
+    def test_truncated_at_many_lengths(self):
+        whole = json.dumps(self.document).encode()
+        for length in [*range(0, 200, 7), *range(200, len(whole), 997), len(whole) - 1]:
+            with self.subTest(length=length):
+                self.assert_file_refused(whole[:length])
+
+
+STRANGE = (None, True, 0, -1, 1, 2, 17, 10**14, 10**30, 10**400, 0.5, 1e-320, 1e308, NAN, INFINITY, -INFINITY, "", "x",
+           "converged", "unstable", "group2", "a\nb", "\ud800", [], [1.0], [NAN], [[]], {}, {"n": 17})
+
+
+def containers(value):
+    """Returns every list and object inside a JSON value, itself included."""
+    inside = value.values() if isinstance(value, dict) else value if isinstance(value, list) else None
+    if inside is None:
+        return []
+    return [value] + [found for each in inside for found in containers(each)]
+
+
+def mutate(document, choose):
+    """Damages one place of a document: a value replaced, removed, doubled, or swapped with a neighbour."""
+    place = choose.choice([each for each in containers(document) if each])
+    keys = list(place) if isinstance(place, dict) else list(range(len(place)))
+    key, other = choose.choice(keys), choose.choice(keys)
+    kind = choose.choice(("replace", "replace", "remove", "swap", "double"))
+    if kind == "replace":
+        place[key] = copy.deepcopy(choose.choice(STRANGE))
+    elif kind == "remove":
+        del place[key]
+    elif kind == "swap":
+        place[key], place[other] = place[other], place[key]
+    elif isinstance(place, list):
+        place.insert(other, copy.deepcopy(place[key]))
+    else:
+        place[f"{key}2"] = copy.deepcopy(place[key])
+
+
+def small_document():
+    """Returns a document with few points, so that thousands of damaged ones take little time."""
+    document = study_document()
+    document["points"] = [each for each in document["points"]
+                          if each["integrator"] in ("group1", "rk4") and each["n"] == 17]
+    document["tolerance_points"] = document["tolerance_points"][:2]
+    return document
+
+
+class MutationTest(ReaderTest):
+    """Damaged files are refused as unusable or are sound enough to analyse: nothing else is ever raised."""
+
+    def outcome(self, text):
+        """Returns whether a damaged text was accepted; the analysis of what was accepted must not raise either."""
+        try:
+            study = work_precision.study(parse_json(text))
+        except UnusableFile as problem:
+            self.assert_one_line(f"{problem}\n")
+            return False
+        for name in study.integrators:
+            for n in study.sizes():
+                study.observed_order(name, n)
+        return True
+
+    def assert_both_outcomes(self, outcomes):
+        """A generator that is always refused, or never, tries nothing."""
+        self.assertGreater(outcomes.count(True), len(outcomes) // 100)
+        self.assertGreater(outcomes.count(False), len(outcomes) // 100)
+
+    def test_damaged_values(self):
+        choose = random.Random(1)
+        text = json.dumps(small_document())
+        outcomes = []
+        for _ in range(1500):
+            document = json.loads(text)
+            for _ in range(choose.choice((1, 1, 2, 3))):
+                mutate(document, choose)
+            outcomes.append(self.outcome(json.dumps(document)))
+        self.assert_both_outcomes(outcomes)
+
+    def test_damaged_characters(self):
+        choose = random.Random(2)
+        text = json.dumps(small_document())
+        outcomes = []
+        for _ in range(1500):
+            damaged = list(text)
+            for _ in range(choose.choice((1, 1, 2))):
+                damaged[choose.randrange(len(damaged))] = choose.choice('0123456789-+.eE"{}[],: \nxN\\\ud800é')
+            outcomes.append(self.outcome("".join(damaged)))
+        self.assert_both_outcomes(outcomes)
+
+
+class LineTest(ReaderTest):
+    def study(self):
+        return work_precision.study(self.document)
+
+    def set_errors(self, name, errors):
+        """Gives the line at n = 17 these errors, the longest step first."""
+        for steps, error in zip(STEPS, errors):
+            self.point(name, 17, steps)["error"] = error
+
+    def kept_steps(self, name):
+        return [point.quality.steps for point in self.study().above_floor(name, 17)]
+
+    def test_a_line_is_the_longest_step_first_whatever_the_order_of_the_file(self):
+        random.Random(3).shuffle(self.document["points"])
+        self.assertEqual([point.quality.steps for point in self.study().line("group2", 33)], list(STEPS))
+
+    def test_a_line_holds_failures_too(self):
+        self.assertEqual([point.quality.usable for point in self.study().line("group1", 17)], [False] + [True] * 5)
+
+    def test_at_step(self):
+        self.assertEqual(self.study().at_step("group2", 17, 0.1).quality.steps, 50)
+        self.assertIsNone(self.study().at_step("group2", 17, 0.11))
+
+    def test_a_line_above_the_floor_is_kept_whole(self):
+        self.assertEqual(self.kept_steps("group2"), list(STEPS))
+
+    def test_failures_are_left_out(self):
+        self.assertEqual(self.kept_steps("group1"), list(STEPS[1:]))
+
+    def test_ends_where_the_reference_tells_no_more(self):
+        # Errors 1e-3 h⁴: 1e-7 at 50 steps and 6.25e-9 at 100; ten times the uncertainty lies between them.
+        self.document["references"][0]["uncertainty"] = 1e-9
+        self.assertEqual(self.kept_steps("rkmk4"), [5, 10, 20, 50])
+
+    def test_ends_where_rounding_stops_the_error_from_falling(self):
+        self.set_errors("rkmk4", (1e-3, 6e-5, 4e-6, 3e-9, 2.9e-9, 1e-9))
+        self.assertEqual(self.kept_steps("rkmk4"), [5, 10, 20, 50])
+
+    def test_a_plateau_far_above_rounding_is_no_floor(self):
+        self.set_errors("rkmk4", (1e-3, 6e-5, 5.9e-5, 5.8e-5, 6e-9, 4e-10))
+        self.assertEqual(self.kept_steps("rkmk4"), list(STEPS))
+
+    def test_observed_orders_are_those_the_errors_were_made_with(self):
+        for name, (_, order, *_) in INTEGRATORS.items():
+            for n in SIZES:
+                with self.subTest(integrator=name, n=n):
+                    observed = self.study().observed_order(name, n)
+                    # Errors are a power of the step to rounding: a relative 1e-15 over a factor of at least 4.
+                    self.assertAlmostEqual(observed.slope, order, delta=1e-12)
+                    self.assertEqual(observed.points, 5)
+
+    def test_a_wrong_order_is_seen(self):
+        self.set_errors("rkmk4", [1e-3 * (5 / steps) ** 3 for steps in STEPS])
+        self.assertAlmostEqual(self.study().observed_order("rkmk4", 17).slope, 3, delta=1e-12)
+
+    def test_an_order_is_taken_above_the_floor_only(self):
+        self.set_errors("rkmk4", [max(1e-3 * (5 / steps) ** 4, 5e-9) for steps in STEPS])
+        self.document["references"][0]["uncertainty"] = 1e-9
+        observed = self.study().observed_order("rkmk4", 17)
+        self.assertEqual((round(observed.slope, 9), observed.points), (4, 4))
+
+    def test_an_order_needs_three_points(self):
+        for kept, points in ((3, 3), (2, None), (0, None)):
+            with self.subTest(kept=kept):
+                self.document["points"] = [each for each in study_document()["points"]
+                                           if each["integrator"] != "rkmk4" or each["steps"] in STEPS[:kept]]
+                observed = self.study().observed_order("rkmk4", 17)
+                self.assertEqual(observed and observed.points, points)
+
+
+if __name__ == "__main__":
+    unittest.main()
