@@ -3,6 +3,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <new>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -36,11 +37,6 @@ HbarConvention hbar_convention(const std::string& text);
 /// "fastest", "openblas" or "eigen".  Throws BadArgument.
 BackendChoice backend_choice(const std::string& text);
 
-/// Runs a program's body and turns BadArgument, std::invalid_argument and CLI11's errors into one
-/// line on stderr and exit_bad_arguments.  `body` returns the exit code.
-template <class Body>
-int guarded(const char* program, Body&& body);
-
 /// Reads the command line into the app's options; an exit code if that was all, as for --help.
 /// Throws CLI11's errors, and BadArgument for an option given as `--option=` with nothing behind,
 /// where CLI11 would take the next argument for its value.
@@ -52,10 +48,15 @@ void require_printed();
 /// Prints `program: message` on one line of stderr.
 void print_error(const char* program, std::string message);
 
+/// Runs a program's body and turns BadArgument, std::invalid_argument, CLI11's errors and a lack of
+/// memory into one line on stderr and exit_bad_arguments.  `body` returns the exit code.
 template <class Body>
 int guarded(const char* program, Body&& body) {
   try {
     return body();
+  } catch (const std::bad_alloc&) {
+    print_error(program, "not enough memory for matrices of this size; n or stages must be smaller");
+    return exit_bad_arguments;
   } catch (const std::exception& error) {
     print_error(program, error.what());
     return exit_bad_arguments;

@@ -38,6 +38,14 @@ class Items:
 
 
 @dataclass(frozen=True)
+class Figure:
+    """An image beside the document, and what it shows."""
+
+    path: str
+    caption: str
+
+
+@dataclass(frozen=True)
 class Column:
     heading: str
     group: str = ""
@@ -86,7 +94,8 @@ def column_widths(rows):
 
 def as_text(document):
     """Writes plain text of at most 110 columns: paragraphs are filled, tables as wide as they are."""
-    writers = {Heading: text_heading, Paragraph: text_paragraph, Items: text_items, Table: text_table}
+    writers = {Heading: text_heading, Paragraph: text_paragraph, Items: text_items, Table: text_table,
+               Figure: text_figure}
     return "\n\n".join(writers[type(part)](part) for part in document) + "\n"
 
 
@@ -108,6 +117,10 @@ def text_paragraph(paragraph):
 
 def text_items(items):
     return "\n".join(fill(item.strong + item.rest, "  ", "- ") for item in items.items)
+
+
+def text_figure(figure):
+    return fill(f"[{figure.path}] {figure.caption}")
 
 
 def text_table(table):
@@ -141,7 +154,7 @@ def text_groups(table, widths):
 
 def as_markdown(document):
     writers = {Heading: markdown_heading, Paragraph: markdown_paragraph, Items: markdown_items,
-               Table: markdown_table}
+               Table: markdown_table, Figure: markdown_figure}
     return "\n\n".join(writers[type(part)](part) for part in document) + "\n"
 
 
@@ -163,6 +176,10 @@ def markdown_paragraph(paragraph):
 
 def markdown_items(items):
     return "\n".join(f"- {markdown_strong(item.strong)}{markdown_escape(item.rest)}" for item in items.items)
+
+
+def markdown_figure(figure):
+    return f"![{markdown_escape(figure.caption)}]({figure.path})\n\n*{markdown_escape(figure.caption)}*"
 
 
 def markdown_table(table):
@@ -192,7 +209,8 @@ LATEX_CHARACTERS = {
 
 def as_latex(document):
     """Writes a fragment to \\input: whole tabular environments, ASCII only."""
-    writers = {Heading: latex_heading, Paragraph: latex_paragraph, Items: latex_items, Table: latex_table}
+    writers = {Heading: latex_heading, Paragraph: latex_paragraph, Items: latex_items, Table: latex_table,
+               Figure: latex_figure}
     needs = "% A fragment to \\input; needs \\usepackage{booktabs}."
     return "\n\n".join([needs] + [writers[type(part)](part) for part in document]) + "\n"
 
@@ -226,6 +244,10 @@ def latex_paragraph(paragraph):
 def latex_items(items):
     lines = [rf"  \item {latex_strong(item.strong)}{latex_escape(item.rest)}" for item in items.items]
     return "\n".join([r"\begin{itemize}", *lines, r"\end{itemize}"])
+
+
+def latex_figure(figure):
+    return f"% {latex_escape(figure.path)}: {latex_escape(figure.caption)}"
 
 
 def latex_row(texts):

@@ -209,12 +209,12 @@ def run_data(candidate):
 # ---- the table
 
 
-def recommendation_tables(study, structures=tuple(KEPT)):
+def recommendation_tables(study, structures=tuple(KEPT), level=2):
     """Returns, for each structure, a heading and a table of the winner by n and error; then how to read them."""
     parts = []
     for structure in structures:
         heading = "Whatever is kept" if structure == "nothing" else f"Keeping {KEPT[structure]}"
-        parts += [Heading(heading), recommendation_table(study, structure)]
+        parts += [Heading(heading, level), recommendation_table(study, structure)]
     return [*parts, Paragraph(
         f"The cheapest recorded run to time {study.time:g} with at most the column's error: method, step, median CPU"
         f' seconds. "{MISSING}": no recorded run reaches it. Marked: separated from the best run of every other'

@@ -338,6 +338,40 @@ class CountersTest(ScriptTest):
         self.assertRegex(counters, r"17 +1 +cotangent +failed \(1\)( +–){5}\n")
 
 
+class ErrorTest(ScriptTest):
+    """The error at T, which only a run that was given reference solutions has."""
+
+    HEADING = "Error at T = 5"
+
+    def rendered(self, **errors):
+        """Renders a file whose group and algebra rows at n = 17, s = 2 have these errors."""
+        cells = {(name, 17, 2): rows_of(name, 17, 2, repeated(0.005), relative_error=error,
+                                        reference_uncertainty=2.1e-14) for name, error in errors.items()}
+        return self.render(raw(cells=cells))
+
+    def test_the_largest_of_the_formulations_is_shown(self):
+        text = section(self.rendered(group=3.1e-6, algebra=3.4e-6), self.HEADING)
+        self.assertRegex(text, r"17 +– +3\.4e-06 +– +2e-14\n")
+
+    def test_each_cell_shows_its_own(self):
+        text = section(self.rendered(group=3.1e-6), CountersTest.HEADING)
+        self.assertRegex(text, r"2 +cotangent +14\.0 +– ")
+        self.assertRegex(text, r"group +14\.0 +3\.10e-06 ")
+
+    def test_a_file_without_errors_has_no_such_section(self):
+        self.assertNotIn("Error at T", self.render())
+        self.assertNotIn("error at T", self.render())
+
+    def test_a_cell_of_which_some_repetitions_have_none_has_none(self):
+        rows = rows_of("group", 17, 2, repeated(0.005), relative_error=1e-6)
+        del rows[0]["relative_error"]
+        self.assertNotIn("Error at T", self.render(raw(cells={("group", 17, 2): rows})))
+
+    def test_an_error_that_is_no_number_is_refused(self):
+        rows = rows_of("group", 17, 2, repeated(0.005), relative_error=float("nan"))
+        self.assert_refused(raw(cells={("group", 17, 2): rows}), "relative_error")
+
+
 class VerdictTest(ScriptTest):
     def verdict(self, claim, n, stages, data=None):
         return verdict(self.render(data), claim, n, stages)

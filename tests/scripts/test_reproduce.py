@@ -18,9 +18,14 @@ import unittest
 
 from programs import (BAD_ARGUMENTS, DONE, FORMULATIONS, ROOT, SOLVER_FAILED, FolderTest, end, environment, run,
                       snapshot, start)
+from study_documents import write_study
 
 HOST_NAME = "a-host-to-keep-private"
 RESULTS = {"raw.json", "context.json", "table.txt", "table.md", "table.tex"}
+CHARTS = ("error_against_time", "error_against_products", "spectrum_error_against_time", "error_against_n",
+          "tolerance")
+ACCURACY_RESULTS = {"raw.json", "report.md", "report.txt",
+                    *(f"{chart}.{kind}" for chart in CHARTS for kind in ("svg", "png"))}
 EARLIER = {name: f"earlier {name}" for name in RESULTS}
 
 STAND_INS = {
@@ -77,6 +82,27 @@ exit "${BENCHMARK_STATUS:-0}"
 """
 
 
+# Leaves a reference solution for each n asked for.
+REFERENCE_SOLUTIONS = """
+echo "reference_solutions $*" >>"$CALLS"
+exit "${REFERENCES_STATUS:-0}"
+"""
+
+WORK_PRECISION = """
+echo "work_precision[${OPENBLAS_CORETYPE-none}] $*" >>"$CALLS"
+while [ $# -gt 0 ]; do
+  [ "$1" = --out ] && out=$2
+  shift
+done
+echo "chatter of work_precision"
+case $BENCHMARK in
+  finish) cp "$STUDY" "$out" ;;
+  scribble) echo '{"context": {' >"$out" ;;
+  fail) echo "some reason"; exit 7 ;;
+esac
+"""
+
+
 def raw_file(failed=False):
     """Returns a raw file of table1 at n = 17, with the algebra rows failed or not."""
     context = {"date": "2024-05-01T10:00:00+00:00", "host_name": HOST_NAME, "num_cpus": 2, "mhz_per_cpu": 3000,
@@ -110,12 +136,15 @@ class CopyTest(FolderTest):
         ignored = shutil.ignore_patterns("__pycache__")
         shutil.copytree(os.path.join(ROOT, "scripts"), self.path("root", "scripts"), ignore=ignored)
         shutil.copytree(os.path.join(ROOT, "results", "paper"), self.path("root", "results", "paper"))
-        self.write("root/build/benchmarks/table1", "#!/bin/sh\n" + TABLE1, executable=True)
+        for name, body in (("table1", TABLE1), ("reference_solutions", REFERENCE_SOLUTIONS),
+                           ("work_precision", WORK_PRECISION)):
+            self.write(f"root/build/benchmarks/{name}", "#!/bin/sh\n" + body, executable=True)
         for name, body in STAND_INS.items():
             self.write(f"tools/{name}", "#!/bin/sh\n" + body, executable=True)
         os.mkdir(self.path("tmp"))
         self.calls_path = self.write("calls", "")
         self.use_raw_file(raw_file())
+        self.study_path = write_study(self.folder, name="study.json")
         self.out = self.path("out")
 
     def use_raw_file(self, raw):
@@ -126,7 +155,7 @@ class CopyTest(FolderTest):
 
     def surroundings(self, **changes):
         settings = {"PATH": self.path("tools") + os.pathsep + os.environ["PATH"], "TMPDIR": self.path("tmp"),
-                    "CALLS": self.calls_path, "RAW": self.raw_path, "BENCHMARK": "finish",
+                    "CALLS": self.calls_path, "RAW": self.raw_path, "STUDY": self.study_path, "BENCHMARK": "finish",
                     "PYTHONDONTWRITEBYTECODE": "1", "DEBIAN_FRONTEND": None, "ASAN_OPTIONS": None}
         return environment(**{**settings, **changes})
 
@@ -160,7 +189,7 @@ class BadArguments(CopyTest):
 
     def test_reproduce_names_an_unknown_argument_and_what_is_allowed(self):
         for argument in ("table2", "--quik", "--quick=yes", "--out=here", "-q", "", "Table1"):
-            self.refuses("reproduce", [argument], argument, "table1", "--quick", "--out", "--no-install")
+            self.refuses("reproduce", [argument], argument, "table1", "accuracy", "--quick", "--out", "--no-install")
 
     def test_reproduce_does_one_job_at_a_time(self):
         self.refuses("reproduce", ["table1", "all"], "all")
@@ -393,10 +422,32 @@ class EndToEnd(CopyTest):
         self.assertEqual(set(os.listdir(self.out)), RESULTS)
 
     def test_without_out_results_are_under_results_latest(self):
-        for arguments, name in (((), "table1"), (("--quick",), "table1-quick"), (("all",), "table1")):
+        for arguments, name, results in (((), "table1", RESULTS), (("--quick",), "table1-quick", RESULTS),
+                                         (("accuracy", "--quick"), "accuracy-quick", ACCURACY_RESULTS)):
             with self.subTest(arguments=arguments):
                 self.assertEqual(self.script("reproduce", *arguments).returncode, DONE)
-                self.assertEqual(set(os.listdir(self.path("root", "results", "latest", name))), RESULTS)
+                self.assertEqual(set(os.listdir(self.path("root", "results", "latest", name))), results)
+
+    def test_all_makes_a_folder_for_each_job(self):
+        self.reproduce("all")
+        self.assertEqual(set(os.listdir(self.out)), {"table1", "accuracy"})
+        self.assertEqual(set(os.listdir(self.path("out", "table1"))), RESULTS)
+        self.assertEqual(set(os.listdir(self.path("out", "accuracy"))), ACCURACY_RESULTS)
+
+    def test_reference_solutions_are_kept_for_the_sizes_measured(self):
+        references = self.path("root", "results", "latest", "references")
+        for arguments, sizes in (((), "17 33 65 129"), (("--quick",), "17 33")):
+            with self.subTest(arguments=arguments):
+                self.reproduce(*arguments)
+                self.assertEqual(self.calls("reference_solutions")[-1],
+                                 f"reference_solutions --out {references} --n {sizes}")
+                self.assertIn(f"--references {references}", self.calls("table1")[-1])
+
+    def test_accuracy_measures_the_sizes_and_ends_with_its_report(self):
+        done = self.reproduce("accuracy", "--quick")
+        self.assertIn("--n 17 33", self.calls("work_precision")[-1])
+        self.assertEqual(done.stdout, self.result("report.txt"))
+        self.assertTrue(self.result("report.md").startswith("# Accuracy against cost"))
 
     def call_of_table1(self, *arguments):
         self.script("reproduce", "--out", self.out, *arguments, BENCHMARK="fail")
@@ -457,6 +508,20 @@ class FailedRuns(CopyTest):
         done = self.reproduce(BENCHMARK="die")
         self.assertEqual((done.returncode, done.stdout), (128 + signal.SIGKILL, ""))
         self.assert_earlier_results()
+
+    def test_failed_reference_solutions_end_it_before_anything_is_measured(self):
+        done = self.reproduce(REFERENCES_STATUS="3")
+        self.assertEqual((done.returncode, done.stdout), (SOLVER_FAILED, ""))
+        self.assertEqual(self.calls("table1"), [])
+        self.assert_earlier_results()
+
+    def test_a_failed_study_leaves_earlier_results(self):
+        for benchmark, status in (("fail", 7), ("scribble", BAD_ARGUMENTS)):
+            with self.subTest(benchmark=benchmark):
+                done = self.script("reproduce", "accuracy", "--out", self.out, BENCHMARK=benchmark)
+                self.assertEqual((done.returncode, done.stdout), (status, ""))
+                self.assertNotIn("Traceback", done.stderr)
+                self.assert_earlier_results()
 
     def test_a_missing_benchmark_leaves_earlier_results(self):
         os.unlink(self.path("root", "build", "benchmarks", "table1"))

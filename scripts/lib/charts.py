@@ -1,0 +1,678 @@
+"""Draws a Study, and a run of Table 1, as charts: error against cost, against n, and against the tolerance.
+
+Each chart is a figure made from its data alone: nothing of the machine, the date or a user's settings enters, so
+that the same raw file gives the same bytes. A line stands for one integrator and carries its name; line style and
+marker say what the integrator keeps, lightness and hue tell its relatives apart, also in grey.
+"""
+
+import io
+import math
+import re
+import statistics
+import textwrap
+from dataclasses import dataclass
+from typing import Callable
+
+import matplotlib
+import matplotlib.style
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, LogLocator, NullLocator
+
+from chart_labels import Label, darker, place_labels
+from work_precision import FLOOR_MARGIN
+
+FORMULATIONS = ("cotangent", "group", "algebra")
+TABLE_STEP = 0.1  # of Table 1
+
+DOTS_PER_INCH = 120
+WIDTH = 1600 / DOTS_PER_INCH  # inches
+MARGIN = 0.15  # inches
+SETTINGS = {"svg.hashsalt": "isosyrk", "svg.fonttype": "path", "font.size": 9.5, "axes.titlesize": 11,
+            "axes.grid": True, "grid.color": "0.9", "grid.linewidth": 0.6, "axes.axisbelow": True,
+            "axes.spines.top": False, "axes.spines.right": False, "lines.markersize": 4.2,
+            "lines.linewidth": 1.7, "hatch.linewidth": 0.4, "savefig.dpi": DOTS_PER_INCH}
+SMALL, NOTE_COLOUR, GREY = 8, "0.3", "0.45"
+
+ERROR_LABEL = "relative error of W at T = {time:g}"
+SECONDS_LABEL = "CPU seconds (median)"
+
+# Relatives share a hue and differ in lightness, the cheaper lighter.
+COLOURS = {
+    "yoshida4": "#eb9a2d", "suzuki4": "#cf6a10", "kahan_li6": "#97400a",
+    "rkmk4": "#0b8a67", "rk4": "#000000",
+    "direct1": "#c08fd0", "direct2": "#9a5bb5", "direct3": "#6b2a8c",
+}
+GAUSS_COLOURS = {1: "#62a8da", 2: "#3d88c6", 3: "#1f67ad", 4: "#114a87", 5: "#062a56"}
+FORMULATION_COLOURS = {"cotangent": "#e08214", "group": "#1f67ad", "algebra": "#4a0a5e"}
+FORMULATION_MARKERS = {"cotangent": "s", "group": "o", "algebra": "^"}
+FORMULATION_SIZES = {"cotangent": 7.5, "group": 5, "algebra": 3.6}  # so that none hides another with the same answer
+OTHER_COLOUR = "0.35"
+COMPOSITIONS = ("yoshida4", "suzuki4", "kahan_li6")
+
+
+@dataclass(frozen=True)
+class Look:
+    line: object
+    marker: str
+    filled: bool
+    keeps_spectrum: bool
+    meaning: str
+
+
+KEEPS_POISSON = Look("-", "o", True, True, "keeps the Lie–Poisson structure and the spectrum")
+KEEPS_SPECTRUM = Look((0, (6, 2)), "s", False, True, "keeps the spectrum only")
+KEEPS_NOTHING = Look((0, (1.2, 1.6)), "^", True, False, "keeps neither")
+LOOKS = (KEEPS_POISSON, KEEPS_SPECTRUM, KEEPS_NOTHING)
+
+
+def look(integrator):
+    if integrator.keeps("poisson"):
+        return KEEPS_POISSON
+    return KEEPS_SPECTRUM if integrator.keeps("spectrum") else KEEPS_NOTHING
+
+
+def gauss_stages(name):
+    """Returns s of a formulation of the s-stage Gauss method, or None for any other integrator."""
+    match = re.fullmatch(rf"(?:{'|'.join(FORMULATIONS)})([0-9]+)", name)
+    return int(match[1]) if match else None
+
+
+def colour(name):
+    return GAUSS_COLOURS.get(gauss_stages(name)) or COLOURS.get(name, OTHER_COLOUR)
+
+
+def relatives(study):
+    """Returns groups of integrators with the same answer: the formulations of one Gauss method; others alone."""
+    groups = {}
+    for name in study.integrators:
+        groups.setdefault(gauss_stages(name) or name, []).append(name)
+    return list(groups.values())
+
+
+# ---- figures and panels
+
+
+def styled(draw):
+    """Keeps a user's own matplotlib settings out of a chart."""
+    def drawn(*arguments):
+        with matplotlib.style.context(["default", SETTINGS]):
+            return draw(*arguments)
+    drawn.__name__, drawn.__doc__ = draw.__name__, draw.__doc__
+    return drawn
+
+
+def encode(figure, kind):
+    """Returns the figure as the bytes of an SVG or PNG file that names neither a date nor a program."""
+    unnamed = {"svg": {"Date": None, "Creator": None}, "png": {"Software": None}}
+    stream = io.BytesIO()
+    with matplotlib.style.context(["default", SETTINGS]):
+        figure.savefig(stream, format=kind, metadata=unnamed[kind])
+    return stream.getvalue()
+
+
+def new_figure(title, caption, rows, columns, panel_height, notes=0, right=0.18, row_gap=0.85, **subplots):
+    """Returns a figure with its panels, all of one size; `notes` are the lines of text below each panel."""
+    caption = textwrap.fill(caption, 215)
+    noted = 0.16 * notes
+    foot = 0.85 + noted + 0.175 * (caption.count("\n") + 1)
+    head, gap, column_gap, left = 1.02, row_gap + noted, 0.78, 0.8
+    height = head + rows * panel_height + (rows - 1) * gap + foot
+    figure = Figure(figsize=(WIDTH, height), dpi=DOTS_PER_INCH)
+    FigureCanvasAgg(figure)
+    panels = figure.subplots(rows, columns, squeeze=False, **subplots)
+    panel_width = (WIDTH - left - right - (columns - 1) * column_gap) / columns
+    figure.subplots_adjust(left=left / WIDTH, right=1 - right / WIDTH, top=1 - head / height, bottom=foot / height,
+                           hspace=gap / panel_height, wspace=column_gap / panel_width)
+    figure.text(MARGIN / WIDTH, 1 - 0.14 / height, title, fontsize=14, fontweight="bold", va="top")
+    figure.text(MARGIN / WIDTH, 0.1 / height, caption, fontsize=SMALL + 0.5, color=NOTE_COLOUR, va="bottom",
+                linespacing=1.3)
+    return figure, panels
+
+
+def panel_grid(count):
+    columns = min(count, 2)
+    return math.ceil(count / columns), columns
+
+
+def logarithmic(axes, horizontal=True):
+    if horizontal:
+        axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.tick_params(which="minor", length=2)
+    axes.yaxis.set_major_locator(LogLocator(numticks=12))
+    axes.yaxis.set_minor_locator(NullLocator())
+
+
+def style_key(figure, looks):
+    """Says under the title what line styles and markers mean."""
+    key_of(figure, [matplotlib.lines.Line2D([], [], color="0.2", linestyle=each.line, marker=each.marker,
+                                            markerfacecolor="0.2" if each.filled else "white", label=each.meaning)
+                    for each in looks])
+
+
+def key_of(figure, handles):
+    height = figure.get_size_inches()[1]
+    figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(MARGIN / WIDTH, 1 - 0.45 / height),
+                  ncol=len(handles), frameon=False, fontsize=SMALL + 1, handlelength=3.6, columnspacing=2.2,
+                  borderaxespad=0, borderpad=0)
+
+
+def floor_band(axes, floor, text):
+    """Greys what lies under the floor: errors there say more about the reference than about the integrator."""
+    axes.axhspan(axes.get_ylim()[0], floor, facecolor="0.93", edgecolor="0.78", hatch="////", linewidth=0, zorder=0)
+    axes.axhline(floor, color=GREY, linewidth=0.8, zorder=1)
+    name_floor(axes, text)
+
+
+def name_floor(axes, text):
+    axes.annotate(text, (0, 0), xycoords="axes fraction", xytext=(6, 5), textcoords="offset points",
+                  fontsize=SMALL, color=NOTE_COLOUR, zorder=1,
+                  bbox={"facecolor": "0.96", "edgecolor": "none", "pad": 1.0})
+
+
+def draw_line(axes, name, points, integrator, leading=True):
+    """Draws one integrator; relatives of a leading line stay thin and bare."""
+    shade, style = colour(name), look(integrator)
+    x, y = zip(*points)
+    if leading:
+        axes.plot(x, y, color=shade, linestyle=style.line, marker=style.marker, label=name, zorder=4,
+                  markerfacecolor=shade if style.filled else "white", markeredgewidth=1.1)
+    else:
+        axes.plot(x, y, color=shade, linestyle=style.line, linewidth=0.8, label=name, zorder=3)
+
+
+# ---- error against cost
+
+
+@dataclass(frozen=True)
+class Cost:
+    word: str
+    label: str
+    of: Callable
+
+
+SECONDS = Cost("CPU time", SECONDS_LABEL, lambda point: point.costs.seconds)
+PRODUCTS = Cost("the number of matrix products", "matrix products, n × n by n × n",
+                lambda point: point.costs.products)
+
+
+@styled
+def error_against_time(study):
+    return error_against(study, SECONDS)
+
+
+@styled
+def error_against_products(study):
+    return error_against(study, PRODUCTS)
+
+
+def error_against(study, cost):
+    rows, columns = panel_grid(len(study.sizes()))
+    figure, panels = new_figure(
+        f"Error at T = {study.time:g} against {cost.word}",
+        f"Each point is one run to T = {study.time:g} with one step size. The formulations of the Gauss method with the"
+        " same number of stages (cotangent, group, algebra) have the same error: the one that takes least stands with"
+        " points and a name, the others as thin lines of its colour. Lines end where the reference can no longer tell"
+        " their error, where it stops falling, or where runs would take too long; they bend back where long steps need"
+        " more sweeps. A cross marks the longest step that works where longer ones were tried and failed; what failed"
+        " is named below each panel.",
+        rows, columns, 4.9, notes=3)
+    style_key(figure, LOOKS)
+    for axes, n in zip(panels.flat, study.sizes()):
+        error_panel(axes, study, n, cost)
+    hide_rest(panels, len(study.sizes()))
+    return figure
+
+
+def hide_rest(panels, used):
+    for axes in list(panels.flat)[used:]:
+        axes.set_visible(False)
+
+
+def error_panel(axes, study, n, cost):
+    logarithmic(axes)
+    drawn = []
+    for group in relatives(study):
+        leader = cheapest(study, group, n, cost.of)
+        for name in group:
+            points = [(cost.of(point), point.quality.error) for point in study.above_floor(name, n)]
+            if points:
+                draw_line(axes, name, points, study.integrators[name], name == leader)
+                drawn.append((name, points, name == leader))
+    set_panel(axes, f"n = {n}", cost.label, ERROR_LABEL.format(time=study.time))
+    if drawn:
+        spread(axes, [point for _, points, _ in drawn for point in points])
+    mark_floor(axes, study, n)
+    for name, points, leading in drawn:
+        if leading and failed_before(study, name, n):
+            cross_mark(axes, points[0])
+    place_labels(axes, [Label(name, points[-1:], colour(name)) for name, points, leading in drawn if leading])
+    note_failures(axes, study, n)
+
+
+def set_panel(axes, title, xlabel, ylabel):
+    axes.set_title(title, loc="left", fontweight="bold")
+    axes.set_xlabel(xlabel)
+    axes.set_ylabel(ylabel)
+
+
+def spread(axes, points):
+    """Sets limits with room for labels at the right."""
+    x = [x for x, _ in points]
+    axes.set_xlim(min(x) / 1.6, max(x) * 2.2)
+
+
+def mark_floor(axes, study, n):
+    floor = FLOOR_MARGIN * study.references[n].uncertainty
+    floors = [FLOOR_MARGIN * each.uncertainty for each in study.references.values()]
+    errors = [point.quality.error for point in study.points if point.quality.usable]
+    axes.set_ylim(min(floors) / 800, max([*floors, *errors]) * 3)  # room for labels in the band below
+    floor_band(axes, floor, f"floor: {FLOOR_MARGIN} × the uncertainty of the reference solution,"
+                            f" {study.references[n].uncertainty:.1e}")
+
+
+def cross_mark(axes, at):
+    axes.plot(*at, marker="x", color="black", markersize=6.5, markeredgewidth=1.2, linestyle="none", zorder=7,
+              label="_longer steps fail")
+
+
+def cheapest(study, group, n, cost):
+    """Returns the member of a group that takes least, in the geometric mean over the steps all of them did."""
+    lines = {name: {point.quality.steps: cost(point) for point in study.above_floor(name, n)} for name in group}
+    lines = {name: line for name, line in lines.items() if line}
+    common = set.intersection(*map(set, lines.values())) if lines else set()
+    if not common:
+        return next(iter(lines), None)
+    return min(lines, key=lambda name: sum(math.log(lines[name][steps]) for steps in common))
+
+
+def failed_before(study, name, n):
+    line = study.line(name, n)
+    return bool(line) and not line[0].quality.usable
+
+
+def note_failures(axes, study, n):
+    """Names under a panel what did not come to a usable end."""
+    failed = {}
+    for name in study.integrators:
+        steps = failed_steps(study.line(name, n))
+        if steps:
+            failed.setdefault(steps, []).append(name)
+    parts = [f"{joined(names)} with {steps}" for steps, names in failed.items()]
+    text = f"No usable result: {'; '.join(parts)}." if parts else "Every run came to a usable end."
+    axes.annotate(textwrap.fill(text, 104), (0, 0), xycoords="axes fraction", xytext=(0, -38),
+                  textcoords="offset points", va="top", fontsize=SMALL, color=NOTE_COLOUR, annotation_clip=False)
+
+
+def failed_steps(line):
+    """Says in words which steps of a line failed; nothing if none did."""
+    failed = [point.quality.step for point in line if not point.quality.usable]
+    if not failed or len(failed) == len(line):
+        return "any h" if failed else ""
+    if len(failed) > 1 and not any(point.quality.usable for point in line[:len(failed)]):
+        return f"h ≥ {failed[-1]:.2g}"
+    return "h = " + ", ".join(f"{step:.2g}" for step in failed)
+
+
+def joined(names):
+    """Joins names, those that differ in a last digit as one: direct1–3."""
+    runs = []
+    for name in names:
+        stem, number = re.fullmatch(r"(.*?)([0-9]*)", name).groups()
+        if runs and runs[-1][0] == stem and number and runs[-1][2] and int(number) == int(runs[-1][2]) + 1:
+            runs[-1][2] = number
+        else:
+            runs.append([stem, number, number])
+    return ", ".join(f"{stem}{first}" + (f"–{last}" if last != first else "") for stem, first, last in runs)
+
+
+# ---- spectrum against time
+
+
+@styled
+def spectrum_error_against_time(study):
+    rows, columns = panel_grid(len(study.sizes()))
+    figure, panels = new_figure(
+        f"Error of the spectrum at T = {study.time:g} against CPU time",
+        "Lines: integrators that lose the spectrum, each where its error at T lies above the floor of the reference."
+        " Points without a line: every usable run of an integrator that keeps the spectrum; what is left is rounding"
+        " and what the tolerance of the iteration leaves. An error of exactly 0 is drawn at"
+        f" {LEAST_SPECTRUM_ERROR:.0e}. What failed is named below each panel.",
+        rows, columns, 4.4, notes=3)
+    spectrum_key(figure, study)
+    for axes, n in zip(panels.flat, study.sizes()):
+        spectrum_panel(axes, study, n)
+    hide_rest(panels, len(study.sizes()))
+    return figure
+
+
+def spectrum_key(figure, study):
+    """Says under the title whose the points without a line are, and what lines are."""
+    groups = {}
+    for name, integrator in study.integrators.items():
+        kind = ("lose the spectrum" if not integrator.isospectral
+                else "Gauss, the more stages the darker" if gauss_stages(name)
+                else "compositions of the isospectral midpoint" if name in COMPOSITIONS else name)
+        groups.setdefault(kind, []).append(name)
+    handles = []
+    for kind, names in groups.items():
+        typical = names[len(names) // 2]
+        shade, style = colour(typical), look(study.integrators[typical])
+        handles.append(matplotlib.lines.Line2D(
+            [], [], color=shade, linestyle="none" if style.keeps_spectrum else style.line, marker=style.marker,
+            markerfacecolor=shade if style.filled else "white", label=kind))
+    key_of(figure, handles)
+
+
+LEAST_SPECTRUM_ERROR = 1e-16
+
+
+def spectrum_point(point):
+    return point.costs.seconds, max(point.quality.spectrum_error, LEAST_SPECTRUM_ERROR)
+
+
+def spectrum_panel(axes, study, n):
+    logarithmic(axes)
+    labels, everything = [], []
+    for name, integrator in study.integrators.items():
+        if integrator.isospectral:
+            points = [spectrum_point(point) for point in study.line(name, n) if point.quality.usable]
+        else:
+            points = [spectrum_point(point) for point in study.above_floor(name, n)]
+        if not points:
+            continue
+        everything += points
+        if integrator.isospectral:
+            style = look(integrator)
+            axes.plot(*zip(*points), color=colour(name), linestyle="none", marker=style.marker, markersize=3.4,
+                      markerfacecolor=colour(name) if style.filled else "white", label=name, zorder=2)
+        else:
+            draw_line(axes, name, points, integrator)
+            labels.append(Label(name, points[len(points) // 3:], colour(name)))
+    set_panel(axes, f"n = {n}", SECONDS_LABEL, "error of the spectrum of W")
+    if everything:
+        spread(axes, everything)
+    errors = [max(point.quality.spectrum_error, LEAST_SPECTRUM_ERROR) for point in study.points if point.quality.usable]
+    axes.set_ylim(LEAST_SPECTRUM_ERROR / 2, max([*errors, 1e-12]) * 4)
+    mark_tolerance(axes, study)
+    place_labels(axes, labels)
+    note_failures(axes, study, n)
+
+
+def mark_tolerance(axes, study):
+    try:
+        tolerance = float(study.context["tolerance"])
+    except (KeyError, ValueError):
+        return
+    if tolerance > 0:
+        axes.axhline(tolerance, color=GREY, linewidth=0.9, zorder=1)
+        axes.annotate(f"solver tolerance {tolerance:.0e}", (1, tolerance),
+                      xycoords=("axes fraction", "data"), xytext=(-2, 3), textcoords="offset points", ha="right",
+                      fontsize=SMALL, color=NOTE_COLOUR, zorder=5)
+
+
+# ---- error against n
+
+
+@styled
+def error_against_n(study):
+    sizes = study.sizes()
+    figure, panels = new_figure(
+        f"Error at T = {study.time:g} against n, at the same step h = {TABLE_STEP:g}",
+        "In brackets: the error at the largest n drawn over the error at the smallest. The formulations of the Gauss"
+        " method with the same number of stages (cotangent, group, algebra) have the same error and share a line."
+        " Not drawn: runs that failed, and errors below the floor, which is"
+        f" {FLOOR_MARGIN} × the uncertainty of the reference solution at each n.",
+        1, 1, 6.6, notes=1, right=3.1)
+    style_key(figure, LOOKS)
+    axes = panels[0, 0]
+    logarithmic(axes)
+    labels = []
+    for group in relatives(study):
+        lines = {name: points_against_n(study, name) for name in group}
+        lines = {name: line for name, line in lines.items() if line}
+        for index, (name, line) in enumerate(lines.items()):
+            draw_line(axes, name, line, study.integrators[name], index == 0)
+        if lines:
+            longest = max(lines.values(), key=len)
+            labels.append(Label(joined_relatives(list(lines)) + growth(longest), longest[-1:], colour(group[0])))
+    set_panel(axes, "", "n", ERROR_LABEL.format(time=study.time))
+    axes.set_xlim(sizes[0] / 1.06, sizes[-1] * 1.06)
+    axes.xaxis.set_major_locator(FixedLocator(sizes))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.xaxis.set_major_formatter(lambda n, _: f"{n:.0f}")
+    floors = [FLOOR_MARGIN * study.references[n].uncertainty for n in sizes]
+    errors = [y for line in axes.lines for y in line.get_ydata()]
+    axes.set_ylim(min(floors) / 10, max([*floors, *errors]) * 4)
+    edges = [axes.get_xlim()[0], *sizes, axes.get_xlim()[1]]
+    values = [floors[0], *floors, floors[-1]]
+    axes.fill_between(edges, values, axes.get_ylim()[0], facecolor="0.93", edgecolor="0.78", hatch="////", linewidth=0,
+                      zorder=0)
+    axes.plot(edges, values, color=GREY, linewidth=0.8, zorder=1, label="_floor")
+    name_floor(axes, f"floor: {FLOOR_MARGIN} × the uncertainty of the reference solution")
+    column_of_labels(axes, labels)
+    note_missing(axes, study)
+    return figure
+
+
+def points_against_n(study, name):
+    found = []
+    for n in study.sizes():
+        point = study.at_step(name, n, TABLE_STEP)
+        if point is not None and point in study.above_floor(name, n):
+            found.append((n, point.quality.error))
+    return found
+
+
+def joined_relatives(names):
+    stages = gauss_stages(names[0])
+    if stages is None or len(names) == 1:
+        return ", ".join(names)
+    return f"{', '.join(name[:-len(str(stages))] for name in names)}, s = {stages}"
+
+
+def growth(line):
+    factor = line[-1][1] / line[0][1]
+    return f"  (×{factor:.2g})" if len(line) > 1 and factor < 99.5 else f"  (×{factor:.0f})" if len(line) > 1 else ""
+
+
+def column_of_labels(axes, labels):
+    """Writes labels in a column at the right, in the order of the lines' ends, pushed apart where they would touch."""
+    scale = axes.figure.dpi / 72
+    labels = sorted(labels, key=lambda label: label.points[-1][1])
+    height = 1.45 * (SMALL + 1) * scale
+    ends = [axes.transData.transform(label.points[-1]) for label in labels]
+    right = axes.transAxes.transform((1, 0))[0]
+    for label, end, y in zip(labels, ends, pushed_apart([end[1] for end in ends], height)):
+        axes.annotate(label.text, label.points[-1], xytext=((right - end[0]) / scale + 8, (y - end[1]) / scale),
+                      textcoords="offset points", va="center", fontsize=SMALL + 1, color=darker(label.shade),
+                      annotation_clip=False,
+                      arrowprops={"arrowstyle": "-", "color": darker(label.shade), "linewidth": 0.6, "shrinkA": 0,
+                                  "shrinkB": 3, "relpos": (0, 0.5)})
+
+
+def pushed_apart(wanted, least):
+    """Returns positions at least this far apart, in the same order, near the wanted ones (which are sorted)."""
+    blocks = []  # of [sum of wanted starts, number]; each block stands packed around its mean
+    for index, value in enumerate(wanted):
+        blocks.append([value - index * least, 1])
+        while len(blocks) > 1 and blocks[-2][0] / blocks[-2][1] > blocks[-1][0] / blocks[-1][1]:
+            total, number = blocks.pop()
+            blocks[-1][0] += total
+            blocks[-1][1] += number
+    starts = [total / number for total, number in blocks for _ in range(number)]
+    return [start + index * least for index, start in enumerate(starts)]
+
+
+def note_missing(axes, study):
+    """Names under the chart what has no point in it, and why."""
+    parts = []
+    for n in study.sizes():
+        points = {name: study.at_step(name, n, TABLE_STEP) for name in study.integrators}
+        failed = [name for name, point in points.items() if point is not None and not point.quality.usable]
+        if failed:
+            parts.append(f"Failed at n = {n}: {joined(failed)}.")
+    below = [name for name in study.integrators if not points_against_n(study, name)
+             and any(point.quality.usable for point in study.points if point.integrator == name)]
+    if below:
+        parts.append(f"Below the floor, or not run because shorter steps no longer helped: {joined(below)}.")
+    axes.annotate(textwrap.fill(" ".join(parts), 150), (0, 0), xycoords="axes fraction", xytext=(0, -36),
+                  textcoords="offset points", va="top", fontsize=SMALL, color=NOTE_COLOUR, annotation_clip=False)
+
+
+# ---- tolerance
+
+
+@styled
+def tolerance(study):
+    sizes = sorted({point.quality.n for point in study.tolerance_points})
+    stages = sorted({point.stages for point in study.tolerance_points})
+    largest = sizes[-1] if sizes else 0
+    figure, panels = new_figure(
+        "What the tolerance of the fixed-point iteration buys",
+        f"The run of Table 1 (h = {TABLE_STEP:g}, T = {study.time:g}) solved to different tolerances. Upper and middle"
+        f" rows at n = {largest}, the largest n of this study; times at every n. Solver error (dashed):"
+        " distance from the answer with the tightest tolerance that converged, at which it is 0 and not drawn. The"
+        " diagonal is where an error equals the tolerance. Runs that failed are not drawn.",
+        3, max(len(stages), 1), 3.0, row_gap=0.42, sharex=True)
+    formulation_key(figure)
+    if not stages:
+        for axes in panels.flat:
+            axes.set_visible(False)
+        return figure
+    for column, s in zip(panels.T, stages):
+        chosen = [point for point in study.tolerance_points if point.stages == s and point.quality.usable]
+        at_largest = [point for point in chosen if point.quality.n == largest]
+        errors, spectra, times = column
+        tolerance_lines(errors, at_largest, lambda point: point.quality.error, "error")
+        tolerance_lines(errors, at_largest, lambda point: point.solver_error, "solver error", "--")
+        tolerance_lines(spectra, at_largest, lambda point: point.quality.spectrum_error, "spectrum error")
+        for n in sizes:
+            tolerance_lines(times, [point for point in chosen if point.quality.n == n],
+                            lambda point: point.costs.seconds, f"n = {n}", sizes=dict.fromkeys(FORMULATIONS, 3.8))
+        set_panel(errors, f"s = {s}, order {2 * s}", "", ERROR_LABEL.format(time=study.time))
+        set_panel(spectra, "", "", "error of the spectrum")
+        set_panel(times, "", "tolerance (tighter to the right)", SECONDS_LABEL)
+    errors, spectra, times = panels
+    for row in panels:
+        share_limits(row)
+    tolerances = [point.tolerance for point in study.tolerance_points]
+    errors[0].set_xlim(max(tolerances) * 2, min(tolerances) / 2)
+    for axes in (*errors, *spectra):
+        axes.plot(axes.get_xlim(), axes.get_xlim(), color=GREY, linewidth=0.9, scalex=False, scaley=False, zorder=1,
+                  label="_diagonal")
+    for axes in errors:
+        place_labels(axes, [*name_family(axes, "error"), *name_family(axes, "solver error")])
+    for axes in times:
+        place_labels(axes, [label for n in sizes for label in name_family(axes, f"n = {n}")])
+    return figure
+
+
+def tolerance_lines(axes, points, value, what, line="-", sizes=FORMULATION_SIZES):
+    """Draws a quantity of each formulation against the tolerance; what has the value 0 has no place on the axis."""
+    logarithmic(axes)
+    axes.xaxis.set_major_locator(LogLocator(numticks=7))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.tick_params(labelbottom=True)
+    for formulation in FORMULATIONS:
+        line_points = [(point.tolerance, value(point)) for point in points
+                       if point.formulation == formulation and value(point) > 0]
+        if line_points:
+            axes.plot(*zip(*line_points), color=FORMULATION_COLOURS[formulation], linestyle=line, linewidth=1.3,
+                      marker=FORMULATION_MARKERS[formulation], markerfacecolor="white",
+                      markersize=sizes[formulation], label=f"{formulation}: {what}", zorder=3)
+
+
+def name_family(axes, what):
+    """Returns one label for the lines of a quantity, on the topmost of them."""
+    lines = [line for line in axes.lines if line.get_label().endswith(f": {what}")]
+    if not lines:
+        return []
+    top = max(lines, key=lambda line: statistics.fmean(map(math.log, line.get_ydata())))
+    points = list(zip(*top.get_data()))
+    return [Label(what, points[len(points) // 3:], "black")]
+
+
+def share_limits(row):
+    """Gives the panels of a row the same vertical limits."""
+    drawn = [axes.dataLim for axes in row if axes.lines]
+    if drawn:
+        low, high = min(each.minposy for each in drawn), max(each.y1 for each in drawn)
+        for axes in row:
+            axes.set_ylim(low / 2, high * 2.5)
+
+
+def formulation_key(figure):
+    handles = [matplotlib.lines.Line2D([], [], color=FORMULATION_COLOURS[each], marker=FORMULATION_MARKERS[each],
+                                       markerfacecolor="white", label=each) for each in FORMULATIONS]
+    key_of(figure, handles)
+
+
+# ---- Table 1 with its accuracy
+
+
+@styled
+def table1_accuracy(run):
+    """Returns the chart of a run of Table 1, or None where no cell says how large its error is."""
+    cells = {key: cell for key, cell in run.measurements.items()
+             if cell.failure is None and "relative_error" in cell.counters and cell.counters["relative_error"] > 0}
+    if not cells:
+        return None
+    failed = sorted(key for key, cell in run.measurements.items() if cell.failure is not None)
+    figure, panels = new_figure(
+        "Table 1 with its accuracy: what the time of each cell buys",
+        "The run of Table 1 (T = 5, h = 0.1). Each point is one cell: a formulation of the Gauss method with s stages"
+        " at one n. Thin lines join the stages of one formulation at one n, dotted lines the formulations at one n and"
+        " s: they have the same error. Bars, where longer than the markers, span the quartiles of the repetitions. "
+        + uncertainty_in_words(cells) + failures_in_words(failed),
+        1, 1, 6.8)
+    formulation_key(figure)
+    axes = panels[0, 0]
+    logarithmic(axes)
+    for formulation, n in sorted({(key.formulation, key.n) for key in cells}):
+        table_line(axes, formulation, n, sorted((key.stages, cell) for key, cell in cells.items()
+                                                if (key.formulation, key.n) == (formulation, n)))
+    set_panel(axes, "", SECONDS_LABEL, ERROR_LABEL.format(time=5))
+    times = [statistics.median(cell.times) for cell in cells.values()]
+    errors = [cell.counters["relative_error"] for cell in cells.values()]
+    axes.set_xlim(min(times) / 2, max(times) * 2)
+    axes.set_ylim(min(errors) / 8, max(errors) * 8)
+    clusters = sorted({(key.n, key.stages) for key in cells})
+    for cluster in clusters:
+        here = sorted((statistics.median(cell.times), cell.counters["relative_error"])
+                      for key, cell in cells.items() if (key.n, key.stages) == cluster)
+        axes.plot(*zip(*here), color=GREY, linewidth=1, linestyle=":", zorder=2, label="_same n and s")
+    place_labels(axes, [cluster_label(cells, n, s) for n, s in clusters], clear=5)
+    return figure
+
+
+def failures_in_words(failed):
+    names = [f"{key.formulation} at n = {key.n}, s = {key.stages}" for key in failed]
+    return f"Failed: {'; '.join(names)}." if names else "No cell failed."
+
+
+def uncertainty_in_words(cells):
+    known = [cell.counters["reference_uncertainty"] for cell in cells.values()
+             if "reference_uncertainty" in cell.counters]
+    return f"The reference solutions are uncertain by {max(known):.1e} at most. " if known else ""
+
+
+def table_line(axes, formulation, n, stages_and_cells):
+    times = [statistics.median(cell.times) for _, cell in stages_and_cells]
+    errors = [cell.counters["relative_error"] for _, cell in stages_and_cells]
+    shade = FORMULATION_COLOURS.get(formulation, OTHER_COLOUR)
+    axes.plot(times, errors, color=shade, linewidth=0.7, marker=FORMULATION_MARKERS.get(formulation, "D"),
+              markersize=7, markerfacecolor="white", markeredgewidth=1.5, label=f"{formulation}, n = {n}", zorder=4)
+    for (_, cell), error in zip(stages_and_cells, errors):
+        if len(cell.times) > 1:
+            low, _, high = statistics.quantiles(cell.times, n=4, method="inclusive")
+            axes.plot([low, high], [error, error], color=shade, linewidth=1.2, zorder=3, label="_quartiles")
+
+
+def cluster_label(cells, n, stages):
+    """Returns the label of the formulations at one n and s, at the slowest of them."""
+    here = {key: cell for key, cell in cells.items() if (key.n, key.stages) == (n, stages)}
+    slowest = max(here.values(), key=lambda cell: statistics.median(cell.times))
+    return Label(f"n = {n}, s = {stages}",
+                 [(statistics.median(slowest.times), slowest.counters["relative_error"])], "black")

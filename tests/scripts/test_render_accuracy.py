@@ -1,0 +1,358 @@
+"""Tests of scripts/render_accuracy on a made-up study: by running it as a user does, and by what its charts draw.
+
+The charts need matplotlib, which these tests need not have: they ask the Python that the script itself would take.
+"""
+
+import copy
+import json
+import os
+import struct
+import sys
+import unittest
+import xml.etree.ElementTree
+
+import programs
+from programs import FolderTest, environment, run, snapshot
+from study_documents import UNCERTAINTY, study_document, write_study
+
+SCRIPT = os.path.join(programs.ROOT, "scripts", "render_accuracy")
+LIBRARY = os.path.join(programs.ROOT, "scripts", "lib")
+sys.dont_write_bytecode = True
+sys.path.insert(0, LIBRARY)
+import chart_python  # noqa: E402
+
+CHARTS = ("error_against_time", "error_against_products", "spectrum_error_against_time", "error_against_n", "tolerance")
+FILES = {"report.md", "report.txt", *(f"{chart}.{kind}" for chart in CHARTS for kind in ("svg", "png"))}
+TABLE1_CHART = "table1_accuracy"
+FLOOR = 10 * UNCERTAINTY
+
+# Prints what each panel of a chart draws: {title: {label of a line: points}}, and all its texts.
+DESCRIBE = """
+import json, sys
+sys.path.insert(0, sys.argv[1])
+import charts
+from work_precision import read_study
+from benchmark_json import read_run
+if sys.argv[2] == "table1_accuracy":
+    counters = ("relative_error", "reference_uncertainty")
+    figure = charts.table1_accuracy(read_run(sys.argv[3], "table1", (), optional=counters))
+else:
+    figure = getattr(charts, sys.argv[2])(read_study(sys.argv[3]))
+panels = [axes for axes in figure.axes if axes.get_visible()]
+print(json.dumps({
+    "lines": {axes.get_title(loc="left"): {line.get_label(): [list(map(float, point)) for point in line.get_xydata()]
+                                           for line in axes.lines if not line.get_label().startswith("_")}
+              for axes in panels},
+    "texts": [text.get_text() for axes in panels for text in axes.texts] + [text.get_text() for text in figure.texts],
+}))
+"""
+
+
+PLAIN = {}
+
+
+class AccuracyTest(FolderTest):
+    def setUp(self):
+        super().setUp()
+        self.settings = environment(MPLCONFIGDIR=self.path("matplotlib"), PYTHONDONTWRITEBYTECODE="1")
+
+    def render(self, *arguments, **changes):
+        return run([sys.executable, SCRIPT, *arguments], timeout=300, env={**self.settings, **changes})
+
+    def assert_renders(self, *arguments):
+        result = self.render(*arguments)
+        self.assertEqual((result.returncode, result.stdout), (0, ""), result.stderr)
+        return result
+
+    def raw(self, change=lambda document: None, name="raw.json"):
+        document = study_document()
+        change(document)
+        return write_study(self.folder, document, name)
+
+    def drawn(self, chart, raw):
+        python = chart_python.find()
+        self.assertIsNotNone(python, chart_python.complaint())
+        found = run([python, "-c", DESCRIBE, LIBRARY, chart, raw], timeout=300, env=self.settings)
+        self.assertEqual(found.returncode, 0, found.stderr)
+        return json.loads(found.stdout)
+
+    def plain(self):
+        """Returns the files of the plain study, rendered once for all tests: drawing takes seconds."""
+        if not PLAIN:
+            self.assert_renders(self.raw(), "--out", self.path("plain"))
+            PLAIN.update(snapshot(self.path("plain")))
+        return PLAIN
+
+    def lines(self, chart, raw, title):
+        return self.drawn(chart, raw)["lines"][title]
+
+
+class Files(AccuracyTest):
+    def test_every_chart_is_a_whole_svg_and_png(self):
+        files = self.plain()
+        self.assertEqual(set(files), FILES)
+        for chart in CHARTS:
+            root = xml.etree.ElementTree.fromstring(files[f"{chart}.svg"])
+            self.assertEqual(root.tag, "{http://www.w3.org/2000/svg}svg")
+            png = files[f"{chart}.png"]
+            self.assertEqual(png[:8], b"\x89PNG\r\n\x1a\n")
+            width, height = struct.unpack(">II", png[16:24])
+            self.assertEqual(width, 1600, chart)
+            self.assertGreater(height, 600, chart)
+            self.assertEqual(png[-8:-4], b"IEND", chart)
+
+    def test_the_same_raw_file_gives_the_same_bytes_whatever_the_user_s_own_settings(self):
+        self.write("matplotlib/matplotlibrc", "lines.linewidth: 9\nfont.size: 30\naxes.facecolor: red\n")
+        self.assert_renders(self.raw(), "--out", self.path("new", "charts"))
+        self.assertEqual(snapshot(self.path("new", "charts")), self.plain())
+
+    def test_files_name_no_date_and_no_program(self):
+        for name, contents in self.plain().items():
+            for word in (b"<dc:date", b"Software", b"Matplotlib v", self.folder.encode()):
+                self.assertNotIn(word, contents, name)
+
+    def test_other_measurements_give_other_charts(self):
+        def slower_and_worse(document):
+            for point in document["points"] + document["tolerance_points"]:
+                for field in ("error", "spectrum_error"):
+                    point[field] = point[field] and 3 * point[field]
+                point["cpu_seconds"] = [2.5 * time for time in point["cpu_seconds"]]
+                point["products"] *= 2
+        self.assert_renders(self.raw(slower_and_worse), "--out", self.path("second"))
+        second = snapshot(self.path("second"))
+        self.assertEqual(set(self.plain()), set(second))
+        for name, contents in self.plain().items():
+            self.assertNotEqual(contents, second[name], name)
+
+
+class WhatIsDrawn(AccuracyTest):
+    def test_points_are_cost_and_error(self):
+        point = next(each for each in study_document()["points"]
+                     if (each["integrator"], each["n"], each["steps"]) == ("group2", 17, 50))
+        raw = self.raw()
+        by_time = self.lines("error_against_time", raw, "n = 17")["group2"]
+        by_products = self.lines("error_against_products", raw, "n = 17")["group2"]
+        self.assertIn([sorted(point["cpu_seconds"])[1], point["error"]], by_time)
+        self.assertIn([point["products"], point["error"]], by_products)
+
+    def test_lines_end_above_the_floor(self):
+        for chart in ("error_against_time", "error_against_products"):
+            for n, lines in self.drawn(chart, self.raw())["lines"].items():
+                self.assertEqual(set(lines), {"cotangent1", "group1", "group2", "rkmk4", "rk4"}, n)
+                for name, points in lines.items():
+                    self.assertGreaterEqual(min(error for _, error in points), FLOOR, (chart, n, name))
+
+    def test_a_point_below_the_floor_is_dropped_and_one_above_drawn(self):
+        def with_error(error):
+            def change(document):
+                for point in document["points"]:
+                    if (point["integrator"], point["steps"]) == ("rkmk4", 200):
+                        point["error"] = error
+            return self.lines("error_against_time", self.raw(change), "n = 33")["rkmk4"]
+        self.assertEqual(len(with_error(0.9 * FLOOR)), 5)
+        above = with_error(1.1 * FLOOR)
+        self.assertEqual(len(above), 6)
+        self.assertAlmostEqual(above[-1][1] / FLOOR, 1.1)
+
+    def test_a_failed_run_is_named_and_not_drawn(self):
+        found = self.drawn("error_against_time", self.raw())
+        self.assertEqual(len(found["lines"]["n = 17"]["group1"]), 5)
+        self.assertEqual(len(found["lines"]["n = 17"]["cotangent1"]), 6)
+        self.assertEqual(found["texts"].count("No usable result: group1 with h = 1."), 2)
+
+    def test_a_repaired_run_is_drawn_and_not_named(self):
+        def repair(document):
+            for point in document["points"]:
+                if point["status"] != "converged":
+                    donor = next(each for each in document["points"] if each["integrator"] == "cotangent1"
+                                 and (each["n"], each["steps"]) == (point["n"], point["steps"]))
+                    point.update({**copy.deepcopy(donor), "integrator": "group1"})
+        found = self.drawn("error_against_time", self.raw(repair))
+        self.assertEqual(len(found["lines"]["n = 17"]["group1"]), 6)
+        self.assertIn("Every run came to a usable end.", found["texts"])
+
+    def test_a_study_where_an_integrator_never_works_is_drawn_without_it(self):
+        def fail(document):
+            for point in document["points"]:
+                if point["integrator"] == "rk4":
+                    point.update(status="unstable", error=None, cpu_seconds=[])
+        raw = self.raw(fail)
+        found = self.drawn("error_against_time", raw)
+        self.assertNotIn("rk4", found["lines"]["n = 33"])
+        self.assertTrue(any("rk4 with any h" in text for text in found["texts"]))
+        self.assertTrue(any("Failed at n = 17: rk4." in text for text in self.drawn("error_against_n", raw)["texts"]))
+
+    def test_the_cheapest_formulation_carries_the_label(self):
+        texts = self.drawn("error_against_time", self.raw())["texts"]
+        self.assertIn("group1", texts)
+        self.assertNotIn("cotangent1", texts)
+
+        def swap(document):
+            for point in document["points"]:
+                if point["integrator"] == "cotangent1":
+                    point["cpu_seconds"] = [time / 10 for time in point["cpu_seconds"]]
+        texts = self.drawn("error_against_time", self.raw(swap))["texts"]
+        self.assertIn("cotangent1", texts)
+        self.assertNotIn("group1", texts)
+
+    def test_spectrum_chart_shows_kept_spectra_too(self):
+        lines = self.lines("spectrum_error_against_time", self.raw(), "n = 17")
+        self.assertEqual({error for _, error in lines["group2"]}, {1e-15})
+        self.assertGreater(max(error for _, error in lines["rk4"]), 1e-3)
+
+    def test_an_error_of_exactly_zero_does_not_break_the_spectrum_chart(self):
+        def exact(document):
+            for point in document["points"]:
+                if point["integrator"] == "rkmk4":
+                    point["spectrum_error"] = 0.0
+        lines = self.lines("spectrum_error_against_time", self.raw(exact), "n = 17")
+        self.assertEqual({error for _, error in lines["rkmk4"]}, {1e-16})
+
+    def test_error_against_n_is_at_the_step_of_table_1(self):
+        lines = self.lines("error_against_n", self.raw(), "")
+        self.assertEqual([n for n, _ in lines["group2"]], [17, 33])
+        for _, error in lines["group2"]:
+            self.assertAlmostEqual(error, 0.1 * 0.1**4)
+
+    def test_tolerance_chart_has_error_solver_error_and_time(self):
+        drawn = self.drawn("tolerance", self.raw())
+        self.assertIn("s = 1, order 2", drawn["lines"])
+        self.assertEqual(set(drawn["lines"]["s = 2, order 4"]), {"group: error", "group: solver error"})
+        points = drawn["lines"]["s = 2, order 4"]["group: solver error"]
+        for tolerance, error in points:
+            self.assertAlmostEqual(error / tolerance, 0.1)
+        self.assertIn("n = 33", drawn["texts"])
+
+    def test_a_study_without_tolerances_is_drawn(self):
+        raw = self.raw(lambda document: document["tolerance_points"].clear())
+        self.assertEqual(self.drawn("tolerance", raw)["lines"], {})
+
+
+class Table1(AccuracyTest):
+    def table1(self, counters, drop=()):
+        rows = []
+        for index, formulation in enumerate(("cotangent", "group", "algebra")):
+            for n in (17, 33):
+                for s in (1, 2, 3):
+                    for repetition in range(3):
+                        rows.append({"name": f"table1/{formulation}/n:{n}/s:{s}",
+                                     "run_name": f"table1/{formulation}/n:{n}/s:{s}", "run_type": "iteration",
+                                     "repetition_index": repetition, "time_unit": "ms",
+                                     "cpu_time": n * s * (1 + 0.3 * index + 0.01 * repetition), **counters(s)})
+        for row in rows:
+            if row["run_name"] in drop:
+                row.update(error_occurred=True, error_message="diverged at step 3")
+        return self.write("table1.json", json.dumps({"context": {"isosyrk_program": "table1", "isosyrk_format": "1"},
+                                                     "benchmarks": rows}))
+
+    def test_every_cell_is_drawn_at_its_time_and_error(self):
+        raw = self.table1(lambda s: {"relative_error": 10.0**(-3 * s), "reference_uncertainty": 1.5e-14})
+        found = self.drawn(TABLE1_CHART, raw)
+        self.assertEqual(set(found["lines"][""]),
+                         {f"{each}, n = {n}" for each in ("cotangent", "group", "algebra") for n in (17, 33)})
+        for (time, error), s in zip(found["lines"][""]["cotangent, n = 33"], (1, 2, 3)):
+            self.assertAlmostEqual(time, 33 * s * 1.01e-3)
+            self.assertAlmostEqual(error / 10.0**(-3 * s), 1)
+        self.assertIn("n = 33, s = 3", found["texts"])
+        self.assertTrue(any("uncertain by 1.5e-14 at most. No cell failed." in " ".join(text.split())
+                            for text in found["texts"]))
+
+    def test_a_failed_cell_is_named_and_not_drawn(self):
+        raw = self.table1(lambda s: {"relative_error": 10.0**(-3 * s)}, drop=("table1/group/n:33/s:2",))
+        found = self.drawn(TABLE1_CHART, raw)
+        self.assertEqual(len(found["lines"][""]["group, n = 33"]), 2)
+        self.assertTrue(any("Failed: group at n = 33, s = 2." in " ".join(text.split()) for text in found["texts"]))
+
+    def test_is_written_beside_the_others(self):
+        raw = self.table1(lambda s: {"relative_error": 10.0**(-3 * s)})
+        self.assertEqual(self.assert_renders(self.raw(), "--out", self.path("charts"), "--table1", raw).stderr, "")
+        self.assertEqual(len(snapshot(self.path("charts"))), 2 * len(CHARTS) + 2)
+
+    def test_without_errors_is_left_out_and_said_so(self):
+        raw = self.table1(lambda s: {})
+        result = self.assert_renders(self.raw(), "--out", self.path("charts"), "--table1", raw)
+        self.assert_one_line(result.stderr, raw, "relative_error", TABLE1_CHART)
+        self.assertEqual(len(snapshot(self.path("charts"))), 2 * len(CHARTS))
+
+    def test_a_raw_file_of_something_else_is_refused(self):
+        self.assert_refused(self.render(self.raw(), "--out", self.path("charts"), "--table1", self.raw()), "raw.json")
+        self.assertFalse(os.path.exists(self.path("charts")))
+
+
+class Refusals(AccuracyTest):
+    def assert_nothing_written(self, raw, *parts):
+        os.mkdir(self.path("charts"))
+        self.assert_refused(self.render(raw, "--out", self.path("charts")), *parts)
+        self.assertEqual(os.listdir(self.path("charts")), [])
+
+    def test_missing_raw_file(self):
+        self.assert_nothing_written(self.path("none.json"), "none.json", "cannot be read")
+
+    def test_cut_raw_file(self):
+        with open(self.raw(), encoding="utf-8") as file:
+            text = file.read()
+        self.assert_nothing_written(self.write("cut.json", text[:len(text) // 2]), "cut.json", "is not whole JSON")
+
+    def test_raw_file_of_another_program(self):
+        self.assert_nothing_written(self.write("other.json", '{"context": {}, "benchmarks": []}'), "other.json",
+                                    "was not written by work_precision")
+
+    def test_raw_file_with_an_impossible_value(self):
+        self.assert_nothing_written(self.raw(lambda document: document["points"][0].update(error=-1.0)), "error")
+
+    def test_out_is_a_file(self):
+        self.assert_refused(self.render(self.raw(), "--out", self.write("taken", "kept")), "taken", "cannot be written")
+        with open(self.path("taken"), encoding="utf-8") as file:
+            self.assertEqual(file.read(), "kept")
+
+    def test_out_is_below_a_file(self):
+        self.write("taken", "")
+        self.assert_refused(self.render(self.raw(), "--out", self.path("taken", "charts")), "cannot be written")
+
+    def test_out_may_not_be_written(self):
+        folder = "/proc/isosyrk-charts" if os.geteuid() == 0 else self.path("closed")
+        if os.geteuid() != 0:
+            os.mkdir(folder, 0o500)
+        self.assert_refused(self.render(self.raw(), "--out", folder), "cannot be written")
+
+    def test_missing_and_unknown_arguments(self):
+        self.assert_refused(self.render(self.raw()), "--out")
+        self.assert_refused(self.render(self.raw(), "--out", self.path("charts"), "--colour"), "--colour")
+
+
+class Python(AccuracyTest):
+    """Which Python draws. A module that fails stands in for a Python without matplotlib."""
+
+    def without(self):
+        self.write("broken/matplotlib.py", "raise ImportError('not here')\n")
+        return self.path("broken")
+
+    def test_no_matplotlib_anywhere_is_one_line(self):
+        result = self.render(self.raw(), "--out", self.path("charts"), PYTHONPATH=self.without(),
+                             ISOSYRK_PYTHON=sys.executable, PATH=self.path("empty"))
+        self.assert_refused(result, "no Python with matplotlib found", sys.executable, "/usr/bin/python3",
+                            "install python3-matplotlib")
+        self.assertFalse(os.path.exists(self.path("charts")))
+
+    def test_the_chosen_python_is_taken_where_this_one_has_none(self):
+        python = chart_python.find()
+        self.assertIsNotNone(python, chart_python.complaint())
+        chosen = self.write("bin/chosen", f'#!/bin/sh\necho chosen >> {self.path("calls")}\nunset PYTHONPATH\n'
+                                          f'exec {python} "$@"\n', executable=True)
+        result = self.render(self.raw(), "--out", self.path("charts"), PYTHONPATH=self.without(),
+                             ISOSYRK_PYTHON=chosen)
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        self.assertTrue(os.path.exists(self.path("calls")))
+        self.assertEqual(set(os.listdir(self.path("charts"))), FILES)
+
+    def test_a_chosen_python_that_does_not_exist_is_passed_over(self):
+        result = self.render(self.raw(), "--out", self.path("charts"), ISOSYRK_PYTHON=self.path("none"))
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+
+    def test_help_needs_no_matplotlib(self):
+        result = self.render("--help", PYTHONPATH=self.without(), PATH=self.path("empty"))
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+
+
+if __name__ == "__main__":
+    unittest.main()
