@@ -21,10 +21,9 @@ FLOOR_MARGIN = 10
 # ... or where, below NEAR_ROUNDING, the next step size does not lower it to this share.
 NEAR_ROUNDING = 1e-8
 STILL_FALLING = 0.8
-# Points that an observed order is fitted on, at most: those of the smallest steps above the floor. Fewer than
-# three do not tell an order.
-ORDER_POINTS = 5
-FEWEST_ORDER_POINTS = 3
+# Points that an observed order is fitted on, those of the smallest steps above the floor: an order is what errors tend
+# to. Fewer do not tell one.
+ORDER_POINTS = 3
 
 
 @dataclass(frozen=True)
@@ -104,14 +103,6 @@ class TolerancePoint:
 
 
 @dataclass(frozen=True)
-class Order:
-    """An order fitted on some points of a line."""
-
-    slope: float
-    points: int
-
-
-@dataclass(frozen=True)
 class Study:
     context: Dict[str, str]
     time: float
@@ -146,11 +137,11 @@ class Study:
     def observed_order(self, integrator, n):
         """Fits the slope of log error over log step on the last points above the floor; None for too few."""
         points = self.above_floor(integrator, n)[-ORDER_POINTS:]
-        if len(points) < FEWEST_ORDER_POINTS:
+        if len(points) < ORDER_POINTS:
             return None
         slope, _ = statistics.linear_regression([math.log(point.quality.step) for point in points],
                                                 [math.log(point.quality.error) for point in points])
-        return Order(slope, len(points))
+        return slope
 
     def at_step(self, integrator, n, step):
         """Returns the point of this step size, or None."""

@@ -443,6 +443,15 @@ class EndToEnd(CopyTest):
                                  f"reference_solutions --out {references} --n {sizes}")
                 self.assertIn(f"--references {references}", self.calls("table1")[-1])
 
+    def test_a_table_1_beside_the_study_is_drawn_with_its_accuracy(self):
+        raw = raw_file()
+        for row in raw["benchmarks"]:
+            row.update(relative_error=1e-3, reference_uncertainty=1e-14)
+        self.use_raw_file(raw)
+        self.reproduce("all")
+        self.assertEqual(set(os.listdir(self.path("out", "accuracy"))) - ACCURACY_RESULTS,
+                         {"table1_accuracy.svg", "table1_accuracy.png"})
+
     def test_accuracy_measures_the_sizes_and_ends_with_its_report(self):
         done = self.reproduce("accuracy", "--quick")
         self.assertIn("--n 17 33", self.calls("work_precision")[-1])

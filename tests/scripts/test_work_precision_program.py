@@ -91,7 +91,7 @@ class MeasuredStudy(unittest.TestCase):
             with self.subTest(integrator=name):
                 order = self.study.observed_order(name, 17)
                 self.assertIsNotNone(order)
-                self.assertAlmostEqual(order.slope, integrator.order, delta=0.25)
+                self.assertAlmostEqual(order, integrator.order, delta=0.25)
 
     def test_properties_are_those_of_the_methods(self):
         for name, kept in (("group2", (True, True)), ("rkmk4", (True, False)), ("rk4", (False, False))):
