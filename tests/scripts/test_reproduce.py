@@ -18,7 +18,7 @@ import unittest
 
 from programs import (BAD_ARGUMENTS, DONE, FORMULATIONS, ROOT, SOLVER_FAILED, FolderTest, end, environment, run,
                       snapshot, start)
-from study_documents import write_study
+from study_documents import study_document, write_study
 
 HOST_NAME = "a-host-to-keep-private"
 RESULTS = {"raw.json", "context.json", "table.txt", "table.md", "table.tex"}
@@ -130,6 +130,15 @@ def raw_file(failed=False):
     return {"context": context, "benchmarks": rows}
 
 
+def small_study():
+    """Returns a study of one n, which is drawn in a second or two."""
+    study = study_document()
+    study["references"] = study["references"][:1]
+    for kind in ("points", "tolerance_points"):
+        study[kind] = [point for point in study[kind] if point["n"] == 17]
+    return study
+
+
 class CopyTest(FolderTest):
     def setUp(self):
         super().setUp()
@@ -144,7 +153,7 @@ class CopyTest(FolderTest):
         os.mkdir(self.path("tmp"))
         self.calls_path = self.write("calls", "")
         self.use_raw_file(raw_file())
-        self.study_path = write_study(self.folder, name="study.json")
+        self.study_path = write_study(self.folder, small_study(), name="study.json")
         self.out = self.path("out")
 
     def use_raw_file(self, raw):
