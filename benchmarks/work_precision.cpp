@@ -45,6 +45,10 @@ double long_enough(Index n) {
 
 constexpr long table1_step_count = 50;
 
+// The tolerance study: Table 1's cells.  Not beyond n = 65, where it would take as long as all
+// else.
+constexpr Index largest_tolerance_size = 65;
+
 struct Setting {
   Scene scene;
   Reference reference;
