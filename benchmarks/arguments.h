@@ -55,7 +55,8 @@ int guarded(const char* program, Body&& body) {
   try {
     return body();
   } catch (const std::bad_alloc&) {
-    print_error(program, "not enough memory for matrices of this size; n or stages must be smaller");
+    print_error(program,
+                "not enough memory for matrices of this size; n or stages must be smaller");
     return exit_bad_arguments;
   } catch (const std::exception& error) {
     print_error(program, error.what());

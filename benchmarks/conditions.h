@@ -27,4 +27,7 @@ Conditions solver_conditions(const SolverOptions& options, HbarConvention conven
 /// inherited OPENBLAS_CORETYPE, an unoptimised build), or empty.
 std::string notice();
 
+/// Prints the notice, if there is one, on one line of stderr.
+void print_notice(const std::string& program);
+
 }  // namespace isosyrk

@@ -9,6 +9,7 @@
 
 #include "benchmarks/arguments.h"
 #include "benchmarks/benchmark_program.h"
+#include "benchmarks/progress.h"
 #include "benchmarks/reference.h"
 #include "core/conservation.h"
 #include "core/gauss_tableau.h"
@@ -57,41 +58,37 @@ Quality measure_quality(const Scene& scene, Integrator& integrator,
   return quality;
 }
 
-// Lines of progress on stderr, since Google Benchmark prints nothing until the end when
-// repetitions are interleaved.
-class Progress {
+// Progress over interleaved repetitions, during which Google Benchmark prints nothing.
+class CellProgress {
  public:
-  Progress(std::size_t cells, long repetitions)
-      : cells_(cells), repetitions_(repetitions), start_(Clock::now()) {}
+  CellProgress(std::size_t cells, long repetitions) : cells_(cells), repetitions_(repetitions) {}
 
   void finished(const std::string& cell, double cpu_seconds_per_run, double wall_seconds) {
     Seen& seen = seen_[cell];
     ++seen.calls;
     seen.wall_seconds = wall_seconds;
-    const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
-    std::string left = "";
-    if (seen_.size() == cells_) {
-      double seconds = 0.0;
-      for (const auto& [name, each] : seen_) {
-        seconds += static_cast<double>(std::max(0L, repetitions_ - each.calls)) * each.wall_seconds;
-      }
-      left = fmt::format(", about {:.0f} s left", seconds);
-    }
-    std::fputs(
-        fmt::format("[{:4.0f} s{}] {}  {:.4g} s a run\n", elapsed, left, cell, cpu_seconds_per_run)
-            .c_str(),
-        stderr);
+    progress_.say(fmt::format("{}  {:.4g} s a run", cell, cpu_seconds_per_run), time_left());
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
   struct Seen {
     long calls = 0;
     double wall_seconds = 0.0;
   };
+
+  // Known once every cell was run.
+  std::string time_left() const {
+    if (seen_.size() < cells_) return "";
+    double seconds = 0.0;
+    for (const auto& [name, each] : seen_) {
+      seconds += static_cast<double>(std::max(0L, repetitions_ - each.calls)) * each.wall_seconds;
+    }
+    return fmt::format("about {:.0f} s left", seconds);
+  }
+
   std::size_t cells_;
   long repetitions_;
-  Clock::time_point start_;
+  Progress progress_;
   std::map<std::string, Seen> seen_;
 };
 
@@ -99,7 +96,7 @@ class Progress {
 class Table1 : public benchmark::Fixture {
  public:
   Table1(Formulation formulation, Index n, int s, const SolverOptions& options,
-         ProductBackend backend, const std::optional<Reference>* reference, Progress* progress)
+         ProductBackend backend, const std::optional<Reference>* reference, CellProgress* progress)
       : name_(cell_name(formulation, n, s)),
         formulation_(formulation),
         n_(n),
@@ -173,7 +170,7 @@ class Table1 : public benchmark::Fixture {
   SolverOptions options_;
   ProductBackend backend_;
   const std::optional<Reference>& reference_;
-  Progress* progress_;
+  CellProgress* progress_;
   Scene scene_;
   std::unique_ptr<Integrator> integrator_;
   Quality quality_;
@@ -203,7 +200,7 @@ int main_program(int argc, char** argv) {
     for (std::string& name : cell_names(n)) names.push_back(std::move(name));
   }
   const BenchmarkArguments arguments(app.remaining(), names);
-  Progress progress(names.size(), arguments.repetitions());
+  CellProgress progress(names.size(), arguments.repetitions());
 
   std::vector<BackendRates> rates;
   std::map<Index, std::optional<Reference>> reference;  // of each n that the filter leaves in
@@ -224,9 +221,7 @@ int main_program(int argc, char** argv) {
   for (const auto& condition : solver_conditions(options, HbarConvention::paper, default_modes())) {
     conditions.push_back(condition);
   }
-  if (const std::string remark = notice(); !remark.empty()) {
-    std::fputs(fmt::format("table1: note: {}\n", remark).c_str(), stderr);
-  }
+  print_notice("table1");
   return run_benchmarks(argv[0], arguments, conditions);
 }
 

@@ -15,6 +15,7 @@
 #include "benchmarks/arguments.h"
 #include "benchmarks/conditions.h"
 #include "benchmarks/output_file.h"
+#include "benchmarks/progress.h"
 #include "benchmarks/reference.h"
 #include "benchmarks/timed_run.h"
 #include "core/conservation.h"
@@ -67,6 +68,8 @@ struct Point {
   Matrix W{};
   double error = std::nan("");
   Conservation kept{};
+  std::array<double, 4> casimir_errors{};
+  double angular_momentum_error = 0.0;
   double seconds_at_first = 0.0;
   std::vector<double> cpu_seconds{};
 
@@ -91,15 +94,13 @@ Point look(const Setting& setting, Integrator& integrator, long steps) {
   point.seconds_at_first = timed.seconds;
   point.status = name(timed.run.status);
   if (!timed.run.converged()) return point;
-  if (!point.W.allFinite()) {
-    point.status = "unstable";
-    return point;
-  }
   point.kept = watch.report(point.W);
   if (point.kept.spectrum_error > lost) {
     point.status = "unstable";
     return point;
   }
+  point.casimir_errors = casimir_errors(point.W, setting.scene.initial);
+  point.angular_momentum_error = angular_momentum_error(point.W, setting.scene.initial);
   point.error = relative_error(point.W, setting.reference.W);
   if (timed.seconds >= long_run) point.cpu_seconds.push_back(timed.seconds);
   return point;
@@ -118,20 +119,6 @@ void time_once(Point& point) {
   }
   point.cpu_seconds.push_back(seconds / runs);
 }
-
-class Progress {
- public:
-  void say(const std::string& what, double seconds_left) const {
-    const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
-    std::fputs(
-        fmt::format("[{:4.0f} s, at most {:.0f} s left] {}\n", elapsed, seconds_left, what).c_str(),
-        stderr);
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point start_ = Clock::now();
-};
 
 struct Line {
   const IntegratorEntry* entry;
@@ -196,9 +183,9 @@ Json quality_as_json(const Point& point) {
   const bool usable = point.usable();
   json["error"] = point.error;
   json["spectrum_error"] = usable ? point.kept.spectrum_error : none;
-  json["casimir_errors"] = usable ? Json(point.kept.casimir_errors) : Json(nullptr);
+  json["casimir_errors"] = usable ? Json(point.casimir_errors) : Json(nullptr);
   json["energy_error"] = usable ? point.kept.energy_error : none;
-  json["angular_momentum_error"] = usable ? point.kept.angular_momentum_error : none;
+  json["angular_momentum_error"] = usable ? point.angular_momentum_error : none;
   json["skew_defect"] = usable ? point.kept.skew_defect : none;
   return json;
 }
@@ -405,7 +392,9 @@ class Study {
     return seconds;
   }
 
-  void say(const std::string& what) const { progress_.say(what, seconds_left()); }
+  void say(const std::string& what) const {
+    progress_.say(what, fmt::format("about {:.0f} s left", seconds_left()));
+  }
 
   const Request& request_;
   std::vector<BackendRates> rates_;
@@ -432,9 +421,7 @@ int main_program(int argc, char** argv) {
   if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
   use_one_blas_thread();
   const Request request = parse(text);
-  if (const std::string remark = notice(); !remark.empty()) {
-    std::fputs(fmt::format("work_precision: note: {}\n", remark).c_str(), stderr);
-  }
+  print_notice("work_precision");
   Study study(request);
   study.run();
   request.output->write(study.as_json().dump(1) + "\n");

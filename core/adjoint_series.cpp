@@ -1,5 +1,7 @@
 #include "core/adjoint_series.h"
 
+#include "core/commutator_update.h"
+
 namespace isosyrk {
 
 AdjointSeries::AdjointSeries(const QuadraticAlgebra& algebra) : algebra_(algebra) {
@@ -9,12 +11,7 @@ AdjointSeries::AdjointSeries(const QuadraticAlgebra& algebra) : algebra_(algebra
 
 void AdjointSeries::commutator(Products& products, const Matrix& A, const Matrix& B, Matrix& out) {
   products.multiply(A, B, product_);
-  if (algebra_.is_skew_hermitian()) {
-    out = product_ - product_.adjoint();
-    return;
-  }
-  algebra_.involution(product_, adjoint_);
-  out = product_ - adjoint_;
+  commutator_of_product(algebra_, product_, adjoint_, out);
 }
 
 bool AdjointSeries::conjugate(Products& products, double scale, const Matrix& Omega,

@@ -5,9 +5,14 @@
 
 namespace isosyrk {
 
+/// out = C - J⁻¹ C† J, which for C = A B with A, B in g is [A, B].  `scratch` is n x n where J is
+/// not I, and otherwise not touched.  out is not C.
+void commutator_of_product(const QuadraticAlgebra& algebra, const Matrix& C, Matrix& scratch,
+                           Matrix& out);
+
 /// out = W₀ + C - J⁻¹ C† J.  For C = Σ w_i B_i W̃_i with B_i, W̃_i in g this is
 /// W₀ + Σ w_i [B_i, W̃_i], and in g exactly for J = I: both triangles round alike.
-/// `scratch` is n x n where J is not I, and otherwise not touched.  out is neither W₀ nor C.
+/// `scratch` as above.  out is neither W₀ nor C.
 void add_commutator(const QuadraticAlgebra& algebra, const Matrix& W0, const Matrix& C,
                     Matrix& scratch, Matrix& out);
 

@@ -13,25 +13,26 @@ void ConservationWatch::observe(const Matrix& W) {
 }
 
 Conservation ConservationWatch::report(const Matrix& W) const {
-  const Matrix& W0 = scene_.initial;
-  Conservation result;
-  result.spectrum_error = spectrum_error(W, W0);
-  result.skew_defect = skew_defect(W);
-  result.energy_error = energy_error_;
+  return {spectrum_error(W, scene_.initial), skew_defect(W), energy_error_};
+}
 
+std::array<double, 4> casimir_errors(const Matrix& W, const Matrix& W0) {
   const RealVector eigenvalues = spectrum(W0).cwiseAbs();
-  for (std::size_t i = 0; i < result.casimir_errors.size(); ++i) {
+  std::array<double, 4> errors{};
+  for (std::size_t i = 0; i < errors.size(); ++i) {
     const int k = static_cast<int>(i) + 2;
     const double scale = eigenvalues.array().pow(k).sum();
-    result.casimir_errors[i] = std::abs(casimir(W, k) - casimir(W0, k)) / scale;
+    errors[i] = std::abs(casimir(W, k) - casimir(W0, k)) / scale;
   }
+  return errors;
+}
 
+double angular_momentum_error(const Matrix& W, const Matrix& W0) {
   const std::array<double, 3> momentum = angular_momentum(W);
   const std::array<double, 3> initial = angular_momentum(W0);
   double change = 0.0;
   for (std::size_t a = 0; a < 3; ++a) change = larger(change, std::abs(momentum[a] - initial[a]));
-  result.angular_momentum_error = change / std::hypot(initial[0], initial[1], initial[2]);
-  return result;
+  return change / std::hypot(initial[0], initial[1], initial[2]);
 }
 
 GeneratorNorms generator_norms(const Scene& scene) {

@@ -9,11 +9,9 @@ namespace isosyrk {
 
 /// Errors of a vorticity matrix W against the initial data of its scene.
 struct Conservation {
-  double spectrum_error = 0.0;           ///< largest |λ_k(W) - λ_k(W₀)|
-  double skew_defect = 0.0;              ///< largest entry of |W + W†|
-  double energy_error = 0.0;             ///< relative, largest over the steps observed
-  std::array<double, 4> casimir_errors;  ///< |tr W^k - tr W₀^k| / Σ|λ|^k, k = 2..5
-  double angular_momentum_error = 0.0;   ///< largest component of the change, relative to |L(W₀)|
+  double spectrum_error = 0.0;  ///< largest |λ_k(W) - λ_k(W₀)|
+  double skew_defect = 0.0;     ///< largest entry of |W + W†|
+  double energy_error = 0.0;    ///< relative, largest over the steps observed
 };
 
 /// Observes the steps of a run and reports on its last state.  The scene must outlive it.
@@ -32,6 +30,12 @@ class ConservationWatch {
   double initial_energy_;
   double energy_error_ = 0.0;
 };
+
+/// |tr W^k - tr W₀^k| / Σ|λ|^k for k = 2..5, λ the eigenvalues of W₀.  Takes 20 matrix products.
+std::array<double, 4> casimir_errors(const Matrix& W, const Matrix& W0);
+
+/// Largest component of the change of the angular momentum, relative to its size at W₀.
+double angular_momentum_error(const Matrix& W, const Matrix& W0);
 
 /// Norms that decide whether a step is small: of the generator B = B(W) and of ad_B = [B, ·].
 struct GeneratorNorms {

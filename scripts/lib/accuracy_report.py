@@ -5,16 +5,16 @@ Every sentence is made from the raw file: its figures, and which way round it is
 
 import statistics
 
+from benchmark_json import FORMULATIONS
 from comparison import MISSING, three_digits
 from document import Column, Entry, Figure, Heading, Item, Items, Paragraph, Table
 from recommendation import recommendation, recommendation_tables
+from work_precision import TABLE1_STEP
 
-TABLE1_STEP = 0.1
 ORDER_MARGIN = 0.25
 # The tolerance does no harm where what it adds is at most this share of the error that the step size makes.
 HARMLESS = 0.1
 PRICED_ERROR = 1e-6
-FORMULATIONS = ("cotangent", "group", "algebra")
 
 CHARTS = (
     ("error_against_time", "Error at T against CPU time, one panel for each n; lines end at the floor of the reference."),

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from typing import Dict, NamedTuple, Optional, Tuple
 
 FORMAT = "1"
+FORMULATIONS = ("cotangent", "group", "algebra")  # in the order of the paper's table
 RUN_TYPES = ("iteration", "aggregate")
 SECONDS_PER_UNIT = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
 # No run takes less than a nanosecond or more than thirty years; such a time is damage, not a measurement.

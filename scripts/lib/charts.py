@@ -19,11 +19,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, LogLocator, NullLocator
 
+from benchmark_json import FORMULATIONS
 from chart_labels import Label, darker, place_labels
-from work_precision import FLOOR_MARGIN
-
-FORMULATIONS = ("cotangent", "group", "algebra")
-TABLE_STEP = 0.1  # of Table 1
+from work_precision import FLOOR_MARGIN, TABLE1_STEP
 
 DOTS_PER_INCH = 120
 WIDTH = 1600 / DOTS_PER_INCH  # inches
@@ -419,7 +417,7 @@ def mark_tolerance(axes, study):
 def error_against_n(study):
     sizes = study.sizes()
     figure, panels = new_figure(
-        f"Error at T = {study.time:g} against n, at the same step h = {TABLE_STEP:g}",
+        f"Error at T = {study.time:g} against n, at the same step h = {TABLE1_STEP:g}",
         "In brackets: the error at the largest n drawn over the error at the smallest. The formulations of the Gauss"
         " method with the same number of stages (cotangent, group, algebra) have the same error and share a line."
         " Not drawn: runs that failed, and errors below the floor, which is"
@@ -459,7 +457,7 @@ def error_against_n(study):
 def points_against_n(study, name):
     found = []
     for n in study.sizes():
-        point = study.at_step(name, n, TABLE_STEP)
+        point = study.at_step(name, n, TABLE1_STEP)
         if point is not None and point in study.above_floor(name, n):
             found.append((n, point.quality.error))
     return found
@@ -509,7 +507,7 @@ def note_missing(axes, study):
     """Names under the chart what has no point in it, and why."""
     parts = []
     for n in study.sizes():
-        points = {name: study.at_step(name, n, TABLE_STEP) for name in study.integrators}
+        points = {name: study.at_step(name, n, TABLE1_STEP) for name in study.integrators}
         failed = [name for name, point in points.items() if point is not None and not point.quality.usable]
         if failed:
             parts.append(f"Failed at n = {n}: {joined(failed)}.")
@@ -531,7 +529,7 @@ def tolerance(study):
     largest = sizes[-1] if sizes else 0
     figure, panels = new_figure(
         "What the tolerance of the fixed-point iteration buys",
-        f"The run of Table 1 (h = {TABLE_STEP:g}, T = {study.time:g}) solved to different tolerances. Upper and middle"
+        f"The run of Table 1 (h = {TABLE1_STEP:g}, T = {study.time:g}) solved to different tolerances. Upper and middle"
         f" rows at n = {largest}, the largest n of this study; times at every n. Solver error (dashed):"
         " distance from the answer with the tightest tolerance that converged, at which it is 0 and not drawn. The"
         " diagonal is where an error equals the tolerance. Runs that failed are not drawn.",

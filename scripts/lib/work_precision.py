@@ -15,6 +15,7 @@ FORMAT = "isosyrk work_precision 1"
 STATUSES = ("converged", "diverged", "stagnated", "sweep cap", "unstable")
 CONVERGED = "converged"
 CASIMIRS = (2, 3, 4, 5)
+TABLE1_STEP = 0.1  # the step size of Table 1, where the tolerances were varied too
 
 # A line has reached its floor where the error is within this of the reference's uncertainty, ...
 FLOOR_MARGIN = 10
