@@ -1,14 +1,16 @@
 // Accuracy against cost: every integrator over step sizes, and the formulations over tolerances.
 //
 // A line is one integrator at one n.  Its points are runs of the smooth scene to T, of more and
-// more steps, until a run took long enough or the error no longer falls (but as many as in Table 1
-// at least).  First every run is made once and looked at; then all are timed, in turns, so that a
-// slow minute of the machine falls on all lines alike.
+// more steps (as many as in Table 1 at least), until the error no longer falls, or a run took long
+// enough and the slope of the line has settled.  First every run is made once and looked at; then
+// all are timed, in turns, so that a slow minute of the machine falls on all lines alike.
 #include <fmt/format.h>
 
-#include <chrono>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -28,20 +30,24 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // About a factor √2 apart, with Table 1's 50 among them.
-const std::vector<long> step_counts = {5,   7,   10,  14,  20,  28,   35,   50,   70,   100,  140,
-                                       200, 280, 400, 560, 800, 1120, 1600, 2240, 3200, 4480, 6400};
+const std::vector<long> default_steps = {5,    7,    10,   14,   20,   28,  35,  50,
+                                         70,   100,  140,  200,  280,  400, 560, 800,
+                                         1120, 1600, 2240, 3200, 4480, 6400};
 
 const std::vector<Index> default_sizes = {17, 33, 65, 129};
 const std::vector<Index> quick_sizes = {17, 33};
 
-// A line ends with the first run, of at least Table 1's steps, that takes as many CPU seconds: so
-// that all of n <= 65 takes under ten minutes, and n = 129 some twenty.
+// A line that has settled ends with the first run, of at least Table 1's steps, that takes as many
+// CPU seconds: so that all of n <= 65 takes under ten minutes, and n = 129 under thirty.
 double long_enough(Index n) {
   if (n <= 17) return 0.2;
   if (n <= 33) return 0.5;
   if (n <= 65) return 1.4;
-  return 8.0;
+  return 7.0;
 }
+
+// One that has not settled ends with the first run that takes so many times as long.
+constexpr double patience = 2.0;
 
 constexpr long table1_step_count = 50;
 
@@ -126,8 +132,24 @@ struct Line {
   std::vector<Point> points;
 };
 
+// log(error ratio) / log(step ratio) between two runs: the order, once steps are small.
+double slope(const Point& coarse, const Point& fine) {
+  return std::log(coarse.error / fine.error) /
+         std::log(static_cast<double>(fine.steps) / static_cast<double>(coarse.steps));
+}
+
+// Whether the slope at the end of the line no longer changes, whatever it is.
+bool has_settled(const std::vector<Point>& points) {
+  constexpr double still = 0.1;
+  if (points.size() < 3) return false;
+  const Point* last = &points.back();
+  const double change = slope(last[-1], last[0]) - slope(last[-2], last[-1]);
+  return std::abs(change) < still;  // not where a run failed: its error is NaN
+}
+
 // More and more steps, as the head of this file says.
-Line draw_line(const Setting& setting, const IntegratorEntry& entry, double enough) {
+Line draw_line(const Setting& setting, const IntegratorEntry& entry,
+               const std::vector<long>& step_counts, double enough) {
   constexpr double near_rounding = 1e-8;  // above, an error that does not fall is no floor yet
   Line line{&entry, entry.make(*setting.scene.flow, {}, setting.backend), {}};
   double last_error = std::nan("");
@@ -137,7 +159,8 @@ Line draw_line(const Setting& setting, const IntegratorEntry& entry, double enou
     point.W.resize(0, 0);  // not needed again
     const bool at_floor = point.error < 2.0 * setting.reference.uncertainty ||
                           (last_error < near_rounding && point.error > 0.8 * last_error);
-    const bool took_enough = point.usable() && point.seconds_at_first >= enough;
+    const double wanted = has_settled(line.points) ? enough : patience * enough;
+    const bool took_enough = point.usable() && point.seconds_at_first >= wanted;
     if ((at_floor || took_enough) && steps >= table1_step_count) break;
     last_error = point.error;
   }
@@ -237,13 +260,14 @@ struct Request {
   std::vector<const IntegratorEntry*> integrators;
   BackendChoice products;
   std::string references;
+  std::vector<long> steps;
   long repetitions;
   std::optional<double> longest;
   std::optional<OutputFile> output;
 };
 
 struct Text {
-  std::vector<std::string> sizes, integrators;
+  std::vector<std::string> sizes, integrators, steps;
   std::string products = "fastest";
   std::string references, out;
   std::string repetitions = "3";
@@ -262,6 +286,13 @@ Request parse(const Text& text) {
   }
   if (request.integrators.empty()) {
     for (const IntegratorEntry& entry : integrators()) request.integrators.push_back(&entry);
+  }
+  for (const std::string& steps : text.steps) {
+    request.steps.push_back(whole_number("--steps", steps, 1, 1000000));
+  }
+  if (request.steps.empty()) request.steps = default_steps;
+  if (!std::is_sorted(request.steps.begin(), request.steps.end(), std::less_equal<>())) {
+    throw BadArgument("--steps: must rise");
   }
   request.products = backend_choice(text.products);
   request.references = text.references;
@@ -295,7 +326,7 @@ class Study {
   void run() {
     for (const auto& setting : settings_) {
       for (const IntegratorEntry* entry : request_.integrators) {
-        lines_.push_back(draw_line(*setting, *entry, enough(setting->n())));
+        lines_.push_back(draw_line(*setting, *entry, request_.steps, enough(setting->n())));
         say(fmt::format("looked at {} at n = {}: {} runs", entry->name, setting->n(),
                         lines_.back().points.size()));
       }
@@ -368,7 +399,7 @@ class Study {
     return point.seconds_at_first < long_run ? repetitions : std::min(repetitions, 2L);
   }
 
-  // What is known to be left: of lines not yet drawn the most they may take.
+  // Of lines not yet drawn a guess: points cost less and less towards large steps.
   double seconds_left() const {
     constexpr double line_over_longest = 3.4;  // 1 + 1/√2 + 1/2 + ...
     const auto passes = static_cast<double>(request_.repetitions);
@@ -414,6 +445,7 @@ int main_program(int argc, char** argv) {
   app.add_option("--out", text.out, "write the measurements here, as JSON")->required();
   app.add_option("--n", text.sizes, "matrix sizes (default 17 33 65 129)");
   app.add_option("--integrator", text.integrators, "names of integrators (default all)");
+  app.add_option("--steps", text.steps, "numbers of steps to T, rising (default 5 to 6400)");
   app.add_option("--repetitions", text.repetitions, "timings of each run (default 3)");
   app.add_option("--longest", text.longest, "CPU seconds of a run that ends a line (default by n)");
   app.add_option("--products", text.products, "fastest (default), openblas or eigen");

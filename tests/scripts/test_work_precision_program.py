@@ -13,7 +13,9 @@ sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
 from work_precision import read_study  # noqa: E402
 
 MEASURED = ("algebra1", "group2", "yoshida4", "rkmk4", "rk4")
-BRIEF = ("--longest", "0.02", "--repetitions", "2")
+STEPS = (5, 10, 28, 50, 100, 140, 200, 280)
+# Lines of the same points on a fast machine and on a slow one.
+BRIEF = ("--longest", "1000", "--repetitions", "2", "--steps", *map(str, STEPS))
 
 
 def setUpModule():
@@ -84,7 +86,8 @@ class MeasuredStudy(unittest.TestCase):
     def test_every_integrator_asked_for_is_there(self):
         self.assertEqual(tuple(self.study.integrators), MEASURED)
         for name in MEASURED:
-            self.assertGreater(len(self.study.line(name, 17)), 4, name)
+            points = self.study.line(name, 17)
+            self.assertEqual([point.quality.steps for point in points], list(STEPS), name)
 
     def test_every_line_shows_its_order(self):
         for name, integrator in self.study.integrators.items():
@@ -108,6 +111,7 @@ class MeasuredStudy(unittest.TestCase):
     def test_failures_are_recorded_as_failures(self):
         failed = [point for point in self.study.points if not point.quality.usable]
         self.assertTrue(failed)  # yoshida4 at h = 1
+        self.assertLess(len(failed), len(self.study.points) / 4)
         for point in failed:
             self.assertIsNone(point.quality.error)
             self.assertEqual(point.costs.cpu_seconds, ())
@@ -137,6 +141,23 @@ class MeasuredStudy(unittest.TestCase):
             self.assertIn(field, self.raw["context"])
 
 
+class EndOfALine(FolderTest):
+    def last_steps(self, *arguments):
+        path = self.path("raw.json")
+        done = run([program("work_precision"), "--references", REFERENCES, "--out", path, "--n", "17", "--integrator",
+                    "rkmk4", "--repetitions", "1", *arguments])
+        self.assertEqual(done.returncode, DONE, done.stderr)
+        return read_study(path).line("rkmk4", 17)[-1].quality.steps
+
+    def test_a_line_has_the_steps_of_table_1_at_least(self):
+        self.assertEqual(self.last_steps("--longest", "1e-9"), 50)
+
+    def test_a_line_ends_at_its_floor(self):
+        reached = self.last_steps("--longest", "1000")
+        self.assertGreater(reached, 1000)  # of fourth order: the error at 50 steps is some 1e-7
+        self.assertLess(reached, 6400)
+
+
 class Refusals(FolderTest):
     def refuses(self, *arguments, parts):
         with self.subTest(arguments=arguments):
@@ -160,6 +181,9 @@ class Refusals(FolderTest):
             self.refuses(*self.given(repetitions=repetitions), parts=["--repetitions", repetitions])
         for longest in ("0", "-1", "nan", "x"):
             self.refuses(*self.given(longest=longest), parts=["--longest", longest])
+        for steps in ("0", "-5", "x", "2.5"):
+            self.refuses(*self.given(steps=steps), parts=["--steps", steps])
+        self.refuses(*self.given(steps="10"), "10", parts=["--steps", "rise"])
         self.refuses(*self.given(products="abacus"), parts=["--products", "abacus"])
         self.refuses(*self.given(), "perhaps", parts=["perhaps"])
 
