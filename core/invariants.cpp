@@ -19,7 +19,10 @@ RealVector spectrum(const Matrix& W) {
   Matrix hermitian = minus_half_i * (W - W.adjoint());
   const auto n = static_cast<lapack_int>(W.rows());
   RealVector eigenvalues(W.rows());
-  const lapack_int info = LAPACKE_zheevd(LAPACK_ROW_MAJOR, 'N', 'U', n,
+  // By columns this is the transpose, whose eigenvalues are the same.  From the lower triangle:
+  // from the upper one zhetrd has OpenBLAS 0.3.21's zgemv kernel for AVX2 read past the end of the
+  // array.
+  const lapack_int info = LAPACKE_zheevd(LAPACK_COL_MAJOR, 'N', 'L', n,
                                          reinterpret_cast<lapack_complex_double*>(hermitian.data()),
                                          n, eigenvalues.data());
   if (info != 0) throw std::runtime_error(fmt::format("spectrum: zheevd failed ({})", info));
