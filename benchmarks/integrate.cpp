@@ -23,6 +23,7 @@ struct Text {
   std::string max_sweeps = "1000";
   std::string hbar = "paper";
   std::string products = "fastest";
+  std::string scene = "smooth";
   std::string modes;
   std::string output;
 };
@@ -37,13 +38,14 @@ struct Request {
   SolverOptions solver;
   HbarConvention hbar;
   BackendChoice products;
-  std::vector<Mode> modes;
+  Scene scene;
+  std::vector<Mode> modes;  // of the scene
   std::optional<OutputFile> output;
 };
 
 // Which of the options that have no default were given.
 struct Given {
-  bool formulation, stages, integrator, modes, output;
+  bool formulation, stages, integrator, scene, modes, output;
 };
 
 // --integrator, or --formulation and --stages.
@@ -66,6 +68,30 @@ void choose_integrator(const Text& text, const Given& given, Request& request) {
   } catch (const std::invalid_argument& error) {
     throw BadArgument(fmt::format("--{}", error.what()));
   }
+}
+
+// --scene, or the smooth one from modes of the user's.
+void choose_scene(const Text& text, const Given& given, Request& request) {
+  if (given.modes) {
+    if (given.scene) {
+      throw BadArgument(
+          fmt::format("--modes {}: must stand without --scene, which has its own", text.modes));
+    }
+    request.modes = read_modes_file(text.modes, request.n);
+    request.scene = smooth_scene(request.n, request.hbar, request.modes);
+    request.scene.name = "modes";
+    return;
+  }
+  if (text.scene == "smooth" && request.n < 5) {
+    throw BadArgument(fmt::format(
+        "--n {}: the default modes (l <= 4) need n >= 5; smaller n needs --modes", request.n));
+  }
+  try {
+    request.modes = initial_modes(text.scene, request.n);
+  } catch (const std::invalid_argument& error) {
+    throw BadArgument(fmt::format("--{}", error.what()));
+  }
+  request.scene = scene_by_name(text.scene, request.n, request.hbar);
 }
 
 Request parse(const Text& text, const Given& given) {
@@ -92,14 +118,7 @@ Request parse(const Text& text, const Given& given) {
       static_cast<int>(whole_number("--max-sweeps", text.max_sweeps, 1, 1000000));
   request.hbar = hbar_convention(text.hbar);
   request.products = backend_choice(text.products);
-  if (given.modes) {
-    request.modes = read_modes_file(text.modes, request.n);
-  } else if (request.n < 5) {
-    throw BadArgument(fmt::format(
-        "--n {}: the default modes (l <= 4) need n >= 5; smaller n needs --modes", request.n));
-  } else {
-    request.modes = default_modes();
-  }
+  choose_scene(text, given, request);
   if (given.output) request.output.emplace("--output", text.output);
   return request;
 }
@@ -112,7 +131,8 @@ struct Outcome {
   Matrix W;
 };
 
-Outcome integrate(const Request& request, const Scene& scene, ProductBackend backend) {
+Outcome integrate(const Request& request, ProductBackend backend) {
+  const Scene& scene = request.scene;
   const auto integrator = request.integrator.make(*scene.flow, request.solver, backend);
   Outcome outcome;
   outcome.W = scene.initial;
@@ -130,6 +150,7 @@ nlohmann::ordered_json as_json(const Request& request, const Outcome& outcome,
                                ProductBackend backend) {
   const RunReport& run = outcome.run;
   nlohmann::ordered_json json = {
+      {"scene", request.scene.name},
       {"n", request.n},
       {"integrator", request.integrator.name},
       {"stages", request.integrator.stages},
@@ -186,6 +207,7 @@ int main_program(int argc, char** argv) {
   app.add_option("--max-sweeps", text.max_sweeps, "sweeps allowed in a step (default 1000)");
   app.add_option("--hbar", text.hbar, "paper: 2/sqrt(n(n-1)) (default); standard: 2/sqrt(n^2-1)");
   app.add_option("--products", text.products, "fastest (default), openblas or eigen");
+  const auto* scene = app.add_option("--scene", text.scene, "smooth (default) or rough");
   const auto* modes =
       app.add_option("--modes", text.modes, "initial modes, CSV with the header l,m,re,im");
   const auto* output =
@@ -196,11 +218,11 @@ int main_program(int argc, char** argv) {
   const Request request = parse(text, {.formulation = formulation->count() > 0,
                                        .stages = stages->count() > 0,
                                        .integrator = integrator->count() > 0,
+                                       .scene = scene->count() > 0,
                                        .modes = modes->count() > 0,
                                        .output = output->count() > 0});
-  const Scene scene = smooth_scene(request.n, request.hbar, request.modes);
   const ProductBackend backend = choose_backend(request.products, request.n).chosen;
-  const Outcome outcome = integrate(request, scene, backend);
+  const Outcome outcome = integrate(request, backend);
 
   const nlohmann::ordered_json result = as_json(request, outcome, backend);
   if (outcome.run.converged() && request.output) request.output->write(npy(outcome.W));

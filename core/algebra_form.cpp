@@ -8,10 +8,11 @@
 namespace isosyrk {
 
 AlgebraForm::AlgebraForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
-                         ProductBackend backend)
+                         ProductBackend backend, AlgebraUpdate update)
     : Integrator(flow, backend),
       tableau_(tableau),
       options_(options),
+      update_(update),
       s_(static_cast<std::size_t>(tableau.stages())) {
   require_consistent(tableau);
   X_ = stage_matrices(tableau.stages(), flow.size());
@@ -86,10 +87,27 @@ void AlgebraForm::update(const Matrix& W0, double h, Matrix& W1) {
   add_commutator(flow_.algebra(), W0, input_, adjoint_, W1);
 }
 
+void AlgebraForm::update_by_two_products(const Matrix& W0, double h, Matrix& W1) {
+  W1 = W0;
+  for (std::size_t i = 0; i < s_; ++i) {
+    const double weight = h * tableau_.b(static_cast<Index>(i));
+    generator(W_stage_[i], B_[i]);
+    products_.multiply(B_[i], W_stage_[i], input_, weight);
+    W1 += input_;
+    products_.multiply(W_stage_[i], B_[i], input_, weight);
+    W1 -= input_;
+  }
+}
+
 SolveReport AlgebraForm::advance(const Matrix& W0, double h, Matrix& W1) {
   start(W0);
   const SolveReport report = solve_fixed_point(options_, [&] { return sweep(W0, h); });
-  if (report.status == Status::converged) update(W0, h, W1);
+  if (report.status != Status::converged) return report;
+  if (update_ == AlgebraUpdate::one_product) {
+    update(W0, h, W1);
+  } else {
+    update_by_two_products(W0, h, W1);
+  }
   return report;
 }
 

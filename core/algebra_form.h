@@ -9,6 +9,12 @@
 
 namespace isosyrk {
 
+/// How `algebra` forms its update.
+enum class AlgebraUpdate {
+  one_product,   ///< C - J⁻¹ C† J with C = B W̃: in g exactly for J = I
+  two_products,  ///< B W̃ - W̃ B, the same but for rounding; a control, see below
+};
+
 /// Unknowns X_i, K_ij, W̃_i, i, j = 1..s, each n x n.  Stage equations and update, B_j = B(W̃_j):
 ///
 ///     X_i  = -h (W₀ + Σ_j a_ij X_j) B_i
@@ -18,13 +24,14 @@ namespace isosyrk {
 ///
 /// Products: s² + s a sweep, s for the update.  Poisson solves: s a sweep, s for the update.
 /// Source: the paper's ISOSYRK equations, with B_j for the printed B_i in K_ij.  The update formed
-/// from C alone keeps W in g exactly; formed as B W̃ - W̃ B it would drift out exponentially.
+/// from C alone keeps W in g exactly; formed as B W̃ - W̃ B it drifts out exponentially, since the
+/// stage equations take W₀† = -J W₀ J⁻¹ for granted and hand on to W̃ what W₀ has outside g.
 /// At s = 1 the isospectral midpoint form is the cheaper way to the same step.
 class AlgebraForm final : public Integrator {
  public:
   /// Throws std::invalid_argument for an inconsistent tableau.
   AlgebraForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
-              ProductBackend backend);
+              ProductBackend backend, AlgebraUpdate update = AlgebraUpdate::one_product);
 
  protected:
   SolveReport advance(const Matrix& W0, double h, Matrix& W1) override;
@@ -36,9 +43,11 @@ class AlgebraForm final : public Integrator {
   double sweep(const Matrix& W0, double h);
   void update_stage_vorticities(const Matrix& W0);
   void update(const Matrix& W0, double h, Matrix& W1);
+  void update_by_two_products(const Matrix& W0, double h, Matrix& W1);
 
   Tableau tableau_;
   SolverOptions options_;
+  AlgebraUpdate update_;
   std::size_t s_;
   Stages X_;               // X_i
   Stages X_old_;           // of the sweep before

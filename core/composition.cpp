@@ -45,6 +45,7 @@ SolveReport Composition::advance(const Matrix& W0, double h, Matrix& W1) {
     add_work(substep);
     total.sweeps += substep.sweeps;
     total.change = substep.last_change;
+    total.contraction = larger(total.contraction, substep.contraction);
     total.status = substep.status;
     if (substep.status != Status::converged) break;
   }

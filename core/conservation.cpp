@@ -35,11 +35,15 @@ double angular_momentum_error(const Matrix& W, const Matrix& W0) {
   return change / std::hypot(initial[0], initial[1], initial[2]);
 }
 
-GeneratorNorms generator_norms(const Scene& scene) {
+RealVector generator_frequencies(const Scene& scene) {
   Matrix B(scene.initial.rows(), scene.initial.cols());
   scene.flow->generator(scene.initial, B);
-  const RealVector eigenvalues = spectrum(B);
-  return {eigenvalues.cwiseAbs().maxCoeff(), eigenvalues.maxCoeff() - eigenvalues.minCoeff()};
+  return spectrum(B);
+}
+
+GeneratorNorms generator_norms(const Scene& scene) {
+  const RealVector frequencies = generator_frequencies(scene);
+  return {frequencies.cwiseAbs().maxCoeff(), frequencies.maxCoeff() - frequencies.minCoeff()};
 }
 
 }  // namespace isosyrk

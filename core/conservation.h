@@ -37,6 +37,9 @@ std::array<double, 4> casimir_errors(const Matrix& W, const Matrix& W0);
 /// Largest component of the change of the angular momentum, relative to its size at W₀.
 double angular_momentum_error(const Matrix& W, const Matrix& W0);
 
+/// Eigenvalues of -iB(W₀), ascending, at the scene's initial data.
+RealVector generator_frequencies(const Scene& scene);
+
 /// Norms that decide whether a step is small: of the generator B = B(W) and of ad_B = [B, ·].
 struct GeneratorNorms {
   double B = 0.0;     ///< ‖B‖₂

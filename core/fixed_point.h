@@ -1,6 +1,10 @@
 // The fixed-point driver that every implicit integrator shares.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
 #include <limits>
 #include <string_view>
 
@@ -39,6 +43,32 @@ struct SolveReport {
   Status status = Status::converged;
   int sweeps = 0;
   double change = 0.0;  ///< of the last sweep
+  /// Change of the last sweep over that of the one before, geometric mean over the last five sweeps
+  /// (fewer if there were fewer; 0 for a single sweep): below 1 where the iteration contracts.
+  double contraction = 0.0;
+};
+
+/// The changes of the last few sweeps.
+class LastChanges {
+ public:
+  void add(double change) {
+    changes_[count_ % kept] = change;
+    ++count_;
+  }
+
+  /// As SolveReport::contraction.
+  double contraction() const {
+    const std::size_t known = std::min(count_, kept);
+    if (known < 2) return 0.0;
+    const double oldest = changes_[(count_ - known) % kept];
+    const double newest = changes_[(count_ - 1) % kept];
+    return std::pow(newest / oldest, 1.0 / static_cast<double>(known - 1));
+  }
+
+ private:
+  static constexpr std::size_t kept = 6;
+  std::array<double, kept> changes_{};
+  std::size_t count_ = 0;
 };
 
 /// Plain fixed-point iteration.  `sweep()` updates every unknown once, Jacobi style (all new values
@@ -51,29 +81,28 @@ SolveReport solve_fixed_point(const SolverOptions& options, Sweep&& sweep) {
   constexpr int patience = 50;
 
   SolveReport report;
+  LastChanges changes;
   double best = std::numeric_limits<double>::infinity();
   int since_best = 0;
+  const auto ended = [&](Status status) {
+    report.status = status;
+    report.contraction = changes.contraction();
+    return report;
+  };
   while (report.sweeps < options.max_sweeps) {
     report.change = sweep();
     ++report.sweeps;
-    if (!(report.change <= divergence_bound)) {  // NaN included
-      report.status = Status::diverged;
-      return report;
-    }
-    if (report.change < options.tolerance) {
-      report.status = Status::converged;
-      return report;
-    }
+    changes.add(report.change);
+    if (!(report.change <= divergence_bound)) return ended(Status::diverged);  // NaN included
+    if (report.change < options.tolerance) return ended(Status::converged);
     if (report.change < best) {
       best = report.change;
       since_best = 0;
     } else if (++since_best >= patience) {
-      report.status = Status::stagnated;
-      return report;
+      return ended(Status::stagnated);
     }
   }
-  report.status = Status::sweep_cap;
-  return report;
+  return ended(Status::sweep_cap);
 }
 
 }  // namespace isosyrk

@@ -24,8 +24,12 @@ StepReport Integrator::step(Matrix& W, double h) {
   // Stages can converge and the update still overflow.
   if (solve.status == Status::converged && !next_.allFinite()) solve.status = Status::diverged;
   if (solve.status == Status::converged) W.swap(next_);
-  return {solve.status, solve.sweeps, solve.change, products() - products_before,
-          poisson_solves_ - solves_before};
+  return {.status = solve.status,
+          .sweeps = solve.sweeps,
+          .last_change = solve.change,
+          .contraction = solve.contraction,
+          .products = products() - products_before,
+          .poisson_solves = poisson_solves_ - solves_before};
 }
 
 }  // namespace isosyrk

@@ -14,8 +14,9 @@ struct StepReport {
   Status status = Status::converged;
   int sweeps = 0;  ///< 0 for explicit methods
   double last_change = 0.0;
-  long products = 0;        ///< n x n complex matrix products
-  long poisson_solves = 0;  ///< evaluations of the generator B
+  double contraction = 0.0;  ///< of the iteration, as in SolveReport; 0 for explicit methods
+  long products = 0;         ///< n x n complex matrix products
+  long poisson_solves = 0;   ///< evaluations of the generator B
 };
 
 /// A one-step method W₀ -> W₁ with its workspace.  The flow must outlive it.

@@ -12,6 +12,7 @@
 #include "core/gauss_tableau.h"
 #include "core/group_form.h"
 #include "core/isospectral_midpoint.h"
+#include "core/linear_theory.h"
 
 namespace isosyrk {
 
@@ -100,6 +101,21 @@ Make make_explicit() {
   };
 }
 
+constexpr double no_stability_limit = std::numeric_limits<double>::infinity();
+
+// For a constant generator W' = ad_B W, whose eigenvalues are imaginary: |R(iy)| <= 1 of
+// R(z) = 1 + z + z²/2 + z³/6 + z⁴/24 holds for y <= 2√2.
+const double rk4_limit = 2.0 * std::sqrt(2.0);
+
+// Each substep is a midpoint step of a fraction of h.
+std::function<double(const RealVector&)> composition_limit(const CompositionScheme& scheme) {
+  double largest = 0.0;
+  for (const double fraction : scheme.fractions) largest = larger(largest, std::abs(fraction));
+  return [largest](const RealVector& frequencies) {
+    return midpoint_iteration_limit(frequencies) / largest;
+  };
+}
+
 constexpr Properties isosyrk_properties = {
     .isospectral = true, .lie_poisson = true, .symmetric = true, .is_explicit = false};
 
@@ -111,8 +127,12 @@ std::vector<IntegratorEntry> make_list() {
   list.push_back(gauss_entry(Formulation::group, 4));
   list.push_back(gauss_entry(Formulation::group, 5));
   for (const CompositionScheme& scheme : {yoshida4(), suzuki4(), kahan_li6()}) {
-    list.push_back({scheme.name, static_cast<int>(scheme.fractions.size()), scheme.order,
-                    isosyrk_properties, make_composition(scheme)});
+    list.push_back({.name = scheme.name,
+                    .stages = static_cast<int>(scheme.fractions.size()),
+                    .order = scheme.order,
+                    .keeps = isosyrk_properties,
+                    .make = make_composition(scheme),
+                    .linear_limit = composition_limit(scheme)});
   }
   list.push_back(
       {"rkmk4",
@@ -127,7 +147,11 @@ std::vector<IntegratorEntry> make_list() {
          s,
          2 * s,
          {.isospectral = false, .lie_poisson = false, .symmetric = true, .is_explicit = false},
-         make_direct(s)});
+         make_direct(s),
+         no_stability_limit,
+         [tableau = gauss_tableau(s)](const RealVector& frequencies) {
+           return direct_iteration_limit(tableau, frequencies);
+         }});
   }
   list.push_back(
       {"rk4",
@@ -135,17 +159,39 @@ std::vector<IntegratorEntry> make_list() {
        4,
        {.isospectral = false, .lie_poisson = false, .symmetric = false, .is_explicit = true},
        make_explicit<ClassicalRungeKutta4>(),
-       // For a constant generator W' = ad_B W, whose eigenvalues are imaginary: |R(iy)| <= 1 of
-       // R(z) = 1 + z + z²/2 + z³/6 + z⁴/24 holds for y <= 2√2.
-       2.0 * std::sqrt(2.0)});
+       rk4_limit,
+       [](const RealVector& frequencies) { return adjoint_limit(rk4_limit, frequencies); }});
   return list;
 }
 
 }  // namespace
 
 IntegratorEntry gauss_entry(Formulation formulation, int s) {
-  return {fmt::format("{}{}", name(formulation), s), s, 2 * s, isosyrk_properties,
-          make_gauss(formulation, s)};
+  return {.name = fmt::format("{}{}", name(formulation), s),
+          .stages = s,
+          .order = 2 * s,
+          .keeps = isosyrk_properties,
+          .make = make_gauss(formulation, s),
+          .linear_limit = [formulation, tableau = gauss_tableau(s)](const RealVector& frequencies) {
+            return formulation == Formulation::algebra && is_midpoint(tableau)
+                       ? midpoint_iteration_limit(frequencies)
+                       : stage_iteration_limit(tableau, frequencies);
+          }};
+}
+
+IntegratorEntry two_products_entry(int s) {
+  if (s < 2)
+    throw std::invalid_argument(fmt::format("two_products_entry: s = {}, must be at least 2", s));
+  IntegratorEntry entry = gauss_entry(Formulation::algebra, s);
+  entry.name += "_two_products";
+  entry.keeps = {
+      .isospectral = false, .lie_poisson = false, .symmetric = true, .is_explicit = false};
+  entry.make = [tableau = gauss_tableau(s)](const Flow& flow, const SolverOptions& options,
+                                            ProductBackend backend) {
+    return std::make_unique<AlgebraForm>(flow, tableau, options, backend,
+                                         AlgebraUpdate::two_products);
+  };
+  return entry;
 }
 
 const std::vector<IntegratorEntry>& integrators() {

@@ -49,11 +49,18 @@ struct IntegratorEntry {
   /// Largest h‖ad_B‖₂ at which the step is stable for a constant generator; a longer step lets
   /// perturbations grow whatever the accuracy asked for.
   double stability_limit = std::numeric_limits<double>::infinity();
+  /// The h at which linear theory ends (core/linear_theory.h), from the eigenvalues of -iB(W₀);
+  /// empty where it sets no limit.
+  std::function<double(const RealVector&)> linear_limit = {};
 };
 
 /// The Gauss method with s stages in one of the formulations.  Throws std::invalid_argument unless
 /// 1 <= s <= max_stages.
 IntegratorEntry gauss_entry(Formulation formulation, int s);
+
+/// Control, not in the list: `algebra` with s >= 2 stages and its update formed as B W̃ - W̃ B,
+/// which loses skew-Hermiticity.  Throws std::invalid_argument unless 2 <= s <= max_stages.
+IntegratorEntry two_products_entry(int s);
 
 /// Every integrator of the project.
 const std::vector<IntegratorEntry>& integrators();

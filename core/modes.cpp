@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numbers>
+#include <optional>
+#include <random>
 #include <set>
 #include <stdexcept>
 #include <utility>
@@ -18,6 +21,46 @@ const std::vector<Mode>& default_modes() {
       {3, 3, {0.8, 1.4}},   {4, 0, {-0.6, 0.0}}, {4, 1, {1.2, 2.4}},   {4, 2, {1.8, -0.7}},
       {4, 3, {0.3, 1.3}},   {4, 4, {0.9, -0.3}},
   };
+  return modes;
+}
+
+namespace {
+
+// Standard normal numbers, the same on every machine: std::normal_distribution leaves the method
+// to the library.
+class NormalNumbers {
+ public:
+  double next() {
+    if (spare_) return *std::exchange(spare_, std::nullopt);
+    // Box and Muller's method.
+    const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
+    const double angle = 2.0 * std::numbers::pi * uniform();
+    spare_ = radius * std::sin(angle);
+    return radius * std::cos(angle);
+  }
+
+ private:
+  double uniform() { return static_cast<double>(bits_() >> 11U) * 0x1p-53; }
+
+  std::mt19937_64 bits_{20260101};
+  std::optional<double> spare_;
+};
+
+}  // namespace
+
+std::vector<Mode> rough_modes(Index n) {
+  if (n < 2) throw std::invalid_argument(fmt::format("rough_modes: n = {}, must be at least 2", n));
+  NormalNumbers normal;
+  std::vector<Mode> modes;
+  for (int l = 1; l < n; ++l) {
+    const double size = std::sqrt((l + 1.0) / (1.0 * l * l * (2.0 * l + 1.0)));
+    modes.push_back({l, 0, {size * normal.next(), 0.0}});
+    for (int m = 1; m <= l; ++m) {
+      const double real = normal.next();
+      const double imaginary = normal.next();
+      modes.push_back({l, m, Complex(real, imaginary) * (size / std::numbers::sqrt2)});
+    }
+  }
   return modes;
 }
 

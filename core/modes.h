@@ -18,6 +18,12 @@ struct Mode {
 /// only "the modes l <= 4, same values for each n"; these values fix it.  They need n >= 5.
 const std::vector<Mode>& default_modes();
 
+/// Rough initial data: every l from 1 to n-1, energy falling as l^-3 on average, so that vorticity
+/// is spread over all scales.  ω_lm is normal with E|ω_lm|² = (l+1) / (l² (2l+1)); drawn in the
+/// order of l, then m, from one seed, so that the values with l < n are the same for every n.
+/// Throws std::invalid_argument for n < 2.
+std::vector<Mode> rough_modes(Index n);
+
 /// Throws std::invalid_argument, naming the mode, unless every mode has 1 <= l < n and
 /// 0 <= m <= l, is finite and real where m = 0, no (l, m) comes twice, and not all are zero.
 void require_valid(const std::vector<Mode>& modes, Index n);

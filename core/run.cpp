@@ -15,6 +15,7 @@ RunReport run(Integrator& integrator, Matrix& W, double h, long steps,
     total.products += step.products;
     total.poisson_solves += step.poisson_solves;
     total.last_change = step.last_change;
+    total.contraction = larger(total.contraction, step.contraction);
     if (step.status != Status::converged) {
       total.status = step.status;
       total.failed_step = k;

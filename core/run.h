@@ -13,6 +13,7 @@ struct RunReport {
   long steps = 0;        ///< completed
   long failed_step = 0;  ///< first step that did not converge, counted from 1; 0 if none
   double last_change = 0.0;
+  double contraction = 0.0;  ///< the largest of the steps tried, a failed one included
   long sweeps = 0;
   long products = 0;
   long poisson_solves = 0;

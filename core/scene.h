@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/euler_zeitlin.h"
@@ -22,5 +23,17 @@ struct Scene {
 /// l <= 4), T = 5.  Throws std::invalid_argument for n < 2 or modes that do not fit n.
 Scene smooth_scene(Index n, HbarConvention convention = HbarConvention::paper,
                    const std::vector<Mode>& modes = default_modes());
+
+/// Euler-Zeitlin from rough_modes(n), T = 5.  Throws std::invalid_argument for n < 2.
+Scene rough_scene(Index n, HbarConvention convention = HbarConvention::paper);
+
+/// "smooth", "rough".
+const std::vector<std::string>& scene_names();
+/// The initial modes of the scene of this name.  Throws std::invalid_argument, naming what is
+/// allowed.
+std::vector<Mode> initial_modes(std::string_view scene, Index n);
+/// The scene of this name.  Throws std::invalid_argument, naming what is allowed, or as the scene.
+Scene scene_by_name(std::string_view name, Index n,
+                    HbarConvention convention = HbarConvention::paper);
 
 }  // namespace isosyrk

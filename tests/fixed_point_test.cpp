@@ -56,6 +56,20 @@ TEST(FixedPoint, ReportsTheSweepCapWhileStillFalling) {
   EXPECT_EQ(report.sweeps, 20);
 }
 
+TEST(FixedPoint, MeasuresTheContraction) {
+  for (const double q : {0.2, 0.9}) {
+    double change = 1.0;
+    const SolveReport report = solve_fixed_point({}, [&] { return change *= q; });
+    EXPECT_NEAR(report.contraction, q, 1e-12);
+  }
+  // Over the last five sweeps: (1e-14 / 1e-1)^(1/5), of a start that does not count any more.
+  EXPECT_NEAR(solve_changes({5.0, 5.0, 1e-1, 1e-3, 1e-4, 1e-6, 1e-9, 1e-14}).contraction,
+              std::pow(1e-13, 0.2), 1e-12);
+  EXPECT_NEAR(solve_changes({1.0, 1e-14}).contraction, 1e-14, 1e-26);
+  EXPECT_EQ(solve_changes({0.0}).contraction, 0.0);  // a single sweep tells nothing
+  EXPECT_GT(solve_changes({1.0, 10.0, 1e7}).contraction, 1.0);
+}
+
 TEST(Larger, KeepsNanWhateverItsPlace) {
   EXPECT_EQ(larger(1.0, 2.0), 2.0);
   EXPECT_TRUE(std::isnan(larger(1.0, nan)));

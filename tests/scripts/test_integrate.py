@@ -155,6 +155,38 @@ class RefusedArguments(RefusalTest):
                 self.assert_refused_alone(line, f"--n {n}", "n >= 5", "--modes")
 
 
+class NamedScene(RefusalTest):
+    """--scene NAME."""
+
+    def test_smooth_is_the_default(self):
+        named, named_W = self.result(SHORT, scene="smooth")
+        default, W = self.result(SHORT)
+        self.assertEqual(named_W, W)
+        self.assertEqual((named["scene"], default["scene"]), ("smooth", "smooth"))
+
+    def test_rough_is_another_scene_and_keeps_its_spectrum(self):
+        rough, rough_W = self.result(SHORT, scene="rough")
+        smooth, W = self.result(SHORT)
+        self.assertNotEqual(rough_W, W)
+        self.assertNotEqual(rough["modes_hash"], smooth["modes_hash"])
+        self.assertEqual(rough["scene"], "rough")
+        self.assertLess(rough["spectrum_error"], 1e-11)
+
+    def test_rough_works_at_the_smallest_sizes(self):
+        for n in ("2", "3", "4"):
+            self.assertTrue(self.result(SHORT, scene="rough", n=n)[0]["converged"])
+
+    def test_an_unknown_scene_is_named(self):
+        for scene in ("calm", "", "Smooth"):
+            self.assert_refused_alone(command(SHORT, "--output", self.output, scene=scene), "--scene", scene)
+
+    def test_modes_are_a_scene_of_their_own(self):
+        modes = self.write("modes.csv", "l,m,re,im\n2,0,1,0\n2,1,0.5,0\n")
+        self.assertEqual(self.result(SHORT, modes=modes)[0]["scene"], "modes")
+        line = command(SHORT, "--output", self.output, modes=modes, scene="rough")
+        self.assert_refused_alone(line, "--modes", "--scene")
+
+
 class NamedIntegrator(RefusalTest):
     """--integrator NAME in place of --formulation and --stages."""
 

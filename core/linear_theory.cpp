@@ -1,0 +1,63 @@
+#include "core/linear_theory.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <limits>
+
+namespace isosyrk {
+
+double spectral_radius(const Tableau& tableau) {
+  return tableau.a.eigenvalues().cwiseAbs().maxCoeff();
+}
+
+double adjoint_limit(double limit, const RealVector& frequencies) {
+  return limit / (frequencies.maxCoeff() - frequencies.minCoeff());
+}
+
+double stage_iteration_limit(const Tableau& tableau, const RealVector& frequencies) {
+  return 1.0 / (spectral_radius(tableau) * frequencies.cwiseAbs().maxCoeff());
+}
+
+double direct_iteration_limit(const Tableau& tableau, const RealVector& frequencies) {
+  return adjoint_limit(1.0 / spectral_radius(tableau), frequencies);
+}
+
+// With a = h²/4, d = (β_p - β_q)² and m = β_p² β_q²:  a d + a² m = 1, a = 2 / (d + √(d² + 4m)).
+double midpoint_iteration_limit(const RealVector& frequencies) {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const double p : frequencies) {
+    for (const double q : frequencies) {
+      const double d = (p - q) * (p - q);
+      const double a = 2.0 / (d + std::sqrt(d * d + 4.0 * p * p * q * q));
+      smallest = std::min(smallest, 2.0 * std::sqrt(a));
+    }
+  }
+  return smallest;
+}
+
+// In entry (q, p), with W₀ of size 1 there and Y_i = Σ_j a_ij X_j:
+//     Y = -ihβ_p A (1 + Y),    K_i = ihβ_q (Y_i + A K_i)  for each row i of K.
+double hermitian_growth(const Tableau& tableau, const RealVector& frequencies, double h) {
+  const Index s = tableau.stages();
+  const Matrix identity = Matrix::Identity(s, s);
+  const Matrix A = tableau.a.cast<Complex>();
+  double largest = 0.0;
+  for (const double q : frequencies) {
+    for (const double p : frequencies) {
+      const Complex x(0.0, h * p);
+      const Complex y(0.0, h * q);
+      const Eigen::VectorXcd Y = (identity + x * A).lu().solve(-x * tableau.c.cast<Complex>());
+      // Every row of K is Y_i times the same vector.
+      const Eigen::VectorXcd row = (identity - y * A).lu().solve(Eigen::VectorXcd::Constant(s, y));
+      Complex sum = 0.0;
+      for (Index i = 0; i < s; ++i) {
+        const Complex k = Y(i) * A.row(i).transpose().cwiseProduct(row).sum();
+        sum += tableau.b(i) * (1.0 + std::conj(k));
+      }
+      largest = std::max(largest, std::abs(1.0 + Complex(0.0, h * (p - q)) * sum));
+    }
+  }
+  return largest;
+}
+
+}  // namespace isosyrk

@@ -1,0 +1,128 @@
+// Linear theory of the iteration, against the iteration itself with a frozen generator, where it is
+// exact.
+#include "core/linear_theory.h"
+
+#include <gtest/gtest.h>
+
+#include "core/gauss_tableau.h"
+#include "core/invariants.h"
+#include "core/run.h"
+#include "tests/support.h"
+
+namespace isosyrk::testing {
+namespace {
+
+// W' = [B, W] with a constant B.
+class FrozenFlow final : public Flow {
+ public:
+  explicit FrozenFlow(const Matrix& B) : Flow(QuadraticAlgebra::skew_hermitian(B.rows())), B_(B) {}
+  void generator(const Matrix&, Matrix& B) const override { B = B_; }
+  double hamiltonian(const Matrix&) const override { return 0.0; }
+
+ private:
+  Matrix B_;
+};
+
+TEST(SpectralRadius, OfGaussTableaux) {
+  EXPECT_NEAR(spectral_radius(gauss_tableau(1)), 0.5, 1e-15);
+  // A of two stages has the characteristic polynomial z² - z/2 + 1/12.
+  EXPECT_NEAR(spectral_radius(gauss_tableau(2)), std::sqrt(1.0 / 12.0), 1e-15);
+}
+
+class LinearLimit : public ::testing::TestWithParam<IntegratorEntry> {
+ protected:
+  const Matrix B = random_skew_hermitian(7, 1);
+  const Matrix W0 = random_skew_hermitian(7, 2);
+  const FrozenFlow flow{B};
+  const double limit = GetParam().linear_limit(spectrum(B));
+};
+
+// Implicit methods: the iteration.
+class IterationLimit : public LinearLimit {
+ protected:
+  StepReport step(double h) {
+    SolverOptions options;
+    options.max_sweeps = 3000;
+    Matrix W = W0;
+    return GetParam().make(flow, options, ProductBackend::openblas)->step(W, h);
+  }
+};
+
+TEST_P(IterationLimit, BelowItTheIterationContracts) {
+  const StepReport report = step(0.9 * limit);
+  EXPECT_EQ(report.status, Status::converged);
+  // Changes fall from about 1 to 1e-13; the modulus of the slowest entry goes like h, or h² for the
+  // product term of the midpoint.
+  const double mean_contraction = std::pow(1e-13, 1.0 / report.sweeps);
+  EXPECT_LT(mean_contraction, 0.98);
+  EXPECT_GT(mean_contraction, 0.9 * 0.9 - 0.05);
+}
+
+TEST_P(IterationLimit, BeyondItTheIterationFails) {
+  EXPECT_NE(step(1.05 * limit).status, Status::converged);
+}
+
+// Explicit methods: the step.
+class StepLimit : public LinearLimit {
+ protected:
+  double norm_after(double h, long steps) {
+    Matrix W = W0;
+    run(*GetParam().make(flow, {}, ProductBackend::openblas), W, h, steps);
+    return W.norm() / W0.norm();
+  }
+};
+
+TEST_P(StepLimit, BelowItNothingGrows) { EXPECT_LE(norm_after(0.99 * limit, 500), 1.0 + 1e-10); }
+
+TEST_P(StepLimit, BeyondItPerturbationsGrow) { EXPECT_GT(norm_after(1.05 * limit, 500), 100.0); }
+
+std::vector<IntegratorEntry> limited(bool is_explicit) {
+  std::vector<IntegratorEntry> found;
+  for (const IntegratorEntry& entry : integrators()) {
+    if (entry.linear_limit && entry.keeps.is_explicit == is_explicit) found.push_back(entry);
+  }
+  return found;
+}
+
+std::string title(const ::testing::TestParamInfo<IntegratorEntry>& info) { return info.param.name; }
+
+INSTANTIATE_TEST_SUITE_P(All, IterationLimit, ::testing::ValuesIn(limited(false)), title);
+INSTANTIATE_TEST_SUITE_P(All, StepLimit, ::testing::ValuesIn(limited(true)), title);
+
+// The control's Hermitian part, from rounding, grows by the factor that theory says.
+TEST(HermitianGrowth, IsThatOfTheTwoProductsUpdate) {
+  const Matrix B = random_skew_hermitian(7, 1);
+  const FrozenFlow flow(B);
+  for (const int s : {2, 3}) {
+    for (const double h : {0.2, 0.6}) {
+      const auto control = two_products_entry(s).make(flow, {}, ProductBackend::openblas);
+      Matrix W = random_skew_hermitian(7, 2);
+      // Long enough for the fastest entry to stand out, not so long that it is of the size of W.
+      const double factor = hermitian_growth(gauss_tableau(s), spectrum(B), h);
+      const long steps = std::lround(8.0 / std::log(factor));
+      run(*control, W, h, steps);
+      const double early = (W + W.adjoint()).norm();
+      run(*control, W, h, steps);
+      const double late = (W + W.adjoint()).norm();
+      EXPECT_NEAR(std::log(late / early) / static_cast<double>(steps) / std::log(factor), 1.0, 0.1)
+          << s << " " << h;
+    }
+  }
+}
+
+TEST(HermitianGrowth, IsTheHalfSquareForSmallSteps) {
+  RealVector frequencies(3);
+  frequencies << -1.0, 0.25, 1.5;
+  const double h = 1e-3;
+  EXPECT_NEAR(std::log(hermitian_growth(gauss_tableau(2), frequencies, h)),
+              0.5 * std::pow(h * 2.5, 2), 1e-9);
+}
+
+TEST(LinearLimits, OnlyTheExponentialHasNone) {
+  for (const IntegratorEntry& entry : integrators()) {
+    EXPECT_EQ(static_cast<bool>(entry.linear_limit), entry.name != "rkmk4") << entry.name;
+  }
+}
+
+}  // namespace
+}  // namespace isosyrk::testing

@@ -1,0 +1,238 @@
+// The solver at its limits: every step ends with the right status, in bounded time, and a step that
+// does not converge leaves W as it was.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <limits>
+#include <random>
+
+#include "core/invariants.h"
+#include "tests/support.h"
+
+namespace isosyrk::testing {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+bool same_bits(const Matrix& A, const Matrix& B) {
+  return std::memcmp(A.data(), B.data(), static_cast<std::size_t>(A.size()) * sizeof(Complex)) == 0;
+}
+
+class AtItsLimits : public ::testing::TestWithParam<std::tuple<Formulation, int>> {
+ protected:
+  std::unique_ptr<Integrator> method(const Scene& scene, double tolerance = 1e-13) const {
+    const auto [formulation, s] = GetParam();
+    return gauss(formulation, *scene.flow, s, tolerance);
+  }
+  bool is_algebra() const { return std::get<0>(GetParam()) == Formulation::algebra; }
+};
+
+// Sweeps at n = 17, h = 0.1 are 14 at most for 1e-13, with a contraction of at most 0.2 a sweep:
+// rounding, 1e-17, is reached within 10 more, and 50 without a better change end it.
+TEST_P(AtItsLimits, ToleranceUnderRoundingEndsSoon) {
+  for (const double tolerance : {1e-17, 1e-20, 1e-300}) {
+    const Scene scene = smooth_scene(17);
+    Matrix W = scene.initial;
+    const StepReport report = method(scene, tolerance)->step(W, 0.1);
+    EXPECT_TRUE(report.status == Status::stagnated || report.status == Status::converged);
+    EXPECT_LE(report.sweeps, 14 + 10 + 50 + 25);
+    if (report.status == Status::converged) {
+      EXPECT_LT(report.last_change, tolerance);
+    } else {
+      EXPECT_TRUE(same_bits(W, scene.initial));
+    }
+  }
+}
+
+TEST_P(AtItsLimits, HugeDataDivergeAtOnce) {
+  const Scene scene = smooth_scene(17);
+  const Matrix W0 = 1e150 * scene.initial;
+  Matrix W = W0;
+  const StepReport report = method(scene)->step(W, 0.1);
+  EXPECT_EQ(report.status, Status::diverged);
+  EXPECT_LE(report.sweeps, 3);
+  EXPECT_TRUE(same_bits(W, W0));
+}
+
+// 1e-150 W moves by 1e-301 in a step: no unknown changes by as much as the tolerance.
+TEST_P(AtItsLimits, TinyDataConvergeAtOnce) {
+  const Scene scene = smooth_scene(17);
+  const Matrix W0 = 1e-150 * scene.initial;
+  Matrix W = W0;
+  const StepReport report = method(scene)->step(W, 0.1);
+  EXPECT_EQ(report.status, Status::converged);
+  EXPECT_LE(report.sweeps, 2);
+  EXPECT_LE(largest_difference(W, W0), 1e-163);
+}
+
+TEST_P(AtItsLimits, AStepUnderRoundingLeavesWWhereItIs) {
+  const Scene scene = smooth_scene(17);
+  Matrix W = scene.initial;
+  const StepReport report = method(scene)->step(W, 1e-20);
+  EXPECT_EQ(report.status, Status::converged);
+  EXPECT_LE(report.sweeps, 2);
+  EXPECT_LE(largest_difference(W, scene.initial), 1e-16);
+}
+
+TEST_P(AtItsLimits, WhatIsNotANumberDivergesAtOnce) {
+  for (const double bad : {nan, infinity, -infinity}) {
+    for (const Index at : {Index{0}, Index{8}, Index{16}}) {
+      const Scene scene = smooth_scene(17);
+      Matrix W0 = scene.initial;
+      W0(at, 16 - at / 2) = bad;
+      Matrix W = W0;
+      const StepReport report = method(scene)->step(W, 0.1);
+      EXPECT_EQ(report.status, Status::diverged);
+      EXPECT_LE(report.sweeps, 2);
+      EXPECT_TRUE(same_bits(W, W0));
+    }
+  }
+}
+
+TEST_P(AtItsLimits, SmallestSizesWork) {
+  for (const Index n : {2, 3, 4}) {
+    std::vector<Mode> modes;
+    for (int l = 1; l < n; ++l) {
+      modes.push_back({l, 0, 0.7});
+      modes.push_back({l, 1, Complex(0.3, -0.4)});
+    }
+    const Scene scene = smooth_scene(n, HbarConvention::paper, modes);
+    const Matrix W = integrated(*method(scene), scene.initial, 0.1, 20);
+    EXPECT_LE(spectrum_error(W, scene.initial), 1e-12);
+    EXPECT_LE(skew_defect(W), is_algebra() ? 0.0 : 1e-13);
+  }
+}
+
+// A zonal W is diagonal, as B is: they commute.
+TEST_P(AtItsLimits, AZonalFlowIsAtRest) {
+  const Scene scene = smooth_scene(17, HbarConvention::paper,
+                                   {{1, 0, 0.4}, {2, 0, -0.7}, {3, 0, 0.3}, {4, 0, 0.5}});
+  const long steps = 20;
+  const auto integrator = method(scene);
+  Matrix W = scene.initial;
+  double contraction = 0.0;
+  for (long k = 0; k < steps; ++k) {
+    const StepReport report = integrator->step(W, 0.1);
+    ASSERT_EQ(report.status, Status::converged);
+    EXPECT_LE(report.sweeps, 20);  // 10 to 14 in Table 1
+    contraction = larger(contraction, report.contraction);
+  }
+  // B W̃ - (B W̃)† is 0 to the last bit; Q† W₀ Q only as far as Q is unitary.
+  const double bound =
+      is_algebra() ? 0.0 : static_cast<double>(steps) * 1e-13 / (1.0 - contraction);
+  EXPECT_LT(contraction, 0.5);
+  EXPECT_LE(largest_difference(W, scene.initial), bound);
+}
+
+// l = 1 alone turns as a rigid body about its own axis: B is a multiple of W, and W is at rest.
+TEST_P(AtItsLimits, ARigidRotationIsAtRest) {
+  const Scene scene =
+      smooth_scene(17, HbarConvention::paper, {{1, 0, 0.4}, {1, 1, Complex(0.5, -0.2)}});
+  const long steps = 20;
+  const auto integrator = method(scene);
+  Matrix W = scene.initial;
+  for (long k = 0; k < steps; ++k) {
+    const StepReport report = integrator->step(W, 0.1);
+    ASSERT_EQ(report.status, Status::converged);
+    EXPECT_LE(report.sweeps, 43);  // log(1e-13) / log(1/2)
+  }
+  // steps * tolerance / (1 - contraction), the contraction below 1/2
+  EXPECT_LE(largest_difference(W, scene.initial), static_cast<double>(steps) * 2e-13);
+}
+
+TEST_P(AtItsLimits, NothingStaysNothing) {
+  const Scene scene = smooth_scene(17);
+  Matrix W = Matrix::Zero(17, 17);
+  const StepReport report = method(scene)->step(W, 0.1);
+  EXPECT_EQ(report.status, Status::converged);
+  EXPECT_EQ(report.sweeps, 1);
+  EXPECT_EQ(largest_difference(W, Matrix::Zero(17, 17)), 0.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, AtItsLimits,
+                         ::testing::Combine(::testing::ValuesIn(formulations()),
+                                            ::testing::Values(1, 2, 3)));
+
+// A NaN that appears in a stage only, after the first evaluation.
+TEST(SolverLimits, ANumberLostInAStageDiverges) {
+  class Failing final : public Flow {
+   public:
+    explicit Failing(const Scene& scene) : Flow(scene.flow->algebra()), scene_(scene) {}
+    void generator(const Matrix& W, Matrix& B) const override {
+      scene_.flow->generator(W, B);
+      if (++calls_ == 4) B(1, 2) = nan;
+    }
+    double hamiltonian(const Matrix&) const override { return 0.0; }
+
+   private:
+    const Scene& scene_;
+    mutable int calls_ = 0;
+  };
+  const Scene scene = smooth_scene(9);
+  for (const Formulation formulation : formulations()) {
+    for (const int s : {1, 2, 3}) {
+      const Failing flow(scene);
+      Matrix W = scene.initial;
+      const StepReport report = gauss(formulation, flow, s)->step(W, 0.1);
+      EXPECT_EQ(report.status, Status::diverged) << name(formulation) << s;
+      EXPECT_TRUE(same_bits(W, scene.initial));
+    }
+  }
+}
+
+// Drawn scenes: whenever all three formulations report convergence they coincide, and whenever one
+// does not converge it says so and leaves W as it was.
+TEST(RandomScenes, FormulationsCoincideOrSayThatTheyFailed) {
+  constexpr int scenes = 240;
+  constexpr double tolerance = 1e-13;
+  std::mt19937_64 draw(7);
+  const auto uniform = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(draw() >> 11U) * 0x1p-53;
+  };
+  int coincided = 0;
+  int failed = 0;
+  for (int k = 0; k < scenes; ++k) {
+    const auto n = static_cast<Index>(2 + draw() % 23);
+    const int s = static_cast<int>(1 + draw() % 4);
+    const double h = std::pow(10.0, uniform(-2.0, 0.7));
+    const HbarConvention hbar = draw() % 2 == 0 ? HbarConvention::paper : HbarConvention::standard;
+    std::vector<Mode> modes;
+    for (int l = 1; l < n; ++l) {
+      if (l > 1 && draw() % 3 != 0) continue;
+      for (int m = 0; m <= l; ++m) {
+        modes.push_back({l, m, Complex(uniform(-1, 1), m == 0 ? 0.0 : uniform(-1, 1))});
+      }
+    }
+    const Scene scene = smooth_scene(n, hbar, modes);
+    SCOPED_TRACE(::testing::Message() << "scene " << k << ": n = " << n << ", s = " << s
+                                      << ", h = " << h << ", hbar " << name(hbar));
+    std::vector<Matrix> ends;
+    double contraction = 0.0;
+    for (const Formulation formulation : formulations()) {
+      Matrix W = scene.initial;
+      const StepReport report = gauss(formulation, *scene.flow, s, tolerance)->step(W, h);
+      if (report.status == Status::converged) {
+        ends.push_back(W);
+        contraction = larger(contraction, report.contraction);
+      } else {
+        ++failed;
+        EXPECT_TRUE(same_bits(W, scene.initial));
+      }
+    }
+    if (ends.size() < 3 || !(contraction < 1.0)) continue;
+    ++coincided;
+    // Each solution is within tolerance · q / (1 - q) of the exact one in every stage; the update
+    // multiplies that by at most (1 + h‖B‖)² < 16 where plain iteration converges.  The contraction
+    // measured over five sweeps may be a tenth off.
+    const double q = std::min(0.98, 1.1 * contraction);
+    const double bound = 16.0 * tolerance / (1.0 - q) + 1e-13;
+    EXPECT_LE(largest_difference(ends[0], ends[1]), bound);
+    EXPECT_LE(largest_difference(ends[0], ends[2]), bound);
+  }
+  EXPECT_GE(coincided, 120);  // else the draw tests nothing
+  EXPECT_GE(failed, 30);
+}
+
+}  // namespace
+}  // namespace isosyrk::testing
