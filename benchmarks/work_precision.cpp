@@ -16,6 +16,7 @@
 
 #include "benchmarks/arguments.h"
 #include "benchmarks/conditions.h"
+#include "benchmarks/integrator_json.h"
 #include "benchmarks/output_file.h"
 #include "benchmarks/progress.h"
 #include "benchmarks/reference.h"
@@ -243,17 +244,6 @@ Json as_json(const ReferenceRun& run) {
   return {{"integrator", run.integrator}, {"steps", run.steps}};
 }
 
-Json as_json(const IntegratorEntry& entry) {
-  return {{"name", entry.name},
-          {"stages", entry.stages},
-          {"order", entry.order},
-          {"isospectral", entry.keeps.isospectral},
-          {"lie_poisson", entry.keeps.lie_poisson},
-          {"symmetric", entry.keeps.symmetric},
-          {"explicit", entry.keeps.is_explicit},
-          {"stability_limit", entry.stability_limit}};
-}
-
 // The command line.
 struct Request {
   std::vector<Index> sizes;
@@ -368,7 +358,8 @@ class Study {
                                     {"second", isosyrk::as_json(reference.second)}});
     }
     for (const IntegratorEntry* entry : request_.integrators) {
-      json["integrators"].push_back(isosyrk::as_json(*entry));
+      json["integrators"].push_back(integrator_json(*entry));
+      json["integrators"].back()["stability_limit"] = entry->stability_limit;
     }
     for (const Line& line : lines_) {
       for (const Point& point : line.points) {

@@ -1,0 +1,59 @@
+#include "benchmarks/stability_request.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "benchmarks/conditions.h"
+
+namespace isosyrk {
+
+StabilityOptions::StabilityOptions(CLI::App& app, const std::string& quick) {
+  app.add_option("--out", out_, "write the outcomes here, as JSON")->required();
+  app.add_option("--n", sizes_, "matrix sizes, 5 to 513");
+  app.add_option("--integrator", integrators_, "names of integrators (default all)");
+  app.add_option("--products", products_, "fastest (default), openblas or eigen");
+  app.add_option("--processes", processes_, "maps or runs at a time (default: one for each core)");
+  app.add_flag("--quick", quick_, quick)->disable_flag_override();
+}
+
+StabilityRequest StabilityOptions::read(const std::vector<Index>& default_sizes,
+                                        const std::vector<Index>& quick_sizes) const {
+  StabilityRequest request;
+  for (const std::string& n : sizes_) request.sizes.push_back(whole_number("--n", n, 5, 513));
+  if (request.sizes.empty()) request.sizes = quick_ ? quick_sizes : default_sizes;
+  for (const std::string& wanted : integrators_) {
+    request.integrators.push_back(&integrator_entry(wanted));
+  }
+  if (request.integrators.empty()) {
+    for (const IntegratorEntry& entry : integrators()) request.integrators.push_back(&entry);
+  }
+  request.products = backend_choice(products_);
+  request.processes = processes_.empty()
+                          ? std::max(1L, static_cast<long>(std::thread::hardware_concurrency()))
+                          : whole_number("--processes", processes_, 1, 1024);
+  request.output.emplace("--out", out_);
+  return request;
+}
+
+void JobProgress::finished(const std::string& job) {
+  ++done_;
+  progress_.say(job, fmt::format("{} of {}", done_, jobs_));
+}
+
+nlohmann::ordered_json stability_context(const std::string& program,
+                                         const StabilityRequest& request,
+                                         const std::vector<BackendRates>& rates, int max_sweeps) {
+  SolverOptions options;
+  options.max_sweeps = max_sweeps;
+  Conditions conditions = machine_conditions(program, request.products, rates);
+  for (const auto& condition : solver_conditions(options, HbarConvention::paper, default_modes())) {
+    conditions.push_back(condition);
+  }
+  nlohmann::ordered_json json;
+  for (const auto& [key, value] : conditions) json[key] = value;
+  return json;
+}
+
+}  // namespace isosyrk

@@ -1,0 +1,61 @@
+// Command line, progress and conditions of the stability studies.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "benchmarks/arguments.h"
+#include "benchmarks/output_file.h"
+#include "benchmarks/progress.h"
+#include "core/integrator_list.h"
+
+namespace isosyrk {
+
+struct StabilityRequest {
+  std::vector<Index> sizes;
+  std::vector<const IntegratorEntry*> integrators;
+  BackendChoice products;
+  long processes;
+  std::optional<OutputFile> output;
+};
+
+/// The options that both studies have.
+class StabilityOptions {
+ public:
+  /// Adds them to the app; `quick` says what --quick does.
+  StabilityOptions(CLI::App& app, const std::string& quick);
+
+  /// Throws BadArgument or std::invalid_argument.
+  StabilityRequest read(const std::vector<Index>& default_sizes,
+                        const std::vector<Index>& quick_sizes) const;
+
+  bool quick() const { return quick_; }
+
+ private:
+  std::vector<std::string> sizes_, integrators_;
+  std::string products_ = "fastest";
+  std::string processes_;
+  std::string out_;
+  bool quick_ = false;
+};
+
+/// Progress over jobs.
+class JobProgress {
+ public:
+  explicit JobProgress(std::size_t jobs) : jobs_(jobs) {}
+  void finished(const std::string& job);
+
+ private:
+  std::size_t jobs_;
+  std::size_t done_ = 0;
+  Progress progress_;
+};
+
+/// The conditions of measurement, as a raw file holds them.
+nlohmann::ordered_json stability_context(const std::string& program,
+                                         const StabilityRequest& request,
+                                         const std::vector<BackendRates>& rates, int max_sweeps);
+
+}  // namespace isosyrk

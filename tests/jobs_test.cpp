@@ -1,0 +1,70 @@
+#include "benchmarks/jobs.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <stdexcept>
+
+namespace isosyrk::testing {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const auto unheard = [](std::size_t) {};
+
+TEST(Jobs, ResultsComeInOrderAndEachIsHeardOfOnce) {
+  for (const long processes : {1, 2, 5}) {
+    std::vector<int> heard(100);
+    const auto results = run_jobs(
+        heard.size(), processes,
+        [](std::size_t k) {
+          return Json{{"square", k * k}};
+        },
+        [&](std::size_t k) { ++heard[k]; });
+    for (std::size_t k = 0; k < heard.size(); ++k) {
+      EXPECT_EQ(results[k]["square"], k * k);
+      EXPECT_EQ(heard[k], 1);
+    }
+  }
+}
+
+TEST(Jobs, AResultLongerThanAPipeHolds) {
+  const auto results = run_jobs(
+      4, 2, [](std::size_t k) { return Json(std::string(1000000, static_cast<char>('a' + k))); },
+      unheard);
+  EXPECT_EQ(results[3].get<std::string>(), std::string(1000000, 'd'));
+}
+
+TEST(Jobs, NoneIsFine) {
+  EXPECT_TRUE(run_jobs(
+                  0, 2, [](std::size_t) { return Json(); }, unheard)
+                  .empty());
+}
+
+TEST(Jobs, AFailureEndsThemAndIsPassedOn) {
+  for (const long processes : {1, 2}) {
+    std::size_t finished = 0;
+    const auto job = [](std::size_t k) -> Json {
+      if (k == 3) throw std::runtime_error("job 3 failed");
+      return k;
+    };
+    try {
+      run_jobs(100000, processes, job, [&](std::size_t) { ++finished; });
+      FAIL();
+    } catch (const std::runtime_error& error) {
+      EXPECT_STREQ(error.what(), "job 3 failed");
+    }
+    EXPECT_LT(finished, 100000U);
+  }
+}
+
+TEST(Jobs, AChildThatDiesIsNoticed) {
+  const auto job = [](std::size_t k) -> Json {
+    if (k == 5) _exit(7);
+    return k;
+  };
+  EXPECT_THROW(run_jobs(50, 2, job, unheard), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace isosyrk::testing
