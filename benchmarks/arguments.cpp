@@ -62,6 +62,13 @@ HbarConvention hbar_convention(const std::string& text) {
   throw BadArgument(fmt::format("--hbar '{}': must be paper or standard", text));
 }
 
+void require_scene(const std::string& option, const std::string& text) {
+  const std::vector<std::string>& names = scene_names();
+  if (std::find(names.begin(), names.end(), text) == names.end()) {
+    throw BadArgument(fmt::format("{} '{}': must be {}", option, text, fmt::join(names, " or ")));
+  }
+}
+
 BackendChoice backend_choice(const std::string& text) {
   if (text == "fastest") return std::nullopt;
   for (const ProductBackend backend : product_backends()) {

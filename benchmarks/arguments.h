@@ -9,7 +9,7 @@
 #include <string>
 
 #include "benchmarks/product_rate.h"
-#include "core/euler_zeitlin.h"
+#include "core/scene.h"
 
 namespace isosyrk {
 
@@ -33,6 +33,9 @@ long step_count(double time, double step);
 
 /// "paper" or "standard".  Throws BadArgument.
 HbarConvention hbar_convention(const std::string& text);
+
+/// One of scene_names().  Throws BadArgument.
+void require_scene(const std::string& option, const std::string& text);
 
 /// "fastest", "openblas" or "eigen".  Throws BadArgument.
 BackendChoice backend_choice(const std::string& text);

@@ -5,123 +5,15 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "benchmarks/arguments.h"
+#include "benchmarks/integrate_arguments.h"
 #include "benchmarks/modes_file.h"
 #include "benchmarks/output_file.h"
 #include "benchmarks/timed_run.h"
 #include "core/conservation.h"
-#include "core/integrator_list.h"
 #include "core/scene.h"
 
 namespace isosyrk {
 namespace {
-
-// The command line as text; every value is read strictly by `parse`.
-struct Text {
-  std::string n, stages, formulation, integrator, step, time;
-  std::string tolerance = "1e-13";
-  std::string max_sweeps = "1000";
-  std::string hbar = "paper";
-  std::string products = "fastest";
-  std::string scene = "smooth";
-  std::string modes;
-  std::string output;
-};
-
-struct Request {
-  Index n;
-  IntegratorEntry integrator;
-  std::optional<Formulation> formulation;  // where it was chosen by this
-  double step;
-  double time;
-  long steps;
-  SolverOptions solver;
-  HbarConvention hbar;
-  BackendChoice products;
-  Scene scene;
-  std::vector<Mode> modes;  // of the scene
-  std::optional<OutputFile> output;
-};
-
-// Which of the options that have no default were given.
-struct Given {
-  bool formulation, stages, integrator, scene, modes, output;
-};
-
-// --integrator, or --formulation and --stages.
-void choose_integrator(const Text& text, const Given& given, Request& request) {
-  if (given.integrator && (given.formulation || given.stages)) {
-    throw BadArgument(
-        fmt::format("--integrator {}: must stand alone, in place of --formulation and --stages",
-                    text.integrator));
-  }
-  try {
-    if (given.integrator) {
-      request.integrator = integrator_entry(text.integrator);
-      return;
-    }
-    if (!given.stages) throw BadArgument("--stages is required, or --integrator");
-    if (!given.formulation) throw BadArgument("--formulation is required, or --integrator");
-    const int stages = static_cast<int>(whole_number("--stages", text.stages, 1, max_stages));
-    request.formulation = formulation_from_name(text.formulation);
-    request.integrator = gauss_entry(*request.formulation, stages);
-  } catch (const std::invalid_argument& error) {
-    throw BadArgument(fmt::format("--{}", error.what()));
-  }
-}
-
-// --scene, or the smooth one from modes of the user's.
-void choose_scene(const Text& text, const Given& given, Request& request) {
-  if (given.modes) {
-    if (given.scene) {
-      throw BadArgument(
-          fmt::format("--modes {}: must stand without --scene, which has its own", text.modes));
-    }
-    request.modes = read_modes_file(text.modes, request.n);
-    request.scene = smooth_scene(request.n, request.hbar, request.modes);
-    request.scene.name = "modes";
-    return;
-  }
-  if (text.scene == "smooth" && request.n < 5) {
-    throw BadArgument(fmt::format(
-        "--n {}: the default modes (l <= 4) need n >= 5; smaller n needs --modes", request.n));
-  }
-  try {
-    request.modes = initial_modes(text.scene, request.n);
-  } catch (const std::invalid_argument& error) {
-    throw BadArgument(fmt::format("--{}", error.what()));
-  }
-  request.scene = scene_by_name(text.scene, request.n, request.hbar);
-}
-
-Request parse(const Text& text, const Given& given) {
-  Request request{};
-  request.n = whole_number("--n", text.n, 2, 4096);
-  choose_integrator(text, given, request);
-  const std::string positive = "positive and finite";
-  request.step = real_number("--step", text.step, positive);
-  if (request.step <= 0.0) {
-    throw BadArgument(fmt::format("--step {}: must be {}", text.step, positive));
-  }
-  const std::string not_negative = "0 or positive, and finite";
-  request.time = real_number("--time", text.time, not_negative);
-  if (request.time < 0.0) {
-    throw BadArgument(fmt::format("--time {}: must be {}", text.time, not_negative));
-  }
-  request.steps = step_count(request.time, request.step);
-  const std::string at_least = "at least 1e-15, and finite";
-  request.solver.tolerance = real_number("--tolerance", text.tolerance, at_least);
-  if (request.solver.tolerance < 1e-15) {
-    throw BadArgument(fmt::format("--tolerance {}: must be {}", text.tolerance, at_least));
-  }
-  request.solver.max_sweeps =
-      static_cast<int>(whole_number("--max-sweeps", text.max_sweeps, 1, 1000000));
-  request.hbar = hbar_convention(text.hbar);
-  request.products = backend_choice(text.products);
-  choose_scene(text, given, request);
-  if (given.output) request.output.emplace("--output", text.output);
-  return request;
-}
 
 struct Outcome {
   RunReport run;
@@ -131,8 +23,7 @@ struct Outcome {
   Matrix W;
 };
 
-Outcome integrate(const Request& request, ProductBackend backend) {
-  const Scene& scene = request.scene;
+Outcome integrate(const IntegrateRequest& request, const Scene& scene, ProductBackend backend) {
   const auto integrator = request.integrator.make(*scene.flow, request.solver, backend);
   Outcome outcome;
   outcome.W = scene.initial;
@@ -146,11 +37,11 @@ Outcome integrate(const Request& request, ProductBackend backend) {
   return outcome;
 }
 
-nlohmann::ordered_json as_json(const Request& request, const Outcome& outcome,
-                               ProductBackend backend) {
+nlohmann::ordered_json as_json(const IntegrateRequest& request, const std::vector<Mode>& modes,
+                               const Outcome& outcome, ProductBackend backend) {
   const RunReport& run = outcome.run;
   nlohmann::ordered_json json = {
-      {"scene", request.scene.name},
+      {"scene", request.scene},
       {"n", request.n},
       {"integrator", request.integrator.name},
       {"stages", request.integrator.stages},
@@ -162,7 +53,7 @@ nlohmann::ordered_json as_json(const Request& request, const Outcome& outcome,
       {"tolerance", request.solver.tolerance},
       {"max_sweeps", request.solver.max_sweeps},
       {"hbar", name(request.hbar)},
-      {"modes_hash", hash_of(request.modes)},
+      {"modes_hash", hash_of(modes)},
       {"product_backend", name(backend)},
       {"converged", run.converged()},
       {"status", name(run.status)},
@@ -188,45 +79,22 @@ void print_text(const nlohmann::ordered_json& result) {
 }
 
 int main_program(int argc, char** argv) {
-  CLI::App app{
-      "Integrates the Euler-Zeitlin equations with one formulation of an isospectral "
-      "symplectic Runge-Kutta (Gauss) method, or with any listed integrator."};
-  Text text;
-  bool json = false;
-  app.add_option("--n", text.n, "matrix size, 2 to 4096")->required();
-  const auto* stages =
-      app.add_option("--stages", text.stages, "stages of the Gauss tableau, 1 to 20");
-  const auto* formulation =
-      app.add_option("--formulation", text.formulation, "cotangent, group or algebra");
-  const auto* integrator =
-      app.add_option("--integrator", text.integrator,
-                     "name of a listed integrator, in place of --formulation and --stages");
-  app.add_option("--step", text.step, "step size h > 0")->required();
-  app.add_option("--time", text.time, "end time T >= 0, a whole number of steps")->required();
-  app.add_option("--tolerance", text.tolerance, "of the fixed point, >= 1e-15 (default 1e-13)");
-  app.add_option("--max-sweeps", text.max_sweeps, "sweeps allowed in a step (default 1000)");
-  app.add_option("--hbar", text.hbar, "paper: 2/sqrt(n(n-1)) (default); standard: 2/sqrt(n^2-1)");
-  app.add_option("--products", text.products, "fastest (default), openblas or eigen");
-  const auto* scene = app.add_option("--scene", text.scene, "smooth (default) or rough");
-  const auto* modes =
-      app.add_option("--modes", text.modes, "initial modes, CSV with the header l,m,re,im");
-  const auto* output =
-      app.add_option("--output", text.output, "write W(T) as NumPy .npy, complex128");
-  app.add_flag("--json", json, "print one JSON object")->disable_flag_override();
-  if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
+  const auto asked = read_integrate_arguments(argc, argv);
+  if (const int* exit_code = std::get_if<int>(&asked)) return *exit_code;
+  const auto& request = std::get<IntegrateRequest>(asked);
   use_one_blas_thread();
-  const Request request = parse(text, {.formulation = formulation->count() > 0,
-                                       .stages = stages->count() > 0,
-                                       .integrator = integrator->count() > 0,
-                                       .scene = scene->count() > 0,
-                                       .modes = modes->count() > 0,
-                                       .output = output->count() > 0});
+  const std::vector<Mode> modes = request.modes_file
+                                      ? read_modes_file(*request.modes_file, request.n)
+                                      : initial_modes(request.scene, request.n);
+  std::optional<OutputFile> output;
+  if (request.output_file) output.emplace("--output", *request.output_file);
+  const Scene scene = euler_zeitlin_scene(request.scene, request.n, request.hbar, modes);
   const ProductBackend backend = choose_backend(request.products, request.n).chosen;
-  const Outcome outcome = integrate(request, backend);
+  const Outcome outcome = integrate(request, scene, backend);
 
-  const nlohmann::ordered_json result = as_json(request, outcome, backend);
-  if (outcome.run.converged() && request.output) request.output->write(npy(outcome.W));
-  if (json) {
+  const nlohmann::ordered_json result = as_json(request, modes, outcome, backend);
+  if (outcome.run.converged() && output) output->write(npy(outcome.W));
+  if (request.json) {
     fmt::print("{}\n", result.dump());
   } else {
     print_text(result);

@@ -85,7 +85,7 @@ int main_program(int argc, char** argv) {
   use_one_blas_thread();
   const StabilityRequest request = options.read(default_sizes, quick_sizes);
   if (scenes.empty()) scenes = scene_names();
-  for (const std::string& scene : scenes) initial_modes(scene, request.sizes.front());  // checks
+  for (const std::string& scene : scenes) require_scene("--scene", scene);
 
   std::vector<BackendRates> rates;
   std::vector<std::unique_ptr<Place>> places;

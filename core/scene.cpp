@@ -5,15 +5,12 @@
 #include <stdexcept>
 
 namespace isosyrk {
-namespace {
 
 Scene euler_zeitlin_scene(std::string_view name, Index n, HbarConvention convention,
                           const std::vector<Mode>& modes) {
   return {std::string(name), std::make_shared<EulerZeitlin>(n, convention),
           vorticity_from_modes(modes, n), 5.0};
 }
-
-}  // namespace
 
 Scene smooth_scene(Index n, HbarConvention convention, const std::vector<Mode>& modes) {
   return euler_zeitlin_scene("smooth", n, convention, modes);

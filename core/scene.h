@@ -19,6 +19,11 @@ struct Scene {
   double time;     ///< end of the time span
 };
 
+/// Euler-Zeitlin from given modes, T = 5.  Throws std::invalid_argument for n < 2 or modes that do
+/// not fit n.
+Scene euler_zeitlin_scene(std::string_view name, Index n, HbarConvention convention,
+                          const std::vector<Mode>& modes);
+
 /// The scene of the paper's Table 1: Euler-Zeitlin from a few smooth modes (by default those with
 /// l <= 4), T = 5.  Throws std::invalid_argument for n < 2 or modes that do not fit n.
 Scene smooth_scene(Index n, HbarConvention convention = HbarConvention::paper,

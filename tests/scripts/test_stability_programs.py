@@ -94,7 +94,7 @@ class Refusals(StudyTest):
             for processes in ("0", "x", "-1"):
                 self.refuses(name, *out, "--processes", processes, parts=["--processes", processes])
             self.refuses(name, *out, "perhaps", parts=["perhaps"])
-        self.refuses("stability", *out, "--scene", "calm", parts=["scene 'calm'", "smooth, rough"])
+        self.refuses("stability", *out, "--scene", "calm", parts=["--scene 'calm'", "smooth or rough"])
         for steps in ("9", "0", "x", "1000001"):
             self.refuses("long_runs", *out, "--steps", steps, parts=["--steps", steps])
 

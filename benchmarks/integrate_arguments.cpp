@@ -1,0 +1,133 @@
+#include "benchmarks/integrate_arguments.h"
+
+#include <fmt/format.h>
+
+namespace isosyrk {
+namespace {
+
+// The command line as text; every value is read strictly by `parse`.
+struct Text {
+  std::string n, stages, formulation, integrator, step, time;
+  std::string tolerance = "1e-13";
+  std::string max_sweeps = "1000";
+  std::string hbar = "paper";
+  std::string products = "fastest";
+  std::string scene = "smooth";
+  std::string modes;
+  std::string output;
+  bool json = false;
+};
+
+// Which of the options that have no default were given.
+struct Given {
+  bool formulation, stages, integrator, scene, modes, output;
+};
+
+// --integrator, or --formulation and --stages.
+void choose_integrator(const Text& text, const Given& given, IntegrateRequest& request) {
+  if (given.integrator && (given.formulation || given.stages)) {
+    throw BadArgument(
+        fmt::format("--integrator {}: must stand alone, in place of --formulation and --stages",
+                    text.integrator));
+  }
+  try {
+    if (given.integrator) {
+      request.integrator = integrator_entry(text.integrator);
+      return;
+    }
+    if (!given.stages) throw BadArgument("--stages is required, or --integrator");
+    if (!given.formulation) throw BadArgument("--formulation is required, or --integrator");
+    const int stages = static_cast<int>(whole_number("--stages", text.stages, 1, max_stages));
+    request.formulation = formulation_from_name(text.formulation);
+    request.integrator = gauss_entry(*request.formulation, stages);
+  } catch (const std::invalid_argument& error) {
+    throw BadArgument(fmt::format("--{}", error.what()));
+  }
+}
+
+// --scene, or --modes.
+void choose_scene(const Text& text, const Given& given, IntegrateRequest& request) {
+  if (given.modes && given.scene) {
+    throw BadArgument(
+        fmt::format("--modes {}: must stand without --scene, which has its own", text.modes));
+  }
+  if (given.modes) {
+    request.scene = "modes";
+    request.modes_file = text.modes;
+    return;
+  }
+  require_scene("--scene", text.scene);
+  request.scene = text.scene;
+  if (request.scene == "smooth" && request.n < 5) {
+    throw BadArgument(fmt::format(
+        "--n {}: the default modes (l <= 4) need n >= 5; smaller n needs --modes", request.n));
+  }
+}
+
+IntegrateRequest parse(const Text& text, const Given& given) {
+  IntegrateRequest request{};
+  request.n = whole_number("--n", text.n, 2, 4096);
+  choose_integrator(text, given, request);
+  const std::string positive = "positive and finite";
+  request.step = real_number("--step", text.step, positive);
+  if (request.step <= 0.0) {
+    throw BadArgument(fmt::format("--step {}: must be {}", text.step, positive));
+  }
+  const std::string not_negative = "0 or positive, and finite";
+  request.time = real_number("--time", text.time, not_negative);
+  if (request.time < 0.0) {
+    throw BadArgument(fmt::format("--time {}: must be {}", text.time, not_negative));
+  }
+  request.steps = step_count(request.time, request.step);
+  const std::string at_least = "at least 1e-15, and finite";
+  request.solver.tolerance = real_number("--tolerance", text.tolerance, at_least);
+  if (request.solver.tolerance < 1e-15) {
+    throw BadArgument(fmt::format("--tolerance {}: must be {}", text.tolerance, at_least));
+  }
+  request.solver.max_sweeps =
+      static_cast<int>(whole_number("--max-sweeps", text.max_sweeps, 1, 1000000));
+  request.hbar = hbar_convention(text.hbar);
+  request.products = backend_choice(text.products);
+  choose_scene(text, given, request);
+  if (given.output) request.output_file = text.output;
+  request.json = text.json;
+  return request;
+}
+
+}  // namespace
+
+std::variant<IntegrateRequest, int> read_integrate_arguments(int argc, char** argv) {
+  CLI::App app{
+      "Integrates the Euler-Zeitlin equations with one formulation of an isospectral "
+      "symplectic Runge-Kutta (Gauss) method, or with any listed integrator."};
+  Text text;
+  app.add_option("--n", text.n, "matrix size, 2 to 4096")->required();
+  const auto* stages =
+      app.add_option("--stages", text.stages, "stages of the Gauss tableau, 1 to 20");
+  const auto* formulation =
+      app.add_option("--formulation", text.formulation, "cotangent, group or algebra");
+  const auto* integrator =
+      app.add_option("--integrator", text.integrator,
+                     "name of a listed integrator, in place of --formulation and --stages");
+  app.add_option("--step", text.step, "step size h > 0")->required();
+  app.add_option("--time", text.time, "end time T >= 0, a whole number of steps")->required();
+  app.add_option("--tolerance", text.tolerance, "of the fixed point, >= 1e-15 (default 1e-13)");
+  app.add_option("--max-sweeps", text.max_sweeps, "sweeps allowed in a step (default 1000)");
+  app.add_option("--hbar", text.hbar, "paper: 2/sqrt(n(n-1)) (default); standard: 2/sqrt(n^2-1)");
+  app.add_option("--products", text.products, "fastest (default), openblas or eigen");
+  const auto* scene = app.add_option("--scene", text.scene, "smooth (default) or rough");
+  const auto* modes =
+      app.add_option("--modes", text.modes, "initial modes, CSV with the header l,m,re,im");
+  const auto* output =
+      app.add_option("--output", text.output, "write W(T) as NumPy .npy, complex128");
+  app.add_flag("--json", text.json, "print one JSON object")->disable_flag_override();
+  if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
+  return parse(text, {.formulation = formulation->count() > 0,
+                      .stages = stages->count() > 0,
+                      .integrator = integrator->count() > 0,
+                      .scene = scene->count() > 0,
+                      .modes = modes->count() > 0,
+                      .output = output->count() > 0});
+}
+
+}  // namespace isosyrk

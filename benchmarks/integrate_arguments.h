@@ -1,0 +1,34 @@
+// The command line of the program integrate.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "benchmarks/arguments.h"
+#include "core/integrator_list.h"
+
+namespace isosyrk {
+
+/// What integrate is asked to do.  Files are only named: reading a command line touches none.
+struct IntegrateRequest {
+  Index n;
+  IntegratorEntry integrator;
+  std::optional<Formulation> formulation;  ///< where it was chosen by this
+  double step;
+  double time;
+  long steps;
+  SolverOptions solver;
+  HbarConvention hbar;
+  BackendChoice products;
+  std::string scene;                      ///< "modes" where they are in a file
+  std::optional<std::string> modes_file;  ///< none: those of the named scene
+  std::optional<std::string> output_file;
+  bool json;
+};
+
+/// Reads the command line; an exit code if that was all, as for --help.  Throws CLI11's errors, and
+/// BadArgument for a value that is not allowed.
+std::variant<IntegrateRequest, int> read_integrate_arguments(int argc, char** argv);
+
+}  // namespace isosyrk
