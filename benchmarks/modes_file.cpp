@@ -32,7 +32,7 @@ std::vector<std::string_view> fields_of(std::string_view line) {
 
 template <class Number>
 bool parse(std::string_view text, Number& value) {
-  if (text.starts_with('+')) text.remove_prefix(1);
+  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
   const char* end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, value);
   return error == std::errc() && stop == end;

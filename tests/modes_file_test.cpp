@@ -57,6 +57,9 @@ TEST(ModesFile, ThatIsBrokenIsRefusedWithItsLine) {
   EXPECT_EQ(refusal("l,m,re,im\n1,x,1,0\n"), "modes.csv, line 2: m = 'x' is not a whole number");
   EXPECT_EQ(refusal("l,m,re,im\n\n1,0,,0\n"), "modes.csv, line 3: re = '' is not a number");
   EXPECT_EQ(refusal("l,m,re,im\n1,0,1,0x1\n"), "modes.csv, line 2: im = '0x1' is not a number");
+  EXPECT_EQ(refusal("l,m,re,im\n1,0,+-1,0\n"), "modes.csv, line 2: re = '+-1' is not a number");
+  EXPECT_EQ(refusal("l,m,re,im\n+-1,0,1,0\n"),
+            "modes.csv, line 2: l = '+-1' is not a whole number");
   EXPECT_EQ(refusal("l,m,re,im\n1,0,1,\x01\xff\n"),
             "modes.csv, line 2: im = '?\?' is not a number");
   EXPECT_EQ(refusal("l,m,re,im\n99999999999,0,1,0\n"),
