@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -99,7 +100,8 @@ void require_printed() {
 }
 
 void print_error(const char* program, std::string message) {
-  std::replace(message.begin(), message.end(), '\n', ' ');
+  const auto is_control = [](unsigned char c) { return std::iscntrl(c) != 0; };
+  std::replace_if(message.begin(), message.end(), is_control, ' ');
   std::fputs(fmt::format("{}: {}\n", program, message).c_str(), stderr);
 }
 

@@ -48,7 +48,7 @@ std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv);
 /// Throws BadArgument if what was printed on stdout could not be written.
 void require_printed();
 
-/// Prints `program: message` on one line of stderr.
+/// Prints `program: message` on one line of stderr, control characters as spaces.
 void print_error(const char* program, std::string message);
 
 /// Runs a program's body and turns BadArgument, std::invalid_argument, CLI11's errors and a lack of

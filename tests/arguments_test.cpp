@@ -48,6 +48,13 @@ TEST(Choices, AreReadByName) {
   EXPECT_THROW(backend_choice("mkl"), BadArgument);
 }
 
+TEST(PrintError, IsOneLineWhateverTheMessage) {
+  ::testing::internal::CaptureStderr();
+  print_error("integrate", "--n '1\n2\r3\x1b[2J\x7f': not a whole number, \xC3\xA9");
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(),
+            "integrate: --n '1 2 3 [2J ': not a whole number, \xC3\xA9\n");
+}
+
 TEST(BackendChoice, TakesTheFasterByMeasurementUnlessAsked) {
   const BackendRates measured = choose_backend(std::nullopt, 17);
   ASSERT_EQ(measured.rates.size(), product_backends().size());

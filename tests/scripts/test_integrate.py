@@ -120,9 +120,11 @@ class RefusedArguments(RefusalTest):
     def test_products_is_a_backend_or_fastest(self):
         self.refuses("products", ("abacus", "Eigen", ""), "fastest", "openblas", "eigen")
 
-    def test_a_value_with_a_line_break_still_gives_one_line(self):
-        line = command(SHORT, "--output", self.output, formulation="gr\noup")
-        self.assert_refused_alone(line, "--formulation")
+    def test_a_value_with_control_characters_still_gives_one_line(self):
+        for character in "\n\r\v\f\x1b\x7f":
+            with self.subTest(character=character):
+                line = command(SHORT, "--output", self.output, formulation=f"gr{character}oup")
+                self.assert_refused_alone(line, "--formulation", "gr oup")
 
     def test_a_missing_argument_is_named(self):
         for argument in SHORT:
