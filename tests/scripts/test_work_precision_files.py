@@ -14,7 +14,7 @@ from study_documents import INTEGRATORS, SIZES, STEPS, study_document, write_stu
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
 import work_precision  # noqa: E402
-from benchmark_json import UnusableFile, parse_json  # noqa: E402
+from benchmark_json import UnusableFile  # noqa: E402
 
 NAN, INFINITY = math.nan, math.inf
 NO_NUMBERS = (None, True, "1", [], {}, NAN, INFINITY, -INFINITY, -1, -1e-30, 10**400)
@@ -229,88 +229,6 @@ class HostileFileTest(ReaderTest):
         for length in [*range(0, 200, 7), *range(200, len(whole), 997), len(whole) - 1]:
             with self.subTest(length=length):
                 self.assert_file_refused(whole[:length])
-
-
-STRANGE = (None, True, 0, -1, 1, 2, 17, 10**14, 10**30, 10**400, 0.5, 1e-320, 1e308, NAN, INFINITY, -INFINITY, "", "x",
-           "converged", "unstable", "group2", "a\nb", "\ud800", [], [1.0], [NAN], [[]], {}, {"n": 17})
-
-
-def containers(value):
-    """Returns every list and object inside a JSON value, itself included."""
-    inside = value.values() if isinstance(value, dict) else value if isinstance(value, list) else None
-    if inside is None:
-        return []
-    return [value] + [found for each in inside for found in containers(each)]
-
-
-def mutate(document, choose):
-    """Damages one place of a document: a value replaced, removed, doubled, or swapped with a neighbour."""
-    place = choose.choice([each for each in containers(document) if each])
-    keys = list(place) if isinstance(place, dict) else list(range(len(place)))
-    key, other = choose.choice(keys), choose.choice(keys)
-    kind = choose.choice(("replace", "replace", "remove", "swap", "double"))
-    if kind == "replace":
-        place[key] = copy.deepcopy(choose.choice(STRANGE))
-    elif kind == "remove":
-        del place[key]
-    elif kind == "swap":
-        place[key], place[other] = place[other], place[key]
-    elif isinstance(place, list):
-        place.insert(other, copy.deepcopy(place[key]))
-    else:
-        place[f"{key}2"] = copy.deepcopy(place[key])
-
-
-def small_document():
-    """Returns a document with few points, so that thousands of damaged ones take little time."""
-    document = study_document()
-    document["points"] = [each for each in document["points"]
-                          if each["integrator"] in ("group1", "rk4") and each["n"] == 17]
-    document["tolerance_points"] = document["tolerance_points"][:2]
-    return document
-
-
-class MutationTest(ReaderTest):
-    """Damaged files are refused as unusable or are sound enough to analyse: nothing else is ever raised."""
-
-    def outcome(self, text):
-        """Returns whether a damaged text was accepted; the analysis of what was accepted must not raise either."""
-        try:
-            study = work_precision.study(parse_json(text))
-        except UnusableFile as problem:
-            self.assert_one_line(f"{problem}\n")
-            return False
-        for name in study.integrators:
-            for n in study.sizes():
-                study.observed_order(name, n)
-        return True
-
-    def assert_both_outcomes(self, outcomes):
-        """A generator that is always refused, or never, tries nothing."""
-        self.assertGreater(outcomes.count(True), len(outcomes) // 100)
-        self.assertGreater(outcomes.count(False), len(outcomes) // 100)
-
-    def test_damaged_values(self):
-        choose = random.Random(1)
-        text = json.dumps(small_document())
-        outcomes = []
-        for _ in range(1500):
-            document = json.loads(text)
-            for _ in range(choose.choice((1, 1, 2, 3))):
-                mutate(document, choose)
-            outcomes.append(self.outcome(json.dumps(document)))
-        self.assert_both_outcomes(outcomes)
-
-    def test_damaged_characters(self):
-        choose = random.Random(2)
-        text = json.dumps(small_document())
-        outcomes = []
-        for _ in range(1500):
-            damaged = list(text)
-            for _ in range(choose.choice((1, 1, 2))):
-                damaged[choose.randrange(len(damaged))] = choose.choice('0123456789-+.eE"{}[],: \nxN\\\ud800é')
-            outcomes.append(self.outcome("".join(damaged)))
-        self.assert_both_outcomes(outcomes)
 
 
 class LineTest(ReaderTest):
