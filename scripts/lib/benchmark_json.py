@@ -170,9 +170,16 @@ def add_repetition(cell, row, counters):
     if not isinstance(failed, bool):
         raise UnusableFile(f"{row_name(row)}: error_occurred is neither true nor false")
     if failed:
-        cell[index] = Measurement(failure=one_line(row.get("error_message", "")) or "no reason recorded")
+        cell[index] = Measurement(failure=error_message(row))
     else:
         cell[index] = Measurement((seconds(row),), {name: number(row, name) for name in counters})
+
+
+def error_message(row):
+    message = row.get("error_message", "")
+    if not isinstance(message, str):
+        raise UnusableFile(f"{row_name(row)}: error_message is {quoted(message)}, not a text")
+    return one_line(message) or "no reason recorded"
 
 
 def measurement(cell):
@@ -223,14 +230,17 @@ def finite(row, field):
 
 
 def row_name(row):
-    return f"row {one_line(row['run_name'])}"
+    return f"row {shortened(one_line(row['run_name']))}"
 
 
 def quoted(value):
     """Shows a foreign value in a message, cut so that the message stays one short line."""
     if isinstance(value, (list, dict)):
         return "a JSON list" if isinstance(value, list) else "a JSON object"
-    text = one_line(json.dumps(value, ensure_ascii=False))
+    return shortened(one_line(json.dumps(value, ensure_ascii=False)))
+
+
+def shortened(text):
     return text if len(text) <= 60 else text[:57] + "..."
 
 

@@ -8,13 +8,16 @@ import statistics
 from dataclasses import dataclass
 from typing import Dict, List, Optional, Tuple
 
-from benchmark_json import (LONGEST_SECONDS, SHORTEST_SECONDS, UnusableFile, one_line, parse_json,
-                            printable_context, quoted, read_text)
+from benchmark_json import (FORMULATIONS, LARGEST_COUNTER, LONGEST_SECONDS, SHORTEST_SECONDS, UnusableFile, one_line,
+                            parse_json, printable_context, quoted, read_text)
 
 FORMAT = "isosyrk work_precision 1"
 STATUSES = ("converged", "diverged", "stagnated", "sweep cap", "unstable")
 CONVERGED = "converged"
 CASIMIRS = (2, 3, 4, 5)
+# Errors, norms and step sizes that are not 0 lie far inside; others are damage, and quotients of them overflow.
+SMALLEST, LARGEST = 1e-30, LARGEST_COUNTER
+LONGEST_TEXT = 60  # of a name
 TABLE1_STEP = 0.1  # the step size of Table 1, where the tolerances were varied too
 
 # A line has reached its floor where the error is within this of the reference's uncertainty, ...
@@ -138,10 +141,10 @@ class Study:
     def observed_order(self, integrator, n):
         """Fits the slope of log error over log step on the last points above the floor; None for too few."""
         points = self.above_floor(integrator, n)[-ORDER_POINTS:]
-        if len(points) < ORDER_POINTS:
+        steps = [math.log(point.quality.step) for point in points]
+        if len(set(steps)) < ORDER_POINTS:
             return None
-        slope, _ = statistics.linear_regression([math.log(point.quality.step) for point in points],
-                                                [math.log(point.quality.error) for point in points])
+        slope, _ = statistics.linear_regression(steps, [math.log(point.quality.error) for point in points])
         return slope
 
     def at_step(self, integrator, n, step):
@@ -231,7 +234,7 @@ class Fields:
 
     def text(self, field):
         value = self.get(field)
-        if not isinstance(value, str) or one_line(value) != value or not value:
+        if not isinstance(value, str) or one_line(value) != value or not 0 < len(value) <= LONGEST_TEXT:
             self.refuse(field, "a short text")
         return value
 
@@ -243,14 +246,14 @@ class Fields:
 
     def not_negative(self, field):
         value = self.get(field)
-        if not is_number(value) or value < 0:
-            self.refuse(field, "a number, 0 or more,")
+        if not is_not_negative(value):
+            self.refuse(field, f"a number from 0 to {LARGEST:g}")
         return float(value)
 
     def positive(self, field):
         value = self.not_negative(field)
-        if value == 0:
-            self.refuse(field, "a positive number")
+        if value < SMALLEST:
+            self.refuse(field, f"a number from {SMALLEST:g} to {LARGEST:g}")
         return value
 
     def whole(self, field, least=0):
@@ -265,8 +268,8 @@ class Fields:
 
     def numbers(self, field, length=None):
         value = self.get(field)
-        if not isinstance(value, list) or not all(is_number(each) and each >= 0 for each in value):
-            self.refuse(field, "a list of numbers, 0 or more,")
+        if not isinstance(value, list) or not all(map(is_not_negative, value)):
+            self.refuse(field, f"a list of numbers from 0 to {LARGEST:g}")
         if length is not None and len(value) != length:
             self.refuse(field, f"a list of {length}")
         return tuple(map(float, value))
@@ -285,6 +288,10 @@ def is_number(value):
         return math.isfinite(float(value))
     except OverflowError:
         return False
+
+
+def is_not_negative(value):
+    return is_number(value) and 0 <= value <= LARGEST
 
 
 def reference(fields):
@@ -331,5 +338,8 @@ def point(fields):
 
 def tolerance_point(fields):
     usable = fields.get("status") == CONVERGED
-    return TolerancePoint(fields.text("formulation"), fields.whole("stages", 1), fields.positive("tolerance"),
+    formulation = fields.text("formulation")
+    if formulation not in FORMULATIONS:
+        fields.refuse("formulation", f"one of {', '.join(FORMULATIONS)}")
+    return TolerancePoint(formulation, fields.whole("stages", 1), fields.positive("tolerance"),
                           fields.not_negative("solver_error") if usable else None, quality(fields), costs(fields))

@@ -32,6 +32,7 @@ def load(path):
 sys.dont_write_bytecode = True
 script = load(SCRIPT)
 import benchmark_json  # noqa: E402
+import comparison  # noqa: E402
 import document  # noqa: E402
 import statistics_of_repetitions as statistics  # noqa: E402
 from comparison import three_digits  # noqa: E402
@@ -715,6 +716,16 @@ class RefusalTest(ScriptTest):
     def test_line_breaks_in_a_name_do_not_break_the_message(self):
         self.assert_refused(self.with_row(run_name="table1/\n\nboom"), "boom")
 
+    def test_a_long_name_does_not_make_the_message_long(self):
+        self.assert_refused(self.with_row(run_name="table1/group/n:17/s:1/" + 1000 * "x", products=-1), "group/n:17",
+                            "xxx...:")
+
+    def test_error_message_that_is_no_text(self):
+        for message in (7, None, ["diverged"], {}):
+            with self.subTest(message=message):
+                rows = failed_rows("group", 17, 1, message)
+                self.assert_refused(raw(cells={("group", 17, 1): rows}), "table1/group/n:17/s:1", "error_message")
+
     def test_unknown_format(self):
         self.write(raw())
         self.assert_one_line(self.run_script(self.path, "--format", "html"), "--format")
@@ -808,6 +819,20 @@ class StatisticsTest(unittest.TestCase):
 
     def test_one_value_has_no_spread(self):
         self.assertEqual(statistics.half_interquartile_range([5]), 0.0)
+
+
+class PublishedTest(ScriptTest):
+    def read(self, seconds):
+        self.write(f"n,formulation,stages,seconds\n17,group,1,{seconds}\n".encode())
+        return comparison.read_published(self.path)
+
+    def test_a_time_is_read(self):
+        self.assertEqual(self.read("0.5"), {("group", 17, 1): 0.5})
+
+    def test_impossible_times(self):
+        for seconds in ("0", "-1", "nan", "inf", "1e300", "1e-300", "fast", ""):
+            with self.subTest(seconds=seconds), self.assertRaisesRegex(benchmark_json.UnusableFile, "published times"):
+                self.read(seconds)
 
 
 class NumbersTest(unittest.TestCase):

@@ -17,14 +17,16 @@ import work_precision  # noqa: E402
 from benchmark_json import UnusableFile  # noqa: E402
 
 NAN, INFINITY = math.nan, math.inf
-NO_NUMBERS = (None, True, "1", [], {}, NAN, INFINITY, -INFINITY, -1, -1e-30, 10**400)
+NO_NUMBERS = (None, True, "1", [], {}, NAN, INFINITY, -INFINITY, -1, -1e-30, 1e300, 10**400)
+TOO_SMALL = (0, 5e-324, 1e-300)
 
 # What no field of a kind may be, in the objects whose every field is read.
 WRONG = {
-    "text": (None, True, 7, [], {}, "", "two\nlines"),
+    "text": (None, True, 7, [], {}, "", "two\nlines", "x" * 61),
+    "formulation": (None, True, 7, [], {}, "", "group1", "quotient"),
     "truth": (None, 0, 1, "true", [], {}, NAN),
     "not negative": NO_NUMBERS,
-    "positive": (*NO_NUMBERS, 0),
+    "positive": (*NO_NUMBERS, *TOO_SMALL),
     "optional": tuple(value for value in NO_NUMBERS if value is not None),
     "count": (*NO_NUMBERS, 1.5, 1.0, 10**15),
     "positive count": (*NO_NUMBERS, 1.5, 1.0, 10**15, 0),
@@ -45,7 +47,7 @@ KINDS = {
                     "stability_limit": "optional"},
     "points": {"integrator": "text", **QUALITY, **COSTS, "h_norm_B": "not negative", "h_norm_ad_B": "not negative",
                "beyond_limit": "truth"},
-    "tolerance_points": {"formulation": "text", "stages": "positive count", "tolerance": "positive",
+    "tolerance_points": {"formulation": "formulation", "stages": "positive count", "tolerance": "positive",
                          "solver_error": "not negative", **QUALITY, **COSTS},
 }
 
@@ -295,6 +297,14 @@ class LineTest(ReaderTest):
                 self.document["points"] = [each for each in study_document()["points"]
                                            if each["integrator"] != "rkmk4" or each["steps"] in STEPS[:kept]]
                 self.assertEqual(self.study().observed_order("rkmk4", 17) is not None, told)
+
+    def test_an_order_needs_steps_that_can_be_told_apart(self):
+        # Three counts of steps whose step sizes are the same to the last digit: damage, but each comes to the time.
+        self.document["points"] = [each for each in self.document["points"] if each["integrator"] != "rkmk4"
+                                   or each["steps"] in STEPS[:3]]
+        for index, steps in enumerate(STEPS[:3]):
+            self.point("rkmk4", 17, steps).update(steps=10**14 + index, step=5e-14)
+        self.assertIsNone(self.study().observed_order("rkmk4", 17))
 
     def test_an_order_is_that_of_the_smallest_steps(self):
         self.set_errors("rkmk4", [1e-3 * (5 / steps) ** (2 if steps < 50 else 4) for steps in STEPS])
