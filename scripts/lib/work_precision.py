@@ -8,16 +8,11 @@ import statistics
 from dataclasses import dataclass
 from typing import Dict, List, Optional, Tuple
 
-from benchmark_json import (FORMULATIONS, LARGEST_COUNTER, LONGEST_SECONDS, SHORTEST_SECONDS, UnusableFile, one_line,
-                            parse_json, printable_context, quoted, read_text)
+import raw_files
+from benchmark_json import FORMULATIONS, LONGEST_SECONDS, SHORTEST_SECONDS, UnusableFile, quoted
+from raw_files import CASIMIRS, CONVERGED, STATUSES, Fields, objects, unique
 
 FORMAT = "isosyrk work_precision 1"
-STATUSES = ("converged", "diverged", "stagnated", "sweep cap", "unstable")
-CONVERGED = "converged"
-CASIMIRS = (2, 3, 4, 5)
-# Errors, norms and step sizes that are not 0 lie far inside; others are damage, and quotients of them overflow.
-SMALLEST, LARGEST = 1e-30, LARGEST_COUNTER
-LONGEST_TEXT = 60  # of a name
 TABLE1_STEP = 0.1  # the step size of Table 1, where the tolerances were varied too
 
 # A line has reached its floor where the error is within this of the reference's uncertainty, ...
@@ -31,19 +26,8 @@ ORDER_POINTS = 3
 
 
 @dataclass(frozen=True)
-class Integrator:
-    name: str
-    stages: int
-    order: int
-    isospectral: bool
-    lie_poisson: bool
-    symmetric: bool
-    explicit: bool
+class Integrator(raw_files.Integrator):
     stability_limit: Optional[float]  # largest stable h‖ad_B‖₂; None if there is none
-
-    def keeps(self, structure):
-        """Tells whether it keeps "nothing" (always), the "spectrum", or the Lie–"poisson" structure."""
-        return {"nothing": True, "spectrum": self.isospectral, "poisson": self.lie_poisson}[structure]
 
 
 @dataclass(frozen=True)
@@ -158,45 +142,21 @@ class Study:
 
 def read_study(path):
     """Returns the Study in `path`. Throws UnusableFile with one line that names the file and what is wrong."""
-    try:
-        return study(parse_json(read_text(path)))
-    except UnusableFile as problem:
-        raise UnusableFile(f"{one_line(path)}: {problem}") from None
+    return raw_files.read(path, study)
 
 
 def study(document):
-    if not isinstance(document, dict) or document.get("format") != FORMAT:
-        found = document.get("format") if isinstance(document, dict) else None
-        raise UnusableFile(f"was not written by work_precision (its format is {quoted(found)}, not {quoted(FORMAT)})")
+    context = raw_files.context(document, FORMAT)
     references = [reference(Fields(each, "a reference")) for each in objects(document, "references")]
     integrators = [integrator(Fields(each, "an integrator")) for each in objects(document, "integrators")]
-    context = document.get("context")
-    if not isinstance(context, dict):
-        raise UnusableFile("has no context")
     top = Fields(document, "the file")
-    result = Study(printable_context(context), top.positive("time"), unique(references, "n"),
+    result = Study(context, top.positive("time"), unique(references, "n"),
                    unique(integrators, "name"),
                    [point(Fields(each, "a point")) for each in objects(document, "points")],
                    [tolerance_point(Fields(each, "a tolerance point"))
                     for each in objects(document, "tolerance_points")])
     check_names(result)
     return result
-
-
-def objects(document, field):
-    found = document.get(field)
-    if not isinstance(found, list) or not all(isinstance(each, dict) for each in found):
-        raise UnusableFile(f"has no list of objects named {field}")
-    return found
-
-
-def unique(items, field):
-    found = {getattr(item, field): item for item in items}
-    if len(found) < len(items):
-        raise UnusableFile(f"names the same {field} twice")
-    if not found:
-        raise UnusableFile(f"names no {field}")
-    return found
 
 
 def check_names(result):
@@ -217,83 +177,6 @@ def check_names(result):
         seen.add(key)
 
 
-class Fields:
-    """The fields of one JSON object, each asked for by the kind of value it must be."""
-
-    def __init__(self, values, what):
-        self.values = values
-        self.what = what
-
-    def get(self, field):
-        if field not in self.values:
-            raise UnusableFile(f"{self.what} has no {field}")
-        return self.values[field]
-
-    def refuse(self, field, wanted):
-        raise UnusableFile(f"{self.what} has {field} {quoted(self.values[field])} where {wanted} is needed")
-
-    def text(self, field):
-        value = self.get(field)
-        if not isinstance(value, str) or one_line(value) != value or not 0 < len(value) <= LONGEST_TEXT:
-            self.refuse(field, "a short text")
-        return value
-
-    def truth(self, field):
-        value = self.get(field)
-        if not isinstance(value, bool):
-            self.refuse(field, "true or false")
-        return value
-
-    def not_negative(self, field):
-        value = self.get(field)
-        if not is_not_negative(value):
-            self.refuse(field, f"a number from 0 to {LARGEST:g}")
-        return float(value)
-
-    def positive(self, field):
-        value = self.not_negative(field)
-        if value < SMALLEST:
-            self.refuse(field, f"a number from {SMALLEST:g} to {LARGEST:g}")
-        return value
-
-    def whole(self, field, least=0):
-        value = self.get(field)
-        if isinstance(value, bool) or not isinstance(value, int) or not least <= value < 10**15:
-            self.refuse(field, f"a whole number from {least} on")
-        return value
-
-    def optional(self, field):
-        """Returns a number, 0 or more, or None where null is recorded."""
-        return None if self.get(field) is None else self.not_negative(field)
-
-    def numbers(self, field, length=None):
-        value = self.get(field)
-        if not isinstance(value, list) or not all(map(is_not_negative, value)):
-            self.refuse(field, f"a list of numbers from 0 to {LARGEST:g}")
-        if length is not None and len(value) != length:
-            self.refuse(field, f"a list of {length}")
-        return tuple(map(float, value))
-
-    def object(self, field):
-        value = self.get(field)
-        if not isinstance(value, dict):
-            self.refuse(field, "an object")
-        return Fields(value, f"{self.what}'s {field}")
-
-
-def is_number(value):
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return False
-    try:
-        return math.isfinite(float(value))
-    except OverflowError:
-        return False
-
-
-def is_not_negative(value):
-    return is_number(value) and 0 <= value <= LARGEST
-
-
 def reference(fields):
     runs = fields.object("first"), fields.object("second")
     return Reference(fields.whole("n", 2), fields.positive("uncertainty"),
@@ -301,15 +184,11 @@ def reference(fields):
 
 
 def integrator(fields):
-    return Integrator(fields.text("name"), fields.whole("stages", 1), fields.whole("order", 1),
-                      fields.truth("isospectral"), fields.truth("lie_poisson"), fields.truth("symmetric"),
-                      fields.truth("explicit"), fields.optional("stability_limit"))
+    return Integrator(*raw_files.properties(fields), fields.optional("stability_limit"))
 
 
 def quality(fields):
-    status = fields.text("status")
-    if status not in STATUSES:
-        fields.refuse("status", f"one of {', '.join(STATUSES)}")
+    status = fields.one_of("status", STATUSES)
     usable = status == CONVERGED
     names = ("error", "spectrum_error", "energy_error", "angular_momentum_error", "skew_defect")
     values = {name: fields.positive(name) if usable and name == "error" else fields.optional(name) for name in names}
@@ -338,8 +217,5 @@ def point(fields):
 
 def tolerance_point(fields):
     usable = fields.get("status") == CONVERGED
-    formulation = fields.text("formulation")
-    if formulation not in FORMULATIONS:
-        fields.refuse("formulation", f"one of {', '.join(FORMULATIONS)}")
-    return TolerancePoint(formulation, fields.whole("stages", 1), fields.positive("tolerance"),
+    return TolerancePoint(fields.one_of("formulation", FORMULATIONS), fields.whole("stages", 1), fields.positive("tolerance"),
                           fields.not_negative("solver_error") if usable else None, quality(fields), costs(fields))
