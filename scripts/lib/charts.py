@@ -1,183 +1,29 @@
 """Draws a Study, and a run of Table 1, as charts: error against cost, against n, and against the tolerance.
 
-Each chart is a figure made from its data alone: nothing of the machine, the date or a user's settings enters, so
-that the same raw file gives the same bytes. A line stands for one integrator and carries its name; line style and
-marker say what the integrator keeps, lightness and hue tell its relatives apart, also in grey.
+Each chart is a figure made from its data alone. A line stands for one integrator and carries its name.
 """
 
-import io
 import math
-import re
 import statistics
-import textwrap
 from dataclasses import dataclass
 from typing import Callable
 
 import matplotlib
-import matplotlib.style
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, LogLocator, NullLocator
 
 from benchmark_json import FORMULATIONS
-from chart_labels import Label, darker, place_labels
+from chart_labels import Label, place_labels
+from chart_panels import (GREY, LOOKS, NOTE_COLOUR, OTHER_COLOUR, SMALL, colour, column_of_labels, cross_mark,
+                          draw_line, floor_band, hide_rest, key_of, logarithmic, look, name_floor, new_figure,
+                          note_below, panel_grid, set_panel, style_key, styled)
+from integrator_names import COMPOSITIONS, gauss_stages, joined, joined_relatives, relatives
 from work_precision import FLOOR_MARGIN, TABLE1_STEP
 
-DOTS_PER_INCH = 120
-WIDTH = 1600 / DOTS_PER_INCH  # inches
-MARGIN = 0.15  # inches
-SETTINGS = {"svg.hashsalt": "isosyrk", "svg.fonttype": "path", "font.size": 9.5, "axes.titlesize": 11,
-            "axes.grid": True, "grid.color": "0.9", "grid.linewidth": 0.6, "axes.axisbelow": True,
-            "axes.spines.top": False, "axes.spines.right": False, "lines.markersize": 4.2,
-            "lines.linewidth": 1.7, "hatch.linewidth": 0.4, "savefig.dpi": DOTS_PER_INCH}
-SMALL, NOTE_COLOUR, GREY = 8, "0.3", "0.45"
-
-ERROR_LABEL = "relative error of W at T = {time:g}"
-SECONDS_LABEL = "CPU seconds (median)"
-
-# Relatives share a hue and differ in lightness, the cheaper lighter.
-COLOURS = {
-    "yoshida4": "#eb9a2d", "suzuki4": "#cf6a10", "kahan_li6": "#97400a",
-    "rkmk4": "#0b8a67", "rk4": "#000000",
-    "direct1": "#c08fd0", "direct2": "#9a5bb5", "direct3": "#6b2a8c",
-}
-GAUSS_COLOURS = {1: "#62a8da", 2: "#3d88c6", 3: "#1f67ad", 4: "#114a87", 5: "#062a56"}
 FORMULATION_COLOURS = {"cotangent": "#e08214", "group": "#1f67ad", "algebra": "#4a0a5e"}
 FORMULATION_MARKERS = {"cotangent": "s", "group": "o", "algebra": "^"}
 FORMULATION_SIZES = {"cotangent": 7.5, "group": 5, "algebra": 3.6}  # so that none hides another with the same answer
-OTHER_COLOUR = "0.35"
-COMPOSITIONS = ("yoshida4", "suzuki4", "kahan_li6")
-
-
-@dataclass(frozen=True)
-class Look:
-    line: object
-    marker: str
-    filled: bool
-    keeps_spectrum: bool
-    meaning: str
-
-
-KEEPS_POISSON = Look("-", "o", True, True, "keeps the Lie–Poisson structure and the spectrum")
-KEEPS_SPECTRUM = Look((0, (6, 2)), "s", False, True, "keeps the spectrum only")
-KEEPS_NOTHING = Look((0, (1.2, 1.6)), "^", True, False, "keeps neither")
-LOOKS = (KEEPS_POISSON, KEEPS_SPECTRUM, KEEPS_NOTHING)
-
-
-def look(integrator):
-    if integrator.keeps("poisson"):
-        return KEEPS_POISSON
-    return KEEPS_SPECTRUM if integrator.keeps("spectrum") else KEEPS_NOTHING
-
-
-def gauss_stages(name):
-    """Returns s of a formulation of the s-stage Gauss method, or None for any other integrator."""
-    match = re.fullmatch(rf"(?:{'|'.join(FORMULATIONS)})([0-9]+)", name)
-    return int(match[1]) if match else None
-
-
-def colour(name):
-    return GAUSS_COLOURS.get(gauss_stages(name)) or COLOURS.get(name, OTHER_COLOUR)
-
-
-def relatives(study):
-    """Returns groups of integrators with the same answer: the formulations of one Gauss method; others alone."""
-    groups = {}
-    for name in study.integrators:
-        groups.setdefault(gauss_stages(name) or name, []).append(name)
-    return list(groups.values())
-
-
-# ---- figures and panels
-
-
-def styled(draw):
-    """Keeps a user's own matplotlib settings out of a chart."""
-    def drawn(*arguments):
-        with matplotlib.style.context(["default", SETTINGS]):
-            return draw(*arguments)
-    drawn.__name__, drawn.__doc__ = draw.__name__, draw.__doc__
-    return drawn
-
-
-def encode(figure, kind):
-    """Returns the figure as the bytes of an SVG or PNG file that names neither a date nor a program."""
-    unnamed = {"svg": {"Date": None, "Creator": None}, "png": {"Software": None}}
-    stream = io.BytesIO()
-    with matplotlib.style.context(["default", SETTINGS]):
-        figure.savefig(stream, format=kind, metadata=unnamed[kind])
-    return stream.getvalue()
-
-
-def new_figure(title, caption, rows, columns, panel_height, notes=0, right=0.18, row_gap=0.85, **subplots):
-    """Returns a figure with its panels, all of one size; `notes` are the lines of text below each panel."""
-    caption = textwrap.fill(caption, 215)
-    noted = 0.16 * notes
-    foot = 0.85 + noted + 0.175 * (caption.count("\n") + 1)
-    head, gap, column_gap, left = 1.02, row_gap + noted, 0.78, 0.8
-    height = head + rows * panel_height + (rows - 1) * gap + foot
-    figure = Figure(figsize=(WIDTH, height), dpi=DOTS_PER_INCH)
-    FigureCanvasAgg(figure)
-    panels = figure.subplots(rows, columns, squeeze=False, **subplots)
-    panel_width = (WIDTH - left - right - (columns - 1) * column_gap) / columns
-    figure.subplots_adjust(left=left / WIDTH, right=1 - right / WIDTH, top=1 - head / height, bottom=foot / height,
-                           hspace=gap / panel_height, wspace=column_gap / panel_width)
-    figure.text(MARGIN / WIDTH, 1 - 0.14 / height, title, fontsize=14, fontweight="bold", va="top")
-    figure.text(MARGIN / WIDTH, 0.1 / height, caption, fontsize=SMALL + 0.5, color=NOTE_COLOUR, va="bottom",
-                linespacing=1.3)
-    return figure, panels
-
-
-def panel_grid(count):
-    columns = min(count, 2)
-    return math.ceil(count / columns), columns
-
-
-def logarithmic(axes, horizontal=True):
-    if horizontal:
-        axes.set_xscale("log")
-    axes.set_yscale("log")
-    axes.tick_params(which="minor", length=2)
-    axes.yaxis.set_major_locator(LogLocator(numticks=12))
-    axes.yaxis.set_minor_locator(NullLocator())
-
-
-def style_key(figure, looks):
-    """Says under the title what line styles and markers mean."""
-    key_of(figure, [matplotlib.lines.Line2D([], [], color="0.2", linestyle=each.line, marker=each.marker,
-                                            markerfacecolor="0.2" if each.filled else "white", label=each.meaning)
-                    for each in looks])
-
-
-def key_of(figure, handles):
-    height = figure.get_size_inches()[1]
-    figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(MARGIN / WIDTH, 1 - 0.45 / height),
-                  ncol=len(handles), frameon=False, fontsize=SMALL + 1, handlelength=3.6, columnspacing=2.2,
-                  borderaxespad=0, borderpad=0)
-
-
-def floor_band(axes, floor, text):
-    """Greys what lies under the floor: errors there say more about the reference than about the integrator."""
-    axes.axhspan(axes.get_ylim()[0], floor, facecolor="0.93", edgecolor="0.78", hatch="////", linewidth=0, zorder=0)
-    axes.axhline(floor, color=GREY, linewidth=0.8, zorder=1)
-    name_floor(axes, text)
-
-
-def name_floor(axes, text):
-    axes.annotate(text, (0, 0), xycoords="axes fraction", xytext=(6, 5), textcoords="offset points",
-                  fontsize=SMALL, color=NOTE_COLOUR, zorder=1,
-                  bbox={"facecolor": "0.96", "edgecolor": "none", "pad": 1.0})
-
-
-def draw_line(axes, name, points, integrator, leading=True):
-    """Draws one integrator; relatives of a leading line stay thin and bare."""
-    shade, style = colour(name), look(integrator)
-    x, y = zip(*points)
-    if leading:
-        axes.plot(x, y, color=shade, linestyle=style.line, marker=style.marker, label=name, zorder=4,
-                  markerfacecolor=shade if style.filled else "white", markeredgewidth=1.1)
-    else:
-        axes.plot(x, y, color=shade, linestyle=style.line, linewidth=0.8, label=name, zorder=3)
+ERROR_LABEL = "relative error of W at T = {time:g}"
+SECONDS_LABEL = "CPU seconds (median)"
 
 
 # ---- error against cost
@@ -223,15 +69,10 @@ def error_against(study, cost):
     return figure
 
 
-def hide_rest(panels, used):
-    for axes in list(panels.flat)[used:]:
-        axes.set_visible(False)
-
-
 def error_panel(axes, study, n, cost):
     logarithmic(axes)
     drawn = []
-    for group in relatives(study):
+    for group in relatives(study.integrators):
         leader = cheapest(study, group, n, cost.of)
         for name in group:
             points = [(cost.of(point), point.quality.error) for point in study.above_floor(name, n)]
@@ -249,12 +90,6 @@ def error_panel(axes, study, n, cost):
     note_failures(axes, study, n)
 
 
-def set_panel(axes, title, xlabel, ylabel):
-    axes.set_title(title, loc="left", fontweight="bold")
-    axes.set_xlabel(xlabel)
-    axes.set_ylabel(ylabel)
-
-
 def spread(axes, points):
     """Sets limits with room for labels at the right."""
     x = [x for x, _ in points]
@@ -268,11 +103,6 @@ def mark_floor(axes, study, n):
     axes.set_ylim(min(floors) / 800, max([*floors, *errors]) * 3)  # room for labels in the band below
     floor_band(axes, floor, f"floor: {FLOOR_MARGIN} × the uncertainty of the reference solution,"
                             f" {study.references[n].uncertainty:.1e}")
-
-
-def cross_mark(axes, at):
-    axes.plot(*at, marker="x", color="black", markersize=6.5, markeredgewidth=1.2, linestyle="none", zorder=7,
-              label="_longer steps fail")
 
 
 def cheapest(study, group, n, cost):
@@ -299,8 +129,7 @@ def note_failures(axes, study, n):
             failed.setdefault(steps, []).append(name)
     parts = [f"{joined(names)} with {steps}" for steps, names in failed.items()]
     text = f"No usable result: {'; '.join(parts)}." if parts else "Every run came to a usable end."
-    axes.annotate(textwrap.fill(text, 104), (0, 0), xycoords="axes fraction", xytext=(0, -38),
-                  textcoords="offset points", va="top", fontsize=SMALL, color=NOTE_COLOUR, annotation_clip=False)
+    note_below(axes, text, 104, 38)
 
 
 def failed_steps(line):
@@ -311,18 +140,6 @@ def failed_steps(line):
     if len(failed) > 1 and not any(point.quality.usable for point in line[:len(failed)]):
         return f"h ≥ {failed[-1]:.2g}"
     return "h = " + ", ".join(f"{step:.2g}" for step in failed)
-
-
-def joined(names):
-    """Joins names, those that differ in a last digit as one: direct1–3."""
-    runs = []
-    for name in names:
-        stem, number = re.fullmatch(r"(.*?)([0-9]*)", name).groups()
-        if runs and runs[-1][0] == stem and number and runs[-1][2] and int(number) == int(runs[-1][2]) + 1:
-            runs[-1][2] = number
-        else:
-            runs.append([stem, number, number])
-    return ", ".join(f"{stem}{first}" + (f"–{last}" if last != first else "") for stem, first, last in runs)
 
 
 # ---- spectrum against time
@@ -427,7 +244,7 @@ def error_against_n(study):
     axes = panels[0, 0]
     logarithmic(axes)
     labels = []
-    for group in relatives(study):
+    for group in relatives(study.integrators):
         lines = {name: points_against_n(study, name) for name in group}
         lines = {name: line for name, line in lines.items() if line}
         for index, (name, line) in enumerate(lines.items()):
@@ -463,44 +280,9 @@ def points_against_n(study, name):
     return found
 
 
-def joined_relatives(names):
-    stages = gauss_stages(names[0])
-    if stages is None or len(names) == 1:
-        return ", ".join(names)
-    return f"{', '.join(name[:-len(str(stages))] for name in names)}, s = {stages}"
-
-
 def growth(line):
     factor = line[-1][1] / line[0][1]
     return f"  (×{factor:.2g})" if len(line) > 1 and factor < 99.5 else f"  (×{factor:.0f})" if len(line) > 1 else ""
-
-
-def column_of_labels(axes, labels):
-    """Writes labels in a column at the right, in the order of the lines' ends, pushed apart where they would touch."""
-    scale = axes.figure.dpi / 72
-    labels = sorted(labels, key=lambda label: label.points[-1][1])
-    height = 1.45 * (SMALL + 1) * scale
-    ends = [axes.transData.transform(label.points[-1]) for label in labels]
-    right = axes.transAxes.transform((1, 0))[0]
-    for label, end, y in zip(labels, ends, pushed_apart([end[1] for end in ends], height)):
-        axes.annotate(label.text, label.points[-1], xytext=((right - end[0]) / scale + 8, (y - end[1]) / scale),
-                      textcoords="offset points", va="center", fontsize=SMALL + 1, color=darker(label.shade),
-                      annotation_clip=False,
-                      arrowprops={"arrowstyle": "-", "color": darker(label.shade), "linewidth": 0.6, "shrinkA": 0,
-                                  "shrinkB": 3, "relpos": (0, 0.5)})
-
-
-def pushed_apart(wanted, least):
-    """Returns positions at least this far apart, in the same order, near the wanted ones (which are sorted)."""
-    blocks = []  # of [sum of wanted starts, number]; each block stands packed around its mean
-    for index, value in enumerate(wanted):
-        blocks.append([value - index * least, 1])
-        while len(blocks) > 1 and blocks[-2][0] / blocks[-2][1] > blocks[-1][0] / blocks[-1][1]:
-            total, number = blocks.pop()
-            blocks[-1][0] += total
-            blocks[-1][1] += number
-    starts = [total / number for total, number in blocks for _ in range(number)]
-    return [start + index * least for index, start in enumerate(starts)]
 
 
 def note_missing(axes, study):
@@ -515,8 +297,7 @@ def note_missing(axes, study):
              and any(point.quality.usable for point in study.points if point.integrator == name)]
     if below:
         parts.append(f"Below the floor, or not run because shorter steps no longer helped: {joined(below)}.")
-    axes.annotate(textwrap.fill(" ".join(parts), 150), (0, 0), xycoords="axes fraction", xytext=(0, -36),
-                  textcoords="offset points", va="top", fontsize=SMALL, color=NOTE_COLOUR, annotation_clip=False)
+    note_below(axes, " ".join(parts), 150, 36)
 
 
 # ---- tolerance
