@@ -1,0 +1,265 @@
+"""Tests of scripts/render_stability on made-up files: by running it as a user does, and by what its charts draw."""
+
+import json
+import os
+import struct
+import sys
+import unittest
+import xml.etree.ElementTree
+
+import programs
+from programs import FolderTest, environment, run, snapshot
+from stability_documents import (CONTROL, GRID, INTEGRATORS, SHARES, fail, long_document, map_document, norm, trial,
+                                 write_document)
+
+SCRIPT = os.path.join(programs.ROOT, "scripts", "render_stability")
+LIBRARY = os.path.join(programs.ROOT, "scripts", "lib")
+sys.dont_write_bytecode = True
+sys.path.insert(0, LIBRARY)
+import chart_python  # noqa: E402
+
+MAPS = tuple(f"failure_map{others}_{scene}" for scene in ("smooth", "rough") for others in ("", "_others"))
+LONG_RUNS = ("long_runs_n17", "long_runs_n17_controls")
+MAP_ONLY = {"report.md", "report.txt", *(f"{chart}.{kind}" for chart in MAPS for kind in ("svg", "png"))}
+FILES = MAP_ONLY | {f"{chart}.{kind}" for chart in LONG_RUNS for kind in ("svg", "png")}
+
+# Prints what each panel of some charts draws: lines, cells and texts, by the panel's title. The charts and their files
+# come as JSON: [[function, file, arguments], ...].
+DESCRIBE = """
+import json, sys
+sys.path.insert(0, sys.argv[1])
+import stability_charts
+from matplotlib.patches import Rectangle
+from stability import read_long_runs, read_map
+def finite(points):
+    return [[float(x), float(y)] for x, y in points if x == x and y == y]
+found = []
+for draw, path, arguments in json.loads(sys.argv[2]):
+    read = read_map if draw.startswith("failure") else read_long_runs
+    figure = getattr(stability_charts, draw)(read(path), *arguments)
+    panels = {}
+    for axes in figure.axes:
+        if axes.get_visible():
+            panels.setdefault(axes.get_title(loc="left"), []).append({
+                "lines": {line.get_label(): finite(line.get_xydata()) for line in axes.lines
+                          if not line.get_label().startswith("_")},
+                "crosses": [finite(line.get_xydata())[0] for line in axes.lines if line.get_label() == "_failure"],
+                "cells": [[patch.get_x() + 0.5, patch.get_y(), patch.get_y() + patch.get_height(), patch.get_hatch()]
+                          for patch in axes.patches if isinstance(patch, Rectangle)],
+                "texts": [text.get_text() for text in axes.texts]})
+    keys = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    found.append({"panels": panels, "texts": [text.get_text() for text in figure.texts], "key": keys})
+print(json.dumps(found))
+"""
+
+PLAIN = {}
+
+
+class StabilityTest(FolderTest):
+    def setUp(self):
+        super().setUp()
+        self.settings = environment(MPLCONFIGDIR=self.path("matplotlib"), PYTHONDONTWRITEBYTECODE="1")
+        self.map, self.long = map_document(), long_document()
+
+    def leave(self, *names):
+        """Leaves these integrators and one n: where only the files matter, less is drawn faster."""
+        self.map["maps"] = [each for each in self.map["maps"] if each["n"] == 17]
+        for document, kind in ((self.map, "maps"), (self.long, "runs")):
+            document["integrators"] = [each for each in document["integrators"] if each["name"] in names]
+            document[kind] = [each for each in document[kind] if each["integrator"] in names]
+        self.map["settings"] = [each for each in self.map["settings"] if each["n"] == 17]
+
+    def raw(self):
+        return write_document(self.folder, self.map, "map.json")
+
+    def raw_long(self):
+        return write_document(self.folder, self.long, "long.json")
+
+    def render(self, *arguments, **changes):
+        return run([sys.executable, SCRIPT, *arguments], timeout=300, env={**self.settings, **changes})
+
+    def assert_renders(self, *arguments):
+        result = self.render(*arguments)
+        self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""))
+
+    def plain(self):
+        """Returns the files of the documents as they are, rendered once for all tests: drawing takes seconds."""
+        if not PLAIN:
+            self.assert_renders(self.raw(), "--long", self.raw_long(), "--out", self.path("plain"))
+            PLAIN.update(snapshot(self.path("plain")))
+        return PLAIN
+
+    def drawn(self, *charts):
+        """Returns what each of some charts draws; a chart is its function's name and arguments."""
+        python = chart_python.find()
+        self.assertIsNotNone(python, chart_python.complaint())
+        paths = {"failure": self.raw(), "long": self.raw_long()}
+        wanted = [[draw, paths[draw.split("_")[0]], arguments] for draw, *arguments in charts]
+        found = run([python, "-c", DESCRIBE, LIBRARY, json.dumps(wanted)], timeout=300, env=self.settings)
+        self.assertEqual(found.returncode, 0, found.stderr)
+        return json.loads(found.stdout)
+
+
+class Files(StabilityTest):
+    def setUp(self):
+        super().setUp()
+        self.leave("group1", "algebra1", "rk4", CONTROL)
+
+    def test_every_chart_is_a_whole_svg_and_png(self):
+        files = self.plain()
+        self.assertEqual(set(files), FILES)
+        for chart in (*MAPS, *LONG_RUNS):
+            root = xml.etree.ElementTree.fromstring(files[f"{chart}.svg"])
+            self.assertEqual(root.tag, "{http://www.w3.org/2000/svg}svg")
+            png = files[f"{chart}.png"]
+            self.assertEqual((png[:8], png[-8:-4]), (b"\x89PNG\r\n\x1a\n", b"IEND"), chart)
+            width, height = struct.unpack(">II", png[16:24])
+            self.assertEqual(width, 1600, chart)
+            self.assertGreater(height, 600, chart)
+
+    def test_the_reports_show_the_charts(self):
+        for chart in (*MAPS, *LONG_RUNS):
+            self.assertIn(f"({chart}.svg)".encode(), self.plain()["report.md"])
+        self.assertTrue(self.plain()["report.md"].startswith(b"# Stability"))
+
+    def test_the_same_raw_files_give_the_same_bytes_whatever_the_user_s_own_settings(self):
+        self.write("matplotlib/matplotlibrc", "lines.linewidth: 9\nfont.size: 30\nhatch.linewidth: 5\n")
+        self.assert_renders(self.raw(), "--long", self.raw_long(), "--out", self.path("new", "charts"))
+        self.assertEqual(snapshot(self.path("new", "charts")), self.plain())
+
+    def test_files_name_no_date_and_no_program(self):
+        for name, contents in self.plain().items():
+            for word in (b"<dc:date", b"Software", b"Matplotlib v", self.folder.encode()):
+                self.assertNotIn(word, contents, name)
+
+    def test_other_measurements_give_other_files_and_long_runs_may_be_left_out(self):
+        self.plain()
+        for each in self.map["maps"]:
+            each["critical"] = None
+            each["trials"] = [trial(each["integrator"], each["n"], h_norm_B, 0.3) for h_norm_B in GRID]
+        self.assert_renders(self.raw(), "--out", self.path("second"))
+        second = snapshot(self.path("second"))
+        self.assertEqual(set(second), MAP_ONLY)
+        for name, contents in second.items():
+            self.assertNotEqual(contents, self.plain()[name], name)
+
+
+class FailureMaps(StabilityTest):
+    def test_what_is_drawn(self):
+        each = next(each for each in self.map["maps"]
+                    if (each["scene"], each["n"], each["integrator"]) == ("smooth", 129, "group2"))
+        each["trials"][-1]["status"], each["trials"][-2]["status"] = "stagnated", "sweep cap"
+        smooth, rough, others = self.drawn(("failure_map", "smooth"), ("failure_map", "rough"),
+                                           ("failure_map_others", "smooth"))
+        with self.subTest("a panel for each formulation and s"):
+            self.assertEqual(list(smooth["panels"]), [f"{each}{s}" for s in (1, 2, 3)
+                                                       for each in programs.FORMULATIONS])
+        with self.subTest("the others have theirs"):
+            self.assertEqual(list(others["panels"]), ["yoshida4", "rkmk4", "rk4"])
+        (panel,) = smooth["panels"]["group2"]
+        with self.subTest("a cell for each trial, around its h‖B‖₂, hatched by what became of it"):
+            self.assertEqual(len(panel["cells"]), 2 * len(GRID))
+            for (column, bottom, top, hatch), h_norm_B in zip(panel["cells"], [*GRID, *GRID]):
+                self.assertTrue(bottom < h_norm_B < top)
+                self.assertEqual(not hatch, h_norm_B <= 1.5, (column, h_norm_B))
+            hatches = [hatch for column, _, _, hatch in panel["cells"] if column == 1 and hatch]
+            self.assertEqual((len(hatches), len(set(hatches))), (6, 3))
+        with self.subTest("sweeps in words"):
+            self.assertEqual(panel["texts"].count(f"{50 * GRID[0]:.0f}"), 2)
+        with self.subTest("the critical line and linear theory"):
+            self.assertEqual(panel["lines"]["measured critical"], [[x, 1.5] for x in (-0.5, 0.5, 0.5, 1.5)])
+            (midpoint,) = smooth["panels"]["algebra1"]
+            self.assertEqual({y for _, y in midpoint["lines"]["linear theory"]}, {2.0})
+            self.assertIn("measured 1.6", midpoint["texts"])
+            self.assertIn("linear 2", midpoint["texts"])
+        with self.subTest("no line where nothing failed"):
+            self.assertEqual(others["panels"]["rkmk4"][0]["lines"], {"measured critical": [], "linear theory": []})
+        with self.subTest("the rough scene has its own values"):
+            self.assertEqual(rough["panels"]["group2"][0]["lines"]["measured critical"], [[-0.5, 2.25], [0.5, 2.25]])
+        with self.subTest("the key names what occurs"):
+            self.assertEqual({"diverged", "stagnated", "sweep cap", "measured critical", "linear theory"}
+                             - set(smooth["key"]), set())
+            self.assertNotIn("stagnated", rough["key"])
+        with self.subTest("how long trials are"):
+            self.assertIn("50 steps at n = 17; 5 steps at n = 129; at most 400 sweeps a step",
+                          " ".join(" ".join(smooth["texts"]).split()))
+
+
+class LongRuns(StabilityTest):
+    def test_what_is_drawn(self):
+        fail(next(each for each in self.long["runs"] if (each["integrator"], each["share"]) == ("group1", 0.9)), 1)
+        kept, controls = self.drawn(("long_runs", "smooth", 17), ("long_runs_controls", "smooth", 17))
+        edge, inside = "{}, 0.9 of the critical step", "{}, 0.3 of the critical step"
+        (panel,) = kept["panels"][inside.format("spectrum error")]
+        run = next(each for each in self.long["runs"] if (each["integrator"], each["share"]) == ("group2", 0.3))
+        with self.subTest("a point for each sample"):
+            self.assertEqual(panel["lines"]["group2"],
+                             [[each["time"], each["spectrum_error"]] for each in run["samples"]])
+        with self.subTest("integrators that lose the spectrum are apart"):
+            self.assertNotIn("rk4", panel["lines"])
+            (lost,) = controls["panels"][inside.format("spectrum error")]
+            self.assertEqual(set(lost["lines"]), {"rk4", CONTROL})
+        with self.subTest("formulations that differ little share a name"):
+            self.assertIn("Gauss, s = 2", panel["texts"])
+            self.assertNotIn("group2", panel["texts"])
+        skew = kept["panels"]["skew defect"][1]
+        with self.subTest("what is exactly 0 is said in words"):
+            self.assertNotIn("algebra2", skew["lines"])
+            self.assertTrue(any("Exactly 0 in every sample: algebra1–3." in text for text in skew["texts"]), skew["texts"])
+        with self.subTest("a failure is drawn up to its step and marked there"):
+            (lost,) = controls["panels"][edge.format("spectrum error")]
+            h = 0.9 * 2.0 / norm(17)
+            self.assertLess(lost["lines"]["rk4"][-1][0], 500 * h)
+            self.assertEqual(lost["crosses"], [lost["lines"]["rk4"][-1]])
+            self.assertIn("rk4 × 500", lost["texts"])
+        with self.subTest("a run that failed at once is named"):
+            (first,) = kept["panels"][edge.format("spectrum error")]
+            self.assertTrue(any("Failed before the first sample: group1 × 1." in " ".join(text.split())
+                                for text in first["texts"]), first["texts"])
+
+    def test_formulations_that_differ_are_named_each(self):
+        for each in self.long["runs"]:
+            if (each["integrator"], each["share"]) == ("cotangent2", 0.3):
+                for sample in each["samples"]:
+                    sample["energy_error"] *= 50
+        (kept,) = self.drawn(("long_runs", "smooth", 17))
+        texts = kept["panels"]["energy error"][1]["texts"]
+        self.assertEqual({"cotangent2", "group2", "algebra2", "Gauss, s = 1"} - set(texts), set())
+
+
+class Refusals(StabilityTest):
+    def assert_nothing_written(self, arguments, *parts):
+        self.assert_refused(self.render(*arguments, "--out", self.path("charts")), *parts)
+        self.assertFalse(os.path.exists(self.path("charts")))
+
+    def test_missing_files(self):
+        self.assert_nothing_written([self.path("none.json")], "none.json", "cannot be read")
+        self.assert_nothing_written([self.raw(), "--long", self.path("none.json")], "none.json", "cannot be read")
+
+    def test_one_file_for_the_other(self):
+        self.assert_nothing_written([self.raw_long()], "long.json", "was not written by stability")
+        self.assert_nothing_written([self.raw(), "--long", self.raw()], "map.json", "was not written by long_runs")
+
+    def test_an_impossible_value(self):
+        self.map["maps"][0]["trials"][0]["step"] = -1.0
+        self.assert_nothing_written([self.raw()], "map.json", "step")
+
+    def test_out_is_a_file(self):
+        self.leave("group1")
+        self.assert_refused(self.render(self.raw(), "--out", self.write("taken", "kept")), "taken", "cannot be written")
+        with open(self.path("taken"), encoding="utf-8") as file:
+            self.assertEqual(file.read(), "kept")
+
+    def test_missing_and_unknown_arguments(self):
+        self.assert_refused(self.render(self.raw()), "--out")
+        self.assert_refused(self.render(self.raw(), "--out", self.path("charts"), "--colour"), "--colour")
+
+    def test_no_matplotlib_anywhere_is_one_line(self):
+        self.write("broken/matplotlib.py", "raise ImportError('not here')\n")
+        result = self.render(self.raw(), "--out", self.path("charts"), PYTHONPATH=self.path("broken"),
+                             ISOSYRK_PYTHON=sys.executable, PATH=self.path("empty"))
+        self.assert_refused(result, "no Python with matplotlib found", "install python3-matplotlib")
+
+
+if __name__ == "__main__":
+    unittest.main()

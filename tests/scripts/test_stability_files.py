@@ -1,0 +1,311 @@
+"""Tests of scripts/lib/stability.py: what its readers refuse, and what they find in made-up files."""
+
+import copy
+import json
+import os
+import sys
+import unittest
+
+from damaged_files import NAN, NO_NUMBERS, WRONG, DamageTests
+from programs import ROOT, FolderTest
+from stability_documents import (BISECTED, GRID, INTEGRATORS, LONG_STEPS, SETTINGS, SHARES, fail, long_document,
+                                 map_document, norm, write_document)
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
+import stability  # noqa: E402
+import stability_report  # noqa: E402
+from benchmark_json import UnusableFile  # noqa: E402
+
+TRIAL = {"h_norm_B": "positive", "step": "positive", "status": "text", "steps": "count",
+         "sweeps_per_step": "optional", "contraction": "optional", "spectrum_error": "not negative",
+         "skew_defect": "not negative", "energy_error": "not negative"}
+INTEGRATOR = {"name": "text", "stages": "positive count", "order": "positive count", "isospectral": "truth",
+              "lie_poisson": "truth", "symmetric": "truth", "explicit": "truth"}
+SAMPLE = {"step": "count", "time": "not negative", "spectrum_error": "optional", "energy_error": "optional",
+          "skew_defect": "optional", "casimir_errors": "casimirs or nulls"}
+WRONG = {**WRONG, "limit": tuple(value for value in (*NO_NUMBERS, 0) if value is not None),
+         "critical": (True, 1, "1", [], {}),
+         "casimirs or nulls": (None, True, 1, "1", {}, [], [1e-15] * 3, [1e-15] * 5, [1e-15] * 3 + [NAN],
+                               [1e-15] * 3 + [-1], [1e-15] * 3 + ["1"])}
+
+
+class ReaderTest(FolderTest):
+    def setUp(self):
+        super().setUp()
+        self.map, self.long = map_document(), long_document()
+
+    def assert_refused(self, analyse, document, *words):
+        """Refused, in one short line that has every one of `words` in it."""
+        with self.assertRaises(UnusableFile) as caught:
+            analyse(document)
+        self.assert_one_line(f"{caught.exception}\n", *words)
+        self.assertLess(len(str(caught.exception)), 300)
+
+    def map_refused(self, *words):
+        self.assert_refused(stability.failure_map, self.map, *words)
+
+    def long_refused(self, *words):
+        self.assert_refused(stability.long_runs, self.long, *words)
+
+    def map_of(self, name, scene="smooth", n=17):
+        return next(each for each in self.map["maps"]
+                    if (each["integrator"], each["scene"], each["n"]) == (name, scene, n))
+
+    def run_of(self, name, share):
+        return next(each for each in self.long["runs"] if (each["integrator"], each["share"]) == (name, share))
+
+
+class SoundFileTest(ReaderTest):
+    def test_the_map_is_read(self):
+        failures = stability.read_map(write_document(self.folder, self.map, "map.json"))
+        self.assertEqual((failures.scenes(), failures.sizes("smooth"), list(failures.integrators), len(failures.maps)),
+                         (["smooth", "rough"], [17, 129], list(INTEGRATORS), len(SETTINGS) * len(INTEGRATORS)))
+
+    def test_values_stand_where_they_belong(self):
+        each = stability.failure_map(self.map).at("smooth", 129, "algebra2")
+        self.assertEqual((each.linear_limit, each.critical.works.h_norm_B, each.critical.fails.h_norm_B, each.largest_working,
+                          each.over_limit, each.critical.works.contraction, each.critical.fails.status),
+                         (1.9, 1.9, BISECTED * 1.9, 1.9, 1.0, 0.9, "diverged"))
+        self.assertEqual([trial.h_norm_B for trial in each.trials], GRID)
+        self.assertEqual((each.trials[0].sweeps_per_step, each.trials[0].steps, each.trials[-1].failed_step),
+                         (50 * GRID[0], 5, 3))
+
+    def test_an_integrator_that_never_fails(self):
+        each = stability.failure_map(self.map).at("smooth", 17, "rkmk4")
+        self.assertEqual((each.critical, each.always_works, each.largest_working, each.over_limit), (None, True, GRID[-1], None))
+
+    def test_an_integrator_that_never_works(self):
+        each = self.map_of("rk4")
+        each.update(critical=None, trials=[trial for trial in each["trials"] if trial["status"] != "converged"])
+        self.assertIsNone(stability.failure_map(self.map).at("smooth", 17, "rk4").largest_working)
+
+    def test_the_long_runs_are_read(self):
+        runs = stability.read_long_runs(write_document(self.folder, self.long, "long_runs.json"))
+        self.assertEqual((runs.steps, runs.settings(), tuple(runs.shares()), len(runs.runs)),
+                         (LONG_STEPS, [("smooth", 17)], SHARES, 2 * (len(INTEGRATORS) + 1)))
+        run = runs.at("smooth", 17, 0.9, "rk4")
+        self.assertEqual((run.status, run.survived, run.failed_step, run.steps, run.step),
+                         ("unstable", False, 500, 499, 0.9 * 2.0 / norm(17)))
+        self.assertEqual((run.samples[0].step, run.samples[0].casimir_error), (1, run.samples[0].spectrum_error))
+
+    def test_series_of_quantities_leave_out_what_was_not_finite(self):
+        sample = self.run_of("group1", 0.9)["samples"][3]
+        sample.update(energy_error=None, casimir_errors=[1e-15, None, 1e-15, 1e-15])
+        run = stability.long_runs(self.long).at("smooth", 17, 0.9, "group1")
+        lengths = [len(quantity.series(run)) for quantity in stability.QUANTITIES]
+        self.assertEqual([len(run.samples) - length for length in lengths], [0, 0, 1, 1])
+
+
+class RefusalTest(ReaderTest):
+    def fields_are_checked(self, analyse, document, place, kinds):
+        """Every field of an object inside a document is required, and must be of its kind."""
+        for field, kind in kinds.items():
+            sound = place.pop(field)
+            with self.subTest(field=field):
+                self.assert_refused(analyse, document, field)
+            for value in WRONG[kind]:
+                with self.subTest(field=field, value=str(value)[:20]):
+                    place[field] = value
+                    self.assert_refused(analyse, document, *([field] if field != "trials" else []))
+            place[field] = sound
+        analyse(document)
+
+    def test_fields_of_a_map_file(self):
+        each = self.map_of("group1")
+        limits = {"scene": "text", "n": "positive count", "integrator": "text", "linear_limit": "limit",
+                  "critical": "critical"}
+        steps = {"explicit": "positive count", "implicit": "positive count"}
+        for place, kinds in ((self.map["integrators"][0], INTEGRATOR), (each, limits), (each["trials"][0], TRIAL),
+                             (each["critical"]["works"], TRIAL), (self.map["settings"][0]["trial_steps"], steps),
+                             (self.map["settings"][0], {"scene": "text", "n": "positive count", "norm_B": "positive",
+                                                        "norm_ad_B": "positive", "trial_steps": "object"}),
+                             (self.map, {"max_sweeps": "positive count"})):
+            self.fields_are_checked(stability.failure_map, self.map, place, kinds)
+
+    def test_fields_of_a_long_runs_file(self):
+        run = self.run_of("rk4", 0.9)
+        kinds = {"scene": "text", "n": "positive count", "integrator": "text", "share": "positive",
+                 "critical": "positive", "h_norm_B": "positive", "step": "positive", "status": "text", "steps": "count",
+                 "sweeps_per_step": "optional"}
+        for place, kinds in ((self.long["integrators"][0], INTEGRATOR), (run, kinds), (run["samples"][0], SAMPLE),
+                             (self.long, {"steps": "positive count"})):
+            self.fields_are_checked(stability.long_runs, self.long, place, kinds)
+
+    def test_every_list_is_required(self):
+        for analyse, document, names in ((stability.failure_map, self.map, ("integrators", "settings", "maps")),
+                                         (stability.long_runs, self.long, ("integrators", "runs"))):
+            for name in names:
+                for value in (None, {}, "points", 3, [None], [[]], [3], []):
+                    with self.subTest(list=name, value=value):
+                        self.assert_refused(analyse, {**document, name: value})
+                self.assert_refused(analyse, {key: value for key, value in document.items() if key != name}, name)
+
+    def test_another_format(self):
+        for value in (None, 1, [], {}, "isosyrk stability 2", "isosyrk long_runs 2"):
+            with self.subTest(value=value):
+                self.map["format"] = self.long["format"] = value
+                self.map_refused("was not written by stability")
+                self.long_refused("was not written by long_runs")
+
+    def test_one_file_for_the_other(self):
+        self.assert_refused(stability.failure_map, self.long, "was not written by stability")
+        self.assert_refused(stability.long_runs, self.map, "was not written by long_runs")
+
+    def test_context(self):
+        for value in (None, [], "context", 3):
+            self.map["context"] = self.long["context"] = value
+            self.map_refused("context")
+            self.long_refused("context")
+
+    def test_unknown_status_and_scene(self):
+        self.map_of("group1")["trials"][0]["status"] = self.run_of("rk4", 0.9)["status"] = "finished"
+        self.map_refused("finished", "converged", "sweep cap")
+        self.long_refused("finished", "converged", "sweep cap")
+        self.map = map_document()
+        self.map_of("group1")["scene"] = "stormy"
+        self.map_refused("stormy", "smooth")
+
+    def test_unlisted_integrator(self):
+        self.map_of("group1")["integrator"] = self.run_of("rk4", 0.9)["integrator"] = "magic"
+        self.map_refused("magic")
+        self.long_refused("magic")
+
+    def test_unlisted_setting(self):
+        self.map["settings"] = self.map["settings"][1:]
+        self.map_refused("smooth at n = 17")
+
+    def test_doubled_entries(self):
+        for name in ("integrators", "settings", "maps"):
+            with self.subTest(list=name):
+                self.map = map_document()
+                self.map[name].append(copy.deepcopy(self.map[name][0]))
+                self.map_refused("twice")
+        self.long["runs"].append(copy.deepcopy(self.long["runs"][0]))
+        self.long_refused("twice")
+
+    def test_a_step_that_contradicts_its_h_norm_B(self):
+        self.map_of("group1")["critical"]["works"]["step"] *= 1.001
+        self.map_refused("group1 at n = 17, smooth", "h_norm_B")
+
+    def test_trials_that_do_not_rise(self):
+        trials = self.map_of("group1")["trials"]
+        trials[0], trials[1] = trials[1], trials[0]
+        self.map_refused("group1 at n = 17, smooth", "do not rise")
+
+    def test_no_trials(self):
+        self.map_of("group1")["trials"] = []
+        self.map_refused("without trials")
+
+    def test_a_bracket_the_wrong_way_round(self):
+        critical = self.map_of("group1")["critical"]
+        critical["works"], critical["fails"] = critical["fails"], critical["works"]
+        self.map_refused("critical of group1")
+
+    def test_a_bracket_of_two_that_work(self):
+        self.map_of("group1")["critical"]["fails"] = copy.deepcopy(self.map_of("group1", n=17)["critical"]["works"])
+        self.map_refused("critical of group1")
+
+    def test_a_converged_trial_without_errors(self):
+        self.map_of("group1")["trials"][0]["energy_error"] = None
+        self.map_refused("is converged and has no value of energy_error")
+
+    def test_a_run_that_is_not_at_its_share(self):
+        self.run_of("group1", 0.9)["critical"] *= 1.01
+        self.long_refused("group1", "share")
+
+    def test_a_run_that_converged_too_early(self):
+        self.run_of("group1", 0.9)["steps"] -= 1
+        self.long_refused("converged after 1999 of 2000 steps")
+
+    def test_a_run_of_too_many_steps(self):
+        self.run_of("rk4", 0.9)["steps"] = LONG_STEPS + 1
+        self.long_refused("after 2001 of 2000 steps")
+
+    def test_a_converged_run_without_samples(self):
+        self.run_of("group1", 0.9)["samples"] = []
+        self.long_refused("with 0 samples")
+
+    def test_a_failed_run_without_samples_is_sound(self):
+        fail(self.run_of("group1", 0.9), 1, "diverged")
+        self.assertEqual(stability.long_runs(self.long).at("smooth", 17, 0.9, "group1").samples, ())
+
+    def test_samples_that_do_not_rise(self):
+        samples = self.run_of("group1", 0.9)["samples"]
+        samples[0], samples[1] = samples[1], samples[0]
+        self.long_refused("group1", "do not rise")
+
+    def test_a_sample_at_another_time(self):
+        self.run_of("group1", 0.9)["samples"][4]["time"] *= 1.001
+        self.long_refused("group1", "time")
+
+
+class HostileFileTest(ReaderTest):
+    def assert_file_refused(self, contents, *words):
+        path = self.path("raw.json")
+        with open(path, "wb") as stream:
+            stream.write(contents)
+        for read in (stability.read_map, stability.read_long_runs):
+            with self.assertRaises(UnusableFile) as caught:
+                read(path)
+            self.assert_one_line(f"{caught.exception}\n", path, *words)
+
+    def test_missing_file(self):
+        for read in (stability.read_map, stability.read_long_runs):
+            with self.assertRaisesRegex(UnusableFile, r"none\.json: cannot be read: No such file"):
+                read(self.path("none.json"))
+
+    def test_empty(self):
+        self.assert_file_refused(b" \n", "is empty")
+
+    def test_foreign(self):
+        for contents in (b"7", b"null", b"[]", b"{}", b'"text"'):
+            self.assert_file_refused(contents, "was not written by")
+
+    def test_cut(self):
+        for document in (self.map, self.long):
+            whole = json.dumps(document).encode()
+            for length in (1, 100, len(whole) // 2, len(whole) - 1):
+                self.assert_file_refused(whole[:length], "is not whole JSON")
+
+
+def small_map():
+    """Returns a map with few trials, so that many damaged ones take little time."""
+    document = map_document(SETTINGS[:2])
+    kept = ("group1", "rk4")
+    document["integrators"] = [each for each in document["integrators"] if each["name"] in kept]
+    document["maps"] = [each for each in document["maps"] if each["integrator"] in kept]
+    for each in document["maps"]:
+        each["trials"] = each["trials"][::4]
+    return document
+
+
+def small_long_runs():
+    document = long_document()
+    kept = ("group1", "rk4")
+    document["integrators"] = [each for each in document["integrators"] if each["name"] in kept]
+    document["runs"] = [each for each in document["runs"] if each["integrator"] in kept]
+    for each in document["runs"]:
+        each["samples"] = each["samples"][::6]
+    return document
+
+
+class MapMutationTest(DamageTests, unittest.TestCase):
+    cases = 600
+    document = staticmethod(small_map)
+
+    def analyse(self, document):
+        stability_report.stability_sections(stability.failure_map(document), None, {})
+
+
+class LongRunsMutationTest(DamageTests, unittest.TestCase):
+    cases = 600
+    document = staticmethod(small_long_runs)
+
+    def analyse(self, document):
+        runs = stability.long_runs(document)
+        stability_report.stability_sections(stability.failure_map(small_map()), runs, {})
+
+
+if __name__ == "__main__":
+    unittest.main()
