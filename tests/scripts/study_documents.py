@@ -82,6 +82,15 @@ def study_document():
     }
 
 
+def small_study():
+    """Returns a study of one n and without tolerances, which is drawn in a second or two."""
+    study = study_document()
+    study["references"] = study["references"][:1]
+    study["points"] = [point for point in study["points"] if point["n"] == 17]
+    study["tolerance_points"] = []
+    return study
+
+
 def write_study(folder, document=None, name="raw.json"):
     """Writes a document (by default the one above) and returns its path."""
     path = os.path.join(folder, name)

@@ -18,7 +18,8 @@ import unittest
 
 from programs import (BAD_ARGUMENTS, DONE, FORMULATIONS, ROOT, SOLVER_FAILED, FolderTest, end, environment, run,
                       snapshot, start)
-from study_documents import study_document, write_study
+from stability_documents import SETTINGS, long_document, map_document, write_document
+from study_documents import small_study, write_study
 
 HOST_NAME = "a-host-to-keep-private"
 RESULTS = {"raw.json", "context.json", "table.txt", "table.md", "table.tex"}
@@ -26,6 +27,8 @@ CHARTS = ("error_against_time", "error_against_products", "spectrum_error_agains
           "tolerance")
 ACCURACY_RESULTS = {"raw.json", "report.md", "report.txt",
                     *(f"{chart}.{kind}" for chart in CHARTS for kind in ("svg", "png"))}
+STABILITY_RESULTS = {"map.json", "long_runs.json", "report.md", "report.txt",
+                     *(f"{chart}.{kind}" for chart in ("failure_map_smooth", "long_runs_n17") for kind in ("svg", "png"))}
 EARLIER = {name: f"earlier {name}" for name in RESULTS}
 
 STAND_INS = {
@@ -103,6 +106,24 @@ esac
 """
 
 
+# Both programs of the stability study, named by $0: each writes its own file.
+STABILITY = """
+program=${0##*/}
+echo "$program[${OPENBLAS_CORETYPE-none}] $*" >>"$CALLS"
+while [ $# -gt 0 ]; do
+  [ "$1" = --out ] && out=$2
+  shift
+done
+echo "chatter of $program"
+[ "$program" = "${FAILING:-}" ] && { echo "some reason"; exit 7; }
+case $BENCHMARK in
+  finish) cp "$STABILITY_FOLDER/$program.json" "$out" ;;
+  scribble) echo '{"context": {' >"$out" ;;
+  fail) echo "some reason"; exit 7 ;;
+esac
+"""
+
+
 def raw_file(failed=False):
     """Returns a raw file of table1 at n = 17, with the algebra rows failed or not."""
     context = {"date": "2024-05-01T10:00:00+00:00", "host_name": HOST_NAME, "num_cpus": 2, "mhz_per_cpu": 3000,
@@ -130,13 +151,11 @@ def raw_file(failed=False):
     return {"context": context, "benchmarks": rows}
 
 
-def small_study():
-    """Returns a study of one n, which is drawn in a second or two."""
-    study = study_document()
-    study["references"] = study["references"][:1]
-    for kind in ("points", "tolerance_points"):
-        study[kind] = [point for point in study[kind] if point["n"] == 17]
-    return study
+def one_integrator(document, kind):
+    """Leaves one integrator of a file of the stability study, which is drawn in a second or two."""
+    document["integrators"] = document["integrators"][:1]
+    document[kind] = [each for each in document[kind] if each["integrator"] == document["integrators"][0]["name"]]
+    return document
 
 
 class CopyTest(FolderTest):
@@ -146,7 +165,7 @@ class CopyTest(FolderTest):
         shutil.copytree(os.path.join(ROOT, "scripts"), self.path("root", "scripts"), ignore=ignored)
         shutil.copytree(os.path.join(ROOT, "results", "paper"), self.path("root", "results", "paper"))
         for name, body in (("table1", TABLE1), ("reference_solutions", REFERENCE_SOLUTIONS),
-                           ("work_precision", WORK_PRECISION)):
+                           ("work_precision", WORK_PRECISION), ("stability", STABILITY), ("long_runs", STABILITY)):
             self.write(f"root/build/benchmarks/{name}", "#!/bin/sh\n" + body, executable=True)
         for name, body in STAND_INS.items():
             self.write(f"tools/{name}", "#!/bin/sh\n" + body, executable=True)
@@ -154,6 +173,8 @@ class CopyTest(FolderTest):
         self.calls_path = self.write("calls", "")
         self.use_raw_file(raw_file())
         self.study_path = write_study(self.folder, small_study(), name="study.json")
+        write_document(self.folder, one_integrator(map_document(SETTINGS[:1]), "maps"), "stability.json")
+        write_document(self.folder, one_integrator(long_document(), "runs"), "long_runs.json")
         self.out = self.path("out")
 
     def use_raw_file(self, raw):
@@ -165,6 +186,7 @@ class CopyTest(FolderTest):
     def surroundings(self, **changes):
         settings = {"PATH": self.path("tools") + os.pathsep + os.environ["PATH"], "TMPDIR": self.path("tmp"),
                     "CALLS": self.calls_path, "RAW": self.raw_path, "STUDY": self.study_path, "BENCHMARK": "finish",
+                    "STABILITY_FOLDER": self.folder,
                     "PYTHONDONTWRITEBYTECODE": "1", "DEBIAN_FRONTEND": None, "ASAN_OPTIONS": None}
         return environment(**{**settings, **changes})
 
@@ -198,7 +220,8 @@ class BadArguments(CopyTest):
 
     def test_reproduce_names_an_unknown_argument_and_what_is_allowed(self):
         for argument in ("table2", "--quik", "--quick=yes", "--out=here", "-q", "", "Table1"):
-            self.refuses("reproduce", [argument], argument, "table1", "accuracy", "--quick", "--out", "--no-install")
+            self.refuses("reproduce", [argument], argument, "table1", "accuracy", "stability", "--quick", "--out",
+                         "--no-install")
 
     def test_reproduce_does_one_job_at_a_time(self):
         self.refuses("reproduce", ["table1", "all"], "all")
@@ -439,9 +462,10 @@ class EndToEnd(CopyTest):
 
     def test_all_makes_a_folder_for_each_job(self):
         self.reproduce("all")
-        self.assertEqual(set(os.listdir(self.out)), {"table1", "accuracy"})
+        self.assertEqual(set(os.listdir(self.out)), {"table1", "accuracy", "stability"})
         self.assertEqual(set(os.listdir(self.path("out", "table1"))), RESULTS)
         self.assertEqual(set(os.listdir(self.path("out", "accuracy"))), ACCURACY_RESULTS)
+        self.assertEqual(set(os.listdir(self.path("out", "stability"))), STABILITY_RESULTS)
 
     def test_reference_solutions_are_kept_for_the_sizes_measured(self):
         references = self.path("root", "results", "latest", "references")
@@ -466,6 +490,21 @@ class EndToEnd(CopyTest):
         self.assertIn("--n 17 33", self.calls("work_precision")[-1])
         self.assertEqual(done.stdout, self.result("report.txt"))
         self.assertTrue(self.result("report.md").startswith("# Accuracy against cost"))
+
+    def test_stability_maps_and_watches_and_ends_with_its_report(self):
+        done = self.reproduce("stability")
+        self.assertEqual(set(os.listdir(self.out)), STABILITY_RESULTS)
+        self.assertEqual(done.stdout, self.result("report.txt"))
+        self.assertIn("Drift in long runs", done.stdout)
+        for program in ("stability", "long_runs"):
+            (call,) = self.calls(program + "[")
+            self.assertNotIn("--quick", call)
+        self.assertEqual(self.calls("reference_solutions"), [])
+
+    def test_quick_is_passed_on_to_both_programs_of_stability(self):
+        self.script("reproduce", "stability", "--quick", "--out", self.out, FAILING="long_runs")
+        for program in ("stability", "long_runs"):
+            self.assertRegex(self.calls(program + "[")[0], "--quick --out ")
 
     def call_of_table1(self, *arguments):
         self.script("reproduce", "--out", self.out, *arguments, BENCHMARK="fail")
@@ -540,6 +579,17 @@ class FailedRuns(CopyTest):
                 self.assertEqual((done.returncode, done.stdout), (status, ""))
                 self.assertNotIn("Traceback", done.stderr)
                 self.assert_earlier_results()
+
+    def test_a_failed_study_of_stability_leaves_earlier_results(self):
+        for failing in ("stability", "long_runs"):
+            done = self.script("reproduce", "stability", "--out", self.out, FAILING=failing)
+            self.assertEqual((done.returncode, done.stdout), (7, ""))
+            self.assertIn("some reason", done.stderr)
+            self.assert_earlier_results()
+        done = self.script("reproduce", "stability", "--out", self.out, BENCHMARK="scribble")
+        self.assertEqual((done.returncode, done.stdout), (BAD_ARGUMENTS, ""))
+        self.assertNotIn("Traceback", done.stderr)
+        self.assert_earlier_results()
 
     def test_a_missing_benchmark_leaves_earlier_results(self):
         os.unlink(self.path("root", "build", "benchmarks", "table1"))
