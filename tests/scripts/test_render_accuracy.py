@@ -13,7 +13,7 @@ import xml.etree.ElementTree
 
 import programs
 from programs import FolderTest, environment, run, snapshot
-from study_documents import UNCERTAINTY, study_document, write_study
+from study_documents import UNCERTAINTY, small_study, study_document, write_study
 
 SCRIPT = os.path.join(programs.ROOT, "scripts", "render_accuracy")
 LIBRARY = os.path.join(programs.ROOT, "scripts", "lib")
@@ -48,7 +48,8 @@ print(json.dumps({
 """
 
 
-PLAIN = {}
+# What was rendered and drawn before: the files of the plain study, and charts by their name and raw file's contents.
+PLAIN, DRAWN = {}, {}
 
 
 class AccuracyTest(FolderTest):
@@ -70,11 +71,19 @@ class AccuracyTest(FolderTest):
         return write_study(self.folder, document, name)
 
     def drawn(self, chart, raw):
-        python = chart_python.find()
-        self.assertIsNotNone(python, chart_python.complaint())
-        found = run([python, "-c", DESCRIBE, LIBRARY, chart, raw], timeout=300, env=self.settings)
-        self.assertEqual(found.returncode, 0, found.stderr)
-        return json.loads(found.stdout)
+        with open(raw, encoding="utf-8") as file:
+            key = chart, file.read()
+        if key not in DRAWN:
+            python = chart_python.find()
+            self.assertIsNotNone(python, chart_python.complaint())
+            found = run([python, "-c", DESCRIBE, LIBRARY, chart, raw], timeout=300, env=self.settings)
+            self.assertEqual(found.returncode, 0, found.stderr)
+            DRAWN[key] = found.stdout
+        return json.loads(DRAWN[key])
+
+    def small(self):
+        """Returns the raw file of a study that is drawn in a second or two, where only the files matter."""
+        return write_study(self.folder, small_study(), "small.json")
 
     def plain(self):
         """Returns the files of the plain study, rendered once for all tests: drawing takes seconds."""
@@ -265,13 +274,13 @@ class Table1(AccuracyTest):
 
     def test_is_written_beside_the_others(self):
         raw = self.table1(lambda s: {"relative_error": 10.0**(-3 * s)})
-        self.assertEqual(self.assert_renders(self.raw(), "--out", self.path("charts"), "--table1", raw).stderr, "")
+        self.assertEqual(self.assert_renders(self.small(), "--out", self.path("charts"), "--table1", raw).stderr, "")
         self.assertEqual(set(snapshot(self.path("charts"))),
                          FILES | {f"{TABLE1_CHART}.{kind}" for kind in ("svg", "png")})
 
     def test_without_errors_is_left_out_and_said_so(self):
         raw = self.table1(lambda s: {})
-        result = self.assert_renders(self.raw(), "--out", self.path("charts"), "--table1", raw)
+        result = self.assert_renders(self.small(), "--out", self.path("charts"), "--table1", raw)
         self.assert_one_line(result.stderr, raw, "relative_error", TABLE1_CHART)
         self.assertEqual(set(snapshot(self.path("charts"))), FILES)
 
@@ -329,7 +338,7 @@ class Python(AccuracyTest):
         return self.path("broken")
 
     def test_no_matplotlib_anywhere_is_one_line(self):
-        result = self.render(self.raw(), "--out", self.path("charts"), PYTHONPATH=self.without(),
+        result = self.render(self.small(), "--out", self.path("charts"), PYTHONPATH=self.without(),
                              ISOSYRK_PYTHON=sys.executable, PATH=self.path("empty"))
         self.assert_refused(result, "no Python with matplotlib found", sys.executable, "/usr/bin/python3",
                             "install python3-matplotlib")
@@ -340,14 +349,14 @@ class Python(AccuracyTest):
         self.assertIsNotNone(python, chart_python.complaint())
         chosen = self.write("bin/chosen", f'#!/bin/sh\necho chosen >> {self.path("calls")}\nunset PYTHONPATH\n'
                                           f'exec {python} "$@"\n', executable=True)
-        result = self.render(self.raw(), "--out", self.path("charts"), PYTHONPATH=self.without(),
+        result = self.render(self.small(), "--out", self.path("charts"), PYTHONPATH=self.without(),
                              ISOSYRK_PYTHON=chosen)
         self.assertEqual((result.returncode, result.stderr), (0, ""))
         self.assertTrue(os.path.exists(self.path("calls")))
         self.assertEqual(set(os.listdir(self.path("charts"))), FILES)
 
     def test_a_chosen_python_that_does_not_exist_is_passed_over(self):
-        result = self.render(self.raw(), "--out", self.path("charts"), ISOSYRK_PYTHON=self.path("none"))
+        result = self.render(self.small(), "--out", self.path("charts"), ISOSYRK_PYTHON=self.path("none"))
         self.assertEqual((result.returncode, result.stderr), (0, ""))
 
     def test_help_needs_no_matplotlib(self):
