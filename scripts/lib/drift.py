@@ -12,8 +12,9 @@ from typing import Optional
 
 NONE, LINEAR, POWER, EXPONENTIAL = "none", "linear", "power", "exponential"
 
-ROUNDING = 1e-12  # what 10⁴ steps leave of rounding and of the solver's tolerance, as relative errors
-# Below that a walk of rounding may look like any growth: it is one only where it is large and its fit is clean.
+ROUNDING = 1e-12  # what rounding leaves in 10⁴ steps, as a relative error
+# A walk of rounding may look like any growth: below ROUNDING a growth is told only where it is large and its fit is clean,
+# and above an exponential only where either is so.
 LARGE_GROWTH, CLEAN = 1000, 0.2  # the latter a log residual
 SATURATED = 0.1  # relative errors do not grow on beyond the size of what they are errors of
 FEWEST_POINTS = 5  # of a fit
@@ -22,7 +23,7 @@ LEAST_EXPONENT = 0.35  # ... by this power of it; what noise and bounded oscilla
 LINEAR_EXPONENTS = 0.75, 1.25
 MOST_EXPONENT = 8  # a late exponential looks like a higher power; no error of a method grows like one
 ABOVE_PLATEAU = 3  # growth is seen where the error is this many times what it was at first
-EXPONENTIAL_GROWTH = 10  # at least, over a run; less could as well be a power
+TELLING_GROWTH = 10  # at least, of what is fitted: over less an exponential could as well be a power
 # An error that came to a stand has drifted, not oscillated, if it rose from below SMALL up to saturation.
 SMALL = 1e-6
 
@@ -69,27 +70,49 @@ def drift(series):
 
 
 def fitted(part, so_far, largest):
-    """Decides between a power and an exponential by which of them fits the logarithm of the error better."""
-    logs = [math.log(value) for _, value in part]
-    power = fit([math.log(time) for time, _ in part], logs)
-    exponential = fit([time for time, _ in part], logs)
-    span = f"over {len(part)} samples, t = {part[0][0]:.3g} to {part[-1][0]:.3g}"
-    residuals = f"{{}} fits better (log residual {{:.2g}} against {{:.2g}}) {span}"
-    better = exponential.residual < power.residual or power.slope > MOST_EXPONENT
-    low, high = LINEAR_EXPONENTS
-    walks = power.slope < low or largest < LARGE_GROWTH * so_far[0][1]
+    """Decides between a power and an exponential by which of them fits the logarithm of the error better.
+
+    Of a power the exponent is that of the last decade of time: errors may grow otherwise until rough modes are there.
+    """
+    power, exponential = fit_power(part), fit_exponential(part)
+    walks = power.slope < LINEAR_EXPONENTS[0] or largest < LARGE_GROWTH * so_far[0][1]
     if largest < ROUNDING and (walks or min(exponential.residual, power.residual) > CLEAN):
         return Drift(NONE, 0.0, None, largest, f"reaches no more than rounding, like time^{power.slope:.2f}")
-    if better and so_far[-1][1] >= EXPONENTIAL_GROWTH * so_far[0][1]:
-        return Drift(EXPONENTIAL, exponential.slope, None, largest,
-                     residuals.format("an exponential", exponential.residual, power.residual))
-    reason = residuals.format("a power", power.residual, exponential.residual)
+    if is_exponential(part, power, exponential):
+        return Drift(EXPONENTIAL, exponential.slope, None, largest, reason("an exponential", part, exponential, power))
+    late = [(time, value) for time, value in part if time >= part[-1][0] / LATE]
+    return late_power(late if len(late) >= FEWEST_POINTS else part, largest,
+                      reason("a power", part, power, exponential))
+
+
+def is_exponential(part, power, exponential):
+    better = exponential.residual < power.residual or power.slope > MOST_EXPONENT
+    growth = part[-1][1] / part[0][1]
+    return better and (growth >= LARGE_GROWTH or (growth >= TELLING_GROWTH and exponential.residual <= CLEAN))
+
+
+def late_power(part, largest, why):
+    power = fit_power(part)
+    low, high = LINEAR_EXPONENTS
     if power.slope < LEAST_EXPONENT:
-        return Drift(NONE, 0.0, None, largest, f"level: like time^{power.slope:.2f} {span}")
+        return Drift(NONE, 0.0, None, largest, f"level: like time^{power.slope:.2f} from t = {part[0][0]:.3g} on")
     if low <= power.slope <= high:
-        rate = finite_exp(statistics.median(log - math.log(time) for log, (time, _) in zip(logs, part)))
-        return Drift(LINEAR, rate, 1.0, largest, reason)
-    return Drift(POWER, finite_exp(power.intercept), power.slope, largest, reason)
+        rate = finite_exp(statistics.median(math.log(value) - math.log(time) for time, value in part))
+        return Drift(LINEAR, rate, 1.0, largest, why)
+    return Drift(POWER, finite_exp(power.intercept), power.slope, largest, why)
+
+
+def reason(kind, part, chosen, other):
+    return (f"{kind} fits better (log residual {chosen.residual:.2g} against {other.residual:.2g}) over {len(part)}"
+            f" samples, t = {part[0][0]:.3g} to {part[-1][0]:.3g}")
+
+
+def fit_power(part):
+    return fit([math.log(time) for time, _ in part], [math.log(value) for _, value in part])
+
+
+def fit_exponential(part):
+    return fit([time for time, _ in part], [math.log(value) for _, value in part])
 
 
 def largest_so_far(series):
@@ -115,8 +138,12 @@ def rose_to_saturation(so_far):
     return so_far[0][1] <= SMALL and so_far[-1][1] >= SATURATED
 
 
+def grows(points):
+    return points[-1][1] >= TELLING_GROWTH * points[0][1]
+
+
 def growing_part(so_far):
-    """Returns the points between the plateau and saturation, if that leaves enough of them; else what does."""
+    """Returns the points between the plateau and saturation, if that leaves enough of them to tell; else what does."""
     first, top = so_far[0][1], so_far[-1][1]
     risen = [point for point in so_far if point[1] > ABOVE_PLATEAU * first]
     saturation = min(SATURATED, 0.3 * top) if top >= SATURATED else math.inf
@@ -125,7 +152,7 @@ def growing_part(so_far):
         [point for point in risen if point[1] <= saturation],
         [point for point in so_far if point[1] <= saturation],
     )
-    return next((part for part in choices if len(part) >= FEWEST_POINTS), so_far)
+    return next((part for part in choices if len(part) >= FEWEST_POINTS and grows(part)), so_far)
 
 
 def fit(x, y):

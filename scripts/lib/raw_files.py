@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 from benchmark_json import LARGEST_COUNTER, UnusableFile, one_line, parse_json, printable_context, quoted, read_text
 
-CONVERGED, UNSTABLE = "converged", "unstable"
-STATUSES = (CONVERGED, "diverged", "stagnated", "sweep cap", UNSTABLE)
+CONVERGED, SWEEP_CAP, UNSTABLE = "converged", "sweep cap", "unstable"
+STATUSES = (CONVERGED, "diverged", "stagnated", SWEEP_CAP, UNSTABLE)
 CASIMIRS = (2, 3, 4, 5)
 # Errors, norms and step sizes that are not 0 lie far inside; others are damage, and quotients of them overflow.
 SMALLEST, LARGEST = 1e-30, LARGEST_COUNTER

@@ -185,6 +185,21 @@ ENERGY = Quantity("energy error", "relative error of the energy", lambda sample:
 QUANTITIES = (SPECTRUM, SKEW, CASIMIR, ENERGY)
 
 
+def trials_in_words(failures, scenes):
+    """Says how many steps the trials of some scenes are of, and at which n."""
+    lengths = {}
+    for (scene, n), setting in failures.settings.items():
+        if scene in scenes:
+            lengths.setdefault((setting.implicit_steps, setting.explicit_steps), set()).add(n)
+    return "; ".join(f"{length_in_words(*steps)} at n = {', '.join(map(str, sorted(sizes)))}"
+                     for steps, sizes in lengths.items())
+
+
+def length_in_words(implicit, explicit):
+    steps = f"{implicit} step" + ("s" if implicit > 1 else "")
+    return steps if implicit == explicit else f"{steps} ({explicit} of explicit methods)"
+
+
 # ---- reading
 
 

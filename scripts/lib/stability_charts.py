@@ -16,8 +16,8 @@ from chart_panels import (LOOKS, SMALL, colour, column_of_labels, cross_mark, dr
                           logarithmic, look, new_figure, note_below, set_panel, style_key, styled)
 from drift import ROUNDING
 from integrator_names import TABLE1_CELLS, gauss_stages, joined, joined_relatives, others, relatives
-from raw_files import CONVERGED, UNSTABLE
-from stability import QUANTITIES
+from raw_files import CONVERGED, SWEEP_CAP, UNSTABLE
+from stability import QUANTITIES, trials_in_words
 
 GENERATOR_LABEL = "h‖B(W₀)‖₂"
 MEASURED, THEORY = "measured critical", "linear theory"
@@ -25,13 +25,13 @@ MEASURED, THEORY = "measured critical", "linear theory"
 # ---- failure maps
 
 # A shade for each number of sweeps a step, the more the darker.
-SWEEP_SHADES = ((10, "#f1f6fb"), (30, "#d3e4f3"), (math.inf, "#a9cae6"))
+SWEEP_SHADES = ((20, "#f1f6fb"), (50, "#d3e4f3"), (math.inf, "#a9cae6"))
 # Colour and hatching of what failed, apart in grey too.
 FAILURES = {
     "diverged": ("#e0724a", "////", "0.25"),
     "stagnated": ("#f2c063", "\\\\\\\\", "0.25"),
-    "sweep cap": ("#f9e79a", "....", "0.25"),
-    "unstable": ("#7c4596", "xxxx", "0.9"),
+    SWEEP_CAP: ("#f9e79a", "....", "0.25"),
+    UNSTABLE: ("#7c4596", "xxxx", "0.9"),
 }
 
 
@@ -63,30 +63,18 @@ def map_of(study, scene, names, title):
 
 
 def map_caption(study, scene):
-    lengths = {}
-    for n in study.sizes(scene):
-        setting = study.settings[scene, n]
-        lengths.setdefault((setting.implicit_steps, setting.explicit_steps), []).append(n)
-    trials = "; ".join(trial_length(*steps) + f" at n = {', '.join(map(str, sizes))}" for steps, sizes in lengths.items())
-    return (f"Each cell is one trial from the initial data: {trials}; at most {study.max_sweeps} sweeps a step. Numbers are"
-            " sweeps per step. Invariants lost: every iteration converged, but what the flow conserves did not stay. Measured"
-            " critical: the largest step that works below the first that fails, by bisection. Linear theory: where"
-            " the iteration (of explicit methods the step) ceases to be stable with B frozen at B(W₀); none is drawn where"
-            " it names no limit. The values beside a panel are those at its largest n.")
-
-
-def trial_length(implicit, explicit):
-    def counted(steps):
-        return f"{steps} step" + ("s" if steps > 1 else "")
-    return counted(implicit) if implicit == explicit else f"{counted(implicit)} ({counted(explicit)} of explicit methods)"
+    return (f"Each cell is one trial from the initial data: {trials_in_words(study, [scene])}; at most {study.max_sweeps}"
+            " sweeps a step. Numbers are sweeps per step. Invariants lost: every iteration converged, but what the flow"
+            " conserves did not stay. Measured critical: the largest step that works below the first that fails, by"
+            " bisection. Linear theory: where the iteration (of explicit methods the step) ceases to be stable with B frozen"
+            " at B(W₀); none is drawn where it names no limit. The values beside a panel are those at its largest n.")
 
 
 def map_key(figure, study, scene):
     """Says under the title what shades, hatchings and lines mean, of those that occur in this scene."""
     found = {trial.status for each in study.maps.values() if each.scene == scene for trial in each.trials}
-    names = ("≤ 10 sweeps", "≤ 30", "more")
-    handles = [Patch(facecolor=shade, edgecolor="0.6", linewidth=0.5, label=name)
-               for name, (_, shade) in zip(names, SWEEP_SHADES)]
+    handles = [Patch(facecolor=shade, edgecolor="0.6", linewidth=0.5,
+                     label="more" if math.isinf(most) else f"≤ {most} sweeps") for most, shade in SWEEP_SHADES]
     handles += [Patch(facecolor=shade, edgecolor=ink, hatch=hatch, linewidth=0,
                       label="invariants lost" if status == UNSTABLE else status)
                 for status, (shade, hatch, ink) in FAILURES.items() if status in found]
@@ -200,7 +188,8 @@ def errors_against_time(study, scene, n, which, wanted):
         f" they differ by less than a factor {ALIKE} (below {ROUNDING:.0e} by anything); the worst of them stands with"
         " points, the others as thin lines. × k: the run failed at step k; a cross marks its last state. The energy error is"
         " the largest since the sample before. What is exactly 0 has no place on the axis and is named below its panel.",
-        len(QUANTITIES), len(shares), 2.75, notes=2, right=2.3, row_gap=0.75, column_gap=2.75)
+        len(QUANTITIES), len(shares), 2.75, notes=2, right=2.3, row_gap=0.75, column_gap=2.75,
+        sharex="col")
     style_key(figure, [each for each in LOOKS if any(look(study.integrators[name]) == each for name in names)])
     for index, (row, quantity) in enumerate(zip(panels, QUANTITIES)):
         labels = []
@@ -217,6 +206,7 @@ def errors_against_time(study, scene, n, which, wanted):
 def time_panel(axes, study, quantity, runs):
     """Draws a quantity of some runs and returns the labels of the lines, which need the limits of the whole row."""
     logarithmic(axes)
+    axes.tick_params(labelbottom=True)  # also where the panels below have the same times
     labels = []
     for group in relatives(runs):
         series = {name: drawable(quantity.series(runs[name])) for name in group}
@@ -271,7 +261,7 @@ def notes(quantity, runs):
     return " ".join(parts)
 
 
-LEAST_DRAWN, LARGEST_DRAWN = 1e-18, 1e3
+LEAST_DRAWN, LARGEST_DRAWN = 1e-18, 1e8
 
 
 def label_row(row, labels):
@@ -284,6 +274,6 @@ def label_row(row, labels):
     for axes, names in zip(row, labels):
         axes.set_ylim(low, high)
         if low < ROUNDING:
-            floor_band(axes, ROUNDING, "rounding and tolerance", at=(0, ROUNDING), offset=(6, -11),
+            floor_band(axes, ROUNDING, "rounding", at=(0, ROUNDING), offset=(6, -11),
                        coordinates=("axes fraction", "data"))
         column_of_labels(axes, names)

@@ -3,6 +3,7 @@
 Every sentence is made from the raw files: its figures, and which way round it is put.
 """
 
+import math
 import statistics
 from dataclasses import dataclass
 from typing import Tuple
@@ -10,10 +11,10 @@ from typing import Tuple
 from accuracy_report import listed, scientific, table
 from comparison import MISSING, three_digits
 from document import Column, Figure, Heading, Item, Items, Paragraph
-from drift import EXPONENTIAL, LINEAR, NONE, drift
+from drift import EXPONENTIAL, LINEAR, LINEAR_EXPONENTS, NONE, POWER, drift
 from integrator_names import MIDPOINT, family, joined, others
-from raw_files import STATUSES, UNSTABLE
-from stability import ENERGY, QUANTITIES, SKEW, SPECTRUM, TWO_PRODUCTS
+from raw_files import STATUSES, SWEEP_CAP, UNSTABLE
+from stability import ENERGY, QUANTITIES, SKEW, SPECTRUM, TWO_PRODUCTS, trials_in_words
 
 # What is claimed of the smooth scene, at this n.
 CLAIMED_SCENE, CLAIMED_N = "smooth", 129
@@ -271,25 +272,50 @@ def drifts(runs, quantity, wanted):
 
 def spectrum_claim(runs):
     found = drifts(runs, SPECTRUM, lambda each: each.isospectral)
-    return drift_claim(found, "spectrum", "isospectral integrators")
+    return drift_claim(found, "spectrum", "isospectral integrators", tolerated(runs)) if found else None
 
 
 def energy_claim(runs):
     found = drifts(runs, ENERGY, lambda each: each.lie_poisson)
-    return drift_claim(found, "energy", "Lie–Poisson integrators")
+    return drift_claim(found, "energy", "Lie–Poisson integrators", 0.0) if found else None
 
 
-def drift_claim(found, what, who):
-    if not found:
-        return None
-    drifting = [(run, each) for run, each in found if each.kind != NONE]
+def tolerated(runs):
+    """Returns the error that the solver's tolerance lets through in every step together; 0 if it is not recorded."""
+    return runs.steps * recorded_tolerance(runs)
+
+
+def recorded_tolerance(study):
+    """Returns the tolerance of the fixed point; 0 if it is not recorded."""
+    try:
+        tolerance = float(study.context["tolerance"])
+    except (KeyError, ValueError):
+        return 0.0
+    return tolerance if 0 < tolerance < 1 else 0.0
+
+
+def wanders(each):
+    """Tells whether an error grows more slowly than a drift: as a random walk does, or what is slow to come to its bound."""
+    return each.kind == POWER and each.exponent < LINEAR_EXPONENTS[0]
+
+
+def drift_claim(found, what, who, allowed):
+    drifting = [(run, each) for run, each in found if each.kind != NONE and not wanders(each)]
+    wandering = [(run, each) for run, each in found if wanders(each)]
     run, largest = max(found, key=lambda pair: pair[1].largest)
-    text = (f": of {len(found)} runs of {who} that came through, {len(found) - len(drifting)} show no drift; the largest"
-            f" error is {scientific(largest.largest)} ({run.integrator}, n = {run.n}, {run.share:g} of the critical step)")
-    if drifting:
-        text += "; drifting: " + listed(f"{run.integrator} at n = {run.n}, {run.share:g} ({drift_text(each)})"
-                                        for run, each in drifting)
-    return Item(f"The {what} does not drift" if not drifting else f"The {what} drifts in some runs", text + ".")
+    text = (f": of {len(found)} runs of {who} that came through, {len(found) - len(drifting) - len(wandering)} stay level;"
+            f" the largest error is {scientific(largest.largest)} ({run.integrator}, n = {run.n}, {run.share:g} of the"
+            " critical step)")
+    if allowed:
+        text += f", where steps × tolerance is {scientific(allowed)}"
+    for runs, verb in ((drifting, "drifting"), (wandering, "wandering, more slowly than time")):
+        if runs:
+            text += f"; {verb} ({len(runs)}): " + listed(f"{run.integrator} at n = {run.n}, {run.share:g} ({drift_text(each)})"
+                                           for run, each in runs)
+    verdict = (f"The {what} does not drift" if not drifting
+               else f"The {what} drifts by no more than the tolerance lets through" if largest.largest <= allowed
+               else f"The {what} drifts in some runs")
+    return Item(verdict, text + ".")
 
 
 def two_products_claims(runs):
@@ -337,7 +363,7 @@ def critical_section(failures, level):
     parts = [Heading("Critical h‖B(W₀)‖₂", level), Paragraph(
         'The largest h‖B(W₀)‖₂ that works below the first that fails, by bisection; "> x": the largest tried still works,'
         ' "< x": the smallest tried fails. The linear limit is that at the largest n. What the first failure is stands'
-        " last, in the order of n." + short_trials(failures))]
+        f" last, in the order of n. A trial is of {trials_in_words(failures, failures.scenes())}.")]
     for scene in failures.scenes():
         sizes = failures.sizes(scene)
         columns = (Column("integrator", align="left"), *(Column(f"n = {n}") for n in sizes),
@@ -347,17 +373,6 @@ def critical_section(failures, level):
                 for name in failures.integrators if failures.line(scene, name)]
         parts += [Heading(f"{scene.capitalize()} scene", level + 1), table(columns, rows)]
     return parts
-
-
-def short_trials(failures):
-    """Says where trials are of fewer steps than elsewhere."""
-    lengths = {}
-    for setting in failures.settings.values():
-        lengths.setdefault(max(setting.explicit_steps, setting.implicit_steps), set()).add(setting.n)
-    most = max(lengths)
-    short = [f"{steps} at n = {listed(sorted(sizes))}" for steps, sizes in sorted(lengths.items(), reverse=True)
-             if steps < most]
-    return f" A trial is of {most} steps{', ' if short else ''}{listed(short)}."
 
 
 def critical_text(each):
@@ -382,18 +397,20 @@ def ways_text(line):
 # ---- theory and measurement
 
 AGREE, COLD_START, WEAK, UNEXPLAINED = "agree", "cold start", "weak contraction", "not explained"
-FROM_ROUNDING, TRIAL_ENDS, MOVING = "tolerance met first", "trial ends first", "B moves"
+FROM_ROUNDING, TRIAL_ENDS, INVARIANTS, MOVING = "tolerance met first", "trial ends first", "invariants first", "B moves"
 READINGS = {
     AGREE: f"theory and measurement are within a factor of {AGREES} of one another.",
     COLD_START: f"below the limit, though the last step that works contracts by less than {CLEARLY_CONTRACTS} a sweep. Not"
                 " the local contraction decides but the start value: the cold start leaves the basin of the iteration.",
-    WEAK: f"below the limit, and the last step that works contracts by {CLEARLY_CONTRACTS} or more a sweep: B at the stages"
-          " contracts less than B at W₀.",
+    WEAK: f"below the limit, and the last step that works contracts by {CLEARLY_CONTRACTS} or more a sweep. B frozen leaves"
+          " out that B changes with the stages from sweep to sweep, and so how slowly the iteration contracts.",
     UNEXPLAINED: "below the limit, and the contraction of the last step that works was not measured.",
     FROM_ROUNDING: "beyond the limit. The errors that theory lets grow are the rough ones, which start at rounding size: the"
                    " tolerance is met before they have grown.",
     TRIAL_ENDS: "beyond the limit of an explicit method. The errors that theory lets grow start at rounding size: the trial"
                 " ends before they have grown.",
+    INVARIANTS: "below the limit of stability, for what is lost first is not stability: invariants that the method does not"
+                " keep are lost by its error within the steps of a trial.",
     MOVING: "below the limit of an explicit method: B does not stay as it is at W₀.",
 }
 
@@ -416,7 +433,19 @@ def theory_section(failures, level):
                       " ceases to be stable. The ratio is the measured critical h‖B(W₀)‖₂ over that limit, the least and"
                       " the greatest of a family of methods; the contraction is that of the last step that works."),
             table(columns, rows),
-            Items([Item(name, f": {text}") for name, text in READINGS.items() if name in readings])]
+            Items([Item(name, f": {text}") for name, text in READINGS.items() if name in readings]),
+            *sweep_cap_note(failures)]
+
+
+def sweep_cap_note(failures):
+    """Says how slow a contraction the sweep cap lets through: where runs end by it, the edge is not where it is 1."""
+    capped = sum(bool(each.critical) and each.critical.fails.status == SWEEP_CAP for each in failures.maps.values())
+    tolerance = recorded_tolerance(failures)
+    if not capped or not tolerance:
+        return []
+    slowest = tolerance ** (1 / failures.max_sweeps)
+    return [Paragraph(f"{capped} edges are where {failures.max_sweeps} sweeps no longer suffice: changes fall from 1 to"
+                      f" {tolerance:.0e} in so many where they contract by {three_digits(slowest)} a sweep.")]
 
 
 def families(failures, scene):
@@ -444,6 +473,8 @@ def reading(failures, each):
         return AGREE
     if each.over_limit > 1:
         return TRIAL_ENDS if explicit else FROM_ROUNDING
+    if each.critical.fails.status == UNSTABLE:
+        return INVARIANTS
     if explicit:
         return MOVING
     if contraction is None:
@@ -455,15 +486,13 @@ def reading(failures, each):
 
 
 def safe_share(runs, name):
-    """Returns the largest share of the critical step at which every long run of a method lasted; None if none did.
+    """Returns the largest share of the critical step up to which every long run of a method lasted; None if none did.
 
     Where no long run was made of it, the critical step itself is all that is known: 1.
     """
     tried = [run for run in runs.runs if run.integrator == name] if runs else []
-    if not tried:
-        return 1.0
-    return max((share for share in {run.share for run in tried}
-                if all(run.survived for run in tried if run.share == share)), default=None)
+    failed = min((run.share for run in tried if not run.survived), default=math.inf)
+    return max((run.share for run in tried if run.share < failed), default=None) if tried else 1.0
 
 
 def safe_constant(failures, runs, scene, name):
@@ -501,7 +530,7 @@ def share_text(failures, runs):
     if not runs:
         return " Short trials are all that stands behind it: no long runs were made, and the share is 1."
     untried = [name for name in failures.integrators if not any(run.integrator == name for run in runs.runs)]
-    text = (f" The share is the largest of {listed(f'{share:g}' for share in runs.shares())} at which every long run of the"
+    text = (f" The share is the largest of {listed(f'{share:g}' for share in runs.shares())} up to which every long run of the"
             f" method came through {runs.steps} steps")
     return text + (f"; it is 1 for what had no long run ({joined(untried)})." if untried else ".")
 
@@ -517,8 +546,8 @@ def drift_section(runs, level):
     parts = [Heading("Drift in long runs", level), Paragraph(
         'Of the largest error so far. "none, x": it stays level, at most x. "linear r": it is r · time. "r t^p": it is'
         ' r · time^p. "exp r": it grows as exp(r · time). Decided on the samples above rounding and below saturation: an'
-        " exponential where it fits the logarithm of the error better than a power of time does. Of a run that failed:"
-        " up to there."
+        " exponential where it fits the logarithm of the error better than a power of time does, and a power by the last"
+        " decade of time. Of a run that failed: up to there."
         f' "{MISSING}": too few samples to tell.')]
     for scene, n in runs.settings():
         columns = [Column("integrator", align="left")]

@@ -105,6 +105,11 @@ class Growth(DriftTest):
             found = self.assert_kind(POWER, random_walk(seed, 1e-8))
             self.assertAlmostEqual(found.exponent, 0.5, delta=0.25)
 
+    def test_the_exponent_is_that_of_the_last_decade(self):
+        # Errors that grow like the cube of time until rough modes are there, then linearly.
+        found = self.assert_kind(LINEAR, series(lambda time: 1e-9 * min(time, 100.0) ** 3 + 3e-5 * time))
+        self.assertEqual(found.exponent, 1)
+
     def test_exponential(self):
         for rate in (25 / END, 10 / END):
             self.assert_kind(EXPONENTIAL, series(lambda time: 1e-15 * math.exp(rate * time)), rate)

@@ -150,14 +150,29 @@ class LongRunClaims(ReportTest):
                       self.claim("At 0.3 of the critical step not every method lasts"))
 
     def test_spectra_that_stay(self):
-        self.assertIn("of 22 runs of isospectral integrators that came through, 22 show no drift; the largest error is"
+        self.assertIn("of 22 runs of isospectral integrators that came through, 22 stay level; the largest error is"
                       " 1.5e-14", self.claim("The spectrum does not drift"))
 
     def test_a_spectrum_that_drifts_is_named(self):
         for each in self.runs_of("group3")[0]["samples"]:
             each["spectrum_error"] = 1e-9 * each["time"]
-        self.assertIn("21 show no drift", self.claim("The spectrum drifts in some runs"))
-        self.assertIn("drifting: group3 at n = 17, 0.9 (linear 1.0e-9)", self.claim("The spectrum drifts in some runs"))
+        self.assertIn("21 stay level;", self.claim("The spectrum drifts in some runs"))
+        self.assertIn("drifting (1): group3 at n = 17, 0.9 (linear 1.0e-9)", self.claim("The spectrum drifts in some runs"))
+
+    def test_a_drift_within_the_tolerance_is_told_from_one_beyond(self):
+        # 2000 steps to a tolerance of 1e-13 let 2e-10 through; the run is to time 2541.
+        for each in self.runs_of("group3")[0]["samples"]:
+            each["spectrum_error"] = 5e-14 * each["time"]
+        self.assertIn("where steps × tolerance is 2.0e-10",
+                      self.claim("The spectrum drifts by no more than the tolerance lets through"))
+        self.long["context"]["tolerance"] = "1e-14"
+        self.claim("The spectrum drifts in some runs")
+
+    def test_what_grows_more_slowly_than_time_wanders(self):
+        for each in self.runs_of("algebra1")[1]["samples"]:
+            each["energy_error"] = 1e-5 * each["time"] ** 0.5
+        self.assertIn("19 stay level;", self.claim("The energy does not drift"))
+        self.assertIn("wandering, more slowly than time (1): algebra1 at n = 17, 0.3 (1.0e-5 t^0.5)", self.claim("The energy does not"))
 
     def test_energies_that_stay_and_one_that_drifts(self):
         self.assertIn("of 20 runs of Lie–Poisson integrators", self.claim("The energy does not drift"))
@@ -219,6 +234,9 @@ class Theory(ReportTest):
 
     def test_an_explicit_method_below_its_limit(self):
         self.set_critical(0.5, "rk4")
+        self.assertEqual(self.family("rk4")[3], "invariants first")
+        for each in self.maps_of("rk4"):
+            each["critical"]["fails"]["status"] = "diverged"
         self.assertEqual(self.family("rk4")[3], "B moves")
 
     def test_both_ends_of_a_family_are_read(self):
@@ -230,6 +248,14 @@ class Theory(ReportTest):
         for each in self.maps_of("algebra1"):
             each["critical"]["works"]["contraction"] = None
         self.assertEqual(self.family("isospectral midpoint")[2:4], ["–", "not explained"])
+
+    def test_the_sweep_cap_is_explained_where_it_ends_runs(self):
+        self.assertNotIn("sweeps no longer suffice", self.prose())
+        for each in self.maps_of("algebra1"):
+            each["critical"]["fails"]["status"] = "sweep cap"
+        # 1e-13 to the power 1/400.
+        self.assertIn("2 edges are where 400 sweeps no longer suffice: changes fall from 1 to 1e-13 in so many where they"
+                      " contract by 0.928 a sweep.", self.prose())
 
     def test_a_method_without_a_limit_has_no_row(self):
         self.assertNotIn("rkmk4", stability_report.families(failure_map(self.map), "smooth"))
@@ -252,7 +278,7 @@ class Tables(ReportTest):
         self.assertEqual(self.row("group1", "Smooth scene")[1:3], ["0.700", "0.700"])
 
     def test_short_trials_are_told(self):
-        self.assertIn("A trial is of 50 steps, 5 at n = 129.", self.prose())
+        self.assertIn("A trial is of 50 steps at n = 17; 5 steps at n = 129.", self.prose())
 
     def test_drift(self):
         # Near the edge rk4 failed at step 500; inside it loses 1e-5 of the spectrum and Casimirs in a unit of time.
@@ -293,6 +319,10 @@ class Advice(ReportTest):
     def test_a_method_that_failed_at_both_shares_gets_no_step(self):
         fail(self.runs_of("rk4")[1], 900)
         self.assertEqual(self.advice("rk4"), ["–"] * 5)
+
+    def test_a_method_that_failed_well_inside_gets_no_step_though_it_lasted_near_the_edge(self):
+        fail(self.runs_of("group1")[1], 900)
+        self.assertEqual(self.advice("group1"), ["–"] * 5)
 
     def test_the_constant_is_that_of_the_worst_n(self):
         works = self.maps_of("group3")[1]["critical"]["works"]
