@@ -311,19 +311,19 @@ class Refusals(AccuracyTest):
         self.assert_nothing_written(self.raw(lambda document: document["points"][0].update(error=-1.0)), "error")
 
     def test_out_is_a_file(self):
-        self.assert_refused(self.render(self.raw(), "--out", self.write("taken", "kept")), "taken", "cannot be written")
+        self.assert_refused(self.render(self.small(), "--out", self.write("taken", "kept")), "taken", "cannot be written")
         with open(self.path("taken"), encoding="utf-8") as file:
             self.assertEqual(file.read(), "kept")
 
     def test_out_is_below_a_file(self):
         self.write("taken", "")
-        self.assert_refused(self.render(self.raw(), "--out", self.path("taken", "charts")), "cannot be written")
+        self.assert_refused(self.render(self.small(), "--out", self.path("taken", "charts")), "cannot be written")
 
     def test_out_may_not_be_written(self):
         folder = "/proc/isosyrk-charts" if os.geteuid() == 0 else self.path("closed")
         if os.geteuid() != 0:
             os.mkdir(folder, 0o500)
-        self.assert_refused(self.render(self.raw(), "--out", folder), "cannot be written")
+        self.assert_refused(self.render(self.small(), "--out", folder), "cannot be written")
 
     def test_missing_and_unknown_arguments(self):
         self.assert_refused(self.render(self.raw()), "--out")
