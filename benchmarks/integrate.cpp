@@ -10,6 +10,7 @@
 #include "benchmarks/output_file.h"
 #include "benchmarks/timed_run.h"
 #include "core/conservation.h"
+#include "core/measured_limits.h"
 #include "core/scene.h"
 
 namespace isosyrk {
@@ -23,11 +24,22 @@ struct Outcome {
   Matrix W;
 };
 
+// Before a long run, not after it.
+void warn_beyond_limit(const std::string& integrator, double h_norm_B) {
+  const std::optional<double> limit = measured_limit(integrator);
+  if (!limit || h_norm_B <= *limit) return;
+  print_error("integrate",
+              fmt::format("note: h_norm_B = {:.3g} is beyond {:.3g}, the largest at "
+                          "which {} worked in every recorded trial; see results/README.md",
+                          h_norm_B, *limit, integrator));
+}
+
 Outcome integrate(const IntegrateRequest& request, const Scene& scene, ProductBackend backend) {
   const auto integrator = request.integrator.make(*scene.flow, request.solver, backend);
   Outcome outcome;
   outcome.W = scene.initial;
   outcome.h_norm_B = request.step * generator_norms(scene).B;
+  warn_beyond_limit(request.integrator.name, outcome.h_norm_B);
   ConservationWatch watch(scene);
   const TimedRun timed = timed_run(*integrator, outcome.W, request.step, request.steps,
                                    [&](const Matrix& W) { watch.observe(W); });

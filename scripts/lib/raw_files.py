@@ -121,6 +121,13 @@ class Fields:
         """Returns a number, 0 or more, or None where null is recorded."""
         return None if self.get(field) is None else self.not_negative(field)
 
+    def error_of_any_size(self, field):
+        """Returns an error, or None where it was not finite or beyond all measure: a run that blew up leaves such."""
+        value = self.get(field)
+        if value is not None and (not is_number(value) or value < 0):
+            self.refuse(field, "a number, 0 or more, or null")
+        return None if value is None or value > LARGEST else float(value)
+
     def numbers(self, field, length=None):
         value = self.get(field)
         if not isinstance(value, list) or not all(map(is_not_negative, value)):

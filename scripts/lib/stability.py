@@ -10,7 +10,7 @@ from typing import Callable, Dict, List, Optional, Tuple
 
 import raw_files
 from benchmark_json import UnusableFile, quoted
-from raw_files import CASIMIRS, CONVERGED, STATUSES, Fields, Integrator, is_number, objects, unique
+from raw_files import CASIMIRS, CONVERGED, LARGEST, STATUSES, Fields, Integrator, is_number, objects, unique
 
 MAP_FORMAT = "isosyrk stability 1"
 LONG_RUNS_FORMAT = "isosyrk long_runs 1"
@@ -322,13 +322,13 @@ ERRORS = ("spectrum_error", "skew_defect", "energy_error")
 
 def trial(fields):
     status = fields.one_of("status", STATUSES)
-    errors = {name: fields.optional(name) for name in ERRORS}
+    errors = {name: fields.error_of_any_size(name) for name in ERRORS}
     if status == CONVERGED and None in errors.values():
         raise UnusableFile(f"{fields.what} is {CONVERGED} and has no value of"
                            f" {', '.join(name for name in errors if errors[name] is None)}")
     return Trial(h_norm_B=fields.positive("h_norm_B"), step=fields.positive("step"), status=status,
                  steps=fields.whole("steps"), sweeps_per_step=fields.optional("sweeps_per_step"),
-                 contraction=fields.optional("contraction"), failed_step=failed_step(fields), **errors)
+                 contraction=fields.error_of_any_size("contraction"), failed_step=failed_step(fields), **errors)
 
 
 def failed_step(fields):
@@ -345,8 +345,9 @@ def long_run(fields):
 
 
 def sample(fields):
-    return Sample(fields.whole("step"), fields.not_negative("time"), fields.optional("spectrum_error"),
-                  casimir_errors(fields), fields.optional("energy_error"), fields.optional("skew_defect"))
+    return Sample(fields.whole("step"), fields.not_negative("time"), fields.error_of_any_size("spectrum_error"),
+                  casimir_errors(fields), fields.error_of_any_size("energy_error"),
+                  fields.error_of_any_size("skew_defect"))
 
 
 def casimir_errors(fields):
@@ -355,4 +356,4 @@ def casimir_errors(fields):
         value is None or (is_number(value) and value >= 0) for value in values)
     if not sound:
         fields.refuse("casimir_errors", f"a list of {len(CASIMIRS)} numbers, 0 or more, or nulls")
-    return tuple(None if value is None else float(value) for value in values)
+    return tuple(None if value is None or value > LARGEST else float(value) for value in values)

@@ -157,6 +157,35 @@ class RefusedArguments(RefusalTest):
                 self.assert_refused_alone(line, f"--n {n}", "n >= 5", "--modes")
 
 
+class BeyondTheMeasuredLimit(FolderTest):
+    """A note before the run where its step is longer than any that worked everywhere."""
+
+    def noted(self, **changes):
+        done = run(command(SHORT, **changes))
+        for line in done.stderr.splitlines():
+            self.assertTrue(line.startswith("integrate: "), line)
+        return done
+
+    def test_a_step_beyond_it_is_noted_and_the_run_goes_on(self):
+        done = self.noted(n="33", step="0.6", time="0.6")
+        self.assertEqual(done.returncode, DONE, done.stderr)
+        self.assertEqual(len(done.stderr.splitlines()), 1)
+        for part in ("note", "h_norm_B = 1.52", "group2", "results/README.md"):
+            self.assertIn(part, done.stderr)
+
+    def test_a_run_that_fails_names_both(self):
+        done = self.noted(step="5", time="5")
+        self.assertEqual(done.returncode, SOLVER_FAILED)
+        self.assertEqual(len(done.stderr.splitlines()), 2)
+
+    def test_a_step_within_it_is_not_noted(self):
+        self.assertEqual(self.noted(step="0.5").stderr, "")
+        self.assertEqual(self.noted(step="0.5", scene="rough").stderr, "")
+
+    def test_a_method_that_was_not_mapped_is_not_judged(self):
+        self.assertEqual(len(self.noted(stages="7", step="5", time="5").stderr.splitlines()), 1)
+
+
 class NamedScene(RefusalTest):
     """--scene NAME."""
 

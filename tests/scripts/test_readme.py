@@ -20,6 +20,11 @@ class Readme(unittest.TestCase):
                                capture_output=True, encoding="utf-8")
         self.assertEqual((check.returncode, check.stderr), (0, ""))
 
+    def test_integrate_warns_by_the_recorded_limits(self):
+        check = subprocess.run([sys.executable, os.path.join(ROOT, "scripts", "update_limits"), "--check"],
+                               capture_output=True, encoding="utf-8")
+        self.assertEqual((check.returncode, check.stderr), (0, ""))
+
     def test_names_only_files_that_exist(self):
         named = re.findall(r"`((?:core|benchmarks|tests|scripts|results)/[\w./-]*)`", readme())
         self.assertGreater(len(named), 10)
