@@ -9,8 +9,7 @@ import xml.etree.ElementTree
 
 import programs
 from programs import FolderTest, environment, run, snapshot
-from stability_documents import (CONTROL, GRID, INTEGRATORS, SHARES, fail, long_document, map_document, norm, trial,
-                                 write_document)
+from stability_documents import (CONTROL, GRID, fail, long_document, map_document, norm, trial, write_document)
 
 SCRIPT = os.path.join(programs.ROOT, "scripts", "render_stability")
 LIBRARY = os.path.join(programs.ROOT, "scripts", "lib")

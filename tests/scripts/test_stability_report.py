@@ -6,7 +6,7 @@ import sys
 import unittest
 
 from programs import DONE, ROOT, FolderTest, environment, run
-from stability_documents import (CONTROL, GRID, INTEGRATORS, LONG_STEPS, LOST_RATE, ROUGH, SETTINGS, fail, long_document,
+from stability_documents import (CONTROL, GRID, LONG_STEPS, LOST_RATE, ROUGH, SETTINGS, fail, long_document,
                                  map_document, norm, trial, write_document)
 from study_documents import write_study
 
