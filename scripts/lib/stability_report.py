@@ -62,7 +62,7 @@ def stability_sections(failures, runs, charts, level=2):
     """Returns the section; `runs` may be None, `charts` maps the names of the charts that exist to their paths."""
     figures = [Figure(charts[each.name], each.caption) for each in [*map_charts(failures), *long_run_charts(runs)]
                if each.name in charts]
-    claims = [*issue_claims(failures), *map_claims(failures), *(long_run_claims(runs) if runs else [])]
+    claims = [*issue_claims(failures), *map_claims(failures), *(long_run_claims(runs, failures) if runs else [])]
     return [
         Heading("Stability", level),
         Paragraph(introduction(failures, runs)),
@@ -242,9 +242,9 @@ def scene_claim(failures):
 # ---- claims on long runs
 
 
-def long_run_claims(runs):
+def long_run_claims(runs, failures):
     return [*(survival_claim(runs, share) for share in runs.shares()), spectrum_claim(runs), energy_claim(runs),
-            *two_products_claims(runs)]
+            *two_products_claims(runs, failures)]
 
 
 def survival_claim(runs, share):
@@ -318,24 +318,25 @@ def drift_claim(found, what, who, allowed):
     return Item(verdict, text + ".")
 
 
-def two_products_claims(runs):
+def two_products_claims(runs, failures):
     """Returns a claim for each control whose update is formed as BW̃ − W̃B."""
-    return [two_products_claim(runs, name) for name in runs.integrators if name.endswith(TWO_PRODUCTS)]
+    return [two_products_claim(runs, failures, name) for name in runs.integrators if name.endswith(TWO_PRODUCTS)]
 
 
-def two_products_claim(runs, name):
+def two_products_claim(runs, failures, name):
     tried = [(run, drift(SKEW.series(run))) for run in runs.runs if run.integrator == name]
     tried = [(run, each) for run, each in tried if each]
     if not tried:
         return None
     growing = [(run, each) for run, each in tried if each.kind == EXPONENTIAL]
     verdict = ("loses skew-Hermiticity exponentially" if len(growing) == len(tried)
-                else f"loses skew-Hermiticity exponentially in {len(growing)} of {len(tried)} runs" if growing
-                else "does not lose skew-Hermiticity exponentially")
+               else f"loses skew-Hermiticity exponentially in {len(growing)} of {len(tried)} runs" if growing
+               else "does not lose skew-Hermiticity exponentially")
     figures = "; ".join(f"n = {run.n}, {run.share:g} of the critical step: {skew_text(runs, run, each)}"
                         for run, each in tried)
     decided = f" Decided in the first run: {tried[0][1].reason}."
-    return Item(f"{name} {verdict}", f": {figures}.{decided}{sound_twin(runs, name.removesuffix(TWO_PRODUCTS))}")
+    return Item(f"{name} {verdict}", f": {figures}.{decided}{growing_mode(failures, growing)}"
+                                     f"{sound_twin(runs, name.removesuffix(TWO_PRODUCTS))}")
 
 
 def skew_text(runs, run, each):
@@ -343,6 +344,26 @@ def skew_text(runs, run, each):
         return f"{drift_text(each)}, {ending(runs, run)}"
     return (f"rate {three_digits(each.rate)} per unit time, {three_digits(each.rate * run.step)} a step, doubling in"
             f" {three_digits(each.doubling_time)}, {ending(runs, run)}")
+
+
+def growing_mode(failures, growing):
+    """Compares the growth a step with that of a Hermitian part of W, which this update advances as explicit Euler does.
+
+    With B frozen its entry between the eigenvectors of B of extreme frequencies grows fastest, by |1 + ih‖ad_B‖|.
+    """
+    pairs = [(each.rate * run.step, euler_growth(failures.settings[run.scene, run.n], run.step))
+             for run, each in growing if (run.scene, run.n) in failures.settings]
+    if not pairs:
+        return ""
+    agree = all(1 / HARDLY <= measured / theory <= HARDLY for measured, theory in pairs)
+    text = (" Explicit Euler with B frozen lets a Hermitian part of W grow, fastest between the eigenvectors of B of extreme"
+            f" frequencies, by {listed(three_digits(theory) for _, theory in pairs)} a step")
+    return text + (": that is the mode that grows." if agree else ", which is not what was measured.")
+
+
+def euler_growth(setting, step):
+    """Returns the logarithm of the largest growth factor of an explicit Euler step of W' = [B, W]."""
+    return 0.5 * math.log1p((step * setting.norm_ad_B) ** 2)
 
 
 def sound_twin(runs, name):
@@ -402,8 +423,8 @@ READINGS = {
     AGREE: f"theory and measurement are within a factor of {AGREES} of one another.",
     COLD_START: f"below the limit, though the last step that works contracts by less than {CLEARLY_CONTRACTS} a sweep. Not"
                 " the local contraction decides but the start value: the cold start leaves the basin of the iteration.",
-    WEAK: f"below the limit, and the last step that works contracts by {CLEARLY_CONTRACTS} or more a sweep. B frozen leaves"
-          " out that B changes with the stages from sweep to sweep, and so how slowly the iteration contracts.",
+    WEAK: f"below the limit, and the last step that works contracts by {CLEARLY_CONTRACTS} or more a sweep. Theory is about"
+          " rough perturbations, which hardly change B. Smooth ones do, from sweep to sweep, and contract more slowly.",
     UNEXPLAINED: "below the limit, and the contraction of the last step that works was not measured.",
     FROM_ROUNDING: "beyond the limit. The errors that theory lets grow are the rough ones, which start at rounding size: the"
                    " tolerance is met before they have grown.",

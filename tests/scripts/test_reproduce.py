@@ -109,7 +109,7 @@ esac
 # Both programs of the stability study, named by $0: each writes its own file.
 STABILITY = """
 program=${0##*/}
-echo "$program[${OPENBLAS_CORETYPE-none}] $*" >>"$CALLS"
+echo "$program[${OPENBLAS_CORETYPE-none}] $* on $(nproc) cores" >>"$CALLS"
 while [ $# -gt 0 ]; do
   [ "$1" = --out ] && out=$2
   shift
@@ -499,6 +499,7 @@ class EndToEnd(CopyTest):
         for program in ("stability", "long_runs"):
             (call,) = self.calls(program + "[")
             self.assertNotIn("--quick", call)
+            self.assertTrue(call.endswith(f" on {len(os.sched_getaffinity(0))} cores"), call)
         self.assertEqual(self.calls("reference_solutions"), [])
 
     def test_quick_is_passed_on_to_both_programs_of_stability(self):
