@@ -53,12 +53,14 @@ PLAIN, DRAWN = {}, {}
 
 
 class AccuracyTest(FolderTest):
+    python = chart_python.find() or sys.executable  # the one that draws, so that the script need not look for it
+
     def setUp(self):
         super().setUp()
         self.settings = environment(MPLCONFIGDIR=self.path("matplotlib"), PYTHONDONTWRITEBYTECODE="1")
 
     def render(self, *arguments, **changes):
-        return run([sys.executable, SCRIPT, *arguments], timeout=300, env={**self.settings, **changes})
+        return run([self.python, SCRIPT, *arguments], timeout=300, env={**self.settings, **changes})
 
     def assert_renders(self, *arguments):
         result = self.render(*arguments)
@@ -332,6 +334,8 @@ class Refusals(AccuracyTest):
 
 class Python(AccuracyTest):
     """Which Python draws. A module that fails stands in for a Python without matplotlib."""
+
+    python = sys.executable
 
     def without(self):
         self.write("broken/matplotlib.py", "raise ImportError('not here')\n")

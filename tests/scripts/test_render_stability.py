@@ -55,6 +55,8 @@ PLAIN = {}
 
 
 class StabilityTest(FolderTest):
+    python = chart_python.find() or sys.executable  # the one that draws, so that the script need not look for it
+
     def setUp(self):
         super().setUp()
         self.settings = environment(MPLCONFIGDIR=self.path("matplotlib"), PYTHONDONTWRITEBYTECODE="1")
@@ -75,7 +77,7 @@ class StabilityTest(FolderTest):
         return write_document(self.folder, self.long, "long.json")
 
     def render(self, *arguments, **changes):
-        return run([sys.executable, SCRIPT, *arguments], timeout=300, env={**self.settings, **changes})
+        return run([self.python, SCRIPT, *arguments], timeout=300, env={**self.settings, **changes})
 
     def assert_renders(self, *arguments):
         result = self.render(*arguments)
