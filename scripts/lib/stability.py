@@ -137,6 +137,7 @@ class LongRun:
     steps: int  # completed
     failed_step: Optional[int]
     sweeps_per_step: Optional[float]
+    predicted_skew_growth: Optional[float]  # of the controls: rate of their skew defect by linear theory, per unit time
     samples: Tuple[Sample, ...]
 
     @property
@@ -336,11 +337,13 @@ def failed_step(fields):
 
 
 def long_run(fields):
+    predicted = fields.optional("predicted_skew_growth") if "predicted_skew_growth" in fields.values else None
     return LongRun(scene=fields.one_of("scene", SCENES), n=fields.whole("n", 2), integrator=fields.text("integrator"),
                    share=fields.positive("share"), critical=fields.positive("critical"),
                    h_norm_B=fields.positive("h_norm_B"), step=fields.positive("step"),
                    status=fields.one_of("status", STATUSES), steps=fields.whole("steps"),
                    failed_step=failed_step(fields), sweeps_per_step=fields.optional("sweeps_per_step"),
+                   predicted_skew_growth=predicted,
                    samples=tuple(sample(Fields(each, "a sample")) for each in objects(fields.values, "samples")))
 
 

@@ -244,7 +244,7 @@ def scene_claim(failures):
 
 def long_run_claims(runs, failures):
     return [*(survival_claim(runs, share) for share in runs.shares()), spectrum_claim(runs), energy_claim(runs),
-            *two_products_claims(runs, failures)]
+            *two_products_claims(runs)]
 
 
 def survival_claim(runs, share):
@@ -318,12 +318,12 @@ def drift_claim(found, what, who, allowed):
     return Item(verdict, text + ".")
 
 
-def two_products_claims(runs, failures):
+def two_products_claims(runs):
     """Returns a claim for each control whose update is formed as BW̃ − W̃B."""
-    return [two_products_claim(runs, failures, name) for name in runs.integrators if name.endswith(TWO_PRODUCTS)]
+    return [two_products_claim(runs, name) for name in runs.integrators if name.endswith(TWO_PRODUCTS)]
 
 
-def two_products_claim(runs, failures, name):
+def two_products_claim(runs, name):
     tried = [(run, drift(SKEW.series(run))) for run in runs.runs if run.integrator == name]
     tried = [(run, each) for run, each in tried if each]
     if not tried:
@@ -335,7 +335,7 @@ def two_products_claim(runs, failures, name):
     figures = "; ".join(f"n = {run.n}, {run.share:g} of the critical step: {skew_text(runs, run, each)}"
                         for run, each in tried)
     decided = f" Decided in the first run: {tried[0][1].reason}."
-    return Item(f"{name} {verdict}", f": {figures}.{decided}{growing_mode(failures, growing)}"
+    return Item(f"{name} {verdict}", f": {figures}.{decided}{growing_mode(growing)}"
                                      f"{sound_twin(runs, name.removesuffix(TWO_PRODUCTS))}")
 
 
@@ -346,24 +346,17 @@ def skew_text(runs, run, each):
             f" {three_digits(each.doubling_time)}, {ending(runs, run)}")
 
 
-def growing_mode(failures, growing):
-    """Compares the growth a step with that of a Hermitian part of W, which this update advances as explicit Euler does.
-
-    With B frozen its entry between the eigenvectors of B of extreme frequencies grows fastest, by |1 + ih‖ad_B‖|.
-    """
-    pairs = [(each.rate * run.step, euler_growth(failures.settings[run.scene, run.n], run.step))
-             for run, each in growing if (run.scene, run.n) in failures.settings]
+def growing_mode(growing):
+    """Compares the growth a step with that of a Hermitian part of W by linear theory (core/linear_theory.h)."""
+    pairs = [(each.rate * run.step, run.predicted_skew_growth * run.step)
+             for run, each in growing if run.predicted_skew_growth is not None]
     if not pairs:
         return ""
     agree = all(1 / HARDLY <= measured / theory <= HARDLY for measured, theory in pairs)
-    text = (" Explicit Euler with B frozen lets a Hermitian part of W grow, fastest between the eigenvectors of B of extreme"
-            f" frequencies, by {listed(three_digits(theory) for _, theory in pairs)} a step")
+    text = (" By linear theory this update advances a Hermitian part of W as explicit Euler does and lets it grow, fastest"
+            " between the eigenvectors of B of extreme frequencies, by"
+            f" {listed(three_digits(theory) for _, theory in pairs)} a step")
     return text + (": that is the mode that grows." if agree else ", which is not what was measured.")
-
-
-def euler_growth(setting, step):
-    """Returns the logarithm of the largest growth factor of an explicit Euler step of W' = [B, W]."""
-    return 0.5 * math.log1p((step * setting.norm_ad_B) ** 2)
 
 
 def sound_twin(runs, name):

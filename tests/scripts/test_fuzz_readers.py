@@ -16,6 +16,7 @@ import unittest
 
 import test_render_table1
 from programs import ROOT, FolderTest
+from stability_documents import SETTINGS, long_document, map_document
 from study_documents import study_document
 
 sys.dont_write_bytecode = True
@@ -23,6 +24,8 @@ sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
 import accuracy_report  # noqa: E402
 import comparison  # noqa: E402
 import recommendation  # noqa: E402
+import stability  # noqa: E402
+import stability_report  # noqa: E402
 import work_precision  # noqa: E402
 from benchmark_json import FORMULATIONS, UnusableFile, read_run  # noqa: E402
 from document import WRITERS  # noqa: E402
@@ -153,6 +156,27 @@ def small_study_document():
     return document
 
 
+def small_map():
+    """Returns a map with few trials, so that many damaged ones take little time."""
+    document = map_document(SETTINGS[:2])
+    kept = ("group1", "rk4")
+    document["integrators"] = [each for each in document["integrators"] if each["name"] in kept]
+    document["maps"] = [each for each in document["maps"] if each["integrator"] in kept]
+    for each in document["maps"]:
+        each["trials"] = each["trials"][::4]
+    return document
+
+
+def small_long_runs():
+    document = long_document()
+    kept = ("group1", "rk4")
+    document["integrators"] = [each for each in document["integrators"] if each["name"] in kept]
+    document["runs"] = [each for each in document["runs"] if each["integrator"] in kept]
+    for each in document["runs"]:
+        each["samples"] = each["samples"][::6]
+    return document
+
+
 def published_bytes():
     with open(test_render_table1.script.PUBLISHED, "rb") as stream:
         return stream.read()
@@ -181,8 +205,23 @@ def read_study(path):
     return texts
 
 
+def rendered_stability(failures, runs=None):
+    sections = stability_report.stability_sections(failures, runs, {})
+    return [write(sections) for write in WRITERS.values()]
+
+
+def read_map(path):
+    """Renders a file as render_stability does, but for its charts."""
+    return rendered_stability(stability.read_map(path))
+
+
+def read_long_runs(path):
+    """Renders a file beside a sound map."""
+    return rendered_stability(stability.failure_map(small_map()), stability.read_long_runs(path))
+
+
 class DamageTest(FolderTest):
-    TESTS = 5
+    TESTS = 7
 
     def setUp(self):
         super().setUp()
@@ -248,6 +287,12 @@ class DamagedFilesTest(DamageTest):
 
     def test_bytes_of_a_study(self):
         self.try_damaged(read_study, self.bytes_of(json.dumps(small_study_document()).encode()))
+
+    def test_values_of_a_map(self):
+        self.try_damaged(read_map, self.values_of(small_map()))
+
+    def test_values_of_long_runs(self):
+        self.try_damaged(read_long_runs, self.values_of(small_long_runs()))
 
     def test_bytes_of_the_published_table(self):
         raw = self.path("table1.json")

@@ -7,9 +7,9 @@ import random
 import sys
 import unittest
 
-from damaged_files import WRONG
 from programs import ROOT, FolderTest
 from study_documents import INTEGRATORS, SIZES, STEPS, study_document, write_study
+from wrong_values import WRONG
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
