@@ -352,7 +352,7 @@ def growing_mode(growing):
              for run, each in growing if run.predicted_skew_growth is not None]
     if not pairs:
         return ""
-    agree = all(1 / HARDLY <= measured / theory <= HARDLY for measured, theory in pairs)
+    agree = all(theory <= HARDLY * measured and measured <= HARDLY * theory for measured, theory in pairs)
     text = (" By linear theory this update advances a Hermitian part of W as explicit Euler does and lets it grow, fastest"
             " between the eigenvectors of B of extreme frequencies, by"
             f" {listed(three_digits(theory) for _, theory in pairs)} a step")

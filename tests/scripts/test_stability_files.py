@@ -96,6 +96,13 @@ class SoundFileTest(ReaderTest):
         lengths = [len(quantity.series(run)) for quantity in stability.QUANTITIES]
         self.assertEqual([len(run.samples) - length for length in lengths], [0, 0, 1, 1])
 
+    def test_what_a_run_that_blew_up_last_came_to_is_no_number(self):
+        run = self.run_of("rk4", 0.9)
+        run["samples"][-1].update(skew_defect=1e200, casimir_errors=[1e-3, 1e30, 1e-3, 1e-3])
+        sample = stability.long_runs(self.long).at("smooth", 17, 0.9, "rk4").samples[-1]
+        self.assertEqual((sample.skew_defect, sample.casimir_error), (None, None))
+        self.assertIsNotNone(sample.spectrum_error)
+
 
 class RefusalTest(ReaderTest):
     def fields_are_checked(self, analyse, document, place, kinds):

@@ -194,7 +194,7 @@ class LongRunClaims(ReportTest):
         for each in self.runs_of(CONTROL):
             rate = each["predicted_skew_growth"] * each["step"]
             for one in each["samples"]:
-                one["skew_defect"] = 1e-16 * math.exp(min(rate * one["step"], 100))
+                one["skew_defect"] = 1e-16 * math.exp(min(rate * one["step"], 60))
         self.assertIn("by 1.27, 0.416 a step: that is the mode that grows.", self.claim(CONTROL))
 
     def test_a_control_that_keeps_it_turns_that(self):
