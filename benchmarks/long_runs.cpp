@@ -1,7 +1,8 @@
 // Long runs near the edge and well inside: what each method loses, and how fast.
 //
 // The edge of an integrator is its critical h‖B(W₀)‖₂, found here by the same bisection as in the
-// map of the program `stability`.  Runs are independent and use all cores; nothing here is timed.
+// map of the program `stability`, or the longest step tried where all work.  Runs are independent
+// and use all cores; nothing here is timed.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -75,7 +76,7 @@ Json as_json(const Job& job, double share, double critical, const LongRun& run) 
   return json;
 }
 
-// Its runs at each share; none where no edge was found.
+// Its runs at each share; none where no step works.
 Json carry_out(const Job& job, long steps) {
   const TrialSetting& setting = job.place->setting;
   const Flow& flow = *setting.scene.flow;
@@ -87,8 +88,9 @@ Json carry_out(const Job& job, long steps) {
   const auto edge = critical_step(setting, edge_of.keeps, *tried,
                                   trial_steps(setting.n(), edge_of.keeps.is_explicit), trials);
   Json runs = Json::array();
-  if (!edge) return runs;
-  const double critical = edge->works.h_norm_B;
+  // Where every step tried works there is no edge, and the longest stands for it.
+  if (!edge && !trials.back().works()) return runs;
+  const double critical = edge ? edge->works.h_norm_B : trials.back().h_norm_B;
   const auto integrator = job.candidate.entry->make(flow, options, job.place->backend);
   for (const double share : shares) {
     const LongRun run = long_run(setting, *integrator, share * critical, steps);
