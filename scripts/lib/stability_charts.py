@@ -181,6 +181,7 @@ def errors_against_time(study, scene, n, which, wanted):
     if not names:
         return None
     shares = study.shares()
+    panel_height = max(2.75, 0.25 * len(names))  # so that the labels of all lines have room beside it
     figure, panels = new_figure(
         f"Long runs at n = {n}, {scene} scene: integrators {which}",
         f"Every run is of {study.steps} steps of one size, the share of the integrator's own critical step that stands over"
@@ -188,7 +189,7 @@ def errors_against_time(study, scene, n, which, wanted):
         f" they differ by less than a factor {ALIKE} (below {ROUNDING:.0e} by anything); the worst of them stands with"
         " points, the others as thin lines. × k: the run failed at step k; a cross marks its last state. The energy error is"
         " the largest since the sample before. What is exactly 0 has no place on the axis and is named below its panel.",
-        len(QUANTITIES), len(shares), 2.75, notes=2, right=2.3, row_gap=0.75, column_gap=2.75,
+        len(QUANTITIES), len(shares), panel_height, notes=2, right=2.3, row_gap=0.75, column_gap=2.75,
         sharex="col")
     style_key(figure, [each for each in LOOKS if any(look(study.integrators[name]) == each for name in names)])
     for index, (row, quantity) in enumerate(zip(panels, QUANTITIES)):
