@@ -561,7 +561,10 @@ class TheCheckItself(unittest.TestCase):
 
 
 class FailedRuns(IntegrateTest):
-    """Exit 3, one line on stderr that says which step and how, one JSON object, and no output file."""
+    """Exit 3, one line on stderr that says which step and how, one JSON object, and no output file.
+
+    Before it stands the note on a step beyond the measured limit, where it is (see BeyondTheMeasuredLimit).
+    """
 
     def assert_fails(self, arguments, status, **changes):
         output = self.write("out/W.npy", EARLIER)
@@ -573,7 +576,10 @@ class FailedRuns(IntegrateTest):
         self.assertIs(result["converged"], False)
         self.assertEqual(result["status"], status)
         self.assertGreaterEqual(result["failed_step"], 1)
-        self.assert_one_line(done.stderr, status, f"step {result['failed_step']}", "last change")
+        note, _, failure = done.stderr.rpartition("; see results/README.md\n")
+        self.assertEqual(note.count("\n"), 0)
+        self.assertEqual(note.startswith("integrate: note: h_norm_B"), bool(note))
+        self.assert_one_line(failure, status, f"step {result['failed_step']}", "last change")
         self.assertEqual(snapshot(self.folder), before)
         return result
 
