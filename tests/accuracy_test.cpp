@@ -13,7 +13,7 @@ struct Expected {
   double error;  // relative, Frobenius, at T = 5, h = 0.1, n = 65
 };
 
-class LargeErrorAtT : public testing::TestWithParam<Expected> {
+class LargeErrorAtT : public ::testing::TestWithParam<Expected> {
  protected:
   // RKMK4 with an eighth of the step: its error is 3e-8 / 8⁴, four orders below what is tested.
   static const Matrix& truth() {
@@ -40,7 +40,7 @@ TEST_P(LargeErrorAtT, IsTheExpectedOneWithinAFactorOfTwo) {
 }
 
 INSTANTIATE_TEST_SUITE_P(TableOneStep, LargeErrorAtT,
-                         testing::Values(Expected{"algebra1", 5e-2}, Expected{"group2", 2.5e-4},
+                         ::testing::Values(Expected{"algebra1", 5e-2}, Expected{"group2", 2.5e-4},
                                          Expected{"group3", 4e-7}, Expected{"suzuki4", 5e-4},
                                          Expected{"rk4", 1.3e-7}, Expected{"rkmk4", 3e-8}),
                          [](const auto& instance) { return instance.param.integrator; });

@@ -16,11 +16,11 @@ namespace {
 
 constexpr Index n = 7;
 
-class ReferenceFile : public testing::Test {
+class ReferenceFile : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = testing::TempDir() + "reference_test_" +
-              testing::UnitTest::GetInstance()->current_test_info()->name();
+    folder_ = ::testing::TempDir() + "reference_test_" +
+              ::testing::UnitTest::GetInstance()->current_test_info()->name();
     std::filesystem::create_directories(folder_);
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }

@@ -17,7 +17,7 @@ struct Sizes {
   int s;
 };
 
-class StageSums : public testing::TestWithParam<Sizes> {
+class StageSums : public ::testing::TestWithParam<Sizes> {
  protected:
   std::vector<Matrix> random_stages() const {
     std::vector<Matrix> Y;
@@ -71,7 +71,7 @@ TEST_P(StageSums, AChangeThatIsNotANumberIsSeen) {
 }
 
 INSTANTIATE_TEST_SUITE_P(SizesAndStages, StageSums,
-                         testing::Values(Sizes{2, 1}, Sizes{3, 2}, Sizes{5, 3}, Sizes{6, 4},
+                         ::testing::Values(Sizes{2, 1}, Sizes{3, 2}, Sizes{5, 3}, Sizes{6, 4},
                                          Sizes{17, 3}, Sizes{17, 7}, Sizes{4, max_stages}));
 
 TEST(RequireConsistent, RefusesMoreStagesThanTheSumsHaveRoomFor) {
