@@ -6,13 +6,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "benchmarks/arguments.h"
-#include "benchmarks/integrator_json.h"
 #include "benchmarks/jobs.h"
 #include "benchmarks/long_run.h"
+#include "benchmarks/raw_file.h"
 #include "benchmarks/stability_request.h"
 #include "core/gauss_tableau.h"
 #include "core/linear_theory.h"
@@ -27,11 +26,6 @@ const std::vector<Index> quick_sizes = {17};
 
 const std::vector<double> shares = {0.9, 0.3};  // of the critical step: near the edge, well inside
 
-struct Place {
-  TrialSetting setting;
-  ProductBackend backend;
-};
-
 // One integrator, and the one whose edge it is tried at: a control is tried where the method it
 // stands against works.
 struct Candidate {
@@ -40,8 +34,12 @@ struct Candidate {
 };
 
 struct Job {
-  const Place* place;
+  const TrialSetting* setting;
   Candidate candidate;
+
+  std::string title() const {
+    return fmt::format("{} at n = {}", candidate.entry->name, setting->n());
+  }
 };
 
 Json as_json(const Sample& sample) {
@@ -54,7 +52,7 @@ Json as_json(const Sample& sample) {
 }
 
 Json as_json(const Job& job, double share, double critical, const LongRun& run) {
-  const TrialSetting& setting = job.place->setting;
+  const TrialSetting& setting = *job.setting;
   Json json = {{"scene", setting.scene.name},
                {"n", setting.n()},
                {"integrator", job.candidate.entry->name},
@@ -78,20 +76,13 @@ Json as_json(const Job& job, double share, double critical, const LongRun& run) 
 
 // Its runs at each share; none where no step works.
 Json carry_out(const Job& job, long steps) {
-  const TrialSetting& setting = job.place->setting;
-  const Flow& flow = *setting.scene.flow;
-  SolverOptions options;
-  options.max_sweeps = trial_max_sweeps;
-  const IntegratorEntry& edge_of = *job.candidate.edge_of;
-  const auto tried = edge_of.make(flow, options, job.place->backend);
-  std::vector<Trial> trials;
-  const auto edge = critical_step(setting, edge_of.keeps, *tried,
-                                  trial_steps(setting.n(), edge_of.keeps.is_explicit), trials);
+  const TrialSetting& setting = *job.setting;
+  const Edge edge = find_edge(setting, *job.candidate.edge_of);
+  const Trial& longest = edge.critical ? edge.critical->works : edge.trials.back();
   Json runs = Json::array();
-  // Where every step tried works there is no edge, and the longest stands for it.
-  if (!edge && !trials.back().works()) return runs;
-  const double critical = edge ? edge->works.h_norm_B : trials.back().h_norm_B;
-  const auto integrator = job.candidate.entry->make(flow, options, job.place->backend);
+  if (!longest.works()) return runs;
+  const double critical = longest.h_norm_B;
+  const auto integrator = setting.make(*job.candidate.entry);
   for (const double share : shares) {
     const LongRun run = long_run(setting, *integrator, share * critical, steps);
     runs.push_back(as_json(job, share, critical, run));
@@ -122,24 +113,23 @@ int main_program(int argc, char** argv) {
   }
 
   std::vector<BackendRates> rates;
-  std::vector<std::unique_ptr<Place>> places;
-  std::vector<Job> jobs;
+  std::vector<TrialSetting> settings;
   for (const Index n : request.sizes) {
     rates.push_back(choose_backend(request.products, n));
-    places.push_back(
-        std::make_unique<Place>(Place{TrialSetting(smooth_scene(n)), rates.back().chosen}));
-    for (const Candidate& candidate : candidates) jobs.push_back({places.back().get(), candidate});
+    settings.emplace_back(smooth_scene(n), rates.back().chosen);
+  }
+  std::vector<Job> jobs;
+  for (const TrialSetting& setting : settings) {
+    for (const Candidate& candidate : candidates) jobs.push_back({&setting, candidate});
   }
   JobProgress progress(jobs.size());
   const std::vector<Json> done = run_jobs(
       jobs.size(), request.processes, [&](std::size_t k) { return carry_out(jobs[k], steps); },
-      [&](std::size_t k) {
-        progress.finished(
-            fmt::format("{} at n = {}", jobs[k].candidate.entry->name, jobs[k].place->setting.n()));
-      });
+      [&](std::size_t k) { progress.finished(jobs[k].title()); });
 
   Json json = {{"format", "isosyrk long_runs 1"}};
-  json["context"] = stability_context("long_runs", request, rates, trial_max_sweeps);
+  json["context"] =
+      context_json("long_runs", request.products, rates, {.max_sweeps = trial_max_sweeps});
   json["steps"] = steps;
   for (const Candidate& candidate : candidates) {
     json["integrators"].push_back(integrator_json(*candidate.entry));

@@ -5,13 +5,11 @@
 // all cores; nothing here is timed.
 #include <fmt/format.h>
 
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "benchmarks/arguments.h"
-#include "benchmarks/conditions.h"
-#include "benchmarks/integrator_json.h"
 #include "benchmarks/jobs.h"
+#include "benchmarks/raw_file.h"
 #include "benchmarks/stability_request.h"
 #include "benchmarks/stability_trial.h"
 
@@ -23,48 +21,34 @@ using Json = nlohmann::ordered_json;
 const std::vector<Index> default_sizes = {9, 17, 33, 65, 129, 257};
 const std::vector<Index> quick_sizes = {9, 17, 33};
 
-struct Place {
-  TrialSetting setting;
-  ProductBackend backend;
-};
-
-// One integrator in one place.
+// One integrator in one setting.
 struct Map {
-  const Place* place;
+  const TrialSetting* setting;
   const IntegratorEntry* entry;
-  std::vector<Trial> trials{};
-  std::optional<CriticalStep> critical{};
+
+  std::string title() const {
+    return fmt::format("{} at n = {}, {}", entry->name, setting->n(), setting->scene.name);
+  }
 };
 
-Map draw(const Place& place, const IntegratorEntry& entry) {
-  Map map{&place, &entry};
-  SolverOptions options;
-  options.max_sweeps = trial_max_sweeps;
-  const TrialSetting& setting = place.setting;
-  const auto integrator = entry.make(*setting.scene.flow, options, place.backend);
-  map.critical = critical_step(setting, entry.keeps, *integrator,
-                               trial_steps(setting.n(), entry.keeps.is_explicit), map.trials);
-  return map;
-}
-
-Json as_json(const Map& map) {
-  const TrialSetting& setting = map.place->setting;
+Json draw(const Map& map) {
+  const TrialSetting& setting = *map.setting;
+  const Edge edge = find_edge(setting, *map.entry);
   Json json = {{"scene", setting.scene.name},   {"n", setting.n()},
                {"integrator", map.entry->name}, {"linear_limit", nullptr},
                {"trials", Json::array()},       {"critical", nullptr}};
   if (map.entry->linear_limit) {
     json["linear_limit"] = map.entry->linear_limit(setting.frequencies) * setting.norms.B;
   }
-  for (const Trial& trial : map.trials) json["trials"].push_back(trial_json(trial));
-  if (map.critical) {
-    json["critical"] = {{"works", trial_json(map.critical->works)},
-                        {"fails", trial_json(map.critical->fails)}};
+  for (const Trial& trial : edge.trials) json["trials"].push_back(trial_json(trial));
+  if (edge.critical) {
+    json["critical"] = {{"works", trial_json(edge.critical->works)},
+                        {"fails", trial_json(edge.critical->fails)}};
   }
   return json;
 }
 
-Json as_json(const Place& place) {
-  const TrialSetting& setting = place.setting;
+Json setting_json(const TrialSetting& setting) {
   return {{"scene", setting.scene.name},
           {"n", setting.n()},
           {"norm_B", setting.norms.B},
@@ -88,40 +72,31 @@ int main_program(int argc, char** argv) {
   for (const std::string& scene : scenes) require_scene("--scene", scene);
 
   std::vector<BackendRates> rates;
-  std::vector<std::unique_ptr<Place>> places;
+  std::vector<TrialSetting> settings;
   for (const Index n : request.sizes) {
     rates.push_back(choose_backend(request.products, n));
     for (const std::string& scene : scenes) {
-      places.push_back(std::make_unique<Place>(
-          Place{TrialSetting(scene_by_name(scene, n)), rates.back().chosen}));
+      settings.emplace_back(scene_by_name(scene, n), rates.back().chosen);
     }
   }
   // The largest n first: the last to end would leave cores idle.
-  struct Job {
-    const Place* place;
-    const IntegratorEntry* entry;
-  };
-  std::vector<Job> jobs;
-  for (auto place = places.rbegin(); place != places.rend(); ++place) {
-    for (const IntegratorEntry* entry : request.integrators) jobs.push_back({place->get(), entry});
+  std::vector<Map> jobs;
+  for (auto setting = settings.rbegin(); setting != settings.rend(); ++setting) {
+    for (const IntegratorEntry* entry : request.integrators) jobs.push_back({&*setting, entry});
   }
   JobProgress progress(jobs.size());
   const std::vector<Json> maps = run_jobs(
-      jobs.size(), request.processes,
-      [&](std::size_t k) { return as_json(draw(*jobs[k].place, *jobs[k].entry)); },
-      [&](std::size_t k) {
-        const Scene& scene = jobs[k].place->setting.scene;
-        progress.finished(fmt::format("{} at n = {}, {}", jobs[k].entry->name,
-                                      jobs[k].place->setting.n(), scene.name));
-      });
+      jobs.size(), request.processes, [&](std::size_t k) { return draw(jobs[k]); },
+      [&](std::size_t k) { progress.finished(jobs[k].title()); });
 
   Json json = {{"format", "isosyrk stability 1"}};
-  json["context"] = stability_context("stability", request, rates, trial_max_sweeps);
+  json["context"] =
+      context_json("stability", request.products, rates, {.max_sweeps = trial_max_sweeps});
   json["max_sweeps"] = trial_max_sweeps;
   for (const IntegratorEntry* entry : request.integrators) {
     json["integrators"].push_back(integrator_json(*entry));
   }
-  for (const auto& place : places) json["settings"].push_back(as_json(*place));
+  for (const TrialSetting& setting : settings) json["settings"].push_back(setting_json(setting));
   json["maps"] = maps;
   request.output->write(json.dump(1) + "\n");
   return exit_done;

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <thread>
 
-#include "benchmarks/conditions.h"
-
 namespace isosyrk {
 
 StabilityOptions::StabilityOptions(CLI::App& app, const std::string& quick) {
@@ -40,20 +38,6 @@ StabilityRequest StabilityOptions::read(const std::vector<Index>& default_sizes,
 void JobProgress::finished(const std::string& job) {
   ++done_;
   progress_.say(job, fmt::format("{} of {}", done_, jobs_));
-}
-
-nlohmann::ordered_json stability_context(const std::string& program,
-                                         const StabilityRequest& request,
-                                         const std::vector<BackendRates>& rates, int max_sweeps) {
-  SolverOptions options;
-  options.max_sweeps = max_sweeps;
-  Conditions conditions = machine_conditions(program, request.products, rates);
-  for (const auto& condition : solver_conditions(options, HbarConvention::paper, default_modes())) {
-    conditions.push_back(condition);
-  }
-  nlohmann::ordered_json json;
-  for (const auto& [key, value] : conditions) json[key] = value;
-  return json;
 }
 
 }  // namespace isosyrk

@@ -1,7 +1,6 @@
-// Command line, progress and conditions of the stability studies.
+// Command line and progress of the stability studies.
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -52,10 +51,5 @@ class JobProgress {
   std::size_t done_ = 0;
   Progress progress_;
 };
-
-/// The conditions of measurement, as a raw file holds them.
-nlohmann::ordered_json stability_context(const std::string& program,
-                                         const StabilityRequest& request,
-                                         const std::vector<BackendRates>& rates, int max_sweeps);
 
 }  // namespace isosyrk

@@ -5,10 +5,17 @@
 
 namespace isosyrk {
 
-TrialSetting::TrialSetting(Scene scene_to_try)
+TrialSetting::TrialSetting(Scene scene_to_try, ProductBackend products)
     : scene(std::move(scene_to_try)),
+      backend(products),
       frequencies(generator_frequencies(scene)),
-      norms(generator_norms(scene)) {}
+      norms(generator_norms(frequencies)) {}
+
+std::unique_ptr<Integrator> TrialSetting::make(const IntegratorEntry& entry) const {
+  SolverOptions options;
+  options.max_sweeps = trial_max_sweeps;
+  return entry.make(*scene.flow, options, backend);
+}
 
 bool invariants_lost(const Conservation& kept, const Properties& promised) {
   constexpr double promised_loss = 1e-8;
@@ -34,11 +41,11 @@ Trial attempt(const TrialSetting& setting, const Properties& promised, Integrato
   return trial;
 }
 
-std::optional<CriticalStep> critical_step(const TrialSetting& setting, const Properties& promised,
-                                          Integrator& integrator, long steps,
-                                          std::vector<Trial>& tried) {
+Edge find_edge(const TrialSetting& setting, const Properties& promised, Integrator& integrator,
+               long steps) {
   constexpr double close = 1.02;
-  std::optional<CriticalStep> critical;
+  Edge edge;
+  auto& [tried, critical] = edge;
   for (int k = -6; k <= 7; ++k) {  // from 1/8 to 11.3, a factor √2 apart
     tried.push_back(attempt(setting, promised, integrator, std::pow(2.0, 0.5 * k), steps));
     if (!critical && tried.size() > 1 && !tried.back().works() && tried[tried.size() - 2].works()) {
@@ -50,7 +57,12 @@ std::optional<CriticalStep> critical_step(const TrialSetting& setting, const Pro
     const Trial trial = attempt(setting, promised, integrator, middle, steps);
     (trial.works() ? critical->works : critical->fails) = trial;
   }
-  return critical;
+  return edge;
+}
+
+Edge find_edge(const TrialSetting& setting, const IntegratorEntry& entry) {
+  return find_edge(setting, entry.keeps, *setting.make(entry),
+                   trial_steps(setting.n(), entry.keeps.is_explicit));
 }
 
 long trial_steps(Index n, bool is_explicit) {

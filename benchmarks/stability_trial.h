@@ -1,9 +1,11 @@
 // Whether a step size works, tried on some steps, and the largest that does.
 #pragma once
 
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/conservation.h"
 #include "core/integrator_list.h"
@@ -13,11 +15,15 @@ namespace isosyrk {
 
 /// A scene with what step sizes are told by: h‖B(W₀)‖₂ governs plain fixed-point iteration.
 struct TrialSetting {
-  explicit TrialSetting(Scene scene_to_try);
+  TrialSetting(Scene scene_to_try, ProductBackend products);
 
   Index n() const { return scene.initial.rows(); }
 
+  /// An integrator of its flow, at most trial_max_sweeps sweeps a step.
+  std::unique_ptr<Integrator> make(const IntegratorEntry& entry) const;
+
   Scene scene;
+  ProductBackend backend;
   RealVector frequencies;  ///< eigenvalues of -iB(W₀), ascending
   GeneratorNorms norms;
 };
@@ -50,11 +56,18 @@ struct CriticalStep {
   Trial fails;
 };
 
-/// Brackets the first failure on a grid of rising h‖B‖₂ and halves the bracket, in the ratio, to
-/// 2 %.  `tried` takes the trials on the grid.  Empty if the grid holds no failure after a success.
-std::optional<CriticalStep> critical_step(const TrialSetting& setting, const Properties& promised,
-                                          Integrator& integrator, long steps,
-                                          std::vector<Trial>& tried);
+/// Trials on a grid of rising h‖B‖₂, and the bracket of the first failure that follows a success,
+/// if there is one.
+struct Edge {
+  std::vector<Trial> trials;
+  std::optional<CriticalStep> critical;
+};
+
+/// Tries the grid and halves the bracket, in the ratio, to 2 %.
+Edge find_edge(const TrialSetting& setting, const Properties& promised, Integrator& integrator,
+               long steps);
+/// The same for a listed integrator, with the steps of a trial.
+Edge find_edge(const TrialSetting& setting, const IntegratorEntry& entry);
 
 /// Sweeps allowed in a trial: a slow iteration is told from one that fails without the cost of
 /// Table 1's thousand.

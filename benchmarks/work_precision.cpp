@@ -16,9 +16,9 @@
 
 #include "benchmarks/arguments.h"
 #include "benchmarks/conditions.h"
-#include "benchmarks/integrator_json.h"
 #include "benchmarks/output_file.h"
 #include "benchmarks/progress.h"
+#include "benchmarks/raw_file.h"
 #include "benchmarks/reference.h"
 #include "benchmarks/timed_run.h"
 #include "core/conservation.h"
@@ -343,11 +343,7 @@ class Study {
 
   Json as_json() const {
     Json json = {{"format", "isosyrk work_precision 1"}};
-    Conditions conditions = machine_conditions("work_precision", request_.products, rates_);
-    for (const auto& condition : solver_conditions({}, HbarConvention::paper, default_modes())) {
-      conditions.push_back(condition);
-    }
-    for (const auto& [key, value] : conditions) json["context"][key] = value;
+    json["context"] = context_json("work_precision", request_.products, rates_, {});
     json["scene"] = settings_.front()->scene.name;
     json["time"] = settings_.front()->scene.time;
     for (const auto& setting : settings_) {

@@ -42,7 +42,10 @@ RealVector generator_frequencies(const Scene& scene) {
 }
 
 GeneratorNorms generator_norms(const Scene& scene) {
-  const RealVector frequencies = generator_frequencies(scene);
+  return generator_norms(generator_frequencies(scene));
+}
+
+GeneratorNorms generator_norms(const RealVector& frequencies) {
   return {frequencies.cwiseAbs().maxCoeff(), frequencies.maxCoeff() - frequencies.minCoeff()};
 }
 

@@ -45,6 +45,8 @@ struct GeneratorNorms {
   double B = 0.0;     ///< ‖B‖₂
   double ad_B = 0.0;  ///< ‖ad_B‖₂ = λ_max - λ_min of -iB
 };
+/// From the eigenvalues of -iB, ascending.
+GeneratorNorms generator_norms(const RealVector& frequencies);
 /// At the scene's initial data.
 GeneratorNorms generator_norms(const Scene& scene);
 

@@ -25,6 +25,14 @@ class AtItsLimits : public ::testing::TestWithParam<std::tuple<Formulation, int>
     const auto [formulation, s] = GetParam();
     return gauss(formulation, *scene.flow, s, tolerance);
   }
+  // The step ends as diverged within a few sweeps and leaves W as it was.
+  void expect_divergence(const Scene& scene, const Matrix& W0, int most_sweeps) const {
+    Matrix W = W0;
+    const StepReport report = method(scene)->step(W, 0.1);
+    EXPECT_EQ(report.status, Status::diverged);
+    EXPECT_LE(report.sweeps, most_sweeps);
+    EXPECT_TRUE(same_bits(W, W0));
+  }
   bool is_algebra() const { return std::get<0>(GetParam()) == Formulation::algebra; }
 };
 
@@ -47,12 +55,7 @@ TEST_P(AtItsLimits, ToleranceUnderRoundingEndsSoon) {
 
 TEST_P(AtItsLimits, HugeDataDivergeAtOnce) {
   const Scene scene = smooth_scene(17);
-  const Matrix W0 = 1e150 * scene.initial;
-  Matrix W = W0;
-  const StepReport report = method(scene)->step(W, 0.1);
-  EXPECT_EQ(report.status, Status::diverged);
-  EXPECT_LE(report.sweeps, 3);
-  EXPECT_TRUE(same_bits(W, W0));
+  expect_divergence(scene, 1e150 * scene.initial, 3);
 }
 
 // 1e-150 W moves by 1e-301 in a step: no unknown changes by as much as the tolerance.
@@ -81,11 +84,7 @@ TEST_P(AtItsLimits, WhatIsNotANumberDivergesAtOnce) {
       const Scene scene = smooth_scene(17);
       Matrix W0 = scene.initial;
       W0(at, 16 - at / 2) = bad;
-      Matrix W = W0;
-      const StepReport report = method(scene)->step(W, 0.1);
-      EXPECT_EQ(report.status, Status::diverged);
-      EXPECT_LE(report.sweeps, 2);
-      EXPECT_TRUE(same_bits(W, W0));
+      expect_divergence(scene, W0, 2);
     }
   }
 }

@@ -15,7 +15,7 @@ constexpr Properties isosyrk_promise = {
     .isospectral = true, .lie_poisson = true, .symmetric = true, .is_explicit = false};
 
 const TrialSetting& setting() {
-  static const TrialSetting at_17(smooth_scene(17));
+  static const TrialSetting at_17(smooth_scene(17), ProductBackend::openblas);
   return at_17;
 }
 
@@ -64,10 +64,9 @@ TEST_P(BrokenTableau, IsFlaggedByATrialWhereTheSoundOnePasses) {
 }
 
 TEST_P(BrokenTableau, HasNoCriticalStepSinceNoneWorks) {
-  std::vector<Trial> tried;
-  const auto critical = critical_step(setting(), isosyrk_promise, *broken(), 20, tried);
-  EXPECT_FALSE(critical);
-  for (const Trial& trial : tried) EXPECT_FALSE(trial.works()) << trial.h_norm_B;
+  const Edge edge = find_edge(setting(), isosyrk_promise, *broken(), 20);
+  EXPECT_FALSE(edge.critical);
+  for (const Trial& trial : edge.trials) EXPECT_FALSE(trial.works()) << trial.h_norm_B;
 }
 
 TEST_P(BrokenTableau, LosesItsSpectrumInALongRun) {
@@ -94,10 +93,7 @@ TEST(SkippedSkewness, IsFlaggedByATrialAndByALongRun) {
 TEST(CriticalStep, IsBracketedToTwoPerCent) {
   for (const std::string name : {"group1", "algebra1", "rk4"}) {
     const IntegratorEntry& entry = integrator_entry(name);
-    const auto integrator = entry.make(*setting().scene.flow, {.max_sweeps = trial_max_sweeps},
-                                       ProductBackend::openblas);
-    std::vector<Trial> tried;
-    const auto critical = critical_step(setting(), entry.keeps, *integrator, 50, tried);
+    const auto critical = find_edge(setting(), entry).critical;
     ASSERT_TRUE(critical) << name;
     EXPECT_TRUE(critical->works.works());
     EXPECT_FALSE(critical->fails.works());

@@ -156,22 +156,24 @@ def small_study_document():
     return document
 
 
-def small_map():
-    """Returns a map with few trials, so that many damaged ones take little time."""
-    document = map_document(SETTINGS[:2])
+def few_integrators(document, measured):
+    """Keeps two integrators and what was measured of them."""
     kept = ("group1", "rk4")
     document["integrators"] = [each for each in document["integrators"] if each["name"] in kept]
-    document["maps"] = [each for each in document["maps"] if each["integrator"] in kept]
+    document[measured] = [each for each in document[measured] if each["integrator"] in kept]
+    return document
+
+
+def small_map():
+    """Returns a map with few trials, so that many damaged ones take little time."""
+    document = few_integrators(map_document(SETTINGS[:2]), "maps")
     for each in document["maps"]:
         each["trials"] = each["trials"][::4]
     return document
 
 
 def small_long_runs():
-    document = long_document()
-    kept = ("group1", "rk4")
-    document["integrators"] = [each for each in document["integrators"] if each["name"] in kept]
-    document["runs"] = [each for each in document["runs"] if each["integrator"] in kept]
+    document = few_integrators(long_document(), "runs")
     for each in document["runs"]:
         each["samples"] = each["samples"][::6]
     return document
