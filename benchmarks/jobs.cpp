@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <memory>
 #include <new>
 #include <stdexcept>
@@ -55,6 +57,12 @@ void write_all(int pipe, const std::string& text) {
   }
 }
 
+// A child whose parent is killed would work on for nobody: its brothers hold the pipe open.
+void end_with(pid_t parent) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(1);  // it was killed before
+}
+
 // What a child does: one line of JSON for each job.
 void work(std::size_t count, SharedCounter& next, const Job& job, int pipe) {
   for (std::size_t k = next.take(); k < count; k = next.take()) {
@@ -75,9 +83,11 @@ class Worker {
   Worker(std::size_t count, SharedCounter& next, const Job& job) {
     int ends[2];
     if (pipe(ends) != 0) throw_errno("pipe");
+    const pid_t parent = getpid();
     child_ = fork();
     if (child_ < 0) throw_errno("fork");
     if (child_ == 0) {
+      end_with(parent);
       close(ends[0]);
       work(count, next, job, ends[1]);
       _exit(0);  // what the parent will destroy is not ours to destroy

@@ -1,8 +1,11 @@
 #include "benchmarks/jobs.h"
 
 #include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <stdexcept>
 
 namespace isosyrk::testing {
@@ -64,6 +67,28 @@ TEST(Jobs, AChildThatDiesIsNoticed) {
     return k;
   };
   EXPECT_THROW(run_jobs(50, 2, job, unheard), std::runtime_error);
+}
+
+TEST(Jobs, EndWithAParentThatIsKilled) {
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);
+  const pid_t parent = fork();
+  if (parent == 0) {
+    const auto job = [&](std::size_t) -> Json {
+      if (write(ends[1], "x", 1) == 1) pause();
+      return {};
+    };
+    run_jobs(2, 2, job, unheard);
+    _exit(0);
+  }
+  close(ends[1]);
+  char begun = 0;
+  for (int k = 0; k < 2; ++k) ASSERT_EQ(::read(ends[0], &begun, 1), 1);
+  kill(parent, SIGKILL);
+  waitpid(parent, nullptr, 0);
+  pollfd waiting{ends[0], POLLIN, 0};
+  EXPECT_EQ(poll(&waiting, 1, 10000), 1) << "a job still holds its end";
+  close(ends[0]);
 }
 
 }  // namespace
