@@ -64,8 +64,9 @@ def run(command, timeout=60, env=None, prepare=None, **streams):
 
 def start(command, env=None, **streams):
     """Starts a command as leader of a process group of its own, as a terminal does."""
+    streams = {"stdin": subprocess.DEVNULL, **streams}
     return subprocess.Popen(command, env=env or environment(), preexec_fn=default_signals, start_new_session=True,
-                            stdin=subprocess.DEVNULL, encoding="utf-8", errors="replace", **streams)
+                            encoding="utf-8", errors="replace", **streams)
 
 
 def end(process):

@@ -7,7 +7,9 @@ import copy
 import json
 import os
 import struct
+import subprocess
 import sys
+import tempfile
 import unittest
 import xml.etree.ElementTree
 
@@ -26,30 +28,51 @@ FILES = {"report.md", "report.txt", *(f"{chart}.{kind}" for chart in CHARTS for 
 TABLE1_CHART = "table1_accuracy"
 FLOOR = 10 * UNCERTAINTY
 
-# Prints what each panel of a chart draws: {title: {label of a line: points}}, and all its texts.
+# Answers each line, a JSON list of a chart and a raw file, with what the panels of that chart draw, {title: {label of a
+# line: points}}, and all its texts. One process for all, because importing matplotlib takes longer than drawing.
 DESCRIBE = """
 import json, sys
 sys.path.insert(0, sys.argv[1])
 import charts
 from work_precision import read_study
 from benchmark_json import read_run
-if sys.argv[2] == "table1_accuracy":
-    counters = ("relative_error", "reference_uncertainty")
-    figure = charts.table1_accuracy(read_run(sys.argv[3], "table1", (), optional=counters))
-else:
-    figure = getattr(charts, sys.argv[2])(read_study(sys.argv[3]))
-panels = [axes for axes in figure.axes if axes.get_visible()]
-print(json.dumps({
-    "lines": {axes.get_title(loc="left"): {line.get_label(): [list(map(float, point)) for point in line.get_xydata()]
-                                           for line in axes.lines if not line.get_label().startswith("_")}
-              for axes in panels},
-    "texts": [text.get_text() for axes in panels for text in axes.texts] + [text.get_text() for text in figure.texts],
-}))
+
+def draw(chart, raw):
+    if chart == "table1_accuracy":
+        counters = ("relative_error", "reference_uncertainty")
+        return charts.table1_accuracy(read_run(raw, "table1", (), optional=counters))
+    return getattr(charts, chart)(read_study(raw))
+
+for request in sys.stdin:
+    figure = draw(*json.loads(request))
+    panels = [axes for axes in figure.axes if axes.get_visible()]
+    texts = [text for axes in panels for text in axes.texts] + figure.texts
+    lines = {axes.get_title(loc="left"): {line.get_label(): [list(map(float, point)) for point in line.get_xydata()]
+                                          for line in axes.lines if not line.get_label().startswith("_")}
+             for axes in panels}
+    print(json.dumps({"lines": lines, "texts": [text.get_text() for text in texts]}), flush=True)
 """
 
 
 # What was rendered and drawn before: the files of the plain study, and charts by their name and raw file's contents.
 PLAIN, DRAWN = {}, {}
+DESCRIBER = []  # the process, once it is needed
+MATPLOTLIB = tempfile.TemporaryDirectory(prefix="isosyrk-")  # what it keeps, away from the user's
+
+
+def describer():
+    if not DESCRIBER:
+        settings = environment(MPLCONFIGDIR=MATPLOTLIB.name, PYTHONDONTWRITEBYTECODE="1")
+        DESCRIBER.append(programs.start([AccuracyTest.python, "-c", DESCRIBE, LIBRARY], env=settings,
+                                        stdin=subprocess.PIPE, stdout=subprocess.PIPE))
+    return DESCRIBER[0]
+
+
+def tearDownModule():
+    for process in DESCRIBER:
+        process.stdin.close()
+        programs.end(process)
+    MATPLOTLIB.cleanup()
 
 
 class AccuracyTest(FolderTest):
@@ -76,11 +99,11 @@ class AccuracyTest(FolderTest):
         with open(raw, encoding="utf-8") as file:
             key = chart, file.read()
         if key not in DRAWN:
-            python = chart_python.find()
-            self.assertIsNotNone(python, chart_python.complaint())
-            found = run([python, "-c", DESCRIBE, LIBRARY, chart, raw], timeout=300, env=self.settings)
-            self.assertEqual(found.returncode, 0, found.stderr)
-            DRAWN[key] = found.stdout
+            self.assertIsNotNone(chart_python.find(), chart_python.complaint())
+            process = describer()
+            process.stdin.write(json.dumps([chart, raw]) + "\n")
+            process.stdin.flush()
+            DRAWN[key] = process.stdout.readline()
         return json.loads(DRAWN[key])
 
     def small(self):
