@@ -68,8 +68,8 @@ Edge find_edge(const TrialSetting& setting, const IntegratorEntry& entry) {
 long trial_steps(Index n, bool is_explicit) {
   if (is_explicit) return n <= 129 ? 400 : 100;
   if (n <= 33) return 50;
-  if (n <= 65) return 20;
-  if (n <= 129) return 5;
+  if (n <= 65) return 10;
+  if (n <= 129) return 3;
   return 1;
 }
 
