@@ -34,6 +34,16 @@ def write_folder(program, folder, files):
     return contents
 
 
+def output_folder(program, option, folder):
+    """Makes a folder that is to be written later; one that cannot be is one line and exit 2, before any work."""
+    try:
+        os.makedirs(folder, exist_ok=True)
+    except OSError as problem:
+        fail(program, f"{option} {one_line(folder)}: cannot be made: {problem.strerror}")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        fail(program, f"{option} {one_line(folder)}: cannot be written")
+
+
 def fail(program, problem):
     print(f"{program}: {problem}", file=sys.stderr)
     sys.exit(2)

@@ -1,0 +1,15 @@
+// Counting allocations.  A program that links this has its malloc replaced by one that counts;
+// where AddressSanitizer has replaced it already, its hooks count instead.
+#pragma once
+
+#include <functional>
+
+namespace isosyrk {
+
+/// Allocations of this program so far, by malloc and all that allocates like it.
+long allocations_so_far();
+
+/// Those made while `action` ran.
+long allocations_during(const std::function<void()>& action);
+
+}  // namespace isosyrk

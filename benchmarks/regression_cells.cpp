@@ -1,0 +1,203 @@
+// What scripts/check_regression asks of a build: counts and errors of cells of Table 1 in one JSON
+// object, or, as a server, how long a cell takes whenever asked.
+//
+// The server answers each line `CELL STEPS RUNS` on its input, CELL being a place in the list of
+// cells, with the CPU seconds of that many runs; so two builds can take turns without starting
+// anew.
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <iostream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <sstream>
+
+#include "benchmarks/allocation_count.h"
+#include "benchmarks/arguments.h"
+#include "benchmarks/raw_file.h"
+#include "core/conservation.h"
+#include "core/run.h"
+
+namespace isosyrk {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double step_size = 0.1;
+constexpr long step_total = 50;
+// One backend for all, so that counts can be compared with those recorded elsewhere.
+constexpr ProductBackend backend = ProductBackend::openblas;
+constexpr Index largest_listed = 17;  // answers of larger n are not written out
+
+struct Cell {
+  std::string name;
+  Formulation formulation;
+  Index n;
+  int s;
+};
+
+Cell read_cell(const std::string& name) {
+  static const std::regex form("([a-z]+)/n:([0-9]+)/s:([0-9]+)");
+  std::smatch parts;
+  if (!std::regex_match(name, parts, form)) {
+    throw BadArgument(fmt::format("cell '{}': must be like group/n:17/s:2", name));
+  }
+  return {name, formulation_from_name(parts[1].str()),
+          whole_number("cell " + name + ": n", parts[2], 5, 4096),
+          static_cast<int>(whole_number("cell " + name + ": s", parts[3], 1, max_stages))};
+}
+
+class Scenes {
+ public:
+  const Scene& at(Index n) {
+    const auto found = scenes_.find(n);
+    return found != scenes_.end() ? found->second
+                                  : scenes_.emplace(n, smooth_scene(n)).first->second;
+  }
+
+ private:
+  std::map<Index, Scene> scenes_;
+};
+
+std::unique_ptr<Integrator> make(const Cell& cell, const Scene& scene,
+                                 const SolverOptions& options = {}) {
+  return gauss_entry(cell.formulation, cell.s).make(*scene.flow, options, backend);
+}
+
+// ---- the report
+
+struct Measured {
+  Json json;
+  Matrix W;  // at the end
+};
+
+// A step that may do one sweep ends before its update: what it did is what a sweep does.
+StepReport one_sweep(const Cell& cell, const Scene& scene) {
+  Matrix W = scene.initial;
+  return make(cell, scene, {.max_sweeps = 1})->step(W, step_size);
+}
+
+Json entries_of(const Matrix& W) {
+  Json entries = Json::array();
+  for (Index k = 0; k < W.size(); ++k) {
+    entries.push_back({W.data()[k].real(), W.data()[k].imag()});
+  }
+  return entries;
+}
+
+Measured measure(const Cell& cell, const Scene& scene) {
+  const IntegratorEntry entry = gauss_entry(cell.formulation, cell.s);
+  const auto integrator = make(cell, scene);
+  Matrix W = scene.initial;
+  integrator->step(W, step_size);  // the BLAS sets up its own buffers in its first product
+  W = scene.initial;
+  RunReport report;
+  const long allocations =
+      allocations_during([&] { report = run(*integrator, W, step_size, step_total); });
+  const StepReport sweep = one_sweep(cell, scene);
+  Json json = {{"name", cell.name},
+               {"n", cell.n},
+               {"status", name(report.status)},
+               {"steps", step_total},
+               {"tolerance", SolverOptions{}.tolerance},
+               {"norm", scene.initial.norm()},
+               {"contraction", step_size / entry.linear_limit(generator_frequencies(scene))},
+               {"sweeps", report.sweeps},
+               {"products", report.products},
+               {"poisson_solves", report.poisson_solves},
+               {"products_a_sweep", sweep.products},
+               {"poisson_solves_a_sweep", sweep.poisson_solves},
+               {"allocations", allocations}};
+  if (report.converged()) {
+    ConservationWatch watch(scene);
+    const Conservation kept = watch.report(W);
+    json["spectrum_error"] = kept.spectrum_error;
+    json["skew_defect"] = kept.skew_defect;
+    if (cell.n <= largest_listed) json["W"] = entries_of(W);
+  }
+  return {std::move(json), std::move(W)};
+}
+
+int report(const std::vector<Cell>& cells) {
+  Scenes scenes;
+  std::vector<Measured> measured;
+  std::map<std::pair<Index, int>, const Matrix*> by_group;  // the answers others are compared with
+  measured.reserve(cells.size());
+  for (const Cell& cell : cells) {
+    measured.push_back(measure(cell, scenes.at(cell.n)));
+    if (cell.formulation == Formulation::group) by_group[{cell.n, cell.s}] = &measured.back().W;
+  }
+  Json json = {{"format", "isosyrk regression_cells 1"}};
+  json["context"] = context_json("regression_cells", backend, {}, {});
+  json["cells"] = Json::array();
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    const auto group = by_group.find({cells[k].n, cells[k].s});
+    if (group != by_group.end() && measured[k].json["status"] == "converged") {
+      measured[k].json["distance_to_group"] =
+          (measured[k].W - *group->second).cwiseAbs().maxCoeff();
+    }
+    json["cells"].push_back(std::move(measured[k].json));
+  }
+  fmt::print("{}\n", json.dump());
+  require_printed();
+  return exit_done;
+}
+
+// ---- the server
+
+double seconds_of(Integrator& integrator, const Scene& scene, long steps, long runs) {
+  Matrix W = scene.initial;
+  const double start = cpu_seconds();
+  for (long k = 0; k < runs; ++k) {
+    W = scene.initial;
+    if (!run(integrator, W, step_size, steps).converged()) {
+      throw std::runtime_error("a run did not converge");
+    }
+  }
+  return cpu_seconds() - start;
+}
+
+int serve(const std::vector<Cell>& cells) {
+  Scenes scenes;
+  std::vector<std::unique_ptr<Integrator>> integrators;
+  for (const Cell& cell : cells) {
+    const Scene& scene = scenes.at(cell.n);
+    integrators.push_back(make(cell, scene));
+    seconds_of(*integrators.back(), scene, 1, 1);  // touches all memory
+  }
+  fmt::print("ready\n");
+  require_printed();
+  for (std::string line; std::getline(std::cin, line); require_printed()) {
+    std::istringstream input(line);
+    std::size_t cell = 0;
+    long steps = 0;
+    long runs = 0;
+    if (!(input >> cell >> steps >> runs) || cell >= cells.size() || steps < 1 || runs < 1) {
+      throw BadArgument(
+          fmt::format("'{}': must be CELL STEPS RUNS, CELL below {}", line, cells.size()));
+    }
+    fmt::print("{}\n", seconds_of(*integrators[cell], scenes.at(cells[cell].n), steps, runs));
+  }
+  return exit_done;
+}
+
+int main_program(int argc, char** argv) {
+  CLI::App app{"Counts and errors of cells of Table 1 as JSON, or their times on demand."};
+  std::vector<std::string> names;
+  app.add_option("cells", names, "names like group/n:17/s:2")->required();
+  bool as_server = false;
+  app.add_flag("--serve", as_server, "answer lines `CELL STEPS RUNS` with CPU seconds");
+  if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
+  use_one_blas_thread();
+  std::vector<Cell> cells;
+  for (const std::string& name : names) cells.push_back(read_cell(name));
+  return as_server ? serve(cells) : report(cells);
+}
+
+}  // namespace
+}  // namespace isosyrk
+
+int main(int argc, char** argv) {
+  return isosyrk::guarded("regression_cells", [&] { return isosyrk::main_program(argc, argv); });
+}

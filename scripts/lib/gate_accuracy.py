@@ -1,0 +1,85 @@
+"""The accuracy layer of the regression gate: errors against bounds that follow from the tolerance.
+
+With tolerance τ and contraction ρ of the iteration (linear theory, at the initial data), an accepted stage is within
+e = τ ρ / (1 - ρ) of its equation's solution, in the Frobenius norm. Forming W₁ rounds by about r = 4 √n u ‖W‖, with
+u = 2⁻⁵³. After N steps, twice for what the flow does to earlier errors:
+
+    answer      ≤ 2 N (e + r)                              largest entry of the difference from the exact answer
+    spectrum    ≤ 2 N (e + r) for cotangent and group;     algebra depends on e at second order only: ≤ 2 N √n u
+    skewness    ≤ 2 N √n u    for cotangent and group;     0 for algebra, whose update has no other choice
+"""
+
+import csv
+import math
+import os
+
+from gate_cells import CannotRun
+from gate_layers import Layer
+from raw_files import CONVERGED
+
+UNIT_ROUNDOFF = 2.0**-53
+ANSWERS = {17: "W_t5_h0.1_n17_s{}.csv"}  # reference answers, by n
+
+
+def rounding(cell):
+    return math.sqrt(cell.n) * UNIT_ROUNDOFF
+
+
+def answer_bound(cell):
+    if cell.contraction >= 1.0:
+        return math.inf
+    stage = cell.tolerance * cell.contraction / (1.0 - cell.contraction)
+    return 2.0 * cell.steps * (stage + 4.0 * rounding(cell) * cell.norm)
+
+
+def is_algebra(cell):
+    return cell.name.startswith("algebra/")
+
+
+def spectrum_bound(cell):
+    return 2.0 * cell.steps * rounding(cell) if is_algebra(cell) else answer_bound(cell)
+
+
+def skewness_bound(cell):
+    return 0.0 if is_algebra(cell) else 2.0 * cell.steps * rounding(cell)
+
+
+def accuracy_layer(build, names, folder):
+    """Checks these cells; reference answers are in `folder`. Throws CannotRun if one of those cannot be read."""
+    layer = Layer("accuracy")
+    for name in names:
+        cell = build.cells.get(name)
+        if cell is None or cell.status != CONVERGED:
+            layer.add(name, "answer", "none", "one", False)
+            continue
+        check(layer, cell, "spectrum error", cell.spectrum_error, spectrum_bound(cell))
+        check(layer, cell, "skew defect", cell.skew_defect, skewness_bound(cell))
+        group = build.cells.get("/".join(["group", *name.split("/")[1:]]))
+        if cell.distance_to_group is not None and cell is not group:
+            check(layer, cell, "distance to group", cell.distance_to_group, answer_bound(cell) + answer_bound(group))
+        if cell.n in ANSWERS:
+            wanted = read_answer(os.path.join(folder, ANSWERS[cell.n].format(name[-1])), cell.n)
+            check(layer, cell, "error against the reference answer", distance(cell.W, wanted), answer_bound(cell))
+    return layer
+
+
+def check(layer, cell, quantity, found, bound):
+    layer.add(cell.name, quantity, f"{found:.2g}", f"{bound:.2g}", found <= bound)
+
+
+def distance(W, wanted):
+    """Returns the largest entry of the difference; infinite where there is no answer to compare."""
+    if W is None:
+        return math.inf
+    return max(abs(a - b) for a, b in zip(W, wanted))
+
+
+def read_answer(path, n):
+    """Returns the n² entries of a reference answer, row by row, from columns i, j, re, im."""
+    try:
+        with open(path, encoding="utf-8", newline="") as file:
+            entries = {(int(row["i"]), int(row["j"])): complex(float(row["re"]), float(row["im"]))
+                       for row in csv.DictReader(file)}
+        return [entries[i, j] for i in range(n) for j in range(n)]
+    except (OSError, KeyError, TypeError, ValueError):
+        raise CannotRun(f"{path}: is no reference answer for n = {n}") from None

@@ -1,0 +1,148 @@
+"""The recorded baseline of the regression gate, and its exact layer: counts, and what a raw file of table1 holds."""
+
+import os
+import subprocess
+import tempfile
+from dataclasses import dataclass
+from typing import Dict, Tuple
+
+from benchmark_json import UnusableFile, parse_json, quoted, read_text
+from document import replace_file
+from gate_cells import COUNTS, CannotRun, as_text, cells_of, read_counts, SIZES
+from gate_layers import Layer
+from raw_files import CONVERGED, Fields, objects, read
+
+FORMAT = "isosyrk baseline 1"
+# Sweeps of a run that other kernels, which round otherwise, may take more or less: an iteration that ends just under
+# the tolerance here ends just above it there. One extra sweep a step would be 50.
+SWEEPS_OF_OTHER_KERNELS = 3
+RAW_CELLS = "n:17/"  # of table1, for the shape of its raw file
+
+
+@dataclass(frozen=True)
+class Shape:
+    """What a raw file of table1 holds: fields of its context, its rows, and the fields of each of them."""
+
+    context: Tuple[str, ...]
+    rows: Tuple[str, ...]
+    fields: Tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Baseline:
+    commit: str
+    kernels: str
+    counts: Dict[str, Dict[str, int]]  # by cell
+    shape: Shape
+
+
+def baseline_of(build, commit, shape):
+    return Baseline(commit, build.kernels(), {name: cell.counts for name, cell in build.cells.items()}, shape)
+
+
+def read_baseline(path):
+    """Returns the baseline in `path`. Throws UnusableFile, also where it is one of other cells."""
+    return read(path, analyse)
+
+
+def analyse(document):
+    found = document.get("format") if isinstance(document, dict) else None
+    if found != FORMAT:
+        raise UnusableFile(f"is no baseline of this version (its format is {quoted(found)}, not {quoted(FORMAT)})")
+    fields = Fields(document, "it")
+    cells = [Fields(each, "a cell") for each in objects(document, "cells")]
+    counts = {cell.text("name"): read_counts(cell) for cell in cells}
+    if len(counts) != len(cells) or set(counts) != set(cells_of(SIZES)):
+        raise UnusableFile("is a baseline of other cells than are watched now")
+    shape = fields.object("raw_file")
+    commit = fields.text("commit")
+    if len(commit) != 40 or not set(commit) <= set("0123456789abcdef"):
+        fields.refuse("commit", "a commit as 40 hexadecimal digits")
+    kernels = fields.get("kernels")
+    if not isinstance(kernels, str):
+        fields.refuse("kernels", "a text")
+    return Baseline(commit, kernels, counts, Shape(*(texts(shape, name) for name in ("context", "rows", "fields"))))
+
+
+def texts(fields, name):
+    value = fields.get(name)
+    if not isinstance(value, list) or not value or not all(isinstance(each, str) for each in value):
+        fields.refuse(name, "a list of texts")
+    return tuple(value)
+
+
+def write_baseline(path, baseline):
+    document = {"format": FORMAT, "commit": baseline.commit, "kernels": baseline.kernels,
+                "cells": [{"name": name, **counts} for name, counts in baseline.counts.items()],
+                "raw_file": {name: list(getattr(baseline.shape, name)) for name in ("context", "rows", "fields")}}
+    os.makedirs(os.path.dirname(path), exist_ok=True)
+    replace_file(path, as_text(document).encode("utf-8"))
+
+
+def moves(old, new):
+    """Returns a line for everything in which two baselines differ; `old` may be None."""
+    if old is None:
+        return ["there was no baseline to compare with"]
+    lines = [f"{name}: {count} {old.counts[name][count]} -> {counts[count]}" for name, counts in new.counts.items()
+             for count in COUNTS if old.counts[name][count] != counts[count]]
+    for part in ("context", "rows", "fields"):
+        before, after = set(getattr(old.shape, part)), set(getattr(new.shape, part))
+        lines += [f"raw file of table1: {part}: {name} gone" for name in sorted(before - after)]
+        lines += [f"raw file of table1: {part}: {name} new" for name in sorted(after - before)]
+    for part in ("kernels", "commit"):
+        if getattr(old, part) != getattr(new, part):
+            lines.append(f"{part}: {getattr(old, part)} -> {getattr(new, part)}")
+    return lines
+
+
+def shape_of(program, environment=None):
+    """Runs table1 on a few cells for as short as it can, and returns the Shape of its raw file. Throws CannotRun."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "raw.json")
+        done = subprocess.run([program, "--products", "openblas", f"--benchmark_filter={RAW_CELLS}",
+                               "--benchmark_min_time=0.001", f"--benchmark_out={path}"], stdin=subprocess.DEVNULL,
+                              capture_output=True, env=environment, encoding="utf-8", errors="replace", check=False)
+        try:
+            document = parse_json(read_text(path))
+        except UnusableFile as problem:
+            raise CannotRun(f"{program} (exit status {done.returncode}): its raw file {problem}") from None
+    rows = [row for row in document.get("benchmarks", []) if row.get("run_type") == "iteration"]
+    common = set.intersection(*(set(row) for row in rows)) if rows else set()
+    return Shape(tuple(sorted(document.get("context", {}))), tuple(sorted(row["run_name"] for row in rows)),
+                 tuple(sorted(common)))
+
+
+def exact_layer(baseline, build, names, shape):
+    """Checks the counts of these cells, and that a raw file holds what it held."""
+    layer = Layer("exact")
+    same_kernels = build.kernels() == baseline.kernels
+    if not same_kernels:
+        layer.notes.append("other kernels than the baseline's: the sweeps of a run may differ by"
+                           f" {SWEEPS_OF_OTHER_KERNELS}")
+    for name in names:
+        cell = build.cells.get(name)
+        if cell is None:
+            layer.add(name, "cell", "missing", "present", False)
+            continue
+        layer.add(name, "status", cell.status, CONVERGED, cell.status == CONVERGED)
+        if cell.status == CONVERGED:
+            check_counts(layer, cell, baseline.counts[name], 0 if same_kernels else SWEEPS_OF_OTHER_KERNELS)
+    for part in ("context", "rows", "fields"):
+        for wanted in getattr(baseline.shape, part):
+            found = "present" if wanted in getattr(shape, part) else "missing"
+            layer.add("raw file of table1", f"{part}: {wanted}", found, "present", found == "present")
+    return layer
+
+
+def check_counts(layer, cell, wanted, slack):
+    found = cell.counts
+    layer.add(cell.name, "sweeps", found["sweeps"], f"{wanted['sweeps']} ± {slack}" if slack else wanted["sweeps"],
+              abs(found["sweeps"] - wanted["sweeps"]) <= slack)
+    for count in ("products", "poisson_solves"):
+        each = f"{count}_a_sweep"
+        outside = wanted[count] - wanted["sweeps"] * wanted[each]
+        layer.add(cell.name, each, found[each], wanted[each], found[each] == wanted[each])
+        layer.add(cell.name, f"{count} outside sweeps", cell.outside_sweeps(count), outside,
+                  cell.outside_sweeps(count) == outside)
+    layer.add(cell.name, "allocations", found["allocations"], wanted["allocations"],
+              found["allocations"] <= wanted["allocations"])

@@ -1,0 +1,47 @@
+"""Made-up reports of builds, for the tests of the regression gate. Import after scripts/lib is on the path."""
+
+import csv
+import os
+
+from gate_cells import SIZES, cells_of
+from programs import DATA
+
+CONTEXT = {"commit": "0123456789ab", "dirty": "no", "blas_kernels": "Zen", "vector_units": "avx2"}
+SHAPE = {"context": ["commit", "cpu"], "rows": ["table1/group/n:17/s:2"], "fields": ["cpu_time", "sweeps_per_step"]}
+
+
+def reference_answer(stages):
+    with open(os.path.join(DATA, f"W_t5_h0.1_n17_s{stages}.csv"), encoding="utf-8", newline="") as file:
+        rows = sorted(csv.DictReader(file), key=lambda row: (int(row["i"]), int(row["j"])))
+    return [[float(row["re"]), float(row["im"])] for row in rows]
+
+
+def cell_document(name):
+    """Returns what a sound build reports of a cell."""
+    formulation, n, stages = name.split("/")[0], int(name.split(":")[1].split("/")[0]), int(name[-1])
+    each = stages * (stages + 1) if formulation == "algebra" else 3 * stages
+    sweeps = 500 + n
+    cell = {"name": name, "n": n, "status": "converged", "steps": 50, "tolerance": 1e-13, "norm": 2.0,
+            "contraction": 0.1, "sweeps": sweeps, "products": each * sweeps + 50 * (each + 1),
+            "poisson_solves": stages * (sweeps + 50), "products_a_sweep": each, "poisson_solves_a_sweep": stages,
+            "allocations": 0, "spectrum_error": 1e-15, "distance_to_group": 0.0 if formulation == "group" else 1e-14,
+            "skew_defect": 0.0 if formulation == "algebra" else 1e-15}
+    if n == 17:
+        cell["W"] = reference_answer(stages)
+    return cell
+
+
+def build_document(names=None):
+    return {"format": "isosyrk regression_cells 1", "context": dict(CONTEXT),
+            "cells": [cell_document(name) for name in names or cells_of(SIZES)]}
+
+
+def change(document, name, **values):
+    """Changes a cell of a document; None takes a field out."""
+    cell = next(cell for cell in document["cells"] if cell["name"] == name)
+    for field, value in values.items():
+        if value is None:
+            del cell[field]
+        else:
+            cell[field] = value
+    return document

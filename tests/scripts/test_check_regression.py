@@ -1,0 +1,299 @@
+"""Tests of scripts/check_regression from outside, in a copy of the repository whose tools and programs are stand-ins.
+
+The copy is a git repository of its own with two commits; what is built of the first is the base.
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import unittest
+
+from programs import BAD_ARGUMENTS, DATA, DONE, ROOT, run, snapshot, strict_json
+from test_reproduce import CopyTest
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
+from gate_baseline import Shape, baseline_of, write_baseline  # noqa: E402
+from gate_cells import read_build  # noqa: E402
+from gate_documents import SHAPE, build_document, change  # noqa: E402
+
+REGRESSION, NOT_JUDGED = 1, 3
+BASELINE = os.path.join("results", "baseline", "baseline.json")
+
+# Of head it is $FACTOR times slower than of base.
+REGRESSION_CELLS = f"""#!{sys.executable}
+import os, sys
+is_base = "build-base" in os.path.abspath(sys.argv[0])
+with open(os.environ["CALLS"], "a") as calls:
+    calls.write("regression_cells" + (" of base " if is_base else " ") + " ".join(sys.argv[1:]) + "\\n")
+if sys.argv[1] != "--serve":
+    names = sys.argv[1:]
+    with open(os.environ["REPORT"]) as file:
+        import json
+        document = json.load(file)
+    document["cells"] = [cell for cell in document["cells"] if cell["name"] in names]
+    json.dump(document, sys.stdout)
+    sys.exit()
+print("ready", flush=True)
+for line in sys.stdin:
+    runs = int(line.split()[2])
+    print(0.01 * runs * (1.0 if is_base else float(os.environ.get("FACTOR", "1"))), flush=True)
+"""
+
+TABLE1 = """#!/bin/sh
+for argument; do
+  case $argument in --benchmark_out=*) cp "$SHAPE" "${argument#*=}" ;; esac
+done
+"""
+
+# Builds what is not there yet: the stand-in for regression_cells.
+CMAKE = """#!/bin/sh
+echo "cmake $*" >>"$CALLS"
+case "$*" in *build-base*) [ -z "$BASE_FAILS" ] || { echo "no such target"; exit 1; } ;; esac
+[ "$1" = --build ] && mkdir -p "$2/benchmarks" && cp -n "$PROGRAM" "$2/benchmarks/regression_cells"
+exit "${CMAKE_STATUS:-0}"
+"""
+
+
+class GateTest(CopyTest):
+    def setUp(self):
+        super().setUp()
+        self.root = self.path("root")
+        self.program = self.write("regression_cells", REGRESSION_CELLS, executable=True)
+        self.write("root/build/benchmarks/regression_cells", REGRESSION_CELLS, executable=True)
+        self.write("root/build/benchmarks/table1", TABLE1, executable=True)
+        self.write("tools/cmake", CMAKE, executable=True)
+        self.write("root/.gitignore", "/build*/\n")
+        shutil.copytree(DATA, os.path.join(self.root, "tests", "data"))
+        fields = dict.fromkeys(SHAPE["fields"], 1)
+        rows = [{"run_type": "iteration", "run_name": name, **fields} for name in SHAPE["rows"]]
+        context = dict.fromkeys(SHAPE["context"], "some")
+        self.write("shape.json", json.dumps({"context": context, "benchmarks": rows}))
+        self.report(build_document())
+        self.git("init", "-q")
+        self.first = self.commit("first")
+        shape = Shape(*(tuple(SHAPE[part]) for part in ("context", "rows", "fields")))
+        write_baseline(os.path.join(self.root, BASELINE), baseline_of(read_build(build_document()), self.first, shape))
+        self.second = self.commit("second")
+
+    def git(self, *arguments):
+        identity = ("-c", "user.name=some", "-c", "user.email=some@example.org")
+        done = subprocess.run(["git", *identity, "-C", self.root, *arguments], check=True, capture_output=True,
+                              encoding="utf-8")
+        return done.stdout.strip()
+
+    def commit(self, message):
+        self.git("add", "-A")
+        self.git("commit", "-q", "--allow-empty", "-m", message)
+        return self.git("rev-parse", "HEAD")
+
+    def report(self, document):
+        self.write("report.json", json.dumps(document))
+
+    def check(self, *arguments, **changes):
+        settings = {"REPORT": self.path("report.json"), "SHAPE": self.path("shape.json"), "PROGRAM": self.program}
+        return run(self.line("check_regression", *arguments), env=self.surroundings(**{**settings, **changes}),
+                   cwd=self.folder, timeout=120)
+
+    def kept(self):
+        """Everything that a run which could not judge must leave as it was."""
+        return {name: contents for name, contents in snapshot(self.root).items()
+                if not name.startswith((".git", "build", os.path.join("scripts", "lib", "__pycache__")))}
+
+    def refuses(self, arguments, *parts, **changes):
+        with self.subTest(arguments=arguments, changes=changes):
+            before = self.kept()
+            done = self.check(*arguments, **changes)
+            self.assertEqual((done.returncode, done.stdout), (BAD_ARGUMENTS, ""), done.stderr)
+            last = done.stderr.splitlines()[-1]
+            for part in ("check_regression: ", *parts):
+                self.assertIn(part, last)
+            self.assertEqual(sum(line.startswith("check_regression: ") for line in done.stderr.splitlines()), 1)
+            self.assertEqual(self.kept(), before)
+
+
+class Verdicts(GateTest):
+    def test_a_sound_build_passes_all_three_layers(self):
+        done = self.check("--quick")
+        self.assertEqual(done.returncode, DONE, done.stderr)
+        for text in ("No regression.", "exact: passed", "accuracy: passed", "timing: passed", self.first[:12]):
+            self.assertIn(text, done.stdout)
+
+    def test_another_count_is_a_regression_named_by_cell_and_figure(self):
+        self.report(change(build_document(), "group/n:33/s:2", sweeps=583, products=3818, poisson_solves=1266))
+        done = self.check("--quick")
+        self.assertEqual(done.returncode, REGRESSION, done.stderr)
+        self.assertRegex(done.stdout, r"group/n:33/s:2\*? +sweeps\*? +583\*? +533")
+        self.assertIn("accuracy: passed", done.stdout)
+
+    def test_a_larger_error_is_a_regression(self):
+        self.report(change(build_document(), "algebra/n:33/s:2", skew_defect=1e-20))
+        done = self.check("--quick")
+        self.assertEqual(done.returncode, REGRESSION, done.stderr)
+        self.assertRegex(done.stdout, r"algebra/n:33/s:2\*? +skew defect\*? +1e-20")
+
+    def test_a_slower_build_is_a_regression(self):
+        done = self.check("--quick", FACTOR="1.06")
+        self.assertEqual(done.returncode, REGRESSION, done.stderr)
+        self.assertRegex(done.stdout, r"algebra/n:33/s:1\*? +CPU time, head over base\*? +1\.060")
+
+    def test_quick_leaves_larger_n_out(self):
+        self.report(change(build_document(), "group/n:129/s:2", sweeps=1))
+        self.assertEqual(self.check("--quick").returncode, DONE)
+        self.assertEqual(self.check().returncode, REGRESSION)
+
+    def test_the_report_is_written_as_text_markdown_and_json(self):
+        done = self.check("--quick", "--out", self.out, FACTOR="1.06")
+        self.assertEqual(set(snapshot(self.out)), {"report.txt", "report.md", "report.json"})
+        with open(os.path.join(self.out, "report.txt"), encoding="utf-8") as file:
+            self.assertEqual(file.read(), done.stdout)
+        with open(os.path.join(self.out, "report.json"), encoding="utf-8") as file:
+            found = strict_json(file.read())
+        self.assertEqual((found["exit_code"], found["base"]), (REGRESSION, self.first[:12]))
+        self.assertEqual([(layer["name"], layer["verdict"]) for layer in found["layers"]],
+                         [("exact", "passed"), ("accuracy", "passed"), ("timing", "regression")])
+        for layer in found["layers"]:
+            self.assertGreater(len(layer["checks"]), 5)
+
+
+class Base(GateTest):
+    def test_is_the_baseline_s_revision_unpacked_and_built_beside(self):
+        self.check("--quick")
+        builds = [call for call in self.calls("cmake --build") if "build-base" in call]
+        self.assertEqual(len(builds), 1)
+        self.assertIn(f"build-base/{self.first}/build --target regression_cells", builds[0])
+        source = os.path.join(self.root, "build-base", self.first, "source")
+        self.assertTrue(os.path.exists(os.path.join(source, "scripts", "check_regression")))
+
+    def test_is_kept_for_the_next_time_and_replaced_by_another(self):
+        self.check("--quick")
+        self.check("--quick")
+        self.assertEqual(len([call for call in self.calls("cmake --build") if "build-base" in call]), 1)
+        self.check("--quick", "--base", "HEAD")
+        self.assertEqual(os.listdir(os.path.join(self.root, "build-base")), [self.second])
+
+    def test_another_revision_can_be_named(self):
+        done = self.check("--quick", "--base", "HEAD")
+        self.assertEqual(done.returncode, DONE, done.stderr)
+        self.assertIn(self.second[:12], done.stdout)
+
+    def test_a_clone_without_it_is_not_judged_in_time_and_says_why(self):
+        shallow = self.path("shallow")
+        subprocess.run(["git", "clone", "-q", "--depth", "1", "file://" + self.root, shallow], check=True)
+        shutil.move(os.path.join(self.root, ".git"), self.path("whole.git"))
+        shutil.move(os.path.join(shallow, ".git"), os.path.join(self.root, ".git"))
+        done = self.check("--quick")
+        self.assertEqual(done.returncode, NOT_JUDGED, done.stderr)
+        for text in (f"timing not judged: the baseline's revision {self.first[:12]} is not in this clone",
+                     "exact: passed", "not every layer was judged"):
+            self.assertIn(text, " ".join(done.stdout.split()))
+        self.report(change(build_document(), "group/n:33/s:2", allocations=1))
+        self.assertEqual(self.check("--quick").returncode, REGRESSION)
+
+    def test_a_tree_without_repository_is_not_judged_in_time(self):
+        shutil.move(os.path.join(self.root, ".git"), self.path("whole.git"))
+        done = self.check("--quick")
+        self.assertEqual(done.returncode, NOT_JUDGED, done.stderr)
+        self.assertIn("no git repository", done.stdout)
+
+    def test_no_timing_times_nothing(self):
+        done = self.check("--quick", "--no-timing")
+        self.assertEqual(done.returncode, NOT_JUDGED, done.stderr)
+        self.assertIn("--no-timing", done.stdout)
+        self.assertEqual([call for call in self.calls("regression_cells") if "--serve" in call], [])
+
+    def test_an_inherited_kernel_choice_is_cleared_and_said(self):
+        self.assertIn("OPENBLAS_CORETYPE=Nehalem", self.check("--quick", OPENBLAS_CORETYPE="Nehalem").stderr)
+
+
+class BadInput(GateTest):
+    def test_arguments(self):
+        for arguments, part in ((["--fast"], "--fast"), (["results"], "results"), (["--base"], "--base"),
+                                (["--update-baseline", "--quick"], "--update-baseline"),
+                                (["--base", "HEAD", "--no-timing"], "--base")):
+            self.refuses(arguments, part)
+
+    def test_an_unknown_revision(self):
+        for revision in ("no-such-branch", "0" * 40, "--all", "HEAD:scripts", "two words"):
+            self.refuses([f"--base={revision}"], revision.split()[0], "no revision")
+
+    def test_a_baseline_that_is_missing_or_damaged_or_of_other_cells_or_of_another_version(self):
+        path = os.path.join(self.root, BASELINE)
+        with open(path, encoding="utf-8") as file:
+            whole = file.read()
+        for text, part in ((None, "cannot be read"), (whole[:500], "whole JSON"), ("[]", "no baseline of this version"),
+                           (whole.replace("baseline 1", "baseline 2"), "isosyrk baseline 2"),
+                           (whole.replace("group/n:17/s:1", "group/n:19/s:1"), "other cells")):
+            os.unlink(path)
+            if text is not None:
+                self.write(os.path.join("root", BASELINE), text)
+            self.refuses(["--quick"], BASELINE, part)
+            self.write(os.path.join("root", BASELINE), whole)
+
+    def test_a_tree_that_does_not_build(self):
+        self.refuses([], "build", CMAKE_STATUS="1")
+        self.refuses(["--quick"], f"base {self.first[:12]}", "build", BASE_FAILS="1")
+
+    def test_programs_that_cannot_be_run_or_say_something_else(self):
+        self.write("report.json", "[]")
+        self.refuses(["--quick"], "regression_cells")
+        self.report(build_document())
+        self.write("shape.json", "{")
+        self.refuses(["--quick"], "table1")
+
+    def test_a_folder_that_cannot_be_made(self):
+        self.write("taken", "")
+        self.refuses(["--quick", "--out", self.path("taken", "out")], "--out", "cannot be made")
+
+    def test_no_install_names_what_is_missing(self):
+        self.refuses(["--no-install"], "libfmt-dev", MISSING="libfmt-dev")
+
+    def test_help_explains_the_options_and_exit_statuses(self):
+        done = self.check("--help")
+        self.assertEqual((done.returncode, done.stderr), (DONE, ""))
+        for text in ("--base", "--quick", "--no-timing", "--update-baseline", "--out", "3 passed but"):
+            self.assertIn(text, " ".join(done.stdout.split()))
+
+
+class UpdateBaseline(GateTest):
+    def baseline(self):
+        with open(os.path.join(self.root, BASELINE), encoding="utf-8") as file:
+            return strict_json(file.read())
+
+    def test_records_this_commit_and_prints_what_moves(self):
+        self.report(change(build_document(), "group/n:33/s:2", allocations=3))
+        done = self.check("--update-baseline")
+        self.assertEqual(done.returncode, DONE, done.stderr)
+        self.assertIn("group/n:33/s:2: allocations 0 -> 3\n", done.stdout)
+        self.assertIn(f"commit: {self.first} -> {self.second}\n", done.stdout)
+        self.assertEqual(self.baseline()["commit"], self.second)
+        self.assertEqual(self.check("--quick", "--no-timing").returncode, NOT_JUDGED)
+
+    def test_refuses_a_tree_with_changes_and_one_without_repository(self):
+        self.write("root/results/paper/table1.csv", "changed")
+        self.refuses(["--update-baseline"], "not committed")
+        self.git("checkout", "-q", ".")
+        shutil.move(os.path.join(self.root, ".git"), self.path("whole.git"))
+        self.refuses(["--update-baseline"], "no git repository")
+
+    def test_refuses_a_build_that_is_not_accurate(self):
+        self.report(change(build_document(), "algebra/n:33/s:2", skew_defect=1e-20))
+        before = self.baseline()
+        done = self.check("--update-baseline")
+        self.assertEqual((done.returncode, done.stdout), (REGRESSION, ""))
+        self.assertIn("algebra/n:33/s:2: skew defect 1e-20", done.stderr)
+        self.assertEqual(self.baseline(), before)
+
+    def test_replaces_one_that_cannot_be_read(self):
+        self.write(os.path.join("root", BASELINE), "{")
+        self.commit("damaged")
+        done = self.check("--update-baseline")
+        self.assertEqual(done.returncode, DONE, done.stderr)
+        self.assertIn("no baseline", done.stdout)
+        self.assertEqual(len(self.baseline()["cells"]), 36)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,303 @@
+"""Tests of the regression gate's layers on made-up builds: what each lets pass, and what it catches by name."""
+
+import copy
+import json
+import os
+import sys
+import unittest
+
+from programs import DATA, ROOT, FolderTest
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
+from benchmark_json import UnusableFile  # noqa: E402
+from gate_accuracy import accuracy_layer  # noqa: E402
+from gate_baseline import Shape, baseline_of, exact_layer, moves, read_baseline, write_baseline  # noqa: E402
+from gate_builds import commit_of  # noqa: E402
+from gate_cells import CannotRun, as_text, cells_of, read_build, report_of, SIZES  # noqa: E402
+from gate_documents import SHAPE, build_document, change  # noqa: E402
+from gate_layers import NOT_JUDGED, PASSED, REGRESSION, Layer, exit_code  # noqa: E402
+from gate_timing import QUICK, Contestant, Plan, Timing, judge_times, time_cells  # noqa: E402
+import wrong_values  # noqa: E402
+
+NAMES = cells_of(SIZES)
+CELL = "algebra/n:33/s:2"
+RAW = Shape(*(tuple(SHAPE[part]) for part in ("context", "rows", "fields")))
+COMMIT = "0123456789abcdef" * 2 + "01234567"
+
+
+def baseline():
+    return baseline_of(read_build(build_document()), COMMIT, RAW)
+
+
+class Exact(unittest.TestCase):
+    def failures(self, document, shape=RAW):
+        return [check.line() for check in exact_layer(baseline(), read_build(document), NAMES, shape).failures()]
+
+    def assert_caught(self, document, *parts, shape=RAW):
+        failures = self.failures(document, shape)
+        self.assertTrue(any(all(part in line for part in parts) for line in failures), failures)
+
+    def test_the_same_counts_pass(self):
+        self.assertEqual(self.failures(build_document()), [])
+
+    def test_each_count_that_moves_is_named_with_its_cell(self):
+        cell = next(cell for cell in build_document()["cells"] if cell["name"] == CELL)
+        for count in ("products", "poisson_solves", "products_a_sweep", "poisson_solves_a_sweep", "sweeps"):
+            for step in (-1, 1):
+                document = change(build_document(), CELL, **{count: cell[count] + step})
+                self.assert_caught(document, CELL, count)
+        self.assert_caught(change(build_document(), CELL, allocations=1), CELL, "allocations 1, allowed 0")
+
+    def one_kind_of_sweeps(self, more, kernels):
+        """A build whose iteration takes so many sweeps more in all, each with its products and solves."""
+        document = build_document()
+        document["context"]["blas_kernels"] = kernels
+        cell = next(cell for cell in document["cells"] if cell["name"] == CELL)
+        return change(document, CELL, sweeps=cell["sweeps"] + more,
+                      products=cell["products"] + more * cell["products_a_sweep"],
+                      poisson_solves=cell["poisson_solves"] + more * cell["poisson_solves_a_sweep"])
+
+    def test_other_kernels_may_take_three_sweeps_more_or_less_and_the_recorded_ones_none(self):
+        for more in (-3, 3):
+            self.assertEqual(self.failures(self.one_kind_of_sweeps(more, "Haswell")), [])
+        for more in (-4, 4, 50):
+            self.assert_caught(self.one_kind_of_sweeps(more, "Haswell"), CELL, "sweeps", "± 3")
+        for more in (-1, 1):
+            self.assert_caught(self.one_kind_of_sweeps(more, "Zen"), CELL, "sweeps")
+
+    def test_other_kernels_change_no_count_within_a_sweep(self):
+        document = build_document()
+        document["context"]["blas_kernels"] = "Haswell"
+        self.assert_caught(change(document, CELL, products_a_sweep=7), CELL, "products_a_sweep 7, allowed 6")
+
+    def test_other_vector_units_are_other_kernels(self):
+        document = self.one_kind_of_sweeps(2, "Zen")
+        document["context"]["vector_units"] = "avx512f"
+        self.assertEqual(self.failures(document), [])
+
+    def test_a_cell_that_failed_or_is_missing_is_named(self):
+        self.assert_caught(change(build_document(), CELL, status="stagnated"), CELL, "stagnated")
+        document = build_document()
+        document["cells"] = [cell for cell in document["cells"] if cell["name"] != CELL]
+        self.assert_caught(document, CELL, "missing")
+
+    def test_what_a_raw_file_lacks_is_named_and_what_is_new_passes(self):
+        for part in ("context", "rows", "fields"):
+            parts = {name: tuple(SHAPE[name]) for name in SHAPE}
+            self.assertEqual(self.failures(build_document(), Shape(**{**parts, part: (*parts[part], "new")})), [])
+            self.assert_caught(build_document(), "raw file", part, parts[part][0], "missing",
+                               shape=Shape(**{**parts, part: parts[part][1:]}))
+
+
+class Accuracy(unittest.TestCase):
+    def failures(self, document):
+        return [check.line() for check in accuracy_layer(read_build(document), NAMES, DATA).failures()]
+
+    def assert_caught(self, cell, quantity, **values):
+        failures = self.failures(change(build_document(), cell, **values))
+        self.assertEqual(len(failures), 1, failures)
+        self.assertIn(cell, failures[0])
+        self.assertIn(quantity, failures[0])
+
+    def test_small_errors_pass(self):
+        self.assertEqual(self.failures(build_document()), [])
+
+    def test_each_error_beyond_its_bound_is_named_with_its_cell(self):
+        self.assert_caught("group/n:33/s:2", "spectrum error", spectrum_error=1e-11)
+        self.assert_caught("algebra/n:33/s:2", "spectrum error", spectrum_error=2e-13)
+        self.assert_caught("cotangent/n:33/s:2", "skew defect", skew_defect=1e-12)
+        self.assert_caught("cotangent/n:65/s:1", "distance to group", distance_to_group=1e-11)
+
+    def test_the_skew_defect_of_algebra_is_exactly_zero(self):
+        self.assert_caught("algebra/n:17/s:3", "skew defect", skew_defect=1e-25)
+
+    def test_bounds_follow_the_tolerance_and_the_contraction(self):
+        for values in ({"tolerance": 1e-11}, {"contraction": 0.99}):
+            document = change(build_document(), "group/n:33/s:2", spectrum_error=1e-11, **values)
+            self.assertEqual(self.failures(document), [])
+
+    def test_an_iteration_that_does_not_contract_has_no_bound_and_needs_none(self):
+        document = change(build_document(), "group/n:33/s:2", spectrum_error=1.0, contraction=1.0)
+        self.assertEqual(self.failures(document), [])
+
+    def test_an_answer_off_the_reference_is_named(self):
+        for stages in (1, 2, 3):
+            name = f"group/n:17/s:{stages}"
+            W = copy.deepcopy(next(cell for cell in build_document()["cells"] if cell["name"] == name)["W"])
+            W[200][1] += 1e-11
+            self.assert_caught(name, "reference answer", W=W)
+
+    def test_no_answer_is_no_success(self):
+        self.assert_caught("group/n:17/s:1", "reference answer", W=None)
+        failures = self.failures(change(build_document(), "group/n:33/s:1", status="diverged"))
+        self.assertEqual(failures, ["group/n:33/s:1: answer none, allowed one"])
+
+    def test_a_missing_reference_cannot_be_judged(self):
+        with self.assertRaisesRegex(CannotRun, "W_t5_h0.1_n17_s1.csv"):
+            accuracy_layer(read_build(build_document()), NAMES, ROOT)
+
+
+# Takes 10 ms a run times $FACTOR, which may be several that take turns: with every answer, or with $BY_START every time
+# it is started. Says what $ANSWER holds instead.
+SERVER = """#!/usr/bin/env python3
+import os, sys
+here = os.path.dirname(os.path.abspath(sys.argv[0]))
+counter = os.path.join(here, os.environ["NAME"])
+started = int(open(counter).read()) if os.path.exists(counter) else 0
+with open(counter, "w") as file:
+    file.write(str(started + 1))
+factors = os.environ.get("FACTOR", "1").split(",")
+if "DIE" in os.environ:
+    sys.exit("regression_cells: no such cell")
+print("ready", flush=True)
+asked = 0
+for line in sys.stdin:
+    cell, steps, runs = map(int, line.split())
+    with open(os.path.join(here, "order"), "a") as file:
+        file.write(os.environ["NAME"] + "\\n")
+    factor = factors[(started if "BY_START" in os.environ else asked) % len(factors)]
+    asked += 1
+    print(os.environ.get("ANSWER") or 0.01 * runs * float(factor), flush=True)
+"""
+
+
+class Times(FolderTest):
+    PLAN = Plan(("group/n:17/s:2", "algebra/n:33/s:1"), launches=4, pairs=3, block_seconds=0.02)
+
+    def contestant(self, name, **settings):
+        path = self.write("regression_cells", SERVER, executable=True)
+        return Contestant([sys.executable, path], {**os.environ, "NAME": name, **settings})
+
+    def judge(self, **head):
+        return judge_times(self.contestant("base"), self.contestant("head", **head), self.PLAN)
+
+    def test_the_same_times_pass(self):
+        verdict = self.judge()
+        self.assertEqual((verdict.layer.verdict(), verdict.again), ("passed", {}))
+        for timing in verdict.first.values():
+            self.assertEqual((timing.median, len(timing.ratios)), (1.0, 12))
+
+    def test_a_slower_build_is_named_by_cell_and_ratio_after_a_second_measurement(self):
+        verdict = self.judge(FACTOR="1.05")
+        self.assertEqual([check.cell for check in verdict.layer.failures()], list(self.PLAN.cells))
+        self.assertIn("1.050", verdict.layer.failures()[0].found)
+        self.assertEqual(set(verdict.again), set(self.PLAN.cells))
+
+    def test_a_faster_build_and_one_slower_by_less_than_the_limit_pass(self):
+        for factor in ("0.5", "1.02"):
+            self.assertEqual(self.judge(FACTOR=factor).layer.verdict(), "passed")
+
+    def test_what_was_slower_only_once_passes(self):
+        verdict = self.judge(FACTOR="1.2,1.2,1.2,1.2,1,1,1,1", BY_START="1")
+        self.assertEqual(verdict.layer.verdict(), "passed")
+        self.assertEqual(set(verdict.again), set(self.PLAN.cells))
+        self.assertTrue(any("measured twice" in note for note in verdict.layer.notes))
+
+    def test_half_of_the_pairs_slower_is_scatter_and_passes(self):
+        self.assertTrue(Timing((1.1,) * 8, 1.0).is_slower())
+        self.assertFalse(Timing((1.1,) * 5 + (0.99,) * 3, 1.0).is_slower())
+        self.assertFalse(Timing((1.029,) * 8, 1.0).is_slower())
+
+    def test_turns_alternate(self):
+        time_cells(self.contestant("base"), self.contestant("head"), self.PLAN.cells[:1],
+                   Plan(self.PLAN.cells[:1], launches=1, pairs=2, block_seconds=0.02))
+        with open(self.path("order"), encoding="utf-8") as file:
+            order = file.read().split()[2:]  # after two runs of base to see how long one takes
+        self.assertEqual(order, ["base", "head", "head", "base", "head", "base", "base", "head"])
+
+    def test_a_build_that_gives_no_times_cannot_be_judged(self):
+        for settings in ({"DIE": "1"}, {"ANSWER": "soon"}, {"ANSWER": "0"}, {"ANSWER": "nan"}, {"ANSWER": "-1"}):
+            with self.subTest(settings), self.assertRaisesRegex(CannotRun, "regression_cells"):
+                self.judge(**settings)
+        with self.assertRaisesRegex(CannotRun, "cannot be run"):
+            time_cells(Contestant([self.path("none")]), self.contestant("head"), QUICK.cells, QUICK)
+
+    def test_all_quick_cells_are_timed_in_all(self):
+        self.assertTrue(set(QUICK.cells) <= set(cells_of((17, 33))))
+
+
+class ExitCodes(unittest.TestCase):
+    def layer(self, passed=True, not_judged=None):
+        layer = Layer("some", not_judged=not_judged)
+        if not not_judged:
+            layer.add("cell", "quantity", 1, 1, passed)
+        return layer
+
+    def test_a_regression_outweighs_what_was_not_judged(self):
+        self.assertEqual(exit_code([self.layer(), self.layer()]), PASSED)
+        self.assertEqual(exit_code([self.layer(), self.layer(not_judged="why")]), NOT_JUDGED)
+        self.assertEqual(exit_code([self.layer(False), self.layer(not_judged="why")]), REGRESSION)
+
+
+class BaselineFile(FolderTest):
+    def setUp(self):
+        super().setUp()
+        self.file = self.path("baseline", "baseline.json")
+        write_baseline(self.file, baseline())
+
+    def document(self):
+        with open(self.file, encoding="utf-8") as file:
+            return json.load(file)
+
+    def refuses(self, document, *parts):
+        path = self.write("other.json", document if isinstance(document, str) else as_text(document))
+        with self.assertRaises(UnusableFile) as caught:
+            read_baseline(path)
+        for part in ("other.json", *parts):
+            self.assertIn(part, str(caught.exception))
+        self.assertNotIn("\n", str(caught.exception))
+
+    def test_is_read_as_written(self):
+        self.assertEqual(read_baseline(self.file), baseline())
+
+    def test_of_another_version_or_of_other_cells_is_refused(self):
+        self.refuses({**self.document(), "format": "isosyrk baseline 2"}, "version", "isosyrk baseline 2")
+        for cells in (self.document()["cells"][1:], self.document()["cells"] * 2,
+                      [{**self.document()["cells"][0], "name": "group/n:9/s:1"}, *self.document()["cells"][1:]]):
+            self.refuses({**self.document(), "cells": cells}, "other cells")
+
+    def test_damaged_is_refused(self):
+        whole = as_text(self.document())
+        for text in ("", "[]", "{}", whole[:len(whole) // 2]):
+            self.refuses(text)
+        for field in self.document():
+            self.refuses({name: value for name, value in self.document().items() if name != field})
+        for wrong in (None, 7, [], "", "0" * 39, "g" * 40):
+            self.refuses({**self.document(), "commit": wrong})
+        for part in SHAPE:
+            for wrong in (None, 7, "text", [], [7]):
+                self.refuses({**self.document(), "raw_file": {**SHAPE, part: wrong}})
+        for count in ("sweeps", "allocations"):
+            for wrong in wrong_values.WRONG["count"]:
+                cells = self.document()["cells"]
+                cells[3][count] = wrong
+                self.refuses({**self.document(), "cells": cells})
+
+    def test_moves_are_told(self):
+        self.assertEqual(moves(baseline(), baseline()), [])
+        other = baseline_of(read_build(change(build_document(), CELL, sweeps=1)), "f" * 40,
+                            Shape(("commit",), RAW.rows, (*RAW.fields, "more")))
+        lines = "\n".join(moves(baseline(), other))
+        for part in (f"{CELL}: sweeps 533 -> 1", "context: cpu gone", "fields: more new", f"commit: {COMMIT} -> ffff"):
+            self.assertIn(part, lines)
+
+
+class Reports(FolderTest):
+    def report(self, script):
+        return report_of(self.write("regression_cells", "#!/bin/sh\n" + script, executable=True), NAMES[:1])
+
+    def test_a_program_that_fails_or_says_something_else_cannot_be_judged(self):
+        for script, part in (("echo 'regression_cells: no such cell' >&2; exit 2", "no such cell"),
+                             ("echo '{'", "whole JSON"), ("echo '{}'", "was not written by"), ("true", "empty")):
+            with self.assertRaisesRegex(CannotRun, part):
+                self.report(script)
+        with self.assertRaisesRegex(CannotRun, "cannot be run"):
+            report_of(self.path("none"), NAMES)
+
+    def test_a_revision_that_is_an_option_is_none(self):
+        self.assertIsNone(commit_of("--all"))
+
+
+if __name__ == "__main__":
+    unittest.main()
