@@ -18,18 +18,19 @@ DONE, BAD_ARGUMENTS, SOLVER_FAILED = 0, 2, 3
 FORMULATIONS = ("cotangent", "group", "algebra")
 
 
-def is_sanitized():
-    """Tells whether the programs carry AddressSanitizer, under which n > 33 takes too long."""
-    if os.environ.get("ISOSYRK_SANITIZE"):
-        return os.environ["ISOSYRK_SANITIZE"] == "1"
+def is_built_with(option):
+    """Tells whether an option such as ISOSYRK_SANITIZE was on; ctest says so in the environment."""
+    if os.environ.get(option):
+        return os.environ[option] == "1"
     try:
         with open(os.path.join(BUILD, "CMakeCache.txt"), encoding="utf-8") as cache:
-            return any(line.startswith("ISOSYRK_SANITIZE:BOOL=ON") for line in cache)
+            return any(line.startswith(f"{option}:BOOL=ON") for line in cache)
     except OSError:
         return False
 
 
-SANITIZED = is_sanitized()
+SANITIZED = is_built_with("ISOSYRK_SANITIZE")  # n > 33 takes too long
+WITH_FAULTS = is_built_with("ISOSYRK_FAULTS")  # of core/faults.h
 
 
 def program(name):

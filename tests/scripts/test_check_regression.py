@@ -6,11 +6,13 @@ The copy is a git repository of its own with two commits; what is built of the f
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
+import time
 import unittest
 
-from programs import BAD_ARGUMENTS, DATA, DONE, ROOT, run, snapshot, strict_json
+from programs import BAD_ARGUMENTS, DATA, DONE, ROOT, end, run, snapshot, start, strict_json
 from test_reproduce import CopyTest
 
 sys.dont_write_bytecode = True
@@ -24,7 +26,7 @@ BASELINE = os.path.join("results", "baseline", "baseline.json")
 
 # Of head it is $FACTOR times slower than of base.
 REGRESSION_CELLS = f"""#!{sys.executable}
-import os, sys
+import os, sys, time
 is_base = "build-base" in os.path.abspath(sys.argv[0])
 with open(os.environ["CALLS"], "a") as calls:
     calls.write("regression_cells" + (" of base " if is_base else " ") + " ".join(sys.argv[1:]) + "\\n")
@@ -39,6 +41,7 @@ if sys.argv[1] != "--serve":
 print("ready", flush=True)
 for line in sys.stdin:
     runs = int(line.split()[2])
+    time.sleep(float(os.environ.get("SLEEP", "0")))
     print(0.01 * runs * (1.0 if is_base else float(os.environ.get("FACTOR", "1"))), flush=True)
 """
 
@@ -92,10 +95,13 @@ class GateTest(CopyTest):
     def report(self, document):
         self.write("report.json", json.dumps(document))
 
-    def check(self, *arguments, **changes):
-        settings = {"REPORT": self.path("report.json"), "SHAPE": self.path("shape.json"), "PROGRAM": self.program}
-        return run(self.line("check_regression", *arguments), env=self.surroundings(**{**settings, **changes}),
-                   cwd=self.folder, timeout=120)
+    def settings(self, **changes):
+        return self.surroundings(**{"REPORT": self.path("report.json"), "SHAPE": self.path("shape.json"),
+                                    "PROGRAM": self.program, **changes})
+
+    def check(self, *arguments, stdout=subprocess.PIPE, **changes):
+        return run(self.line("check_regression", *arguments), env=self.settings(**changes), cwd=self.folder,
+                   timeout=120, stdout=stdout)
 
     def kept(self):
         """Everything that a run which could not judge must leave as it was."""
@@ -156,6 +162,28 @@ class Verdicts(GateTest):
                          [("exact", "passed"), ("accuracy", "passed"), ("timing", "regression")])
         for layer in found["layers"]:
             self.assertGreater(len(layer["checks"]), 5)
+
+
+    def test_json_is_printed_in_place_of_text(self):
+        done = self.check("--quick", "--no-timing", "--json")
+        self.assertEqual(strict_json(done.stdout)["exit_code"], NOT_JUDGED)
+
+    def test_a_report_that_cannot_be_printed_is_no_success(self):
+        with open("/dev/full", "w", encoding="utf-8") as full:
+            done = self.check("--quick", "--no-timing", stdout=full)
+        self.assertEqual(done.returncode, BAD_ARGUMENTS)
+        self.assertIn("standard output: No space left", done.stderr)
+
+    def test_ctrl_c_ends_it_and_what_it_started(self):
+        process = start(self.line("check_regression", "--quick"), env=self.settings(SLEEP="60"), cwd=self.folder,
+                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(end, process)
+        for _ in range(100):
+            if any("--serve" in call for call in self.calls("regression_cells")):
+                break
+            time.sleep(0.1)
+        os.killpg(process.pid, signal.SIGINT)
+        self.assertEqual(process.wait(timeout=20), 130)
 
 
 class Base(GateTest):

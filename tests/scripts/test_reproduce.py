@@ -91,13 +91,17 @@ echo "reference_solutions $*" >>"$CALLS"
 exit "${REFERENCES_STATUS:-0}"
 """
 
-WORK_PRECISION = """
-echo "work_precision[${OPENBLAS_CORETYPE-none}] $*" >>"$CALLS"
+# Where a program of a study is to write.
+FIND_OUT = """
 while [ $# -gt 0 ]; do
   [ "$1" = --out ] && out=$2
   shift
 done
-echo "chatter of work_precision"
+"""
+
+WORK_PRECISION = """
+echo "work_precision[${OPENBLAS_CORETYPE-none}] $*" >>"$CALLS"
+""" + FIND_OUT + """echo "chatter of work_precision"
 case $BENCHMARK in
   finish) cp "$STUDY" "$out" ;;
   scribble) echo '{"context": {' >"$out" ;;
@@ -110,11 +114,7 @@ esac
 STABILITY = """
 program=${0##*/}
 echo "$program[${OPENBLAS_CORETYPE-none}] $* on $(nproc) cores" >>"$CALLS"
-while [ $# -gt 0 ]; do
-  [ "$1" = --out ] && out=$2
-  shift
-done
-echo "chatter of $program"
+""" + FIND_OUT + """echo "chatter of $program"
 [ "$program" = "${FAILING:-}" ] && { echo "some reason"; exit 7; }
 case $BENCHMARK in
   finish) cp "$STABILITY_FOLDER/$program.json" "$out" ;;
@@ -387,6 +387,50 @@ class InheritedKernels(CopyTest):
         self.assertNotIn("OPENBLAS_CORETYPE", self.script("reproduce", "--out", self.out, BENCHMARK="fail").stderr)
 
 
+class PlainRun(CopyTest):
+    """What one run leaves, looked at from several sides."""
+
+    made = {}
+
+    def setUp(self):
+        super().setUp()
+        if not self.made:
+            done = self.script("reproduce", "--out", self.out)
+            self.made.update(done=done, out=self.out, tmp=os.listdir(self.path("tmp")),
+                             results={name: text.decode() for name, text in snapshot(self.out).items()})
+        self.done, self.results = self.made["done"], self.made["results"]
+        self.assertEqual(self.done.returncode, DONE, self.done.stderr)
+
+    def test_the_folder_has_raw_file_context_and_tables_and_nothing_else(self):
+        self.assertEqual(set(self.results), RESULTS)
+
+    def test_the_raw_file_is_the_benchmark_s(self):
+        self.assertEqual(json.loads(self.results["raw.json"])["benchmarks"], raw_file()["benchmarks"])
+
+    def test_the_context_is_the_raw_file_s_without_the_host_name(self):
+        expected = raw_file()["context"]
+        del expected["host_name"]
+        self.assertEqual(json.loads(self.results["context.json"]), expected)
+
+    def test_no_result_has_the_host_name(self):
+        for name, text in self.results.items():
+            self.assertNotIn(HOST_NAME, text, name)
+
+    def test_the_three_tables_are_in_their_formats(self):
+        self.assertTrue(self.results["table.txt"].startswith("Table 1"))
+        self.assertTrue(self.results["table.md"].startswith("# Table 1"))
+        self.assertIn(r"\toprule", self.results["table.tex"])
+
+    def test_the_table_alone_ends_on_stdout(self):
+        self.assertEqual(self.done.stdout, self.results["table.txt"])
+
+    def test_the_folder_is_named_at_the_end(self):
+        self.assertIn(self.made["out"], self.done.stderr.splitlines()[-1])
+
+    def test_nothing_stays_in_the_folder_for_temporary_files(self):
+        self.assertEqual(self.made["tmp"], [])
+
+
 class EndToEnd(CopyTest):
     def reproduce(self, *arguments, **changes):
         done = self.script("reproduce", "--out", self.out, *arguments, **changes)
@@ -396,37 +440,6 @@ class EndToEnd(CopyTest):
     def result(self, name):
         with open(os.path.join(self.out, name), encoding="utf-8") as stream:
             return stream.read()
-
-    def test_the_folder_has_raw_file_context_and_tables_and_nothing_else(self):
-        self.reproduce()
-        self.assertEqual(set(os.listdir(self.out)), RESULTS)
-
-    def test_the_raw_file_is_the_benchmark_s(self):
-        self.reproduce()
-        self.assertEqual(json.loads(self.result("raw.json"))["benchmarks"], raw_file()["benchmarks"])
-
-    def test_the_context_is_the_raw_file_s_without_the_host_name(self):
-        self.reproduce()
-        expected = raw_file()["context"]
-        del expected["host_name"]
-        self.assertEqual(json.loads(self.result("context.json")), expected)
-
-    def test_no_result_has_the_host_name(self):
-        self.reproduce()
-        for name in RESULTS:
-            self.assertNotIn(HOST_NAME, self.result(name), name)
-
-    def test_the_three_tables_are_in_their_formats(self):
-        self.reproduce()
-        self.assertTrue(self.result("table.txt").startswith("Table 1"))
-        self.assertTrue(self.result("table.md").startswith("# Table 1"))
-        self.assertIn(r"\toprule", self.result("table.tex"))
-
-    def test_the_table_alone_ends_on_stdout(self):
-        self.assertEqual(self.reproduce().stdout, self.result("table.txt"))
-
-    def test_the_folder_is_named_at_the_end(self):
-        self.assertIn(self.out, self.reproduce().stderr.splitlines()[-1])
 
     def test_earlier_results_are_replaced(self):
         self.keep_earlier_results()
@@ -438,10 +451,6 @@ class EndToEnd(CopyTest):
         self.write("out/notes", "mine")
         self.reproduce()
         self.assertEqual(self.result("notes"), "mine")
-
-    def test_nothing_stays_in_the_folder_for_temporary_files(self):
-        self.reproduce()
-        self.assertEqual(os.listdir(self.path("tmp")), [])
 
     def test_a_relative_folder_is_where_the_user_is(self):
         done = self.script("reproduce", "--out", "here")
