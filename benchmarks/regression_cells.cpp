@@ -10,7 +10,6 @@
 #include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <regex>
 #include <sstream>
 
 #include "benchmarks/allocation_count.h"
@@ -38,14 +37,15 @@ struct Cell {
 };
 
 Cell read_cell(const std::string& name) {
-  static const std::regex form("([a-z]+)/n:([0-9]+)/s:([0-9]+)");
-  std::smatch parts;
-  if (!std::regex_match(name, parts, form)) {
+  const auto n_at = name.find("/n:");
+  const auto s_at = name.find("/s:");
+  if (n_at == std::string::npos || s_at == std::string::npos || s_at < n_at) {
     throw BadArgument(fmt::format("cell '{}': must be like group/n:17/s:2", name));
   }
-  return {name, formulation_from_name(parts[1].str()),
-          whole_number("cell " + name + ": n", parts[2], 5, 4096),
-          static_cast<int>(whole_number("cell " + name + ": s", parts[3], 1, max_stages))};
+  const std::string what = fmt::format("cell '{}':", name);
+  return {name, formulation_from_name(name.substr(0, n_at)),
+          whole_number(what + " n", name.substr(n_at + 3, s_at - n_at - 3), 5, 4096),
+          static_cast<int>(whole_number(what + " s", name.substr(s_at + 3), 1, max_stages))};
 }
 
 class Scenes {
