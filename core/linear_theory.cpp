@@ -1,13 +1,23 @@
 #include "core/linear_theory.h"
 
-#include <Eigen/Eigenvalues>
+#include <fmt/format.h>
+#include <lapacke.h>
+
 #include <Eigen/LU>
 #include <limits>
+#include <stdexcept>
 
 namespace isosyrk {
 
 double spectral_radius(const Tableau& tableau) {
-  return tableau.a.eigenvalues().cwiseAbs().maxCoeff();
+  RealMatrix a = tableau.a;  // LAPACK's workspace
+  const auto s = static_cast<lapack_int>(tableau.stages());
+  RealVector re(s);
+  RealVector im(s);
+  const lapack_int info = LAPACKE_dgeev(LAPACK_COL_MAJOR, 'N', 'N', s, a.data(), s, re.data(),
+                                        im.data(), nullptr, 1, nullptr, 1);
+  if (info != 0) throw std::runtime_error(fmt::format("spectral_radius: dgeev failed ({})", info));
+  return (re.array().square() + im.array().square()).sqrt().maxCoeff();
 }
 
 double adjoint_limit(double limit, const RealVector& frequencies) {
