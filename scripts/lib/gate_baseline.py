@@ -6,9 +6,9 @@ import tempfile
 from dataclasses import dataclass
 from typing import Dict, Tuple
 
-from benchmark_json import UnusableFile, parse_json, quoted, read_text
+from benchmark_json import UnusableFile, cell_key, context_and_rows, parse_json, quoted, read_text
 from document import replace_file
-from gate_cells import COUNTS, CannotRun, as_text, cells_of, read_counts, SIZES
+from gate_cells import COUNTS, SIZES, CannotRun, cells_of, json_text, read_counts
 from gate_layers import Layer
 from raw_files import CONVERGED, Fields, objects, read
 
@@ -17,6 +17,7 @@ FORMAT = "isosyrk baseline 1"
 # the tolerance here ends just above it there. One extra sweep a step would be 50.
 SWEEPS_OF_OTHER_KERNELS = 3
 RAW_CELLS = "n:17/"  # of table1, for the shape of its raw file
+PARTS = ("context", "rows", "fields")  # of a Shape
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,7 @@ def analyse(document):
     kernels = fields.get("kernels")
     if not isinstance(kernels, str):
         fields.refuse("kernels", "a text")
-    return Baseline(commit, kernels, counts, Shape(*(texts(shape, name) for name in ("context", "rows", "fields"))))
+    return Baseline(commit, kernels, counts, Shape(*(texts(shape, part) for part in PARTS)))
 
 
 def texts(fields, name):
@@ -74,9 +75,9 @@ def texts(fields, name):
 def write_baseline(path, baseline):
     document = {"format": FORMAT, "commit": baseline.commit, "kernels": baseline.kernels,
                 "cells": [{"name": name, **counts} for name, counts in baseline.counts.items()],
-                "raw_file": {name: list(getattr(baseline.shape, name)) for name in ("context", "rows", "fields")}}
+                "raw_file": {part: list(getattr(baseline.shape, part)) for part in PARTS}}
     os.makedirs(os.path.dirname(path), exist_ok=True)
-    replace_file(path, as_text(document).encode("utf-8"))
+    replace_file(path, json_text(document).encode("utf-8"))
 
 
 def moves(old, new):
@@ -85,7 +86,7 @@ def moves(old, new):
         return ["there was no baseline to compare with"]
     lines = [f"{name}: {count} {old.counts[name][count]} -> {counts[count]}" for name, counts in new.counts.items()
              for count in COUNTS if old.counts[name][count] != counts[count]]
-    for part in ("context", "rows", "fields"):
+    for part in PARTS:
         before, after = set(getattr(old.shape, part)), set(getattr(new.shape, part))
         lines += [f"raw file of table1: {part}: {name} gone" for name in sorted(before - after)]
         lines += [f"raw file of table1: {part}: {name} new" for name in sorted(after - before)]
@@ -104,11 +105,12 @@ def shape_of(program, environment=None):
                               capture_output=True, env=environment, encoding="utf-8", errors="replace", check=False)
         try:
             document = parse_json(read_text(path))
+            _, found = context_and_rows(document, "table1")
+            rows = [row for row in found if cell_key(row, "table1")]
         except UnusableFile as problem:
             raise CannotRun(f"{program} (exit status {done.returncode}): its raw file {problem}") from None
-    rows = [row for row in document.get("benchmarks", []) if row.get("run_type") == "iteration"]
     common = set.intersection(*(set(row) for row in rows)) if rows else set()
-    return Shape(tuple(sorted(document.get("context", {}))), tuple(sorted(row["run_name"] for row in rows)),
+    return Shape(tuple(sorted(document["context"])), tuple(sorted(row["run_name"] for row in rows)),
                  tuple(sorted(common)))
 
 
@@ -127,7 +129,7 @@ def exact_layer(baseline, build, names, shape):
         layer.add(name, "status", cell.status, CONVERGED, cell.status == CONVERGED)
         if cell.status == CONVERGED:
             check_counts(layer, cell, baseline.counts[name], 0 if same_kernels else SWEEPS_OF_OTHER_KERNELS)
-    for part in ("context", "rows", "fields"):
+    for part in PARTS:
         for wanted in getattr(baseline.shape, part):
             found = "present" if wanted in getattr(shape, part) else "missing"
             layer.add("raw file of table1", f"{part}: {wanted}", found, "present", found == "present")

@@ -9,11 +9,8 @@ from benchmark_json import one_line
 from gate_cells import CannotRun
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
+ANSWERS = os.path.join(ROOT, "tests", "data")  # reference answers
 SETUP = os.path.join(ROOT, "scripts", "lib", "setup.sh")
-
-
-class NoBase(Exception):
-    """There is no base to build; the message says why."""
 
 
 def git(*arguments):

@@ -113,5 +113,5 @@ def read_entries(fields, n):
     return found
 
 
-def as_text(document):
+def json_text(document):
     return json.dumps(document, indent=1) + "\n"

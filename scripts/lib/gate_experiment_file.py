@@ -9,8 +9,13 @@ from raw_files import Fields, context, objects, read
 FORMAT = "isosyrk gate_experiment 1"
 SLOWDOWNS = (0.02, 0.05, 0.1, 0.25)
 RUNS = 20  # of each slowdown, and of the same build on a quiet and on a busy machine
-# Those of core/faults.h that change what is computed.
-FAULTS = ("tolerance", "tableau", "printed_index", "extra_sweep", "single_precision", "skewness", "allocation")
+# Those of core/faults.h that change what is computed, and what they are to a reader.
+FAULTS = {
+    "tolerance": "tolerance 1e-11 for 1e-13", "tableau": "a_11 of the tableau off by 1e-10",
+    "printed_index": "K_ij with the printed index", "extra_sweep": "one extra sweep a step",
+    "single_precision": "Poisson solve in single precision", "skewness": "update of algebra as B W - W B",
+    "allocation": "an allocation in every sweep",
+}
 KINDS = ("same build", "slowdown", "fault")
 
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from typing import List, Optional
 
 PASSED, REGRESSION, COULD_NOT_RUN, NOT_JUDGED = 0, 1, 2, 3  # exit codes
+INTERRUPTED = 130  # as a shell has it
 
 
 @dataclass(frozen=True)

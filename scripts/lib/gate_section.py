@@ -6,13 +6,6 @@ from document import Column, Entry, Heading, Paragraph, Table
 from gate_experiment_file import FAULTS, SLOWDOWNS
 from gate_timing import MEDIAN_LIMIT, QUARTILE_LIMIT
 
-FAULT_NAMES = {
-    "tolerance": "tolerance 1e-11 for 1e-13", "tableau": "a_11 of the tableau off by 1e-10",
-    "printed_index": "K_ij with the printed index", "extra_sweep": "one extra sweep a step",
-    "single_precision": "Poisson solve in single precision", "skewness": "update of algebra as B W - W B",
-    "allocation": "an allocation in every sweep",
-}
-
 
 def gate_sections(experiment):
     """Returns the section on a recorded experiment."""
@@ -59,6 +52,6 @@ def fault_row(fault, runs):
     if not runs:
         return None
     first = runs[0]["first"]
-    texts = (FAULT_NAMES[fault], len(runs), sum(run["caught"] for run in runs), ", ".join(first) or "nothing",
+    texts = (FAULTS[fault], len(runs), sum(run["caught"] for run in runs), ", ".join(first) or "nothing",
              "; ".join(first.values()))
     return [Entry(str(text)) for text in texts]

@@ -68,7 +68,6 @@ class Server:
         except OSError as problem:
             raise CannotRun(f"{self.what}: cannot be run: {problem.strerror}") from None
         self.cells = {name: place for place, name in enumerate(cells)}
-        self.runs = {}
         try:
             self.answer(is_ready)
         except BaseException:

@@ -1,19 +1,19 @@
 """Made-up reports of builds, for the tests of the regression gate. Import after scripts/lib is on the path."""
 
-import csv
 import os
 
+from gate_accuracy import read_answer
 from gate_cells import SIZES, cells_of
 from programs import DATA
 
 CONTEXT = {"commit": "0123456789ab", "dirty": "no", "blas_kernels": "Zen", "vector_units": "avx2"}
-SHAPE = {"context": ["commit", "cpu"], "rows": ["table1/group/n:17/s:2"], "fields": ["cpu_time", "sweeps_per_step"]}
+SHAPE = {"context": ["commit", "isosyrk_format", "isosyrk_program"], "rows": ["table1/group/n:17/s:2"],
+         "fields": ["cpu_time", "sweeps_per_step"]}
 
 
 def reference_answer(stages):
-    with open(os.path.join(DATA, f"W_t5_h0.1_n17_s{stages}.csv"), encoding="utf-8", newline="") as file:
-        rows = sorted(csv.DictReader(file), key=lambda row: (int(row["i"]), int(row["j"])))
-    return [[float(row["re"]), float(row["im"])] for row in rows]
+    answer = read_answer(os.path.join(DATA, f"W_t5_h0.1_n17_s{stages}.csv"), 17)
+    return [[entry.real, entry.imag] for entry in answer]
 
 
 def cell_document(name):

@@ -72,7 +72,7 @@ class GateTest(CopyTest):
         shutil.copytree(DATA, os.path.join(self.root, "tests", "data"))
         fields = dict.fromkeys(SHAPE["fields"], 1)
         rows = [{"run_type": "iteration", "run_name": name, **fields} for name in SHAPE["rows"]]
-        context = dict.fromkeys(SHAPE["context"], "some")
+        context = {**dict.fromkeys(SHAPE["context"], "some"), "isosyrk_format": "1", "isosyrk_program": "table1"}
         self.write("shape.json", json.dumps({"context": context, "benchmarks": rows}))
         self.report(build_document())
         self.git("init", "-q")

@@ -14,7 +14,7 @@ from benchmark_json import UnusableFile  # noqa: E402
 from gate_accuracy import accuracy_layer  # noqa: E402
 from gate_baseline import Shape, baseline_of, exact_layer, moves, read_baseline, write_baseline  # noqa: E402
 from gate_builds import commit_of  # noqa: E402
-from gate_cells import CannotRun, as_text, cells_of, read_build, report_of, SIZES  # noqa: E402
+from gate_cells import SIZES, CannotRun, cells_of, json_text, read_build, report_of  # noqa: E402
 from gate_documents import SHAPE, build_document, change  # noqa: E402
 from gate_layers import NOT_JUDGED, PASSED, REGRESSION, Layer, exit_code  # noqa: E402
 from gate_timing import QUICK, Contestant, Plan, Timing, judge_times, time_cells  # noqa: E402
@@ -241,7 +241,7 @@ class BaselineFile(FolderTest):
             return json.load(file)
 
     def refuses(self, document, *parts):
-        path = self.write("other.json", document if isinstance(document, str) else as_text(document))
+        path = self.write("other.json", document if isinstance(document, str) else json_text(document))
         with self.assertRaises(UnusableFile) as caught:
             read_baseline(path)
         for part in ("other.json", *parts):
@@ -258,7 +258,7 @@ class BaselineFile(FolderTest):
             self.refuses({**self.document(), "cells": cells}, "other cells")
 
     def test_damaged_is_refused(self):
-        whole = as_text(self.document())
+        whole = json_text(self.document())
         for text in ("", "[]", "{}", whole[:len(whole) // 2]):
             self.refuses(text)
         for field in self.document():
@@ -277,9 +277,10 @@ class BaselineFile(FolderTest):
     def test_moves_are_told(self):
         self.assertEqual(moves(baseline(), baseline()), [])
         other = baseline_of(read_build(change(build_document(), CELL, sweeps=1)), "f" * 40,
-                            Shape(("commit",), RAW.rows, (*RAW.fields, "more")))
+                            Shape(("commit", "isosyrk_format"), RAW.rows, (*RAW.fields, "more")))
         lines = "\n".join(moves(baseline(), other))
-        for part in (f"{CELL}: sweeps 533 -> 1", "context: cpu gone", "fields: more new", f"commit: {COMMIT} -> ffff"):
+        for part in (f"{CELL}: sweeps 533 -> 1", "context: isosyrk_program gone", "fields: more new",
+                     f"commit: {COMMIT} -> ffff"):
             self.assertIn(part, lines)
 
 
