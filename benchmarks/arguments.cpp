@@ -78,21 +78,6 @@ BackendChoice backend_choice(const std::string& text) {
   throw BadArgument(fmt::format("--products '{}': must be fastest, openblas or eigen", text));
 }
 
-std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv) {
-  for (int k = 1; k < argc; ++k) {
-    const std::string argument = argv[k];
-    if (argument.starts_with("--") && argument.ends_with('=')) {
-      throw BadArgument(fmt::format("{}: empty; must be followed by a value", argument));
-    }
-  }
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::CallForHelp& help) {
-    return app.exit(help);
-  }
-  return std::nullopt;
-}
-
 void require_printed() {
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0 || !std::cout) {
     throw BadArgument("standard output: cannot be written");

@@ -1,8 +1,7 @@
-// Reading command lines strictly: one line on an error, naming the argument, the value and what is
-// allowed.
+// Reading the values of a command line strictly: one line on an error, naming the argument, the
+// value and what is allowed.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <new>
 #include <optional>
 #include <stdexcept>
@@ -40,19 +39,14 @@ void require_scene(const std::string& option, const std::string& text);
 /// "fastest", "openblas" or "eigen".  Throws BadArgument.
 BackendChoice backend_choice(const std::string& text);
 
-/// Reads the command line into the app's options; an exit code if that was all, as for --help.
-/// Throws CLI11's errors, and BadArgument for an option given as `--option=` with nothing behind,
-/// where CLI11 would take the next argument for its value.
-std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv);
-
 /// Throws BadArgument if what was printed on stdout could not be written.
 void require_printed();
 
 /// Prints `program: message` on one line of stderr, control characters as spaces.
 void print_error(const char* program, std::string message);
 
-/// Runs a program's body and turns BadArgument, std::invalid_argument, CLI11's errors and a lack of
-/// memory into one line on stderr and exit_bad_arguments.  `body` returns the exit code.
+/// Runs a program's body and turns BadArgument, std::invalid_argument and a lack of memory into one
+/// line on stderr and exit_bad_arguments.  `body` returns the exit code.
 template <class Body>
 int guarded(const char* program, Body&& body) {
   try {

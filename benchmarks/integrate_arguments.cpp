@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "benchmarks/command_line.h"
+
 namespace isosyrk {
 namespace {
 
@@ -97,37 +99,33 @@ IntegrateRequest parse(const Text& text, const Given& given) {
 }  // namespace
 
 std::variant<IntegrateRequest, int> read_integrate_arguments(int argc, char** argv) {
-  CLI::App app{
+  CommandLine line{
       "Integrates the Euler-Zeitlin equations with one formulation of an isospectral "
       "symplectic Runge-Kutta (Gauss) method, or with any listed integrator."};
   Text text;
-  app.add_option("--n", text.n, "matrix size, 2 to 4096")->required();
-  const auto* stages =
-      app.add_option("--stages", text.stages, "stages of the Gauss tableau, 1 to 20");
-  const auto* formulation =
-      app.add_option("--formulation", text.formulation, "cotangent, group or algebra");
-  const auto* integrator =
-      app.add_option("--integrator", text.integrator,
-                     "name of a listed integrator, in place of --formulation and --stages");
-  app.add_option("--step", text.step, "step size h > 0")->required();
-  app.add_option("--time", text.time, "end time T >= 0, a whole number of steps")->required();
-  app.add_option("--tolerance", text.tolerance, "of the fixed point, >= 1e-15 (default 1e-13)");
-  app.add_option("--max-sweeps", text.max_sweeps, "sweeps allowed in a step (default 1000)");
-  app.add_option("--hbar", text.hbar, "paper: 2/sqrt(n(n-1)) (default); standard: 2/sqrt(n^2-1)");
-  app.add_option("--products", text.products, "fastest (default), openblas or eigen");
-  const auto* scene = app.add_option("--scene", text.scene, "smooth (default) or rough");
-  const auto* modes =
-      app.add_option("--modes", text.modes, "initial modes, CSV with the header l,m,re,im");
-  const auto* output =
-      app.add_option("--output", text.output, "write W(T) as NumPy .npy, complex128");
-  app.add_flag("--json", text.json, "print one JSON object")->disable_flag_override();
-  if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
-  return parse(text, {.formulation = formulation->count() > 0,
-                      .stages = stages->count() > 0,
-                      .integrator = integrator->count() > 0,
-                      .scene = scene->count() > 0,
-                      .modes = modes->count() > 0,
-                      .output = output->count() > 0});
+  line.option("--n", text.n, "matrix size, 2 to 4096", CommandLine::Need::required);
+  line.option("--stages", text.stages, "stages of the Gauss tableau, 1 to 20");
+  line.option("--formulation", text.formulation, "cotangent, group or algebra");
+  line.option("--integrator", text.integrator,
+              "name of a listed integrator, in place of --formulation and --stages");
+  line.option("--step", text.step, "step size h > 0", CommandLine::Need::required);
+  line.option("--time", text.time, "end time T >= 0, a whole number of steps",
+              CommandLine::Need::required);
+  line.option("--tolerance", text.tolerance, "of the fixed point, >= 1e-15 (default 1e-13)");
+  line.option("--max-sweeps", text.max_sweeps, "sweeps allowed in a step (default 1000)");
+  line.option("--hbar", text.hbar, "paper: 2/sqrt(n(n-1)) (default); standard: 2/sqrt(n^2-1)");
+  line.option("--products", text.products, "fastest (default), openblas or eigen");
+  line.option("--scene", text.scene, "smooth (default) or rough");
+  line.option("--modes", text.modes, "initial modes, CSV with the header l,m,re,im");
+  line.option("--output", text.output, "write W(T) as NumPy .npy, complex128");
+  line.flag("--json", text.json, "print one JSON object");
+  if (const auto exit_code = line.read(argc, argv)) return *exit_code;
+  return parse(text, {.formulation = line.given("--formulation"),
+                      .stages = line.given("--stages"),
+                      .integrator = line.given("--integrator"),
+                      .scene = line.given("--scene"),
+                      .modes = line.given("--modes"),
+                      .output = line.given("--output")});
 }
 
 }  // namespace isosyrk

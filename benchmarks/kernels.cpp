@@ -3,6 +3,7 @@
 
 #include "benchmarks/arguments.h"
 #include "benchmarks/benchmark_program.h"
+#include "benchmarks/command_line.h"
 #include "benchmarks/peak.h"
 #include "core/scene.h"
 
@@ -65,11 +66,11 @@ void peak_rate(benchmark::State& state) {
 }
 
 int main_program(int argc, char** argv) {
-  CLI::App app{
+  CommandLine line{
       "Measures matrix products per backend, the Poisson solve and the core's multiply-add peak at "
       "n = 17, 33, 65, 129.  Takes Google Benchmark's arguments."};
-  app.allow_extras();
-  if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
+  line.allow_others();
+  if (const auto exit_code = line.read(argc, argv)) return *exit_code;
   use_one_blas_thread();
   std::vector<std::string> names = {"kernels/peak"};
   for (const Index n : sizes) {
@@ -78,7 +79,7 @@ int main_program(int argc, char** argv) {
     }
     names.push_back(poisson_name(n));
   }
-  const BenchmarkArguments arguments(app.remaining(), names);
+  const BenchmarkArguments arguments(line.others(), names);
 
   const double peak = measured_peak_flops();
   std::vector<BackendRates> rates;

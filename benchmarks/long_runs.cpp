@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "benchmarks/arguments.h"
+#include "benchmarks/command_line.h"
 #include "benchmarks/jobs.h"
 #include "benchmarks/long_run.h"
 #include "benchmarks/raw_file.h"
@@ -91,13 +92,13 @@ Json carry_out(const Job& job, long steps) {
 }
 
 int main_program(int argc, char** argv) {
-  CLI::App app{
+  CommandLine line{
       "Runs every integrator for many steps, near its critical step size and well inside, watches "
       "the invariants and writes them as JSON."};
-  StabilityOptions options(app, "n = 17 only, a tenth of the steps");
+  StabilityOptions options(line, "n = 17 only, a tenth of the steps");
   std::string steps_text;
-  app.add_option("--steps", steps_text, "steps of a run, 10 to 1000000 (default 10000)");
-  if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
+  line.option("--steps", steps_text, "steps of a run, 10 to 1000000 (default 10000)");
+  if (const auto exit_code = line.read(argc, argv)) return *exit_code;
   use_one_blas_thread();
   const StabilityRequest request = options.read(default_sizes, quick_sizes);
   long steps = options.quick() ? 1000 : 10000;

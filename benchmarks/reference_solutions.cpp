@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "benchmarks/arguments.h"
+#include "benchmarks/command_line.h"
 #include "benchmarks/output_file.h"
 #include "benchmarks/product_rate.h"
 #include "benchmarks/reference.h"
@@ -35,14 +36,14 @@ void make(Index n, const std::string& folder) {
 }
 
 int main_program(int argc, char** argv) {
-  CLI::App app{
+  CommandLine line{
       "Computes W(5) of the smooth scene for each n with two integrators, whose difference is its "
       "uncertainty.  A file that is already there is kept."};
   std::string out;
   std::vector<std::string> sizes;
-  app.add_option("--out", out, "folder for reference_n<n>.json")->required();
-  app.add_option("--n", sizes, "matrix sizes, 5 to 513 (default 17 33 65 129)");
-  if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
+  line.option("--out", out, "folder for reference_n<n>.json", CommandLine::Need::required);
+  line.option("--n", sizes, "matrix sizes, 5 to 513 (default 17 33 65 129)");
+  if (const auto exit_code = line.read(argc, argv)) return *exit_code;
   use_one_blas_thread();
   if (sizes.empty()) sizes = {"17", "33", "65", "129"};
   std::vector<Index> wanted;

@@ -14,6 +14,7 @@
 
 #include "benchmarks/allocation_count.h"
 #include "benchmarks/arguments.h"
+#include "benchmarks/command_line.h"
 #include "benchmarks/raw_file.h"
 #include "core/conservation.h"
 #include "core/run.h"
@@ -183,12 +184,12 @@ int serve(const std::vector<Cell>& cells) {
 }
 
 int main_program(int argc, char** argv) {
-  CLI::App app{"Counts and errors of cells of Table 1 as JSON, or their times on demand."};
+  CommandLine line{"Counts and errors of cells of Table 1 as JSON, or their times on demand."};
   std::vector<std::string> names;
-  app.add_option("cells", names, "names like group/n:17/s:2")->required();
+  line.option("cells", names, "names like group/n:17/s:2", CommandLine::Need::required);
   bool as_server = false;
-  app.add_flag("--serve", as_server, "answer lines `CELL STEPS RUNS` with CPU seconds");
-  if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
+  line.flag("--serve", as_server, "answer lines `CELL STEPS RUNS` with CPU seconds");
+  if (const auto exit_code = line.read(argc, argv)) return *exit_code;
   use_one_blas_thread();
   std::vector<Cell> cells;
   for (const std::string& name : names) cells.push_back(read_cell(name));

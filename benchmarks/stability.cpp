@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "benchmarks/arguments.h"
+#include "benchmarks/command_line.h"
 #include "benchmarks/jobs.h"
 #include "benchmarks/raw_file.h"
 #include "benchmarks/stability_request.h"
@@ -59,13 +60,13 @@ Json setting_json(const TrialSetting& setting) {
 }
 
 int main_program(int argc, char** argv) {
-  CLI::App app{
+  CommandLine line{
       "Maps, for every integrator, n and scene, which step sizes work and how the others fail, and "
       "writes the outcomes as JSON."};
-  StabilityOptions options(app, "n = 9, 17 and 33 only");
+  StabilityOptions options(line, "n = 9, 17 and 33 only");
   std::vector<std::string> scenes;
-  app.add_option("--scene", scenes, "smooth, rough (default both)");
-  if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
+  line.option("--scene", scenes, "smooth, rough (default both)");
+  if (const auto exit_code = line.read(argc, argv)) return *exit_code;
   use_one_blas_thread();
   const StabilityRequest request = options.read(default_sizes, quick_sizes);
   if (scenes.empty()) scenes = scene_names();

@@ -7,13 +7,13 @@
 
 namespace isosyrk {
 
-StabilityOptions::StabilityOptions(CLI::App& app, const std::string& quick) {
-  app.add_option("--out", out_, "write the outcomes here, as JSON")->required();
-  app.add_option("--n", sizes_, "matrix sizes, 5 to 513");
-  app.add_option("--integrator", integrators_, "names of integrators (default all)");
-  app.add_option("--products", products_, "fastest (default), openblas or eigen");
-  app.add_option("--processes", processes_, "maps or runs at a time (default: one for each core)");
-  app.add_flag("--quick", quick_, quick)->disable_flag_override();
+StabilityOptions::StabilityOptions(CommandLine& line, const std::string& quick) {
+  line.option("--out", out_, "write the outcomes here, as JSON", CommandLine::Need::required);
+  line.option("--n", sizes_, "matrix sizes, 5 to 513");
+  line.option("--integrator", integrators_, "names of integrators (default all)");
+  line.option("--products", products_, "fastest (default), openblas or eigen");
+  line.option("--processes", processes_, "maps or runs at a time (default: one for each core)");
+  line.flag("--quick", quick_, quick);
 }
 
 StabilityRequest StabilityOptions::read(const std::vector<Index>& default_sizes,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "benchmarks/arguments.h"
+#include "benchmarks/command_line.h"
 #include "benchmarks/output_file.h"
 #include "benchmarks/progress.h"
 #include "core/integrator_list.h"
@@ -23,8 +24,8 @@ struct StabilityRequest {
 /// The options that both studies have.
 class StabilityOptions {
  public:
-  /// Adds them to the app; `quick` says what --quick does.
-  StabilityOptions(CLI::App& app, const std::string& quick);
+  /// Declares them; `quick` says what --quick does.
+  StabilityOptions(CommandLine& line, const std::string& quick);
 
   /// Throws BadArgument or std::invalid_argument.
   StabilityRequest read(const std::vector<Index>& default_sizes,

@@ -9,6 +9,7 @@
 
 #include "benchmarks/arguments.h"
 #include "benchmarks/benchmark_program.h"
+#include "benchmarks/command_line.h"
 #include "benchmarks/progress.h"
 #include "benchmarks/reference.h"
 #include "core/conservation.h"
@@ -177,19 +178,19 @@ class Table1 : public benchmark::Fixture {
 };
 
 int main_program(int argc, char** argv) {
-  CLI::App app{
+  CommandLine line{
       "Times 50 steps of each formulation at n = 17, 33, 65, 129 and s = 1, 2, 3 (the paper's "
       "Table 1).  Takes Google Benchmark's arguments as well, such as "
       "--benchmark_filter=n:17/ and --benchmark_out=FILE."};
   std::string products = "fastest";
-  app.add_option("--products", products, "fastest (default), openblas or eigen");
+  line.option("--products", products, "fastest (default), openblas or eigen");
   std::string max_sweeps = "1000";
-  app.add_option("--max-sweeps", max_sweeps, "sweeps allowed in a step (default 1000)");
+  line.option("--max-sweeps", max_sweeps, "sweeps allowed in a step (default 1000)");
   std::string references;
-  const auto* references_given = app.add_option(
-      "--references", references, "folder that reference_solutions filled: adds relative_error");
-  app.allow_extras();
-  if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
+  line.option("--references", references,
+              "folder that reference_solutions filled: adds relative_error");
+  line.allow_others();
+  if (const auto exit_code = line.read(argc, argv)) return *exit_code;
   use_one_blas_thread();
   const BackendChoice choice = backend_choice(products);
   SolverOptions options;
@@ -199,13 +200,13 @@ int main_program(int argc, char** argv) {
   for (const Index n : sizes) {
     for (std::string& name : cell_names(n)) names.push_back(std::move(name));
   }
-  const BenchmarkArguments arguments(app.remaining(), names);
+  const BenchmarkArguments arguments(line.others(), names);
   CellProgress progress(names.size(), arguments.repetitions());
 
   std::vector<BackendRates> rates;
   std::map<Index, std::optional<Reference>> reference;  // of each n that the filter leaves in
   for (const Index n : sizes) {
-    if (references_given->count() > 0 && arguments.selects_any(cell_names(n))) {
+    if (line.given("--references") && arguments.selects_any(cell_names(n))) {
       reference[n] = read_reference("--references", references, smooth_scene(n),
                                     HbarConvention::paper, default_modes());
     }

@@ -15,6 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "benchmarks/arguments.h"
+#include "benchmarks/command_line.h"
 #include "benchmarks/conditions.h"
 #include "benchmarks/output_file.h"
 #include "benchmarks/progress.h"
@@ -423,21 +424,22 @@ class Study {
 };
 
 int main_program(int argc, char** argv) {
-  CLI::App app{
+  CommandLine line{
       "Runs every integrator over step sizes, and the three formulations over tolerances, and "
       "writes error, invariants and cost of each run as JSON."};
   Text text;
-  app.add_option("--references", text.references, "folder that reference_solutions filled")
-      ->required();
-  app.add_option("--out", text.out, "write the measurements here, as JSON")->required();
-  app.add_option("--n", text.sizes, "matrix sizes (default 17 33 65 129)");
-  app.add_option("--integrator", text.integrators, "names of integrators (default all)");
-  app.add_option("--steps", text.steps, "numbers of steps to T, rising (default 5 to 6400)");
-  app.add_option("--repetitions", text.repetitions, "timings of each run (default 3)");
-  app.add_option("--longest", text.longest, "CPU seconds of a run that ends a line (default by n)");
-  app.add_option("--products", text.products, "fastest (default), openblas or eigen");
-  app.add_flag("--quick", text.quick, "n = 17 and 33 only")->disable_flag_override();
-  if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
+  line.option("--references", text.references, "folder that reference_solutions filled",
+              CommandLine::Need::required);
+  line.option("--out", text.out, "write the measurements here, as JSON",
+              CommandLine::Need::required);
+  line.option("--n", text.sizes, "matrix sizes (default 17 33 65 129)");
+  line.option("--integrator", text.integrators, "names of integrators (default all)");
+  line.option("--steps", text.steps, "numbers of steps to T, rising (default 5 to 6400)");
+  line.option("--repetitions", text.repetitions, "timings of each run (default 3)");
+  line.option("--longest", text.longest, "CPU seconds of a run that ends a line (default by n)");
+  line.option("--products", text.products, "fastest (default), openblas or eigen");
+  line.flag("--quick", text.quick, "n = 17 and 33 only");
+  if (const auto exit_code = line.read(argc, argv)) return *exit_code;
   use_one_blas_thread();
   const Request request = parse(text);
   print_notice("work_precision");

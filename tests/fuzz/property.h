@@ -31,8 +31,6 @@ auto accepted(Read&& read) -> std::optional<decltype(read())> {
     check_line(refusal.what());
   } catch (const std::invalid_argument& refusal) {
     check_line(refusal.what());
-  } catch (const CLI::Error& refusal) {
-    check_line(refusal.what());
   }
   return std::nullopt;
 }
