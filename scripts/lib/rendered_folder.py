@@ -1,5 +1,6 @@
 """The folder that a render script fills: charts as SVG and PNG, a report as Markdown and text."""
 
+import errno
 import os
 import sys
 
@@ -23,6 +24,7 @@ def report_files(report):
 def write_folder(program, folder, files):
     """Writes what `files()` returns, all of it made before any is written. What goes wrong is one line and exit 2."""
     try:
+        require_room(folder)
         contents = files()
         os.makedirs(folder, exist_ok=True)
         for name, data in contents.items():
@@ -32,6 +34,17 @@ def write_folder(program, folder, files):
     except OSError as problem:
         fail(program, f"{one_line(problem.filename or folder)}: cannot be written: {problem.strerror}")
     return contents
+
+
+def require_room(folder):
+    """Raises OSError if a folder cannot be there or be filled, as far as that is seen without making it."""
+    nearest = os.path.abspath(folder)
+    while not os.path.lexists(nearest):
+        nearest = os.path.dirname(nearest)
+    if not os.path.isdir(nearest):
+        raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), nearest)
+    if not os.access(nearest, os.W_OK | os.X_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), nearest)
 
 
 def output_folder(program, option, folder):

@@ -30,7 +30,7 @@ import work_precision  # noqa: E402
 from benchmark_json import FORMULATIONS, UnusableFile, read_run  # noqa: E402
 from document import WRITERS  # noqa: E402
 
-CASES = int(os.environ.get("ISOSYRK_FUZZ_CASES", "4000"))
+CASES = int(os.environ.get("ISOSYRK_FUZZ_CASES", "2000"))
 NO_NUMBER = re.compile(r"(?i)(?<![a-z])(nan|inf)")
 LONGEST_SECONDS = 10  # that reading and rendering a small file may take before it counts as endless
 

@@ -383,8 +383,8 @@ class Python(AccuracyTest):
         self.assertEqual(set(os.listdir(self.path("charts"))), FILES)
 
     def test_a_chosen_python_that_does_not_exist_is_passed_over(self):
-        result = self.render(self.small(), "--out", self.path("charts"), ISOSYRK_PYTHON=self.path("none"))
-        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        result = self.render(self.path("none.json"), "--out", self.path("charts"), ISOSYRK_PYTHON=self.path("none"))
+        self.assert_refused(result, "none.json", "cannot be read")  # by the Python that would have drawn it
 
     def test_help_needs_no_matplotlib(self):
         result = self.render("--help", PYTHONPATH=self.without(), PATH=self.path("empty"))
