@@ -1,10 +1,13 @@
-// The parts a sweep is made of: products of each backend, the Poisson solve, and the core's peak.
+// The parts a sweep is made of: products of each backend and of planar matrices, the Poisson solve,
+// and the core's peak.
 #include <fmt/format.h>
 
 #include "benchmarks/arguments.h"
 #include "benchmarks/benchmark_program.h"
 #include "benchmarks/command_line.h"
 #include "benchmarks/peak.h"
+#include "core/planar_laplacian.h"
+#include "core/planar_products.h"
 #include "core/scene.h"
 
 namespace isosyrk {
@@ -15,6 +18,10 @@ const std::vector<Index> sizes = {17, 33, 65, 129};
 std::string product_name(ProductBackend backend, Index n) {
   return fmt::format("kernels/product/{}/n:{}", name(backend), n);
 }
+std::string planar_name(std::string_view part, const PlanarKernel& kernel, Index n) {
+  return fmt::format("kernels/{}/planar_{}/n:{}", part, kernel.name, n);
+}
+std::string planar_poisson_name(Index n) { return fmt::format("kernels/poisson/planar/n:{}", n); }
 std::string poisson_name(Index n) { return fmt::format("kernels/poisson/n:{}", n); }
 
 // ‖C - AB‖_F / (‖A‖_F ‖B‖_F u), the error of a product in units of roundoff.
@@ -28,22 +35,79 @@ double product_error(const Matrix& A, const Matrix& B, const Matrix& C) {
   return error / (A.norm() * B.norm() * unit_roundoff);
 }
 
-void product(benchmark::State& state, ProductBackend backend, Index n, double peak) {
-  const Matrix A = smooth_scene(n).initial;
-  Matrix B(n, n);
-  smooth_scene(n).flow->generator(A, B);
-  Matrix C(n, n);
-  Products products(backend, n);
+// Two factors as they meet in a sweep: W and B(W).
+struct Factors {
+  explicit Factors(Index n) : W(smooth_scene(n).initial), B(n, n) {
+    smooth_scene(n).flow->generator(W, B);
+  }
+  Matrix W, B;
+};
+
+// Times `multiply`, one product; a triangle counts as one.
+template <class Multiply>
+void time_products(benchmark::State& state, Index n, Multiply&& multiply) {
+  const double peak_before = measured_peak_flops();  // at the speed that the core has now
+  long products = 0;
   const double start = cpu_seconds();
   for ([[maybe_unused]] auto _ : state) {
-    products.multiply(A, B, C);
-    benchmark::DoNotOptimize(C.data());
+    multiply();
+    ++products;
   }
-  const double flops =
-      static_cast<double>(products.count()) * product_flops(n) / (cpu_seconds() - start);
+  const double flops = static_cast<double>(products) * product_flops(n) / (cpu_seconds() - start);
   state.counters["gflops"] = 1e-9 * flops;
-  state.counters["share_of_peak"] = flops / peak;
-  state.counters["error_in_roundoffs"] = product_error(A, B, C);
+  state.counters["share_of_peak"] = flops / std::max(peak_before, measured_peak_flops());
+}
+
+void product(benchmark::State& state, ProductBackend backend, Index n) {
+  const Factors given(n);
+  Matrix C(n, n);
+  Products products(backend, n);
+  time_products(state, n, [&] {
+    products.multiply(given.W, given.B, C);
+    benchmark::DoNotOptimize(C.data());
+  });
+  state.counters["error_in_roundoffs"] = product_error(given.W, given.B, C);
+}
+
+void planar_product(benchmark::State& state, const PlanarKernel& kernel, Index n) {
+  const Factors given(n);
+  const PlanarMatrix W(given.W), B(given.B);
+  PlanarMatrix C(n);
+  PlanarProducts products(n, kernel);
+  time_products(state, n, [&] {
+    products.multiply(W, B, C);
+    benchmark::DoNotOptimize(C.re());
+  });
+  state.counters["error_in_roundoffs"] = product_error(given.W, given.B, C.interleaved());
+}
+
+// B (W B), which is skew-Hermitian: its upper triangle and the mirror of that.
+void planar_triangle(benchmark::State& state, const PlanarKernel& kernel, Index n) {
+  const Factors given(n);
+  const PlanarMatrix W(given.W), B(given.B);
+  PlanarMatrix WB(n), C(n);
+  PlanarProducts products(n, kernel);
+  products.multiply(W, B, WB);
+  time_products(state, n, [&] {
+    products.multiply_skew(B, WB, C);
+    benchmark::DoNotOptimize(C.re());
+  });
+  state.counters["error_in_roundoffs"] = product_error(given.B, WB.interleaved(), C.interleaved());
+}
+
+void planar_poisson(benchmark::State& state, Index n) {
+  const Laplacian laplacian(n);
+  const PlanarLaplacian planar(laplacian);
+  const Matrix given = smooth_scene(n).initial;
+  const PlanarMatrix W(given);
+  PlanarMatrix P(n);
+  for ([[maybe_unused]] auto _ : state) {
+    planar.solve_skew_hermitian(W, 1.0, P);
+    benchmark::DoNotOptimize(P.re());
+  }
+  Matrix back(n, n);
+  laplacian.apply(P.interleaved(), back);
+  state.counters["residual"] = (back - given).norm() / given.norm();
 }
 
 void poisson(benchmark::State& state, Index n) {
@@ -77,20 +141,34 @@ int main_program(int argc, char** argv) {
     for (const ProductBackend backend : product_backends()) {
       names.push_back(product_name(backend, n));
     }
+    for (const PlanarKernel& kernel : planar_kernels()) {
+      names.push_back(planar_name("product", kernel, n));
+      names.push_back(planar_name("triangle", kernel, n));
+    }
     names.push_back(poisson_name(n));
+    names.push_back(planar_poisson_name(n));
   }
   const BenchmarkArguments arguments(line.others(), names);
 
-  const double peak = measured_peak_flops();
   std::vector<BackendRates> rates;
   benchmark::RegisterBenchmark("kernels/peak", peak_rate)->Unit(benchmark::kMillisecond);
   for (const Index n : sizes) {
     rates.push_back(choose_backend(std::nullopt, n));
     for (const ProductBackend backend : product_backends()) {
-      benchmark::RegisterBenchmark(product_name(backend, n).c_str(), product, backend, n, peak)
+      benchmark::RegisterBenchmark(product_name(backend, n).c_str(), product, backend, n)
+          ->Unit(benchmark::kMicrosecond);
+    }
+    for (const PlanarKernel& kernel : planar_kernels()) {
+      benchmark::RegisterBenchmark(planar_name("product", kernel, n).c_str(), planar_product,
+                                   kernel, n)
+          ->Unit(benchmark::kMicrosecond);
+      benchmark::RegisterBenchmark(planar_name("triangle", kernel, n).c_str(), planar_triangle,
+                                   kernel, n)
           ->Unit(benchmark::kMicrosecond);
     }
     benchmark::RegisterBenchmark(poisson_name(n).c_str(), poisson, n)
+        ->Unit(benchmark::kMicrosecond);
+    benchmark::RegisterBenchmark(planar_poisson_name(n).c_str(), planar_poisson, n)
         ->Unit(benchmark::kMicrosecond);
   }
   return run_benchmarks(argv[0], arguments, machine_conditions("kernels", std::nullopt, rates));

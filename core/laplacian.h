@@ -32,11 +32,22 @@ class Laplacian {
   /// Allocates nothing.  P is not W.
   void solve_skew_hermitian(const Matrix& W, double scale, Matrix& P) const;
 
+  /// The factors of -Δ = L D Lᵀ on diagonal m, row i: l_i of y_i = f_i - l_i y_{i-1}, and 1 / d_i,
+  /// which is 0 for the last row of diagonal 0, whose unknown is pinned to 0.
+  double lower(Index i, Index m) const { return lower_[place(i, m)]; }
+  double reciprocal_pivot(Index i, Index m) const { return reciprocal_pivot_[place(i, m)]; }
+  /// What solving diagonal 0 gives for I, its last entry 0.
+  const RealVector& identity_solution() const { return identity_solution_; }
+
   /// Diagonal m of -Δ as a tridiagonal matrix: n-m and n-m-1 entries.
   static RealVector diagonal(Index n, Index m);
   static RealVector off_diagonal(Index n, Index m);
 
  private:
+  std::size_t place(Index i, Index m) const {
+    return static_cast<std::size_t>(row_start_[static_cast<std::size_t>(i)] + 2 * m);
+  }
+
   Index n_;
   // Row i holds, for m = 0..n-1-i, the factor l of row i (forward: y_i = f_i - l_i y_{i-1}) and the
   // reciprocal pivot, each twice, once for the real and once for the imaginary part, so that a row
@@ -44,7 +55,7 @@ class Laplacian {
   std::vector<double> lower_;
   std::vector<double> reciprocal_pivot_;
   std::vector<Index> row_start_;
-  RealVector identity_solution_;  // what solving diagonal 0 gives for I, last entry 0
+  RealVector identity_solution_;
 };
 
 }  // namespace isosyrk

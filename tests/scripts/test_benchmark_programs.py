@@ -233,14 +233,23 @@ class Kernels(MeasuredTest):
         self.assertEqual(len(rows), 1, name)
         return rows[0]
 
+    def planar_units(self):
+        names = [row["run_name"].split("/") for row in self.rows]
+        return [name[2][len("planar_"):] for name in names if name[1] == "product" and name[2].startswith("planar_")]
+
     def products(self):
-        return [self.named(f"kernels/product/{backend}/n:17") for backend in BACKENDS]
+        return [row for row in self.rows if row["run_name"].startswith("kernels/product/")]
 
     def test_a_complete_run_ends_with_0(self):
         self.assertEqual(self.done.returncode, DONE, self.done.stderr)
 
     def test_peak_products_and_poisson_solve_have_one_row_each(self):
-        expected = ["kernels/peak", "kernels/poisson/n:17", *(f"kernels/product/{each}/n:17" for each in BACKENDS)]
+        units = self.planar_units()
+        self.assertEqual(units[-1], "portable")  # runs everywhere; others by what the processor has
+        self.assertLessEqual(set(units), {"avx512", "avx2", "portable"})
+        expected = ["kernels/peak", "kernels/poisson/n:17", "kernels/poisson/planar/n:17",
+                    *(f"kernels/product/{each}/n:17" for each in BACKENDS),
+                    *(f"kernels/{part}/planar_{unit}/n:17" for part in ("product", "triangle") for unit in units)]
         self.assertEqual(sorted(row["run_name"] for row in self.rows), sorted(expected))
 
     def test_every_size_has_its_rows(self):

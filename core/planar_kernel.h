@@ -1,0 +1,47 @@
+// The inner loops of products of planar matrices, once for each vector unit.
+//
+// No header with functions in it is included here, and what is here is evaluated by the compiler:
+// the files that include this one are compiled for different units, and the linker takes any of the
+// copies of an inline function.
+#pragma once
+
+#include <cstddef>
+
+namespace isosyrk {
+
+/// Up to here B is read where it stands, for larger n from a copy (measured).
+inline constexpr std::ptrdiff_t planar_largest_in_place = 72;
+
+/// C = scale A B, or scale A† B, all n x n, as planes whose rows are `stride` doubles apart, a
+/// multiple of 8 that is at least n; what fills the rows up is 0 and stays so.
+struct PlanarProduct {
+  std::ptrdiff_t n;
+  std::ptrdiff_t stride;
+  const double* A_re;
+  const double* A_im;
+  bool adjoint;
+  const double* B_re;
+  const double* B_im;
+  double scale;
+  double* C_re;
+  double* C_im;
+  bool upper;  ///< only what lies on and above the diagonal is wanted; below it anything may be
+  double* scratch;  ///< planar_scratch(n, stride) doubles
+};
+
+/// Doubles of workspace that a product takes: two columns, the copy of B, and rows of A.
+constexpr std::ptrdiff_t planar_scratch(std::ptrdiff_t n, std::ptrdiff_t stride) {
+  return 2 * stride + (n > planar_largest_in_place ? 2 * n * stride + 12 * n : 0);
+}
+
+/// The kernels of one vector unit.
+struct PlanarKernel {
+  const char* name;  ///< "avx512", "avx2", "portable"
+  void (*multiply)(const PlanarProduct&);
+};
+
+PlanarKernel planar_kernel_avx512();
+PlanarKernel planar_kernel_avx2();
+PlanarKernel planar_kernel_portable();
+
+}  // namespace isosyrk

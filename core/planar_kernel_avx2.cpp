@@ -1,0 +1,17 @@
+#include "core/planar_kernel.h"
+
+namespace isosyrk {
+namespace {
+constexpr int width = 4;
+constexpr int tile_rows = 6;
+constexpr int tile_vectors = 1;
+}  // namespace
+}  // namespace isosyrk
+
+#include "core/planar_kernel_tiles.h"
+
+namespace isosyrk {
+
+PlanarKernel planar_kernel_avx2() { return {"avx2", multiply_planar}; }
+
+}  // namespace isosyrk

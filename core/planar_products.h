@@ -1,0 +1,50 @@
+// Products of planar matrices, counted: the planar half of the one place that multiplies.
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "core/planar_kernel.h"
+#include "core/planar_matrix.h"
+
+namespace isosyrk {
+
+/// The kernels that this program was built with and this processor can run, the fastest first.
+const std::vector<PlanarKernel>& planar_kernels();
+
+/// Products of n x n planar matrices with one vector unit.  Workspace is allocated once, here; no
+/// product allocates.  Not for use by two threads at a time.
+class PlanarProducts {
+ public:
+  /// With the kernel given, or the fastest that runs here.  Throws std::invalid_argument for n < 1.
+  explicit PlanarProducts(Index n);
+  PlanarProducts(Index n, const PlanarKernel& kernel);
+
+  /// C = scale A B.  All three n x n; C may be neither A nor B (std::invalid_argument).
+  void multiply(const PlanarMatrix& A, const PlanarMatrix& B, PlanarMatrix& C, double scale = 1.0);
+  /// C = A† B.
+  void multiply_adjoint_left(const PlanarMatrix& A, const PlanarMatrix& B, PlanarMatrix& C);
+  /// C = scale A B, or A† B, for which it is known that C† = -C: from its upper triangle, so that
+  /// it is skew-Hermitian exactly, for little more than half the work.
+  void multiply_skew(const PlanarMatrix& A, const PlanarMatrix& B, PlanarMatrix& C,
+                     double scale = 1.0);
+  void multiply_adjoint_left_skew(const PlanarMatrix& A, const PlanarMatrix& B, PlanarMatrix& C);
+
+  /// Products since construction; a triangle is one.
+  long count() const { return full_ + triangles_; }
+  long triangles() const { return triangles_; }
+  Index size() const { return n_; }
+  std::string_view unit() const { return kernel_.name; }
+
+ private:
+  void form(const PlanarMatrix& A, bool adjoint, const PlanarMatrix& B, PlanarMatrix& C,
+            double scale, bool upper);
+
+  Index n_;
+  PlanarKernel kernel_;
+  RealVector scratch_;
+  long full_ = 0;
+  long triangles_ = 0;
+};
+
+}  // namespace isosyrk

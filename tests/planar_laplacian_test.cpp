@@ -1,0 +1,44 @@
+// The inverse Laplacian on planar matrices against the plain one.
+#include "core/planar_laplacian.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support.h"
+
+namespace isosyrk::testing {
+namespace {
+
+TEST(PlanarLaplacian, SolvesAsThePlainOne) {
+  for (Index n = 2; n <= 80; ++n) {
+    const Laplacian laplacian(n);
+    const PlanarLaplacian planar(laplacian);
+    const Matrix W = random_skew_hermitian(n, static_cast<unsigned>(n));  // its trace is not 0
+    Matrix expected(n, n);
+    laplacian.solve_skew_hermitian(W, 1.7, expected);
+    PlanarMatrix P(n);
+    planar.solve_skew_hermitian(PlanarMatrix(W), 1.7, P);
+    const Matrix found = P.interleaved();
+    EXPECT_LE(largest_difference(found, expected), 1e-14 * expected.norm()) << n;
+    EXPECT_EQ((found + found.adjoint()).norm(), 0.0) << n;
+    EXPECT_LE(std::abs(found.trace()), 1e-14 * expected.norm()) << n;
+  }
+}
+
+TEST(PlanarLaplacian, ReadsTheUpperTriangleOnly) {
+  constexpr Index n = 17;
+  const PlanarLaplacian planar{Laplacian(n)};
+  Matrix W = random_skew_hermitian(n, 1);
+  PlanarMatrix expected(n), found(n);
+  planar.solve_skew_hermitian(PlanarMatrix(W), 1.0, expected);
+  for (Index r = 0; r < n; ++r) {
+    for (Index c = 0; c < r; ++c) W(r, c) = std::nan("");
+  }
+  planar.solve_skew_hermitian(PlanarMatrix(W), 1.0, found);
+  EXPECT_EQ(found.interleaved(), expected.interleaved());
+  W(0, 1) = std::nan("");
+  planar.solve_skew_hermitian(PlanarMatrix(W), 1.0, found);
+  EXPECT_FALSE(found.interleaved().allFinite());
+}
+
+}  // namespace
+}  // namespace isosyrk::testing

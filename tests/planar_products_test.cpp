@@ -1,0 +1,157 @@
+// The planar kernels against the plain loop, for every vector unit that runs here.
+#include "core/planar_products.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "tests/support.h"
+
+namespace isosyrk::testing {
+namespace {
+
+constexpr double unit_roundoff = 0x1p-53;
+
+// As the definition reads, in extended precision.
+Matrix exact_product(const Matrix& A, const Matrix& B) {
+  const Index n = A.rows();
+  Matrix C(n, n);
+  for (Index i = 0; i < n; ++i) {
+    for (Index j = 0; j < n; ++j) {
+      std::complex<long double> sum = 0.0L;
+      for (Index k = 0; k < n; ++k) {
+        sum += std::complex<long double>(A(i, k)) * std::complex<long double>(B(k, j));
+      }
+      C(i, j) = Complex(static_cast<double>(sum.real()), static_cast<double>(sum.imag()));
+    }
+  }
+  return C;
+}
+
+bool fill_is_zero(const PlanarMatrix& X) {
+  for (Index r = 0; r < X.size(); ++r) {
+    for (Index c = X.size(); c < X.stride(); ++c) {
+      if (X.re()[r * X.stride() + c] != 0.0 || X.im()[r * X.stride() + c] != 0.0) return false;
+    }
+  }
+  return true;
+}
+
+// Every rest of rows and columns, and sizes on both sides of where B is copied.
+std::vector<Index> tested_sizes() {
+  std::vector<Index> sizes = {47, 63, 64, 65, 71, 72, 73, 80, 97, 101, 128, 129, 140};
+  for (Index n = 1; n <= 36; ++n) sizes.push_back(n);
+  return sizes;
+}
+
+class EachUnit : public ::testing::TestWithParam<PlanarKernel> {};
+
+TEST_P(EachUnit, ProductsAreRightToRoundingForEverySize) {
+  for (const Index n : tested_sizes()) {
+    PlanarProducts products(n, GetParam());
+    const auto seed = static_cast<unsigned>(n);
+    const Matrix A = random_matrix(n, seed);
+    const Matrix B = random_matrix(n, seed + 1000);
+    const double bound = 4.0 * static_cast<double>(n) * unit_roundoff * A.norm() * B.norm();
+    PlanarMatrix C(n);
+    products.multiply(PlanarMatrix(A), PlanarMatrix(B), C, -0.3);
+    EXPECT_LE((C.interleaved() + 0.3 * exact_product(A, B)).norm(), bound) << n;
+    EXPECT_TRUE(fill_is_zero(C)) << n;
+    products.multiply_adjoint_left(PlanarMatrix(A), PlanarMatrix(B), C);
+    EXPECT_LE((C.interleaved() - exact_product(A.adjoint(), B)).norm(), bound) << n;
+    EXPECT_TRUE(fill_is_zero(C)) << n;
+    EXPECT_EQ(products.count(), 2);
+  }
+}
+
+TEST_P(EachUnit, SkewHermitianProductsAreRightAndExactlySkew) {
+  for (const Index n : tested_sizes()) {
+    PlanarProducts products(n, GetParam());
+    const auto seed = static_cast<unsigned>(n);
+    const Matrix Q = random_matrix(n, seed);
+    const Matrix W = random_skew_hermitian(n, seed);
+    const Matrix WQ = exact_product(W, Q);
+    const double bound = 4.0 * static_cast<double>(n) * unit_roundoff * Q.norm() * WQ.norm();
+    PlanarMatrix C(n);
+    products.multiply_adjoint_left_skew(PlanarMatrix(Q), PlanarMatrix(WQ), C);
+    const Matrix found = C.interleaved();
+    EXPECT_LE((found - exact_product(Q.adjoint(), WQ)).norm(), bound) << n;
+    EXPECT_EQ((found + found.adjoint()).norm(), 0.0) << n;
+    EXPECT_TRUE(fill_is_zero(C)) << n;
+    products.multiply_skew(PlanarMatrix(Q.adjoint()), PlanarMatrix(WQ), C, 2.0);
+    EXPECT_LE((C.interleaved() - 2.0 * found).norm(), 4.0 * bound) << n;
+    EXPECT_EQ(products.triangles(), 2);
+  }
+}
+
+TEST_P(EachUnit, WhatIsNotFinitePassesAsInThePlainLoop) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const Index n : {5, 17, 20, 33, 75}) {
+    for (const double bad : {infinity, -infinity, std::nan("")}) {
+      for (const Index at : {Index{0}, n / 2, n - 1}) {
+        PlanarProducts products(n, GetParam());
+        Matrix A = random_matrix(n, 1);
+        Matrix B = random_matrix(n, 2);
+        A(at, n - 1) = {bad, 0.0};
+        B(0, at) = {0.0, bad};
+        PlanarMatrix C(n);
+        products.multiply(PlanarMatrix(A), PlanarMatrix(B), C);
+        const Matrix found = C.interleaved();
+        for (Index i = 0; i < n; ++i) {
+          for (Index j = 0; j < n; ++j) {
+            const bool touched = i == at || j == at;
+            EXPECT_EQ(std::isfinite(found(i, j).real()) && std::isfinite(found(i, j).imag()),
+                      !touched)
+                << n << " " << i << " " << j;
+          }
+        }
+        EXPECT_TRUE(fill_is_zero(C));
+        products.multiply(PlanarMatrix(B), PlanarMatrix(random_matrix(n, 3)), C);
+        products.multiply(PlanarMatrix(random_matrix(n, 4)), PlanarMatrix(random_matrix(n, 3)), C);
+        EXPECT_TRUE(C.entries().allFinite()) << "nothing of an earlier product stays";
+      }
+    }
+  }
+}
+
+TEST_P(EachUnit, DenormalsAreNotLost) {
+  constexpr Index n = 17;
+  PlanarProducts products(n, GetParam());
+  const Matrix A = 1e-160 * random_matrix(n, 1);
+  const Matrix B = 1e-160 * random_matrix(n, 2);
+  PlanarMatrix C(n);
+  products.multiply(PlanarMatrix(A), PlanarMatrix(B), C);
+  const Matrix found = C.interleaved();
+  const Matrix wanted = exact_product(A, B);
+  EXPECT_GT(found.cwiseAbs().maxCoeff(), 0.0);
+  EXPECT_LE((found - wanted).cwiseAbs().maxCoeff(), 100.0 * 0x1p-1074);
+}
+
+INSTANTIATE_TEST_SUITE_P(Planar, EachUnit, ::testing::ValuesIn(planar_kernels()),
+                         [](const auto& tested) { return std::string(tested.param.name); });
+
+TEST(PlanarProducts, RefuseAliasesAndOtherSizes) {
+  PlanarProducts products(5);
+  PlanarMatrix A(5);
+  PlanarMatrix B(5);
+  PlanarMatrix other(6);
+  EXPECT_THROW(products.multiply(A, B, A), std::invalid_argument);
+  EXPECT_THROW(products.multiply(A, B, B), std::invalid_argument);
+  EXPECT_THROW(products.multiply(A, B, other), std::invalid_argument);
+  EXPECT_THROW(products.multiply(other, B, A), std::invalid_argument);
+  EXPECT_THROW(PlanarProducts(0), std::invalid_argument);
+  EXPECT_EQ(products.count(), 0);
+}
+
+TEST(PlanarStride, IsWholeVectorsAndNoMultipleOfAPage) {
+  for (Index n = 1; n <= 2000; ++n) {
+    EXPECT_GE(planar_stride(n), n + 3);
+    EXPECT_EQ(planar_stride(n) % 8, 0);
+    EXPECT_NE(planar_stride(n) % 512, 0);
+  }
+}
+
+}  // namespace
+}  // namespace isosyrk::testing
