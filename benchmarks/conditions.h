@@ -23,6 +23,9 @@ Conditions machine_conditions(const std::string& program, BackendChoice choice,
 Conditions solver_conditions(const SolverOptions& options, HbarConvention convention,
                              const std::vector<Mode>& modes);
 
+/// Gives a condition another value, or adds it.
+void set(Conditions& conditions, const std::string& name, const std::string& value);
+
 /// Why the timings may not be what this machine can do (kernels below its vector units, an
 /// inherited OPENBLAS_CORETYPE, an unoptimised build), or empty.
 std::string notice();

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "benchmarks/command_line.h"
+#include "core/fast_forms.h"
 
 namespace isosyrk {
 namespace {
@@ -14,6 +15,7 @@ struct Text {
   std::string max_sweeps = "1000";
   std::string hbar = "paper";
   std::string products = "fastest";
+  std::string solver = "published";
   std::string scene = "smooth";
   std::string modes;
   std::string output;
@@ -22,16 +24,30 @@ struct Text {
 
 // Which of the options that have no default were given.
 struct Given {
-  bool formulation, stages, integrator, scene, modes, output;
+  bool formulation, stages, integrator, products, scene, modes, output;
 };
 
-// --integrator, or --formulation and --stages.
+// --integrator, or --formulation and --stages, and --solver.
 void choose_integrator(const Text& text, const Given& given, IntegrateRequest& request) {
   if (given.integrator && (given.formulation || given.stages)) {
     throw BadArgument(
         fmt::format("--integrator {}: must stand alone, in place of --formulation and --stages",
                     text.integrator));
   }
+  if (text.solver != "published" && text.solver != "fast") {
+    throw BadArgument(fmt::format("--solver '{}': must be published or fast", text.solver));
+  }
+  const bool fast = text.solver == "fast";
+  if (fast && given.integrator) {
+    throw BadArgument(
+        fmt::format("--solver fast: must go with --formulation and --stages, not --integrator {}",
+                    text.integrator));
+  }
+  if (fast && given.products) {
+    throw BadArgument(fmt::format(
+        "--solver fast: has products of its own; must stand without --products {}", text.products));
+  }
+  request.method = text.solver;
   try {
     if (given.integrator) {
       request.integrator = integrator_entry(text.integrator);
@@ -41,7 +57,8 @@ void choose_integrator(const Text& text, const Given& given, IntegrateRequest& r
     if (!given.formulation) throw BadArgument("--formulation is required, or --integrator");
     const int stages = static_cast<int>(whole_number("--stages", text.stages, 1, max_stages));
     request.formulation = formulation_from_name(text.formulation);
-    request.integrator = gauss_entry(*request.formulation, stages);
+    request.integrator = fast ? fast_gauss_entry(*request.formulation, stages)
+                              : gauss_entry(*request.formulation, stages);
   } catch (const std::invalid_argument& error) {
     throw BadArgument(fmt::format("--{}", error.what()));
   }
@@ -115,6 +132,8 @@ std::variant<IntegrateRequest, int> read_integrate_arguments(int argc, char** ar
   line.option("--max-sweeps", text.max_sweeps, "sweeps allowed in a step (default 1000)");
   line.option("--hbar", text.hbar, "paper: 2/sqrt(n(n-1)) (default); standard: 2/sqrt(n^2-1)");
   line.option("--products", text.products, "fastest (default), openblas or eigen");
+  line.option("--solver", text.solver,
+              "published (default), or fast: the same answer to the tolerance, sooner");
   line.option("--scene", text.scene, "smooth (default) or rough");
   line.option("--modes", text.modes, "initial modes, CSV with the header l,m,re,im");
   line.option("--output", text.output, "write W(T) as NumPy .npy, complex128");
@@ -123,6 +142,7 @@ std::variant<IntegrateRequest, int> read_integrate_arguments(int argc, char** ar
   return parse(text, {.formulation = line.given("--formulation"),
                       .stages = line.given("--stages"),
                       .integrator = line.given("--integrator"),
+                      .products = line.given("--products"),
                       .scene = line.given("--scene"),
                       .modes = line.given("--modes"),
                       .output = line.given("--output")});

@@ -15,6 +15,7 @@ struct IntegrateRequest {
   Index n;
   IntegratorEntry integrator;
   std::optional<Formulation> formulation;  ///< where it was chosen by this
+  std::string method;                      ///< "published" or "fast": how it is solved
   double step;
   double time;
   long steps;
@@ -27,8 +28,8 @@ struct IntegrateRequest {
   bool json;
 };
 
-/// Reads the command line; an exit code if that was all, as for --help.  Throws CLI11's errors, and
-/// BadArgument for a value that is not allowed.
+/// Reads the command line; an exit code if that was all, as for --help.  Throws BadArgument for
+/// what is not allowed.
 std::variant<IntegrateRequest, int> read_integrate_arguments(int argc, char** argv);
 
 }  // namespace isosyrk

@@ -6,6 +6,8 @@
 #include <ctime>
 #include <random>
 
+#include "core/planar_products.h"
+
 namespace isosyrk {
 
 double cpu_seconds() {
@@ -23,33 +25,48 @@ Matrix random_matrix(Index n, std::mt19937_64& generator) {
   return X;
 }
 
-}  // namespace
-
-double product_rate(ProductBackend backend, Index n, double seconds) {
+// Calls of `multiply`, one product, in a second.
+template <class Multiply>
+double rate(Index n, double seconds, Multiply&& multiply) {
   constexpr int blocks = 9;
-  std::mt19937_64 generator(1);
-  const Matrix A = random_matrix(n, generator);
-  const Matrix B = random_matrix(n, generator);
-  Matrix C(n, n);
-  Products products(backend, n);
-  products.multiply(A, B, C);  // touches all memory
-
+  multiply();  // touches all memory
   const double least = seconds / blocks;
   std::vector<double> rates;
   for (int block = 0; block < blocks; ++block) {
     // Read the clock once in about 20 microseconds, so that it does not weigh at small n.
     const long batch = std::max(1L, static_cast<long>(1e6 / product_flops(n)));
     const double start = cpu_seconds();
-    const long before = products.count();
+    long products = 0;
     double elapsed = 0.0;
     do {
-      for (long k = 0; k < batch; ++k) products.multiply(A, B, C);
+      for (long k = 0; k < batch; ++k) multiply();
+      products += batch;
       elapsed = cpu_seconds() - start;
     } while (elapsed < least);
-    rates.push_back(static_cast<double>(products.count() - before) / elapsed);
+    rates.push_back(static_cast<double>(products) / elapsed);
   }
   std::nth_element(rates.begin(), rates.begin() + blocks / 2, rates.end());
   return rates[blocks / 2];
+}
+
+}  // namespace
+
+double product_rate(ProductBackend backend, Index n, double seconds) {
+  std::mt19937_64 generator(1);
+  const Matrix A = random_matrix(n, generator);
+  const Matrix B = random_matrix(n, generator);
+  Matrix C(n, n);
+  Products products(backend, n);
+  return rate(n, seconds, [&] { products.multiply(A, B, C); });
+}
+
+double planar_product_rate(Index n, double seconds) {
+  std::mt19937_64 generator(1);
+  const PlanarMatrix A(random_matrix(n, generator));
+  const PlanarMatrix B(random_matrix(n, generator));
+  PlanarMatrix C(n);
+  PlanarProducts products(n);
+  return rate(n, seconds, [&] { products.multiply(A, B, C); });
 }
 
 BackendRates choose_backend(BackendChoice choice, Index n) {

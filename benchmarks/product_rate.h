@@ -18,6 +18,9 @@ double cpu_seconds();
 /// `seconds` together, of one product repeated, its matrices as near the core as they fit.
 double product_rate(ProductBackend backend, Index n, double seconds);
 
+/// The same of planar products, with the kernel of planar_products.h that runs here.
+double planar_product_rate(Index n, double seconds);
+
 /// Rates of every backend at one n, measured in turn, and the one chosen.
 struct BackendRates {
   Index n = 0;                ///< size measured at

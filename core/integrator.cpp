@@ -20,6 +20,7 @@ StepReport Integrator::step(Matrix& W, double h) {
 
   const long products_before = products();
   const long solves_before = poisson_solves_;
+  const double equivalents_before = equivalents();
   SolveReport solve = advance(W, h, next_);
   // Stages can converge and the update still overflow.
   if (solve.status == Status::converged && !next_.allFinite()) solve.status = Status::diverged;
@@ -29,7 +30,8 @@ StepReport Integrator::step(Matrix& W, double h) {
           .last_change = solve.change,
           .contraction = solve.contraction,
           .products = products() - products_before,
-          .poisson_solves = poisson_solves_ - solves_before};
+          .poisson_solves = poisson_solves_ - solves_before,
+          .equivalent_products = equivalents() - equivalents_before};
 }
 
 }  // namespace isosyrk

@@ -17,6 +17,8 @@ struct StepReport {
   double contraction = 0.0;  ///< of the iteration, as in SolveReport; 0 for explicit methods
   long products = 0;         ///< n x n complex matrix products
   long poisson_solves = 0;   ///< evaluations of the generator B
+  /// What the products come to in full ones: of a triangle, half is formed.
+  double equivalent_products = 0.0;
 };
 
 /// A one-step method W₀ -> W₁ with its workspace.  The flow must outlive it.
@@ -48,6 +50,7 @@ class Integrator {
   /// Counts the work of a step of another integrator that this one is made of.
   void add_work(const StepReport& inner) {
     inner_products_ += inner.products;
+    inner_equivalents_ += inner.equivalent_products;
     poisson_solves_ += inner.poisson_solves;
   }
 
@@ -57,7 +60,10 @@ class Integrator {
  private:
   long products() const { return products_.count() + inner_products_; }
 
+  double equivalents() const { return static_cast<double>(products_.count()) + inner_equivalents_; }
+
   long inner_products_ = 0;
+  double inner_equivalents_ = 0.0;
   long poisson_solves_ = 0;
   Matrix next_;
 };

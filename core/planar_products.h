@@ -33,6 +33,10 @@ class PlanarProducts {
   /// Products since construction; a triangle is one.
   long count() const { return full_ + triangles_; }
   long triangles() const { return triangles_; }
+  /// The same in full products: of a triangle, half is formed.
+  double equivalents() const {
+    return static_cast<double>(full_) + 0.5 * static_cast<double>(triangles_);
+  }
   Index size() const { return n_; }
   std::string_view unit() const { return kernel_.name; }
 

@@ -14,6 +14,7 @@ RunReport run(Integrator& integrator, Matrix& W, double h, long steps,
     total.sweeps += step.sweeps;
     total.products += step.products;
     total.poisson_solves += step.poisson_solves;
+    total.equivalent_products += step.equivalent_products;
     total.last_change = step.last_change;
     total.contraction = larger(total.contraction, step.contraction);
     if (step.status != Status::converged) {

@@ -17,6 +17,7 @@ struct RunReport {
   long sweeps = 0;
   long products = 0;
   long poisson_solves = 0;
+  double equivalent_products = 0.0;  ///< as in StepReport
 
   bool converged() const { return status == Status::converged; }
   double sweeps_per_step() const {

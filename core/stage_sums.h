@@ -3,12 +3,15 @@
 // The sums over stages cost O(s² n²) beside the products' O(s n³), and at the sizes of interest
 // they are what keeps a sweep from running at the products' speed.  So each matrix is read once:
 // all coefficients are real, a matrix is seen as its 2n² real numbers, and everything that is
-// wanted of a few of these is done while they are in registers.
+// wanted of a few of these is done while they are in registers.  `AnyMatrix` is Matrix or
+// PlanarMatrix, whose real numbers include what fills up its rows, 0 throughout.
 #pragma once
 
+#include <type_traits>
 #include <vector>
 
 #include "core/matrix.h"
+#include "core/planar_matrix.h"
 #include "core/tableau.h"
 
 namespace isosyrk {
@@ -22,6 +25,9 @@ inline ConstReals reals(const Matrix& X) {
   return {reinterpret_cast<const double*>(X.data()), 2 * X.size()};
 }
 
+inline Reals reals(PlanarMatrix& X) { return {X.entries().data(), X.entries().size()}; }
+inline ConstReals reals(const PlanarMatrix& X) { return {X.entries().data(), X.entries().size()}; }
+
 /// s matrices of size n x n, zero.
 inline std::vector<Matrix> stage_matrices(Index s, Index n) {
   return std::vector<Matrix>(static_cast<std::size_t>(s), Matrix::Zero(n, n));
@@ -31,8 +37,8 @@ namespace stage_sums {
 
 /// Calls set(sum) with the sum of the first terms weights(j) Y_j, up to three, as an expression to
 /// be evaluated in one pass; the rest is added to out one term at a time.
-template <class Weights, class Set>
-void combine(const Weights& weights, const std::vector<Matrix>& Y, Matrix& out, Set&& set) {
+template <class Weights, class AnyMatrix, class Set>
+void combine(const Weights& weights, const std::vector<AnyMatrix>& Y, AnyMatrix& out, Set&& set) {
   switch (Y.size()) {
     case 1:
       set(weights(0) * reals(Y[0]));
@@ -53,20 +59,21 @@ void combine(const Weights& weights, const std::vector<Matrix>& Y, Matrix& out, 
 
 /// out = Σ_j weights(j) Y_j, at least one term.  `weights` is any vector expression of doubles; out
 /// is none of the Y_j.
-template <class Weights>
-void combine(const Weights& weights, const std::vector<Matrix>& Y, Matrix& out) {
+template <class Weights, class AnyMatrix>
+void combine(const Weights& weights, const std::vector<AnyMatrix>& Y, AnyMatrix& out) {
   stage_sums::combine(weights, Y, out, [&](const auto& sum) { reals(out) = sum; });
 }
 
 /// out = base + Σ_j weights(j) Y_j, likewise; out is not base either.
-template <class Weights>
-void combine(const Matrix& base, const Weights& weights, const std::vector<Matrix>& Y,
-             Matrix& out) {
+template <class Weights, class AnyMatrix>
+void combine(const AnyMatrix& base, const Weights& weights, const std::vector<AnyMatrix>& Y,
+             AnyMatrix& out) {
   stage_sums::combine(weights, Y, out, [&](const auto& sum) { reals(out) = reals(base) + sum; });
 }
 
 /// Σ |fresh - old|² over two matrices.
-inline double squared_change(const Matrix& fresh, const Matrix& old) {
+template <class AnyMatrix>
+double squared_change(const AnyMatrix& fresh, const AnyMatrix& old) {
   return (reals(fresh) - reals(old)).square().sum();
 }
 
@@ -83,20 +90,20 @@ namespace stage_sums {
 template <int Length>
 using Piece = Eigen::Array<double, Length, 1>;
 
-template <int Length>
-Piece<Length> load(const Matrix& X, Index at) {
-  return Eigen::Map<const Piece<Length>>(reinterpret_cast<const double*>(X.data()) + at);
+template <int Length, class AnyMatrix>
+Piece<Length> load(const AnyMatrix& X, Index at) {
+  return Eigen::Map<const Piece<Length>>(reals(X).data() + at);
 }
 
-template <int Length>
-void store(const Piece<Length>& values, Matrix& X, Index at) {
-  Eigen::Map<Piece<Length>>(reinterpret_cast<double*>(X.data()) + at) = values;
+template <int Length, class AnyMatrix>
+void store(const Piece<Length>& values, AnyMatrix& X, Index at) {
+  Eigen::Map<Piece<Length>>(reals(X).data() + at) = values;
 }
 
 /// update_unknowns on the real numbers from `at` on.
-template <int Length, class Coefficients>
-void update_piece(const Matrix& base, const Coefficients& c, const std::vector<Matrix>& Y,
-                  std::vector<Matrix>& X, Index at, Piece<Length>* squares) {
+template <int Length, class Coefficients, class AnyMatrix>
+void update_piece(const AnyMatrix& base, const Coefficients& c, const std::vector<AnyMatrix>& Y,
+                  std::vector<AnyMatrix>& X, Index at, Piece<Length>* squares) {
   const Index s = c.rows();
   Piece<Length> y[Coefficients::MaxRowsAtCompileTime];
   for (Index j = 0; j < s; ++j) y[j] = load<Length>(Y[static_cast<std::size_t>(j)], at);
@@ -104,22 +111,22 @@ void update_piece(const Matrix& base, const Coefficients& c, const std::vector<M
   for (Index i = 0; i < s; ++i) {
     Piece<Length> fresh = start;
     for (Index j = 0; j < s; ++j) fresh += c(i, j) * y[j];
-    Matrix& X_i = X[static_cast<std::size_t>(i)];
+    AnyMatrix& X_i = X[static_cast<std::size_t>(i)];
     squares[i] += (fresh - load<Length>(X_i, at)).square();
     store<Length>(fresh, X_i, at);
   }
 }
 
 /// update_unknowns for s = Size, which the compiler unrolls, or for any s (Eigen::Dynamic).
-template <int Size>
-void update_all(const Matrix& base, double h, const RealMatrix& a, const std::vector<Matrix>& Y,
-                std::vector<Matrix>& X, double* squares) {
+template <int Size, class AnyMatrix>
+void update_all(const AnyMatrix& base, double h, const RealMatrix& a,
+                const std::vector<AnyMatrix>& Y, std::vector<AnyMatrix>& X, double* squares) {
   constexpr int most = Size == Eigen::Dynamic ? max_stages : Size;
   const Eigen::Matrix<double, Size, Size, Eigen::ColMajor, most, most> c = h * a;
   constexpr int length = 8;
   Piece<length> sums[most];
   for (Index i = 0; i < c.rows(); ++i) sums[i].setZero();
-  const Index end = 2 * base.size();
+  const Index end = reals(base).size();
   Index at = 0;
   for (; at + length <= end; at += length) update_piece<length>(base, c, Y, X, at, sums);
 
@@ -132,10 +139,29 @@ void update_all(const Matrix& base, double h, const RealMatrix& a, const std::ve
 
 }  // namespace stage_sums
 
+/// X = fresh, where fresh(load) gives eight neighbouring numbers of it from those that load(Y)
+/// takes of any matrix; returns Σ |change of X|².
+template <class Fresh>
+double replace(PlanarMatrix& X, Fresh&& fresh) {
+  constexpr int length = 8;  // rows are filled up to whole blocks of 8
+  stage_sums::Piece<length> sum = stage_sums::Piece<length>::Zero();
+  for (Index at = 0; at < reals(X).size(); at += length) {
+    // A view, which an expression may keep; a copy would be gone before it is evaluated.
+    const auto load = [at](const PlanarMatrix& Y) {
+      return Eigen::Map<const stage_sums::Piece<length>>(reals(Y).data() + at);
+    };
+    const stage_sums::Piece<length> value = fresh(load);
+    sum += (value - load(X)).square();
+    stage_sums::store<length>(value, X, at);
+  }
+  return sum.sum();
+}
+
 /// X_i = base + h Σ_j a_ij Y_j for i = 1..s, each Y_j read once; squares[i] = Σ |change of X_i|².
 /// a is s x s, s = Y.size() = X.size() <= max_stages.
-inline void update_unknowns(const Matrix& base, double h, const RealMatrix& a,
-                            const std::vector<Matrix>& Y, std::vector<Matrix>& X, double* squares) {
+template <class AnyMatrix>
+void update_unknowns(const std::type_identity_t<AnyMatrix>& base, double h, const RealMatrix& a,
+                     const std::vector<AnyMatrix>& Y, std::vector<AnyMatrix>& X, double* squares) {
   switch (Y.size()) {
     case 1:
       return stage_sums::update_all<1>(base, h, a, Y, X, squares);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "benchmarks/allocation_count.h"
+#include "core/fast_forms.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -28,6 +29,25 @@ TEST(Step, AllocatesNothingForAnyIntegratorBackendAndSize) {
         EXPECT_EQ(allocations_during([&] { report = integrator->step(W, 1e-4); }), 0)
             << entry.name << " n = " << n << " " << name(backend);
         EXPECT_GT(report.products, 0);
+      }
+    }
+  }
+}
+
+TEST(Step, AllocatesNothingInAFastFormColdOrWarm) {
+  for (const Index n : {5, 17, 66, 129}) {
+    const Scene scene = smooth_scene(n);
+    for (const Formulation formulation : formulations()) {
+      for (const int s : {1, 2, 3}) {
+        const auto integrator =
+            fast_gauss_entry(formulation, s).make(*scene.flow, {}, ProductBackend::openblas);
+        Matrix W = scene.initial;
+        StepReport report;
+        const auto steps = [&] {
+          for (const double h : {1e-3, 1e-3, 1e-3, 2e-3}) report = integrator->step(W, h);
+        };
+        EXPECT_EQ(allocations_during(steps), 0) << name(formulation) << s << " n = " << n;
+        EXPECT_EQ(report.status, Status::converged);
       }
     }
   }

@@ -19,7 +19,7 @@ import unittest
 from programs import (DONE, FORMULATIONS, ROOT, SANITIZED, SOLVER_FAILED, FolderTest, end, environment, program, run,
                       snapshot, start, strict_json)
 
-PROGRAMS = ("table1", "kernels")
+PROGRAMS = ("table1", "table2", "kernels")
 BACKENDS = ("openblas", "eigen")
 BRIEF = ("--benchmark_filter=n:17", "--benchmark_min_time=0.01")
 ONE_ROW = ("--benchmark_filter=table1/group/n:17/s:1", "--benchmark_min_time=0.01")
@@ -60,7 +60,7 @@ class Table1(MeasuredTest):
         self.assertEqual(self.done.returncode, DONE, self.done.stderr)
 
     def test_every_formulation_and_stage_count_has_one_row(self):
-        expected = [f"table1/{formulation}/n:17/s:{s}" for formulation in FORMULATIONS for s in (1, 2, 3)]
+        expected = [f"{self.program}/{formulation}/n:17/s:{s}" for formulation in FORMULATIONS for s in (1, 2, 3)]
         self.assertEqual(sorted(row["run_name"].split("/min_time")[0] for row in self.rows), sorted(expected))
 
     def test_every_row_has_every_counter_finite(self):
@@ -103,7 +103,7 @@ class Table1(MeasuredTest):
                 self.assertTrue(self.context[field] or field == "notice")
 
     def test_the_program_names_itself(self):
-        self.assertEqual((self.context["isosyrk_program"], self.context["isosyrk_format"]), ("table1", "1"))
+        self.assertEqual((self.context["isosyrk_program"], self.context["isosyrk_format"]), (self.program, "1"))
 
     def test_one_blas_thread_runs(self):
         self.assertEqual(self.context["blas_threads"], "1")
@@ -130,6 +130,33 @@ class Table1(MeasuredTest):
         self.assertEqual((rendered.returncode, rendered.stderr), (DONE, ""))
         self.assertIn("Table 1", rendered.stdout)
         self.assertNotIn("failed", rendered.stdout)
+
+
+class Table2(Table1):
+    program = "table2"
+
+    def test_the_renderer_reads_it(self):
+        refused = run([sys.executable, os.path.join(ROOT, "scripts", "render_table1"), self.path])
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("table1", refused.stderr)  # another table
+
+    def test_every_formulation_keeps_the_algebra_exactly(self):
+        for row in self.rows:
+            self.assertEqual(row["skew_defect"], 0.0, row["run_name"])
+
+    def test_products_are_told_in_full_ones_too(self):
+        for row in self.rows:
+            with self.subTest(row=row["run_name"]):
+                self.assertGreater(row["equivalent_products"], row["products"] / 2)
+                self.assertLess(row["equivalent_products"], row["products"])
+
+    def test_its_products_and_start_are_recorded(self):
+        self.assertIn("planar", self.context["products"])
+        self.assertIn("extrapolated", self.context["start"])
+
+    def test_products_of_a_library_cannot_be_asked_for(self):
+        done = run([program("table2"), "--products", "eigen"])
+        self.assertEqual((done.returncode, len(done.stderr.splitlines())), (2, 1))
 
 
 class Table1WithoutEnoughSweeps(MeasuredTest):

@@ -254,6 +254,49 @@ class NamedIntegrator(RefusalTest):
         self.assertEqual(snapshot(self.folder), before)
 
 
+class FastSolver(RefusalTest):
+    """--solver fast."""
+
+    def test_gives_the_published_answers_in_fewer_sweeps(self):
+        for formulation in FORMULATIONS:
+            for s in ("1", "2", "3"):
+                with self.subTest(formulation=formulation, s=s):
+                    plain, expected = self.result(WHOLE, formulation=formulation, stages=s)
+                    fast, W = self.result(WHOLE, formulation=formulation, stages=s, solver="fast")
+                    self.assertIsNone(disagreement(W, expected, TOLERANCE))
+                    self.assertLess(fast["sweeps_total"], plain["sweeps_total"])
+                    self.assertLess(fast["equivalent_products"], fast["products"])
+                    self.assertEqual((plain["solver"], fast["solver"]), ("published", "fast"))
+                    self.assertEqual(fast["skew_defect"], 0.0)
+
+    def test_published_is_the_default(self):
+        named, named_W = self.result(SHORT, solver="published")
+        default, default_W = self.result(SHORT)
+        self.assertEqual((named["solver"], default["solver"]), ("published", "published"))
+        self.assertEqual(named_W, default_W)
+
+    def test_another_solver_is_refused(self):
+        for solver in ("quick", "", "Fast"):
+            self.assert_refused_alone(command(SHORT, "--output", self.output, solver=solver), "--solver", "published",
+                                      "fast")
+
+    def test_goes_with_a_formulation_only(self):
+        line = command(SHORT, "--output", self.output, solver="fast", formulation=None, stages=None,
+                       integrator="suzuki4")
+        self.assert_refused_alone(line, "--solver fast", "suzuki4")
+
+    def test_has_products_of_its_own(self):
+        self.assert_refused_alone(command(SHORT, "--output", self.output, solver="fast", products="eigen"),
+                                  "--solver fast", "--products eigen")
+
+    def test_a_diverging_run_ends_as_the_published_one_does(self):
+        failed = run(command(DIVERGING, "--output", self.output, n="33", step="2", solver="fast"))
+        self.assertEqual(failed.returncode, SOLVER_FAILED)
+        self.assertIn("at step 1", failed.stderr)
+        with open(self.output, encoding="utf-8") as file:
+            self.assertEqual(file.read(), EARLIER)
+
+
 class RefusedModes(RefusalTest):
     """Modes files: the line names the file and what is wrong."""
 

@@ -1,0 +1,30 @@
+// Table 2: the cells of Table 1 by the fast form of each formulation.
+#include <fmt/format.h>
+
+#include "benchmarks/product_rate.h"
+#include "benchmarks/table_program.h"
+#include "core/fast_forms.h"
+#include "core/planar_products.h"
+
+int main(int argc, char** argv) {
+  using namespace isosyrk;
+  const TableProgram table = {
+      .name = "table2",
+      .description =
+          "Times 50 steps of the fast form of each formulation at n = 17, 33, 65, 129 and "
+          "s = 1, 2, 3: the answers of Table 1, sooner.",
+      .make =
+          [](Formulation formulation, int stages, const Flow& flow, const SolverOptions& options,
+             ProductBackend backend) {
+            return make_fast_gauss(formulation, stages, flow, {.solver = options}, backend);
+          },
+      .product_rate = [](ProductBackend, Index n,
+                         double seconds) { return planar_product_rate(n, seconds); },
+      .has_backends = false,
+      .counts_equivalents = true,
+      .conditions = {{"products", fmt::format("planar, {} kernels", planar_kernels().front().name)},
+                     {"start", fmt::format("extrapolated from the last {} steps, cold at first",
+                                           FastOptions{}.start_order)}},
+  };
+  return table_main(table, argc, argv);
+}

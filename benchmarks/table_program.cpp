@@ -1,0 +1,241 @@
+#include "benchmarks/table_program.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "benchmarks/arguments.h"
+#include "benchmarks/benchmark_program.h"
+#include "benchmarks/command_line.h"
+#include "benchmarks/progress.h"
+#include "benchmarks/reference.h"
+#include "core/conservation.h"
+#include "core/integrator_list.h"
+#include "core/run.h"
+
+namespace isosyrk {
+namespace {
+
+constexpr double step_size = 0.1;
+constexpr long step_total = 50;
+const std::vector<Index> sizes = {17, 33, 65, 129};
+const std::vector<int> stage_counts = {1, 2, 3};
+
+std::string cell_name(const TableProgram& table, Formulation formulation, Index n, int s) {
+  return fmt::format("{}/{}/n:{}/s:{}", table.name, name(formulation), n, s);
+}
+
+std::vector<std::string> cell_names(const TableProgram& table, Index n) {
+  std::vector<std::string> names;
+  for (const Formulation formulation : formulations()) {
+    for (const int s : stage_counts) names.push_back(cell_name(table, formulation, n, s));
+  }
+  return names;
+}
+
+// What a run does besides taking time: measured once per cell, in an untimed run.
+struct Quality {
+  RunReport run;
+  Conservation kept;
+  double h_norm_B = 0.0;
+  std::optional<double> relative_error;  // where there is a reference solution
+};
+
+Quality measure_quality(const Scene& scene, Integrator& integrator,
+                        const std::optional<Reference>& reference) {
+  Quality quality;
+  quality.h_norm_B = step_size * generator_norms(scene).B;
+  ConservationWatch watch(scene);
+  Matrix W = scene.initial;
+  quality.run = run(integrator, W, step_size, step_total,
+                    [&](long, const Matrix& V, const StepReport&) { watch.observe(V); });
+  if (!quality.run.converged()) return quality;
+  quality.kept = watch.report(W);
+  if (reference) quality.relative_error = relative_error(W, reference->W);
+  return quality;
+}
+
+// Progress over interleaved repetitions, during which Google Benchmark prints nothing.
+class CellProgress {
+ public:
+  CellProgress(std::size_t cells, long repetitions) : cells_(cells), repetitions_(repetitions) {}
+
+  void finished(const std::string& cell, double cpu_seconds_per_run, double wall_seconds) {
+    Seen& seen = seen_[cell];
+    ++seen.calls;
+    seen.wall_seconds = wall_seconds;
+    progress_.say(fmt::format("{}  {:.4g} s a run", cell, cpu_seconds_per_run), time_left());
+  }
+
+ private:
+  struct Seen {
+    long calls = 0;
+    double wall_seconds = 0.0;
+  };
+
+  // Known once every cell was run.
+  std::string time_left() const {
+    if (seen_.size() < cells_) return "";
+    double seconds = 0.0;
+    for (const auto& [name, each] : seen_) {
+      seconds += static_cast<double>(std::max(0L, repetitions_ - each.calls)) * each.wall_seconds;
+    }
+    return fmt::format("about {:.0f} s left", seconds);
+  }
+
+  std::size_t cells_;
+  long repetitions_;
+  Progress progress_;
+  std::map<std::string, Seen> seen_;
+};
+
+/// One cell of the table.  One timed iteration is the whole run of 50 steps.
+class Cell : public benchmark::Fixture {
+ public:
+  Cell(const TableProgram& table, Formulation formulation, Index n, int s,
+       const SolverOptions& options, ProductBackend backend,
+       const std::optional<Reference>* reference, CellProgress* progress)
+      : table_(table),
+        name_(cell_name(table, formulation, n, s)),
+        formulation_(formulation),
+        n_(n),
+        s_(s),
+        options_(options),
+        backend_(backend),
+        reference_(*reference),
+        progress_(progress) {
+    SetName(name_.c_str());
+    Unit(benchmark::kMillisecond);
+  }
+
+  using benchmark::Fixture::SetUp;
+  void SetUp(benchmark::State&) override {
+    if (integrator_) return;  // repetitions share one cell
+    scene_ = smooth_scene(n_);
+    integrator_ = table_.make(formulation_, s_, *scene_.flow, options_, backend_);
+    quality_ = measure_quality(scene_, *integrator_, reference_);
+  }
+
+ protected:
+  void BenchmarkCase(benchmark::State& state) override {
+    const auto wall_start = std::chrono::steady_clock::now();
+    if (!quality_.run.converged()) {
+      fail_row(state,
+               fmt::format("{} at step {} (last change {:.2g})", isosyrk::name(quality_.run.status),
+                           quality_.run.failed_step, quality_.run.last_change));
+      return;
+    }
+    // The product rate of the moment, on both sides of what it is compared with.
+    constexpr double rate_seconds = 0.03;
+    const double rate_before = table_.product_rate(backend_, n_, rate_seconds);
+    Matrix W = scene_.initial;
+    RunReport timed;
+    const double start = cpu_seconds();
+    for ([[maybe_unused]] auto _ : state) {
+      W = scene_.initial;
+      timed = run(*integrator_, W, step_size, step_total);
+      benchmark::DoNotOptimize(W.data());
+    }
+    const double seconds = (cpu_seconds() - start) / static_cast<double>(state.iterations());
+    const double rate = 0.5 * (rate_before + table_.product_rate(backend_, n_, rate_seconds));
+    if (timed.sweeps != quality_.run.sweeps) {
+      fail_row(state, fmt::format("{} sweeps where the run before took {}", timed.sweeps,
+                                  quality_.run.sweeps));
+      return;
+    }
+    state.counters["sweeps_per_step"] = timed.sweeps_per_step();
+    state.counters["products"] = static_cast<double>(timed.products);
+    state.counters["poisson_solves"] = static_cast<double>(timed.poisson_solves);
+    state.counters["spectrum_error"] = quality_.kept.spectrum_error;
+    state.counters["skew_defect"] = quality_.kept.skew_defect;
+    state.counters["energy_error"] = quality_.kept.energy_error;
+    state.counters["h_norm_B"] = quality_.h_norm_B;
+    if (quality_.relative_error) {
+      state.counters["relative_error"] = *quality_.relative_error;
+      state.counters["reference_uncertainty"] = reference_->uncertainty;
+    }
+    state.counters["product_share"] = timed.equivalent_products / rate / seconds;
+    if (table_.counts_equivalents) {
+      state.counters["equivalent_products"] = timed.equivalent_products;
+    }
+    progress_->finished(
+        name_, seconds,
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count());
+  }
+
+ private:
+  const TableProgram& table_;
+  std::string name_;
+  Formulation formulation_;
+  Index n_;
+  int s_;
+  SolverOptions options_;
+  ProductBackend backend_;
+  const std::optional<Reference>& reference_;
+  CellProgress* progress_;
+  Scene scene_;
+  std::unique_ptr<Integrator> integrator_;
+  Quality quality_;
+};
+
+int run_table(const TableProgram& table, int argc, char** argv) {
+  CommandLine line{table.description +
+                   "  Takes Google Benchmark's arguments as well, such as "
+                   "--benchmark_filter=n:17/ and --benchmark_out=FILE."};
+  std::string products = "fastest";
+  if (table.has_backends) {
+    line.option("--products", products, "fastest (default), openblas or eigen");
+  }
+  std::string max_sweeps = "1000";
+  line.option("--max-sweeps", max_sweeps, "sweeps allowed in a step (default 1000)");
+  std::string references;
+  line.option("--references", references,
+              "folder that reference_solutions filled: adds relative_error");
+  line.allow_others();
+  if (const auto exit_code = line.read(argc, argv)) return *exit_code;
+  use_one_blas_thread();
+  const BackendChoice choice = backend_choice(products);
+  SolverOptions options;
+  options.max_sweeps = static_cast<int>(whole_number("--max-sweeps", max_sweeps, 1, 1000000));
+
+  std::vector<std::string> names;
+  for (const Index n : sizes) {
+    for (std::string& name : cell_names(table, n)) names.push_back(std::move(name));
+  }
+  const BenchmarkArguments arguments(line.others(), names);
+  CellProgress progress(names.size(), arguments.repetitions());
+
+  std::vector<BackendRates> rates;
+  std::map<Index, std::optional<Reference>> reference;  // of each n that the filter leaves in
+  for (const Index n : sizes) {
+    if (line.given("--references") && arguments.selects_any(cell_names(table, n))) {
+      reference[n] = read_reference("--references", references, smooth_scene(n),
+                                    HbarConvention::paper, default_modes());
+    }
+    rates.push_back(choose_backend(choice, n));
+    for (const Formulation formulation : formulations()) {
+      for (const int s : stage_counts) {
+        benchmark::internal::RegisterBenchmarkInternal(new Cell(
+            table, formulation, n, s, options, rates.back().chosen, &reference[n], &progress));
+      }
+    }
+  }
+  Conditions conditions = machine_conditions(table.name, choice, rates);
+  const Conditions solver = solver_conditions(options, HbarConvention::paper, default_modes());
+  conditions.insert(conditions.end(), solver.begin(), solver.end());
+  for (const auto& [condition, value] : table.conditions) set(conditions, condition, value);
+  print_notice(table.name);
+  return run_benchmarks(argv[0], arguments, conditions);
+}
+
+}  // namespace
+
+int table_main(const TableProgram& table, int argc, char** argv) {
+  return guarded(table.name.c_str(), [&] { return run_table(table, argc, argv); });
+}
+
+}  // namespace isosyrk

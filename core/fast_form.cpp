@@ -1,0 +1,85 @@
+#include "core/fast_form.h"
+
+#include "core/euler_zeitlin.h"
+
+namespace isosyrk {
+
+namespace {
+
+Unknowns zero_unknowns(Index n, std::initializer_list<Index> counts) {
+  Unknowns unknowns;
+  for (const Index count : counts) {
+    unknowns.emplace_back(static_cast<std::size_t>(count), PlanarMatrix(n));
+  }
+  return unknowns;
+}
+
+}  // namespace
+
+FastForm::FastForm(const EulerZeitlin& flow, const FastOptions& options,
+                   std::initializer_list<Index> unknowns)
+    : Integrator(flow, ProductBackend::openblas),
+      planar_(flow.size()),
+      W0_(flow.size()),
+      unknowns_(zero_unknowns(flow.size(), unknowns)),
+      options_(options),
+      laplacian_(flow.laplacian()),
+      reciprocal_hbar_(1.0 / hbar(flow.convention(), flow.size())),
+      W1_(flow.size()),
+      start_values_(options.start_order, unknowns_) {}
+
+PlanarMatrix FastForm::identity() const {
+  PlanarMatrix I = zero();
+  for (Index i = 0; i < I.size(); ++i) I.re()[i * I.stride() + i] = 1.0;
+  return I;
+}
+
+void FastForm::generator(const PlanarMatrix& W, PlanarMatrix& B) {
+  laplacian_.solve_skew_hermitian(W, reciprocal_hbar_, B);
+  ++solves_;
+}
+
+SolveReport FastForm::iterate(double h) {
+  begin();
+  return solve_fixed_point(options_.solver, [&] { return sweep(h); });
+}
+
+double FastForm::change_of_one_more_sweep(double h) {
+  const Unknowns accepted = unknowns_;
+  begin();
+  const double change = sweep(h);
+  unknowns_ = accepted;
+  return change;
+}
+
+SolveReport FastForm::advance(const Matrix& W0, double h, Matrix& W1) {
+  const long products_before = planar_.count();
+  const double equivalents_before = planar_.equivalents();
+  const long solves_before = solves_;
+  W0_.load(W0);
+  // Another state than this form ended at: what it knows is of another trajectory.
+  if (W0_.entries() != W1_.entries()) start_values_.forget();
+  const bool warm = start_values_.predict(h, unknowns_);
+  if (!warm) start_cold();
+  SolveReport report = iterate(h);
+  if (warm && report.status != Status::converged) {
+    const int wasted = report.sweeps;
+    start_cold();
+    report = iterate(h);
+    report.sweeps += wasted;
+    start_values_.forget();
+  }
+  if (report.status == Status::converged) {
+    update(h, W1_);
+    start_values_.accept(h, unknowns_);
+    W1_.store(W1);
+  } else {
+    start_values_.forget();
+  }
+  add_work({.products = planar_.count() - products_before,
+            .poisson_solves = solves_ - solves_before,
+            .equivalent_products = planar_.equivalents() - equivalents_before});
+  return report;
+}
+
+}  // namespace isosyrk

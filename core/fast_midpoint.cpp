@@ -1,0 +1,32 @@
+#include "core/fast_midpoint.h"
+
+#include "core/planar_blocks.h"
+#include "core/stage_sums.h"
+
+namespace isosyrk {
+
+FastMidpoint::FastMidpoint(const EulerZeitlin& flow, const FastOptions& options)
+    : FastForm(flow, options, {1}) {
+  W_stage_ = B_ = M_ = MB_ = commutator_ = zero();
+}
+
+void FastMidpoint::start_cold() { unknowns_[0][0].entries().setZero(); }
+
+void FastMidpoint::begin() { reals(W_stage_) = reals(W0_) + reals(unknowns_[0][0]); }
+
+double FastMidpoint::sweep(double h) {
+  generator(W_stage_, B_);
+  planar_.multiply(B_, W_stage_, M_);
+  planar_.multiply_skew(M_, B_, MB_, 0.25 * h * h);
+  skew_part(M_, 0.5 * h, commutator_);
+  const double change =
+      replace(unknowns_[0][0], [&](const auto& load) { return load(commutator_) + load(MB_); });
+  reals(W_stage_) = reals(W0_) + reals(unknowns_[0][0]);
+  return std::sqrt(change);
+}
+
+void FastMidpoint::update(double, PlanarMatrix& W1) {
+  W1.entries() = W0_.entries() + 2.0 * commutator_.entries();
+}
+
+}  // namespace isosyrk

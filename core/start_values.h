@@ -1,0 +1,45 @@
+// Start values of an iteration from the steps before.
+#pragma once
+
+#include <vector>
+
+#include "core/planar_matrix.h"
+
+namespace isosyrk {
+
+/// The unknowns of a step: a few kinds, such as Q and P, each with so many of its own.
+using Unknowns = std::vector<std::vector<PlanarMatrix>>;
+
+/// Extrapolates each unknown from its own values in the last steps of one size, at equal distances:
+/// by the polynomial through the last p of them (as many as there are, if
+/// fewer),
+///
+///     x_{m+1} ≈ Σ_{k=1..p} (-1)^{k+1} C(p, k) x_{m+1-k}
+///
+/// Each unknown is smooth from step to step; those of one step, at the nodes of the tableau, are
+/// not spaced equally, and mixing them extrapolates badly.  The weights add up to 2^p - 1 in
+/// modulus, by which the noise of earlier iterations is amplified.
+class StartValues {
+ public:
+  /// For unknowns like these; p = 0 starts cold always.  Throws std::invalid_argument unless
+  /// 0 <= p <= 12.
+  StartValues(int p, const Unknowns& unknowns);
+
+  /// Sets the unknowns for a step of size h; leaves them and returns false where the step must
+  /// start cold: the first, and the first of another size or after forget().
+  bool predict(double h, Unknowns& unknowns) const;
+
+  /// Takes what a step of size h was solved by.
+  void accept(double h, const Unknowns& unknowns);
+
+  void forget() { known_ = 0; }
+
+ private:
+  int p_;
+  int known_ = 0;  // past steps
+  std::size_t newest_ = 0;
+  double h_ = 0.0;
+  std::vector<Unknowns> past_;  // a ring of p
+};
+
+}  // namespace isosyrk

@@ -1,0 +1,189 @@
+// The fast forms: the answers of the published ones, accepted as strictly, in fewer sweeps.
+#include "core/fast_forms.h"
+
+#include <gtest/gtest.h>
+
+#include "core/invariants.h"
+#include "core/run.h"
+#include "tests/support.h"
+
+namespace isosyrk::testing {
+namespace {
+
+struct Method {
+  Formulation formulation;
+  int s;
+};
+
+void PrintTo(const Method& method, std::ostream* out) {
+  *out << name(method.formulation) << method.s;
+}
+
+std::vector<Method> methods() {
+  std::vector<Method> all;
+  for (const Formulation formulation : formulations()) {
+    for (const int s : {1, 2, 3, 4}) all.push_back({formulation, s});
+  }
+  return all;
+}
+
+std::unique_ptr<Integrator> fast(const Method& method, const Flow& flow,
+                                 const FastOptions& options = {}) {
+  return make_fast_gauss(method.formulation, method.s, flow, options, ProductBackend::openblas);
+}
+
+// 50 steps, each of which may be off by the tolerance over 1 - contraction, at most 0.5 here.
+constexpr double coincidence = 1e-11;
+
+class EachFastForm : public ::testing::TestWithParam<Method> {};
+
+TEST_P(EachFastForm, GivesTheAnswerOfThePublishedFormInFewerSweeps) {
+  const Method method = GetParam();
+  for (const Index n : {5, 16, 17, 24}) {
+    const Scene scene = smooth_scene(n);
+    const auto published = gauss(method.formulation, *scene.flow, method.s);
+    const auto integrator = fast(method, *scene.flow);
+    Matrix expected = scene.initial;
+    Matrix W = scene.initial;
+    const RunReport plain = run(*published, expected, 0.1, 50);
+    const RunReport report = run(*integrator, W, 0.1, 50);
+    ASSERT_TRUE(report.converged()) << n;
+    EXPECT_LE(largest_difference(W, expected), coincidence) << n;
+    EXPECT_EQ(skew_defect(W), 0.0) << n;
+    EXPECT_LE(spectrum_error(W, scene.initial),
+              method.formulation == Formulation::algebra ? 1e-13 : 1e-11)
+        << n;
+    EXPECT_LT(report.sweeps, 0.8 * static_cast<double>(plain.sweeps)) << n;
+    EXPECT_LT(report.equivalent_products, 0.7 * plain.equivalent_products) << n;
+  }
+}
+
+TEST_P(EachFastForm, AcceptsWhatAnotherSweepLeaves) {
+  const Scene scene = smooth_scene(17);
+  const auto integrator = fast(GetParam(), *scene.flow);
+  auto& form = dynamic_cast<FastForm&>(*integrator);
+  Matrix W = scene.initial;
+  for (int step = 0; step < 50; ++step) {
+    ASSERT_EQ(integrator->step(W, 0.1).status, Status::converged);
+    EXPECT_LT(form.change_of_one_more_sweep(0.1), 1.5e-13) << step;
+  }
+}
+
+TEST_P(EachFastForm, ALooserToleranceIsSeenByAnotherSweep) {
+  const Scene scene = smooth_scene(17);
+  const auto integrator = fast(GetParam(), *scene.flow, {.solver = {.tolerance = 1e-9}});
+  auto& form = dynamic_cast<FastForm&>(*integrator);
+  Matrix W = scene.initial;
+  double largest = 0.0;
+  for (int step = 0; step < 20; ++step) {
+    integrator->step(W, 0.1);
+    largest = std::max(largest, form.change_of_one_more_sweep(0.1));
+  }
+  EXPECT_GT(largest, 1.5e-13);
+}
+
+// The solution grows finer in time, and a cold start takes more sweeps too; but what many steps
+// leave in the start values, rounding and the solver's noise, must not cost any.
+TEST_P(EachFastForm, SweepsDoNotCreepUpOverALongRun) {
+  const Scene scene = smooth_scene(17);
+  const auto integrator = fast(GetParam(), *scene.flow);
+  Matrix W = scene.initial;
+  run(*integrator, W, 0.1, 1900);
+  const auto fresh = fast(GetParam(), *scene.flow);
+  Matrix V = W;
+  run(*integrator, W, 0.1, 20);
+  run(*fresh, V, 0.1, 20);
+  const RunReport old = run(*integrator, W, 0.1, 100);
+  const RunReport expected = run(*fresh, V, 0.1, 100);
+  ASSERT_TRUE(old.converged() && expected.converged());
+  EXPECT_LE(old.sweeps_per_step(), 1.1 * expected.sweeps_per_step());
+  EXPECT_EQ(skew_defect(W), 0.0);
+}
+
+TEST_P(EachFastForm, StartsColdAfterAnotherStepSizeAnotherStateAndAFailure) {
+  const Scene scene = smooth_scene(17);
+  const Method method = GetParam();
+  const auto tried = fast(method, *scene.flow);
+  const auto one_step = [&](const Matrix& from, double h, Integrator& integrator) {
+    Matrix W = from;
+    const StepReport report = integrator.step(W, h);
+    EXPECT_EQ(report.status, Status::converged);
+    return std::pair(W, report.sweeps);
+  };
+  const auto expect_cold = [&](const Matrix& from, double h, const char* after) {
+    const auto fresh = fast(method, *scene.flow);
+    const auto [expected, cold_sweeps] = one_step(from, h, *fresh);
+    const auto [W, sweeps] = one_step(from, h, *tried);
+    EXPECT_EQ(W, expected) << after;  // bit for bit: nothing of what was before is left
+    EXPECT_EQ(sweeps, cold_sweeps) << after;
+  };
+  Matrix W = scene.initial;
+  run(*tried, W, 0.1, 10);
+  expect_cold(W, 0.05, "another step size");
+  expect_cold(scene.initial, 0.05, "another state");
+  Matrix unchanged = scene.initial;
+  EXPECT_NE(tried->step(unchanged, 50.0).status, Status::converged);
+  EXPECT_EQ(unchanged, scene.initial);
+  expect_cold(scene.initial, 0.1, "a failed step");
+}
+
+TEST_P(EachFastForm, StartValuesSaveSweepsAndOrderZeroStartsColdAlways) {
+  const Scene scene = smooth_scene(17);
+  long last = std::numeric_limits<long>::max();
+  for (const int order : {0, 2, 4, 8}) {
+    const auto integrator = fast(GetParam(), *scene.flow, {.solver = {}, .start_order = order});
+    Matrix W = scene.initial;
+    const RunReport report = run(*integrator, W, 0.1, 50);
+    EXPECT_LT(report.sweeps, last) << order;
+    last = report.sweeps;
+  }
+  const auto integrator = fast(GetParam(), *scene.flow, {.solver = {}, .start_order = 0});
+  const auto fresh = fast(GetParam(), *scene.flow, {.solver = {}, .start_order = 0});
+  Matrix W = scene.initial;
+  run(*integrator, W, 0.1, 3);
+  Matrix V = W;
+  EXPECT_EQ(integrator->step(W, 0.1).sweeps, fresh->step(V, 0.1).sweeps);
+  EXPECT_EQ(V, W);
+}
+
+TEST_P(EachFastForm, OtherFlowsAreIntegratedInThePublishedForm) {
+  const Method method = GetParam();
+  const ConjugationFlow flow(QuadraticAlgebra(indefinite_J(3, 2)), 1);
+  const Matrix W0 = flow.element(2);
+  Matrix W = W0;
+  Matrix expected = W0;
+  run(*fast(method, flow), W, 0.1, 5);
+  run(*gauss(method.formulation, flow, method.s), expected, 0.1, 5);
+  EXPECT_EQ(W, expected);
+  EXPECT_GT(largest_difference(W, W0), 1e-3);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, EachFastForm, ::testing::ValuesIn(methods()), [](const auto& tested) {
+  return std::string(name(tested.param.formulation)) + std::to_string(tested.param.s);
+});
+
+TEST(FastForms, RefuseWhatTheyCannotDo) {
+  const Scene scene = smooth_scene(5);
+  for (const int order : {-1, 13}) {
+    EXPECT_THROW(fast({Formulation::group, 2}, *scene.flow, {.solver = {}, .start_order = order}),
+                 std::invalid_argument);
+  }
+  EXPECT_THROW(fast({Formulation::group, 0}, *scene.flow), std::invalid_argument);
+  EXPECT_THROW(fast_gauss_entry(Formulation::group, 0), std::invalid_argument);
+  EXPECT_EQ(fast_gauss_entry(Formulation::algebra, 3).name, "fast_algebra3");
+}
+
+TEST(FastForms, DivergeInBoundedTimeWherePlainIterationDoes) {
+  const Scene scene = smooth_scene(33);
+  for (const Method& method : methods()) {
+    const auto integrator = fast(method, *scene.flow);
+    Matrix W = scene.initial;
+    const RunReport report = run(*integrator, W, 3.0, 4);
+    EXPECT_FALSE(report.converged());
+    EXPECT_EQ(report.steps, report.failed_step - 1);
+    EXPECT_TRUE(W.allFinite());
+  }
+}
+
+}  // namespace
+}  // namespace isosyrk::testing
