@@ -26,5 +26,6 @@ int main(int argc, char** argv) {
                      {"start", fmt::format("extrapolated from the last {} steps, cold at first",
                                            FastOptions{}.start_order)}},
   };
-  return table_main(table, argc, argv);
+  const TableProgram published = published_table();
+  return table_main(table, &published, argc, argv);
 }

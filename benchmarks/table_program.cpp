@@ -14,6 +14,7 @@
 #include "benchmarks/progress.h"
 #include "benchmarks/reference.h"
 #include "core/conservation.h"
+#include "core/gauss_tableau.h"
 #include "core/integrator_list.h"
 #include "core/run.h"
 
@@ -182,13 +183,18 @@ class Cell : public benchmark::Fixture {
   Quality quality_;
 };
 
-int run_table(const TableProgram& table, int argc, char** argv) {
+int run_table(const TableProgram& table, const TableProgram* compared_with, int argc, char** argv) {
   CommandLine line{table.description +
                    "  Takes Google Benchmark's arguments as well, such as "
                    "--benchmark_filter=n:17/ and --benchmark_out=FILE."};
   std::string products = "fastest";
   if (table.has_backends) {
     line.option("--products", products, "fastest (default), openblas or eigen");
+  }
+  bool with_published = false;
+  if (compared_with != nullptr) {
+    line.flag("--published", with_published,
+              fmt::format("times the cells of {} too", compared_with->name));
   }
   std::string max_sweeps = "1000";
   line.option("--max-sweeps", max_sweeps, "sweeps allowed in a step (default 1000)");
@@ -202,9 +208,15 @@ int run_table(const TableProgram& table, int argc, char** argv) {
   SolverOptions options;
   options.max_sweeps = static_cast<int>(whole_number("--max-sweeps", max_sweeps, 1, 1000000));
 
+  std::vector<const TableProgram*> tables = {&table};
+  if (with_published) tables.push_back(compared_with);
+  std::map<Index, std::vector<std::string>> names_of;
   std::vector<std::string> names;
   for (const Index n : sizes) {
-    for (std::string& name : cell_names(table, n)) names.push_back(std::move(name));
+    for (const TableProgram* each : tables) {
+      for (std::string& name : cell_names(*each, n)) names_of[n].push_back(std::move(name));
+    }
+    names.insert(names.end(), names_of[n].begin(), names_of[n].end());
   }
   const BenchmarkArguments arguments(line.others(), names);
   CellProgress progress(names.size(), arguments.repetitions());
@@ -212,15 +224,17 @@ int run_table(const TableProgram& table, int argc, char** argv) {
   std::vector<BackendRates> rates;
   std::map<Index, std::optional<Reference>> reference;  // of each n that the filter leaves in
   for (const Index n : sizes) {
-    if (line.given("--references") && arguments.selects_any(cell_names(table, n))) {
+    if (line.given("--references") && arguments.selects_any(names_of[n])) {
       reference[n] = read_reference("--references", references, smooth_scene(n),
                                     HbarConvention::paper, default_modes());
     }
     rates.push_back(choose_backend(choice, n));
     for (const Formulation formulation : formulations()) {
       for (const int s : stage_counts) {
-        benchmark::internal::RegisterBenchmarkInternal(new Cell(
-            table, formulation, n, s, options, rates.back().chosen, &reference[n], &progress));
+        for (const TableProgram* each : tables) {
+          benchmark::internal::RegisterBenchmarkInternal(new Cell(
+              *each, formulation, n, s, options, rates.back().chosen, &reference[n], &progress));
+        }
       }
     }
   }
@@ -234,8 +248,24 @@ int run_table(const TableProgram& table, int argc, char** argv) {
 
 }  // namespace
 
-int table_main(const TableProgram& table, int argc, char** argv) {
-  return guarded(table.name.c_str(), [&] { return run_table(table, argc, argv); });
+TableProgram published_table() {
+  return {
+      .name = "table1",
+      .description =
+          "Times 50 steps of each formulation at n = 17, 33, 65, 129 and s = 1, 2, 3 (the paper's "
+          "Table 1).",
+      .make =
+          [](Formulation formulation, int stages, const Flow& flow, const SolverOptions& options,
+             ProductBackend backend) {
+            return make_formulation(formulation, flow, gauss_tableau(stages), options, backend);
+          },
+      .product_rate = product_rate,
+  };
+}
+
+int table_main(const TableProgram& table, const TableProgram* compared_with, int argc,
+               char** argv) {
+  return guarded(table.name.c_str(), [&] { return run_table(table, compared_with, argc, argv); });
 }
 
 }  // namespace isosyrk

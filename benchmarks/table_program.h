@@ -24,8 +24,12 @@ struct TableProgram {
   Conditions conditions = {};       ///< in place of those of the same name
 };
 
+/// Table 1: the published forms.
+TableProgram published_table();
+
 /// The program: times 50 steps of each cell, n = 17, 33, 65, 129, s = 1, 2, 3, and returns its exit
-/// code.  The table must outlive it.
-int table_main(const TableProgram& table, int argc, char** argv);
+/// code.  Where there is a table to compare with, --published times its cells too, in turns with
+/// this one's if Google Benchmark is asked to interleave.  The tables must outlive it.
+int table_main(const TableProgram& table, const TableProgram* compared_with, int argc, char** argv);
 
 }  // namespace isosyrk

@@ -39,7 +39,7 @@ class EachFastForm : public ::testing::TestWithParam<Method> {};
 
 TEST_P(EachFastForm, GivesTheAnswerOfThePublishedFormInFewerSweeps) {
   const Method method = GetParam();
-  for (const Index n : {5, 16, 17, 24}) {
+  for (const Index n : {5, 16, 17, 49}) {  // from 48 on group transports twice
     const Scene scene = smooth_scene(n);
     const auto published = gauss(method.formulation, *scene.flow, method.s);
     const auto integrator = fast(method, *scene.flow);
@@ -59,13 +59,15 @@ TEST_P(EachFastForm, GivesTheAnswerOfThePublishedFormInFewerSweeps) {
 }
 
 TEST_P(EachFastForm, AcceptsWhatAnotherSweepLeaves) {
-  const Scene scene = smooth_scene(17);
-  const auto integrator = fast(GetParam(), *scene.flow);
-  auto& form = dynamic_cast<FastForm&>(*integrator);
-  Matrix W = scene.initial;
-  for (int step = 0; step < 50; ++step) {
-    ASSERT_EQ(integrator->step(W, 0.1).status, Status::converged);
-    EXPECT_LT(form.change_of_one_more_sweep(0.1), 1.5e-13) << step;
+  for (const Index n : {17, 49}) {
+    const Scene scene = smooth_scene(n);
+    const auto integrator = fast(GetParam(), *scene.flow);
+    auto& form = dynamic_cast<FastForm&>(*integrator);
+    Matrix W = scene.initial;
+    for (int step = 0; step < 50; ++step) {
+      ASSERT_EQ(integrator->step(W, 0.1).status, Status::converged);
+      EXPECT_LT(form.change_of_one_more_sweep(0.1), 1.5e-13) << n << " " << step;
+    }
   }
 }
 
@@ -84,7 +86,7 @@ TEST_P(EachFastForm, ALooserToleranceIsSeenByAnotherSweep) {
 
 // The solution grows finer in time, and a cold start takes more sweeps too; but what many steps
 // leave in the start values, rounding and the solver's noise, must not cost any.
-TEST_P(EachFastForm, SweepsDoNotCreepUpOverALongRun) {
+TEST_P(EachFastForm, SweepsDoNotCreepUpOverALargeNumberOfSteps) {
   const Scene scene = smooth_scene(17);
   const auto integrator = fast(GetParam(), *scene.flow);
   Matrix W = scene.initial;

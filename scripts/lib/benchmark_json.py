@@ -56,15 +56,16 @@ class Run:
     measurements: Dict[CellKey, Measurement]
 
 
-def read_run(path, program, counters, optional=()):
+def read_run(path, program, counters, optional=(), table=None):
     """Returns the Run in `path`, written by `program`, whose every good row must have all `counters`.
 
-    A cell has an optional counter if each of its repetitions has it.
+    A cell has an optional counter if each of its repetitions has it. `table` is what the rows are named by, where that
+    is not the program.
     """
     try:
         document = parse_json(read_text(path))
         context, rows = context_and_rows(document, program)
-        return Run(context, measurements(rows, program, counters, optional))
+        return Run(context, measurements(rows, table or program, counters, optional))
     except UnusableFile as problem:
         raise UnusableFile(f"{one_line(path)}: {problem}") from None
 

@@ -7,6 +7,7 @@ import shutil
 import signal
 import struct
 import subprocess
+import sys
 import tempfile
 import unittest
 
@@ -42,6 +43,9 @@ def environment(**changes):
     steering = ("OPENBLAS_", "OMP_", "BENCHMARK_")
     result = {name: value for name, value in os.environ.items() if not name.startswith(steering)}
     result["LC_ALL"] = "C"
+    # Scripts run in the Python that runs the tests: what a version manager puts on PATH in its place takes longer to
+    # start than most of them take to run.
+    result["PATH"] = os.pathsep.join((os.path.dirname(os.path.realpath(sys.executable)), result.get("PATH", os.defpath)))
     for name, value in changes.items():
         if value is None:
             result.pop(name, None)

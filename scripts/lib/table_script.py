@@ -1,0 +1,44 @@
+"""What the scripts that render one table from one raw file share: arguments, writing, and how they fail."""
+
+import os
+import sys
+
+from benchmark_json import UnusableFile, one_line
+from command_line import OneLineParser
+from document import WRITERS, replace_file, write_standard_output
+
+
+def parse_arguments(program, description, wrote, arguments):
+    parser = OneLineParser(prog=program, description=description)
+    parser.add_argument("raw", metavar="RAW.json", help=f"what {wrote} wrote")
+    parser.add_argument("--format", choices=tuple(WRITERS), default="text")
+    parser.add_argument("--output", metavar="FILE", help="write here instead of to standard output")
+    return parser.parse_args(arguments)
+
+
+def save(data, options):
+    """Writes the result where it was asked for, never over the measurements."""
+    if options.output is None:
+        write_standard_output(data)
+    elif os.path.exists(options.output) and os.path.samefile(options.raw, options.output):
+        raise OSError(0, "is the raw file itself")
+    else:
+        replace_file(options.output, data)
+
+
+def render(program, description, wrote, table, arguments):
+    """Renders the document `table(path of the raw file)` as asked; returns the exit code."""
+    options = parse_arguments(program, description, wrote, arguments)
+    try:
+        data = WRITERS[options.format](table(options.raw)).encode("utf-8")
+        save(data, options)
+    except UnusableFile as problem:
+        print(f"{program}: {problem}", file=sys.stderr)
+        return 2
+    except BrokenPipeError:
+        return 1  # The reader of a pipe, such as head, has seen enough.
+    except OSError as problem:
+        where = "standard output" if options.output is None else one_line(options.output)
+        print(f"{program}: {where}: cannot be written: {problem.strerror}", file=sys.stderr)
+        return 2
+    return 0

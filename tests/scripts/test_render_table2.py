@@ -1,0 +1,77 @@
+"""Tests of scripts/render_table2 on made-up raw files, by running it as a user does."""
+
+import json
+import os
+import sys
+import unittest
+
+from programs import DONE, ROOT, FolderTest, run
+from test_reproduce import raw_file
+
+SCRIPT = os.path.join(ROOT, "scripts", "render_table2")
+
+
+class RenderTable2(FolderTest):
+    def render(self, raw, *arguments):
+        return run([sys.executable, SCRIPT, self.write("raw.json", json.dumps(raw)), *arguments])
+
+    def rendered(self, raw, *arguments):
+        done = self.render(raw, *arguments)
+        self.assertEqual((done.returncode, done.stderr), (DONE, ""))
+        return done.stdout
+
+    def gains(self, raw):
+        """Returns the rows of n = 17 in "Table 1 over Table 2": {row: three texts}."""
+        section = self.rendered(raw).split("Table 1 over Table 2\n")[1].split("Ratios to the fastest")[0]
+        lines = [line.split() for line in section.splitlines()]
+        start = next(index for index, words in enumerate(lines) if words[:1] == ["17"])
+        return {" ".join(words[:-3]).removeprefix("17 "): words[-3:] for words in lines[start:start + 4]}
+
+    def both(self):
+        return raw_file(tables=("table2", "table1"))
+
+    def test_gains_are_ratios_of_medians(self):
+        self.assertEqual(self.gains(self.both())["group"], ["2.00"] * 3)
+
+    def test_the_last_row_compares_the_fastest_of_each_side(self):
+        raw = self.both()
+        for row in raw["benchmarks"]:
+            if row["run_name"] == "table2/algebra/n:17/s:1":
+                row["cpu_time"] = 0.5  # cotangent, the fastest published row, takes 2.03
+        gains = self.gains(raw)
+        self.assertEqual(gains["fastest row"], ["4.06*", "2.00*", "2.00*"])
+        self.assertEqual(gains["algebra"][0], "8.06")
+
+    def test_a_failed_cell_has_no_gain(self):
+        raw = self.both()
+        for row in raw["benchmarks"]:
+            if row["run_name"] == "table1/group/n:17/s:2":
+                row.update(error_occurred=True, error_message="diverged at step 3")
+        self.assertEqual(self.gains(raw)["group"], ["2.00", "–", "2.00"])
+
+    def test_claims_are_judged_on_the_fast_forms(self):
+        raw = self.both()
+        for row in raw["benchmarks"]:
+            if row["run_name"].startswith("table2/algebra"):
+                row["cpu_time"] /= 10
+        claims = self.rendered(raw).split("The paper's claims")[1]
+        self.assertIn("n = 17, s = 2: does not hold", claims)
+        self.assertIn("n = 17, s = 1: holds", claims)
+
+    def test_every_format_is_written(self):
+        for form, mark in (("markdown", "| --:"), ("latex", "\\toprule"), ("text", "Table 2")):
+            self.assertIn(mark, self.rendered(self.both(), "--format", form))
+
+    def test_a_run_without_the_published_forms_is_refused(self):
+        self.assert_refused(self.render(raw_file(tables=("table2",))), "raw.json", "table1/")
+
+    def test_a_raw_file_of_table1_is_refused(self):
+        self.assert_refused(self.render(raw_file()), "raw.json", "table1", "table2")
+
+    def test_a_cut_file_is_refused(self):
+        path = self.write("cut.json", json.dumps(self.both())[:500])
+        self.assert_refused(run([sys.executable, SCRIPT, path]), "cut.json", "is not whole JSON")
+
+
+if __name__ == "__main__":
+    unittest.main()
