@@ -23,6 +23,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
 import accuracy_report  # noqa: E402
 import comparison  # noqa: E402
+import paper_table  # noqa: E402
 import recommendation  # noqa: E402
 import stability  # noqa: E402
 import stability_report  # noqa: E402
@@ -180,7 +181,7 @@ def small_long_runs():
 
 
 def published_bytes():
-    with open(test_render_table1.script.PUBLISHED, "rb") as stream:
+    with open(paper_table.PUBLISHED, "rb") as stream:
         return stream.read()
 
 
