@@ -22,9 +22,13 @@ int main(int argc, char** argv) {
                          double seconds) { return planar_product_rate(n, seconds); },
       .has_backends = false,
       .counts_equivalents = true,
-      .conditions = {{"products", fmt::format("planar, {} kernels", planar_kernels().front().name)},
-                     {"start", fmt::format("extrapolated from the last {} steps, cold at first",
-                                           FastOptions{}.start_order)}},
+      .conditions =
+          {{"products", fmt::format("planar, {} kernels", planar_kernels().front().name)},
+           {"start", fmt::format("extrapolated from the last {} steps, cold at first",
+                                 FastOptions{}.start_order)},
+           {"update_order",
+            "Jacobi, but: algebra takes M_jk from the new X; group from n = 48 on sweeps Q "
+            "twice with the same B"}},
   };
   const TableProgram published = published_table();
   return table_main(table, &published, argc, argv);

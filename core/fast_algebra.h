@@ -13,7 +13,7 @@ namespace isosyrk {
 ///     W̃_i  = W₀ + S - S† + Σ_j a_ij² M_jj,         S = Σ_j a_ij X_j + Σ_{j<k} a_ij a_ik M_jk
 ///     W₁   = W₀ + h Σ_i b_i (C_i - C_i†),          C_i = B_i W̃_i
 ///
-/// of which only the pairs j <= k are formed, and M_jj as a triangle.
+/// of which only the pairs j <= k are formed, from the X of the same sweep, and M_jj as a triangle.
 /// Products: s(s+1)/2 and s triangles a sweep, s for the update.
 /// Source: the recursion's solution is M_jk = -h² B_j (Q_j† W₀ Q_k) B_k.
 class FastAlgebra final : public FastForm {

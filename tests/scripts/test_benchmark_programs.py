@@ -153,6 +153,7 @@ class Table2(Table1):
     def test_its_products_and_start_are_recorded(self):
         self.assertIn("planar", self.context["products"])
         self.assertIn("extrapolated", self.context["start"])
+        self.assertIn("twice", self.context["update_order"])
 
     def test_products_of_a_library_cannot_be_asked_for(self):
         done = run([program("table2"), "--products", "eigen"])
