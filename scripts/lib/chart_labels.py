@@ -6,6 +6,7 @@ joins it to its line. Places are priced by what they hide, and labels take turns
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Sequence, Tuple
 
 import numpy
@@ -15,6 +16,9 @@ from matplotlib.colors import to_rgb
 def darker(shade):
     """Returns a colour dark enough for small text on white."""
     return tuple(0.75 * part for part in to_rgb(shade))
+
+
+LEADER_PARTS = [part / 20 for part in range(2, 20)]  # of the way, where what a leader crosses is looked up
 
 
 @dataclass(frozen=True)
@@ -32,6 +36,10 @@ class Box:
     bottom: float
     right: float
     top: float
+
+    @property
+    def edges(self):
+        return self.left, self.bottom, self.right, self.top
 
     def grown(self, by):
         return Box(self.left - by, self.bottom - by, self.right + by, self.top + by)
@@ -55,11 +63,12 @@ class Place:
     box: Box
     led: bool
 
+    @cached_property
     def leader(self):
         if not self.led:
             return []
         (x, y), (to_x, to_y) = self.anchor, self.centre
-        return [(x + (to_x - x) * part / 20, y + (to_y - y) * part / 20) for part in range(2, 20)]
+        return [(x + (to_x - x) * part, y + (to_y - y) * part) for part in LEADER_PARTS]
 
 
 class Ink:
@@ -91,9 +100,10 @@ class Ink:
                 for part in range(1, count + 1):
                     yield begin + part / (count + 1) * (end - begin), 1 if marked else 0.4
 
-    def within(self, box):
-        left, right = (min(max(int(x), 0), self.sums.shape[0] - 1) for x in (box.left, box.right))
-        bottom, top = (min(max(int(y), 0), self.sums.shape[1] - 1) for y in (box.bottom, box.top))
+    def within(self, left, bottom, right, top):
+        """Returns the ink in each of some boxes, given by their edges."""
+        left, right = (numpy.clip(edges.astype(int), 0, self.sums.shape[0] - 1) for edges in (left, right))
+        bottom, top = (numpy.clip(edges.astype(int), 0, self.sums.shape[1] - 1) for edges in (bottom, top))
         return self.sums[right, top] - self.sums[left, top] - self.sums[right, bottom] + self.sums[left, bottom]
 
 
@@ -123,7 +133,7 @@ def place_labels(axes, labels, size=SIZE, clear=2):
         places = [place(at, tuple(axes.transData.transform(at)), half, direction, clear + distance, scale)
                   for at in label.points[::math.ceil(len(label.points) / MOST_POINTS)]
                   for distance in DISTANCES for direction in DIRECTIONS]
-        priced = sorted(((lone_cost(spot, frame, ink, scale), index) for index, spot in enumerate(places)))
+        priced = sorted((cost, index) for index, cost in enumerate(lone_costs(places, frame, ink, scale)))
         options.append([(cost, places[index]) for cost, index in priced[:PLACES_KEPT]])
     for label, spot in zip(labels, choose_places(options, scale)):
         arrow = {"arrowstyle": "-", "color": darker(label.shade), "linewidth": 0.7, "shrinkA": 0, "shrinkB": 2.5}
@@ -149,58 +159,92 @@ def place(at, anchor, half, direction, distance, scale):
     return Place(at, anchor, (x, y), box, gap > LEADER_FROM * scale)
 
 
-def lone_cost(spot, frame, ink, scale):
-    """Prices a place by what it hides, how far off and how awkward it is; other labels apart."""
+def lone_costs(places, frame, ink, scale):
+    """Prices each place by what it hides, how far off and how awkward it is; other labels apart."""
+    left, bottom, right, top = numpy.array([spot.box.edges for spot in places]).T
+
+    def around(air):
+        return ink.within(left - air, bottom - air, right + air, top + air)
+    hidden = 6 * around(AIR * scale) + 0.3 * around(4 * AIR * scale)
+    return [over + leader + aside_cost(spot, frame, scale)
+            for spot, over, leader in zip(places, hidden, leader_costs(places, ink, scale))]
+
+
+def aside_cost(spot, frame, scale):
+    """Prices how far a place reaches out of the frame, how far off it is and in what direction."""
     outside = sum(max(excess, 0) for excess in (frame.x0 + 3 - spot.box.left, spot.box.right - frame.x1,
                                                 frame.y0 + 3 - spot.box.bottom, spot.box.top - frame.y1))
-    crossed = sum(leader_cost(ink.within(Box(*dot, *dot).grown(2 * scale))) for dot in spot.leader()
-                  if math.dist(dot, spot.anchor) > 6 * scale)
-    away = math.dist(spot.anchor, spot.centre) / scale
+    away = math.dist(spot.anchor, spot.centre)
     # To the right and below, where lines head for, a label is taken for its line's more readily.
-    awkward = 4 * (1 - (0.9 * (spot.centre[0] - spot.anchor[0]) - 0.43 * (spot.centre[1] - spot.anchor[1]))
-                   / math.dist(spot.anchor, spot.centre))
-    hidden = 6 * ink.within(spot.box.grown(AIR * scale)) + 0.3 * ink.within(spot.box.grown(4 * AIR * scale))
-    return hidden + 30 * outside + 0.6 * away + crossed + awkward
+    awkward = 4 * (1 - (0.9 * (spot.centre[0] - spot.anchor[0]) - 0.43 * (spot.centre[1] - spot.anchor[1])) / away)
+    return 30 * outside + 0.6 * away / scale + awkward
 
 
-def leader_cost(ink):
-    """Prices a part of a leader: across a line it may be followed, at a foreign marker it is taken for that one's."""
-    return 80 if ink >= MARKER_INK else 8 if ink > 0 else 0
+def leader_costs(places, ink, scale):
+    """Prices what each place's leader crosses, away from its own point.
+
+    Across a line a leader may be followed; at a foreign marker it is taken for that one's.
+    """
+    anchors = numpy.array([spot.anchor for spot in places])[:, None]
+    dots = anchors + (numpy.array([spot.centre for spot in places])[:, None] - anchors) * numpy.array(LEADER_PARTS)[:, None]
+    x, y = dots[..., 0], dots[..., 1]
+    crossed = ink.within(x - 2 * scale, y - 2 * scale, x + 2 * scale, y + 2 * scale)
+    own = numpy.hypot(*numpy.moveaxis(dots - anchors, -1, 0)) <= 6 * scale
+    led = numpy.array([[spot.led] for spot in places])
+    return numpy.where(led & ~own, numpy.where(crossed >= MARKER_INK, 80, 8 * (crossed > 0)), 0).sum(axis=1)
 
 
 def choose_places(options, scale):
     """Returns a place for each label: the better outcome of settling them first to last and last to first."""
-    outcomes = [settle(options, scale, order) for order in (range(len(options)), range(len(options))[::-1])]
+    conflicts = Conflicts(options, scale)
+    outcomes = [settle(options, conflicts, order) for order in (range(len(options)), range(len(options))[::-1])]
     return min(outcomes, key=lambda outcome: outcome[0])[1]
 
 
-def settle(options, scale, order):
+def settle(options, conflicts, order):
     """Returns the total cost and the places after each label in turn took the best left by the others."""
-    chosen = [places[0] for places in options]
+    chosen = [0] * len(options)
     for _ in range(PASSES):
         before = list(chosen)
-        for index in order:
-            others = [spot for _, spot in chosen[:index] + chosen[index + 1:]]
-            chosen[index] = min(options[index],
-                                key=lambda priced: priced[0] + conflicts(priced[1], others, scale))
+        for label in order:
+            others = [(other, chosen[other]) for other in range(len(options)) if other != label]
+            chosen[label] = min(range(len(options[label])),
+                                key=lambda option: options[label][option][0] + conflicts.of((label, option), others))
         if chosen == before:
             break
-    spots = [spot for _, spot in chosen]
-    total = sum(cost for cost, _ in chosen) + sum(conflicts(spot, spots[:index], scale)
-                                                  for index, spot in enumerate(spots))
-    return total, spots
+    taken = list(enumerate(chosen))
+    total = sum(options[label][option][0] + conflicts.of((label, option), taken[:label]) for label, option in taken)
+    return total, [options[label][option][1] for label, option in taken]
 
 
-def conflicts(spot, others, scale):
-    total = 0.0
-    room, leader = spot.box.grown(AIR * scale), spot.leader()
-    for other in others:
-        other_room = other.box.grown(AIR * scale)
+class Conflicts:
+    """Prices how labels at two places stand in each other's way. Each pair of places is priced once.
+
+    A place is named by its label's index and its own among the options of that label.
+    """
+
+    def __init__(self, options, scale):
+        self.spots = [[spot for _, spot in places] for places in options]
+        self.rooms = [[spot.box.grown(AIR * scale) for spot in places] for places in self.spots]
+        self.known = {}
+
+    def of(self, one, others):
+        return sum(self.between(one, other) for other in others)
+
+    def between(self, one, other):
+        pair = (one, other) if one < other else (other, one)
+        if pair not in self.known:
+            self.known[pair] = self.price(*pair)
+        return self.known[pair]
+
+    def price(self, one, other):
+        (spot, room), (other_spot, other_room) = ((self.spots[label][option], self.rooms[label][option])
+                                                  for label, option in (one, other))
         shared = room.overlap(other_room)
-        total += 300 + 5 * shared if shared else 0
-        total += 40 * min(sum(map(other_room.holds, leader)), 3) + 40 * min(sum(map(room.holds, other.leader())), 3)
-        total += 60 * (spot.led and other.led and cross(spot, other))
-    return total
+        return ((300 + 5 * shared if shared else 0)
+                + 40 * min(sum(map(other_room.holds, spot.leader)), 3)
+                + 40 * min(sum(map(room.holds, other_spot.leader)), 3)
+                + 60 * (spot.led and other_spot.led and cross(spot, other_spot)))
 
 
 def cross(one, other):

@@ -479,13 +479,18 @@ class EndToEnd(CopyTest):
                 self.assertEqual(self.script("reproduce", *arguments).returncode, DONE)
                 self.assertEqual(set(os.listdir(self.path("root", "results", "latest", name))), results)
 
-    def test_all_makes_a_folder_for_each_job(self):
+    def test_all_makes_a_folder_for_each_job_and_draws_table_1_with_its_accuracy(self):
+        raw = raw_file()
+        for row in raw["benchmarks"]:
+            row.update(relative_error=1e-3, reference_uncertainty=1e-14)
+        self.use_raw_file(raw)
         self.reproduce("all")
         self.assertEqual(set(os.listdir(self.out)), {"table1", "table2", "accuracy", "stability"})
+        self.assertEqual(set(os.listdir(self.path("out", "table1"))), RESULTS)
         self.assertEqual(set(os.listdir(self.path("out", "table2"))), RESULTS)
         self.assertIn("--published", self.calls("table2")[-1])
-        self.assertEqual(set(os.listdir(self.path("out", "table1"))), RESULTS)
-        self.assertEqual(set(os.listdir(self.path("out", "accuracy"))), ACCURACY_RESULTS)
+        self.assertEqual(set(os.listdir(self.path("out", "accuracy"))),
+                         ACCURACY_RESULTS | {"table1_accuracy.svg", "table1_accuracy.png"})
         self.assertEqual(set(os.listdir(self.path("out", "stability"))), STABILITY_RESULTS)
 
     def test_reference_solutions_are_kept_for_the_sizes_measured(self):
@@ -496,15 +501,6 @@ class EndToEnd(CopyTest):
                 self.assertEqual(self.calls("reference_solutions")[-1],
                                  f"reference_solutions --out {references} --n {sizes}")
                 self.assertIn(f"--references {references}", self.calls("table1")[-1])
-
-    def test_a_table_1_beside_the_study_is_drawn_with_its_accuracy(self):
-        raw = raw_file()
-        for row in raw["benchmarks"]:
-            row.update(relative_error=1e-3, reference_uncertainty=1e-14)
-        self.use_raw_file(raw)
-        self.reproduce("all")
-        self.assertEqual(set(os.listdir(self.path("out", "accuracy"))) - ACCURACY_RESULTS,
-                         {"table1_accuracy.svg", "table1_accuracy.png"})
 
     def test_accuracy_measures_the_sizes_and_ends_with_its_report(self):
         done = self.reproduce("accuracy", "--quick")
