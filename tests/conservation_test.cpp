@@ -70,7 +70,7 @@ double poisson_map_defect(Integrator& integrator, const Matrix& W0, double h) {
       for (Index b = 0; b < size; ++b) {
         const Matrix& A = basis[static_cast<std::size_t>(a)];
         const Matrix& B = basis[static_cast<std::size_t>(b)];
-        T(a, b) = inner(W, A * B - B * A);
+        T(a, b) = inner(W, commutator(A, B));
       }
     }
     return T;
@@ -92,7 +92,9 @@ double poisson_map_defect(Integrator& integrator, const Matrix& W0, double h) {
   }
   const RealMatrix before = tensor(W0);
   const RealMatrix after = tensor(integrated(integrator, W0, h, 1));
-  return (derivative * before * derivative.transpose() - after).norm() / after.norm();
+  return (derivative.lazyProduct(before).eval().lazyProduct(derivative.transpose()) - after)
+             .norm() /
+         after.norm();
 }
 
 TEST(EachListedIntegrator, IsAPoissonMapIfAndOnlyIfItSaysSo) {

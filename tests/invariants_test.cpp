@@ -13,8 +13,9 @@ namespace {
 TEST(Spectrum, IsThatOfTheMatrixItWasMadeFrom) {
   const Index n = 8;
   const RealVector wanted = RealVector::LinSpaced(n, -2.0, 1.5);
-  const Matrix U = Eigen::HouseholderQR<Matrix>(random_matrix(n, 1)).householderQ();
-  const Matrix W = Complex(0.0, 1.0) * (U * wanted.cast<Complex>().asDiagonal() * U.adjoint());
+  const Matrix U = exponential(random_skew_hermitian(n, 1));  // unitary
+  const Matrix W =
+      product({U, Complex(0.0, 1.0) * Matrix(wanted.cast<Complex>().asDiagonal()), U.adjoint()});
   EXPECT_LE((spectrum(W) - wanted).cwiseAbs().maxCoeff(), 1e-14);
   EXPECT_NEAR(spectral_norm(W), 2.0, 1e-14);
 }
@@ -29,7 +30,7 @@ TEST(Spectrum, RefusesWhatHasNone) {
 TEST(Casimir, IsTheTraceOfThePower) {
   const Matrix W = random_matrix(5, 1);
   EXPECT_LE(std::abs(casimir(W, 1) - W.trace()), 1e-15);
-  EXPECT_LE(std::abs(casimir(W, 3) - (W * W * W).trace()), 1e-13);
+  EXPECT_LE(std::abs(casimir(W, 3) - product({W, W, W}).trace()), 1e-13);
   EXPECT_THROW(casimir(W, 0), std::invalid_argument);
 }
 
@@ -44,7 +45,8 @@ TEST(AngularMomentum, IsTheTraceWithTheSpinMatrices) {
   const Matrix W = random_skew_hermitian(7, 2);
   const auto S = spin_matrices(7);
   const auto momentum = angular_momentum(W);
-  for (std::size_t a = 0; a < 3; ++a) EXPECT_NEAR(momentum[a], (S[a] * W).trace().imag(), 1e-14);
+  for (std::size_t a = 0; a < 3; ++a)
+    EXPECT_NEAR(momentum[a], product({S[a], W}).trace().imag(), 1e-14);
 }
 
 TEST(EulerZeitlin, HasTheTwoValuesOfHbar) {
@@ -63,7 +65,7 @@ TEST(EulerZeitlin, HasPositiveEnergyWhoseGradientIsTheStreamMatrix) {
   scene.flow->generator(W, B);
   const Matrix P = hbar(HbarConvention::paper, 9) * B;
   const double derivative = 0.5 * (scene.flow->hamiltonian(W + V) - scene.flow->hamiltonian(W - V));
-  EXPECT_NEAR(derivative, -(P.adjoint() * V).trace().real(), 1e-14);
+  EXPECT_NEAR(derivative, -product({P.adjoint(), V}).trace().real(), 1e-14);
 }
 
 }  // namespace

@@ -13,7 +13,6 @@ namespace {
 
 // ΔW = -Σ_a [S_a, [S_a, W]] with the spin matrices written out.
 Matrix laplacian_by_commutators(const Matrix& W) {
-  const auto commutator = [](const Matrix& A, const Matrix& B) { return Matrix(A * B - B * A); };
   Matrix sum = Matrix::Zero(W.rows(), W.cols());
   for (const Matrix& S : spin_matrices(W.rows())) sum -= commutator(S, commutator(S, W));
   return sum;

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
-#include <unsupported/Eigen/MatrixFunctions>
 
 #include "tests/support.h"
 
@@ -12,8 +11,8 @@ namespace {
 
 // A dense J with J² = -I: the symplectic one in other coordinates, by an orthogonal matrix.
 Matrix dense_symplectic_J(Index k) {
-  const Matrix Q = random_skew_hermitian(2 * k, 5).exp();
-  return Q * symplectic_J(k) * Q.inverse();
+  const Matrix Q = exponential(random_skew_hermitian(2 * k, 5));
+  return product({Q, symplectic_J(k), inverse(Q)});
 }
 
 std::vector<Matrix> various_J() {
@@ -27,9 +26,9 @@ TEST(QuadraticAlgebra, InvolutionAndConjugationAreTheirFormulas) {
     const Matrix X = random_matrix(J.rows(), 1);
     Matrix out(J.rows(), J.rows());
     algebra.involution(X, out);
-    EXPECT_LE(largest_difference(out, J.inverse() * X.adjoint() * J), 1e-14);
+    EXPECT_LE(largest_difference(out, product({inverse(J), X.adjoint(), J})), 1e-14);
     algebra.conjugate_by_J(X, out);
-    EXPECT_LE(largest_difference(out, J * X * J.inverse()), 1e-14);
+    EXPECT_LE(largest_difference(out, product({J, X, inverse(J)})), 1e-14);
   }
 }
 

@@ -40,7 +40,7 @@ class SkewnessSkipped final : public Integrator {
     const StepReport report = sound_->step(W1, h);
     // A little of the Hermitian part that the update should not have.
     generator(W1, B_);
-    W1 += 1e-6 * h * (B_ * W1 + (B_ * W1).adjoint());
+    W1 += 1e-6 * h * (product({B_, W1}) + product({B_, W1}).adjoint());
     return {.status = report.status, .sweeps = report.sweeps};
   }
 

@@ -9,6 +9,7 @@
 #include <random>
 #include <sstream>
 #include <stdexcept>
+#include <unsupported/Eigen/MatrixFunctions>
 
 #include "core/gauss_tableau.h"
 #include "core/invariants.h"
@@ -39,6 +40,18 @@ Matrix random_skew_hermitian(Index n, unsigned seed) {
   const Matrix W = X - X.adjoint();
   return W / spectral_norm(W);
 }
+
+Matrix exponential(const Matrix& A) { return A.exp(); }
+
+Matrix inverse(const Matrix& A) { return A.inverse(); }
+
+Matrix product(std::initializer_list<Matrix> factors) {
+  Matrix result = *factors.begin();
+  for (auto factor = factors.begin() + 1; factor != factors.end(); ++factor) result *= *factor;
+  return result;
+}
+
+Matrix commutator(const Matrix& A, const Matrix& B) { return product({A, B}) - product({B, A}); }
 
 Matrix read_reference(const std::string& file, Index n) {
   std::ifstream input(std::string(ISOSYRK_TEST_DATA "/") + file);
@@ -128,10 +141,10 @@ ConjugationFlow::ConjugationFlow(const QuadraticAlgebra& algebra, unsigned seed)
   D_ = (M + mirrored) / (M + mirrored).norm();
 }
 
-void ConjugationFlow::generator(const Matrix& W, Matrix& B) const { B = D_ * W * D_; }
+void ConjugationFlow::generator(const Matrix& W, Matrix& B) const { B = product({D_, W, D_}); }
 
 double ConjugationFlow::hamiltonian(const Matrix& W) const {
-  return 0.5 * (W * D_ * W * D_).trace().real();
+  return 0.5 * product({W, D_, W, D_}).trace().real();
 }
 
 Matrix ConjugationFlow::element(unsigned seed) const {

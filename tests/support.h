@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <initializer_list>
 #include <ostream>
 #include <string>
 
@@ -20,6 +21,13 @@ Matrix random_matrix(Index n, unsigned seed);
 
 /// Random skew-Hermitian, spectral norm 1.
 Matrix random_skew_hermitian(Index n, unsigned seed);
+
+// exp(A), A^-1, the product of some matrices, and AB - BA: Eigen's. A source that has them itself
+// takes seconds longer to compile.
+Matrix exponential(const Matrix& A);
+Matrix inverse(const Matrix& A);
+Matrix product(std::initializer_list<Matrix> factors);
+Matrix commutator(const Matrix& A, const Matrix& B);
 
 /// A matrix from tests/data, in columns i,j,re,im.
 Matrix read_reference(const std::string& file, Index n);

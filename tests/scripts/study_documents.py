@@ -83,13 +83,13 @@ def study_document():
 
 
 def small_study():
-    """Returns a study of two integrators at one n and without tolerances, which is drawn in a second or two."""
+    """Returns a study of two integrators at one n, which is drawn in a second or two."""
     study = study_document()
     study["references"] = study["references"][:1]
     kept = ("group1", "rk4")
     study["integrators"] = [each for each in study["integrators"] if each["name"] in kept]
     study["points"] = [point for point in study["points"] if point["n"] == 17 and point["integrator"] in kept]
-    study["tolerance_points"] = []
+    study["tolerance_points"] = [point for point in study["tolerance_points"] if point["n"] == 17]
     return study
 
 
