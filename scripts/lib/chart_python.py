@@ -50,6 +50,8 @@ def require_matplotlib(program):
 def can_import():
     if importlib.util.find_spec("matplotlib") is None:
         return False
+    # Charts are drawn by one thread: more of NumPy's would only wait for work, at the cost of other processes.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         import matplotlib  # noqa: F401
     except Exception:  # a damaged or mismatched installation fails in ways of its own

@@ -3,12 +3,14 @@
 import ast
 import json
 import os
+import runpy
 import shutil
 import signal
 import struct
 import subprocess
 import sys
 import tempfile
+import traceback
 import unittest
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -65,6 +67,53 @@ def run(command, timeout=60, env=None, prepare=None, **streams):
     streams = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **streams}
     return subprocess.run(command, timeout=timeout, env=env or environment(), preexec_fn=prepare, check=False,
                           encoding="utf-8", errors="replace", **streams)
+
+
+def run_script(script, *arguments, timeout=60):
+    """Runs one of the project's scripts to its end as run() does, in a copy of this process.
+
+    Starting a Python takes longer than most scripts take to run, and tests run them some hundred times.
+    """
+    with tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as errors:
+        child = os.fork()
+        if child == 0:
+            try:
+                os._exit(run_here(script, arguments, output, errors, timeout))
+            finally:
+                os._exit(1)
+        status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+        return subprocess.CompletedProcess([script, *arguments], status, *(text_of(each) for each in (output, errors)))
+
+
+def text_of(file):
+    file.seek(0)
+    return file.read().decode("utf-8", errors="replace")
+
+
+def run_here(script, arguments, output, errors, timeout):
+    """Runs a script in this process, which is lost to it, and returns its exit code."""
+    signal.alarm(timeout)
+    with open(os.devnull, "rb") as nothing:
+        os.dup2(nothing.fileno(), 0)
+    os.dup2(output.fileno(), 1)
+    os.dup2(errors.fileno(), 2)
+    sys.stdout, sys.stderr = (open(number, "w", encoding="utf-8", closefd=False) for number in (1, 2))
+    os.environ.update(environment())
+    sys.argv = [script, *arguments]
+    try:
+        runpy.run_path(script, run_name="__main__")
+        code = 0
+    except SystemExit as end_of_script:
+        code = end_of_script.code or 0
+        if isinstance(code, str):
+            print(code, file=sys.stderr)
+            code = 1
+    except BaseException:
+        traceback.print_exc()
+        code = 1
+    sys.stdout.flush()
+    sys.stderr.flush()
+    return code
 
 
 def start(command, env=None, **streams):

@@ -15,7 +15,7 @@ import subprocess
 import sys
 import unittest
 
-from programs import ROOT, FolderTest, run, strict_json
+from programs import ROOT, FolderTest, run, run_script, strict_json
 from study_documents import point, study_document, write_study
 
 sys.dont_write_bytecode = True
@@ -41,7 +41,9 @@ class RecommendTest(FolderTest):
     def recommend(self, *arguments, **options):
         """Runs the script on the document as it is now."""
         raw = write_study(self.folder, self.document)
-        return run([sys.executable, "-B", SCRIPT, "--raw", raw, *arguments], **options)
+        if options:
+            return run([sys.executable, "-B", SCRIPT, "--raw", raw, *arguments], **options)
+        return run_script(SCRIPT, "--raw", raw, *arguments)
 
     def found(self, n, error, structure="nothing"):
         return recommendation.recommendation(work_precision.study(self.document), n, error, structure)
@@ -375,7 +377,7 @@ class ArgumentTest(RecommendTest):
 
 class FileTest(RecommendTest):
     def recommend_from(self, raw):
-        return run([sys.executable, "-B", SCRIPT, "--n", "17", "--error", "1", "--raw", raw])
+        return run_script(SCRIPT, "--n", "17", "--error", "1", "--raw", raw)
 
     def test_missing_file(self):
         self.assert_refused(self.recommend_from(self.path("none.json")), "none.json", "No such file")
@@ -389,7 +391,7 @@ class FileTest(RecommendTest):
             with self.subTest(name=name):
                 raw = self.write(f"{name}.json", text)
                 self.assert_refused(self.recommend_from(raw), f"recommend: {raw}: ")
-                self.assert_refused(run([sys.executable, "-B", SCRIPT, "--table", "--raw", raw]), raw)
+                self.assert_refused(run_script(SCRIPT, "--table", "--raw", raw), raw)
 
     def test_a_name_with_a_line_break(self):
         self.assert_refused(self.recommend_from(self.path("two\nlines.json")), "two lines.json")

@@ -17,6 +17,8 @@ import sys
 import tempfile
 import unittest
 
+import programs
+
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 SCRIPT = os.path.join(ROOT, "scripts", "render_table1")
 
@@ -117,6 +119,9 @@ class ScriptTest(unittest.TestCase):
             stream.write(content)
 
     def run_script(self, *arguments, **options):
+        if not options:
+            done = programs.run_script(SCRIPT, *arguments)
+            return subprocess.CompletedProcess(done.args, done.returncode, done.stdout.encode(), done.stderr.encode())
         command = [sys.executable, "-B", SCRIPT, *arguments]
         return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=60, check=False,
                               **options)
