@@ -6,6 +6,8 @@ namespace isosyrk {
 
 namespace {
 
+constexpr Index smallest_accelerated = 32;  // below, it costs more than it saves (measured)
+
 Unknowns zero_unknowns(Index n, std::initializer_list<Index> counts) {
   Unknowns unknowns;
   for (const Index count : counts) {
@@ -26,7 +28,10 @@ FastForm::FastForm(const EulerZeitlin& flow, const FastOptions& options,
       laplacian_(flow.laplacian()),
       reciprocal_hbar_(1.0 / hbar(flow.convention(), flow.size())),
       W1_(flow.size()),
-      start_values_(options.start_order, unknowns_) {}
+      start_values_(options.start_order, unknowns_),
+      anderson_(unknowns_),
+      accelerates_(options.accelerate.value_or(unknowns_[0].size() == 1 &&
+                                               flow.size() >= smallest_accelerated)) {}
 
 PlanarMatrix FastForm::identity() const {
   PlanarMatrix I = zero();
@@ -41,7 +46,16 @@ void FastForm::generator(const PlanarMatrix& W, PlanarMatrix& B) {
 
 SolveReport FastForm::iterate(double h) {
   begin();
-  return solve_fixed_point(options_.solver, [&] { return sweep(h); });
+  if (!accelerates_) return solve_fixed_point(options_.solver, [&] { return sweep(h); });
+  anderson_.begin(unknowns_);
+  return solve_fixed_point(options_.solver, [&] {
+    const double change = sweep(h);
+    if (change >= options_.solver.tolerance) {  // else what the sweep gave is accepted
+      anderson_.mix(unknowns_);
+      begin();
+    }
+    return change;
+  });
 }
 
 double FastForm::change_of_one_more_sweep(double h) {
