@@ -14,7 +14,13 @@ FastAlgebra::FastAlgebra(const EulerZeitlin& flow, const Tableau& tableau,
   require_consistent(tableau);
   X_sum_ = X_next_ = W_stage_ = B_ = zeros(tableau.stages());
   M_next_ = minus_adjoints_ = unknowns_[1];
-  input_ = skew_ = zero();
+  input_ = zeros(places(static_cast<Index>(M_next_.size())));
+  skew_ = zeros(places(tableau.stages()));
+  for (std::size_t k = 0; k < stages(); ++k) {
+    for (std::size_t j = 0; j <= k; ++j) pairs_.emplace_back(j, k);
+  }
+  X_change_ = W_change_ = RealVector::Zero(tableau.stages());
+  M_change_ = RealVector::Zero(static_cast<Index>(pairs_.size()));
 }
 
 void FastAlgebra::start_cold() {
@@ -26,69 +32,92 @@ void FastAlgebra::start_cold() {
 void FastAlgebra::begin() { update_stage_vorticities(); }
 
 double FastAlgebra::sweep(double h) {
-  const std::size_t s = stages();
   Stages& X = unknowns_[0];
-  double change = 0.0;
-  for (std::size_t i = 0; i < s; ++i) generator(W_stage_[i], B_[i]);
-  for (std::size_t i = 0; i < s; ++i) {
-    reals(input_) = reals(W0_) + reals(X_sum_[i]);
-    planar_.multiply(input_, B_[i], X_next_[i], -h);
-    change = larger(change, squared_change(X_next_[i], X[i]));
-  }
+  in_phases(
+      stages(),
+      [&](std::size_t i, Share share, Worker& worker) {
+        if (share.part == 0) generator(W_stage_[i], B_[i], worker);
+        if (share.part == share.parts - 1) {
+          reals(input_[place(i)]) = reals(W0_) + reals(X_sum_[i]);
+        }
+      },
+      [&](std::size_t i, Share share, Worker& worker) {
+        worker.planar.multiply(input_[place(i)], B_[i], X_next_[i], -h, share);
+      },
+      [&](std::size_t i, Share share, Worker&) {
+        if (share.part == 0) X_change_(static_cast<Index>(i)) = squared_change(X_next_[i], X[i]);
+      });
   std::swap(X, X_next_);
-  for (std::size_t k = 0; k < s; ++k) {
-    for (std::size_t j = 0; j <= k; ++j) {
-      reals(input_) = reals(X[k]) + a(j, 0) * reals(M(0, k));
-      for (std::size_t m = 1; m < s; ++m) reals(input_) += a(j, m) * reals(M(m, k));
-      PlanarMatrix& fresh = M_next_[pair(j, k)];
-      if (j == k) {
-        planar_.multiply_skew(B_[j], input_, fresh, h);
-      } else {
-        planar_.multiply(B_[j], input_, fresh, h);
-      }
-      change = larger(change, squared_change(fresh, M(j, k)));
-    }
-  }
+  in_phases(
+      pairs_.size(),
+      [&](std::size_t p, Share share, Worker&) {
+        if (share.part != 0) return;
+        const auto [j, k] = pairs_[p];
+        PlanarMatrix& input = input_[place(p)];
+        reals(input) = reals(X[k]) + a(j, 0) * reals(M(0, k));
+        for (std::size_t m = 1; m < stages(); ++m) reals(input) += a(j, m) * reals(M(m, k));
+      },
+      [&](std::size_t p, Share share, Worker& worker) {
+        const auto [j, k] = pairs_[p];
+        if (j == k) {
+          worker.planar.multiply_upper(B_[j], input_[place(p)], M_next_[p], h, share);
+        } else {
+          worker.planar.multiply(B_[j], input_[place(p)], M_next_[p], h, share);
+        }
+      },
+      [&](std::size_t p, Share share, Worker&) {
+        if (share.part != 0) return;
+        if (pairs_[p].first == pairs_[p].second) mirror_skew(M_next_[p]);
+        M_change_(static_cast<Index>(p)) = squared_change(M_next_[p], unknowns_[1][p]);
+      });
   std::swap(unknowns_[1], M_next_);
-  return std::sqrt(larger(change, update_stage_vorticities()));
+  update_stage_vorticities();
+  return larger(largest_change(X_change_),
+                larger(largest_change(M_change_), largest_change(W_change_)));
 }
 
-// W̃_i, and what else the next sweep takes, from the unknowns; returns the largest squared change.
-double FastAlgebra::update_stage_vorticities() {
+// W̃_i, and what else the next sweep takes, from the unknowns.
+void FastAlgebra::update_stage_vorticities() {
   const std::size_t s = stages();
-  double change = 0.0;
-  for (std::size_t k = 0; k < s; ++k) {
-    for (std::size_t j = 0; j < k; ++j) minus_adjoint(M(j, k), minus_adjoints_[pair(j, k)]);
-  }
-  for (std::size_t i = 0; i < s; ++i) {
+  in_phases(pairs_.size(), [&](std::size_t p, Share share, Worker&) {
+    const auto [j, k] = pairs_[p];
+    if (share.part == 0 && j < k) minus_adjoint(M(j, k), minus_adjoints_[p]);
+  });
+  in_phases(s, [&](std::size_t i, Share share, Worker&) {
+    if (share.part != 0) return;
+    PlanarMatrix& input = input_[place(i)];
+    PlanarMatrix& skew = skew_[place(i)];
     combine(tableau_.a.row(static_cast<Index>(i)), unknowns_[0], X_sum_[i]);
     const PlanarMatrix* S = &X_sum_[i];
     if (s > 1) {
-      reals(input_) = reals(X_sum_[i]) + a(i, 0) * a(i, 1) * reals(M(0, 1));
+      reals(input) = reals(X_sum_[i]) + a(i, 0) * a(i, 1) * reals(M(0, 1));
       for (std::size_t k = 2; k < s; ++k) {
-        for (std::size_t j = 0; j < k; ++j) reals(input_) += a(i, j) * a(i, k) * reals(M(j, k));
+        for (std::size_t j = 0; j < k; ++j) reals(input) += a(i, j) * a(i, k) * reals(M(j, k));
       }
-      S = &input_;
+      S = &input;
     }
-    skew_part(*S, 1.0, skew_);
-    for (std::size_t j = 1; j < s; ++j) reals(skew_) += a(i, j) * a(i, j) * reals(M(j, j));
+    skew_part(*S, 1.0, skew);
+    for (std::size_t j = 1; j < s; ++j) reals(skew) += a(i, j) * a(i, j) * reals(M(j, j));
     const double first = a(i, 0) * a(i, 0);
-    change = larger(change, replace(W_stage_[i], [&](const auto& load) {
-                      return load(W0_) + load(skew_) + first * load(M(0, 0));
-                    }));
-  }
-  return change;
+    W_change_(static_cast<Index>(i)) = replace(W_stage_[i], [&](const auto& load) {
+      return load(W0_) + load(skew) + first * load(M(0, 0));
+    });
+  });
 }
 
 void FastAlgebra::update(double h, PlanarMatrix& W1) {
   Stages& C = X_next_;
-  for (std::size_t i = 0; i < stages(); ++i) {
-    generator(W_stage_[i], B_[i]);
-    planar_.multiply(B_[i], W_stage_[i], C[i]);
-  }
-  combine(h * tableau_.b, C, input_);
-  skew_part(input_, 1.0, skew_);
-  W1.entries() = W0_.entries() + skew_.entries();
+  in_phases(
+      stages(),
+      [&](std::size_t i, Share share, Worker& worker) {
+        if (share.part == 0) generator(W_stage_[i], B_[i], worker);
+      },
+      [&](std::size_t i, Share share, Worker& worker) {
+        worker.planar.multiply(B_[i], W_stage_[i], C[i], 1.0, share);
+      });
+  combine(h * tableau_.b, C, input_[0]);
+  skew_part(input_[0], 1.0, skew_[0]);
+  W1.entries() = W0_.entries() + skew_[0].entries();
 }
 
 }  // namespace isosyrk

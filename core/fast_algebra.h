@@ -1,6 +1,8 @@
 // The algebra formulation in planar matrices, its structure used.
 #pragma once
 
+#include <utility>
+
 #include "core/fast_form.h"
 #include "core/tableau.h"
 
@@ -40,15 +42,16 @@ class FastAlgebra final : public FastForm {
   const PlanarMatrix& M(std::size_t j, std::size_t k) const {
     return j <= k ? unknowns_[1][pair(j, k)] : minus_adjoints_[pair(k, j)];
   }
-  void form_minus_adjoints();
-  double update_stage_vorticities();
+  void update_stage_vorticities();
 
   Tableau tableau_;
   Stages X_sum_;  // Σ_j a_ij X_j
   Stages X_next_, M_next_;
   Stages minus_adjoints_;  // -M_jk† where j < k
   Stages W_stage_, B_;
-  PlanarMatrix input_, skew_;
+  Stages input_, skew_;                                     // places to work in
+  std::vector<std::pair<std::size_t, std::size_t>> pairs_;  // (j, k), j <= k, as they are stored
+  RealVector X_change_, M_change_, W_change_;
 };
 
 }  // namespace isosyrk

@@ -25,9 +25,9 @@ class FastCotangent final : public FastForm {
 
  private:
   Tableau tableau_;
-  std::vector<PlanarMatrix> QB_, PB_;
-  PlanarMatrix W_stage_, B_, Q1_, P1_, identity_;
-  RealVector change_;
+  std::vector<PlanarMatrix> W_stage_, B_, QB_, PB_;
+  PlanarMatrix Q1_, P1_, identity_;
+  RealVector Q_change_, P_change_;
 };
 
 }  // namespace isosyrk

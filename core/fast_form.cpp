@@ -1,12 +1,15 @@
 #include "core/fast_form.h"
 
 #include "core/euler_zeitlin.h"
+#include "core/stage_sums.h"
 
 namespace isosyrk {
 
 namespace {
 
-constexpr Index smallest_accelerated = 32;  // below, it costs more than it saves (measured)
+// Below these it costs more than it saves (measured).
+constexpr Index smallest_accelerated = 32;
+constexpr Index smallest_shared = 48;
 
 Unknowns zero_unknowns(Index n, std::initializer_list<Index> counts) {
   Unknowns unknowns;
@@ -21,10 +24,11 @@ Unknowns zero_unknowns(Index n, std::initializer_list<Index> counts) {
 FastForm::FastForm(const EulerZeitlin& flow, const FastOptions& options,
                    std::initializer_list<Index> unknowns)
     : Integrator(flow, ProductBackend::openblas),
-      planar_(flow.size()),
       W0_(flow.size()),
       unknowns_(zero_unknowns(flow.size(), unknowns)),
       options_(options),
+      team_(options.threads == 2 && flow.size() < smallest_shared ? 1 : options.threads),
+      workers_(static_cast<std::size_t>(team_.threads()), Worker{PlanarProducts(flow.size())}),
       laplacian_(flow.laplacian()),
       reciprocal_hbar_(1.0 / hbar(flow.convention(), flow.size())),
       W1_(flow.size()),
@@ -39,9 +43,39 @@ PlanarMatrix FastForm::identity() const {
   return I;
 }
 
-void FastForm::generator(const PlanarMatrix& W, PlanarMatrix& B) {
+void FastForm::generator(const PlanarMatrix& W, PlanarMatrix& B, Worker& worker) const {
   laplacian_.solve_skew_hermitian(W, reciprocal_hbar_, B);
-  ++solves_;
+  ++worker.solves;
+}
+
+void FastForm::update_in_halves(const PlanarMatrix& base, double h, const RealMatrix& a,
+                                const std::vector<PlanarMatrix>& Y, std::vector<PlanarMatrix>& X,
+                                RealVector& squares) {
+  const Index size = reals(base).size();
+  const Index middle = size / 16 * 8;
+  in_halves([&](std::size_t half) {
+    update_unknowns(base, h, a, Y, X,
+                    squares.data() + (half == 0 ? 0 : static_cast<Index>(X.size())),
+                    half == 0 ? 0 : middle, half == 0 ? middle : size);
+  });
+}
+
+long FastForm::products() const {
+  long sum = 0;
+  for (const Worker& each : workers_) sum += each.planar.count();
+  return sum;
+}
+
+double FastForm::equivalent_products() const {
+  double sum = 0.0;
+  for (const Worker& each : workers_) sum += each.planar.equivalents();
+  return sum;
+}
+
+long FastForm::poisson_solves() const {
+  long sum = 0;
+  for (const Worker& each : workers_) sum += each.solves;
+  return sum;
 }
 
 SolveReport FastForm::iterate(double h) {
@@ -67,13 +101,13 @@ double FastForm::change_of_one_more_sweep(double h) {
 }
 
 SolveReport FastForm::advance(const Matrix& W0, double h, Matrix& W1) {
-  const long products_before = planar_.count();
-  const double equivalents_before = planar_.equivalents();
-  const long solves_before = solves_;
+  const long products_before = products();
+  const double equivalents_before = equivalent_products();
+  const long solves_before = poisson_solves();
   W0_.load(W0);
   // Another state than this form ended at: what it knows is of another trajectory.
   if (W0_.entries() != W1_.entries()) start_values_.forget();
-  const bool warm = start_values_.predict(h, unknowns_);
+  const bool warm = start_values_.predict(h, unknowns_, team_);
   if (!warm) start_cold();
   SolveReport report = iterate(h);
   if (warm && report.status != Status::converged) {
@@ -90,9 +124,9 @@ SolveReport FastForm::advance(const Matrix& W0, double h, Matrix& W1) {
   } else {
     start_values_.forget();
   }
-  add_work({.products = planar_.count() - products_before,
-            .poisson_solves = solves_ - solves_before,
-            .equivalent_products = planar_.equivalents() - equivalents_before});
+  add_work({.products = products() - products_before,
+            .poisson_solves = poisson_solves() - solves_before,
+            .equivalent_products = equivalent_products() - equivalents_before});
   return report;
 }
 

@@ -3,6 +3,7 @@
 
 #include <initializer_list>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/anderson.h"
@@ -10,6 +11,7 @@
 #include "core/planar_laplacian.h"
 #include "core/planar_products.h"
 #include "core/start_values.h"
+#include "core/team.h"
 
 namespace isosyrk {
 
@@ -22,6 +24,10 @@ struct FastOptions {
   /// Whether sweeps are accelerated (Anderson).  By default with one stage and n >= 32, where it
   /// pays: with more stages it saves a twentieth of the sweeps, for more than that of their time.
   std::optional<bool> accelerate = {};
+  /// 1 or 2: a sweep's products, and most of what is between them, are shared out; below n = 48,
+  /// where that costs more than it saves, one thread does all.  The results are the same bit for
+  /// bit.
+  int threads = 1;
 };
 
 /// A one-step method in planar matrices for Euler-Zeitlin on su(n): the answer of the published
@@ -34,14 +40,17 @@ struct FastOptions {
 /// starts cold.
 class FastForm : public Integrator {
  public:
-  /// Planar products so far, and those of them that formed a triangle.
-  const PlanarProducts& planar_products() const { return planar_; }
-
   /// The change that one more sweep makes to the unknowns with which the last step, of size h, was
   /// accepted: what the tolerance bounds, seen from outside the solver.
   double change_of_one_more_sweep(double h);
 
  protected:
+  /// What one of the threads works with.
+  struct Worker {
+    PlanarProducts planar;
+    long solves = 0;
+  };
+
   /// With so many unknowns of each kind.
   FastForm(const EulerZeitlin& flow, const FastOptions& options,
            std::initializer_list<Index> unknowns);
@@ -58,7 +67,40 @@ class FastForm : public Integrator {
   virtual void update(double h, PlanarMatrix& W1) = 0;
 
   /// B = B(W), counted; of W the upper triangle is read.
-  void generator(const PlanarMatrix& W, PlanarMatrix& B);
+  void generator(const PlanarMatrix& W, PlanarMatrix& B, Worker& worker) const;
+
+  /// Calls each phase(item, share, worker) for all items below `count`: by one thread, all phases
+  /// of an item in turn, with the whole as its share; by two, phase by phase, with a half.  What
+  /// cannot be halved is done with the first share.
+  template <class... Phases>
+  void in_phases(std::size_t count, Phases&&... phases) {
+    if (team_.threads() == 1) {
+      for (std::size_t item = 0; item < count; ++item) (phases(item, Share{}, workers_[0]), ...);
+      return;
+    }
+    const auto by_two = [&](auto&& phase) {
+      team_.run(2 * count, [&](std::size_t index, std::size_t thread) {
+        phase(index / 2, Share{static_cast<Index>(index % 2), 2}, workers_[thread]);
+      });
+    };
+    (by_two(phases), ...);
+  }
+
+  /// Calls half(0) and half(1), one for each half of something.
+  template <class Half>
+  void in_halves(Half&& half) {
+    team_.run(2, [&](std::size_t index, std::size_t) { half(index); });
+  }
+
+  /// As update_unknowns of stage_sums.h, shared out; squares has twice as many entries, those of
+  /// the one half of the numbers and then those of the other.
+  void update_in_halves(const PlanarMatrix& base, double h, const RealMatrix& a,
+                        const std::vector<PlanarMatrix>& Y, std::vector<PlanarMatrix>& X,
+                        RealVector& squares);
+
+  /// Of some places to work in, one for each item that is under way at a time, that of this one.
+  std::size_t place(std::size_t item) const { return team_.threads() == 1 ? 0 : item; }
+  Index places(Index count) const { return team_.threads() == 1 ? 1 : count; }
 
   PlanarMatrix zero() const { return PlanarMatrix(W0_.size()); }
   PlanarMatrix identity() const;
@@ -66,21 +108,25 @@ class FastForm : public Integrator {
     return std::vector<PlanarMatrix>(static_cast<std::size_t>(count), zero());
   }
 
-  PlanarProducts planar_;
   PlanarMatrix W0_;
   Unknowns unknowns_;
 
  private:
   SolveReport iterate(double h);
 
+  long products() const;
+  double equivalent_products() const;
+  long poisson_solves() const;
+
   FastOptions options_;
+  Team team_;
+  std::vector<Worker> workers_;
   PlanarLaplacian laplacian_;
   double reciprocal_hbar_;
   PlanarMatrix W1_;
   StartValues start_values_;
   Anderson anderson_;
   bool accelerates_;
-  long solves_ = 0;
 };
 
 }  // namespace isosyrk

@@ -29,12 +29,11 @@ class FastGroup final : public FastForm {
   void update(double h, PlanarMatrix& W1) override;
 
  private:
-  void conjugate(const PlanarMatrix& Q, PlanarMatrix& W);
   double transport(double h);
 
   Tableau tableau_;
-  std::vector<PlanarMatrix> B_, QB_;
-  PlanarMatrix W0Q_, W_stage_, Q1_, identity_;
+  std::vector<PlanarMatrix> W0Q_, W_stage_, B_, QB_;
+  PlanarMatrix Q1_, identity_;
   RealVector change_;
   double tolerance_;
   bool transports_twice_;

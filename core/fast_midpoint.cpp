@@ -15,10 +15,24 @@ void FastMidpoint::start_cold() { unknowns_[0][0].entries().setZero(); }
 void FastMidpoint::begin() { reals(W_stage_) = reals(W0_) + reals(unknowns_[0][0]); }
 
 double FastMidpoint::sweep(double h) {
-  generator(W_stage_, B_);
-  planar_.multiply(B_, W_stage_, M_);
-  planar_.multiply_skew(M_, B_, MB_, 0.25 * h * h);
-  skew_part(M_, 0.5 * h, commutator_);
+  in_phases(
+      1,
+      [&](std::size_t, Share share, Worker& worker) {
+        if (share.part == 0) generator(W_stage_, B_, worker);
+      },
+      [&](std::size_t, Share share, Worker& worker) {
+        worker.planar.multiply(B_, W_stage_, M_, 1.0, share);
+      },
+      [&](std::size_t, Share share, Worker& worker) {
+        worker.planar.multiply_upper(M_, B_, MB_, 0.25 * h * h, share);
+      });
+  in_halves([&](std::size_t half) {
+    if (half == 0) {
+      mirror_skew(MB_);
+    } else {
+      skew_part(M_, 0.5 * h, commutator_);
+    }
+  });
   const double change =
       replace(unknowns_[0][0], [&](const auto& load) { return load(commutator_) + load(MB_); });
   reals(W_stage_) = reals(W0_) + reals(unknowns_[0][0]);

@@ -26,6 +26,8 @@ struct PlanarProduct {
   double* C_re;
   double* C_im;
   bool upper;  ///< only what lies on and above the diagonal is wanted; below it anything may be
+  std::ptrdiff_t first_row;  ///< of those of C that are formed
+  std::ptrdiff_t end_row;
   double* scratch;  ///< planar_scratch(n, stride) doubles
 };
 

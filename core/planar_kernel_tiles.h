@@ -144,12 +144,12 @@ void one_tile(Index rows, Kind kind, const PlanarProduct& product, const Left& A
   }
 }
 
-// Rows 0 ... end - 1 in blocks of nearly equal height: a low one at the end would leave the
+// Rows first ... end - 1 in blocks of nearly equal height: a low one at the end would leave the
 // multiply-adds waiting for one another.  Calls tiles(first row, height).
 template <class Tiles>
-inline __attribute__((always_inline)) void for_row_blocks(Index end, Tiles&& tiles) {
-  const Index blocks = (end + tile_rows - 1) / tile_rows;
-  Index i = 0;
+inline __attribute__((always_inline)) void for_row_blocks(Index first, Index end, Tiles&& tiles) {
+  const Index blocks = (end - first + tile_rows - 1) / tile_rows;
+  Index i = first;
   for (Index block = 0; block < blocks; ++block) {
     const Index height = (end - i) / (blocks - block);
     tiles(i, height);
@@ -172,8 +172,9 @@ template <bool adjoint>
 void multiply_in_place(const PlanarProduct& product, const Left& A) {
   for_panels(product.n, [&](Kind kind, Index j, Index columns) {
     const Panel B{product.B_re + j, product.B_im + j, product.stride};
-    const Index end = product.upper && j + columns < product.n ? j + columns : product.n;
-    for_row_blocks(end, [&](Index i, Index height) {
+    const bool cut = product.upper && j + columns < product.end_row;
+    const Index end = cut ? j + columns : product.end_row;
+    for_row_blocks(product.first_row, end, [&](Index i, Index height) {
       one_tile<adjoint>(height, kind, product, rows_from(A, i), B, i, j);
     });
   });
@@ -198,7 +199,7 @@ void multiply_packed(const PlanarProduct& product, const Left& A) {
     }
   });
   double* columns_of_A = packed + 2 * n * stride;
-  for_row_blocks(n, [&](Index i, Index height) {
+  for_row_blocks(product.first_row, product.end_row, [&](Index i, Index height) {
     Left block = rows_from(A, i);
     if (adjoint) {  // columns of A, which lie far apart
       for (Index k = 0; k < n; ++k) {
@@ -266,9 +267,9 @@ inline void last_column(const PlanarProduct& product) {
   }
   for (Index k = n; k < stride; ++k) x[k] = y[k] = 0.0;
   constexpr Index together = 4;
-  Index i = 0;
-  for (; i + together <= n; i += together) last_entries<together>(product, x, y, i);
-  for (; i < n; ++i) last_entries<1>(product, x, y, i);
+  Index i = product.first_row;
+  for (; i + together <= product.end_row; i += together) last_entries<together>(product, x, y, i);
+  for (; i < product.end_row; ++i) last_entries<1>(product, x, y, i);
 }
 
 // The same of A†: by columns of A, which are rows of what is summed.
@@ -278,7 +279,7 @@ inline void last_column_of_adjoint(const PlanarProduct& product) {
   double* re = product.scratch;
   double* im = product.scratch + stride;
   constexpr int vectors = 8 / width;  // a row is filled up to whole blocks of 8
-  for (Index i = 0; i < n; i += 8) {
+  for (Index i = product.first_row / 8 * 8; i < product.end_row; i += 8) {
     Vector ax[vectors] = {}, by[vectors] = {}, ay[vectors] = {}, bx[vectors] = {};
     for (Index k = 0; k < n; ++k) {
       const double x = product.B_re[k * stride + n - 1];
@@ -299,7 +300,7 @@ inline void last_column_of_adjoint(const PlanarProduct& product) {
       store(im + i + v * width, product.scale * (ay[v] - bx[v]));
     }
   }
-  for (Index i = 0; i < n; ++i) {
+  for (Index i = product.first_row; i < product.end_row; ++i) {
     product.C_re[i * stride + n - 1] = re[i];
     product.C_im[i * stride + n - 1] = im[i];
   }

@@ -84,6 +84,14 @@ inline double largest_change(const RealVector& squares) {
   return std::sqrt(largest);
 }
 
+/// The same where squares holds the sums over one half of the numbers, then those over the other.
+inline double largest_change_of_halves(const RealVector& squares) {
+  const Index count = squares.size() / 2;
+  double largest = 0.0;
+  for (Index i = 0; i < count; ++i) largest = larger(largest, squares(i) + squares(count + i));
+  return std::sqrt(largest);
+}
+
 namespace stage_sums {
 
 /// `Length` neighbouring real numbers of a matrix.
@@ -120,14 +128,14 @@ void update_piece(const AnyMatrix& base, const Coefficients& c, const std::vecto
 /// update_unknowns for s = Size, which the compiler unrolls, or for any s (Eigen::Dynamic).
 template <int Size, class AnyMatrix>
 void update_all(const AnyMatrix& base, double h, const RealMatrix& a,
-                const std::vector<AnyMatrix>& Y, std::vector<AnyMatrix>& X, double* squares) {
+                const std::vector<AnyMatrix>& Y, std::vector<AnyMatrix>& X, double* squares,
+                Index begin, Index end) {
   constexpr int most = Size == Eigen::Dynamic ? max_stages : Size;
   const Eigen::Matrix<double, Size, Size, Eigen::ColMajor, most, most> c = h * a;
   constexpr int length = 8;
   Piece<length> sums[most];
   for (Index i = 0; i < c.rows(); ++i) sums[i].setZero();
-  const Index end = reals(base).size();
-  Index at = 0;
+  Index at = begin;
   for (; at + length <= end; at += length) update_piece<length>(base, c, Y, X, at, sums);
 
   constexpr int rest = 2;  // 2n² is even
@@ -158,20 +166,29 @@ double replace(PlanarMatrix& X, Fresh&& fresh) {
 }
 
 /// X_i = base + h Σ_j a_ij Y_j for i = 1..s, each Y_j read once; squares[i] = Σ |change of X_i|².
-/// a is s x s, s = Y.size() = X.size() <= max_stages.
+/// a is s x s, s = Y.size() = X.size() <= max_stages.  Of the real numbers of each matrix those
+/// from `begin` up to `end`, a multiple of 8 each.
+template <class AnyMatrix>
+void update_unknowns(const std::type_identity_t<AnyMatrix>& base, double h, const RealMatrix& a,
+                     const std::vector<AnyMatrix>& Y, std::vector<AnyMatrix>& X, double* squares,
+                     Index begin, Index end) {
+  switch (Y.size()) {
+    case 1:
+      return stage_sums::update_all<1>(base, h, a, Y, X, squares, begin, end);
+    case 2:
+      return stage_sums::update_all<2>(base, h, a, Y, X, squares, begin, end);
+    case 3:
+      return stage_sums::update_all<3>(base, h, a, Y, X, squares, begin, end);
+    default:
+      return stage_sums::update_all<Eigen::Dynamic>(base, h, a, Y, X, squares, begin, end);
+  }
+}
+
+/// The same, of whole matrices.
 template <class AnyMatrix>
 void update_unknowns(const std::type_identity_t<AnyMatrix>& base, double h, const RealMatrix& a,
                      const std::vector<AnyMatrix>& Y, std::vector<AnyMatrix>& X, double* squares) {
-  switch (Y.size()) {
-    case 1:
-      return stage_sums::update_all<1>(base, h, a, Y, X, squares);
-    case 2:
-      return stage_sums::update_all<2>(base, h, a, Y, X, squares);
-    case 3:
-      return stage_sums::update_all<3>(base, h, a, Y, X, squares);
-    default:
-      return stage_sums::update_all<Eigen::Dynamic>(base, h, a, Y, X, squares);
-  }
+  update_unknowns<AnyMatrix>(base, h, a, Y, X, squares, 0, reals(base).size());
 }
 
 }  // namespace isosyrk

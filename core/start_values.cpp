@@ -8,31 +8,48 @@
 namespace isosyrk {
 
 StartValues::StartValues(int p, const Unknowns& unknowns) : p_(p) {
-  constexpr int largest = 12;
   if (p < 0 || p > largest) {
-    throw std::invalid_argument(fmt::format("start order {}: must be 0 to {}", p, largest));
+    throw std::invalid_argument(fmt::format("start order {}: must be 0 to {}", p, int{largest}));
   }
   past_.assign(static_cast<std::size_t>(p), unknowns);
 }
 
-bool StartValues::predict(double h, Unknowns& unknowns) const {
+bool StartValues::predict(double h, Unknowns& unknowns, Team& team) const {
   if (known_ == 0 || h != h_) return false;
+  std::array<double, largest> weights{};
+  weights[0] = known_;  // of the last step: C(known, 1)
+  for (int k = 1; k < known_; ++k) {
+    weights[static_cast<std::size_t>(k)] = -weights[static_cast<std::size_t>(k - 1)] *
+                                           static_cast<double>(known_ - k) /
+                                           static_cast<double>(k + 1);
+  }
   for (std::size_t kind = 0; kind < unknowns.size(); ++kind) {
-    for (std::size_t u = 0; u < unknowns[kind].size(); ++u) {
-      const auto past = [&](int k) -> const RealVector& {  // k steps ago, the last is 1
-        const std::size_t size = past_.size();
-        return past_[(newest_ + size + 1 - static_cast<std::size_t>(k)) % size][kind][u].entries();
-      };
-      RealVector& x = unknowns[kind][u].entries();
-      double weight = known_;  // of k = 1: C(known, 1)
-      x = weight * past(1);
-      for (int k = 2; k <= known_; ++k) {
-        weight *= -static_cast<double>(known_ - k + 1) / static_cast<double>(k);
-        x += weight * past(k);
-      }
-    }
+    team.run(2 * unknowns[kind].size(), [&](std::size_t half, std::size_t) {
+      extrapolate(weights, kind, half / 2, half % 2, unknowns[kind][half / 2].entries());
+    });
   }
   return true;
+}
+
+// One half of the entries of an unknown, each from all its past ones at once.
+void StartValues::extrapolate(const std::array<double, largest>& weights, std::size_t kind,
+                              std::size_t unknown, std::size_t half, RealVector& x) const {
+  std::array<const double*, largest> past{};
+  for (std::size_t k = 0; k < static_cast<std::size_t>(known_); ++k) {
+    const std::size_t step = (newest_ + past_.size() - k) % past_.size();
+    past[k] = past_[step][kind][unknown].entries().data();
+  }
+  constexpr Index length = 8;  // rows are filled up to whole blocks of 8
+  const Index middle = x.size() / (2 * length) * length;
+  const Index end = half == 0 ? middle : x.size();
+  for (Index i = half == 0 ? 0 : middle; i < end; i += length) {
+    using Piece = Eigen::Array<double, length, 1>;
+    Piece sum = weights[0] * Eigen::Map<const Piece>(past[0] + i);
+    for (std::size_t k = 1; k < static_cast<std::size_t>(known_); ++k) {
+      sum += weights[k] * Eigen::Map<const Piece>(past[k] + i);
+    }
+    Eigen::Map<Piece>(x.data() + i) = sum;
+  }
 }
 
 void StartValues::accept(double h, const Unknowns& unknowns) {

@@ -1,9 +1,11 @@
 // Start values of an iteration from the steps before.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "core/planar_matrix.h"
+#include "core/team.h"
 
 namespace isosyrk {
 
@@ -27,7 +29,7 @@ class StartValues {
 
   /// Sets the unknowns for a step of size h; leaves them and returns false where the step must
   /// start cold: the first, and the first of another size or after forget().
-  bool predict(double h, Unknowns& unknowns) const;
+  bool predict(double h, Unknowns& unknowns, Team& team) const;
 
   /// Takes what a step of size h was solved by.
   void accept(double h, const Unknowns& unknowns);
@@ -35,6 +37,11 @@ class StartValues {
   void forget() { known_ = 0; }
 
  private:
+  static constexpr int largest = 12;
+
+  void extrapolate(const std::array<double, largest>& weights, std::size_t kind,
+                   std::size_t unknown, std::size_t half, RealVector& x) const;
+
   int p_;
   int known_ = 0;  // past steps
   std::size_t newest_ = 0;

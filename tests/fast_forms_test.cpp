@@ -148,6 +148,23 @@ TEST_P(EachFastForm, StartValuesSaveSweepsAndOrderZeroStartsColdAlways) {
   EXPECT_EQ(V, W);
 }
 
+TEST_P(EachFastForm, TwoThreadsGiveTheSameBitForBit) {
+  for (const Index n : {17, 49, 66, 75}) {  // two threads from 48 on; copies of B from 73
+    const Scene scene = smooth_scene(n);
+    const auto one = fast(GetParam(), *scene.flow);
+    const auto two = fast(GetParam(), *scene.flow, {.solver = {}, .threads = 2});
+    Matrix W = scene.initial;
+    Matrix V = scene.initial;
+    const RunReport expected = run(*one, W, 0.1, 12);
+    const RunReport report = run(*two, V, 0.1, 12);
+    EXPECT_EQ(V, W) << n;
+    EXPECT_EQ(report.sweeps, expected.sweeps) << n;
+    EXPECT_EQ(report.products, expected.products) << n;
+    EXPECT_EQ(report.equivalent_products, expected.equivalent_products) << n;
+    EXPECT_EQ(report.poisson_solves, expected.poisson_solves) << n;
+  }
+}
+
 TEST_P(EachFastForm, OtherFlowsAreIntegratedInThePublishedForm) {
   const Method method = GetParam();
   const ConjugationFlow flow(QuadraticAlgebra(indefinite_J(3, 2)), 1);
@@ -168,6 +185,10 @@ TEST(FastForms, RefuseWhatTheyCannotDo) {
   const Scene scene = smooth_scene(5);
   for (const int order : {-1, 13}) {
     EXPECT_THROW(fast({Formulation::group, 2}, *scene.flow, {.solver = {}, .start_order = order}),
+                 std::invalid_argument);
+  }
+  for (const int threads : {0, 3}) {
+    EXPECT_THROW(fast({Formulation::group, 2}, *scene.flow, {.solver = {}, .threads = threads}),
                  std::invalid_argument);
   }
   EXPECT_THROW(fast({Formulation::group, 0}, *scene.flow), std::invalid_argument);
