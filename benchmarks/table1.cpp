@@ -2,5 +2,5 @@
 #include "benchmarks/table_program.h"
 
 int main(int argc, char** argv) {
-  return isosyrk::table_main(isosyrk::published_table(), nullptr, argc, argv);
+  return isosyrk::table_main(isosyrk::published_table(), {}, argc, argv);
 }

@@ -13,6 +13,7 @@ namespace isosyrk {
 /// What makes one table of the other.
 struct TableProgram {
   std::string name;  ///< "table1"; cells are named table1/group/n:17/s:2
+  int threads = 1;   ///< cells of two threads are named table2/group/n:17/s:2/threads:2
   std::string description;
   std::function<std::unique_ptr<Integrator>(Formulation, int stages, const Flow&,
                                             const SolverOptions&, ProductBackend)>
@@ -27,9 +28,15 @@ struct TableProgram {
 /// Table 1: the published forms.
 TableProgram published_table();
 
+/// What a table is compared with on request: its cells are timed too, in turns with the table's own
+/// if Google Benchmark is asked to interleave.
+struct ComparedTables {
+  const TableProgram* published = nullptr;    ///< by --published
+  const TableProgram* two_threads = nullptr;  ///< by --threads 2
+};
+
 /// The program: times 50 steps of each cell, n = 17, 33, 65, 129, s = 1, 2, 3, and returns its exit
-/// code.  Where there is a table to compare with, --published times its cells too, in turns with
-/// this one's if Google Benchmark is asked to interleave.  The tables must outlive it.
-int table_main(const TableProgram& table, const TableProgram* compared_with, int argc, char** argv);
+/// code.  The tables must outlive it.
+int table_main(const TableProgram& table, const ComparedTables& compared, int argc, char** argv);
 
 }  // namespace isosyrk

@@ -24,6 +24,8 @@ struct FastOptions {
   /// Whether sweeps are accelerated (Anderson).  By default with one stage and n >= 32, where it
   /// pays: with more stages it saves a twentieth of the sweeps, for more than that of their time.
   std::optional<bool> accelerate = {};
+  /// Whether a sweep of group transports twice.  By default from n = 48 on, where it pays.
+  std::optional<bool> transport_twice = {};
   /// 1 or 2: a sweep's products, and most of what is between them, are shared out; below n = 48,
   /// where that costs more than it saves, one thread does all.  The results are the same bit for
   /// bit.

@@ -16,7 +16,7 @@ FastGroup::FastGroup(const EulerZeitlin& flow, const Tableau& tableau, const Fas
   change_.resize(2 * tableau.stages());
   tolerance_ = options.solver.tolerance;
   constexpr Index smallest = 48;  // below, the second transport saves less than it costs (measured)
-  transports_twice_ = flow.size() >= smallest;
+  transports_twice_ = options.transport_twice.value_or(flow.size() >= smallest);
 }
 
 void FastGroup::start_cold() {

@@ -56,16 +56,19 @@ class Run:
     measurements: Dict[CellKey, Measurement]
 
 
-def read_run(path, program, counters, optional=(), table=None):
+def read_run(path, program, counters, optional=(), table=None, threads=1, time="cpu_time"):
     """Returns the Run in `path`, written by `program`, whose every good row must have all `counters`.
 
     A cell has an optional counter if each of its repetitions has it. `table` is what the rows are named by, where that
-    is not the program.
+    is not the program. Of rows timed by several threads, named .../threads:2, only those of `threads` are read; for
+    their comparison `time` is "real_time".
     """
     try:
         document = parse_json(read_text(path))
         context, rows = context_and_rows(document, program)
-        return Run(context, measurements(rows, table or program, counters, optional))
+        table = table or program
+        rows = [row for row in rows if threads_of(row) == threads]
+        return Run(context, measurements(rows, table, counters, optional, time))
     except UnusableFile as problem:
         raise UnusableFile(f"{one_line(path)}: {problem}") from None
 
@@ -134,14 +137,21 @@ def context_text(value):
     return None
 
 
-def measurements(rows, program, counters, optional):
+def threads_of(row):
+    """Returns how many threads a row's name says, 1 where it says none."""
+    name = row.get("run_name") if isinstance(row, dict) else None
+    match = re.search(r"/threads:([0-9]{1,3})(?=/|$)", name) if isinstance(name, str) else None
+    return int(match[1]) if match else 1
+
+
+def measurements(rows, program, counters, optional, time):
     """Gathers the repetitions of each cell."""
     repetitions = {}
     for row in rows:
         key = cell_key(row, program)
         if key is not None:
             present = (*counters, *(name for name in optional if name in row))
-            add_repetition(repetitions.setdefault(key, {}), row, present)
+            add_repetition(repetitions.setdefault(key, {}), row, present, time)
     if not repetitions:
         raise UnusableFile(f"has no measured row named {program}/… (run_type \"iteration\")")
     return {key: measurement(cell) for key, cell in repetitions.items()}
@@ -162,7 +172,7 @@ def cell_key(row, program):
     return CellKey(match[1], int(match[2]), int(match[3]))
 
 
-def add_repetition(cell, row, counters):
+def add_repetition(cell, row, counters, time):
     """Adds one row to the repetitions of its cell, keyed by repetition so that a doubled one is noticed."""
     index = number(row, "repetition_index")
     if index in cell:
@@ -173,7 +183,7 @@ def add_repetition(cell, row, counters):
     if failed:
         cell[index] = Measurement(failure=error_message(row))
     else:
-        cell[index] = Measurement((seconds(row),), {name: number(row, name) for name in counters})
+        cell[index] = Measurement((seconds(row, time),), {name: number(row, name) for name in counters})
 
 
 def error_message(row):
@@ -195,14 +205,14 @@ def measurement(cell):
                        {name: statistics.median(each.counters[name] for each in repetitions) for name in names})
 
 
-def seconds(row):
-    """Returns the CPU time of a row in seconds."""
+def seconds(row, field):
+    """Returns the CPU time of a row in seconds, or the time that passed."""
     unit = row.get("time_unit")
     if not isinstance(unit, str) or unit not in SECONDS_PER_UNIT:
         raise UnusableFile(f"{row_name(row)}: time_unit {quoted(unit)} is none of {', '.join(SECONDS_PER_UNIT)}")
-    time = finite(row, "cpu_time") * SECONDS_PER_UNIT[unit]
+    time = finite(row, field) * SECONDS_PER_UNIT[unit]
     if not SHORTEST_SECONDS <= time <= LONGEST_SECONDS:
-        raise UnusableFile(f"{row_name(row)}: cpu_time {quoted(row['cpu_time'])} {unit} is no possible time")
+        raise UnusableFile(f"{row_name(row)}: {field} {quoted(row[field])} {unit} is no possible time")
     return time
 
 

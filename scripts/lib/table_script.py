@@ -8,30 +8,36 @@ from command_line import OneLineParser
 from document import WRITERS, replace_file, write_standard_output
 
 
-def parse_arguments(program, description, wrote, arguments):
+def parse_arguments(program, description, wrote, arguments, others):
     parser = OneLineParser(prog=program, description=description)
     parser.add_argument("raw", metavar="RAW.json", help=f"what {wrote} wrote")
     parser.add_argument("--format", choices=tuple(WRITERS), default="text")
     parser.add_argument("--output", metavar="FILE", help="write here instead of to standard output")
+    for name, wrote_it in others.items():
+        parser.add_argument(f"--{name}", metavar=f"{name.upper()}.json", help=wrote_it)
     return parser.parse_args(arguments)
 
 
-def save(data, options):
+def save(data, options, raw_files):
     """Writes the result where it was asked for, never over the measurements."""
     if options.output is None:
         write_standard_output(data)
-    elif os.path.exists(options.output) and os.path.samefile(options.raw, options.output):
+    elif os.path.exists(options.output) and any(os.path.samefile(each, options.output) for each in raw_files):
         raise OSError(0, "is the raw file itself")
     else:
         replace_file(options.output, data)
 
 
-def render(program, description, wrote, table, arguments):
-    """Renders the document `table(path of the raw file)` as asked; returns the exit code."""
-    options = parse_arguments(program, description, wrote, arguments)
+def render(program, description, wrote, table, arguments, others=None):
+    """Renders the document `table(path of the raw file)` as asked; returns the exit code.
+
+    `others` are options that name further raw files, with their help; `table` takes those given by name.
+    """
+    options = parse_arguments(program, description, wrote, arguments, others or {})
+    further = {name: getattr(options, name) for name in others or {} if getattr(options, name) is not None}
     try:
-        data = WRITERS[options.format](table(options.raw)).encode("utf-8")
-        save(data, options)
+        data = WRITERS[options.format](table(options.raw, **further)).encode("utf-8")
+        save(data, options, (options.raw, *further.values()))
     except UnusableFile as problem:
         print(f"{program}: {problem}", file=sys.stderr)
         return 2

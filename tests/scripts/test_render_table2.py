@@ -62,6 +62,36 @@ class RenderTable2(FolderTest):
         for form, mark in (("markdown", "| --:"), ("latex", "\\toprule"), ("text", "Table 2")):
             self.assertIn(mark, self.rendered(self.both(), "--format", form))
 
+    def with_threads(self, two=None):
+        two = two or raw_file(tables=("table2",), threads=(1, 2))
+        return ("--threads", self.write("threads.json", json.dumps(two)))
+
+    def test_two_threads_are_compared_by_the_time_that_passes(self):
+        section = self.rendered(self.both(), *self.with_threads()).split("One thread over two\n")[1]
+        self.assertRegex(section, r"17 +cotangent +1\.60 \(1\.60\) +1\.60 \(1\.60\) +1\.60 \(1\.60\)")
+        self.assertNotIn("One thread over two", self.rendered(self.both()))
+
+    def test_a_cell_that_failed_with_two_threads_has_no_speed_up(self):
+        two = raw_file(tables=("table2",), threads=(1, 2))
+        for row in two["benchmarks"]:
+            if row["run_name"] == "table2/group/n:17/s:2/threads:2":
+                row.update(error_occurred=True, error_message="diverged at step 3")
+        section = self.rendered(self.both(), *self.with_threads(two)).split("One thread over two\n")[1]
+        self.assertRegex(section, r"group +1\.60 \(1\.60\) +– +1\.60")
+
+    def test_rows_of_two_threads_do_not_enter_the_table(self):
+        raw = self.both()
+        raw["benchmarks"] += raw_file(tables=("table2",), threads=(2,))["benchmarks"]
+        self.assertEqual(self.rendered(raw), self.rendered(self.both()))
+
+    def test_a_file_without_two_threads_is_refused(self):
+        one = raw_file(tables=("table2",))
+        self.assert_refused(self.render(self.both(), *self.with_threads(one)), "threads.json", "table2/")
+
+    def test_the_result_never_replaces_either_raw_file(self):
+        option, path = self.with_threads()
+        self.assert_refused(self.render(self.both(), option, path, "--output", path), "is the raw file itself")
+
     def test_a_run_without_the_published_forms_is_refused(self):
         self.assert_refused(self.render(raw_file(tables=("table2",))), "raw.json", "table1/")
 
