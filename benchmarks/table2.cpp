@@ -28,8 +28,9 @@ TableProgram fast_table(int threads) {
       .counts_equivalents = true,
       .conditions =
           {{"products", fmt::format("planar, {} kernels", planar_kernels().front().name)},
-           {"start", fmt::format("extrapolated from the last {} steps, cold at first",
-                                 FastOptions{}.start_order)},
+           {"start",
+            fmt::format("extrapolated from the last {} steps, {} at n = 129, cold at first",
+                        default_start_order(17), default_start_order(129))},
            {"update_order",
             "Jacobi, but: algebra takes M_jk from the new X; group from n = 48 on sweeps Q "
             "twice with the same B; with one stage and n >= 32 by Anderson acceleration"}},

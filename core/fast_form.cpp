@@ -21,6 +21,8 @@ Unknowns zero_unknowns(Index n, std::initializer_list<Index> counts) {
 
 }  // namespace
 
+int default_start_order(Index n) { return n < 96 ? 10 : 9; }
+
 FastForm::FastForm(const EulerZeitlin& flow, const FastOptions& options,
                    std::initializer_list<Index> unknowns)
     : Integrator(flow, ProductBackend::openblas),
@@ -32,7 +34,7 @@ FastForm::FastForm(const EulerZeitlin& flow, const FastOptions& options,
       laplacian_(flow.laplacian()),
       reciprocal_hbar_(1.0 / hbar(flow.convention(), flow.size())),
       W1_(flow.size()),
-      start_values_(options.start_order, unknowns_),
+      start_values_(options.start_order.value_or(default_start_order(flow.size())), unknowns_),
       anderson_(unknowns_),
       accelerates_(options.accelerate.value_or(unknowns_[0].size() == 1 &&
                                                flow.size() >= smallest_accelerated)) {}
@@ -78,9 +80,9 @@ long FastForm::poisson_solves() const {
   return sum;
 }
 
-SolveReport FastForm::iterate(double h) {
+SolveReport FastForm::iterate(double h, bool accelerated) {
   begin();
-  if (!accelerates_) return solve_fixed_point(options_.solver, [&] { return sweep(h); });
+  if (!accelerated) return solve_fixed_point(options_.solver, [&] { return sweep(h); });
   anderson_.begin(unknowns_);
   return solve_fixed_point(options_.solver, [&] {
     const double change = sweep(h);
@@ -90,6 +92,27 @@ SolveReport FastForm::iterate(double h) {
     }
     return change;
   });
+}
+
+SolveReport FastForm::solve(double h) {
+  SolveReport report;
+  int wasted = 0;
+  const auto converges = [&](bool accelerated) {
+    wasted += report.sweeps;
+    report = iterate(h, accelerated);
+    return report.status == Status::converged;
+  };
+  if (start_values_.predict(h, unknowns_, team_)) {
+    if (converges(accelerates_)) return report;
+    start_values_.forget();
+  }
+  start_cold();
+  if (!converges(accelerates_)) {
+    start_cold();
+    converges(!accelerates_);
+  }
+  report.sweeps += wasted;
+  return report;
 }
 
 double FastForm::change_of_one_more_sweep(double h) {
@@ -107,16 +130,7 @@ SolveReport FastForm::advance(const Matrix& W0, double h, Matrix& W1) {
   W0_.load(W0);
   // Another state than this form ended at: what it knows is of another trajectory.
   if (W0_.entries() != W1_.entries()) start_values_.forget();
-  const bool warm = start_values_.predict(h, unknowns_, team_);
-  if (!warm) start_cold();
-  SolveReport report = iterate(h);
-  if (warm && report.status != Status::converged) {
-    const int wasted = report.sweeps;
-    start_cold();
-    report = iterate(h);
-    report.sweeps += wasted;
-    start_values_.forget();
-  }
+  const SolveReport report = solve(h);
   if (report.status == Status::converged) {
     update(h, W1_);
     start_values_.accept(h, unknowns_);

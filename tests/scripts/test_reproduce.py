@@ -19,6 +19,7 @@ import unittest
 
 from programs import (BAD_ARGUMENTS, DONE, FORMULATIONS, ROOT, SOLVER_FAILED, FolderTest, end, environment, run,
                       snapshot, start)
+from scaling_documents import scaling_document
 from stability_documents import SETTINGS, long_document, map_document, write_document
 from study_documents import small_study, write_study
 
@@ -28,6 +29,9 @@ CHARTS = ("error_against_time", "error_against_products", "spectrum_error_agains
           "tolerance")
 ACCURACY_RESULTS = {"raw.json", "report.md", "report.txt",
                     *(f"{chart}.{kind}" for chart in CHARTS for kind in ("svg", "png"))}
+SCALING_RESULTS = {"raw.json", "report.md", "report.txt",
+                   *(f"{chart}.{kind}" for chart in ("cost_against_n", "parts_against_n", "ladder_of_ideas")
+                     for kind in ("svg", "png"))}
 STABILITY_RESULTS = {"map.json", "long_runs.json", "report.md", "report.txt",
                      *(f"{chart}.{kind}" for chart in ("failure_map_smooth", "long_runs_n17") for kind in ("svg", "png"))}
 EARLIER = {name: f"earlier {name}" for name in RESULTS}
@@ -114,6 +118,8 @@ esac
 """
 
 
+SCALING = WORK_PRECISION.replace("work_precision", "scaling").replace("$STUDY", "$SCALING")
+
 # Both programs of the stability study, named by $0: each writes its own file.
 STABILITY = """
 program=${0##*/}
@@ -174,7 +180,7 @@ class CopyTest(FolderTest):
         shutil.copytree(os.path.join(ROOT, "scripts"), self.path("root", "scripts"), ignore=ignored)
         shutil.copytree(os.path.join(ROOT, "results", "paper"), self.path("root", "results", "paper"))
         for name, body in (("table1", TABLE), ("table2", TABLE), ("reference_solutions", REFERENCE_SOLUTIONS),
-                           ("work_precision", WORK_PRECISION), ("stability", STABILITY), ("long_runs", STABILITY)):
+                           ("work_precision", WORK_PRECISION), ("scaling", SCALING), ("stability", STABILITY), ("long_runs", STABILITY)):
             self.write(f"root/build/benchmarks/{name}", "#!/bin/sh\n" + body, executable=True)
         for name, body in STAND_INS.items():
             self.write(f"tools/{name}", "#!/bin/sh\n" + body, executable=True)
@@ -186,6 +192,7 @@ class CopyTest(FolderTest):
         two = raw_file(tables=("table2",), threads=(1, 2))
         self.threads_path = self.write("prepared_threads.json", json.dumps(two, indent=2))
         self.study_path = write_study(self.folder, small_study(), name="study.json")
+        self.scaling_path = self.write("scaling.json", json.dumps(scaling_document(sizes=(17, 33))))
         write_document(self.folder, one_integrator(map_document(SETTINGS[:1]), "maps"), "stability.json")
         write_document(self.folder, one_integrator(long_document(), "runs"), "long_runs.json")
         self.out = self.path("out")
@@ -200,7 +207,8 @@ class CopyTest(FolderTest):
         settings = {"PATH": self.path("tools") + os.pathsep + os.environ["PATH"], "TMPDIR": self.path("tmp"),
                     "CALLS": self.calls_path, "RAW": self.raw_path, "RAW2": self.raw2_path,
                     "RAW_THREADS": self.threads_path,
-                    "STUDY": self.study_path, "BENCHMARK": "finish", "STABILITY_FOLDER": self.folder,
+                    "STUDY": self.study_path, "SCALING": self.scaling_path,
+                    "BENCHMARK": "finish", "STABILITY_FOLDER": self.folder,
                     "PYTHONDONTWRITEBYTECODE": "1", "DEBIAN_FRONTEND": None, "ASAN_OPTIONS": None}
         return environment(**{**settings, **changes})
 
@@ -234,7 +242,7 @@ class BadArguments(CopyTest):
 
     def test_reproduce_names_an_unknown_argument_and_what_is_allowed(self):
         for argument in ("table3", "--quik", "--quick=yes", "--out=here", "-q", "", "Table1"):
-            self.refuses("reproduce", [argument], argument, "table1", "table2", "accuracy", "stability", "--quick",
+            self.refuses("reproduce", [argument], argument, "table1", "table2", "scaling", "accuracy", "stability", "--quick",
                          "--out", "--no-install")
 
     def test_reproduce_does_one_job_at_a_time(self):
@@ -489,7 +497,8 @@ class EndToEnd(CopyTest):
             row.update(relative_error=1e-3, reference_uncertainty=1e-14)
         self.use_raw_file(raw)
         self.reproduce("all")
-        self.assertEqual(set(os.listdir(self.out)), {"table1", "table2", "accuracy", "stability"})
+        self.assertEqual(set(os.listdir(self.out)), {"table1", "table2", "scaling", "accuracy", "stability"})
+        self.assertEqual(set(os.listdir(self.path("out", "scaling"))), SCALING_RESULTS)
         self.assertEqual(set(os.listdir(self.path("out", "table1"))), RESULTS)
         two_cores = len(os.sched_getaffinity(0)) > 1
         self.assertEqual(set(os.listdir(self.path("out", "table2"))), RESULTS | ({"threads.json"} if two_cores else set()))
@@ -513,6 +522,17 @@ class EndToEnd(CopyTest):
         self.assertIn("--n 17 33", self.calls("work_precision")[-1])
         self.assertEqual(done.stdout, self.result("report.txt"))
         self.assertTrue(self.result("report.md").startswith("# Accuracy against cost"))
+
+    def test_scaling_measures_and_ends_with_its_report(self):
+        done = self.reproduce("scaling", "--quick")
+        self.assertIn("--quick", self.calls("scaling")[-1])
+        self.assertEqual(done.stdout, self.result("report.txt"))
+        self.assertIn("What each idea bought", done.stdout)
+
+    def test_a_failed_study_of_scaling_leaves_earlier_results(self):
+        before = self.keep_earlier_results()
+        self.assertEqual(self.script("reproduce", "scaling", "--out", self.out, BENCHMARK="fail").returncode, 7)
+        self.assertEqual(snapshot(self.out), before)
 
     def test_stability_maps_and_watches_and_ends_with_its_report(self):
         done = self.reproduce("stability")

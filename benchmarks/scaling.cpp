@@ -1,0 +1,234 @@
+// What a step of the fast forms costs: against n, and idea by idea from the published forms on.
+//
+// Against n the step size is such that h‖B(W₀)‖₂ is the same, so that sweeps stay comparable; the
+// ideas are measured at Table 1's step.  Everything that is compared is timed in turns.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "benchmarks/arguments.h"
+#include "benchmarks/command_line.h"
+#include "benchmarks/conditions.h"
+#include "benchmarks/output_file.h"
+#include "benchmarks/peak.h"
+#include "benchmarks/progress.h"
+#include "benchmarks/raw_file.h"
+#include "core/conservation.h"
+#include "core/fast_forms.h"
+#include "core/run.h"
+
+namespace isosyrk {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const std::vector<Index> default_sizes = {9, 17, 33, 65, 129, 257, 513};
+const std::vector<Index> quick_sizes = {9, 17, 33, 65};
+const std::vector<Index> idea_sizes = {17, 129};
+const std::vector<Index> quick_idea_sizes = {17};
+const std::vector<int> stage_counts = {1, 2, 3};
+
+constexpr double scaling_h_norm_B = 0.4;
+constexpr double table1_step = 0.1;
+constexpr long warm_steps = 12;  // until start values are at their full order
+constexpr int repetitions = 7;
+constexpr long most_steps = 200;
+
+struct Measuring {
+  double least_seconds;  // of a repetition
+  Progress progress;
+};
+
+// One way to do the steps of a cell.
+struct Variant {
+  Json fields;  // what it is
+  std::unique_ptr<Integrator> integrator;
+  Matrix W = {};
+  long steps = 0;  // of a repetition
+  std::vector<double> seconds_per_step = {};
+  RunReport total = {};
+};
+
+void require_converged(const RunReport& report, const Variant& variant) {
+  if (report.converged()) return;
+  throw std::runtime_error(fmt::format("{}: {} at step {}", variant.fields.dump(),
+                                       name(report.status), report.failed_step));
+}
+
+// Times all variants in turns, from the initial data on past the first steps, and returns what each
+// step took.
+Json timed(const Scene& scene, double h, std::vector<Variant>& variants, const Measuring& measuring,
+           const std::string& title) {
+  for (Variant& each : variants) {
+    each.W = scene.initial;
+    const double start = cpu_seconds();
+    require_converged(run(*each.integrator, each.W, h, warm_steps), each);
+    const double one = (cpu_seconds() - start) / static_cast<double>(warm_steps);
+    each.steps =
+        std::clamp(static_cast<long>(std::ceil(measuring.least_seconds / std::max(one, 1e-9))), 1L,
+                   most_steps);
+  }
+  std::vector<double> product_seconds, peaks;
+  for (int repetition = 0; repetition < repetitions; ++repetition) {
+    product_seconds.push_back(1.0 / planar_product_rate(scene.initial.rows(), 0.03));
+    peaks.push_back(1e-9 * measured_peak_flops());
+    for (Variant& each : variants) {
+      const double start = cpu_seconds();
+      const RunReport report = run(*each.integrator, each.W, h, each.steps);
+      each.seconds_per_step.push_back((cpu_seconds() - start) / static_cast<double>(each.steps));
+      require_converged(report, each);
+      each.total.steps += report.steps;
+      each.total.sweeps += report.sweeps;
+      each.total.products += report.products;
+      each.total.poisson_solves += report.poisson_solves;
+      each.total.equivalent_products += report.equivalent_products;
+    }
+    measuring.progress.say(
+        fmt::format("{}, repetition {} of {}", title, repetition + 1, repetitions), "");
+  }
+  Json rows = Json::array();
+  for (const Variant& each : variants) {
+    const auto steps = static_cast<double>(each.total.steps);
+    Json row = each.fields;
+    row["n"] = scene.initial.rows();
+    row["step"] = h;
+    row["seconds_per_step"] = each.seconds_per_step;
+    row["sweeps_per_step"] = static_cast<double>(each.total.sweeps) / steps;
+    row["equivalent_products_per_step"] = each.total.equivalent_products / steps;
+    row["poisson_solves_per_step"] = static_cast<double>(each.total.poisson_solves) / steps;
+    row["product_seconds"] = product_seconds;
+    row["peak_gflops"] = peaks;
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+Json what_cell(Formulation formulation, int s) {
+  return {{"formulation", name(formulation)}, {"stages", s}};
+}
+
+Json scaling_rows(Index n, const Measuring& measuring) {
+  const Scene scene = smooth_scene(n);
+  std::vector<Variant> variants;
+  for (const Formulation formulation : formulations()) {
+    for (const int s : stage_counts) {
+      variants.push_back(
+          {what_cell(formulation, s),
+           make_fast_gauss(formulation, s, *scene.flow, {}, ProductBackend::openblas)});
+    }
+  }
+  return timed(scene, scaling_h_norm_B / generator_norms(scene).B, variants, measuring,
+               fmt::format("n = {}", n));
+}
+
+struct Idea {
+  std::string name;
+  FastOptions options;
+};
+
+// From plain sweeps from a cold start on, one idea more in each; the last rows are each one thing
+// other than the fast form by default, which is named so.
+std::vector<Idea> ideas(Formulation formulation) {
+  const FastOptions by_default;
+  FastOptions cold = by_default;
+  cold.start_order = 0;
+  cold.accelerate = cold.transport_twice = false;
+  FastOptions warm = cold;
+  warm.start_order = by_default.start_order;
+  std::vector<Idea> all = {{"structure and planar products", cold}, {"start values", warm}};
+  FastOptions twice = warm;
+  twice.transport_twice = true;
+  if (formulation == Formulation::group) all.push_back({"two transports a sweep", twice});
+  FastOptions mixed = by_default;
+  mixed.accelerate = true;
+  all.push_back({"acceleration", mixed});
+  all.push_back({"by default", by_default});
+  for (const int order : {4, 6, 8, 12}) {
+    FastOptions other = by_default;
+    other.start_order = order;
+    all.push_back({fmt::format("start order {}", order), other});
+  }
+  return all;
+}
+
+Json idea_rows(Index n, Formulation formulation, int s, const Measuring& measuring) {
+  const Scene scene = smooth_scene(n);
+  const auto what = [&](const std::string& idea) {
+    Json fields = what_cell(formulation, s);
+    fields["idea"] = idea;
+    return fields;
+  };
+  std::vector<Variant> variants;
+  variants.push_back(
+      {what("published"),
+       gauss_entry(formulation, s).make(*scene.flow, {}, choose_backend({}, n).chosen)});
+  for (const Idea& idea : ideas(formulation)) {
+    variants.push_back({what(idea.name), make_fast_gauss(formulation, s, *scene.flow, idea.options,
+                                                         ProductBackend::openblas)});
+  }
+  return timed(scene, table1_step, variants, measuring,
+               fmt::format("ideas, {} at n = {}, s = {}", name(formulation), n, s));
+}
+
+double positive_seconds(const std::string& text) {
+  const char* allowed = "greater than 0";
+  const double seconds = real_number("--seconds", text, allowed);
+  if (seconds <= 0.0) {
+    throw BadArgument(fmt::format("--seconds {}: must be {}", text, allowed));
+  }
+  return seconds;
+}
+
+int main_program(int argc, char** argv) {
+  CommandLine line{
+      "Times steps of the fast forms against n, and idea by idea from the published forms on, and "
+      "writes what each step took as JSON."};
+  std::string out;
+  std::vector<std::string> sizes_text;
+  bool quick = false;
+  line.option("--out", out, "JSON file to write", CommandLine::Need::required);
+  line.option("--n", sizes_text, "matrix sizes, 5 to 1025 (default 9 17 33 65 129 257 513)");
+  line.flag("--quick", quick, "n up to 65, ideas at n = 17 only");
+  std::string seconds = "0.05";
+  line.option("--seconds", seconds, "CPU seconds of a repetition at least (default 0.05)");
+  if (const auto exit_code = line.read(argc, argv)) return *exit_code;
+  use_one_blas_thread();
+  std::vector<Index> sizes = quick ? quick_sizes : default_sizes;
+  if (!sizes_text.empty()) {
+    sizes.clear();
+    for (const std::string& text : sizes_text) sizes.push_back(whole_number("--n", text, 5, 1025));
+  }
+  const Measuring measuring{positive_seconds(seconds), {}};
+  const OutputFile output("--out", out);
+
+  std::vector<BackendRates> rates;
+  for (const Index n : sizes) rates.push_back(choose_backend({}, n));
+  Json json = {{"format", "isosyrk scaling 1"}};
+  json["context"] = context_json("scaling", {}, rates, {});
+  json["h_norm_B"] = scaling_h_norm_B;
+  json["kernels"] = planar_kernels().front().name;
+  json["points"] = Json::array();
+  for (const Index n : sizes) {
+    for (const Json& row : scaling_rows(n, measuring)) json["points"].push_back(row);
+  }
+  json["ideas"] = Json::array();
+  for (const Index n : quick ? quick_idea_sizes : idea_sizes) {
+    for (const Formulation formulation : formulations()) {
+      for (const int s : stage_counts) {
+        for (const Json& row : idea_rows(n, formulation, s, measuring))
+          json["ideas"].push_back(row);
+      }
+    }
+  }
+  output.write(json.dump(1) + "\n");
+  return exit_done;
+}
+
+}  // namespace
+}  // namespace isosyrk
+
+int main(int argc, char** argv) {
+  return isosyrk::guarded("scaling", [&] { return isosyrk::main_program(argc, argv); });
+}
