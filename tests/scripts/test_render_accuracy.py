@@ -62,7 +62,7 @@ MATPLOTLIB = tempfile.TemporaryDirectory(prefix="isosyrk-")  # what it keeps, aw
 
 def describer():
     if not DESCRIBER:
-        settings = environment(MPLCONFIGDIR=MATPLOTLIB.name, PYTHONDONTWRITEBYTECODE="1")
+        settings = environment(MPLCONFIGDIR=MATPLOTLIB.name, PYTHONDONTWRITEBYTECODE="1", OPENBLAS_NUM_THREADS="1")
         DESCRIBER.append(programs.start([AccuracyTest.python, "-c", DESCRIBE, LIBRARY], env=settings,
                                         stdin=subprocess.PIPE, stdout=subprocess.PIPE))
     return DESCRIBER[0]

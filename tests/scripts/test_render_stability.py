@@ -96,7 +96,8 @@ class StabilityTest(FolderTest):
         self.assertIsNotNone(python, chart_python.complaint())
         paths = {"failure": self.raw(), "long": self.raw_long()}
         wanted = [[draw, paths[draw.split("_")[0]], arguments] for draw, *arguments in charts]
-        found = run([python, "-c", DESCRIBE, LIBRARY, json.dumps(wanted)], timeout=300, env=self.settings)
+        found = run([python, "-c", DESCRIBE, LIBRARY, json.dumps(wanted)], timeout=300,
+                    env={**self.settings, "OPENBLAS_NUM_THREADS": "1"})
         self.assertEqual(found.returncode, 0, found.stderr)
         return json.loads(found.stdout)
 
