@@ -65,6 +65,7 @@ int main_program(int argc, char** argv) {
       "writes the outcomes as JSON."};
   StabilityOptions options(line, "n = 9, 17 and 33 only");
   std::vector<std::string> scenes;
+  options.allow_fast_forms(line);
   line.option("--scene", scenes, "smooth, rough (default both)");
   if (const auto exit_code = line.read(argc, argv)) return *exit_code;
   use_one_blas_thread();
@@ -93,6 +94,7 @@ int main_program(int argc, char** argv) {
   Json json = {{"format", "isosyrk stability 1"}};
   json["context"] =
       context_json("stability", request.products, rates, {.max_sweeps = trial_max_sweeps});
+  json["context"]["solver"] = options.solver();
   json["max_sweeps"] = trial_max_sweeps;
   for (const IntegratorEntry* entry : request.integrators) {
     json["integrators"].push_back(integrator_json(*entry));

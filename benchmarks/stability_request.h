@@ -14,7 +14,12 @@
 namespace isosyrk {
 
 struct StabilityRequest {
+  StabilityRequest() = default;
+  StabilityRequest(StabilityRequest&&) = default;  // `integrators` may point into `fast_forms`
+  StabilityRequest& operator=(StabilityRequest&&) = default;
+
   std::vector<Index> sizes;
+  std::vector<IntegratorEntry> fast_forms;  ///< under the names of the published ones
   std::vector<const IntegratorEntry*> integrators;
   BackendChoice products;
   long processes;
@@ -27,15 +32,23 @@ class StabilityOptions {
   /// Declares them; `quick` says what --quick does.
   StabilityOptions(CommandLine& line, const std::string& quick);
 
+  /// Declares --solver too.
+  void allow_fast_forms(CommandLine& line);
+
   /// Throws BadArgument or std::invalid_argument.
   StabilityRequest read(const std::vector<Index>& default_sizes,
                         const std::vector<Index>& quick_sizes) const;
 
   bool quick() const { return quick_; }
+  /// "published" or "fast".
+  const std::string& solver() const { return solver_; }
 
  private:
+  void choose_integrators(StabilityRequest& request) const;
+
   std::vector<std::string> sizes_, integrators_;
   std::string products_ = "fastest";
+  std::string solver_ = "published";
   std::string processes_;
   std::string out_;
   bool quick_ = false;

@@ -209,13 +209,20 @@ def read_map(path):
     return raw_files.read(path, failure_map)
 
 
+def read_fast_map(path):
+    """Returns the FailureMap of the fast forms in `path`. Throws UnusableFile as read_map does."""
+    return raw_files.read(path, lambda document: failure_map(document, "fast"))
+
+
 def read_long_runs(path):
     """Returns the LongRuns in `path`. Throws UnusableFile as read_map does."""
     return raw_files.read(path, long_runs)
 
 
-def failure_map(document):
+def failure_map(document, solver="published"):
     context = raw_files.context(document, MAP_FORMAT)
+    if context.get("solver", "published") != solver:
+        raise UnusableFile(f"is no map of the {solver} forms (its solver is {context.get('solver', 'published')})")
     settings = keyed([setting(Fields(each, "a setting")) for each in objects(document, "settings")],
                      lambda each: (each.scene, each.n))
     maps = keyed([map_of(Fields(each, "a map")) for each in objects(document, "maps")],

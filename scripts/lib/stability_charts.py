@@ -41,6 +41,11 @@ def failure_map(study, scene):
 
 
 @styled
+def failure_map_fast(study, scene):
+    return map_of(study, scene, TABLE1_CELLS, f"Where the fast forms fail: {scene} scene")
+
+
+@styled
 def failure_map_others(study, scene):
     return map_of(study, scene, others(study.integrators), f"Where the other integrators fail: {scene} scene")
 

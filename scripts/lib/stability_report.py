@@ -45,6 +45,12 @@ def map_charts(failures):
     return charts
 
 
+def fast_map_charts(fast):
+    """Returns the charts of a failure map of the fast forms; none where there is no such map."""
+    return [Chart(f"failure_map_fast_{scene}", f"Where the fast forms fail, {scene} scene.", "failure_map_fast", (scene,))
+            for scene in (fast.scenes() if fast else ())]
+
+
 def long_run_charts(runs):
     """Returns the charts of long runs; none where there are no runs."""
     charts = []
@@ -58,9 +64,9 @@ def long_run_charts(runs):
     return charts
 
 
-def stability_sections(failures, runs, charts, level=2):
-    """Returns the section; `runs` may be None, `charts` maps the names of the charts that exist to their paths."""
-    figures = [Figure(charts[each.name], each.caption) for each in [*map_charts(failures), *long_run_charts(runs)]
+def stability_sections(failures, runs, charts, level=2, fast=None):
+    """Returns the section; `runs` and `fast`, a map of the fast forms, may be None, `charts` maps the names of the charts that exist to their paths."""
+    figures = [Figure(charts[each.name], each.caption) for each in [*map_charts(failures), *fast_map_charts(fast), *long_run_charts(runs)]
                if each.name in charts]
     claims = [*issue_claims(failures), *map_claims(failures), *(long_run_claims(runs, failures) if runs else [])]
     return [
@@ -70,6 +76,7 @@ def stability_sections(failures, runs, charts, level=2):
         Items([claim for claim in claims if claim]),
         *figures,
         *critical_section(failures, level + 1),
+        *(fast_section(failures, fast, level + 1) if fast else []),
         *theory_section(failures, level + 1),
         *advice_section(failures, runs, level + 1),
         *(drift_section(runs, level + 1) if runs else []),
@@ -385,6 +392,22 @@ def critical_section(failures, level):
         rows = [[name, *(critical_text(failures.at(scene, n, name)) for n in sizes),
                  limit_text(failures.at(scene, sizes[-1], name)), ways_text(failures.line(scene, name))]
                 for name in failures.integrators if failures.line(scene, name)]
+        parts += [Heading(f"{scene.capitalize()} scene", level + 1), table(columns, rows)]
+    return parts
+
+
+def fast_section(failures, fast, level):
+    """Critical values of the published forms beside those of the fast ones."""
+    parts = [Heading("Critical h‖B(W₀)‖₂ of the fast forms", level), Paragraph(
+        "The same of the fast forms, and in brackets of the published ones, at the tolerance of Table 1. Where a step fails, a"
+        " fast form tries it again from a cold start, and then with acceleration. A trial is of"
+        f" {trials_in_words(fast, fast.scenes())}.")]
+    for scene in fast.scenes():
+        sizes = fast.sizes(scene)
+        columns = (Column("integrator", align="left"), *(Column(f"n = {n}") for n in sizes), Column("fails as", align="left"))
+        rows = [[name, *(f"{critical_text(fast.at(scene, n, name))} ({critical_text(failures.at(scene, n, name))})"
+                         for n in sizes), ways_text(fast.line(scene, name))]
+                for name in fast.integrators if fast.line(scene, name)]
         parts += [Heading(f"{scene.capitalize()} scene", level + 1), table(columns, rows)]
     return parts
 

@@ -1,5 +1,6 @@
 """Tests of scripts/render_stability on made-up files: by running it as a user does, and by what its charts draw."""
 
+import copy
 import json
 import os
 import struct
@@ -16,6 +17,7 @@ LIBRARY = os.path.join(programs.ROOT, "scripts", "lib")
 sys.dont_write_bytecode = True
 sys.path.insert(0, LIBRARY)
 import chart_python  # noqa: E402
+from comparison import three_digits  # noqa: E402
 
 MAPS = tuple(f"failure_map{others}_{scene}" for scene in ("smooth", "rough") for others in ("", "_others"))
 LONG_RUNS = ("long_runs_n17", "long_runs_n17_controls")
@@ -100,6 +102,36 @@ class StabilityTest(FolderTest):
                     env={**self.settings, "OPENBLAS_NUM_THREADS": "1"})
         self.assertEqual(found.returncode, 0, found.stderr)
         return json.loads(found.stdout)
+
+
+class FastForms(StabilityTest):
+    """A map of the fast forms beside that of the published ones."""
+
+    def setUp(self):
+        super().setUp()
+        self.leave("group1", "algebra1")
+        self.fast = copy.deepcopy(self.map)
+        self.fast["context"]["solver"] = "fast"
+
+    def raw_fast(self):
+        return write_document(self.folder, self.fast, "fast.json")
+
+    def test_stands_beside_the_published_ones(self):
+        for each in self.fast["maps"]:
+            each["critical"] = None
+            each["trials"] = [trial(each["integrator"], each["n"], h_norm_B, 100.0) for h_norm_B in GRID]
+        self.assert_renders(self.raw(), "--fast", self.raw_fast(), "--out", self.path("charts"))
+        files = snapshot(self.path("charts"))
+        self.assertIn("failure_map_fast_smooth.svg", files)
+        section = files["report.txt"].decode().split("Critical h‖B(W₀)‖₂ of the fast forms\n")[1]
+        published = next(each for each in self.map["maps"] if each["integrator"] == "group1" and each["scene"] == "smooth")
+        works = published["critical"]["works"]["h_norm_B"]
+        self.assertRegex(section, rf"group1 +> {three_digits(GRID[-1])} \({three_digits(works)}\)")
+
+    def test_one_is_not_taken_for_the_other(self):
+        self.assert_refused(self.render(self.raw(), "--fast", self.raw(), "--out", self.path("charts")), "no map of the fast")
+        self.assert_refused(self.render(self.raw_fast(), "--out", self.path("charts")), "no map of the published")
+        self.assertFalse(os.path.exists(self.path("charts")))
 
 
 class Files(StabilityTest):

@@ -55,6 +55,15 @@ class FailureMap(StudyTest):
         for trial in raw["maps"][0]["trials"]:
             self.assertEqual("failed_step" in trial, trial["status"] not in ("converged", "unstable"))
 
+    def test_fast_forms_under_the_names_of_the_published_ones(self):
+        arguments = ("--n", "33", "--scene", "smooth", "--integrator", "group2")
+        fast, _ = self.study("stability", *arguments, "--solver", "fast")
+        published, _ = self.study("stability", *arguments)
+        self.assertEqual([raw["context"]["solver"] for raw in (fast, published)], ["fast", "published"])
+        critical = [raw["maps"][0]["critical"]["works"]["h_norm_B"] for raw in (fast, published)]
+        self.assertGreater(critical[0], 1.1 * critical[1])  # what fails is tried again with acceleration
+        self.assertEqual(fast["integrators"], published["integrators"])
+
     def test_processes_do_not_change_what_is_found(self):
         arguments = ("--n", "9", "--integrator", "group1", "--integrator", "rk4", "--products", "openblas", "--processes")
         self.assertEqual(self.study("stability", *arguments, "1")[0]["maps"],
@@ -94,6 +103,9 @@ class Refusals(StudyTest):
             for processes in ("0", "x", "-1"):
                 self.refuses(name, *out, "--processes", processes, parts=["--processes", processes])
             self.refuses(name, *out, "perhaps", parts=["perhaps"])
+        self.refuses("stability", *out, "--solver", "slow", parts=["--solver 'slow'", "published or fast"])
+        self.refuses("stability", *out, "--solver", "fast", "--integrator", "rk4", parts=["'rk4'", "no fast form"])
+        self.refuses("long_runs", *out, "--solver", "fast", parts=["--solver"])
         self.refuses("stability", *out, "--scene", "calm", parts=["--scene 'calm'", "smooth or rough"])
         for steps in ("9", "0", "x", "1000001"):
             self.refuses("long_runs", *out, "--steps", steps, parts=["--steps", steps])
