@@ -10,7 +10,8 @@ from charts import FORMULATION_COLOURS, FORMULATION_MARKERS
 from scaling import FITTED_FROM, exponent, ladder
 
 STEP_LABEL = "CPU seconds per step (median)"
-# The rungs of a ladder, each a shade, the later the darker.
+# Names of rungs that are too long for a chart, and the rungs' shades, the later the darker.
+SHORT = {"structure and planar products": "structure, planar products", "two transports a sweep": "two transports"}
 RUNG_SHADES = ("#c9c9c9", "#a9cae6", "#62a8da", "#1f67ad", "#062a56")
 
 
@@ -35,7 +36,7 @@ def cost_against_n(study):
                 labels.append(draw(axes, formulation, points, lambda point: point.seconds, "-", "measured"))
                 draw(axes, formulation, points, lambda point: point.floor, "--", "floor", marker="None")
         set_panel(axes, f"s = {s}", "n", STEP_LABEL if s == stages[0] else "")
-        column_of_labels(axes, [label for label in labels if label])
+        name_ends(axes, labels)
     return figure
 
 
@@ -59,8 +60,15 @@ def parts_against_n(study):
                       draw(axes, formulation, points, lambda point: point.quadratic, ":", "all else", "s")]
             set_panel(axes, f"{formulation}, s = {s}", "n" if formulation == FORMULATIONS[-1] else "",
                       STEP_LABEL if s == stages[0] else "")
-            column_of_labels(axes, [label for label in labels if label])
+            name_ends(axes, labels)
     return figure
+
+
+def name_ends(axes, labels):
+    """Writes exponents beside the lines' ends, whose places are known once the limits are."""
+    axes.set_xlim(*axes.get_xlim())
+    axes.set_ylim(*axes.get_ylim())
+    column_of_labels(axes, [label for label in labels if label])
 
 
 def line_of(formulation):
@@ -84,7 +92,7 @@ def draw(axes, formulation, points, value, style, what, marker=None):
     axes.plot(*zip(*places), color=shade, linestyle=style, marker=marker or FORMULATION_MARKERS[formulation],
               markerfacecolor="white", markersize=4.2, linewidth=1.2 if style == "-" else 0.9, label=f"{formulation}: {what}")
     power = exponent(points, value)
-    return None if power is None else Label(f"n^{power:.2f}", places[-1:], shade)
+    return None if power is None else Label(f"$n^{{{power:.2f}}}$", places[-1:], shade)
 
 
 @styled
@@ -119,7 +127,7 @@ def bars(axes, study, n, s):
             shade = RUNG_SHADES[min(index, len(RUNG_SHADES) - 1)]
             place = len(heights)
             axes.barh(place, cost.seconds / whole, color=shade, height=0.8)
-            axes.annotate(idea if index == 0 else f"{whole / cost.seconds:.2f} × with {idea}",
+            axes.annotate(idea if index == 0 else f"{whole / cost.seconds:.2f} × {SHORT.get(idea, idea)}",
                           (cost.seconds / whole, place), xytext=(4, 0), textcoords="offset points", va="center",
                           fontsize=SMALL)
             heights.append(place)
@@ -129,5 +137,5 @@ def bars(axes, study, n, s):
     axes.set_yticks(heights, names, fontsize=SMALL)
     axes.tick_params(axis="y", length=0)
     axes.set_ylim(len(heights) - 0.5, -0.7)
-    axes.set_xlim(0, 1.6)
+    axes.set_xlim(0, 1.9)
     axes.xaxis.set_major_locator(FixedLocator([0, 0.25, 0.5, 0.75, 1]))

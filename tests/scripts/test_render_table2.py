@@ -71,6 +71,17 @@ class RenderTable2(FolderTest):
         self.assertRegex(section, r"17 +cotangent +1\.60 \(1\.60\) +1\.60 \(1\.60\) +1\.60 \(1\.60\)")
         self.assertNotIn("One thread over two", self.rendered(self.both()))
 
+    def test_the_place_of_algebra_with_two_threads_is_told(self):
+        text = " ".join(self.rendered(self.both(), *self.with_threads()).split())
+        self.assertIn("At n = 17, s = 2, 3 algebra takes 1.50, 1.33 times the time of the fastest formulation with one"
+                      " thread and 1.50, 1.33 times with two: so it does not gain more", text)
+        two = raw_file(tables=("table2",), threads=(1, 2))
+        for row in two["benchmarks"]:
+            if row["run_name"].startswith("table2/algebra") and row["run_name"].endswith("/threads:2"):
+                row["real_time"] /= 2
+        text = " ".join(self.rendered(self.both(), *self.with_threads(two)).split())
+        self.assertIn("times with two: so it gains more", text)
+
     def test_a_cell_that_failed_with_two_threads_has_no_speed_up(self):
         two = raw_file(tables=("table2",), threads=(1, 2))
         for row in two["benchmarks"]:
