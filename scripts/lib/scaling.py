@@ -143,4 +143,4 @@ def ladder(cell):
     return rungs
 
 
-SAME = 0.03  # sweeps that differ by less are those of the same options, at other steps
+SAME = 0.05  # sweeps that differ by less are those of the same options, at other steps
