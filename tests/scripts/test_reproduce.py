@@ -32,8 +32,9 @@ ACCURACY_RESULTS = {"raw.json", "report.md", "report.txt",
 SCALING_RESULTS = {"raw.json", "report.md", "report.txt",
                    *(f"{chart}.{kind}" for chart in ("cost_against_n", "parts_against_n", "ladder_of_ideas")
                      for kind in ("svg", "png"))}
-STABILITY_RESULTS = {"map.json", "long_runs.json", "report.md", "report.txt",
-                     *(f"{chart}.{kind}" for chart in ("failure_map_smooth", "long_runs_n17") for kind in ("svg", "png"))}
+STABILITY_RESULTS = {"map.json", "fast_map.json", "long_runs.json", "report.md", "report.txt",
+                     *(f"{chart}.{kind}" for chart in ("failure_map_smooth", "failure_map_fast_smooth", "long_runs_n17")
+                       for kind in ("svg", "png"))}
 EARLIER = {name: f"earlier {name}" for name in RESULTS}
 
 STAND_INS = {
@@ -124,10 +125,12 @@ SCALING = WORK_PRECISION.replace("work_precision", "scaling").replace("$STUDY", 
 STABILITY = """
 program=${0##*/}
 echo "$program[${OPENBLAS_CORETYPE-none}] $* on $(nproc) cores" >>"$CALLS"
+file=$program
+case "$*" in *"--solver fast"*) file=fast ;; esac
 """ + FIND_OUT + """echo "chatter of $program"
 [ "$program" = "${FAILING:-}" ] && { echo "some reason"; exit 7; }
 case $BENCHMARK in
-  finish) cp "$STABILITY_FOLDER/$program.json" "$out" ;;
+  finish) cp "$STABILITY_FOLDER/$file.json" "$out" ;;
   scribble) echo '{"context": {' >"$out" ;;
   fail) echo "some reason"; exit 7 ;;
 esac
@@ -193,7 +196,10 @@ class CopyTest(FolderTest):
         self.threads_path = self.write("prepared_threads.json", json.dumps(two, indent=2))
         self.study_path = write_study(self.folder, small_study(), name="study.json")
         self.scaling_path = self.write("scaling.json", json.dumps(scaling_document(sizes=(17, 33))))
-        write_document(self.folder, one_integrator(map_document(SETTINGS[:1]), "maps"), "stability.json")
+        failures = one_integrator(map_document(SETTINGS[:1]), "maps")
+        write_document(self.folder, failures, "stability.json")
+        failures["context"]["solver"] = "fast"
+        write_document(self.folder, failures, "fast.json")
         write_document(self.folder, one_integrator(long_document(), "runs"), "long_runs.json")
         self.out = self.path("out")
 
@@ -539,10 +545,13 @@ class EndToEnd(CopyTest):
         self.assertEqual(set(os.listdir(self.out)), STABILITY_RESULTS)
         self.assertEqual(done.stdout, self.result("report.txt"))
         self.assertIn("Drift in long runs", done.stdout)
-        for program in ("stability", "long_runs"):
-            (call,) = self.calls(program + "[")
-            self.assertNotIn("--quick", call)
-            self.assertTrue(call.endswith(f" on {len(os.sched_getaffinity(0))} cores"), call)
+        for program, number in (("stability", 2), ("long_runs", 1)):
+            calls = self.calls(program + "[")
+            self.assertEqual(len(calls), number)
+            for call in calls:
+                self.assertNotIn("--quick", call)
+                self.assertTrue(call.endswith(f" on {len(os.sched_getaffinity(0))} cores"), call)
+        self.assertIn("--solver fast", self.calls("stability[")[1])
         self.assertEqual(self.calls("reference_solutions"), [])
 
     def test_quick_is_passed_on_to_both_programs_of_stability(self):
