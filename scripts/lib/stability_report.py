@@ -65,9 +65,12 @@ def long_run_charts(runs):
 
 
 def stability_sections(failures, runs, charts, level=2, fast=None):
-    """Returns the section; `runs` and `fast`, a map of the fast forms, may be None, `charts` maps the names of the charts that exist to their paths."""
-    figures = [Figure(charts[each.name], each.caption) for each in [*map_charts(failures), *fast_map_charts(fast), *long_run_charts(runs)]
-               if each.name in charts]
+    """Returns the section; `charts` maps the names of the charts that exist to their paths.
+
+    `runs`, and `fast`, a map of the fast forms, may be None.
+    """
+    drawn = [*map_charts(failures), *fast_map_charts(fast), *long_run_charts(runs)]
+    figures = [Figure(charts[each.name], each.caption) for each in drawn if each.name in charts]
     claims = [*issue_claims(failures), *map_claims(failures), *(long_run_claims(runs, failures) if runs else [])]
     return [
         Heading("Stability", level),
@@ -386,13 +389,11 @@ def critical_section(failures, level):
         ' "< x": the smallest tried fails. The linear limit is that at the largest n. What the first failure is stands'
         f" last, in the order of n. A trial is of {trials_in_words(failures, failures.scenes())}.")]
     for scene in failures.scenes():
-        sizes = failures.sizes(scene)
-        columns = (Column("integrator", align="left"), *(Column(f"n = {n}") for n in sizes),
-                   Column(f"linear limit, n = {sizes[-1]}"), Column("fails as", align="left"))
-        rows = [[name, *(critical_text(failures.at(scene, n, name)) for n in sizes),
-                 limit_text(failures.at(scene, sizes[-1], name)), ways_text(failures.line(scene, name))]
-                for name in failures.integrators if failures.line(scene, name)]
-        parts += [Heading(f"{scene.capitalize()} scene", level + 1), table(columns, rows)]
+        largest = failures.sizes(scene)[-1]
+        parts += critical_table(failures, scene, level + 1,
+                                lambda n, name: critical_text(failures.at(scene, n, name)),
+                                (Column(f"linear limit, n = {largest}"),
+                                 lambda name: limit_text(failures.at(scene, largest, name))))
     return parts
 
 
@@ -403,13 +404,21 @@ def fast_section(failures, fast, level):
         " fast form tries it again from a cold start, and then with acceleration. A trial is of"
         f" {trials_in_words(fast, fast.scenes())}.")]
     for scene in fast.scenes():
-        sizes = fast.sizes(scene)
-        columns = (Column("integrator", align="left"), *(Column(f"n = {n}") for n in sizes), Column("fails as", align="left"))
-        rows = [[name, *(f"{critical_text(fast.at(scene, n, name))} ({critical_text(failures.at(scene, n, name))})"
-                         for n in sizes), ways_text(fast.line(scene, name))]
-                for name in fast.integrators if fast.line(scene, name)]
-        parts += [Heading(f"{scene.capitalize()} scene", level + 1), table(columns, rows)]
+        parts += critical_table(fast, scene, level + 1,
+                                lambda n, name: f"{critical_text(fast.at(scene, n, name))}"
+                                                f" ({critical_text(failures.at(scene, n, name))})")
     return parts
+
+
+def critical_table(failures, scene, level, text, *further):
+    """One scene's integrators by n: `text(n, name)`, `further` columns with theirs by name, and the ways of failing."""
+    sizes = failures.sizes(scene)
+    columns = (Column("integrator", align="left"), *(Column(f"n = {n}") for n in sizes),
+               *(column for column, _ in further), Column("fails as", align="left"))
+    rows = [[name, *(text(n, name) for n in sizes), *(of(name) for _, of in further),
+             ways_text(failures.line(scene, name))]
+            for name in failures.integrators if failures.line(scene, name)]
+    return [Heading(f"{scene.capitalize()} scene", level), table(columns, rows)]
 
 
 def critical_text(each):
