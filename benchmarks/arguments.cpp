@@ -41,6 +41,15 @@ double real_number(const std::string& option, const std::string& text, const std
   return value;
 }
 
+double positive_number(const std::string& option, const std::string& text) {
+  const std::string positive = "positive and finite";
+  const double value = real_number(option, text, positive);
+  if (value <= 0.0) {
+    throw BadArgument(fmt::format("{} {}: must be {}", option, text, positive));
+  }
+  return value;
+}
+
 long step_count(double time, double step) {
   constexpr double most = 1e15;  // beyond this a double no longer counts steps
   const double quotient = time / step;

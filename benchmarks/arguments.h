@@ -27,6 +27,9 @@ long whole_number(const std::string& option, const std::string& text, long least
 /// A finite real number.  Throws BadArgument, saying that it must be `allowed`.
 double real_number(const std::string& option, const std::string& text, const std::string& allowed);
 
+/// A number that is positive and finite.  Throws BadArgument.
+double positive_number(const std::string& option, const std::string& text);
+
 /// T / h as a whole number of steps, to 1e-9.  Throws BadArgument.
 long step_count(double time, double step);
 

@@ -87,11 +87,7 @@ IntegrateRequest parse(const Text& text, const Given& given) {
   IntegrateRequest request{};
   request.n = whole_number("--n", text.n, 2, 4096);
   choose_integrator(text, given, request);
-  const std::string positive = "positive and finite";
-  request.step = real_number("--step", text.step, positive);
-  if (request.step <= 0.0) {
-    throw BadArgument(fmt::format("--step {}: must be {}", text.step, positive));
-  }
+  request.step = positive_number("--step", text.step);
   const std::string not_negative = "0 or positive, and finite";
   request.time = real_number("--time", text.time, not_negative);
   if (request.time < 0.0) {

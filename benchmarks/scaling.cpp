@@ -153,8 +153,8 @@ std::vector<Idea> ideas(Formulation formulation) {
   return all;
 }
 
-Json idea_rows(Index n, Formulation formulation, int s, const Measuring& measuring) {
-  const Scene scene = smooth_scene(n);
+Json idea_rows(const Scene& scene, Formulation formulation, int s, ProductBackend backend,
+               const Measuring& measuring) {
   const auto what = [&](const std::string& idea) {
     Json fields = what_cell(formulation, s);
     fields["idea"] = idea;
@@ -162,23 +162,14 @@ Json idea_rows(Index n, Formulation formulation, int s, const Measuring& measuri
   };
   std::vector<Variant> variants;
   variants.push_back(
-      {what("published"),
-       gauss_entry(formulation, s).make(*scene.flow, {}, choose_backend({}, n).chosen)});
+      {what("published"), gauss_entry(formulation, s).make(*scene.flow, {}, backend)});
   for (const Idea& idea : ideas(formulation)) {
     variants.push_back({what(idea.name), make_fast_gauss(formulation, s, *scene.flow, idea.options,
                                                          ProductBackend::openblas)});
   }
-  return timed(scene, table1_step, variants, measuring,
-               fmt::format("ideas, {} at n = {}, s = {}", name(formulation), n, s));
-}
-
-double positive_seconds(const std::string& text) {
-  const char* allowed = "greater than 0";
-  const double seconds = real_number("--seconds", text, allowed);
-  if (seconds <= 0.0) {
-    throw BadArgument(fmt::format("--seconds {}: must be {}", text, allowed));
-  }
-  return seconds;
+  return timed(
+      scene, table1_step, variants, measuring,
+      fmt::format("ideas, {} at n = {}, s = {}", name(formulation), scene.initial.rows(), s));
 }
 
 int main_program(int argc, char** argv) {
@@ -200,7 +191,7 @@ int main_program(int argc, char** argv) {
     sizes.clear();
     for (const std::string& text : sizes_text) sizes.push_back(whole_number("--n", text, 5, 1025));
   }
-  const Measuring measuring{positive_seconds(seconds), {}};
+  const Measuring measuring{positive_number("--seconds", seconds), {}};
   const OutputFile output("--out", out);
 
   std::vector<BackendRates> rates;
@@ -215,10 +206,13 @@ int main_program(int argc, char** argv) {
   }
   json["ideas"] = Json::array();
   for (const Index n : quick ? quick_idea_sizes : idea_sizes) {
+    const Scene scene = smooth_scene(n);
+    const ProductBackend backend = choose_backend({}, n).chosen;
     for (const Formulation formulation : formulations()) {
       for (const int s : stage_counts) {
-        for (const Json& row : idea_rows(n, formulation, s, measuring))
+        for (const Json& row : idea_rows(scene, formulation, s, backend, measuring)) {
           json["ideas"].push_back(row);
+        }
       }
     }
   }

@@ -288,13 +288,7 @@ Request parse(const Text& text) {
   request.products = backend_choice(text.products);
   request.references = text.references;
   request.repetitions = whole_number("--repetitions", text.repetitions, 1, 1000);
-  if (!text.longest.empty()) {
-    const std::string allowed = "positive and finite";
-    request.longest = real_number("--longest", text.longest, allowed);
-    if (*request.longest <= 0.0) {
-      throw BadArgument(fmt::format("--longest {}: must be {}", text.longest, allowed));
-    }
-  }
+  if (!text.longest.empty()) request.longest = positive_number("--longest", text.longest);
   request.output.emplace("--out", text.out);
   return request;
 }

@@ -53,12 +53,10 @@ void FastForm::generator(const PlanarMatrix& W, PlanarMatrix& B, Worker& worker)
 void FastForm::update_in_halves(const PlanarMatrix& base, double h, const RealMatrix& a,
                                 const std::vector<PlanarMatrix>& Y, std::vector<PlanarMatrix>& X,
                                 RealVector& squares) {
-  const Index size = reals(base).size();
-  const Index middle = size / 16 * 8;
   in_halves([&](std::size_t half) {
-    update_unknowns(base, h, a, Y, X,
-                    squares.data() + (half == 0 ? 0 : static_cast<Index>(X.size())),
-                    half == 0 ? 0 : middle, half == 0 ? middle : size);
+    const Half numbers(reals(base).size(), half);
+    double* half_of_squares = squares.data() + (half == 0 ? 0 : static_cast<Index>(X.size()));
+    update_unknowns(base, h, a, Y, X, half_of_squares, numbers.begin, numbers.end);
   });
 }
 

@@ -13,6 +13,14 @@ inline Index planar_stride(Index n) {
   return stride % 512 == 0 ? stride + 8 : stride;
 }
 
+/// From where to where one half, 0 or 1, of so many entries reaches: cut between blocks of 8.
+struct Half {
+  Half(Index size, std::size_t half)
+      : begin(half == 0 ? 0 : size / 16 * 8), end(half == 0 ? size / 16 * 8 : size) {}
+  Index begin;
+  Index end;
+};
+
 /// An n x n complex matrix: the plane of real parts, then that of imaginary parts, row by row.
 /// What fills the rows up is 0 and stays so.
 class PlanarMatrix {

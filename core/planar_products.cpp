@@ -55,12 +55,7 @@ void PlanarProducts::multiply_adjoint_left(const PlanarMatrix& A, const PlanarMa
 }
 void PlanarProducts::multiply_skew(const PlanarMatrix& A, const PlanarMatrix& B, PlanarMatrix& C,
                                    double scale) {
-  form(A, false, B, C, scale, true, {});
-  mirror_skew(C);
-}
-void PlanarProducts::multiply_adjoint_left_skew(const PlanarMatrix& A, const PlanarMatrix& B,
-                                                PlanarMatrix& C) {
-  form(A, true, B, C, 1.0, true, {});
+  multiply_upper(A, B, C, scale);
   mirror_skew(C);
 }
 void PlanarProducts::multiply_upper(const PlanarMatrix& A, const PlanarMatrix& B, PlanarMatrix& C,

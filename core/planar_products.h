@@ -33,12 +33,11 @@ class PlanarProducts {
                 Share share = {});
   /// C = A† B.
   void multiply_adjoint_left(const PlanarMatrix& A, const PlanarMatrix& B, PlanarMatrix& C);
-  /// C = scale A B, or A† B, for which it is known that C† = -C: from its upper triangle, so that
+  /// C = scale A B, for which it is known that C† = -C: from its upper triangle, so that
   /// it is skew-Hermitian exactly, for little more than half the work.
   void multiply_skew(const PlanarMatrix& A, const PlanarMatrix& B, PlanarMatrix& C,
                      double scale = 1.0);
-  void multiply_adjoint_left_skew(const PlanarMatrix& A, const PlanarMatrix& B, PlanarMatrix& C);
-  /// The upper triangles of the same, or shares of them; below the diagonal anything may be.
+  /// The upper triangle of that, and of A† B, or a share of it; below the diagonal anything may be.
   void multiply_upper(const PlanarMatrix& A, const PlanarMatrix& B, PlanarMatrix& C,
                       double scale = 1.0, Share share = {});
   void multiply_adjoint_left_upper(const PlanarMatrix& A, const PlanarMatrix& B, PlanarMatrix& C,

@@ -40,9 +40,8 @@ void StartValues::extrapolate(const std::array<double, largest>& weights, std::s
     past[k] = past_[step][kind][unknown].entries().data();
   }
   constexpr Index length = 8;  // rows are filled up to whole blocks of 8
-  const Index middle = x.size() / (2 * length) * length;
-  const Index end = half == 0 ? middle : x.size();
-  for (Index i = half == 0 ? 0 : middle; i < end; i += length) {
+  const Half entries(x.size(), half);
+  for (Index i = entries.begin; i < entries.end; i += length) {
     using Piece = Eigen::Array<double, length, 1>;
     Piece sum = weights[0] * Eigen::Map<const Piece>(past[0] + i);
     for (std::size_t k = 1; k < static_cast<std::size_t>(known_); ++k) {
