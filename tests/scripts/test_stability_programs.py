@@ -56,7 +56,7 @@ class FailureMap(StudyTest):
             self.assertEqual("failed_step" in trial, trial["status"] not in ("converged", "unstable"))
 
     def test_fast_forms_under_the_names_of_the_published_ones(self):
-        arguments = ("--n", "33", "--scene", "smooth", "--integrator", "group2")
+        arguments = ("--n", "17", "--scene", "smooth", "--integrator", "group2")
         fast, _ = self.study("stability", *arguments, "--solver", "fast")
         published, _ = self.study("stability", *arguments)
         self.assertEqual([raw["context"]["solver"] for raw in (fast, published)], ["fast", "published"])
