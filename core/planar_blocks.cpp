@@ -1,13 +1,16 @@
 #include "core/planar_blocks.h"
 
+#include <algorithm>
+
 namespace isosyrk {
 namespace {
 
 // Calls block(upper, lower) with the places of the blocks of four rows at (r, c) and (c, r), r < c,
 // and pair(upper, lower) with those of single entries of what is left, the diagonal's blocks and
 // the last rows that are less than four; and on_diagonal(place).
-template <class OnBlock, class OnPair, class OnDiagonal>
-void for_pairs(const PlanarMatrix& C, OnBlock&& block, OnPair&& pair, OnDiagonal&& on_diagonal) {
+template <class Real, class OnBlock, class OnPair, class OnDiagonal>
+void for_pairs(const PlanarMatrixOf<Real>& C, OnBlock&& block, OnPair&& pair,
+               OnDiagonal&& on_diagonal) {
   const Index n = C.size();
   const Index stride = C.stride();
   const Index whole = n / 4 * 4;
@@ -25,16 +28,17 @@ void for_pairs(const PlanarMatrix& C, OnBlock&& block, OnPair&& pair, OnDiagonal
 
 }  // namespace
 
-void mirror_skew(PlanarMatrix& C) {
+template <class Real>
+void mirror_skew(PlanarMatrixOf<Real>& C) {
   const Index stride = C.stride();
-  double* re = C.re();
-  double* im = C.im();
+  Real* re = C.re();
+  Real* im = C.im();
   for_pairs(
       C,
       [=](Index upper, Index lower) {
-        Block block;
+        Block<Real> block;
         block.load(re + upper, stride);
-        for (Four& row : block.row) row = -row;
+        for (Four<Real>& row : block.row) row = -row;
         block.transpose();
         block.store(re + lower, stride);
         block.load(im + upper, stride);
@@ -45,25 +49,27 @@ void mirror_skew(PlanarMatrix& C) {
         re[lower] = -re[upper];
         im[lower] = im[upper];
       },
-      [=](Index at) { re[at] = 0.0; });
+      [=](Index at) { re[at] = 0; });
 }
 
-void skew_part(const PlanarMatrix& C, double scale, PlanarMatrix& out) {
+template <class Real>
+void skew_part(const PlanarMatrixOf<Real>& C, std::type_identity_t<Real> scale,
+               PlanarMatrixOf<Real>& out) {
   const Index stride = C.stride();
-  const double* re = C.re();
-  const double* im = C.im();
-  double* out_re = out.re();
-  double* out_im = out.im();
+  const Real* re = C.re();
+  const Real* im = C.im();
+  Real* out_re = out.re();
+  Real* out_im = out.im();
   for_pairs(
       C,
       [=](Index upper, Index lower) {
-        Block sum, other;
+        Block<Real> sum, other;
         sum.load(re + upper, stride);
         other.load(re + lower, stride);
         other.transpose();
         for (int r = 0; r < 4; ++r) sum.row[r] = scale * (sum.row[r] - other.row[r]);
         sum.store(out_re + upper, stride);
-        for (Four& row : sum.row) row = -row;
+        for (Four<Real>& row : sum.row) row = -row;
         sum.transpose();
         sum.store(out_re + lower, stride);
         sum.load(im + upper, stride);
@@ -75,29 +81,30 @@ void skew_part(const PlanarMatrix& C, double scale, PlanarMatrix& out) {
         sum.store(out_im + lower, stride);
       },
       [=](Index upper, Index lower) {
-        const double real = scale * (re[upper] - re[lower]);
-        const double imaginary = scale * (im[upper] + im[lower]);
+        const Real real = scale * (re[upper] - re[lower]);
+        const Real imaginary = scale * (im[upper] + im[lower]);
         out_re[upper] = real;
         out_re[lower] = -real;
         out_im[upper] = out_im[lower] = imaginary;
       },
       [=](Index at) {
-        out_re[at] = 0.0;
-        out_im[at] = 2.0 * scale * im[at];
+        out_re[at] = 0;
+        out_im[at] = 2 * scale * im[at];
       });
 }
 
-void minus_adjoint(const PlanarMatrix& C, PlanarMatrix& out) {
+template <class Real>
+void minus_adjoint(const PlanarMatrixOf<Real>& C, PlanarMatrixOf<Real>& out) {
   const Index stride = C.stride();
-  const double* re = C.re();
-  const double* im = C.im();
-  double* out_re = out.re();
-  double* out_im = out.im();
-  const auto turn = [stride](const double* from, double* to, bool negative) {
-    Block block;
+  const Real* re = C.re();
+  const Real* im = C.im();
+  Real* out_re = out.re();
+  Real* out_im = out.im();
+  const auto turn = [stride](const Real* from, Real* to, bool negative) {
+    Block<Real> block;
     block.load(from, stride);
     if (negative) {
-      for (Four& row : block.row) row = -row;
+      for (Four<Real>& row : block.row) row = -row;
     }
     block.transpose();
     block.store(to, stride);
@@ -121,5 +128,84 @@ void minus_adjoint(const PlanarMatrix& C, PlanarMatrix& out) {
         out_im[at] = im[at];
       });
 }
+
+namespace {
+
+// From the squares of the diagonals.
+Index band_by(const RealVector& squares, double tail) {
+  double outside = 0.0;
+  for (Index band = squares.size() - 1; band > 0; --band) {
+    outside += squares(band);
+    if (!(outside <= tail * tail)) return band;  // NaN included
+  }
+  return 0;
+}
+
+// Row i of both planes from the diagonal on, squared.
+template <class Real>
+auto upper_squares(const PlanarMatrixOf<Real>& W, Index i) {
+  const auto row = [&](const Real* plane) {
+    using Row = Eigen::Array<Real, Eigen::Dynamic, 1>;
+    return Eigen::Map<const Row>(plane + i * W.stride() + i, W.size() - i)
+        .template cast<double>()
+        .square();
+  };
+  return row(W.re()) + row(W.im());
+}
+
+// The same up to the diagonal.
+template <class Real>
+auto lower_squares(const PlanarMatrixOf<Real>& W, Index i) {
+  const auto row = [&](const Real* plane) {
+    using Row = Eigen::Array<Real, Eigen::Dynamic, 1>;
+    return Eigen::Map<const Row>(plane + i * W.stride(), i).template cast<double>().square();
+  };
+  return row(W.re()) + row(W.im());
+}
+
+}  // namespace
+
+template <class Real>
+Index band_of(const PlanarMatrixOf<Real>& W, double tail, RealVector& squares) {
+  const Index n = W.size();
+  squares.setZero();
+  for (Index i = 0; i < n; ++i) {
+    squares.head(n - i).array() += upper_squares(W, i);
+    squares.segment(1, i).array() += lower_squares(W, i).reverse();
+  }
+  return band_by(squares, tail);
+}
+
+Index band_of_skew(const PlanarMatrix& W, double tail, RealVector& squares) {
+  const Index n = W.size();
+  squares.setZero();
+  for (Index i = 0; i < n; ++i) squares.head(n - i).array() += 2.0 * upper_squares(W, i);
+  return band_by(squares, tail);
+}
+
+template <class Real>
+void cut_to_band(Index band, PlanarMatrixOf<Real>& W) {
+  const Index n = W.size();
+  W.set_band(band);
+  if (band >= n - 1) return;
+  for (Real* plane : {W.re(), W.im()}) {
+    for (Index i = 0; i < n; ++i) {
+      Real* row = plane + i * W.stride();
+      if (i > band) std::fill(row, row + i - band, Real{0});
+      if (i + band + 1 < n) std::fill(row + i + band + 1, row + n, Real{0});
+    }
+  }
+}
+
+template Index band_of(const PlanarMatrix&, double, RealVector&);
+template Index band_of(const SingleMatrix&, double, RealVector&);
+template void cut_to_band(Index, PlanarMatrix&);
+template void cut_to_band(Index, SingleMatrix&);
+template void mirror_skew(PlanarMatrix&);
+template void mirror_skew(SingleMatrix&);
+template void skew_part(const PlanarMatrix&, double, PlanarMatrix&);
+template void skew_part(const SingleMatrix&, float, SingleMatrix&);
+template void minus_adjoint(const PlanarMatrix&, PlanarMatrix&);
+template void minus_adjoint(const SingleMatrix&, SingleMatrix&);
 
 }  // namespace isosyrk

@@ -2,40 +2,57 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "core/planar_matrix.h"
 
 namespace isosyrk {
 
 /// Four neighbouring real numbers; the compiler takes whatever vectors the processor has.
-typedef double Four __attribute__((vector_size(32), aligned(8), may_alias));
+template <class Real>
+struct FourOf {
+  typedef Real type
+      __attribute__((vector_size(4 * sizeof(Real)), aligned(sizeof(Real)), may_alias));
+  using Integer = std::conditional_t<sizeof(Real) == 8, std::int64_t, std::int32_t>;
+  typedef Integer Bits __attribute__((vector_size(4 * sizeof(Real))));
+};
+template <class Real>
+using Four = typename FourOf<Real>::type;
 
-inline Four& four(double* at) { return *reinterpret_cast<Four*>(at); }
-inline const Four& four(const double* at) { return *reinterpret_cast<const Four*>(at); }
+template <class Real>
+Four<Real>& four(Real* at) {
+  return *reinterpret_cast<Four<Real>*>(at);
+}
+template <class Real>
+const Four<Real>& four(const Real* at) {
+  return *reinterpret_cast<const Four<Real>*>(at);
+}
 
 /// Sets what follows the first `count` of four numbers to 0, NaN too.
-inline void clear_from(Index count, Four& values) {
-  typedef std::int64_t Bits __attribute__((vector_size(32)));
-  const auto limit = static_cast<std::int64_t>(count);
+template <class Real>
+void clear_from(Index count, Four<Real>& values) {
+  using Bits = typename FourOf<Real>::Bits;
+  const auto limit = static_cast<typename FourOf<Real>::Integer>(count);
   const Bits kept = Bits{0, 1, 2, 3} < Bits{limit, limit, limit, limit};
-  values = reinterpret_cast<Four>(reinterpret_cast<Bits>(values) & kept);
+  values = reinterpret_cast<Four<Real>>(reinterpret_cast<Bits>(values) & kept);
 }
 
 /// Four rows of four numbers.
+template <class Real>
 struct Block {
-  Four row[4];
+  Four<Real> row[4];
 
-  void load(const double* at, Index stride) {
+  void load(const Real* at, Index stride) {
     for (Index r = 0; r < 4; ++r) row[r] = four(at + r * stride);
   }
-  void store(double* at, Index stride) const {
+  void store(Real* at, Index stride) const {
     for (Index r = 0; r < 4; ++r) four(at + r * stride) = row[r];
   }
   void transpose() {
-    const Four a = __builtin_shufflevector(row[0], row[1], 0, 4, 2, 6);
-    const Four b = __builtin_shufflevector(row[0], row[1], 1, 5, 3, 7);
-    const Four c = __builtin_shufflevector(row[2], row[3], 0, 4, 2, 6);
-    const Four d = __builtin_shufflevector(row[2], row[3], 1, 5, 3, 7);
+    const Four<Real> a = __builtin_shufflevector(row[0], row[1], 0, 4, 2, 6);
+    const Four<Real> b = __builtin_shufflevector(row[0], row[1], 1, 5, 3, 7);
+    const Four<Real> c = __builtin_shufflevector(row[2], row[3], 0, 4, 2, 6);
+    const Four<Real> d = __builtin_shufflevector(row[2], row[3], 1, 5, 3, 7);
     row[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
     row[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
     row[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
@@ -43,14 +60,28 @@ struct Block {
   }
 };
 
+/// The smallest band outside which the entries of W come to at most `tail` in the Frobenius norm;
+/// of one that is skew-Hermitian the upper triangle is read.  squares: n numbers to work with.
+template <class Real>
+Index band_of(const PlanarMatrixOf<Real>& W, double tail, RealVector& squares);
+Index band_of_skew(const PlanarMatrix& W, double tail, RealVector& squares);
+
+/// Sets what lies outside a band of W to 0.
+template <class Real>
+void cut_to_band(Index band, PlanarMatrixOf<Real>& W);
+
 /// Fills the lower triangle of a skew-Hermitian matrix from the upper:  C(r, c) = -conj(C(c, r)),
 /// the diagonal imaginary.
-void mirror_skew(PlanarMatrix& C);
+template <class Real>
+void mirror_skew(PlanarMatrixOf<Real>& C);
 
 /// out = scale (C - C†), exactly skew-Hermitian.  out is not C.
-void skew_part(const PlanarMatrix& C, double scale, PlanarMatrix& out);
+template <class Real>
+void skew_part(const PlanarMatrixOf<Real>& C, std::type_identity_t<Real> scale,
+               PlanarMatrixOf<Real>& out);
 
 /// out = -C†.  out is not C.
-void minus_adjoint(const PlanarMatrix& C, PlanarMatrix& out);
+template <class Real>
+void minus_adjoint(const PlanarMatrixOf<Real>& C, PlanarMatrixOf<Real>& out);
 
 }  // namespace isosyrk

@@ -2,7 +2,7 @@
 
 namespace isosyrk {
 namespace {
-constexpr int width = 4;
+constexpr int vector_bytes = 32;
 constexpr int tile_rows = 6;
 constexpr int tile_vectors = 1;
 }  // namespace
@@ -12,6 +12,8 @@ constexpr int tile_vectors = 1;
 
 namespace isosyrk {
 
-PlanarKernel planar_kernel_avx2() { return {"avx2", multiply_planar}; }
+PlanarKernel planar_kernel_avx2() {
+  return {"avx2", multiply_planar<double>, multiply_planar<float>};
+}
 
 }  // namespace isosyrk

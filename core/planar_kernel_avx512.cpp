@@ -2,7 +2,7 @@
 
 namespace isosyrk {
 namespace {
-constexpr int width = 8;
+constexpr int vector_bytes = 64;
 constexpr int tile_rows = 6;
 constexpr int tile_vectors = 2;
 }  // namespace
@@ -12,6 +12,8 @@ constexpr int tile_vectors = 2;
 
 namespace isosyrk {
 
-PlanarKernel planar_kernel_avx512() { return {"avx512", multiply_planar}; }
+PlanarKernel planar_kernel_avx512() {
+  return {"avx512", multiply_planar<double>, multiply_planar<float>};
+}
 
 }  // namespace isosyrk

@@ -2,7 +2,7 @@
 
 namespace isosyrk {
 namespace {
-constexpr int width = 2;
+constexpr int vector_bytes = 16;
 constexpr int tile_rows = 4;
 constexpr int tile_vectors = 1;
 }  // namespace
@@ -12,6 +12,8 @@ constexpr int tile_vectors = 1;
 
 namespace isosyrk {
 
-PlanarKernel planar_kernel_portable() { return {"portable", multiply_planar}; }
+PlanarKernel planar_kernel_portable() {
+  return {"portable", multiply_planar<double>, multiply_planar<float>};
+}
 
 }  // namespace isosyrk

@@ -1,6 +1,7 @@
 // Products of planar matrices by tiles that stay in registers.  For the files planar_kernel_*.cpp
-// only, each compiled for one vector unit, which first say what that holds: `width` doubles in a
-// vector, and a tile of `tile_rows` rows by `tile_vectors` vectors.
+// only, each compiled for one vector unit, which first say what that holds: vectors of
+// `vector_bytes`, and a tile of `tile_rows` rows by `tile_vectors` vectors.  Real is double or
+// float.
 //
 // Everything here is local to such a file and calls nothing: a function that the linker could take
 // from another of them might run where its unit does not exist.
@@ -14,37 +15,84 @@ namespace {
 
 using Index = std::ptrdiff_t;
 
-typedef double Vector __attribute__((vector_size(8 * width), aligned(8), may_alias));
+template <class Real>
+struct VectorOf {
+  typedef Real type __attribute__((vector_size(vector_bytes), aligned(alignof(Real)), may_alias));
+};
+template <class Real>
+using Vector = typename VectorOf<Real>::type;
 
-inline Vector load(const double* at) { return *reinterpret_cast<const Vector*>(at); }
-inline void store(double* at, Vector value) { *reinterpret_cast<Vector*>(at) = value; }
+template <class Real>
+constexpr int width = vector_bytes / sizeof(Real);
+
+template <class Real>
+inline Vector<Real> load(const Real* at) {
+  return *reinterpret_cast<const Vector<Real>*>(at);
+}
+template <class Real>
+inline void store(Real* at, Vector<Real> value) {
+  *reinterpret_cast<Vector<Real>*>(at) = value;
+}
+
+// Indices begin ... end - 1.
+struct Range {
+  Index begin;
+  Index end;
+};
+
+constexpr Index smaller(Index a, Index b) { return a < b ? a : b; }
+constexpr Index larger(Index a, Index b) { return a < b ? b : a; }
+
+// What k reaches within `band` of the indices first ... end - 1.
+constexpr Range near(Index n, Index first, Index end, Index band) {
+  return {larger(0, first - band), smaller(n, end + band)};
+}
+
+// Where neither A's rows first_row ... nor B's columns first_column ... are 0.
+template <class Real>
+inline Range factors_meet(const PlanarProduct<Real>& product, Index first_row, Index rows,
+                          Index first_column, Index columns) {
+  const Range of_A = near(product.n, first_row, first_row + rows, product.A_band);
+  const Range of_B = near(product.n, first_column, first_column + columns, product.B_band);
+  return {larger(of_A.begin, of_B.begin), smaller(of_A.end, of_B.end)};
+}
+
+// Whether nothing is wanted of those columns in the rows from `row` on.
+template <class Real>
+inline bool unwanted(const PlanarProduct<Real>& product, Index row, Index rows, Index column,
+                     Index columns) {
+  return column >= row + rows + product.C_band || column + columns <= row - product.C_band ||
+         (product.upper && column + columns <= row);
+}
 
 // A or A†, by the steps from row to row and from column to column.
+template <class Real>
 struct Left {
-  const double* re;
-  const double* im;
+  const Real* re;
+  const Real* im;
   Index row;
   Index column;
 };
 
-template <int rows, int vectors, bool adjoint>
-inline __attribute__((always_inline)) void sum_tile(Index n, const Left& A, const double* B_re,
-                                                    const double* B_im, Index B_step, double scale,
-                                                    double* C_re, double* C_im, Index C_stride) {
-  Vector re[rows][vectors] = {};
-  Vector im[rows][vectors] = {};
-  for (Index k = 0; k < n; ++k) {
-    Vector x[vectors];
-    Vector y[vectors];
+template <int rows, int vectors, bool adjoint, class Real>
+inline __attribute__((always_inline)) void sum_tile(Range of_k, const Left<Real>& A,
+                                                    const Real* B_re, const Real* B_im,
+                                                    Index B_step, Real scale, Real* C_re,
+                                                    Real* C_im, Index C_stride) {
+  Vector<Real> re[rows][vectors] = {};
+  Vector<Real> im[rows][vectors] = {};
+  for (Index k = of_k.begin; k < of_k.end; ++k) {
+    Vector<Real> x[vectors];
+    Vector<Real> y[vectors];
 #pragma GCC unroll 4
     for (int v = 0; v < vectors; ++v) {
-      x[v] = load(B_re + k * B_step + v * width);
-      y[v] = load(B_im + k * B_step + v * width);
+      x[v] = load(B_re + k * B_step + v * width<Real>);
+      y[v] = load(B_im + k * B_step + v * width<Real>);
     }
 #pragma GCC unroll 8
     for (int r = 0; r < rows; ++r) {
-      const double a = A.re[r * A.row + k * A.column];
-      const double b = A.im[r * A.row + k * A.column];
+      const Real a = A.re[r * A.row + k * A.column];
+      const Real b = A.im[r * A.row + k * A.column];
 #pragma GCC unroll 4
       for (int v = 0; v < vectors; ++v) {
         re[r][v] += a * x[v];
@@ -63,53 +111,57 @@ inline __attribute__((always_inline)) void sum_tile(Index n, const Left& A, cons
   for (int r = 0; r < rows; ++r) {
 #pragma GCC unroll 4
     for (int v = 0; v < vectors; ++v) {
-      store(C_re + r * C_stride + v * width, scale * re[r][v]);
-      store(C_im + r * C_stride + v * width, scale * im[r][v]);
+      store(C_re + r * C_stride + v * width<Real>, scale * re[r][v]);
+      store(C_im + r * C_stride + v * width<Real>, scale * im[r][v]);
     }
   }
 }
 
-inline Left rows_from(const Left& A, Index i) {
+template <class Real>
+inline Left<Real> rows_from(const Left<Real>& A, Index i) {
   return {A.re + i * A.row, A.im + i * A.row, A.row, A.column};
 }
 
 // The columns of B that a tile takes: of B itself, or a copy in which they follow one another.
+template <class Real>
 struct Panel {
-  const double* re;
-  const double* im;
+  const Real* re;
+  const Real* im;
   Index step;  // from row to row
 };
 
 // The tile of C that begins at (i, j), from those rows of A.
-template <int rows, int vectors, bool adjoint>
-__attribute__((noinline)) void whole_tile(const PlanarProduct& product, const Left& A,
-                                          const Panel& B, Index i, Index j) {
+template <int rows, int vectors, bool adjoint, class Real>
+__attribute__((noinline)) void whole_tile(const PlanarProduct<Real>& product, const Left<Real>& A,
+                                          const Panel<Real>& B, Index i, Index j) {
   const Index at = i * product.stride + j;
-  sum_tile<rows, vectors, adjoint>(product.n, A, B.re, B.im, B.step, product.scale,
-                                   product.C_re + at, product.C_im + at, product.stride);
+  sum_tile<rows, vectors, adjoint>(factors_meet(product, i, rows, j, vectors * width<Real>), A,
+                                   B.re, B.im, B.step, product.scale, product.C_re + at,
+                                   product.C_im + at, product.stride);
 }
 
 // The same where fewer than `width` columns are left: summed aside, since what fills up the rows of
 // C must stay 0.
-template <int rows, bool adjoint>
-__attribute__((noinline)) void partial_tile(const PlanarProduct& product, const Left& A,
-                                            const Panel& B, Index i, Index j) {
-  double re[rows * width];
-  double im[rows * width];
-  sum_tile<rows, 1, adjoint>(product.n, A, B.re, B.im, B.step, product.scale, re, im, width);
+template <int rows, bool adjoint, class Real>
+__attribute__((noinline)) void partial_tile(const PlanarProduct<Real>& product, const Left<Real>& A,
+                                            const Panel<Real>& B, Index i, Index j) {
+  Real re[rows * width<Real>];
+  Real im[rows * width<Real>];
+  sum_tile<rows, 1, adjoint>(factors_meet(product, i, rows, j, product.n - j), A, B.re, B.im,
+                             B.step, product.scale, re, im, width<Real>);
   for (int r = 0; r < rows; ++r) {
     for (Index c = j; c < product.n; ++c) {
-      product.C_re[(i + r) * product.stride + c] = re[r * width + (c - j)];
-      product.C_im[(i + r) * product.stride + c] = im[r * width + (c - j)];
+      product.C_re[(i + r) * product.stride + c] = re[r * width<Real> + (c - j)];
+      product.C_im[(i + r) * product.stride + c] = im[r * width<Real> + (c - j)];
     }
   }
 }
 
 enum class Kind { whole, single, partial };
 
-template <int rows, bool adjoint>
-void one_tile(Kind kind, const PlanarProduct& product, const Left& A, const Panel& B, Index i,
-              Index j) {
+template <int rows, bool adjoint, class Real>
+void one_tile(Kind kind, const PlanarProduct<Real>& product, const Left<Real>& A,
+              const Panel<Real>& B, Index i, Index j) {
   if (kind == Kind::whole) {
     whole_tile<rows, tile_vectors, adjoint>(product, A, B, i, j);
   } else if (kind == Kind::single) {
@@ -119,9 +171,9 @@ void one_tile(Kind kind, const PlanarProduct& product, const Left& A, const Pane
   }
 }
 
-template <bool adjoint>
-void one_tile(Index rows, Kind kind, const PlanarProduct& product, const Left& A, const Panel& B,
-              Index i, Index j) {
+template <bool adjoint, class Real>
+void one_tile(Index rows, Kind kind, const PlanarProduct<Real>& product, const Left<Real>& A,
+              const Panel<Real>& B, Index i, Index j) {
   switch (rows) {
     case 6:
       one_tile<6, adjoint>(kind, product, A, B, i, j);
@@ -158,23 +210,24 @@ inline __attribute__((always_inline)) void for_row_blocks(Index first, Index end
 }
 
 // Calls panel(kind, first column, columns) for all columns, but for a single one that is left.
-template <class Visit>
+template <class Real, class Visit>
 inline __attribute__((always_inline)) void for_panels(Index n, Visit&& panel) {
-  constexpr Index columns = tile_vectors * width;
+  constexpr Index columns = tile_vectors * width<Real>;
   Index j = 0;
   for (; j + columns <= n; j += columns) panel(Kind::whole, j, columns);
-  for (; j + width <= n; j += width) panel(Kind::single, j, Index{width});
+  for (; j + width<Real> <= n; j += width<Real>) panel(Kind::single, j, Index{width<Real>});
   if (j + 1 < n) panel(Kind::partial, j, n - j);
 }
 
 // Small matrices, which the first cache holds: columns of B as they stand.
-template <bool adjoint>
-void multiply_in_place(const PlanarProduct& product, const Left& A) {
-  for_panels(product.n, [&](Kind kind, Index j, Index columns) {
-    const Panel B{product.B_re + j, product.B_im + j, product.stride};
+template <bool adjoint, class Real>
+void multiply_in_place(const PlanarProduct<Real>& product, const Left<Real>& A) {
+  for_panels<Real>(product.n, [&](Kind kind, Index j, Index columns) {
+    const Panel<Real> B{product.B_re + j, product.B_im + j, product.stride};
     const bool cut = product.upper && j + columns < product.end_row;
     const Index end = cut ? j + columns : product.end_row;
     for_row_blocks(product.first_row, end, [&](Index i, Index height) {
+      if (unwanted(product, i, height, j, columns)) return;
       one_tile<adjoint>(height, kind, product, rows_from(A, i), B, i, j);
     });
   });
@@ -182,27 +235,30 @@ void multiply_in_place(const PlanarProduct& product, const Left& A) {
 
 // Larger ones: a block of rows of A stays in the first cache while panels of B, copied together,
 // pass by from the second.
-template <bool adjoint>
-void multiply_packed(const PlanarProduct& product, const Left& A) {
+template <bool adjoint, class Real>
+void multiply_packed(const PlanarProduct<Real>& product, const Left<Real>& A) {
   const Index n = product.n;
   const Index stride = product.stride;
-  double* packed = product.scratch + 2 * stride;
-  for_panels(n, [&](Kind, Index j, Index columns) {
-    const Index vectors = (columns + width - 1) / width;
-    double* to = packed + 2 * j * n;
-    for (Index k = 0; k < n; ++k) {
+  Real* packed = product.scratch + 2 * stride;
+  for_panels<Real>(n, [&](Kind, Index j, Index columns) {
+    const Index vectors = (columns + width<Real> - 1) / width<Real>;
+    const Range of_k = near(n, j, j + columns, product.B_band);
+    Real* to = packed + 2 * j * n + 2 * vectors * width<Real> * of_k.begin;
+    for (Index k = of_k.begin; k < of_k.end; ++k) {
       for (Index v = 0; v < vectors; ++v) {
-        store(to + v * width, load(product.B_re + k * stride + j + v * width));
-        store(to + (vectors + v) * width, load(product.B_im + k * stride + j + v * width));
+        store(to + v * width<Real>, load(product.B_re + k * stride + j + v * width<Real>));
+        store(to + (vectors + v) * width<Real>,
+              load(product.B_im + k * stride + j + v * width<Real>));
       }
-      to += 2 * vectors * width;
+      to += 2 * vectors * width<Real>;
     }
   });
-  double* columns_of_A = packed + 2 * n * stride;
+  Real* columns_of_A = packed + 2 * n * stride;
   for_row_blocks(product.first_row, product.end_row, [&](Index i, Index height) {
-    Left block = rows_from(A, i);
+    Left<Real> block = rows_from(A, i);
     if (adjoint) {  // columns of A, which lie far apart
-      for (Index k = 0; k < n; ++k) {
+      const Range of_k = near(n, i, i + height, product.A_band);
+      for (Index k = of_k.begin; k < of_k.end; ++k) {
         for (Index r = 0; r < height; ++r) {
           columns_of_A[2 * tile_rows * k + r] = block.re[k * A.column + r];
           columns_of_A[2 * tile_rows * k + tile_rows + r] = block.im[k * A.column + r];
@@ -210,31 +266,32 @@ void multiply_packed(const PlanarProduct& product, const Left& A) {
       }
       block = {columns_of_A, columns_of_A + tile_rows, 1, 2 * tile_rows};
     }
-    for_panels(n, [&](Kind kind, Index j, Index columns) {
-      if (product.upper && j + columns <= i) return;
-      const Index whole = (columns + width - 1) / width * width;
-      const double* B = packed + 2 * j * n;
+    for_panels<Real>(n, [&](Kind kind, Index j, Index columns) {
+      if (unwanted(product, i, height, j, columns)) return;
+      const Index whole = (columns + width<Real> - 1) / width<Real> * width<Real>;
+      const Real* B = packed + 2 * j * n;
       one_tile<adjoint>(height, kind, product, block, {B, B + whole, 2 * whole}, i, j);
     });
   });
 }
 
 // Entries i ... i + rows - 1 of A (x + iy), into the last column of C.
-template <int rows>
-inline __attribute__((always_inline)) void last_entries(const PlanarProduct& product,
-                                                        const double* x, const double* y, Index i) {
+template <int rows, class Real>
+inline __attribute__((always_inline)) void last_entries(const PlanarProduct<Real>& product,
+                                                        const Real* x, const Real* y, Index i) {
   const Index stride = product.stride;
-  const double* A_re = product.A_re + i * stride;
-  const double* A_im = product.A_im + i * stride;
-  Vector re[rows] = {};
-  Vector im[rows] = {};
-  for (Index k = 0; k < product.n; k += width) {
-    const Vector xs = load(x + k);
-    const Vector ys = load(y + k);
+  const Real* A_re = product.A_re + i * stride;
+  const Real* A_im = product.A_im + i * stride;
+  Vector<Real> re[rows] = {};
+  Vector<Real> im[rows] = {};
+  const Range of_k = factors_meet(product, i, rows, product.n - 1, 1);
+  for (Index k = of_k.begin / width<Real> * width<Real>; k < of_k.end; k += width<Real>) {
+    const Vector<Real> xs = load(x + k);
+    const Vector<Real> ys = load(y + k);
 #pragma GCC unroll 4
     for (int r = 0; r < rows; ++r) {
-      const Vector a = load(A_re + r * stride + k);
-      const Vector b = load(A_im + r * stride + k);
+      const Vector<Real> a = load(A_re + r * stride + k);
+      const Vector<Real> b = load(A_im + r * stride + k);
       re[r] += a * xs;
       im[r] += a * ys;
       re[r] -= b * ys;
@@ -243,9 +300,9 @@ inline __attribute__((always_inline)) void last_entries(const PlanarProduct& pro
   }
 #pragma GCC unroll 4
   for (int r = 0; r < rows; ++r) {
-    double sum_re = 0.0;
-    double sum_im = 0.0;
-    for (int v = 0; v < width; ++v) {
+    Real sum_re = 0;
+    Real sum_im = 0;
+    for (int v = 0; v < width<Real>; ++v) {
       sum_re += re[r][v];
       sum_im += im[r][v];
     }
@@ -256,11 +313,12 @@ inline __attribute__((always_inline)) void last_entries(const PlanarProduct& pro
 }
 
 // A single column that is left, as all n = 16 k + 1 have: a matrix times a vector, by rows of A.
-inline void last_column(const PlanarProduct& product) {
+template <class Real>
+inline void last_column(const PlanarProduct<Real>& product) {
   const Index n = product.n;
   const Index stride = product.stride;
-  double* x = product.scratch;  // the column of B, filled up with 0
-  double* y = product.scratch + stride;
+  Real* x = product.scratch;  // the column of B, filled up with 0
+  Real* y = product.scratch + stride;
   for (Index k = 0; k < n; ++k) {
     x[k] = product.B_re[k * stride + n - 1];
     y[k] = product.B_im[k * stride + n - 1];
@@ -273,21 +331,25 @@ inline void last_column(const PlanarProduct& product) {
 }
 
 // The same of A†: by columns of A, which are rows of what is summed.
-inline void last_column_of_adjoint(const PlanarProduct& product) {
+template <class Real>
+inline void last_column_of_adjoint(const PlanarProduct<Real>& product) {
   const Index n = product.n;
   const Index stride = product.stride;
-  double* re = product.scratch;
-  double* im = product.scratch + stride;
-  constexpr int vectors = 8 / width;  // a row is filled up to whole blocks of 8
-  for (Index i = product.first_row / 8 * 8; i < product.end_row; i += 8) {
-    Vector ax[vectors] = {}, by[vectors] = {}, ay[vectors] = {}, bx[vectors] = {};
-    for (Index k = 0; k < n; ++k) {
-      const double x = product.B_re[k * stride + n - 1];
-      const double y = product.B_im[k * stride + n - 1];
+  Real* re = product.scratch;
+  Real* im = product.scratch + stride;
+  // Whole vectors of A, and at least 8 numbers: a row is filled up to as many.
+  constexpr int block = width < Real >> 8 ? width<Real> : 8;
+  constexpr int vectors = block / width<Real>;
+  for (Index i = product.first_row / block * block; i < product.end_row; i += block) {
+    Vector<Real> ax[vectors] = {}, by[vectors] = {}, ay[vectors] = {}, bx[vectors] = {};
+    const Range of_k = factors_meet(product, i, block, n - 1, 1);
+    for (Index k = of_k.begin; k < of_k.end; ++k) {
+      const Real x = product.B_re[k * stride + n - 1];
+      const Real y = product.B_im[k * stride + n - 1];
 #pragma GCC unroll 4
       for (int v = 0; v < vectors; ++v) {
-        const Vector a = load(product.A_re + k * stride + i + v * width);
-        const Vector b = load(product.A_im + k * stride + i + v * width);
+        const Vector<Real> a = load(product.A_re + k * stride + i + v * width<Real>);
+        const Vector<Real> b = load(product.A_im + k * stride + i + v * width<Real>);
         ax[v] += a * x;
         by[v] += b * y;
         ay[v] += a * y;
@@ -296,8 +358,8 @@ inline void last_column_of_adjoint(const PlanarProduct& product) {
     }
 #pragma GCC unroll 4
     for (int v = 0; v < vectors; ++v) {
-      store(re + i + v * width, product.scale * (ax[v] + by[v]));
-      store(im + i + v * width, product.scale * (ay[v] - bx[v]));
+      store(re + i + v * width<Real>, product.scale * (ax[v] + by[v]));
+      store(im + i + v * width<Real>, product.scale * (ay[v] - bx[v]));
     }
   }
   for (Index i = product.first_row; i < product.end_row; ++i) {
@@ -306,16 +368,16 @@ inline void last_column_of_adjoint(const PlanarProduct& product) {
   }
 }
 
-template <bool adjoint>
-void multiply_tiles(const PlanarProduct& product) {
-  const Left A = adjoint ? Left{product.A_re, product.A_im, 1, product.stride}
-                         : Left{product.A_re, product.A_im, product.stride, 1};
-  if (product.n > planar_largest_in_place) {
+template <bool adjoint, class Real>
+void multiply_tiles(const PlanarProduct<Real>& product) {
+  const Left<Real> A = adjoint ? Left<Real>{product.A_re, product.A_im, 1, product.stride}
+                               : Left<Real>{product.A_re, product.A_im, product.stride, 1};
+  if (product.n > planar_largest_in_place<Real>) {
     multiply_packed<adjoint>(product, A);
   } else {
     multiply_in_place<adjoint>(product, A);
   }
-  if (product.n % width != 1) return;
+  if (product.n % width<Real> != 1) return;
   if (adjoint) {
     last_column_of_adjoint(product);
   } else {
@@ -323,7 +385,8 @@ void multiply_tiles(const PlanarProduct& product) {
   }
 }
 
-void multiply_planar(const PlanarProduct& product) {
+template <class Real>
+void multiply_planar(const PlanarProduct<Real>& product) {
   if (product.adjoint) {
     multiply_tiles<true>(product);
   } else {

@@ -149,9 +149,9 @@ TEST(PlanarProducts, RefuseAliasesAndOtherSizes) {
 
 TEST(PlanarStride, IsWholeVectorsAndNoMultipleOfAPage) {
   for (Index n = 1; n <= 2000; ++n) {
-    EXPECT_GE(planar_stride(n), n + 3);
-    EXPECT_EQ(planar_stride(n) % 8, 0);
-    EXPECT_NE(planar_stride(n) % 512, 0);
+    EXPECT_GE(planar_stride<double>(n), n + 3);
+    EXPECT_EQ(planar_stride<double>(n) % 8, 0);
+    EXPECT_NE(planar_stride<double>(n) % 512, 0);
   }
 }
 

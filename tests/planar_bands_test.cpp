@@ -1,0 +1,211 @@
+// Matrices that are 0 away from the diagonal: finding the band, and what products make of it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/planar_blocks.h"
+#include "core/planar_laplacian.h"
+#include "core/planar_products.h"
+#include "tests/support.h"
+
+namespace isosyrk::testing {
+namespace {
+
+// Entries falling off by the factor e^-rate from diagonal to diagonal.
+Matrix falling_off(Index n, double rate, unsigned seed) {
+  Matrix W = random_matrix(n, seed);
+  for (Index r = 0; r < n; ++r) {
+    for (Index c = 0; c < n; ++c) W(r, c) *= std::exp(-rate * static_cast<double>(std::abs(r - c)));
+  }
+  return W;
+}
+
+// What lies outside a band, in the Frobenius norm.
+double outside(const Matrix& W, Index band) {
+  double sum = 0.0;
+  for (Index r = 0; r < W.rows(); ++r) {
+    for (Index c = 0; c < W.cols(); ++c) {
+      if (std::abs(r - c) > band) sum += std::norm(W(r, c));
+    }
+  }
+  return std::sqrt(sum);
+}
+
+TEST(Bands, AreTheSmallestThatLeaveOutNoMoreThanTheTail) {
+  for (const Index n : {1, 2, 5, 17, 33, 66}) {
+    const Matrix W = falling_off(n, 0.7, static_cast<unsigned>(n));
+    const Matrix skew = 0.5 * (W - W.adjoint());
+    RealVector squares = RealVector::Zero(n);
+    for (const double tail : {1e-12, 1e-6, 1e-2, 1.0}) {
+      const Index band = band_of(PlanarMatrix(W), tail, squares);
+      EXPECT_LE(outside(W, band), tail) << n;
+      if (band > 0) {
+        EXPECT_GT(outside(W, band - 1), tail) << n;
+      }
+      const Index skew_band = band_of_skew(PlanarMatrix(skew), tail, squares);
+      EXPECT_EQ(skew_band, band_of(PlanarMatrix(skew), tail, squares)) << n;
+    }
+    EXPECT_EQ(band_of(PlanarMatrix(n), 0.0, squares), 0);
+  }
+}
+
+TEST(Bands, HoldWhatIsNotANumber) {
+  constexpr Index n = 17;
+  RealVector squares = RealVector::Zero(n);
+  Matrix W = falling_off(n, 3.0, 1);
+  W(2, 14) = std::nan("");
+  EXPECT_GE(band_of(PlanarMatrix(W), 1e-3, squares), 12);
+  EXPECT_GE(band_of_skew(PlanarMatrix(W), 1e-3, squares), 12);
+}
+
+TEST(Bands, CutWhatLiesOutsideAndNothingElse) {
+  for (const Index n : {1, 5, 17, 33}) {
+    const Matrix W = random_matrix(n, 1);
+    for (Index band = 0; band <= n + 1; ++band) {
+      PlanarMatrix cut(W);
+      cut_to_band(band, cut);
+      EXPECT_EQ(cut.band(), std::min(band, n - 1));
+      for (Index r = 0; r < n; ++r) {
+        for (Index c = 0; c < n; ++c) {
+          EXPECT_EQ(cut.interleaved()(r, c), std::abs(r - c) > band ? Complex(0.0) : W(r, c));
+        }
+      }
+    }
+  }
+}
+
+TEST(Bands, OfAMatrixThatIsLoadedAreTheWhole) {
+  PlanarMatrix W(5);
+  cut_to_band(1, W);
+  W.load(random_matrix(5, 1));
+  EXPECT_EQ(W.band(), 4);
+}
+
+template <class Real>
+PlanarMatrixOf<Real> cut_copy(const Matrix& W, Index band) {
+  PlanarMatrixOf<Real> cut(W);
+  cut_to_band(band, cut);
+  return cut;
+}
+
+template <class Real>
+PlanarMatrixOf<Real> whole(PlanarMatrixOf<Real> W) {
+  W.set_band(W.size() - 1);
+  return W;
+}
+
+template <class Real>
+void expect_bands_change_nothing(const PlanarKernel& kernel) {
+  for (const Index n : {4, 17, 20, 33, 65, 73, 107, 129}) {
+    for (const auto& [A_band, B_band] : {std::pair<Index, Index>{0, 0},
+                                         {0, n - 1},
+                                         {3, n - 1},
+                                         {n - 1, 2},
+                                         {4, 7},
+                                         {n / 3, n / 2},
+                                         {n - 2, 1}}) {
+      PlanarProductsOf<Real> products(n, kernel);
+      const auto A = cut_copy<Real>(random_matrix(n, 1), A_band);
+      const auto B = cut_copy<Real>(random_matrix(n, 2), B_band);
+      PlanarMatrixOf<Real> C(n), expected(n);
+      products.multiply(A, B, C, Real(0.5));
+      products.multiply(whole(A), whole(B), expected, Real(0.5));
+      EXPECT_EQ(C.entries(), expected.entries()) << n << " " << A_band << " " << B_band;
+      EXPECT_EQ(C.band(), std::min(n - 1, A.band() + B.band()));
+      products.multiply_adjoint_left(A, B, C);
+      products.multiply_adjoint_left(whole(A), whole(B), expected);
+      EXPECT_EQ(C.entries(), expected.entries()) << n << " " << A_band << " " << B_band;
+
+      products.multiply_adjoint_left_upper(A, B, C);
+      products.multiply_adjoint_left_upper(whole(A), whole(B), expected);
+      const Index wanted = n / 4;
+      PlanarMatrixOf<Real> within(n), upper_within(n);
+      products.multiply_adjoint_left_within(wanted, A, B, within);
+      products.multiply_adjoint_left_upper_within(wanted, A, B, upper_within);
+      PlanarMatrixOf<Real> all(n);
+      products.multiply_adjoint_left(A, B, all);
+      for (Index r = 0; r < n; ++r) {
+        for (Index c = 0; c < n; ++c) {
+          const Index at = r * C.stride() + c;
+          const bool is_within = std::abs(r - c) <= wanted;
+          if (is_within) {
+            EXPECT_EQ(within.im()[at], all.im()[at]) << n << " " << r << " " << c;
+          }
+          if (r > c) continue;
+          EXPECT_EQ(C.re()[at], expected.re()[at]) << n << " " << r << " " << c;
+          if (is_within) {
+            EXPECT_EQ(upper_within.im()[at], all.im()[at]);
+          }
+        }
+      }
+    }
+  }
+}
+
+class BandsInEachUnit : public ::testing::TestWithParam<PlanarKernel> {};
+
+// What is left out is 0 times something: bit for bit the product of the whole.
+TEST_P(BandsInEachUnit, ChangeNoProduct) {
+  expect_bands_change_nothing<double>(GetParam());
+  expect_bands_change_nothing<float>(GetParam());
+}
+
+TEST_P(BandsInEachUnit, ThatAreWrongGiveAWrongProduct) {
+  constexpr Index n = 65;
+  PlanarProducts products(n, GetParam());
+  PlanarMatrix A(random_matrix(n, 1));
+  const PlanarMatrix B(random_matrix(n, 2));
+  PlanarMatrix expected(n), C(n);
+  products.multiply(A, B, expected);
+  A.set_band(20);
+  products.multiply(A, B, C);
+  EXPECT_GT((C.entries() - expected.entries()).norm(), 1.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Planar, BandsInEachUnit, ::testing::ValuesIn(planar_kernels()),
+                         [](const auto& tested) { return std::string(tested.param.name); });
+
+TEST(Bands, CountTheMultiplicationsWithinThem) {
+  constexpr Index n = 33;
+  PlanarProducts products(n);
+  const Matrix W = random_matrix(n, 1);
+  PlanarMatrix C(n);
+  const auto taken = [&](Index A_band, Index B_band) {
+    const std::int64_t before = products.half_multiplications();
+    products.multiply(cut_copy<double>(W, A_band), cut_copy<double>(W, B_band), C);
+    return (products.half_multiplications() - before) / 2;
+  };
+  EXPECT_EQ(taken(n - 1, n - 1), n * n * n);
+  EXPECT_EQ(taken(0, n - 1), n * n);  // a diagonal times a full matrix
+  EXPECT_EQ(taken(0, 0), n);
+  EXPECT_EQ(taken(1, 0), 3 * n - 2);
+  const double before = products.equivalents();
+  products.multiply_upper(PlanarMatrix(W), PlanarMatrix(W), C);
+  EXPECT_DOUBLE_EQ(products.equivalents() - before, 0.5);
+}
+
+TEST(Bands, OfALaplacianAreTheDiagonalsItSolves) {
+  for (const Index n : {5, 17, 33, 50}) {
+    const PlanarLaplacian planar{Laplacian(n)};
+    const Matrix W = random_skew_hermitian(n, 1);
+    PlanarMatrix all(n);
+    planar.solve_skew_hermitian(PlanarMatrix(W), 1.0, all);
+    for (const Index band : {Index{0}, Index{1}, n / 3, n - 2, n - 1}) {
+      Matrix read = W;
+      for (Index r = 0; r < n; ++r) {
+        for (Index c = 0; c < n; ++c) {
+          if (c - r > band || r > c) read(r, c) = std::nan("");  // not to be read
+        }
+      }
+      PlanarMatrix P(random_matrix(n, 2));
+      planar.solve_skew_hermitian(PlanarMatrix(read), 1.0, P, band);
+      EXPECT_EQ(P.band(), band);
+      PlanarMatrix expected = all;
+      cut_to_band(band, expected);
+      EXPECT_EQ(P.interleaved(), expected.interleaved()) << n << " " << band;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace isosyrk::testing
