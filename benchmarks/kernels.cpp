@@ -24,14 +24,15 @@ std::string planar_name(std::string_view part, const PlanarKernel& kernel, Index
 std::string planar_poisson_name(Index n) { return fmt::format("kernels/poisson/planar/n:{}", n); }
 std::string poisson_name(Index n) { return fmt::format("kernels/poisson/n:{}", n); }
 
-// ‖C - AB‖_F / (‖A‖_F ‖B‖_F u), the error of a product in units of roundoff.
+// ‖C - AB‖_F / (‖A‖_F ‖B‖_F u), the error of a product in units of Real's roundoff.
+template <class Real = double>
 double product_error(const Matrix& A, const Matrix& B, const Matrix& C) {
   using Extended = Eigen::Matrix<std::complex<long double>, Eigen::Dynamic, Eigen::Dynamic>;
   const Extended exact =
       Extended(A.cast<std::complex<long double>>()) * Extended(B.cast<std::complex<long double>>());
   const auto error =
       static_cast<double>((exact - Extended(C.cast<std::complex<long double>>())).norm());
-  constexpr double unit_roundoff = 0.5 * std::numeric_limits<double>::epsilon();
+  constexpr double unit_roundoff = 0.5 * std::numeric_limits<Real>::epsilon();
   return error / (A.norm() * B.norm() * unit_roundoff);
 }
 
@@ -43,8 +44,9 @@ struct Factors {
   Matrix W, B;
 };
 
-// Times `multiply`, one product; a triangle counts as one.
-template <class Multiply>
+// Times `multiply`, one product; a triangle counts as one.  In single precision a vector holds
+// twice as many numbers, and the peak is twice as high.
+template <class Real = double, class Multiply>
 void time_products(benchmark::State& state, Index n, Multiply&& multiply) {
   const double peak_before = measured_peak_flops();  // at the speed that the core has now
   long products = 0;
@@ -55,7 +57,9 @@ void time_products(benchmark::State& state, Index n, Multiply&& multiply) {
   }
   const double flops = static_cast<double>(products) * product_flops(n) / (cpu_seconds() - start);
   state.counters["gflops"] = 1e-9 * flops;
-  state.counters["share_of_peak"] = flops / std::max(peak_before, measured_peak_flops());
+  constexpr double numbers = sizeof(double) / sizeof(Real);
+  state.counters["share_of_peak"] =
+      flops / (numbers * std::max(peak_before, measured_peak_flops()));
 }
 
 void product(benchmark::State& state, ProductBackend backend, Index n) {
@@ -69,16 +73,19 @@ void product(benchmark::State& state, ProductBackend backend, Index n) {
   state.counters["error_in_roundoffs"] = product_error(given.W, given.B, C);
 }
 
+// In double or in single precision.
+template <class Real>
 void planar_product(benchmark::State& state, const PlanarKernel& kernel, Index n) {
   const Factors given(n);
-  const PlanarMatrix W(given.W), B(given.B);
-  PlanarMatrix C(n);
-  PlanarProducts products(n, kernel);
-  time_products(state, n, [&] {
+  const PlanarMatrixOf<Real> W(given.W), B(given.B);
+  PlanarMatrixOf<Real> C(n);
+  PlanarProductsOf<Real> products(n, kernel);
+  time_products<Real>(state, n, [&] {
     products.multiply(W, B, C);
     benchmark::DoNotOptimize(C.re());
   });
-  state.counters["error_in_roundoffs"] = product_error(given.W, given.B, C.interleaved());
+  state.counters["error_in_roundoffs"] =
+      product_error<Real>(W.interleaved(), B.interleaved(), C.interleaved());
 }
 
 // B (W B), which is skew-Hermitian: its upper triangle and the mirror of that.
@@ -144,6 +151,7 @@ int main_program(int argc, char** argv) {
     for (const PlanarKernel& kernel : planar_kernels()) {
       names.push_back(planar_name("product", kernel, n));
       names.push_back(planar_name("triangle", kernel, n));
+      names.push_back(planar_name("single", kernel, n));
     }
     names.push_back(poisson_name(n));
     names.push_back(planar_poisson_name(n));
@@ -159,7 +167,10 @@ int main_program(int argc, char** argv) {
           ->Unit(benchmark::kMicrosecond);
     }
     for (const PlanarKernel& kernel : planar_kernels()) {
-      benchmark::RegisterBenchmark(planar_name("product", kernel, n).c_str(), planar_product,
+      benchmark::RegisterBenchmark(planar_name("product", kernel, n).c_str(),
+                                   planar_product<double>, kernel, n)
+          ->Unit(benchmark::kMicrosecond);
+      benchmark::RegisterBenchmark(planar_name("single", kernel, n).c_str(), planar_product<float>,
                                    kernel, n)
           ->Unit(benchmark::kMicrosecond);
       benchmark::RegisterBenchmark(planar_name("triangle", kernel, n).c_str(), planar_triangle,

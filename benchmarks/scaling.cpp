@@ -125,47 +125,64 @@ Json scaling_rows(Index n, const Measuring& measuring) {
 
 struct Idea {
   std::string name;
+  bool rung;  // of the ladder
   FastOptions options;
 };
 
-// From plain sweeps from a cold start on, one idea more in each; the last rows are each one thing
-// other than the fast form by default, which is named so.
-std::vector<Idea> ideas(Formulation formulation) {
-  const FastOptions by_default;
-  FastOptions cold = by_default;
+// From plain sweeps from a cold start on, one idea more in each, up to what the fast form takes by
+// default: the rungs of a ladder.  The other rows are each one thing other than the default, which
+// is named so.
+std::vector<Idea> ideas(const FastForm& by_default) {
+  FastOptions cold;
   cold.start_order = 0;
-  cold.accelerate = cold.transport_twice = false;
+  cold.correct = cold.bands = false;
   FastOptions warm = cold;
-  warm.start_order = by_default.start_order;
-  std::vector<Idea> all = {{"structure and planar products", cold}, {"start values", warm}};
-  FastOptions twice = warm;
-  twice.transport_twice = true;
-  if (formulation == Formulation::group) all.push_back({"two transports a sweep", twice});
-  FastOptions mixed = by_default;
-  mixed.accelerate = true;
-  all.push_back({"acceleration", mixed});
-  all.push_back({"by default", by_default});
+  warm.start_order = FastOptions{}.start_order;
+  FastOptions corrected = warm;
+  corrected.correct = true;
+  FastOptions cut = warm;
+  cut.bands = true;
+  FastOptions both = corrected;
+  both.bands = true;
+  FastOptions accelerated = warm;
+  accelerated.accelerate = true;
+  const bool corrects = by_default.corrects();
+  const bool cuts = by_default.cuts();
+  std::vector<Idea> all = {{"structure and planar products", true, cold},
+                           {"start values", true, warm},
+                           {"corrections in single precision", corrects, corrected}};
+  if (corrects) {
+    all.push_back({"bands", cuts, both});
+    all.push_back({"bands, no corrections", false, cut});
+  } else {
+    all.push_back({"bands", cuts, cut});
+  }
+  all.push_back({"by default", false, {}});
+  all.push_back({"acceleration, no corrections", false, accelerated});
   for (const int order : {4, 6, 8, 12}) {
-    FastOptions other = by_default;
+    FastOptions other;
     other.start_order = order;
-    all.push_back({fmt::format("start order {}", order), other});
+    all.push_back({fmt::format("start order {}", order), false, other});
   }
   return all;
 }
 
 Json idea_rows(const Scene& scene, Formulation formulation, int s, ProductBackend backend,
                const Measuring& measuring) {
-  const auto what = [&](const std::string& idea) {
+  const auto what = [&](const std::string& idea, bool rung) {
     Json fields = what_cell(formulation, s);
     fields["idea"] = idea;
+    fields["rung"] = rung;
     return fields;
   };
   std::vector<Variant> variants;
   variants.push_back(
-      {what("published"), gauss_entry(formulation, s).make(*scene.flow, {}, backend)});
-  for (const Idea& idea : ideas(formulation)) {
-    variants.push_back({what(idea.name), make_fast_gauss(formulation, s, *scene.flow, idea.options,
-                                                         ProductBackend::openblas)});
+      {what("published", true), gauss_entry(formulation, s).make(*scene.flow, {}, backend)});
+  const auto by_default = make_fast_gauss(formulation, s, *scene.flow, {}, backend);
+  for (const Idea& idea : ideas(dynamic_cast<const FastForm&>(*by_default))) {
+    variants.push_back(
+        {what(idea.name, idea.rung),
+         make_fast_gauss(formulation, s, *scene.flow, idea.options, ProductBackend::openblas)});
   }
   return timed(
       scene, table1_step, variants, measuring,
@@ -196,7 +213,7 @@ int main_program(int argc, char** argv) {
 
   std::vector<BackendRates> rates;
   for (const Index n : sizes) rates.push_back(choose_backend({}, n));
-  Json json = {{"format", "isosyrk scaling 1"}};
+  Json json = {{"format", "isosyrk scaling 2"}};
   json["context"] = context_json("scaling", {}, rates, {});
   json["h_norm_B"] = scaling_h_norm_B;
   json["kernels"] = planar_kernels().front().name;

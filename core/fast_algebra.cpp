@@ -1,7 +1,10 @@
 #include "core/fast_algebra.h"
 
+#include <algorithm>
 #include <utility>
 
+#include "core/euler_zeitlin.h"
+#include "core/mixed_sums.h"
 #include "core/planar_blocks.h"
 #include "core/stage_sums.h"
 
@@ -9,18 +12,21 @@ namespace isosyrk {
 
 FastAlgebra::FastAlgebra(const EulerZeitlin& flow, const Tableau& tableau,
                          const FastOptions& options)
-    : FastForm(flow, options, {tableau.stages(), tableau.stages() * (tableau.stages() + 1) / 2}),
+    : FastForm(flow, options, {tableau.stages(), tableau.stages() * (tableau.stages() + 1) / 2},
+               {.smallest = 48, .coupling_band = std::max<Index>(32, 3 * flow.size() / 8)}),
       tableau_(tableau) {
   require_consistent(tableau);
-  X_sum_ = X_next_ = W_stage_ = B_ = zeros(tableau.stages());
-  M_next_ = minus_adjoints_ = unknowns_[1];
-  input_ = zeros(places(static_cast<Index>(M_next_.size())));
-  skew_ = zeros(places(tableau.stages()));
+  const Index s = tableau.stages();
+  X_sum_ = X_next_ = W_stage_ = B_ = P_ = zeros(s);
+  M_next_ = minus_adjoints_ = Y_ = unknowns_[1];
+  sum_ = skew_ = zeros(places(s));
   for (std::size_t k = 0; k < stages(); ++k) {
     for (std::size_t j = 0; j <= k; ++j) pairs_.emplace_back(j, k);
   }
-  X_change_ = W_change_ = RealVector::Zero(tableau.stages());
+  X_change_ = W_change_ = RealVector::Zero(s);
   M_change_ = RealVector::Zero(static_cast<Index>(pairs_.size()));
+  B_single_ = P_single_ = dW_ = dB_ = singles(s);
+  Y_single_ = single_input_ = single_product_ = minus_single_adjoints_ = residuals_[1];
 }
 
 void FastAlgebra::start_cold() {
@@ -31,49 +37,187 @@ void FastAlgebra::start_cold() {
 
 void FastAlgebra::begin() { update_stage_vorticities(); }
 
-double FastAlgebra::sweep(double h) {
-  Stages& X = unknowns_[0];
+// X_next_ and, from it, M_next_.
+void FastAlgebra::form_next(double h) {
   in_phases(
       stages(),
       [&](std::size_t i, Share share, Worker& worker) {
         if (share.part == 0) generator(W_stage_[i], B_[i], worker);
-        if (share.part == share.parts - 1) {
-          reals(input_[place(i)]) = reals(W0_) + reals(X_sum_[i]);
-        }
+        if (share.part == share.parts - 1) reals(P_[i]) = reals(W0_) + reals(X_sum_[i]);
       },
       [&](std::size_t i, Share share, Worker& worker) {
-        worker.planar.multiply(input_[place(i)], B_[i], X_next_[i], -h, share);
-      },
-      [&](std::size_t i, Share share, Worker&) {
-        if (share.part == 0) X_change_(static_cast<Index>(i)) = squared_change(X_next_[i], X[i]);
+        worker.planar.multiply(P_[i], B_[i], X_next_[i], -h, share);
       });
-  std::swap(X, X_next_);
   in_phases(
       pairs_.size(),
       [&](std::size_t p, Share share, Worker&) {
         if (share.part != 0) return;
         const auto [j, k] = pairs_[p];
-        PlanarMatrix& input = input_[place(p)];
-        reals(input) = reals(X[k]) + a(j, 0) * reals(M(0, k));
-        for (std::size_t m = 1; m < stages(); ++m) reals(input) += a(j, m) * reals(M(m, k));
+        reals(Y_[p]) = reals(X_next_[k]) + a(j, 0) * reals(M(0, k));
+        for (std::size_t m = 1; m < stages(); ++m) reals(Y_[p]) += a(j, m) * reals(M(m, k));
       },
       [&](std::size_t p, Share share, Worker& worker) {
         const auto [j, k] = pairs_[p];
         if (j == k) {
-          worker.planar.multiply_upper(B_[j], input_[place(p)], M_next_[p], h, share);
+          worker.planar.multiply_upper(B_[j], Y_[p], M_next_[p], h, share);
         } else {
-          worker.planar.multiply(B_[j], input_[place(p)], M_next_[p], h, share);
+          worker.planar.multiply(B_[j], Y_[p], M_next_[p], h, share);
         }
       },
       [&](std::size_t p, Share share, Worker&) {
-        if (share.part != 0) return;
-        if (pairs_[p].first == pairs_[p].second) mirror_skew(M_next_[p]);
-        M_change_(static_cast<Index>(p)) = squared_change(M_next_[p], unknowns_[1][p]);
+        if (share.part == 0 && pairs_[p].first == pairs_[p].second) mirror_skew(M_next_[p]);
       });
+}
+
+double FastAlgebra::sweep(double h) {
+  form_next(h);
+  in_phases(stages(), [&](std::size_t i, Share share, Worker&) {
+    if (share.part != 0) return;
+    X_change_(static_cast<Index>(i)) = squared_change(X_next_[i], unknowns_[0][i]);
+  });
+  in_phases(pairs_.size(), [&](std::size_t p, Share share, Worker&) {
+    if (share.part != 0) return;
+    M_change_(static_cast<Index>(p)) = squared_change(M_next_[p], unknowns_[1][p]);
+  });
+  std::swap(unknowns_[0], X_next_);
   std::swap(unknowns_[1], M_next_);
   update_stage_vorticities();
   return larger(largest_change(X_change_),
                 larger(largest_change(M_change_), largest_change(W_change_)));
+}
+
+double FastAlgebra::residual(double h) {
+  form_next(h);
+  const auto difference = [&](const PlanarMatrix& next, const PlanarMatrix& X, SingleMatrix& R) {
+    return isosyrk::residual(
+        X, [&](const auto& load) { return load(next); }, R, 0, 2 * X.size());
+  };
+  in_phases(stages(), [&](std::size_t i, Share share, Worker&) {
+    if (share.part != 0) return;
+    X_change_(static_cast<Index>(i)) = difference(X_next_[i], unknowns_[0][i], residuals_[0][i]);
+  });
+  in_phases(pairs_.size(), [&](std::size_t p, Share share, Worker&) {
+    if (share.part != 0) return;
+    M_change_(static_cast<Index>(p)) = difference(M_next_[p], unknowns_[1][p], residuals_[1][p]);
+  });
+  return larger(larger(largest_change(X_change_), largest_change(M_change_)),
+                correct_stage_vorticities(residuals_[0], residuals_[1]));
+}
+
+void FastAlgebra::linearise(double h, double accuracy) {
+  const Index rows = 2 * W0_.size();
+  in_phases(stages(), [&](std::size_t i, Share share, Worker& worker) {
+    if (share.part == 0) narrow_generator(B_[i], h, accuracy, B_single_[i], worker);
+    if (share.part == share.parts - 1) narrow(P_[i], P_single_[i], 0, rows);
+  });
+  in_phases(pairs_.size(), [&](std::size_t p, Share share, Worker&) {
+    if (share.part == 0) narrow(Y_[p], Y_single_[p], 0, rows);
+  });
+}
+
+// dW_: what corrections to X and M make of W̃; returns the largest.
+double FastAlgebra::correct_stage_vorticities(const Singles& X, const Singles& M) {
+  in_phases(stages(), [&](std::size_t i, Share share, Worker&) {
+    if (share.part != 0) return;
+    const auto weight = [&](std::size_t j, std::size_t k) {
+      return static_cast<float>(a(i, j) * a(i, k));
+    };
+    SingleMatrix& sum = single_input_[i];
+    reals(sum) = static_cast<float>(a(i, 0)) * reals(X[0]);
+    for (std::size_t k = 1; k < stages(); ++k) {
+      reals(sum) += static_cast<float>(a(i, k)) * reals(X[k]);
+      for (std::size_t j = 0; j < k; ++j) reals(sum) += weight(j, k) * reals(M[pair(j, k)]);
+    }
+    skew_part(sum, 1.0f, dW_[i]);
+    for (std::size_t j = 0; j < stages(); ++j) reals(dW_[i]) += weight(j, j) * reals(M[pair(j, j)]);
+    W_change_(static_cast<Index>(i)) = static_cast<double>(reals(dW_[i]).square().sum());
+  });
+  return largest_change(W_change_);
+}
+
+double FastAlgebra::transport(double h) {
+  Singles& delta = delta_[0];
+  const auto step_of = static_cast<float>(h);
+  in_phases(
+      stages(),
+      [&](std::size_t i, Share share, Worker&) {
+        if (share.part != 0) return;
+        combine(tableau_.a.row(static_cast<Index>(i)).cast<float>(), delta, single_input_[i]);
+      },
+      [&](std::size_t i, Share share, Worker& worker) {
+        worker.singles.multiply(single_input_[i], B_single_[i], single_product_[i], -step_of,
+                                share);
+      });
+  in_phases(stages(), [&](std::size_t i, Share share, Worker&) {
+    if (share.part != 0) return;
+    X_change_(static_cast<Index>(i)) = replace(
+        delta[i], [&](const auto& load) { return load(rhs_[0][i]) + load(single_product_[i]); });
+  });
+  in_phases(pairs_.size(), [&](std::size_t p, Share share, Worker&) {
+    const auto [j, k] = pairs_[p];
+    if (share.part == 0 && j < k) minus_adjoint(delta_[1][p], minus_single_adjoints_[p]);
+  });
+  in_phases(
+      pairs_.size(),
+      [&](std::size_t p, Share share, Worker&) {
+        if (share.part != 0) return;
+        const auto [j, k] = pairs_[p];
+        auto input = reals(single_input_[p]);
+        input = reals(delta[k]) - reals(residuals_[0][k]);
+        for (std::size_t m = 0; m < stages(); ++m) {
+          input += static_cast<float>(a(j, m)) * reals(epsilon(m, k));
+        }
+      },
+      [&](std::size_t p, Share share, Worker& worker) {
+        const auto [j, k] = pairs_[p];
+        if (j == k) {
+          worker.singles.multiply_upper(B_single_[j], single_input_[p], single_product_[p], step_of,
+                                        share);
+        } else {
+          worker.singles.multiply(B_single_[j], single_input_[p], single_product_[p], step_of,
+                                  share);
+        }
+      });
+  in_phases(pairs_.size(), [&](std::size_t p, Share share, Worker&) {
+    if (share.part != 0) return;
+    if (pairs_[p].first == pairs_[p].second) mirror_skew(single_product_[p]);
+    M_change_(static_cast<Index>(p)) = replace(delta_[1][p], [&](const auto& load) {
+      return load(rhs_[1][p]) + load(single_product_[p]);
+    });
+  });
+  return larger(largest_change(X_change_), largest_change(M_change_));
+}
+
+void FastAlgebra::couple(double h) {
+  const auto step_of = static_cast<float>(h);
+  correct_stage_vorticities(delta_[0], delta_[1]);
+  in_phases(
+      stages(),
+      [&](std::size_t i, Share share, Worker& worker) {
+        if (share.part == 0) single_generator(dW_[i], dB_[i], worker);
+      },
+      [&](std::size_t i, Share share, Worker& worker) {
+        worker.singles.multiply(P_single_[i], dB_[i], single_product_[i], -step_of, share);
+      },
+      [&](std::size_t i, Share share, Worker&) {
+        if (share.part != 0) return;
+        reals(next_rhs_[0][i]) = reals(residuals_[0][i]) + reals(single_product_[i]);
+      });
+  in_phases(
+      pairs_.size(),
+      [&](std::size_t p, Share share, Worker& worker) {
+        const auto [j, k] = pairs_[p];
+        if (j == k) {
+          worker.singles.multiply_upper(dB_[j], Y_single_[p], single_product_[p], step_of, share);
+        } else {
+          worker.singles.multiply(dB_[j], Y_single_[p], single_product_[p], step_of, share);
+        }
+      },
+      [&](std::size_t p, Share share, Worker&) {
+        if (share.part != 0) return;
+        if (pairs_[p].first == pairs_[p].second) mirror_skew(single_product_[p]);
+        reals(next_rhs_[1][p]) = reals(residuals_[1][p]) + reals(single_product_[p]);
+      });
 }
 
 // W̃_i, and what else the next sweep takes, from the unknowns.
@@ -85,16 +229,16 @@ void FastAlgebra::update_stage_vorticities() {
   });
   in_phases(s, [&](std::size_t i, Share share, Worker&) {
     if (share.part != 0) return;
-    PlanarMatrix& input = input_[place(i)];
+    PlanarMatrix& sum = sum_[place(i)];
     PlanarMatrix& skew = skew_[place(i)];
     combine(tableau_.a.row(static_cast<Index>(i)), unknowns_[0], X_sum_[i]);
     const PlanarMatrix* S = &X_sum_[i];
     if (s > 1) {
-      reals(input) = reals(X_sum_[i]) + a(i, 0) * a(i, 1) * reals(M(0, 1));
+      reals(sum) = reals(X_sum_[i]) + a(i, 0) * a(i, 1) * reals(M(0, 1));
       for (std::size_t k = 2; k < s; ++k) {
-        for (std::size_t j = 0; j < k; ++j) reals(input) += a(i, j) * a(i, k) * reals(M(j, k));
+        for (std::size_t j = 0; j < k; ++j) reals(sum) += a(i, j) * a(i, k) * reals(M(j, k));
       }
-      S = &input;
+      S = &sum;
     }
     skew_part(*S, 1.0, skew);
     for (std::size_t j = 1; j < s; ++j) reals(skew) += a(i, j) * a(i, j) * reals(M(j, j));
@@ -115,8 +259,8 @@ void FastAlgebra::update(double h, PlanarMatrix& W1) {
       [&](std::size_t i, Share share, Worker& worker) {
         worker.planar.multiply(B_[i], W_stage_[i], C[i], 1.0, share);
       });
-  combine(h * tableau_.b, C, input_[0]);
-  skew_part(input_[0], 1.0, skew_[0]);
+  combine(h * tableau_.b, C, sum_[0]);
+  skew_part(sum_[0], 1.0, skew_[0]);
   W1.entries() = W0_.entries() + skew_[0].entries();
 }
 

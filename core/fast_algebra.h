@@ -15,8 +15,15 @@ namespace isosyrk {
 ///     W̃_i  = W₀ + S - S† + Σ_j a_ij² M_jj,         S = Σ_j a_ij X_j + Σ_{j<k} a_ij a_ik M_jk
 ///     W₁   = W₀ + h Σ_i b_i (C_i - C_i†),          C_i = B_i W̃_i
 ///
-/// of which only the pairs j <= k are formed, from the X of the same sweep, and M_jj as a triangle.
-/// Products: s(s+1)/2 and s triangles a sweep, s for the update.
+/// of which only the pairs j <= k are formed, from the X of the same sweep, and M_jj as a triangle;
+/// and of corrections δ_i to X_i and ε_jk to M_jk, with R those of X and P_i = W₀ + Σ_j a_ij X_j,
+/// Y_jk = X_k + Σ_m a_jm M_mk,
+///
+///     (T δ)_i  = -h (Σ_j a_ij δ_j) B_i,                     (K δ)_i  = -h P_i δB_i
+///     (T ε)_jk =  h B_j ( δ_k - R_k + Σ_m a_jm ε_mk ),      (K ε)_jk =  h δB_j Y_jk
+///
+/// Products: s(s+1)/2 and s triangles a sweep, s for the update; in single precision the same for T
+/// and for K, all within bands.
 /// Source: the recursion's solution is M_jk = -h² B_j (Q_j† W₀ Q_k) B_k.
 class FastAlgebra final : public FastForm {
  public:
@@ -27,6 +34,10 @@ class FastAlgebra final : public FastForm {
   void start_cold() override;
   void begin() override;
   double sweep(double h) override;
+  double residual(double h) override;
+  void linearise(double h, double accuracy) override;
+  double transport(double h) override;
+  void couple(double h) override;
   void update(double h, PlanarMatrix& W1) override;
 
  private:
@@ -38,20 +49,28 @@ class FastAlgebra final : public FastForm {
   }
   // Where M_jk, j <= k, stands among the pairs.
   static std::size_t pair(std::size_t j, std::size_t k) { return k * (k + 1) / 2 + j; }
-  // M_jk for any j, k.
+  // M_jk for any j, k, of the unknowns or of their corrections.
   const PlanarMatrix& M(std::size_t j, std::size_t k) const {
     return j <= k ? unknowns_[1][pair(j, k)] : minus_adjoints_[pair(k, j)];
   }
+  const SingleMatrix& epsilon(std::size_t j, std::size_t k) const {
+    return j <= k ? delta_[1][pair(j, k)] : minus_single_adjoints_[pair(k, j)];
+  }
+  void form_next(double h);
   void update_stage_vorticities();
+  double correct_stage_vorticities(const Singles& X, const Singles& M);
 
   Tableau tableau_;
   Stages X_sum_;  // Σ_j a_ij X_j
   Stages X_next_, M_next_;
   Stages minus_adjoints_;  // -M_jk† where j < k
   Stages W_stage_, B_;
-  Stages input_, skew_;                                     // places to work in
+  Stages P_, Y_;       // what X_next_ and M_next_ are products of
+  Stages sum_, skew_;  // places to work in
   std::vector<std::pair<std::size_t, std::size_t>> pairs_;  // (j, k), j <= k, as they are stored
   RealVector X_change_, M_change_, W_change_;
+  Singles B_single_, P_single_, Y_single_, dW_, dB_, single_input_, single_product_;
+  Singles minus_single_adjoints_;
 };
 
 }  // namespace isosyrk

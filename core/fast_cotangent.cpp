@@ -1,5 +1,9 @@
 #include "core/fast_cotangent.h"
 
+#include <algorithm>
+
+#include "core/euler_zeitlin.h"
+#include "core/mixed_sums.h"
 #include "core/planar_blocks.h"
 #include "core/stage_sums.h"
 
@@ -7,14 +11,16 @@ namespace isosyrk {
 
 FastCotangent::FastCotangent(const EulerZeitlin& flow, const Tableau& tableau,
                              const FastOptions& options)
-    : FastForm(flow, options, {tableau.stages(), tableau.stages()}), tableau_(tableau) {
+    : FastForm(flow, options, {tableau.stages(), tableau.stages()},
+               {.smallest = 48, .coupling_band = std::max<Index>(32, 3 * flow.size() / 8)}),
+      tableau_(tableau) {
   require_consistent(tableau);
   Q1_ = P1_ = zero();
-  W_stage_ = B_ = zeros(places(tableau.stages()));
-  QB_ = PB_ = zeros(tableau.stages());
+  W_stage_ = zeros(places(tableau.stages()));
+  B_ = QB_ = PB_ = zeros(tableau.stages());
   identity_ = identity();
-  Q_change_.resize(2 * tableau.stages());
-  P_change_.resize(2 * tableau.stages());
+  Q_single_ = P_single_ = B_single_ = N_ = N_of_P_ = dB_ = Q_product_ = P_product_ =
+      singles(tableau.stages());
 }
 
 void FastCotangent::start_cold() {
@@ -22,24 +28,89 @@ void FastCotangent::start_cold() {
   for (PlanarMatrix& P : unknowns_[1]) P.entries() = W0_.entries();
 }
 
-double FastCotangent::sweep(double h) {
-  std::vector<PlanarMatrix>& Q = unknowns_[0];
-  std::vector<PlanarMatrix>& P = unknowns_[1];
+void FastCotangent::begin() {
+  in_phases(unknowns_[0].size(), [&](std::size_t j, Share share, Worker& worker) {
+    if (share.part == 0) cut(unknowns_[0][j], worker);
+    if (share.part == share.parts - 1) cut(unknowns_[1][j], worker);
+  });
+}
+
+// Q_j B_j and P_j B_j.
+void FastCotangent::transport_stages() {
+  const std::vector<PlanarMatrix>& Q = unknowns_[0];
+  const std::vector<PlanarMatrix>& P = unknowns_[1];
   in_phases(
       Q.size(),
       [&](std::size_t j, Share share, Worker& worker) {
         worker.planar.multiply_adjoint_left_upper(Q[j], P[j], W_stage_[place(j)], share);
       },
       [&](std::size_t j, Share share, Worker& worker) {
-        if (share.part == 0) generator(W_stage_[place(j)], B_[place(j)], worker);
+        if (share.part == 0) generator(W_stage_[place(j)], B_[j], worker);
       },
       [&](std::size_t j, Share share, Worker& worker) {
-        worker.planar.multiply(Q[j], B_[place(j)], QB_[j], 1.0, share);
-        worker.planar.multiply(P[j], B_[place(j)], PB_[j], 1.0, share);
+        worker.planar.multiply(Q[j], B_[j], QB_[j], 1.0, share);
+        worker.planar.multiply(P[j], B_[j], PB_[j], 1.0, share);
       });
-  update_in_halves(identity_, -h, tableau_.a, QB_, Q, Q_change_);
-  update_in_halves(W0_, -h, tableau_.a, PB_, P, P_change_);
-  return larger(largest_change_of_halves(Q_change_), largest_change_of_halves(P_change_));
+}
+
+double FastCotangent::sweep(double h) {
+  transport_stages();
+  const double Q_change = update_in_halves(identity_, -h, tableau_.a, QB_, unknowns_[0]);
+  const double P_change = update_in_halves(W0_, -h, tableau_.a, PB_, unknowns_[1]);
+  begin();
+  return larger(Q_change, P_change);
+}
+
+double FastCotangent::residual(double h) {
+  transport_stages();
+  const double of_Q =
+      residuals_in_halves(identity_, -h, tableau_.a, QB_, unknowns_[0], residuals_[0]);
+  const double of_P = residuals_in_halves(W0_, -h, tableau_.a, PB_, unknowns_[1], residuals_[1]);
+  return larger(of_Q, of_P);
+}
+
+void FastCotangent::linearise(double h, double accuracy) {
+  const Index rows = 2 * W0_.size();
+  in_phases(B_.size(), [&](std::size_t j, Share share, Worker& worker) {
+    if (share.part == 0) narrow_generator(B_[j], h, accuracy, B_single_[j], worker);
+    if (share.part == share.parts - 1) {
+      narrow(unknowns_[0][j], Q_single_[j], 0, rows);
+      narrow(unknowns_[1][j], P_single_[j], 0, rows);
+    }
+  });
+}
+
+double FastCotangent::transport(double h) {
+  in_phases(B_.size(), [&](std::size_t j, Share share, Worker& worker) {
+    worker.singles.multiply(delta_[0][j], B_single_[j], Q_product_[j], 1.0f, share);
+    worker.singles.multiply(delta_[1][j], B_single_[j], P_product_[j], 1.0f, share);
+  });
+  const double of_Q = update_in_halves(rhs_[0], -h, tableau_.a, Q_product_, delta_[0]);
+  const double of_P = update_in_halves(rhs_[1], -h, tableau_.a, P_product_, delta_[1]);
+  return larger(of_Q, of_P);
+}
+
+void FastCotangent::couple(double h) {
+  in_phases(
+      B_.size(),
+      [&](std::size_t j, Share share, Worker& worker) {
+        SingleProducts& singles = worker.singles;
+        const Index band = coupling_band();
+        singles.multiply_adjoint_left_upper_within(band, delta_[0][j], P_single_[j], N_[j], share);
+        singles.multiply_adjoint_left_upper_within(band, Q_single_[j], delta_[1][j], N_of_P_[j],
+                                                   share);
+      },
+      [&](std::size_t j, Share share, Worker& worker) {
+        if (share.part != 0) return;
+        reals(N_[j]) += reals(N_of_P_[j]);
+        single_generator(N_[j], dB_[j], worker);
+      },
+      [&](std::size_t j, Share share, Worker& worker) {
+        worker.singles.multiply(Q_single_[j], dB_[j], Q_product_[j], 1.0f, share);
+        worker.singles.multiply(P_single_[j], dB_[j], P_product_[j], 1.0f, share);
+      });
+  update_in_halves(residuals_[0], -h, tableau_.a, Q_product_, next_rhs_[0]);
+  update_in_halves(residuals_[1], -h, tableau_.a, P_product_, next_rhs_[1]);
 }
 
 void FastCotangent::update(double h, PlanarMatrix& W1) {

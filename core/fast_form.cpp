@@ -1,15 +1,25 @@
 #include "core/fast_form.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/euler_zeitlin.h"
-#include "core/stage_sums.h"
+#include "core/mixed_sums.h"
+#include "core/planar_blocks.h"
 
 namespace isosyrk {
 
 namespace {
 
 // Below these it costs more than it saves (measured).
-constexpr Index smallest_accelerated = 32;
 constexpr Index smallest_shared = 48;
+constexpr Index smallest_cut = 48;
+
+// What is left out may come to this share of the tolerance.
+constexpr double left_out = 0.01;
+
+// Beyond this the derivative says too little of a sweep (measured).
+constexpr double largest_corrected = 0.3;
 
 Unknowns zero_unknowns(Index n, std::initializer_list<Index> counts) {
   Unknowns unknowns;
@@ -21,23 +31,35 @@ Unknowns zero_unknowns(Index n, std::initializer_list<Index> counts) {
 
 }  // namespace
 
-int default_start_order(Index n) { return n < 96 ? 10 : 9; }
+int default_start_order(Index n) { return n < 24 || n >= 96 ? 10 : 11; }
 
 FastForm::FastForm(const EulerZeitlin& flow, const FastOptions& options,
-                   std::initializer_list<Index> unknowns)
+                   std::initializer_list<Index> unknowns, const Corrections& corrections)
     : Integrator(flow, ProductBackend::openblas),
       W0_(flow.size()),
       unknowns_(zero_unknowns(flow.size(), unknowns)),
       options_(options),
       team_(options.threads == 2 && flow.size() < smallest_shared ? 1 : options.threads),
-      workers_(static_cast<std::size_t>(team_.threads()), Worker{PlanarProducts(flow.size())}),
+      workers_(static_cast<std::size_t>(team_.threads()),
+               Worker{PlanarProducts(flow.size()), SingleProducts(flow.size()),
+                      RealVector::Zero(flow.size())}),
       laplacian_(flow.laplacian()),
+      single_laplacian_(flow.laplacian()),
       reciprocal_hbar_(1.0 / hbar(flow.convention(), flow.size())),
       W1_(flow.size()),
       start_values_(options.start_order.value_or(default_start_order(flow.size())), unknowns_),
       anderson_(unknowns_),
-      accelerates_(options.accelerate.value_or(unknowns_[0].size() == 1 &&
-                                               flow.size() >= smallest_accelerated)) {}
+      corrects_(options.correct.value_or(flow.size() >= corrections.smallest)),
+      cuts_(options.bands.value_or(flow.size() >= smallest_cut)),
+      coupling_band_(cuts_ ? corrections.coupling_band : flow.size() - 1) {
+  Index most = 0;
+  for (const Index count : unknowns) {
+    residuals_.push_back(singles(count));
+    most = std::max(most, count);
+  }
+  delta_ = rhs_ = next_rhs_ = residuals_;
+  squares_[0] = squares_[1] = RealVector::Zero(most);
+}
 
 PlanarMatrix FastForm::identity() const {
   PlanarMatrix I = zero();
@@ -48,28 +70,65 @@ PlanarMatrix FastForm::identity() const {
 void FastForm::generator(const PlanarMatrix& W, PlanarMatrix& B, Worker& worker) const {
   laplacian_.solve_skew_hermitian(W, reciprocal_hbar_, B);
   ++worker.solves;
+  if (!cuts_) return;
+  const double tail = left_out * options_.solver.tolerance / step_;
+  cut_to_band(band_of_skew(B, tail, worker.squares), B);
 }
 
-void FastForm::update_in_halves(const PlanarMatrix& base, double h, const RealMatrix& a,
-                                const std::vector<PlanarMatrix>& Y, std::vector<PlanarMatrix>& X,
-                                RealVector& squares) {
+void FastForm::single_generator(const SingleMatrix& W, SingleMatrix& B, Worker& worker) const {
+  single_laplacian_.solve_skew_hermitian(W, static_cast<float>(reciprocal_hbar_), B,
+                                         coupling_band_);
+  ++worker.solves;
+}
+
+void FastForm::narrow_generator(const PlanarMatrix& B, double h, double accuracy, SingleMatrix& S,
+                                Worker& worker) const {
+  narrow(B, S, 0, 2 * B.size());
+  if (!cuts_) return;
+  cut_to_band(band_of_skew(B, accuracy / std::abs(h), worker.squares), S);
+}
+
+void FastForm::cut(PlanarMatrix& X, double weight, Worker& worker) const {
+  const double tail = left_out * options_.solver.tolerance / weight;
+  cut_to_band(cuts_ ? band_of(X, tail, worker.squares) : X.size() - 1, X);
+}
+
+void FastForm::cut_single(SingleMatrix& S, double tail, Worker& worker) const {
+  cut_to_band(cuts_ ? band_of(S, tail, worker.squares) : S.size() - 1, S);
+}
+
+double FastForm::residuals_in_halves(const PlanarMatrix& base, double h, const RealMatrix& a,
+                                     const std::vector<PlanarMatrix>& Y,
+                                     const std::vector<PlanarMatrix>& X,
+                                     std::vector<SingleMatrix>& R) {
+  const Index n = W0_.size();
   in_halves([&](std::size_t half) {
-    const Half numbers(reals(base).size(), half);
-    double* half_of_squares = squares.data() + (half == 0 ? 0 : static_cast<Index>(X.size()));
-    update_unknowns(base, h, a, Y, X, half_of_squares, numbers.begin, numbers.end);
+    residuals(base, h, a, Y, X, R, half_of_squares(half), half == 0 ? 0 : n, half == 0 ? n : 2 * n);
   });
+  return largest_of_squares(static_cast<Index>(X.size()));
+}
+
+double FastForm::largest_of_squares(Index count) const {
+  double largest = 0.0;
+  for (Index i = 0; i < count; ++i) largest = larger(largest, squares_[0](i) + squares_[1](i));
+  return std::sqrt(largest);
 }
 
 long FastForm::products() const {
   long sum = 0;
-  for (const Worker& each : workers_) sum += each.planar.count();
+  for (const Worker& each : workers_) sum += each.planar.count() + each.singles.count();
   return sum;
 }
 
 double FastForm::equivalent_products() const {
-  double sum = 0.0;
-  for (const Worker& each : workers_) sum += each.planar.equivalents();
-  return sum;
+  std::int64_t in_double = 0;
+  std::int64_t in_single = 0;
+  for (const Worker& each : workers_) {
+    in_double += each.planar.half_multiplications();
+    in_single += each.singles.half_multiplications();
+  }
+  return (static_cast<double>(in_double) + 0.5 * static_cast<double>(in_single)) /
+         (2.0 * workers_[0].planar.cube());
 }
 
 long FastForm::poisson_solves() const {
@@ -78,36 +137,135 @@ long FastForm::poisson_solves() const {
   return sum;
 }
 
-SolveReport FastForm::iterate(double h, bool accelerated) {
+SolveReport FastForm::iterate(double h, Iteration iteration) {
   begin();
-  if (!accelerated) return solve_fixed_point(options_.solver, [&] { return sweep(h); });
-  anderson_.begin(unknowns_);
-  return solve_fixed_point(options_.solver, [&] {
-    const double change = sweep(h);
-    if (change >= options_.solver.tolerance) {  // else what the sweep gave is accepted
-      anderson_.mix(unknowns_);
-      begin();
+  switch (iteration) {
+    case Iteration::plain:
+      break;
+    case Iteration::accelerated:
+      anderson_.begin(unknowns_);
+      return solve_fixed_point(options_.solver, [&] {
+        const double change = sweep(h);
+        if (change >= options_.solver.tolerance) {  // else what the sweep gave is accepted
+          anderson_.mix(unknowns_);
+          begin();
+        }
+        return change;
+      });
+    case Iteration::corrected:
+      return solve_fixed_point(options_.solver, [&] {
+        const double change = residual(h);
+        if (change >= options_.solver.tolerance && change <= largest_corrected) {
+          correct(h, change);
+          add_correction(delta_);
+        } else {
+          add_correction(residuals_);
+        }
+        begin();
+        return change;
+      });
+  }
+  return solve_fixed_point(options_.solver, [&] { return sweep(h); });
+}
+
+void FastForm::add_correction(const SingleUnknowns& correction) {
+  for (std::size_t kind = 0; kind < unknowns_.size(); ++kind) {
+    const Index n = W0_.size();
+    team_.run(2 * unknowns_[kind].size(), [&](std::size_t half, std::size_t) {
+      add(correction[kind][half / 2], unknowns_[kind][half / 2], half % 2 == 0 ? 0 : n,
+          half % 2 == 0 ? n : 2 * n);
+    });
+  }
+}
+
+// Takes next_rhs_ for rhs_, and into δ what that changes; returns the largest change.
+double FastForm::shift_rhs() {
+  double largest = 0.0;
+  for (std::size_t kind = 0; kind < delta_.size(); ++kind) {
+    const std::size_t count = delta_[kind].size();
+    team_.run(2, [&](std::size_t half, std::size_t) {
+      for (std::size_t i = 0; i < count; ++i) {
+        const Half numbers(reals(delta_[kind][i]).size(), half);
+        const auto part = [&](SingleMatrix& X) {
+          return reals(X).segment(numbers.begin, numbers.end - numbers.begin);
+        };
+        auto shift = part(rhs_[kind][i]);  // the old one is not needed any more
+        shift = part(next_rhs_[kind][i]) - shift;
+        part(delta_[kind][i]) += shift;
+        half_of_squares(half)[i] = static_cast<double>(shift.square().sum());
+      }
+    });
+    largest = larger(largest, largest_of_squares(static_cast<Index>(count)));
+  }
+  std::swap(rhs_, next_rhs_);
+  return largest;
+}
+
+// Finds δ by turns of T and K, each taken where the larger part of the error is its own, until what is
+// left is some digits under the change or well under the tolerance: estimates from how the two have
+// contracted so far.  Stops where they do not.
+void FastForm::correct(double h, double change) {
+  constexpr double digits = 1e-6;  // of single precision, after a few sums
+  constexpr double of_tolerance = 0.3;
+  constexpr double curvature = 0.1;  // the derivative errs by this, relative to a change of 1
+  constexpr int most = 60;
+  const double target = std::max(
+      {of_tolerance * options_.solver.tolerance, digits * change, curvature * change * change});
+  linearise(h, 0.3 * target / change);
+  for (std::size_t kind = 0; kind < delta_.size(); ++kind) {
+    for (std::size_t i = 0; i < delta_[kind].size(); ++i) {
+      delta_[kind][i].entries() = rhs_[kind][i].entries() = residuals_[kind][i].entries();
     }
-    return change;
-  });
+  }
+  double T_contraction = 0.0;
+  double K_contraction = 0.1;  // a first guess
+  double T_error = change;
+  double not_coupled = change;  // what has come to δ since K was last applied
+  double last = change;
+  bool shifted = false;
+  for (int k = 0; k < most; ++k) {
+    const double K_error = K_contraction * not_coupled;
+    if (T_error + K_error < target) return;
+    if (k > 0 && K_error > T_error) {
+      couple(h);
+      last = shift_rhs();
+      K_contraction = std::max(0.5 * K_contraction, last / not_coupled);
+      not_coupled = last;
+      T_error = solves_transport() ? last : T_error + last * T_contraction / (1.0 - T_contraction);
+      shifted = true;
+    } else {
+      const double now = transport(h);
+      const double before = shifted ? last + T_error : last;
+      if (!(now < 4.0 * before)) return;  // NaN included
+      T_contraction = std::max(shifted ? T_contraction : 0.9 * T_contraction, now / before);
+      T_contraction = std::min(T_contraction, 0.9);
+      last = now;
+      T_error = solves_transport() ? 0.0 : now * T_contraction / (1.0 - T_contraction);
+      not_coupled += now;
+      shifted = false;
+    }
+  }
 }
 
 SolveReport FastForm::solve(double h) {
   SolveReport report;
   int wasted = 0;
-  const auto converges = [&](bool accelerated) {
+  const auto converges = [&](Iteration iteration) {
     wasted += report.sweeps;
-    report = iterate(h, accelerated);
+    report = iterate(h, iteration);
     return report.status == Status::converged;
   };
+  const Iteration uncorrected = options_.accelerate ? Iteration::accelerated : Iteration::plain;
+  const Iteration other = options_.accelerate ? Iteration::plain : Iteration::accelerated;
+  const std::array<Iteration, 3> attempts = {Iteration::corrected, uncorrected, other};
+  const std::size_t first = corrects_ ? 0 : 1;
   if (start_values_.predict(h, unknowns_, team_)) {
-    if (converges(accelerates_)) return report;
+    if (converges(attempts[first])) return report;
     start_values_.forget();
   }
-  start_cold();
-  if (!converges(accelerates_)) {
+  for (std::size_t i = first; i < attempts.size(); ++i) {
     start_cold();
-    converges(!accelerates_);
+    if (converges(attempts[i])) break;
   }
   report.sweeps += wasted;
   return report;
@@ -115,9 +273,13 @@ SolveReport FastForm::solve(double h) {
 
 double FastForm::change_of_one_more_sweep(double h) {
   const Unknowns accepted = unknowns_;
+  const bool cuts = std::exchange(cuts_, false);
+  step_ = std::abs(h);
+  begin_step();
   begin();
   const double change = sweep(h);
   unknowns_ = accepted;
+  cuts_ = cuts;
   return change;
 }
 
@@ -128,6 +290,8 @@ SolveReport FastForm::advance(const Matrix& W0, double h, Matrix& W1) {
   W0_.load(W0);
   // Another state than this form ended at: what it knows is of another trajectory.
   if (W0_.entries() != W1_.entries()) start_values_.forget();
+  step_ = std::abs(h);
+  begin_step();
   const SolveReport report = solve(h);
   if (report.status == Status::converged) {
     update(h, W1_);

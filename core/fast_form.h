@@ -1,6 +1,7 @@
 // What the fast forms share: planar storage, start values from earlier steps, and a restart.
 #pragma once
 
+#include <array>
 #include <initializer_list>
 #include <optional>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "core/integrator.h"
 #include "core/planar_laplacian.h"
 #include "core/planar_products.h"
+#include "core/stage_sums.h"
 #include "core/start_values.h"
 #include "core/team.h"
 
@@ -17,8 +19,8 @@ namespace isosyrk {
 
 class EulerZeitlin;
 
-/// 10, and 9 from n = 96 on: the fastest for most cells of Table 1 (measured).  A higher order errs
-/// less by itself but amplifies the rounding of past steps, which grows with n.
+/// 10, and 11 for n = 24 ... 95: the fastest for most cells of Table 1 (measured).  A higher order
+/// errs less by itself but amplifies what is wrong with past steps.
 int default_start_order(Index n);
 
 struct FastOptions {
@@ -26,11 +28,15 @@ struct FastOptions {
   /// Past steps that start values are extrapolated from; 0: every step starts cold.  By default
   /// default_start_order(n).
   std::optional<int> start_order = {};
-  /// Whether sweeps are accelerated (Anderson).  By default with one stage and n >= 32, where it
-  /// pays: with more stages it saves a twentieth of the sweeps, for more than that of their time.
-  std::optional<bool> accelerate = {};
-  /// Whether a sweep of group transports twice.  By default from n = 48 on, where it pays.
-  std::optional<bool> transport_twice = {};
+  /// Whether what a sweep leaves is corrected in single precision before the next one.  By default
+  /// from the n on where it pays, which each form knows.
+  std::optional<bool> correct = {};
+  /// Whether sweeps that are not corrected are accelerated (Anderson).
+  bool accelerate = false;
+  /// Whether products leave out what lies so far off the diagonal that it does not count.  By
+  /// default for n >= 48, where it pays; in a smooth scene only, in a rough one there is no such
+  /// thing.
+  std::optional<bool> bands = {};
   /// 1 or 2: a sweep's products, and most of what is between them, are shared out; below n = 48,
   /// where that costs more than it saves, one thread does all.  The results are the same bit for
   /// bit.
@@ -41,40 +47,102 @@ struct FastOptions {
 /// form to the solver's tolerance, sooner.
 ///
 /// Every iteration starts from extrapolated unknowns and stops by the rule of fixed_point.h, on the
-/// change that a plain sweep makes, so that what is accepted is as good as from a cold start. Where
-/// it fails from there it is tried cold, then cold with acceleration where it had none or without
-/// where it had, and only then has the step failed.  After a failed step, for a step of another
-/// size, and from another state than the last step ended at, it starts cold.
+/// change that a plain sweep in double precision makes, so that what is accepted is as good as from
+/// a cold start.
+///
+/// In between it is Newton's method, inexactly: with x the unknowns, G(x) what a sweep makes of
+/// them and R = G(x) - x, the correction δ solves
+///
+///     δ = R + T δ + K δ
+///
+/// where T + K is the derivative of G, T with B held and K through B.  T contracts slowly, in the
+/// fine scales, and K fast, since Δ⁻¹ keeps them out of B.  R is formed in double precision and all
+/// else in single: it takes digits off R, and never decides that x is accepted.
+///
+/// Bands: |r - c| <= m holds all modes up to degree m, so the matrices of a smooth state fall off
+/// away from the diagonal.  Of B(W̃) what lies outside the smallest band that leaves h‖.‖ under a
+/// hundredth of the tolerance is taken as 0, and likewise of other factors as each form says.  B
+/// stays skew-Hermitian and every step isospectral; a full sweep still changes what is accepted by
+/// no more than the tolerance and a hundredth of it.
+///
+/// Where the iteration fails it is tried cold, then cold by plain sweeps, then by those with
+/// acceleration where it had none or without where it had, and only then has the step failed.
+/// After a failed step, for a step of another size, and from another state than the last step ended
+/// at, it starts cold.
 class FastForm : public Integrator {
  public:
+  using Singles = std::vector<SingleMatrix>;
+  using SingleUnknowns = std::vector<Singles>;
+
   /// The change that one more sweep makes to the unknowns with which the last step, of size h, was
   /// accepted: what the tolerance bounds, seen from outside the solver.
   double change_of_one_more_sweep(double h);
+
+  /// What FastOptions said, or the default.
+  bool corrects() const { return corrects_; }
+  bool cuts() const { return cuts_; }
 
  protected:
   /// What one of the threads works with.
   struct Worker {
     PlanarProducts planar;
+    SingleProducts singles;
+    RealVector squares;  // for band_of
     long solves = 0;
+  };
+
+  struct Corrections {
+    Index smallest;  ///< n from which on they pay (measured)
+    /// The diagonals through which K acts; Δ⁻¹ takes from those further out what they could add.
+    /// With fewer, a third sweep is needed (measured).
+    Index coupling_band;
   };
 
   /// With so many unknowns of each kind.
   FastForm(const EulerZeitlin& flow, const FastOptions& options,
-           std::initializer_list<Index> unknowns);
+           std::initializer_list<Index> unknowns, const Corrections& corrections);
 
   SolveReport advance(const Matrix& W0, double h, Matrix& W1) final;
 
+  /// Sees W0_ before anything else of a step.
+  virtual void begin_step() {}
   /// Sets the unknowns for a cold start.
   virtual void start_cold() = 0;
   /// Computes what follows from the unknowns where it is not the last sweep that set them.
   virtual void begin() {}
   /// As of solve_fixed_point.
   virtual double sweep(double h) = 0;
+
+  /// R into residuals_, from a sweep that leaves the unknowns; returns the largest, as sweep().
+  virtual double residual(double h) = 0;
+  /// Takes what T and K are made of from the last residual, of B only what counts to a relative
+  /// accuracy.
+  virtual void linearise(double h, double accuracy) = 0;
+  /// δ = rhs + T δ; returns the largest change.
+  virtual double transport(double h) = 0;
+  /// Whether transport() solves that equation instead, to the accuracy asked of linearise().
+  virtual bool solves_transport() const { return false; }
+  /// next_rhs_ = R + K δ.
+  virtual void couple(double h) = 0;
   /// W₁ from the last sweep.
   virtual void update(double h, PlanarMatrix& W1) = 0;
 
-  /// B = B(W), counted; of W the upper triangle is read.
+  /// B = B(W) within its band, counted; of W the upper triangle is read.
   void generator(const PlanarMatrix& W, PlanarMatrix& B, Worker& worker) const;
+
+  Index coupling_band() const { return coupling_band_; }
+  /// δB = B(δW̃) within it; of δW̃ the upper triangle is read.
+  void single_generator(const SingleMatrix& W, SingleMatrix& B, Worker& worker) const;
+  /// S = B rounded, without what comes to less than h‖.‖ = accuracy.
+  void narrow_generator(const PlanarMatrix& B, double h, double accuracy, SingleMatrix& S,
+                        Worker& worker) const;
+
+  /// Cuts X to the band that holds all but a hundredth of the tolerance.
+  void cut(PlanarMatrix& X, Worker& worker) const { cut(X, 1.0, worker); }
+  /// The same for what counts `weight` times.
+  void cut(PlanarMatrix& X, double weight, Worker& worker) const;
+  /// Cuts S to the band that holds all but `tail` of it.
+  void cut_single(SingleMatrix& S, double tail, Worker& worker) const;
 
   /// Calls each phase(item, share, worker) for all items below `count`: by one thread, all phases
   /// of an item in turn, with the whole as its share; by two, phase by phase, with a half.  What
@@ -99,14 +167,31 @@ class FastForm : public Integrator {
     team_.run(2, [&](std::size_t index, std::size_t) { half(index); });
   }
 
-  /// As update_unknowns of stage_sums.h, shared out; squares has twice as many entries, those of
-  /// the one half of the numbers and then those of the other.
-  void update_in_halves(const PlanarMatrix& base, double h, const RealMatrix& a,
-                        const std::vector<PlanarMatrix>& Y, std::vector<PlanarMatrix>& X,
-                        RealVector& squares);
+  /// X_i = base_i + h Σ_j a_ij Y_j, as update_unknowns of stage_sums.h and shared out; returns the
+  /// largest change.  Base is one matrix or a vector of one for each.
+  template <class Base, class AnyMatrix>
+  double update_in_halves(const Base& base, double h, const RealMatrix& a,
+                          const std::vector<AnyMatrix>& Y, std::vector<AnyMatrix>& X) {
+    const Index size = reals(X[0]).size();
+    in_halves([&](std::size_t half) {
+      const Half numbers(size, half);
+      update_unknowns(base, h, a, Y, X, half_of_squares(half), numbers.begin, numbers.end);
+    });
+    return largest_of_squares(static_cast<Index>(X.size()));
+  }
+  /// R_i = base + h Σ_j a_ij Y_j - X_i, likewise; returns the largest.
+  double residuals_in_halves(const PlanarMatrix& base, double h, const RealMatrix& a,
+                             const std::vector<PlanarMatrix>& Y, const std::vector<PlanarMatrix>& X,
+                             std::vector<SingleMatrix>& R);
+  /// Where the squares of one half of what is summed go, to be read by largest_of_squares.
+  double* half_of_squares(std::size_t half) { return squares_[half].data(); }
+  double largest_of_squares(Index count) const;
 
   /// Of some places to work in, one for each item that is under way at a time, that of this one.
   std::size_t place(std::size_t item) const { return team_.threads() == 1 ? 0 : item; }
+  /// |h| of the step under way.
+  double step() const { return step_; }
+
   Index places(Index count) const { return team_.threads() == 1 ? 1 : count; }
 
   PlanarMatrix zero() const { return PlanarMatrix(W0_.size()); }
@@ -114,12 +199,22 @@ class FastForm : public Integrator {
   std::vector<PlanarMatrix> zeros(Index count) const {
     return std::vector<PlanarMatrix>(static_cast<std::size_t>(count), zero());
   }
+  /// As many in single precision, none where nothing is corrected.
+  Singles singles(Index count) const {
+    return Singles(static_cast<std::size_t>(corrects_ ? count : 0), SingleMatrix(W0_.size()));
+  }
 
   PlanarMatrix W0_;
   Unknowns unknowns_;
+  SingleUnknowns residuals_, delta_, rhs_, next_rhs_;
 
  private:
-  SolveReport iterate(double h, bool accelerated);
+  enum class Iteration { plain, accelerated, corrected };
+
+  SolveReport iterate(double h, Iteration iteration);
+  void correct(double h, double change);
+  double shift_rhs();
+  void add_correction(const SingleUnknowns& correction);
   SolveReport solve(double h);
 
   long products() const;
@@ -130,11 +225,16 @@ class FastForm : public Integrator {
   Team team_;
   std::vector<Worker> workers_;
   PlanarLaplacian laplacian_;
+  SingleLaplacian single_laplacian_;
   double reciprocal_hbar_;
   PlanarMatrix W1_;
   StartValues start_values_;
   Anderson anderson_;
-  bool accelerates_;
+  bool corrects_;
+  bool cuts_;
+  Index coupling_band_;
+  double step_ = 0.0;  // |h| of the step under way
+  std::array<RealVector, 2> squares_;
 };
 
 }  // namespace isosyrk

@@ -25,8 +25,14 @@ inline ConstReals reals(const Matrix& X) {
   return {reinterpret_cast<const double*>(X.data()), 2 * X.size()};
 }
 
-inline Reals reals(PlanarMatrix& X) { return {X.entries().data(), X.entries().size()}; }
-inline ConstReals reals(const PlanarMatrix& X) { return {X.entries().data(), X.entries().size()}; }
+template <class Real>
+Eigen::Map<Eigen::Array<Real, Eigen::Dynamic, 1>> reals(PlanarMatrixOf<Real>& X) {
+  return {X.entries().data(), X.entries().size()};
+}
+template <class Real>
+Eigen::Map<const Eigen::Array<Real, Eigen::Dynamic, 1>> reals(const PlanarMatrixOf<Real>& X) {
+  return {X.entries().data(), X.entries().size()};
+}
 
 /// s matrices of size n x n, zero.
 inline std::vector<Matrix> stage_matrices(Index s, Index n) {
@@ -84,40 +90,46 @@ inline double largest_change(const RealVector& squares) {
   return std::sqrt(largest);
 }
 
-/// The same where squares holds the sums over one half of the numbers, then those over the other.
-inline double largest_change_of_halves(const RealVector& squares) {
-  const Index count = squares.size() / 2;
-  double largest = 0.0;
-  for (Index i = 0; i < count; ++i) largest = larger(largest, squares(i) + squares(count + i));
-  return std::sqrt(largest);
-}
-
 namespace stage_sums {
 
+/// double, or float for what is in single precision.
+template <class AnyMatrix>
+using RealOf = typename std::remove_cvref_t<decltype(reals(std::declval<AnyMatrix&>()))>::Scalar;
+
 /// `Length` neighbouring real numbers of a matrix.
-template <int Length>
-using Piece = Eigen::Array<double, Length, 1>;
+template <int Length, class Real = double>
+using Piece = Eigen::Array<Real, Length, 1>;
 
 template <int Length, class AnyMatrix>
-Piece<Length> load(const AnyMatrix& X, Index at) {
-  return Eigen::Map<const Piece<Length>>(reals(X).data() + at);
+Piece<Length, RealOf<AnyMatrix>> load(const AnyMatrix& X, Index at) {
+  return Eigen::Map<const Piece<Length, RealOf<AnyMatrix>>>(reals(X).data() + at);
 }
 
 template <int Length, class AnyMatrix>
-void store(const Piece<Length>& values, AnyMatrix& X, Index at) {
-  Eigen::Map<Piece<Length>>(reals(X).data() + at) = values;
+void store(const Piece<Length, RealOf<AnyMatrix>>& values, AnyMatrix& X, Index at) {
+  Eigen::Map<Piece<Length, RealOf<AnyMatrix>>>(reals(X).data() + at) = values;
+}
+
+// The base of X_i: the same for all, or one for each.
+template <class AnyMatrix>
+const AnyMatrix& base_of(const AnyMatrix& base, Index) {
+  return base;
+}
+template <class AnyMatrix>
+const AnyMatrix& base_of(const std::vector<AnyMatrix>& bases, Index i) {
+  return bases[static_cast<std::size_t>(i)];
 }
 
 /// update_unknowns on the real numbers from `at` on.
-template <int Length, class Coefficients, class AnyMatrix>
-void update_piece(const AnyMatrix& base, const Coefficients& c, const std::vector<AnyMatrix>& Y,
-                  std::vector<AnyMatrix>& X, Index at, Piece<Length>* squares) {
+template <int Length, class Base, class Coefficients, class AnyMatrix>
+void update_piece(const Base& base, const Coefficients& c, const std::vector<AnyMatrix>& Y,
+                  std::vector<AnyMatrix>& X, Index at, Piece<Length, RealOf<AnyMatrix>>* squares) {
+  using Numbers = Piece<Length, RealOf<AnyMatrix>>;
   const Index s = c.rows();
-  Piece<Length> y[Coefficients::MaxRowsAtCompileTime];
+  Numbers y[Coefficients::MaxRowsAtCompileTime];
   for (Index j = 0; j < s; ++j) y[j] = load<Length>(Y[static_cast<std::size_t>(j)], at);
-  const Piece<Length> start = load<Length>(base, at);
   for (Index i = 0; i < s; ++i) {
-    Piece<Length> fresh = start;
+    Numbers fresh = load<Length>(base_of(base, i), at);
     for (Index j = 0; j < s; ++j) fresh += c(i, j) * y[j];
     AnyMatrix& X_i = X[static_cast<std::size_t>(i)];
     squares[i] += (fresh - load<Length>(X_i, at)).square();
@@ -126,50 +138,58 @@ void update_piece(const AnyMatrix& base, const Coefficients& c, const std::vecto
 }
 
 /// update_unknowns for s = Size, which the compiler unrolls, or for any s (Eigen::Dynamic).
-template <int Size, class AnyMatrix>
-void update_all(const AnyMatrix& base, double h, const RealMatrix& a,
-                const std::vector<AnyMatrix>& Y, std::vector<AnyMatrix>& X, double* squares,
-                Index begin, Index end) {
+template <int Size, class Base, class AnyMatrix>
+void update_all(const Base& base, double h, const RealMatrix& a, const std::vector<AnyMatrix>& Y,
+                std::vector<AnyMatrix>& X, double* squares, Index begin, Index end) {
   constexpr int most = Size == Eigen::Dynamic ? max_stages : Size;
-  const Eigen::Matrix<double, Size, Size, Eigen::ColMajor, most, most> c = h * a;
+  using Real = RealOf<AnyMatrix>;
+  const Eigen::Matrix<Real, Size, Size, Eigen::ColMajor, most, most> c = (h * a).cast<Real>();
   constexpr int length = 8;
-  Piece<length> sums[most];
+  Piece<length, Real> sums[most];
   for (Index i = 0; i < c.rows(); ++i) sums[i].setZero();
   Index at = begin;
   for (; at + length <= end; at += length) update_piece<length>(base, c, Y, X, at, sums);
 
   constexpr int rest = 2;  // 2n² is even
-  Piece<rest> rest_sums[most];
+  Piece<rest, Real> rest_sums[most];
   for (Index i = 0; i < c.rows(); ++i) rest_sums[i].setZero();
   for (; at < end; at += rest) update_piece<rest>(base, c, Y, X, at, rest_sums);
-  for (Index i = 0; i < c.rows(); ++i) squares[i] = sums[i].sum() + rest_sums[i].sum();
+  for (Index i = 0; i < c.rows(); ++i)
+    squares[i] = static_cast<double>(sums[i].sum() + rest_sums[i].sum());
 }
 
 }  // namespace stage_sums
 
 /// X = fresh, where fresh(load) gives eight neighbouring numbers of it from those that load(Y)
-/// takes of any matrix; returns Σ |change of X|².
-template <class Fresh>
-double replace(PlanarMatrix& X, Fresh&& fresh) {
+/// takes of any matrix, each then seen by also(at, value); returns Σ |change of X|².
+template <class Real, class Fresh, class Also>
+double replace(PlanarMatrixOf<Real>& X, Fresh&& fresh, Also&& also) {
   constexpr int length = 8;  // rows are filled up to whole blocks of 8
-  stage_sums::Piece<length> sum = stage_sums::Piece<length>::Zero();
+  using Numbers = stage_sums::Piece<length, Real>;
+  Numbers sum = Numbers::Zero();
   for (Index at = 0; at < reals(X).size(); at += length) {
     // A view, which an expression may keep; a copy would be gone before it is evaluated.
-    const auto load = [at](const PlanarMatrix& Y) {
-      return Eigen::Map<const stage_sums::Piece<length>>(reals(Y).data() + at);
+    const auto load = [at](const PlanarMatrixOf<Real>& Y) {
+      return Eigen::Map<const Numbers>(reals(Y).data() + at);
     };
-    const stage_sums::Piece<length> value = fresh(load);
+    const Numbers value = fresh(load);
     sum += (value - load(X)).square();
     stage_sums::store<length>(value, X, at);
+    also(at, value);
   }
-  return sum.sum();
+  return static_cast<double>(sum.sum());
+}
+template <class Real, class Fresh>
+double replace(PlanarMatrixOf<Real>& X, Fresh&& fresh) {
+  return replace(X, fresh, [](Index, const auto&) {});
 }
 
 /// X_i = base + h Σ_j a_ij Y_j for i = 1..s, each Y_j read once; squares[i] = Σ |change of X_i|².
 /// a is s x s, s = Y.size() = X.size() <= max_stages.  Of the real numbers of each matrix those
-/// from `begin` up to `end`, a multiple of 8 each.
-template <class AnyMatrix>
-void update_unknowns(const std::type_identity_t<AnyMatrix>& base, double h, const RealMatrix& a,
+/// from `begin` up to `end`, a multiple of 8 each.  Base is one matrix, or a vector of one for
+/// each.
+template <class Base, class AnyMatrix>
+void update_unknowns(const Base& base, double h, const RealMatrix& a,
                      const std::vector<AnyMatrix>& Y, std::vector<AnyMatrix>& X, double* squares,
                      Index begin, Index end) {
   switch (Y.size()) {
@@ -188,7 +208,7 @@ void update_unknowns(const std::type_identity_t<AnyMatrix>& base, double h, cons
 template <class AnyMatrix>
 void update_unknowns(const std::type_identity_t<AnyMatrix>& base, double h, const RealMatrix& a,
                      const std::vector<AnyMatrix>& Y, std::vector<AnyMatrix>& X, double* squares) {
-  update_unknowns<AnyMatrix>(base, h, a, Y, X, squares, 0, reals(base).size());
+  update_unknowns(base, h, a, Y, X, squares, 0, reals(base).size());
 }
 
 }  // namespace isosyrk

@@ -39,7 +39,8 @@ class EachFastForm : public ::testing::TestWithParam<Method> {};
 
 TEST_P(EachFastForm, GivesTheAnswerOfThePublishedFormInFewerSweeps) {
   const Method method = GetParam();
-  for (const Index n : {5, 16, 17, 49}) {  // from 48 on group transports twice
+  for (const Index n :
+       {5, 16, 17, 33, 49}) {  // with corrections from 32 or 48 on, and bands from 48
     const Scene scene = smooth_scene(n);
     const auto published = gauss(method.formulation, *scene.flow, method.s);
     const auto integrator = fast(method, *scene.flow);
@@ -130,7 +131,7 @@ void expect_restarts(const Method& method, Index n) {
 
 TEST_P(EachFastForm, StartsColdAfterAnotherStepSizeAnotherStateAndAFailure) {
   expect_restarts(GetParam(), 17);
-  expect_restarts(GetParam(), 33);  // with one stage accelerated
+  expect_restarts(GetParam(), 49);  // with corrections and bands
 }
 
 TEST_P(EachFastForm, StartValuesSaveSweepsAndOrderZeroStartsColdAlways) {
@@ -152,8 +153,78 @@ TEST_P(EachFastForm, StartValuesSaveSweepsAndOrderZeroStartsColdAlways) {
   EXPECT_EQ(V, W);
 }
 
+constexpr FastOptions plain_sweeps = {.solver = {}, .correct = false, .bands = false};
+
+// Also where they do not pay.
+TEST_P(EachFastForm, CorrectionsAndBandsChangeTheCostAndNotTheAnswer) {
+  for (const Index n : {5, 16, 33}) {
+    const Scene scene = smooth_scene(n);
+    const auto integrate = [&](const FastOptions& options) {
+      const auto integrator = fast(GetParam(), *scene.flow, options);
+      auto& form = dynamic_cast<FastForm&>(*integrator);
+      EXPECT_EQ(form.corrects(), *options.correct);
+      EXPECT_EQ(form.cuts(), *options.bands);
+      Matrix W = scene.initial;
+      RunReport total;
+      for (int step = 0; step < 20; ++step) {
+        const StepReport report = integrator->step(W, 0.1);
+        EXPECT_EQ(report.status, Status::converged);
+        EXPECT_LT(form.change_of_one_more_sweep(0.1), 1.5e-13) << n << " " << step;
+        total.sweeps += report.sweeps;
+        total.equivalent_products += report.equivalent_products;
+      }
+      EXPECT_EQ(skew_defect(W), 0.0);
+      EXPECT_LE(spectrum_error(W, scene.initial), 1e-11);
+      return std::pair(W, total);
+    };
+    const auto [expected, plain] = integrate(plain_sweeps);
+    const auto [corrected, with_corrections] =
+        integrate({.solver = {}, .correct = true, .bands = false});
+    const auto [cut, with_bands] = integrate({.solver = {}, .correct = false, .bands = true});
+    const auto [both, with_both] = integrate({.solver = {}, .correct = true, .bands = true});
+    for (const Matrix& W : {corrected, cut, both}) {
+      EXPECT_LE(largest_difference(W, expected), 1e-12) << n;
+    }
+    EXPECT_LT(with_corrections.sweeps, 0.9 * static_cast<double>(plain.sweeps)) << n;
+    EXPECT_LE(with_bands.equivalent_products, plain.equivalent_products) << n;
+    if (n == 33) {
+      EXPECT_LT(with_bands.equivalent_products, 0.95 * plain.equivalent_products);
+    }
+    EXPECT_LT(with_both.equivalent_products, with_corrections.equivalent_products) << n;
+  }
+}
+
+// In a rough scene there is nothing to leave out but of Q = 1 in the first sweep.
+TEST_P(EachFastForm, BandsAreTheWholeOfARoughScene) {
+  const Scene scene = rough_scene(33);
+  const auto work = [&](bool bands) {
+    const auto integrator =
+        fast(GetParam(), *scene.flow, {.solver = {}, .correct = false, .bands = bands});
+    Matrix W = scene.initial;
+    return run(*integrator, W, 0.1, 5).equivalent_products;
+  };
+  EXPECT_GT(work(true), 0.97 * work(false));
+}
+
+// Bands are as wide as the tolerance asks for: what a loose one leaves out, a full sweep sees.
+TEST_P(EachFastForm, BandsFollowTheTolerance) {
+  const Scene scene = smooth_scene(49);
+  constexpr double loose = 1e-6;
+  const auto integrator = fast(GetParam(), *scene.flow,
+                               {.solver = {.tolerance = loose}, .correct = false, .bands = true});
+  auto& form = dynamic_cast<FastForm&>(*integrator);
+  Matrix W = scene.initial;
+  for (int step = 0; step < 10; ++step) {
+    ASSERT_EQ(integrator->step(W, 0.1).status, Status::converged);
+    const double change = form.change_of_one_more_sweep(0.1);
+    EXPECT_LT(change, 1.5 * loose);
+    EXPECT_GT(change, 1e-10);
+  }
+}
+
 TEST_P(EachFastForm, TwoThreadsGiveTheSameBitForBit) {
-  for (const Index n : {17, 49, 66, 75}) {  // two threads from 48 on; copies of B from 73
+  // Two threads from 48 on; copies of B from 73, of single ones from 105.
+  for (const Index n : {17, 49, 66, 75, 107}) {
     const Scene scene = smooth_scene(n);
     const auto one = fast(GetParam(), *scene.flow);
     const auto two = fast(GetParam(), *scene.flow, {.solver = {}, .threads = 2});

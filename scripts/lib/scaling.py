@@ -5,18 +5,17 @@ Everything is checked before anything is used.
 
 import math
 import statistics
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Dict, List, Tuple
 
 import raw_files
 from benchmark_json import FORMULATIONS, LONGEST_SECONDS, SHORTEST_SECONDS, UnusableFile
 from raw_files import Fields, objects
 
-FORMAT = "isosyrk scaling 1"
+FORMAT = "isosyrk scaling 2"
 FLOPS = 8  # of a product of complex n x n matrices, for each of its n³ terms
 FITTED_FROM = 65  # an exponent is fitted on points of this n and larger
 PUBLISHED, BY_DEFAULT = "published", "by default"
-LADDER = (PUBLISHED, "structure and planar products", "start values", "two transports a sweep", "acceleration")
 
 
 @dataclass(frozen=True)
@@ -32,6 +31,7 @@ class Cost:
     products: float  # in full ones
     product_seconds: float
     peak: float  # floating point operations a second
+    rung: bool = False  # of the ladder from the published form to the default, each with one idea more
 
     @property
     def cubic(self):
@@ -91,7 +91,7 @@ def scaling(document):
         cell = ideas.setdefault((found.formulation, found.n, found.stages), {})
         if name in cell:
             raise UnusableFile(f"has the idea {name} twice for one cell")
-        cell[name] = found
+        cell[name] = replace(found, rung=Fields(values, f"idea {index + 1}").truth("rung"))
     for cell in ideas.values():
         if PUBLISHED not in cell or BY_DEFAULT not in cell:
             raise UnusableFile(f"has a cell of ideas without {PUBLISHED} or {BY_DEFAULT}")
@@ -131,16 +131,5 @@ def exponent(points, value):
 
 
 def ladder(cell):
-    """Returns the rungs from the published form to the fast form by default: (idea, cost), each with one idea more.
-
-    An idea that the default leaves out is left out: one that did not pay there.
-    """
-    rungs = [(PUBLISHED, cell[PUBLISHED])]
-    final = cell[BY_DEFAULT]
-    for name in LADDER[1:]:
-        if name in cell and rungs[-1][1].sweeps > final.sweeps * (1 + SAME) and cell[name].sweeps >= final.sweeps * (1 - SAME):
-            rungs.append((name, cell[name]))
-    return rungs
-
-
-SAME = 0.05  # sweeps that differ by less are those of the same options, at other steps
+    """Returns the rungs from the published form to the fast form by default: (idea, cost), each with one idea more."""
+    return [(name, cost) for name, cost in cell.items() if cost.rung]

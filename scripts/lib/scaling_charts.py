@@ -11,7 +11,7 @@ from scaling import FITTED_FROM, exponent, ladder
 
 STEP_LABEL = "CPU seconds per step (median)"
 # Names of rungs that are too long for a chart, and the rungs' shades, the later the darker.
-SHORT = {"structure and planar products": "structure, planar products", "two transports a sweep": "two transports"}
+SHORT = {"structure and planar products": "structure, planar products", "corrections in single precision": "corrections"}
 RUNG_SHADES = ("#c9c9c9", "#a9cae6", "#62a8da", "#1f67ad", "#062a56")
 
 
@@ -103,7 +103,8 @@ def ladder_of_ideas(study):
         "From Table 1 to Table 2, idea by idea",
         "Time of a step over that of the published form, after the first steps, all timed in turns at h = 0.1; each bar has"
         " one idea more than the one above, and says how many times as fast as the published form it is. Structure: fewer"
-        " products, triangles where the result is skew-Hermitian; planar products: this project's kernels.",
+        " products, triangles where the result is skew-Hermitian; planar products: this project's kernels; corrections: in"
+        " single precision; bands: what lies far off the diagonal left out.",
         len(sizes), len(stages), 3.4, right=0.2, column_gap=0.9)
     for row, n in zip(panels, sizes):
         for axes, s in zip(row, stages):

@@ -3,7 +3,7 @@
 from benchmark_json import FORMULATIONS
 from comparison import MISSING, three_digits
 from document import Column, Entry, Figure, Heading, Paragraph, Table
-from scaling import BY_DEFAULT, FITTED_FROM, LADDER, PUBLISHED, exponent, ladder
+from scaling import BY_DEFAULT, FITTED_FROM, PUBLISHED, exponent, ladder
 
 CHARTS = (
     ("cost_against_n", "A step of each fast form against n, its fitted exponent, and the floor of its products."),
@@ -103,14 +103,13 @@ def rest_section(study, level):
                Column("sweeps"), Column("full products"), Column("time"), Column("of the default"))
     blocks = []
     for (formulation, n, s), cell in sorted(study.ideas.items(), key=lambda item: (item[0][1], item[0][2])):
-        taken = {idea for idea, _ in ladder(cell)}
         default = cell[BY_DEFAULT]
         rows = []
         for idea, cost in cell.items():
-            if idea in (PUBLISHED, BY_DEFAULT) or idea in taken:
+            if idea in (PUBLISHED, BY_DEFAULT) or cost.rung:
                 continue
             rows.append([Entry(str(n) if not rows else ""), Entry(str(s) if not rows else ""),
-                         Entry(formulation if not rows else ""), Entry(f"with {idea}" if idea in LADDER else idea),
+                         Entry(formulation if not rows else ""), Entry(idea),
                          *figures_of(cost), Entry(three_digits(cost.seconds / default.seconds))])
         if rows:
             blocks.append(rows)

@@ -401,7 +401,7 @@ def fast_section(failures, fast, level):
     """Critical values of the published forms beside those of the fast ones."""
     parts = [Heading("Critical h‖B(W₀)‖₂ of the fast forms", level), Paragraph(
         "The same of the fast forms, and in brackets of the published ones, at the tolerance of Table 1. Where a step fails, a"
-        " fast form tries it again from a cold start, and then with acceleration. A trial is of"
+        " fast form tries it again from a cold start, then by plain sweeps, then with acceleration. A trial is of"
         f" {trials_in_words(fast, fast.scenes())}.")]
     for scene in fast.scenes():
         parts += critical_table(fast, scene, level + 1,

@@ -19,15 +19,16 @@ def idea_rows(formulation, stages, n):
     """Products from 100 down to 40 by default, where acceleration would take 41 and another start order 80."""
     ideas = {"published": 100, "structure and planar products": 90, "start values": 60}
     if formulation == "group":
-        ideas["two transports a sweep"] = 40
+        ideas["corrections in single precision"] = 40
+    rungs = list(ideas)
     ideas.update({"acceleration": 41 if formulation == "group" else 62,
                   "by default": 40 if formulation == "group" else 60, "start order 4": 80})
-    return [row(formulation, stages, n, products * stages, idea=idea) for idea, products in ideas.items()]
+    return [row(formulation, stages, n, products * stages, idea=idea, rung=idea in rungs) for idea, products in ideas.items()]
 
 
 def scaling_document(sizes=(17, 65, 129, 257), idea_sizes=(17,)):
     stages = (1, 2)
-    return {"format": "isosyrk scaling 1",
+    return {"format": "isosyrk scaling 2",
             "context": {"cpu": "some cpu", "blas_kernels": "some kernels", "compiler": "some compiler", "commit": "0" * 40},
             "h_norm_B": 0.4, "kernels": "avx2",
             "points": [row(formulation, s, n, 10.0 * s) for n in sizes for formulation in FORMULATIONS for s in stages],

@@ -153,7 +153,7 @@ class Table2(Table1):
     def test_its_products_and_start_are_recorded(self):
         self.assertIn("planar", self.context["products"])
         self.assertIn("extrapolated", self.context["start"])
-        self.assertIn("twice", self.context["update_order"])
+        self.assertIn("single precision", self.context["update_order"])
 
     def test_products_of_a_library_cannot_be_asked_for(self):
         done = run([program("table2"), "--products", "eigen"])
@@ -266,7 +266,7 @@ class Kernels(MeasuredTest):
         return [name[2][len("planar_"):] for name in names if name[1] == "product" and name[2].startswith("planar_")]
 
     def products(self):
-        return [row for row in self.rows if row["run_name"].startswith("kernels/product/")]
+        return [row for row in self.rows if row["run_name"].startswith(("kernels/product/", "kernels/single/"))]
 
     def test_a_complete_run_ends_with_0(self):
         self.assertEqual(self.done.returncode, DONE, self.done.stderr)
@@ -277,7 +277,7 @@ class Kernels(MeasuredTest):
         self.assertLessEqual(set(units), {"avx512", "avx2", "portable"})
         expected = ["kernels/peak", "kernels/poisson/n:17", "kernels/poisson/planar/n:17",
                     *(f"kernels/product/{each}/n:17" for each in BACKENDS),
-                    *(f"kernels/{part}/planar_{unit}/n:17" for part in ("product", "triangle") for unit in units)]
+                    *(f"kernels/{part}/planar_{unit}/n:17" for part in ("product", "triangle", "single") for unit in units)]
         self.assertEqual(sorted(row["run_name"] for row in self.rows), sorted(expected))
 
     def test_every_size_has_its_rows(self):

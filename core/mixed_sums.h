@@ -1,0 +1,113 @@
+// Sums that go from double to single precision and back, one pass over memory each.
+//
+// Rows of planar matrices are filled up differently in the two, so these run row by row: `begin`
+// and `end` count the 2n rows of both planes.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "core/planar_matrix.h"
+#include "core/tableau.h"
+
+namespace isosyrk {
+
+namespace mixed_sums {
+
+constexpr Index length = 8;
+using Doubles = Eigen::Array<double, length, 1>;
+using Singles = Eigen::Array<float, length, 1>;
+
+inline auto at(const PlanarMatrix& X, Index i) {
+  return Eigen::Map<const Doubles>(X.entries().data() + i);
+}
+inline auto at(PlanarMatrix& X, Index i) { return Eigen::Map<Doubles>(X.entries().data() + i); }
+inline auto at(const SingleMatrix& X, Index i) {
+  return Eigen::Map<const Singles>(X.entries().data() + i);
+}
+inline auto at(SingleMatrix& X, Index i) { return Eigen::Map<Singles>(X.entries().data() + i); }
+
+/// Calls body(i, k) for eight numbers after the other, at i in double and k in single precision.
+template <class Body>
+void for_pieces(Index n, Index begin, Index end, Body&& body) {
+  const Index stride = planar_stride<double>(n);
+  const Index single_stride = planar_stride<float>(n);
+  const Index columns = std::min(stride, single_stride);
+  for (Index row = begin; row < end; ++row) {
+    for (Index c = 0; c < columns; c += length) body(row * stride + c, row * single_stride + c);
+  }
+}
+
+template <int Size>
+void residuals(const PlanarMatrix& base, double h, const RealMatrix& a,
+               const std::vector<PlanarMatrix>& Y, const std::vector<PlanarMatrix>& X,
+               std::vector<SingleMatrix>& R, double* squares, Index begin, Index end) {
+  constexpr int most = Size == Eigen::Dynamic ? max_stages : Size;
+  const Eigen::Matrix<double, Size, Size, Eigen::ColMajor, most, most> c = h * a;
+  Doubles sums[most];
+  for (Index i = 0; i < c.rows(); ++i) sums[i].setZero();
+  for_pieces(base.size(), begin, end, [&](Index at_double, Index at_single) {
+    Doubles y[most];
+    for (Index j = 0; j < c.rows(); ++j) y[j] = at(Y[static_cast<std::size_t>(j)], at_double);
+    const Doubles start = at(base, at_double);
+    for (Index i = 0; i < c.rows(); ++i) {
+      Doubles fresh = start;
+      for (Index j = 0; j < c.rows(); ++j) fresh += c(i, j) * y[j];
+      const Doubles change = fresh - at(X[static_cast<std::size_t>(i)], at_double);
+      sums[i] += change.square();
+      at(R[static_cast<std::size_t>(i)], at_single) = change.cast<float>();
+    }
+  });
+  for (Index i = 0; i < c.rows(); ++i) squares[i] = sums[i].sum();
+}
+
+}  // namespace mixed_sums
+
+/// R_i = base + h Σ_j a_ij Y_j - X_i for i = 1..s, the change that update_unknowns would make, in
+/// single precision; squares[i] = Σ |R_i|².
+inline void residuals(const PlanarMatrix& base, double h, const RealMatrix& a,
+                      const std::vector<PlanarMatrix>& Y, const std::vector<PlanarMatrix>& X,
+                      std::vector<SingleMatrix>& R, double* squares, Index begin, Index end) {
+  switch (Y.size()) {
+    case 1:
+      return mixed_sums::residuals<1>(base, h, a, Y, X, R, squares, begin, end);
+    case 2:
+      return mixed_sums::residuals<2>(base, h, a, Y, X, R, squares, begin, end);
+    case 3:
+      return mixed_sums::residuals<3>(base, h, a, Y, X, R, squares, begin, end);
+    default:
+      return mixed_sums::residuals<Eigen::Dynamic>(base, h, a, Y, X, R, squares, begin, end);
+  }
+}
+
+/// R = fresh - X in single precision, where fresh(load) gives eight neighbouring numbers from those
+/// that load(Y) takes of any matrix; returns Σ |R|².
+template <class Fresh>
+double residual(const PlanarMatrix& X, Fresh&& fresh, SingleMatrix& R, Index begin, Index end) {
+  using mixed_sums::at;
+  mixed_sums::Doubles sum = mixed_sums::Doubles::Zero();
+  mixed_sums::for_pieces(X.size(), begin, end, [&](Index i, Index k) {
+    const auto load = [i](const PlanarMatrix& Y) { return at(Y, i); };
+    const mixed_sums::Doubles change = fresh(load) - at(X, i);
+    sum += change.square();
+    at(R, k) = change.cast<float>();
+  });
+  return sum.sum();
+}
+
+/// S = X, rounded, with its band.
+inline void narrow(const PlanarMatrix& X, SingleMatrix& S, Index begin, Index end) {
+  using mixed_sums::at;
+  mixed_sums::for_pieces(X.size(), begin, end,
+                         [&](Index i, Index k) { at(S, k) = at(X, i).cast<float>(); });
+  S.set_band(X.band());
+}
+
+/// X += S.
+inline void add(const SingleMatrix& S, PlanarMatrix& X, Index begin, Index end) {
+  using mixed_sums::at;
+  mixed_sums::for_pieces(X.size(), begin, end,
+                         [&](Index i, Index k) { at(X, i) += at(S, k).cast<double>(); });
+}
+
+}  // namespace isosyrk
