@@ -213,9 +213,9 @@ void FastForm::correct(double h, double change) {
       {of_tolerance * options_.solver.tolerance, digits * change, curvature * change * change});
   linearise(h, 0.3 * target / change);
   for (std::size_t kind = 0; kind < delta_.size(); ++kind) {
-    for (std::size_t i = 0; i < delta_[kind].size(); ++i) {
+    team_.run(delta_[kind].size(), [&](std::size_t i, std::size_t) {
       delta_[kind][i].entries() = rhs_[kind][i].entries() = residuals_[kind][i].entries();
-    }
+    });
   }
   double T_contraction = 0.0;
   double K_contraction = 0.1;  // a first guess
@@ -295,7 +295,7 @@ SolveReport FastForm::advance(const Matrix& W0, double h, Matrix& W1) {
   const SolveReport report = solve(h);
   if (report.status == Status::converged) {
     update(h, W1_);
-    start_values_.accept(h, unknowns_);
+    start_values_.accept(h, unknowns_, team_);
     W1_.store(W1);
   } else {
     start_values_.forget();

@@ -145,17 +145,20 @@ class FastForm : public Integrator {
   void cut_single(SingleMatrix& S, double tail, Worker& worker) const;
 
   /// Calls each phase(item, share, worker) for all items below `count`: by one thread, all phases
-  /// of an item in turn, with the whole as its share; by two, phase by phase, with a half.  What
-  /// cannot be halved is done with the first share.
+  /// of an item in turn, with the whole as its share; by two, phase by phase, where an item that is
+  /// left over is shared in halves.  What cannot be halved is done with the first share.
   template <class... Phases>
   void in_phases(std::size_t count, Phases&&... phases) {
     if (team_.threads() == 1) {
       for (std::size_t item = 0; item < count; ++item) (phases(item, Share{}, workers_[0]), ...);
       return;
     }
+    const std::size_t halved = count % 2;  // the last item, where they are odd in number
     const auto by_two = [&](auto&& phase) {
-      team_.run(2 * count, [&](std::size_t index, std::size_t thread) {
-        phase(index / 2, Share{static_cast<Index>(index % 2), 2}, workers_[thread]);
+      team_.run(count + halved, [&](std::size_t index, std::size_t thread) {
+        const bool is_half = index >= count - halved;
+        const Share share = is_half ? Share{static_cast<Index>(index + 1 - count), 2} : Share{};
+        phase(is_half ? count - 1 : index, share, workers_[thread]);
       });
     };
     (by_two(phases), ...);

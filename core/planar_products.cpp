@@ -30,12 +30,19 @@ const std::vector<PlanarKernel>& planar_kernels() {
 
 namespace {
 
-// Where a share begins: above it lies part / parts of all entries, or of those of the upper
-// triangle.
-Index first_row(Index n, bool upper, Index part, Index parts) {
-  const double above = static_cast<double>(part) / static_cast<double>(parts);
-  const double share = upper ? 1.0 - std::sqrt(1.0 - above) : above;
-  return static_cast<Index>(std::lround(share * static_cast<double>(n)));
+// Where a share begins: above it lies part / parts of all entries within the reach of the diagonal,
+// or of those of the upper triangle.
+Index first_row(Index n, bool upper, Index reach, Index part, Index parts) {
+  if (part == 0) return 0;
+  if (part == parts) return n;
+  const auto in_row = [&](Index i) {
+    return std::min(n - 1, i + reach) - (upper ? i : std::max<Index>(0, i - reach)) + 1;
+  };
+  Index all = 0;
+  for (Index i = 0; i < n; ++i) all += in_row(i);
+  Index row = 0;
+  for (Index above = 0; parts * above < part * all; ++row) above += in_row(row);
+  return row;
 }
 
 // How many entries of a row or column k lie in a band.
@@ -118,6 +125,7 @@ void PlanarProductsOf<Real>::form(const AnyMatrix& A, bool adjoint, const AnyMat
   if (&C == &A || &C == &B) {
     throw std::invalid_argument("product: the result may not be one of the factors");
   }
+  const Index reach = std::min(band, A.band() + B.band());
   const PlanarProduct<Real> product = {n_,
                                        A.stride(),
                                        A.re(),
@@ -132,8 +140,8 @@ void PlanarProductsOf<Real>::form(const AnyMatrix& A, bool adjoint, const AnyMat
                                        A.band(),
                                        B.band(),
                                        band,
-                                       first_row(n_, upper, share.part, share.parts),
-                                       first_row(n_, upper, share.part + 1, share.parts),
+                                       first_row(n_, upper, reach, share.part, share.parts),
+                                       first_row(n_, upper, reach, share.part + 1, share.parts),
                                        scratch_.data()};
   if constexpr (std::is_same_v<Real, float>) {
     kernel_.multiply_singles(product);

@@ -51,15 +51,18 @@ void StartValues::extrapolate(const std::array<double, largest>& weights, std::s
   }
 }
 
-void StartValues::accept(double h, const Unknowns& unknowns) {
+void StartValues::accept(double h, const Unknowns& unknowns, Team& team) {
   if (p_ == 0) return;
   if (h != h_) forget();
   h_ = h;
   newest_ = (newest_ + 1) % past_.size();
   for (std::size_t kind = 0; kind < unknowns.size(); ++kind) {
-    for (std::size_t u = 0; u < unknowns[kind].size(); ++u) {
-      past_[newest_][kind][u].entries() = unknowns[kind][u].entries();
-    }
+    team.run(2 * unknowns[kind].size(), [&](std::size_t half, std::size_t) {
+      const RealVector& x = unknowns[kind][half / 2].entries();
+      const Half entries(x.size(), half % 2);
+      past_[newest_][kind][half / 2].entries().segment(entries.begin, entries.end - entries.begin) =
+          x.segment(entries.begin, entries.end - entries.begin);
+    });
   }
   known_ = std::min(known_ + 1, p_);
 }

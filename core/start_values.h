@@ -32,7 +32,7 @@ class StartValues {
   bool predict(double h, Unknowns& unknowns, Team& team) const;
 
   /// Takes what a step of size h was solved by.
-  void accept(double h, const Unknowns& unknowns);
+  void accept(double h, const Unknowns& unknowns, Team& team);
 
   void forget() { known_ = 0; }
 
