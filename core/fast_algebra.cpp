@@ -13,7 +13,7 @@ namespace isosyrk {
 FastAlgebra::FastAlgebra(const EulerZeitlin& flow, const Tableau& tableau,
                          const FastOptions& options)
     : FastForm(flow, options, {tableau.stages(), tableau.stages() * (tableau.stages() + 1) / 2},
-               {.smallest = 48, .coupling_band = std::max<Index>(32, 3 * flow.size() / 8)}),
+               {.smallest = 48, .least_coupling_band = std::max<Index>(32, 3 * flow.size() / 8)}),
       tableau_(tableau) {
   require_consistent(tableau);
   const Index s = tableau.stages();
@@ -104,7 +104,7 @@ double FastAlgebra::residual(double h) {
                 correct_stage_vorticities(residuals_[0], residuals_[1]));
 }
 
-void FastAlgebra::linearise(double h, double accuracy) {
+Index FastAlgebra::linearise(double h, double accuracy) {
   const Index rows = 2 * W0_.size();
   in_phases(stages(), [&](std::size_t i, Share share, Worker& worker) {
     if (share.part == 0) narrow_generator(B_[i], h, accuracy, B_single_[i], worker);
@@ -113,6 +113,7 @@ void FastAlgebra::linearise(double h, double accuracy) {
   in_phases(pairs_.size(), [&](std::size_t p, Share share, Worker&) {
     if (share.part == 0) narrow(Y_[p], Y_single_[p], 0, rows);
   });
+  return widest_band(B_single_);
 }
 
 // dW_: what corrections to X and M make of W̃; returns the largest.

@@ -12,7 +12,7 @@ namespace isosyrk {
 FastCotangent::FastCotangent(const EulerZeitlin& flow, const Tableau& tableau,
                              const FastOptions& options)
     : FastForm(flow, options, {tableau.stages(), tableau.stages()},
-               {.smallest = 48, .coupling_band = std::max<Index>(32, 3 * flow.size() / 8)}),
+               {.smallest = 48, .least_coupling_band = std::max<Index>(32, 3 * flow.size() / 8)}),
       tableau_(tableau) {
   require_consistent(tableau);
   Q1_ = P1_ = zero();
@@ -69,7 +69,7 @@ double FastCotangent::residual(double h) {
   return larger(of_Q, of_P);
 }
 
-void FastCotangent::linearise(double h, double accuracy) {
+Index FastCotangent::linearise(double h, double accuracy) {
   const Index rows = 2 * W0_.size();
   in_phases(B_.size(), [&](std::size_t j, Share share, Worker& worker) {
     if (share.part == 0) narrow_generator(B_[j], h, accuracy, B_single_[j], worker);
@@ -78,6 +78,7 @@ void FastCotangent::linearise(double h, double accuracy) {
       narrow(unknowns_[1][j], P_single_[j], 0, rows);
     }
   });
+  return widest_band(B_single_);
 }
 
 double FastCotangent::transport(double h) {

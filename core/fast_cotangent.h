@@ -30,7 +30,7 @@ class FastCotangent final : public FastForm {
   void begin() override;
   double sweep(double h) override;
   double residual(double h) override;
-  void linearise(double h, double accuracy) override;
+  Index linearise(double h, double accuracy) override;
   double transport(double h) override;
   void couple(double h) override;
   void update(double h, PlanarMatrix& W1) override;

@@ -51,7 +51,7 @@ FastForm::FastForm(const EulerZeitlin& flow, const FastOptions& options,
       anderson_(unknowns_),
       corrects_(options.correct.value_or(flow.size() >= corrections.smallest)),
       cuts_(options.bands.value_or(flow.size() >= smallest_cut)),
-      coupling_band_(cuts_ ? corrections.coupling_band : flow.size() - 1) {
+      least_coupling_band_(corrections.least_coupling_band) {
   Index most = 0;
   for (const Index count : unknowns) {
     residuals_.push_back(singles(count));
@@ -79,6 +79,12 @@ void FastForm::single_generator(const SingleMatrix& W, SingleMatrix& B, Worker& 
   single_laplacian_.solve_skew_hermitian(W, static_cast<float>(reciprocal_hbar_), B,
                                          coupling_band_);
   ++worker.solves;
+}
+
+Index FastForm::widest_band(const Singles& matrices) {
+  Index widest = 0;
+  for (const SingleMatrix& each : matrices) widest = std::max(widest, each.band());
+  return widest;
 }
 
 void FastForm::narrow_generator(const PlanarMatrix& B, double h, double accuracy, SingleMatrix& S,
@@ -201,17 +207,17 @@ double FastForm::shift_rhs() {
   return largest;
 }
 
-// Finds δ by turns of T and K, each taken where the larger part of the error is its own, until what is
-// left is some digits under the change or well under the tolerance: estimates from how the two have
-// contracted so far.  Stops where they do not.
+// Finds δ by turns of T and K, each taken where the larger part of the error is its own, until what
+// is left is some digits under the change or well under the tolerance: estimates from how the two
+// have contracted so far.  Stops where they do not.
 void FastForm::correct(double h, double change) {
   constexpr double digits = 1e-6;  // of single precision, after a few sums
-  constexpr double of_tolerance = 0.3;
+  constexpr double of_tolerance = 0.1;
   constexpr double curvature = 0.1;  // the derivative errs by this, relative to a change of 1
   constexpr int most = 60;
   const double target = std::max(
       {of_tolerance * options_.solver.tolerance, digits * change, curvature * change * change});
-  linearise(h, 0.3 * target / change);
+  coupling_band_ = std::max(linearise(h, 0.3 * target / change), least_coupling_band_);
   for (std::size_t kind = 0; kind < delta_.size(); ++kind) {
     team_.run(delta_[kind].size(), [&](std::size_t i, std::size_t) {
       delta_[kind][i].entries() = rhs_[kind][i].entries() = residuals_[kind][i].entries();

@@ -93,9 +93,10 @@ class FastForm : public Integrator {
 
   struct Corrections {
     Index smallest;  ///< n from which on they pay (measured)
-    /// The diagonals through which K acts; Δ⁻¹ takes from those further out what they could add.
-    /// With fewer, a third sweep is needed (measured).
-    Index coupling_band;
+    /// K acts through so many diagonals at least, and through those of B in single precision; Δ⁻¹
+    /// takes from those further out what they could add.  With fewer, a smooth scene needs a third
+    /// sweep (measured).
+    Index least_coupling_band;
   };
 
   /// With so many unknowns of each kind.
@@ -116,8 +117,8 @@ class FastForm : public Integrator {
   /// R into residuals_, from a sweep that leaves the unknowns; returns the largest, as sweep().
   virtual double residual(double h) = 0;
   /// Takes what T and K are made of from the last residual, of B only what counts to a relative
-  /// accuracy.
-  virtual void linearise(double h, double accuracy) = 0;
+  /// accuracy; returns the widest band of B.
+  virtual Index linearise(double h, double accuracy) = 0;
   /// δ = rhs + T δ; returns the largest change.
   virtual double transport(double h) = 0;
   /// Whether transport() solves that equation instead, to the accuracy asked of linearise().
@@ -131,6 +132,7 @@ class FastForm : public Integrator {
   void generator(const PlanarMatrix& W, PlanarMatrix& B, Worker& worker) const;
 
   Index coupling_band() const { return coupling_band_; }
+  static Index widest_band(const Singles& matrices);
   /// δB = B(δW̃) within it; of δW̃ the upper triangle is read.
   void single_generator(const SingleMatrix& W, SingleMatrix& B, Worker& worker) const;
   /// S = B rounded, without what comes to less than h‖.‖ = accuracy.
@@ -235,8 +237,9 @@ class FastForm : public Integrator {
   Anderson anderson_;
   bool corrects_;
   bool cuts_;
-  Index coupling_band_;
-  double step_ = 0.0;  // |h| of the step under way
+  Index least_coupling_band_;
+  Index coupling_band_ = 0;  // of the correction under way
+  double step_ = 0.0;        // |h| of the step under way
   std::array<RealVector, 2> squares_;
 };
 

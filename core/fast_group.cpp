@@ -11,7 +11,7 @@ namespace isosyrk {
 
 FastGroup::FastGroup(const EulerZeitlin& flow, const Tableau& tableau, const FastOptions& options)
     : FastForm(flow, options, {tableau.stages()},
-               {.smallest = 32, .coupling_band = std::max<Index>(16, flow.size() / 8)}),
+               {.smallest = 32, .least_coupling_band = std::max<Index>(16, flow.size() / 8)}),
       tableau_(tableau) {
   require_consistent(tableau);
   const Index s = tableau.stages();
@@ -82,7 +82,7 @@ double FastGroup::residual(double h) {
   return residuals_in_halves(identity_, -h, tableau_.a, QB_, unknowns_[0], residuals_[0]);
 }
 
-void FastGroup::linearise(double h, double accuracy) {
+Index FastGroup::linearise(double h, double accuracy) {
   const std::vector<PlanarMatrix>& Q = unknowns_[0];
   const Index rows = 2 * W0_.size();
   in_phases(Q.size(), [&](std::size_t j, Share share, Worker& worker) {
@@ -92,6 +92,7 @@ void FastGroup::linearise(double h, double accuracy) {
       narrow(W0Q_[j], W0Q_single_[j], 0, rows);
     }
   });
+  return widest_band(B_single_);
 }
 
 double FastGroup::transport(double h) {

@@ -11,7 +11,7 @@ namespace isosyrk {
 
 FastMidpoint::FastMidpoint(const EulerZeitlin& flow, const FastOptions& options)
     : FastForm(flow, options, {1},
-               {.smallest = 48, .coupling_band = std::max<Index>(24, flow.size() / 8)}) {
+               {.smallest = 48, .least_coupling_band = std::max<Index>(24, flow.size() / 8)}) {
   W_stage_ = B_ = M_ = MB_ = commutator_ = zero();
   const Singles one = singles(1);
   if (one.empty()) return;
@@ -69,13 +69,14 @@ double FastMidpoint::residual(double h) {
   return largest_of_squares(1);
 }
 
-void FastMidpoint::linearise(double h, double accuracy) {
+Index FastMidpoint::linearise(double h, double accuracy) {
   in_phases(1, [&](std::size_t, Share share, Worker& worker) {
     if (share.part == 0) narrow_generator(B_, h, accuracy, B_single_, worker);
     if (share.part == share.parts - 1) narrow(W_stage_, W_single_, 0, 2 * W0_.size());
   });
   set_sum(B_single_, 0.25 * h * h, 0.5 * h, right_);
   invert(h, accuracy);
+  return B_single_.band();
 }
 
 // Y = scale X + shift 1.

@@ -26,7 +26,7 @@ class FastMidpoint final : public FastForm {
   void begin() override;
   double sweep(double h) override;
   double residual(double h) override;
-  void linearise(double h, double accuracy) override;
+  Index linearise(double h, double accuracy) override;
   double transport(double h) override;
   bool solves_transport() const override { return true; }
   void couple(double h) override;

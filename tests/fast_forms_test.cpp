@@ -194,6 +194,22 @@ TEST_P(EachFastForm, CorrectionsAndBandsChangeTheCostAndNotTheAnswer) {
   }
 }
 
+// The solver's noise, which moves the spectrum of cotangent and group, adds up to no more than that
+// of the published forms.
+TEST_P(EachFastForm, CorrectionsAndBandsLeaveTheSpectrumAsPublishedFormsDo) {
+  const Method method = GetParam();
+  if (method.s > 2) return;
+  const Scene scene = smooth_scene(33);
+  const auto drift = [&](Integrator& integrator) {
+    Matrix W = scene.initial;
+    EXPECT_TRUE(run(integrator, W, 0.1, 500).converged());
+    return spectrum_error(W, scene.initial);
+  };
+  const auto integrator = fast(method, *scene.flow, {.solver = {}, .correct = true, .bands = true});
+  const auto published = gauss(method.formulation, *scene.flow, method.s);
+  EXPECT_LE(drift(*integrator), 3.0 * drift(*published) + 1e-13);
+}
+
 // In a rough scene there is nothing to leave out but of Q = 1 in the first sweep.
 TEST_P(EachFastForm, BandsAreTheWholeOfARoughScene) {
   const Scene scene = rough_scene(33);
