@@ -161,12 +161,9 @@ SolveReport FastForm::iterate(double h, Iteration iteration) {
     case Iteration::corrected:
       return solve_fixed_point(options_.solver, [&] {
         const double change = residual(h);
-        if (change >= options_.solver.tolerance && change <= largest_corrected) {
-          correct(h, change);
-          add_correction(delta_);
-        } else {
-          add_correction(residuals_);
-        }
+        const bool corrected = change >= options_.solver.tolerance &&
+                               change <= largest_corrected && correct(h, change);
+        add_correction(corrected ? delta_ : residuals_);
         begin();
         return change;
       });
@@ -209,11 +206,12 @@ double FastForm::shift_rhs() {
 
 // Finds δ by turns of T and K, each taken where the larger part of the error is its own, until what
 // is left is some digits under the change or well under the tolerance: estimates from how the two
-// have contracted so far.  Stops where they do not.
-void FastForm::correct(double h, double change) {
+// have contracted so far.  Returns false where they do not.
+bool FastForm::correct(double h, double change) {
   constexpr double digits = 1e-6;  // of single precision, after a few sums
   constexpr double of_tolerance = 0.1;
   constexpr double curvature = 0.1;  // the derivative errs by this, relative to a change of 1
+  constexpr double growth = 4.0;  // what T may do at first, not being normal
   constexpr int most = 60;
   const double target = std::max(
       {of_tolerance * options_.solver.tolerance, digits * change, curvature * change * change});
@@ -231,7 +229,7 @@ void FastForm::correct(double h, double change) {
   bool shifted = false;
   for (int k = 0; k < most; ++k) {
     const double K_error = K_contraction * not_coupled;
-    if (T_error + K_error < target) return;
+    if (T_error + K_error < target) break;
     if (k > 0 && K_error > T_error) {
       couple(h);
       last = shift_rhs();
@@ -242,7 +240,7 @@ void FastForm::correct(double h, double change) {
     } else {
       const double now = transport(h);
       const double before = shifted ? last + T_error : last;
-      if (!(now < 4.0 * before)) return;  // NaN included
+      if (!(now < growth * before)) return false;  // NaN included
       T_contraction = std::max(shifted ? T_contraction : 0.9 * T_contraction, now / before);
       T_contraction = std::min(T_contraction, 0.9);
       last = now;
@@ -251,6 +249,7 @@ void FastForm::correct(double h, double change) {
       shifted = false;
     }
   }
+  return true;
 }
 
 SolveReport FastForm::solve(double h) {

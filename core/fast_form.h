@@ -194,10 +194,10 @@ class FastForm : public Integrator {
 
   /// Of some places to work in, one for each item that is under way at a time, that of this one.
   std::size_t place(std::size_t item) const { return team_.threads() == 1 ? 0 : item; }
+  Index places(Index count) const { return team_.threads() == 1 ? 1 : count; }
+
   /// |h| of the step under way.
   double step() const { return step_; }
-
-  Index places(Index count) const { return team_.threads() == 1 ? 1 : count; }
 
   PlanarMatrix zero() const { return PlanarMatrix(W0_.size()); }
   PlanarMatrix identity() const;
@@ -217,7 +217,7 @@ class FastForm : public Integrator {
   enum class Iteration { plain, accelerated, corrected };
 
   SolveReport iterate(double h, Iteration iteration);
-  void correct(double h, double change);
+  bool correct(double h, double change);
   double shift_rhs();
   void add_correction(const SingleUnknowns& correction);
   SolveReport solve(double h);

@@ -15,7 +15,7 @@ FastMidpoint::FastMidpoint(const EulerZeitlin& flow, const FastOptions& options)
   W_stage_ = B_ = M_ = MB_ = commutator_ = zero();
   const Singles one = singles(1);
   if (one.empty()) return;
-  W_single_ = B_single_ = X_ = right_ = dB_ = product_ = other_ = one[0];
+  W_single_ = B_single_ = X_ = K_right_ = dB_ = product_ = other_ = one[0];
   V_ = minus_V_adjoint_ = one[0];
 }
 
@@ -74,7 +74,7 @@ Index FastMidpoint::linearise(double h, double accuracy) {
     if (share.part == 0) narrow_generator(B_, h, accuracy, B_single_, worker);
     if (share.part == share.parts - 1) narrow(W_stage_, W_single_, 0, 2 * W0_.size());
   });
-  set_sum(B_single_, 0.25 * h * h, 0.5 * h, right_);
+  set_sum(B_single_, 0.25 * h * h, 0.5 * h, K_right_);
   invert(h, accuracy);
   return B_single_.band();
 }
@@ -97,7 +97,7 @@ void FastMidpoint::invert(double h, double accuracy) {
     });
     set_sum(product_, 1.0, 1.0, product_);
     const double error = static_cast<double>(product_.entries().norm());
-    if (error >= 1.0 && knows_V_) {  // of another time, or another h
+    if (!(error < 1.0) && knows_V_) {  // of another time, or another h
       knows_V_ = false;
       set_sum(B_single_, 0.5 * h, 1.0, V_);
       continue;
@@ -140,7 +140,7 @@ void FastMidpoint::couple(double) {
         worker.singles.multiply(dB_, W_single_, product_, 1.0f, share);
       },
       [&](std::size_t, Share share, Worker& worker) {
-        worker.singles.multiply(product_, right_, other_, 1.0f, share);
+        worker.singles.multiply(product_, K_right_, other_, 1.0f, share);
       });
   skew_part(other_, 1.0f, product_);
   reals(next_rhs_[0][0]) = reals(residuals_[0][0]) + reals(product_);

@@ -38,7 +38,7 @@ class FastMidpoint final : public FastForm {
   static void set_sum(const SingleMatrix& X, double scale, double shift, SingleMatrix& Y);
 
   PlanarMatrix W_stage_, B_, M_, MB_, commutator_;
-  SingleMatrix W_single_, B_single_, X_, right_, dB_, product_, other_;
+  SingleMatrix W_single_, B_single_, X_, K_right_, dB_, product_, other_;
   SingleMatrix V_, minus_V_adjoint_;
   bool knows_V_ = false;
 };

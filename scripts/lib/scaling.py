@@ -35,7 +35,7 @@ class Cost:
 
     @property
     def cubic(self):
-        """The seconds of the products alone."""
+        """The seconds of the products alone: n³, within bands less."""
         return self.products * self.product_seconds
 
     @property

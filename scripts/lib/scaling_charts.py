@@ -45,13 +45,13 @@ def parts_against_n(study):
     """The two parts of a step: its products, and all else, one panel for each formulation and number of stages."""
     stages = study.stage_counts()
     figure, panels = new_figure(
-        "The n³ and the n² part of a step",
+        "Products and all else in a step",
         "Solid: the products that a step forms, at the rate of products alone, measured beside it. Dotted: what is left of"
         " the step, the solves with the Laplacian, sums and start values. Where products run no slower than alone and all"
         " else is little, the difference is noise, and points may be missing.",
         len(FORMULATIONS), len(stages), 3.0, right=1.0, column_gap=1.6)
     key_of(figure, [matplotlib.lines.Line2D([], [], color="0.2", linestyle=style, marker=marker, label=meaning)
-                    for style, marker, meaning in (("-", "o", "products (n³)"), (":", "s", "all else (n²)"))])
+                    for style, marker, meaning in (("-", "o", "products (n³, within bands less)"), (":", "s", "all else (n²)"))])
     for row, formulation in zip(panels, FORMULATIONS):
         for axes, s in zip(row, stages):
             against_n(axes, study)

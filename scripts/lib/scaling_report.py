@@ -7,7 +7,7 @@ from scaling import BY_DEFAULT, FITTED_FROM, PUBLISHED, exponent, ladder
 
 CHARTS = (
     ("cost_against_n", "A step of each fast form against n, its fitted exponent, and the floor of its products."),
-    ("parts_against_n", "The n³ part of a step, its products, and the n² part, all else."),
+    ("parts_against_n", "The n³ part of a step, its products, which within bands is less, and the n² part, all else."),
     ("ladder_of_ideas", "What each idea bought, from the published form to the fast one."),
 )
 
@@ -40,7 +40,8 @@ def exponents_section(study, level):
                for index, s in enumerate(study.stage_counts())] for formulation in FORMULATIONS]
     return [Heading("Exponents", level),
             Paragraph(f"Slopes of log time against log n, fitted from n = {FITTED_FROM} on: of the step, of the products that"
-                      " it forms, and of what is left."),
+                      " it forms, and of what is left. Of a smooth scene, whose matrices fall off away from the diagonal: products"
+                      " within bands cost n² times their width in place of n³."),
             Table(columns, blocks)]
 
 
