@@ -3,6 +3,7 @@
 import errno
 import os
 import sys
+import tempfile
 
 from benchmark_json import UnusableFile, one_line
 from document import as_markdown, as_text, replace_file
@@ -37,14 +38,16 @@ def write_folder(program, folder, files):
 
 
 def require_room(folder):
-    """Raises OSError if a folder cannot be there or be filled, as far as that is seen without making it."""
+    """Raises OSError if a folder cannot be there or be filled, as far as that is seen without making it: it is tried."""
     nearest = os.path.abspath(folder)
     while not os.path.lexists(nearest):
         nearest = os.path.dirname(nearest)
     if not os.path.isdir(nearest):
         raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), nearest)
-    if not os.access(nearest, os.W_OK | os.X_OK):
-        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), nearest)
+    try:
+        os.rmdir(tempfile.mkdtemp(dir=nearest))
+    except OSError as problem:
+        raise OSError(problem.errno, problem.strerror, nearest) from None
 
 
 def output_folder(program, option, folder):
