@@ -148,7 +148,8 @@ class FastForm : public Integrator {
 
   /// Calls each phase(item, share, worker) for all items below `count`: by one thread, all phases
   /// of an item in turn, with the whole as its share; by two, phase by phase, where an item that is
-  /// left over is shared in halves.  What cannot be halved is done with the first share.
+  /// left over is shared in halves.  What cannot be halved is done with the first share.  So a phase
+  /// may read what earlier calls made and what it made of its own item, not of the others.
   template <class... Phases>
   void in_phases(std::size_t count, Phases&&... phases) {
     if (team_.threads() == 1) {
