@@ -69,6 +69,7 @@ double FastGroup::sweep(double h) {
   transport_stages();
   const double change = update_in_halves(identity_, -h, tableau_.a, QB_, unknowns_[0]);
   if (corrects() && change >= tolerance_) {
+    begin();  // Q has another band now
     transport_stages();
     update_in_halves(identity_, -h, tableau_.a, QB_, unknowns_[0]);
   }
