@@ -57,12 +57,7 @@ void FastAlgebra::form_next(double h) {
         for (std::size_t m = 1; m < stages(); ++m) reals(Y_[p]) += a(j, m) * reals(M(m, k));
       },
       [&](std::size_t p, Share share, Worker& worker) {
-        const auto [j, k] = pairs_[p];
-        if (j == k) {
-          worker.planar.multiply_upper(B_[j], Y_[p], M_next_[p], h, share);
-        } else {
-          worker.planar.multiply(B_[j], Y_[p], M_next_[p], h, share);
-        }
+        multiply_pair(worker.planar, p, B_, Y_, M_next_, h, share);
       },
       [&](std::size_t p, Share share, Worker&) {
         if (share.part == 0 && pairs_[p].first == pairs_[p].second) mirror_skew(M_next_[p]);
@@ -170,14 +165,7 @@ double FastAlgebra::transport(double h) {
         }
       },
       [&](std::size_t p, Share share, Worker& worker) {
-        const auto [j, k] = pairs_[p];
-        if (j == k) {
-          worker.singles.multiply_upper(B_single_[j], single_input_[p], single_product_[p], step_of,
-                                        share);
-        } else {
-          worker.singles.multiply(B_single_[j], single_input_[p], single_product_[p], step_of,
-                                  share);
-        }
+        multiply_pair(worker.singles, p, B_single_, single_input_, single_product_, step_of, share);
       });
   in_phases(pairs_.size(), [&](std::size_t p, Share share, Worker&) {
     if (share.part != 0) return;
@@ -207,12 +195,7 @@ void FastAlgebra::couple(double h) {
   in_phases(
       pairs_.size(),
       [&](std::size_t p, Share share, Worker& worker) {
-        const auto [j, k] = pairs_[p];
-        if (j == k) {
-          worker.singles.multiply_upper(dB_[j], Y_single_[p], single_product_[p], step_of, share);
-        } else {
-          worker.singles.multiply(dB_[j], Y_single_[p], single_product_[p], step_of, share);
-        }
+        multiply_pair(worker.singles, p, dB_, Y_single_, single_product_, step_of, share);
       },
       [&](std::size_t p, Share share, Worker&) {
         if (share.part != 0) return;

@@ -1,6 +1,7 @@
 // The algebra formulation in planar matrices, its structure used.
 #pragma once
 
+#include <type_traits>
 #include <utility>
 
 #include "core/fast_form.h"
@@ -55,6 +56,20 @@ class FastAlgebra final : public FastForm {
   }
   const SingleMatrix& epsilon(std::size_t j, std::size_t k) const {
     return j <= k ? delta_[1][pair(j, k)] : minus_single_adjoints_[pair(k, j)];
+  }
+  // M_p = h B_j Y_p for the pair p = (j, k), of M_jj the upper triangle.
+  template <class Real>
+  void multiply_pair(PlanarProductsOf<Real>& products, std::size_t p,
+                     const std::vector<PlanarMatrixOf<Real>>& B,
+                     const std::vector<PlanarMatrixOf<Real>>& Y,
+                     std::vector<PlanarMatrixOf<Real>>& M, std::type_identity_t<Real> h,
+                     Share share) const {
+    const auto [j, k] = pairs_[p];
+    if (j == k) {
+      products.multiply_upper(B[j], Y[p], M[p], h, share);
+    } else {
+      products.multiply(B[j], Y[p], M[p], h, share);
+    }
   }
   void form_next(double h);
   void update_stage_vorticities();

@@ -161,8 +161,8 @@ SolveReport FastForm::iterate(double h, Iteration iteration) {
     case Iteration::corrected:
       return solve_fixed_point(options_.solver, [&] {
         const double change = residual(h);
-        const bool corrected = change >= options_.solver.tolerance &&
-                               change <= largest_corrected && correct(h, change);
+        const bool corrected = change >= options_.solver.tolerance && change <= largest_corrected &&
+                               correct(h, change);
         add_correction(corrected ? delta_ : residuals_);
         begin();
         return change;
@@ -211,7 +211,7 @@ bool FastForm::correct(double h, double change) {
   constexpr double digits = 1e-6;  // of single precision, after a few sums
   constexpr double of_tolerance = 0.1;
   constexpr double curvature = 0.1;  // the derivative errs by this, relative to a change of 1
-  constexpr double growth = 4.0;  // what T may do at first, not being normal
+  constexpr double growth = 4.0;     // what T may do at first, not being normal
   constexpr int most = 60;
   const double target = std::max(
       {of_tolerance * options_.solver.tolerance, digits * change, curvature * change * change});
