@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -91,12 +90,6 @@ void require_printed() {
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0 || !std::cout) {
     throw BadArgument("standard output: cannot be written");
   }
-}
-
-void print_error(const char* program, std::string message) {
-  const auto is_control = [](unsigned char c) { return std::iscntrl(c) != 0; };
-  std::replace_if(message.begin(), message.end(), is_control, ' ');
-  std::fputs(fmt::format("{}: {}\n", program, message).c_str(), stderr);
 }
 
 }  // namespace isosyrk

@@ -62,7 +62,7 @@ void clear_environment() {
 
 bool is_whole_json(const std::string& path) {
   std::ifstream input(path);
-  return nlohmann::json::accept(input);
+  return nlohmann::ordered_json::accept(input);
 }
 
 }  // namespace

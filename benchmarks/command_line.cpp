@@ -4,7 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "benchmarks/arguments.h"
+#include "benchmarks/program.h"
 
 namespace isosyrk {
 

@@ -14,7 +14,7 @@
 #include "core/planar_products.h"
 #include "core/scene.h"
 
-namespace isosyrk {
+namespace isosyrk::integrate {
 namespace {
 
 struct Outcome {
@@ -41,9 +41,9 @@ Outcome integrate(const IntegrateRequest& request, const Scene& scene, ProductBa
   outcome.W = scene.initial;
   outcome.h_norm_B = request.step * generator_norms(scene).B;
   // The fast form iterates as the published one does.
-  const std::string mapped =
-      request.formulation ? gauss_entry(*request.formulation, request.integrator.stages).name
-                          : request.integrator.name;
+  const std::string mapped = request.formulation
+                                 ? gauss_entry(*request.formulation, request.integrator.stages).name
+                                 : request.integrator.name;
   warn_beyond_limit(mapped, outcome.h_norm_B);
   ConservationWatch watch(scene);
   const TimedRun timed = timed_run(*integrator, outcome.W, request.step, request.steps,
@@ -99,6 +99,8 @@ void print_text(const nlohmann::ordered_json& result) {
   }
 }
 
+}  // namespace
+
 int main_program(int argc, char** argv) {
   const auto asked = read_integrate_arguments(argc, argv);
   if (const int* exit_code = std::get_if<int>(&asked)) return *exit_code;
@@ -130,9 +132,4 @@ int main_program(int argc, char** argv) {
   return exit_solver_failed;
 }
 
-}  // namespace
-}  // namespace isosyrk
-
-int main(int argc, char** argv) {
-  return isosyrk::guarded("integrate", [&] { return isosyrk::main_program(argc, argv); });
-}
+}  // namespace isosyrk::integrate

@@ -17,7 +17,7 @@
 #include "core/gauss_tableau.h"
 #include "core/linear_theory.h"
 
-namespace isosyrk {
+namespace isosyrk::long_runs {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -91,6 +91,8 @@ Json carry_out(const Job& job, long steps) {
   return runs;
 }
 
+}  // namespace
+
 int main_program(int argc, char** argv) {
   CommandLine line{
       "Runs every integrator for many steps, near its critical step size and well inside, watches "
@@ -141,9 +143,4 @@ int main_program(int argc, char** argv) {
   return exit_done;
 }
 
-}  // namespace
-}  // namespace isosyrk
-
-int main(int argc, char** argv) {
-  return isosyrk::guarded("long_runs", [&] { return isosyrk::main_program(argc, argv); });
-}
+}  // namespace isosyrk::long_runs

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "benchmarks/arguments.h"
+#include "benchmarks/program.h"
 
 namespace isosyrk {
 

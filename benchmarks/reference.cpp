@@ -62,7 +62,7 @@ nlohmann::ordered_json as_json(const ReferenceRun& run) {
           {"products", run.products}};
 }
 
-ReferenceRun reference_run(const nlohmann::json& json) {
+ReferenceRun reference_run(const nlohmann::ordered_json& json) {
   return {json.at("integrator"), json.at("steps"), json.at("estimate"), json.at("products")};
 }
 
@@ -117,7 +117,7 @@ Reference read_reference(const std::string& option, const std::string& folder, c
   std::ifstream input(path);
   if (!input) throw refuse("cannot be read");
   try {
-    const nlohmann::json json = nlohmann::json::parse(input);
+    const nlohmann::ordered_json json = nlohmann::ordered_json::parse(input);
     if (json.at("format") != file_format) throw refuse("is no reference solution");
     if (json.at("scene") != scene.name || json.at("n") != n || json.at("time") != scene.time ||
         json.at("hbar") != name(hbar) || json.at("modes_hash") != hash_of(modes)) {

@@ -9,7 +9,7 @@
 #include "benchmarks/product_rate.h"
 #include "benchmarks/reference.h"
 
-namespace isosyrk {
+namespace isosyrk::reference_solutions {
 namespace {
 
 // Keeps a file that already holds this reference.
@@ -35,6 +35,8 @@ void make(Index n, const std::string& folder) {
       stderr);
 }
 
+}  // namespace
+
 int main_program(int argc, char** argv) {
   CommandLine line{
       "Computes W(5) of the smooth scene for each n with two integrators, whose difference is its "
@@ -58,9 +60,4 @@ int main_program(int argc, char** argv) {
   return exit_done;
 }
 
-}  // namespace
-}  // namespace isosyrk
-
-int main(int argc, char** argv) {
-  return isosyrk::guarded("reference_solutions", [&] { return isosyrk::main_program(argc, argv); });
-}
+}  // namespace isosyrk::reference_solutions

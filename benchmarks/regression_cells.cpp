@@ -19,7 +19,7 @@
 #include "core/conservation.h"
 #include "core/run.h"
 
-namespace isosyrk {
+namespace isosyrk::regression_cells {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -183,6 +183,8 @@ int serve(const std::vector<Cell>& cells) {
   return exit_done;
 }
 
+}  // namespace
+
 int main_program(int argc, char** argv) {
   CommandLine line{"Counts and errors of cells of Table 1 as JSON, or their times on demand."};
   std::vector<std::string> names;
@@ -196,9 +198,4 @@ int main_program(int argc, char** argv) {
   return as_server ? serve(cells) : report(cells);
 }
 
-}  // namespace
-}  // namespace isosyrk
-
-int main(int argc, char** argv) {
-  return isosyrk::guarded("regression_cells", [&] { return isosyrk::main_program(argc, argv); });
-}
+}  // namespace isosyrk::regression_cells

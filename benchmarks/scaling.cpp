@@ -19,7 +19,7 @@
 #include "core/fast_forms.h"
 #include "core/run.h"
 
-namespace isosyrk {
+namespace isosyrk::scaling {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -189,6 +189,8 @@ Json idea_rows(const Scene& scene, Formulation formulation, int s, ProductBacken
       fmt::format("ideas, {} at n = {}, s = {}", name(formulation), scene.initial.rows(), s));
 }
 
+}  // namespace
+
 int main_program(int argc, char** argv) {
   CommandLine line{
       "Times steps of the fast forms against n, and idea by idea from the published forms on, and "
@@ -237,9 +239,4 @@ int main_program(int argc, char** argv) {
   return exit_done;
 }
 
-}  // namespace
-}  // namespace isosyrk
-
-int main(int argc, char** argv) {
-  return isosyrk::guarded("scaling", [&] { return isosyrk::main_program(argc, argv); });
-}
+}  // namespace isosyrk::scaling

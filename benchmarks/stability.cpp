@@ -14,7 +14,7 @@
 #include "benchmarks/stability_request.h"
 #include "benchmarks/stability_trial.h"
 
-namespace isosyrk {
+namespace isosyrk::stability {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -58,6 +58,8 @@ Json setting_json(const TrialSetting& setting) {
            {{"explicit", trial_steps(setting.n(), true)},
             {"implicit", trial_steps(setting.n(), false)}}}};
 }
+
+}  // namespace
 
 int main_program(int argc, char** argv) {
   CommandLine line{
@@ -105,9 +107,4 @@ int main_program(int argc, char** argv) {
   return exit_done;
 }
 
-}  // namespace
-}  // namespace isosyrk
-
-int main(int argc, char** argv) {
-  return isosyrk::guarded("stability", [&] { return isosyrk::main_program(argc, argv); });
-}
+}  // namespace isosyrk::stability

@@ -6,7 +6,7 @@
 #include "core/fast_forms.h"
 #include "core/planar_products.h"
 
-namespace isosyrk {
+namespace isosyrk::table2 {
 namespace {
 
 TableProgram fast_table(int threads) {
@@ -42,12 +42,12 @@ TableProgram fast_table(int threads) {
 }
 
 }  // namespace
-}  // namespace isosyrk
 
-int main(int argc, char** argv) {
-  using namespace isosyrk;
+int main_program(int argc, char** argv) {
   const TableProgram table = fast_table(1);
   const TableProgram published = published_table();
   const TableProgram two_threads = fast_table(2);
-  return table_main(table, {.published = &published, .two_threads = &two_threads}, argc, argv);
+  return time_table(table, {.published = &published, .two_threads = &two_threads}, argc, argv);
 }
+
+}  // namespace isosyrk::table2

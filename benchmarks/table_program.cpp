@@ -189,7 +189,24 @@ class Cell : public benchmark::Fixture {
   Quality quality_;
 };
 
-int run_table(const TableProgram& table, const ComparedTables& compared, int argc, char** argv) {
+}  // namespace
+
+TableProgram published_table() {
+  return {
+      .name = "table1",
+      .description =
+          "Times 50 steps of each formulation at n = 17, 33, 65, 129 and s = 1, 2, 3 (the paper's "
+          "Table 1).",
+      .make =
+          [](Formulation formulation, int stages, const Flow& flow, const SolverOptions& options,
+             ProductBackend backend) {
+            return make_formulation(formulation, flow, gauss_tableau(stages), options, backend);
+          },
+      .product_rate = product_rate,
+  };
+}
+
+int time_table(const TableProgram& table, const ComparedTables& compared, int argc, char** argv) {
   CommandLine line{table.description +
                    "  Takes Google Benchmark's arguments as well, such as "
                    "--benchmark_filter=n:17/ and --benchmark_out=FILE."};
@@ -255,27 +272,6 @@ int run_table(const TableProgram& table, const ComparedTables& compared, int arg
   for (const auto& [condition, value] : table.conditions) set(conditions, condition, value);
   print_notice(table.name);
   return run_benchmarks(argv[0], arguments, conditions);
-}
-
-}  // namespace
-
-TableProgram published_table() {
-  return {
-      .name = "table1",
-      .description =
-          "Times 50 steps of each formulation at n = 17, 33, 65, 129 and s = 1, 2, 3 (the paper's "
-          "Table 1).",
-      .make =
-          [](Formulation formulation, int stages, const Flow& flow, const SolverOptions& options,
-             ProductBackend backend) {
-            return make_formulation(formulation, flow, gauss_tableau(stages), options, backend);
-          },
-      .product_rate = product_rate,
-  };
-}
-
-int table_main(const TableProgram& table, const ComparedTables& compared, int argc, char** argv) {
-  return guarded(table.name.c_str(), [&] { return run_table(table, compared, argc, argv); });
 }
 
 }  // namespace isosyrk

@@ -36,7 +36,7 @@ struct ComparedTables {
 };
 
 /// The program: times 50 steps of each cell, n = 17, 33, 65, 129, s = 1, 2, 3, and returns its exit
-/// code.  The tables must outlive it.
-int table_main(const TableProgram& table, const ComparedTables& compared, int argc, char** argv);
+/// code.  The tables must outlive it.  Throws BadArgument.
+int time_table(const TableProgram& table, const ComparedTables& compared, int argc, char** argv);
 
 }  // namespace isosyrk

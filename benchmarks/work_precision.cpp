@@ -26,7 +26,7 @@
 #include "core/gauss_tableau.h"
 #include "core/integrator_list.h"
 
-namespace isosyrk {
+namespace isosyrk::work_precision {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -345,8 +345,8 @@ class Study {
       const Reference& reference = setting->reference;
       json["references"].push_back({{"n", setting->n()},
                                     {"uncertainty", reference.uncertainty},
-                                    {"first", isosyrk::as_json(reference.first)},
-                                    {"second", isosyrk::as_json(reference.second)}});
+                                    {"first", work_precision::as_json(reference.first)},
+                                    {"second", work_precision::as_json(reference.second)}});
     }
     for (const IntegratorEntry* entry : request_.integrators) {
       json["integrators"].push_back(integrator_json(*entry));
@@ -354,13 +354,13 @@ class Study {
     }
     for (const Line& line : lines_) {
       for (const Point& point : line.points) {
-        json["points"].push_back(isosyrk::as_json(point, *line.entry));
+        json["points"].push_back(work_precision::as_json(point, *line.entry));
       }
     }
     json["tolerance_points"] = Json::array();
     for (const ToleranceCell& cell : cells_) {
       for (std::size_t at = 0; at < cell.points.size(); ++at) {
-        json["tolerance_points"].push_back(isosyrk::as_json(cell, at));
+        json["tolerance_points"].push_back(work_precision::as_json(cell, at));
       }
     }
     return json;
@@ -417,6 +417,8 @@ class Study {
   Progress progress_;
 };
 
+}  // namespace
+
 int main_program(int argc, char** argv) {
   CommandLine line{
       "Runs every integrator over step sizes, and the three formulations over tolerances, and "
@@ -443,9 +445,4 @@ int main_program(int argc, char** argv) {
   return exit_done;
 }
 
-}  // namespace
-}  // namespace isosyrk
-
-int main(int argc, char** argv) {
-  return isosyrk::guarded("work_precision", [&] { return isosyrk::main_program(argc, argv); });
-}
+}  // namespace isosyrk::work_precision

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <lapacke.h>
 
-#include <Eigen/Dense>
 #include <stdexcept>
 
+#include "core/products.h"
 #include "core/spin.h"
 
 namespace isosyrk {
@@ -37,8 +37,13 @@ double spectral_norm(const Matrix& W) { return spectrum(W).cwiseAbs().maxCoeff()
 
 Complex casimir(const Matrix& W, int k) {
   if (k < 1) throw std::invalid_argument(fmt::format("casimir: k = {}, must be at least 1", k));
+  Products products(ProductBackend::eigen, W.rows());
   Matrix power = W;
-  for (int i = 1; i < k; ++i) power = (power * W).eval();
+  Matrix next(W.rows(), W.cols());
+  for (int i = 1; i < k; ++i) {
+    products.multiply(power, W, next);
+    power.swap(next);
+  }
   return power.trace();
 }
 

@@ -3,11 +3,28 @@
 #include <fmt/format.h>
 #include <lapacke.h>
 
-#include <Eigen/LU>
 #include <limits>
 #include <stdexcept>
+#include <vector>
 
 namespace isosyrk {
+namespace {
+
+// By columns, as LAPACK has them.
+using ComplexMatrix = Eigen::MatrixXcd;
+using ComplexVector = Eigen::VectorXcd;
+
+ComplexVector solution(ComplexMatrix M, ComplexVector b) {
+  const auto s = static_cast<lapack_int>(M.rows());
+  std::vector<lapack_int> pivots(static_cast<std::size_t>(s));
+  const lapack_int info =
+      LAPACKE_zgesv(LAPACK_COL_MAJOR, s, 1, reinterpret_cast<lapack_complex_double*>(M.data()), s,
+                    pivots.data(), reinterpret_cast<lapack_complex_double*>(b.data()), s);
+  if (info != 0) throw std::runtime_error(fmt::format("linear theory: zgesv failed ({})", info));
+  return b;
+}
+
+}  // namespace
 
 double spectral_radius(const Tableau& tableau) {
   RealMatrix a = tableau.a;  // LAPACK's workspace
@@ -49,16 +66,16 @@ double midpoint_iteration_limit(const RealVector& frequencies) {
 //     Y = -ihβ_p A (1 + Y),    K_i = ihβ_q (Y_i + A K_i)  for each row i of K.
 double hermitian_growth(const Tableau& tableau, const RealVector& frequencies, double h) {
   const Index s = tableau.stages();
-  const Matrix identity = Matrix::Identity(s, s);
-  const Matrix A = tableau.a.cast<Complex>();
+  const ComplexMatrix identity = ComplexMatrix::Identity(s, s);
+  const ComplexMatrix A = tableau.a.cast<Complex>();
   double largest = 0.0;
   for (const double q : frequencies) {
     for (const double p : frequencies) {
       const Complex x(0.0, h * p);
       const Complex y(0.0, h * q);
-      const Eigen::VectorXcd Y = (identity + x * A).lu().solve(-x * tableau.c.cast<Complex>());
+      const ComplexVector Y = solution(identity + x * A, -x * tableau.c.cast<Complex>());
       // Every row of K is Y_i times the same vector.
-      const Eigen::VectorXcd row = (identity - y * A).lu().solve(Eigen::VectorXcd::Constant(s, y));
+      const ComplexVector row = solution(identity - y * A, ComplexVector::Constant(s, y));
       Complex sum = 0.0;
       for (Index i = 0; i < s; ++i) {
         const Complex k = Y(i) * A.row(i).transpose().cwiseProduct(row).sum();

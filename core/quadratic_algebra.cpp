@@ -16,7 +16,7 @@ QuadraticAlgebra::QuadraticAlgebra(const Matrix& J) : n_(J.rows()) {
     throw std::invalid_argument(
         fmt::format("algebra: J is {} x {}; must be square and finite", J.rows(), J.cols()));
   }
-  const Matrix square = J * J;
+  const Matrix square = J.lazyProduct(J);
   alpha_ = square(0, 0);
   const double defect = (square - alpha_ * Matrix::Identity(n_, n_)).cwiseAbs().maxCoeff();
   if (alpha_ == 0.0 || defect > 1e-14 * std::abs(alpha_)) {
@@ -68,12 +68,13 @@ Matrix QuadraticAlgebra::dense_J() const {
 double QuadraticAlgebra::algebra_defect(const Matrix& W) const {
   if (is_skew_hermitian()) return (W + W.adjoint()).cwiseAbs().maxCoeff();
   const Matrix J = dense_J();
-  return (W.adjoint() * J + J * W).cwiseAbs().maxCoeff();
+  return (W.adjoint().lazyProduct(J) + J.lazyProduct(W)).cwiseAbs().maxCoeff();
 }
 
 double QuadraticAlgebra::group_defect(const Matrix& Q) const {
   const Matrix J = dense_J();
-  return (Q.adjoint() * J * Q - J).cwiseAbs().maxCoeff();
+  const Matrix JQ = J.lazyProduct(Q);
+  return (Q.adjoint().lazyProduct(JQ) - J).cwiseAbs().maxCoeff();
 }
 
 }  // namespace isosyrk

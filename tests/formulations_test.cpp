@@ -13,10 +13,6 @@
 namespace isosyrk::testing {
 namespace {
 
-// steps * tolerance / (1 - contraction): at n = 17, 33, h = 0.1 the sweeps contract by less than
-// 0.3 a sweep, so 50 steps leave at most 50 * 1e-13 / 0.7 = 7e-12; the wanted bound is wider.
-constexpr double coincidence = 1e-11;
-
 class EachFormulation : public ::testing::TestWithParam<std::tuple<Formulation, int>> {};
 
 TEST_P(EachFormulation, EqualsTheReferenceAnswerAtN17) {

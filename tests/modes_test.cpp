@@ -163,15 +163,15 @@ TEST(Modes, ThatDoNotFitAreRefusedByName) {
     }
     return false;
   };
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  const double infinity = std::numeric_limits<double>::infinity();
+  const double not_a_number = std::numeric_limits<double>::quiet_NaN();
+  const double unbounded = std::numeric_limits<double>::infinity();
   EXPECT_FALSE(refused({{1, 0, 1.0}}, 2, ""));
   EXPECT_TRUE(refused({{0, 0, 1.0}}, 5, "l=0"));
   EXPECT_TRUE(refused({{5, 0, 1.0}}, 5, "l must be 1 to n-1 = 4"));
   EXPECT_TRUE(refused({{2, 3, 1.0}}, 5, "m must be 0 to l"));
   EXPECT_TRUE(refused({{2, -1, 1.0}}, 5, "m must be 0 to l"));
-  EXPECT_TRUE(refused({{2, 1, nan}}, 5, "finite"));
-  EXPECT_TRUE(refused({{2, 1, {0.0, infinity}}}, 5, "finite"));
+  EXPECT_TRUE(refused({{2, 1, not_a_number}}, 5, "finite"));
+  EXPECT_TRUE(refused({{2, 1, {0.0, unbounded}}}, 5, "finite"));
   EXPECT_TRUE(refused({{2, 0, {1.0, 0.5}}}, 5, "im = 0.5"));
   EXPECT_TRUE(refused({{2, 1, 1.0}, {2, 1, 2.0}}, 5, "twice"));
   EXPECT_TRUE(refused({{2, 1, 0.0}}, 5, "nonzero"));

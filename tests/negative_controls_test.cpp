@@ -86,7 +86,7 @@ TEST(SkippingTheTrace, GivesAnotherAnswerThatAllThreeAgreeOn) {
       minus_laplacian.diagonal(1) = minus_laplacian.diagonal(-1) = Laplacian::off_diagonal(n, 0);
       from_trace_ = RealVector::Zero(n);
       from_trace_.head(n - 1) =
-          -minus_laplacian.topLeftCorner(n - 1, n - 1).llt().solve(RealVector::Ones(n - 1));
+          -minus_laplacian.topLeftCorner(n - 1, n - 1).ldlt().solve(RealVector::Ones(n - 1));
       from_trace_ /= hbar(HbarConvention::paper, n);
     }
     void generator(const Matrix& W, Matrix& B) const override {

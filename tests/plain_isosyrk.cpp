@@ -1,7 +1,8 @@
 #include "tests/plain_isosyrk.h"
 
-#include <Eigen/Dense>
 #include <vector>
+
+#include "tests/support.h"
 
 namespace isosyrk::testing {
 
@@ -28,11 +29,11 @@ Matrix plain_isosyrk_step(const Flow& flow, const Tableau& tableau, KIndex index
     for (std::size_t i = 0; i < s; ++i) {
       Matrix sum_X = Matrix::Zero(n, n);
       for (std::size_t j = 0; j < s; ++j) sum_X += a(i, j) * X_old[j];
-      X[i] = -h * (W0 + sum_X) * B(W_old[i]);
+      X[i] = -h * product({W0 + sum_X, B(W_old[i])});
       for (std::size_t j = 0; j < s; ++j) {
         Matrix sum_K = sum_X;
         for (std::size_t k = 0; k < s; ++k) sum_K += a(j, k) * K_old[i][k];
-        K[i][j] = h * B(W_old[index == KIndex::corrected ? j : i]) * sum_K;
+        K[i][j] = h * product({B(W_old[index == KIndex::corrected ? j : i]), sum_K});
       }
     }
     double change = 0.0;
@@ -48,7 +49,7 @@ Matrix plain_isosyrk_step(const Flow& flow, const Tableau& tableau, KIndex index
   }
   Matrix W1 = W0;
   for (std::size_t i = 0; i < s; ++i) {
-    const Matrix C = B(W[i]) * W[i];
+    const Matrix C = product({B(W[i]), W[i]});
     flow.algebra().involution(C, adjoint);
     W1 += h * tableau.b(static_cast<Index>(i)) * (C - adjoint);
   }

@@ -11,7 +11,7 @@
 namespace isosyrk::testing {
 namespace {
 
-constexpr double unit_roundoff = 0x1p-24;
+constexpr double single_roundoff = 0x1p-24;
 
 Matrix widened(const SingleMatrix& X) { return X.interleaved(); }
 
@@ -24,7 +24,7 @@ TEST_P(SinglesInEachUnit, AreMultipliedToTheirRoundingForEverySize) {
     const auto seed = static_cast<unsigned>(n);
     const SingleMatrix A(random_matrix(n, seed)), B(random_matrix(n, seed + 1000));
     const Matrix a = widened(A), b = widened(B);  // what the rounding has left
-    const double bound = 4.0 * static_cast<double>(n) * unit_roundoff * a.norm() * b.norm();
+    const double bound = 4.0 * static_cast<double>(n) * single_roundoff * a.norm() * b.norm();
     SingleProducts products(n, GetParam());
     SingleMatrix C(n);
     products.multiply(A, B, C, -0.5f);

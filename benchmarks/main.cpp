@@ -1,0 +1,15 @@
+// main() of every program. ISOSYRK_PROGRAM, set by CMakeLists.txt, is the program's name and the
+// namespace that holds its main_program(): so can several programs be compiled at a time.
+#include "benchmarks/program.h"
+
+namespace isosyrk::ISOSYRK_PROGRAM {
+MainProgram main_program;
+}
+
+#define ISOSYRK_TEXT_OF(name) #name
+#define ISOSYRK_NAME_OF(program) ISOSYRK_TEXT_OF(program)
+
+int main(int argc, char** argv) {
+  return isosyrk::run_program(ISOSYRK_NAME_OF(ISOSYRK_PROGRAM),
+                              isosyrk::ISOSYRK_PROGRAM::main_program, argc, argv);
+}
