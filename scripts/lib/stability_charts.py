@@ -212,6 +212,7 @@ def errors_against_time(study, scene, n, which, wanted):
 def time_panel(axes, study, quantity, runs):
     """Draws a quantity of some runs and returns the labels of the lines, which need the limits of the whole row."""
     logarithmic(axes)
+    axes.xaxis.set_minor_locator(NullLocator())  # over five decades
     axes.tick_params(labelbottom=True)  # also where the panels below have the same times
     labels = []
     for group in relatives(runs):

@@ -14,14 +14,9 @@ import unittest
 import xml.etree.ElementTree
 
 import programs
-from programs import FolderTest, environment, run, snapshot
+from drawing import LIBRARY, PYTHON, DrawingTest
+from programs import environment, snapshot
 from study_documents import UNCERTAINTY, small_study, study_document, write_study
-
-SCRIPT = os.path.join(programs.ROOT, "scripts", "render_accuracy")
-LIBRARY = os.path.join(programs.ROOT, "scripts", "lib")
-sys.dont_write_bytecode = True
-sys.path.insert(0, LIBRARY)
-import chart_python  # noqa: E402
 
 CHARTS = ("error_against_time", "error_against_products", "spectrum_error_against_time", "error_against_n", "tolerance")
 FILES = {"report.md", "report.txt", *(f"{chart}.{kind}" for chart in CHARTS for kind in ("svg", "png"))}
@@ -65,7 +60,7 @@ MATPLOTLIB = tempfile.TemporaryDirectory(prefix="isosyrk-")  # what it keeps, aw
 def describer():
     if not DESCRIBER:
         settings = environment(MPLCONFIGDIR=MATPLOTLIB.name, PYTHONDONTWRITEBYTECODE="1", OPENBLAS_NUM_THREADS="1")
-        DESCRIBER.append(programs.start([AccuracyTest.python, "-c", DESCRIBE, LIBRARY], env=settings,
+        DESCRIBER.append(programs.start([PYTHON, "-c", DESCRIBE, LIBRARY], env=settings,
                                         stdin=subprocess.PIPE, stdout=subprocess.PIPE))
     return DESCRIBER[0]
 
@@ -77,18 +72,11 @@ def tearDownModule():
     MATPLOTLIB.cleanup()
 
 
-class AccuracyTest(FolderTest):
-    python = chart_python.find() or sys.executable  # the one that draws, so that the script need not look for it
+class AccuracyTest(DrawingTest):
+    script = "render_accuracy"
 
-    def setUp(self):
-        super().setUp()
-        self.settings = environment(MPLCONFIGDIR=self.path("matplotlib"), PYTHONDONTWRITEBYTECODE="1")
-
-    def render(self, *arguments, **changes):
-        return run([self.python, SCRIPT, *arguments], timeout=300, env={**self.settings, **changes})
-
-    def assert_renders(self, *arguments):
-        result = self.render(*arguments)
+    def assert_renders(self, *arguments, apart=False):
+        result = self.render(*arguments, apart=apart)
         self.assertEqual((result.returncode, result.stdout), (0, ""), result.stderr)
         return result
 
@@ -101,7 +89,7 @@ class AccuracyTest(FolderTest):
         with open(raw, encoding="utf-8") as file:
             key = chart, file.read()
         if key not in DRAWN:
-            self.assertIsNotNone(chart_python.find(), chart_python.complaint())
+            self.require_drawing()
             process = describer()
             process.stdin.write(json.dumps([chart, raw]) + "\n")
             process.stdin.flush()
@@ -131,9 +119,10 @@ class AccuracyTest(FolderTest):
         return self.write("table1.json", json.dumps({"context": {"isosyrk_program": "table1", "isosyrk_format": "1"},
                                                      "benchmarks": rows}))
 
-    def render_plain(self, folder):
+    def render_plain(self, folder, apart=False):
         """Renders the small study with Table 1 and returns the files."""
-        self.assertEqual(self.assert_renders(self.small(), "--out", folder, "--table1", self.table1()).stderr, "")
+        done = self.assert_renders(self.small(), "--out", folder, "--table1", self.table1(), apart=apart)
+        self.assertEqual(done.stderr, "")
         return snapshot(folder)
 
     def plain(self):
@@ -176,7 +165,7 @@ class Files(AccuracyTest):
 
     def test_the_same_raw_file_gives_the_same_bytes_whatever_the_user_s_own_settings(self):
         self.write("matplotlib/matplotlibrc", "lines.linewidth: 9\nfont.size: 30\naxes.facecolor: red\n")
-        self.assertEqual(self.render_plain(self.path("new", "charts")), self.plain())
+        self.assertEqual(self.render_plain(self.path("new", "charts"), apart=True), self.plain())
 
     def test_files_name_no_date_and_no_program(self):
         for name, contents in self.plain().items():
@@ -379,10 +368,9 @@ class Python(AccuracyTest):
         self.assertFalse(os.path.exists(self.path("charts")))
 
     def test_the_chosen_python_is_taken_where_this_one_has_none(self):
-        python = chart_python.find()
-        self.assertIsNotNone(python, chart_python.complaint())
+        self.require_drawing()
         chosen = self.write("bin/chosen", f'#!/bin/sh\necho chosen >> {self.path("calls")}\nunset PYTHONPATH\n'
-                                          f'exec {python} "$@"\n', executable=True)
+                                          f'exec {PYTHON} "$@"\n', executable=True)
         result = self.render(self.path("none.json"), "--out", self.path("charts"), PYTHONPATH=self.without(),
                              ISOSYRK_PYTHON=chosen)
         self.assert_refused(result, "none.json", "cannot be read")  # which needs matplotlib found first

@@ -2,21 +2,17 @@
 
 import json
 import os
-import sys
 import unittest
 
 import programs
-from programs import DONE, FolderTest, environment, run, snapshot
+from drawing import DrawingTest
+from programs import DONE, FolderTest, run, snapshot
 from scaling_documents import PEAK_GFLOPS, PRODUCT_SECONDS, scaling_document
 
-SCRIPT = os.path.join(programs.ROOT, "scripts", "render_scaling")
-sys.dont_write_bytecode = True
-sys.path.insert(0, os.path.join(programs.ROOT, "scripts", "lib"))
-import chart_python  # noqa: E402
-from benchmark_json import UnusableFile  # noqa: E402
-from document import as_text  # noqa: E402
-from scaling import exponent, ladder, read_scaling, scaling  # noqa: E402
-from scaling_report import scaling_sections  # noqa: E402
+from benchmark_json import UnusableFile
+from document import as_text
+from scaling import exponent, ladder, read_scaling, scaling
+from scaling_report import scaling_sections
 
 FILES = {"report.md", "report.txt", *(f"{chart}.{kind}" for chart in ("cost_against_n", "parts_against_n",
                                                                      "ladder_of_ideas") for kind in ("svg", "png"))}
@@ -58,17 +54,16 @@ class Figures(unittest.TestCase):
         self.assertNotIn("corrections", rest)
 
 
-class Files(FolderTest):
-    python = chart_python.find() or sys.executable
+class Files(DrawingTest):
+    script = "render_scaling"
 
-    def render(self, document, *arguments):
+    def render_study(self, document, *arguments, **options):
         raw = document if isinstance(document, str) else self.write("raw.json", json.dumps(document))
-        return run([self.python, SCRIPT, raw, *arguments], timeout=300,
-                   env=environment(MPLCONFIGDIR=self.path("matplotlib"), PYTHONDONTWRITEBYTECODE="1"))
+        return self.render(raw, *arguments, **options)
 
     def test_charts_and_reports_are_whole_and_the_same_every_time(self):
-        for folder in ("one", "two"):
-            done = self.render(scaling_document(sizes=(17, 65, 129)), "--out", self.path(folder))
+        for folder, apart in (("one", False), ("two", True)):
+            done = self.render_study(scaling_document(sizes=(17, 65, 129)), "--out", self.path(folder), apart=apart)
             self.assertEqual((done.returncode, done.stdout, done.stderr), (DONE, "", ""))
         files = snapshot(self.path("one"))
         self.assertEqual(set(files), FILES)
@@ -102,12 +97,12 @@ class Files(FolderTest):
                 (changed(product_seconds=[0]), "point 4", "product_seconds"), (changed(n=True), "point 4 has n"),
                 (changed(peak_gflops="fast"), "point 4", "peak_gflops")):
             with self.subTest(parts=parts):
-                self.assert_refused(self.render(document, "--out", self.path("charts")), "render_scaling: ", *parts)
+                self.assert_refused(self.render_study(document, "--out", self.path("charts")), "render_scaling: ", *parts)
                 self.assertFalse(os.path.exists(self.path("charts")))
 
     def test_arguments(self):
-        self.assert_refused(self.render(scaling_document()), "--out")
-        self.assert_refused(self.render(scaling_document(), "--out", self.write("taken", "")), "cannot be written")
+        self.assert_refused(self.render_study(scaling_document()), "--out")
+        self.assert_refused(self.render_study(scaling_document(), "--out", self.write("taken", "")), "cannot be written")
 
     def test_the_reader_says_what_is_wrong(self):
         with self.assertRaises(UnusableFile):

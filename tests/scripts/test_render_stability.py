@@ -9,15 +9,11 @@ import unittest
 import xml.etree.ElementTree
 
 import programs
-from programs import FolderTest, environment, run, snapshot
+from drawing import LIBRARY, PYTHON, DrawingTest
+from programs import run, snapshot
 from stability_documents import (CONTROL, GRID, fail, long_document, map_document, norm, trial, write_document)
 
-SCRIPT = os.path.join(programs.ROOT, "scripts", "render_stability")
-LIBRARY = os.path.join(programs.ROOT, "scripts", "lib")
-sys.dont_write_bytecode = True
-sys.path.insert(0, LIBRARY)
-import chart_python  # noqa: E402
-from comparison import three_digits  # noqa: E402
+from comparison import three_digits
 
 REPORTS = {"report.md", "report.txt"}
 CHARTS = ("failure_map_smooth", "failure_map_others_smooth", "long_runs_n17", "long_runs_n17_controls")
@@ -60,12 +56,11 @@ print(json.dumps(found))
 PLAIN = {}
 
 
-class StabilityTest(FolderTest):
-    python = chart_python.find() or sys.executable  # the one that draws, so that the script need not look for it
+class StabilityTest(DrawingTest):
+    script = "render_stability"
 
     def setUp(self):
         super().setUp()
-        self.settings = environment(MPLCONFIGDIR=self.path("matplotlib"), PYTHONDONTWRITEBYTECODE="1")
         self.map, self.long = map_document(), long_document()
 
     def leave(self, *names):
@@ -82,19 +77,16 @@ class StabilityTest(FolderTest):
     def raw_long(self):
         return write_document(self.folder, self.long, "long.json")
 
-    def render(self, *arguments, **changes):
-        return run([self.python, SCRIPT, *arguments], timeout=300, env={**self.settings, **changes})
-
-    def assert_renders(self, *arguments):
-        result = self.render(*arguments)
+    def assert_renders(self, *arguments, apart=False):
+        result = self.render(*arguments, apart=apart)
         self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""))
 
-    def render_plain(self, folder):
+    def render_plain(self, folder, apart=False):
         """Renders the documents without the rough scene and returns the files."""
         smooth = {**self.map, "settings": [each for each in self.map["settings"] if each["scene"] == "smooth"],
                   "maps": [each for each in self.map["maps"] if each["scene"] == "smooth"]}
         raw = write_document(self.folder, smooth, "smooth.json")
-        self.assert_renders(raw, "--long", self.raw_long(), "--out", folder)
+        self.assert_renders(raw, "--long", self.raw_long(), "--out", folder, apart=apart)
         return snapshot(folder)
 
     def plain(self):
@@ -105,11 +97,10 @@ class StabilityTest(FolderTest):
 
     def drawn(self, *charts):
         """Returns what each of some charts draws; a chart is its function's name and arguments."""
-        python = chart_python.find()
-        self.assertIsNotNone(python, chart_python.complaint())
+        self.require_drawing()
         paths = {"failure": self.raw(), "long": self.raw_long()}
         wanted = [[draw, paths[draw.split("_")[0]], arguments] for draw, *arguments in charts]
-        found = run([python, "-c", DESCRIBE, LIBRARY, json.dumps(wanted)], timeout=300,
+        found = run([PYTHON, "-c", DESCRIBE, LIBRARY, json.dumps(wanted)], timeout=300,
                     env={**self.settings, "OPENBLAS_NUM_THREADS": "1"})
         self.assertEqual(found.returncode, 0, found.stderr)
         return json.loads(found.stdout)
@@ -169,7 +160,7 @@ class Files(StabilityTest):
 
     def test_the_same_raw_files_give_the_same_bytes_whatever_the_user_s_own_settings(self):
         self.write("matplotlib/matplotlibrc", "lines.linewidth: 9\nfont.size: 30\nhatch.linewidth: 5\n")
-        self.assertEqual(self.render_plain(self.path("new", "charts")), self.plain())
+        self.assertEqual(self.render_plain(self.path("new", "charts"), apart=True), self.plain())
 
     def test_files_name_no_date_and_no_program(self):
         for name, contents in self.plain().items():

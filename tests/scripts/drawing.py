@@ -1,0 +1,57 @@
+"""What the tests of the scripts that draw share. The Python that draws may be another than the one that runs the tests."""
+
+import atexit
+import os
+import shutil
+import sys
+import tempfile
+
+import programs
+from programs import FolderTest, environment, run, run_script
+
+LIBRARY = os.path.join(programs.ROOT, "scripts", "lib")
+sys.dont_write_bytecode = True
+sys.path.insert(0, LIBRARY)
+import chart_python  # noqa: E402
+
+FOUND = chart_python.find()
+PYTHON = FOUND or sys.executable  # the one that draws, so that a script need not look for it
+
+
+def load_matplotlib():
+    """Loads it here, so that a copy of this process need not; tells whether this is the Python that draws."""
+    if "matplotlib.backends.backend_svg" in sys.modules:
+        return True
+    if os.path.realpath(PYTHON) != os.path.realpath(sys.executable):
+        return False
+    # Its files away from the user's, and no threads: a copy would have none of them.
+    os.environ.update(MPLCONFIGDIR=tempfile.mkdtemp(prefix="isosyrk-"), OPENBLAS_NUM_THREADS="1")
+    atexit.register(shutil.rmtree, os.environ["MPLCONFIGDIR"], ignore_errors=True)
+    if not chart_python.can_import():
+        return False
+    import matplotlib.backends.backend_agg
+    import matplotlib.backends.backend_svg  # noqa: F401
+    return True
+
+
+class DrawingTest(FolderTest):
+    """Runs the script named by `script`."""
+
+    python = PYTHON
+
+    def setUp(self):
+        super().setUp()
+        self.settings = environment(MPLCONFIGDIR=self.path("matplotlib"), PYTHONDONTWRITEBYTECODE="1")
+
+    def require_drawing(self):
+        self.assertIsNotNone(FOUND, chart_python.complaint())
+
+    def render(self, *arguments, apart=False, **changes):
+        """Runs the script to its end, if possible in a copy of this process, which starts sooner.
+
+        `apart`, or changes of the environment, run it as a user does.
+        """
+        script = os.path.join(programs.ROOT, "scripts", self.script)
+        if apart or changes or not load_matplotlib():
+            return run([self.python, script, *arguments], timeout=300, env={**self.settings, **changes})
+        return run_script(script, *arguments, timeout=300)
