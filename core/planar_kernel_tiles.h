@@ -81,6 +81,8 @@ inline __attribute__((always_inline)) void sum_tile(Range of_k, const Left<Real>
                                                     Real* C_im, Index C_stride) {
   Vector<Real> re[rows][vectors] = {};
   Vector<Real> im[rows][vectors] = {};
+  // Fewer turns, whose end is foreseen more often: 2 to 3 % at n = 33.
+#pragma GCC unroll 3
   for (Index k = of_k.begin; k < of_k.end; ++k) {
     Vector<Real> x[vectors];
     Vector<Real> y[vectors];
@@ -285,6 +287,7 @@ inline __attribute__((always_inline)) void last_entries(const PlanarProduct<Real
   Vector<Real> re[rows] = {};
   Vector<Real> im[rows] = {};
   const Range of_k = factors_meet(product, i, rows, product.n - 1, 1);
+#pragma GCC unroll 3
   for (Index k = of_k.begin / width<Real> * width<Real>; k < of_k.end; k += width<Real>) {
     const Vector<Real> xs = load(x + k);
     const Vector<Real> ys = load(y + k);
@@ -343,6 +346,7 @@ inline void last_column_of_adjoint(const PlanarProduct<Real>& product) {
   for (Index i = product.first_row / block * block; i < product.end_row; i += block) {
     Vector<Real> ax[vectors] = {}, by[vectors] = {}, ay[vectors] = {}, bx[vectors] = {};
     const Range of_k = factors_meet(product, i, block, n - 1, 1);
+#pragma GCC unroll 3
     for (Index k = of_k.begin; k < of_k.end; ++k) {
       const Real x = product.B_re[k * stride + n - 1];
       const Real y = product.B_im[k * stride + n - 1];
