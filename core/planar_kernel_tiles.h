@@ -81,7 +81,7 @@ inline __attribute__((always_inline)) void sum_tile(Range of_k, const Left<Real>
                                                     Real* C_im, Index C_stride) {
   Vector<Real> re[rows][vectors] = {};
   Vector<Real> im[rows][vectors] = {};
-  // Fewer turns, whose end is foreseen more often: 2 to 3 % at n = 33.
+  // Fewer turns of the loop: 2 to 3 % at n = 33.
 #pragma GCC unroll 3
   for (Index k = of_k.begin; k < of_k.end; ++k) {
     Vector<Real> x[vectors];
