@@ -17,7 +17,7 @@ namespace isosyrk::testing {
 double largest_difference(const Matrix& A, const Matrix& B);
 
 /// How far answers of 50 steps may lie apart that are the same but for what the iteration leaves:
-/// steps * tolerance / (1 - contraction), where sweeps contract by 0.5 a sweep at most (n <= 33,
+/// steps * tolerance / (1 - contraction), where sweeps contract by 0.5 a sweep at most (n <= 49,
 /// h = 0.1), is 50 * 1e-13 / 0.5.
 constexpr double coincidence = 1e-11;
 

@@ -56,7 +56,9 @@ def output_folder(program, option, folder):
         os.makedirs(folder, exist_ok=True)
     except OSError as problem:
         fail(program, f"{option} {one_line(folder)}: cannot be made: {problem.strerror}")
-    if not os.access(folder, os.W_OK | os.X_OK):
+    try:
+        require_room(folder)
+    except OSError:
         fail(program, f"{option} {one_line(folder)}: cannot be written")
 
 

@@ -1,6 +1,7 @@
 """What the tests of the scripts that draw share. The Python that draws may be another than the one that runs the tests."""
 
 import atexit
+import functools
 import os
 import shutil
 import sys
@@ -18,17 +19,14 @@ FOUND = chart_python.find()
 PYTHON = FOUND or sys.executable  # the one that draws, so that a script need not look for it
 
 
+@functools.lru_cache(maxsize=None)
 def load_matplotlib():
     """Loads it here, so that a copy of this process need not; tells whether this is the Python that draws."""
-    if "matplotlib.backends.backend_svg" in sys.modules:
-        return True
-    if os.path.realpath(PYTHON) != os.path.realpath(sys.executable):
+    if not FOUND or os.path.realpath(FOUND) != os.path.realpath(sys.executable):
         return False
     # Its files away from the user's, and no threads: a copy would have none of them.
     os.environ.update(MPLCONFIGDIR=tempfile.mkdtemp(prefix="isosyrk-"), OPENBLAS_NUM_THREADS="1")
     atexit.register(shutil.rmtree, os.environ["MPLCONFIGDIR"], ignore_errors=True)
-    if not chart_python.can_import():
-        return False
     import matplotlib.backends.backend_agg
     import matplotlib.backends.backend_svg  # noqa: F401
     return True

@@ -15,14 +15,10 @@ from stability_documents import (CONTROL, GRID, fail, long_document, map_documen
 
 from comparison import three_digits
 
-REPORTS = {"report.md", "report.txt"}
-CHARTS = ("failure_map_smooth", "failure_map_others_smooth", "long_runs_n17", "long_runs_n17_controls")
 MAPS = tuple(f"failure_map{others}_{scene}" for scene in ("smooth", "rough") for others in ("", "_others"))
-
-
-def files_of(charts):
-    return REPORTS | {f"{chart}.{kind}" for chart in charts for kind in ("svg", "png")}
-
+LONG_RUNS = ("long_runs_n17", "long_runs_n17_controls")
+MAP_ONLY = {"report.md", "report.txt", *(f"{chart}.{kind}" for chart in MAPS for kind in ("svg", "png"))}
+FILES = MAP_ONLY | {f"{chart}.{kind}" for chart in LONG_RUNS for kind in ("svg", "png")}
 
 # Prints what each panel of some charts draws: lines, cells and texts, by the panel's title. The charts and their files
 # come as JSON: [[function, file, arguments], ...].
@@ -82,11 +78,8 @@ class StabilityTest(DrawingTest):
         self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""))
 
     def render_plain(self, folder, apart=False):
-        """Renders the documents without the rough scene and returns the files."""
-        smooth = {**self.map, "settings": [each for each in self.map["settings"] if each["scene"] == "smooth"],
-                  "maps": [each for each in self.map["maps"] if each["scene"] == "smooth"]}
-        raw = write_document(self.folder, smooth, "smooth.json")
-        self.assert_renders(raw, "--long", self.raw_long(), "--out", folder, apart=apart)
+        """Renders the documents as they are and returns the files."""
+        self.assert_renders(self.raw(), "--long", self.raw_long(), "--out", folder, apart=apart)
         return snapshot(folder)
 
     def plain(self):
@@ -143,8 +136,8 @@ class Files(StabilityTest):
 
     def test_every_chart_is_a_whole_svg_and_png(self):
         files = self.plain()
-        self.assertEqual(set(files), files_of(CHARTS))
-        for chart in CHARTS:
+        self.assertEqual(set(files), FILES)
+        for chart in (*MAPS, *LONG_RUNS):
             root = xml.etree.ElementTree.fromstring(files[f"{chart}.svg"])
             self.assertEqual(root.tag, "{http://www.w3.org/2000/svg}svg")
             png = files[f"{chart}.png"]
@@ -154,7 +147,7 @@ class Files(StabilityTest):
             self.assertGreater(height, 600, chart)
 
     def test_the_reports_show_the_charts(self):
-        for chart in CHARTS:
+        for chart in (*MAPS, *LONG_RUNS):
             self.assertIn(f"({chart}.svg)".encode(), self.plain()["report.md"])
         self.assertTrue(self.plain()["report.md"].startswith(b"# Stability"))
 
@@ -167,16 +160,16 @@ class Files(StabilityTest):
             for word in (b"<dc:date", b"Software", b"Matplotlib v", self.folder.encode()):
                 self.assertNotIn(word, contents, name)
 
-    def test_other_measurements_give_other_files_and_each_scene_its_own_and_long_runs_may_be_left_out(self):
+    def test_other_measurements_give_other_files_and_long_runs_may_be_left_out(self):
         plain = self.plain()
         for each in self.map["maps"]:
             each["critical"] = None
             each["trials"] = [trial(each["integrator"], each["n"], h_norm_B, 0.3) for h_norm_B in GRID]
         self.assert_renders(self.raw(), "--out", self.path("second"))
         second = snapshot(self.path("second"))
-        self.assertEqual(set(second), files_of(MAPS))
-        for name in set(second) & set(plain):
-            self.assertTrue(second[name] != plain[name], name)  # without printing them
+        self.assertEqual(set(second), MAP_ONLY)
+        for name, contents in second.items():
+            self.assertTrue(contents != plain[name], name)  # without printing them
 
 
 class FailureMaps(StabilityTest):
