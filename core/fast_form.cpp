@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/euler_zeitlin.h"
+#include "core/flush_denormals.h"
 #include "core/mixed_sums.h"
 #include "core/planar_blocks.h"
 
@@ -277,6 +278,7 @@ SolveReport FastForm::solve(double h) {
 }
 
 double FastForm::change_of_one_more_sweep(double h) {
+  const FlushDenormals flush;
   const Unknowns accepted = unknowns_;
   const bool cuts = std::exchange(cuts_, false);
   step_ = std::abs(h);
@@ -289,6 +291,7 @@ double FastForm::change_of_one_more_sweep(double h) {
 }
 
 SolveReport FastForm::advance(const Matrix& W0, double h, Matrix& W1) {
+  const FlushDenormals flush;
   const long products_before = products();
   const double equivalents_before = equivalent_products();
   const long solves_before = poisson_solves();

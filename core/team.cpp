@@ -4,6 +4,8 @@
 
 #include <stdexcept>
 
+#include "core/flush_denormals.h"
+
 namespace isosyrk {
 namespace {
 
@@ -72,6 +74,7 @@ void Team::take_tasks(std::uint32_t round, std::size_t thread) {
 }
 
 void Team::second_thread() {
+  const FlushDenormals flush;
   std::uint32_t seen = 0;
   for (;;) {
     wait_while(round_, seen);

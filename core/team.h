@@ -12,7 +12,8 @@ namespace isosyrk {
 ///
 /// Whoever is free takes the next task, so that a second thread that does not get a core costs next
 /// to nothing: the first does its work.  Neither waits by spinning for longer than some
-/// microseconds; then it sleeps.  Not for use by two threads at a time.
+/// microseconds; then it sleeps.  The second flushes denormal numbers, as the fast forms do in the
+/// first.  Not for use by two threads at a time.
 class Team {
  public:
   /// Throws std::invalid_argument unless threads is 1 or 2.
