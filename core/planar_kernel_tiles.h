@@ -109,12 +109,22 @@ inline __attribute__((always_inline)) void sum_tile(Range of_k, const Left<Real>
       }
     }
   }
+  if (scale != 1) {  // not multiplying by 1: 2 to 3 % with vectors of 64 bytes
+#pragma GCC unroll 8
+    for (int r = 0; r < rows; ++r) {
+#pragma GCC unroll 4
+      for (int v = 0; v < vectors; ++v) {
+        re[r][v] *= scale;
+        im[r][v] *= scale;
+      }
+    }
+  }
 #pragma GCC unroll 8
   for (int r = 0; r < rows; ++r) {
 #pragma GCC unroll 4
     for (int v = 0; v < vectors; ++v) {
-      store(C_re + r * C_stride + v * width<Real>, scale * re[r][v]);
-      store(C_im + r * C_stride + v * width<Real>, scale * im[r][v]);
+      store(C_re + r * C_stride + v * width<Real>, re[r][v]);
+      store(C_im + r * C_stride + v * width<Real>, im[r][v]);
     }
   }
 }
@@ -277,6 +287,47 @@ void multiply_packed(const PlanarProduct<Real>& product, const Left<Real>& A) {
   });
 }
 
+template <int... lanes>
+struct Lanes {};
+template <int count, int... lanes>
+struct FirstLanes {
+  using type = typename FirstLanes<count - 1, count - 1, lanes...>::type;
+};
+template <int... lanes>
+struct FirstLanes<0, lanes...> {
+  using type = Lanes<lanes...>;
+};
+
+// Lane l: the sum of lanes l and l ^ distance, of `a` where that bit of l is 0, of `b` where it
+// is 1.
+template <class Real, int distance, int... lanes>
+inline __attribute__((always_inline)) Vector<Real> sums_of_pairs(Vector<Real> a, Vector<Real> b,
+                                                                 Lanes<lanes...>) {
+  return __builtin_shufflevector(
+             a, b, ((lanes & distance) != 0 ? (lanes ^ distance) + width<Real> : lanes)...) +
+         __builtin_shufflevector(
+             a, b, ((lanes & distance) != 0 ? lanes + width<Real> : (lanes ^ distance))...);
+}
+
+// Lane l: the sum over all lanes of vector l modulo `count`, a power of two up to `width`.
+template <class Real, int count, int distance = 1>
+inline __attribute__((always_inline)) Vector<Real> sums_over_lanes(const Vector<Real>* vectors) {
+  if constexpr (distance == width<Real>) {
+    static_assert(count == 1);
+    return vectors[0];
+  } else {
+    constexpr int pairs = count > 1 ? count / 2 : 1;
+    Vector<Real> sums[pairs];
+#pragma GCC unroll 4
+    for (int p = 0; p < pairs; ++p) {
+      sums[p] = sums_of_pairs<Real, distance>(vectors[count > 1 ? 2 * p : 0],
+                                              vectors[count > 1 ? 2 * p + 1 : 0],
+                                              typename FirstLanes<width<Real>>::type());
+    }
+    return sums_over_lanes<Real, pairs, 2 * distance>(sums);
+  }
+}
+
 // Entries i ... i + rows - 1 of A (x + iy), into the last column of C.
 template <int rows, class Real>
 inline __attribute__((always_inline)) void last_entries(const PlanarProduct<Real>& product,
@@ -284,8 +335,7 @@ inline __attribute__((always_inline)) void last_entries(const PlanarProduct<Real
   const Index stride = product.stride;
   const Real* A_re = product.A_re + i * stride;
   const Real* A_im = product.A_im + i * stride;
-  Vector<Real> re[rows] = {};
-  Vector<Real> im[rows] = {};
+  Vector<Real> sums[2 * rows] = {};
   const Range of_k = factors_meet(product, i, rows, product.n - 1, 1);
 #pragma GCC unroll 3
   for (Index k = of_k.begin / width<Real> * width<Real>; k < of_k.end; k += width<Real>) {
@@ -295,29 +345,30 @@ inline __attribute__((always_inline)) void last_entries(const PlanarProduct<Real
     for (int r = 0; r < rows; ++r) {
       const Vector<Real> a = load(A_re + r * stride + k);
       const Vector<Real> b = load(A_im + r * stride + k);
-      re[r] += a * xs;
-      im[r] += a * ys;
-      re[r] -= b * ys;
-      im[r] += b * xs;
+      sums[r] += a * xs;
+      sums[rows + r] += a * ys;
+      sums[r] -= b * ys;
+      sums[rows + r] += b * xs;
     }
+  }
+  constexpr int together = 2 * rows < width<Real> ? 2 * rows : width<Real>;
+  Real entries[2 * rows > width<Real> ? 2 * rows : width<Real>];
+#pragma GCC unroll 4
+  for (int first = 0; first < 2 * rows; first += together) {
+    store(entries + first, product.scale * sums_over_lanes<Real, together>(sums + first));
   }
 #pragma GCC unroll 4
   for (int r = 0; r < rows; ++r) {
-    Real sum_re = 0;
-    Real sum_im = 0;
-    for (int v = 0; v < width<Real>; ++v) {
-      sum_re += re[r][v];
-      sum_im += im[r][v];
-    }
     const Index at = (i + r) * stride + product.n - 1;
-    product.C_re[at] = product.scale * sum_re;
-    product.C_im[at] = product.scale * sum_im;
+    product.C_re[at] = entries[r];
+    product.C_im[at] = entries[rows + r];
   }
 }
 
-// A single column that is left, as all n = 16 k + 1 have: a matrix times a vector, by rows of A.
+// What last_column reads: copied before the tiles are formed, number by number, so that vectors of
+// it can be read by then.
 template <class Real>
-inline void last_column(const PlanarProduct<Real>& product) {
+inline void copy_last_column(const PlanarProduct<Real>& product) {
   const Index n = product.n;
   const Index stride = product.stride;
   Real* x = product.scratch;  // the column of B, filled up with 0
@@ -327,48 +378,68 @@ inline void last_column(const PlanarProduct<Real>& product) {
     y[k] = product.B_im[k * stride + n - 1];
   }
   for (Index k = n; k < stride; ++k) x[k] = y[k] = 0.0;
+}
+
+// A single column that is left, as all n = 16 k + 1 have: a matrix times a vector, by rows of A.
+template <class Real>
+inline void last_column(const PlanarProduct<Real>& product) {
+  const Index stride = product.stride;
+  const Real* x = product.scratch;
+  const Real* y = product.scratch + stride;
   constexpr Index together = 4;
   Index i = product.first_row;
   for (; i + together <= product.end_row; i += together) last_entries<together>(product, x, y, i);
   for (; i < product.end_row; ++i) last_entries<1>(product, x, y, i);
 }
 
+// Entries i ... of A† (x + iy), so many vectors of them, into re and im.
+template <int vectors, class Real>
+inline __attribute__((always_inline)) void last_entries_of_adjoint(
+    const PlanarProduct<Real>& product, Index i, Real* re, Real* im) {
+  const Index n = product.n;
+  const Index stride = product.stride;
+  Vector<Real> ax[vectors] = {}, by[vectors] = {}, ay[vectors] = {}, bx[vectors] = {};
+  const Range of_k = factors_meet(product, i, vectors * width<Real>, n - 1, 1);
+#pragma GCC unroll 3
+  for (Index k = of_k.begin; k < of_k.end; ++k) {
+    const Real x = product.B_re[k * stride + n - 1];
+    const Real y = product.B_im[k * stride + n - 1];
+#pragma GCC unroll 4
+    for (int v = 0; v < vectors; ++v) {
+      const Vector<Real> a = load(product.A_re + k * stride + i + v * width<Real>);
+      const Vector<Real> b = load(product.A_im + k * stride + i + v * width<Real>);
+      ax[v] += a * x;
+      by[v] += b * y;
+      ay[v] += a * y;
+      bx[v] += b * x;
+    }
+  }
+#pragma GCC unroll 4
+  for (int v = 0; v < vectors; ++v) {
+    store(re + i + v * width<Real>, product.scale * (ax[v] + by[v]));
+    store(im + i + v * width<Real>, product.scale * (ay[v] - bx[v]));
+  }
+}
+
 // The same of A†: by columns of A, which are rows of what is summed.
 template <class Real>
 inline void last_column_of_adjoint(const PlanarProduct<Real>& product) {
-  const Index n = product.n;
-  const Index stride = product.stride;
+  const Index end = product.end_row;
   Real* re = product.scratch;
-  Real* im = product.scratch + stride;
-  // Whole vectors of A, and at least 8 numbers: a row is filled up to as many.
-  constexpr int block = width < Real >> 8 ? width<Real> : 8;
-  constexpr int vectors = block / width<Real>;
-  for (Index i = product.first_row / block * block; i < product.end_row; i += block) {
-    Vector<Real> ax[vectors] = {}, by[vectors] = {}, ay[vectors] = {}, bx[vectors] = {};
-    const Range of_k = factors_meet(product, i, block, n - 1, 1);
-#pragma GCC unroll 3
-    for (Index k = of_k.begin; k < of_k.end; ++k) {
-      const Real x = product.B_re[k * stride + n - 1];
-      const Real y = product.B_im[k * stride + n - 1];
-#pragma GCC unroll 4
-      for (int v = 0; v < vectors; ++v) {
-        const Vector<Real> a = load(product.A_re + k * stride + i + v * width<Real>);
-        const Vector<Real> b = load(product.A_im + k * stride + i + v * width<Real>);
-        ax[v] += a * x;
-        by[v] += b * y;
-        ay[v] += a * y;
-        bx[v] += b * x;
-      }
-    }
-#pragma GCC unroll 4
-    for (int v = 0; v < vectors; ++v) {
-      store(re + i + v * width<Real>, product.scale * (ax[v] + by[v]));
-      store(im + i + v * width<Real>, product.scale * (ay[v] - bx[v]));
-    }
+  Real* im = product.scratch + product.stride;
+  // Whole vectors; a row of A is filled up to them.
+  Index i = product.first_row / width<Real> * width<Real>;
+  for (; i + 2 * width<Real> < end; i += 3 * width<Real>) {
+    last_entries_of_adjoint<3>(product, i, re, im);
   }
-  for (Index i = product.first_row; i < product.end_row; ++i) {
-    product.C_re[i * stride + n - 1] = re[i];
-    product.C_im[i * stride + n - 1] = im[i];
+  if (i + width<Real> < end) {
+    last_entries_of_adjoint<2>(product, i, re, im);
+  } else if (i < end) {
+    last_entries_of_adjoint<1>(product, i, re, im);
+  }
+  for (i = product.first_row; i < end; ++i) {
+    product.C_re[i * product.stride + product.n - 1] = re[i];
+    product.C_im[i * product.stride + product.n - 1] = im[i];
   }
 }
 
@@ -376,12 +447,14 @@ template <bool adjoint, class Real>
 void multiply_tiles(const PlanarProduct<Real>& product) {
   const Left<Real> A = adjoint ? Left<Real>{product.A_re, product.A_im, 1, product.stride}
                                : Left<Real>{product.A_re, product.A_im, product.stride, 1};
+  const bool column_left = product.n % width<Real> == 1;
+  if (column_left && !adjoint) copy_last_column(product);
   if (product.n > planar_largest_in_place<Real>) {
     multiply_packed<adjoint>(product, A);
   } else {
     multiply_in_place<adjoint>(product, A);
   }
-  if (product.n % width<Real> != 1) return;
+  if (!column_left) return;
   if (adjoint) {
     last_column_of_adjoint(product);
   } else {
