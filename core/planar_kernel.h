@@ -9,9 +9,12 @@
 
 namespace isosyrk {
 
-/// Up to here B is read where it stands, for larger n from a copy (measured).
-template <class Real>
-constexpr std::ptrdiff_t planar_largest_in_place = sizeof(Real) == sizeof(float) ? 104 : 72;
+/// The largest n for which factors are read where they stand; those of larger ones are copied
+/// together first.
+struct PlanarLimits {
+  std::ptrdiff_t B;
+  std::ptrdiff_t adjoint_A;  ///< where B is copied
+};
 
 /// C = scale A B, or scale A† B, all n x n, as planes whose rows are `stride` numbers apart, a
 /// multiple of 64 bytes that is at least n; what fills the rows up is 0 and stays so.  Real is
@@ -34,13 +37,14 @@ struct PlanarProduct {
   std::ptrdiff_t C_band;     ///< only |r - c| <= C_band is wanted; beyond it anything may be
   std::ptrdiff_t first_row;  ///< of those of C that are formed
   std::ptrdiff_t end_row;
-  Real* scratch;  ///< planar_scratch(n, stride) numbers
+  bool copies_B;
+  bool copies_adjoint_A;  ///< if it copies B
+  Real* scratch;          ///< planar_scratch(n, stride, copies_B) numbers
 };
 
 /// Numbers of workspace that a product takes: two columns, the copy of B, and rows of A.
-template <class Real>
-constexpr std::ptrdiff_t planar_scratch(std::ptrdiff_t n, std::ptrdiff_t stride) {
-  return 2 * stride + (n > planar_largest_in_place<Real> ? 2 * n * stride + 12 * n : 0);
+constexpr std::ptrdiff_t planar_scratch(std::ptrdiff_t n, std::ptrdiff_t stride, bool copies_B) {
+  return 2 * stride + (copies_B ? 2 * n * stride + 12 * n : 0);
 }
 
 /// The kernels of one vector unit.
@@ -48,6 +52,8 @@ struct PlanarKernel {
   const char* name;  ///< "avx512", "avx2", "portable"
   void (*multiply)(const PlanarProduct<double>&);
   void (*multiply_singles)(const PlanarProduct<float>&);
+  PlanarLimits limits;  ///< measured, as the others
+  PlanarLimits single_limits;
 };
 
 PlanarKernel planar_kernel_avx512();

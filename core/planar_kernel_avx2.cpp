@@ -13,7 +13,7 @@ constexpr int tile_vectors = 1;
 namespace isosyrk {
 
 PlanarKernel planar_kernel_avx2() {
-  return {"avx2", multiply_planar<double>, multiply_planar<float>};
+  return {"avx2", multiply_planar<double>, multiply_planar<float>, {72, 160}, {104, 160}};
 }
 
 }  // namespace isosyrk

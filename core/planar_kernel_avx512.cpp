@@ -13,7 +13,7 @@ constexpr int tile_vectors = 2;
 namespace isosyrk {
 
 PlanarKernel planar_kernel_avx512() {
-  return {"avx512", multiply_planar<double>, multiply_planar<float>};
+  return {"avx512", multiply_planar<double>, multiply_planar<float>, {200, 200}, {400, 400}};
 }
 
 }  // namespace isosyrk

@@ -13,7 +13,7 @@ constexpr int tile_vectors = 1;
 namespace isosyrk {
 
 PlanarKernel planar_kernel_portable() {
-  return {"portable", multiply_planar<double>, multiply_planar<float>};
+  return {"portable", multiply_planar<double>, multiply_planar<float>, {72, 160}, {104, 160}};
 }
 
 }  // namespace isosyrk

@@ -231,7 +231,7 @@ inline __attribute__((always_inline)) void for_panels(Index n, Visit&& panel) {
   if (j + 1 < n) panel(Kind::partial, j, n - j);
 }
 
-// Small matrices, which the first cache holds: columns of B as they stand.
+// Small matrices, which the caches hold: columns of B as they stand.
 template <bool adjoint, class Real>
 void multiply_in_place(const PlanarProduct<Real>& product, const Left<Real>& A) {
   for_panels<Real>(product.n, [&](Kind kind, Index j, Index columns) {
@@ -268,7 +268,7 @@ void multiply_packed(const PlanarProduct<Real>& product, const Left<Real>& A) {
   Real* columns_of_A = packed + 2 * n * stride;
   for_row_blocks(product.first_row, product.end_row, [&](Index i, Index height) {
     Left<Real> block = rows_from(A, i);
-    if (adjoint) {  // columns of A, which lie far apart
+    if (adjoint && product.copies_adjoint_A) {  // columns of A, which lie far apart
       const Range of_k = near(n, i, i + height, product.A_band);
       for (Index k = of_k.begin; k < of_k.end; ++k) {
         for (Index r = 0; r < height; ++r) {
@@ -449,7 +449,7 @@ void multiply_tiles(const PlanarProduct<Real>& product) {
                                : Left<Real>{product.A_re, product.A_im, product.stride, 1};
   const bool column_left = product.n % width<Real> == 1;
   if (column_left && !adjoint) copy_last_column(product);
-  if (product.n > planar_largest_in_place<Real>) {
+  if (product.copies_B) {
     multiply_packed<adjoint>(product, A);
   } else {
     multiply_in_place<adjoint>(product, A);

@@ -71,7 +71,8 @@ template <class Real>
 PlanarProductsOf<Real>::PlanarProductsOf(Index n, const PlanarKernel& kernel)
     : n_(n), kernel_(kernel) {
   if (n < 1) throw std::invalid_argument(fmt::format("products: n = {}, must be at least 1", n));
-  scratch_ = AnyMatrix::Entries::Zero(planar_scratch<Real>(n, planar_stride<Real>(n)));
+  limits_ = std::is_same_v<Real, float> ? kernel.single_limits : kernel.limits;
+  scratch_ = AnyMatrix::Entries::Zero(planar_scratch(n, planar_stride<Real>(n), n > limits_.B));
 }
 
 template <class Real>
@@ -141,6 +142,8 @@ void PlanarProductsOf<Real>::form(const AnyMatrix& A, bool adjoint, const AnyMat
                                        band,
                                        first_row(n_, upper, reach, share.part, share.parts),
                                        first_row(n_, upper, reach, share.part + 1, share.parts),
+                                       n_ > limits_.B,
+                                       n_ > limits_.adjoint_A,
                                        scratch_.data()};
   if constexpr (std::is_same_v<Real, float>) {
     kernel_.multiply_singles(product);

@@ -21,8 +21,8 @@ struct Share {
 };
 
 /// Products of n x n planar matrices with one vector unit, from what lies in the bands of the
-/// factors.  Workspace is allocated once, here; no
-/// product allocates.  Not for use by two threads at a time.
+/// factors.  Workspace is allocated once, here; no product allocates.  Not for use by two threads
+/// at a time.
 template <class Real>
 class PlanarProductsOf {
  public:
@@ -75,6 +75,7 @@ class PlanarProductsOf {
 
   Index n_;
   PlanarKernel kernel_;
+  PlanarLimits limits_;
   typename AnyMatrix::Entries scratch_;
   long full_ = 0;
   long triangles_ = 0;

@@ -162,7 +162,7 @@ TEST_P(BandsInEachUnit, ThatAreWrongGiveAWrongProduct) {
   EXPECT_GT((C.entries() - expected.entries()).norm(), 1.0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Planar, BandsInEachUnit, ::testing::ValuesIn(planar_kernels()),
+INSTANTIATE_TEST_SUITE_P(Planar, BandsInEachUnit, ::testing::ValuesIn(tested_kernels()),
                          [](const auto& tested) { return std::string(tested.param.name); });
 
 TEST(Bands, CountTheMultiplicationsWithinThem) {

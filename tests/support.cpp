@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <cstdio>
 #include <fstream>
+#include <list>
 #include <random>
 #include <sstream>
 #include <stdexcept>
@@ -13,6 +14,7 @@
 
 #include "core/gauss_tableau.h"
 #include "core/invariants.h"
+#include "core/planar_products.h"
 #include "core/run.h"
 #include "core/spin.h"
 
@@ -52,6 +54,18 @@ Matrix product(std::initializer_list<Matrix> factors) {
 }
 
 Matrix commutator(const Matrix& A, const Matrix& B) { return product({A, B}) - product({B, A}); }
+
+std::vector<PlanarKernel> tested_kernels() {
+  static std::list<std::string> names;
+  std::vector<PlanarKernel> tested;
+  for (PlanarKernel kernel : planar_kernels()) {
+    tested.push_back(kernel);
+    kernel.name = names.emplace_back(kernel.name + std::string("_copies")).c_str();
+    kernel.limits = kernel.single_limits = {0, 0};
+    tested.push_back(kernel);
+  }
+  return tested;
+}
 
 Matrix read_reference(const std::string& file, Index n) {
   std::ifstream input(std::string(ISOSYRK_TEST_DATA "/") + file);

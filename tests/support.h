@@ -9,6 +9,7 @@
 #include "core/flow.h"
 #include "core/integrator.h"
 #include "core/integrator_list.h"
+#include "core/planar_kernel.h"
 #include "core/scene.h"
 
 namespace isosyrk::testing {
@@ -50,6 +51,10 @@ double observed_order(const std::vector<double>& h, const std::vector<double>& e
 /// Radau IIA with two stages, order 3: not symplectic.
 Tableau radau_iia();
 
+/// Every kernel that runs here, by itself and, named ..._copies, with copies of the factors at any
+/// size.
+std::vector<PlanarKernel> tested_kernels();
+
 /// The spin matrices S_x, S_y, S_z of size n, written out.
 std::array<Matrix, 3> spin_matrices(Index n);
 
@@ -78,5 +83,6 @@ namespace isosyrk {
 
 /// How GoogleTest names an entry in its reports.
 inline void PrintTo(const IntegratorEntry& entry, std::ostream* out) { *out << entry.name; }
+inline void PrintTo(const PlanarKernel& kernel, std::ostream* out) { *out << kernel.name; }
 
 }  // namespace isosyrk
