@@ -21,7 +21,10 @@ FastAlgebra::FastAlgebra(const EulerZeitlin& flow, const Tableau& tableau,
   M_next_ = minus_adjoints_ = Y_ = unknowns_[1];
   sum_ = skew_ = zeros(places(s));
   for (std::size_t k = 0; k < stages(); ++k) {
-    for (std::size_t j = 0; j <= k; ++j) pairs_.emplace_back(j, k);
+    for (std::size_t j = 0; j <= k; ++j) {
+      if (j < k) off_diagonal_.push_back(pairs_.size());
+      pairs_.emplace_back(j, k);
+    }
   }
   X_change_ = W_change_ = RealVector::Zero(s);
   M_change_ = RealVector::Zero(static_cast<Index>(pairs_.size()));
@@ -51,16 +54,16 @@ void FastAlgebra::form_next(double h) {
   in_phases(
       pairs_.size(),
       [&](std::size_t p, Share share, Worker&) {
-        if (share.part != 0) return;
         const auto [j, k] = pairs_[p];
-        reals(Y_[p]) = reals(X_next_[k]) + a(j, 0) * reals(M(0, k));
-        for (std::size_t m = 1; m < stages(); ++m) reals(Y_[p]) += a(j, m) * reals(M(m, k));
+        auto input = part_of(Y_[p], share);
+        input = part_of(X_next_[k], share) + a(j, 0) * part_of(M(0, k), share);
+        for (std::size_t m = 1; m < stages(); ++m) input += a(j, m) * part_of(M(m, k), share);
       },
       [&](std::size_t p, Share share, Worker& worker) {
         multiply_pair(worker.planar, p, B_, Y_, M_next_, h, share);
       },
       [&](std::size_t p, Share share, Worker&) {
-        if (share.part == 0 && pairs_[p].first == pairs_[p].second) mirror_skew(M_next_[p]);
+        if (is_diagonal(p)) mirror_skew(M_next_[p], share);
       });
 }
 
@@ -83,30 +86,28 @@ double FastAlgebra::sweep(double h) {
 
 double FastAlgebra::residual(double h) {
   form_next(h);
-  const auto difference = [&](const PlanarMatrix& next, const PlanarMatrix& X, SingleMatrix& R) {
-    return isosyrk::residual(
-        X, [&](const auto& load) { return load(next); }, R, 0, 2 * X.size());
+  const auto differences = [&](const Stages& next, const Stages& X, Singles& R) {
+    const Index n = W0_.size();
+    in_halves_of(X.size(), [&](std::size_t i, std::size_t half) {
+      half_of_squares(half)[i] = isosyrk::residual(
+          X[i], [&](const auto& load) { return load(next[i]); }, R[i], half == 0 ? 0 : n,
+          half == 0 ? n : 2 * n);
+    });
+    return largest_of_squares(static_cast<Index>(X.size()));
   };
-  in_phases(stages(), [&](std::size_t i, Share share, Worker&) {
-    if (share.part != 0) return;
-    X_change_(static_cast<Index>(i)) = difference(X_next_[i], unknowns_[0][i], residuals_[0][i]);
-  });
-  in_phases(pairs_.size(), [&](std::size_t p, Share share, Worker&) {
-    if (share.part != 0) return;
-    M_change_(static_cast<Index>(p)) = difference(M_next_[p], unknowns_[1][p], residuals_[1][p]);
-  });
-  return larger(larger(largest_change(X_change_), largest_change(M_change_)),
-                correct_stage_vorticities(residuals_[0], residuals_[1]));
+  const double of_X = differences(X_next_, unknowns_[0], residuals_[0]);
+  const double of_M = differences(M_next_, unknowns_[1], residuals_[1]);
+  return larger(larger(of_X, of_M), correct_stage_vorticities(residuals_[0], residuals_[1]));
 }
 
 Index FastAlgebra::linearise(double h, double accuracy) {
-  const Index rows = 2 * W0_.size();
+  const Index n = W0_.size();
   in_phases(stages(), [&](std::size_t i, Share share, Worker& worker) {
     if (share.part == 0) narrow_generator(B_[i], h, accuracy, B_single_[i], worker);
-    if (share.part == share.parts - 1) narrow(P_[i], P_single_[i], 0, rows);
+    if (share.part == share.parts - 1) narrow(P_[i], P_single_[i], 0, 2 * n);
   });
-  in_phases(pairs_.size(), [&](std::size_t p, Share share, Worker&) {
-    if (share.part == 0) narrow(Y_[p], Y_single_[p], 0, rows);
+  in_halves_of(pairs_.size(), [&](std::size_t p, std::size_t half) {
+    narrow(Y_[p], Y_single_[p], half == 0 ? 0 : n, half == 0 ? n : 2 * n);
   });
   return widest_band(B_single_);
 }
@@ -144,37 +145,40 @@ double FastAlgebra::transport(double h) {
         worker.singles.multiply(single_input_[i], B_single_[i], single_product_[i], -step_of,
                                 share);
       });
-  in_phases(stages(), [&](std::size_t i, Share share, Worker&) {
-    if (share.part != 0) return;
-    X_change_(static_cast<Index>(i)) = replace(
-        delta[i], [&](const auto& load) { return load(rhs_[0][i]) + load(single_product_[i]); });
-  });
-  in_phases(pairs_.size(), [&](std::size_t p, Share share, Worker&) {
-    const auto [j, k] = pairs_[p];
-    if (share.part == 0 && j < k) minus_adjoint(delta_[1][p], minus_single_adjoints_[p]);
+  const double of_X = add_product_to_rhs(0);
+  in_phases(off_diagonal_.size(), [&](std::size_t which, Share share, Worker&) {
+    const std::size_t p = off_diagonal_[which];
+    minus_adjoint(delta_[1][p], minus_single_adjoints_[p], share);
   });
   in_phases(
       pairs_.size(),
       [&](std::size_t p, Share share, Worker&) {
-        if (share.part != 0) return;
         const auto [j, k] = pairs_[p];
-        auto input = reals(single_input_[p]);
-        input = reals(delta[k]) - reals(residuals_[0][k]);
+        auto input = part_of(single_input_[p], share);
+        input = part_of(delta[k], share) - part_of(residuals_[0][k], share);
         for (std::size_t m = 0; m < stages(); ++m) {
-          input += static_cast<float>(a(j, m)) * reals(epsilon(m, k));
+          input += static_cast<float>(a(j, m)) * part_of(epsilon(m, k), share);
         }
       },
       [&](std::size_t p, Share share, Worker& worker) {
         multiply_pair(worker.singles, p, B_single_, single_input_, single_product_, step_of, share);
+      },
+      [&](std::size_t p, Share share, Worker&) {
+        if (is_diagonal(p)) mirror_skew(single_product_[p], share);
       });
-  in_phases(pairs_.size(), [&](std::size_t p, Share share, Worker&) {
-    if (share.part != 0) return;
-    if (pairs_[p].first == pairs_[p].second) mirror_skew(single_product_[p]);
-    M_change_(static_cast<Index>(p)) = replace(delta_[1][p], [&](const auto& load) {
-      return load(rhs_[1][p]) + load(single_product_[p]);
-    });
+  return larger(of_X, add_product_to_rhs(1));
+}
+
+// δ = rhs + product for one kind of unknowns; returns the largest change.
+double FastAlgebra::add_product_to_rhs(std::size_t kind) {
+  Singles& delta = delta_[kind];
+  in_halves_of(delta.size(), [&](std::size_t i, std::size_t half) {
+    const Half numbers(reals(delta[i]).size(), half);
+    half_of_squares(half)[i] = replace_some(
+        delta[i], numbers.begin, numbers.end,
+        [&](const auto& load) { return load(rhs_[kind][i]) + load(single_product_[i]); });
   });
-  return larger(largest_change(X_change_), largest_change(M_change_));
+  return largest_of_squares(static_cast<Index>(delta.size()));
 }
 
 void FastAlgebra::couple(double h) {
@@ -189,8 +193,8 @@ void FastAlgebra::couple(double h) {
         worker.singles.multiply(P_single_[i], dB_[i], single_product_[i], -step_of, share);
       },
       [&](std::size_t i, Share share, Worker&) {
-        if (share.part != 0) return;
-        reals(next_rhs_[0][i]) = reals(residuals_[0][i]) + reals(single_product_[i]);
+        part_of(next_rhs_[0][i], share) =
+            part_of(residuals_[0][i], share) + part_of(single_product_[i], share);
       });
   in_phases(
       pairs_.size(),
@@ -198,18 +202,20 @@ void FastAlgebra::couple(double h) {
         multiply_pair(worker.singles, p, dB_, Y_single_, single_product_, step_of, share);
       },
       [&](std::size_t p, Share share, Worker&) {
-        if (share.part != 0) return;
-        if (pairs_[p].first == pairs_[p].second) mirror_skew(single_product_[p]);
-        reals(next_rhs_[1][p]) = reals(residuals_[1][p]) + reals(single_product_[p]);
+        if (is_diagonal(p)) mirror_skew(single_product_[p], share);
+      },
+      [&](std::size_t p, Share share, Worker&) {
+        part_of(next_rhs_[1][p], share) =
+            part_of(residuals_[1][p], share) + part_of(single_product_[p], share);
       });
 }
 
 // W̃_i, and what else the next sweep takes, from the unknowns.
 void FastAlgebra::update_stage_vorticities() {
   const std::size_t s = stages();
-  in_phases(pairs_.size(), [&](std::size_t p, Share share, Worker&) {
-    const auto [j, k] = pairs_[p];
-    if (share.part == 0 && j < k) minus_adjoint(M(j, k), minus_adjoints_[p]);
+  in_phases(off_diagonal_.size(), [&](std::size_t which, Share share, Worker&) {
+    const std::size_t p = off_diagonal_[which];
+    minus_adjoint(unknowns_[1][p], minus_adjoints_[p], share);
   });
   in_phases(s, [&](std::size_t i, Share share, Worker&) {
     if (share.part != 0) return;

@@ -71,7 +71,9 @@ class FastAlgebra final : public FastForm {
       products.multiply(B[j], Y[p], M[p], h, share);
     }
   }
+  bool is_diagonal(std::size_t p) const { return pairs_[p].first == pairs_[p].second; }
   void form_next(double h);
+  double add_product_to_rhs(std::size_t kind);
   void update_stage_vorticities();
   double correct_stage_vorticities(const Singles& X, const Singles& M);
 
@@ -83,6 +85,7 @@ class FastAlgebra final : public FastForm {
   Stages P_, Y_;       // what X_next_ and M_next_ are products of
   Stages sum_, skew_;  // places to work in
   std::vector<std::pair<std::size_t, std::size_t>> pairs_;  // (j, k), j <= k, as they are stored
+  std::vector<std::size_t> off_diagonal_;                   // those of them with j < k
   RealVector X_change_, M_change_, W_change_;
   Singles B_single_, P_single_, Y_single_, dW_, dB_, single_input_, single_product_;
   Singles minus_single_adjoints_;

@@ -175,9 +175,8 @@ SolveReport FastForm::iterate(double h, Iteration iteration) {
 void FastForm::add_correction(const SingleUnknowns& correction) {
   for (std::size_t kind = 0; kind < unknowns_.size(); ++kind) {
     const Index n = W0_.size();
-    team_.run(2 * unknowns_[kind].size(), [&](std::size_t half, std::size_t) {
-      add(correction[kind][half / 2], unknowns_[kind][half / 2], half % 2 == 0 ? 0 : n,
-          half % 2 == 0 ? n : 2 * n);
+    in_halves_of(unknowns_[kind].size(), [&](std::size_t i, std::size_t half) {
+      add(correction[kind][i], unknowns_[kind][i], half == 0 ? 0 : n, half == 0 ? n : 2 * n);
     });
   }
 }

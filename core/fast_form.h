@@ -157,14 +157,32 @@ class FastForm : public Integrator {
       return;
     }
     const std::size_t halved = count % 2;  // the last item, where they are odd in number
+    const std::size_t before = count / 2;  // it is in the middle, so that each thread does a half
     const auto by_two = [&](auto&& phase) {
       team_.run(count + halved, [&](std::size_t index, std::size_t thread) {
-        const bool is_half = index >= count - halved;
-        const Share share = is_half ? Share{static_cast<Index>(index + 1 - count), 2} : Share{};
-        phase(is_half ? count - 1 : index, share, workers_[thread]);
+        if (halved != 0 && (index == before || index == before + 1)) {
+          phase(count - 1, Share{static_cast<Index>(index - before), 2}, workers_[thread]);
+        } else {
+          phase(index < before ? index : index - 2 * halved, Share{}, workers_[thread]);
+        }
       });
     };
     (by_two(phases), ...);
+  }
+
+  /// The real numbers of X that a share of an item is of.
+  template <class AnyMatrix>
+  static auto part_of(AnyMatrix& X, Share share) {
+    const Index size = reals(X).size();
+    const Index begin = share.part == 0 ? 0 : Half(size, 1).begin;
+    const Index end = share.part + 1 == share.parts ? size : Half(size, 0).end;
+    return reals(X).segment(begin, end - begin);
+  }
+
+  /// Calls half(item, 0) and half(item, 1) for all items below `count`.
+  template <class OfItem>
+  void in_halves_of(std::size_t count, OfItem&& half) {
+    team_.run(2 * count, [&](std::size_t index, std::size_t) { half(index / 2, index % 2); });
   }
 
   /// Calls half(0) and half(1), one for each half of something.

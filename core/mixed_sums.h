@@ -95,12 +95,12 @@ double residual(const PlanarMatrix& X, Fresh&& fresh, SingleMatrix& R, Index beg
   return sum.sum();
 }
 
-/// S = X, rounded, with its band.
+/// S = X, rounded, with its band, which comes with the first row.
 inline void narrow(const PlanarMatrix& X, SingleMatrix& S, Index begin, Index end) {
   using mixed_sums::at;
   mixed_sums::for_pieces(X.size(), begin, end,
                          [&](Index i, Index k) { at(S, k) = at(X, i).cast<float>(); });
-  S.set_band(X.band());
+  if (begin == 0) S.set_band(X.band());
 }
 
 /// X += S.

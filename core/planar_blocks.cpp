@@ -1,40 +1,51 @@
 #include "core/planar_blocks.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace isosyrk {
 namespace {
 
+// Where a share of the upper triangle begins, a column that a block of four begins at: left of it
+// lie part / parts of all entries.
+Index first_column(Index n, Index part, Index parts) {
+  if (part == parts) return n;
+  const double share = static_cast<double>(part) / static_cast<double>(parts);
+  return static_cast<Index>(static_cast<double>(n) * std::sqrt(share)) / 4 * 4;
+}
+
 // Calls block(upper, lower) with the places of the blocks of four rows at (r, c) and (c, r), r < c,
 // and pair(upper, lower) with those of single entries of what is left, the diagonal's blocks and
-// the last rows that are less than four; and on_diagonal(place).
+// the last rows that are less than four; and on_diagonal(place); of all, or of a share of them.
 template <class Real, class OnBlock, class OnPair, class OnDiagonal>
-void for_pairs(const PlanarMatrixOf<Real>& C, OnBlock&& block, OnPair&& pair,
+void for_pairs(const PlanarMatrixOf<Real>& C, Share share, OnBlock&& block, OnPair&& pair,
                OnDiagonal&& on_diagonal) {
   const Index n = C.size();
   const Index stride = C.stride();
-  const Index whole = n / 4 * 4;
-  for (Index c = 0; c < whole; c += 4) {
+  const Index begin = first_column(n, share.part, share.parts);
+  const Index end = first_column(n, share.part + 1, share.parts);
+  Index c = begin;
+  for (; c + 4 <= end; c += 4) {
     for (Index r = 0; r < c; r += 4) block(r * stride + c, c * stride + r);
     for (Index i = c; i < c + 4; ++i) {
       for (Index k = i + 1; k < c + 4; ++k) pair(i * stride + k, k * stride + i);
     }
   }
-  for (Index c = whole; c < n; ++c) {
+  for (; c < end; ++c) {
     for (Index r = 0; r < c; ++r) pair(r * stride + c, c * stride + r);
   }
-  for (Index i = 0; i < n; ++i) on_diagonal(i * stride + i);
+  for (Index i = begin; i < end; ++i) on_diagonal(i * stride + i);
 }
 
 }  // namespace
 
 template <class Real>
-void mirror_skew(PlanarMatrixOf<Real>& C) {
+void mirror_skew(PlanarMatrixOf<Real>& C, Share share) {
   const Index stride = C.stride();
   Real* re = C.re();
   Real* im = C.im();
   for_pairs(
-      C,
+      C, share,
       [=](Index upper, Index lower) {
         Block<Real> block;
         block.load(re + upper, stride);
@@ -54,14 +65,14 @@ void mirror_skew(PlanarMatrixOf<Real>& C) {
 
 template <class Real>
 void skew_part(const PlanarMatrixOf<Real>& C, std::type_identity_t<Real> scale,
-               PlanarMatrixOf<Real>& out) {
+               PlanarMatrixOf<Real>& out, Share share) {
   const Index stride = C.stride();
   const Real* re = C.re();
   const Real* im = C.im();
   Real* out_re = out.re();
   Real* out_im = out.im();
   for_pairs(
-      C,
+      C, share,
       [=](Index upper, Index lower) {
         Block<Real> sum, other;
         sum.load(re + upper, stride);
@@ -94,7 +105,7 @@ void skew_part(const PlanarMatrixOf<Real>& C, std::type_identity_t<Real> scale,
 }
 
 template <class Real>
-void minus_adjoint(const PlanarMatrixOf<Real>& C, PlanarMatrixOf<Real>& out) {
+void minus_adjoint(const PlanarMatrixOf<Real>& C, PlanarMatrixOf<Real>& out, Share share) {
   const Index stride = C.stride();
   const Real* re = C.re();
   const Real* im = C.im();
@@ -110,7 +121,7 @@ void minus_adjoint(const PlanarMatrixOf<Real>& C, PlanarMatrixOf<Real>& out) {
     block.store(to, stride);
   };
   for_pairs(
-      C,
+      C, share,
       [=](Index upper, Index lower) {
         turn(re + lower, out_re + upper, true);
         turn(re + upper, out_re + lower, true);
@@ -201,11 +212,11 @@ template Index band_of(const PlanarMatrix&, double, RealVector&);
 template Index band_of(const SingleMatrix&, double, RealVector&);
 template void cut_to_band(Index, PlanarMatrix&);
 template void cut_to_band(Index, SingleMatrix&);
-template void mirror_skew(PlanarMatrix&);
-template void mirror_skew(SingleMatrix&);
-template void skew_part(const PlanarMatrix&, double, PlanarMatrix&);
-template void skew_part(const SingleMatrix&, float, SingleMatrix&);
-template void minus_adjoint(const PlanarMatrix&, PlanarMatrix&);
-template void minus_adjoint(const SingleMatrix&, SingleMatrix&);
+template void mirror_skew(PlanarMatrix&, Share);
+template void mirror_skew(SingleMatrix&, Share);
+template void skew_part(const PlanarMatrix&, double, PlanarMatrix&, Share);
+template void skew_part(const SingleMatrix&, float, SingleMatrix&, Share);
+template void minus_adjoint(const PlanarMatrix&, PlanarMatrix&, Share);
+template void minus_adjoint(const SingleMatrix&, SingleMatrix&, Share);
 
 }  // namespace isosyrk

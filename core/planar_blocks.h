@@ -70,18 +70,18 @@ Index band_of_skew(const PlanarMatrix& W, double tail, RealVector& squares);
 template <class Real>
 void cut_to_band(Index band, PlanarMatrixOf<Real>& W);
 
-/// Fills the lower triangle of a skew-Hermitian matrix from the upper:  C(r, c) = -conj(C(c, r)),
-/// the diagonal imaginary.
+/// Fills the lower triangle of a skew-Hermitian matrix, or a share of it, from the upper:
+/// C(r, c) = -conj(C(c, r)), the diagonal imaginary.
 template <class Real>
-void mirror_skew(PlanarMatrixOf<Real>& C);
+void mirror_skew(PlanarMatrixOf<Real>& C, Share share = {});
 
-/// out = scale (C - C†), exactly skew-Hermitian.  out is not C.
+/// out = scale (C - C†), exactly skew-Hermitian, or a share of it.  out is not C.
 template <class Real>
 void skew_part(const PlanarMatrixOf<Real>& C, std::type_identity_t<Real> scale,
-               PlanarMatrixOf<Real>& out);
+               PlanarMatrixOf<Real>& out, Share share = {});
 
-/// out = -C†.  out is not C.
+/// out = -C†, or a share of it.  out is not C.
 template <class Real>
-void minus_adjoint(const PlanarMatrixOf<Real>& C, PlanarMatrixOf<Real>& out);
+void minus_adjoint(const PlanarMatrixOf<Real>& C, PlanarMatrixOf<Real>& out, Share share = {});
 
 }  // namespace isosyrk

@@ -23,6 +23,13 @@ struct Half {
   Index end;
 };
 
+/// A share of the work on a matrix that several threads do: `part` of `parts`, from the top.  Each
+/// entry is formed as in the whole, so that shares put together are the whole bit for bit.
+struct Share {
+  Index part = 0;
+  Index parts = 1;
+};
+
 /// An n x n complex matrix: the plane of real parts, then that of imaginary parts, row by row.
 /// What fills the rows up is 0 and stays so.
 template <class Real>

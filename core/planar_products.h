@@ -13,13 +13,6 @@ namespace isosyrk {
 /// The kernels that this program was built with and this processor can run, the fastest first.
 const std::vector<PlanarKernel>& planar_kernels();
 
-/// A share of the rows of a product that several threads form: `part` of `parts`, from the top.
-/// Each entry is summed as in the whole, so that shares put together are the whole bit for bit.
-struct Share {
-  Index part = 0;
-  Index parts = 1;
-};
-
 /// Products of n x n planar matrices with one vector unit, from what lies in the bands of the
 /// factors.  Workspace is allocated once, here; no product allocates.  Not for use by two threads
 /// at a time.

@@ -161,13 +161,14 @@ void update_all(const Base& base, double h, const RealMatrix& a, const std::vect
 }  // namespace stage_sums
 
 /// X = fresh, where fresh(load) gives eight neighbouring numbers of it from those that load(Y)
-/// takes of any matrix, each then seen by also(at, value); returns Σ |change of X|².
+/// takes of any matrix, each then seen by also(at, value); returns Σ |change of X|².  Of the real
+/// numbers those from `begin` up to `end`, a multiple of 8 each.
 template <class Real, class Fresh, class Also>
-double replace(PlanarMatrixOf<Real>& X, Fresh&& fresh, Also&& also) {
+double replace_some(PlanarMatrixOf<Real>& X, Index begin, Index end, Fresh&& fresh, Also&& also) {
   constexpr int length = 8;  // rows are filled up to whole blocks of 8
   using Numbers = stage_sums::Piece<length, Real>;
   Numbers sum = Numbers::Zero();
-  for (Index at = 0; at < reals(X).size(); at += length) {
+  for (Index at = begin; at < end; at += length) {
     // A view, which an expression may keep; a copy would be gone before it is evaluated.
     const auto load = [at](const PlanarMatrixOf<Real>& Y) {
       return Eigen::Map<const Numbers>(reals(Y).data() + at);
@@ -180,8 +181,17 @@ double replace(PlanarMatrixOf<Real>& X, Fresh&& fresh, Also&& also) {
   return static_cast<double>(sum.sum());
 }
 template <class Real, class Fresh>
+double replace_some(PlanarMatrixOf<Real>& X, Index begin, Index end, Fresh&& fresh) {
+  return replace_some(X, begin, end, fresh, [](Index, const auto&) {});
+}
+/// The same, of the whole.
+template <class Real, class Fresh, class Also>
+double replace(PlanarMatrixOf<Real>& X, Fresh&& fresh, Also&& also) {
+  return replace_some(X, 0, reals(X).size(), fresh, also);
+}
+template <class Real, class Fresh>
 double replace(PlanarMatrixOf<Real>& X, Fresh&& fresh) {
-  return replace(X, fresh, [](Index, const auto&) {});
+  return replace_some(X, 0, reals(X).size(), fresh);
 }
 
 /// X_i = base + h Σ_j a_ij Y_j for i = 1..s, each Y_j read once; squares[i] = Σ |change of X_i|².

@@ -49,8 +49,7 @@ void Team::begin(std::size_t count, void* context, Call call) {
   call_ = call;
   done_.store(0, std::memory_order_relaxed);
   const std::uint32_t round = round_.load(std::memory_order_relaxed) + 1;
-  ticket_.store((std::uint64_t{round} << 32) | (std::uint64_t{count} << 16),
-                std::memory_order_release);
+  ticket_.store((std::uint64_t{round} << 32) | std::uint64_t{count}, std::memory_order_release);
   round_.store(round, std::memory_order_release);
   round_.notify_one();
   take_tasks(round, 0);
@@ -63,10 +62,12 @@ void Team::begin(std::size_t count, void* context, Call call) {
 void Team::take_tasks(std::uint32_t round, std::size_t thread) {
   std::uint64_t ticket = ticket_.load(std::memory_order_acquire);
   for (;;) {
-    const std::uint64_t next = ticket & 0xFFFF;
-    if (ticket >> 32 != round || next >= ((ticket >> 16) & 0xFFFF)) return;
-    if (!ticket_.compare_exchange_weak(ticket, ticket + 1, std::memory_order_acq_rel)) continue;
-    call_(context_, next, thread);
+    const std::uint64_t front = (ticket >> 16) & 0xFFFF;
+    const std::uint64_t back = ticket & 0xFFFF;
+    if (ticket >> 32 != round || front >= back) return;
+    const std::uint64_t rest = thread == 0 ? ticket + (1 << 16) : ticket - 1;
+    if (!ticket_.compare_exchange_weak(ticket, rest, std::memory_order_acq_rel)) continue;
+    call_(context_, thread == 0 ? front : back - 1, thread);
     done_.fetch_add(1, std::memory_order_release);
     done_.notify_one();
     ticket = ticket_.load(std::memory_order_acquire);

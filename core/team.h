@@ -10,8 +10,9 @@ namespace isosyrk {
 
 /// Runs tasks by one thread, or by two of which the calling one is the first.
 ///
-/// Whoever is free takes the next task, so that a second thread that does not get a core costs next
-/// to nothing: the first does its work.  Neither waits by spinning for longer than some
+/// The first takes tasks from the front and the second from the back, until they meet: so each mostly
+/// works on what its cache holds from the last round, and a second thread that does not get a core
+/// costs next to nothing: the first does its work.  Neither waits by spinning for longer than some
 /// microseconds; then it sleeps.  The second flushes denormal numbers, as the fast forms do in the
 /// first.  Not for use by two threads at a time.
 class Team {
@@ -46,8 +47,8 @@ class Team {
 
   void* context_ = nullptr;
   Call call_ = nullptr;
-  // Round, number of tasks, next task: one word, so that a task of a round that is over cannot be
-  // taken.
+  // Round, first task that is left, and the one behind the last: one word, so that a task of a round
+  // that is over cannot be taken.
   std::atomic<std::uint64_t> ticket_{0};
   std::atomic<std::uint32_t> round_{0};
   std::atomic<std::uint32_t> done_{0};

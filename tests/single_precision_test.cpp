@@ -92,6 +92,30 @@ TEST(Singles, AreSkewWhereTheirBlocksMakeThemSo) {
   }
 }
 
+// In two shares, and in one of two, which leaves something out.
+template <class OfShare>
+void expect_shares_of_the_whole(const OfShare& form, const SingleMatrix& start) {
+  SingleMatrix whole = start, shared = start;
+  form(whole, Share{});
+  form(shared, Share{0, 2});
+  if (start.size() >= 8) {
+    EXPECT_NE(shared.entries(), whole.entries()) << start.size();
+  }
+  form(shared, Share{1, 2});
+  EXPECT_EQ(shared.entries(), whole.entries()) << start.size();
+}
+
+TEST(Singles, AreMirroredAndTransposedInSharesAsInTheWhole) {
+  for (const Index n : {1, 2, 3, 5, 8, 17, 34, 129}) {
+    const SingleMatrix X(random_matrix(n, 1)), start(random_matrix(n, 2));
+    expect_shares_of_the_whole([](SingleMatrix& C, Share share) { mirror_skew(C, share); }, start);
+    expect_shares_of_the_whole([&](SingleMatrix& C, Share share) { skew_part(X, 2.0f, C, share); },
+                               start);
+    expect_shares_of_the_whole([&](SingleMatrix& C, Share share) { minus_adjoint(X, C, share); },
+                               start);
+  }
+}
+
 TEST(MixedSums, AreThoseOfDoublePrecisionRounded) {
   for (const Index n : {2, 13, 17, 33, 130}) {
     for (const Index s : {1, 2, 3, 4}) {
@@ -131,7 +155,9 @@ TEST(MixedSums, KeepTheBand) {
   PlanarMatrix X(random_matrix(9, 1));
   cut_to_band(3, X);
   SingleMatrix rounded(9);
-  narrow(X, rounded, 0, 18);
+  narrow(X, rounded, 9, 18);
+  EXPECT_EQ(rounded.band(), 8);
+  narrow(X, rounded, 0, 9);
   EXPECT_EQ(rounded.band(), 3);
 }
 

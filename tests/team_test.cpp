@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <stdexcept>
 #include <vector>
 
@@ -38,11 +39,15 @@ TEST(Team, SharesLongTasks) {
   Team team(2);
   // Each of two tasks waits for the other to have begun: one thread alone would never end.
   std::atomic<int> begun{0};
-  team.run(2, [&](std::size_t, std::size_t) {
+  std::array<std::size_t, 2> done_by{};
+  team.run(2, [&](std::size_t index, std::size_t thread) {
     ++begun;
     while (begun.load() < 2) std::this_thread::yield();
+    done_by[index] = thread;
   });
   EXPECT_EQ(begun.load(), 2);
+  EXPECT_EQ(done_by[0], 0u);  // from the front
+  EXPECT_EQ(done_by[1], 1u);  // from the back
 }
 
 TEST(Team, OfOtherSizesIsRefused) {
