@@ -12,7 +12,7 @@ namespace isosyrk {
 ///
 /// Corrections in single precision fall off away from the diagonal, past 1e-38 and so to nothing
 /// that counts, but some processors take over a hundred cycles for each such number: a step at
-/// n = 129 then takes four to ten times as long (measured).  Only x86 is told; on others this does
+/// n = 129 then takes three to five times as long (measured).  Only x86 is told; on others this does
 /// nothing.
 class FlushDenormals {
  public:
