@@ -87,11 +87,10 @@ double FastAlgebra::sweep(double h) {
 double FastAlgebra::residual(double h) {
   form_next(h);
   const auto differences = [&](const Stages& next, const Stages& X, Singles& R) {
-    const Index n = W0_.size();
     in_halves_of(X.size(), [&](std::size_t i, std::size_t half) {
+      const HalfOfRows rows(W0_.size(), half);
       half_of_squares(half)[i] = isosyrk::residual(
-          X[i], [&](const auto& load) { return load(next[i]); }, R[i], half == 0 ? 0 : n,
-          half == 0 ? n : 2 * n);
+          X[i], [&](const auto& load) { return load(next[i]); }, R[i], rows.begin, rows.end);
     });
     return largest_of_squares(static_cast<Index>(X.size()));
   };
@@ -107,7 +106,8 @@ Index FastAlgebra::linearise(double h, double accuracy) {
     if (share.part == share.parts - 1) narrow(P_[i], P_single_[i], 0, 2 * n);
   });
   in_halves_of(pairs_.size(), [&](std::size_t p, std::size_t half) {
-    narrow(Y_[p], Y_single_[p], half == 0 ? 0 : n, half == 0 ? n : 2 * n);
+    const HalfOfRows rows(n, half);
+    narrow(Y_[p], Y_single_[p], rows.begin, rows.end);
   });
   return widest_band(B_single_);
 }

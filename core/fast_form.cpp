@@ -108,9 +108,9 @@ double FastForm::residuals_in_halves(const PlanarMatrix& base, double h, const R
                                      const std::vector<PlanarMatrix>& Y,
                                      const std::vector<PlanarMatrix>& X,
                                      std::vector<SingleMatrix>& R) {
-  const Index n = W0_.size();
   in_halves([&](std::size_t half) {
-    residuals(base, h, a, Y, X, R, half_of_squares(half), half == 0 ? 0 : n, half == 0 ? n : 2 * n);
+    const HalfOfRows rows(W0_.size(), half);
+    residuals(base, h, a, Y, X, R, half_of_squares(half), rows.begin, rows.end);
   });
   return largest_of_squares(static_cast<Index>(X.size()));
 }
@@ -174,9 +174,9 @@ SolveReport FastForm::iterate(double h, Iteration iteration) {
 
 void FastForm::add_correction(const SingleUnknowns& correction) {
   for (std::size_t kind = 0; kind < unknowns_.size(); ++kind) {
-    const Index n = W0_.size();
     in_halves_of(unknowns_[kind].size(), [&](std::size_t i, std::size_t half) {
-      add(correction[kind][i], unknowns_[kind][i], half == 0 ? 0 : n, half == 0 ? n : 2 * n);
+      const HalfOfRows rows(W0_.size(), half);
+      add(correction[kind][i], unknowns_[kind][i], rows.begin, rows.end);
     });
   }
 }

@@ -61,10 +61,10 @@ double FastMidpoint::sweep(double h) {
 double FastMidpoint::residual(double h) {
   commute(h);
   in_halves([&](std::size_t half) {
-    const Index n = W0_.size();
+    const HalfOfRows rows(W0_.size(), half);
     half_of_squares(half)[0] = isosyrk::residual(
         unknowns_[0][0], [&](const auto& load) { return load(commutator_) + load(MB_); },
-        residuals_[0][0], half == 0 ? 0 : n, half == 0 ? n : 2 * n);
+        residuals_[0][0], rows.begin, rows.end);
   });
   return largest_of_squares(1);
 }

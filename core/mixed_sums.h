@@ -12,6 +12,13 @@
 
 namespace isosyrk {
 
+/// One half, 0 or 1, of those rows: a plane.
+struct HalfOfRows {
+  HalfOfRows(Index n, std::size_t half) : begin(half == 0 ? 0 : n), end(half == 0 ? n : 2 * n) {}
+  Index begin;
+  Index end;
+};
+
 namespace mixed_sums {
 
 constexpr Index length = 8;

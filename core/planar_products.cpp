@@ -71,8 +71,7 @@ template <class Real>
 PlanarProductsOf<Real>::PlanarProductsOf(Index n, const PlanarKernel& kernel)
     : n_(n), kernel_(kernel) {
   if (n < 1) throw std::invalid_argument(fmt::format("products: n = {}, must be at least 1", n));
-  limits_ = std::is_same_v<Real, float> ? kernel.single_limits : kernel.limits;
-  scratch_ = AnyMatrix::Entries::Zero(planar_scratch(n, planar_stride<Real>(n), n > limits_.B));
+  scratch_ = AnyMatrix::Entries::Zero(planar_scratch(n, planar_stride<Real>(n), n > limits().B));
 }
 
 template <class Real>
@@ -142,8 +141,8 @@ void PlanarProductsOf<Real>::form(const AnyMatrix& A, bool adjoint, const AnyMat
                                        band,
                                        first_row(n_, upper, reach, share.part, share.parts),
                                        first_row(n_, upper, reach, share.part + 1, share.parts),
-                                       n_ > limits_.B,
-                                       n_ > limits_.adjoint_A,
+                                       n_ > limits().B,
+                                       n_ > limits().adjoint_A,
                                        scratch_.data()};
   if constexpr (std::is_same_v<Real, float>) {
     kernel_.multiply_singles(product);

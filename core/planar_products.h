@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "core/planar_kernel.h"
@@ -63,12 +64,14 @@ class PlanarProductsOf {
   }
 
  private:
+  const PlanarLimits& limits() const {
+    return std::is_same_v<Real, float> ? kernel_.single_limits : kernel_.limits;
+  }
   void form(const AnyMatrix& A, bool adjoint, const AnyMatrix& B, AnyMatrix& C, Real scale,
             bool upper, Index band, Share share);
 
   Index n_;
   PlanarKernel kernel_;
-  PlanarLimits limits_;
   typename AnyMatrix::Entries scratch_;
   long full_ = 0;
   long triangles_ = 0;

@@ -40,9 +40,9 @@ bool fill_is_zero(const PlanarMatrix& X) {
   return true;
 }
 
-// Every rest of rows and columns.
+// Every rest of rows and columns, and sizes on both sides of where AVX2 copies B.
 std::vector<Index> tested_sizes() {
-  std::vector<Index> sizes = {47, 63, 64, 65, 73, 80, 97, 101, 128, 129, 140};
+  std::vector<Index> sizes = {47, 63, 64, 65, 71, 72, 73, 80, 97, 101, 128, 129, 140};
   for (Index n = 1; n <= 36; ++n) sizes.push_back(n);
   return sizes;
 }

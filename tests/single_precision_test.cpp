@@ -18,7 +18,7 @@ Matrix widened(const SingleMatrix& X) { return X.interleaved(); }
 class SinglesInEachUnit : public ::testing::TestWithParam<PlanarKernel> {};
 
 TEST_P(SinglesInEachUnit, AreMultipliedToTheirRoundingForEverySize) {
-  std::vector<Index> sizes = {47, 63, 64, 65, 97, 105, 128, 129, 140};
+  std::vector<Index> sizes = {47, 63, 64, 65, 97, 104, 105, 107, 128, 129, 140};
   for (Index n = 1; n <= 36; ++n) sizes.push_back(n);
   for (const Index n : sizes) {
     const auto seed = static_cast<unsigned>(n);
