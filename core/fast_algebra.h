@@ -48,8 +48,20 @@ class FastAlgebra final : public FastForm {
   double a(std::size_t i, std::size_t j) const {
     return tableau_.a(static_cast<Index>(i), static_cast<Index>(j));
   }
+  // (j, k), j <= k, in the order in which M_jk are stored; the last ones are the halved of Items.
+  struct Pairs {
+    explicit Pairs(std::size_t stages);
+    Items items() const { return {order.size(), halved}; }
+
+    std::vector<std::pair<std::size_t, std::size_t>> order;
+    std::size_t halved;
+  };
+
+  FastAlgebra(const EulerZeitlin& flow, const Tableau& tableau, const FastOptions& options,
+              Pairs pairs);
+
   // Where M_jk, j <= k, stands among the pairs.
-  static std::size_t pair(std::size_t j, std::size_t k) { return k * (k + 1) / 2 + j; }
+  std::size_t pair(std::size_t j, std::size_t k) const { return place_of_pair_[k * stages() + j]; }
   // M_jk for any j, k, of the unknowns or of their corrections.
   const PlanarMatrix& M(std::size_t j, std::size_t k) const {
     return j <= k ? unknowns_[1][pair(j, k)] : minus_adjoints_[pair(k, j)];
@@ -64,17 +76,17 @@ class FastAlgebra final : public FastForm {
                      const std::vector<PlanarMatrixOf<Real>>& Y,
                      std::vector<PlanarMatrixOf<Real>>& M, std::type_identity_t<Real> h,
                      Share share) const {
-    const auto [j, k] = pairs_[p];
+    const auto [j, k] = pairs_.order[p];
     if (j == k) {
       products.multiply_upper(B[j], Y[p], M[p], h, share);
     } else {
       products.multiply(B[j], Y[p], M[p], h, share);
     }
   }
-  bool is_diagonal(std::size_t p) const { return pairs_[p].first == pairs_[p].second; }
+  bool is_diagonal(std::size_t p) const { return pairs_.order[p].first == pairs_.order[p].second; }
   void form_next(double h);
   double add_product_to_rhs(std::size_t kind);
-  void update_stage_vorticities();
+  double update_stage_vorticities();
   double correct_stage_vorticities(const Singles& X, const Singles& M);
 
   Tableau tableau_;
@@ -84,9 +96,9 @@ class FastAlgebra final : public FastForm {
   Stages W_stage_, B_;
   Stages P_, Y_;       // what X_next_ and M_next_ are products of
   Stages sum_, skew_;  // places to work in
-  std::vector<std::pair<std::size_t, std::size_t>> pairs_;  // (j, k), j <= k, as they are stored
-  std::vector<std::size_t> off_diagonal_;                   // those of them with j < k
-  RealVector X_change_, M_change_, W_change_;
+  Pairs pairs_;
+  std::vector<std::size_t> place_of_pair_;
+  std::vector<std::size_t> off_diagonal_;  // places of those with j < k
   Singles B_single_, P_single_, Y_single_, dW_, dB_, single_input_, single_product_;
   Singles minus_single_adjoints_;
 };

@@ -11,8 +11,10 @@ namespace isosyrk {
 
 FastCotangent::FastCotangent(const EulerZeitlin& flow, const Tableau& tableau,
                              const FastOptions& options)
-    : FastForm(flow, options, {tableau.stages(), tableau.stages()},
-               {.smallest = 48, .least_coupling_band = std::max<Index>(32, 3 * flow.size() / 8)}),
+    : FastForm(
+          flow, options,
+          {static_cast<std::size_t>(tableau.stages()), static_cast<std::size_t>(tableau.stages())},
+          {.smallest = 48, .least_coupling_band = std::max<Index>(32, 3 * flow.size() / 8)}),
       tableau_(tableau) {
   require_consistent(tableau);
   Q1_ = P1_ = zero();
@@ -29,10 +31,14 @@ void FastCotangent::start_cold() {
 }
 
 void FastCotangent::begin() {
-  in_phases(unknowns_[0].size(), [&](std::size_t j, Share share, Worker& worker) {
-    if (share.part == 0) cut(unknowns_[0][j], worker);
-    if (share.part == share.parts - 1) cut(unknowns_[1][j], worker);
-  });
+  std::size_t item = 0;
+  for (std::vector<PlanarMatrix>& kind : unknowns_) {
+    in_phases(
+        kind.size(),
+        [&](std::size_t j, Share share, Worker&) { measure(item + j, kind[j], share); },
+        [&](std::size_t j, Share share, Worker&) { cut(item + j, left_out(), kind[j], share); });
+    item += kind.size();
+  }
 }
 
 // Q_j B_j and P_j B_j.
@@ -45,8 +51,9 @@ void FastCotangent::transport_stages() {
         worker.planar.multiply_adjoint_left_upper(Q[j], P[j], W_stage_[place(j)], share);
       },
       [&](std::size_t j, Share share, Worker& worker) {
-        if (share.part == 0) generator(W_stage_[place(j)], B_[j], worker);
+        solve_generator(j, W_stage_[place(j)], B_[j], share, worker);
       },
+      [&](std::size_t j, Share share, Worker&) { finish_generator(j, B_[j], share); },
       [&](std::size_t j, Share share, Worker& worker) {
         worker.planar.multiply(Q[j], B_[j], QB_[j], 1.0, share);
         worker.planar.multiply(P[j], B_[j], PB_[j], 1.0, share);
@@ -70,13 +77,10 @@ double FastCotangent::residual(double h) {
 }
 
 Index FastCotangent::linearise(double h, double accuracy) {
-  const Index rows = 2 * W0_.size();
-  in_phases(B_.size(), [&](std::size_t j, Share share, Worker& worker) {
-    if (share.part == 0) narrow_generator(B_[j], h, accuracy, B_single_[j], worker);
-    if (share.part == share.parts - 1) {
-      narrow(unknowns_[0][j], Q_single_[j], 0, rows);
-      narrow(unknowns_[1][j], P_single_[j], 0, rows);
-    }
+  in_halves_of(B_.size(), [&](std::size_t j, Share half) {
+    narrow_generator(j, B_[j], h, accuracy, B_single_[j], half);
+    narrow(unknowns_[0][j], Q_single_[j], half);
+    narrow(unknowns_[1][j], P_single_[j], half);
   });
   return widest_band(B_single_);
 }
@@ -101,11 +105,11 @@ void FastCotangent::couple(double h) {
         singles.multiply_adjoint_left_upper_within(band, Q_single_[j], delta_[1][j], N_of_P_[j],
                                                    share);
       },
+      [&](std::size_t j, Share share, Worker&) { reals(N_[j], share) += reals(N_of_P_[j], share); },
       [&](std::size_t j, Share share, Worker& worker) {
-        if (share.part != 0) return;
-        reals(N_[j]) += reals(N_of_P_[j]);
-        single_generator(N_[j], dB_[j], worker);
+        solve_generator(N_[j], dB_[j], share, worker);
       },
+      [&](std::size_t j, Share share, Worker&) { finish_generator(dB_[j], share); },
       [&](std::size_t j, Share share, Worker& worker) {
         worker.singles.multiply(Q_single_[j], dB_[j], Q_product_[j], 1.0f, share);
         worker.singles.multiply(P_single_[j], dB_[j], P_product_[j], 1.0f, share);
@@ -115,12 +119,16 @@ void FastCotangent::couple(double h) {
 }
 
 void FastCotangent::update(double h, PlanarMatrix& W1) {
-  combine(identity_, -h * tableau_.b, QB_, Q1_);
-  combine(W0_, -h * tableau_.b, PB_, P1_);
-  in_phases(1, [&](std::size_t, Share share, Worker& worker) {
-    worker.planar.multiply_adjoint_left_upper(Q1_, P1_, W1, share);
-  });
-  mirror_skew(W1);
+  in_phases(
+      1,
+      [&](std::size_t, Share share, Worker&) {
+        combine(identity_, -h * tableau_.b, QB_, Q1_, share);
+        combine(W0_, -h * tableau_.b, PB_, P1_, share);
+      },
+      [&](std::size_t, Share share, Worker& worker) {
+        worker.planar.multiply_adjoint_left_upper(Q1_, P1_, W1, share);
+      },
+      [&](std::size_t, Share share, Worker&) { mirror_skew(W1, share); });
 }
 
 }  // namespace isosyrk

@@ -16,17 +16,12 @@ namespace {
 constexpr Index smallest_shared = 48;
 constexpr Index smallest_cut = 48;
 
-// What is left out may come to this share of the tolerance.
-constexpr double left_out = 0.01;
-
 // Beyond this the derivative says too little of a sweep (measured).
 constexpr double largest_corrected = 0.3;
 
-Unknowns zero_unknowns(Index n, std::initializer_list<Index> counts) {
+Unknowns zero_unknowns(Index n, std::initializer_list<Items> kinds) {
   Unknowns unknowns;
-  for (const Index count : counts) {
-    unknowns.emplace_back(static_cast<std::size_t>(count), PlanarMatrix(n));
-  }
+  for (const Items& kind : kinds) unknowns.emplace_back(kind.count, PlanarMatrix(n));
   return unknowns;
 }
 
@@ -35,15 +30,15 @@ Unknowns zero_unknowns(Index n, std::initializer_list<Index> counts) {
 int default_start_order(Index n) { return n < 24 || n >= 96 ? 10 : 11; }
 
 FastForm::FastForm(const EulerZeitlin& flow, const FastOptions& options,
-                   std::initializer_list<Index> unknowns, const Corrections& corrections)
+                   std::initializer_list<Items> unknowns, const Corrections& corrections)
     : Integrator(flow, ProductBackend::openblas),
       W0_(flow.size()),
       unknowns_(zero_unknowns(flow.size(), unknowns)),
+      items_(unknowns),
       options_(options),
       team_(options.threads == 2 && flow.size() < smallest_shared ? 1 : options.threads),
       workers_(static_cast<std::size_t>(team_.threads()),
-               Worker{PlanarProducts(flow.size()), SingleProducts(flow.size()),
-                      RealVector::Zero(flow.size())}),
+               Worker{PlanarProducts(flow.size()), SingleProducts(flow.size())}),
       laplacian_(flow.laplacian()),
       single_laplacian_(flow.laplacian()),
       reciprocal_hbar_(1.0 / hbar(flow.convention(), flow.size())),
@@ -53,13 +48,16 @@ FastForm::FastForm(const EulerZeitlin& flow, const FastOptions& options,
       corrects_(options.correct.value_or(flow.size() >= corrections.smallest)),
       cuts_(options.bands.value_or(flow.size() >= smallest_cut)),
       least_coupling_band_(corrections.least_coupling_band) {
-  Index most = 0;
-  for (const Index count : unknowns) {
-    residuals_.push_back(singles(count));
-    most = std::max(most, count);
+  std::size_t all = 0;
+  for (const Items& kind : unknowns) {
+    residuals_.push_back(singles(kind.count));
+    all += kind.count;
   }
   delta_ = rhs_ = next_rhs_ = residuals_;
-  squares_[0] = squares_[1] = RealVector::Zero(most);
+  squares_[0] = squares_[1] = RealVector::Zero(static_cast<Index>(all));
+  const RealVector of_diagonals = RealVector::Zero(flow.size());
+  generator_squares_.assign(all, of_diagonals);
+  row_squares_.assign(all, {of_diagonals, of_diagonals});
 }
 
 PlanarMatrix FastForm::identity() const {
@@ -68,18 +66,32 @@ PlanarMatrix FastForm::identity() const {
   return I;
 }
 
-void FastForm::generator(const PlanarMatrix& W, PlanarMatrix& B, Worker& worker) const {
-  laplacian_.solve_skew_hermitian(W, reciprocal_hbar_, B);
-  ++worker.solves;
+double FastForm::left_out() const { return 0.01 * options_.solver.tolerance; }
+
+void FastForm::solve_generator(std::size_t item, const PlanarMatrix& W, PlanarMatrix& B,
+                               Share share, Worker& worker) {
+  const Index whole = W.size() - 1;
+  laplacian_.solve_upper(W, reciprocal_hbar_, B, whole, share);
+  if (share.is_first()) ++worker.solves;
   if (!cuts_) return;
-  const double tail = left_out * options_.solver.tolerance / step_;
-  cut_to_band(band_of_skew(B, tail, worker.squares), B);
+  const Diagonals solved(W.size(), whole, share);
+  diagonal_squares_of_skew(B, solved.begin, solved.end, generator_squares_[item]);
 }
 
-void FastForm::single_generator(const SingleMatrix& W, SingleMatrix& B, Worker& worker) const {
-  single_laplacian_.solve_skew_hermitian(W, static_cast<float>(reciprocal_hbar_), B,
-                                         coupling_band_);
-  ++worker.solves;
+void FastForm::finish_generator(std::size_t item, PlanarMatrix& B, Share share) const {
+  const Index band =
+      cuts_ ? smallest_band(generator_squares_[item], left_out() / step_) : B.size() - 1;
+  mirror_skew_within(band, B, share);
+}
+
+void FastForm::solve_generator(const SingleMatrix& W, SingleMatrix& B, Share share,
+                               Worker& worker) const {
+  single_laplacian_.solve_upper(W, static_cast<float>(reciprocal_hbar_), B, coupling_band_, share);
+  if (share.is_first()) ++worker.solves;
+}
+
+void FastForm::finish_generator(SingleMatrix& B, Share share) const {
+  mirror_skew_within(coupling_band_, B, share);
 }
 
 Index FastForm::widest_band(const Singles& matrices) {
@@ -88,30 +100,18 @@ Index FastForm::widest_band(const Singles& matrices) {
   return widest;
 }
 
-void FastForm::narrow_generator(const PlanarMatrix& B, double h, double accuracy, SingleMatrix& S,
-                                Worker& worker) const {
-  narrow(B, S, 0, 2 * B.size());
+void FastForm::narrow_generator(std::size_t item, const PlanarMatrix& B, double h, double accuracy,
+                                SingleMatrix& S, Share share) const {
+  narrow(B, S, share);
   if (!cuts_) return;
-  cut_to_band(band_of_skew(B, accuracy / std::abs(h), worker.squares), S);
-}
-
-void FastForm::cut(PlanarMatrix& X, double weight, Worker& worker) const {
-  const double tail = left_out * options_.solver.tolerance / weight;
-  cut_to_band(cuts_ ? band_of(X, tail, worker.squares) : X.size() - 1, X);
-}
-
-void FastForm::cut_single(SingleMatrix& S, double tail, Worker& worker) const {
-  cut_to_band(cuts_ ? band_of(S, tail, worker.squares) : S.size() - 1, S);
+  cut_to_band(smallest_band(generator_squares_[item], accuracy / std::abs(h)), S, share);
 }
 
 double FastForm::residuals_in_halves(const PlanarMatrix& base, double h, const RealMatrix& a,
                                      const std::vector<PlanarMatrix>& Y,
                                      const std::vector<PlanarMatrix>& X,
                                      std::vector<SingleMatrix>& R) {
-  in_halves([&](std::size_t half) {
-    const HalfOfRows rows(W0_.size(), half);
-    residuals(base, h, a, Y, X, R, half_of_squares(half), rows.begin, rows.end);
-  });
+  in_halves([&](Share half) { residuals(base, h, a, Y, X, R, half_of_squares(half), half); });
   return largest_of_squares(static_cast<Index>(X.size()));
 }
 
@@ -174,9 +174,8 @@ SolveReport FastForm::iterate(double h, Iteration iteration) {
 
 void FastForm::add_correction(const SingleUnknowns& correction) {
   for (std::size_t kind = 0; kind < unknowns_.size(); ++kind) {
-    in_halves_of(unknowns_[kind].size(), [&](std::size_t i, std::size_t half) {
-      const HalfOfRows rows(W0_.size(), half);
-      add(correction[kind][i], unknowns_[kind][i], rows.begin, rows.end);
+    in_halves_of(items_[kind], [&](std::size_t i, Share half) {
+      add(correction[kind][i], unknowns_[kind][i], half);
     });
   }
 }
@@ -186,17 +185,11 @@ double FastForm::shift_rhs() {
   double largest = 0.0;
   for (std::size_t kind = 0; kind < delta_.size(); ++kind) {
     const std::size_t count = delta_[kind].size();
-    team_.run(2, [&](std::size_t half, std::size_t) {
-      for (std::size_t i = 0; i < count; ++i) {
-        const Half numbers(reals(delta_[kind][i]).size(), half);
-        const auto part = [&](SingleMatrix& X) {
-          return reals(X).segment(numbers.begin, numbers.end - numbers.begin);
-        };
-        auto shift = part(rhs_[kind][i]);  // the old one is not needed any more
-        shift = part(next_rhs_[kind][i]) - shift;
-        part(delta_[kind][i]) += shift;
-        half_of_squares(half)[i] = static_cast<double>(shift.square().sum());
-      }
+    in_halves_of(items_[kind], [&](std::size_t i, Share half) {
+      auto shift = reals(rhs_[kind][i], half);  // the old one is not needed any more
+      shift = reals(next_rhs_[kind][i], half) - shift;
+      reals(delta_[kind][i], half) += shift;
+      half_of_squares(half)[i] = static_cast<double>(shift.square().sum());
     });
     largest = larger(largest, largest_of_squares(static_cast<Index>(count)));
   }
@@ -217,8 +210,8 @@ bool FastForm::correct(double h, double change) {
       {of_tolerance * options_.solver.tolerance, digits * change, curvature * change * change});
   coupling_band_ = std::max(linearise(h, 0.3 * target / change), least_coupling_band_);
   for (std::size_t kind = 0; kind < delta_.size(); ++kind) {
-    team_.run(delta_[kind].size(), [&](std::size_t i, std::size_t) {
-      delta_[kind][i].entries() = rhs_[kind][i].entries() = residuals_[kind][i].entries();
+    in_halves_of(items_[kind], [&](std::size_t i, Share half) {
+      reals(delta_[kind][i], half) = reals(rhs_[kind][i], half) = reals(residuals_[kind][i], half);
     });
   }
   double T_contraction = 0.0;
@@ -294,16 +287,20 @@ SolveReport FastForm::advance(const Matrix& W0, double h, Matrix& W1) {
   const long products_before = products();
   const double equivalents_before = equivalent_products();
   const long solves_before = poisson_solves();
-  W0_.load(W0);
+  std::array<bool, 2> is_another{};
+  in_halves([&](Share half) {
+    W0_.load(W0, half);
+    is_another[static_cast<std::size_t>(half.part)] = (reals(W0_, half) != reals(W1_, half)).any();
+  });
   // Another state than this form ended at: what it knows is of another trajectory.
-  if (W0_.entries() != W1_.entries()) start_values_.forget();
+  if (is_another[0] || is_another[1]) start_values_.forget();
   step_ = std::abs(h);
   begin_step();
   const SolveReport report = solve(h);
   if (report.status == Status::converged) {
     update(h, W1_);
     start_values_.accept(h, unknowns_, team_);
-    W1_.store(W1);
+    in_halves([&](Share half) { W1_.store(W1, half); });
   } else {
     start_values_.forget();
   }

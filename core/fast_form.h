@@ -9,6 +9,7 @@
 
 #include "core/anderson.h"
 #include "core/integrator.h"
+#include "core/planar_blocks.h"
 #include "core/planar_laplacian.h"
 #include "core/planar_products.h"
 #include "core/stage_sums.h"
@@ -87,7 +88,6 @@ class FastForm : public Integrator {
   struct Worker {
     PlanarProducts planar;
     SingleProducts singles;
-    RealVector squares;  // for band_of
     long solves = 0;
   };
 
@@ -101,7 +101,7 @@ class FastForm : public Integrator {
 
   /// With so many unknowns of each kind.
   FastForm(const EulerZeitlin& flow, const FastOptions& options,
-           std::initializer_list<Index> unknowns, const Corrections& corrections);
+           std::initializer_list<Items> unknowns, const Corrections& corrections);
 
   SolveReport advance(const Matrix& W0, double h, Matrix& W1) final;
 
@@ -128,67 +128,55 @@ class FastForm : public Integrator {
   /// W₁ from the last sweep.
   virtual void update(double h, PlanarMatrix& W1) = 0;
 
-  /// B = B(W) within its band, counted; of W the upper triangle is read.
-  void generator(const PlanarMatrix& W, PlanarMatrix& B, Worker& worker) const;
+  /// B = B(W) within its band, counted; of W the upper triangle is read.  Two phases of an item,
+  /// in all of which it is the same.
+  void solve_generator(std::size_t item, const PlanarMatrix& W, PlanarMatrix& B, Share share,
+                       Worker& worker);
+  void finish_generator(std::size_t item, PlanarMatrix& B, Share share) const;
 
   Index coupling_band() const { return coupling_band_; }
   static Index widest_band(const Singles& matrices);
-  /// δB = B(δW̃) within it; of δW̃ the upper triangle is read.
-  void single_generator(const SingleMatrix& W, SingleMatrix& B, Worker& worker) const;
+  /// δB = B(δW̃) within it, likewise.
+  void solve_generator(const SingleMatrix& W, SingleMatrix& B, Share share, Worker& worker) const;
+  void finish_generator(SingleMatrix& B, Share share) const;
   /// S = B rounded, without what comes to less than h‖.‖ = accuracy.
-  void narrow_generator(const PlanarMatrix& B, double h, double accuracy, SingleMatrix& S,
-                        Worker& worker) const;
+  void narrow_generator(std::size_t item, const PlanarMatrix& B, double h, double accuracy,
+                        SingleMatrix& S, Share share) const;
 
-  /// Cuts X to the band that holds all but a hundredth of the tolerance.
-  void cut(PlanarMatrix& X, Worker& worker) const { cut(X, 1.0, worker); }
-  /// The same for what counts `weight` times.
-  void cut(PlanarMatrix& X, double weight, Worker& worker) const;
-  /// Cuts S to the band that holds all but `tail` of it.
-  void cut_single(SingleMatrix& S, double tail, Worker& worker) const;
-
-  /// Calls each phase(item, share, worker) for all items below `count`: by one thread, all phases
-  /// of an item in turn, with the whole as its share; by two, phase by phase, where an item that is
-  /// left over is shared in halves.  What cannot be halved is done with the first share.  So a phase
-  /// may read what earlier calls made and what it made of its own item, not of the others.
-  template <class... Phases>
-  void in_phases(std::size_t count, Phases&&... phases) {
-    if (team_.threads() == 1) {
-      for (std::size_t item = 0; item < count; ++item) (phases(item, Share{}, workers_[0]), ...);
-      return;
-    }
-    const std::size_t halved = count % 2;  // the last item, where they are odd in number
-    const std::size_t before = count / 2;  // it is in the middle, so that each thread does a half
-    const auto by_two = [&](auto&& phase) {
-      team_.run(count + halved, [&](std::size_t index, std::size_t thread) {
-        if (halved != 0 && (index == before || index == before + 1)) {
-          phase(count - 1, Share{static_cast<Index>(index - before), 2}, workers_[thread]);
-        } else {
-          phase(index < before ? index : index - 2 * halved, Share{}, workers_[thread]);
-        }
-      });
-    };
-    (by_two(phases), ...);
-  }
-
-  /// The real numbers of X that a share of an item is of.
+  /// Cuts X to the band that holds all but `tail` of it: two phases of an item.
   template <class AnyMatrix>
-  static auto part_of(AnyMatrix& X, Share share) {
-    const Index size = reals(X).size();
-    const Index begin = share.part == 0 ? 0 : Half(size, 1).begin;
-    const Index end = share.part + 1 == share.parts ? size : Half(size, 0).end;
-    return reals(X).segment(begin, end - begin);
+  void measure(std::size_t item, const AnyMatrix& X, Share share) {
+    if (!cuts_) return;
+    for_halves(share, [&](Share half) {
+      diagonal_squares(X, row_squares_[item][static_cast<std::size_t>(half.part)], half);
+    });
+  }
+  template <class AnyMatrix>
+  void cut(std::size_t item, double tail, AnyMatrix& X, Share share) const {
+    const auto& squares = row_squares_[item];
+    cut_to_band(cuts_ ? smallest_band(squares[0] + squares[1], tail) : X.size() - 1, X, share);
+  }
+  /// What may be left out: a hundredth of the tolerance.
+  double left_out() const;
+
+  /// Calls each phase(item, share, worker) for all items, as Team::run_phases.
+  template <class... Phases>
+  void in_phases(Items items, Phases&&... phases) {
+    team_.run_phases(items, [&](std::size_t item, Share share, std::size_t thread) {
+      phases(item, share, workers_[thread]);
+    }...);
   }
 
-  /// Calls half(item, 0) and half(item, 1) for all items below `count`.
-  template <class OfItem>
-  void in_halves_of(std::size_t count, OfItem&& half) {
-    team_.run(2 * count, [&](std::size_t index, std::size_t) { half(index / 2, index % 2); });
+  /// Calls half(item, share) for both halves of all items.
+  template <class OfHalf>
+  void in_halves_of(Items items, OfHalf&& half) {
+    team_.run_halves(items, [&](std::size_t item, Share share, std::size_t) { half(item, share); });
   }
 
-  /// Calls half(0) and half(1), one for each half of something.
-  template <class Half>
-  void in_halves(Half&& half) {
-    team_.run(2, [&](std::size_t index, std::size_t) { half(index); });
+  /// Calls half(share) for both halves of something.
+  template <class OfHalf>
+  void in_halves(OfHalf&& half) {
+    in_halves_of(1, [&](std::size_t, Share share) { half(share); });
   }
 
   /// X_i = base_i + h Σ_j a_ij Y_j, as update_unknowns of stage_sums.h and shared out; returns the
@@ -196,9 +184,8 @@ class FastForm : public Integrator {
   template <class Base, class AnyMatrix>
   double update_in_halves(const Base& base, double h, const RealMatrix& a,
                           const std::vector<AnyMatrix>& Y, std::vector<AnyMatrix>& X) {
-    const Index size = reals(X[0]).size();
-    in_halves([&](std::size_t half) {
-      const Half numbers(size, half);
+    in_halves([&](Share half) {
+      const NumbersOfRows numbers(X[0], half);
       update_unknowns(base, h, a, Y, X, half_of_squares(half), numbers.begin, numbers.end);
     });
     return largest_of_squares(static_cast<Index>(X.size()));
@@ -208,7 +195,9 @@ class FastForm : public Integrator {
                              const std::vector<PlanarMatrix>& Y, const std::vector<PlanarMatrix>& X,
                              std::vector<SingleMatrix>& R);
   /// Where the squares of one half of what is summed go, to be read by largest_of_squares.
-  double* half_of_squares(std::size_t half) { return squares_[half].data(); }
+  double* half_of_squares(Share half) {
+    return squares_[static_cast<std::size_t>(half.part)].data();
+  }
   double largest_of_squares(Index count) const;
 
   /// Of some places to work in, one for each item that is under way at a time, that of this one.
@@ -231,6 +220,7 @@ class FastForm : public Integrator {
   PlanarMatrix W0_;
   Unknowns unknowns_;
   SingleUnknowns residuals_, delta_, rhs_, next_rhs_;
+  std::vector<Items> items_;  // of each kind
 
  private:
   enum class Iteration { plain, accelerated, corrected };
@@ -260,6 +250,9 @@ class FastForm : public Integrator {
   Index coupling_band_ = 0;  // of the correction under way
   double step_ = 0.0;        // |h| of the step under way
   std::array<RealVector, 2> squares_;
+  // By diagonals, of each item: of its generator, and of the halves of what is cut.
+  std::vector<RealVector> generator_squares_;
+  std::vector<std::array<RealVector, 2>> row_squares_;
 };
 
 }  // namespace isosyrk

@@ -10,7 +10,7 @@
 namespace isosyrk {
 
 FastGroup::FastGroup(const EulerZeitlin& flow, const Tableau& tableau, const FastOptions& options)
-    : FastForm(flow, options, {tableau.stages()},
+    : FastForm(flow, options, {static_cast<std::size_t>(tableau.stages())},
                {.smallest = 32, .least_coupling_band = std::max<Index>(16, flow.size() / 8)}),
       tableau_(tableau) {
   require_consistent(tableau);
@@ -25,10 +25,15 @@ FastGroup::FastGroup(const EulerZeitlin& flow, const Tableau& tableau, const Fas
 }
 
 void FastGroup::begin_step() {
-  W0_cut_.entries() = W0_.entries();
-  in_phases(1, [&](std::size_t, Share share, Worker& worker) {
-    if (share.part == 0) cut(W0_cut_, step() * W0_weight_, worker);
-  });
+  in_phases(
+      1,
+      [&](std::size_t, Share share, Worker&) {
+        reals(W0_cut_, share) = reals(W0_, share);
+        measure(0, W0_cut_, share);
+      },
+      [&](std::size_t, Share share, Worker&) {
+        cut(0, left_out() / (step() * W0_weight_), W0_cut_, share);
+      });
 }
 
 void FastGroup::start_cold() {
@@ -37,9 +42,9 @@ void FastGroup::start_cold() {
 
 void FastGroup::begin() {
   std::vector<PlanarMatrix>& Q = unknowns_[0];
-  in_phases(Q.size(), [&](std::size_t j, Share share, Worker& worker) {
-    if (share.part == 0) cut(Q[j], worker);
-  });
+  in_phases(
+      Q.size(), [&](std::size_t j, Share share, Worker&) { measure(j, Q[j], share); },
+      [&](std::size_t j, Share share, Worker&) { cut(j, left_out(), Q[j], share); });
 }
 
 void FastGroup::transport_stages() {
@@ -60,8 +65,9 @@ void FastGroup::form_stages() {
         worker.planar.multiply_adjoint_left_upper(Q[j], W0Q_[j], W_stage_[place(j)], share);
       },
       [&](std::size_t j, Share share, Worker& worker) {
-        if (share.part == 0) generator(W_stage_[place(j)], B_[j], worker);
-      });
+        solve_generator(j, W_stage_[place(j)], B_[j], share, worker);
+      },
+      [&](std::size_t j, Share share, Worker&) { finish_generator(j, B_[j], share); });
 }
 
 double FastGroup::sweep(double h) {
@@ -85,13 +91,10 @@ double FastGroup::residual(double h) {
 
 Index FastGroup::linearise(double h, double accuracy) {
   const std::vector<PlanarMatrix>& Q = unknowns_[0];
-  const Index rows = 2 * W0_.size();
-  in_phases(Q.size(), [&](std::size_t j, Share share, Worker& worker) {
-    if (share.part == 0) narrow_generator(B_[j], h, accuracy, B_single_[j], worker);
-    if (share.part == share.parts - 1) {
-      narrow(Q[j], Q_single_[j], 0, rows);
-      narrow(W0Q_[j], W0Q_single_[j], 0, rows);
-    }
+  in_halves_of(Q.size(), [&](std::size_t j, Share half) {
+    narrow_generator(j, B_[j], h, accuracy, B_single_[j], half);
+    narrow(Q[j], Q_single_[j], half);
+    narrow(W0Q_[j], W0Q_single_[j], half);
   });
   return widest_band(B_single_);
 }
@@ -112,11 +115,11 @@ void FastGroup::couple(double h) {
         worker.singles.multiply_adjoint_left_within(coupling_band(), delta[j], W0Q_single_[j],
                                                     N_[j], share);
       },
+      [&](std::size_t j, Share share, Worker&) { skew_part(N_[j], 1.0f, dW_[j], share); },
       [&](std::size_t j, Share share, Worker& worker) {
-        if (share.part != 0) return;
-        skew_part(N_[j], 1.0f, dW_[j]);
-        single_generator(dW_[j], dB_[j], worker);
+        solve_generator(dW_[j], dB_[j], share, worker);
       },
+      [&](std::size_t j, Share share, Worker&) { finish_generator(dB_[j], share); },
       [&](std::size_t j, Share share, Worker& worker) {
         worker.singles.multiply(Q_single_[j], dB_[j], product_[j], 1.0f, share);
       });
@@ -124,16 +127,18 @@ void FastGroup::couple(double h) {
 }
 
 void FastGroup::update(double h, PlanarMatrix& W1) {
-  combine(identity_, -h * tableau_.b, QB_, Q1_);
   in_phases(
       1,
+      [&](std::size_t, Share share, Worker&) {
+        combine(identity_, -h * tableau_.b, QB_, Q1_, share);
+      },
       [&](std::size_t, Share share, Worker& worker) {
         worker.planar.multiply(W0_, Q1_, W0Q_[0], 1.0, share);
       },
       [&](std::size_t, Share share, Worker& worker) {
         worker.planar.multiply_adjoint_left_upper(Q1_, W0Q_[0], W1, share);
-      });
-  mirror_skew(W1);
+      },
+      [&](std::size_t, Share share, Worker&) { mirror_skew(W1, share); });
 }
 
 }  // namespace isosyrk

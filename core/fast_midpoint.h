@@ -35,7 +35,8 @@ class FastMidpoint final : public FastForm {
  private:
   void commute(double h);
   void invert(double h, double accuracy);
-  static void set_sum(const SingleMatrix& X, double scale, double shift, SingleMatrix& Y);
+  static void set_sum(const SingleMatrix& X, double scale, double shift, SingleMatrix& Y,
+                      Share share);
 
   PlanarMatrix W_stage_, B_, M_, MB_, commutator_;
   SingleMatrix W_single_, B_single_, X_, K_right_, dB_, product_, other_;

@@ -1,7 +1,6 @@
 // Sums that go from double to single precision and back, one pass over memory each.
 //
-// Rows of planar matrices are filled up differently in the two, so these run row by row: `begin`
-// and `end` count the 2n rows of both planes.
+// Rows of planar matrices are filled up differently in the two, so these run row by row.
 #pragma once
 
 #include <algorithm>
@@ -11,13 +10,6 @@
 #include "core/tableau.h"
 
 namespace isosyrk {
-
-/// One half, 0 or 1, of those rows: a plane.
-struct HalfOfRows {
-  HalfOfRows(Index n, std::size_t half) : begin(half == 0 ? 0 : n), end(half == 0 ? n : 2 * n) {}
-  Index begin;
-  Index end;
-};
 
 namespace mixed_sums {
 
@@ -36,24 +28,25 @@ inline auto at(SingleMatrix& X, Index i) { return Eigen::Map<Singles>(X.entries(
 
 /// Calls body(i, k) for eight numbers after the other, at i in double and k in single precision.
 template <class Body>
-void for_pieces(Index n, Index begin, Index end, Body&& body) {
-  const Index stride = planar_stride<double>(n);
-  const Index single_stride = planar_stride<float>(n);
-  const Index columns = std::min(stride, single_stride);
-  for (Index row = begin; row < end; ++row) {
-    for (Index c = 0; c < columns; c += length) body(row * stride + c, row * single_stride + c);
+void for_pieces(Index n, Share share, Body&& body) {
+  const Rows rows(n, share);
+  const Index row = planar_row<double>(n);
+  const Index single_row = planar_row<float>(n);
+  const Index columns = std::min(row, single_row);
+  for (Index part = 2 * rows.begin; part < 2 * rows.end; ++part) {
+    for (Index c = 0; c < columns; c += length) body(part * row + c, part * single_row + c);
   }
 }
 
 template <int Size>
 void residuals(const PlanarMatrix& base, double h, const RealMatrix& a,
                const std::vector<PlanarMatrix>& Y, const std::vector<PlanarMatrix>& X,
-               std::vector<SingleMatrix>& R, double* squares, Index begin, Index end) {
+               std::vector<SingleMatrix>& R, double* squares, Share share) {
   constexpr int most = Size == Eigen::Dynamic ? max_stages : Size;
   const Eigen::Matrix<double, Size, Size, Eigen::ColMajor, most, most> c = h * a;
   Doubles sums[most];
   for (Index i = 0; i < c.rows(); ++i) sums[i].setZero();
-  for_pieces(base.size(), begin, end, [&](Index at_double, Index at_single) {
+  for_pieces(base.size(), share, [&](Index at_double, Index at_single) {
     Doubles y[most];
     for (Index j = 0; j < c.rows(); ++j) y[j] = at(Y[static_cast<std::size_t>(j)], at_double);
     const Doubles start = at(base, at_double);
@@ -74,26 +67,26 @@ void residuals(const PlanarMatrix& base, double h, const RealMatrix& a,
 /// single precision; squares[i] = Σ |R_i|².
 inline void residuals(const PlanarMatrix& base, double h, const RealMatrix& a,
                       const std::vector<PlanarMatrix>& Y, const std::vector<PlanarMatrix>& X,
-                      std::vector<SingleMatrix>& R, double* squares, Index begin, Index end) {
+                      std::vector<SingleMatrix>& R, double* squares, Share share) {
   switch (Y.size()) {
     case 1:
-      return mixed_sums::residuals<1>(base, h, a, Y, X, R, squares, begin, end);
+      return mixed_sums::residuals<1>(base, h, a, Y, X, R, squares, share);
     case 2:
-      return mixed_sums::residuals<2>(base, h, a, Y, X, R, squares, begin, end);
+      return mixed_sums::residuals<2>(base, h, a, Y, X, R, squares, share);
     case 3:
-      return mixed_sums::residuals<3>(base, h, a, Y, X, R, squares, begin, end);
+      return mixed_sums::residuals<3>(base, h, a, Y, X, R, squares, share);
     default:
-      return mixed_sums::residuals<Eigen::Dynamic>(base, h, a, Y, X, R, squares, begin, end);
+      return mixed_sums::residuals<Eigen::Dynamic>(base, h, a, Y, X, R, squares, share);
   }
 }
 
 /// R = fresh - X in single precision, where fresh(load) gives eight neighbouring numbers from those
 /// that load(Y) takes of any matrix; returns Σ |R|².
 template <class Fresh>
-double residual(const PlanarMatrix& X, Fresh&& fresh, SingleMatrix& R, Index begin, Index end) {
+double residual(const PlanarMatrix& X, Fresh&& fresh, SingleMatrix& R, Share share) {
   using mixed_sums::at;
   mixed_sums::Doubles sum = mixed_sums::Doubles::Zero();
-  mixed_sums::for_pieces(X.size(), begin, end, [&](Index i, Index k) {
+  mixed_sums::for_pieces(X.size(), share, [&](Index i, Index k) {
     const auto load = [i](const PlanarMatrix& Y) { return at(Y, i); };
     const mixed_sums::Doubles change = fresh(load) - at(X, i);
     sum += change.square();
@@ -102,18 +95,18 @@ double residual(const PlanarMatrix& X, Fresh&& fresh, SingleMatrix& R, Index beg
   return sum.sum();
 }
 
-/// S = X, rounded, with its band, which comes with the first row.
-inline void narrow(const PlanarMatrix& X, SingleMatrix& S, Index begin, Index end) {
+/// S = X, rounded, with its band.
+inline void narrow(const PlanarMatrix& X, SingleMatrix& S, Share share) {
   using mixed_sums::at;
-  mixed_sums::for_pieces(X.size(), begin, end,
+  mixed_sums::for_pieces(X.size(), share,
                          [&](Index i, Index k) { at(S, k) = at(X, i).cast<float>(); });
-  if (begin == 0) S.set_band(X.band());
+  if (share.is_first()) S.set_band(X.band());
 }
 
 /// X += S.
-inline void add(const SingleMatrix& S, PlanarMatrix& X, Index begin, Index end) {
+inline void add(const SingleMatrix& S, PlanarMatrix& X, Share share) {
   using mixed_sums::at;
-  mixed_sums::for_pieces(X.size(), begin, end,
+  mixed_sums::for_pieces(X.size(), share,
                          [&](Index i, Index k) { at(X, i) += at(S, k).cast<double>(); });
 }
 

@@ -15,37 +15,47 @@ Index first_column(Index n, Index part, Index parts) {
 }
 
 // Calls block(upper, lower) with the places of the blocks of four rows at (r, c) and (c, r), r < c,
-// and pair(upper, lower) with those of single entries of what is left, the diagonal's blocks and
-// the last rows that are less than four; and on_diagonal(place); of all, or of a share of them.
+// and pair(upper, lower) with those of single entries of what is left, the diagonal's blocks, those
+// at the edge of the band and the last rows that are less than four; and on_diagonal(place); of all
+// within a band, or of a share of them.
 template <class Real, class OnBlock, class OnPair, class OnDiagonal>
-void for_pairs(const PlanarMatrixOf<Real>& C, Share share, OnBlock&& block, OnPair&& pair,
-               OnDiagonal&& on_diagonal) {
+void for_pairs(const PlanarMatrixOf<Real>& C, Index band, Share share, OnBlock&& block,
+               OnPair&& pair, OnDiagonal&& on_diagonal) {
   const Index n = C.size();
   const Index stride = C.stride();
   const Index begin = first_column(n, share.part, share.parts);
   const Index end = first_column(n, share.part + 1, share.parts);
+  const auto pair_at = [&](Index r, Index c) { pair(r * stride + c, c * stride + r); };
   Index c = begin;
   for (; c + 4 <= end; c += 4) {
-    for (Index r = 0; r < c; r += 4) block(r * stride + c, c * stride + r);
+    Index r = std::max<Index>(0, c - 3 - band) / 4 * 4;  // the first block that reaches the band
+    for (; r < c && c + 3 - r > band; r += 4) {
+      for (Index i = r; i < r + 4; ++i) {
+        for (Index k = c; k < std::min(c + 4, i + band + 1); ++k) pair_at(i, k);
+      }
+    }
+    for (; r < c; r += 4) block(r * stride + c, c * stride + r);
     for (Index i = c; i < c + 4; ++i) {
-      for (Index k = i + 1; k < c + 4; ++k) pair(i * stride + k, k * stride + i);
+      for (Index k = i + 1; k < std::min(c + 4, i + band + 1); ++k) pair_at(i, k);
     }
   }
   for (; c < end; ++c) {
-    for (Index r = 0; r < c; ++r) pair(r * stride + c, c * stride + r);
+    for (Index r = std::max<Index>(0, c - band); r < c; ++r) pair_at(r, c);
   }
   for (Index i = begin; i < end; ++i) on_diagonal(i * stride + i);
 }
 
 }  // namespace
 
+namespace {
+
 template <class Real>
-void mirror_skew(PlanarMatrixOf<Real>& C, Share share) {
+void mirror(Index band, PlanarMatrixOf<Real>& C, Share share) {
   const Index stride = C.stride();
   Real* re = C.re();
   Real* im = C.im();
   for_pairs(
-      C, share,
+      C, band, share,
       [=](Index upper, Index lower) {
         Block<Real> block;
         block.load(re + upper, stride);
@@ -63,6 +73,19 @@ void mirror_skew(PlanarMatrixOf<Real>& C, Share share) {
       [=](Index at) { re[at] = 0; });
 }
 
+}  // namespace
+
+template <class Real>
+void mirror_skew(PlanarMatrixOf<Real>& C, Share share) {
+  mirror(C.size() - 1, C, share);
+}
+
+template <class Real>
+void mirror_skew_within(Index band, PlanarMatrixOf<Real>& C, Share share) {
+  mirror(band, C, share);
+  cut_to_band(band, C, share);
+}
+
 template <class Real>
 void skew_part(const PlanarMatrixOf<Real>& C, std::type_identity_t<Real> scale,
                PlanarMatrixOf<Real>& out, Share share) {
@@ -72,7 +95,7 @@ void skew_part(const PlanarMatrixOf<Real>& C, std::type_identity_t<Real> scale,
   Real* out_re = out.re();
   Real* out_im = out.im();
   for_pairs(
-      C, share,
+      C, C.size() - 1, share,
       [=](Index upper, Index lower) {
         Block<Real> sum, other;
         sum.load(re + upper, stride);
@@ -121,7 +144,7 @@ void minus_adjoint(const PlanarMatrixOf<Real>& C, PlanarMatrixOf<Real>& out, Sha
     block.store(to, stride);
   };
   for_pairs(
-      C, share,
+      C, C.size() - 1, share,
       [=](Index upper, Index lower) {
         turn(re + lower, out_re + upper, true);
         turn(re + upper, out_re + lower, true);
@@ -142,78 +165,63 @@ void minus_adjoint(const PlanarMatrixOf<Real>& C, PlanarMatrixOf<Real>& out, Sha
 
 namespace {
 
-// From the squares of the diagonals.
-Index band_by(const RealVector& squares, double tail) {
-  double outside = 0.0;
-  for (Index band = squares.size() - 1; band > 0; --band) {
-    outside += squares(band);
-    if (!(outside <= tail * tail)) return band;  // NaN included
-  }
-  return 0;
-}
-
-// Row i of both planes from the diagonal on, squared.
+// Columns first ... first + count - 1 of a row of both parts, squared.
 template <class Real>
-auto upper_squares(const PlanarMatrixOf<Real>& W, Index i) {
-  const auto row = [&](const Real* plane) {
+auto squares_in_row(const PlanarMatrixOf<Real>& W, Index row, Index first, Index count) {
+  const auto of = [&](const Real* part) {
     using Row = Eigen::Array<Real, Eigen::Dynamic, 1>;
-    return Eigen::Map<const Row>(plane + i * W.stride() + i, W.size() - i)
+    return Eigen::Map<const Row>(part + row * W.stride() + first, count)
         .template cast<double>()
         .square();
   };
-  return row(W.re()) + row(W.im());
-}
-
-// The same up to the diagonal.
-template <class Real>
-auto lower_squares(const PlanarMatrixOf<Real>& W, Index i) {
-  const auto row = [&](const Real* plane) {
-    using Row = Eigen::Array<Real, Eigen::Dynamic, 1>;
-    return Eigen::Map<const Row>(plane + i * W.stride(), i).template cast<double>().square();
-  };
-  return row(W.re()) + row(W.im());
+  return of(W.re()) + of(W.im());
 }
 
 }  // namespace
 
 template <class Real>
-Index band_of(const PlanarMatrixOf<Real>& W, double tail, RealVector& squares) {
+void diagonal_squares(const PlanarMatrixOf<Real>& W, RealVector& squares, Share share) {
   const Index n = W.size();
   squares.setZero();
-  for (Index i = 0; i < n; ++i) {
-    squares.head(n - i).array() += upper_squares(W, i);
-    squares.segment(1, i).array() += lower_squares(W, i).reverse();
+  const Rows rows(n, share);
+  for (Index i = rows.begin; i < rows.end; ++i) {
+    squares.head(n - i).array() += squares_in_row(W, i, i, n - i);
+    squares.segment(1, i).array() += squares_in_row(W, i, 0, i).reverse();
   }
-  return band_by(squares, tail);
 }
 
-Index band_of_skew(const PlanarMatrix& W, double tail, RealVector& squares) {
+void diagonal_squares_of_skew(const PlanarMatrix& W, Index first, Index end, RealVector& squares) {
   const Index n = W.size();
-  squares.setZero();
-  for (Index i = 0; i < n; ++i) squares.head(n - i).array() += 2.0 * upper_squares(W, i);
-  return band_by(squares, tail);
+  squares.segment(first, end - first).setZero();
+  for (Index i = 0; i + first < n; ++i) {
+    const Index count = std::min(n - i, end) - first;
+    squares.segment(first, count).array() += 2.0 * squares_in_row(W, i, i + first, count);
+  }
 }
 
 template <class Real>
-void cut_to_band(Index band, PlanarMatrixOf<Real>& W) {
+void cut_to_band(Index band, PlanarMatrixOf<Real>& W, Share share) {
   const Index n = W.size();
-  W.set_band(band);
+  if (share.is_first()) W.set_band(band);
   if (band >= n - 1) return;
-  for (Real* plane : {W.re(), W.im()}) {
-    for (Index i = 0; i < n; ++i) {
-      Real* row = plane + i * W.stride();
+  const Rows rows(n, share);
+  for (Index i = rows.begin; i < rows.end; ++i) {
+    for (Real* part : {W.re(), W.im()}) {
+      Real* row = part + i * W.stride();
       if (i > band) std::fill(row, row + i - band, Real{0});
       if (i + band + 1 < n) std::fill(row + i + band + 1, row + n, Real{0});
     }
   }
 }
 
-template Index band_of(const PlanarMatrix&, double, RealVector&);
-template Index band_of(const SingleMatrix&, double, RealVector&);
-template void cut_to_band(Index, PlanarMatrix&);
-template void cut_to_band(Index, SingleMatrix&);
+template void diagonal_squares(const PlanarMatrix&, RealVector&, Share);
+template void diagonal_squares(const SingleMatrix&, RealVector&, Share);
+template void cut_to_band(Index, PlanarMatrix&, Share);
+template void cut_to_band(Index, SingleMatrix&, Share);
 template void mirror_skew(PlanarMatrix&, Share);
 template void mirror_skew(SingleMatrix&, Share);
+template void mirror_skew_within(Index, PlanarMatrix&, Share);
+template void mirror_skew_within(Index, SingleMatrix&, Share);
 template void skew_part(const PlanarMatrix&, double, PlanarMatrix&, Share);
 template void skew_part(const SingleMatrix&, float, SingleMatrix&, Share);
 template void minus_adjoint(const PlanarMatrix&, PlanarMatrix&, Share);

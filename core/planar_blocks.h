@@ -60,20 +60,34 @@ struct Block {
   }
 };
 
-/// The smallest band outside which the entries of W come to at most `tail` in the Frobenius norm;
-/// of one that is skew-Hermitian the upper triangle is read.  squares: n numbers to work with.
+/// squares(m) = Σ |W(r, c)|² over |r - c| = m, of all rows or a share of them.  squares: n numbers.
 template <class Real>
-Index band_of(const PlanarMatrixOf<Real>& W, double tail, RealVector& squares);
-Index band_of_skew(const PlanarMatrix& W, double tail, RealVector& squares);
+void diagonal_squares(const PlanarMatrixOf<Real>& W, RealVector& squares, Share share = {});
+/// The same of a skew-Hermitian matrix whose upper triangle is read, for m = first ... end - 1.
+void diagonal_squares_of_skew(const PlanarMatrix& W, Index first, Index end, RealVector& squares);
+/// The smallest band outside which entries with those squares come to at most `tail` in the
+/// Frobenius norm.
+template <class Squares>
+Index smallest_band(const Squares& squares, double tail) {
+  double outside = 0.0;
+  for (Index band = squares.size() - 1; band > 0; --band) {
+    outside += squares(band);
+    if (!(outside <= tail * tail)) return band;  // NaN included
+  }
+  return 0;
+}
 
-/// Sets what lies outside a band of W to 0.
+/// Sets what lies outside a band of W to 0, or a share of it.
 template <class Real>
-void cut_to_band(Index band, PlanarMatrixOf<Real>& W);
+void cut_to_band(Index band, PlanarMatrixOf<Real>& W, Share share = {});
 
 /// Fills the lower triangle of a skew-Hermitian matrix, or a share of it, from the upper:
 /// C(r, c) = -conj(C(c, r)), the diagonal imaginary.
 template <class Real>
 void mirror_skew(PlanarMatrixOf<Real>& C, Share share = {});
+/// The same within a band, to which C is cut.
+template <class Real>
+void mirror_skew_within(Index band, PlanarMatrixOf<Real>& C, Share share = {});
 
 /// out = scale (C - C†), exactly skew-Hermitian, or a share of it.  out is not C.
 template <class Real>

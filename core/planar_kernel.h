@@ -16,9 +16,9 @@ struct PlanarLimits {
   std::ptrdiff_t adjoint_A;  ///< where B is copied
 };
 
-/// C = scale A B, or scale A† B, all n x n, as planes whose rows are `stride` numbers apart, a
-/// multiple of 64 bytes that is at least n; what fills the rows up is 0 and stays so.  Real is
-/// double or float.
+/// C = scale A B, or scale A† B, all n x n, their rows `stride` numbers apart: real parts in the
+/// first half of each, imaginary parts in the second, a multiple of 64 bytes that is at least n
+/// long; what fills the halves up is 0 and stays so.  Real is double or float.
 template <class Real>
 struct PlanarProduct {
   std::ptrdiff_t n;
@@ -44,7 +44,7 @@ struct PlanarProduct {
 
 /// Numbers of workspace that a product takes: two columns, the copy of B, and rows of A.
 constexpr std::ptrdiff_t planar_scratch(std::ptrdiff_t n, std::ptrdiff_t stride, bool copies_B) {
-  return 2 * stride + (copies_B ? 2 * n * stride + 12 * n : 0);
+  return stride + (copies_B ? n * stride + 12 * n : 0);
 }
 
 /// The kernels of one vector unit.

@@ -251,7 +251,7 @@ template <bool adjoint, class Real>
 void multiply_packed(const PlanarProduct<Real>& product, const Left<Real>& A) {
   const Index n = product.n;
   const Index stride = product.stride;
-  Real* packed = product.scratch + 2 * stride;
+  Real* packed = product.scratch + stride;
   for_panels<Real>(n, [&](Kind, Index j, Index columns) {
     const Index vectors = (columns + width<Real> - 1) / width<Real>;
     const Range of_k = near(n, j, j + columns, product.B_band);
@@ -265,7 +265,7 @@ void multiply_packed(const PlanarProduct<Real>& product, const Left<Real>& A) {
       to += 2 * vectors * width<Real>;
     }
   });
-  Real* columns_of_A = packed + 2 * n * stride;
+  Real* columns_of_A = packed + n * stride;
   for_row_blocks(product.first_row, product.end_row, [&](Index i, Index height) {
     Left<Real> block = rows_from(A, i);
     if (adjoint && product.copies_adjoint_A) {  // columns of A, which lie far apart
@@ -372,12 +372,12 @@ inline void copy_last_column(const PlanarProduct<Real>& product) {
   const Index n = product.n;
   const Index stride = product.stride;
   Real* x = product.scratch;  // the column of B, filled up with 0
-  Real* y = product.scratch + stride;
+  Real* y = product.scratch + stride / 2;
   for (Index k = 0; k < n; ++k) {
     x[k] = product.B_re[k * stride + n - 1];
     y[k] = product.B_im[k * stride + n - 1];
   }
-  for (Index k = n; k < stride; ++k) x[k] = y[k] = 0.0;
+  for (Index k = n; k < stride / 2; ++k) x[k] = y[k] = 0.0;
 }
 
 // A single column that is left, as all n = 16 k + 1 have: a matrix times a vector, by rows of A.
@@ -385,7 +385,7 @@ template <class Real>
 inline void last_column(const PlanarProduct<Real>& product) {
   const Index stride = product.stride;
   const Real* x = product.scratch;
-  const Real* y = product.scratch + stride;
+  const Real* y = product.scratch + stride / 2;
   constexpr Index together = 4;
   Index i = product.first_row;
   for (; i + together <= product.end_row; i += together) last_entries<together>(product, x, y, i);
@@ -426,7 +426,7 @@ template <class Real>
 inline void last_column_of_adjoint(const PlanarProduct<Real>& product) {
   const Index end = product.end_row;
   Real* re = product.scratch;
-  Real* im = product.scratch + product.stride;
+  Real* im = product.scratch + product.stride / 2;
   // Whole vectors; a row of A is filled up to them.
   Index i = product.first_row / width<Real> * width<Real>;
   for (; i + 2 * width<Real> < end; i += 3 * width<Real>) {

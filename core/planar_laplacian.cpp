@@ -6,18 +6,35 @@
 
 namespace isosyrk {
 
+namespace {
+
+// Where a share of the diagonals begins: a multiple of 8, so that they are taken by whole vectors.
+Index first_diagonal(Index n, Index band, Index part, Index parts) {
+  if (part == parts) return band + 1;
+  const Index all = (band + 1) * (2 * n - band) / 2;
+  Index m = 0;
+  for (Index before = 0; parts * before < part * all; ++m) before += n - m;
+  return std::min(m / 8 * 8, band + 1);
+}
+
+}  // namespace
+
+Diagonals::Diagonals(Index n, Index band, Share share)
+    : begin(first_diagonal(n, band, share.part, share.parts)),
+      end(first_diagonal(n, band, share.part + 1, share.parts)) {}
+
 template <class Real>
 PlanarLaplacianOf<Real>::PlanarLaplacianOf(const Laplacian& laplacian)
     : n_(laplacian.size()),
-      stride_(planar_stride<Real>(n_)),
-      lower_(Reals::Zero(n_ * stride_)),
-      reciprocal_pivot_(Reals::Zero(n_ * stride_)),
+      row_(planar_row<Real>(n_)),
+      lower_(Reals::Zero(n_ * row_)),
+      reciprocal_pivot_(Reals::Zero(n_ * row_)),
       no_factors_(Reals::Zero(4)),
       identity_solution_(laplacian.identity_solution().template cast<Real>()) {
   for (Index i = 0; i < n_; ++i) {
     for (Index m = 0; m < n_ - i; ++m) {
-      lower_(i * stride_ + m) = static_cast<Real>(laplacian.lower(i, m));
-      reciprocal_pivot_(i * stride_ + m) = static_cast<Real>(laplacian.reciprocal_pivot(i, m));
+      lower_(i * row_ + m) = static_cast<Real>(laplacian.lower(i, m));
+      reciprocal_pivot_(i * row_ + m) = static_cast<Real>(laplacian.reciprocal_pivot(i, m));
     }
   }
 }
@@ -25,10 +42,18 @@ PlanarLaplacianOf<Real>::PlanarLaplacianOf(const Laplacian& laplacian)
 template <class Real>
 void PlanarLaplacianOf<Real>::solve_skew_hermitian(const PlanarMatrixOf<Real>& W, Real scale,
                                                    PlanarMatrixOf<Real>& P, Index band) const {
+  solve_upper(W, scale, P, band);
+  mirror_skew_within(band, P);
+}
+
+template <class Real>
+void PlanarLaplacianOf<Real>::solve_upper(const PlanarMatrixOf<Real>& W, Real scale,
+                                          PlanarMatrixOf<Real>& P, Index band, Share share) const {
   // Every diagonal at once, four at a time; past the end of a row all factors are 0, and what is
   // written there, where the rows are filled up, must be too.
   const Index n = n_;
-  const Index stride = stride_;
+  const Index row = row_;
+  const Index stride = W.stride();
   const Real* l = lower_.data();
   const Real* d = reciprocal_pivot_.data();
   const Real* w_re = W.re();
@@ -44,20 +69,22 @@ void PlanarLaplacianOf<Real>::solve_skew_hermitian(const PlanarMatrixOf<Real>& W
     four(p_im + at) = im;
   };
 
-  const auto diagonals = [=](Index i) { return std::min(n - i, band + 1); };
-  if (band < n - 1) P.entries().setZero();
+  const Diagonals diagonals(n, band, share);
+  const Index first = diagonals.begin;
+  const auto end = [n, last = diagonals.end](Index i) { return std::min(n - i, last); };
 
   // Forward elimination: y_i = f_i - l_i y_{i-1}.
-  std::copy(w_re, w_re + (band < n - 1 ? band + 1 : stride), p_re);
-  std::copy(w_im, w_im + (band < n - 1 ? band + 1 : stride), p_im);
+  std::copy(w_re + diagonals.begin, w_re + diagonals.end, p_re + diagonals.begin);
+  std::copy(w_im + diagonals.begin, w_im + diagonals.end, p_im + diagonals.begin);
   for (Index i = 1; i < n; ++i) {
     const Index here = i * stride + i;
     const Index above = here - stride - 1;
-    for (Index m = 0; m < diagonals(i); m += 4) {
-      const Four<Real> factor = four(l + i * stride + m);
+    const Index behind = end(i);
+    for (Index m = first; m < behind; m += 4) {
+      const Four<Real> factor = four(l + i * row + m);
       const Four<Real> re = four(w_re + here + m) - factor * four(p_re + above + m);
       const Four<Real> im = four(w_im + here + m) - factor * four(p_im + above + m);
-      put(here + m, diagonals(i) - m, re, im);
+      put(here + m, behind - m, re, im);
     }
   }
 
@@ -66,18 +93,21 @@ void PlanarLaplacianOf<Real>::solve_skew_hermitian(const PlanarMatrixOf<Real>& W
     const bool last_row = i == n - 1;
     const Index here = i * stride + i;
     const Index below = last_row ? here : here + stride + 1;
-    const Real* l_below = last_row ? no_factors_.data() : l + (i + 1) * stride;
-    for (Index m = 0; m < diagonals(i); m += 4) {
-      const Four<Real> pivot = -scale * four(d + i * stride + m);
+    const Real* l_below = last_row ? no_factors_.data() : l + (i + 1) * row;
+    const Index behind = end(i);
+    for (Index m = first; m < behind; m += 4) {
+      const Four<Real> pivot = -scale * four(d + i * row + m);
       const Four<Real> factor = four(l_below + m);
       const Four<Real> re = pivot * four(p_re + here + m) - factor * four(p_re + below + m);
       const Four<Real> im = pivot * four(p_im + here + m) - factor * four(p_im + below + m);
-      put(here + m, diagonals(i) - m, re, im);
+      put(here + m, behind - m, re, im);
     }
   }
 
+  if (share.is_first()) P.set_band(band);
+  if (diagonals.begin > 0 || diagonals.end == 0) return;
   // The main diagonal: take out what the trace of W put in, then the trace.
-  const auto diagonal = [this](auto* plane, Index i) -> auto& { return plane[i * stride_ + i]; };
+  const auto diagonal = [stride](auto* part, Index i) -> auto& { return part[i * stride + i]; };
   Real mean_of_W = 0;
   for (Index i = 0; i < n_; ++i) mean_of_W += diagonal(W.im(), i);
   mean_of_W *= scale / static_cast<Real>(n_);
@@ -88,8 +118,6 @@ void PlanarLaplacianOf<Real>::solve_skew_hermitian(const PlanarMatrixOf<Real>& W
   }
   mean /= static_cast<Real>(n_);
   for (Index i = 0; i < n_; ++i) diagonal(P.im(), i) -= mean;
-  P.set_band(band);
-  mirror_skew(P);
 }
 
 template class PlanarLaplacianOf<double>;

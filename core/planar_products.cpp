@@ -40,7 +40,7 @@ Index first_row(Index n, bool upper, Index reach, Index part, Index parts) {
   Index all = 0;
   for (Index i = 0; i < n; ++i) all += in_row(i);
   Index row = 0;
-  for (Index above = 0; parts * above < part * all; ++row) above += in_row(row);
+  for (Index above = in_row(0); parts * above <= part * all; above += in_row(row)) ++row;
   return row;
 }
 
@@ -71,7 +71,7 @@ template <class Real>
 PlanarProductsOf<Real>::PlanarProductsOf(Index n, const PlanarKernel& kernel)
     : n_(n), kernel_(kernel) {
   if (n < 1) throw std::invalid_argument(fmt::format("products: n = {}, must be at least 1", n));
-  scratch_ = AnyMatrix::Entries::Zero(planar_scratch(n, planar_stride<Real>(n), n > limits().B));
+  scratch_ = AnyMatrix::Entries::Zero(planar_scratch(n, 2 * planar_row<Real>(n), n > limits().B));
 }
 
 template <class Real>

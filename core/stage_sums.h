@@ -34,6 +34,19 @@ Eigen::Map<const Eigen::Array<Real, Eigen::Dynamic, 1>> reals(const PlanarMatrix
   return {X.entries().data(), X.entries().size()};
 }
 
+/// Those of them that a share is of.
+template <class Real>
+Eigen::Map<Eigen::Array<Real, Eigen::Dynamic, 1>> reals(PlanarMatrixOf<Real>& X, Share share) {
+  const NumbersOfRows numbers(X, share);
+  return {X.entries().data() + numbers.begin, numbers.end - numbers.begin};
+}
+template <class Real>
+Eigen::Map<const Eigen::Array<Real, Eigen::Dynamic, 1>> reals(const PlanarMatrixOf<Real>& X,
+                                                              Share share) {
+  const NumbersOfRows numbers(X, share);
+  return {X.entries().data() + numbers.begin, numbers.end - numbers.begin};
+}
+
 /// s matrices of size n x n, zero.
 inline std::vector<Matrix> stage_matrices(Index s, Index n) {
   return std::vector<Matrix>(static_cast<std::size_t>(s), Matrix::Zero(n, n));
@@ -42,23 +55,26 @@ inline std::vector<Matrix> stage_matrices(Index s, Index n) {
 namespace stage_sums {
 
 /// Calls set(sum) with the sum of the first terms weights(j) Y_j, up to three, as an expression to
-/// be evaluated in one pass; the rest is added to out one term at a time.
-template <class Weights, class AnyMatrix, class Set>
-void combine(const Weights& weights, const std::vector<AnyMatrix>& Y, AnyMatrix& out, Set&& set) {
+/// be evaluated in one pass; the rest is added to out one term at a time.  Of all real numbers, or
+/// those of a share.
+template <class Weights, class AnyMatrix, class Set, class... OfShare>
+void combine(const Weights& weights, const std::vector<AnyMatrix>& Y, AnyMatrix& out, Set&& set,
+             OfShare... share) {
+  const auto term = [&](std::size_t j) {
+    return weights(static_cast<Index>(j)) * reals(Y[j], share...);
+  };
   switch (Y.size()) {
     case 1:
-      set(weights(0) * reals(Y[0]));
+      set(term(0));
       return;
     case 2:
-      set(weights(0) * reals(Y[0]) + weights(1) * reals(Y[1]));
+      set(term(0) + term(1));
       return;
     default:
-      set(weights(0) * reals(Y[0]) + weights(1) * reals(Y[1]) + weights(2) * reals(Y[2]));
+      set(term(0) + term(1) + term(2));
       break;
   }
-  for (std::size_t j = 3; j < Y.size(); ++j) {
-    reals(out) += weights(static_cast<Index>(j)) * reals(Y[j]);
-  }
+  for (std::size_t j = 3; j < Y.size(); ++j) reals(out, share...) += term(j);
 }
 
 }  // namespace stage_sums
@@ -69,6 +85,13 @@ template <class Weights, class AnyMatrix>
 void combine(const Weights& weights, const std::vector<AnyMatrix>& Y, AnyMatrix& out) {
   stage_sums::combine(weights, Y, out, [&](const auto& sum) { reals(out) = sum; });
 }
+/// A share of that.
+template <class Weights, class Real>
+void combine(const Weights& weights, const std::vector<PlanarMatrixOf<Real>>& Y,
+             PlanarMatrixOf<Real>& out, Share share) {
+  const auto set = [&](const auto& sum) { reals(out, share) = sum; };
+  stage_sums::combine(weights, Y, out, set, share);
+}
 
 /// out = base + Σ_j weights(j) Y_j, likewise; out is not base either.
 template <class Weights, class AnyMatrix>
@@ -76,11 +99,18 @@ void combine(const AnyMatrix& base, const Weights& weights, const std::vector<An
              AnyMatrix& out) {
   stage_sums::combine(weights, Y, out, [&](const auto& sum) { reals(out) = reals(base) + sum; });
 }
+/// A share of that.
+template <class Weights, class Real>
+void combine(const PlanarMatrixOf<Real>& base, const Weights& weights,
+             const std::vector<PlanarMatrixOf<Real>>& Y, PlanarMatrixOf<Real>& out, Share share) {
+  const auto set = [&](const auto& sum) { reals(out, share) = reals(base, share) + sum; };
+  stage_sums::combine(weights, Y, out, set, share);
+}
 
-/// Σ |fresh - old|² over two matrices.
-template <class AnyMatrix>
-double squared_change(const AnyMatrix& fresh, const AnyMatrix& old) {
-  return (reals(fresh) - reals(old)).square().sum();
+/// Σ |fresh - old|² over two matrices, or a share of them.
+template <class AnyMatrix, class... OfShare>
+double squared_change(const AnyMatrix& fresh, const AnyMatrix& old, OfShare... share) {
+  return (reals(fresh, share...) - reals(old, share...)).square().sum();
 }
 
 /// The largest change of several unknowns from their squares; NaN if any is.
@@ -161,14 +191,15 @@ void update_all(const Base& base, double h, const RealMatrix& a, const std::vect
 }  // namespace stage_sums
 
 /// X = fresh, where fresh(load) gives eight neighbouring numbers of it from those that load(Y)
-/// takes of any matrix, each then seen by also(at, value); returns Σ |change of X|².  Of the real
-/// numbers those from `begin` up to `end`, a multiple of 8 each.
+/// takes of any matrix, each then seen by also(at, value); returns Σ |change of X|².  Of all, or a
+/// share of it.
 template <class Real, class Fresh, class Also>
-double replace_some(PlanarMatrixOf<Real>& X, Index begin, Index end, Fresh&& fresh, Also&& also) {
+double replace(PlanarMatrixOf<Real>& X, Share share, Fresh&& fresh, Also&& also) {
+  const NumbersOfRows numbers(X, share);
   constexpr int length = 8;  // rows are filled up to whole blocks of 8
   using Numbers = stage_sums::Piece<length, Real>;
   Numbers sum = Numbers::Zero();
-  for (Index at = begin; at < end; at += length) {
+  for (Index at = numbers.begin; at < numbers.end; at += length) {
     // A view, which an expression may keep; a copy would be gone before it is evaluated.
     const auto load = [at](const PlanarMatrixOf<Real>& Y) {
       return Eigen::Map<const Numbers>(reals(Y).data() + at);
@@ -181,17 +212,8 @@ double replace_some(PlanarMatrixOf<Real>& X, Index begin, Index end, Fresh&& fre
   return static_cast<double>(sum.sum());
 }
 template <class Real, class Fresh>
-double replace_some(PlanarMatrixOf<Real>& X, Index begin, Index end, Fresh&& fresh) {
-  return replace_some(X, begin, end, fresh, [](Index, const auto&) {});
-}
-/// The same, of the whole.
-template <class Real, class Fresh, class Also>
-double replace(PlanarMatrixOf<Real>& X, Fresh&& fresh, Also&& also) {
-  return replace_some(X, 0, reals(X).size(), fresh, also);
-}
-template <class Real, class Fresh>
-double replace(PlanarMatrixOf<Real>& X, Fresh&& fresh) {
-  return replace_some(X, 0, reals(X).size(), fresh);
+double replace(PlanarMatrixOf<Real>& X, Share share, Fresh&& fresh) {
+  return replace(X, share, fresh, [](Index, const auto&) {});
 }
 
 /// X_i = base + h Σ_j a_ij Y_j for i = 1..s, each Y_j read once; squares[i] = Σ |change of X_i|².

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "core/stage_sums.h"
+
 namespace isosyrk {
 
 StartValues::StartValues(int p, const Unknowns& unknowns) : p_(p) {
@@ -24,30 +26,30 @@ bool StartValues::predict(double h, Unknowns& unknowns, Team& team) const {
                                            static_cast<double>(k + 1);
   }
   for (std::size_t kind = 0; kind < unknowns.size(); ++kind) {
-    team.run(2 * unknowns[kind].size(), [&](std::size_t half, std::size_t) {
-      extrapolate(weights, kind, half / 2, half % 2, unknowns[kind][half / 2].entries());
+    team.run_halves(unknowns[kind].size(), [&](std::size_t i, Share share, std::size_t) {
+      extrapolate(weights, kind, i, share, unknowns[kind][i]);
     });
   }
   return true;
 }
 
-// One half of the entries of an unknown, each from all its past ones at once.
+// A share of the entries of an unknown, each from all its past ones at once.
 void StartValues::extrapolate(const std::array<double, largest>& weights, std::size_t kind,
-                              std::size_t unknown, std::size_t half, RealVector& x) const {
+                              std::size_t unknown, Share share, PlanarMatrix& X) const {
   std::array<const double*, largest> past{};
   for (std::size_t k = 0; k < static_cast<std::size_t>(known_); ++k) {
     const std::size_t step = (newest_ + past_.size() - k) % past_.size();
     past[k] = past_[step][kind][unknown].entries().data();
   }
   constexpr Index length = 8;  // rows are filled up to whole blocks of 8
-  const Half entries(x.size(), half);
-  for (Index i = entries.begin; i < entries.end; i += length) {
+  const NumbersOfRows numbers(X, share);
+  for (Index i = numbers.begin; i < numbers.end; i += length) {
     using Piece = Eigen::Array<double, length, 1>;
     Piece sum = weights[0] * Eigen::Map<const Piece>(past[0] + i);
     for (std::size_t k = 1; k < static_cast<std::size_t>(known_); ++k) {
       sum += weights[k] * Eigen::Map<const Piece>(past[k] + i);
     }
-    Eigen::Map<Piece>(x.data() + i) = sum;
+    Eigen::Map<Piece>(X.entries().data() + i) = sum;
   }
 }
 
@@ -57,11 +59,8 @@ void StartValues::accept(double h, const Unknowns& unknowns, Team& team) {
   h_ = h;
   newest_ = (newest_ + 1) % past_.size();
   for (std::size_t kind = 0; kind < unknowns.size(); ++kind) {
-    team.run(2 * unknowns[kind].size(), [&](std::size_t half, std::size_t) {
-      const RealVector& x = unknowns[kind][half / 2].entries();
-      const Half entries(x.size(), half % 2);
-      past_[newest_][kind][half / 2].entries().segment(entries.begin, entries.end - entries.begin) =
-          x.segment(entries.begin, entries.end - entries.begin);
+    team.run_halves(unknowns[kind].size(), [&](std::size_t i, Share share, std::size_t) {
+      reals(past_[newest_][kind][i], share) = reals(unknowns[kind][i], share);
     });
   }
   known_ = std::min(known_ + 1, p_);

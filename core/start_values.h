@@ -40,7 +40,7 @@ class StartValues {
   static constexpr int largest = 12;
 
   void extrapolate(const std::array<double, largest>& weights, std::size_t kind,
-                   std::size_t unknown, std::size_t half, RealVector& x) const;
+                   std::size_t unknown, Share share, PlanarMatrix& X) const;
 
   int p_;
   int known_ = 0;  // past steps

@@ -31,31 +31,57 @@ double outside(const Matrix& W, Index band) {
   return std::sqrt(sum);
 }
 
+RealVector squares_of(const PlanarMatrix& W) {
+  RealVector squares(W.size());
+  diagonal_squares(W, squares);
+  return squares;
+}
+
+RealVector squares_of_skew(const PlanarMatrix& W) {
+  RealVector squares(W.size());
+  diagonal_squares_of_skew(W, 0, W.size(), squares);
+  return squares;
+}
+
 TEST(Bands, AreTheSmallestThatLeaveOutNoMoreThanTheTail) {
   for (const Index n : {1, 2, 5, 17, 33, 66}) {
     const Matrix W = falling_off(n, 0.7, static_cast<unsigned>(n));
-    const Matrix skew = 0.5 * (W - W.adjoint());
-    RealVector squares = RealVector::Zero(n);
+    const PlanarMatrix skew(Matrix(0.5 * (W - W.adjoint())));
     for (const double tail : {1e-12, 1e-6, 1e-2, 1.0}) {
-      const Index band = band_of(PlanarMatrix(W), tail, squares);
+      const Index band = smallest_band(squares_of(PlanarMatrix(W)), tail);
       EXPECT_LE(outside(W, band), tail) << n;
       if (band > 0) {
         EXPECT_GT(outside(W, band - 1), tail) << n;
       }
-      const Index skew_band = band_of_skew(PlanarMatrix(skew), tail, squares);
-      EXPECT_EQ(skew_band, band_of(PlanarMatrix(skew), tail, squares)) << n;
+      EXPECT_EQ(smallest_band(squares_of_skew(skew), tail), smallest_band(squares_of(skew), tail))
+          << n;
     }
-    EXPECT_EQ(band_of(PlanarMatrix(n), 0.0, squares), 0);
+    EXPECT_EQ(smallest_band(squares_of(PlanarMatrix(n)), 0.0), 0);
+  }
+}
+
+TEST(Bands, AreFoundInShares) {
+  for (const Index n : {1, 2, 5, 17, 66}) {
+    const PlanarMatrix W(random_matrix(n, 1));
+    RealVector upper(n), lower(n), part = RealVector::Zero(n);
+    diagonal_squares(W, upper, {0, 2});
+    diagonal_squares(W, lower, {1, 2});
+    const RealVector all = squares_of(W);
+    EXPECT_LE((upper + lower - all).norm(), 1e-14 * all.norm()) << n;
+    EXPECT_GT((lower - all).norm() + (n == 1 ? 1.0 : 0.0), 0.0) << n;
+    const Index middle = n / 3;
+    diagonal_squares_of_skew(W, 0, middle, part);
+    diagonal_squares_of_skew(W, middle, n, part);
+    EXPECT_EQ(part, squares_of_skew(W)) << n;
   }
 }
 
 TEST(Bands, HoldWhatIsNotANumber) {
   constexpr Index n = 17;
-  RealVector squares = RealVector::Zero(n);
   Matrix W = falling_off(n, 3.0, 1);
   W(2, 14) = std::nan("");
-  EXPECT_GE(band_of(PlanarMatrix(W), 1e-3, squares), 12);
-  EXPECT_GE(band_of_skew(PlanarMatrix(W), 1e-3, squares), 12);
+  EXPECT_GE(smallest_band(squares_of(PlanarMatrix(W)), 1e-3), 12);
+  EXPECT_GE(smallest_band(squares_of_skew(PlanarMatrix(W)), 1e-3), 12);
 }
 
 TEST(Bands, CutWhatLiesOutsideAndNothingElse) {
@@ -70,6 +96,20 @@ TEST(Bands, CutWhatLiesOutsideAndNothingElse) {
           EXPECT_EQ(cut.interleaved()(r, c), std::abs(r - c) > band ? Complex(0.0) : W(r, c));
         }
       }
+    }
+  }
+}
+
+TEST(Bands, OfASkewHermitianMatrixAreMirrored) {
+  for (const Index n : {1, 2, 5, 8, 17, 34}) {
+    const PlanarMatrix start(random_matrix(n, 1));
+    for (Index band = 0; band < n; ++band) {
+      PlanarMatrix expected = start, within = start;
+      mirror_skew(expected);
+      cut_to_band(band, expected);
+      mirror_skew_within(band, within);
+      EXPECT_EQ(within.entries(), expected.entries()) << n << " " << band;
+      EXPECT_EQ(within.band(), band);
     }
   }
 }

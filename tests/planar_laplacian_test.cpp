@@ -40,5 +40,37 @@ TEST(PlanarLaplacian, ReadsTheUpperTriangleOnly) {
   EXPECT_FALSE(found.interleaved().allFinite());
 }
 
+TEST(PlanarLaplacian, SolvesTheDiagonalsOfEachShare) {
+  for (const Index n : {2, 5, 17, 50, 129}) {
+    const PlanarLaplacian planar{Laplacian(n)};
+    const PlanarMatrix W(random_skew_hermitian(n, 1));
+    for (const Index band : {Index{0}, n / 3, n - 1}) {
+      PlanarMatrix whole(n), shared(n);
+      planar.solve_upper(W, 1.3, whole, band);
+      planar.solve_upper(W, 1.3, shared, band, {1, 2});
+      if (band > 24) {  // a share begins at a multiple of 8
+        EXPECT_FALSE(shared.entries() == whole.entries()) << n << " " << band;
+      }
+      planar.solve_upper(W, 1.3, shared, band, {0, 2});
+      EXPECT_TRUE(shared.entries() == whole.entries()) << n << " " << band;
+      EXPECT_EQ(shared.band(), band);
+    }
+  }
+}
+
+TEST(PlanarLaplacian, SharesHoldAboutAsManyEntries) {
+  constexpr Index n = 129;
+  for (const Index band : {Index{20}, n / 2, n - 1}) {
+    const Diagonals near(n, band, {0, 2}), far(n, band, {1, 2});
+    EXPECT_EQ(near.begin, 0);
+    EXPECT_EQ(near.end, far.begin);
+    EXPECT_EQ(far.end, band + 1);
+    const auto entries = [](const Diagonals& of) {
+      return (of.end - of.begin) * (2 * n - of.end - of.begin + 1) / 2;
+    };
+    EXPECT_LE(std::abs(entries(near) - entries(far)), 16 * n) << band;
+  }
+}
+
 }  // namespace
 }  // namespace isosyrk::testing

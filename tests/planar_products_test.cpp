@@ -33,7 +33,7 @@ Matrix exact_product(const Matrix& A, const Matrix& B) {
 
 bool fill_is_zero(const PlanarMatrix& X) {
   for (Index r = 0; r < X.size(); ++r) {
-    for (Index c = X.size(); c < X.stride(); ++c) {
+    for (Index c = X.size(); c < X.stride() / 2; ++c) {
       if (X.re()[r * X.stride() + c] != 0.0 || X.im()[r * X.stride() + c] != 0.0) return false;
     }
   }
@@ -147,11 +147,32 @@ TEST(PlanarProducts, RefuseAliasesAndOtherSizes) {
   EXPECT_EQ(products.count(), 0);
 }
 
-TEST(PlanarStride, IsWholeVectorsAndNoMultipleOfAPage) {
+TEST(PlanarRow, IsWholeVectorsAndTwoAreNoMultipleOfAPage) {
   for (Index n = 1; n <= 2000; ++n) {
-    EXPECT_GE(planar_stride<double>(n), n + 3);
-    EXPECT_EQ(planar_stride<double>(n) % 8, 0);
-    EXPECT_NE(planar_stride<double>(n) % 512, 0);
+    EXPECT_GE(planar_row<double>(n), n + 3);
+    EXPECT_EQ(planar_row<double>(n) % 8, 0);
+    EXPECT_NE(2 * planar_row<double>(n) % 512, 0);
+    EXPECT_EQ(planar_row<float>(n) % 16, 0);
+    EXPECT_NE(2 * planar_row<float>(n) % 1024, 0);
+  }
+}
+
+TEST(PlanarMatrix, IsLoadedAndStoredInShares) {
+  for (const Index n : {1, 2, 5, 17}) {
+    const Matrix W = random_matrix(n, 1);
+    PlanarMatrix X(n);
+    X.load(W, {1, 2});
+    EXPECT_NE(X.interleaved()(n - 1, 0), Complex(0.0));
+    if (n > 1) {
+      EXPECT_EQ(X.interleaved()(0, 0), Complex(0.0)) << "the other half is not touched";
+    }
+    X.load(W, {0, 2});
+    EXPECT_EQ(X.interleaved(), W);
+    Matrix back = Matrix::Zero(n, n);
+    X.store(back, {0, 2});
+    EXPECT_NE(back, W);
+    X.store(back, {1, 2});
+    EXPECT_EQ(back, W);
   }
 }
 

@@ -32,7 +32,7 @@ TEST_P(SinglesInEachUnit, AreMultipliedToTheirRoundingForEverySize) {
     products.multiply_adjoint_left(A, B, C);
     EXPECT_LE((widened(C) - product({a.adjoint(), b})).norm(), bound) << n;
     for (Index r = 0; r < n; ++r) {
-      for (Index c = n; c < C.stride(); ++c) {
+      for (Index c = n; c < C.stride() / 2; ++c) {
         EXPECT_EQ(C.re()[r * C.stride() + c], 0.0f);
         EXPECT_EQ(C.im()[r * C.stride() + c], 0.0f);
       }
@@ -109,6 +109,10 @@ TEST(Singles, AreMirroredAndTransposedInSharesAsInTheWhole) {
   for (const Index n : {1, 2, 3, 5, 8, 17, 34, 129}) {
     const SingleMatrix X(random_matrix(n, 1)), start(random_matrix(n, 2));
     expect_shares_of_the_whole([](SingleMatrix& C, Share share) { mirror_skew(C, share); }, start);
+    expect_shares_of_the_whole(
+        [&](SingleMatrix& C, Share share) { mirror_skew_within(n / 2, C, share); }, start);
+    expect_shares_of_the_whole([&](SingleMatrix& C, Share share) { cut_to_band(1, C, share); },
+                               start);
     expect_shares_of_the_whole([&](SingleMatrix& C, Share share) { skew_part(X, 2.0f, C, share); },
                                start);
     expect_shares_of_the_whole([&](SingleMatrix& C, Share share) { minus_adjoint(X, C, share); },
@@ -131,19 +135,19 @@ TEST(MixedSums, AreThoseOfDoublePrecisionRounded) {
       updated = X;
       RealVector expected = RealVector::Zero(s), upper = expected, lower = expected;
       update_unknowns(base, 0.3, a, Y, updated, expected.data());
-      residuals(base, 0.3, a, Y, X, R, upper.data(), 0, n);
-      residuals(base, 0.3, a, Y, X, R, lower.data(), n, 2 * n);
+      residuals(base, 0.3, a, Y, X, R, upper.data(), {0, 2});
+      residuals(base, 0.3, a, Y, X, R, lower.data(), {1, 2});
       for (Index i = 0; i < s; ++i) {
         const auto u = static_cast<std::size_t>(i);
         EXPECT_NEAR(upper(i) + lower(i), expected(i), 1e-12 * expected(i)) << n << " " << s;
         const Matrix change = updated[u].interleaved() - X[u].interleaved();
         EXPECT_LE(largest_difference(widened(R[u]), change), 1e-6) << n << " " << s;
         PlanarMatrix sum = X[u];
-        add(R[u], sum, 0, n);
-        add(R[u], sum, n, 2 * n);
+        add(R[u], sum, {0, 2});
+        add(R[u], sum, {1, 2});
         EXPECT_EQ(sum.interleaved(), Matrix(X[u].interleaved() + widened(R[u])));
         SingleMatrix rounded(n);
-        narrow(X[u], rounded, 0, 2 * n);
+        narrow(X[u], rounded, {});
         EXPECT_LE(largest_difference(widened(rounded), X[u].interleaved()), 1e-6);
         EXPECT_NE(widened(rounded), X[u].interleaved());
       }
@@ -155,9 +159,9 @@ TEST(MixedSums, KeepTheBand) {
   PlanarMatrix X(random_matrix(9, 1));
   cut_to_band(3, X);
   SingleMatrix rounded(9);
-  narrow(X, rounded, 9, 18);
+  narrow(X, rounded, {1, 2});
   EXPECT_EQ(rounded.band(), 8);
-  narrow(X, rounded, 0, 9);
+  narrow(X, rounded, {0, 2});
   EXPECT_EQ(rounded.band(), 3);
 }
 

@@ -50,6 +50,89 @@ TEST(Team, SharesLongTasks) {
   EXPECT_EQ(done_by[1], 1u);  // from the back
 }
 
+// How often each half of each item was done.
+struct Marks {
+  explicit Marks(std::size_t items) : halves(items) {}
+
+  void mark(std::size_t item, Share share) {
+    for_halves(share, [&](Share half) { ++halves[item][static_cast<std::size_t>(half.part)]; });
+  }
+
+  std::vector<std::array<std::atomic<int>, 2>> halves;
+};
+
+std::vector<Items> tested_items() {
+  std::vector<Items> all = {Items(4, 2), Items(6, 2), Items(2, 2), Items(3, 3)};
+  for (const std::size_t count : {0, 1, 2, 3, 4, 7, 20}) all.emplace_back(count);
+  return all;
+}
+
+TEST(Team, DoesAllPhasesOfAllItemsInTurn) {
+  for (const int threads : {1, 2}) {
+    Team team(threads);
+    for (const Items& items : tested_items()) {
+      for (int round = 0; round < 100; ++round) {
+        Marks first(items.count), second(items.count);
+        std::atomic<int> too_early{0};
+        team.run_phases(
+            items, [&](std::size_t item, Share share, std::size_t) { first.mark(item, share); },
+            [&](std::size_t item, Share share, std::size_t) {
+              for (const auto& half : first.halves[item]) too_early += half != 1;
+              second.mark(item, share);
+            });
+        EXPECT_EQ(too_early, 0) << items.count << " " << items.halved;
+        for (const auto& item : second.halves) {
+          EXPECT_EQ(item[0], 1);
+          EXPECT_EQ(item[1], 1);
+        }
+      }
+    }
+  }
+}
+
+TEST(Team, DoesBothHalvesOfAllItems) {
+  for (const int threads : {1, 2}) {
+    Team team(threads);
+    for (const Items& items : tested_items()) {
+      Marks done(items.count);
+      team.run_halves(items, [&](std::size_t item, Share half, std::size_t) {
+        EXPECT_EQ(half.parts, 2);
+        done.mark(item, half);
+      });
+      for (const auto& item : done.halves) {
+        EXPECT_EQ(item[0], 1);
+        EXPECT_EQ(item[1], 1);
+      }
+    }
+  }
+}
+
+TEST(Team, KeepsHalvesWhereTheirItemsAre) {
+  Team team(2);
+  // After each task a thread waits for the other to have done as many: so both do the same number.
+  for (const Items& items : {Items(4), Items(3), Items(6, 2)}) {
+    std::vector<std::size_t> of_item(items.count), of_half(items.count);
+    using Done = std::array<std::atomic<int>, 2>;
+    const auto together = [](Done& done, std::size_t thread, auto&& work) {
+      work();
+      const int own = ++done[thread];
+      while (done[1 - thread] < own) std::this_thread::yield();
+    };
+    Done phases{}, halves{};
+    team.run_phases(items, [&](std::size_t item, Share share, std::size_t thread) {
+      together(phases, thread, [&] {
+        if (share.parts == 1) of_item[item] = thread;
+      });
+    });
+    team.run_halves(items, [&](std::size_t item, Share, std::size_t thread) {
+      together(halves, thread, [&] {
+        if (item < items.whole()) of_half[item] = thread;
+      });
+    });
+    EXPECT_EQ(of_half, of_item) << items.count;
+  }
+}
+
 TEST(Team, OfOtherSizesIsRefused) {
   EXPECT_THROW(Team(0), std::invalid_argument);
   EXPECT_THROW(Team(3), std::invalid_argument);
