@@ -7,7 +7,9 @@
 // from another of them might run where its unit does not exist.
 //
 // A tile of C is summed over k in registers, real and imaginary parts together: 4 multiply-adds for
-// an entry of A against a vector of B's real and a vector of its imaginary parts.
+// an entry of A against a vector of B's real and a vector of its imaginary parts.  (Three, from the
+// sums of real and imaginary parts, take a quarter longer with AVX-512, n = 33 ... 129: their loads
+// bound them, and the sums have to be formed.)
 #pragma once
 
 namespace isosyrk {

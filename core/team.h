@@ -58,8 +58,7 @@ class Team {
   template <class OfHalf>
   void run_halves(Items items, OfHalf&& half) {
     run(2 * items.count, [&](std::size_t index, std::size_t thread) {
-      const std::size_t before =
-          items.whole() / 2 * 2;  // halves in front of the items in the middle
+      const std::size_t before = items.whole() / 2 * 2;  // as many halves as there are in front
       if (index < before) {
         half(index / 2, half_of(index % 2), thread);
       } else if (index < before + 2 * items.halved) {
