@@ -115,7 +115,9 @@ void FastGroup::couple(double h) {
         worker.singles.multiply_adjoint_left_within(coupling_band(), delta[j], W0Q_single_[j],
                                                     N_[j], share);
       },
-      [&](std::size_t j, Share share, Worker&) { skew_part(N_[j], 1.0f, dW_[j], share); },
+      [&](std::size_t j, Share share, Worker&) {
+        upper_skew_part_within(coupling_band(), N_[j], dW_[j], share);
+      },
       [&](std::size_t j, Share share, Worker& worker) {
         solve_generator(dW_[j], dB_[j], share, worker);
       },

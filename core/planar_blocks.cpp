@@ -128,6 +128,39 @@ void skew_part(const PlanarMatrixOf<Real>& C, std::type_identity_t<Real> scale,
 }
 
 template <class Real>
+void upper_skew_part_within(Index band, const PlanarMatrixOf<Real>& C, PlanarMatrixOf<Real>& out,
+                            Share share) {
+  const Index stride = C.stride();
+  const Real* re = C.re();
+  const Real* im = C.im();
+  Real* out_re = out.re();
+  Real* out_im = out.im();
+  for_pairs(
+      C, band, share,
+      [=](Index upper, Index lower) {
+        Block<Real> sum, other;
+        sum.load(re + upper, stride);
+        other.load(re + lower, stride);
+        other.transpose();
+        for (int r = 0; r < 4; ++r) sum.row[r] -= other.row[r];
+        sum.store(out_re + upper, stride);
+        sum.load(im + upper, stride);
+        other.load(im + lower, stride);
+        other.transpose();
+        for (int r = 0; r < 4; ++r) sum.row[r] += other.row[r];
+        sum.store(out_im + upper, stride);
+      },
+      [=](Index upper, Index lower) {
+        out_re[upper] = re[upper] - re[lower];
+        out_im[upper] = im[upper] + im[lower];
+      },
+      [=](Index at) {
+        out_re[at] = 0;
+        out_im[at] = 2 * im[at];
+      });
+}
+
+template <class Real>
 void minus_adjoint(const PlanarMatrixOf<Real>& C, PlanarMatrixOf<Real>& out, Share share) {
   const Index stride = C.stride();
   const Real* re = C.re();
@@ -224,6 +257,7 @@ template void mirror_skew_within(Index, PlanarMatrix&, Share);
 template void mirror_skew_within(Index, SingleMatrix&, Share);
 template void skew_part(const PlanarMatrix&, double, PlanarMatrix&, Share);
 template void skew_part(const SingleMatrix&, float, SingleMatrix&, Share);
+template void upper_skew_part_within(Index, const SingleMatrix&, SingleMatrix&, Share);
 template void minus_adjoint(const PlanarMatrix&, PlanarMatrix&, Share);
 template void minus_adjoint(const SingleMatrix&, SingleMatrix&, Share);
 

@@ -94,6 +94,11 @@ template <class Real>
 void skew_part(const PlanarMatrixOf<Real>& C, std::type_identity_t<Real> scale,
                PlanarMatrixOf<Real>& out, Share share = {});
 
+/// The upper triangle of C - C† within a band, or a share of it; the rest of out stays as it was.
+template <class Real>
+void upper_skew_part_within(Index band, const PlanarMatrixOf<Real>& C, PlanarMatrixOf<Real>& out,
+                            Share share = {});
+
 /// out = -C†, or a share of it.  out is not C.
 template <class Real>
 void minus_adjoint(const PlanarMatrixOf<Real>& C, PlanarMatrixOf<Real>& out, Share share = {});

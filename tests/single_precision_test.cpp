@@ -92,6 +92,26 @@ TEST(Singles, AreSkewWhereTheirBlocksMakeThemSo) {
   }
 }
 
+TEST(Singles, HaveASkewPartAboveTheDiagonal) {
+  for (const Index n : {1, 2, 5, 8, 17, 34}) {
+    const SingleMatrix X(random_matrix(n, 1)), start(random_matrix(n, 2));
+    SingleMatrix skew(n);
+    skew_part(X, 1.0f, skew);
+    for (Index band = 0; band < n; ++band) {
+      SingleMatrix out = start;
+      upper_skew_part_within(band, X, out);
+      for (Index r = 0; r < n; ++r) {
+        for (Index c = 0; c < n; ++c) {
+          const Index at = r * out.stride() + c;
+          const SingleMatrix& expected = c >= r && c - r <= band ? skew : start;
+          EXPECT_EQ(out.re()[at], expected.re()[at]) << n << " " << band << " " << r << " " << c;
+          EXPECT_EQ(out.im()[at], expected.im()[at]) << n << " " << band << " " << r << " " << c;
+        }
+      }
+    }
+  }
+}
+
 // In two shares, and in one of two, which leaves something out.
 template <class OfShare>
 void expect_shares_of_the_whole(const OfShare& form, const SingleMatrix& start) {
@@ -115,6 +135,8 @@ TEST(Singles, AreMirroredAndTransposedInSharesAsInTheWhole) {
                                start);
     expect_shares_of_the_whole([&](SingleMatrix& C, Share share) { skew_part(X, 2.0f, C, share); },
                                start);
+    expect_shares_of_the_whole(
+        [&](SingleMatrix& C, Share share) { upper_skew_part_within(n - 1, X, C, share); }, start);
     expect_shares_of_the_whole([&](SingleMatrix& C, Share share) { minus_adjoint(X, C, share); },
                                start);
   }
