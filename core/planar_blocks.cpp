@@ -36,7 +36,9 @@ void for_pairs(const PlanarMatrixOf<Real>& C, Index band, Share share, OnBlock&&
     }
     for (; r < c; r += 4) block(r * stride + c, c * stride + r);
     for (Index i = c; i < c + 4; ++i) {
-      for (Index k = i + 1; k < std::min(c + 4, i + band + 1); ++k) pair_at(i, k);
+      for (Index k = i + 1; k < c + 4; ++k) {
+        if (k - i <= band) pair_at(i, k);
+      }
     }
   }
   for (; c < end; ++c) {

@@ -19,7 +19,7 @@ Index planar_row(Index n) {
 /// The rows that a share is of, of n.
 struct Rows {
   Rows(Index n, Share share)
-      : begin(n * share.part / share.parts), end(n * (share.part + 1) / share.parts) {}
+      : begin(share.part == 0 ? 0 : n / 2), end(share.part + 1 == share.parts ? n : n / 2) {}
   Index begin;
   Index end;
 };
@@ -93,8 +93,8 @@ class PlanarMatrixOf {
 struct NumbersOfRows {
   template <class Real>
   NumbersOfRows(const PlanarMatrixOf<Real>& X, Share share)
-      : begin(X.stride() * Rows(X.size(), share).begin),
-        end(X.stride() * Rows(X.size(), share).end) {}
+      : NumbersOfRows(X.stride(), Rows(X.size(), share)) {}
+  NumbersOfRows(Index stride, Rows rows) : begin(stride * rows.begin), end(stride * rows.end) {}
   Index begin;
   Index end;
 };

@@ -5,8 +5,9 @@
 
 namespace isosyrk {
 
-/// A share of the work on a matrix that several threads do: `part` of `parts`, from the top.  Each
-/// entry is formed as in the whole, so that shares put together are the whole bit for bit.
+/// A share of the work on a matrix that two threads do: the whole, or a half from the top, `part` 0
+/// or 1 of 2 `parts`.  Each entry is formed as in the whole, so that halves put together are the
+/// whole bit for bit.
 struct Share {
   std::ptrdiff_t part = 0;
   std::ptrdiff_t parts = 1;
