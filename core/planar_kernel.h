@@ -42,9 +42,9 @@ struct PlanarProduct {
   Real* scratch;          ///< planar_scratch(n, stride, copies_B) numbers
 };
 
-/// Numbers of workspace that a product takes: two columns, the copy of B, and rows of A.
+/// Numbers of workspace that a product takes: three columns, the copy of B, and rows of A.
 constexpr std::ptrdiff_t planar_scratch(std::ptrdiff_t n, std::ptrdiff_t stride, bool copies_B) {
-  return stride + (copies_B ? n * stride + 12 * n : 0);
+  return 3 * stride / 2 + (copies_B ? n * stride + 12 * n : 0);
 }
 
 /// The kernels of one vector unit.

@@ -1,3 +1,6 @@
+// These functions are part of whatever calls them: the linker has none to mix up.
+#include <immintrin.h>
+
 #include "core/planar_kernel.h"
 
 namespace isosyrk {
@@ -5,6 +8,13 @@ namespace {
 constexpr int vector_bytes = 32;
 constexpr int tile_rows = 6;
 constexpr int tile_vectors = 1;
+
+inline __m256d half_twice(const double* at) {
+  return _mm256_broadcast_pd(reinterpret_cast<const __m128d*>(at));
+}
+inline __m256 half_twice(const float* at) {
+  return _mm256_broadcast_ps(reinterpret_cast<const __m128*>(at));
+}
 }  // namespace
 }  // namespace isosyrk
 

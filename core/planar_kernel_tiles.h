@@ -1,7 +1,8 @@
 // Products of planar matrices by tiles that stay in registers.  For the files planar_kernel_*.cpp
 // only, each compiled for one vector unit, which first say what that holds: vectors of
-// `vector_bytes`, and a tile of `tile_rows` rows by `tile_vectors` vectors.  Real is double or
-// float.
+// `vector_bytes`, a tile of `tile_rows` rows (6 at most) by `tile_vectors` vectors, and
+// half_twice(at), a vector with half a one, read from memory, in both of its halves.  Real is
+// double or float.
 //
 // Everything here is local to such a file and calls nothing: a function that the linker could take
 // from another of them might run where its unit does not exist.
@@ -76,27 +77,67 @@ struct Left {
   Index column;
 };
 
+// Says of a number, as the compiler sees it, only that a register holds it.
+template <class T>
+inline __attribute__((always_inline)) void keep(T& number) {
+  asm("" : "+r"(number));
+}
+
+// How far rows 0 ... 5 lie from the first, by three registers and what an address multiplies by
+// itself.  Left alone, the compiler keeps a pointer to each row, of real and of imaginary parts,
+// and fetches those that find no register in the innermost loop.
+struct RowSteps {
+  explicit RowSteps(Index row) : one(row), three(3 * row), five(5 * row) {
+    keep(three);
+    keep(five);
+  }
+
+  inline __attribute__((always_inline)) Index operator[](int r) const {
+    return r == 3 ? three : r == 5 ? five : r * one;
+  }
+
+  Index one;
+  Index three;
+  Index five;
+};
+
+// The columns of B that a tile takes: of B itself, or a copy in which they follow one another.
+template <class Real>
+struct Panel {
+  const Real* re;
+  const Real* im;
+  Index step;  // from row to row
+};
+
 template <int rows, int vectors, bool adjoint, class Real>
 inline __attribute__((always_inline)) void sum_tile(Range of_k, const Left<Real>& A,
-                                                    const Real* B_re, const Real* B_im,
-                                                    Index B_step, Real scale, Real* C_re,
+                                                    const Panel<Real>& B, Real scale, Real* C_re,
                                                     Real* C_im, Index C_stride) {
   Vector<Real> re[rows][vectors] = {};
   Vector<Real> im[rows][vectors] = {};
-  // Fewer turns of the loop: 2 to 3 % at n = 33.
-#pragma GCC unroll 3
-  for (Index k = of_k.begin; k < of_k.end; ++k) {
+  const RowSteps steps(A.row);
+  const Index A_step = adjoint ? A.column : 1;
+  const Real* A_re = A.re + of_k.begin * A_step;
+  const Real* A_im = A.im + of_k.begin * A_step;
+  const Real* const A_end = A.re + of_k.end * A_step;
+  const Real* B_re = B.re + of_k.begin * B.step;
+  Index to_im = B.im - B.re;
+  keep(to_im);
+  // Not unrolled: turns of 2 to 4 k were no faster.
+  while (A_re < A_end) {
     Vector<Real> x[vectors];
     Vector<Real> y[vectors];
 #pragma GCC unroll 4
     for (int v = 0; v < vectors; ++v) {
-      x[v] = load(B_re + k * B_step + v * width<Real>);
-      y[v] = load(B_im + k * B_step + v * width<Real>);
+      x[v] = load(B_re + v * width<Real>);
+      y[v] = load(B_re + to_im + v * width<Real>);
     }
+    B_re += B.step;
+    keep(B_re);
 #pragma GCC unroll 8
     for (int r = 0; r < rows; ++r) {
-      const Real a = A.re[r * A.row + k * A.column];
-      const Real b = A.im[r * A.row + k * A.column];
+      const Real a = A_re[adjoint ? r : steps[r]];
+      const Real b = A_im[adjoint ? r : steps[r]];
 #pragma GCC unroll 4
       for (int v = 0; v < vectors; ++v) {
         re[r][v] += a * x[v];
@@ -110,6 +151,10 @@ inline __attribute__((always_inline)) void sum_tile(Range of_k, const Left<Real>
         }
       }
     }
+    A_re += A_step;
+    A_im += A_step;
+    keep(A_re);
+    keep(A_im);
   }
   if (scale != 1) {  // not multiplying by 1: 2 to 3 % with vectors of 64 bytes
 #pragma GCC unroll 8
@@ -136,22 +181,14 @@ inline Left<Real> rows_from(const Left<Real>& A, Index i) {
   return {A.re + i * A.row, A.im + i * A.row, A.row, A.column};
 }
 
-// The columns of B that a tile takes: of B itself, or a copy in which they follow one another.
-template <class Real>
-struct Panel {
-  const Real* re;
-  const Real* im;
-  Index step;  // from row to row
-};
-
 // The tile of C that begins at (i, j), from those rows of A.
 template <int rows, int vectors, bool adjoint, class Real>
 __attribute__((noinline)) void whole_tile(const PlanarProduct<Real>& product, const Left<Real>& A,
                                           const Panel<Real>& B, Index i, Index j) {
   const Index at = i * product.stride + j;
-  sum_tile<rows, vectors, adjoint>(factors_meet(product, i, rows, j, vectors * width<Real>), A,
-                                   B.re, B.im, B.step, product.scale, product.C_re + at,
-                                   product.C_im + at, product.stride);
+  sum_tile<rows, vectors, adjoint>(factors_meet(product, i, rows, j, vectors * width<Real>), A, B,
+                                   product.scale, product.C_re + at, product.C_im + at,
+                                   product.stride);
 }
 
 // The same where fewer than `width` columns are left: summed aside, since what fills up the rows of
@@ -161,8 +198,8 @@ __attribute__((noinline)) void partial_tile(const PlanarProduct<Real>& product, 
                                             const Panel<Real>& B, Index i, Index j) {
   Real re[rows * width<Real>];
   Real im[rows * width<Real>];
-  sum_tile<rows, 1, adjoint>(factors_meet(product, i, rows, j, product.n - j), A, B.re, B.im,
-                             B.step, product.scale, re, im, width<Real>);
+  sum_tile<rows, 1, adjoint>(factors_meet(product, i, rows, j, product.n - j), A, B, product.scale,
+                             re, im, width<Real>);
   for (int r = 0; r < rows; ++r) {
     for (Index c = j; c < product.n; ++c) {
       product.C_re[(i + r) * product.stride + c] = re[r * width<Real> + (c - j)];
@@ -185,29 +222,179 @@ void one_tile(Kind kind, const PlanarProduct<Real>& product, const Left<Real>& A
   }
 }
 
+// Whether a single column is left by whole vectors, as by all n = 16 k + 1: apart from the tiles, a
+// matrix times a vector.
+template <class Real>
+inline bool has_last_column(Index n) {
+  return n > 1 && n % Index{width<Real>} == 1;
+}
+
+// The rows of B's last column x + iy that are not 0, from a multiple of half a vector's width on.
+template <class Real>
+inline Range rows_of_last_column(const PlanarProduct<Real>& product) {
+  constexpr Index half = width<Real> / 2;
+  const Range of_k = near(product.n, product.n - 1, product.n, product.B_band);
+  return {of_k.begin / half * half, of_k.end};
+}
+
+// For last_entries: as many of -y, of x and of y as half a vector holds after one another, filled
+// up with 0.  Number by number, and so before the tiles are formed: vectors of it can be read by
+// then.
+template <class Real>
+inline void copy_last_column(const PlanarProduct<Real>& product) {
+  constexpr Index half = width<Real> / 2;
+  const Range of_k = rows_of_last_column(product);
+  const Real* x = product.B_re + of_k.begin * product.stride + product.n - 1;
+  const Real* y = product.B_im + of_k.begin * product.stride + product.n - 1;
+  Real* to = product.scratch + 3 * of_k.begin;
+  const auto copy = [&](Index rows) __attribute__((always_inline)) {
+    for (Index k = 0; k < rows; ++k) {
+      to[k] = -*y;
+      to[half + k] = *x;
+      to[2 * half + k] = *y;
+      x += product.stride;
+      y += product.stride;
+    }
+    for (Index k = rows; k < half; ++k) to[k] = to[half + k] = to[2 * half + k] = 0;
+    to += 3 * half;
+  };
+  Index left = of_k.end - of_k.begin;
+  for (; left >= half; left -= half) copy(half);
+  if (left > 0) copy(left);
+}
+
+template <int... lanes>
+struct Lanes {};
+template <int count, int... lanes>
+struct FirstLanes {
+  using type = typename FirstLanes<count - 1, count - 1, lanes...>::type;
+};
+template <int... lanes>
+struct FirstLanes<0, lanes...> {
+  using type = Lanes<lanes...>;
+};
+
+// Lane l: the sum of lanes l and l ^ distance, of `a` where that bit of l is 0, of `b` where it
+// is 1.
+template <class Real, int distance, int... lanes>
+inline __attribute__((always_inline)) Vector<Real> sums_of_pairs(Vector<Real> a, Vector<Real> b,
+                                                                 Lanes<lanes...>) {
+  return __builtin_shufflevector(
+             a, b, ((lanes & distance) != 0 ? (lanes ^ distance) + width<Real> : lanes)...) +
+         __builtin_shufflevector(
+             a, b, ((lanes & distance) != 0 ? lanes + width<Real> : (lanes ^ distance))...);
+}
+
+// In each half, lane l: the sum over that half's lanes of vector l modulo `count`, a power of two
+// up to half the width.
+template <class Real, int count, int distance = 1>
+inline __attribute__((always_inline)) Vector<Real> sums_over_halves(const Vector<Real>* vectors) {
+  if constexpr (distance == width<Real> / 2) {
+    static_assert(count == 1);
+    return vectors[0];
+  } else {
+    constexpr int pairs = count > 1 ? count / 2 : 1;
+    Vector<Real> sums[pairs];
+#pragma GCC unroll 4
+    for (int p = 0; p < pairs; ++p) {
+      sums[p] = sums_of_pairs<Real, distance>(vectors[count > 1 ? 2 * p : 0],
+                                              vectors[count > 1 ? 2 * p + 1 : 0],
+                                              typename FirstLanes<width<Real>>::type());
+    }
+    return sums_over_halves<Real, pairs, 2 * distance>(sums);
+  }
+}
+
+// Entries i, i + 1 ... of C's last column from what is still to be summed over a vector's halves,
+// real parts over the first and imaginary ones over the second: so many together as find room.
+template <int rows, class Real>
+inline __attribute__((always_inline)) void store_last_entries(const PlanarProduct<Real>& product,
+                                                              const Vector<Real>* sums, Index i) {
+  constexpr int half = width<Real> / 2;
+  constexpr int most = rows < half ? rows : half;
+  constexpr int together = most >= 4 ? 4 : most >= 2 ? 2 : 1;
+  Real entries[width<Real>];
+  store(entries, product.scale * sums_over_halves<Real, together>(sums));
+#pragma GCC unroll 4
+  for (int r = 0; r < together; ++r) {
+    const Index at = (i + r) * product.stride + product.n - 1;
+    product.C_re[at] = entries[r];
+    product.C_im[at] = entries[half + r];
+  }
+  if constexpr (rows > together) {
+    store_last_entries<rows - together>(product, sums + together, i + together);
+  }
+}
+
+// Entries i ... i + rows - 1 of A (x + iy), by rows of A: of one, a real part times [x, y] and an
+// imaginary part times [-y, x], half a vector of either at a time.
+template <int rows, class Real>
+__attribute__((noinline)) void last_entries(const PlanarProduct<Real>& product, Index i) {
+  constexpr Index half = width<Real> / 2;
+  const RowSteps steps(product.stride);
+  const Range of_A = near(product.n, i, i + rows, product.A_band);
+  const Range of_B = rows_of_last_column(product);
+  const Index begin = larger(of_A.begin / half * half, of_B.begin);
+  const Index end = smaller(of_A.end, of_B.end);
+  const Real* A_re = product.A_re + i * product.stride + begin;
+  const Real* A_im = product.A_im + i * product.stride + begin;
+  const Real* column = product.scratch + 3 * begin;
+  Vector<Real> sums[rows] = {};
+  Vector<Real> sums_of_im[rows] = {};
+  for (Index k = begin; k < end; k += half) {
+    const Vector<Real> minus_y_x = load(column);
+    const Vector<Real> x_y = load(column + half);
+#pragma GCC unroll 8
+    for (int r = 0; r < rows; ++r) {
+      sums[r] += half_twice(A_re + steps[r]) * x_y;
+      sums_of_im[r] += half_twice(A_im + steps[r]) * minus_y_x;
+    }
+    A_re += half;
+    A_im += half;
+    column += 3 * half;
+    keep(A_re);
+    keep(A_im);
+    keep(column);
+  }
+#pragma GCC unroll 8
+  for (int r = 0; r < rows; ++r) sums[r] += sums_of_im[r];
+  store_last_entries<rows>(product, sums, i);
+}
+
+// Calls form(Rows<height>()) for a height known only here, 1 ... 6.
+template <int rows>
+struct Rows {};
+template <class Form>
+inline __attribute__((always_inline)) void with_rows(Index rows, Form&& form) {
+  switch (rows) {
+    case 6:
+      return form(Rows<6>());
+    case 5:
+      return form(Rows<5>());
+    case 4:
+      return form(Rows<4>());
+    case 3:
+      return form(Rows<3>());
+    case 2:
+      return form(Rows<2>());
+    default:
+      return form(Rows<1>());
+  }
+}
+
 template <bool adjoint, class Real>
 void one_tile(Index rows, Kind kind, const PlanarProduct<Real>& product, const Left<Real>& A,
               const Panel<Real>& B, Index i, Index j) {
-  switch (rows) {
-    case 6:
-      one_tile<6, adjoint>(kind, product, A, B, i, j);
-      break;
-    case 5:
-      one_tile<5, adjoint>(kind, product, A, B, i, j);
-      break;
-    case 4:
-      one_tile<4, adjoint>(kind, product, A, B, i, j);
-      break;
-    case 3:
-      one_tile<3, adjoint>(kind, product, A, B, i, j);
-      break;
-    case 2:
-      one_tile<2, adjoint>(kind, product, A, B, i, j);
-      break;
-    default:
-      one_tile<1, adjoint>(kind, product, A, B, i, j);
-      break;
-  }
+  with_rows(rows, [&]<int height>(Rows<height>) {
+    one_tile<height, adjoint>(kind, product, A, B, i, j);
+  });
+}
+
+// Where it is wanted, and formed by rows: not of A†.
+template <bool adjoint, class Real>
+void last_entries(Index rows, const PlanarProduct<Real>& product, Index i) {
+  if (adjoint || unwanted(product, i, rows, product.n - 1, 1)) return;
+  with_rows(rows, [&]<int height>(Rows<height>) { last_entries<height>(product, i); });
 }
 
 // Rows first ... end - 1 in blocks of nearly equal height: a low one at the end would leave the
@@ -223,27 +410,34 @@ inline __attribute__((always_inline)) void for_row_blocks(Index first, Index end
   }
 }
 
-// Calls panel(kind, first column, columns) for all columns, but for a single one that is left.
+// Calls panel(kind, first column, columns) for all columns but a last one by itself.
 template <class Real, class Visit>
 inline __attribute__((always_inline)) void for_panels(Index n, Visit&& panel) {
   constexpr Index columns = tile_vectors * width<Real>;
   Index j = 0;
   for (; j + columns <= n; j += columns) panel(Kind::whole, j, columns);
   for (; j + width<Real> <= n; j += width<Real>) panel(Kind::single, j, Index{width<Real>});
-  if (j + 1 < n) panel(Kind::partial, j, n - j);
+  if (j < n && !has_last_column<Real>(n)) panel(Kind::partial, j, n - j);
 }
 
-// Small matrices, which the caches hold: columns of B as they stand.
+// Small matrices, which the caches hold: columns of B as they stand.  A last column by itself is
+// formed between the tiles next to it, whose sums it needs not wait for.
 template <bool adjoint, class Real>
 void multiply_in_place(const PlanarProduct<Real>& product, const Left<Real>& A) {
   for_panels<Real>(product.n, [&](Kind kind, Index j, Index columns) {
     const Panel<Real> B{product.B_re + j, product.B_im + j, product.stride};
-    const bool cut = product.upper && j + columns < product.end_row;
-    const Index end = cut ? j + columns : product.end_row;
+    const Index end = product.upper ? smaller(j + columns, product.end_row) : product.end_row;
+    const bool column_follows = j + columns + 1 == product.n;
     for_row_blocks(product.first_row, end, [&](Index i, Index height) {
-      if (unwanted(product, i, height, j, columns)) return;
-      one_tile<adjoint>(height, kind, product, rows_from(A, i), B, i, j);
+      if (!unwanted(product, i, height, j, columns)) {
+        one_tile<adjoint>(height, kind, product, rows_from(A, i), B, i, j);
+      }
+      if (column_follows) last_entries<adjoint>(height, product, i);
     });
+    if (!column_follows) return;
+    for (Index i = larger(end, product.first_row); i < product.end_row; ++i) {
+      last_entries<adjoint>(1, product, i);
+    }
   });
 }
 
@@ -253,7 +447,7 @@ template <bool adjoint, class Real>
 void multiply_packed(const PlanarProduct<Real>& product, const Left<Real>& A) {
   const Index n = product.n;
   const Index stride = product.stride;
-  Real* packed = product.scratch + stride;
+  Real* packed = product.scratch + planar_scratch(n, stride, false);
   for_panels<Real>(n, [&](Kind, Index j, Index columns) {
     const Index vectors = (columns + width<Real> - 1) / width<Real>;
     const Range of_k = near(n, j, j + columns, product.B_band);
@@ -286,112 +480,8 @@ void multiply_packed(const PlanarProduct<Real>& product, const Left<Real>& A) {
       const Real* B = packed + 2 * j * n;
       one_tile<adjoint>(height, kind, product, block, {B, B + whole, 2 * whole}, i, j);
     });
+    if (has_last_column<Real>(n)) last_entries<adjoint>(height, product, i);
   });
-}
-
-template <int... lanes>
-struct Lanes {};
-template <int count, int... lanes>
-struct FirstLanes {
-  using type = typename FirstLanes<count - 1, count - 1, lanes...>::type;
-};
-template <int... lanes>
-struct FirstLanes<0, lanes...> {
-  using type = Lanes<lanes...>;
-};
-
-// Lane l: the sum of lanes l and l ^ distance, of `a` where that bit of l is 0, of `b` where it
-// is 1.
-template <class Real, int distance, int... lanes>
-inline __attribute__((always_inline)) Vector<Real> sums_of_pairs(Vector<Real> a, Vector<Real> b,
-                                                                 Lanes<lanes...>) {
-  return __builtin_shufflevector(
-             a, b, ((lanes & distance) != 0 ? (lanes ^ distance) + width<Real> : lanes)...) +
-         __builtin_shufflevector(
-             a, b, ((lanes & distance) != 0 ? lanes + width<Real> : (lanes ^ distance))...);
-}
-
-// Lane l: the sum over all lanes of vector l modulo `count`, a power of two up to `width`.
-template <class Real, int count, int distance = 1>
-inline __attribute__((always_inline)) Vector<Real> sums_over_lanes(const Vector<Real>* vectors) {
-  if constexpr (distance == width<Real>) {
-    static_assert(count == 1);
-    return vectors[0];
-  } else {
-    constexpr int pairs = count > 1 ? count / 2 : 1;
-    Vector<Real> sums[pairs];
-#pragma GCC unroll 4
-    for (int p = 0; p < pairs; ++p) {
-      sums[p] = sums_of_pairs<Real, distance>(vectors[count > 1 ? 2 * p : 0],
-                                              vectors[count > 1 ? 2 * p + 1 : 0],
-                                              typename FirstLanes<width<Real>>::type());
-    }
-    return sums_over_lanes<Real, pairs, 2 * distance>(sums);
-  }
-}
-
-// Entries i ... i + rows - 1 of A (x + iy), into the last column of C.
-template <int rows, class Real>
-inline __attribute__((always_inline)) void last_entries(const PlanarProduct<Real>& product,
-                                                        const Real* x, const Real* y, Index i) {
-  const Index stride = product.stride;
-  const Real* A_re = product.A_re + i * stride;
-  const Real* A_im = product.A_im + i * stride;
-  Vector<Real> sums[2 * rows] = {};
-  const Range of_k = factors_meet(product, i, rows, product.n - 1, 1);
-#pragma GCC unroll 3
-  for (Index k = of_k.begin / width<Real> * width<Real>; k < of_k.end; k += width<Real>) {
-    const Vector<Real> xs = load(x + k);
-    const Vector<Real> ys = load(y + k);
-#pragma GCC unroll 4
-    for (int r = 0; r < rows; ++r) {
-      const Vector<Real> a = load(A_re + r * stride + k);
-      const Vector<Real> b = load(A_im + r * stride + k);
-      sums[r] += a * xs;
-      sums[rows + r] += a * ys;
-      sums[r] -= b * ys;
-      sums[rows + r] += b * xs;
-    }
-  }
-  constexpr int together = 2 * rows < width<Real> ? 2 * rows : width<Real>;
-  Real entries[2 * rows > width<Real> ? 2 * rows : width<Real>];
-#pragma GCC unroll 4
-  for (int first = 0; first < 2 * rows; first += together) {
-    store(entries + first, product.scale * sums_over_lanes<Real, together>(sums + first));
-  }
-#pragma GCC unroll 4
-  for (int r = 0; r < rows; ++r) {
-    const Index at = (i + r) * stride + product.n - 1;
-    product.C_re[at] = entries[r];
-    product.C_im[at] = entries[rows + r];
-  }
-}
-
-// What last_column reads: copied before the tiles are formed, number by number, so that vectors of
-// it can be read by then.
-template <class Real>
-inline void copy_last_column(const PlanarProduct<Real>& product) {
-  const Index n = product.n;
-  const Index stride = product.stride;
-  Real* x = product.scratch;  // the column of B, filled up with 0
-  Real* y = product.scratch + stride / 2;
-  for (Index k = 0; k < n; ++k) {
-    x[k] = product.B_re[k * stride + n - 1];
-    y[k] = product.B_im[k * stride + n - 1];
-  }
-  for (Index k = n; k < stride / 2; ++k) x[k] = y[k] = 0.0;
-}
-
-// A single column that is left, as all n = 16 k + 1 have: a matrix times a vector, by rows of A.
-template <class Real>
-inline void last_column(const PlanarProduct<Real>& product) {
-  const Index stride = product.stride;
-  const Real* x = product.scratch;
-  const Real* y = product.scratch + stride / 2;
-  constexpr Index together = 4;
-  Index i = product.first_row;
-  for (; i + together <= product.end_row; i += together) last_entries<together>(product, x, y, i);
-  for (; i < product.end_row; ++i) last_entries<1>(product, x, y, i);
 }
 
 // Entries i ... of A† (x + iy), so many vectors of them, into re and im.
@@ -402,14 +492,14 @@ inline __attribute__((always_inline)) void last_entries_of_adjoint(
   const Index stride = product.stride;
   Vector<Real> ax[vectors] = {}, by[vectors] = {}, ay[vectors] = {}, bx[vectors] = {};
   const Range of_k = factors_meet(product, i, vectors * width<Real>, n - 1, 1);
-#pragma GCC unroll 3
-  for (Index k = of_k.begin; k < of_k.end; ++k) {
-    const Real x = product.B_re[k * stride + n - 1];
-    const Real y = product.B_im[k * stride + n - 1];
+  for (Index k = of_k.begin * stride; k < of_k.end * stride; k += stride) {
+    keep(k);
+    const Real x = product.B_re[k + n - 1];
+    const Real y = product.B_im[k + n - 1];
 #pragma GCC unroll 4
     for (int v = 0; v < vectors; ++v) {
-      const Vector<Real> a = load(product.A_re + k * stride + i + v * width<Real>);
-      const Vector<Real> b = load(product.A_im + k * stride + i + v * width<Real>);
+      const Vector<Real> a = load(product.A_re + k + i + v * width<Real>);
+      const Vector<Real> b = load(product.A_im + k + i + v * width<Real>);
       ax[v] += a * x;
       by[v] += b * y;
       ay[v] += a * y;
@@ -423,14 +513,15 @@ inline __attribute__((always_inline)) void last_entries_of_adjoint(
   }
 }
 
-// The same of A†: by columns of A, which are rows of what is summed.
+// The same of A†: by columns of A, which are rows of what is summed, where it is wanted.
 template <class Real>
 inline void last_column_of_adjoint(const PlanarProduct<Real>& product) {
+  const Index first = larger(product.first_row, product.n - 1 - product.C_band);
   const Index end = product.end_row;
   Real* re = product.scratch;
   Real* im = product.scratch + product.stride / 2;
   // Whole vectors; a row of A is filled up to them.
-  Index i = product.first_row / width<Real> * width<Real>;
+  Index i = first / width<Real> * width<Real>;
   for (; i + 2 * width<Real> < end; i += 3 * width<Real>) {
     last_entries_of_adjoint<3>(product, i, re, im);
   }
@@ -439,7 +530,8 @@ inline void last_column_of_adjoint(const PlanarProduct<Real>& product) {
   } else if (i < end) {
     last_entries_of_adjoint<1>(product, i, re, im);
   }
-  for (i = product.first_row; i < end; ++i) {
+  for (i = first; i < end; ++i) {
+    keep(i);
     product.C_re[i * product.stride + product.n - 1] = re[i];
     product.C_im[i * product.stride + product.n - 1] = im[i];
   }
@@ -449,19 +541,14 @@ template <bool adjoint, class Real>
 void multiply_tiles(const PlanarProduct<Real>& product) {
   const Left<Real> A = adjoint ? Left<Real>{product.A_re, product.A_im, 1, product.stride}
                                : Left<Real>{product.A_re, product.A_im, product.stride, 1};
-  const bool column_left = product.n % width<Real> == 1;
-  if (column_left && !adjoint) copy_last_column(product);
+  const bool last_column = has_last_column<Real>(product.n);
+  if (last_column && !adjoint) copy_last_column(product);
   if (product.copies_B) {
     multiply_packed<adjoint>(product, A);
   } else {
     multiply_in_place<adjoint>(product, A);
   }
-  if (!column_left) return;
-  if (adjoint) {
-    last_column_of_adjoint(product);
-  } else {
-    last_column(product);
-  }
+  if (last_column && adjoint) last_column_of_adjoint(product);
 }
 
 template <class Real>
