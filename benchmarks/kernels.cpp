@@ -2,6 +2,10 @@
 // and the core's peak.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
 #include "benchmarks/arguments.h"
 #include "benchmarks/benchmark_program.h"
 #include "benchmarks/command_line.h"
@@ -44,11 +48,32 @@ struct Factors {
   Matrix W, B;
 };
 
+// Share of the core's peak that `multiply` reaches, one product of so many flops: the median of
+// many short runs, each over the peak just before and just after it, since on a shared machine a
+// core's speed changes by a third from one millisecond to another.
+template <class Multiply>
+double median_share_of_peak(double flops, double peaks, Multiply&& multiply) {
+  constexpr int turns = 21;
+  constexpr double seconds = 3e-4;  // of a turn, at least
+  std::vector<double> shares;
+  double before = peak_flops_now();
+  for (int turn = 0; turn < turns; ++turn) {
+    const long products = std::lround(std::max(1.0, seconds * peaks * before / flops));
+    const double start = cpu_seconds();
+    for (long k = 0; k < products; ++k) multiply();
+    const double rate = static_cast<double>(products) * flops / (cpu_seconds() - start);
+    const double after = peak_flops_now();
+    shares.push_back(rate / (peaks * 0.5 * (before + after)));
+    before = after;
+  }
+  std::nth_element(shares.begin(), shares.begin() + turns / 2, shares.end());
+  return shares[turns / 2];
+}
+
 // Times `multiply`, one product; a triangle counts as one.  In single precision a vector holds
 // twice as many numbers, and the peak is twice as high.
 template <class Real = double, class Multiply>
 void time_products(benchmark::State& state, Index n, Multiply&& multiply) {
-  const double peak_before = measured_peak_flops();  // at the speed that the core has now
   long products = 0;
   const double start = cpu_seconds();
   for ([[maybe_unused]] auto _ : state) {
@@ -57,9 +82,8 @@ void time_products(benchmark::State& state, Index n, Multiply&& multiply) {
   }
   const double flops = static_cast<double>(products) * product_flops(n) / (cpu_seconds() - start);
   state.counters["gflops"] = 1e-9 * flops;
-  constexpr double numbers = sizeof(double) / sizeof(Real);
-  state.counters["share_of_peak"] =
-      flops / (numbers * std::max(peak_before, measured_peak_flops()));
+  constexpr double peaks = sizeof(double) / sizeof(Real);
+  state.counters["share_of_peak"] = median_share_of_peak(product_flops(n), peaks, multiply);
 }
 
 void product(benchmark::State& state, ProductBackend backend, Index n) {
