@@ -71,6 +71,19 @@ class RenderTable2(FolderTest):
         self.assertRegex(section, r"17 +cotangent +1\.60 \(1\.60\) +1\.60 \(1\.60\) +1\.60 \(1\.60\)")
         self.assertNotIn("One thread over two", self.rendered(self.both()))
 
+    def test_two_threads_measured_in_rounds_are_compared_run_by_run(self):
+        two = raw_file(tables=("table2",), threads=(1, 2))
+        times = {"table2/group/n:17/s:2": (1, 1, 1, 1, 10, 10, 10),
+                 "table2/group/n:17/s:2/threads:2": (0.5, 0.5, 0.5, 5, 5, 5, 5)}  # medians: 1 over 5
+        for row in two["benchmarks"]:
+            if row["run_name"] in times:
+                row["real_time"] = times[row["run_name"]][row["repetition_index"]]
+        for order, ratio in (("rounds", "2.00"), (None, "0.200")):
+            two["context"]["order"] = order
+            section = self.rendered(self.both(), *self.with_threads(two)).split("One thread over two\n")[1]
+            self.assertIn(f"1.60 (1.60)  {ratio} (2.00)", section)
+            self.assertEqual("one straight after the other" in section, order == "rounds")
+
     def test_the_place_of_algebra_with_two_threads_is_told(self):
         text = " ".join(self.rendered(self.both(), *self.with_threads()).split())
         self.assertIn("At n = 17, s = 2, 3 algebra takes 1.50, 1.33 times the time of the fastest formulation with one"

@@ -199,6 +199,7 @@ class CopyTest(FolderTest):
         both = raw_file(tables=("table2", "table1"))
         self.raw2_path = self.write("prepared2.json", json.dumps(both, indent=2))
         two = raw_file(tables=("table2",), threads=(1, 2))
+        two["benchmarks"] = [row for row in two["benchmarks"] if row["repetition_index"] == 0]  # of one round
         self.threads_path = self.write("prepared_threads.json", json.dumps(two, indent=2))
         self.study_path = write_study(self.folder, small_study(), name="study.json")
         self.scaling_path = self.write("scaling.json", json.dumps(scaling_document(sizes=(17, 33))))
@@ -515,7 +516,7 @@ class EndToEnd(CopyTest):
         two_cores = len(os.sched_getaffinity(0)) > 1
         self.assertEqual(set(os.listdir(self.path("out", "table2"))), RESULTS | ({"threads.json"} if two_cores else set()))
         self.assertIn("--published", self.calls("table2")[0])
-        self.assertEqual(["--threads 2" in call for call in self.calls("table2")], [False] + [True] * two_cores)
+        self.assertEqual(["--threads 2" in call for call in self.calls("table2")], [False] + [True] * (7 * two_cores))
         self.assertEqual(set(os.listdir(self.path("out", "accuracy"))),
                          ACCURACY_RESULTS | {"table1_accuracy.svg", "table1_accuracy.png"})
         for study, raw in (("scaling", {"raw.json"}), ("stability", {"map.json", "fast_map.json", "long_runs.json"})):
@@ -584,6 +585,21 @@ class EndToEnd(CopyTest):
     def test_quick_measures_the_two_smallest_sizes(self):
         self.assertEqual(self.filtered_sizes("--quick"), [17, 33])
 
+    def test_two_threads_are_measured_in_rounds_that_keep_neighbours_together(self):
+        if len(os.sched_getaffinity(0)) < 2:
+            self.skipTest("needs two cores")
+        self.reproduce("table2")
+        rounds = [call for call in self.calls("table2") if "--threads 2" in call]
+        self.assertFalse(any("interleaving" in call or "repetitions" in call for call in rounds))
+        with open(self.path("out", "threads.json"), encoding="utf-8") as raw:
+            joined = json.load(raw)
+        one_round = len(raw_file(tables=("table2",), threads=(1, 2))["benchmarks"]) // 7
+        self.assertEqual([row["repetition_index"] for row in joined["benchmarks"]],
+                         [index for index in range(7) for _ in range(one_round)])
+        self.assertEqual({row["repetitions"] for row in joined["benchmarks"]}, {7})
+        self.assertEqual(joined["context"]["order"], "rounds")
+        self.assertNotIn("host_name", joined["context"])
+
     def test_repetitions_are_enough_for_a_verdict_and_interleaved(self):
         for arguments in ((), ("--quick",)):
             call = self.call_of_table1(*arguments)
@@ -628,6 +644,15 @@ class FailedRuns(CopyTest):
     def test_a_killed_benchmark_leaves_earlier_results(self):
         done = self.reproduce(BENCHMARK="die")
         self.assertEqual((done.returncode, done.stdout), (128 + signal.SIGKILL, ""))
+        self.assert_earlier_results()
+
+    def test_rounds_of_two_threads_that_cannot_be_put_together_are_reported(self):
+        if len(os.sched_getaffinity(0)) < 2:
+            self.skipTest("needs two cores")
+        self.write("prepared_threads.json", '{"context": {')
+        done = self.script("reproduce", "table2", "--out", self.out)
+        self.assertEqual(done.returncode, BAD_ARGUMENTS)
+        self.assertIn("threads.json: cannot be put together", done.stderr.splitlines()[-1])
         self.assert_earlier_results()
 
     def test_failed_reference_solutions_end_it_before_anything_is_measured(self):
