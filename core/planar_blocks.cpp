@@ -88,50 +88,12 @@ void mirror_skew_within(Index band, PlanarMatrixOf<Real>& C, Share share) {
   cut_to_band(band, C, share);
 }
 
-template <class Real>
-void skew_part(const PlanarMatrixOf<Real>& C, std::type_identity_t<Real> scale,
-               PlanarMatrixOf<Real>& out, Share share) {
-  const Index stride = C.stride();
-  const Real* re = C.re();
-  const Real* im = C.im();
-  Real* out_re = out.re();
-  Real* out_im = out.im();
-  for_pairs(
-      C, C.size() - 1, share,
-      [=](Index upper, Index lower) {
-        Block<Real> sum, other;
-        sum.load(re + upper, stride);
-        other.load(re + lower, stride);
-        other.transpose();
-        for (int r = 0; r < 4; ++r) sum.row[r] = scale * (sum.row[r] - other.row[r]);
-        sum.store(out_re + upper, stride);
-        for (Four<Real>& row : sum.row) row = -row;
-        sum.transpose();
-        sum.store(out_re + lower, stride);
-        sum.load(im + upper, stride);
-        other.load(im + lower, stride);
-        other.transpose();
-        for (int r = 0; r < 4; ++r) sum.row[r] = scale * (sum.row[r] + other.row[r]);
-        sum.store(out_im + upper, stride);
-        sum.transpose();
-        sum.store(out_im + lower, stride);
-      },
-      [=](Index upper, Index lower) {
-        const Real real = scale * (re[upper] - re[lower]);
-        const Real imaginary = scale * (im[upper] + im[lower]);
-        out_re[upper] = real;
-        out_re[lower] = -real;
-        out_im[upper] = out_im[lower] = imaginary;
-      },
-      [=](Index at) {
-        out_re[at] = 0;
-        out_im[at] = 2 * scale * im[at];
-      });
-}
+namespace {
 
-template <class Real>
-void upper_skew_part_within(Index band, const PlanarMatrixOf<Real>& C, PlanarMatrixOf<Real>& out,
-                            Share share) {
+// scale (C - C†) within a band, above the diagonal and, if asked for, below it.
+template <bool below, class Real>
+void form_skew_part(Index band, const PlanarMatrixOf<Real>& C, Real scale,
+                    PlanarMatrixOf<Real>& out, Share share) {
   const Index stride = C.stride();
   const Real* re = C.re();
   const Real* im = C.im();
@@ -144,22 +106,51 @@ void upper_skew_part_within(Index band, const PlanarMatrixOf<Real>& C, PlanarMat
         sum.load(re + upper, stride);
         other.load(re + lower, stride);
         other.transpose();
-        for (int r = 0; r < 4; ++r) sum.row[r] -= other.row[r];
+        for (int r = 0; r < 4; ++r) sum.row[r] = scale * (sum.row[r] - other.row[r]);
         sum.store(out_re + upper, stride);
+        if constexpr (below) {
+          for (Four<Real>& row : sum.row) row = -row;
+          sum.transpose();
+          sum.store(out_re + lower, stride);
+        }
         sum.load(im + upper, stride);
         other.load(im + lower, stride);
         other.transpose();
-        for (int r = 0; r < 4; ++r) sum.row[r] += other.row[r];
+        for (int r = 0; r < 4; ++r) sum.row[r] = scale * (sum.row[r] + other.row[r]);
         sum.store(out_im + upper, stride);
+        if constexpr (below) {
+          sum.transpose();
+          sum.store(out_im + lower, stride);
+        }
       },
       [=](Index upper, Index lower) {
-        out_re[upper] = re[upper] - re[lower];
-        out_im[upper] = im[upper] + im[lower];
+        const Real real = scale * (re[upper] - re[lower]);
+        const Real imaginary = scale * (im[upper] + im[lower]);
+        out_re[upper] = real;
+        out_im[upper] = imaginary;
+        if constexpr (below) {
+          out_re[lower] = -real;
+          out_im[lower] = imaginary;
+        }
       },
       [=](Index at) {
         out_re[at] = 0;
-        out_im[at] = 2 * im[at];
+        out_im[at] = 2 * scale * im[at];
       });
+}
+
+}  // namespace
+
+template <class Real>
+void skew_part(const PlanarMatrixOf<Real>& C, std::type_identity_t<Real> scale,
+               PlanarMatrixOf<Real>& out, Share share) {
+  form_skew_part<true>(C.size() - 1, C, scale, out, share);
+}
+
+template <class Real>
+void upper_skew_part_within(Index band, const PlanarMatrixOf<Real>& C, PlanarMatrixOf<Real>& out,
+                            Share share) {
+  form_skew_part<false>(band, C, Real{1}, out, share);
 }
 
 template <class Real>

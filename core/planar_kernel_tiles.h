@@ -1,8 +1,8 @@
 // Products of planar matrices by tiles that stay in registers.  For the files planar_kernel_*.cpp
 // only, each compiled for one vector unit, which first say what that holds: vectors of
 // `vector_bytes`, a tile of `tile_rows` rows (6 at most) by `tile_vectors` vectors, and
-// half_twice(at), a vector with half a one, read from memory, in both of its halves.  Real is
-// double or float.
+// half_twice(at), a vector both halves of which hold the numbers from `at` on.  Real is double or
+// float.
 //
 // Everything here is local to such a file and calls nothing: a function that the linker could take
 // from another of them might run where its unit does not exist.
