@@ -34,9 +34,9 @@ struct PlanarProduct {
   bool upper;  ///< only what lies on and above the diagonal is wanted; below it anything may be
   std::ptrdiff_t A_band;  ///< entries (r, c) of A with |r - c| > A_band are 0; n - 1 for the whole
   std::ptrdiff_t B_band;
-  std::ptrdiff_t C_band;     ///< only |r - c| <= C_band is wanted; beyond it anything may be
-  std::ptrdiff_t first_row;  ///< of those of C that are formed
-  std::ptrdiff_t end_row;
+  std::ptrdiff_t C_band;  ///< only |r - c| <= C_band is wanted; beyond it anything may be
+  std::ptrdiff_t part;    ///< of the rows of C this share is formed, part of `parts` with equal work
+  std::ptrdiff_t parts;
   bool copies_B;
   bool copies_adjoint_A;  ///< if it copies B
   Real* scratch;          ///< planar_scratch(n, stride, copies_B) numbers

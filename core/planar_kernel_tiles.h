@@ -423,19 +423,19 @@ inline __attribute__((always_inline)) void for_panels(Index n, Visit&& panel) {
 // Small matrices, which the caches hold: columns of B as they stand.  A last column by itself is
 // formed between the tiles next to it, whose sums it needs not wait for.
 template <bool adjoint, class Real>
-void multiply_in_place(const PlanarProduct<Real>& product, const Left<Real>& A) {
+void multiply_in_place(const PlanarProduct<Real>& product, Range rows, const Left<Real>& A) {
   for_panels<Real>(product.n, [&](Kind kind, Index j, Index columns) {
     const Panel<Real> B{product.B_re + j, product.B_im + j, product.stride};
-    const Index end = product.upper ? smaller(j + columns, product.end_row) : product.end_row;
+    const Index end = product.upper ? smaller(j + columns, rows.end) : rows.end;
     const bool column_follows = j + columns + 1 == product.n;
-    for_row_blocks(product.first_row, end, [&](Index i, Index height) {
+    for_row_blocks(rows.begin, end, [&](Index i, Index height) {
       if (!unwanted(product, i, height, j, columns)) {
         one_tile<adjoint>(height, kind, product, rows_from(A, i), B, i, j);
       }
       if (column_follows) last_entries<adjoint>(height, product, i);
     });
     if (!column_follows) return;
-    for (Index i = larger(end, product.first_row); i < product.end_row; ++i) {
+    for (Index i = larger(end, rows.begin); i < rows.end; ++i) {
       last_entries<adjoint>(1, product, i);
     }
   });
@@ -444,7 +444,7 @@ void multiply_in_place(const PlanarProduct<Real>& product, const Left<Real>& A) 
 // Larger ones: a block of rows of A stays in the first cache while panels of B, copied together,
 // pass by from the second.
 template <bool adjoint, class Real>
-void multiply_packed(const PlanarProduct<Real>& product, const Left<Real>& A) {
+void multiply_packed(const PlanarProduct<Real>& product, Range rows, const Left<Real>& A) {
   const Index n = product.n;
   const Index stride = product.stride;
   Real* packed = product.scratch + planar_scratch(n, stride, false);
@@ -462,7 +462,7 @@ void multiply_packed(const PlanarProduct<Real>& product, const Left<Real>& A) {
     }
   });
   Real* columns_of_A = packed + n * stride;
-  for_row_blocks(product.first_row, product.end_row, [&](Index i, Index height) {
+  for_row_blocks(rows.begin, rows.end, [&](Index i, Index height) {
     Left<Real> block = rows_from(A, i);
     if (adjoint && product.copies_adjoint_A) {  // columns of A, which lie far apart
       const Range of_k = near(n, i, i + height, product.A_band);
@@ -515,9 +515,9 @@ inline __attribute__((always_inline)) void last_entries_of_adjoint(
 
 // The same of A†: by columns of A, which are rows of what is summed, where it is wanted.
 template <class Real>
-inline void last_column_of_adjoint(const PlanarProduct<Real>& product) {
-  const Index first = larger(product.first_row, product.n - 1 - product.C_band);
-  const Index end = product.end_row;
+inline void last_column_of_adjoint(const PlanarProduct<Real>& product, Range rows) {
+  const Index first = larger(rows.begin, product.n - 1 - product.C_band);
+  const Index end = rows.end;
   Real* re = product.scratch;
   Real* im = product.scratch + product.stride / 2;
   // Whole vectors; a row of A is filled up to them.
@@ -537,18 +537,62 @@ inline void last_column_of_adjoint(const PlanarProduct<Real>& product) {
   }
 }
 
+// What a block of rows takes for each row: of every tile that is wanted, the k that it is summed
+// over and about as many more as to begin and to store it take, for each of its vectors.
+template <class Real>
+inline Index work_in_row(const PlanarProduct<Real>& product, Index i, Index height) {
+  constexpr Index to_begin_and_store = 8;
+  Index work = 0;
+  for_panels<Real>(product.n, [&](Kind, Index j, Index columns) {
+    if (unwanted(product, i, height, j, columns)) return;
+    const Range of_k = factors_meet(product, i, height, j, columns);
+    const Index vectors = (columns + width<Real> - 1) / width<Real>;
+    if (of_k.begin < of_k.end) work += vectors * (of_k.end - of_k.begin + to_begin_and_store);
+  });
+  return work;
+}
+
+// The rows of the share that is to be formed.
+template <class Real>
+__attribute__((noinline)) Range rows_of_share(const PlanarProduct<Real>& product) {
+  const Index n = product.n;
+  if (product.parts == 1) return {0, n};
+  const auto for_blocks = [n](auto&& visit) __attribute__((always_inline)) {
+    for (Index i = 0; i < n; i += tile_rows) visit(i, smaller(tile_rows, n - i));
+  };
+  Index all = 0;
+  for_blocks([&](Index i, Index height) { all += height * work_in_row(product, i, height); });
+  Range rows = {0, n};
+  Index above = 0;
+  for_blocks([&](Index i, Index height) {
+    const Index work = work_in_row(product, i, height);
+    // Where the work of the shares before this one ends, and where its own does.
+    const auto end_of = [&](Index shares, Index& row) __attribute__((always_inline)) {
+      const Index left = shares * all - product.parts * above;  // times `parts`
+      if (left >= 0 && left < product.parts * height * work) {
+        row = i + left / (product.parts * work);
+      }
+    };
+    if (product.part > 0) end_of(product.part, rows.begin);
+    if (product.part + 1 < product.parts) end_of(product.part + 1, rows.end);
+    above += height * work;
+  });
+  return rows;
+}
+
 template <bool adjoint, class Real>
 void multiply_tiles(const PlanarProduct<Real>& product) {
   const Left<Real> A = adjoint ? Left<Real>{product.A_re, product.A_im, 1, product.stride}
                                : Left<Real>{product.A_re, product.A_im, product.stride, 1};
+  const Range rows = rows_of_share(product);
   const bool last_column = has_last_column<Real>(product.n);
   if (last_column && !adjoint) copy_last_column(product);
   if (product.copies_B) {
-    multiply_packed<adjoint>(product, A);
+    multiply_packed<adjoint>(product, rows, A);
   } else {
-    multiply_in_place<adjoint>(product, A);
+    multiply_in_place<adjoint>(product, rows, A);
   }
-  if (last_column && adjoint) last_column_of_adjoint(product);
+  if (last_column && adjoint) last_column_of_adjoint(product, rows);
 }
 
 template <class Real>

@@ -29,21 +29,6 @@ const std::vector<PlanarKernel>& planar_kernels() {
 
 namespace {
 
-// Where a share begins: above it lies part / parts of all entries within the reach of the diagonal,
-// or of those of the upper triangle.
-Index first_row(Index n, bool upper, Index reach, Index part, Index parts) {
-  if (part == 0) return 0;
-  if (part == parts) return n;
-  const auto in_row = [&](Index i) {
-    return std::min(n - 1, i + reach) - (upper ? i : std::max<Index>(0, i - reach)) + 1;
-  };
-  Index all = 0;
-  for (Index i = 0; i < n; ++i) all += in_row(i);
-  Index row = 0;
-  for (Index above = in_row(0); parts * above <= part * all; above += in_row(row)) ++row;
-  return row;
-}
-
 // How many entries of a row or column k lie in a band.
 std::int64_t entries_in_band(Index n, Index k, Index band) {
   return std::min(n - 1, k + band) - std::max<Index>(0, k - band) + 1;
@@ -124,7 +109,6 @@ void PlanarProductsOf<Real>::form(const AnyMatrix& A, bool adjoint, const AnyMat
   if (&C == &A || &C == &B) {
     throw std::invalid_argument("product: the result may not be one of the factors");
   }
-  const Index reach = std::min(band, A.band() + B.band());
   const PlanarProduct<Real> product = {n_,
                                        A.stride(),
                                        A.re(),
@@ -139,8 +123,8 @@ void PlanarProductsOf<Real>::form(const AnyMatrix& A, bool adjoint, const AnyMat
                                        A.band(),
                                        B.band(),
                                        band,
-                                       first_row(n_, upper, reach, share.part, share.parts),
-                                       first_row(n_, upper, reach, share.part + 1, share.parts),
+                                       share.part,
+                                       share.parts,
                                        n_ > limits().B,
                                        n_ > limits().adjoint_A,
                                        scratch_.data()};

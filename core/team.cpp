@@ -40,38 +40,104 @@ Team::~Team() {
   ends_.store(true);
   round_.fetch_add(1);
   round_.notify_one();
+  finish_task();  // a second thread may wait for one of a round that is over
   second_.join();
 }
 
-void Team::begin(std::size_t count, void* context, Call call) {
-  if (count == 0) return;
+void Team::run_two(Items items, std::size_t phases, void* context, Call call) {
+  if (items.count == 0) return;
   context_ = context;
   call_ = call;
-  done_.store(0, std::memory_order_relaxed);
+  phases_.store(phases, std::memory_order_relaxed);
+  whole_.store(items.whole(), std::memory_order_relaxed);
+  halved_.store(items.halved, std::memory_order_relaxed);
+  for (auto& half : finished_) half.store(0, std::memory_order_relaxed);
+  const std::uint32_t tasks =
+      static_cast<std::uint32_t>(items.whole() + (items.halved > 0 ? 2 * phases : 0));
+  const std::uint32_t before = tasks_done_.load(std::memory_order_relaxed);
   const std::uint32_t round = round_.load(std::memory_order_relaxed) + 1;
-  ticket_.store((std::uint64_t{round} << 32) | std::uint64_t{count}, std::memory_order_release);
+  left_.store({round, 0, static_cast<std::uint8_t>(items.whole()), {0, 0}},
+              std::memory_order_release);
   round_.store(round, std::memory_order_release);
   round_.notify_one();
-  take_tasks(round, 0);
-  for (std::uint32_t done = done_.load(std::memory_order_acquire); done < count;
-       done = done_.load(std::memory_order_acquire)) {
-    wait_while(done_, done);
+  take_part(round, 0);
+  for (std::uint32_t done = tasks_done_.load(std::memory_order_acquire); done - before < tasks;
+       done = tasks_done_.load(std::memory_order_acquire)) {
+    wait_while(tasks_done_, done);
   }
 }
 
-void Team::take_tasks(std::uint32_t round, std::size_t thread) {
-  std::uint64_t ticket = ticket_.load(std::memory_order_acquire);
-  for (;;) {
-    const std::uint64_t front = (ticket >> 16) & 0xFFFF;
-    const std::uint64_t back = ticket & 0xFFFF;
-    if (ticket >> 32 != round || front >= back) return;
-    const std::uint64_t rest = thread == 0 ? ticket + (1 << 16) : ticket - 1;
-    if (!ticket_.compare_exchange_weak(ticket, rest, std::memory_order_acq_rel)) continue;
-    call_(context_, thread == 0 ? front : back - 1, thread);
-    done_.fetch_add(1, std::memory_order_release);
-    done_.notify_one();
-    ticket = ticket_.load(std::memory_order_acquire);
+// Takes what is left of a round until all is taken.
+void Team::take_part(std::uint32_t round, std::size_t thread) {
+  const std::size_t phases = phases_.load(std::memory_order_relaxed);
+  const std::size_t whole = whole_.load(std::memory_order_relaxed);
+  std::size_t item = 0;
+  std::size_t phase = phases;  // of the item that is to be done next
+  const auto do_phase = [&] {
+    if (phase == phases) {
+      if (!take_item(round, thread, item)) return false;
+      phase = 0;
+    }
+    call_(context_, phase, item, Share{}, thread);
+    if (++phase == phases) finish_task();
+    return true;
+  };
+  const bool halves = halved_.load(std::memory_order_relaxed) > 0;
+  if (halves) {
+    for (std::size_t k = 0; k < phases; ++k) {
+      if (!take_half(round, k, thread, thread)) return;
+      for (std::size_t turn = 0; turn < (whole + 1) / 2; ++turn) do_phase();
+    }
   }
+  while (do_phase()) {
+  }
+  if (halves) take_half(round, phases - 1, 1 - thread, thread);
+}
+
+bool Team::take_item(std::uint32_t round, std::size_t thread, std::size_t& item) {
+  Left left = left_.load(std::memory_order_acquire);
+  for (;;) {
+    if (left.round != round || left.front == left.back) return false;
+    Left rest = left;
+    item = thread == 0 ? rest.front++ : --rest.back;
+    if (left_.compare_exchange_weak(left, rest, std::memory_order_acq_rel)) return true;
+  }
+}
+
+// Sees to it that a phase of a half is taken, when both halves of the one before are done: of which
+// it does what nobody has begun.  Returns false where the round is over.
+bool Team::take_half(std::uint32_t round, std::size_t phase, std::size_t half,
+                     std::size_t thread) {
+  for (;;) {
+    const std::uint32_t done = tasks_done_.load(std::memory_order_acquire);
+    Left left = left_.load(std::memory_order_acquire);
+    if (left.round != round) return false;
+    if (left.phase[half] > phase) return true;
+    const bool ready = finished_[0].load(std::memory_order_acquire) >= phase &&
+                       finished_[1].load(std::memory_order_acquire) >= phase;
+    const std::size_t which = ready ? half : 1 - half;
+    const std::size_t now = ready ? phase : phase - 1;
+    if (left.phase[which] == now) {
+      Left rest = left;
+      ++rest.phase[which];
+      if (!left_.compare_exchange_weak(left, rest, std::memory_order_acq_rel)) continue;
+      const std::size_t whole = whole_.load(std::memory_order_relaxed);
+      const std::size_t count = whole + halved_.load(std::memory_order_relaxed);
+      const Share share{static_cast<std::ptrdiff_t>(which), 2};
+      for (std::size_t item = whole; item < count; ++item) {
+        call_(context_, now, item, share, thread);
+      }
+      finished_[which].store(now + 1, std::memory_order_release);
+      finish_task();
+    } else {
+      wait_while(tasks_done_, done);
+    }
+  }
+}
+
+void Team::finish_task() {
+  tasks_done_.fetch_add(1, std::memory_order_release);
+  tasks_done_.notify_one();
 }
 
 void Team::second_thread() {
@@ -81,7 +147,7 @@ void Team::second_thread() {
     wait_while(round_, seen);
     seen = round_.load(std::memory_order_acquire);
     if (ends_.load()) return;
-    take_tasks(seen, 1);
+    take_part(seen, 1);
   }
 }
 
