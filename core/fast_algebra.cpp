@@ -45,17 +45,18 @@ FastAlgebra::FastAlgebra(const EulerZeitlin& flow, const Tableau& tableau,
       pairs_(std::move(pairs)) {
   require_consistent(tableau);
   const Index s = tableau.stages();
-  X_sum_ = X_next_ = W_stage_ = B_ = P_ = zeros(s);
-  M_next_ = minus_adjoints_ = Y_ = unknowns_[1];
+  X_sum_ = W_stage_ = B_ = P_ = zeros(s);
+  next_ = unknowns_;
+  Y_ = unknowns_[1];
   sum_ = skew_ = zeros(places(s));
   place_of_pair_.resize(stages() * stages());
   for (std::size_t p = 0; p < pairs_.order.size(); ++p) {
     const auto [j, k] = pairs_.order[p];
     place_of_pair_[k * stages() + j] = p;
-    if (j < k) off_diagonal_.push_back(p);
   }
   B_single_ = P_single_ = dW_ = dB_ = singles(s);
-  Y_single_ = single_input_ = single_product_ = minus_single_adjoints_ = residuals_[1];
+  Y_single_ = single_input_ = residuals_[1];
+  next_delta_ = residuals_;
 }
 
 void FastAlgebra::start_cold() {
@@ -66,8 +67,15 @@ void FastAlgebra::start_cold() {
 
 void FastAlgebra::begin() { update_stage_vorticities(); }
 
-// X_next_ and, from it, M_next_.
-void FastAlgebra::form_next(double h) {
+// next_, M from X; returns the largest of what change(kind, item, half) says, the squared change of
+// half an unknown.
+template <class Change>
+double FastAlgebra::form_next(double h, Change&& change) {
+  Stages& X = next_[0];
+  Stages& M = next_[1];
+  const auto note_change = [&](std::size_t kind, std::size_t item, Share share) {
+    for_halves(share, [&](Share half) { half_of_squares(half)[item] = change(kind, item, half); });
+  };
   in_phases(
       stages(),
       [&](std::size_t i, Share share, Worker& worker) {
@@ -78,212 +86,205 @@ void FastAlgebra::form_next(double h) {
         reals(P_[i], share) = reals(W0_, share) + reals(X_sum_[i], share);
       },
       [&](std::size_t i, Share share, Worker& worker) {
-        worker.planar.multiply(P_[i], B_[i], X_next_[i], -h, share);
-      });
+        worker.planar.multiply(P_[i], B_[i], X[i], -h, share);
+      },
+      [&](std::size_t i, Share share, Worker&) { note_change(0, i, share); });
+  const double of_X = largest_of_squares(static_cast<Index>(X.size()));
   in_phases(
       pairs_.items(),
       [&](std::size_t p, Share share, Worker&) {
-        const auto [j, k] = pairs_.order[p];
-        auto input = reals(Y_[p], share);
-        input = reals(X_next_[k], share) + a(j, 0) * reals(M(0, k), share);
-        for (std::size_t m = 1; m < stages(); ++m) input += a(j, m) * reals(M(m, k), share);
+        Terms<double> terms;
+        terms.add(1.0, X[pairs_.order[p].second]);
+        set_pair_sum(p, terms, unknowns_[1], Y_[p], share);
       },
       [&](std::size_t p, Share share, Worker& worker) {
-        multiply_pair(worker.planar, p, B_, Y_, M_next_, h, share);
+        multiply_pair(worker.planar, p, B_, Y_, M, h, share);
       },
       [&](std::size_t p, Share share, Worker&) {
-        if (is_diagonal(p)) mirror_skew(M_next_[p], share);
-      });
+        if (is_diagonal(p)) mirror_skew(M[p], share);
+      },
+      [&](std::size_t p, Share share, Worker&) { note_change(1, p, share); });
+  return larger(of_X, largest_of_squares(static_cast<Index>(M.size())));
 }
 
 double FastAlgebra::sweep(double h) {
-  form_next(h);
-  const auto change = [&](std::size_t kind, const Stages& next) {
-    const Stages& old = unknowns_[kind];
-    in_halves_of(items_[kind], [&](std::size_t i, Share half) {
-      half_of_squares(half)[i] = squared_change(next[i], old[i], half);
-    });
-    return largest_of_squares(static_cast<Index>(next.size()));
-  };
-  const double of_X = change(0, X_next_);
-  const double of_M = change(1, M_next_);
-  std::swap(unknowns_[0], X_next_);
-  std::swap(unknowns_[1], M_next_);
-  return larger(larger(of_X, of_M), update_stage_vorticities());
+  const double change = form_next(h, [&](std::size_t kind, std::size_t item, Share half) {
+    return squared_change(next_[kind][item], unknowns_[kind][item], half);
+  });
+  std::swap(unknowns_, next_);
+  return larger(change, update_stage_vorticities());
 }
 
 double FastAlgebra::residual(double h) {
-  form_next(h);
-  const auto difference = [&](std::size_t kind, const Stages& next) {
-    in_halves_of(items_[kind], [&](std::size_t i, Share half) {
-      half_of_squares(half)[i] = isosyrk::residual(
-          unknowns_[kind][i], [&](const auto& load) { return load(next[i]); }, residuals_[kind][i],
-          half);
-    });
-    return largest_of_squares(static_cast<Index>(next.size()));
-  };
-  const double of_X = difference(0, X_next_);
-  const double of_M = difference(1, M_next_);
-  return larger(larger(of_X, of_M), correct_stage_vorticities(residuals_[0], residuals_[1]));
+  const double change = form_next(h, [&](std::size_t kind, std::size_t item, Share half) {
+    return isosyrk::residual(
+        unknowns_[kind][item], [&](const auto& load) { return load(next_[kind][item]); },
+        residuals_[kind][item], half);
+  });
+  return larger(change, correct_stage_vorticities(residuals_[0], residuals_[1]));
 }
 
 Index FastAlgebra::linearise(double h, double accuracy) {
-  in_halves_of(stages(), [&](std::size_t i, Share half) {
-    narrow_generator(i, B_[i], h, accuracy, B_single_[i], half);
-    narrow(P_[i], P_single_[i], half);
+  in_halves_of_unknowns([&](std::size_t kind, std::size_t item, Share half) {
+    if (kind == 0) {
+      narrow_generator(item, B_[item], h, accuracy, B_single_[item], half);
+      narrow(P_[item], P_single_[item], half);
+    } else {
+      narrow(Y_[item], Y_single_[item], half);
+    }
+    start_correction(kind, item, half);
   });
-  in_halves_of(pairs_.items(),
-               [&](std::size_t p, Share half) { narrow(Y_[p], Y_single_[p], half); });
   return widest_band(B_single_);
 }
 
-// dW_: what corrections to X and M make of W̃; returns the largest.
-double FastAlgebra::correct_stage_vorticities(const Singles& X, const Singles& M) {
-  const auto weight = [&](std::size_t i, std::size_t j, std::size_t k) {
-    return static_cast<float>(a(i, j) * a(i, k));
-  };
+// dW_: what corrections to X and M make of W̃, and then each phase of its stages; returns the
+// largest dW_, or what the last phase leaves to be read.
+template <class... Phases>
+double FastAlgebra::correct_stage_vorticities(const Singles& X, const Singles& M,
+                                              Phases&&... phases) {
   in_phases(
       stages(),
       [&](std::size_t i, Share share, Worker&) {
-        auto sum = reals(single_input_[i], share);
-        sum = static_cast<float>(a(i, 0)) * reals(X[0], share);
-        for (std::size_t k = 1; k < stages(); ++k) {
-          sum += static_cast<float>(a(i, k)) * reals(X[k], share);
-          for (std::size_t j = 0; j < k; ++j) {
-            sum += weight(i, j, k) * reals(M[pair(j, k)], share);
-          }
+        Terms<float> terms;
+        for (std::size_t k = 0; k < stages(); ++k) {
+          terms.add(a(i, k), X[k]);
+          for (std::size_t j = 0; j < k; ++j) terms.add(a(i, j) * a(i, k), M[pair(j, k)]);
         }
+        assign(single_input_[i], share, terms);
       },
       [&](std::size_t i, Share share, Worker&) {
         skew_part(single_input_[i], 1.0f, dW_[i], share);
       },
       [&](std::size_t i, Share share, Worker&) {
+        Terms<float> terms;
+        terms.add(1.0, dW_[i]);
+        for (std::size_t j = 0; j < stages(); ++j) terms.add(a(i, j) * a(i, j), M[pair(j, j)]);
         for_halves(share, [&](Share half) {
-          auto dW = reals(dW_[i], half);
-          for (std::size_t j = 0; j < stages(); ++j) {
-            dW += weight(i, j, j) * reals(M[pair(j, j)], half);
-          }
-          half_of_squares(half)[i] = static_cast<double>(dW.square().sum());
+          assign(dW_[i], half, terms);
+          half_of_squares(half)[i] = static_cast<double>(reals(dW_[i], half).square().sum());
         });
-      });
+      },
+      phases...);
   return largest_of_squares(static_cast<Index>(stages()));
 }
 
 double FastAlgebra::transport(double h) {
-  Singles& delta = delta_[0];
   const auto step_of = static_cast<float>(h);
   in_phases(
       stages(),
       [&](std::size_t i, Share share, Worker&) {
-        combine(tableau_.a.row(static_cast<Index>(i)).cast<float>(), delta, single_input_[i],
+        combine(tableau_.a.row(static_cast<Index>(i)).cast<float>(), delta_[0], single_input_[i],
                 share);
       },
       [&](std::size_t i, Share share, Worker& worker) {
-        worker.singles.multiply(single_input_[i], B_single_[i], single_product_[i], -step_of,
+        worker.singles.multiply(single_input_[i], B_single_[i], next_delta_[0][i], -step_of,
                                 share);
-      });
-  const double of_X = add_product_to_rhs(0);
-  in_phases(off_diagonal_.size(), [&](std::size_t which, Share share, Worker&) {
-    const std::size_t p = off_diagonal_[which];
-    minus_adjoint(delta_[1][p], minus_single_adjoints_[p], share);
-  });
+      },
+      [&](std::size_t i, Share share, Worker&) { add_rhs(0, i, share); });
+  const double of_X = take_next_delta(0);
   in_phases(
       pairs_.items(),
       [&](std::size_t p, Share share, Worker&) {
-        const auto [j, k] = pairs_.order[p];
-        auto input = reals(single_input_[p], share);
-        input = reals(delta[k], share) - reals(residuals_[0][k], share);
-        for (std::size_t m = 0; m < stages(); ++m) {
-          input += static_cast<float>(a(j, m)) * reals(epsilon(m, k), share);
-        }
+        const std::size_t k = pairs_.order[p].second;
+        Terms<float> terms;
+        terms.add(1.0, delta_[0][k]);
+        terms.add(-1.0, residuals_[0][k]);
+        set_pair_sum(p, terms, delta_[1], single_input_[p], share);
       },
       [&](std::size_t p, Share share, Worker& worker) {
-        multiply_pair(worker.singles, p, B_single_, single_input_, single_product_, step_of, share);
+        multiply_pair(worker.singles, p, B_single_, single_input_, next_delta_[1], step_of, share);
       },
       [&](std::size_t p, Share share, Worker&) {
-        if (is_diagonal(p)) mirror_skew(single_product_[p], share);
-      });
-  return larger(of_X, add_product_to_rhs(1));
+        if (is_diagonal(p)) mirror_skew(next_delta_[1][p], share);
+      },
+      [&](std::size_t p, Share share, Worker&) { add_rhs(1, p, share); });
+  return larger(of_X, take_next_delta(1));
 }
 
-// δ = rhs + product for one kind of unknowns; returns the largest change.
-double FastAlgebra::add_product_to_rhs(std::size_t kind) {
-  Singles& delta = delta_[kind];
-  in_halves_of(items_[kind], [&](std::size_t i, Share half) {
-    half_of_squares(half)[i] = replace(delta[i], half, [&](const auto& load) {
-      return load(rhs_[kind][i]) + load(single_product_[i]);
-    });
+// Makes of a product in next_delta_ what δ becomes.
+void FastAlgebra::add_rhs(std::size_t kind, std::size_t item, Share share) {
+  SingleMatrix& next = next_delta_[kind][item];
+  for_halves(share, [&](Share half) {
+    half_of_squares(half)[item] =
+        replace(delta_[kind][item], next, half,
+                [&](const auto& load) { return load(rhs_[kind][item]) + load(next); });
   });
-  return largest_of_squares(static_cast<Index>(delta.size()));
 }
 
-void FastAlgebra::couple(double h) {
+double FastAlgebra::take_next_delta(std::size_t kind) {
+  std::swap(delta_[kind], next_delta_[kind]);
+  return largest_of_squares(static_cast<Index>(delta_[kind].size()));
+}
+
+double FastAlgebra::couple(double h) {
   const auto step_of = static_cast<float>(h);
-  correct_stage_vorticities(delta_[0], delta_[1]);
-  in_phases(
-      stages(),
+  Singles& product_X = next_delta_[0];
+  Singles& product_M = next_delta_[1];
+  const auto set_next_rhs = [&](std::size_t kind, std::size_t item, Share share) {
+    reals(next_rhs_[kind][item], share) =
+        reals(residuals_[kind][item], share) + reals(next_delta_[kind][item], share);
+  };
+  const double of_X = correct_stage_vorticities(
+      delta_[0], delta_[1],
       [&](std::size_t i, Share share, Worker& worker) {
         solve_generator(dW_[i], dB_[i], share, worker);
       },
       [&](std::size_t i, Share share, Worker&) { finish_generator(dB_[i], share); },
       [&](std::size_t i, Share share, Worker& worker) {
-        worker.singles.multiply(P_single_[i], dB_[i], single_product_[i], -step_of, share);
+        worker.singles.multiply(P_single_[i], dB_[i], product_X[i], -step_of, share);
       },
       [&](std::size_t i, Share share, Worker&) {
-        reals(next_rhs_[0][i], share) =
-            reals(residuals_[0][i], share) + reals(single_product_[i], share);
+        set_next_rhs(0, i, share);
+        shift(0, i, product_X[i], share);
       });
+  std::swap(delta_[0], next_delta_[0]);
   in_phases(
       pairs_.items(),
       [&](std::size_t p, Share share, Worker& worker) {
-        multiply_pair(worker.singles, p, dB_, Y_single_, single_product_, step_of, share);
+        multiply_pair(worker.singles, p, dB_, Y_single_, product_M, step_of, share);
       },
       [&](std::size_t p, Share share, Worker&) {
-        if (is_diagonal(p)) mirror_skew(single_product_[p], share);
+        if (is_diagonal(p)) mirror_skew(product_M[p], share);
       },
       [&](std::size_t p, Share share, Worker&) {
-        reals(next_rhs_[1][p], share) =
-            reals(residuals_[1][p], share) + reals(single_product_[p], share);
+        set_next_rhs(1, p, share);
+        shift(1, p, delta_[1][p], share);
       });
+  return larger(of_X, largest_of_squares(static_cast<Index>(product_M.size())));
 }
 
 // W̃_i, and what else the next sweep takes, from the unknowns; returns the largest change of W̃_i.
 double FastAlgebra::update_stage_vorticities() {
   const std::size_t s = stages();
-  in_phases(off_diagonal_.size(), [&](std::size_t which, Share share, Worker&) {
-    const std::size_t p = off_diagonal_[which];
-    minus_adjoint(unknowns_[1][p], minus_adjoints_[p], share);
-  });
+  const Stages& M = unknowns_[1];
   const auto S = [&](std::size_t i) -> PlanarMatrix& { return s > 1 ? sum_[place(i)] : X_sum_[i]; };
   in_phases(
       s,
       [&](std::size_t i, Share share, Worker&) {
         combine(tableau_.a.row(static_cast<Index>(i)), unknowns_[0], X_sum_[i], share);
         if (s == 1) return;
-        auto sum = reals(S(i), share);
-        sum = reals(X_sum_[i], share) + a(i, 0) * a(i, 1) * reals(M(0, 1), share);
-        for (std::size_t k = 2; k < s; ++k) {
-          for (std::size_t j = 0; j < k; ++j) sum += a(i, j) * a(i, k) * reals(M(j, k), share);
+        Terms<double> terms;
+        terms.add(1.0, X_sum_[i]);
+        for (std::size_t k = 1; k < s; ++k) {
+          for (std::size_t j = 0; j < k; ++j) terms.add(a(i, j) * a(i, k), M[pair(j, k)]);
         }
+        assign(S(i), share, terms);
       },
       [&](std::size_t i, Share share, Worker&) { skew_part(S(i), 1.0, skew_[place(i)], share); },
       [&](std::size_t i, Share share, Worker&) {
-        PlanarMatrix& skew = skew_[place(i)];
-        const double first = a(i, 0) * a(i, 0);
+        Terms<double> terms;
+        terms.add(1.0, W0_);
+        terms.add(1.0, skew_[place(i)]);
+        for (std::size_t j = 0; j < s; ++j) terms.add(a(i, j) * a(i, j), M[pair(j, j)]);
         for_halves(share, [&](Share half) {
-          for (std::size_t j = 1; j < s; ++j) {
-            reals(skew, half) += a(i, j) * a(i, j) * reals(M(j, j), half);
-          }
-          half_of_squares(half)[i] = replace(W_stage_[i], half, [&](const auto& load) {
-            return load(W0_) + load(skew) + first * load(M(0, 0));
-          });
+          half_of_squares(half)[i] = replace(W_stage_[i], half, terms);
         });
       });
   return largest_of_squares(static_cast<Index>(s));
 }
 
 void FastAlgebra::update(double h, PlanarMatrix& W1) {
-  Stages& C = X_next_;
+  Stages& C = next_[0];
   in_phases(
       stages(),
       [&](std::size_t i, Share share, Worker& worker) {

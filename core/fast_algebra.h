@@ -38,7 +38,7 @@ class FastAlgebra final : public FastForm {
   double residual(double h) override;
   Index linearise(double h, double accuracy) override;
   double transport(double h) override;
-  void couple(double h) override;
+  double couple(double h) override;
   void update(double h, PlanarMatrix& W1) override;
 
  private:
@@ -62,12 +62,16 @@ class FastAlgebra final : public FastForm {
 
   // Where M_jk, j <= k, stands among the pairs.
   std::size_t pair(std::size_t j, std::size_t k) const { return place_of_pair_[k * stages() + j]; }
-  // M_jk for any j, k, of the unknowns or of their corrections.
-  const PlanarMatrix& M(std::size_t j, std::size_t k) const {
-    return j <= k ? unknowns_[1][pair(j, k)] : minus_adjoints_[pair(k, j)];
-  }
-  const SingleMatrix& epsilon(std::size_t j, std::size_t k) const {
-    return j <= k ? delta_[1][pair(j, k)] : minus_single_adjoints_[pair(k, j)];
+  // Y = terms + Σ_m a_jm M_mk, a share of it, for the pair p = (j, k).
+  template <class Real>
+  void set_pair_sum(std::size_t p, Terms<Real> terms, const std::vector<PlanarMatrixOf<Real>>& M,
+                    PlanarMatrixOf<Real>& Y, Share share) const {
+    const auto [j, k] = pairs_.order[p];
+    for (std::size_t m = 0; m <= k; ++m) terms.add(a(j, m), M[pair(m, k)]);
+    assign(Y, share, terms);
+    for (std::size_t m = k + 1; m < stages(); ++m) {
+      subtract_adjoint(M[pair(k, m)], static_cast<Real>(a(j, m)), Y, share);
+    }
   }
   // M_p = h B_j Y_p for the pair p = (j, k), of M_jj the upper triangle.
   template <class Real>
@@ -84,23 +88,24 @@ class FastAlgebra final : public FastForm {
     }
   }
   bool is_diagonal(std::size_t p) const { return pairs_.order[p].first == pairs_.order[p].second; }
-  void form_next(double h);
-  double add_product_to_rhs(std::size_t kind);
+  template <class Change>
+  double form_next(double h, Change&& change);
+  void add_rhs(std::size_t kind, std::size_t item, Share share);
+  double take_next_delta(std::size_t kind);
   double update_stage_vorticities();
-  double correct_stage_vorticities(const Singles& X, const Singles& M);
+  template <class... Phases>
+  double correct_stage_vorticities(const Singles& X, const Singles& M, Phases&&... phases);
 
   Tableau tableau_;
   Stages X_sum_;  // Σ_j a_ij X_j
-  Stages X_next_, M_next_;
-  Stages minus_adjoints_;  // -M_jk† where j < k
+  Unknowns next_;  // X and M of the sweep under way
   Stages W_stage_, B_;
-  Stages P_, Y_;       // what X_next_ and M_next_ are products of
+  Stages P_, Y_;       // what next_ are products of
   Stages sum_, skew_;  // places to work in
   Pairs pairs_;
   std::vector<std::size_t> place_of_pair_;
-  std::vector<std::size_t> off_diagonal_;  // places of those with j < k
-  Singles B_single_, P_single_, Y_single_, dW_, dB_, single_input_, single_product_;
-  Singles minus_single_adjoints_;
+  Singles B_single_, P_single_, Y_single_, dW_, dB_, single_input_;
+  SingleUnknowns next_delta_;  // where others still read the old one
 };
 
 }  // namespace isosyrk

@@ -31,14 +31,27 @@ void FastCotangent::start_cold() {
 }
 
 void FastCotangent::begin() {
-  std::size_t item = 0;
-  for (std::vector<PlanarMatrix>& kind : unknowns_) {
+  for (const std::size_t kind : {0, 1}) {
     in_phases(
-        kind.size(),
-        [&](std::size_t j, Share share, Worker&) { measure(item + j, kind[j], share); },
-        [&](std::size_t j, Share share, Worker&) { cut(item + j, left_out(), kind[j], share); });
-    item += kind.size();
+        B_.size(), [&](std::size_t j, Share share, Worker&) { measure_unknown(kind, j, share); },
+        [&](std::size_t j, Share share, Worker&) { cut_unknown(kind, j, share); });
   }
+}
+
+void FastCotangent::measure_unknown(std::size_t kind, std::size_t j, Share share) {
+  measure(kind * B_.size() + j, unknowns_[kind][j], share);
+}
+void FastCotangent::cut_unknown(std::size_t kind, std::size_t j, Share share) {
+  cut(kind * B_.size() + j, left_out(), unknowns_[kind][j], share);
+}
+
+// From the last products with B_j, cut to their bands; returns the largest change.
+double FastCotangent::update_unknowns_of(std::size_t kind, const PlanarMatrix& base,
+                                         const std::vector<PlanarMatrix>& product, double h) {
+  return update_stages(
+      base, -h, tableau_.a, product, unknowns_[kind],
+      [&](std::size_t j, Share share, Worker&) { measure_unknown(kind, j, share); },
+      [&](std::size_t j, Share share, Worker&) { cut_unknown(kind, j, share); });
 }
 
 // Q_j B_j and P_j B_j.
@@ -62,17 +75,16 @@ void FastCotangent::transport_stages() {
 
 double FastCotangent::sweep(double h) {
   transport_stages();
-  const double Q_change = update_in_halves(identity_, -h, tableau_.a, QB_, unknowns_[0]);
-  const double P_change = update_in_halves(W0_, -h, tableau_.a, PB_, unknowns_[1]);
-  begin();
+  const double Q_change = update_unknowns_of(0, identity_, QB_, h);
+  const double P_change = update_unknowns_of(1, W0_, PB_, h);
   return larger(Q_change, P_change);
 }
 
 double FastCotangent::residual(double h) {
   transport_stages();
   const double of_Q =
-      residuals_in_halves(identity_, -h, tableau_.a, QB_, unknowns_[0], residuals_[0]);
-  const double of_P = residuals_in_halves(W0_, -h, tableau_.a, PB_, unknowns_[1], residuals_[1]);
+      residuals_of_stages(identity_, -h, tableau_.a, QB_, unknowns_[0], residuals_[0]);
+  const double of_P = residuals_of_stages(W0_, -h, tableau_.a, PB_, unknowns_[1], residuals_[1]);
   return larger(of_Q, of_P);
 }
 
@@ -81,6 +93,7 @@ Index FastCotangent::linearise(double h, double accuracy) {
     narrow_generator(j, B_[j], h, accuracy, B_single_[j], half);
     narrow(unknowns_[0][j], Q_single_[j], half);
     narrow(unknowns_[1][j], P_single_[j], half);
+    for (const std::size_t kind : {0, 1}) start_correction(kind, j, half);
   });
   return widest_band(B_single_);
 }
@@ -90,12 +103,12 @@ double FastCotangent::transport(double h) {
     worker.singles.multiply(delta_[0][j], B_single_[j], Q_product_[j], 1.0f, share);
     worker.singles.multiply(delta_[1][j], B_single_[j], P_product_[j], 1.0f, share);
   });
-  const double of_Q = update_in_halves(rhs_[0], -h, tableau_.a, Q_product_, delta_[0]);
-  const double of_P = update_in_halves(rhs_[1], -h, tableau_.a, P_product_, delta_[1]);
+  const double of_Q = update_stages(rhs_[0], -h, tableau_.a, Q_product_, delta_[0]);
+  const double of_P = update_stages(rhs_[1], -h, tableau_.a, P_product_, delta_[1]);
   return larger(of_Q, of_P);
 }
 
-void FastCotangent::couple(double h) {
+double FastCotangent::couple(double h) {
   in_phases(
       B_.size(),
       [&](std::size_t j, Share share, Worker& worker) {
@@ -114,8 +127,15 @@ void FastCotangent::couple(double h) {
         worker.singles.multiply(Q_single_[j], dB_[j], Q_product_[j], 1.0f, share);
         worker.singles.multiply(P_single_[j], dB_[j], P_product_[j], 1.0f, share);
       });
-  update_in_halves(residuals_[0], -h, tableau_.a, Q_product_, next_rhs_[0]);
-  update_in_halves(residuals_[1], -h, tableau_.a, P_product_, next_rhs_[1]);
+  const auto change = [&](std::size_t kind, const Singles& product) {
+    return update_stages(residuals_[kind], -h, tableau_.a, product, next_rhs_[kind],
+                         [&](std::size_t j, Share share, Worker&) {
+                           shift(kind, j, delta_[kind][j], share);
+                         });
+  };
+  const double of_Q = change(0, Q_product_);
+  const double of_P = change(1, P_product_);
+  return larger(of_Q, of_P);
 }
 
 void FastCotangent::update(double h, PlanarMatrix& W1) {

@@ -25,6 +25,36 @@ Unknowns zero_unknowns(Index n, std::initializer_list<Items> kinds) {
   return unknowns;
 }
 
+// All items of all kinds, so that each is where it is among those of its own.
+std::vector<std::pair<std::size_t, std::size_t>> order_of(std::initializer_list<Items> kinds) {
+  std::vector<std::pair<std::size_t, std::size_t>> order;
+  const auto append = [&](auto&& begin, auto&& end) {
+    std::size_t number = 0;
+    for (const Items& kind : kinds) {
+      for (std::size_t item = begin(kind); item < end(kind); ++item) {
+        order.emplace_back(number, item);
+      }
+      ++number;
+    }
+  };
+  const auto first = [](const Items&) { return std::size_t{0}; };
+  const auto middle = [](const Items& kind) { return kind.whole() / 2; };
+  const auto whole = [](const Items& kind) { return kind.whole(); };
+  append(first, middle);
+  append(middle, whole);
+  append(whole, [](const Items& kind) { return kind.count; });
+  return order;
+}
+
+Items all_of(std::initializer_list<Items> kinds) {
+  Items all(0);
+  for (const Items& kind : kinds) {
+    all.count += kind.count;
+    all.halved += kind.halved;
+  }
+  return all;
+}
+
 }  // namespace
 
 int default_start_order(Index n) { return n < 24 || n >= 96 ? 10 : 11; }
@@ -34,8 +64,9 @@ FastForm::FastForm(const EulerZeitlin& flow, const FastOptions& options,
     : Integrator(flow, ProductBackend::openblas),
       W0_(flow.size()),
       unknowns_(zero_unknowns(flow.size(), unknowns)),
-      items_(unknowns),
       options_(options),
+      order_(order_of(unknowns)),
+      all_items_(all_of(unknowns)),
       team_(options.threads == 2 && flow.size() < smallest_shared ? 1 : options.threads),
       workers_(static_cast<std::size_t>(team_.threads()),
                Worker{PlanarProducts(flow.size()), SingleProducts(flow.size())}),
@@ -48,12 +79,9 @@ FastForm::FastForm(const EulerZeitlin& flow, const FastOptions& options,
       corrects_(options.correct.value_or(flow.size() >= corrections.smallest)),
       cuts_(options.bands.value_or(flow.size() >= smallest_cut)),
       least_coupling_band_(corrections.least_coupling_band) {
-  std::size_t all = 0;
-  for (const Items& kind : unknowns) {
-    residuals_.push_back(singles(kind.count));
-    all += kind.count;
-  }
+  for (const Items& kind : unknowns) residuals_.push_back(singles(kind.count));
   delta_ = rhs_ = next_rhs_ = residuals_;
+  const std::size_t all = all_items_.count;
   squares_[0] = squares_[1] = RealVector::Zero(static_cast<Index>(all));
   const RealVector of_diagonals = RealVector::Zero(flow.size());
   generator_squares_.assign(all, of_diagonals);
@@ -107,11 +135,18 @@ void FastForm::narrow_generator(std::size_t item, const PlanarMatrix& B, double 
   cut_to_band(smallest_band(generator_squares_[item], accuracy / std::abs(h)), S, share);
 }
 
-double FastForm::residuals_in_halves(const PlanarMatrix& base, double h, const RealMatrix& a,
+double FastForm::residuals_of_stages(const PlanarMatrix& base, double h, const RealMatrix& a,
                                      const std::vector<PlanarMatrix>& Y,
                                      const std::vector<PlanarMatrix>& X,
                                      std::vector<SingleMatrix>& R) {
-  in_halves([&](Share half) { residuals(base, h, a, Y, X, R, half_of_squares(half), half); });
+  if (each_has_its_own(X.size())) {
+    in_halves_of(X.size(), [&](std::size_t i, Share half) {
+      half_of_squares(half)[i] =
+          isosyrk::residual(base, h, a, static_cast<Index>(i), Y, X[i], R[i], half);
+    });
+  } else {
+    in_halves([&](Share half) { residuals(base, h, a, Y, X, R, half_of_squares(half), half); });
+  }
   return largest_of_squares(static_cast<Index>(X.size()));
 }
 
@@ -173,28 +208,26 @@ SolveReport FastForm::iterate(double h, Iteration iteration) {
 }
 
 void FastForm::add_correction(const SingleUnknowns& correction) {
-  for (std::size_t kind = 0; kind < unknowns_.size(); ++kind) {
-    in_halves_of(items_[kind], [&](std::size_t i, Share half) {
-      add(correction[kind][i], unknowns_[kind][i], half);
-    });
-  }
+  in_halves_of_unknowns([&](std::size_t kind, std::size_t i, Share half) {
+    add(correction[kind][i], unknowns_[kind][i], half);
+  });
 }
 
-// Takes next_rhs_ for rhs_, and into δ what that changes; returns the largest change.
-double FastForm::shift_rhs() {
-  double largest = 0.0;
-  for (std::size_t kind = 0; kind < delta_.size(); ++kind) {
-    const std::size_t count = delta_[kind].size();
-    in_halves_of(items_[kind], [&](std::size_t i, Share half) {
-      auto shift = reals(rhs_[kind][i], half);  // the old one is not needed any more
-      shift = reals(next_rhs_[kind][i], half) - shift;
-      reals(delta_[kind][i], half) += shift;
-      half_of_squares(half)[i] = static_cast<double>(shift.square().sum());
-    });
-    largest = larger(largest, largest_of_squares(static_cast<Index>(count)));
-  }
-  std::swap(rhs_, next_rhs_);
-  return largest;
+void FastForm::shift(std::size_t kind, std::size_t item, SingleMatrix& moved, Share share) {
+  for_halves(share, [&](Share half) {
+    auto change = reals(rhs_[kind][item], half);  // which is not needed any more
+    change = reals(next_rhs_[kind][item], half) - change;
+    reals(moved, half) = reals(delta_[kind][item], half) + change;
+    half_of_squares(half)[item] = static_cast<double>(change.square().sum());
+  });
+}
+
+bool FastForm::predict(double h) {
+  if (!start_values_.begin(h)) return false;
+  in_halves_of_unknowns([&](std::size_t kind, std::size_t i, Share half) {
+    start_values_.predict(kind, i, unknowns_[kind][i], half);
+  });
+  return true;
 }
 
 // Finds δ by turns of T and K, each taken where the larger part of the error is its own, until what
@@ -209,11 +242,6 @@ bool FastForm::correct(double h, double change) {
   const double target = std::max(
       {of_tolerance * options_.solver.tolerance, digits * change, curvature * change * change});
   coupling_band_ = std::max(linearise(h, 0.3 * target / change), least_coupling_band_);
-  for (std::size_t kind = 0; kind < delta_.size(); ++kind) {
-    in_halves_of(items_[kind], [&](std::size_t i, Share half) {
-      reals(delta_[kind][i], half) = reals(rhs_[kind][i], half) = reals(residuals_[kind][i], half);
-    });
-  }
   double T_contraction = 0.0;
   double K_contraction = 0.1;  // a first guess
   double T_error = change;
@@ -224,8 +252,8 @@ bool FastForm::correct(double h, double change) {
     const double K_error = K_contraction * not_coupled;
     if (T_error + K_error < target) break;
     if (k > 0 && K_error > T_error) {
-      couple(h);
-      last = shift_rhs();
+      last = couple(h);
+      std::swap(rhs_, next_rhs_);
       K_contraction = std::max(0.5 * K_contraction, last / not_coupled);
       not_coupled = last;
       T_error = solves_transport() ? last : T_error + last * T_contraction / (1.0 - T_contraction);
@@ -257,7 +285,7 @@ SolveReport FastForm::solve(double h) {
   const Iteration other = options_.accelerate ? Iteration::plain : Iteration::accelerated;
   const std::array<Iteration, 3> attempts = {Iteration::corrected, uncorrected, other};
   const std::size_t first = corrects_ ? 0 : 1;
-  if (start_values_.predict(h, unknowns_, team_)) {
+  if (predict(h)) {
     if (converges(attempts[first])) return report;
     start_values_.forget();
   }
@@ -299,7 +327,10 @@ SolveReport FastForm::advance(const Matrix& W0, double h, Matrix& W1) {
   const SolveReport report = solve(h);
   if (report.status == Status::converged) {
     update(h, W1_);
-    start_values_.accept(h, unknowns_, team_);
+    start_values_.accept(h);
+    in_halves_of_unknowns([&](std::size_t kind, std::size_t i, Share half) {
+      start_values_.keep(kind, i, unknowns_[kind][i], half);
+    });
     in_halves([&](Share half) { W1_.store(W1, half); });
   } else {
     start_values_.forget();

@@ -117,14 +117,14 @@ class FastForm : public Integrator {
   /// R into residuals_, from a sweep that leaves the unknowns; returns the largest, as sweep().
   virtual double residual(double h) = 0;
   /// Takes what T and K are made of from the last residual, of B only what counts to a relative
-  /// accuracy; returns the widest band of B.
+  /// accuracy, and δ = R by start_correction; returns the widest band of B.
   virtual Index linearise(double h, double accuracy) = 0;
   /// δ = rhs + T δ; returns the largest change.
   virtual double transport(double h) = 0;
   /// Whether transport() solves that equation instead, to the accuracy asked of linearise().
   virtual bool solves_transport() const { return false; }
-  /// next_rhs_ = R + K δ.
-  virtual void couple(double h) = 0;
+  /// next_rhs_ = R + K δ, and into δ what that changes by shift(); returns the largest change.
+  virtual double couple(double h) = 0;
   /// W₁ from the last sweep.
   virtual void update(double h, PlanarMatrix& W1) = 0;
 
@@ -133,6 +133,14 @@ class FastForm : public Integrator {
   void solve_generator(std::size_t item, const PlanarMatrix& W, PlanarMatrix& B, Share share,
                        Worker& worker);
   void finish_generator(std::size_t item, PlanarMatrix& B, Share share) const;
+
+  /// δ = R, and that is the right-hand side too.
+  void start_correction(std::size_t kind, std::size_t item, Share share) {
+    reals(delta_[kind][item], share) = reals(rhs_[kind][item], share) =
+        reals(residuals_[kind][item], share);
+  }
+  /// δ into `moved` as next_rhs_ changes it; its square is what that changes.
+  void shift(std::size_t kind, std::size_t item, SingleMatrix& moved, Share share);
 
   Index coupling_band() const { return coupling_band_; }
   static Index widest_band(const Singles& matrices);
@@ -143,7 +151,7 @@ class FastForm : public Integrator {
   void narrow_generator(std::size_t item, const PlanarMatrix& B, double h, double accuracy,
                         SingleMatrix& S, Share share) const;
 
-  /// Cuts X to the band that holds all but `tail` of it: two phases of an item.
+  /// Cuts X to the band that holds all but `tail` of it: two phases of an item, of whatever number.
   template <class AnyMatrix>
   void measure(std::size_t item, const AnyMatrix& X, Share share) {
     if (!cuts_) return;
@@ -173,25 +181,48 @@ class FastForm : public Integrator {
     team_.run_halves(items, [&](std::size_t item, Share share, std::size_t) { half(item, share); });
   }
 
+  /// Calls half(kind, item, share) for both halves of all unknowns.
+  template <class OfHalf>
+  void in_halves_of_unknowns(OfHalf&& half) {
+    in_halves_of(all_items_, [&](std::size_t place, Share share) {
+      half(order_[place].first, order_[place].second, share);
+    });
+  }
+
   /// Calls half(share) for both halves of something.
   template <class OfHalf>
   void in_halves(OfHalf&& half) {
     in_halves_of(1, [&](std::size_t, Share share) { half(share); });
   }
 
-  /// X_i = base_i + h Σ_j a_ij Y_j, as update_unknowns of stage_sums.h and shared out; returns the
-  /// largest change.  Base is one matrix or a vector of one for each.
-  template <class Base, class AnyMatrix>
-  double update_in_halves(const Base& base, double h, const RealMatrix& a,
-                          const std::vector<AnyMatrix>& Y, std::vector<AnyMatrix>& X) {
-    in_halves([&](Share half) {
-      const NumbersOfRows numbers(X[0], half);
-      update_unknowns(base, h, a, Y, X, half_of_squares(half), numbers.begin, numbers.end);
-    });
+  /// X_i = base_i + h Σ_j a_ij Y_j, as update_unknowns of stage_sums.h and shared out, and each
+  /// phase(i, share, worker) of all i after it; returns the largest change.  Base is one matrix or a
+  /// vector of one for each.
+  template <class Base, class AnyMatrix, class... Phases>
+  double update_stages(const Base& base, double h, const RealMatrix& a,
+                       const std::vector<AnyMatrix>& Y, std::vector<AnyMatrix>& X,
+                       Phases&&... phases) {
+    if (each_has_its_own(X.size())) {
+      in_phases(
+          X.size(),
+          [&](std::size_t i, Share share, Worker&) {
+            for_halves(share, [&](Share half) {
+              half_of_squares(half)[i] =
+                  update_unknown(base, h, a, static_cast<Index>(i), Y, X[i], half);
+            });
+          },
+          phases...);
+    } else {
+      in_halves([&](Share half) {
+        const NumbersOfRows numbers(X[0], half);
+        update_unknowns(base, h, a, Y, X, half_of_squares(half), numbers.begin, numbers.end);
+      });
+      if constexpr (sizeof...(phases) > 0) in_phases(X.size(), phases...);
+    }
     return largest_of_squares(static_cast<Index>(X.size()));
   }
   /// R_i = base + h Σ_j a_ij Y_j - X_i, likewise; returns the largest.
-  double residuals_in_halves(const PlanarMatrix& base, double h, const RealMatrix& a,
+  double residuals_of_stages(const PlanarMatrix& base, double h, const RealMatrix& a,
                              const std::vector<PlanarMatrix>& Y, const std::vector<PlanarMatrix>& X,
                              std::vector<SingleMatrix>& R);
   /// Where the squares of one half of what is summed go, to be read by largest_of_squares.
@@ -220,15 +251,18 @@ class FastForm : public Integrator {
   PlanarMatrix W0_;
   Unknowns unknowns_;
   SingleUnknowns residuals_, delta_, rhs_, next_rhs_;
-  std::vector<Items> items_;  // of each kind
 
  private:
   enum class Iteration { plain, accelerated, corrected };
 
   SolveReport iterate(double h, Iteration iteration);
   bool correct(double h, double change);
-  double shift_rhs();
   void add_correction(const SingleUnknowns& correction);
+  bool predict(double h);
+
+  /// Whether two threads have as many of these, so that what one made of its own the other has not
+  /// to fetch; else halves of all are fewer passes over memory.
+  bool each_has_its_own(Items items) const { return team_.threads() == 2 && items.halved == 0; }
   SolveReport solve(double h);
 
   long products() const;
@@ -236,6 +270,8 @@ class FastForm : public Integrator {
   long poisson_solves() const;
 
   FastOptions options_;
+  std::vector<std::pair<std::size_t, std::size_t>> order_;  // (kind, item), for all_items_
+  Items all_items_;
   Team team_;
   std::vector<Worker> workers_;
   PlanarLaplacian laplacian_;

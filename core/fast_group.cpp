@@ -47,6 +47,15 @@ void FastGroup::begin() {
       [&](std::size_t j, Share share, Worker&) { cut(j, left_out(), Q[j], share); });
 }
 
+// Q_j from the last Q_j B_j, cut to its band; returns the largest change.
+double FastGroup::update_Q(double h) {
+  std::vector<PlanarMatrix>& Q = unknowns_[0];
+  return update_stages(
+      identity_, -h, tableau_.a, QB_, Q,
+      [&](std::size_t j, Share share, Worker&) { measure(j, Q[j], share); },
+      [&](std::size_t j, Share share, Worker&) { cut(j, left_out(), Q[j], share); });
+}
+
 void FastGroup::transport_stages() {
   const std::vector<PlanarMatrix>& Q = unknowns_[0];
   in_phases(Q.size(), [&](std::size_t j, Share share, Worker& worker) {
@@ -67,26 +76,25 @@ void FastGroup::form_stages() {
       [&](std::size_t j, Share share, Worker& worker) {
         solve_generator(j, W_stage_[place(j)], B_[j], share, worker);
       },
-      [&](std::size_t j, Share share, Worker&) { finish_generator(j, B_[j], share); });
+      [&](std::size_t j, Share share, Worker&) { finish_generator(j, B_[j], share); },
+      [&](std::size_t j, Share share, Worker& worker) {
+        worker.planar.multiply(Q[j], B_[j], QB_[j], 1.0, share);
+      });
 }
 
 double FastGroup::sweep(double h) {
   form_stages();
-  transport_stages();
-  const double change = update_in_halves(identity_, -h, tableau_.a, QB_, unknowns_[0]);
+  const double change = update_Q(h);
   if (corrects() && change >= tolerance_) {
-    begin();  // Q has another band now
     transport_stages();
-    update_in_halves(identity_, -h, tableau_.a, QB_, unknowns_[0]);
+    update_Q(h);
   }
-  begin();
   return change;
 }
 
 double FastGroup::residual(double h) {
   form_stages();
-  transport_stages();
-  return residuals_in_halves(identity_, -h, tableau_.a, QB_, unknowns_[0], residuals_[0]);
+  return residuals_of_stages(identity_, -h, tableau_.a, QB_, unknowns_[0], residuals_[0]);
 }
 
 Index FastGroup::linearise(double h, double accuracy) {
@@ -95,6 +103,7 @@ Index FastGroup::linearise(double h, double accuracy) {
     narrow_generator(j, B_[j], h, accuracy, B_single_[j], half);
     narrow(Q[j], Q_single_[j], half);
     narrow(W0Q_[j], W0Q_single_[j], half);
+    start_correction(0, j, half);
   });
   return widest_band(B_single_);
 }
@@ -104,11 +113,11 @@ double FastGroup::transport(double h) {
   in_phases(delta.size(), [&](std::size_t j, Share share, Worker& worker) {
     worker.singles.multiply(delta[j], B_single_[j], product_[j], 1.0f, share);
   });
-  return update_in_halves(rhs_[0], -h, tableau_.a, product_, delta_[0]);
+  return update_stages(rhs_[0], -h, tableau_.a, product_, delta_[0]);
 }
 
-void FastGroup::couple(double h) {
-  const Singles& delta = delta_[0];
+double FastGroup::couple(double h) {
+  Singles& delta = delta_[0];
   in_phases(
       delta.size(),
       [&](std::size_t j, Share share, Worker& worker) {
@@ -125,7 +134,9 @@ void FastGroup::couple(double h) {
       [&](std::size_t j, Share share, Worker& worker) {
         worker.singles.multiply(Q_single_[j], dB_[j], product_[j], 1.0f, share);
       });
-  update_in_halves(residuals_[0], -h, tableau_.a, product_, next_rhs_[0]);
+  return update_stages(
+      residuals_[0], -h, tableau_.a, product_, next_rhs_[0],
+      [&](std::size_t j, Share share, Worker&) { shift(0, j, delta[j], share); });
 }
 
 void FastGroup::update(double h, PlanarMatrix& W1) {

@@ -33,12 +33,13 @@ class FastGroup final : public FastForm {
   double residual(double h) override;
   Index linearise(double h, double accuracy) override;
   double transport(double h) override;
-  void couple(double h) override;
+  double couple(double h) override;
   void update(double h, PlanarMatrix& W1) override;
 
  private:
-  void form_stages();       // W₀ Q_j, W̃_j and B_j
+  void form_stages();       // W₀ Q_j, W̃_j, B_j and Q_j B_j
   void transport_stages();  // Q_j B_j
+  double update_Q(double h);
 
   Tableau tableau_;
   std::vector<PlanarMatrix> W0Q_, W_stage_, B_, QB_;

@@ -76,6 +76,7 @@ Index FastMidpoint::linearise(double h, double accuracy) {
     narrow_generator(0, B_, h, accuracy, B_single_, half);
     narrow(W_stage_, W_single_, half);
     set_sum(B_single_, 0.25 * h * h, 0.5 * h, K_right_, half);
+    start_correction(0, 0, half);
   });
   invert(h, accuracy);
   return B_single_.band();
@@ -152,7 +153,7 @@ double FastMidpoint::transport(double) {
   return largest_of_squares(1);
 }
 
-void FastMidpoint::couple(double) {
+double FastMidpoint::couple(double) {
   in_phases(
       1,
       [&](std::size_t, Share share, Worker& worker) {
@@ -167,8 +168,12 @@ void FastMidpoint::couple(double) {
       },
       [&](std::size_t, Share share, Worker&) { skew_part(other_, 1.0f, product_, share); },
       [&](std::size_t, Share share, Worker&) {
-        reals(next_rhs_[0][0], share) = reals(residuals_[0][0], share) + reals(product_, share);
+        for_halves(share, [&](Share half) {
+          reals(next_rhs_[0][0], half) = reals(residuals_[0][0], half) + reals(product_, half);
+          shift(0, 0, delta_[0][0], half);
+        });
       });
+  return largest_of_squares(1);
 }
 
 void FastMidpoint::update(double, PlanarMatrix& W1) {

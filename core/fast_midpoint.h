@@ -29,7 +29,7 @@ class FastMidpoint final : public FastForm {
   Index linearise(double h, double accuracy) override;
   double transport(double h) override;
   bool solves_transport() const override { return true; }
-  void couple(double h) override;
+  double couple(double h) override;
   void update(double h, PlanarMatrix& W1) override;
 
  private:

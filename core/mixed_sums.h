@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "core/planar_matrix.h"
-#include "core/tableau.h"
 
 namespace isosyrk {
 
@@ -38,47 +37,13 @@ void for_pieces(Index n, Share share, Body&& body) {
   }
 }
 
-template <int Size>
-void residuals(const PlanarMatrix& base, double h, const RealMatrix& a,
-               const std::vector<PlanarMatrix>& Y, const std::vector<PlanarMatrix>& X,
-               std::vector<SingleMatrix>& R, double* squares, Share share) {
-  constexpr int most = Size == Eigen::Dynamic ? max_stages : Size;
-  const Eigen::Matrix<double, Size, Size, Eigen::ColMajor, most, most> c = h * a;
-  Doubles sums[most];
-  for (Index i = 0; i < c.rows(); ++i) sums[i].setZero();
-  for_pieces(base.size(), share, [&](Index at_double, Index at_single) {
-    Doubles y[most];
-    for (Index j = 0; j < c.rows(); ++j) y[j] = at(Y[static_cast<std::size_t>(j)], at_double);
-    const Doubles start = at(base, at_double);
-    for (Index i = 0; i < c.rows(); ++i) {
-      Doubles fresh = start;
-      for (Index j = 0; j < c.rows(); ++j) fresh += c(i, j) * y[j];
-      const Doubles change = fresh - at(X[static_cast<std::size_t>(i)], at_double);
-      sums[i] += change.square();
-      at(R[static_cast<std::size_t>(i)], at_single) = change.cast<float>();
-    }
-  });
-  for (Index i = 0; i < c.rows(); ++i) squares[i] = sums[i].sum();
-}
-
 }  // namespace mixed_sums
 
 /// R_i = base + h Σ_j a_ij Y_j - X_i for i = 1..s, the change that update_unknowns would make, in
 /// single precision; squares[i] = Σ |R_i|².
-inline void residuals(const PlanarMatrix& base, double h, const RealMatrix& a,
-                      const std::vector<PlanarMatrix>& Y, const std::vector<PlanarMatrix>& X,
-                      std::vector<SingleMatrix>& R, double* squares, Share share) {
-  switch (Y.size()) {
-    case 1:
-      return mixed_sums::residuals<1>(base, h, a, Y, X, R, squares, share);
-    case 2:
-      return mixed_sums::residuals<2>(base, h, a, Y, X, R, squares, share);
-    case 3:
-      return mixed_sums::residuals<3>(base, h, a, Y, X, R, squares, share);
-    default:
-      return mixed_sums::residuals<Eigen::Dynamic>(base, h, a, Y, X, R, squares, share);
-  }
-}
+void residuals(const PlanarMatrix& base, double h, const RealMatrix& a,
+               const std::vector<PlanarMatrix>& Y, const std::vector<PlanarMatrix>& X,
+               std::vector<SingleMatrix>& R, double* squares, Share share);
 
 /// R = fresh - X in single precision, where fresh(load) gives eight neighbouring numbers from those
 /// that load(Y) takes of any matrix; returns Σ |R|².
@@ -95,19 +60,15 @@ double residual(const PlanarMatrix& X, Fresh&& fresh, SingleMatrix& R, Share sha
   return sum.sum();
 }
 
+/// The i-th of the residuals of all stages by itself, the same bit for bit; returns its square.
+double residual(const PlanarMatrix& base, double h, const RealMatrix& a, Index i,
+                const std::vector<PlanarMatrix>& Y, const PlanarMatrix& X_i, SingleMatrix& R_i,
+                Share share);
+
 /// S = X, rounded, with its band.
-inline void narrow(const PlanarMatrix& X, SingleMatrix& S, Share share) {
-  using mixed_sums::at;
-  mixed_sums::for_pieces(X.size(), share,
-                         [&](Index i, Index k) { at(S, k) = at(X, i).cast<float>(); });
-  if (share.is_first()) S.set_band(X.band());
-}
+void narrow(const PlanarMatrix& X, SingleMatrix& S, Share share);
 
 /// X += S.
-inline void add(const SingleMatrix& S, PlanarMatrix& X, Share share) {
-  using mixed_sums::at;
-  mixed_sums::for_pieces(X.size(), share,
-                         [&](Index i, Index k) { at(X, i) += at(S, k).cast<double>(); });
-}
+void add(const SingleMatrix& S, PlanarMatrix& X, Share share);
 
 }  // namespace isosyrk

@@ -189,6 +189,40 @@ void minus_adjoint(const PlanarMatrixOf<Real>& C, PlanarMatrixOf<Real>& out, Sha
       });
 }
 
+template <class Real>
+void subtract_adjoint(const PlanarMatrixOf<Real>& C, std::type_identity_t<Real> scale,
+                      PlanarMatrixOf<Real>& out, Share share) {
+  const Index n = C.size();
+  const Index stride = C.stride();
+  const auto add_block = [stride](const Real* from, Real factor, Real* to) {
+    Block<Real> block, sum;
+    block.load(from, stride);
+    block.transpose();
+    sum.load(to, stride);
+    for (int r = 0; r < 4; ++r) sum.row[r] += factor * block.row[r];
+    sum.store(to, stride);
+  };
+  const auto add_entry = [&](Index r, Index c) {
+    out.re()[r * stride + c] -= scale * C.re()[c * stride + r];
+    out.im()[r * stride + c] += scale * C.im()[c * stride + r];
+  };
+  const Rows rows(n, share);
+  Index r = rows.begin;
+  for (; r + 4 <= rows.end; r += 4) {
+    Index c = 0;
+    for (; c + 4 <= n; c += 4) {
+      add_block(C.re() + c * stride + r, -scale, out.re() + r * stride + c);
+      add_block(C.im() + c * stride + r, scale, out.im() + r * stride + c);
+    }
+    for (; c < n; ++c) {
+      for (Index i = r; i < r + 4; ++i) add_entry(i, c);
+    }
+  }
+  for (; r < rows.end; ++r) {
+    for (Index c = 0; c < n; ++c) add_entry(r, c);
+  }
+}
+
 namespace {
 
 // Columns first ... first + count - 1 of a row of both parts, squared.
@@ -253,5 +287,7 @@ template void skew_part(const SingleMatrix&, float, SingleMatrix&, Share);
 template void upper_skew_part_within(Index, const SingleMatrix&, SingleMatrix&, Share);
 template void minus_adjoint(const PlanarMatrix&, PlanarMatrix&, Share);
 template void minus_adjoint(const SingleMatrix&, SingleMatrix&, Share);
+template void subtract_adjoint(const PlanarMatrix&, double, PlanarMatrix&, Share);
+template void subtract_adjoint(const SingleMatrix&, float, SingleMatrix&, Share);
 
 }  // namespace isosyrk

@@ -103,4 +103,9 @@ void upper_skew_part_within(Index band, const PlanarMatrixOf<Real>& C, PlanarMat
 template <class Real>
 void minus_adjoint(const PlanarMatrixOf<Real>& C, PlanarMatrixOf<Real>& out, Share share = {});
 
+/// out -= scale C†, or a share of its rows.  out is not C.
+template <class Real>
+void subtract_adjoint(const PlanarMatrixOf<Real>& C, std::type_identity_t<Real> scale,
+                      PlanarMatrixOf<Real>& out, Share share = {});
+
 }  // namespace isosyrk

@@ -7,6 +7,7 @@
 // PlanarMatrix, whose real numbers include what fills up its rows, 0 throughout.
 #pragma once
 
+#include <array>
 #include <type_traits>
 #include <vector>
 
@@ -174,7 +175,7 @@ void update_all(const Base& base, double h, const RealMatrix& a, const std::vect
   constexpr int most = Size == Eigen::Dynamic ? max_stages : Size;
   using Real = RealOf<AnyMatrix>;
   const Eigen::Matrix<Real, Size, Size, Eigen::ColMajor, most, most> c = (h * a).cast<Real>();
-  constexpr int length = 8;
+  constexpr int length = 64 / sizeof(Real);
   Piece<length, Real> sums[most];
   for (Index i = 0; i < c.rows(); ++i) sums[i].setZero();
   Index at = begin;
@@ -188,15 +189,40 @@ void update_all(const Base& base, double h, const RealMatrix& a, const std::vect
     squares[i] = static_cast<double>(sums[i].sum() + rest_sums[i].sum());
 }
 
+/// Calls use(fresh) where fresh(load) gives a piece of base + h Σ_j a_ij Y_j, from what load(X) takes
+/// of any matrix; returns what that does.
+template <class Real, class Use>
+auto with_stage(const PlanarMatrixOf<Real>& base, double h, const RealMatrix& a, Index i,
+                const std::vector<PlanarMatrixOf<Real>>& Y, Use&& use) {
+  std::array<Real, max_stages> c{};
+  for (std::size_t j = 0; j < Y.size(); ++j) {
+    c[j] = static_cast<Real>(h * a(i, static_cast<Index>(j)));
+  }
+  if (Y.size() == 2) {  // which the compiler unrolls
+    return use([&](const auto& load) {
+      auto fresh = load(base).eval();
+      fresh += c[0] * load(Y[0]);
+      fresh += c[1] * load(Y[1]);
+      return fresh;
+    });
+  }
+  return use([&](const auto& load) {
+    auto fresh = load(base).eval();
+    for (std::size_t j = 0; j < Y.size(); ++j) fresh += c[j] * load(Y[j]);
+    return fresh;
+  });
+}
+
 }  // namespace stage_sums
 
-/// X = fresh, where fresh(load) gives eight neighbouring numbers of it from those that load(Y)
-/// takes of any matrix, each then seen by also(at, value); returns Σ |change of X|².  Of all, or a
-/// share of it.
+/// out = fresh, where fresh(load) gives 64 neighbouring bytes of it from those that load(Y) takes of
+/// any matrix, each piece then seen by also(at, value); returns Σ |out - old|².  Of all, or a share
+/// of it.  out may be `old`, or read by fresh.
 template <class Real, class Fresh, class Also>
-double replace(PlanarMatrixOf<Real>& X, Share share, Fresh&& fresh, Also&& also) {
-  const NumbersOfRows numbers(X, share);
-  constexpr int length = 8;  // rows are filled up to whole blocks of 8
+double replace(const PlanarMatrixOf<Real>& old, PlanarMatrixOf<Real>& out, Share share,
+               Fresh&& fresh, Also&& also) {
+  const NumbersOfRows numbers(out, share);
+  constexpr int length = 64 / sizeof(Real);  // rows are filled up to whole blocks of 64 bytes
   using Numbers = stage_sums::Piece<length, Real>;
   Numbers sum = Numbers::Zero();
   for (Index at = numbers.begin; at < numbers.end; at += length) {
@@ -205,21 +231,66 @@ double replace(PlanarMatrixOf<Real>& X, Share share, Fresh&& fresh, Also&& also)
       return Eigen::Map<const Numbers>(reals(Y).data() + at);
     };
     const Numbers value = fresh(load);
-    sum += (value - load(X)).square();
-    stage_sums::store<length>(value, X, at);
+    sum += (value - load(old)).square();
+    stage_sums::store<length>(value, out, at);
     also(at, value);
   }
   return static_cast<double>(sum.sum());
 }
 template <class Real, class Fresh>
-double replace(PlanarMatrixOf<Real>& X, Share share, Fresh&& fresh) {
-  return replace(X, share, fresh, [](Index, const auto&) {});
+double replace(const PlanarMatrixOf<Real>& old, PlanarMatrixOf<Real>& out, Share share,
+               Fresh&& fresh) {
+  return replace(old, out, share, fresh, [](Index, const auto&) {});
 }
+/// The same for X that is replaced.
+template <class Real, class Fresh, class... Also>
+double replace(PlanarMatrixOf<Real>& X, Share share, Fresh&& fresh, Also&&... also) {
+  return replace(X, X, share, fresh, also...);
+}
+
+/// out = fresh, without a look at what was there.
+template <class Real, class Fresh>
+void assign(PlanarMatrixOf<Real>& out, Share share, Fresh&& fresh) {
+  const NumbersOfRows numbers(out, share);
+  constexpr int length = 64 / sizeof(Real);
+  using Numbers = stage_sums::Piece<length, Real>;
+  for (Index at = numbers.begin; at < numbers.end; at += length) {
+    const auto load = [at](const PlanarMatrixOf<Real>& Y) {
+      return Eigen::Map<const Numbers>(reals(Y).data() + at);
+    };
+    stage_sums::store<length>(Numbers(fresh(load)), out, at);
+  }
+}
+
+/// Σ_t weight_t X_t, as the `fresh` of these: one pass for all terms.
+template <class Real>
+class Terms {
+ public:
+  /// Of all X_j and M_jk, j <= k, there is room for.
+  static constexpr std::size_t most = max_stages * (max_stages + 3) / 2;
+
+  void add(double weight, const PlanarMatrixOf<Real>& X) {
+    weights_[count_] = static_cast<Real>(weight);
+    matrices_[count_++] = &X;
+  }
+
+  template <class Load>
+  auto operator()(const Load& load) const {
+    auto sum = (weights_[0] * load(*matrices_[0])).eval();
+    for (std::size_t t = 1; t < count_; ++t) sum += weights_[t] * load(*matrices_[t]);
+    return sum;
+  }
+
+ private:
+  std::size_t count_ = 0;
+  std::array<Real, most> weights_;  // the first `count_`
+  std::array<const PlanarMatrixOf<Real>*, most> matrices_;
+};
 
 /// X_i = base + h Σ_j a_ij Y_j for i = 1..s, each Y_j read once; squares[i] = Σ |change of X_i|².
 /// a is s x s, s = Y.size() = X.size() <= max_stages.  Of the real numbers of each matrix those
 /// from `begin` up to `end`, a multiple of 8 each.  Base is one matrix, or a vector of one for
-/// each.
+/// each; so is `end` of numbers in single precision of 16.
 template <class Base, class AnyMatrix>
 void update_unknowns(const Base& base, double h, const RealMatrix& a,
                      const std::vector<AnyMatrix>& Y, std::vector<AnyMatrix>& X, double* squares,
@@ -236,11 +307,34 @@ void update_unknowns(const Base& base, double h, const RealMatrix& a,
   }
 }
 
-/// The same, of whole matrices.
+/// The i-th of these by itself, the same bit for bit, or a share of it; returns its square.
+template <class Base, class Real>
+double update_unknown(const Base& base, double h, const RealMatrix& a, Index i,
+                      const std::vector<PlanarMatrixOf<Real>>& Y, PlanarMatrixOf<Real>& X_i,
+                      Share share) {
+  return stage_sums::with_stage(stage_sums::base_of(base, i), h, a, i, Y,
+                                [&](const auto& fresh) { return replace(X_i, share, fresh); });
+}
+
+/// The same as update_unknowns above, of whole matrices.
 template <class AnyMatrix>
 void update_unknowns(const std::type_identity_t<AnyMatrix>& base, double h, const RealMatrix& a,
                      const std::vector<AnyMatrix>& Y, std::vector<AnyMatrix>& X, double* squares) {
   update_unknowns(base, h, a, Y, X, squares, 0, reals(base).size());
 }
+
+// Of planar matrices both are compiled once, in stage_sums.cpp: compiled with other options, as tests
+// are, the one that the linker takes would round otherwise than the other.
+extern template void update_unknowns(const PlanarMatrix&, double, const RealMatrix&,
+                                     const std::vector<PlanarMatrix>&, std::vector<PlanarMatrix>&,
+                                     double*, Index, Index);
+extern template void update_unknowns(const std::vector<SingleMatrix>&, double, const RealMatrix&,
+                                     const std::vector<SingleMatrix>&, std::vector<SingleMatrix>&,
+                                     double*, Index, Index);
+extern template double update_unknown(const PlanarMatrix&, double, const RealMatrix&, Index,
+                                      const std::vector<PlanarMatrix>&, PlanarMatrix&, Share);
+extern template double update_unknown(const std::vector<SingleMatrix>&, double, const RealMatrix&,
+                                      Index, const std::vector<SingleMatrix>&, SingleMatrix&,
+                                      Share);
 
 }  // namespace isosyrk

@@ -16,26 +16,20 @@ StartValues::StartValues(int p, const Unknowns& unknowns) : p_(p) {
   past_.assign(static_cast<std::size_t>(p), unknowns);
 }
 
-bool StartValues::predict(double h, Unknowns& unknowns, Team& team) const {
+bool StartValues::begin(double h) {
   if (known_ == 0 || h != h_) return false;
-  std::array<double, largest> weights{};
-  weights[0] = known_;  // of the last step: C(known, 1)
+  weights_[0] = known_;  // of the last step: C(known, 1)
   for (int k = 1; k < known_; ++k) {
-    weights[static_cast<std::size_t>(k)] = -weights[static_cast<std::size_t>(k - 1)] *
-                                           static_cast<double>(known_ - k) /
-                                           static_cast<double>(k + 1);
-  }
-  for (std::size_t kind = 0; kind < unknowns.size(); ++kind) {
-    team.run_halves(unknowns[kind].size(), [&](std::size_t i, Share share, std::size_t) {
-      extrapolate(weights, kind, i, share, unknowns[kind][i]);
-    });
+    weights_[static_cast<std::size_t>(k)] = -weights_[static_cast<std::size_t>(k - 1)] *
+                                            static_cast<double>(known_ - k) /
+                                            static_cast<double>(k + 1);
   }
   return true;
 }
 
-// A share of the entries of an unknown, each from all its past ones at once.
-void StartValues::extrapolate(const std::array<double, largest>& weights, std::size_t kind,
-                              std::size_t unknown, Share share, PlanarMatrix& X) const {
+// Each entry from all its past ones at once.
+void StartValues::predict(std::size_t kind, std::size_t unknown, PlanarMatrix& X,
+                          Share share) const {
   std::array<const double*, largest> past{};
   for (std::size_t k = 0; k < static_cast<std::size_t>(known_); ++k) {
     const std::size_t step = (newest_ + past_.size() - k) % past_.size();
@@ -45,25 +39,24 @@ void StartValues::extrapolate(const std::array<double, largest>& weights, std::s
   const NumbersOfRows numbers(X, share);
   for (Index i = numbers.begin; i < numbers.end; i += length) {
     using Piece = Eigen::Array<double, length, 1>;
-    Piece sum = weights[0] * Eigen::Map<const Piece>(past[0] + i);
+    Piece sum = weights_[0] * Eigen::Map<const Piece>(past[0] + i);
     for (std::size_t k = 1; k < static_cast<std::size_t>(known_); ++k) {
-      sum += weights[k] * Eigen::Map<const Piece>(past[k] + i);
+      sum += weights_[k] * Eigen::Map<const Piece>(past[k] + i);
     }
     Eigen::Map<Piece>(X.entries().data() + i) = sum;
   }
 }
 
-void StartValues::accept(double h, const Unknowns& unknowns, Team& team) {
+void StartValues::accept(double h) {
   if (p_ == 0) return;
   if (h != h_) forget();
   h_ = h;
   newest_ = (newest_ + 1) % past_.size();
-  for (std::size_t kind = 0; kind < unknowns.size(); ++kind) {
-    team.run_halves(unknowns[kind].size(), [&](std::size_t i, Share share, std::size_t) {
-      reals(past_[newest_][kind][i], share) = reals(unknowns[kind][i], share);
-    });
-  }
   known_ = std::min(known_ + 1, p_);
+}
+
+void StartValues::keep(std::size_t kind, std::size_t unknown, const PlanarMatrix& X, Share share) {
+  if (p_ > 0) reals(past_[newest_][kind][unknown], share) = reals(X, share);
 }
 
 }  // namespace isosyrk

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/planar_matrix.h"
-#include "core/team.h"
+#include "core/share.h"
 
 namespace isosyrk {
 
@@ -27,26 +27,27 @@ class StartValues {
   /// 0 <= p <= 12.
   StartValues(int p, const Unknowns& unknowns);
 
-  /// Sets the unknowns for a step of size h; leaves them and returns false where the step must
-  /// start cold: the first, and the first of another size or after forget().
-  bool predict(double h, Unknowns& unknowns, Team& team) const;
+  /// Whether a step of size h can be predicted: else it must start cold, as the first, and the
+  /// first of another size or after forget().
+  bool begin(double h);
+  /// Sets an unknown for it, or a share of it.
+  void predict(std::size_t kind, std::size_t unknown, PlanarMatrix& X, Share share) const;
 
-  /// Takes what a step of size h was solved by.
-  void accept(double h, const Unknowns& unknowns, Team& team);
+  /// That a step of size h was solved, by unknowns which then are kept, shares of each.
+  void accept(double h);
+  void keep(std::size_t kind, std::size_t unknown, const PlanarMatrix& X, Share share);
 
   void forget() { known_ = 0; }
 
  private:
   static constexpr int largest = 12;
 
-  void extrapolate(const std::array<double, largest>& weights, std::size_t kind,
-                   std::size_t unknown, Share share, PlanarMatrix& X) const;
-
   int p_;
   int known_ = 0;  // past steps
   std::size_t newest_ = 0;
   double h_ = 0.0;
-  std::vector<Unknowns> past_;  // a ring of p
+  std::array<double, largest> weights_{};  // of what is known, the newest first
+  std::vector<Unknowns> past_;             // a ring of p
 };
 
 }  // namespace isosyrk

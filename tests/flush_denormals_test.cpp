@@ -97,7 +97,7 @@ class Onlooker final : public FastForm {
   double residual(double) override { return 0.0; }
   Index linearise(double, double) override { return 0; }
   double transport(double) override { return 0.0; }
-  void couple(double) override {}
+  double couple(double) override { return 0.0; }
   void update(double, PlanarMatrix& W1) override { W1.entries() = W0_.entries(); }
 };
 
