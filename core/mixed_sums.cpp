@@ -54,9 +54,7 @@ void residuals(const PlanarMatrix& base, double h, const RealMatrix& a,
 double residual(const PlanarMatrix& base, double h, const RealMatrix& a, Index i,
                 const std::vector<PlanarMatrix>& Y, const PlanarMatrix& X_i, SingleMatrix& R_i,
                 Share share) {
-  return stage_sums::with_stage(base, h, a, i, Y, [&](const auto& fresh) {
-    return residual(X_i, fresh, R_i, share);
-  });
+  return residual(X_i, stage_sums::stage(base, h, a, i, Y), R_i, share);
 }
 
 void narrow(const PlanarMatrix& X, SingleMatrix& S, Share share) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/planar_matrix.h"
+#include "core/stage_sums.h"
 
 namespace isosyrk {
 
@@ -16,9 +17,8 @@ constexpr Index length = 8;
 using Doubles = Eigen::Array<double, length, 1>;
 using Singles = Eigen::Array<float, length, 1>;
 
-inline auto at(const PlanarMatrix& X, Index i) {
-  return Eigen::Map<const Doubles>(X.entries().data() + i);
-}
+inline auto at(const double* numbers, Index i) { return Eigen::Map<const Doubles>(numbers + i); }
+inline auto at(const PlanarMatrix& X, Index i) { return at(X.entries().data(), i); }
 inline auto at(PlanarMatrix& X, Index i) { return Eigen::Map<Doubles>(X.entries().data() + i); }
 inline auto at(const SingleMatrix& X, Index i) {
   return Eigen::Map<const Singles>(X.entries().data() + i);
@@ -45,19 +45,21 @@ void residuals(const PlanarMatrix& base, double h, const RealMatrix& a,
                const std::vector<PlanarMatrix>& Y, const std::vector<PlanarMatrix>& X,
                std::vector<SingleMatrix>& R, double* squares, Share share);
 
-/// R = fresh - X in single precision, where fresh(load) gives eight neighbouring numbers from those
-/// that load(Y) takes of any matrix; returns Σ |R|².
+/// R = fresh - X in single precision, `fresh` as that of stage_sums.h; returns Σ |R|².
 template <class Fresh>
-double residual(const PlanarMatrix& X, Fresh&& fresh, SingleMatrix& R, Share share) {
+double residual(const PlanarMatrix& X, const Fresh& fresh, SingleMatrix& R, Share share) {
   using mixed_sums::at;
-  mixed_sums::Doubles sum = mixed_sums::Doubles::Zero();
-  mixed_sums::for_pieces(X.size(), share, [&](Index i, Index k) {
-    const auto load = [i](const PlanarMatrix& Y) { return at(Y, i); };
-    const mixed_sums::Doubles change = fresh(load) - at(X, i);
-    sum += change.square();
-    at(R, k) = change.cast<float>();
+  return stage_sums::unrolled(fresh, [&](const auto& sum_at) {
+    mixed_sums::Doubles sum = mixed_sums::Doubles::Zero();
+    const double* const from = X.entries().data();
+    mixed_sums::for_pieces(X.size(), share, [&](Index i, Index k) {
+      const auto load = [i](const auto& Y) { return at(Y, i); };
+      const mixed_sums::Doubles change = sum_at(load) - at(from, i);
+      sum += change.square();
+      at(R, k) = change.cast<float>();
+    });
+    return sum.sum();
   });
-  return sum.sum();
 }
 
 /// The i-th of the residuals of all stages by itself, the same bit for bit; returns its square.
