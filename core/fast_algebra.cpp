@@ -177,8 +177,7 @@ double FastAlgebra::transport(double h) {
                 share);
       },
       [&](std::size_t i, Share share, Worker& worker) {
-        worker.singles.multiply(single_input_[i], B_single_[i], next_delta_[0][i], -step_of,
-                                share);
+        worker.singles.multiply(single_input_[i], B_single_[i], next_delta_[0][i], -step_of, share);
       },
       [&](std::size_t i, Share share, Worker&) { add_rhs(0, i, share); });
   const double of_X = take_next_delta(0);
@@ -205,9 +204,9 @@ double FastAlgebra::transport(double h) {
 void FastAlgebra::add_rhs(std::size_t kind, std::size_t item, Share share) {
   SingleMatrix& next = next_delta_[kind][item];
   for_halves(share, [&](Share half) {
-    half_of_squares(half)[item] =
-        replace(delta_[kind][item], next, half,
-                [&](const auto& load) { return load(rhs_[kind][item]) + load(next); });
+    half_of_squares(half)[item] = replace(delta_[kind][item], next, half, [&](const auto& load) {
+      return load(rhs_[kind][item]) + load(next);
+    });
   });
 }
 

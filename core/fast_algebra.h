@@ -97,7 +97,7 @@ class FastAlgebra final : public FastForm {
   double correct_stage_vorticities(const Singles& X, const Singles& M, Phases&&... phases);
 
   Tableau tableau_;
-  Stages X_sum_;  // Σ_j a_ij X_j
+  Stages X_sum_;   // Σ_j a_ij X_j
   Unknowns next_;  // X and M of the sweep under way
   Stages W_stage_, B_;
   Stages P_, Y_;       // what next_ are products of

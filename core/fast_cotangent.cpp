@@ -128,10 +128,9 @@ double FastCotangent::couple(double h) {
         worker.singles.multiply(P_single_[j], dB_[j], P_product_[j], 1.0f, share);
       });
   const auto change = [&](std::size_t kind, const Singles& product) {
-    return update_stages(residuals_[kind], -h, tableau_.a, product, next_rhs_[kind],
-                         [&](std::size_t j, Share share, Worker&) {
-                           shift(kind, j, delta_[kind][j], share);
-                         });
+    return update_stages(
+        residuals_[kind], -h, tableau_.a, product, next_rhs_[kind],
+        [&](std::size_t j, Share share, Worker&) { shift(kind, j, delta_[kind][j], share); });
   };
   const double of_Q = change(0, Q_product_);
   const double of_P = change(1, P_product_);

@@ -12,6 +12,7 @@
 #include "core/planar_blocks.h"
 #include "core/planar_laplacian.h"
 #include "core/planar_products.h"
+#include "core/planar_sums.h"
 #include "core/stage_sums.h"
 #include "core/start_values.h"
 #include "core/team.h"
@@ -196,8 +197,8 @@ class FastForm : public Integrator {
   }
 
   /// X_i = base_i + h Σ_j a_ij Y_j, as update_unknowns of stage_sums.h and shared out, and each
-  /// phase(i, share, worker) of all i after it; returns the largest change.  Base is one matrix or a
-  /// vector of one for each.
+  /// phase(i, share, worker) of all i after it; returns the largest change.  Base is one matrix or
+  /// a vector of one for each.
   template <class Base, class AnyMatrix, class... Phases>
   double update_stages(const Base& base, double h, const RealMatrix& a,
                        const std::vector<AnyMatrix>& Y, std::vector<AnyMatrix>& X,

@@ -134,9 +134,8 @@ double FastGroup::couple(double h) {
       [&](std::size_t j, Share share, Worker& worker) {
         worker.singles.multiply(Q_single_[j], dB_[j], product_[j], 1.0f, share);
       });
-  return update_stages(
-      residuals_[0], -h, tableau_.a, product_, next_rhs_[0],
-      [&](std::size_t j, Share share, Worker&) { shift(0, j, delta[j], share); });
+  return update_stages(residuals_[0], -h, tableau_.a, product_, next_rhs_[0],
+                       [&](std::size_t j, Share share, Worker&) { shift(0, j, delta[j], share); });
 }
 
 void FastGroup::update(double h, PlanarMatrix& W1) {

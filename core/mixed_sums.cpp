@@ -1,6 +1,6 @@
 #include "core/mixed_sums.h"
 
-#include "core/stage_sums.h"
+#include "core/planar_sums.h"
 #include "core/tableau.h"
 
 namespace isosyrk {
@@ -54,7 +54,7 @@ void residuals(const PlanarMatrix& base, double h, const RealMatrix& a,
 double residual(const PlanarMatrix& base, double h, const RealMatrix& a, Index i,
                 const std::vector<PlanarMatrix>& Y, const PlanarMatrix& X_i, SingleMatrix& R_i,
                 Share share) {
-  return residual(X_i, stage_sums::stage(base, h, a, i, Y), R_i, share);
+  return residual(X_i, planar_sums::stage(base, h, a, i, Y), R_i, share);
 }
 
 void narrow(const PlanarMatrix& X, SingleMatrix& S, Share share) {

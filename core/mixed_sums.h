@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/planar_matrix.h"
-#include "core/stage_sums.h"
+#include "core/planar_sums.h"
 
 namespace isosyrk {
 
@@ -45,11 +45,11 @@ void residuals(const PlanarMatrix& base, double h, const RealMatrix& a,
                const std::vector<PlanarMatrix>& Y, const std::vector<PlanarMatrix>& X,
                std::vector<SingleMatrix>& R, double* squares, Share share);
 
-/// R = fresh - X in single precision, `fresh` as that of stage_sums.h; returns Σ |R|².
+/// R = fresh - X in single precision, `fresh` as that of planar_sums.h; returns Σ |R|².
 template <class Fresh>
 double residual(const PlanarMatrix& X, const Fresh& fresh, SingleMatrix& R, Share share) {
   using mixed_sums::at;
-  return stage_sums::unrolled(fresh, [&](const auto& sum_at) {
+  return planar_sums::unrolled(fresh, [&](const auto& sum_at) {
     mixed_sums::Doubles sum = mixed_sums::Doubles::Zero();
     const double* const from = X.entries().data();
     mixed_sums::for_pieces(X.size(), share, [&](Index i, Index k) {

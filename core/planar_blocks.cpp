@@ -285,7 +285,6 @@ template void mirror_skew_within(Index, SingleMatrix&, Share);
 template void skew_part(const PlanarMatrix&, double, PlanarMatrix&, Share);
 template void skew_part(const SingleMatrix&, float, SingleMatrix&, Share);
 template void upper_skew_part_within(Index, const SingleMatrix&, SingleMatrix&, Share);
-template void minus_adjoint(const PlanarMatrix&, PlanarMatrix&, Share);
 template void minus_adjoint(const SingleMatrix&, SingleMatrix&, Share);
 template void subtract_adjoint(const PlanarMatrix&, double, PlanarMatrix&, Share);
 template void subtract_adjoint(const SingleMatrix&, float, SingleMatrix&, Share);

@@ -35,7 +35,7 @@ struct PlanarProduct {
   std::ptrdiff_t A_band;  ///< entries (r, c) of A with |r - c| > A_band are 0; n - 1 for the whole
   std::ptrdiff_t B_band;
   std::ptrdiff_t C_band;  ///< only |r - c| <= C_band is wanted; beyond it anything may be
-  std::ptrdiff_t part;    ///< of the rows of C this share is formed, part of `parts` with equal work
+  std::ptrdiff_t part;  ///< of the rows of C this share is formed, part of `parts` with equal work
   std::ptrdiff_t parts;
   bool copies_B;
   bool copies_adjoint_A;  ///< if it copies B

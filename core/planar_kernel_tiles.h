@@ -567,7 +567,7 @@ __attribute__((noinline)) Range rows_of_share(const PlanarProduct<Real>& product
   for_blocks([&](Index i, Index height) {
     const Index work = work_in_row(product, i, height);
     // Where the work of the shares before this one ends, and where its own does.
-    const auto end_of = [&](Index shares, Index& row) __attribute__((always_inline)) {
+    const auto end_of = [&](Index shares, Index & row) __attribute__((always_inline)) {
       const Index left = shares * all - product.parts * above;  // times `parts`
       if (left >= 0 && left < product.parts * height * work) {
         row = i + left / (product.parts * work);

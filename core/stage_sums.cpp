@@ -1,5 +1,7 @@
 #include "core/stage_sums.h"
 
+#include "core/planar_sums.h"
+
 namespace isosyrk {
 
 template void update_unknowns(const PlanarMatrix&, double, const RealMatrix&,

@@ -9,6 +9,15 @@
 namespace isosyrk {
 namespace {
 
+void pause() {
+#if defined(__x86_64__)
+  __builtin_ia32_pause();
+#endif
+}
+
+// So long, a few microseconds, is it left to what the cache holds; other work takes longer.
+constexpr int looks_before_other_work = 64;
+
 // Waits until `value` is another than `old`.  Between the products of a step lie some ten to a
 // hundred microseconds, and to be woken takes as long: so for about that time it stays awake, but
 // offers its core to whoever wants it; then it sleeps.
@@ -17,9 +26,7 @@ void wait_while(const std::atomic<std::uint32_t>& value, std::uint32_t old) {
   for (int offer = 0; offer < offers; ++offer) {
     for (int look = 0; look < 16; ++look) {
       if (value.load(std::memory_order_acquire) != old) return;
-#if defined(__x86_64__)
-      __builtin_ia32_pause();
-#endif
+      pause();
     }
     std::this_thread::yield();
   }
@@ -56,8 +63,10 @@ void Team::run_two(Items items, std::size_t phases, void* context, Call call) {
       static_cast<std::uint32_t>(items.whole() + (items.halved > 0 ? 2 * phases : 0));
   const std::uint32_t before = tasks_done_.load(std::memory_order_relaxed);
   const std::uint32_t round = round_.load(std::memory_order_relaxed) + 1;
-  left_.store({round, 0, static_cast<std::uint8_t>(items.whole()), {0, 0}},
-              std::memory_order_release);
+  const std::uint32_t phases_left = items.halved > 0 ? 0 : static_cast<std::uint32_t>(phases);
+  for (auto& half : half_left_) half.store({round, phases_left}, std::memory_order_release);
+  whole_left_.store({round, 0, static_cast<std::uint16_t>(items.whole())},
+                    std::memory_order_release);
   round_.store(round, std::memory_order_release);
   round_.notify_one();
   take_part(round, 0);
@@ -70,69 +79,73 @@ void Team::run_two(Items items, std::size_t phases, void* context, Call call) {
 // Takes what is left of a round until all is taken.
 void Team::take_part(std::uint32_t round, std::size_t thread) {
   const std::size_t phases = phases_.load(std::memory_order_relaxed);
-  const std::size_t whole = whole_.load(std::memory_order_relaxed);
+  const std::size_t other = 1 - thread;
   std::size_t item = 0;
-  std::size_t phase = phases;  // of the item that is to be done next
+  std::size_t next = phases;  // phase of the item
   const auto do_phase = [&] {
-    if (phase == phases) {
+    if (next == phases) {
       if (!take_item(round, thread, item)) return false;
-      phase = 0;
+      next = 0;
     }
-    call_(context_, phase, item, Share{}, thread);
-    if (++phase == phases) finish_task();
+    call_(context_, next, item, Share{}, thread);
+    if (++next == phases) finish_task();
     return true;
   };
-  const bool halves = halved_.load(std::memory_order_relaxed) > 0;
-  if (halves) {
+  if (halved_.load(std::memory_order_relaxed) > 0) {
     for (std::size_t k = 0; k < phases; ++k) {
-      if (!take_half(round, k, thread, thread)) return;
-      for (std::size_t turn = 0; turn < (whole + 1) / 2; ++turn) do_phase();
+      for (;;) {
+        const std::uint32_t done = tasks_done_.load(std::memory_order_acquire);
+        if (take_half(round, k, thread, thread) != Taken::not_yet) break;
+        if (do_phase()) continue;
+        // Of the phase before, the other has not done its half, or not even begun it.
+        if (take_half(round, k - 1, other, thread) == Taken::already) wait_while(tasks_done_, done);
+      }
     }
   }
   while (do_phase()) {
   }
-  if (halves) take_half(round, phases - 1, 1 - thread, thread);
+  if (halved_.load(std::memory_order_relaxed) > 0) take_half(round, phases - 1, other, thread);
 }
 
 bool Team::take_item(std::uint32_t round, std::size_t thread, std::size_t& item) {
-  Left left = left_.load(std::memory_order_acquire);
+  WholeLeft left = whole_left_.load(std::memory_order_acquire);
   for (;;) {
     if (left.round != round || left.front == left.back) return false;
-    Left rest = left;
+    WholeLeft rest = left;
     item = thread == 0 ? rest.front++ : --rest.back;
-    if (left_.compare_exchange_weak(left, rest, std::memory_order_acq_rel)) return true;
+    if (whole_left_.compare_exchange_weak(left, rest, std::memory_order_acq_rel)) return true;
   }
 }
 
-// Sees to it that a phase of a half is taken, when both halves of the one before are done: of which
-// it does what nobody has begun.  Returns false where the round is over.
-bool Team::take_half(std::uint32_t round, std::size_t phase, std::size_t half,
-                     std::size_t thread) {
-  for (;;) {
-    const std::uint32_t done = tasks_done_.load(std::memory_order_acquire);
-    Left left = left_.load(std::memory_order_acquire);
-    if (left.round != round) return false;
-    if (left.phase[half] > phase) return true;
-    const bool ready = finished_[0].load(std::memory_order_acquire) >= phase &&
-                       finished_[1].load(std::memory_order_acquire) >= phase;
-    const std::size_t which = ready ? half : 1 - half;
-    const std::size_t now = ready ? phase : phase - 1;
-    if (left.phase[which] == now) {
-      Left rest = left;
-      ++rest.phase[which];
-      if (!left_.compare_exchange_weak(left, rest, std::memory_order_acq_rel)) continue;
-      const std::size_t whole = whole_.load(std::memory_order_relaxed);
-      const std::size_t count = whole + halved_.load(std::memory_order_relaxed);
-      const Share share{static_cast<std::ptrdiff_t>(which), 2};
-      for (std::size_t item = whole; item < count; ++item) {
-        call_(context_, now, item, share, thread);
-      }
-      finished_[which].store(now + 1, std::memory_order_release);
-      finish_task();
-    } else {
-      wait_while(tasks_done_, done);
+// Does a phase of a half of the halved items if nobody has taken it and both halves have done the
+// one before.
+Team::Taken Team::take_half(std::uint32_t round, std::size_t phase, std::size_t half,
+                            std::size_t thread) {
+  const auto is_ready = [&] {
+    return finished_[0].load(std::memory_order_acquire) >= phase &&
+           finished_[1].load(std::memory_order_acquire) >= phase;
+  };
+  HalfLeft left = half_left_[half].load(std::memory_order_acquire);
+  for (int look = 0; left.round == round && left.phase == phase; ++look) {
+    if (!is_ready()) {
+      if (look == looks_before_other_work) return Taken::not_yet;
+      pause();
+      left = half_left_[half].load(std::memory_order_acquire);
+      continue;
     }
+    const HalfLeft rest{round, static_cast<std::uint32_t>(phase + 1)};
+    if (!half_left_[half].compare_exchange_weak(left, rest, std::memory_order_acq_rel)) continue;
+    const std::size_t whole = whole_.load(std::memory_order_relaxed);
+    const std::size_t count = whole + halved_.load(std::memory_order_relaxed);
+    const Share share{static_cast<std::ptrdiff_t>(half), 2};
+    for (std::size_t item = whole; item < count; ++item) {
+      call_(context_, phase, item, share, thread);
+    }
+    finished_[half].store(phase + 1, std::memory_order_release);
+    finish_task();
+    return Taken::now;
   }
+  return Taken::already;
 }
 
 void Team::finish_task() {

@@ -12,7 +12,8 @@
 namespace isosyrk {
 
 /// Things that two threads share out: the first half of those that stay whole to one, the second
-/// half to the other, and the last ones, `halved`, in halves, a half to each.  At most 255.
+/// half to the other, and the last ones, `halved`, in halves, a half to each.  Those that stay
+/// whole are even in number; at most 32767 in all.
 struct Items {
   Items(std::size_t how_many) : Items(how_many, how_many % 2) {}  // NOLINT: as a number
   Items(std::size_t how_many, std::size_t in_halves) : count(how_many), halved(in_halves) {}
@@ -26,10 +27,10 @@ struct Items {
 /// Runs tasks by one thread, or by two of which the calling one is the first.
 ///
 /// The first takes whole items from the front and the second from the back, until they meet: so
-/// each mostly works on what its cache holds from the last round.  Between the phases of its halves
-/// it works on these, by which time the other has mostly done its own half; what the other has not
-/// yet begun it does itself rather than wait.  So a second thread that does not get a core costs
-/// next to nothing.  Neither waits by spinning for longer than some microseconds; then it sleeps.
+/// each mostly works on what its cache holds from the last round.  Where the next phase of its
+/// halves has to wait for the other's, it works on these; and when they are done, on what the other
+/// has not yet begun.  So a second thread that does not get a core costs next to nothing.  Neither
+/// waits by spinning for longer than some microseconds; then it sleeps.
 /// The second flushes denormal numbers, as the fast forms do in the first.  Not for use by two
 /// threads at a time.
 class Team {
@@ -42,21 +43,32 @@ class Team {
 
   int threads() const { return second_.joinable() ? 2 : 1; }
 
-  /// Calls task(index, thread) for every index below `count`, in any order and by either thread,
-  /// thread 0 or 1, and returns once all are done.  A task may not throw.
+  /// Calls task(index, thread) for every index below `count` <= 65535, in any order and by either
+  /// thread, thread 0 or 1, and returns once all are done.  A task may not throw.
   template <class Task>
   void run(std::size_t count, Task&& task) {
-    run_phases(Items(count, 0), [&](std::size_t index, Share, std::size_t thread) {
-      task(index, thread);
-    });
+    run_phases(Items(count, 0),
+               [&](std::size_t index, Share, std::size_t thread) { task(index, thread); });
   }
 
   /// Calls half(item, share, thread) for both halves of all items, likewise, each half where
   /// run_phases has its item; by one thread too.
   template <class OfHalf>
   void run_halves(Items items, OfHalf&& half) {
-    run_phases(items, [&](std::size_t item, Share share, std::size_t thread) {
-      for_halves(share, [&](Share of_item) { half(item, of_item, thread); });
+    const std::size_t front = items.whole();  // halves of the first half of these
+    const std::size_t back = front + 2 * items.halved;
+    run(2 * items.count, [&](std::size_t index, std::size_t thread) {
+      const auto of_two = [](std::size_t part) {
+        return Share{static_cast<std::ptrdiff_t>(part), 2};
+      };
+      if (index < front) {
+        half(index / 2, of_two(index % 2), thread);
+      } else if (index < back) {  // first halves, then second ones
+        const std::size_t part = (index - front) / items.halved;
+        half(items.whole() + (index - front) % items.halved, of_two(part), thread);
+      } else {
+        half((index - back + front) / 2, of_two(index % 2), thread);
+      }
     });
   }
 
@@ -77,11 +89,11 @@ class Team {
       ((k++ == which ? static_cast<void>(phases(item, share, thread)) : void()), ...);
     };
     using OneOfThem = decltype(one_of_them);
-    run_two(items, sizeof...(Phases), &one_of_them,
-            [](void* context, std::size_t which, std::size_t item, Share share,
-               std::size_t thread) {
-              (*static_cast<OneOfThem*>(context))(which, item, share, thread);
-            });
+    run_two(
+        items, sizeof...(Phases), &one_of_them,
+        [](void* context, std::size_t which, std::size_t item, Share share, std::size_t thread) {
+          (*static_cast<OneOfThem*>(context))(which, item, share, thread);
+        });
   }
 
  private:
@@ -89,20 +101,23 @@ class Team {
   using Call = void (*)(void* context, std::size_t phase, std::size_t item, Share share,
                         std::size_t thread);
 
-  // What nobody has taken yet: whole items front ... back - 1, and of either half of the halved
-  // ones the phases from the given one on.  With its round: nothing can be taken of one that is
-  // over.
-  struct Left {
+  // What nobody has taken yet: whole items front ... back - 1, and of a half of the others the
+  // phases from the given one on.  With their round: nothing can be taken of one that is over.
+  struct WholeLeft {
     std::uint32_t round;
-    std::uint8_t front;
-    std::uint8_t back;
-    std::array<std::uint8_t, 2> phase;
+    std::uint16_t front;
+    std::uint16_t back;
   };
+  struct HalfLeft {
+    std::uint32_t round;
+    std::uint32_t phase;
+  };
+  enum class Taken { now, not_yet, already };
 
   void run_two(Items items, std::size_t phases, void* context, Call call);
   void take_part(std::uint32_t round, std::size_t thread);
   bool take_item(std::uint32_t round, std::size_t thread, std::size_t& item);
-  bool take_half(std::uint32_t round, std::size_t phase, std::size_t half, std::size_t thread);
+  Taken take_half(std::uint32_t round, std::size_t phase, std::size_t half, std::size_t thread);
   void finish_task();
   void second_thread();
 
@@ -112,7 +127,8 @@ class Team {
   std::atomic<std::size_t> phases_{0};
   std::atomic<std::size_t> whole_{0};
   std::atomic<std::size_t> halved_{0};
-  std::atomic<Left> left_{};
+  std::atomic<WholeLeft> whole_left_{};
+  std::array<std::atomic<HalfLeft>, 2> half_left_{};
   std::array<std::atomic<std::size_t>, 2> finished_{};  // phases of either half
   std::atomic<std::uint32_t> round_{0};
   std::atomic<std::uint32_t> tasks_done_{0};  // in all rounds

@@ -202,6 +202,41 @@ TEST_P(BandsInEachUnit, ThatAreWrongGiveAWrongProduct) {
   EXPECT_GT((C.entries() - expected.entries()).norm(), 1.0);
 }
 
+// Of an upper triangle or a band the lower half of all entries may take much longer than the upper.
+TEST_P(BandsInEachUnit, ShareOutTheMultiplicationsEvenly) {
+  constexpr Index n = 129;
+  PlanarProducts products(n, GetParam());
+  for (const auto& [A_band, B_band] :
+       {std::pair<Index, Index>{n - 1, n - 1}, {40, 60}, {n - 1, 20}, {20, n - 1}}) {
+    const auto A = cut_copy<double>(random_matrix(n, 1), A_band);
+    const auto B = cut_copy<double>(random_matrix(n, 2), B_band);
+    for (const bool upper : {false, true}) {
+      PlanarMatrix C(n);
+      const auto nothing = std::nan("");
+      C.entries().setConstant(nothing);
+      if (upper) {
+        products.multiply_upper(A, B, C, 1.0, {0, 2});
+      } else {
+        products.multiply(A, B, C, 1.0, {0, 2});
+      }
+      Index end = 0;  // of the rows that the first share formed
+      while (end < n && !std::isnan(C.re()[end * C.stride() + end])) ++end;
+      std::array<Index, 2> multiplications{};
+      for (Index r = 0; r < n; ++r) {
+        for (Index c = upper ? r : 0; c < n; ++c) {
+          const Index first = std::max({Index{0}, r - A_band, c - B_band});
+          const Index last = std::min({n - 1, r + A_band, c + B_band});
+          multiplications[r < end ? 0 : 1] += std::max(Index{0}, last + 1 - first);
+        }
+      }
+      const double above = static_cast<double>(multiplications[0]) /
+                           static_cast<double>(multiplications[0] + multiplications[1]);
+      // Tiles are formed whole: what of them is not wanted counts too.
+      EXPECT_NEAR(above, 0.5, 0.1) << A_band << " " << B_band << " " << upper;
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Planar, BandsInEachUnit, ::testing::ValuesIn(tested_kernels()),
                          [](const auto& tested) { return std::string(tested.param.name); });
 

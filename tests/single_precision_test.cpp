@@ -139,6 +139,21 @@ TEST(Singles, AreMirroredAndTransposedInSharesAsInTheWhole) {
         [&](SingleMatrix& C, Share share) { upper_skew_part_within(n - 1, X, C, share); }, start);
     expect_shares_of_the_whole([&](SingleMatrix& C, Share share) { minus_adjoint(X, C, share); },
                                start);
+    expect_shares_of_the_whole(
+        [&](SingleMatrix& C, Share share) { subtract_adjoint(X, 0.3f, C, share); }, start);
+  }
+}
+
+TEST(Singles, SubtractAnAdjoint) {
+  for (const Index n : {1, 2, 5, 8, 17, 34}) {
+    const Matrix X = random_matrix(n, 1), start = random_matrix(n, 2);
+    SingleMatrix out(start);
+    subtract_adjoint(SingleMatrix(X), 0.75f, out);
+    EXPECT_LE(largest_difference(widened(out), start - 0.75 * X.adjoint()), 1e-6) << n;
+    PlanarMatrix in_double(start);
+    subtract_adjoint(PlanarMatrix(X), 0.75, in_double);
+    EXPECT_LE(largest_difference(in_double.interleaved(), start - 0.75 * X.adjoint()), 1e-15) << n;
+    EXPECT_GT(largest_difference(in_double.interleaved(), start - 0.75 * X.transpose()), 1e-3);
   }
 }
 
@@ -168,6 +183,10 @@ TEST(MixedSums, AreThoseOfDoublePrecisionRounded) {
         add(R[u], sum, {0, 2});
         add(R[u], sum, {1, 2});
         EXPECT_EQ(sum.interleaved(), Matrix(X[u].interleaved() + widened(R[u])));
+        SingleMatrix alone(n);
+        EXPECT_EQ(residual(base, 0.3, a, i, Y, X[u], alone, {0, 2}), upper(i)) << n << " " << s;
+        EXPECT_EQ(residual(base, 0.3, a, i, Y, X[u], alone, {1, 2}), lower(i)) << n << " " << s;
+        EXPECT_EQ(alone.entries(), R[u].entries()) << n << " " << s;
         SingleMatrix rounded(n);
         narrow(X[u], rounded, {});
         EXPECT_LE(largest_difference(widened(rounded), X[u].interleaved()), 1e-6);

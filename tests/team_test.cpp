@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <chrono>
+#include <random>
 #include <stdexcept>
 #include <vector>
 
@@ -88,6 +90,70 @@ TEST(Team, DoesAllPhasesOfAllItemsInTurn) {
       }
     }
   }
+}
+
+// However long each takes: each task spins for some random time, so that the threads get ahead of
+// one another in every way.
+TEST(Team, DoesAllPhasesInTurnWhoeverIsAhead) {
+  Team team(2);
+  std::array<std::minstd_rand, 2> random{std::minstd_rand(1), std::minstd_rand(2)};
+  const auto spin = [&](std::size_t thread) {
+    const auto until = std::chrono::steady_clock::now() +
+                       std::chrono::microseconds(random[thread]() % 8 == 0 ? 60 : 2);
+    while (std::chrono::steady_clock::now() < until) {
+    }
+  };
+  for (const Items& items : {Items(3), Items(5), Items(6, 2), Items(1)}) {
+    for (int round = 0; round < 300; ++round) {
+      std::array<Marks, 4> marks{Marks(items.count), Marks(items.count), Marks(items.count),
+                                 Marks(items.count)};
+      std::atomic<int> too_early{0};
+      const auto phase = [&](std::size_t k) {
+        return [&, k](std::size_t item, Share share, std::size_t thread) {
+          if (k > 0) {
+            for (const auto& half : marks[k - 1].halves[item]) too_early += half != 1;
+          }
+          spin(thread);
+          marks[k].mark(item, share);
+        };
+      };
+      team.run_phases(items, phase(0), phase(1), phase(2), phase(3));
+      ASSERT_EQ(too_early, 0) << items.count;
+      for (const Marks& of_phase : marks) {
+        for (const auto& item : of_phase.halves) {
+          ASSERT_EQ(item[0] + 10 * item[1], 11) << items.count;
+        }
+      }
+    }
+  }
+}
+
+// The second is kept busy by its whole item until the first has done all phases of both halves.
+TEST(Team, DoesWhatTheOtherHasNotBegun) {
+  Team team(2);
+  constexpr std::size_t phases = 3;
+  std::atomic<std::size_t> halves_done{0};
+  std::atomic<bool> second_is_busy{false}, in_time{true};
+  const auto phase = [&](std::size_t item, Share share, std::size_t thread) {
+    using namespace std::chrono_literals;
+    const auto wait_for = [](auto&& condition) {
+      const auto until = std::chrono::steady_clock::now() + 10s;
+      while (!condition() && std::chrono::steady_clock::now() < until) std::this_thread::yield();
+      return condition();
+    };
+    if (share.parts == 2) {
+      // The first of them only once the second thread has something to do that keeps it.
+      if (thread == 0 && halves_done < 2) wait_for([&] { return second_is_busy.load(); });
+      ++halves_done;
+    } else if (item == 1 && thread == 1) {
+      second_is_busy = true;
+      if (!wait_for([&] { return halves_done == 2 * phases; })) in_time = false;
+    }
+  };
+  team.run_phases(Items(3), phase, phase, phase);
+  EXPECT_TRUE(second_is_busy);
+  EXPECT_TRUE(in_time);
+  EXPECT_EQ(halves_done, 2 * phases);
 }
 
 TEST(Team, DoesBothHalvesOfAllItems) {
