@@ -215,10 +215,13 @@ void FastForm::add_correction(const SingleUnknowns& correction) {
 
 void FastForm::shift(std::size_t kind, std::size_t item, SingleMatrix& moved, Share share) {
   for_halves(share, [&](Share half) {
-    auto change = reals(rhs_[kind][item], half);  // which is not needed any more
-    change = reals(next_rhs_[kind][item], half) - change;
-    reals(moved, half) = reals(delta_[kind][item], half) + change;
-    half_of_squares(half)[item] = static_cast<double>(change.square().sum());
+    planar_sums::Assigned<float> squares = planar_sums::Assigned<float>::Zero();
+    assign(moved, half, [&](const auto& load) {
+      const auto change = (load(next_rhs_[kind][item]) - load(rhs_[kind][item])).eval();
+      squares += change.square();
+      return (load(delta_[kind][item]) + change).eval();
+    });
+    half_of_squares(half)[item] = static_cast<double>(squares.sum());
   });
 }
 

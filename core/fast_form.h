@@ -261,10 +261,11 @@ class FastForm : public Integrator {
   void add_correction(const SingleUnknowns& correction);
   bool predict(double h);
 
-  /// Whether two threads have as many of these, so that what one made of its own the other has not
-  /// to fetch; else halves of all are fewer passes over memory.
-  bool each_has_its_own(Items items) const { return team_.threads() == 2 && items.halved == 0; }
   SolveReport solve(double h);
+
+  // Whether two threads have as many of these, so that what one made of its own the other has not
+  // to fetch; else halves of all are fewer passes over memory.
+  bool each_has_its_own(Items items) const { return team_.threads() == 2 && items.halved == 0; }
 
   long products() const;
   double equivalent_products() const;

@@ -25,6 +25,10 @@ struct LoadAt {
   Index at;
 };
 
+/// What `assign` takes at a time: real and imaginary parts of a row together are filled up to that.
+template <class Real>
+using Assigned = stage_sums::Piece<128 / sizeof(Real), Real>;
+
 /// base + Σ_j c_j Y_j, as the `fresh` of what follows.
 template <class Real>
 struct Stage {
@@ -184,11 +188,11 @@ template <class Real, class Fresh>
 void assign(PlanarMatrixOf<Real>& out, Share share, const Fresh& fresh) {
   planar_sums::unrolled(fresh, [&](const auto& sum_at) {
     const NumbersOfRows numbers(out, share);
-    constexpr int length = 128 / sizeof(Real);  // real and imaginary parts together have them
+    using Numbers = planar_sums::Assigned<Real>;
+    constexpr int length = Numbers::SizeAtCompileTime;
     Real* const to = out.entries().data();
     for (Index at = numbers.begin; at < numbers.end; at += length) {
-      Eigen::Map<stage_sums::Piece<length, Real>>(to + at) =
-          sum_at(planar_sums::LoadAt<length, Real>{at});
+      Eigen::Map<Numbers>(to + at) = sum_at(planar_sums::LoadAt<length, Real>{at});
     }
   });
 }

@@ -516,7 +516,7 @@ class EndToEnd(CopyTest):
         two_cores = len(os.sched_getaffinity(0)) > 1
         self.assertEqual(set(os.listdir(self.path("out", "table2"))), RESULTS | ({"threads.json"} if two_cores else set()))
         self.assertIn("--published", self.calls("table2")[0])
-        self.assertEqual(["--threads 2" in call for call in self.calls("table2")], [False] + [True] * (7 * two_cores))
+        self.assertEqual(["--threads 2" in call for call in self.calls("table2")], [False] + [True] * (15 * two_cores))
         self.assertEqual(set(os.listdir(self.path("out", "accuracy"))),
                          ACCURACY_RESULTS | {"table1_accuracy.svg", "table1_accuracy.png"})
         for study, raw in (("scaling", {"raw.json"}), ("stability", {"map.json", "fast_map.json", "long_runs.json"})):
@@ -595,8 +595,8 @@ class EndToEnd(CopyTest):
             joined = json.load(raw)
         one_round = len(raw_file(tables=("table2",), threads=(1, 2))["benchmarks"]) // 7
         self.assertEqual([row["repetition_index"] for row in joined["benchmarks"]],
-                         [index for index in range(7) for _ in range(one_round)])
-        self.assertEqual({row["repetitions"] for row in joined["benchmarks"]}, {7})
+                         [index for index in range(15) for _ in range(one_round)])
+        self.assertEqual({row["repetitions"] for row in joined["benchmarks"]}, {15})
         self.assertEqual(joined["context"]["order"], "rounds")
         self.assertNotIn("host_name", joined["context"])
 
