@@ -30,9 +30,8 @@ struct Items {
 /// each mostly works on what its cache holds from the last round.  Where the next phase of its
 /// halves has to wait for the other's, it works on these; and when they are done, on what the other
 /// has not yet begun.  So a second thread that does not get a core costs next to nothing.  Neither
-/// waits by spinning for longer than some microseconds; then it sleeps.
-/// The second flushes denormal numbers, as the fast forms do in the first.  Not for use by two
-/// threads at a time.
+/// waits by spinning for longer than some microseconds; then it sleeps.  The second flushes
+/// denormal numbers, as the fast forms do in the first.  Not for use by two threads at a time.
 class Team {
  public:
   /// Throws std::invalid_argument unless threads is 1 or 2.
@@ -103,15 +102,18 @@ class Team {
 
   // What nobody has taken yet: whole items front ... back - 1, and of a half of the others the
   // phases from the given one on.  With their round: nothing can be taken of one that is over.
-  struct WholeLeft {
+  // Aligned as one word, which not every compiler sees to by itself.
+  struct alignas(8) WholeLeft {
     std::uint32_t round;
     std::uint16_t front;
     std::uint16_t back;
   };
-  struct HalfLeft {
+  struct alignas(8) HalfLeft {
     std::uint32_t round;
     std::uint32_t phase;
   };
+  static_assert(std::atomic<WholeLeft>::is_always_lock_free &&
+                std::atomic<HalfLeft>::is_always_lock_free);
   enum class Taken { now, not_yet, already };
 
   void run_two(Items items, std::size_t phases, void* context, Call call);
