@@ -219,10 +219,6 @@ double FastAlgebra::couple(double h) {
   const auto step_of = static_cast<float>(h);
   Singles& product_X = next_delta_[0];
   Singles& product_M = next_delta_[1];
-  const auto set_next_rhs = [&](std::size_t kind, std::size_t item, Share share) {
-    reals(next_rhs_[kind][item], share) =
-        reals(residuals_[kind][item], share) + reals(next_delta_[kind][item], share);
-  };
   const double of_X = correct_stage_vorticities(
       delta_[0], delta_[1],
       [&](std::size_t i, Share share, Worker& worker) {
@@ -233,8 +229,7 @@ double FastAlgebra::couple(double h) {
         worker.singles.multiply(P_single_[i], dB_[i], product_X[i], -step_of, share);
       },
       [&](std::size_t i, Share share, Worker&) {
-        set_next_rhs(0, i, share);
-        shift(0, i, product_X[i], share);
+        couple_with(0, i, product_X[i], product_X[i], share);
       });
   std::swap(delta_[0], next_delta_[0]);
   in_phases(
@@ -246,8 +241,7 @@ double FastAlgebra::couple(double h) {
         if (is_diagonal(p)) mirror_skew(product_M[p], share);
       },
       [&](std::size_t p, Share share, Worker&) {
-        set_next_rhs(1, p, share);
-        shift(1, p, delta_[1][p], share);
+        couple_with(1, p, product_M[p], delta_[1][p], share);
       });
   return larger(of_X, largest_of_squares(static_cast<Index>(product_M.size())));
 }

@@ -31,27 +31,8 @@ void FastCotangent::start_cold() {
 }
 
 void FastCotangent::begin() {
-  for (const std::size_t kind : {0, 1}) {
-    in_phases(
-        B_.size(), [&](std::size_t j, Share share, Worker&) { measure_unknown(kind, j, share); },
-        [&](std::size_t j, Share share, Worker&) { cut_unknown(kind, j, share); });
-  }
-}
-
-void FastCotangent::measure_unknown(std::size_t kind, std::size_t j, Share share) {
-  measure(kind * B_.size() + j, unknowns_[kind][j], share);
-}
-void FastCotangent::cut_unknown(std::size_t kind, std::size_t j, Share share) {
-  cut(kind * B_.size() + j, left_out(), unknowns_[kind][j], share);
-}
-
-// From the last products with B_j, cut to their bands; returns the largest change.
-double FastCotangent::update_unknowns_of(std::size_t kind, const PlanarMatrix& base,
-                                         const std::vector<PlanarMatrix>& product, double h) {
-  return update_stages(
-      base, -h, tableau_.a, product, unknowns_[kind],
-      [&](std::size_t j, Share share, Worker&) { measure_unknown(kind, j, share); },
-      [&](std::size_t j, Share share, Worker&) { cut_unknown(kind, j, share); });
+  cut_unknowns(0);
+  cut_unknowns(1);
 }
 
 // Q_j B_j and P_j B_j.
@@ -75,8 +56,8 @@ void FastCotangent::transport_stages() {
 
 double FastCotangent::sweep(double h) {
   transport_stages();
-  const double Q_change = update_unknowns_of(0, identity_, QB_, h);
-  const double P_change = update_unknowns_of(1, W0_, PB_, h);
+  const double Q_change = update_and_cut(0, identity_, -h, tableau_.a, QB_);
+  const double P_change = update_and_cut(1, W0_, -h, tableau_.a, PB_);
   return larger(Q_change, P_change);
 }
 

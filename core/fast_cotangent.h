@@ -37,10 +37,6 @@ class FastCotangent final : public FastForm {
 
  private:
   void transport_stages();
-  double update_unknowns_of(std::size_t kind, const PlanarMatrix& base,
-                            const std::vector<PlanarMatrix>& product, double h);
-  void measure_unknown(std::size_t kind, std::size_t j, Share share);
-  void cut_unknown(std::size_t kind, std::size_t j, Share share);
 
   Tableau tableau_;
   std::vector<PlanarMatrix> W_stage_, B_, QB_, PB_;

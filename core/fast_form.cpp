@@ -28,21 +28,16 @@ Unknowns zero_unknowns(Index n, std::initializer_list<Items> kinds) {
 // All items of all kinds, so that each is where it is among those of its own.
 std::vector<std::pair<std::size_t, std::size_t>> order_of(std::initializer_list<Items> kinds) {
   std::vector<std::pair<std::size_t, std::size_t>> order;
-  const auto append = [&](auto&& begin, auto&& end) {
+  for (const std::size_t part : {0, 1, 2}) {  // the first thread's, the second one's, the halved
     std::size_t number = 0;
     for (const Items& kind : kinds) {
-      for (std::size_t item = begin(kind); item < end(kind); ++item) {
+      const std::array<std::size_t, 4> bounds{0, kind.whole() / 2, kind.whole(), kind.count};
+      for (std::size_t item = bounds[part]; item < bounds[part + 1]; ++item) {
         order.emplace_back(number, item);
       }
       ++number;
     }
-  };
-  const auto first = [](const Items&) { return std::size_t{0}; };
-  const auto middle = [](const Items& kind) { return kind.whole() / 2; };
-  const auto whole = [](const Items& kind) { return kind.whole(); };
-  append(first, middle);
-  append(middle, whole);
-  append(whole, [](const Items& kind) { return kind.count; });
+  }
   return order;
 }
 
@@ -223,6 +218,35 @@ void FastForm::shift(std::size_t kind, std::size_t item, SingleMatrix& moved, Sh
     });
     half_of_squares(half)[item] = static_cast<double>(squares.sum());
   });
+}
+
+void FastForm::couple_with(std::size_t kind, std::size_t item, const SingleMatrix& product,
+                           SingleMatrix& moved, Share share) {
+  reals(next_rhs_[kind][item], share) =
+      reals(residuals_[kind][item], share) + reals(product, share);
+  shift(kind, item, moved, share);
+}
+
+// Unknowns are numbered through all kinds.
+std::size_t FastForm::number(std::size_t kind, std::size_t item) const {
+  std::size_t before = 0;
+  for (std::size_t k = 0; k < kind; ++k) before += unknowns_[k].size();
+  return before + item;
+}
+
+void FastForm::cut_unknowns(std::size_t kind) {
+  in_phases(
+      unknowns_[kind].size(),
+      [&](std::size_t i, Share share, Worker&) { measure_unknown(kind, i, share); },
+      [&](std::size_t i, Share share, Worker&) { cut_unknown(kind, i, share); });
+}
+
+double FastForm::update_and_cut(std::size_t kind, const PlanarMatrix& base, double h,
+                                const RealMatrix& a, const std::vector<PlanarMatrix>& Y) {
+  return update_stages(
+      base, h, a, Y, unknowns_[kind],
+      [&](std::size_t i, Share share, Worker&) { measure_unknown(kind, i, share); },
+      [&](std::size_t i, Share share, Worker&) { cut_unknown(kind, i, share); });
 }
 
 bool FastForm::predict(double h) {

@@ -140,8 +140,11 @@ class FastForm : public Integrator {
     reals(delta_[kind][item], share) = reals(rhs_[kind][item], share) =
         reals(residuals_[kind][item], share);
   }
-  /// δ into `moved` as next_rhs_ changes it; its square is what that changes.
+  /// δ into `moved`, which may be δ, as next_rhs_ changes it; its square is what that changes.
   void shift(std::size_t kind, std::size_t item, SingleMatrix& moved, Share share);
+  /// The same with next_rhs_ = R + product, the K δ of the item; `moved` may be the product too.
+  void couple_with(std::size_t kind, std::size_t item, const SingleMatrix& product,
+                   SingleMatrix& moved, Share share);
 
   Index coupling_band() const { return coupling_band_; }
   static Index widest_band(const Singles& matrices);
@@ -152,7 +155,7 @@ class FastForm : public Integrator {
   void narrow_generator(std::size_t item, const PlanarMatrix& B, double h, double accuracy,
                         SingleMatrix& S, Share share) const;
 
-  /// Cuts X to the band that holds all but `tail` of it: two phases of an item, of whatever number.
+  /// Cuts X to the band that holds all but `tail` of it: two phases of an item.
   template <class AnyMatrix>
   void measure(std::size_t item, const AnyMatrix& X, Share share) {
     if (!cuts_) return;
@@ -222,6 +225,12 @@ class FastForm : public Integrator {
     }
     return largest_of_squares(static_cast<Index>(X.size()));
   }
+  /// The unknowns of a kind by that, each then cut to the band that holds all but left_out() of it;
+  /// returns the largest change, without what is cut.
+  double update_and_cut(std::size_t kind, const PlanarMatrix& base, double h, const RealMatrix& a,
+                        const std::vector<PlanarMatrix>& Y);
+  /// The same of the unknowns as they stand.
+  void cut_unknowns(std::size_t kind);
   /// R_i = base + h Σ_j a_ij Y_j - X_i, likewise; returns the largest.
   double residuals_of_stages(const PlanarMatrix& base, double h, const RealMatrix& a,
                              const std::vector<PlanarMatrix>& Y, const std::vector<PlanarMatrix>& X,
@@ -260,6 +269,13 @@ class FastForm : public Integrator {
   bool correct(double h, double change);
   void add_correction(const SingleUnknowns& correction);
   bool predict(double h);
+  std::size_t number(std::size_t kind, std::size_t item) const;
+  void measure_unknown(std::size_t kind, std::size_t i, Share share) {
+    measure(number(kind, i), unknowns_[kind][i], share);
+  }
+  void cut_unknown(std::size_t kind, std::size_t i, Share share) {
+    cut(number(kind, i), left_out(), unknowns_[kind][i], share);
+  }
 
   SolveReport solve(double h);
 

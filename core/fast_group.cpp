@@ -40,21 +40,10 @@ void FastGroup::start_cold() {
   for (PlanarMatrix& Q : unknowns_[0]) Q.entries() = identity_.entries();
 }
 
-void FastGroup::begin() {
-  std::vector<PlanarMatrix>& Q = unknowns_[0];
-  in_phases(
-      Q.size(), [&](std::size_t j, Share share, Worker&) { measure(j, Q[j], share); },
-      [&](std::size_t j, Share share, Worker&) { cut(j, left_out(), Q[j], share); });
-}
+void FastGroup::begin() { cut_unknowns(0); }
 
-// Q_j from the last Q_j B_j, cut to its band; returns the largest change.
-double FastGroup::update_Q(double h) {
-  std::vector<PlanarMatrix>& Q = unknowns_[0];
-  return update_stages(
-      identity_, -h, tableau_.a, QB_, Q,
-      [&](std::size_t j, Share share, Worker&) { measure(j, Q[j], share); },
-      [&](std::size_t j, Share share, Worker&) { cut(j, left_out(), Q[j], share); });
-}
+// Q_j from the last Q_j B_j.
+double FastGroup::update_Q(double h) { return update_and_cut(0, identity_, -h, tableau_.a, QB_); }
 
 void FastGroup::transport_stages() {
   const std::vector<PlanarMatrix>& Q = unknowns_[0];

@@ -167,12 +167,7 @@ double FastMidpoint::couple(double) {
         worker.singles.multiply(product_, K_right_, other_, 1.0f, share);
       },
       [&](std::size_t, Share share, Worker&) { skew_part(other_, 1.0f, product_, share); },
-      [&](std::size_t, Share share, Worker&) {
-        for_halves(share, [&](Share half) {
-          reals(next_rhs_[0][0], half) = reals(residuals_[0][0], half) + reals(product_, half);
-          shift(0, 0, delta_[0][0], half);
-        });
-      });
+      [&](std::size_t, Share share, Worker&) { couple_with(0, 0, product_, delta_[0][0], share); });
   return largest_of_squares(1);
 }
 

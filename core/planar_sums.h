@@ -29,7 +29,8 @@ struct LoadAt {
 template <class Real>
 using Assigned = stage_sums::Piece<128 / sizeof(Real), Real>;
 
-/// base + Σ_j c_j Y_j, as the `fresh` of what follows.
+/// base + Σ_j c_j Y_j, as the `fresh` of what follows; base is not multiplied by 1, so that the sum
+/// rounds as that of update_unknowns does.
 template <class Real>
 struct Stage {
   template <class Load>

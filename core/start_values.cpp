@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "core/stage_sums.h"
+#include "core/planar_sums.h"
 
 namespace isosyrk {
 
@@ -27,24 +27,14 @@ bool StartValues::begin(double h) {
   return true;
 }
 
-// Each entry from all its past ones at once.
 void StartValues::predict(std::size_t kind, std::size_t unknown, PlanarMatrix& X,
                           Share share) const {
-  std::array<const double*, largest> past{};
+  Terms<double> terms;
   for (std::size_t k = 0; k < static_cast<std::size_t>(known_); ++k) {
     const std::size_t step = (newest_ + past_.size() - k) % past_.size();
-    past[k] = past_[step][kind][unknown].entries().data();
+    terms.add(weights_[k], past_[step][kind][unknown]);
   }
-  constexpr Index length = 8;  // rows are filled up to whole blocks of 8
-  const NumbersOfRows numbers(X, share);
-  for (Index i = numbers.begin; i < numbers.end; i += length) {
-    using Piece = Eigen::Array<double, length, 1>;
-    Piece sum = weights_[0] * Eigen::Map<const Piece>(past[0] + i);
-    for (std::size_t k = 1; k < static_cast<std::size_t>(known_); ++k) {
-      sum += weights_[k] * Eigen::Map<const Piece>(past[k] + i);
-    }
-    Eigen::Map<Piece>(X.entries().data() + i) = sum;
-  }
+  assign(X, share, terms);
 }
 
 void StartValues::accept(double h) {

@@ -91,7 +91,8 @@ void Team::take_part(std::uint32_t round, std::size_t thread) {
     if (++next == phases) finish_task();
     return true;
   };
-  if (halved_.load(std::memory_order_relaxed) > 0) {
+  const bool has_halves = halved_.load(std::memory_order_relaxed) > 0;
+  if (has_halves) {
     for (std::size_t k = 0; k < phases; ++k) {
       for (;;) {
         const std::uint32_t done = tasks_done_.load(std::memory_order_acquire);
@@ -104,7 +105,7 @@ void Team::take_part(std::uint32_t round, std::size_t thread) {
   }
   while (do_phase()) {
   }
-  if (halved_.load(std::memory_order_relaxed) > 0) take_half(round, phases - 1, other, thread);
+  if (has_halves) take_half(round, phases - 1, other, thread);
 }
 
 bool Team::take_item(std::uint32_t round, std::size_t thread, std::size_t& item) {
