@@ -13,6 +13,7 @@
 #include "benchmarks/command_line.h"
 #include "benchmarks/progress.h"
 #include "benchmarks/reference.h"
+#include "benchmarks/stolen_time.h"
 #include "core/conservation.h"
 #include "core/gauss_tableau.h"
 #include "core/integrator_list.h"
@@ -136,6 +137,7 @@ class Cell : public benchmark::Fixture {
     const double rate_before = table_.product_rate(backend_, n_, rate_seconds);
     Matrix W = scene_.initial;
     RunReport timed;
+    const double stolen_before = stolen_seconds();
     const auto run_start = std::chrono::steady_clock::now();
     const double start = cpu_seconds();
     for ([[maybe_unused]] auto _ : state) {
@@ -145,6 +147,7 @@ class Cell : public benchmark::Fixture {
     }
     const double elapsed =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - run_start).count();
+    const double stolen = stolen_seconds() - stolen_before;
     // Of several threads each could have multiplied all the time that passed.
     const double seconds = (table_.threads == 1 ? cpu_seconds() - start : elapsed) /
                            static_cast<double>(state.iterations());
@@ -166,6 +169,7 @@ class Cell : public benchmark::Fixture {
       state.counters["reference_uncertainty"] = reference_->uncertainty;
     }
     state.counters["product_share"] = timed.equivalent_products / rate / seconds / table_.threads;
+    state.counters["stolen"] = stolen / elapsed / table_.threads;
     if (table_.counts_equivalents) {
       state.counters["equivalent_products"] = timed.equivalent_products;
     }

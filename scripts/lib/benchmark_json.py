@@ -41,10 +41,14 @@ class CellKey(NamedTuple):
 
 @dataclass(frozen=True)
 class Measurement:
-    """One cell: CPU seconds of each repetition and the median of each counter, or why it failed."""
+    """One cell: CPU seconds of each repetition and the median of each counter, or why it failed.
+
+    `repeated` has what each counter was in each repetition, in the order of the times.
+    """
 
     times: Tuple[float, ...] = ()
     counters: Optional[Dict[str, float]] = None
+    repeated: Optional[Dict[str, Tuple[float, ...]]] = None
     failure: Optional[str] = None
 
 
@@ -201,8 +205,9 @@ def measurement(cell):
         some = f" ({len(failures)} of {len(repetitions)} repetitions)" if len(failures) < len(repetitions) else ""
         return Measurement(failure=failures[0] + some)
     names = [name for name in repetitions[0].counters if all(name in each.counters for each in repetitions)]
+    repeated = {name: tuple(each.counters[name] for each in repetitions) for name in names}
     return Measurement(tuple(each.times[0] for each in repetitions),
-                       {name: statistics.median(each.counters[name] for each in repetitions) for name in names})
+                       {name: statistics.median(values) for name, values in repeated.items()}, repeated)
 
 
 def seconds(row, field):

@@ -84,6 +84,50 @@ class RenderTable2(FolderTest):
             self.assertIn(f"1.60 (1.60)  {ratio} (2.00)", section)
             self.assertEqual("one straight after the other" in section, order == "rounds")
 
+    def stolen(self, shares, order="rounds"):
+        """Returns a comparison in which the host took `shares` in the repetitions of group, s = 2, by two threads, and
+        doubled their times."""
+        two = raw_file(tables=("table2",), threads=(1, 2))
+        two["context"]["order"] = order
+        for row in two["benchmarks"]:
+            row["stolen"] = 0.0
+            if row["run_name"] == "table2/group/n:17/s:2/threads:2":
+                row["stolen"] = shares[row["repetition_index"]]
+                row["real_time"] *= 2 if row["stolen"] > 0.02 else 1
+        return self.rendered(self.both(), *self.with_threads(two)).split("One thread over two\n")[1]
+
+    def test_pairs_that_the_host_disturbed_are_left_out(self):
+        section = self.stolen((0.3, 0.02, 0, 0, 0.021, 0, 0))
+        text = " ".join(section.split())
+        self.assertIn("gave more than 2 % of the cores' time to others are left out: 2 of 63. With them, medians would"
+                      " differ by up to 0.00.", text)
+        self.assertRegex(section, r"group +1\.60 \(1\.60\) +1\.60 \(1\.60\)")
+
+    def test_what_disturbed_pairs_would_change_is_told(self):
+        two = raw_file(tables=("table2",), threads=(1, 2))
+        two["context"]["order"] = "rounds"
+        for row in two["benchmarks"]:
+            row["stolen"] = 0.0
+            if row["run_name"] == "table2/group/n:17/s:2/threads:2":
+                row["real_time"] *= 1 + 0.125 * row["repetition_index"]
+                row["stolen"] = 0.1 if row["repetition_index"] > 4 else 0.0
+        text = " ".join(self.rendered(self.both(), *self.with_threads(two)).split())
+        # 1.6 over 1, 1.125, ... : the third of five against the fourth of seven
+        self.assertIn("1.28 (1.60)", text)
+        self.assertIn("differ by up to 0.12", text)
+
+    def test_too_few_undisturbed_pairs_are_said_and_all_count(self):
+        section = self.stolen((0.3, 0.3, 0.3, 0.3, 0, 0, 0))
+        text = " ".join(section.split())
+        self.assertIn("All pairs count where fewer than 5 had the cores to themselves: group at n = 17, s = 2"
+                      " (3 of 7).", text)
+        self.assertNotIn("left out", text)
+        self.assertRegex(section, r"group +1\.60 \(1\.60\) +0\.80\d \(1\.59\)")
+
+    def test_only_pairs_can_be_left_out(self):
+        self.assertNotIn("host", self.stolen((0.3,) * 7, order=None))
+        self.assertNotIn("host", self.stolen((0.0,) * 7))
+
     def test_the_place_of_algebra_with_two_threads_is_told(self):
         text = " ".join(self.rendered(self.both(), *self.with_threads()).split())
         self.assertIn("At n = 17, s = 2, 3 algebra takes 1.50, 1.33 times the time of the fastest formulation with one"
