@@ -97,19 +97,24 @@ void product(benchmark::State& state, ProductBackend backend, Index n) {
   state.counters["error_in_roundoffs"] = product_error(given.W, given.B, C);
 }
 
-// In double or in single precision.
-template <class Real>
+// A B or A† B, in double or in single precision.
+template <class Real, bool adjoint = false>
 void planar_product(benchmark::State& state, const PlanarKernel& kernel, Index n) {
   const Factors given(n);
   const PlanarMatrixOf<Real> W(given.W), B(given.B);
   PlanarMatrixOf<Real> C(n);
   PlanarProductsOf<Real> products(n, kernel);
   time_products<Real>(state, n, [&] {
-    products.multiply(W, B, C);
+    if constexpr (adjoint) {
+      products.multiply_adjoint_left(W, B, C);
+    } else {
+      products.multiply(W, B, C);
+    }
     benchmark::DoNotOptimize(C.re());
   });
+  const Matrix left = W.interleaved();
   state.counters["error_in_roundoffs"] =
-      product_error<Real>(W.interleaved(), B.interleaved(), C.interleaved());
+      product_error<Real>(adjoint ? left.adjoint() : left, B.interleaved(), C.interleaved());
 }
 
 // B (W B), which is skew-Hermitian: its upper triangle and the mirror of that.
@@ -176,6 +181,7 @@ int main_program(int argc, char** argv) {
     }
     for (const PlanarKernel& kernel : planar_kernels()) {
       names.push_back(planar_name("product", kernel, n));
+      names.push_back(planar_name("adjoint", kernel, n));
       names.push_back(planar_name("triangle", kernel, n));
       names.push_back(planar_name("single", kernel, n));
     }
@@ -195,6 +201,9 @@ int main_program(int argc, char** argv) {
     for (const PlanarKernel& kernel : planar_kernels()) {
       benchmark::RegisterBenchmark(planar_name("product", kernel, n).c_str(),
                                    planar_product<double>, kernel, n)
+          ->Unit(benchmark::kMicrosecond);
+      benchmark::RegisterBenchmark(planar_name("adjoint", kernel, n).c_str(),
+                                   planar_product<double, true>, kernel, n)
           ->Unit(benchmark::kMicrosecond);
       benchmark::RegisterBenchmark(planar_name("single", kernel, n).c_str(), planar_product<float>,
                                    kernel, n)

@@ -20,6 +20,9 @@ int run_program(const char* name, MainProgram& main_program, int argc, char** ar
     return main_program(argc, argv);
   } catch (const std::bad_alloc&) {
     print_error(name, "not enough memory for matrices of this size; n or stages must be smaller");
+  } catch (const SolverFailed& error) {
+    print_error(name, error.what());
+    return exit_solver_failed;
   } catch (const std::exception& error) {
     print_error(name, error.what());
   }

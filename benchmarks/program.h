@@ -15,6 +15,12 @@ class BadArgument : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A run that did not converge where a program needs that it does; what() is the line to print.
+class SolverFailed : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 /// Prints `program: message` on one line of stderr, control characters as spaces.
 void print_error(const char* program, std::string message);
 
@@ -22,7 +28,8 @@ void print_error(const char* program, std::string message);
 using MainProgram = int(int argc, char** argv);
 
 /// Runs a program and returns its exit code. BadArgument, std::invalid_argument, a lack of memory
-/// and any other exception become one line on stderr and exit_bad_arguments.
+/// and any other exception become one line on stderr and exit_bad_arguments, but SolverFailed
+/// exit_solver_failed.
 int run_program(const char* name, MainProgram& main_program, int argc, char** argv);
 
 }  // namespace isosyrk

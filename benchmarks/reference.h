@@ -4,6 +4,7 @@
 #include <string>
 
 #include "benchmarks/arguments.h"
+#include "benchmarks/program.h"
 #include "core/scene.h"
 
 namespace isosyrk {
@@ -25,9 +26,9 @@ struct Reference {
 };
 
 /// The two integrators disagree, or one of them failed.
-class UncertainReference : public std::runtime_error {
+class UncertainReference : public SolverFailed {
  public:
-  using std::runtime_error::runtime_error;
+  using SolverFailed::SolverFailed;
 };
 
 /// ‖W - reference‖_F / ‖reference‖_F

@@ -153,7 +153,7 @@ double seconds_of(Integrator& integrator, const Scene& scene, long steps, long r
   for (long k = 0; k < runs; ++k) {
     W = scene.initial;
     if (!run(integrator, W, step_size, steps).converged()) {
-      throw std::runtime_error("a run did not converge");
+      throw SolverFailed("a run did not converge");
     }
   }
   return cpu_seconds() - start;

@@ -53,8 +53,8 @@ struct Variant {
 
 void require_converged(const RunReport& report, const Variant& variant) {
   if (report.converged()) return;
-  throw std::runtime_error(fmt::format("{}: {} at step {}", variant.fields.dump(),
-                                       name(report.status), report.failed_step));
+  throw SolverFailed(fmt::format("{}: {} at step {}", variant.fields.dump(), name(report.status),
+                                 report.failed_step));
 }
 
 // Times all variants in turns, from the initial data on past the first steps, and returns what each

@@ -266,7 +266,7 @@ class Kernels(MeasuredTest):
         return [name[2][len("planar_"):] for name in names if name[1] == "product" and name[2].startswith("planar_")]
 
     def products(self):
-        return [row for row in self.rows if row["run_name"].startswith(("kernels/product/", "kernels/single/"))]
+        return [row for row in self.rows if row["run_name"].startswith(("kernels/product/", "kernels/adjoint/", "kernels/single/"))]
 
     def test_a_complete_run_ends_with_0(self):
         self.assertEqual(self.done.returncode, DONE, self.done.stderr)
@@ -277,7 +277,8 @@ class Kernels(MeasuredTest):
         self.assertLessEqual(set(units), {"avx512", "avx2", "portable"})
         expected = ["kernels/peak", "kernels/poisson/n:17", "kernels/poisson/planar/n:17",
                     *(f"kernels/product/{each}/n:17" for each in BACKENDS),
-                    *(f"kernels/{part}/planar_{unit}/n:17" for part in ("product", "triangle", "single") for unit in units)]
+                    *(f"kernels/{part}/planar_{unit}/n:17" for unit in units
+                      for part in ("product", "adjoint", "triangle", "single"))]
         self.assertEqual(sorted(row["run_name"] for row in self.rows), sorted(expected))
 
     def test_every_size_has_its_rows(self):
