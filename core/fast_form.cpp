@@ -13,8 +13,9 @@ namespace isosyrk {
 namespace {
 
 // Below these it costs more than it saves (measured).
-constexpr Index smallest_shared = 48;
 constexpr Index smallest_cut = 48;
+constexpr Index smallest_shared = 48;
+constexpr Index smallest_halved = 96;  // where all is in halves, as with one stage
 
 // Beyond this the derivative says too little of a sweep (measured).
 constexpr double largest_corrected = 0.3;
@@ -41,6 +42,12 @@ std::vector<std::pair<std::size_t, std::size_t>> order_of(std::initializer_list<
   return order;
 }
 
+// How many threads pay.
+int threads_for(int asked, const Items& unknowns, Index n) {
+  const Index smallest = unknowns.whole() > 0 ? smallest_shared : smallest_halved;
+  return asked == 2 && n < smallest ? 1 : asked;
+}
+
 Items all_of(std::initializer_list<Items> kinds) {
   Items all(0);
   for (const Items& kind : kinds) {
@@ -62,7 +69,7 @@ FastForm::FastForm(const EulerZeitlin& flow, const FastOptions& options,
       options_(options),
       order_(order_of(unknowns)),
       all_items_(all_of(unknowns)),
-      team_(options.threads == 2 && flow.size() < smallest_shared ? 1 : options.threads),
+      team_(threads_for(options.threads, all_items_, flow.size())),
       workers_(static_cast<std::size_t>(team_.threads()),
                Worker{PlanarProducts(flow.size()), SingleProducts(flow.size())}),
       laplacian_(flow.laplacian()),

@@ -40,8 +40,8 @@ struct FastOptions {
   /// thing.
   std::optional<bool> bands = {};
   /// 1 or 2: a sweep's products, and most of what is between them, are shared out; below n = 48,
-  /// where that costs more than it saves, one thread does all.  The results are the same bit for
-  /// bit.
+  /// with one stage below 96, where that costs more than it saves, one thread does all.  The
+  /// results are the same bit for bit.
   int threads = 1;
 };
 
@@ -83,6 +83,8 @@ class FastForm : public Integrator {
   /// What FastOptions said, or the default.
   bool corrects() const { return corrects_; }
   bool cuts() const { return cuts_; }
+  /// As many of the threads asked for as pay.
+  int threads() const { return team_.threads(); }
 
  protected:
   /// What one of the threads works with.

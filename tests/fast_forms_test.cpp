@@ -256,7 +256,18 @@ TEST_P(EachFastForm, TwoThreadsGiveTheSameBitForBit) {
 
 // Copies of B from 73, of single ones from 105.
 TEST_P(EachFastForm, TwoThreadsGiveTheSameBitForBitAtLargeSizes) {
-  for (const Index n : {66, 75, 107}) expect_the_same_of_two_threads(GetParam(), n);
+  for (const Index n : {66, 75, 98, 107}) expect_the_same_of_two_threads(GetParam(), n);
+}
+
+TEST_P(EachFastForm, TwoThreadsWorkWhereTheyPay) {
+  const Index least = GetParam().s == 1 ? 96 : 48;
+  for (const Index n : {least - 1, least}) {
+    const Scene scene = smooth_scene(n);
+    const auto two = fast(GetParam(), *scene.flow, {.solver = {}, .threads = 2});
+    EXPECT_EQ(dynamic_cast<FastForm&>(*two).threads(), n < least ? 1 : 2) << n;
+    const auto one = fast(GetParam(), *scene.flow);
+    EXPECT_EQ(dynamic_cast<FastForm&>(*one).threads(), 1) << n;
+  }
 }
 
 TEST_P(EachFastForm, OtherFlowsAreIntegratedInThePublishedForm) {
