@@ -131,6 +131,15 @@ void planar_triangle(benchmark::State& state, const PlanarKernel& kernel, Index 
   state.counters["error_in_roundoffs"] = product_error(given.B, WB.interleaved(), C.interleaved());
 }
 
+struct PlanarPart {
+  std::string_view name;
+  void (*time)(benchmark::State&, const PlanarKernel&, Index n);
+};
+const std::vector<PlanarPart> planar_parts = {{"product", planar_product<double>},
+                                              {"adjoint", planar_product<double, true>},
+                                              {"single", planar_product<float>},
+                                              {"triangle", planar_triangle}};
+
 void planar_poisson(benchmark::State& state, Index n) {
   const Laplacian laplacian(n);
   const PlanarLaplacian planar(laplacian);
@@ -180,10 +189,9 @@ int main_program(int argc, char** argv) {
       names.push_back(product_name(backend, n));
     }
     for (const PlanarKernel& kernel : planar_kernels()) {
-      names.push_back(planar_name("product", kernel, n));
-      names.push_back(planar_name("adjoint", kernel, n));
-      names.push_back(planar_name("triangle", kernel, n));
-      names.push_back(planar_name("single", kernel, n));
+      for (const PlanarPart& part : planar_parts) {
+        names.push_back(planar_name(part.name, kernel, n));
+      }
     }
     names.push_back(poisson_name(n));
     names.push_back(planar_poisson_name(n));
@@ -199,18 +207,11 @@ int main_program(int argc, char** argv) {
           ->Unit(benchmark::kMicrosecond);
     }
     for (const PlanarKernel& kernel : planar_kernels()) {
-      benchmark::RegisterBenchmark(planar_name("product", kernel, n).c_str(),
-                                   planar_product<double>, kernel, n)
-          ->Unit(benchmark::kMicrosecond);
-      benchmark::RegisterBenchmark(planar_name("adjoint", kernel, n).c_str(),
-                                   planar_product<double, true>, kernel, n)
-          ->Unit(benchmark::kMicrosecond);
-      benchmark::RegisterBenchmark(planar_name("single", kernel, n).c_str(), planar_product<float>,
-                                   kernel, n)
-          ->Unit(benchmark::kMicrosecond);
-      benchmark::RegisterBenchmark(planar_name("triangle", kernel, n).c_str(), planar_triangle,
-                                   kernel, n)
-          ->Unit(benchmark::kMicrosecond);
+      for (const PlanarPart& part : planar_parts) {
+        benchmark::RegisterBenchmark(planar_name(part.name, kernel, n).c_str(), part.time, kernel,
+                                     n)
+            ->Unit(benchmark::kMicrosecond);
+      }
     }
     benchmark::RegisterBenchmark(poisson_name(n).c_str(), poisson, n)
         ->Unit(benchmark::kMicrosecond);

@@ -14,7 +14,7 @@ import math
 import re
 import statistics
 import unicodedata
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Dict, NamedTuple, Optional, Tuple
 
 FORMAT = "1"
@@ -41,15 +41,16 @@ class CellKey(NamedTuple):
 
 @dataclass(frozen=True)
 class Measurement:
-    """One cell: CPU seconds of each repetition and the median of each counter, or why it failed.
-
-    `repeated` has what each counter was in each repetition, in the order of the times.
-    """
+    """One cell: CPU seconds and counters of each repetition, in the same order, or why it failed."""
 
     times: Tuple[float, ...] = ()
-    counters: Optional[Dict[str, float]] = None
-    repeated: Optional[Dict[str, Tuple[float, ...]]] = None
+    repeated: Dict[str, Tuple[float, ...]] = field(default_factory=dict)
     failure: Optional[str] = None
+
+    @property
+    def counters(self):
+        """The median of each counter."""
+        return {name: statistics.median(values) for name, values in self.repeated.items()}
 
 
 @dataclass(frozen=True)
@@ -187,7 +188,7 @@ def add_repetition(cell, row, counters, time):
     if failed:
         cell[index] = Measurement(failure=error_message(row))
     else:
-        cell[index] = Measurement((seconds(row, time),), {name: number(row, name) for name in counters})
+        cell[index] = Measurement((seconds(row, time),), {name: (number(row, name),) for name in counters})
 
 
 def error_message(row):
@@ -204,10 +205,9 @@ def measurement(cell):
     if failures:
         some = f" ({len(failures)} of {len(repetitions)} repetitions)" if len(failures) < len(repetitions) else ""
         return Measurement(failure=failures[0] + some)
-    names = [name for name in repetitions[0].counters if all(name in each.counters for each in repetitions)]
-    repeated = {name: tuple(each.counters[name] for each in repetitions) for name in names}
+    names = [name for name in repetitions[0].repeated if all(name in each.repeated for each in repetitions)]
     return Measurement(tuple(each.times[0] for each in repetitions),
-                       {name: statistics.median(values) for name, values in repeated.items()}, repeated)
+                       {name: tuple(each.repeated[name][0] for each in repetitions) for name in names})
 
 
 def seconds(row, field):

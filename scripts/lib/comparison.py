@@ -49,7 +49,7 @@ class Comparison:
 
     def has_counter(self, counter):
         """Tells whether any cell has this counter."""
-        return any(counter in (cell.counters or {}) for cell in self.run.measurements.values())
+        return any(counter in cell.counters for cell in self.run.measurements.values())
 
     def failures(self):
         """Returns the failed cells in the order of the table; a cell's place here is its footnote number."""

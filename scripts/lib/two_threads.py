@@ -55,7 +55,7 @@ def undisturbed(one, two):
     kept, disturbed = (dict(one.measurements), dict(two.measurements)), []
     for key in one.measurements.keys() & two.measurements.keys():
         sides = (one.measurements[key], two.measurements[key])
-        if not all(side.repeated and STOLEN in side.repeated for side in sides):
+        if not all(STOLEN in side.repeated for side in sides):
             continue
         stolen = list(map(max, *(side.repeated[STOLEN] for side in sides)))
         quiet = [index for index, share in enumerate(stolen) if share <= MOST_STOLEN]
