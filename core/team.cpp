@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <stdexcept>
 
 #include "core/flush_denormals.h"
@@ -18,17 +19,24 @@ void pause() {
 // So long, a few microseconds, is it left to what the cache holds; other work takes longer.
 constexpr int looks_before_other_work = 64;
 
-// Waits until `value` is another than `old`.  Between the products of a step lie some ten to a
-// hundred microseconds, and to be woken takes as long: so for about that time it stays awake, but
-// offers its core to whoever wants it; then it sleeps.
+// Waits until `value` is another than `old`.  It stays awake for longer than any part of a step
+// takes: a core of a virtual machine that sleeps for a moment is given to others, and had back only
+// after milliseconds.  But it offers its core to whoever wants it, and sleeps once somebody took it
+// for longer than a moment's work.
 void wait_while(const std::atomic<std::uint32_t>& value, std::uint32_t old) {
-  constexpr int offers = 400;
-  for (int offer = 0; offer < offers; ++offer) {
+  using std::chrono::steady_clock;
+  constexpr std::chrono::milliseconds awake(10);
+  constexpr std::chrono::milliseconds moment(1);
+  const auto until = steady_clock::now() + awake;
+  for (;;) {
     for (int look = 0; look < 16; ++look) {
       if (value.load(std::memory_order_acquire) != old) return;
       pause();
     }
+    const auto offered = steady_clock::now();
     std::this_thread::yield();
+    const auto back = steady_clock::now();
+    if (back - offered > moment || back > until) break;
   }
   value.wait(old, std::memory_order_acquire);
 }

@@ -2,11 +2,15 @@
 #include "core/team.h"
 
 #include <gtest/gtest.h>
+#include <sched.h>
+#include <time.h>
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <random>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 namespace isosyrk::testing {
@@ -197,6 +201,69 @@ TEST(Team, KeepsHalvesWhereTheirItemsAre) {
     });
     EXPECT_EQ(of_half, of_item) << items.count;
   }
+}
+
+double cpu_seconds(clockid_t clock) {
+  timespec time{};
+  clock_gettime(clock, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+TEST(Team, SleepsWhenThereIsNothingToDo) {
+  using namespace std::chrono_literals;
+  Team team(2);
+  team.run(2, [](std::size_t, std::size_t) {});
+  std::this_thread::sleep_for(100ms);  // now it has noticed
+  const double before = cpu_seconds(CLOCK_PROCESS_CPUTIME_ID);
+  std::this_thread::sleep_for(200ms);
+  EXPECT_LT(cpu_seconds(CLOCK_PROCESS_CPUTIME_ID) - before, 0.05);  // 0.2 if it did not sleep
+}
+
+// The second thread shares its core with another that always has work, while the first is busy with
+// a round in which there is nothing else to do.
+TEST(Team, LeavesItsCoreToOthersWhileItWaits) {
+  const auto run_on = [](const std::vector<std::size_t>& processors) {
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    for (const std::size_t processor : processors) CPU_SET(processor, &set);
+    ASSERT_EQ(sched_setaffinity(0, sizeof set, &set), 0);
+  };
+  cpu_set_t given;
+  ASSERT_EQ(sched_getaffinity(0, sizeof given, &given), 0);
+  std::vector<std::size_t> processors;
+  for (std::size_t each = 0; each < CPU_SETSIZE; ++each) {
+    if (CPU_ISSET(each, &given)) processors.push_back(each);
+  }
+  if (processors.size() < 2) GTEST_SKIP() << "one processor only";
+  run_on({processors[0]});  // and so do the threads made now
+  std::atomic<bool> ends{false};
+  double of_other = 0;
+  std::thread other([&] {
+    while (!ends) {
+    }
+    of_other = cpu_seconds(CLOCK_THREAD_CPUTIME_ID);
+  });
+  double of_second = 0;
+  {
+    Team team(2);
+    run_on({processors.begin() + 1, processors.end()});
+    for (int round = 0; round < 100; ++round) {
+      team.run(2, [&](std::size_t, std::size_t thread) {
+        if (thread == 1) {
+          of_second = cpu_seconds(CLOCK_THREAD_CPUTIME_ID);
+        } else {
+          const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(5);
+          while (std::chrono::steady_clock::now() < until) {
+          }
+        }
+      });
+    }
+  }
+  ends = true;
+  other.join();
+  run_on(processors);
+  EXPECT_GT(of_second, 0);
+  EXPECT_LT(of_second, 0.25 * (of_second + of_other));  // half of it if it kept its core
 }
 
 TEST(Team, OfOtherSizesIsRefused) {
