@@ -137,7 +137,7 @@ class Cell : public benchmark::Fixture {
     const double rate_before = table_.product_rate(backend_, n_, rate_seconds);
     Matrix W = scene_.initial;
     RunReport timed;
-    const double stolen_before = stolen_seconds();
+    const auto processors_before = processor_times();
     const auto run_start = std::chrono::steady_clock::now();
     const double start = cpu_seconds();
     for ([[maybe_unused]] auto _ : state) {
@@ -147,7 +147,7 @@ class Cell : public benchmark::Fixture {
     }
     const double elapsed =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - run_start).count();
-    const double stolen = stolen_seconds() - stolen_before;
+    const double stolen = stolen_seconds(processors_before, processor_times(), table_.threads);
     // Of several threads each could have multiplied all the time that passed.
     const double seconds = (table_.threads == 1 ? cpu_seconds() - start : elapsed) /
                            static_cast<double>(state.iterations());
