@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <stdexcept>
 
@@ -19,25 +20,36 @@ void pause() {
 // So long, a few microseconds, is it left to what the cache holds; other work takes longer.
 constexpr int looks_before_other_work = 64;
 
-// Waits until `value` is another than `old`.  It stays awake for longer than any part of a step
-// takes: a core of a virtual machine that sleeps for a moment is given to others, and had back only
-// after milliseconds.  But it offers its core to whoever wants it, and sleeps once somebody took it
-// for longer than a moment's work.
-void wait_while(const std::atomic<std::uint32_t>& value, std::uint32_t old) {
-  using std::chrono::steady_clock;
-  constexpr std::chrono::milliseconds awake(10);
-  constexpr std::chrono::milliseconds moment(1);
-  const auto until = steady_clock::now() + awake;
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+// Whether somebody else wanted the core of a thread that waited.
+enum class Core { free, wanted };
+
+// Waits until `value` is another than `old`, for 10 ms at most, or until its core is wanted.  It
+// stays awake, for longer than any part of a step takes: a core of a virtual machine that sleeps
+// for a moment is given to others, and had back only after milliseconds.  But it offers its core to
+// whoever wants it, and has learnt so when somebody took it for longer than a moment's work.
+Core wait_awake(const std::atomic<std::uint32_t>& value, std::uint32_t old) {
+  constexpr milliseconds longest(10);
+  constexpr milliseconds moment(1);
+  const auto until = steady_clock::now() + longest;
   for (;;) {
     for (int look = 0; look < 16; ++look) {
-      if (value.load(std::memory_order_acquire) != old) return;
+      if (value.load(std::memory_order_acquire) != old) return Core::free;
       pause();
     }
     const auto offered = steady_clock::now();
     std::this_thread::yield();
     const auto back = steady_clock::now();
-    if (back - offered > moment || back > until) break;
+    if (back - offered > moment) return Core::wanted;
+    if (back > until) return Core::free;
   }
+}
+
+// Waits until `value` is another than `old`.
+void wait_while(const std::atomic<std::uint32_t>& value, std::uint32_t old) {
+  wait_awake(value, old);
   value.wait(old, std::memory_order_acquire);
 }
 
@@ -163,13 +175,24 @@ void Team::finish_task() {
 }
 
 void Team::second_thread() {
+  constexpr milliseconds shortest_rest(10), longest_rest(160);
   const FlushDenormals flush;
-  std::uint32_t seen = 0;
-  for (;;) {
-    wait_while(round_, seen);
+  milliseconds rest = shortest_rest;
+  auto rested = steady_clock::now();
+  for (std::uint32_t seen = 0; !ends_.load();) {
+    if (wait_awake(round_, seen) == Core::wanted) {
+      // The first does all meanwhile, rather than wait for what is begun here and not gone on with.
+      rest = steady_clock::now() - rested < longest_rest ? std::min(2 * rest, longest_rest)
+                                                         : shortest_rest;
+      const auto until = steady_clock::now() + rest;
+      while (steady_clock::now() < until && !ends_.load()) {
+        std::this_thread::sleep_for(shortest_rest);
+      }
+      rested = steady_clock::now();
+    }
+    round_.wait(seen, std::memory_order_acquire);
     seen = round_.load(std::memory_order_acquire);
-    if (ends_.load()) return;
-    take_part(seen, 1);
+    if (!ends_.load()) take_part(seen, 1);
   }
 }
 
