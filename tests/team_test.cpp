@@ -270,7 +270,7 @@ TEST(Team, LeavesItsCoreToOthersWhileItWaits) {
   int done_by_second = 0;
   for (int round = 0; round < 100; ++round) {
     team.run(2, [&](std::size_t, std::size_t thread) {
-      done_by_second += thread == 1;
+      if (thread == 1) ++done_by_second;
       const auto until = steady_clock::now() + std::chrono::milliseconds(thread == 0 ? 5 : 0);
       while (steady_clock::now() < until) {
       }
