@@ -178,7 +178,7 @@ void Team::second_thread() {
   constexpr milliseconds shortest_rest(10), longest_rest(160);
   const FlushDenormals flush;
   milliseconds rest = shortest_rest;
-  auto rested = steady_clock::now();
+  auto rested = steady_clock::now() - longest_rest;  // not lately
   for (std::uint32_t seen = 0; !ends_.load();) {
     if (wait_awake(round_, seen) == Core::wanted) {
       // The first does all meanwhile, rather than wait for what is begun here and not gone on with.
