@@ -176,9 +176,7 @@ class FastForm : public Integrator {
   /// Calls each phase(item, share, worker) for all items, as Team::run_phases.
   template <class... Phases>
   void in_phases(Items items, Phases&&... phases) {
-    team_.run_phases(items, [&](std::size_t item, Share share, std::size_t thread) {
-      phases(item, share, workers_[thread]);
-    }...);
+    team_.run_phases(items, with_workers(phases)...);
   }
 
   /// Calls half(item, share) for both halves of all items.
@@ -280,6 +278,18 @@ class FastForm : public Integrator {
   }
 
   SolveReport solve(double h);
+
+  // A phase(item, share, worker) for Team.
+  template <class Phase>
+  auto with_workers(Phase& phase) {
+    return [&](std::size_t item, Share share, std::size_t thread) {
+      phase(item, share, workers_[thread]);
+    };
+  }
+  template <class Phase>
+  auto with_workers(Undivided<Phase>& phase) {
+    return undivided(phase.thread, with_workers(phase.phase));
+  }
 
   // Whether two threads have as many of these, so that what one made of its own the other has not
   // to fetch; else halves of all are fewer passes over memory.

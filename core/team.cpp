@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <stdexcept>
 
@@ -71,20 +72,27 @@ Team::~Team() {
   second_.join();
 }
 
-void Team::run_two(Items items, std::size_t phases, void* context, Call call) {
+void Team::run_two(Items items, const HalvesOf& halves_of, void* context, Call call) {
   if (items.count == 0) return;
   context_ = context;
   call_ = call;
-  phases_.store(phases, std::memory_order_relaxed);
+  phases_.store(halves_of.phases, std::memory_order_relaxed);
   whole_.store(items.whole(), std::memory_order_relaxed);
   halved_.store(items.halved, std::memory_order_relaxed);
-  for (auto& half : finished_) half.store(0, std::memory_order_relaxed);
-  const std::uint32_t tasks =
-      static_cast<std::uint32_t>(items.whole() + (items.halved > 0 ? 2 * phases : 0));
-  const std::uint32_t before = tasks_done_.load(std::memory_order_relaxed);
+  std::size_t tasks = items.whole();
+  std::array<HalfLeft, 2> left;
   const std::uint32_t round = round_.load(std::memory_order_relaxed) + 1;
-  const std::uint32_t phases_left = items.halved > 0 ? 0 : static_cast<std::uint32_t>(phases);
-  for (auto& half : half_left_) half.store({round, phases_left}, std::memory_order_release);
+  for (const std::size_t half : {0, 1}) {
+    const std::uint32_t with_work = items.halved > 0 ? halves_of.with_work[half] : 0;
+    with_work_[half].store(with_work, std::memory_order_relaxed);
+    finished_[half].store(0, std::memory_order_relaxed);
+    left[half] = {round, first_phase(with_work)};
+    tasks += static_cast<std::size_t>(std::popcount(with_work));
+  }
+  const std::uint32_t before = tasks_done_.load(std::memory_order_relaxed);
+  for (const std::size_t half : {0, 1}) {
+    half_left_[half].store(left[half], std::memory_order_release);
+  }
   whole_left_.store({round, 0, static_cast<std::uint16_t>(items.whole())},
                     std::memory_order_release);
   round_.store(round, std::memory_order_release);
@@ -111,21 +119,18 @@ void Team::take_part(std::uint32_t round, std::size_t thread) {
     if (++next == phases) finish_task();
     return true;
   };
-  const bool has_halves = halved_.load(std::memory_order_relaxed) > 0;
-  if (has_halves) {
-    for (std::size_t k = 0; k < phases; ++k) {
-      for (;;) {
-        const std::uint32_t done = tasks_done_.load(std::memory_order_acquire);
-        if (take_half(round, k, thread, thread) != Taken::not_yet) break;
-        if (do_phase()) continue;
-        // Of the phase before, the other has not done its half, or not even begun it.
-        if (take_half(round, k - 1, other, thread) == Taken::already) wait_while(tasks_done_, done);
-      }
-    }
+  for (;;) {
+    const std::uint32_t done = tasks_done_.load(std::memory_order_acquire);
+    const Taken own = take_half(round, thread, thread, looks_before_other_work);
+    if (own == Taken::all) break;
+    if (own == Taken::now || do_phase()) continue;
+    // The other has not done what is before, or not even begun it.
+    if (take_half(round, other, thread, 0) != Taken::now) wait_while(tasks_done_, done);
   }
   while (do_phase()) {
   }
-  if (has_halves) take_half(round, phases - 1, other, thread);
+  while (take_half(round, other, thread, 0) == Taken::now) {
+  }
 }
 
 bool Team::take_item(std::uint32_t round, std::size_t thread, std::size_t& item) {
@@ -138,27 +143,43 @@ bool Team::take_item(std::uint32_t round, std::size_t thread, std::size_t& item)
   }
 }
 
-// Does a phase of a half of the halved items if nobody has taken it and both halves have done the
-// one before.
-Team::Taken Team::take_half(std::uint32_t round, std::size_t phase, std::size_t half,
-                            std::size_t thread) {
-  const auto is_ready = [&] {
-    return finished_[0].load(std::memory_order_acquire) >= phase &&
-           finished_[1].load(std::memory_order_acquire) >= phase;
-  };
+// Of those in which a half has work, the first phase.
+std::uint32_t Team::first_phase(std::uint32_t with_work) {
+  return with_work == 0 ? no_phase : static_cast<std::uint32_t>(std::countr_zero(with_work));
+}
+
+// Whether both halves have done what they have to do before a phase.
+bool Team::is_ready(std::uint32_t phase) const {
+  const std::uint32_t before = (std::uint32_t{1} << phase) - 1;
+  for (const std::size_t half : {0, 1}) {
+    const std::uint32_t with_work = with_work_[half].load(std::memory_order_relaxed);
+    const auto last = static_cast<std::uint32_t>(std::bit_width(with_work & before));
+    if (finished_[half].load(std::memory_order_acquire) < last) return false;
+  }
+  return true;
+}
+
+// Does the next phase of a half of the halved items if nobody has taken it and all is done that it
+// waits for, at once or after so many more looks.  Who comes late may read here what is there of
+// the next round, but then finds its own to be over before anything is taken.
+Team::Taken Team::take_half(std::uint32_t round, std::size_t half, std::size_t thread, int looks) {
   HalfLeft left = half_left_[half].load(std::memory_order_acquire);
-  for (int look = 0; left.round == round && left.phase == phase; ++look) {
-    if (!is_ready()) {
-      if (look == looks_before_other_work) return Taken::not_yet;
+  for (int look = 0; left.round == round && left.phase != no_phase;) {
+    if (!is_ready(left.phase)) {
+      if (look++ == looks) return Taken::not_yet;
       pause();
       left = half_left_[half].load(std::memory_order_acquire);
       continue;
     }
-    const HalfLeft rest{round, static_cast<std::uint32_t>(phase + 1)};
+    const std::uint32_t with_work = with_work_[half].load(std::memory_order_relaxed);
+    const std::uint32_t phase = left.phase;
+    const std::uint32_t later = with_work & ~((std::uint32_t{2} << phase) - 1);
+    const HalfLeft rest{round, first_phase(later)};
     if (!half_left_[half].compare_exchange_weak(left, rest, std::memory_order_acq_rel)) continue;
+    const bool divided = (with_work_[1 - half].load(std::memory_order_relaxed) >> phase & 1) != 0;
+    const Share share = divided ? Share{static_cast<std::ptrdiff_t>(half), 2} : Share{};
     const std::size_t whole = whole_.load(std::memory_order_relaxed);
     const std::size_t count = whole + halved_.load(std::memory_order_relaxed);
-    const Share share{static_cast<std::ptrdiff_t>(half), 2};
     for (std::size_t item = whole; item < count; ++item) {
       call_(context_, phase, item, share, thread);
     }
@@ -166,7 +187,7 @@ Team::Taken Team::take_half(std::uint32_t round, std::size_t phase, std::size_t 
     finish_task();
     return Taken::now;
   }
-  return Taken::already;
+  return Taken::all;
 }
 
 void Team::finish_task() {

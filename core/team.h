@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <thread>
+#include <utility>
 
 #include "core/share.h"
 
@@ -23,6 +24,24 @@ struct Items {
   std::size_t count;
   std::size_t halved;
 };
+
+/// A phase that is not done in halves where there are whole items too, on which the other thread
+/// can work meanwhile: by `thread`, 0 or 1, or by the other if that has not begun it when it is
+/// wanted.
+template <class Phase>
+struct Undivided {
+  template <class Worker>
+  void operator()(std::size_t item, Share share, Worker&& worker) {
+    phase(item, share, worker);
+  }
+
+  std::size_t thread;
+  Phase phase;
+};
+template <class Phase>
+Undivided<Phase> undivided(std::size_t thread, Phase phase) {
+  return {thread, std::move(phase)};
+}
 
 /// Runs tasks by one thread, or by two of which the calling one is the first.
 ///
@@ -75,9 +94,10 @@ class Team {
   }
 
   /// Calls each phase(item, share, thread) for all items, in turn for each item: by one thread with
-  /// the whole as its share; by two, those in halves in halves, a phase of which begins once both
-  /// halves of the last one are done.  Nothing else waits, so a phase may read what was there
-  /// before and what earlier phases made of its own item, not of others.
+  /// the whole as its share; by two, those in halves in halves, but for undivided phases, a phase
+  /// of which begins once all of the last one is done.  Nothing else waits, so a phase may read
+  /// what was there before and what earlier phases made of its own item, not of others.  At most 31
+  /// phases.
   template <class... Phases>
   void run_phases(Items items, Phases&&... phases) {
     if (threads() == 1) {
@@ -91,8 +111,11 @@ class Team {
       ((k++ == which ? static_cast<void>(phases(item, share, thread)) : void()), ...);
     };
     using OneOfThem = decltype(one_of_them);
+    static_assert(sizeof...(Phases) < 32);
+    HalvesOf halves_of;
+    (halves_of.add(phases, items), ...);
     run_two(
-        items, sizeof...(Phases), &one_of_them,
+        items, halves_of, &one_of_them,
         [](void* context, std::size_t which, std::size_t item, Share share, std::size_t thread) {
           (*static_cast<OneOfThem*>(context))(which, item, share, thread);
         });
@@ -103,9 +126,31 @@ class Team {
   using Call = void (*)(void* context, std::size_t phase, std::size_t item, Share share,
                         std::size_t thread);
 
+  // How many phases there are, and in which of them either half of the items in halves has work: in
+  // bits, the first phase's the lowest.
+  struct HalvesOf {
+    template <class Phase>
+    void add(const Phase&, Items) {
+      add_to(true, true);
+    }
+    template <class Phase>
+    void add(const Undivided<Phase>& undivided, Items items) {
+      const bool divided = items.whole() == 0;
+      add_to(divided || undivided.thread == 0, divided || undivided.thread == 1);
+    }
+    void add_to(bool first, bool second) {
+      with_work[0] |= std::uint32_t{first} << phases;
+      with_work[1] |= std::uint32_t{second} << phases;
+      ++phases;
+    }
+
+    std::size_t phases = 0;
+    std::array<std::uint32_t, 2> with_work{};
+  };
+
   // What nobody has taken yet: whole items front ... back - 1, and of a half of the others the
-  // phases from the given one on.  With their round: nothing can be taken of one that is over.
-  // Aligned as one word, which not every compiler sees to by itself.
+  // phases from the given one on in which it has work.  With their round: nothing can be taken of
+  // one that is over.  Aligned as one word, which not every compiler sees to by itself.
   struct alignas(8) WholeLeft {
     std::uint32_t round;
     std::uint16_t front;
@@ -117,12 +162,15 @@ class Team {
   };
   static_assert(std::atomic<WholeLeft>::is_always_lock_free &&
                 std::atomic<HalfLeft>::is_always_lock_free);
-  enum class Taken { now, not_yet, already };
+  static constexpr std::uint32_t no_phase = 32;
+  enum class Taken { now, not_yet, all };
 
-  void run_two(Items items, std::size_t phases, void* context, Call call);
+  void run_two(Items items, const HalvesOf& halves_of, void* context, Call call);
   void take_part(std::uint32_t round, std::size_t thread);
   bool take_item(std::uint32_t round, std::size_t thread, std::size_t& item);
-  Taken take_half(std::uint32_t round, std::size_t phase, std::size_t half, std::size_t thread);
+  Taken take_half(std::uint32_t round, std::size_t half, std::size_t thread, int looks);
+  bool is_ready(std::uint32_t phase) const;
+  static std::uint32_t first_phase(std::uint32_t with_work);
   void finish_task();
   void second_thread();
 
@@ -132,9 +180,10 @@ class Team {
   std::atomic<std::size_t> phases_{0};
   std::atomic<std::size_t> whole_{0};
   std::atomic<std::size_t> halved_{0};
+  std::array<std::atomic<std::uint32_t>, 2> with_work_{};
   std::atomic<WholeLeft> whole_left_{};
   std::array<std::atomic<HalfLeft>, 2> half_left_{};
-  std::array<std::atomic<std::size_t>, 2> finished_{};  // phases of either half
+  std::array<std::atomic<std::uint32_t>, 2> finished_{};  // by either half, up to this phase
   std::atomic<std::uint32_t> round_{0};
   std::atomic<std::uint32_t> tasks_done_{0};  // in all rounds
   std::atomic<bool> ends_{false};
