@@ -1,6 +1,10 @@
 #include "benchmarks/peak.h"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <thread>
 
 #include "benchmarks/product_rate.h"
 
@@ -20,14 +24,21 @@ constexpr int chains = 8;
 
 using Vector [[gnu::vector_size(width * sizeof(double))]] = double;
 
+double seconds_now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
 Vector splat(double value) {
   Vector v;
   for (int i = 0; i < width; ++i) v[i] = value;
   return v;
 }
 
+// Floating point operations of run_chains.
+constexpr double flops(long rounds) { return 2.0 * width * chains * static_cast<double>(rounds); }
+
 // `chains` independent dependent chains keep both multiply-add units busy.
-double run_chains(long rounds) {
+void run_chains(long rounds) {
   Vector sum[chains];
   for (Vector& x : sum) x = splat(1.0);
   Vector factor = splat(0.999);
@@ -35,7 +46,6 @@ double run_chains(long rounds) {
   asm volatile("" : "+m"(factor), "+m"(term));  // unknown to the optimiser
   const Vector f = factor;
   const Vector t = term;
-  const double start = cpu_seconds();
   for (long round = 0; round < rounds; ++round) {
     for (Vector& x : sum) {
 #if defined(__AVX512F__)
@@ -47,20 +57,61 @@ double run_chains(long rounds) {
 #endif
     }
   }
-  const double elapsed = cpu_seconds() - start;
   for (Vector& x : sum) asm volatile("" : "+m"(x));
-  return 2.0 * width * chains * static_cast<double>(rounds) / elapsed;
+}
+
+double flops_per_second(long rounds) {
+  const double start = cpu_seconds();
+  run_chains(rounds);
+  return flops(rounds) / (cpu_seconds() - start);
+}
+
+void wait_for(const std::atomic<bool>& event) {
+  while (!event.load()) std::this_thread::yield();
+}
+
+// Runs the chains here and in a second thread, awake by then; returns the seconds until both are
+// done.
+double seconds_of_two(long rounds) {
+  std::atomic<bool> awake{false}, begins{false}, done{false};
+  std::thread second([&] {
+    awake.store(true);
+    wait_for(begins);
+    run_chains(rounds);
+    done.store(true);
+  });
+  wait_for(awake);
+  const double start = seconds_now();
+  begins.store(true);
+  run_chains(rounds);
+  wait_for(done);
+  const double seconds = seconds_now() - start;
+  second.join();
+  return seconds;
 }
 
 }  // namespace
 
 double measured_peak_flops() {
   double best = 0.0;
-  for (int run = 0; run < 20; ++run) best = std::max(best, run_chains(100000));
+  for (int run = 0; run < 20; ++run) best = std::max(best, flops_per_second(100000));
   return best;
 }
 
-double peak_flops_now() { return run_chains(50000); }
+double peak_flops_now() { return flops_per_second(50000); }
+
+double cores_at_once() {
+  constexpr long rounds = 100000;
+  std::array<double, 5> cores;
+  for (double& each : cores) {
+    const double start = seconds_now();
+    run_chains(rounds);
+    const double alone = seconds_now() - start;
+    each = 2.0 * alone / seconds_of_two(rounds);
+  }
+  std::nth_element(cores.begin(), cores.begin() + cores.size() / 2, cores.end());
+  return cores[cores.size() / 2];
+}
 
 const char* compiled_vector_units() {
 #if defined(__AVX512F__)

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <map>
@@ -11,6 +12,7 @@
 #include "benchmarks/arguments.h"
 #include "benchmarks/benchmark_program.h"
 #include "benchmarks/command_line.h"
+#include "benchmarks/peak.h"
 #include "benchmarks/progress.h"
 #include "benchmarks/reference.h"
 #include "benchmarks/stolen_time.h"
@@ -101,7 +103,7 @@ class Cell : public benchmark::Fixture {
  public:
   Cell(const TableProgram& table, Formulation formulation, Index n, int s,
        const SolverOptions& options, ProductBackend backend,
-       const std::optional<Reference>* reference, CellProgress* progress)
+       const std::optional<Reference>* reference, bool counts_cores, CellProgress* progress)
       : table_(table),
         name_(cell_name(table, formulation, n, s)),
         formulation_(formulation),
@@ -110,6 +112,7 @@ class Cell : public benchmark::Fixture {
         options_(options),
         backend_(backend),
         reference_(*reference),
+        counts_cores_(counts_cores),
         progress_(progress) {
     SetName(name_.c_str());
     Unit(benchmark::kMillisecond);
@@ -135,6 +138,7 @@ class Cell : public benchmark::Fixture {
     // The product rate of the moment, on both sides of what it is compared with.
     constexpr double rate_seconds = 0.03;
     const double rate_before = table_.product_rate(backend_, n_, rate_seconds);
+    const double cores_before = counts_cores_ ? cores_at_once() : 0.0;
     Matrix W = scene_.initial;
     RunReport timed;
     const auto processors_before = processor_times();
@@ -170,6 +174,9 @@ class Cell : public benchmark::Fixture {
     }
     state.counters["product_share"] = timed.equivalent_products / rate / seconds / table_.threads;
     state.counters["stolen"] = stolen / elapsed / table_.threads;
+    if (counts_cores_) {
+      state.counters["cores_at_once"] = std::min(cores_before, cores_at_once());
+    }
     if (table_.counts_equivalents) {
       state.counters["equivalent_products"] = timed.equivalent_products;
     }
@@ -187,6 +194,7 @@ class Cell : public benchmark::Fixture {
   SolverOptions options_;
   ProductBackend backend_;
   const std::optional<Reference>& reference_;
+  bool counts_cores_;
   CellProgress* progress_;
   Scene scene_;
   std::unique_ptr<Integrator> integrator_;
@@ -241,7 +249,8 @@ int time_table(const TableProgram& table, const ComparedTables& compared, int ar
 
   std::vector<const TableProgram*> tables = {&table};
   if (with_published) tables.push_back(compared.published);
-  if (whole_number("--threads", threads, 1, 2) == 2) tables.push_back(compared.two_threads);
+  const bool two_threads = whole_number("--threads", threads, 1, 2) == 2;
+  if (two_threads) tables.push_back(compared.two_threads);
   std::map<Index, std::vector<std::string>> names_of;
   std::vector<std::string> names;
   for (const Index n : sizes) {
@@ -264,8 +273,9 @@ int time_table(const TableProgram& table, const ComparedTables& compared, int ar
     for (const Formulation formulation : formulations()) {
       for (const int s : stage_counts) {
         for (const TableProgram* each : tables) {
-          benchmark::internal::RegisterBenchmarkInternal(new Cell(
-              *each, formulation, n, s, options, rates.back().chosen, &reference[n], &progress));
+          benchmark::internal::RegisterBenchmarkInternal(
+              new Cell(*each, formulation, n, s, options, rates.back().chosen, &reference[n],
+                       two_threads, &progress));
         }
       }
     }

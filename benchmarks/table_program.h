@@ -29,7 +29,8 @@ struct TableProgram {
 TableProgram published_table();
 
 /// What a table is compared with on request: its cells are timed too, in turns with the table's own
-/// if Google Benchmark is asked to interleave.
+/// if Google Benchmark is asked to interleave.  With two_threads every row has cores_at_once, the
+/// least of before and after its run.
 struct ComparedTables {
   const TableProgram* published = nullptr;    ///< by --published
   const TableProgram* two_threads = nullptr;  ///< by --threads 2

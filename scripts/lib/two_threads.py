@@ -11,13 +11,16 @@ from statistics_of_repetitions import median
 
 STOLEN = "stolen"  # share of the cores' time that the host of a virtual machine gave to others
 MOST_STOLEN = 0.02  # of the cores' time, in either run of a pair that counts
+CORES = "cores_at_once"  # what two threads multiply-add at once over what one does, before and after a run
+FEWEST_CORES = 1.8  # around either run of a pair that counts; 1 where the host runs both processors on one core
 FEWEST_PAIRS = 5
 NEARER = 0.9  # a ratio that falls to this share of what it was has fallen clearly
 
 
 def threads_section(path, counters):
     """How often the time that passes with one thread holds that with two."""
-    every = [read_run(path, "table2", counters, (STOLEN,), threads=threads, time="real_time") for threads in (1, 2)]
+    every = [read_run(path, "table2", counters, (STOLEN, CORES), threads=threads, time="real_time")
+             for threads in (1, 2)]
     (one, two), disturbed = undisturbed(*every) if in_rounds(every[0]) else (every, [])
     columns = (Column("n"), Column("formulation", align="left"), *(Column(f"s = {stages}") for stages in STAGES))
     blocks = []
@@ -55,17 +58,30 @@ def undisturbed(one, two):
     kept, disturbed = (dict(one.measurements), dict(two.measurements)), []
     for key in one.measurements.keys() & two.measurements.keys():
         sides = (one.measurements[key], two.measurements[key])
-        if not all(STOLEN in side.repeated for side in sides):
+        pairs = range(min(len(side.times) for side in sides))
+        quiet = [index for index in pairs if all(had_its_cores(side, index) for side in sides)]
+        if len(quiet) == len(pairs):
             continue
-        stolen = list(map(max, *(side.repeated[STOLEN] for side in sides)))
-        quiet = [index for index, share in enumerate(stolen) if share <= MOST_STOLEN]
-        if len(quiet) == len(stolen):
-            continue
-        disturbed.append(Disturbed(key, len(quiet), len(stolen)))
+        disturbed.append(Disturbed(key, len(quiet), len(pairs)))
         if disturbed[-1].left_out:
             for measurements, side in zip(kept, sides):
                 measurements[key] = replace(side, times=tuple(side.times[index] for index in quiet))
     return [replace(run, measurements=measurements) for run, measurements in zip((one, two), kept)], sorted(disturbed)
+
+
+def had_its_cores(side, index):
+    """Whether a run had two cores to itself, as far as its row tells."""
+    stolen, cores = (side.repeated.get(name) for name in (STOLEN, CORES))
+    return (stolen is None or stolen[index] <= MOST_STOLEN) and (cores is None or cores[index] >= FEWEST_CORES)
+
+
+def what_disturbs(run):
+    """Says in what way the host of a virtual machine can have disturbed a pair, as far as the rows tell."""
+    told = {name for side in run.measurements.values() for name in side.repeated}
+    ways = {STOLEN: f"gave more than {100 * MOST_STOLEN:g} % of the cores' time to others",
+            CORES: "ran both processors on one core (two threads at once multiply-add less than"
+                   f" {FEWEST_CORES:g} times as fast as one, before or after)"}
+    return " or ".join(text for name, text in ways.items() if name in told)
 
 
 def disturbance(every, counted, disturbed):
@@ -75,8 +91,8 @@ def disturbance(every, counted, disturbed):
     texts = []
     if left_out:
         change = max(abs(speed_up(*counted, cell.key) - speed_up(*every, cell.key)) for cell in left_out)
-        texts.append(f"Pairs in which the host of this virtual machine gave more than {100 * MOST_STOLEN:g} % of the"
-                     f" cores' time to others are left out: {sum(cell.pairs - cell.quiet for cell in left_out)} of"
+        texts.append(f"Pairs in which the host of this virtual machine {what_disturbs(every[1])}"
+                     f" are left out: {sum(cell.pairs - cell.quiet for cell in left_out)} of"
                      f" {sum(len(side.times) for side in every[1].measurements.values())}. With them, medians would"
                      f" differ by up to {change:.2f}.")
     if crowded:

@@ -155,6 +155,16 @@ class Table2(Table1):
         self.assertIn("extrapolated", self.context["start"])
         self.assertIn("single precision", self.context["update_order"])
 
+    def test_cores_are_counted_where_two_threads_are_compared_alone(self):
+        _, two = measure("table2", os.path.join(self.folder, "two.json"), "--threads", "2",
+                         "--benchmark_filter=table2/group/n:17/s:1", "--benchmark_min_time=0.01")
+        os.remove(os.path.join(self.folder, "two.json"))
+        self.assertEqual(len(two["benchmarks"]), 2)
+        for row in two["benchmarks"]:
+            self.assertGreater(row["cores_at_once"], 0, row["run_name"])
+        for row in self.rows:
+            self.assertNotIn("cores_at_once", row)
+
     def test_products_of_a_library_cannot_be_asked_for(self):
         done = run([program("table2"), "--products", "eigen"])
         self.assertEqual((done.returncode, len(done.stderr.splitlines())), (2, 1))

@@ -87,13 +87,20 @@ class RenderTable2(FolderTest):
     def stolen(self, shares, order="rounds"):
         """Returns a comparison in which the host took `shares` in the repetitions of group, s = 2, by two threads, and
         doubled their times."""
+        return self.disturbed("stolen", 0.0, shares, lambda share: share > 0.02, order)
+
+    def cores(self, numbers, threads=2):
+        """Returns one in which it had so many cores in its repetitions, and others had two."""
+        return self.disturbed("cores_at_once", 1.97, numbers, lambda cores: cores < 1.8, threads=threads)
+
+    def disturbed(self, name, quiet, values, disturbs, order="rounds", threads=2):
         two = raw_file(tables=("table2",), threads=(1, 2))
         two["context"]["order"] = order
         for row in two["benchmarks"]:
-            row["stolen"] = 0.0
-            if row["run_name"] == "table2/group/n:17/s:2/threads:2":
-                row["stolen"] = shares[row["repetition_index"]]
-                row["real_time"] *= 2 if row["stolen"] > 0.02 else 1
+            row[name] = quiet
+            if row["run_name"] == "table2/group/n:17/s:2" + ("/threads:2" if threads == 2 else ""):
+                row[name] = values[row["repetition_index"]]
+                row["real_time"] *= 2 if disturbs(row[name]) else 1
         return self.rendered(self.both(), *self.with_threads(two)).split("One thread over two\n")[1]
 
     def test_pairs_that_the_host_disturbed_are_left_out(self):
@@ -102,6 +109,28 @@ class RenderTable2(FolderTest):
         self.assertIn("gave more than 2 % of the cores' time to others are left out: 2 of 63. With them, medians would"
                       " differ by up to 0.00.", text)
         self.assertRegex(section, r"group +1\.60 \(1\.60\) +1\.60 \(1\.60\)")
+
+    def test_pairs_on_one_core_are_left_out(self):
+        for threads in (1, 2):
+            section = self.cores((2.05, 1.0, 1.8, 1.9, 1.79, 2, 2), threads)
+            text = " ".join(section.split())
+            self.assertIn("ran both processors on one core (two threads at once multiply-add less than 1.8 times as"
+                          " fast as one, before or after) are left out: 2 of 63.", text)
+            self.assertNotIn("to others", text)
+            self.assertRegex(section, r"group +1\.60 \(1\.60\) +1\.60 \(1\.60\)")
+
+    def test_pairs_on_one_core_count_where_few_others_are_left(self):
+        self.assertIn("group at n = 17, s = 2 (2 of 7)", " ".join(self.cores((1,) * 5 + (2,) * 2).split()))
+
+    def test_a_pair_can_be_disturbed_in_both_ways(self):
+        two = raw_file(tables=("table2",), threads=(1, 2))
+        two["context"]["order"] = "rounds"
+        for row in two["benchmarks"]:
+            of_cell = row["run_name"] == "table2/group/n:17/s:2/threads:2"
+            row["stolen"] = 0.1 if of_cell and row["repetition_index"] == 0 else 0.0
+            row["cores_at_once"] = 1.0 if of_cell and row["repetition_index"] == 1 else 2.0
+        text = " ".join(self.rendered(self.both(), *self.with_threads(two)).split())
+        self.assertRegex(text, r"gave more than 2 % of the cores' time to others or ran both .* left out: 2 of 63\.")
 
     def test_what_disturbed_pairs_would_change_is_told(self):
         two = raw_file(tables=("table2",), threads=(1, 2))
