@@ -2,6 +2,7 @@
 
 import importlib.util
 import os
+import platform
 import shutil
 import subprocess
 import sys
@@ -9,6 +10,7 @@ import sys
 CHOICE = "ISOSYRK_PYTHON"
 LONGEST_START = 120  # seconds; the first import of matplotlib on a cold disk takes several
 NO_MATPLOTLIB = 2
+KERNELS_OF_ANY_X86_64 = "Prescott"  # as OpenBLAS calls them
 
 
 def candidates():
@@ -47,11 +49,21 @@ def require_matplotlib(program):
     os.execv(python, [python, *sys.argv])
 
 
+def settle_arithmetic():
+    """Says how NumPy's OpenBLAS is to work, which must not have been loaded yet.
+
+    By one thread: more would only wait for work, at the cost of other processes. And by the same kernels whatever the
+    processor or the user's own choice: how they round moves what a chart puts where a pixel ends.
+    """
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    if platform.machine() in ("x86_64", "AMD64"):
+        os.environ["OPENBLAS_CORETYPE"] = KERNELS_OF_ANY_X86_64
+
+
 def can_import():
     if importlib.util.find_spec("matplotlib") is None:
         return False
-    # Charts are drawn by one thread: more of NumPy's would only wait for work, at the cost of other processes.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    settle_arithmetic()
     try:
         import matplotlib  # noqa: F401
     except Exception:  # a damaged or mismatched installation fails in ways of its own

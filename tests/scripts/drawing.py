@@ -26,6 +26,7 @@ def load_matplotlib():
         return False
     # Its files away from the user's, and no threads: a copy would have none of them.
     os.environ.update(MPLCONFIGDIR=tempfile.mkdtemp(prefix="isosyrk-"), OPENBLAS_NUM_THREADS="1")
+    chart_python.settle_arithmetic()
     atexit.register(shutil.rmtree, os.environ["MPLCONFIGDIR"], ignore_errors=True)
     import matplotlib.backends.backend_agg
     import matplotlib.backends.backend_svg  # noqa: F401
