@@ -62,17 +62,25 @@ class RenderTable2(FolderTest):
         for form, mark in (("markdown", "| --:"), ("latex", "\\toprule"), ("text", "Table 2")):
             self.assertIn(mark, self.rendered(self.both(), "--format", form))
 
+    def one_and_two(self, order=None):
+        """Returns a run with one and with two threads, in rounds or one after the other."""
+        raw = raw_file(tables=("table2",), threads=(1, 2))
+        raw["context"]["order"] = order
+        return raw
+
     def with_threads(self, two=None):
-        two = two or raw_file(tables=("table2",), threads=(1, 2))
-        return ("--threads", self.write("threads.json", json.dumps(two)))
+        return ("--threads", self.write("threads.json", json.dumps(two or self.one_and_two())))
+
+    def threads_section(self, two=None):
+        return self.rendered(self.both(), *self.with_threads(two)).split("One thread over two\n")[1]
 
     def test_two_threads_are_compared_by_the_time_that_passes(self):
-        section = self.rendered(self.both(), *self.with_threads()).split("One thread over two\n")[1]
+        section = self.threads_section()
         self.assertRegex(section, r"17 +cotangent +1\.60 \(1\.60\) +1\.60 \(1\.60\) +1\.60 \(1\.60\)")
         self.assertNotIn("One thread over two", self.rendered(self.both()))
 
     def test_two_threads_measured_in_rounds_are_compared_run_by_run(self):
-        two = raw_file(tables=("table2",), threads=(1, 2))
+        two = self.one_and_two()
         times = {"table2/group/n:17/s:2": (1, 1, 1, 1, 10, 10, 10),
                  "table2/group/n:17/s:2/threads:2": (0.5, 0.5, 0.5, 5, 5, 5, 5)}  # medians: 1 over 5
         for row in two["benchmarks"]:
@@ -80,7 +88,7 @@ class RenderTable2(FolderTest):
                 row["real_time"] = times[row["run_name"]][row["repetition_index"]]
         for order, ratio in (("rounds", "2.00"), (None, "0.200")):
             two["context"]["order"] = order
-            section = self.rendered(self.both(), *self.with_threads(two)).split("One thread over two\n")[1]
+            section = self.threads_section(two)
             self.assertIn(f"1.60 (1.60)  {ratio} (2.00)", section)
             self.assertEqual("one straight after the other" in section, order == "rounds")
 
@@ -94,14 +102,13 @@ class RenderTable2(FolderTest):
         return self.disturbed("cores_at_once", 1.97, numbers, lambda cores: cores < 1.8, threads=threads)
 
     def disturbed(self, name, quiet, values, disturbs, order="rounds", threads=2):
-        two = raw_file(tables=("table2",), threads=(1, 2))
-        two["context"]["order"] = order
+        two = self.one_and_two(order)
         for row in two["benchmarks"]:
             row[name] = quiet
             if row["run_name"] == "table2/group/n:17/s:2" + ("/threads:2" if threads == 2 else ""):
                 row[name] = values[row["repetition_index"]]
                 row["real_time"] *= 2 if disturbs(row[name]) else 1
-        return self.rendered(self.both(), *self.with_threads(two)).split("One thread over two\n")[1]
+        return self.threads_section(two)
 
     def test_pairs_that_the_host_disturbed_are_left_out(self):
         section = self.stolen((0.3, 0.02, 0, 0, 0.021, 0, 0))
@@ -123,24 +130,22 @@ class RenderTable2(FolderTest):
         self.assertIn("group at n = 17, s = 2 (2 of 7)", " ".join(self.cores((1,) * 5 + (2,) * 2).split()))
 
     def test_a_pair_can_be_disturbed_in_both_ways(self):
-        two = raw_file(tables=("table2",), threads=(1, 2))
-        two["context"]["order"] = "rounds"
+        two = self.one_and_two("rounds")
         for row in two["benchmarks"]:
             of_cell = row["run_name"] == "table2/group/n:17/s:2/threads:2"
             row["stolen"] = 0.1 if of_cell and row["repetition_index"] == 0 else 0.0
             row["cores_at_once"] = 1.0 if of_cell and row["repetition_index"] == 1 else 2.0
-        text = " ".join(self.rendered(self.both(), *self.with_threads(two)).split())
+        text = " ".join(self.threads_section(two).split())
         self.assertRegex(text, r"gave more than 2 % of the cores' time to others or ran both .* left out: 2 of 63\.")
 
     def test_what_disturbed_pairs_would_change_is_told(self):
-        two = raw_file(tables=("table2",), threads=(1, 2))
-        two["context"]["order"] = "rounds"
+        two = self.one_and_two("rounds")
         for row in two["benchmarks"]:
             row["stolen"] = 0.0
             if row["run_name"] == "table2/group/n:17/s:2/threads:2":
                 row["real_time"] *= 1 + 0.125 * row["repetition_index"]
                 row["stolen"] = 0.1 if row["repetition_index"] > 4 else 0.0
-        text = " ".join(self.rendered(self.both(), *self.with_threads(two)).split())
+        text = " ".join(self.threads_section(two).split())
         # 1.6 over 1, 1.125, ... : the third of five against the fourth of seven
         self.assertIn("1.28 (1.60)", text)
         self.assertIn("differ by up to 0.12", text)
@@ -158,22 +163,22 @@ class RenderTable2(FolderTest):
         self.assertNotIn("host", self.stolen((0.0,) * 7))
 
     def test_the_place_of_algebra_with_two_threads_is_told(self):
-        text = " ".join(self.rendered(self.both(), *self.with_threads()).split())
+        text = " ".join(self.threads_section().split())
         self.assertIn("At n = 17, s = 2, 3 algebra takes 1.50, 1.33 times the time of the fastest formulation with one"
                       " thread and 1.50, 1.33 times with two: so it does not gain more", text)
-        two = raw_file(tables=("table2",), threads=(1, 2))
+        two = self.one_and_two()
         for row in two["benchmarks"]:
             if row["run_name"].startswith("table2/algebra") and row["run_name"].endswith("/threads:2"):
                 row["real_time"] /= 2
-        text = " ".join(self.rendered(self.both(), *self.with_threads(two)).split())
+        text = " ".join(self.threads_section(two).split())
         self.assertIn("times with two: so it gains more", text)
 
     def test_a_cell_that_failed_with_two_threads_has_no_speed_up(self):
-        two = raw_file(tables=("table2",), threads=(1, 2))
+        two = self.one_and_two()
         for row in two["benchmarks"]:
             if row["run_name"] == "table2/group/n:17/s:2/threads:2":
                 row.update(error_occurred=True, error_message="diverged at step 3")
-        section = self.rendered(self.both(), *self.with_threads(two)).split("One thread over two\n")[1]
+        section = self.threads_section(two)
         self.assertRegex(section, r"group +1\.60 \(1\.60\) +– +1\.60")
 
     def test_rows_of_two_threads_do_not_enter_the_table(self):
