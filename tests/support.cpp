@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <Eigen/Dense>
 #include <cstdio>
@@ -146,6 +147,24 @@ Matrix indefinite_J(Index p, Index q) {
   Matrix J = Matrix::Identity(p + q, p + q);
   J.bottomRightCorner(q, q) *= -1.0;
   return J;
+}
+
+std::vector<std::size_t> allowed_processors() {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  sched_getaffinity(0, sizeof set, &set);
+  std::vector<std::size_t> processors;
+  for (std::size_t each = 0; each < CPU_SETSIZE; ++each) {
+    if (CPU_ISSET(each, &set)) processors.push_back(each);
+  }
+  return processors;
+}
+
+void run_on(const std::vector<std::size_t>& processors) {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  for (const std::size_t processor : processors) CPU_SET(processor, &set);
+  ASSERT_EQ(sched_setaffinity(0, sizeof set, &set), 0);
 }
 
 ConjugationFlow::ConjugationFlow(const QuadraticAlgebra& algebra, unsigned seed) : Flow(algebra) {

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <initializer_list>
 #include <ostream>
 #include <string>
+#include <vector>
 
 #include "core/flow.h"
 #include "core/integrator.h"
@@ -54,6 +56,12 @@ Tableau radau_iia();
 /// Every kernel that runs here, by itself and, named ..._copies, with copies of the factors at any
 /// size.
 std::vector<PlanarKernel> tested_kernels();
+
+/// The processors that the calling thread may run on.
+std::vector<std::size_t> allowed_processors();
+
+/// Keeps the calling thread, and those that it makes from now on, on these.
+void run_on(const std::vector<std::size_t>& processors);
 
 /// The spin matrices S_x, S_y, S_z of size n, written out.
 std::array<Matrix, 3> spin_matrices(Index n);

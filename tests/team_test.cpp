@@ -2,7 +2,6 @@
 #include "core/team.h"
 
 #include <gtest/gtest.h>
-#include <sched.h>
 #include <time.h>
 
 #include <array>
@@ -12,6 +11,8 @@
 #include <stdexcept>
 #include <thread>
 #include <vector>
+
+#include "tests/support.h"
 
 namespace isosyrk::testing {
 namespace {
@@ -291,25 +292,6 @@ TEST(Team, SleepsWhenThereIsNothingToDo) {
   const double before = cpu_seconds(CLOCK_PROCESS_CPUTIME_ID);
   std::this_thread::sleep_for(200ms);
   EXPECT_LT(cpu_seconds(CLOCK_PROCESS_CPUTIME_ID) - before, 0.05);  // 0.2 if it did not sleep
-}
-
-std::vector<std::size_t> allowed_processors() {
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  sched_getaffinity(0, sizeof set, &set);
-  std::vector<std::size_t> processors;
-  for (std::size_t each = 0; each < CPU_SETSIZE; ++each) {
-    if (CPU_ISSET(each, &set)) processors.push_back(each);
-  }
-  return processors;
-}
-
-// Keeps the calling thread, and those that it makes from now on, on these.
-void run_on(const std::vector<std::size_t>& processors) {
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  for (const std::size_t processor : processors) CPU_SET(processor, &set);
-  ASSERT_EQ(sched_setaffinity(0, sizeof set, &set), 0);
 }
 
 // A round in which each thread has a task; tells what the second has worked so far.
