@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "benchmarks/arguments.h"
 #include "benchmarks/benchmark_program.h"
+#include "benchmarks/clocks.h"
 #include "benchmarks/command_line.h"
+#include "benchmarks/median.h"
 #include "benchmarks/peak.h"
 #include "core/planar_laplacian.h"
 #include "core/planar_products.h"
@@ -66,8 +69,7 @@ double median_share_of_peak(double flops, double peaks, Multiply&& multiply) {
     shares.push_back(rate / (peaks * 0.5 * (before + after)));
     before = after;
   }
-  std::nth_element(shares.begin(), shares.begin() + turns / 2, shares.end());
-  return shares[turns / 2];
+  return median(std::move(shares));
 }
 
 // Times `multiply`, one product; a triangle counts as one.  In single precision a vector holds

@@ -1,12 +1,13 @@
 #include "benchmarks/peak.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
-#include <chrono>
 #include <thread>
+#include <utility>
+#include <vector>
 
-#include "benchmarks/product_rate.h"
+#include "benchmarks/clocks.h"
+#include "benchmarks/median.h"
 
 namespace isosyrk {
 namespace {
@@ -23,10 +24,6 @@ constexpr int chains = 8;
 #endif
 
 using Vector [[gnu::vector_size(width * sizeof(double))]] = double;
-
-double seconds_now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 Vector splat(double value) {
   Vector v;
@@ -81,11 +78,11 @@ double seconds_of_two(long rounds) {
     done.store(true);
   });
   wait_for(awake);
-  const double start = seconds_now();
+  const double start = wall_seconds();
   begins.store(true);
   run_chains(rounds);
   wait_for(done);
-  const double seconds = seconds_now() - start;
+  const double seconds = wall_seconds() - start;
   second.join();
   return seconds;
 }
@@ -102,15 +99,14 @@ double peak_flops_now() { return flops_per_second(50000); }
 
 double cores_at_once() {
   constexpr long rounds = 100000;
-  std::array<double, 5> cores;
+  std::vector<double> cores(5);
   for (double& each : cores) {
-    const double start = seconds_now();
+    const double start = wall_seconds();
     run_chains(rounds);
-    const double alone = seconds_now() - start;
+    const double alone = wall_seconds() - start;
     each = 2.0 * alone / seconds_of_two(rounds);
   }
-  std::nth_element(cores.begin(), cores.begin() + cores.size() / 2, cores.end());
-  return cores[cores.size() / 2];
+  return median(std::move(cores));
 }
 
 const char* compiled_vector_units() {

@@ -3,18 +3,14 @@
 #include <cblas.h>
 
 #include <algorithm>
-#include <ctime>
 #include <random>
+#include <utility>
 
+#include "benchmarks/clocks.h"
+#include "benchmarks/median.h"
 #include "core/planar_products.h"
 
 namespace isosyrk {
-
-double cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 namespace {
 
@@ -45,8 +41,7 @@ double rate(Index n, double seconds, Multiply&& multiply) {
     } while (elapsed < least);
     rates.push_back(static_cast<double>(products) / elapsed);
   }
-  std::nth_element(rates.begin(), rates.begin() + blocks / 2, rates.end());
-  return rates[blocks / 2];
+  return median(std::move(rates));
 }
 
 }  // namespace

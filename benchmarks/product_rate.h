@@ -11,9 +11,6 @@ namespace isosyrk {
 /// The backend a user asked for; none means the faster one by measurement.
 using BackendChoice = std::optional<ProductBackend>;
 
-/// CPU seconds used by this process so far (all threads).
-double cpu_seconds();
-
 /// Products of n x n matrices per second of CPU time: the median over blocks that take about
 /// `seconds` together, of one product repeated, its matrices as near the core as they fit.
 double product_rate(ProductBackend backend, Index n, double seconds);

@@ -14,6 +14,7 @@
 
 #include "benchmarks/allocation_count.h"
 #include "benchmarks/arguments.h"
+#include "benchmarks/clocks.h"
 #include "benchmarks/command_line.h"
 #include "benchmarks/raw_file.h"
 #include "core/conservation.h"

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "benchmarks/arguments.h"
+#include "benchmarks/clocks.h"
 #include "benchmarks/command_line.h"
 #include "benchmarks/conditions.h"
 #include "benchmarks/output_file.h"

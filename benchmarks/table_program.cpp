@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <map>
 #include <memory>
@@ -11,6 +10,7 @@
 
 #include "benchmarks/arguments.h"
 #include "benchmarks/benchmark_program.h"
+#include "benchmarks/clocks.h"
 #include "benchmarks/command_line.h"
 #include "benchmarks/peak.h"
 #include "benchmarks/progress.h"
@@ -128,7 +128,7 @@ class Cell : public benchmark::Fixture {
 
  protected:
   void BenchmarkCase(benchmark::State& state) override {
-    const auto wall_start = std::chrono::steady_clock::now();
+    const double wall_start = wall_seconds();
     if (!quality_.run.converged()) {
       fail_row(state,
                fmt::format("{} at step {} (last change {:.2g})", isosyrk::name(quality_.run.status),
@@ -142,15 +142,14 @@ class Cell : public benchmark::Fixture {
     Matrix W = scene_.initial;
     RunReport timed;
     const auto processors_before = processor_times();
-    const auto run_start = std::chrono::steady_clock::now();
+    const double run_start = wall_seconds();
     const double start = cpu_seconds();
     for ([[maybe_unused]] auto _ : state) {
       W = scene_.initial;
       timed = run(*integrator_, W, step_size, step_total);
       benchmark::DoNotOptimize(W.data());
     }
-    const double elapsed =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - run_start).count();
+    const double elapsed = wall_seconds() - run_start;
     const double stolen = stolen_seconds(processors_before, processor_times(), table_.threads);
     // Of several threads each could have multiplied all the time that passed.
     const double seconds = (table_.threads == 1 ? cpu_seconds() - start : elapsed) /
@@ -180,9 +179,7 @@ class Cell : public benchmark::Fixture {
     if (table_.counts_equivalents) {
       state.counters["equivalent_products"] = timed.equivalent_products;
     }
-    progress_->finished(
-        name_, seconds,
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count());
+    progress_->finished(name_, seconds, wall_seconds() - wall_start);
   }
 
  private:

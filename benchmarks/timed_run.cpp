@@ -1,6 +1,6 @@
 #include "benchmarks/timed_run.h"
 
-#include "benchmarks/product_rate.h"
+#include "benchmarks/clocks.h"
 
 namespace isosyrk {
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "benchmarks/median.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -18,6 +19,12 @@ TEST(CoresAtOnce, AreOneForTwoThreadsOnOneProcessor) {
   run_on(processors);
   EXPECT_GT(least, 0.0);
   EXPECT_LT(least, 1.3);  // others may have work here too
+}
+
+TEST(Median, IsTheMiddleOneOrTheUpperOfTwo) {
+  EXPECT_EQ(median({3.0}), 3.0);
+  EXPECT_EQ(median({9.0, 1.0, 5.0}), 5.0);
+  EXPECT_EQ(median({4.0, 1.0, 3.0, 2.0}), 3.0);
 }
 
 }  // namespace
