@@ -26,18 +26,17 @@ TableProgram fast_table(int threads) {
                          double seconds) { return planar_product_rate(n, seconds); },
       .has_backends = false,
       .counts_equivalents = true,
-      .conditions = {{"products", fmt::format("planar, {} kernels", planar_kernels().front().name)},
-                     {"start",
-                      fmt::format(
-                          "extrapolated from the last {} steps, {} at n = 33 and 65, cold at first",
-                          default_start_order(17), default_start_order(33))},
-                     {"update_order",
-                      "sweeps in double precision, Jacobi, but algebra takes M_jk from the new X; "
-                      "from n = 32 "
-                      "(group) or 48 (all others) on corrected between sweeps in single precision; "
-                      "from 48 on "
-                      "without what lies so far off the diagonal that it comes to a hundredth of "
-                      "the tolerance"}},
+      .conditions =
+          {{"products", fmt::format("planar, {} kernels", planar_kernels().front().name)},
+           {"start",
+            fmt::format("from the last {} steps, {} from n = 48 on, by weights fitted to how they "
+                        "followed from each other; cold at first",
+                        default_start_order(17), default_start_order(48))},
+           {"update_order",
+            "sweeps in double precision, Jacobi, but algebra takes M_jk from the new X; "
+            "corrected between sweeps in single precision; from n = 48 on without what "
+            "lies so far off the diagonal that it comes to a hundredth of the "
+            "tolerance"}},
   };
 }
 

@@ -40,7 +40,7 @@ FastAlgebra::FastAlgebra(const EulerZeitlin& flow, const Tableau& tableau,
 FastAlgebra::FastAlgebra(const EulerZeitlin& flow, const Tableau& tableau,
                          const FastOptions& options, Pairs pairs)
     : FastForm(flow, options, {static_cast<std::size_t>(tableau.stages()), pairs.items()},
-               {.smallest = 48, .least_coupling_band = std::max<Index>(32, 3 * flow.size() / 8)}),
+               std::max<Index>(32, 3 * flow.size() / 8)),
       tableau_(tableau),
       pairs_(std::move(pairs)) {
   require_consistent(tableau);

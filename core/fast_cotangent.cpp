@@ -14,7 +14,7 @@ FastCotangent::FastCotangent(const EulerZeitlin& flow, const Tableau& tableau,
     : FastForm(
           flow, options,
           {static_cast<std::size_t>(tableau.stages()), static_cast<std::size_t>(tableau.stages())},
-          {.smallest = 48, .least_coupling_band = std::max<Index>(32, 3 * flow.size() / 8)}),
+          std::max<Index>(32, 3 * flow.size() / 8)),
       tableau_(tableau) {
   require_consistent(tableau);
   Q1_ = P1_ = zero();

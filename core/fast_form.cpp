@@ -59,10 +59,10 @@ Items all_of(std::initializer_list<Items> kinds) {
 
 }  // namespace
 
-int default_start_order(Index n) { return n < 24 || n >= 96 ? 10 : 11; }
+int default_start_order(Index n) { return n < 48 ? 16 : 24; }
 
 FastForm::FastForm(const EulerZeitlin& flow, const FastOptions& options,
-                   std::initializer_list<Items> unknowns, const Corrections& corrections)
+                   std::initializer_list<Items> unknowns, Index least_coupling_band)
     : Integrator(flow, ProductBackend::openblas),
       W0_(flow.size()),
       unknowns_(zero_unknowns(flow.size(), unknowns)),
@@ -76,11 +76,11 @@ FastForm::FastForm(const EulerZeitlin& flow, const FastOptions& options,
       single_laplacian_(flow.laplacian()),
       reciprocal_hbar_(1.0 / hbar(flow.convention(), flow.size())),
       W1_(flow.size()),
-      start_values_(options.start_order.value_or(default_start_order(flow.size())), unknowns_),
+      start_values_(options.start_order.value_or(default_start_order(flow.size())),
+                    options.fit_start, unknowns_),
       anderson_(unknowns_),
-      corrects_(options.correct.value_or(flow.size() >= corrections.smallest)),
       cuts_(options.bands.value_or(flow.size() >= smallest_cut)),
-      least_coupling_band_(corrections.least_coupling_band) {
+      least_coupling_band_(least_coupling_band) {
   for (const Items& kind : unknowns) residuals_.push_back(singles(kind.count));
   delta_ = rhs_ = next_rhs_ = residuals_;
   const std::size_t all = all_items_.count;
@@ -197,10 +197,13 @@ SolveReport FastForm::iterate(double h, Iteration iteration) {
         return change;
       });
     case Iteration::corrected:
-      return solve_fixed_point(options_.solver, [&] {
+      return solve_fixed_point(options_.solver, [&, tried = 0.0]() mutable {
+        const double tolerance = options_.solver.tolerance;
         const double change = residual(h);
-        const bool corrected = change >= options_.solver.tolerance && change <= largest_corrected &&
-                               correct(h, change);
+        if (tried > 0.0) contraction_ = change / tried;
+        const bool is_enough = std::min(1.0, 2.0 * contraction_) * change < tolerance;
+        const bool corrected = !is_enough && change <= largest_corrected && correct(h, change);
+        tried = is_enough ? change : 0.0;
         add_correction(corrected ? delta_ : residuals_);
         begin();
         return change;
@@ -269,7 +272,7 @@ bool FastForm::predict(double h) {
 // have contracted so far.  Returns false where they do not.
 bool FastForm::correct(double h, double change) {
   constexpr double digits = 1e-6;  // of single precision, after a few sums
-  constexpr double of_tolerance = 0.1;
+  constexpr double of_tolerance = 0.3;
   constexpr double curvature = 0.1;  // the derivative errs by this, relative to a change of 1
   constexpr double growth = 4.0;     // what T may do at first, not being normal
   constexpr int most = 60;
@@ -318,7 +321,7 @@ SolveReport FastForm::solve(double h) {
   const Iteration uncorrected = options_.accelerate ? Iteration::accelerated : Iteration::plain;
   const Iteration other = options_.accelerate ? Iteration::plain : Iteration::accelerated;
   const std::array<Iteration, 3> attempts = {Iteration::corrected, uncorrected, other};
-  const std::size_t first = corrects_ ? 0 : 1;
+  const std::size_t first = corrects() ? 0 : 1;
   if (predict(h)) {
     if (converges(attempts[first])) return report;
     start_values_.forget();
@@ -365,6 +368,7 @@ SolveReport FastForm::advance(const Matrix& W0, double h, Matrix& W1) {
     in_halves_of_unknowns([&](std::size_t kind, std::size_t i, Share half) {
       start_values_.keep(kind, i, unknowns_[kind][i], half);
     });
+    start_values_.learn();
     in_halves([&](Share half) { W1_.store(W1, half); });
   } else {
     start_values_.forget();

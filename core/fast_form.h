@@ -21,18 +21,19 @@ namespace isosyrk {
 
 class EulerZeitlin;
 
-/// 10, and 11 for n = 24 ... 95: the fastest for most cells of Table 1 (measured).  A higher order
-/// errs less by itself but amplifies what is wrong with past steps.
+/// 16, and 24 from n = 48 on, where what a further one saves costs more than to read it (measured).
 int default_start_order(Index n);
 
 struct FastOptions {
   SolverOptions solver;
-  /// Past steps that start values are extrapolated from; 0: every step starts cold.  By default
+  /// Past steps that start values are predicted from; 0: every step starts cold.  By default
   /// default_start_order(n).
   std::optional<int> start_order = {};
-  /// Whether what a sweep leaves is corrected in single precision before the next one.  By default
-  /// from the n on where it pays, which each form knows.
-  std::optional<bool> correct = {};
+  /// Whether their weights are fitted to how past steps followed from each other; else those of the
+  /// polynomial through them (start_values.h).
+  bool fit_start = true;
+  /// Whether what a sweep leaves is corrected in single precision before the next one.
+  bool correct = true;
   /// Whether sweeps that are not corrected are accelerated (Anderson).
   bool accelerate = false;
   /// Whether products leave out what lies so far off the diagonal that it does not count.  By
@@ -48,7 +49,7 @@ struct FastOptions {
 /// A one-step method in planar matrices for Euler-Zeitlin on su(n): the answer of the published
 /// form to the solver's tolerance, sooner.
 ///
-/// Every iteration starts from extrapolated unknowns and stops by the rule of fixed_point.h, on the
+/// Every iteration starts from predicted unknowns and stops by the rule of fixed_point.h, on the
 /// change that a plain sweep in double precision makes, so that what is accepted is as good as from
 /// a cold start.
 ///
@@ -81,7 +82,7 @@ class FastForm : public Integrator {
   double change_of_one_more_sweep(double h);
 
   /// What FastOptions said, or the default.
-  bool corrects() const { return corrects_; }
+  bool corrects() const { return options_.correct; }
   bool cuts() const { return cuts_; }
   /// As many of the threads asked for as pay.
   int threads() const { return team_.threads(); }
@@ -94,17 +95,11 @@ class FastForm : public Integrator {
     long solves = 0;
   };
 
-  struct Corrections {
-    Index smallest;  ///< n from which on they pay (measured)
-    /// K acts through so many diagonals at least, and through those of B in single precision; Δ⁻¹
-    /// takes from those further out what they could add.  With fewer, a smooth scene needs a third
-    /// sweep (measured).
-    Index least_coupling_band;
-  };
-
-  /// With so many unknowns of each kind.
+  /// With so many unknowns of each kind.  K acts through so many diagonals at least, and through
+  /// those of B in single precision; Δ⁻¹ takes from those further out what they could add.  With
+  /// fewer, a smooth scene needs a third sweep (measured).
   FastForm(const EulerZeitlin& flow, const FastOptions& options,
-           std::initializer_list<Items> unknowns, const Corrections& corrections);
+           std::initializer_list<Items> unknowns, Index least_coupling_band);
 
   SolveReport advance(const Matrix& W0, double h, Matrix& W1) final;
 
@@ -255,7 +250,7 @@ class FastForm : public Integrator {
   }
   /// As many in single precision, none where nothing is corrected.
   Singles singles(Index count) const {
-    return Singles(static_cast<std::size_t>(corrects_ ? count : 0), SingleMatrix(W0_.size()));
+    return Singles(static_cast<std::size_t>(corrects() ? count : 0), SingleMatrix(W0_.size()));
   }
 
   PlanarMatrix W0_;
@@ -310,11 +305,11 @@ class FastForm : public Integrator {
   PlanarMatrix W1_;
   StartValues start_values_;
   Anderson anderson_;
-  bool corrects_;
   bool cuts_;
   Index least_coupling_band_;
-  Index coupling_band_ = 0;  // of the correction under way
-  double step_ = 0.0;        // |h| of the step under way
+  double contraction_ = 0.1;  // of a plain sweep close to the solution; a first guess
+  Index coupling_band_ = 0;   // of the correction under way
+  double step_ = 0.0;         // |h| of the step under way
   std::array<RealVector, 2> squares_;
   // By diagonals, of each item: of its generator, and of the halves of what is cut.
   std::vector<RealVector> generator_squares_;

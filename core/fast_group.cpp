@@ -27,7 +27,7 @@ Undivided<Phase> by_second(Phase phase) {
 
 FastGroup::FastGroup(const EulerZeitlin& flow, const Tableau& tableau, const FastOptions& options)
     : FastForm(flow, options, {static_cast<std::size_t>(tableau.stages())},
-               {.smallest = 32, .least_coupling_band = std::max<Index>(16, flow.size() / 8)}),
+               std::max<Index>(16, flow.size() / 8)),
       tableau_(tableau) {
   require_consistent(tableau);
   const Index s = tableau.stages();

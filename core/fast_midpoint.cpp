@@ -10,8 +10,7 @@
 namespace isosyrk {
 
 FastMidpoint::FastMidpoint(const EulerZeitlin& flow, const FastOptions& options)
-    : FastForm(flow, options, {1},
-               {.smallest = 48, .least_coupling_band = std::max<Index>(24, flow.size() / 8)}) {
+    : FastForm(flow, options, {1}, std::max<Index>(24, flow.size() / 8)) {
   W_stage_ = B_ = M_ = MB_ = commutator_ = zero();
   const Singles one = singles(1);
   if (one.empty()) return;

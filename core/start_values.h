@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "core/linear_prediction.h"
 #include "core/planar_matrix.h"
 #include "core/share.h"
 
@@ -12,20 +13,29 @@ namespace isosyrk {
 /// The unknowns of a step: a few kinds, such as Q and P, each with so many of its own.
 using Unknowns = std::vector<std::vector<PlanarMatrix>>;
 
-/// Extrapolates each unknown from its own values in the last steps of one size, at equal distances:
-/// by the polynomial through the last p of them (as many as there are, if
-/// fewer),
+/// Predicts each unknown from its own values in the last steps of one size, at equal distances:
 ///
-///     x_{m+1} ≈ Σ_{k=1..p} (-1)^{k+1} C(p, k) x_{m+1-k}
+///     x_{m+1} ≈ Σ_{k=1..K} w_k x_{m+1-k}
 ///
-/// Each unknown is smooth from step to step; those of one step, at the nodes of the tableau, are
-/// not spaced equally, and mixing them extrapolates badly.  The weights add up to 2^p - 1 in
-/// modulus, by which the noise of earlier iterations is amplified.
+/// As long as there are few, by the polynomial through them, w_k = (-1)^{k+1} C(K, k).  From
+/// `differences` + 2 on what the polynomial through the last p = `differences` of them leaves, the
+/// difference ∇^p x_{m+1}, is predicted in its turn (linear_prediction.h), from K - p such of steps
+/// before.  A polynomial through as many errs by (2 sin(ωh/2))^K in an oscillation of frequency ω,
+/// the fitted weights by some 2^(p-K) of that and less, the more so the fewer frequencies there
+/// are; and through the residual, which sees the noise of earlier iterations too, they amplify that
+/// no further than it pays.
+///
+/// All unknowns have the same weights, fitted to some rows of each.  Each unknown is smooth from
+/// step to step; those of one step, at the nodes of the tableau, are not spaced equally, and mixing
+/// them extrapolates badly.
 class StartValues {
  public:
-  /// For unknowns like these; p = 0 starts cold always.  Throws std::invalid_argument unless
-  /// 0 <= p <= 12.
-  StartValues(int p, const Unknowns& unknowns);
+  static constexpr int most = LinearPrediction::most;
+  static constexpr int differences = 6;
+
+  /// From at most so many steps, for unknowns like these; 0 starts cold always.  Not `fitted`, by
+  /// the polynomial through all of them.  Throws std::invalid_argument unless 0 <= steps <= most.
+  StartValues(int steps, bool fitted, const Unknowns& unknowns);
 
   /// Whether a step of size h can be predicted: else it must start cold, as the first, and the
   /// first of another size or after forget().
@@ -33,21 +43,27 @@ class StartValues {
   /// Sets an unknown for it, or a share of it.
   void predict(std::size_t kind, std::size_t unknown, PlanarMatrix& X, Share share) const;
 
-  /// That a step of size h was solved, by unknowns which then are kept, shares of each.
+  /// That a step of size h was solved, by unknowns which then are kept, shares of each, and after
+  /// all of them learned from.
   void accept(double h);
   void keep(std::size_t kind, std::size_t unknown, const PlanarMatrix& X, Share share);
+  void learn();
 
-  void forget() { known_ = 0; }
+  void forget();
 
  private:
-  static constexpr int largest = 12;
+  const Unknowns& past(int steps) const {
+    return past_[(newest_ + past_.size() - static_cast<std::size_t>(steps)) % past_.size()];
+  }
 
-  int p_;
-  int known_ = 0;  // past steps
+  std::vector<Unknowns> past_;  // a ring
   std::size_t newest_ = 0;
+  int known_ = 0;  // past steps
   double h_ = 0.0;
-  std::array<double, largest> weights_{};  // of what is known, the newest first
-  std::vector<Unknowns> past_;             // a ring of p
+  int count_ = 0;                       // of weights
+  std::array<double, most> weights_{};  // the newest first
+  bool fitted_;
+  LinearPrediction of_differences_;
 };
 
 }  // namespace isosyrk

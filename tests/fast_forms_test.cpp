@@ -36,8 +36,7 @@ class EachFastForm : public ::testing::TestWithParam<Method> {};
 
 TEST_P(EachFastForm, GivesTheAnswerOfThePublishedFormInFewerSweeps) {
   const Method method = GetParam();
-  for (const Index n :
-       {5, 16, 17, 33, 49}) {  // with corrections from 32 or 48 on, and bands from 48
+  for (const Index n : {5, 16, 17, 33, 49}) {  // with bands from 48 on
     const Scene scene = smooth_scene(n);
     const auto published = gauss(method.formulation, *scene.flow, method.s);
     const auto integrator = fast(method, *scene.flow);
@@ -82,24 +81,6 @@ TEST_P(EachFastForm, ALooserToleranceIsSeenByAnotherSweep) {
   EXPECT_GT(largest, 1.5e-13);
 }
 
-// The solution grows finer in time, and a cold start takes more sweeps too; but what many steps
-// leave in the start values, rounding and the solver's noise, must not cost any.
-TEST_P(EachFastForm, SweepsDoNotCreepUpOverALargeNumberOfSteps) {
-  const Scene scene = smooth_scene(17);
-  const auto integrator = fast(GetParam(), *scene.flow);
-  Matrix W = scene.initial;
-  run(*integrator, W, 0.1, 1900);
-  const auto fresh = fast(GetParam(), *scene.flow);
-  Matrix V = W;
-  run(*integrator, W, 0.1, 20);
-  run(*fresh, V, 0.1, 20);
-  const RunReport old = run(*integrator, W, 0.1, 100);
-  const RunReport expected = run(*fresh, V, 0.1, 100);
-  ASSERT_TRUE(old.converged() && expected.converged());
-  EXPECT_LE(old.sweeps_per_step(), 1.1 * expected.sweeps_per_step());
-  EXPECT_EQ(skew_defect(W), 0.0);
-}
-
 // Sweeps of the first hundred of 2000 steps after the first twenty, and of the last hundred.
 std::pair<long, long> sweeps_first_and_last(Integrator& integrator, const Scene& scene) {
   Matrix W = scene.initial;
@@ -111,15 +92,24 @@ std::pair<long, long> sweeps_first_and_last(Integrator& integrator, const Scene&
   sweeps(20);
   const long first = sweeps(100);
   sweeps(1780);
-  return {first, sweeps(100)};
+  const long last = sweeps(100);
+  EXPECT_EQ(skew_defect(W), 0.0);
+  return {first, last};
 }
 
-// A rough scene is as fine at the end as at the beginning, so nothing but the solver can cost more.
-TEST_P(EachFastForm, ARoughSceneTakesAsManySweepsAfterALargeNumberOfSteps) {
-  const Scene scene = rough_scene(33);
-  const auto integrator = fast(GetParam(), *scene.flow);
-  const auto [first, last] = sweeps_first_and_last(*integrator, scene);
-  EXPECT_LE(static_cast<double>(last), 1.1 * static_cast<double>(first));
+// The smooth scene grows finer, and the rough one is as fine at the end as at the beginning.
+TEST_P(EachFastForm, TakesAsManySweepsAfterALargeNumberOfSteps) {
+  const auto expect_as_many_in = [](const Scene& scene) {
+    const auto integrator = fast(GetParam(), *scene.flow);
+    const auto [first, last] = sweeps_first_and_last(*integrator, scene);
+    EXPECT_LE(static_cast<double>(last), 1.1 * static_cast<double>(first));
+  };
+  for (const Index n : {17, 33}) {
+    SCOPED_TRACE(n);
+    expect_as_many_in(smooth_scene(n));
+    expect_as_many_in(rough_scene(n));
+  }
+  if (GetParam().s == 2) expect_as_many_in(smooth_scene(65));
 }
 
 void expect_restarts(const Method& method, Index n) {
@@ -150,14 +140,15 @@ void expect_restarts(const Method& method, Index n) {
 
 TEST_P(EachFastForm, StartsColdAfterAnotherStepSizeAnotherStateAndAFailure) {
   expect_restarts(GetParam(), 17);
-  expect_restarts(GetParam(), 49);  // with corrections and bands
+  expect_restarts(GetParam(), 49);  // with bands
 }
 
 TEST_P(EachFastForm, StartValuesSaveSweepsAndOrderZeroStartsColdAlways) {
   const Scene scene = smooth_scene(17);
   long last = std::numeric_limits<long>::max();
-  for (const int order : {0, 2, 4, 8}) {
-    const auto integrator = fast(GetParam(), *scene.flow, {.solver = {}, .start_order = order});
+  for (const int order : {0, 2, 4, 16}) {
+    const auto integrator =
+        fast(GetParam(), *scene.flow, {.solver = {}, .start_order = order, .correct = false});
     Matrix W = scene.initial;
     const RunReport report = run(*integrator, W, 0.1, 50);
     EXPECT_LT(report.sweeps, last) << order;
@@ -174,14 +165,14 @@ TEST_P(EachFastForm, StartValuesSaveSweepsAndOrderZeroStartsColdAlways) {
 
 constexpr FastOptions plain_sweeps = {.solver = {}, .correct = false, .bands = false};
 
-// Also where they do not pay.
+// Bands also where they do not pay.
 TEST_P(EachFastForm, CorrectionsAndBandsChangeTheCostAndNotTheAnswer) {
   for (const Index n : {5, 16, 33}) {
     const Scene scene = smooth_scene(n);
     const auto integrate = [&](const FastOptions& options) {
       const auto integrator = fast(GetParam(), *scene.flow, options);
       auto& form = dynamic_cast<FastForm&>(*integrator);
-      EXPECT_EQ(form.corrects(), *options.correct);
+      EXPECT_EQ(form.corrects(), options.correct);
       EXPECT_EQ(form.cuts(), *options.bands);
       Matrix W = scene.initial;
       RunReport total;
@@ -209,7 +200,9 @@ TEST_P(EachFastForm, CorrectionsAndBandsChangeTheCostAndNotTheAnswer) {
     if (n == 33) {
       EXPECT_LT(with_bands.equivalent_products, 0.95 * plain.equivalent_products);
     }
-    EXPECT_LT(with_both.equivalent_products, with_corrections.equivalent_products) << n;
+    if (n > 5) {  // which the modes, up to degree 4, fill
+      EXPECT_LT(with_both.equivalent_products, with_corrections.equivalent_products) << n;
+    }
   }
 }
 
@@ -263,8 +256,9 @@ void expect_the_same_of_two_threads(const Method& method, Index n) {
   const auto two = fast(method, *scene.flow, {.solver = {}, .threads = 2});
   Matrix W = scene.initial;
   Matrix V = scene.initial;
-  const RunReport expected = run(*one, W, 0.1, 12);
-  const RunReport report = run(*two, V, 0.1, 12);
+  constexpr int steps = 12;  // of which the last start from fitted values
+  const RunReport expected = run(*one, W, 0.1, steps);
+  const RunReport report = run(*two, V, 0.1, steps);
   EXPECT_TRUE(V == W) << n;  // without printing them
   EXPECT_EQ(report.sweeps, expected.sweeps) << n;
   EXPECT_EQ(report.products, expected.products) << n;
@@ -308,22 +302,33 @@ INSTANTIATE_TEST_SUITE_P(All, EachFastForm, ::testing::ValuesIn(methods()), [](c
   return std::string(name(tested.param.formulation)) + std::to_string(tested.param.s);
 });
 
-// What the bound of a tenth is for: here the solution grows finer and start values predict it
-// worse, while a cold start takes as many sweeps as ever.
-TEST(FastForms, TakeMoreSweepsAsASmoothSceneGrowsFinerOverALargeNumberOfSteps) {
+// What the bound of a tenth sees: polynomials predict a solution worse that grows finer, and plain
+// sweeps make up for it one by one.
+TEST(FastForms, TakeMoreSweepsAfterALargeNumberOfStepsWithoutFittingAndCorrections) {
   const Scene scene = smooth_scene(17);
-  const Method method{Formulation::cotangent, 2};
-  const auto from_past_steps = fast(method, *scene.flow);
-  const auto [first, last] = sweeps_first_and_last(*from_past_steps, scene);
+  const auto integrator =
+      fast({Formulation::cotangent, 2}, *scene.flow,
+           {.solver = {}, .start_order = 10, .fit_start = false, .correct = false});
+  const auto [first, last] = sweeps_first_and_last(*integrator, scene);
   EXPECT_GT(static_cast<double>(last), 1.2 * static_cast<double>(first));
-  const auto cold = fast(method, *scene.flow, {.solver = {}, .start_order = 0});
-  const auto [cold_first, cold_last] = sweeps_first_and_last(*cold, scene);
-  EXPECT_LE(static_cast<double>(cold_last), 1.1 * static_cast<double>(cold_first));
+}
+
+TEST(FastForms, FittedStartValuesSaveSweepsAfterALargeNumberOfSteps) {
+  const Scene scene = smooth_scene(33);
+  for (const Formulation formulation : formulations()) {
+    const auto last = [&](bool fitted) {
+      const auto integrator = fast({formulation, 2}, *scene.flow,
+                                   {.solver = {}, .fit_start = fitted, .correct = false});
+      return sweeps_first_and_last(*integrator, scene).second;
+    };
+    EXPECT_LT(static_cast<double>(last(true)), 0.8 * static_cast<double>(last(false)))
+        << name(formulation);
+  }
 }
 
 TEST(FastForms, RefuseWhatTheyCannotDo) {
   const Scene scene = smooth_scene(5);
-  for (const int order : {-1, 13}) {
+  for (const int order : {-1, 25}) {
     EXPECT_THROW(fast({Formulation::group, 2}, *scene.flow, {.solver = {}, .start_order = order}),
                  std::invalid_argument);
   }

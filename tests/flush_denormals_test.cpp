@@ -83,8 +83,7 @@ FastOptions uncorrected() {
 // A method that stands still, and looks.
 class Onlooker final : public FastForm {
  public:
-  explicit Onlooker(const EulerZeitlin& flow)
-      : FastForm(flow, uncorrected(), {1}, {.smallest = 1, .least_coupling_band = 1}) {}
+  explicit Onlooker(const EulerZeitlin& flow) : FastForm(flow, uncorrected(), {1}, 1) {}
   bool flushed = false;
   double change = 0.0;
 

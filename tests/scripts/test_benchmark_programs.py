@@ -152,7 +152,7 @@ class Table2(Table1):
 
     def test_its_products_and_start_are_recorded(self):
         self.assertIn("planar", self.context["products"])
-        self.assertIn("extrapolated", self.context["start"])
+        self.assertIn("fitted", self.context["start"])
         self.assertIn("single precision", self.context["update_order"])
 
     def test_cores_are_counted_where_two_threads_are_compared_alone(self):
