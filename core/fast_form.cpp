@@ -20,6 +20,9 @@ constexpr Index smallest_halved = 96;  // where all is in halves, as with one st
 // Beyond this the derivative says too little of a sweep (measured).
 constexpr double largest_corrected = 0.3;
 
+// Of a plain sweep close to the solution, and of K: a first guess.
+constexpr double likely_contraction = 0.1;
+
 Unknowns zero_unknowns(Index n, std::initializer_list<Items> kinds) {
   Unknowns unknowns;
   for (const Items& kind : kinds) unknowns.emplace_back(kind.count, PlanarMatrix(n));
@@ -197,13 +200,13 @@ SolveReport FastForm::iterate(double h, Iteration iteration) {
         return change;
       });
     case Iteration::corrected:
-      return solve_fixed_point(options_.solver, [&, tried = 0.0]() mutable {
+      return solve_fixed_point(options_.solver, [&, left_plain = 0.0]() mutable {
         const double tolerance = options_.solver.tolerance;
         const double change = residual(h);
-        if (tried > 0.0) contraction_ = change / tried;
-        const bool is_enough = std::min(1.0, 2.0 * contraction_) * change < tolerance;
-        const bool corrected = !is_enough && change <= largest_corrected && correct(h, change);
-        tried = is_enough ? change : 0.0;
+        if (left_plain > 0.0) contraction_ = change / left_plain;
+        const bool plain_will_do = std::min(1.0, 2.0 * contraction_) * change < tolerance;
+        const bool corrected = !plain_will_do && change <= largest_corrected && correct(h, change);
+        left_plain = plain_will_do ? change : 0.0;
         add_correction(corrected ? delta_ : residuals_);
         begin();
         return change;
@@ -280,7 +283,7 @@ bool FastForm::correct(double h, double change) {
       {of_tolerance * options_.solver.tolerance, digits * change, curvature * change * change});
   coupling_band_ = std::max(linearise(h, 0.3 * target / change), least_coupling_band_);
   double T_contraction = 0.0;
-  double K_contraction = 0.1;  // a first guess
+  double K_contraction = likely_contraction;
   double T_error = change;
   double not_coupled = change;  // what has come to δ since K was last applied
   double last = change;
@@ -326,6 +329,7 @@ SolveReport FastForm::solve(double h) {
     if (converges(attempts[first])) return report;
     start_values_.forget();
   }
+  contraction_ = likely_contraction;
   for (std::size_t i = first; i < attempts.size(); ++i) {
     start_cold();
     if (converges(attempts[i])) break;

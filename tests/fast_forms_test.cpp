@@ -129,7 +129,7 @@ void expect_restarts(const Method& method, Index n) {
     EXPECT_EQ(sweeps, cold_sweeps) << after;
   };
   Matrix W = scene.initial;
-  run(*tried, W, 0.1, 10);
+  run(*tried, W, 0.1, 30);
   expect_cold(W, 0.05, "another step size");
   expect_cold(scene.initial, 0.05, "another state");
   Matrix unchanged = scene.initial;
