@@ -33,7 +33,7 @@ const std::vector<int> stage_counts = {1, 2, 3};
 
 constexpr double scaling_h_norm_B = 0.4;
 constexpr double table1_step = 0.1;
-constexpr long warm_steps = 12;  // until start values are at their full order
+constexpr long warm_steps = StartValues::most + 1;  // until start values are at their full order
 constexpr int repetitions = 7;
 constexpr long most_steps = 200;
 

@@ -62,7 +62,10 @@ Items all_of(std::initializer_list<Items> kinds) {
 
 }  // namespace
 
-int default_start_order(Index n) { return n < 48 ? 16 : 24; }
+int default_start_order(Index n) {
+  if (n < 48) return 16;
+  return n < 192 ? 24 : 12;
+}
 
 FastForm::FastForm(const EulerZeitlin& flow, const FastOptions& options,
                    std::initializer_list<Items> unknowns, Index least_coupling_band)

@@ -21,7 +21,8 @@ namespace isosyrk {
 
 class EulerZeitlin;
 
-/// 16, and 24 from n = 48 on, where what a further one saves costs more than to read it (measured).
+/// 16, 24 for n = 48 ... 191, and 12 from there on, where more save less than it costs to read them
+/// (measured).
 int default_start_order(Index n);
 
 struct FastOptions {

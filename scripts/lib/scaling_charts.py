@@ -12,7 +12,7 @@ from scaling import FITTED_FROM, exponent, ladder
 STEP_LABEL = "CPU seconds per step (median)"
 # Names of rungs that are too long for a chart, and the rungs' shades, the later the darker.
 SHORT = {"structure and planar products": "structure, planar products", "corrections in single precision": "corrections"}
-RUNG_SHADES = ("#c9c9c9", "#a9cae6", "#62a8da", "#1f67ad", "#062a56")
+RUNG_SHADES = ("#c9c9c9", "#c3daee", "#8fc1e3", "#4f9bd0", "#1f67ad", "#062a56")
 
 
 @styled
@@ -21,8 +21,8 @@ def cost_against_n(study):
     stages = study.stage_counts()
     figure, panels = new_figure(
         "A step of the fast forms against n",
-        f"Steps such that h‖B(W₀)‖₂ = {study.h_norm_B:g} at every n, after the first dozen. Solid: what a step takes; dashed:"
-        " its floor, the operations of the products that it forms at the measured peak of the core. Exponents are fitted"
+        f"Steps such that h‖B(W₀)‖₂ = {study.h_norm_B:g} at every n, once start values have all their past steps. Solid:"
+        " what a step takes; dashed: its floor, the operations of the products that it forms at the measured peak of the core. Exponents are fitted"
         f" from n = {FITTED_FROM} on.",
         1, len(stages), 4.9, right=1.35, column_gap=1.95)
     key_of(figure, [line_of(each) for each in FORMULATIONS] + [

@@ -90,7 +90,7 @@ def ladder_section(study):
                                  *figures_of(cost), Entry(three_digits(rungs[0][1].seconds / cost.seconds))])
             blocks.append(rows)
     return [Paragraph("Each row has one idea more than the one above. Sweeps, products and CPU seconds are those of a step,"
-                      " at h = 0.1 after the first dozen; the last column compares with the published form."),
+                      " at h = 0.1, once start values have all their past steps; the last column compares with the published form."),
             Table(columns, [block for block in blocks if block])]
 
 
