@@ -94,26 +94,32 @@ void StartValues::keep(std::size_t kind, std::size_t unknown, const PlanarMatrix
   if (!past_.empty()) reals(past_[newest_][kind][unknown], share) = reals(X, share);
 }
 
-void StartValues::learn() {
+// ∇^p of the row that begins there.
+void StartValues::difference(std::size_t kind, std::size_t unknown, Index begin, double* to) const {
   using Numbers = planar_sums::Assigned<double>;
   constexpr int length = Numbers::SizeAtCompileTime;
-  if (!fitted_ || known_ <= differences) return;
   const Binomials weights = alternating_binomials(differences);
+  const Index end = begin + past(0)[kind][unknown].stride();
+  for (Index at = begin; at < end; at += length, to += length) {
+    const planar_sums::LoadAt<length, double> load{at};
+    Numbers sum = Numbers::Zero();
+    for (int k = 0; k <= differences; ++k) {
+      sum += weights[static_cast<std::size_t>(k)] * load(past(k)[kind][unknown]);
+    }
+    Eigen::Map<Numbers>{to} = sum;
+  }
+}
+
+void StartValues::learn() {
+  if (!fitted_ || known_ <= differences) return;
   double* to = of_differences_.next().data();
   for (std::size_t kind = 0; kind < past(0).size(); ++kind) {
     for (std::size_t unknown = 0; unknown < past(0)[kind].size(); ++unknown) {
       const PlanarMatrix& X = past(0)[kind][unknown];
       const Index rows = rows_sampled_of(X);
-      for (Index row = 0; row < rows; ++row) {
-        const Index begin = (2 * row + 1) * X.size() / (2 * rows) * X.stride();
-        for (Index at = begin; at < begin + X.stride(); at += length, to += length) {
-          const planar_sums::LoadAt<length, double> load{at};
-          Numbers sum = Numbers::Zero();
-          for (int k = 0; k <= differences; ++k) {
-            sum += weights[static_cast<std::size_t>(k)] * load(past(k)[kind][unknown]);
-          }
-          Eigen::Map<Numbers>{to} = sum;
-        }
+      for (Index row = 0; row < rows; ++row, to += X.stride()) {
+        const Index middle = (2 * row + 1) * X.size() / (2 * rows);
+        difference(kind, unknown, middle * X.stride(), to);
       }
     }
   }

@@ -20,10 +20,10 @@ using Unknowns = std::vector<std::vector<PlanarMatrix>>;
 /// As long as there are few, by the polynomial through them, w_k = (-1)^{k+1} C(K, k).  From
 /// `differences` + 2 on what the polynomial through the last p = `differences` of them leaves, the
 /// difference ∇^p x_{m+1}, is predicted in its turn (linear_prediction.h), from K - p such of steps
-/// before.  A polynomial through as many errs by (2 sin(ωh/2))^K in an oscillation of frequency ω,
-/// the fitted weights by some 2^(p-K) of that and less, the more so the fewer frequencies there
-/// are; and through the residual, which sees the noise of earlier iterations too, they amplify that
-/// no further than it pays.
+/// before.  In an oscillation of frequency ω a polynomial through as many errs by
+/// (2 sin(ωh/2))^K, the fitted weights by some 2^(p-K) of that, and by less where there are few
+/// frequencies.  The fit sees the noise of earlier iterations too, and so does not amplify it
+/// further than pays.
 ///
 /// All unknowns have the same weights, fitted to some rows of each.  Each unknown is smooth from
 /// step to step; those of one step, at the nodes of the tableau, are not spaced equally, and mixing
@@ -56,6 +56,8 @@ class StartValues {
     return past_[(newest_ + past_.size() - static_cast<std::size_t>(steps)) % past_.size()];
   }
 
+  void difference(std::size_t kind, std::size_t unknown, Index begin, double* to) const;
+
   std::vector<Unknowns> past_;  // a ring
   std::size_t newest_ = 0;
   int known_ = 0;  // past steps
@@ -63,7 +65,7 @@ class StartValues {
   int count_ = 0;                       // of weights
   std::array<double, most> weights_{};  // the newest first
   bool fitted_;
-  LinearPrediction of_differences_;
+  LinearPrediction of_differences_;  // of what is sampled of the unknowns
 };
 
 }  // namespace isosyrk
