@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "core/start_values.h"
+#include "core/unknowns.h"
 
 namespace isosyrk {
 

@@ -5,7 +5,6 @@
 #include "core/euler_zeitlin.h"
 #include "core/mixed_sums.h"
 #include "core/planar_blocks.h"
-#include "core/stage_sums.h"
 
 namespace isosyrk {
 

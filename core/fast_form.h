@@ -13,7 +13,6 @@
 #include "core/planar_laplacian.h"
 #include "core/planar_products.h"
 #include "core/planar_sums.h"
-#include "core/stage_sums.h"
 #include "core/start_values.h"
 #include "core/team.h"
 

@@ -6,68 +6,12 @@
 
 #include "core/algebra_form.h"
 #include "core/composition.h"
-#include "core/cotangent_form.h"
 #include "core/direct_form.h"
 #include "core/explicit_methods.h"
 #include "core/gauss_tableau.h"
-#include "core/group_form.h"
-#include "core/isospectral_midpoint.h"
 #include "core/linear_theory.h"
 
 namespace isosyrk {
-
-const std::vector<Formulation>& formulations() {
-  static const std::vector<Formulation> all = {Formulation::cotangent, Formulation::group,
-                                               Formulation::algebra};
-  return all;
-}
-
-std::string_view name(Formulation formulation) {
-  switch (formulation) {
-    case Formulation::cotangent:
-      return "cotangent";
-    case Formulation::group:
-      return "group";
-    case Formulation::algebra:
-      return "algebra";
-  }
-  return "unknown";
-}
-
-Formulation formulation_from_name(std::string_view wanted) {
-  for (const Formulation formulation : formulations()) {
-    if (name(formulation) == wanted) return formulation;
-  }
-  throw std::invalid_argument(
-      fmt::format("formulation '{}': must be cotangent, group or algebra", wanted));
-}
-
-namespace {
-
-// The midpoint tableau, and only it, has the one-unknown form.
-bool is_midpoint(const Tableau& tableau) {
-  return tableau.stages() == 1 && tableau.a(0, 0) == 0.5 && tableau.b(0) == 1.0;
-}
-
-}  // namespace
-
-std::unique_ptr<Integrator> make_formulation(Formulation formulation, const Flow& flow,
-                                             const Tableau& tableau, const SolverOptions& options,
-                                             ProductBackend backend) {
-  switch (formulation) {
-    case Formulation::cotangent:
-      return std::make_unique<CotangentForm>(flow, tableau, options, backend);
-    case Formulation::group:
-      return std::make_unique<GroupForm>(flow, tableau, options, backend);
-    case Formulation::algebra:
-      require_consistent(tableau);
-      if (is_midpoint(tableau)) {
-        return std::make_unique<IsospectralMidpoint>(flow, options, backend);
-      }
-      return std::make_unique<AlgebraForm>(flow, tableau, options, backend);
-  }
-  throw std::invalid_argument("make_formulation: unknown formulation");
-}
 
 namespace {
 
@@ -173,7 +117,7 @@ IntegratorEntry gauss_entry(Formulation formulation, int s) {
           .keeps = isosyrk_properties,
           .make = make_gauss(formulation, s),
           .linear_limit = [formulation, tableau = gauss_tableau(s)](const RealVector& frequencies) {
-            return formulation == Formulation::algebra && is_midpoint(tableau)
+            return formulation == Formulation::algebra && tableau.stages() == 1
                        ? midpoint_iteration_limit(frequencies)
                        : stage_iteration_limit(tableau, frequencies);
           }};

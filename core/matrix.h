@@ -18,6 +18,9 @@ using Matrix = Eigen::Matrix<Complex, Eigen::Dynamic, Eigen::Dynamic, Eigen::Row
 using RealMatrix = Eigen::MatrixXd;
 using RealVector = Eigen::VectorXd;
 
+/// The most stages a tableau may have; Gauss tableaux are computed to the last digit up to here.
+inline constexpr int max_stages = 20;
+
 /// The larger of two numbers, and NaN if either is: std::max would drop a NaN in its second
 /// argument, and with it the only sign of a diverged iteration.
 inline double larger(double a, double b) {

@@ -1,7 +1,6 @@
 #include "core/mixed_sums.h"
 
 #include "core/planar_sums.h"
-#include "core/tableau.h"
 
 namespace isosyrk {
 

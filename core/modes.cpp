@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/invariants.h"
+#include "core/spectrum.h"
 
 namespace isosyrk {
 

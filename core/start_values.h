@@ -5,13 +5,9 @@
 #include <vector>
 
 #include "core/linear_prediction.h"
-#include "core/planar_matrix.h"
-#include "core/share.h"
+#include "core/unknowns.h"
 
 namespace isosyrk {
-
-/// The unknowns of a step: a few kinds, such as Q and P, each with so many of its own.
-using Unknowns = std::vector<std::vector<PlanarMatrix>>;
 
 /// Predicts each unknown from its own values in the last steps of one size, at equal distances:
 ///

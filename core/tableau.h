@@ -7,9 +7,6 @@
 
 namespace isosyrk {
 
-/// The most stages a tableau may have; Gauss tableaux are computed to the last digit up to here.
-inline constexpr int max_stages = 20;
-
 /// Coefficients a_ij, b_i, c_i of a Runge-Kutta method with s stages.
 struct Tableau {
   std::string name;
