@@ -7,7 +7,7 @@
 
 #include "benchmarks/product_rate.h"
 #include "benchmarks/program.h"
-#include "core/scene.h"
+#include "isosyrk/flows/scene.h"
 
 namespace isosyrk {
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "benchmarks/product_rate.h"
-#include "core/fixed_point.h"
-#include "core/scene.h"
+#include "isosyrk/iteration/fixed_point.h"
+#include "isosyrk/flows/scene.h"
 
 namespace isosyrk {
 

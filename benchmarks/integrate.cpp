@@ -9,10 +9,10 @@
 #include "benchmarks/modes_file.h"
 #include "benchmarks/output_file.h"
 #include "benchmarks/timed_run.h"
-#include "core/conservation.h"
-#include "core/measured_limits.h"
-#include "core/planar_products.h"
-#include "core/scene.h"
+#include "isosyrk/simulation/conservation.h"
+#include "isosyrk/catalogue/measured_limits.h"
+#include "isosyrk/split/split_products.h"
+#include "isosyrk/flows/scene.h"
 
 namespace isosyrk::integrate {
 namespace {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "benchmarks/command_line.h"
-#include "core/fast_forms.h"
+#include "isosyrk/catalogue/fast_forms.h"
 
 namespace isosyrk {
 namespace {

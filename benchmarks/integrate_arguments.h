@@ -6,7 +6,7 @@
 #include <variant>
 
 #include "benchmarks/arguments.h"
-#include "core/integrator_list.h"
+#include "isosyrk/catalogue/integrator_list.h"
 
 namespace isosyrk {
 

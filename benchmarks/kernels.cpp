@@ -13,9 +13,9 @@
 #include "benchmarks/command_line.h"
 #include "benchmarks/median.h"
 #include "benchmarks/peak.h"
-#include "core/planar_laplacian.h"
-#include "core/planar_products.h"
-#include "core/scene.h"
+#include "isosyrk/flows/split_laplacian.h"
+#include "isosyrk/split/split_products.h"
+#include "isosyrk/flows/scene.h"
 
 namespace isosyrk::kernels {
 namespace {

@@ -14,8 +14,8 @@
 #include "benchmarks/long_run.h"
 #include "benchmarks/raw_file.h"
 #include "benchmarks/stability_request.h"
-#include "core/gauss_tableau.h"
-#include "core/linear_theory.h"
+#include "isosyrk/tableaux/gauss_tableau.h"
+#include "isosyrk/integrators/step_limits.h"
 
 namespace isosyrk::long_runs {
 namespace {

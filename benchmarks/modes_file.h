@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/modes.h"
+#include "isosyrk/flows/modes.h"
 
 namespace isosyrk {
 

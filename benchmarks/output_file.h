@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "core/matrix.h"
+#include "isosyrk/linalg/matrix.h"
 
 namespace isosyrk {
 

@@ -8,7 +8,7 @@
 
 #include "benchmarks/clocks.h"
 #include "benchmarks/median.h"
-#include "core/planar_products.h"
+#include "isosyrk/split/split_products.h"
 
 namespace isosyrk {
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/products.h"
+#include "isosyrk/linalg/products.h"
 
 namespace isosyrk {
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "benchmarks/product_rate.h"
-#include "core/fixed_point.h"
-#include "core/integrator_list.h"
+#include "isosyrk/iteration/fixed_point.h"
+#include "isosyrk/catalogue/integrator_list.h"
 
 namespace isosyrk {
 

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "benchmarks/modes_file.h"
-#include "core/integrator_list.h"
-#include "core/run.h"
+#include "isosyrk/catalogue/integrator_list.h"
+#include "isosyrk/simulation/run.h"
 
 namespace isosyrk {
 namespace {

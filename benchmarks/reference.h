@@ -5,7 +5,7 @@
 
 #include "benchmarks/arguments.h"
 #include "benchmarks/program.h"
-#include "core/scene.h"
+#include "isosyrk/flows/scene.h"
 
 namespace isosyrk {
 

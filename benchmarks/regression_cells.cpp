@@ -17,8 +17,8 @@
 #include "benchmarks/clocks.h"
 #include "benchmarks/command_line.h"
 #include "benchmarks/raw_file.h"
-#include "core/conservation.h"
-#include "core/run.h"
+#include "isosyrk/simulation/conservation.h"
+#include "isosyrk/simulation/run.h"
 
 namespace isosyrk::regression_cells {
 namespace {

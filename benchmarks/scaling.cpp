@@ -16,9 +16,9 @@
 #include "benchmarks/peak.h"
 #include "benchmarks/progress.h"
 #include "benchmarks/raw_file.h"
-#include "core/conservation.h"
-#include "core/fast_forms.h"
-#include "core/run.h"
+#include "isosyrk/simulation/conservation.h"
+#include "isosyrk/catalogue/fast_forms.h"
+#include "isosyrk/simulation/run.h"
 
 namespace isosyrk::scaling {
 namespace {

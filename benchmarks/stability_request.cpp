@@ -6,7 +6,7 @@
 #include <thread>
 #include <utility>
 
-#include "core/fast_forms.h"
+#include "isosyrk/catalogue/fast_forms.h"
 
 namespace isosyrk {
 

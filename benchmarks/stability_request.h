@@ -9,7 +9,7 @@
 #include "benchmarks/command_line.h"
 #include "benchmarks/output_file.h"
 #include "benchmarks/progress.h"
-#include "core/integrator_list.h"
+#include "isosyrk/catalogue/integrator_list.h"
 
 namespace isosyrk {
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "core/conservation.h"
-#include "core/integrator_list.h"
-#include "core/run.h"
+#include "isosyrk/simulation/conservation.h"
+#include "isosyrk/catalogue/integrator_list.h"
+#include "isosyrk/simulation/run.h"
 
 namespace isosyrk {
 

@@ -3,8 +3,8 @@
 
 #include "benchmarks/product_rate.h"
 #include "benchmarks/table_program.h"
-#include "core/fast_forms.h"
-#include "core/planar_products.h"
+#include "isosyrk/catalogue/fast_forms.h"
+#include "isosyrk/split/split_products.h"
 
 namespace isosyrk::table2 {
 namespace {

@@ -16,10 +16,10 @@
 #include "benchmarks/progress.h"
 #include "benchmarks/reference.h"
 #include "benchmarks/stolen_time.h"
-#include "core/conservation.h"
-#include "core/gauss_tableau.h"
-#include "core/integrator_list.h"
-#include "core/run.h"
+#include "isosyrk/simulation/conservation.h"
+#include "isosyrk/tableaux/gauss_tableau.h"
+#include "isosyrk/catalogue/integrator_list.h"
+#include "isosyrk/simulation/run.h"
 
 namespace isosyrk {
 namespace {

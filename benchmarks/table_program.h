@@ -6,7 +6,7 @@
 #include <string>
 
 #include "benchmarks/conditions.h"
-#include "core/integrator_list.h"
+#include "isosyrk/catalogue/integrator_list.h"
 
 namespace isosyrk {
 

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "core/run.h"
+#include "isosyrk/simulation/run.h"
 
 namespace isosyrk {
 

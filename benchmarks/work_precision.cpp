@@ -22,9 +22,9 @@
 #include "benchmarks/raw_file.h"
 #include "benchmarks/reference.h"
 #include "benchmarks/timed_run.h"
-#include "core/conservation.h"
-#include "core/gauss_tableau.h"
-#include "core/integrator_list.h"
+#include "isosyrk/simulation/conservation.h"
+#include "isosyrk/tableaux/gauss_tableau.h"
+#include "isosyrk/catalogue/integrator_list.h"
 
 namespace isosyrk::work_precision {
 namespace {

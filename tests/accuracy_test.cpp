@@ -1,9 +1,9 @@
 // Errors of the integrators at Table 1's step size, against figures worked out independently.
 #include <gtest/gtest.h>
 
-#include "core/integrator_list.h"
-#include "core/run.h"
-#include "core/scene.h"
+#include "isosyrk/catalogue/integrator_list.h"
+#include "isosyrk/simulation/run.h"
+#include "isosyrk/flows/scene.h"
 
 namespace isosyrk {
 namespace {

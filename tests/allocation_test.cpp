@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "benchmarks/allocation_count.h"
-#include "core/fast_forms.h"
+#include "isosyrk/catalogue/fast_forms.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {

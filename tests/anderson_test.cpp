@@ -1,5 +1,5 @@
 // Acceleration of a fixed-point iteration: fewer sweeps to the same fixed point, by real weights.
-#include "core/anderson.h"
+#include "isosyrk/solver/anderson.h"
 
 #include <gtest/gtest.h>
 

@@ -3,10 +3,10 @@
 
 #include <Eigen/Dense>
 
-#include "core/gauss_tableau.h"
-#include "core/invariants.h"
-#include "core/laplacian.h"
-#include "core/run.h"
+#include "isosyrk/tableaux/gauss_tableau.h"
+#include "isosyrk/flows/invariants.h"
+#include "isosyrk/flows/laplacian.h"
+#include "isosyrk/simulation/run.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {

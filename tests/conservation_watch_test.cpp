@@ -3,8 +3,8 @@
 
 #include <limits>
 
-#include "core/conservation.h"
-#include "core/invariants.h"
+#include "isosyrk/simulation/conservation.h"
+#include "isosyrk/flows/invariants.h"
 
 namespace isosyrk {
 namespace {

@@ -1,10 +1,10 @@
 // The fast forms: the answers of the published ones, accepted as strictly, in fewer sweeps.
-#include "core/fast_forms.h"
+#include "isosyrk/catalogue/fast_forms.h"
 
 #include <gtest/gtest.h>
 
-#include "core/invariants.h"
-#include "core/run.h"
+#include "isosyrk/flows/invariants.h"
+#include "isosyrk/simulation/run.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {

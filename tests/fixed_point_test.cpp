@@ -1,8 +1,8 @@
-#include "core/fixed_point.h"
+#include "isosyrk/iteration/fixed_point.h"
 
 #include <gtest/gtest.h>
 
-#include "core/gauss_tableau.h"
+#include "isosyrk/tableaux/gauss_tableau.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {

@@ -1,5 +1,5 @@
 // Denormal numbers: 0 while a fast step is under way, themselves before and after.
-#include "core/flush_denormals.h"
+#include "isosyrk/split/flush_denormals.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <limits>
 #include <thread>
 
-#include "core/fast_form.h"
-#include "core/scene.h"
-#include "core/team.h"
+#include "isosyrk/fast/fast_form.h"
+#include "isosyrk/flows/scene.h"
+#include "isosyrk/split/team.h"
 
 namespace isosyrk::testing {
 namespace {

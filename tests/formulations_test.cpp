@@ -3,10 +3,10 @@
 
 #include <Eigen/Dense>
 
-#include "core/algebra_form.h"
-#include "core/gauss_tableau.h"
-#include "core/invariants.h"
-#include "core/isospectral_midpoint.h"
+#include "isosyrk/integrators/algebra_form.h"
+#include "isosyrk/tableaux/gauss_tableau.h"
+#include "isosyrk/flows/invariants.h"
+#include "isosyrk/integrators/isospectral_midpoint.h"
 #include "tests/plain_isosyrk.h"
 #include "tests/support.h"
 

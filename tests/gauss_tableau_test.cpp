@@ -1,4 +1,4 @@
-#include "core/gauss_tableau.h"
+#include "isosyrk/tableaux/gauss_tableau.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
-#include "core/invariants.h"
+#include "isosyrk/flows/invariants.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 
-#include "core/scene.h"
+#include "isosyrk/flows/scene.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {

@@ -1,11 +1,11 @@
-#include "core/laplacian.h"
+#include "isosyrk/flows/laplacian.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 
-#include "core/invariants.h"
-#include "core/modes.h"
+#include "isosyrk/flows/invariants.h"
+#include "isosyrk/flows/modes.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {

@@ -1,5 +1,5 @@
 // What comes next in a sequence of vectors, against sequences of which that is known.
-#include "core/linear_prediction.h"
+#include "isosyrk/solver/linear_prediction.h"
 
 #include <gtest/gtest.h>
 

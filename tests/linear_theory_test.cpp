@@ -1,12 +1,12 @@
 // Linear theory of the iteration, against the iteration itself with a frozen generator, where it is
 // exact.
-#include "core/linear_theory.h"
+#include "isosyrk/integrators/step_limits.h"
 
 #include <gtest/gtest.h>
 
-#include "core/gauss_tableau.h"
-#include "core/invariants.h"
-#include "core/run.h"
+#include "isosyrk/tableaux/gauss_tableau.h"
+#include "isosyrk/flows/invariants.h"
+#include "isosyrk/simulation/run.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {

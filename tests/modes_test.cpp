@@ -1,13 +1,13 @@
-#include "core/modes.h"
+#include "isosyrk/flows/modes.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <fstream>
 
-#include "core/invariants.h"
-#include "core/laplacian.h"
-#include "core/scene.h"
+#include "isosyrk/flows/invariants.h"
+#include "isosyrk/flows/laplacian.h"
+#include "isosyrk/flows/scene.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {

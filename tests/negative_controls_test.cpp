@@ -3,12 +3,12 @@
 
 #include <Eigen/Dense>
 
-#include "core/conservation.h"
-#include "core/direct_form.h"
-#include "core/euler_zeitlin.h"
-#include "core/gauss_tableau.h"
-#include "core/invariants.h"
-#include "core/run.h"
+#include "isosyrk/simulation/conservation.h"
+#include "isosyrk/integrators/direct_form.h"
+#include "isosyrk/flows/euler_zeitlin.h"
+#include "isosyrk/tableaux/gauss_tableau.h"
+#include "isosyrk/flows/invariants.h"
+#include "isosyrk/simulation/run.h"
 #include "tests/plain_isosyrk.h"
 #include "tests/support.h"
 

@@ -3,10 +3,10 @@
 
 #include <Eigen/Dense>
 
-#include "core/adjoint_series.h"
-#include "core/composition.h"
-#include "core/gauss_tableau.h"
-#include "core/invariants.h"
+#include "isosyrk/linalg/adjoint_series.h"
+#include "isosyrk/integrators/composition.h"
+#include "isosyrk/tableaux/gauss_tableau.h"
+#include "isosyrk/flows/invariants.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {

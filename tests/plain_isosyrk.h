@@ -2,8 +2,8 @@
 // compare core/algebra_form with, and the place to try the paper's misprint.
 #pragma once
 
-#include "core/flow.h"
-#include "core/tableau.h"
+#include "isosyrk/flows/flow.h"
+#include "isosyrk/tableaux/tableau.h"
 
 namespace isosyrk::testing {
 

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "core/planar_blocks.h"
-#include "core/planar_laplacian.h"
-#include "core/planar_products.h"
+#include "isosyrk/split/split_blocks.h"
+#include "isosyrk/flows/split_laplacian.h"
+#include "isosyrk/split/split_products.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {

@@ -1,5 +1,5 @@
 // The inverse Laplacian on planar matrices against the plain one.
-#include "core/planar_laplacian.h"
+#include "isosyrk/flows/split_laplacian.h"
 
 #include <gtest/gtest.h>
 

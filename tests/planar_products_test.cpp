@@ -1,5 +1,5 @@
 // The planar kernels against the plain loop, for every vector unit that runs here.
-#include "core/planar_products.h"
+#include "isosyrk/split/split_products.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-#include "core/planar_blocks.h"
+#include "isosyrk/split/split_blocks.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {

@@ -1,4 +1,4 @@
-#include "core/products.h"
+#include "isosyrk/linalg/products.h"
 
 #include <gtest/gtest.h>
 

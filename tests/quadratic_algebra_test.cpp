@@ -1,4 +1,4 @@
-#include "core/quadratic_algebra.h"
+#include "isosyrk/linalg/quadratic_algebra.h"
 
 #include <gtest/gtest.h>
 

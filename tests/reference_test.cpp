@@ -8,8 +8,8 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include "core/integrator_list.h"
-#include "core/run.h"
+#include "isosyrk/catalogue/integrator_list.h"
+#include "isosyrk/simulation/run.h"
 
 namespace isosyrk {
 namespace {

@@ -1,7 +1,7 @@
 // The rough scene: reproducible, the same for every n, and of the spectrum that is promised.
 #include <gtest/gtest.h>
 
-#include "core/invariants.h"
+#include "isosyrk/flows/invariants.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {

@@ -1,4 +1,4 @@
-#include "core/run.h"
+#include "isosyrk/simulation/run.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
 // What is done in single precision, against the same in double.
 #include <gtest/gtest.h>
 
-#include "core/mixed_sums.h"
-#include "core/planar_blocks.h"
-#include "core/planar_laplacian.h"
-#include "core/planar_products.h"
-#include "core/stage_sums.h"
+#include "isosyrk/split/mixed_sums.h"
+#include "isosyrk/split/split_blocks.h"
+#include "isosyrk/flows/split_laplacian.h"
+#include "isosyrk/split/split_products.h"
+#include "isosyrk/linalg/stage_sums.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {

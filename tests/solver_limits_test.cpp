@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-#include "core/invariants.h"
+#include "isosyrk/flows/invariants.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "benchmarks/long_run.h"
-#include "core/gauss_tableau.h"
+#include "isosyrk/tableaux/gauss_tableau.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {

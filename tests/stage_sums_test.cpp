@@ -1,12 +1,12 @@
 // Sums over stages in one pass against the same sums entry by entry.
-#include "core/stage_sums.h"
+#include "isosyrk/linalg/stage_sums.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "core/gauss_tableau.h"
-#include "core/planar_sums.h"
+#include "isosyrk/tableaux/gauss_tableau.h"
+#include "isosyrk/split/split_sums.h"
 
 namespace isosyrk {
 namespace {

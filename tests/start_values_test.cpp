@@ -1,5 +1,5 @@
 // Start values against unknowns of which the next is known.
-#include "core/start_values.h"
+#include "isosyrk/solver/predictor.h"
 
 #include <gtest/gtest.h>
 

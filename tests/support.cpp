@@ -13,11 +13,11 @@
 #include <stdexcept>
 #include <unsupported/Eigen/MatrixFunctions>
 
-#include "core/gauss_tableau.h"
-#include "core/invariants.h"
-#include "core/planar_products.h"
-#include "core/run.h"
-#include "core/spin.h"
+#include "isosyrk/tableaux/gauss_tableau.h"
+#include "isosyrk/flows/invariants.h"
+#include "isosyrk/split/split_products.h"
+#include "isosyrk/simulation/run.h"
+#include "isosyrk/flows/spin.h"
 
 namespace isosyrk::testing {
 

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "core/flow.h"
-#include "core/integrator.h"
-#include "core/integrator_list.h"
-#include "core/planar_kernel.h"
-#include "core/scene.h"
+#include "isosyrk/flows/flow.h"
+#include "isosyrk/integrators/integrator.h"
+#include "isosyrk/catalogue/integrator_list.h"
+#include "isosyrk/split/gemm_kernel.h"
+#include "isosyrk/flows/scene.h"
 
 namespace isosyrk::testing {
 

@@ -4,8 +4,8 @@
 
 #include <map>
 
-#include "core/invariants.h"
-#include "core/run.h"
+#include "isosyrk/flows/invariants.h"
+#include "isosyrk/simulation/run.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {

@@ -1,5 +1,5 @@
 // Two threads that share tasks.
-#include "core/team.h"
+#include "isosyrk/split/team.h"
 
 #include <gtest/gtest.h>
 #include <time.h>

@@ -8,7 +8,7 @@
 
 #include "benchmarks/modes_file.h"
 #include "benchmarks/product_rate.h"
-#include "core/invariants.h"
+#include "isosyrk/flows/invariants.h"
 #include "tests/fuzz/property.h"
 
 namespace isosyrk::fuzzing {

@@ -1,0 +1,156 @@
+#include "isosyrk/catalogue/integrator_list.h"
+
+#include <fmt/ranges.h>
+
+#include <stdexcept>
+
+#include "isosyrk/integrators/algebra_form.h"
+#include "isosyrk/integrators/composition.h"
+#include "isosyrk/integrators/direct_form.h"
+#include "isosyrk/integrators/explicit_methods.h"
+#include "isosyrk/tableaux/gauss_tableau.h"
+#include "isosyrk/integrators/step_limits.h"
+
+namespace isosyrk {
+
+namespace {
+
+using Make =
+    std::function<std::unique_ptr<Integrator>(const Flow&, const SolverOptions&, ProductBackend)>;
+
+Make make_gauss(Formulation formulation, int s) {
+  return [formulation, tableau = gauss_tableau(s)](const Flow& flow, const SolverOptions& options,
+                                                   ProductBackend backend) {
+    return make_formulation(formulation, flow, tableau, options, backend);
+  };
+}
+
+Make make_direct(int s) {
+  return [tableau = gauss_tableau(s)](const Flow& flow, const SolverOptions& options,
+                                      ProductBackend backend) {
+    return std::make_unique<DirectForm>(flow, tableau, options, backend);
+  };
+}
+
+Make make_composition(const CompositionScheme& scheme) {
+  return [scheme](const Flow& flow, const SolverOptions& options, ProductBackend backend) {
+    return std::make_unique<Composition>(flow, scheme, options, backend);
+  };
+}
+
+template <class Explicit>
+Make make_explicit() {
+  return [](const Flow& flow, const SolverOptions&, ProductBackend backend) {
+    return std::make_unique<Explicit>(flow, backend);
+  };
+}
+
+constexpr double no_stability_limit = std::numeric_limits<double>::infinity();
+
+// For a constant generator W' = ad_B W, whose eigenvalues are imaginary: |R(iy)| <= 1 of
+// R(z) = 1 + z + z²/2 + z³/6 + z⁴/24 holds for y <= 2√2.
+const double rk4_limit = 2.0 * std::sqrt(2.0);
+
+// Each substep is a midpoint step of a fraction of h.
+std::function<double(const RealVector&)> composition_limit(const CompositionScheme& scheme) {
+  double largest = 0.0;
+  for (const double fraction : scheme.fractions) largest = larger(largest, std::abs(fraction));
+  return [largest](const RealVector& frequencies) {
+    return midpoint_iteration_limit(frequencies) / largest;
+  };
+}
+
+constexpr Properties isosyrk_properties = {
+    .isospectral = true, .lie_poisson = true, .symmetric = true, .is_explicit = false};
+
+std::vector<IntegratorEntry> make_list() {
+  std::vector<IntegratorEntry> list;
+  for (const Formulation formulation : formulations()) {
+    for (int s = 1; s <= 3; ++s) list.push_back(gauss_entry(formulation, s));
+  }
+  list.push_back(gauss_entry(Formulation::group, 4));
+  list.push_back(gauss_entry(Formulation::group, 5));
+  for (const CompositionScheme& scheme : {yoshida4(), suzuki4(), kahan_li6()}) {
+    list.push_back({.name = scheme.name,
+                    .stages = static_cast<int>(scheme.fractions.size()),
+                    .order = scheme.order,
+                    .keeps = isosyrk_properties,
+                    .make = make_composition(scheme),
+                    .linear_limit = composition_limit(scheme)});
+  }
+  list.push_back(
+      {"rkmk4",
+       4,
+       4,
+       {.isospectral = true, .lie_poisson = false, .symmetric = false, .is_explicit = true},
+       make_explicit<MuntheKaas4>()});
+  // Controls, which give structure up.
+  for (int s = 1; s <= 3; ++s) {
+    list.push_back(
+        {fmt::format("direct{}", s),
+         s,
+         2 * s,
+         {.isospectral = false, .lie_poisson = false, .symmetric = true, .is_explicit = false},
+         make_direct(s),
+         no_stability_limit,
+         [tableau = gauss_tableau(s)](const RealVector& frequencies) {
+           return direct_iteration_limit(tableau, frequencies);
+         }});
+  }
+  list.push_back(
+      {"rk4",
+       4,
+       4,
+       {.isospectral = false, .lie_poisson = false, .symmetric = false, .is_explicit = true},
+       make_explicit<ClassicalRungeKutta4>(),
+       rk4_limit,
+       [](const RealVector& frequencies) { return adjoint_limit(rk4_limit, frequencies); }});
+  return list;
+}
+
+}  // namespace
+
+IntegratorEntry gauss_entry(Formulation formulation, int s) {
+  return {.name = fmt::format("{}{}", name(formulation), s),
+          .stages = s,
+          .order = 2 * s,
+          .keeps = isosyrk_properties,
+          .make = make_gauss(formulation, s),
+          .linear_limit = [formulation, tableau = gauss_tableau(s)](const RealVector& frequencies) {
+            return formulation == Formulation::algebra && tableau.stages() == 1
+                       ? midpoint_iteration_limit(frequencies)
+                       : stage_iteration_limit(tableau, frequencies);
+          }};
+}
+
+IntegratorEntry two_products_entry(int s) {
+  if (s < 2)
+    throw std::invalid_argument(fmt::format("two_products_entry: s = {}, must be at least 2", s));
+  IntegratorEntry entry = gauss_entry(Formulation::algebra, s);
+  entry.name += "_two_products";
+  entry.keeps = {
+      .isospectral = false, .lie_poisson = false, .symmetric = true, .is_explicit = false};
+  entry.make = [tableau = gauss_tableau(s)](const Flow& flow, const SolverOptions& options,
+                                            ProductBackend backend) {
+    return std::make_unique<AlgebraForm>(flow, tableau, options, backend,
+                                         AlgebraUpdate::two_products);
+  };
+  return entry;
+}
+
+const std::vector<IntegratorEntry>& integrators() {
+  static const std::vector<IntegratorEntry> all = make_list();
+  return all;
+}
+
+const IntegratorEntry& integrator_entry(std::string_view wanted) {
+  std::vector<std::string_view> names;
+  for (const IntegratorEntry& entry : integrators()) {
+    if (entry.name == wanted) return entry;
+    names.push_back(entry.name);
+  }
+  throw std::invalid_argument(
+      fmt::format("integrator '{}': must be one of {}", wanted, fmt::join(names, ", ")));
+}
+
+}  // namespace isosyrk

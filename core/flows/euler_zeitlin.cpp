@@ -1,0 +1,44 @@
+#include "isosyrk/flows/euler_zeitlin.h"
+
+#include "isosyrk/iteration/faults.h"
+
+namespace isosyrk {
+namespace {
+
+Matrix rounded_to_float(const Matrix& X) { return X.cast<std::complex<float>>().cast<Complex>(); }
+
+}  // namespace
+
+std::string_view name(HbarConvention convention) {
+  return convention == HbarConvention::paper ? "paper" : "standard";
+}
+
+double hbar(HbarConvention convention, Index n) {
+  const auto size = static_cast<double>(n);
+  return convention == HbarConvention::paper ? 2.0 / std::sqrt(size * (size - 1.0))
+                                             : 2.0 / std::sqrt(size * size - 1.0);
+}
+
+EulerZeitlin::EulerZeitlin(Index n, HbarConvention convention)
+    : Flow(QuadraticAlgebra::skew_hermitian(n)),
+      laplacian_(n),
+      convention_(convention),
+      reciprocal_hbar_(1.0 / hbar(convention, n)) {}
+
+void EulerZeitlin::generator(const Matrix& W, Matrix& B) const {
+  if (has_fault(Fault::single_precision)) {
+    laplacian_.solve_skew_hermitian(rounded_to_float(W), reciprocal_hbar_, B);
+    B = rounded_to_float(B);
+    return;
+  }
+  laplacian_.solve_skew_hermitian(W, reciprocal_hbar_, B);
+}
+
+double EulerZeitlin::hamiltonian(const Matrix& W) const {
+  Matrix P(size(), size());
+  laplacian_.solve_skew_hermitian(W, 1.0, P);
+  // <W, P> = Re tr(W† P)
+  return -0.5 * W.conjugate().cwiseProduct(P).sum().real();
+}
+
+}  // namespace isosyrk

@@ -1,0 +1,29 @@
+// Isospectral flows.
+#pragma once
+
+#include "isosyrk/linalg/matrix.h"
+#include "isosyrk/linalg/quadratic_algebra.h"
+
+namespace isosyrk {
+
+/// An isospectral flow  W' = [B(W), W],  B : g -> g, with its algebra g and Hamiltonian.
+class Flow {
+ public:
+  virtual ~Flow() = default;
+
+  const QuadraticAlgebra& algebra() const { return algebra_; }
+  Index size() const { return algebra_.size(); }
+
+  /// B = B(W), n x n.  Allocates nothing; B is not W.  For Euler-Zeitlin, one Poisson solve.
+  virtual void generator(const Matrix& W, Matrix& B) const = 0;
+  /// H(W), conserved by the exact flow.
+  virtual double hamiltonian(const Matrix& W) const = 0;
+
+ protected:
+  explicit Flow(QuadraticAlgebra algebra) : algebra_(std::move(algebra)) {}
+
+ private:
+  QuadraticAlgebra algebra_;
+};
+
+}  // namespace isosyrk

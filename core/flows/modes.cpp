@@ -1,0 +1,161 @@
+#include "isosyrk/flows/modes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numbers>
+#include <optional>
+#include <random>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+#include "isosyrk/linalg/spectrum.h"
+
+namespace isosyrk {
+
+const std::vector<Mode>& default_modes() {
+  static const std::vector<Mode> modes = {
+      {1, 0, {1.0, 0.0}},   {1, 1, {-0.3, 1.3}}, {2, 0, {-0.7, 0.0}},  {2, 1, {-1.4, 0.1}},
+      {2, 2, {-1.0, -0.6}}, {3, 0, {0.2, 0.0}},  {3, 1, {-1.0, -0.6}}, {3, 2, {0.6, -2.0}},
+      {3, 3, {0.8, 1.4}},   {4, 0, {-0.6, 0.0}}, {4, 1, {1.2, 2.4}},   {4, 2, {1.8, -0.7}},
+      {4, 3, {0.3, 1.3}},   {4, 4, {0.9, -0.3}},
+  };
+  return modes;
+}
+
+namespace {
+
+// Standard normal numbers, the same on every machine: std::normal_distribution leaves the method
+// to the library.
+class NormalNumbers {
+ public:
+  double next() {
+    if (spare_) return *std::exchange(spare_, std::nullopt);
+    // Box and Muller's method.
+    const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
+    const double angle = 2.0 * std::numbers::pi * uniform();
+    spare_ = radius * std::sin(angle);
+    return radius * std::cos(angle);
+  }
+
+ private:
+  double uniform() { return static_cast<double>(bits_() >> 11U) * 0x1p-53; }
+
+  std::mt19937_64 bits_{20260101};
+  std::optional<double> spare_;
+};
+
+}  // namespace
+
+std::vector<Mode> rough_modes(Index n) {
+  if (n < 2) throw std::invalid_argument(fmt::format("rough_modes: n = {}, must be at least 2", n));
+  NormalNumbers normal;
+  std::vector<Mode> modes;
+  for (int l = 1; l < n; ++l) {
+    const double size = std::sqrt((l + 1.0) / (1.0 * l * l * (2.0 * l + 1.0)));
+    modes.push_back({l, 0, {size * normal.next(), 0.0}});
+    for (int m = 1; m <= l; ++m) {
+      const double real = normal.next();
+      const double imaginary = normal.next();
+      modes.push_back({l, m, Complex(real, imaginary) * (size / std::numbers::sqrt2)});
+    }
+  }
+  return modes;
+}
+
+void require_valid(const std::vector<Mode>& modes, Index n) {
+  std::set<std::pair<int, int>> seen;
+  bool all_zero = true;
+  for (const Mode& mode : modes) {
+    const auto fail = [&mode](const std::string& why) {
+      throw std::invalid_argument(fmt::format("mode l={}, m={}: {}", mode.l, mode.m, why));
+    };
+    if (mode.l < 1 || mode.l >= n) fail(fmt::format("l must be 1 to n-1 = {}", n - 1));
+    if (mode.m < 0 || mode.m > mode.l) fail("m must be 0 to l");
+    if (!std::isfinite(mode.value.real()) || !std::isfinite(mode.value.imag())) {
+      fail(fmt::format("value {} + {}i must be finite", mode.value.real(), mode.value.imag()));
+    }
+    if (mode.m == 0 && mode.value.imag() != 0.0) {
+      fail(fmt::format("im = {} must be 0 where m = 0", mode.value.imag()));
+    }
+    if (!seen.emplace(mode.l, mode.m).second) fail("given twice, allowed once");
+    if (mode.value != 0.0) all_zero = false;
+  }
+  if (all_zero) throw std::invalid_argument("modes: at least one must be nonzero");
+}
+
+RealVector harmonic(Index n, int l, int m) {
+  if (m < 0 || m > l || l >= n) {
+    throw std::invalid_argument(
+        fmt::format("harmonic: l = {}, m = {}, n = {}; must be 0 <= m <= l < n", l, m, n));
+  }
+  // The eigenvalue is known, so the eigenvector v follows from its first entry by the three-term
+  // recurrence  e_i v_{i+1} = (l(l+1) - d_i) v_i - e_{i-1} v_{i-1},  which is stable as far as the
+  // middle (v grows, then oscillates); the rest is its mirror image, of parity (-1)^(l-m).  In
+  // extended precision with whole numbers under the roots this is good to a few roundings at any
+  // n, where an eigensolver in double loses a factor n^2, and the sign of the first entry holds
+  // even where that entry is far below rounding.
+  using Extended = long double;
+  const Index length = n - m;
+  const auto off_diagonal = [n, m](Index i) {  // of Laplacian::off_diagonal, from whole numbers
+    const Index under_root = (i + 1) * (n - 1 - i) * (i + m + 1) * (n - 1 - i - m);
+    return -std::sqrt(static_cast<Extended>(under_root));
+  };
+  const auto diagonal = [n, m](Index i) {
+    const Index doubled = n * n - 1 - (n - 1 - 2 * i) * (n - 1 - 2 * (i + m));
+    return static_cast<Extended>(doubled) / 2;
+  };
+  const Extended eigenvalue = static_cast<Extended>(l) * static_cast<Extended>(l + 1);
+  const Extended parity = (l - m) % 2 == 0 ? 1 : -1;
+
+  std::vector<Extended> v(static_cast<std::size_t>(length), 0);
+  v[0] = m % 2 == 0 ? 1 : -1;
+  const Index middle = (length - 1) / 2;
+  for (Index i = 0; i < middle; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const Extended before = i == 0 ? 0 : off_diagonal(i - 1) * v[at - 1];
+    v[at + 1] = ((eigenvalue - diagonal(i)) * v[at] - before) / off_diagonal(i);
+  }
+  if (length % 2 == 1 && parity < 0) v[static_cast<std::size_t>(middle)] = 0;
+  Extended square = 0;
+  for (Index i = 0; i < length; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    if (i > middle) v[at] = parity * v[static_cast<std::size_t>(length - 1 - i)];
+    square += v[at] * v[at];
+  }
+  const Extended norm = std::sqrt(square);
+  RealVector T(length);
+  for (Index i = 0; i < length; ++i) {
+    T(i) = static_cast<double>(v[static_cast<std::size_t>(i)] / norm);
+  }
+  return T;
+}
+
+Matrix vorticity_from_modes(const std::vector<Mode>& modes, Index n) {
+  require_valid(modes, n);
+  // W is scaled in the end, so that a power of two may be taken out first: squares of very large or
+  // very small values would not be finite or not be there.
+  double largest = 0.0;
+  for (const Mode& mode : modes) {
+    largest = std::max({largest, std::abs(mode.value.real()), std::abs(mode.value.imag())});
+  }
+  const int exponent = std::ilogb(largest);
+  const auto scaled = [exponent](Complex value) {
+    return Complex(std::scalbn(value.real(), -exponent), std::scalbn(value.imag(), -exponent));
+  };
+  const Complex imaginary_unit(0.0, 1.0);
+  Matrix W = Matrix::Zero(n, n);
+  for (const Mode& mode : modes) {
+    const RealVector T = harmonic(n, mode.l, mode.m);
+    for (Index i = 0; i < T.size(); ++i)
+      W(i, i + mode.m) += imaginary_unit * scaled(mode.value) * T(i);
+  }
+  for (Index i = 0; i < n; ++i) {
+    for (Index k = i + 1; k < n; ++k) W(k, i) = -std::conj(W(i, k));
+  }
+  W /= spectral_norm(W);
+  return W;
+}
+
+}  // namespace isosyrk

@@ -1,0 +1,115 @@
+#include "isosyrk/integrators/algebra_form.h"
+
+#include <utility>
+
+#include "isosyrk/linalg/commutator.h"
+#include "isosyrk/iteration/faults.h"
+#include "isosyrk/linalg/stage_sums.h"
+
+namespace isosyrk {
+
+AlgebraForm::AlgebraForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
+                         ProductBackend backend, AlgebraUpdate update)
+    : Integrator(flow, backend),
+      tableau_(tableau),
+      options_(options),
+      update_(has_fault(Fault::skewness) ? AlgebraUpdate::two_products : update),
+      s_(static_cast<std::size_t>(tableau.stages())) {
+  require_consistent(tableau);
+  X_ = stage_matrices(tableau.stages(), flow.size());
+  X_old_ = X_sum_ = W_stage_ = B_ = K_row_ = X_;
+  K_.assign(s_, X_);
+  input_ = X_[0];
+  change_.resize(3);
+  if (!flow.algebra().is_skew_hermitian()) adjoint_ = X_[0];
+}
+
+void AlgebraForm::start(const Matrix& W0) {
+  for (std::size_t i = 0; i < s_; ++i) {
+    X_[i].setZero();
+    X_sum_[i].setZero();
+    W_stage_[i] = W0;
+    for (Matrix& K_ij : K_[i]) K_ij.setZero();
+  }
+}
+
+// Each sum over stages is formed just before the product that needs it, while it stays in cache,
+// and no more is stored than X, K and one row of K twice.
+double AlgebraForm::sweep(const Matrix& W0, double h) {
+  std::swap(X_, X_old_);
+  for (std::size_t i = 0; i < s_; ++i) generator(W_stage_[i], B_[i]);
+  change_.setZero();
+  for (std::size_t i = 0; i < s_; ++i) {
+    input_ = W0 + X_sum_[i];
+    products_.multiply(input_, B_[i], X_[i], -h);
+    change_(0) = larger(change_(0), squared_change(X_[i], X_old_[i]));
+
+    for (std::size_t j = 0; j < s_; ++j) {
+      combine(X_sum_[i], tableau_.a.row(static_cast<Index>(j)), K_[i], input_);
+      products_.multiply(B_[has_fault(Fault::printed_index) ? i : j], input_, K_row_[j], h);
+      change_(1) = larger(change_(1), squared_change(K_row_[j], K_[i][j]));
+    }
+    std::swap(K_[i], K_row_);
+  }
+  update_stage_vorticities(W0);
+  return largest_change(change_);
+}
+
+// With Y_i = Σ_j a_ij X_j:  W̃_i = W₀ + Y_i - J⁻¹ Y_i† J + Σ_j a_ij K_ij.
+void AlgebraForm::update_stage_vorticities(const Matrix& W0) {
+  const QuadraticAlgebra& algebra = flow_.algebra();
+  for (std::size_t i = 0; i < s_; ++i) {
+    const auto a_i = tableau_.a.row(static_cast<Index>(i));
+    Matrix& Y = X_sum_[i];
+    combine(a_i, X_, Y);
+    combine(Y, a_i, K_[i], input_);
+    double change = 0.0;
+    if (algebra.is_skew_hermitian()) {
+      change = replace(W_stage_[i], [&](Index r, Index c) {
+        return W0(r, c) + (input_(r, c) - std::conj(Y(c, r)));
+      });
+    } else {
+      algebra.involution(Y, adjoint_);
+      change = replace(W_stage_[i], [&](Index r, Index c) {
+        return W0(r, c) + (input_(r, c) - adjoint_(r, c));
+      });
+    }
+    change_(2) = larger(change_(2), change);
+  }
+}
+
+void AlgebraForm::update(const Matrix& W0, double h, Matrix& W1) {
+  Stages& C = K_row_;
+  for (std::size_t i = 0; i < s_; ++i) {
+    generator(W_stage_[i], B_[i]);
+    products_.multiply(B_[i], W_stage_[i], C[i]);
+  }
+  combine(h * tableau_.b, C, input_);
+  add_commutator(flow_.algebra(), W0, input_, adjoint_, W1);
+}
+
+void AlgebraForm::update_by_two_products(const Matrix& W0, double h, Matrix& W1) {
+  W1 = W0;
+  for (std::size_t i = 0; i < s_; ++i) {
+    const double weight = h * tableau_.b(static_cast<Index>(i));
+    generator(W_stage_[i], B_[i]);
+    products_.multiply(B_[i], W_stage_[i], input_, weight);
+    W1 += input_;
+    products_.multiply(W_stage_[i], B_[i], input_, weight);
+    W1 -= input_;
+  }
+}
+
+SolveReport AlgebraForm::advance(const Matrix& W0, double h, Matrix& W1) {
+  start(W0);
+  const SolveReport report = solve_fixed_point(options_, [&] { return sweep(W0, h); });
+  if (report.status != Status::converged) return report;
+  if (update_ == AlgebraUpdate::one_product) {
+    update(W0, h, W1);
+  } else {
+    update_by_two_products(W0, h, W1);
+  }
+  return report;
+}
+
+}  // namespace isosyrk

@@ -1,0 +1,64 @@
+// The algebra formulation, ISOSYRK: unknowns on g (third row of each block of the paper's Table 1).
+#pragma once
+
+#include <vector>
+
+#include "isosyrk/integrators/integrator.h"
+#include "isosyrk/linalg/stage_sums.h"
+#include "isosyrk/tableaux/tableau.h"
+
+namespace isosyrk {
+
+/// How `algebra` forms its update.
+enum class AlgebraUpdate {
+  one_product,   ///< C - J⁻¹ C† J with C = B W̃: in g exactly for J = I
+  two_products,  ///< B W̃ - W̃ B, the same but for rounding; a control, see below
+};
+
+/// Unknowns X_i, K_ij, W̃_i, i, j = 1..s, each n x n.  Stage equations and update, B_j = B(W̃_j):
+///
+///     X_i  = -h (W₀ + Σ_j a_ij X_j) B_i
+///     K_ij =  h B_j ( Σ_j' a_ij' X_j' + Σ_j' a_jj' K_ij' )
+///     W̃_i  = W₀ + Σ_j a_ij ( X_j - J⁻¹ X_j† J + K_ij )
+///     W₁   = W₀ + h Σ_i b_i [B_i, W̃_i],   [B, W̃] = C - J⁻¹ C† J with C = B W̃
+///
+/// Products: s² + s a sweep, s for the update.  Poisson solves: s a sweep, s for the update.
+/// Source: the paper's ISOSYRK equations, with B_j for the printed B_i in K_ij.  The update formed
+/// from C alone keeps W in g exactly; formed as B W̃ - W̃ B it drifts out exponentially, since the
+/// stage equations take W₀† = -J W₀ J⁻¹ for granted and hand on to W̃ what W₀ has outside g.
+/// At s = 1 the isospectral midpoint form is the cheaper way to the same step.
+class AlgebraForm final : public Integrator {
+ public:
+  /// Throws std::invalid_argument for an inconsistent tableau.
+  AlgebraForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
+              ProductBackend backend, AlgebraUpdate update = AlgebraUpdate::one_product);
+
+ protected:
+  SolveReport advance(const Matrix& W0, double h, Matrix& W1) override;
+
+ private:
+  using Stages = std::vector<Matrix>;
+
+  void start(const Matrix& W0);
+  double sweep(const Matrix& W0, double h);
+  void update_stage_vorticities(const Matrix& W0);
+  void update(const Matrix& W0, double h, Matrix& W1);
+  void update_by_two_products(const Matrix& W0, double h, Matrix& W1);
+
+  Tableau tableau_;
+  SolverOptions options_;
+  AlgebraUpdate update_;
+  std::size_t s_;
+  Stages X_;               // X_i
+  Stages X_old_;           // of the sweep before
+  Stages X_sum_;           // Σ_j a_ij X_j
+  std::vector<Stages> K_;  // K_[i][j] = K_ij
+  Stages K_row_;           // the new K_i1 .. K_is, while the old ones are needed
+  Stages W_stage_;         // W̃_i
+  Stages B_;               // B(W̃_i)
+  Matrix input_;           // the factor of the next product, or a sum
+  Matrix adjoint_;         // J⁻¹ Y† J, where J is not I
+  RealVector change_;      // squared, largest of the X, of the K and of the W̃
+};
+
+}  // namespace isosyrk

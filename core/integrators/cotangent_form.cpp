@@ -1,0 +1,50 @@
+#include "isosyrk/integrators/cotangent_form.h"
+
+#include "isosyrk/linalg/stage_sums.h"
+
+namespace isosyrk {
+
+CotangentForm::CotangentForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
+                             ProductBackend backend)
+    : Integrator(flow, backend), tableau_(tableau), options_(options) {
+  require_consistent(tableau);
+  const Index n = flow.size();
+  Q_ = stage_matrices(tableau.stages(), n);
+  P_ = QB_ = PB_ = Q_;
+  W_stage_ = B_ = Q_next_ = P_next_ = Matrix::Zero(n, n);
+  identity_ = Matrix::Identity(n, n);
+  change_.resize(2 * tableau.stages());
+}
+
+// QB_j = Q_j B(W̃_j)† and PB_j = P_j B(W̃_j) from the present Q_j, P_j.
+void CotangentForm::evaluate_stages() {
+  for (std::size_t j = 0; j < Q_.size(); ++j) {
+    products_.multiply_adjoint_left(Q_[j], P_[j], W_stage_);
+    generator(W_stage_, B_);
+    products_.multiply_adjoint_right(Q_[j], B_, QB_[j]);
+    products_.multiply(P_[j], B_, PB_[j]);
+  }
+}
+
+double CotangentForm::sweep(const Matrix& W0, double h) {
+  evaluate_stages();
+  const Index s = tableau_.stages();
+  update_unknowns(identity_, h, tableau_.a, QB_, Q_, change_.data());
+  update_unknowns(W0, -h, tableau_.a, PB_, P_, change_.data() + s);
+  return largest_change(change_);
+}
+
+SolveReport CotangentForm::advance(const Matrix& W0, double h, Matrix& W1) {
+  for (Matrix& Q : Q_) Q.setIdentity();
+  for (Matrix& P : P_) P = W0;
+  const SolveReport report = solve_fixed_point(options_, [&] { return sweep(W0, h); });
+  if (report.status != Status::converged) return report;
+
+  evaluate_stages();
+  combine(identity_, h * tableau_.b, QB_, Q_next_);
+  combine(W0, -h * tableau_.b, PB_, P_next_);
+  products_.multiply_adjoint_left(Q_next_, P_next_, W1);
+  return report;
+}
+
+}  // namespace isosyrk

@@ -1,0 +1,47 @@
+// The cotangent formulation: unknowns on T*G (first row of each block of the paper's Table 1).
+#pragma once
+
+#include <vector>
+
+#include "isosyrk/integrators/integrator.h"
+#include "isosyrk/linalg/stage_sums.h"
+#include "isosyrk/tableaux/tableau.h"
+
+namespace isosyrk {
+
+/// Unknowns Q_i and P_i, i = 1..s, each n x n.  Stage equations and update:
+///
+///     W̃_i = Q_i† P_i,   B_i = B(W̃_i)
+///     Q_i = I  + h Σ_j a_ij Q_j B_j†,      P_i = W₀ - h Σ_j a_ij P_j B_j
+///     Q₁  = I  + h Σ_j b_j Q_j B_j†,       P₁  = W₀ - h Σ_j b_j P_j B_j,      W₁ = Q₁† P₁
+///
+/// Products: 3s a sweep, 3s + 1 for the update.  Poisson solves: s a sweep, s for the update.
+/// Source: the paper's theorem, item 1.  J does not appear: it acts through B alone.
+class CotangentForm final : public Integrator {
+ public:
+  /// Throws std::invalid_argument for an inconsistent tableau.
+  CotangentForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
+                ProductBackend backend);
+
+ protected:
+  SolveReport advance(const Matrix& W0, double h, Matrix& W1) override;
+
+ private:
+  void evaluate_stages();
+  double sweep(const Matrix& W0, double h);
+
+  Tableau tableau_;
+  SolverOptions options_;
+  std::vector<Matrix> Q_;
+  std::vector<Matrix> P_;
+  std::vector<Matrix> QB_;  // Q_j B_j†
+  std::vector<Matrix> PB_;  // P_j B_j
+  Matrix W_stage_;
+  Matrix B_;
+  Matrix Q_next_;
+  Matrix P_next_;
+  Matrix identity_;
+  RealVector change_;  // squared, of the Q_i, then of the P_i
+};
+
+}  // namespace isosyrk

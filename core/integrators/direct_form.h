@@ -1,0 +1,44 @@
+// Control: an implicit Runge-Kutta method applied to W' = [B(W), W] as to any equation.
+#pragma once
+
+#include <vector>
+
+#include "isosyrk/integrators/integrator.h"
+#include "isosyrk/tableaux/tableau.h"
+
+namespace isosyrk {
+
+/// Unknowns W̃_i, i = 1..s, each n x n.  Stage equations and update, with B_i = B(W̃_i):
+///
+///     W̃_i = W₀ + h Σ_j a_ij [B_j, W̃_j],     W₁ = W₀ + h Σ_j b_j [B_j, W̃_j]
+///
+/// Products: s a sweep, s for the update.  Poisson solves: s a sweep, s for the update.
+/// Not isospectral: symplectic tableaux keep the quadratic Casimir tr W² and lose tr W³.  It stays
+/// in g.  A control, what the three formulations are compared against when structure is given up.
+class DirectForm final : public Integrator {
+ public:
+  /// Throws std::invalid_argument for an inconsistent tableau.
+  DirectForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
+             ProductBackend backend);
+
+ protected:
+  SolveReport advance(const Matrix& W0, double h, Matrix& W1) override;
+
+ private:
+  void evaluate_stages();
+  double sweep(const Matrix& W0, double h);
+  template <class Weights>
+  void add_increment(const Matrix& W0, const Weights& weights, Matrix& out);
+
+  Tableau tableau_;
+  SolverOptions options_;
+  std::vector<Matrix> W_stage_;
+  std::vector<Matrix> C_;  // B_i W̃_i
+  Matrix B_;
+  Matrix sum_;    // Σ_j weights_j C_j
+  Matrix fresh_;  // the new W̃_i
+  RealVector change_;
+  Matrix scratch_;  // where J is not I
+};
+
+}  // namespace isosyrk

@@ -1,0 +1,54 @@
+#include "isosyrk/integrators/explicit_methods.h"
+
+namespace isosyrk {
+
+MuntheKaas4::MuntheKaas4(const Flow& flow, ProductBackend backend)
+    : Integrator(flow, backend), series_(flow.algebra()) {
+  commutator_ = Omega_ = W_stage_ = Matrix::Zero(flow.size(), flow.size());
+  k_.fill(commutator_);
+}
+
+SolveReport MuntheKaas4::advance(const Matrix& W0, double h, Matrix& W1) {
+  bool summed = true;
+  const auto stage = [&](double scale, const Matrix& exponent, Matrix& k) {
+    summed = series_.conjugate(products_, scale, exponent, W0, W_stage_) && summed;
+    generator(W_stage_, k);
+    k *= h;
+  };
+  generator(W0, k_[0]);
+  k_[0] *= h;
+  stage(0.5, k_[0], k_[1]);
+  series_.commutator(products_, k_[0], k_[1], commutator_);
+  Omega_ = 0.5 * k_[1] - 0.125 * commutator_;
+  stage(1.0, Omega_, k_[2]);
+  stage(1.0, k_[2], k_[3]);
+  series_.commutator(products_, k_[0], k_[3], commutator_);
+  Omega_ = (k_[0] + 2.0 * k_[1] + 2.0 * k_[2] + k_[3]) / 6.0 - commutator_ / 12.0;
+  summed = series_.conjugate(products_, 1.0, Omega_, W0, W1) && summed;
+  return {summed ? Status::converged : Status::diverged, 0, 0.0};
+}
+
+ClassicalRungeKutta4::ClassicalRungeKutta4(const Flow& flow, ProductBackend backend)
+    : Integrator(flow, backend), series_(flow.algebra()) {
+  B_ = W_stage_ = Matrix::Zero(flow.size(), flow.size());
+  k_.fill(B_);
+}
+
+void ClassicalRungeKutta4::slope(const Matrix& W, Matrix& out) {
+  generator(W, B_);
+  series_.commutator(products_, B_, W, out);
+}
+
+SolveReport ClassicalRungeKutta4::advance(const Matrix& W0, double h, Matrix& W1) {
+  slope(W0, k_[0]);
+  W_stage_ = W0 + (0.5 * h) * k_[0];
+  slope(W_stage_, k_[1]);
+  W_stage_ = W0 + (0.5 * h) * k_[1];
+  slope(W_stage_, k_[2]);
+  W_stage_ = W0 + h * k_[2];
+  slope(W_stage_, k_[3]);
+  W1 = W0 + (h / 6.0) * (k_[0] + 2.0 * k_[1] + 2.0 * k_[2] + k_[3]);
+  return {};
+}
+
+}  // namespace isosyrk

@@ -1,0 +1,54 @@
+// Explicit methods: Munthe-Kaas's Runge-Kutta method on the group, and, as a control, the classical
+// one applied to W.
+#pragma once
+
+#include <array>
+
+#include "isosyrk/linalg/adjoint_series.h"
+#include "isosyrk/integrators/integrator.h"
+
+namespace isosyrk {
+
+/// RKMK4, order 4: the classical Runge-Kutta method in the algebra, with two commutators,
+///
+///     k₁ = h B(W₀)                               k₂ = h B(Ad(k₁/2) W₀)
+///     k₃ = h B(Ad(k₂/2 - [k₁, k₂]/8) W₀)         k₄ = h B(Ad(k₃) W₀)
+///     W₁ = Ad(Ω) W₀,   Ω = (k₁ + 2k₂ + 2k₃ + k₄)/6 - [k₁, k₄]/12
+///
+/// with Ad(Ω)W = e^Ω W e^(-Ω) by its series to rounding.  Isospectral, not Lie-Poisson.
+/// Products: 2 and a term of each of 4 series.  Poisson solves: 4.
+/// Source: Munthe-Kaas 1999; Casas and Owren 2003.
+class MuntheKaas4 final : public Integrator {
+ public:
+  MuntheKaas4(const Flow& flow, ProductBackend backend);
+
+ protected:
+  SolveReport advance(const Matrix& W0, double h, Matrix& W1) override;
+
+ private:
+  AdjointSeries series_;
+  std::array<Matrix, 4> k_;
+  Matrix commutator_;
+  Matrix Omega_;
+  Matrix W_stage_;
+};
+
+/// Control: the classical Runge-Kutta method of order 4 on W' = [B(W), W].  Neither isospectral nor
+/// symmetric; unstable for h ‖ad_B‖ > 2.83.  Products: 4.  Poisson solves: 4.
+class ClassicalRungeKutta4 final : public Integrator {
+ public:
+  ClassicalRungeKutta4(const Flow& flow, ProductBackend backend);
+
+ protected:
+  SolveReport advance(const Matrix& W0, double h, Matrix& W1) override;
+
+ private:
+  void slope(const Matrix& W, Matrix& out);
+
+  AdjointSeries series_;
+  std::array<Matrix, 4> k_;
+  Matrix B_;
+  Matrix W_stage_;
+};
+
+}  // namespace isosyrk

@@ -1,0 +1,30 @@
+// The three equivalent formulations of an isospectral symplectic Runge-Kutta method.
+#pragma once
+
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "isosyrk/integrators/integrator.h"
+#include "isosyrk/tableaux/tableau.h"
+
+namespace isosyrk {
+
+/// The three equivalent formulations of the paper.
+enum class Formulation { cotangent, group, algebra };
+
+/// In the order of the paper's Table 1.
+const std::vector<Formulation>& formulations();
+/// "cotangent", "group", "algebra".
+std::string_view name(Formulation formulation);
+/// Throws std::invalid_argument, naming what is allowed.
+Formulation formulation_from_name(std::string_view name);
+
+/// A Runge-Kutta method in one of the formulations.  The flow must outlive the integrator.
+/// `algebra` with the one-stage Gauss tableau is the isospectral midpoint.
+/// Throws std::invalid_argument for an inconsistent tableau.
+std::unique_ptr<Integrator> make_formulation(Formulation formulation, const Flow& flow,
+                                             const Tableau& tableau, const SolverOptions& options,
+                                             ProductBackend backend);
+
+}  // namespace isosyrk

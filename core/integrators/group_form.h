@@ -1,0 +1,47 @@
+// The group formulation: unknowns on G (second row of each block of the paper's Table 1).
+#pragma once
+
+#include <vector>
+
+#include "isosyrk/integrators/integrator.h"
+#include "isosyrk/linalg/stage_sums.h"
+#include "isosyrk/tableaux/tableau.h"
+
+namespace isosyrk {
+
+/// Unknowns Q_i, i = 1..s, each n x n.  Stage equations and update:
+///
+///     W̃_i = Q_i† W₀ J Q_i J⁻¹,   B_i = B(W̃_i)
+///     Q_i = I + h Σ_j a_ij Q_j B_j†
+///     Q₁  = I + h Σ_j b_j Q_j B_j†,   W₁ = Q₁† W₀ J Q₁ J⁻¹
+///
+/// Products: 3s a sweep, 3s + 2 for the update.  Poisson solves: s a sweep, s for the update.
+/// Source: the paper's theorem, item 3, with Q_k† for the printed Q_k.
+class GroupForm final : public Integrator {
+ public:
+  /// Throws std::invalid_argument for an inconsistent tableau.
+  GroupForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
+            ProductBackend backend);
+
+ protected:
+  SolveReport advance(const Matrix& W0, double h, Matrix& W1) override;
+
+ private:
+  void transport(const Matrix& W0, const Matrix& Q, Matrix& W);
+  void evaluate_stages(const Matrix& W0);
+  double sweep(const Matrix& W0, double h);
+
+  Tableau tableau_;
+  SolverOptions options_;
+  std::vector<Matrix> Q_;
+  std::vector<Matrix> QB_;  // Q_j B_j†
+  Matrix W_stage_;
+  Matrix B_;
+  Matrix W0Q_;     // W₀ J Q J⁻¹
+  Matrix JQ_;      // J Q J⁻¹, where J is not I
+  Matrix Q_next_;  // Q₁ of the update
+  Matrix identity_;
+  RealVector change_;  // squared, of each Q_i
+};
+
+}  // namespace isosyrk

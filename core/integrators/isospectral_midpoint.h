@@ -1,0 +1,34 @@
+// The isospectral midpoint rule: the algebra formulation at s = 1, in one unknown.
+#pragma once
+
+#include "isosyrk/integrators/integrator.h"
+
+namespace isosyrk {
+
+/// Unknown W̃, n x n.  Stage equation and update, with B = B(W̃):
+///
+///     W̃  = W₀ + (h/2) [B, W̃] + (h²/4) B W̃ B
+///     W₁ = W₀ + h [B, W̃]
+///
+/// [B, W̃] = M - J⁻¹ M† J with M = B W̃.
+/// Products: 2 a sweep (M and M B), 1 for the update.  Poisson solves: 1 a sweep, 1 for the update.
+/// Source: the paper's ISOSYRK equations at s = 1 with X and K eliminated.
+class IsospectralMidpoint final : public Integrator {
+ public:
+  IsospectralMidpoint(const Flow& flow, const SolverOptions& options, ProductBackend backend);
+
+ protected:
+  SolveReport advance(const Matrix& W0, double h, Matrix& W1) override;
+
+ private:
+  double sweep(const Matrix& W0, double h);
+
+  SolverOptions options_;
+  Matrix W_stage_;  // W̃
+  Matrix B_;
+  Matrix M_;        // B W̃
+  Matrix MB_;       // B W̃ B
+  Matrix adjoint_;  // J⁻¹ M† J, where J is not I
+};
+
+}  // namespace isosyrk

@@ -1,0 +1,52 @@
+#include "isosyrk/simulation/conservation.h"
+
+#include "isosyrk/flows/invariants.h"
+
+namespace isosyrk {
+
+ConservationWatch::ConservationWatch(const Scene& scene)
+    : scene_(scene), initial_energy_(scene.flow->hamiltonian(scene.initial)) {}
+
+void ConservationWatch::observe(const Matrix& W) {
+  const double error = std::abs(scene_.flow->hamiltonian(W) / initial_energy_ - 1.0);
+  energy_error_ = larger(energy_error_, error);
+}
+
+Conservation ConservationWatch::report(const Matrix& W) const {
+  return {spectrum_error(W, scene_.initial), skew_defect(W), energy_error_};
+}
+
+std::array<double, 4> casimir_errors(const Matrix& W, const Matrix& W0) {
+  const RealVector eigenvalues = spectrum(W0).cwiseAbs();
+  std::array<double, 4> errors{};
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    const int k = static_cast<int>(i) + 2;
+    const double scale = eigenvalues.array().pow(k).sum();
+    errors[i] = std::abs(casimir(W, k) - casimir(W0, k)) / scale;
+  }
+  return errors;
+}
+
+double angular_momentum_error(const Matrix& W, const Matrix& W0) {
+  const std::array<double, 3> momentum = angular_momentum(W);
+  const std::array<double, 3> initial = angular_momentum(W0);
+  double change = 0.0;
+  for (std::size_t a = 0; a < 3; ++a) change = larger(change, std::abs(momentum[a] - initial[a]));
+  return change / std::hypot(initial[0], initial[1], initial[2]);
+}
+
+RealVector generator_frequencies(const Scene& scene) {
+  Matrix B(scene.initial.rows(), scene.initial.cols());
+  scene.flow->generator(scene.initial, B);
+  return spectrum(B);
+}
+
+GeneratorNorms generator_norms(const Scene& scene) {
+  return generator_norms(generator_frequencies(scene));
+}
+
+GeneratorNorms generator_norms(const RealVector& frequencies) {
+  return {frequencies.cwiseAbs().maxCoeff(), frequencies.maxCoeff() - frequencies.minCoeff()};
+}
+
+}  // namespace isosyrk

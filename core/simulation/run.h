@@ -1,0 +1,36 @@
+// Many steps of one integrator.
+#pragma once
+
+#include <functional>
+
+#include "isosyrk/integrators/integrator.h"
+
+namespace isosyrk {
+
+/// Totals over a run.
+struct RunReport {
+  Status status = Status::converged;
+  long steps = 0;        ///< completed
+  long failed_step = 0;  ///< first step that did not converge, counted from 1; 0 if none
+  double last_change = 0.0;
+  double contraction = 0.0;  ///< the largest of the steps tried, a failed one included
+  long sweeps = 0;
+  long products = 0;
+  long poisson_solves = 0;
+  double equivalent_products = 0.0;  ///< as in StepReport
+
+  bool converged() const { return status == Status::converged; }
+  double sweeps_per_step() const {
+    return steps == 0 ? 0.0 : static_cast<double>(sweeps) / static_cast<double>(steps);
+  }
+};
+
+/// Advances W by `steps` steps of size h, stopping at the first that does not converge; W is then
+/// the last good state.
+RunReport run(Integrator& integrator, Matrix& W, double h, long steps);
+
+/// The same, with `observe(step, W, report of the step)` after every completed step.
+RunReport run(Integrator& integrator, Matrix& W, double h, long steps,
+              const std::function<void(long, const Matrix&, const StepReport&)>& observe);
+
+}  // namespace isosyrk

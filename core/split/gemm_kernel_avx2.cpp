@@ -1,0 +1,29 @@
+// These functions are part of whatever calls them: the linker has none to mix up.
+#include <immintrin.h>
+
+#include "isosyrk/split/gemm_kernel.h"
+
+namespace isosyrk {
+namespace {
+constexpr int vector_bytes = 32;
+constexpr int tile_rows = 6;
+constexpr int tile_vectors = 1;
+
+inline __m256d half_twice(const double* at) {
+  return _mm256_broadcast_pd(reinterpret_cast<const __m128d*>(at));
+}
+inline __m256 half_twice(const float* at) {
+  return _mm256_broadcast_ps(reinterpret_cast<const __m128*>(at));
+}
+}  // namespace
+}  // namespace isosyrk
+
+#include "isosyrk/split/gemm_kernel_tiles.h"
+
+namespace isosyrk {
+
+PlanarKernel planar_kernel_avx2() {
+  return {"avx2", multiply_planar<double>, multiply_planar<float>, {72, 160}, {104, 160}};
+}
+
+}  // namespace isosyrk

@@ -1,0 +1,27 @@
+// These functions are part of whatever calls them: the linker has none to mix up.
+#include <immintrin.h>
+
+#include "isosyrk/split/gemm_kernel.h"
+
+namespace isosyrk {
+namespace {
+constexpr int vector_bytes = 64;
+constexpr int tile_rows = 6;
+constexpr int tile_vectors = 2;
+
+inline __m512d half_twice(const double* at) { return _mm512_broadcast_f64x4(_mm256_loadu_pd(at)); }
+inline __m512 half_twice(const float* at) {
+  return _mm512_castpd_ps(_mm512_broadcast_f64x4(_mm256_castps_pd(_mm256_loadu_ps(at))));
+}
+}  // namespace
+}  // namespace isosyrk
+
+#include "isosyrk/split/gemm_kernel_tiles.h"
+
+namespace isosyrk {
+
+PlanarKernel planar_kernel_avx512() {
+  return {"avx512", multiply_planar<double>, multiply_planar<float>, {200, 200}, {400, 400}};
+}
+
+}  // namespace isosyrk
