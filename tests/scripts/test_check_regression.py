@@ -142,19 +142,16 @@ class Verdicts(GateTest):
                 self.assertRegex(done.stdout, rf"\b{name}\*? +{row}")
                 self.assertRegex(done.stdout, "(exact|accuracy): passed")
 
-    def test_a_slower_build_is_a_regression(self):
-        done = self.check("--quick", FACTOR="1.06")
-        self.assertEqual(done.returncode, REGRESSION, done.stderr)
-        for name in ("algebra/n:33/s:1", "fast_algebra/n:33/s:1"):
-            self.assertRegex(done.stdout, rf"\b{name}\*? +CPU time, head over base\*? +1\.060")
-
     def test_quick_leaves_larger_n_out(self):
         self.report(change(build_document(), "group/n:129/s:2", sweeps=1))
         self.assertEqual(self.check("--quick").returncode, DONE)
         self.assertEqual(self.check().returncode, REGRESSION)
 
-    def test_the_report_is_written_as_text_markdown_and_json(self):
+    def test_a_slower_build_is_a_regression_reported_as_text_markdown_and_json(self):
         done = self.check("--quick", "--out", self.out, FACTOR="1.06")
+        self.assertEqual(done.returncode, REGRESSION, done.stderr)
+        for name in ("algebra/n:33/s:1", "fast_algebra/n:33/s:1"):
+            self.assertRegex(done.stdout, rf"\b{name}\*? +CPU time, head over base\*? +1\.060")
         self.assertEqual(set(snapshot(self.out)), {"report.txt", "report.md", "report.json"})
         with open(os.path.join(self.out, "report.txt"), encoding="utf-8") as file:
             self.assertEqual(file.read(), done.stdout)
@@ -165,10 +162,6 @@ class Verdicts(GateTest):
                          [("exact", "passed"), ("accuracy", "passed"), ("timing", "regression")])
         for layer in found["layers"]:
             self.assertGreater(len(layer["checks"]), 5)
-
-    def test_json_is_printed_in_place_of_text(self):
-        done = self.check("--quick", "--no-timing", "--json")
-        self.assertEqual(strict_json(done.stdout)["exit_code"], NOT_JUDGED)
 
     def test_a_report_that_cannot_be_printed_is_no_success(self):
         with open("/dev/full", "w", encoding="utf-8") as full:
@@ -197,17 +190,15 @@ class Base(GateTest):
         source = os.path.join(self.root, "build-base", self.first, "source")
         self.assertTrue(os.path.exists(os.path.join(source, "scripts", "check_regression")))
 
-    def test_is_kept_for_the_next_time_and_replaced_by_another(self):
-        self.check("--quick")
-        self.check("--quick")
-        self.assertEqual(len([call for call in self.calls("cmake --build") if "build-base" in call]), 1)
-        self.check("--quick", "--base", "HEAD")
-        self.assertEqual(os.listdir(os.path.join(self.root, "build-base")), [self.second])
+        self.check("--quick")  # finds it as it was
+        self.assertEqual([call for call in self.calls("cmake --build") if "build-base" in call], builds)
 
-    def test_another_revision_can_be_named(self):
+    def test_is_replaced_where_another_revision_is_named(self):
+        self.check("--quick")
         done = self.check("--quick", "--base", "HEAD")
         self.assertEqual(done.returncode, DONE, done.stderr)
         self.assertIn(self.second[:12], done.stdout)
+        self.assertEqual(os.listdir(os.path.join(self.root, "build-base")), [self.second])
 
     def test_a_clone_without_it_is_not_judged_in_time_and_says_why(self):
         shallow = self.path("shallow")
@@ -234,10 +225,11 @@ class Base(GateTest):
         self.assertEqual(done.returncode, NOT_JUDGED, done.stderr)
         self.assertIn("no git repository", done.stdout)
 
-    def test_no_timing_times_nothing(self):
-        done = self.check("--quick", "--no-timing")
+    def test_no_timing_times_nothing_and_json_is_printed_in_place_of_text(self):
+        done = self.check("--quick", "--no-timing", "--json")
         self.assertEqual(done.returncode, NOT_JUDGED, done.stderr)
-        self.assertIn("--no-timing", done.stdout)
+        found = strict_json(done.stdout)
+        self.assertEqual((found["exit_code"], found["layers"][2]["not_judged"]), (NOT_JUDGED, "--no-timing was given"))
         self.assertEqual([call for call in self.calls("regression_cells") if "--serve" in call], [])
 
     def test_an_inherited_kernel_choice_is_cleared_and_said(self):
@@ -265,10 +257,7 @@ class BadInput(GateTest):
         self.refuses([], "build", CMAKE_STATUS="1")
         self.refuses(["--quick"], f"base {self.first[:12]}", "build", BASE_FAILS="1")
 
-    def test_programs_that_cannot_be_run_or_say_something_else(self):
-        self.write("report.json", "[]")
-        self.refuses(["--quick"], "regression_cells")
-        self.report(build_document())
+    def test_a_raw_file_that_is_none(self):
         self.write("shape.json", "{")
         self.refuses(["--quick"], "table1")
 

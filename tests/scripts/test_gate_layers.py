@@ -13,7 +13,6 @@ sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
 from benchmark_json import UnusableFile  # noqa: E402
 from gate_accuracy import accuracy_layer  # noqa: E402
 from gate_baseline import Shape, baseline_of, exact_layer, moves, read_baseline, write_baseline  # noqa: E402
-from gate_builds import commit_of  # noqa: E402
 from gate_cells import FAST, SIZES, CannotRun, cells_of, json_text, read_build, report_of  # noqa: E402
 from gate_documents import SHAPE, build_document, cell_of, change  # noqa: E402
 from gate_layers import NOT_JUDGED, PASSED, REGRESSION, Layer, exit_code  # noqa: E402
@@ -334,9 +333,6 @@ class Reports(FolderTest):
                 self.report(script)
         with self.assertRaisesRegex(CannotRun, "cannot be run"):
             report_of(self.path("none"), NAMES)
-
-    def test_a_revision_that_is_an_option_is_none(self):
-        self.assertIsNone(commit_of("--all"))
 
 
 if __name__ == "__main__":
