@@ -1,5 +1,6 @@
-// What scripts/check_regression asks of a build: counts and errors of cells of Table 1 in one JSON
-// object, or, as a server, how long a cell takes whenever asked.
+// What scripts/check_regression asks of a build: counts and errors of cells of Table 1 and Table 2
+// in one JSON object, or, as a server, how long a cell takes whenever asked.  A cell of Table 2 is
+// named by its fast form: fast_group/n:17/s:2.
 //
 // The server answers each line `CELL STEPS RUNS` on its input, CELL being a place in the list of
 // cells, with the CPU seconds of that many runs; so two builds can take turns without starting
@@ -11,12 +12,14 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <tuple>
 
 #include "benchmarks/allocation_count.h"
 #include "benchmarks/arguments.h"
 #include "benchmarks/clocks.h"
 #include "benchmarks/command_line.h"
 #include "benchmarks/raw_file.h"
+#include "isosyrk/catalogue/fast_forms.h"
 #include "isosyrk/simulation/conservation.h"
 #include "isosyrk/simulation/run.h"
 
@@ -30,12 +33,14 @@ constexpr long step_total = 50;
 // One backend for all, so that counts can be compared with those recorded elsewhere.
 constexpr ProductBackend backend = ProductBackend::openblas;
 constexpr Index largest_listed = 17;  // answers of larger n are not written out
+constexpr std::string_view fast_prefix = "fast_";
 
 struct Cell {
   std::string name;
   Formulation formulation;
   Index n;
   int s;
+  bool fast;
 };
 
 Cell read_cell(const std::string& name) {
@@ -45,9 +50,11 @@ Cell read_cell(const std::string& name) {
     throw BadArgument(fmt::format("cell '{}': must be like group/n:17/s:2", name));
   }
   const std::string what = fmt::format("cell '{}':", name);
-  return {name, formulation_from_name(name.substr(0, n_at)),
+  const bool fast = name.starts_with(fast_prefix);
+  const std::size_t begin = fast ? fast_prefix.size() : 0;
+  return {name, formulation_from_name(name.substr(begin, n_at - begin)),
           whole_number(what + " n", name.substr(n_at + 3, s_at - n_at - 3), 5, 4096),
-          static_cast<int>(whole_number(what + " s", name.substr(s_at + 3), 1, max_stages))};
+          static_cast<int>(whole_number(what + " s", name.substr(s_at + 3), 1, max_stages)), fast};
 }
 
 class Scenes {
@@ -64,7 +71,8 @@ class Scenes {
 
 std::unique_ptr<Integrator> make(const Cell& cell, const Scene& scene,
                                  const SolverOptions& options = {}) {
-  return gauss_entry(cell.formulation, cell.s).make(*scene.flow, options, backend);
+  const auto entry = cell.fast ? fast_gauss_entry : gauss_entry;
+  return entry(cell.formulation, cell.s).make(*scene.flow, options, backend);
 }
 
 // ---- the report
@@ -97,7 +105,6 @@ Measured measure(const Cell& cell, const Scene& scene) {
   RunReport report;
   const long allocations =
       allocations_during([&] { report = run(*integrator, W, step_size, step_total); });
-  const StepReport sweep = one_sweep(cell, scene);
   Json json = {{"name", cell.name},
                {"n", cell.n},
                {"status", name(report.status)},
@@ -106,11 +113,16 @@ Measured measure(const Cell& cell, const Scene& scene) {
                {"norm", scene.initial.norm()},
                {"contraction", step_size / entry.linear_limit(generator_frequencies(scene))},
                {"sweeps", report.sweeps},
-               {"products", report.products},
                {"poisson_solves", report.poisson_solves},
-               {"products_a_sweep", sweep.products},
-               {"poisson_solves_a_sweep", sweep.poisson_solves},
                {"allocations", allocations}};
+  if (cell.fast) {  // whose sweeps take more or fewer products, as their corrections do
+    json["equivalent_products"] = report.equivalent_products;
+  } else {
+    const StepReport sweep = one_sweep(cell, scene);
+    json["products"] = report.products;
+    json["products_a_sweep"] = sweep.products;
+    json["poisson_solves_a_sweep"] = sweep.poisson_solves;
+  }
   if (report.converged()) {
     ConservationWatch watch(scene);
     const Conservation kept = watch.report(W);
@@ -124,20 +136,23 @@ Measured measure(const Cell& cell, const Scene& scene) {
 int report(const std::vector<Cell>& cells) {
   Scenes scenes;
   std::vector<Measured> measured;
-  std::map<std::pair<Index, int>, const Matrix*> by_group;  // the answers others are compared with
+  std::map<std::tuple<Formulation, Index, int>, const Matrix*> published;
   measured.reserve(cells.size());
   for (const Cell& cell : cells) {
     measured.push_back(measure(cell, scenes.at(cell.n)));
-    if (cell.formulation == Formulation::group) by_group[{cell.n, cell.s}] = &measured.back().W;
+    if (!cell.fast) published[{cell.formulation, cell.n, cell.s}] = &measured.back().W;
   }
-  Json json = {{"format", "isosyrk regression_cells 1"}};
+  Json json = {{"format", "isosyrk regression_cells 2"}};
   json["context"] = context_json("regression_cells", backend, {}, {});
   json["cells"] = Json::array();
   for (std::size_t k = 0; k < cells.size(); ++k) {
-    const auto group = by_group.find({cells[k].n, cells[k].s});
-    if (group != by_group.end() && measured[k].json["status"] == "converged") {
-      measured[k].json["distance_to_group"] =
-          (measured[k].W - *group->second).cwiseAbs().maxCoeff();
+    // A published form is compared with group, a fast one with its published form.
+    const Cell& cell = cells[k];
+    const Formulation other = cell.fast ? cell.formulation : Formulation::group;
+    const auto found = published.find({other, cell.n, cell.s});
+    if (found != published.end() && measured[k].json["status"] == "converged") {
+      measured[k].json[cell.fast ? "distance_to_published" : "distance_to_group"] =
+          (measured[k].W - *found->second).cwiseAbs().maxCoeff();
     }
     json["cells"].push_back(std::move(measured[k].json));
   }
@@ -148,14 +163,18 @@ int report(const std::vector<Cell>& cells) {
 
 // ---- the server
 
+// Every run starts from W₀.  A fast form starts cold there, since it predicts only from the state
+// at which its last step ended.
 double seconds_of(Integrator& integrator, const Scene& scene, long steps, long runs) {
   Matrix W = scene.initial;
+  long sweeps = 0;
   const double start = cpu_seconds();
   for (long k = 0; k < runs; ++k) {
     W = scene.initial;
-    if (!run(integrator, W, step_size, steps).converged()) {
-      throw SolverFailed("a run did not converge");
-    }
+    const RunReport report = run(integrator, W, step_size, steps);
+    if (!report.converged()) throw SolverFailed("a run did not converge");
+    if (k > 0 && report.sweeps != sweeps) throw SolverFailed("a run did not repeat the one before");
+    sweeps = report.sweeps;
   }
   return cpu_seconds() - start;
 }
@@ -187,9 +206,11 @@ int serve(const std::vector<Cell>& cells) {
 }  // namespace
 
 int main_program(int argc, char** argv) {
-  CommandLine line{"Counts and errors of cells of Table 1 as JSON, or their times on demand."};
+  CommandLine line{
+      "Counts and errors of cells of Tables 1 and 2 as JSON, or their times on demand."};
   std::vector<std::string> names;
-  line.option("cells", names, "names like group/n:17/s:2", CommandLine::Need::required);
+  line.option("cells", names, "names like group/n:17/s:2 and fast_group/n:17/s:2",
+              CommandLine::Need::required);
   bool as_server = false;
   line.flag("--serve", as_server, "answer lines `CELL STEPS RUNS` with CPU seconds");
   if (const auto exit_code = line.read(argc, argv)) return *exit_code;

@@ -1,13 +1,7 @@
 #include "isosyrk/flows/euler_zeitlin.h"
 
-#include "isosyrk/iteration/faults.h"
 
 namespace isosyrk {
-namespace {
-
-Matrix rounded_to_float(const Matrix& X) { return X.cast<std::complex<float>>().cast<Complex>(); }
-
-}  // namespace
 
 std::string_view name(HbarConvention convention) {
   return convention == HbarConvention::paper ? "paper" : "standard";
@@ -26,11 +20,6 @@ EulerZeitlin::EulerZeitlin(Index n, HbarConvention convention)
       reciprocal_hbar_(1.0 / hbar(convention, n)) {}
 
 void EulerZeitlin::generator(const Matrix& W, Matrix& B) const {
-  if (has_fault(Fault::single_precision)) {
-    laplacian_.solve_skew_hermitian(rounded_to_float(W), reciprocal_hbar_, B);
-    B = rounded_to_float(B);
-    return;
-  }
   laplacian_.solve_skew_hermitian(W, reciprocal_hbar_, B);
 }
 

@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "isosyrk/linalg/commutator.h"
-#include "isosyrk/iteration/faults.h"
 #include "isosyrk/linalg/stage_sums.h"
 
 namespace isosyrk {
@@ -13,7 +12,7 @@ AlgebraForm::AlgebraForm(const Flow& flow, const Tableau& tableau, const SolverO
     : Integrator(flow, backend),
       tableau_(tableau),
       options_(options),
-      update_(has_fault(Fault::skewness) ? AlgebraUpdate::two_products : update),
+      update_(update),
       s_(static_cast<std::size_t>(tableau.stages())) {
   require_consistent(tableau);
   X_ = stage_matrices(tableau.stages(), flow.size());
@@ -46,7 +45,7 @@ double AlgebraForm::sweep(const Matrix& W0, double h) {
 
     for (std::size_t j = 0; j < s_; ++j) {
       combine(X_sum_[i], tableau_.a.row(static_cast<Index>(j)), K_[i], input_);
-      products_.multiply(B_[has_fault(Fault::printed_index) ? i : j], input_, K_row_[j], h);
+      products_.multiply(B_[j], input_, K_row_[j], h);
       change_(1) = larger(change_(1), squared_change(K_row_[j], K_[i][j]));
     }
     std::swap(K_[i], K_row_);

@@ -8,7 +8,6 @@
 #include <limits>
 #include <string_view>
 
-#include "isosyrk/iteration/faults.h"
 #include "isosyrk/linalg/matrix.h"
 
 namespace isosyrk {
@@ -80,7 +79,6 @@ template <class Sweep>
 SolveReport solve_fixed_point(const SolverOptions& options, Sweep&& sweep) {
   constexpr double divergence_bound = 1e6;
   constexpr int patience = 50;
-  const double tolerance = has_fault(Fault::tolerance) ? 1e-11 : options.tolerance;
 
   SolveReport report;
   LastChanges changes;
@@ -94,16 +92,9 @@ SolveReport solve_fixed_point(const SolverOptions& options, Sweep&& sweep) {
   while (report.sweeps < options.max_sweeps) {
     report.change = sweep();
     ++report.sweeps;
-    disturb_sweep();
     changes.add(report.change);
     if (!(report.change <= divergence_bound)) return ended(Status::diverged);  // NaN included
-    if (report.change < tolerance) {
-      if (has_fault(Fault::extra_sweep)) {
-        sweep();
-        ++report.sweeps;
-      }
-      return ended(Status::converged);
-    }
+    if (report.change < options.tolerance) return ended(Status::converged);
     if (report.change < best) {
       best = report.change;
       since_best = 0;

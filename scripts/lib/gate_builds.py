@@ -58,9 +58,9 @@ def install(allowed):
     in_setup('install_packages "$1"', ROOT, "yes" if allowed else "no")
 
 
-def build(folder, target, source=ROOT, options=()):
+def build(folder, target, source=ROOT):
     """Configures and builds a target of the tree at `source` in `folder`. Throws CannotRun."""
-    in_setup('build "$@"', source, folder, target, "-DCMAKE_BUILD_TYPE=Release", *options)
+    in_setup('build "$@"', source, folder, target, "-DCMAKE_BUILD_TYPE=Release")
 
 
 def program(folder, name):

@@ -11,9 +11,10 @@ from raw_files import CONVERGED, STATUSES, Fields, context, objects, unique
 SIZES = (17, 33, 65, 129)
 QUICK_SIZES = (17, 33)
 STAGES = (1, 2, 3)
-FORMAT = "isosyrk regression_cells 1"
-# What a build promises of a cell whatever the machine, and what its kernels may shift a little.
+FORMAT = "isosyrk regression_cells 2"
+FAST = "fast_"  # begins the name of a cell of Table 2
 COUNTS = ("sweeps", "products", "poisson_solves", "products_a_sweep", "poisson_solves_a_sweep", "allocations")
+FAST_COUNTS = ("sweeps", "equivalent_products", "poisson_solves", "allocations")  # no two sweeps take the same
 
 
 class CannotRun(Exception):
@@ -24,8 +25,23 @@ def cell_name(formulation, n, stages):
     return f"{formulation}/n:{n}/s:{stages}"
 
 
-def cells_of(sizes):
+def published_cells(sizes):
     return [cell_name(formulation, n, stages) for n in sizes for stages in STAGES for formulation in FORMULATIONS]
+
+
+def cells_of(sizes):
+    """Returns the names of the cells of Table 1, then of Table 2."""
+    names = published_cells(sizes)
+    return names + [FAST + name for name in names]
+
+
+def is_fast(name):
+    return name.startswith(FAST)
+
+
+def published(name):
+    """Returns the cell of Table 1 whose answer this one of Table 2 gives too."""
+    return name[len(FAST):]
 
 
 @dataclass(frozen=True)
@@ -39,10 +55,11 @@ class Cell:
     tolerance: float
     norm: float
     contraction: float
-    counts: Dict[str, int]
+    counts: Dict[str, float]
     spectrum_error: Optional[float] = None
     skew_defect: Optional[float] = None
-    distance_to_group: Optional[float] = None
+    distance_to_group: Optional[float] = None  # of a published form
+    distance_to_published: Optional[float] = None  # of a fast one
     W: Optional[List[complex]] = None
 
     def outside_sweeps(self, count):
@@ -59,6 +76,9 @@ class Build:
 
     def kernels(self):
         return "; ".join(self.context.get(field, "unknown") for field in ("blas_kernels", "vector_units"))
+
+    def compiler(self):
+        return self.context.get("compiler", "unknown")
 
 
 def report_of(program, names, environment=None):
@@ -87,19 +107,21 @@ def read_cell(fields):
     known = {"name": fields.text("name"), "n": fields.whole("n", 2), "status": status,
              "steps": fields.whole("steps", 1), "tolerance": fields.positive("tolerance"),
              "norm": fields.positive("norm"),
-             "contraction": fields.not_negative("contraction"), "counts": read_counts(fields)}
+             "contraction": fields.not_negative("contraction"), "counts": read_counts(fields, fields.text("name"))}
     if status != CONVERGED:
         return Cell(**known)
-    if "distance_to_group" in fields.values:
-        known["distance_to_group"] = fields.not_negative("distance_to_group")
+    known.update({name: fields.not_negative(name) for name in ("distance_to_group", "distance_to_published")
+                  if name in fields.values})
     if "W" in fields.values:
         known["W"] = read_entries(fields, known["n"])
     return Cell(**known, spectrum_error=fields.not_negative("spectrum_error"),
                 skew_defect=fields.not_negative("skew_defect"))
 
 
-def read_counts(fields):
-    return {name: fields.whole(name) for name in COUNTS}
+def read_counts(fields, name):
+    """Reads what is counted in a cell of this name."""
+    return {count: fields.positive(count) if count == "equivalent_products" else fields.whole(count)
+            for count in (FAST_COUNTS if is_fast(name) else COUNTS)}
 
 
 def read_entries(fields, n):

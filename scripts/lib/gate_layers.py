@@ -23,7 +23,7 @@ class Check:
 
 @dataclass
 class Layer:
-    """A layer that was judged, or why it was not."""
+    """A layer that was judged, or why some or all of it was not."""
 
     name: str
     checks: List[Check] = field(default_factory=list)
@@ -37,9 +37,9 @@ class Layer:
         return [check for check in self.checks if not check.passed]
 
     def verdict(self):
-        if self.not_judged:
-            return "not judged"
-        return "regression" if self.failures() else "passed"
+        if self.failures():
+            return "regression"
+        return "not judged" if self.not_judged else "passed"
 
 
 def exit_code(layers):

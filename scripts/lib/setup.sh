@@ -1,4 +1,4 @@
-# Sourced by scripts/reproduce, scripts/test and scripts/fuzz: packages, configuration, build.
+# Sourced by scripts/reproduce and scripts/test: packages, configuration, build.
 #
 # Packages are those of Debian 12 (bookworm) or newer and of Ubuntu 22.04 or newer.
 

@@ -3,10 +3,11 @@
 import os
 
 from gate_accuracy import read_answer
-from gate_cells import SIZES, cells_of
+from gate_cells import SIZES, cells_of, is_fast, published
 from programs import DATA
 
-CONTEXT = {"commit": "0123456789ab", "dirty": "no", "blas_kernels": "Zen", "vector_units": "avx2"}
+CONTEXT = {"commit": "0123456789ab", "dirty": "no", "blas_kernels": "Zen", "vector_units": "avx2",
+           "compiler": "GNU 12.2.0"}
 SHAPE = {"context": ["commit", "isosyrk_format", "isosyrk_program"], "rows": ["table1/group/n:17/s:2"],
          "fields": ["cpu_time", "sweeps_per_step"]}
 
@@ -18,6 +19,8 @@ def reference_answer(stages):
 
 def cell_document(name):
     """Returns what a sound build reports of a cell."""
+    if is_fast(name):
+        return fast_document(name)
     formulation, n, stages = name.split("/")[0], int(name.split(":")[1].split("/")[0]), int(name[-1])
     each = stages * (stages + 1) if formulation == "algebra" else 3 * stages
     sweeps = 500 + n
@@ -31,14 +34,27 @@ def cell_document(name):
     return cell
 
 
+def fast_document(name):
+    """Returns the same of a fast cell, whose sweeps take 8 equivalent products and 4 Poisson solves each."""
+    cell = cell_document(published(name))
+    for field in ("products", "products_a_sweep", "poisson_solves_a_sweep", "distance_to_group"):
+        del cell[field]
+    return {**cell, "name": name, "sweeps": 100, "equivalent_products": 800.0, "poisson_solves": 400,
+            "skew_defect": 0.0, "distance_to_published": 1e-14}
+
+
 def build_document(names=None):
-    return {"format": "isosyrk regression_cells 1", "context": dict(CONTEXT),
+    return {"format": "isosyrk regression_cells 2", "context": dict(CONTEXT),
             "cells": [cell_document(name) for name in names or cells_of(SIZES)]}
+
+
+def cell_of(document, name):
+    return next(cell for cell in document["cells"] if cell["name"] == name)
 
 
 def change(document, name, **values):
     """Changes a cell of a document; None takes a field out."""
-    cell = next(cell for cell in document["cells"] if cell["name"] == name)
+    cell = cell_of(document, name)
     for field, value in values.items():
         if value is None:
             del cell[field]

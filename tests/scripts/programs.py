@@ -33,7 +33,6 @@ def is_built_with(option):
 
 
 SANITIZED = is_built_with("ISOSYRK_SANITIZE")  # n > 33 takes too long
-WITH_FAULTS = is_built_with("ISOSYRK_FAULTS")  # of core/faults.h
 
 
 def program(name):

@@ -24,12 +24,14 @@ from gate_documents import SHAPE, build_document, change  # noqa: E402
 REGRESSION, NOT_JUDGED = 1, 3
 BASELINE = os.path.join("results", "baseline", "baseline.json")
 
-# Of head it is $FACTOR times slower than of base.
+# Of head it is $FACTOR times slower than of base, which with $OLD_BASE knows no fast cells.
 REGRESSION_CELLS = f"""#!{sys.executable}
 import os, sys, time
 is_base = "build-base" in os.path.abspath(sys.argv[0])
 with open(os.environ["CALLS"], "a") as calls:
     calls.write("regression_cells" + (" of base " if is_base else " ") + " ".join(sys.argv[1:]) + "\\n")
+if is_base and "OLD_BASE" in os.environ and any("fast_" in argument for argument in sys.argv):
+    sys.exit(2)
 if sys.argv[1] != "--serve":
     names = sys.argv[1:]
     with open(os.environ["REPORT"]) as file:
@@ -127,31 +129,29 @@ class Verdicts(GateTest):
         for text in ("No regression.", "exact: passed", "accuracy: passed", "timing: passed", self.first[:12]):
             self.assertIn(text, done.stdout)
 
-    def test_another_count_is_a_regression_named_by_cell_and_figure(self):
-        self.report(change(build_document(), "group/n:33/s:2", sweeps=583, products=3818, poisson_solves=1266))
-        done = self.check("--quick")
-        self.assertEqual(done.returncode, REGRESSION, done.stderr)
-        self.assertRegex(done.stdout, r"group/n:33/s:2\*? +sweeps\*? +583\*? +533")
-        self.assertIn("accuracy: passed", done.stdout)
-
-    def test_a_larger_error_is_a_regression(self):
-        self.report(change(build_document(), "algebra/n:33/s:2", skew_defect=1e-20))
-        done = self.check("--quick")
-        self.assertEqual(done.returncode, REGRESSION, done.stderr)
-        self.assertRegex(done.stdout, r"algebra/n:33/s:2\*? +skew defect\*? +1e-20")
-
-    def test_a_slower_build_is_a_regression(self):
-        done = self.check("--quick", FACTOR="1.06")
-        self.assertEqual(done.returncode, REGRESSION, done.stderr)
-        self.assertRegex(done.stdout, r"algebra/n:33/s:1\*? +CPU time, head over base\*? +1\.060")
+    def test_each_layer_names_a_regression_by_cell_and_figure(self):
+        for name, values, row in (
+                ("group/n:33/s:2", {"sweeps": 583}, r"sweeps\*? +583\*? +533"),
+                ("fast_group/n:33/s:2", {"sweeps": 101}, r"sweeps\*? +101\*? +100"),
+                ("algebra/n:33/s:2", {"skew_defect": 1e-20}, r"skew defect\*? +1e-20"),
+                ("fast_group/n:33/s:2", {"distance_to_published": 1e-9}, r"distance to published\*? +1e-09")):
+            with self.subTest(name=name, values=values):
+                self.report(change(build_document(), name, **values))
+                done = self.check("--quick", "--no-timing")
+                self.assertEqual(done.returncode, REGRESSION, done.stderr)
+                self.assertRegex(done.stdout, rf"\b{name}\*? +{row}")
+                self.assertRegex(done.stdout, "(exact|accuracy): passed")
 
     def test_quick_leaves_larger_n_out(self):
         self.report(change(build_document(), "group/n:129/s:2", sweeps=1))
         self.assertEqual(self.check("--quick").returncode, DONE)
         self.assertEqual(self.check().returncode, REGRESSION)
 
-    def test_the_report_is_written_as_text_markdown_and_json(self):
+    def test_a_slower_build_is_a_regression_reported_as_text_markdown_and_json(self):
         done = self.check("--quick", "--out", self.out, FACTOR="1.06")
+        self.assertEqual(done.returncode, REGRESSION, done.stderr)
+        for name in ("algebra/n:33/s:1", "fast_algebra/n:33/s:1"):
+            self.assertRegex(done.stdout, rf"\b{name}\*? +CPU time, head over base\*? +1\.060")
         self.assertEqual(set(snapshot(self.out)), {"report.txt", "report.md", "report.json"})
         with open(os.path.join(self.out, "report.txt"), encoding="utf-8") as file:
             self.assertEqual(file.read(), done.stdout)
@@ -162,11 +162,6 @@ class Verdicts(GateTest):
                          [("exact", "passed"), ("accuracy", "passed"), ("timing", "regression")])
         for layer in found["layers"]:
             self.assertGreater(len(layer["checks"]), 5)
-
-
-    def test_json_is_printed_in_place_of_text(self):
-        done = self.check("--quick", "--no-timing", "--json")
-        self.assertEqual(strict_json(done.stdout)["exit_code"], NOT_JUDGED)
 
     def test_a_report_that_cannot_be_printed_is_no_success(self):
         with open("/dev/full", "w", encoding="utf-8") as full:
@@ -195,17 +190,15 @@ class Base(GateTest):
         source = os.path.join(self.root, "build-base", self.first, "source")
         self.assertTrue(os.path.exists(os.path.join(source, "scripts", "check_regression")))
 
-    def test_is_kept_for_the_next_time_and_replaced_by_another(self):
-        self.check("--quick")
-        self.check("--quick")
-        self.assertEqual(len([call for call in self.calls("cmake --build") if "build-base" in call]), 1)
-        self.check("--quick", "--base", "HEAD")
-        self.assertEqual(os.listdir(os.path.join(self.root, "build-base")), [self.second])
+        self.check("--quick")  # finds it as it was
+        self.assertEqual([call for call in self.calls("cmake --build") if "build-base" in call], builds)
 
-    def test_another_revision_can_be_named(self):
+    def test_is_replaced_where_another_revision_is_named(self):
+        self.check("--quick")
         done = self.check("--quick", "--base", "HEAD")
         self.assertEqual(done.returncode, DONE, done.stderr)
         self.assertIn(self.second[:12], done.stdout)
+        self.assertEqual(os.listdir(os.path.join(self.root, "build-base")), [self.second])
 
     def test_a_clone_without_it_is_not_judged_in_time_and_says_why(self):
         shallow = self.path("shallow")
@@ -220,16 +213,23 @@ class Base(GateTest):
         self.report(change(build_document(), "group/n:33/s:2", allocations=1))
         self.assertEqual(self.check("--quick").returncode, REGRESSION)
 
+    def test_without_fast_cells_leaves_the_times_of_those_unjudged(self):
+        done = self.check("--quick", OLD_BASE="1")
+        self.assertEqual(done.returncode, NOT_JUDGED, done.stderr)
+        self.assertIn("timing not judged: fast cells, which the base does not know", done.stdout)
+        self.assertIn("6 of 6 checks passed", done.stdout)
+
     def test_a_tree_without_repository_is_not_judged_in_time(self):
         shutil.move(os.path.join(self.root, ".git"), self.path("whole.git"))
         done = self.check("--quick")
         self.assertEqual(done.returncode, NOT_JUDGED, done.stderr)
         self.assertIn("no git repository", done.stdout)
 
-    def test_no_timing_times_nothing(self):
-        done = self.check("--quick", "--no-timing")
+    def test_no_timing_times_nothing_and_json_is_printed_in_place_of_text(self):
+        done = self.check("--quick", "--no-timing", "--json")
         self.assertEqual(done.returncode, NOT_JUDGED, done.stderr)
-        self.assertIn("--no-timing", done.stdout)
+        found = strict_json(done.stdout)
+        self.assertEqual((found["exit_code"], found["layers"][2]["not_judged"]), (NOT_JUDGED, "--no-timing was given"))
         self.assertEqual([call for call in self.calls("regression_cells") if "--serve" in call], [])
 
     def test_an_inherited_kernel_choice_is_cleared_and_said(self):
@@ -247,27 +247,17 @@ class BadInput(GateTest):
         for revision in ("no-such-branch", "0" * 40, "--all", "HEAD:scripts", "two words"):
             self.refuses([f"--base={revision}"], revision.split()[0], "no revision")
 
-    def test_a_baseline_that_is_missing_or_damaged_or_of_other_cells_or_of_another_version(self):
-        path = os.path.join(self.root, BASELINE)
-        with open(path, encoding="utf-8") as file:
-            whole = file.read()
-        for text, part in ((None, "cannot be read"), (whole[:500], "whole JSON"), ("[]", "no baseline of this version"),
-                           (whole.replace("baseline 1", "baseline 2"), "isosyrk baseline 2"),
-                           (whole.replace("group/n:17/s:1", "group/n:19/s:1"), "other cells")):
-            os.unlink(path)
-            if text is not None:
-                self.write(os.path.join("root", BASELINE), text)
-            self.refuses(["--quick"], BASELINE, part)
-            self.write(os.path.join("root", BASELINE), whole)
+    def test_a_baseline_that_is_missing_or_damaged(self):
+        self.write(os.path.join("root", BASELINE), "[]")
+        self.refuses(["--quick"], BASELINE, "no baseline of this version")
+        os.unlink(os.path.join(self.root, BASELINE))
+        self.refuses(["--quick"], BASELINE, "cannot be read")
 
     def test_a_tree_that_does_not_build(self):
         self.refuses([], "build", CMAKE_STATUS="1")
         self.refuses(["--quick"], f"base {self.first[:12]}", "build", BASE_FAILS="1")
 
-    def test_programs_that_cannot_be_run_or_say_something_else(self):
-        self.write("report.json", "[]")
-        self.refuses(["--quick"], "regression_cells")
-        self.report(build_document())
+    def test_a_raw_file_that_is_none(self):
         self.write("shape.json", "{")
         self.refuses(["--quick"], "table1")
 
@@ -320,7 +310,7 @@ class UpdateBaseline(GateTest):
         done = self.check("--update-baseline")
         self.assertEqual(done.returncode, DONE, done.stderr)
         self.assertIn("no baseline", done.stdout)
-        self.assertEqual(len(self.baseline()["cells"]), 36)
+        self.assertEqual([len(self.baseline()[section]) for section in ("cells", "fast_cells")], [36, 36])
 
 
 if __name__ == "__main__":

@@ -4,13 +4,12 @@ import os
 import sys
 import unittest
 
-from programs import (BAD_ARGUMENTS, DATA, DONE, ROOT, WITH_FAULTS, FolderTest, environment, program, run,
-                      strict_json)
+from programs import BAD_ARGUMENTS, DATA, DONE, ROOT, FolderTest, environment, program, run, strict_json
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
 from gate_accuracy import accuracy_layer  # noqa: E402
-from gate_baseline import Shape, baseline_of, exact_layer, read_baseline, shape_of  # noqa: E402
+from gate_baseline import read_baseline, shape_of  # noqa: E402
 from gate_cells import cells_of, read_build  # noqa: E402
 
 NAMES = cells_of((17,))
@@ -29,81 +28,35 @@ class Report(RegressionCellsTest):
         self.assertEqual(list(build.cells), NAMES)
         layer = accuracy_layer(build, NAMES, DATA)
         self.assertEqual([check.line() for check in layer.failures()], [])
-        self.assertEqual(len(layer.checks), 9 * 3 + 6)  # only group is not compared with group
+        self.assertEqual(len(layer.checks), 9 * 3 + 6 + 9 * 4)  # only published group is compared with nothing
 
     def test_counts_are_those_of_integrate(self):
+        for name, options, counts in (
+                ("group/n:17/s:2", ("--products", "openblas"), ("products", "poisson_solves")),
+                ("fast_group/n:17/s:2", ("--solver", "fast"), ("equivalent_products", "poisson_solves"))):
+            cell = self.report(name)["cells"][0]
+            done = run([program("integrate"), "--n", "17", "--stages", "2", "--formulation", "group", "--step", "0.1",
+                        "--time", "5", *options, "--json"])
+            found = strict_json(done.stdout)
+            self.assertEqual([cell["sweeps"], *(cell[count] for count in counts)],
+                             [found["sweeps_total"], *(found[count] for count in counts)])
+            self.assertEqual(cell["allocations"], 0)
         cell = self.report("group/n:17/s:2")["cells"][0]
-        done = run([program("integrate"), "--n", "17", "--stages", "2", "--formulation", "group", "--step", "0.1",
-                    "--time", "5", "--products", "openblas", "--json"])
-        found = strict_json(done.stdout)
-        for here, there in (("sweeps", "sweeps_total"), ("products", "products"), ("poisson_solves", "poisson_solves")):
-            self.assertEqual(cell[here], found[there])
-        self.assertEqual((cell["products_a_sweep"], cell["poisson_solves_a_sweep"], cell["allocations"]), (6, 2, 0))
+        self.assertEqual((cell["products_a_sweep"], cell["poisson_solves_a_sweep"]), (6, 2))
 
     def test_contraction_is_between_0_and_1_and_grows_with_n(self):
         small, large = (self.report(name)["cells"][0]["contraction"] for name in ("group/n:17/s:1", "group/n:33/s:1"))
         self.assertTrue(0.0 < small < large < 1.0, (small, large))
 
 
-
-@unittest.skipIf(WITH_FAULTS, "this build has them")
-class NoFaults(RegressionCellsTest):
-    def test_faults_to_order_exist_in_their_own_build_only(self):
-        sound = self.report(NAMES[0])["cells"]
-        for fault in ("extra_sweep", "tolerance", "no such fault"):
-            self.assertEqual(self.report(NAMES[0], ISOSYRK_FAULT=fault)["cells"], sound)
-
-
-@unittest.skipUnless(WITH_FAULTS, "only a build with -DISOSYRK_FAULTS=ON has them: scripts/test --sanitize")
-class Faults(RegressionCellsTest):
-    def failures(self, **changes):
-        """Returns what the gate says of a faulty build, by layer, where the sound one is its own baseline."""
-        sound, faulty = (read_build(self.report(*NAMES, **each)) for each in ({}, changes))
-        shape = Shape((), (), ())
-        layers = (exact_layer(baseline_of(sound, "0" * 40, shape), faulty, NAMES, shape),
-                  accuracy_layer(faulty, NAMES, DATA))
-        return {layer.name: "\n".join(check.line() for check in layer.failures()) for layer in layers}
-
-    def test_none_is_found_where_none_was_ordered(self):
-        self.assertEqual(self.failures(), {"exact": "", "accuracy": ""})
-
-    def test_each_is_caught_and_named_by_cell_and_quantity(self):
-        for fault, layer, quantity in (("tolerance", "exact", "group/n:17/s:2: sweeps"),
-                                       ("tableau", "accuracy", "group/n:17/s:2: error against the reference answer"),
-                                       ("printed_index", "accuracy", "algebra/n:17/s:2: spectrum error"),
-                                       ("extra_sweep", "exact", "group/n:17/s:2: sweeps"),
-                                       ("single_precision", "exact", "group/n:17/s:2: status"),
-                                       ("skewness", "accuracy", "algebra/n:17/s:2: skew defect"),
-                                       ("allocation", "exact", "group/n:17/s:2: allocations")):
-            with self.subTest(fault):
-                self.assertIn(quantity, self.failures(ISOSYRK_FAULT=fault)[layer])
-
-    def test_a_slowdown_takes_time_and_changes_nothing_else(self):
-        self.assertEqual(self.failures(ISOSYRK_FAULT="slowdown:0.5"), {"exact": "", "accuracy": ""})
-        sound, slow = (min(self.seconds(**each) for _ in range(3)) for each in ({}, {"ISOSYRK_FAULT": "slowdown:2"}))
-        self.assertGreater(slow, 1.5 * sound)  # 3 where nothing disturbs it
-
-    def seconds(self, **changes):
-        requests = self.write("requests", "0 50 4\n")
-        with open(requests, encoding="utf-8") as stream:
-            done = run([program("regression_cells"), "--serve", NAMES[4]], env=environment(**changes), stdin=stream)
-        return float(done.stdout.split()[1])
-
-    def test_another_order_is_refused(self):
-        for order in ("", "another", "extra_sweep:1", "slowdown", "slowdown:", "slowdown:x", "slowdown:-1",
-                      "slowdown:nan", "slowdown:99"):
-            done = run([program("regression_cells"), NAMES[0]], env=environment(ISOSYRK_FAULT=order))
-            self.assert_refused(done, "ISOSYRK_FAULT", order)
-
-
 class Server(FolderTest):
     def serve(self, *lines):
         path = self.write("requests", "".join(lines))
         with open(path, encoding="utf-8") as requests:
-            return run([program("regression_cells"), "--serve", *NAMES[:2]], stdin=requests)
+            return run([program("regression_cells"), "--serve", NAMES[0], "fast_group/n:17/s:2"], stdin=requests)
 
     def test_answers_each_line_with_seconds(self):
-        done = self.serve("0 2 1\n", "1 2 1\n", "0 2 20\n")
+        done = self.serve("0 2 1\n", "1 50 3\n", "0 2 20\n")
         self.assertEqual((done.returncode, done.stderr), (DONE, ""))
         ready, *seconds = done.stdout.split()
         self.assertEqual((ready, len(seconds)), ("ready", 3))
@@ -120,7 +73,8 @@ class Server(FolderTest):
 class Refusals(FolderTest):
     def test_other_names(self):
         for name in ("group", "group/n:17", "quotient/n:17/s:1", "group/n:4/s:1", "group/n:17/s:0", "group/n:17/s:21",
-                     "group/n:99999999999999999999/s:1", "group/n:17/s:1x", ""):
+                     "group/n:99999999999999999999/s:1", "group/n:17/s:1x", "fast_group/n:17",
+                     "fast_quotient/n:17/s:1", ""):
             self.assert_refused(run([program("regression_cells"), name]), "regression_cells: ")
         self.assert_refused(run([program("regression_cells")]), "cells")
 
