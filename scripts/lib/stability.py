@@ -15,7 +15,6 @@ from raw_files import CASIMIRS, CONVERGED, LARGEST, STATUSES, Fields, Integrator
 MAP_FORMAT = "isosyrk stability 1"
 LONG_RUNS_FORMAT = "isosyrk long_runs 1"
 SCENES = ("smooth", "rough")
-TWO_PRODUCTS = "_two_products"  # ends the name of a control: ISOSYRK with its update formed as BW̃ − W̃B
 AGREEMENT = 1e-6  # relative, of recorded numbers that must agree with one another
 
 
@@ -28,7 +27,6 @@ class Trial:
     status: str
     steps: int
     sweeps_per_step: Optional[float]
-    contraction: Optional[float]  # measured, of the changes in one step, the largest of the steps; 0 if explicit
     spectrum_error: Optional[float]
     skew_defect: Optional[float]
     energy_error: Optional[float]
@@ -50,7 +48,6 @@ class Setting:
     scene: str
     n: int
     norm_B: float
-    norm_ad_B: float
     explicit_steps: int  # of a trial
     implicit_steps: int
 
@@ -74,12 +71,6 @@ class Map:
         if self.critical:
             return self.critical.works.h_norm_B
         return self.trials[-1].h_norm_B if self.always_works else None
-
-    @property
-    def over_limit(self):
-        """Measured critical over linear limit; None where one of them is not known."""
-        return self.critical.works.h_norm_B / self.linear_limit if self.critical and self.linear_limit else None
-
 
 @dataclass(frozen=True)
 class FailureMap:
@@ -137,7 +128,6 @@ class LongRun:
     steps: int  # completed
     failed_step: Optional[int]
     sweeps_per_step: Optional[float]
-    predicted_skew_growth: Optional[float]  # of the controls: rate of their skew defect by linear theory, per unit time
     samples: Tuple[Sample, ...]
 
     @property
@@ -179,11 +169,12 @@ class Quantity:
         return [(time, value) for time, value in found if value is not None]
 
 
-SPECTRUM = Quantity("spectrum error", "largest error of an eigenvalue", lambda sample: sample.spectrum_error)
-SKEW = Quantity("skew defect", "largest entry of |W + W†|", lambda sample: sample.skew_defect)
-CASIMIR = Quantity("Casimirs", "largest relative error of a Casimir", lambda sample: sample.casimir_error)
-ENERGY = Quantity("energy error", "relative error of the energy", lambda sample: sample.energy_error)
-QUANTITIES = (SPECTRUM, SKEW, CASIMIR, ENERGY)
+QUANTITIES = (
+    Quantity("spectrum error", "largest error of an eigenvalue", lambda sample: sample.spectrum_error),
+    Quantity("skew defect", "largest entry of |W + W†|", lambda sample: sample.skew_defect),
+    Quantity("Casimirs", "largest relative error of a Casimir", lambda sample: sample.casimir_error),
+    Quantity("energy error", "relative error of the energy", lambda sample: sample.energy_error),
+)
 
 
 def trials_in_words(failures, scenes):
@@ -310,8 +301,7 @@ def check_steps(result, run):
 
 def setting(fields):
     steps = fields.object("trial_steps")
-    return Setting(fields.one_of("scene", SCENES), fields.whole("n", 2), fields.positive("norm_B"),
-                   fields.positive("norm_ad_B"), steps.whole("explicit", 1), steps.whole("implicit", 1))
+    return Setting(fields.one_of("scene", SCENES), fields.whole("n", 2), fields.positive("norm_B"), steps.whole("explicit", 1), steps.whole("implicit", 1))
 
 
 def map_of(fields):
@@ -336,7 +326,7 @@ def trial(fields):
                            f" {', '.join(name for name in errors if errors[name] is None)}")
     return Trial(h_norm_B=fields.positive("h_norm_B"), step=fields.positive("step"), status=status,
                  steps=fields.whole("steps"), sweeps_per_step=fields.optional("sweeps_per_step"),
-                 contraction=fields.error_of_any_size("contraction"), failed_step=failed_step(fields), **errors)
+                 failed_step=failed_step(fields), **errors)
 
 
 def failed_step(fields):
@@ -344,13 +334,11 @@ def failed_step(fields):
 
 
 def long_run(fields):
-    predicted = fields.optional("predicted_skew_growth") if "predicted_skew_growth" in fields.values else None
     return LongRun(scene=fields.one_of("scene", SCENES), n=fields.whole("n", 2), integrator=fields.text("integrator"),
                    share=fields.positive("share"), critical=fields.positive("critical"),
                    h_norm_B=fields.positive("h_norm_B"), step=fields.positive("step"),
                    status=fields.one_of("status", STATUSES), steps=fields.whole("steps"),
                    failed_step=failed_step(fields), sweeps_per_step=fields.optional("sweeps_per_step"),
-                   predicted_skew_growth=predicted,
                    samples=tuple(sample(Fields(each, "a sample")) for each in objects(fields.values, "samples")))
 
 

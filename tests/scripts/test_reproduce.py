@@ -24,7 +24,7 @@ from stability_documents import SETTINGS, long_document, map_document, write_doc
 from study_documents import small_study, write_study
 
 HOST_NAME = "a-host-to-keep-private"
-RESULTS = {"raw.json", "context.json", "table.txt", "table.md", "table.tex"}
+RESULTS = {"raw.json", "table.txt", "table.md", "table.tex"}
 CHARTS = ("error_against_time", "error_against_products", "spectrum_error_against_time", "error_against_n",
           "tolerance")
 ACCURACY_RESULTS = {"raw.json", "report.md", "report.txt",
@@ -441,11 +441,6 @@ class PlainRun(CopyTest):
 
     def test_the_raw_file_is_the_benchmark_s(self):
         self.assertEqual(json.loads(self.results["raw.json"])["benchmarks"], raw_file()["benchmarks"])
-
-    def test_the_context_is_the_raw_file_s_without_the_host_name(self):
-        expected = raw_file()["context"]
-        del expected["host_name"]
-        self.assertEqual(json.loads(self.results["context.json"]), expected)
 
     def test_no_result_has_the_host_name(self):
         for name, text in self.results.items():

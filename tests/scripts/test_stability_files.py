@@ -17,7 +17,7 @@ import stability  # noqa: E402
 from benchmark_json import UnusableFile  # noqa: E402
 
 TRIAL = {"h_norm_B": "positive", "step": "positive", "status": "text", "steps": "count",
-         "sweeps_per_step": "optional", "contraction": "any size", "spectrum_error": "not negative",
+         "sweeps_per_step": "optional", "spectrum_error": "not negative",
          "skew_defect": "not negative", "energy_error": "not negative"}
 INTEGRATOR = {"name": "text", "stages": "positive count", "order": "positive count", "isospectral": "truth",
               "lie_poisson": "truth", "symmetric": "truth", "explicit": "truth"}
@@ -65,15 +65,14 @@ class SoundFileTest(ReaderTest):
     def test_values_stand_where_they_belong(self):
         each = stability.failure_map(self.map).at("smooth", 129, "algebra2")
         self.assertEqual((each.linear_limit, each.critical.works.h_norm_B, each.critical.fails.h_norm_B, each.largest_working,
-                          each.over_limit, each.critical.works.contraction, each.critical.fails.status),
-                         (1.9, 1.9, BISECTED * 1.9, 1.9, 1.0, 0.9, "diverged"))
+                          each.critical.fails.status), (1.9, 1.9, BISECTED * 1.9, 1.9, "diverged"))
         self.assertEqual([trial.h_norm_B for trial in each.trials], GRID)
         self.assertEqual((each.trials[0].sweeps_per_step, each.trials[0].steps, each.trials[-1].failed_step),
                          (50 * GRID[0], 5, 3))
 
     def test_an_integrator_that_never_fails(self):
         each = stability.failure_map(self.map).at("smooth", 17, "rkmk4")
-        self.assertEqual((each.critical, each.always_works, each.largest_working, each.over_limit), (None, True, GRID[-1], None))
+        self.assertEqual((each.critical, each.always_works, each.largest_working), (None, True, GRID[-1]))
 
     def test_an_integrator_that_never_works(self):
         each = self.map_of("rk4")
@@ -126,7 +125,7 @@ class RefusalTest(ReaderTest):
         for place, kinds in ((self.map["integrators"][0], INTEGRATOR), (each, limits), (each["trials"][0], TRIAL),
                              (each["critical"]["works"], TRIAL), (self.map["settings"][0]["trial_steps"], steps),
                              (self.map["settings"][0], {"scene": "text", "n": "positive count", "norm_B": "positive",
-                                                        "norm_ad_B": "positive", "trial_steps": "object"}),
+                                                        "trial_steps": "object"}),
                              (self.map, {"max_sweeps": "positive count"})):
             self.fields_are_checked(stability.failure_map, self.map, place, kinds)
 
@@ -147,6 +146,15 @@ class RefusalTest(ReaderTest):
                     with self.subTest(list=name, value=value):
                         self.assert_refused(analyse, {**document, name: value})
                 self.assert_refused(analyse, {key: value for key, value in document.items() if key != name}, name)
+
+    def test_a_table_is_read_as_its_rows(self):
+        columns = list(self.map["maps"][0])
+        self.map["maps"] = {"columns": columns, "rows": [[each[name] for name in columns] for each in self.map["maps"]]}
+        self.assertEqual(stability.failure_map(self.map), stability.failure_map(map_document()))
+        self.map["maps"]["rows"][1].pop()
+        self.map_refused("rows of maps")
+        self.map["maps"]["columns"][0] = 1
+        self.map_refused("columns of maps")
 
     def test_another_format(self):
         for value in (None, 1, [], {}, "isosyrk stability 2", "isosyrk long_runs 2"):
