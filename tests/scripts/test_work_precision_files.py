@@ -1,7 +1,6 @@
 """Tests of scripts/lib/work_precision.py: what it refuses, and the floors and orders it finds on made-up lines."""
 
 import copy
-import json
 import os
 import random
 import sys
@@ -44,14 +43,6 @@ class ReaderTest(FolderTest):
         self.assert_one_line(f"{caught.exception}\n", *words)
         self.assertLess(len(str(caught.exception)), 300)
 
-    def assert_file_refused(self, contents, *words):
-        path = self.path("raw.json")
-        with open(path, "wb") as stream:
-            stream.write(contents)
-        with self.assertRaises(UnusableFile) as caught:
-            work_precision.read_study(path)
-        self.assert_one_line(f"{caught.exception}\n", path, *words)
-
     def point(self, name, n, steps):
         return next(each for each in self.document["points"]
                     if (each["integrator"], each["n"], each["steps"]) == (name, n, steps))
@@ -93,42 +84,18 @@ class RefusalTest(ReaderTest):
         for list_name, kinds in KINDS.items():
             self.assertEqual(set(kinds), set(self.document[list_name][0]), list_name)
 
-    def test_every_field_is_required(self):
-        for list_name, kinds in KINDS.items():
-            for field in kinds:
-                with self.subTest(list=list_name, field=field):
-                    document = copy.deepcopy(self.document)
-                    del document[list_name][0][field]
-                    self.assert_refused(document, field)
-
-    def test_every_field_must_be_of_its_kind(self):
+    def test_every_field_is_required_and_must_be_of_its_kind(self):
         for list_name, kinds in KINDS.items():
             changed = self.document[list_name][0]
             for field, kind in kinds.items():
-                sound = changed[field]
+                sound = changed.pop(field)
+                self.assert_refused(self.document, field)
                 for value in WRONG[kind]:
                     with self.subTest(list=list_name, field=field, value=str(value)[:20]):
                         changed[field] = value
                         self.assert_refused(self.document, *(["has", field] if kind != "object" else []))
                 changed[field] = sound
         work_precision.study(self.document)
-
-    def test_fields_of_the_runs_behind_a_reference(self):
-        for run in ("first", "second"):
-            for field, kind in (("integrator", "text"), ("steps", "positive count")):
-                for value in WRONG[kind]:
-                    with self.subTest(run=run, field=field, value=str(value)[:20]):
-                        document = copy.deepcopy(self.document)
-                        document["references"][0][run][field] = value
-                        self.assert_refused(document, run, field)
-
-    def test_every_list_is_required(self):
-        for list_name in KINDS:
-            for value in (None, {}, "points", 3, [None], [[]], [3]):
-                with self.subTest(list=list_name, value=value):
-                    self.assert_refused({**self.document, list_name: value}, list_name)
-            without = {name: value for name, value in self.document.items() if name != list_name}
-            self.assert_refused(without, list_name)
 
     def test_empty_references_and_integrators(self):
         self.assert_refused({**self.document, "references": []}, "names no n")
@@ -138,16 +105,6 @@ class RefusalTest(ReaderTest):
         for value in WRONG["positive"]:
             with self.subTest(value=str(value)[:20]):
                 self.assert_refused({**self.document, "time": value}, "time")
-
-    def test_context(self):
-        for value in (None, [], "context", 3):
-            with self.subTest(value=value):
-                self.assert_refused({**self.document, "context": value}, "context")
-
-    def test_another_format(self):
-        for value in (None, 1, [], {}, "isosyrk work_precision 2"):
-            with self.subTest(value=value):
-                self.assert_refused({**self.document, "format": value}, "was not written by work_precision")
 
     def test_unknown_status(self):
         self.document["points"][0]["status"] = "finished"
@@ -181,36 +138,6 @@ class RefusalTest(ReaderTest):
                 document = copy.deepcopy(self.document)
                 document[list_name][0]["step"] *= 1.001
                 self.assert_refused(document, "do not come to the time 5")
-
-
-class HostileFileTest(ReaderTest):
-    def test_missing_file(self):
-        with self.assertRaisesRegex(UnusableFile, r"none\.json: cannot be read: No such file"):
-            work_precision.read_study(self.path("none.json"))
-
-    def test_folder(self):
-        with self.assertRaisesRegex(UnusableFile, "cannot be read"):
-            work_precision.read_study(self.folder)
-
-    def test_empty(self):
-        for contents in (b"", b" \n\t\n"):
-            self.assert_file_refused(contents, "is empty")
-
-    def test_foreign(self):
-        for contents in (b"7", b"null", b"[]", b"{}", b'"text"', b'{"context": {}, "benchmarks": []}'):
-            with self.subTest(contents=contents):
-                self.assert_file_refused(contents, "was not written by work_precision")
-
-    def test_no_json(self):
-        for contents in (b"n,error\n17,1e-3\n", b"\xff\xfe\x00", b"[" * 200000, b"9" * 5000):
-            with self.subTest(contents=contents[:10]):
-                self.assert_file_refused(contents)
-
-    def test_truncated_at_many_lengths(self):
-        whole = json.dumps(self.document).encode()
-        for length in [*range(0, 200, 7), *range(200, len(whole), 997), len(whole) - 1]:
-            with self.subTest(length=length):
-                self.assert_file_refused(whole[:length])
 
 
 class LineTest(ReaderTest):
