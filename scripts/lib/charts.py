@@ -1,4 +1,4 @@
-"""Draws a Study, and a run of Table 1, as charts: error against cost, against n, and against the tolerance.
+"""Draws a Study, and a run of Table 1, as charts: error against cost and against the tolerance.
 
 Each chart is a figure made from its data alone. A line stands for one integrator and carries its name.
 """
@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from typing import Callable
 
 import matplotlib
-from matplotlib.ticker import FixedLocator, LogLocator, NullLocator
+from matplotlib.ticker import LogLocator, NullLocator
 
 from benchmark_json import FORMULATIONS
-from chart_panels import (GREY, LOOKS, NOTE_COLOUR, OTHER_COLOUR, SMALL, Label, colour, column_of_labels,
-                          cross_mark, draw_line, floor_band, hide_rest, key_of, logarithmic, look, method_key,
-                          name_floor, new_figure, note_below, panel_grid, set_panel, style_key, styled)
-from integrator_names import COMPOSITIONS, gauss_stages, joined, joined_relatives, relatives
+from chart_panels import (GREY, LOOKS, NOTE_COLOUR, OTHER_COLOUR, SMALL, colour, cross_mark, draw_line, floor_band,
+                          hide_rest, key_of, logarithmic, look, method_key, new_figure, note_below, panel_grid,
+                          set_panel, style_key, styled)
+from integrator_names import COMPOSITIONS, gauss_stages, joined, relatives
 from work_precision import FLOOR_MARGIN, TABLE1_STEP
 
 FORMULATION_COLOURS = {"cotangent": "#e08214", "group": "#1f67ad", "algebra": "#4a0a5e"}
@@ -222,78 +222,6 @@ def mark_tolerance(axes, study):
         axes.annotate(f"solver tolerance {tolerance:.0e}", (1, tolerance),
                       xycoords=("axes fraction", "data"), xytext=(-2, 3), textcoords="offset points", ha="right",
                       fontsize=SMALL, color=NOTE_COLOUR, zorder=5)
-
-
-# ---- error against n
-
-
-@styled
-def error_against_n(study):
-    sizes = study.sizes()
-    figure, panels = new_figure(
-        f"Error at T = {study.time:g} against n, at the same step h = {TABLE1_STEP:g}",
-        "In brackets: the error at the largest n drawn over the error at the smallest. The formulations of the Gauss"
-        " method with the same number of stages (cotangent, group, algebra) have the same error and share a line."
-        " Not drawn: runs that failed, and errors below the floor, which is"
-        f" {FLOOR_MARGIN} × the uncertainty of the reference solution at each n.",
-        1, 1, 6.6, notes=1, right=3.1)
-    style_key(figure, LOOKS)
-    axes = panels[0, 0]
-    logarithmic(axes)
-    labels = []
-    for group in relatives(study.integrators):
-        lines = {name: points_against_n(study, name) for name in group}
-        lines = {name: line for name, line in lines.items() if line}
-        for index, (name, line) in enumerate(lines.items()):
-            draw_line(axes, name, line, study.integrators[name], index == 0)
-        if lines:
-            longest = max(lines.values(), key=len)
-            labels.append(Label(joined_relatives(list(lines)) + growth(longest), longest[-1], colour(group[0])))
-    set_panel(axes, "", "n", ERROR_LABEL.format(time=study.time))
-    axes.set_xlim(sizes[0] / 1.06, sizes[-1] * 1.06)
-    axes.xaxis.set_major_locator(FixedLocator(sizes))
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.xaxis.set_major_formatter(lambda n, _: f"{n:.0f}")
-    floors = [FLOOR_MARGIN * study.references[n].uncertainty for n in sizes]
-    errors = [y for line in axes.lines for y in line.get_ydata()]
-    axes.set_ylim(min(floors) / 10, max([*floors, *errors]) * 4)
-    edges = [axes.get_xlim()[0], *sizes, axes.get_xlim()[1]]
-    values = [floors[0], *floors, floors[-1]]
-    axes.fill_between(edges, values, axes.get_ylim()[0], facecolor="0.93", linewidth=0, zorder=0)
-    axes.plot(edges, values, color=GREY, linewidth=0.8, zorder=1, label="_floor")
-    name_floor(axes, f"floor: {FLOOR_MARGIN} × the uncertainty of the reference solution")
-    column_of_labels(axes, labels)
-    note_missing(axes, study)
-    return figure
-
-
-def points_against_n(study, name):
-    found = []
-    for n in study.sizes():
-        point = study.at_step(name, n, TABLE1_STEP)
-        if point is not None and point in study.above_floor(name, n):
-            found.append((n, point.quality.error))
-    return found
-
-
-def growth(line):
-    factor = line[-1][1] / line[0][1]
-    return f"  (×{factor:.2g})" if len(line) > 1 and factor < 99.5 else f"  (×{factor:.0f})" if len(line) > 1 else ""
-
-
-def note_missing(axes, study):
-    """Names under the chart what has no point in it, and why."""
-    parts = []
-    for n in study.sizes():
-        points = {name: study.at_step(name, n, TABLE1_STEP) for name in study.integrators}
-        failed = [name for name, point in points.items() if point is not None and not point.quality.usable]
-        if failed:
-            parts.append(f"Failed at n = {n}: {joined(failed)}.")
-    below = [name for name in study.integrators if not points_against_n(study, name)
-             and any(point.quality.usable for point in study.points if point.integrator == name)]
-    if below:
-        parts.append(f"Below the floor, or not run because shorter steps no longer helped: {joined(below)}.")
-    note_below(axes, " ".join(parts), 150, 36)
 
 
 # ---- tolerance

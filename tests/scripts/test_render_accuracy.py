@@ -3,7 +3,6 @@
 The charts need matplotlib, which these tests need not have: they ask the Python that the script itself would take.
 """
 
-import copy
 import json
 import os
 import subprocess
@@ -16,7 +15,7 @@ from drawing import LIBRARY, PYTHON, DrawingTest
 from programs import environment, snapshot
 from study_documents import UNCERTAINTY, small_study, study_document, write_study
 
-CHARTS = ("error_against_time", "error_against_products", "spectrum_error_against_time", "error_against_n", "tolerance")
+CHARTS = ("error_against_time", "error_against_products", "spectrum_error_against_time", "tolerance")
 FILES = {"report.md", "report.txt", *(f"{chart}.{kind}" for chart in CHARTS for kind in ("svg", "png"))}
 TABLE1_CHART = "table1_accuracy"
 WITH_TABLE1 = FILES | {f"{TABLE1_CHART}.{kind}" for kind in ("svg", "png")}
@@ -238,18 +237,11 @@ class WhatIsDrawn(AccuracyTest):
         found = self.drawn("error_against_time", raw)
         self.assertNotIn("rk4", found["lines"]["n = 33"])
         self.assertTrue(any("rk4 with any h" in text for text in found["texts"]))
-        self.assertTrue(any("Failed at n = 17: rk4." in text for text in self.drawn("error_against_n", raw)["texts"]))
 
     def test_spectrum_chart_shows_kept_spectra_too(self):
         lines = self.lines("spectrum_error_against_time", self.raw(), "n = 17")
         self.assertEqual({error for _, error in lines["group2"]}, {1e-15})
         self.assertGreater(max(error for _, error in lines["rk4"]), 1e-3)
-
-    def test_error_against_n_is_at_the_step_of_table_1(self):
-        lines = self.lines("error_against_n", self.raw(), "")
-        self.assertEqual([n for n, _ in lines["group2"]], [17, 33])
-        for _, error in lines["group2"]:
-            self.assertAlmostEqual(error, 0.1 * 0.1**4)
 
     def test_tolerance_chart_has_error_solver_error_and_time(self):
         drawn = self.drawn("tolerance", self.raw())
