@@ -175,7 +175,8 @@ def spectrum_key(figure, study):
         typical = names[len(names) // 2]
         shade, style = colour(typical), look(study.integrators[typical])
         handles.append(matplotlib.lines.Line2D(
-            [], [], color=shade, linestyle="none", marker=style.marker, markerfacecolor=shade if style.filled else "white", label=kind))
+            [], [], color=shade, linestyle="none", marker=style.marker,
+            markerfacecolor=shade if style.filled else "white", label=kind))
     key_of(figure, handles)
 
 

@@ -277,7 +277,6 @@ class Table1(AccuracyTest):
         self.assertTrue(any("Failed: group at n = 33, s = 2." in " ".join(text.split()) for text in found["texts"]))
 
 
-
 class Refusals(AccuracyTest):
     def assert_nothing_written(self, raw, *parts):
         os.mkdir(self.path("charts"))

@@ -90,7 +90,6 @@ class Files(DrawingTest):
         self.assert_refused(self.render_study(scaling_document(), "--out", self.write("taken", "")), "cannot be written")
 
 
-
 @unittest.skipIf(programs.SANITIZED, "times nothing")
 class Program(FolderTest):
     def test_what_the_program_writes_is_read(self):

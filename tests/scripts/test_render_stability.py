@@ -254,8 +254,5 @@ class Refusals(StabilityTest):
         self.assert_nothing_written([self.raw(), "--long", self.raw()], "map.json", "was not written by long_runs")
 
 
-
-
-
 if __name__ == "__main__":
     unittest.main()

@@ -8,25 +8,11 @@ import unittest
 from programs import ROOT, FolderTest
 from stability_documents import (BISECTED, GRID, INTEGRATORS, LONG_STEPS, SETTINGS, SHARES, fail, long_document,
                                  map_document, norm, write_document)
-from wrong_values import NAN, NO_NUMBERS, WRONG
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
 import stability  # noqa: E402
 from benchmark_json import UnusableFile  # noqa: E402
-
-TRIAL = {"h_norm_B": "positive", "step": "positive", "status": "text", "steps": "count",
-         "sweeps_per_step": "optional", "spectrum_error": "not negative",
-         "skew_defect": "not negative", "energy_error": "not negative"}
-INTEGRATOR = {"name": "text", "stages": "positive count", "order": "positive count", "isospectral": "truth",
-              "lie_poisson": "truth", "symmetric": "truth", "explicit": "truth"}
-SAMPLE = {"step": "count", "time": "not negative", "spectrum_error": "any size", "energy_error": "any size",
-          "skew_defect": "any size", "casimir_errors": "casimirs or nulls"}
-WRONG = {**WRONG, "limit": tuple(value for value in (*NO_NUMBERS, 0) if value is not None),
-         "any size": tuple(value for value in NO_NUMBERS if value not in (None, 1e300)),
-         "critical": (True, 1, "1", [], {}),
-         "casimirs or nulls": (None, True, 1, "1", {}, [], [1e-15] * 3, [1e-15] * 5, [1e-15] * 3 + [NAN],
-                               [1e-15] * 3 + [-1], [1e-15] * 3 + ["1"])}
 
 
 class ReaderTest(FolderTest):
@@ -103,40 +89,6 @@ class SoundFileTest(ReaderTest):
 
 
 class RefusalTest(ReaderTest):
-    def fields_are_checked(self, analyse, document, place, kinds):
-        """Every field of an object inside a document is required, and must be of its kind."""
-        for field, kind in kinds.items():
-            sound = place.pop(field)
-            with self.subTest(field=field):
-                self.assert_refused(analyse, document, field)
-            for value in WRONG[kind]:
-                with self.subTest(field=field, value=str(value)[:20]):
-                    place[field] = value
-                    self.assert_refused(analyse, document, *([field] if field != "trials" else []))
-            place[field] = sound
-        analyse(document)
-
-    def test_fields_of_a_map_file(self):
-        each = self.map_of("group1")
-        limits = {"scene": "text", "n": "positive count", "integrator": "text", "linear_limit": "limit",
-                  "critical": "critical"}
-        steps = {"explicit": "positive count", "implicit": "positive count"}
-        for place, kinds in ((self.map["integrators"][0], INTEGRATOR), (each, limits), (each["trials"][0], TRIAL),
-                             (each["critical"]["works"], TRIAL), (self.map["settings"][0]["trial_steps"], steps),
-                             (self.map["settings"][0], {"scene": "text", "n": "positive count", "norm_B": "positive",
-                                                        "trial_steps": "object"}),
-                             (self.map, {"max_sweeps": "positive count"})):
-            self.fields_are_checked(stability.failure_map, self.map, place, kinds)
-
-    def test_fields_of_a_long_runs_file(self):
-        run = self.run_of("rk4", 0.9)
-        kinds = {"scene": "text", "n": "positive count", "integrator": "text", "share": "positive",
-                 "critical": "positive", "h_norm_B": "positive", "step": "positive", "status": "text", "steps": "count",
-                 "sweeps_per_step": "optional"}
-        for place, kinds in ((self.long["integrators"][0], INTEGRATOR), (run, kinds), (run["samples"][0], SAMPLE),
-                             (self.long, {"steps": "positive count"})):
-            self.fields_are_checked(stability.long_runs, self.long, place, kinds)
-
     def test_unknown_status_and_scene(self):
         self.map_of("group1")["trials"][0]["status"] = self.run_of("rk4", 0.9)["status"] = "finished"
         self.map_refused("finished", "converged", "sweep cap")
@@ -174,7 +126,6 @@ class RefusalTest(ReaderTest):
     def test_a_failed_run_without_samples_is_sound(self):
         fail(self.run_of("group1", 0.9), 1, "diverged")
         self.assertEqual(stability.long_runs(self.long).at("smooth", 17, 0.9, "group1").samples, ())
-
 
 
 if __name__ == "__main__":
