@@ -6,27 +6,31 @@ style and marker say what an integrator keeps, lightness and hue tell its relati
 
 import io
 import math
+import re
 import textwrap
 from dataclasses import dataclass
+from typing import Tuple
 
 import matplotlib
 import matplotlib.style
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from chart_labels import darker
 from integrator_names import gauss_stages
 
 DOTS_PER_INCH = 120
+RASTER = 100  # dots per inch of what an SVG holds as an image; ten more are a tenth more bytes
 WIDTH = 1600 / DOTS_PER_INCH  # inches
-MARGIN = 0.15  # inches
-SETTINGS = {"svg.hashsalt": "isosyrk", "svg.fonttype": "path", "font.size": 9.5, "axes.titlesize": 11,
+MARGIN, KEY_HEIGHT = 0.15, 0.22  # inches
+SETTINGS = {"svg.hashsalt": "isosyrk", "svg.fonttype": "none", "font.size": 9.5, "axes.titlesize": 11,
             "axes.grid": True, "grid.color": "0.9", "grid.linewidth": 0.6, "axes.axisbelow": True,
             "axes.spines.top": False, "axes.spines.right": False, "lines.markersize": 4.2,
             "lines.linewidth": 1.7, "hatch.linewidth": 0.4, "savefig.dpi": DOTS_PER_INCH,
             "axes.titley": 1.0}  # else matplotlib measures every tick, twice a drawing, to find the same place
 SMALL, NOTE_COLOUR, GREY = 8, "0.3", "0.45"
+KEYS_A_ROW = 9
 
 # Relatives share a hue and differ in lightness, the cheaper lighter.
 COLOURS = {
@@ -64,6 +68,20 @@ def colour(name):
     return GAUSS_COLOURS.get(gauss_stages(name)) or COLOURS.get(name, OTHER_COLOUR)
 
 
+@dataclass(frozen=True)
+class Label:
+    """The name of a line, and the point of the line where it ends."""
+
+    text: str
+    end: Tuple[float, float]
+    shade: object
+
+
+def darker(shade):
+    """Returns a colour dark enough for small text on white."""
+    return tuple(0.75 * part for part in to_rgb(shade))
+
+
 # ---- figures and panels
 
 
@@ -76,22 +94,31 @@ def styled(draw):
     return drawn
 
 
+# Coordinates beyond a tenth of a point are a third of an SVG; numbers below 1 are scales.
+PRECISE = re.compile(rb"(?<![\w.])([1-9][0-9]*\.[0-9])[0-9]+(?![\w.])")
+
+
 def encode(figure, kind):
     """Returns the figure as the bytes of an SVG or PNG file that names neither a date nor a program."""
     unnamed = {"svg": {"Date": None, "Creator": None}, "png": {"Software": None}}
     stream = io.BytesIO()
     with matplotlib.style.context(["default", SETTINGS]):
-        figure.savefig(stream, format=kind, metadata=unnamed[kind])
-    return stream.getvalue()
+        figure.savefig(stream, format=kind, metadata=unnamed[kind], dpi=RASTER if kind == "svg" else DOTS_PER_INCH)
+    if kind == "png":
+        return stream.getvalue()
+    return re.sub(rb"<[^!][^>]*>", lambda tag: PRECISE.sub(rb"\1", tag[0]), stream.getvalue())
 
 
-def new_figure(title, caption, rows, columns, panel_height, notes=0, right=0.18, row_gap=0.85, column_gap=0.78,
+def new_figure(title, caption, rows, columns, panel_height, notes=0, keys=1, right=0.18, row_gap=0.85, column_gap=0.78,
                **subplots):
-    """Returns a figure with its panels, all of one size; `notes` are the lines of text below each panel."""
+    """Returns a figure with its panels, all of one size.
+
+    `notes` are the lines of text below each panel, `keys` the lines of keys under the title.
+    """
     caption = textwrap.fill(caption, 215)
     noted = 0.16 * notes
     foot = 0.85 + noted + 0.175 * (caption.count("\n") + 1)
-    head, gap, left = 1.02, row_gap + noted, 0.8
+    head, gap, left = 0.8 + KEY_HEIGHT * keys, row_gap + noted, 0.8
     height = head + rows * panel_height + (rows - 1) * gap + foot
     figure = Figure(figsize=(WIDTH, height), dpi=DOTS_PER_INCH)
     FigureCanvasAgg(figure)
@@ -126,11 +153,25 @@ def style_key(figure, looks):
                     for each in looks])
 
 
-def key_of(figure, handles, **options):
+def method_key(figure, integrators, row=1):
+    """Says under the title which line is whose: one entry for the formulations of a Gauss method."""
+    handles = {}
+    for name, integrator in integrators.items():
+        stages, style, shade = gauss_stages(name), look(integrator), colour(name)
+        handles.setdefault(f"Gauss, s = {stages}" if stages else name, matplotlib.lines.Line2D(
+            [], [], color=shade, linestyle=style.line, marker=style.marker,
+            markerfacecolor=shade if style.filled else "white"))
+    for index in range(0, len(handles), KEYS_A_ROW):
+        names = list(handles)[index:index + KEYS_A_ROW]
+        key_of(figure, [handles[name] for name in names], row + index // KEYS_A_ROW, labels=names)
+
+
+def key_of(figure, handles, row=0, **options):
     height = figure.get_size_inches()[1]
-    figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(MARGIN / WIDTH, 1 - 0.45 / height),
-                  ncol=len(handles), frameon=False, fontsize=SMALL + 1, borderaxespad=0, borderpad=0,
-                  **{"handlelength": 3.6, "columnspacing": 2.2, **options})
+    return figure.legend(handles=handles, loc="upper left",
+                         bbox_to_anchor=(MARGIN / WIDTH, 1 - (0.45 + KEY_HEIGHT * row) / height),
+                         ncol=len(handles), frameon=False, fontsize=SMALL + 1, borderaxespad=0, borderpad=0,
+                         **{"handlelength": 3.6, "columnspacing": 2.2, **options})
 
 
 def hide_rest(panels, used):
@@ -146,7 +187,7 @@ def set_panel(axes, title, xlabel, ylabel):
 
 def floor_band(axes, floor, text, **place):
     """Greys what lies under the floor: errors there say more about the reference, or rounding, than the integrator."""
-    axes.axhspan(axes.get_ylim()[0], floor, facecolor="0.93", edgecolor="0.78", hatch="////", linewidth=0, zorder=0)
+    axes.axhspan(axes.get_ylim()[0], floor, facecolor="0.93", linewidth=0, zorder=0)
     axes.axhline(floor, color=GREY, linewidth=0.8, zorder=1)
     name_floor(axes, text, **place)
 
@@ -181,12 +222,12 @@ def cross_mark(axes, at):
 def column_of_labels(axes, labels):
     """Writes labels in a column at the right, in the order of the lines' ends, pushed apart where they would touch."""
     scale = axes.figure.dpi / 72
-    labels = sorted(labels, key=lambda label: label.points[-1][1])
+    labels = sorted(labels, key=lambda label: label.end[1])
     height = 1.45 * (SMALL + 1) * scale
-    ends = [axes.transData.transform(label.points[-1]) for label in labels]
+    ends = [axes.transData.transform(label.end) for label in labels]
     right = axes.transAxes.transform((1, 0))[0]
     for label, end, y in zip(labels, ends, pushed_apart([end[1] for end in ends], height)):
-        axes.annotate(label.text, label.points[-1], xytext=((right - end[0]) / scale + 8, (y - end[1]) / scale),
+        axes.annotate(label.text, label.end, xytext=((right - end[0]) / scale + 8, (y - end[1]) / scale),
                       textcoords="offset points", va="center", fontsize=SMALL + 1, color=darker(label.shade),
                       annotation_clip=False,
                       arrowprops={"arrowstyle": "-", "color": darker(label.shade), "linewidth": 0.6, "shrinkA": 0,

@@ -1,4 +1,4 @@
-"""Draws a Study, and a run of Table 1, as charts: error against cost, against n, and against the tolerance.
+"""Draws a Study, and a run of Table 1, as charts: error against cost and against the tolerance.
 
 Each chart is a figure made from its data alone. A line stands for one integrator and carries its name.
 """
@@ -9,14 +9,13 @@ from dataclasses import dataclass
 from typing import Callable
 
 import matplotlib
-from matplotlib.ticker import FixedLocator, LogLocator, NullLocator
+from matplotlib.ticker import LogLocator, NullLocator
 
 from benchmark_json import FORMULATIONS
-from chart_labels import Label, place_labels
-from chart_panels import (GREY, LOOKS, NOTE_COLOUR, OTHER_COLOUR, SMALL, colour, column_of_labels, cross_mark,
-                          draw_line, floor_band, hide_rest, key_of, logarithmic, look, name_floor, new_figure,
-                          note_below, panel_grid, set_panel, style_key, styled)
-from integrator_names import COMPOSITIONS, gauss_stages, joined, joined_relatives, relatives
+from chart_panels import (GREY, LOOKS, NOTE_COLOUR, OTHER_COLOUR, SMALL, colour, cross_mark, draw_line, floor_band,
+                          hide_rest, key_of, logarithmic, look, method_key, new_figure, note_below, panel_grid,
+                          set_panel, style_key, styled)
+from integrator_names import COMPOSITIONS, gauss_stages, joined, relatives
 from work_precision import FLOOR_MARGIN, TABLE1_STEP
 
 FORMULATION_COLOURS = {"cotangent": "#e08214", "group": "#1f67ad", "algebra": "#4a0a5e"}
@@ -57,12 +56,13 @@ def error_against(study, cost):
         f"Error at T = {study.time:g} against {cost.word}",
         f"Each point is one run to T = {study.time:g} with one step size. The formulations of the Gauss method with the"
         " same number of stages (cotangent, group, algebra) have the same error: the one that takes least stands with"
-        " points and a name, the others as thin lines of its colour. Lines end where the reference can no longer tell"
+        " points, the others as thin lines of its colour. Lines end where the reference can no longer tell"
         " their error, where it stops falling, or where runs would take too long; they bend back where long steps need"
         " more sweeps. A cross marks the longest step that works where longer ones were tried and failed; what failed"
         " is named below each panel.",
-        rows, columns, 4.9, notes=3)
+        rows, columns, 4.9, notes=3, keys=3)
     style_key(figure, LOOKS)
+    method_key(figure, study.integrators)
     for axes, n in zip(panels.flat, study.sizes()):
         error_panel(axes, study, n, cost)
     hide_rest(panels, len(study.sizes()))
@@ -86,21 +86,20 @@ def error_panel(axes, study, n, cost):
     for name, points, leading in drawn:
         if leading and failed_before(study, name, n):
             cross_mark(axes, points[0])
-    place_labels(axes, [Label(name, points[-1:], colour(name)) for name, points, leading in drawn if leading])
     note_failures(axes, study, n)
 
 
 def spread(axes, points):
-    """Sets limits with room for labels at the right."""
+    """Sets limits around the points."""
     x = [x for x, _ in points]
-    axes.set_xlim(min(x) / 1.6, max(x) * 2.2)
+    axes.set_xlim(min(x) / 1.6, max(x) * 1.6)
 
 
 def mark_floor(axes, study, n):
     floor = FLOOR_MARGIN * study.references[n].uncertainty
     floors = [FLOOR_MARGIN * each.uncertainty for each in study.references.values()]
     errors = [point.quality.error for point in study.points if point.quality.usable]
-    axes.set_ylim(min(floors) / 800, max([*floors, *errors]) * 3)  # room for labels in the band below
+    axes.set_ylim(min(floors) / 20, max([*floors, *errors]) * 3)
     floor_band(axes, floor, f"floor: {FLOOR_MARGIN} × the uncertainty of the reference solution,"
                             f" {study.references[n].uncertainty:.1e}")
 
@@ -154,8 +153,9 @@ def spectrum_error_against_time(study):
         " Points without a line: every usable run of an integrator that keeps the spectrum; what is left is rounding"
         " and what the tolerance of the iteration leaves. An error of exactly 0 is drawn at"
         f" {LEAST_SPECTRUM_ERROR:.0e}. What failed is named below each panel.",
-        rows, columns, 4.4, notes=3)
+        rows, columns, 4.4, notes=3, keys=2)
     spectrum_key(figure, study)
+    method_key(figure, {name: each for name, each in study.integrators.items() if not each.isospectral})
     for axes, n in zip(panels.flat, study.sizes()):
         spectrum_panel(axes, study, n)
     hide_rest(panels, len(study.sizes()))
@@ -163,19 +163,19 @@ def spectrum_error_against_time(study):
 
 
 def spectrum_key(figure, study):
-    """Says under the title whose the points without a line are, and what lines are."""
+    """Says under the title whose the points without a line are."""
     groups = {}
     for name, integrator in study.integrators.items():
-        kind = ("lose the spectrum" if not integrator.isospectral
-                else "Gauss, the more stages the darker" if gauss_stages(name)
-                else "compositions of the isospectral midpoint" if name in COMPOSITIONS else name)
-        groups.setdefault(kind, []).append(name)
+        if integrator.isospectral:
+            kind = ("Gauss, the more stages the darker" if gauss_stages(name)
+                    else "compositions of the isospectral midpoint" if name in COMPOSITIONS else name)
+            groups.setdefault(kind, []).append(name)
     handles = []
     for kind, names in groups.items():
         typical = names[len(names) // 2]
         shade, style = colour(typical), look(study.integrators[typical])
         handles.append(matplotlib.lines.Line2D(
-            [], [], color=shade, linestyle="none" if style.keeps_spectrum else style.line, marker=style.marker,
+            [], [], color=shade, linestyle="none", marker=style.marker,
             markerfacecolor=shade if style.filled else "white", label=kind))
     key_of(figure, handles)
 
@@ -189,7 +189,7 @@ def spectrum_point(point):
 
 def spectrum_panel(axes, study, n):
     logarithmic(axes)
-    labels, everything = [], []
+    everything = []
     for name, integrator in study.integrators.items():
         if integrator.isospectral:
             points = [spectrum_point(point) for point in study.line(name, n) if point.quality.usable]
@@ -204,14 +204,12 @@ def spectrum_panel(axes, study, n):
                       markerfacecolor=colour(name) if style.filled else "white", label=name, zorder=2)
         else:
             draw_line(axes, name, points, integrator)
-            labels.append(Label(name, points[len(points) // 3:], colour(name)))
     set_panel(axes, f"n = {n}", SECONDS_LABEL, "error of the spectrum of W")
     if everything:
         spread(axes, everything)
     errors = [max(point.quality.spectrum_error, LEAST_SPECTRUM_ERROR) for point in study.points if point.quality.usable]
     axes.set_ylim(LEAST_SPECTRUM_ERROR / 2, max([*errors, 1e-12]) * 4)
     mark_tolerance(axes, study)
-    place_labels(axes, labels)
     note_failures(axes, study, n)
 
 
@@ -225,79 +223,6 @@ def mark_tolerance(axes, study):
         axes.annotate(f"solver tolerance {tolerance:.0e}", (1, tolerance),
                       xycoords=("axes fraction", "data"), xytext=(-2, 3), textcoords="offset points", ha="right",
                       fontsize=SMALL, color=NOTE_COLOUR, zorder=5)
-
-
-# ---- error against n
-
-
-@styled
-def error_against_n(study):
-    sizes = study.sizes()
-    figure, panels = new_figure(
-        f"Error at T = {study.time:g} against n, at the same step h = {TABLE1_STEP:g}",
-        "In brackets: the error at the largest n drawn over the error at the smallest. The formulations of the Gauss"
-        " method with the same number of stages (cotangent, group, algebra) have the same error and share a line."
-        " Not drawn: runs that failed, and errors below the floor, which is"
-        f" {FLOOR_MARGIN} × the uncertainty of the reference solution at each n.",
-        1, 1, 6.6, notes=1, right=3.1)
-    style_key(figure, LOOKS)
-    axes = panels[0, 0]
-    logarithmic(axes)
-    labels = []
-    for group in relatives(study.integrators):
-        lines = {name: points_against_n(study, name) for name in group}
-        lines = {name: line for name, line in lines.items() if line}
-        for index, (name, line) in enumerate(lines.items()):
-            draw_line(axes, name, line, study.integrators[name], index == 0)
-        if lines:
-            longest = max(lines.values(), key=len)
-            labels.append(Label(joined_relatives(list(lines)) + growth(longest), longest[-1:], colour(group[0])))
-    set_panel(axes, "", "n", ERROR_LABEL.format(time=study.time))
-    axes.set_xlim(sizes[0] / 1.06, sizes[-1] * 1.06)
-    axes.xaxis.set_major_locator(FixedLocator(sizes))
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.xaxis.set_major_formatter(lambda n, _: f"{n:.0f}")
-    floors = [FLOOR_MARGIN * study.references[n].uncertainty for n in sizes]
-    errors = [y for line in axes.lines for y in line.get_ydata()]
-    axes.set_ylim(min(floors) / 10, max([*floors, *errors]) * 4)
-    edges = [axes.get_xlim()[0], *sizes, axes.get_xlim()[1]]
-    values = [floors[0], *floors, floors[-1]]
-    axes.fill_between(edges, values, axes.get_ylim()[0], facecolor="0.93", edgecolor="0.78", hatch="////", linewidth=0,
-                      zorder=0)
-    axes.plot(edges, values, color=GREY, linewidth=0.8, zorder=1, label="_floor")
-    name_floor(axes, f"floor: {FLOOR_MARGIN} × the uncertainty of the reference solution")
-    column_of_labels(axes, labels)
-    note_missing(axes, study)
-    return figure
-
-
-def points_against_n(study, name):
-    found = []
-    for n in study.sizes():
-        point = study.at_step(name, n, TABLE1_STEP)
-        if point is not None and point in study.above_floor(name, n):
-            found.append((n, point.quality.error))
-    return found
-
-
-def growth(line):
-    factor = line[-1][1] / line[0][1]
-    return f"  (×{factor:.2g})" if len(line) > 1 and factor < 99.5 else f"  (×{factor:.0f})" if len(line) > 1 else ""
-
-
-def note_missing(axes, study):
-    """Names under the chart what has no point in it, and why."""
-    parts = []
-    for n in study.sizes():
-        points = {name: study.at_step(name, n, TABLE1_STEP) for name in study.integrators}
-        failed = [name for name, point in points.items() if point is not None and not point.quality.usable]
-        if failed:
-            parts.append(f"Failed at n = {n}: {joined(failed)}.")
-    below = [name for name in study.integrators if not points_against_n(study, name)
-             and any(point.quality.usable for point in study.points if point.integrator == name)]
-    if below:
-        parts.append(f"Below the floor, or not run because shorter steps no longer helped: {joined(below)}.")
-    note_below(axes, " ".join(parts), 150, 36)
 
 
 # ---- tolerance
@@ -315,7 +240,8 @@ def tolerance(study):
         " distance from the answer with the tightest tolerance that converged, at which it is 0 and not drawn. The"
         " diagonal is where an error equals the tolerance. Runs that failed are not drawn.",
         3, max(len(stages), 1), 3.0, row_gap=0.42, sharex=True)
-    formulation_key(figure)
+    formulation_key(figure, matplotlib.lines.Line2D([], [], color="black", label="error"),
+                    matplotlib.lines.Line2D([], [], color="black", linestyle="--", label="solver error"))
     if not stages:
         for axes in panels.flat:
             axes.set_visible(False)
@@ -341,10 +267,8 @@ def tolerance(study):
     for axes in (*errors, *spectra):
         axes.plot(axes.get_xlim(), axes.get_xlim(), color=GREY, linewidth=0.9, scalex=False, scaley=False, zorder=1,
                   label="_diagonal")
-    for axes in errors:
-        place_labels(axes, [*name_family(axes, "error"), *name_family(axes, "solver error")])
     for axes in times:
-        place_labels(axes, [label for n in sizes for label in name_family(axes, f"n = {n}")])
+        name_families(axes, [f"n = {n}" for n in sizes])
     return figure
 
 
@@ -363,14 +287,14 @@ def tolerance_lines(axes, points, value, what, line="-", sizes=FORMULATION_SIZES
                       markersize=sizes[formulation], label=f"{formulation}: {what}", zorder=3)
 
 
-def name_family(axes, what):
-    """Returns one label for the lines of a quantity, on the topmost of them."""
-    lines = [line for line in axes.lines if line.get_label().endswith(f": {what}")]
-    if not lines:
-        return []
-    top = max(lines, key=lambda line: statistics.fmean(map(math.log, line.get_ydata())))
-    points = list(zip(*top.get_data()))
-    return [Label(what, points[len(points) // 3:], "black")]
+def name_families(axes, families):
+    """Names the lines of each quantity over the last point of the topmost of them."""
+    for what in families:
+        lines = [line for line in axes.lines if line.get_label().endswith(f": {what}")]
+        if lines:
+            top = max(lines, key=lambda line: statistics.fmean(map(math.log, line.get_ydata())))
+            axes.annotate(what, top.get_xydata()[-1], xytext=(0, 7), textcoords="offset points", ha="right",
+                          fontsize=SMALL + 1)
 
 
 def share_limits(row):
@@ -382,10 +306,10 @@ def share_limits(row):
             axes.set_ylim(low / 2, high * 2.5)
 
 
-def formulation_key(figure):
+def formulation_key(figure, *further):
     handles = [matplotlib.lines.Line2D([], [], color=FORMULATION_COLOURS[each], marker=FORMULATION_MARKERS[each],
                                        markerfacecolor="white", label=each) for each in FORMULATIONS]
-    key_of(figure, handles)
+    key_of(figure, [*handles, *further])
 
 
 # ---- Table 1 with its accuracy
@@ -415,14 +339,15 @@ def table1_accuracy(run):
     set_panel(axes, "", SECONDS_LABEL, ERROR_LABEL.format(time=5))
     times = [statistics.median(cell.times) for cell in cells.values()]
     errors = [cell.counters["relative_error"] for cell in cells.values()]
-    axes.set_xlim(min(times) / 2, max(times) * 2)
+    axes.set_xlim(min(times) / 2, max(times) * 2.6)
     axes.set_ylim(min(errors) / 8, max(errors) * 8)
     clusters = sorted({(key.n, key.stages) for key in cells})
     for cluster in clusters:
         here = sorted((statistics.median(cell.times), cell.counters["relative_error"])
                       for key, cell in cells.items() if (key.n, key.stages) == cluster)
         axes.plot(*zip(*here), color=GREY, linewidth=1, linestyle=":", zorder=2, label="_same n and s")
-    place_labels(axes, [cluster_label(cells, n, s) for n, s in clusters], clear=5)
+    for n, s in clusters:
+        name_cluster(axes, cells, n, s)
     return figure
 
 
@@ -449,9 +374,9 @@ def table_line(axes, formulation, n, stages_and_cells):
             axes.plot([low, high], [error, error], color=shade, linewidth=1.2, zorder=3, label="_quartiles")
 
 
-def cluster_label(cells, n, stages):
-    """Returns the label of the formulations at one n and s, at the slowest of them."""
-    here = {key: cell for key, cell in cells.items() if (key.n, key.stages) == (n, stages)}
-    slowest = max(here.values(), key=lambda cell: statistics.median(cell.times))
-    return Label(f"n = {n}, s = {stages}",
-                 [(statistics.median(slowest.times), slowest.counters["relative_error"])], "black")
+def name_cluster(axes, cells, n, stages):
+    """Names the formulations at one n and s beside the slowest of them."""
+    here = [cell for key, cell in cells.items() if (key.n, key.stages) == (n, stages)]
+    slowest = max(here, key=lambda cell: statistics.median(cell.times))
+    axes.annotate(f"n = {n}, s = {stages}", (statistics.median(slowest.times), slowest.counters["relative_error"]),
+                  xytext=(9, 3), textcoords="offset points", fontsize=SMALL + 1)

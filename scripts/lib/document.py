@@ -89,6 +89,22 @@ def column_widths(rows):
     return [max(map(len, texts)) for texts in zip(*rows)]
 
 
+def plain_table(columns, rows):
+    """Returns a table of one block, none of its entries marked, from rows of texts."""
+    return Table(columns, [[[Entry(text) for text in row] for row in rows]])
+
+
+def shown(captions, charts):
+    """Returns the figures of those of some charts, given as (name, caption), that exist."""
+    return [Figure(f"{name}.svg", caption) for name, caption in captions if name in charts]
+
+
+def conditions(context):
+    """Says in a line what a study was measured with."""
+    return Paragraph("Measured with " + ", ".join(f"{field} {context[field]}" for field in
+                                                  ("cpu", "blas_kernels", "compiler", "commit") if field in context) + ".")
+
+
 # ---- plain text
 
 

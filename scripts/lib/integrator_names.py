@@ -7,24 +7,11 @@ from benchmark_json import FORMULATIONS
 COMPOSITIONS = ("yoshida4", "suzuki4", "kahan_li6")
 # A row for each s, a column for each formulation.
 TABLE1_CELLS = tuple(f"{formulation}{s}" for s in (1, 2, 3) for formulation in FORMULATIONS)
-MIDPOINT = "algebra1"
 
 
 def others(names):
     """Returns the names beside those of Table 1."""
     return [name for name in names if name not in TABLE1_CELLS]
-
-
-def family(name):
-    """Names the methods for which the same theory holds."""
-    if name == MIDPOINT:
-        return "isospectral midpoint"
-    if name in COMPOSITIONS:
-        return "compositions of the midpoint"
-    stages = gauss_stages(name)
-    if stages is None:
-        return "direct" if re.fullmatch("direct[0-9]+", name) else name
-    return name[:-len(str(stages))] + (", s ≥ 2" if name.startswith("algebra") else "")
 
 
 def gauss_stages(name):

@@ -51,7 +51,15 @@ def context(document, file_format):
 
 
 def objects(document, field):
+    """Returns a list of objects. A table of {"columns": names, "rows": lists of values} is one, in half the bytes."""
     found = document.get(field)
+    if isinstance(found, dict) and all(isinstance(found.get(part), list) for part in ("columns", "rows")):
+        columns, rows = found["columns"], found["rows"]
+        if not all(isinstance(each, str) for each in columns):
+            raise UnusableFile(f"has columns of {field} that have no names")
+        if not all(isinstance(each, list) and len(each) == len(columns) for each in rows):
+            raise UnusableFile(f"has rows of {field} that are not as long as its columns")
+        return [dict(zip(columns, row)) for row in rows]
     if not isinstance(found, list) or not all(isinstance(each, dict) for each in found):
         raise UnusableFile(f"has no list of objects named {field}")
     return found

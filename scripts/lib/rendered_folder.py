@@ -1,4 +1,4 @@
-"""The folder that a render script fills: charts as SVG and PNG, a report as Markdown and text."""
+"""The folder that a render script fills: charts and a report, as SVG and Markdown, and as PNG and text too."""
 
 import errno
 import os
@@ -6,20 +6,45 @@ import sys
 import tempfile
 
 from benchmark_json import UnusableFile, one_line
+from chart_python import require_matplotlib
+from command_line import OneLineParser
 from document import as_markdown, as_text, replace_file
 
-KINDS = ("svg", "png")
+RECORDED = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__)))), "results",
+                        "recorded")
 
 
-def chart_files(figures):
-    """Returns the files of some charts, by name, and their contents."""
-    from chart_panels import encode  # only now: it needs matplotlib
+def render_study(program, description, arguments, raw, others, drawn):
+    """Runs a script that renders a study; returns its command line and what it wrote, by name.
 
-    return {f"{name}.{kind}": encode(figure, kind) for name, figure in figures.items() for kind in KINDS}
+    `raw` names the program that wrote the raw file, `others` are options that name further ones, with their help.
+    `drawn(options)` returns figures by name (None: there is nothing to draw) and a function from the names of those
+    that there are to the report.
+    """
+    parser = OneLineParser(prog=program, description=description)
+    parser.add_argument("raw", metavar="RAW.json", help=f"what build/benchmarks/{raw} wrote")
+    parser.add_argument("--out", metavar="DIR", required=True, help="folder for charts and report; made if missing."
+                        " In results/recorded: SVG and Markdown only")
+    for name, wrote_it in others.items():
+        parser.add_argument(f"--{name}", metavar=f"{name.upper()}.json", help=wrote_it)
+    options = parser.parse_args(arguments)
+    require_matplotlib(program)
+    recorded = os.path.realpath(options.out).startswith(os.path.realpath(RECORDED) + os.sep)
+    return options, write_folder(program, options.out, lambda: files(*drawn(options), recorded))
 
 
-def report_files(report):
-    return {"report.md": as_markdown(report).encode("utf-8"), "report.txt": as_text(report).encode("utf-8")}
+def files(figures, report, recorded):
+    """Returns the files of some charts and of their report, by name, and their contents."""
+    from chart_panels import encode  # only now: it needs matplotlib, and unusable files should be named without it
+
+    figures = {name: figure for name, figure in figures.items() if figure}
+    found = {f"{name}.{kind}": encode(figure, kind) for name, figure in figures.items()
+             for kind in (("svg",) if recorded else ("svg", "png"))}
+    document = report(set(figures))
+    found["report.md"] = as_markdown(document).encode("utf-8")
+    if not recorded:
+        found["report.txt"] = as_text(document).encode("utf-8")
+    return found
 
 
 def write_folder(program, folder, files):

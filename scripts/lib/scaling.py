@@ -3,7 +3,6 @@
 Everything is checked before anything is used.
 """
 
-import math
 import statistics
 from dataclasses import dataclass, replace
 from typing import Dict, List, Tuple
@@ -14,7 +13,6 @@ from raw_files import Fields, objects
 
 FORMAT = "isosyrk scaling 2"
 FLOPS = 8  # of a product of complex n x n matrices, for each of its n³ terms
-FITTED_FROM = 65  # an exponent is fitted on points of this n and larger
 PUBLISHED, BY_DEFAULT = "published", "by default"
 
 
@@ -118,16 +116,6 @@ def median_time(fields, field):
     if not SHORTEST_SECONDS <= time <= LONGEST_SECONDS:
         fields.refuse(field, "a list of possible times")
     return time
-
-
-def exponent(points, value):
-    """Returns the slope of log value against log n from FITTED_FROM on, or None where fewer than two points tell it."""
-    places = [(math.log(point.n), math.log(value(point))) for point in points
-              if point.n >= FITTED_FROM and value(point) > 0]
-    if len(places) < 2:
-        return None
-    mean_x, mean_y = (statistics.fmean(axis) for axis in zip(*places))
-    return (sum((x - mean_x) * (y - mean_y) for x, y in places) / sum((x - mean_x)**2 for x, _ in places))
 
 
 def ladder(cell):

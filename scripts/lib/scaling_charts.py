@@ -4,10 +4,9 @@ import matplotlib
 from matplotlib.ticker import FixedLocator, NullLocator
 
 from benchmark_json import FORMULATIONS
-from chart_labels import Label
-from chart_panels import GREY, SMALL, column_of_labels, hide_rest, key_of, logarithmic, new_figure, set_panel, styled
+from chart_panels import GREY, SMALL, hide_rest, key_of, logarithmic, new_figure, set_panel, styled
 from charts import FORMULATION_COLOURS, FORMULATION_MARKERS
-from scaling import FITTED_FROM, exponent, ladder
+from scaling import ladder
 
 STEP_LABEL = "CPU seconds per step (median)"
 # Names of rungs that are too long for a chart, and the rungs' shades, the later the darker.
@@ -22,21 +21,17 @@ def cost_against_n(study):
     figure, panels = new_figure(
         "A step of the fast forms against n",
         f"Steps such that h‖B(W₀)‖₂ = {study.h_norm_B:g} at every n, once start values have all their past steps. Solid:"
-        " what a step takes; dashed: its floor, the operations of the products that it forms at the measured peak of the core. Exponents are fitted"
-        f" from n = {FITTED_FROM} on.",
-        1, len(stages), 4.9, right=1.35, column_gap=1.95)
+        " what a step takes; dashed: its floor, the operations of the products that it forms at the measured peak of the core.",
+        1, len(stages), 4.9)
     key_of(figure, [line_of(each) for each in FORMULATIONS] + [
         matplotlib.lines.Line2D([], [], color=GREY, linestyle="--", label="floor")])
     for axes, s in zip(panels.flat, stages):
         against_n(axes, study)
-        labels = []
         for formulation in FORMULATIONS:
             points = study.line(formulation, s)
-            if points:
-                labels.append(draw(axes, formulation, points, lambda point: point.seconds, "-", "measured"))
-                draw(axes, formulation, points, lambda point: point.floor, "--", "floor", marker="None")
+            draw(axes, formulation, points, lambda point: point.seconds, "-", "measured")
+            draw(axes, formulation, points, lambda point: point.floor, "--", "floor", marker="None")
         set_panel(axes, f"s = {s}", "n", STEP_LABEL if s == stages[0] else "")
-        name_ends(axes, labels)
     return figure
 
 
@@ -49,26 +44,18 @@ def parts_against_n(study):
         "Solid: the products that a step forms, at the rate of products alone, measured beside it. Dotted: what is left of"
         " the step, the solves with the Laplacian, sums and start values. Where products run no slower than alone and all"
         " else is little, the difference is noise, and points may be missing.",
-        len(FORMULATIONS), len(stages), 3.0, right=1.0, column_gap=1.6)
+        len(FORMULATIONS), len(stages), 3.0)
     key_of(figure, [matplotlib.lines.Line2D([], [], color="0.2", linestyle=style, marker=marker, label=meaning)
                     for style, marker, meaning in (("-", "o", "products (n³, within bands less)"), (":", "s", "all else (n²)"))])
     for row, formulation in zip(panels, FORMULATIONS):
         for axes, s in zip(row, stages):
             against_n(axes, study)
             points = study.line(formulation, s)
-            labels = [draw(axes, formulation, points, lambda point: point.cubic, "-", "products", "o"),
-                      draw(axes, formulation, points, lambda point: point.quadratic, ":", "all else", "s")]
+            draw(axes, formulation, points, lambda point: point.cubic, "-", "products", "o")
+            draw(axes, formulation, points, lambda point: point.quadratic, ":", "all else", "s")
             set_panel(axes, f"{formulation}, s = {s}", "n" if formulation == FORMULATIONS[-1] else "",
                       STEP_LABEL if s == stages[0] else "")
-            name_ends(axes, labels)
     return figure
-
-
-def name_ends(axes, labels):
-    """Writes exponents beside the lines' ends, whose places are known once the limits are."""
-    axes.set_xlim(*axes.get_xlim())
-    axes.set_ylim(*axes.get_ylim())
-    column_of_labels(axes, [label for label in labels if label])
 
 
 def line_of(formulation):
@@ -84,15 +71,12 @@ def against_n(axes, study):
 
 
 def draw(axes, formulation, points, value, style, what, marker=None):
-    """Draws one line; returns its exponent as a label, or None where it has none."""
+    """Draws one line; what has the value 0 has no place on the axis."""
     places = [(point.n, value(point)) for point in points if value(point) > 0]
-    if not places:
-        return None
-    shade = FORMULATION_COLOURS[formulation]
-    axes.plot(*zip(*places), color=shade, linestyle=style, marker=marker or FORMULATION_MARKERS[formulation],
-              markerfacecolor="white", markersize=4.2, linewidth=1.2 if style == "-" else 0.9, label=f"{formulation}: {what}")
-    power = exponent(points, value)
-    return None if power is None else Label(f"$n^{{{power:.2f}}}$", places[-1:], shade)
+    if places:
+        axes.plot(*zip(*places), color=FORMULATION_COLOURS[formulation], linestyle=style,
+                  marker=marker or FORMULATION_MARKERS[formulation], markerfacecolor="white", markersize=4.2,
+                  linewidth=1.2 if style == "-" else 0.9, label=f"{formulation}: {what}")
 
 
 @styled

@@ -1,53 +1,31 @@
-"""What a study of the fast forms' cost says, as a document. Every sentence is made from the raw file."""
+"""A study of what a step of the fast forms costs as a document: charts and tables."""
 
 from benchmark_json import FORMULATIONS
 from comparison import MISSING, three_digits
-from document import Column, Entry, Figure, Heading, Paragraph, Table
-from scaling import BY_DEFAULT, FITTED_FROM, PUBLISHED, exponent, ladder
+from document import Column, Entry, Heading, Paragraph, Table, conditions, shown
+from scaling import BY_DEFAULT, PUBLISHED, ladder
 
 CHARTS = (
-    ("cost_against_n", "A step of each fast form against n, its fitted exponent, and the floor of its products."),
+    ("cost_against_n", "A step of each fast form against n, and the floor of its products."),
     ("parts_against_n", "The n³ part of a step, its products, which within bands is less, and the n² part, all else."),
     ("ladder_of_ideas", "What each idea bought, from the published form to the fast one."),
 )
 
 
-def scaling_sections(study, charts, level=2):
-    """Returns the section; `charts` maps the names of the charts that exist to their paths."""
+def scaling_sections(study, charts, level=1):
+    """Returns the document; `charts` are the names of the charts beside it."""
     return [
         Heading("What a step of the fast forms costs", level),
         Paragraph(f"Steps at n = {', '.join(map(str, study.sizes()))} such that h‖B(W₀)‖₂ = {study.h_norm_B:g}, with"
                   f" {study.kernels} kernels, on one core."),
-        *figures(charts, "cost_against_n", "parts_against_n"),
-        *exponents_section(study, level + 1),
+        *shown(CHARTS[:2], charts),
         *floor_section(study, level + 1),
         Heading("What each idea bought", level + 1),
-        *figures(charts, "ladder_of_ideas"),
+        *shown(CHARTS[2:], charts),
         *ladder_section(study),
         *rest_section(study, level + 1),
+        conditions(study.context),
     ]
-
-
-def figures(charts, *names):
-    return [Figure(charts[name], caption) for name, caption in CHARTS if name in names and name in charts]
-
-
-def exponents_section(study, level):
-    columns = (Column("formulation", align="left"), Column("s"), Column("step"), Column("products"), Column("all else"))
-    blocks = [[[Entry(formulation if index == 0 else ""), Entry(str(s)),
-                *(Entry(power(study.line(formulation, s), value)) for value in
-                  (lambda point: point.seconds, lambda point: point.cubic, lambda point: point.quadratic))]
-               for index, s in enumerate(study.stage_counts())] for formulation in FORMULATIONS]
-    return [Heading("Exponents", level),
-            Paragraph(f"Slopes of log time against log n, fitted from n = {FITTED_FROM} on: of the step, of the products that"
-                      " it forms, and of what is left. Of a smooth scene, whose matrices fall off away from the diagonal: products"
-                      " within bands cost n² times their width in place of n³."),
-            Table(columns, blocks)]
-
-
-def power(points, value):
-    found = exponent(points, value)
-    return MISSING if found is None else f"{found:.2f}"
 
 
 def floor_section(study, level):

@@ -4,7 +4,6 @@ A trial is a short run with one step size; the map of one integrator in one sett
 grid of h‖B‖₂, and the bracket that bisection left around the critical value. ‖B‖₂ is taken at the initial data.
 """
 
-import math
 from dataclasses import dataclass
 from typing import Callable, Dict, List, Optional, Tuple
 
@@ -15,8 +14,6 @@ from raw_files import CASIMIRS, CONVERGED, LARGEST, STATUSES, Fields, Integrator
 MAP_FORMAT = "isosyrk stability 1"
 LONG_RUNS_FORMAT = "isosyrk long_runs 1"
 SCENES = ("smooth", "rough")
-TWO_PRODUCTS = "_two_products"  # ends the name of a control: ISOSYRK with its update formed as BW̃ − W̃B
-AGREEMENT = 1e-6  # relative, of recorded numbers that must agree with one another
 
 
 @dataclass(frozen=True)
@@ -28,7 +25,6 @@ class Trial:
     status: str
     steps: int
     sweeps_per_step: Optional[float]
-    contraction: Optional[float]  # measured, of the changes in one step, the largest of the steps; 0 if explicit
     spectrum_error: Optional[float]
     skew_defect: Optional[float]
     energy_error: Optional[float]
@@ -50,7 +46,6 @@ class Setting:
     scene: str
     n: int
     norm_B: float
-    norm_ad_B: float
     explicit_steps: int  # of a trial
     implicit_steps: int
 
@@ -74,12 +69,6 @@ class Map:
         if self.critical:
             return self.critical.works.h_norm_B
         return self.trials[-1].h_norm_B if self.always_works else None
-
-    @property
-    def over_limit(self):
-        """Measured critical over linear limit; None where one of them is not known."""
-        return self.critical.works.h_norm_B / self.linear_limit if self.critical and self.linear_limit else None
-
 
 @dataclass(frozen=True)
 class FailureMap:
@@ -137,7 +126,6 @@ class LongRun:
     steps: int  # completed
     failed_step: Optional[int]
     sweeps_per_step: Optional[float]
-    predicted_skew_growth: Optional[float]  # of the controls: rate of their skew defect by linear theory, per unit time
     samples: Tuple[Sample, ...]
 
     @property
@@ -179,11 +167,12 @@ class Quantity:
         return [(time, value) for time, value in found if value is not None]
 
 
-SPECTRUM = Quantity("spectrum error", "largest error of an eigenvalue", lambda sample: sample.spectrum_error)
-SKEW = Quantity("skew defect", "largest entry of |W + W†|", lambda sample: sample.skew_defect)
-CASIMIR = Quantity("Casimirs", "largest relative error of a Casimir", lambda sample: sample.casimir_error)
-ENERGY = Quantity("energy error", "relative error of the energy", lambda sample: sample.energy_error)
-QUANTITIES = (SPECTRUM, SKEW, CASIMIR, ENERGY)
+QUANTITIES = (
+    Quantity("spectrum error", "largest error of an eigenvalue", lambda sample: sample.spectrum_error),
+    Quantity("skew defect", "largest entry of |W + W†|", lambda sample: sample.skew_defect),
+    Quantity("Casimirs", "largest relative error of a Casimir", lambda sample: sample.casimir_error),
+    Quantity("energy error", "relative error of the energy", lambda sample: sample.energy_error),
+)
 
 
 def trials_in_words(failures, scenes):
@@ -233,7 +222,8 @@ def failure_map(document, solver="published"):
                         maps)
     for each in maps.values():
         check_listed(result.integrators, each, "map")
-        check_setting(settings, each)
+        if (each.scene, each.n) not in settings:
+            raise UnusableFile(f"has a map in a setting it does not list, {each.scene} at n = {each.n}")
     return result
 
 
@@ -246,7 +236,6 @@ def long_runs(document):
     result = LongRuns(context, Fields(document, "the file").whole("steps", 1), integrators(document), runs)
     for each in runs:
         check_listed(result.integrators, each, "run")
-        check_steps(result, each)
     return result
 
 
@@ -268,50 +257,9 @@ def check_listed(known, each, what):
         raise UnusableFile(f"has a {what} of an integrator it does not list, {quoted(each.integrator)}")
 
 
-def place(each):
-    return f"{each.integrator} at n = {each.n}, {each.scene}"
-
-
-def agree(first, second):
-    return math.isclose(first, second, rel_tol=AGREEMENT)
-
-
-def check_setting(settings, each):
-    """Refuses a map whose trials are not what its setting makes them."""
-    if (each.scene, each.n) not in settings:
-        raise UnusableFile(f"has a map in a setting it does not list, {each.scene} at n = {each.n}")
-    norm = settings[each.scene, each.n].norm_B
-    bracket = [each.critical.works, each.critical.fails] if each.critical else []
-    for trial in [*each.trials, *bracket]:
-        if not agree(trial.h_norm_B, trial.step * norm):
-            raise UnusableFile(f"has a trial of {place(each)} whose h_norm_B is {trial.h_norm_B:g} where step and"
-                               f" norm_B give {trial.step * norm:g}")
-    if any(first.h_norm_B >= second.h_norm_B for first, second in zip(each.trials, each.trials[1:])):
-        raise UnusableFile(f"has trials of {place(each)} that do not rise in h_norm_B")
-    if bracket and (not each.critical.works.works or each.critical.fails.works
-                    or each.critical.works.h_norm_B >= each.critical.fails.h_norm_B):
-        raise UnusableFile(f"has a critical of {place(each)} that is not from one that works up to one that fails")
-
-
-def check_steps(result, run):
-    """Refuses a long run whose steps, times and samples contradict one another."""
-    if not agree(run.h_norm_B, run.share * run.critical):
-        raise UnusableFile(f"has a run of {place(run)} whose h_norm_B is {run.h_norm_B:g} where share and critical give"
-                           f" {run.share * run.critical:g}")
-    if run.steps > result.steps or (run.survived and (run.steps < result.steps or not run.samples)):
-        raise UnusableFile(f"has a run of {place(run)} that is {run.status} after {run.steps} of {result.steps} steps"
-                           f" with {len(run.samples)} samples")
-    steps = [sample.step for sample in run.samples]
-    if any(first >= second for first, second in zip(steps, steps[1:])) or any(step > result.steps for step in steps):
-        raise UnusableFile(f"has a run of {place(run)} whose samples do not rise up to {result.steps} steps")
-    if any(not agree(sample.time, sample.step * run.step) for sample in run.samples):
-        raise UnusableFile(f"has a run of {place(run)} with a sample whose time is not its steps of {run.step:g}")
-
-
 def setting(fields):
     steps = fields.object("trial_steps")
-    return Setting(fields.one_of("scene", SCENES), fields.whole("n", 2), fields.positive("norm_B"),
-                   fields.positive("norm_ad_B"), steps.whole("explicit", 1), steps.whole("implicit", 1))
+    return Setting(fields.one_of("scene", SCENES), fields.whole("n", 2), fields.positive("norm_B"), steps.whole("explicit", 1), steps.whole("implicit", 1))
 
 
 def map_of(fields):
@@ -336,7 +284,7 @@ def trial(fields):
                            f" {', '.join(name for name in errors if errors[name] is None)}")
     return Trial(h_norm_B=fields.positive("h_norm_B"), step=fields.positive("step"), status=status,
                  steps=fields.whole("steps"), sweeps_per_step=fields.optional("sweeps_per_step"),
-                 contraction=fields.error_of_any_size("contraction"), failed_step=failed_step(fields), **errors)
+                 failed_step=failed_step(fields), **errors)
 
 
 def failed_step(fields):
@@ -344,13 +292,11 @@ def failed_step(fields):
 
 
 def long_run(fields):
-    predicted = fields.optional("predicted_skew_growth") if "predicted_skew_growth" in fields.values else None
     return LongRun(scene=fields.one_of("scene", SCENES), n=fields.whole("n", 2), integrator=fields.text("integrator"),
                    share=fields.positive("share"), critical=fields.positive("critical"),
                    h_norm_B=fields.positive("h_norm_B"), step=fields.positive("step"),
                    status=fields.one_of("status", STATUSES), steps=fields.whole("steps"),
                    failed_step=failed_step(fields), sweeps_per_step=fields.optional("sweeps_per_step"),
-                   predicted_skew_growth=predicted,
                    samples=tuple(sample(Fields(each, "a sample")) for each in objects(fields.values, "samples")))
 
 

@@ -11,14 +11,14 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import FixedLocator, NullLocator
 
 from benchmark_json import FORMULATIONS
-from chart_labels import Label
-from chart_panels import (LOOKS, SMALL, colour, column_of_labels, cross_mark, draw_line, floor_band, hide_rest, key_of,
-                          logarithmic, look, new_figure, note_below, set_panel, style_key, styled)
+from chart_panels import (LOOKS, SMALL, Label, colour, column_of_labels, cross_mark, draw_line, floor_band, hide_rest,
+                          key_of, logarithmic, look, new_figure, note_below, set_panel, style_key, styled)
 from drift import ROUNDING
 from integrator_names import TABLE1_CELLS, gauss_stages, joined, joined_relatives, others, relatives
 from raw_files import CONVERGED, SWEEP_CAP, UNSTABLE
 from stability import QUANTITIES, trials_in_words
 
+CELLS, NUMBERS = -2, -1  # of the drawing order; what lies below 0 an SVG holds as one image
 GENERATOR_LABEL = "h‖B(W₀)‖₂"
 MEASURED, THEORY = "measured critical", "linear theory"
 
@@ -85,7 +85,8 @@ def map_key(figure, study, scene):
                 for status, (shade, hatch, ink) in FAILURES.items() if status in found]
     handles += [matplotlib.lines.Line2D([], [], color="black", linewidth=2.2, label=MEASURED),
                 matplotlib.lines.Line2D([], [], color="black", linewidth=1.4, linestyle=(0, (4, 2)), label=THEORY)]
-    key_of(figure, handles, handlelength=2.4, columnspacing=1.5)
+    for patch in key_of(figure, handles, handlelength=2.4, columnspacing=1.5).get_patches():
+        patch.set_rasterized(True)  # a hatching in an SVG is thousands of curves
 
 
 def map_panel(axes, study, scene, name):
@@ -93,6 +94,7 @@ def map_panel(axes, study, scene, name):
     axes.set_yscale("log")
     axes.grid(False)
     axes.tick_params(length=2)
+    axes.set_rasterization_zorder(0)
     edges = [edge for each in maps for bottom, top in cell_edges(each) for edge in (bottom, top)]
     axes.set_ylim(min(edges), max(edges))
     axes.set_xlim(-0.5, len(maps) - 0.5)
@@ -131,7 +133,7 @@ def cell(axes, column, trial, bottom, top):
     else:
         shade, hatch, ink = FAILURES[trial.status]
     axes.add_patch(Rectangle((column - 0.5, bottom), 1, top - bottom, facecolor=shade, edgecolor=ink, hatch=hatch,
-                             linewidth=0.4 if trial.works else 0, zorder=1))
+                             linewidth=0.4 if trial.works else 0, zorder=CELLS))
 
 
 def far(h_norm_B, level):
@@ -142,7 +144,7 @@ def far(h_norm_B, level):
 def sweeps(axes, column, trial):
     if trial.works and trial.sweeps_per_step:
         axes.text(column, trial.h_norm_B, f"{trial.sweeps_per_step:.0f}", fontsize=SMALL - 1.5, color="0.25",
-                  ha="center", va="center", zorder=3)
+                  ha="center", va="center", zorder=NUMBERS)
 
 
 def sweep_shade(trial):
@@ -159,7 +161,7 @@ def level_line(axes, values, name, style, width):
     low, high = axes.get_ylim()
     if not known or not low <= values[known[-1]] <= high:
         return []
-    return [Label(f"{name.split()[0]} {values[known[-1]]:.3g}", [(known[-1] + 0.5, values[known[-1]])], "black")]
+    return [Label(f"{name.split()[0]} {values[known[-1]]:.3g}", (known[-1] + 0.5, values[known[-1]]), "black")]
 
 
 # ---- long runs
@@ -225,7 +227,7 @@ def time_panel(axes, study, quantity, runs):
                       markersize=3.2, markevery=(index, MARKERS))
             if not runs[name].survived:
                 cross_mark(axes, series[name][-1])
-        labels += [Label(line_name(drawn if together else [name]) + failure(runs[name]), series[name][-1:], colour(name))
+        labels += [Label(line_name(drawn if together else [name]) + failure(runs[name]), series[name][-1], colour(name))
                    for name in leaders]
     note_below(axes, notes(quantity, runs), 92, 34)
     return labels

@@ -14,7 +14,6 @@ MOST_STOLEN = 0.02  # of the cores' time, in either run of a pair that counts
 CORES = "cores_at_once"  # what two threads multiply-add at once over what one does, before and after a run
 FEWEST_CORES = 1.8  # around either run of a pair that counts; 1 where the host runs both processors on one core
 FEWEST_PAIRS = 5
-NEARER = 0.9  # a ratio that falls to this share of what it was has fallen clearly
 
 
 def threads_section(path, counters):
@@ -33,9 +32,8 @@ def threads_section(path, counters):
             Paragraph(f"{'Median over pairs of runs, one straight after the other,' if in_rounds(one) else 'Median'} of"
                       " the time that passes, of the fast forms with one thread over two, measured in turns on cores of"
                       " their own; in brackets the same of the shortest times. The answers are the same bit for bit."),
-            *([Paragraph(disturbance(every, (one, two), disturbed))] if disturbed else []),
-            Table(columns, blocks),
-            *parallel_algebra(one, two)]
+            *([Paragraph(disturbance(every[1], disturbed))] if disturbed else []),
+            Table(columns, blocks)]
 
 
 class Disturbed(NamedTuple):
@@ -75,60 +73,22 @@ def had_its_cores(side, index):
     return (stolen is None or stolen[index] <= MOST_STOLEN) and (cores is None or cores[index] >= FEWEST_CORES)
 
 
-def what_disturbs(run):
-    """Says in what way the host of a virtual machine can have disturbed a pair, as far as the rows tell."""
-    told = {name for side in run.measurements.values() for name in side.repeated}
-    ways = {STOLEN: f"gave more than {100 * MOST_STOLEN:g} % of the cores' time to others",
-            CORES: "ran both processors on one core (two threads at once multiply-add less than"
-                   f" {FEWEST_CORES:g} times as fast as one, before or after)"}
-    return " or ".join(text for name, text in ways.items() if name in told)
-
-
-def disturbance(every, counted, disturbed):
-    """Says which pairs were disturbed, and what would stand here if they counted."""
-    left_out = [cell for cell in disturbed if cell.left_out]
-    crowded = [cell for cell in disturbed if not cell.left_out]
-    texts = []
-    if left_out:
-        change = max(abs(speed_up(*counted, cell.key) - speed_up(*every, cell.key)) for cell in left_out)
-        texts.append(f"Pairs in which the host of this virtual machine {what_disturbs(every[1])}"
-                     f" are left out: {sum(cell.pairs - cell.quiet for cell in left_out)} of"
-                     f" {sum(len(side.times) for side in every[1].measurements.values())}. With them, medians would"
-                     f" differ by up to {change:.2f}.")
+def disturbance(run, disturbed):
+    """Says how many pairs do not count, and in which cells all do because too few others are left."""
+    left_out = sum(cell.pairs - cell.quiet for cell in disturbed if cell.left_out)
+    crowded = [f"{cell.key.formulation} at n = {cell.key.n}, s = {cell.key.stages} ({cell.quiet} of {cell.pairs})"
+               for cell in disturbed if not cell.left_out]
+    text = (f"Left out: {left_out} of {sum(len(side.times) for side in run.measurements.values())} pairs, around which the"
+            f" host gave more than {100 * MOST_STOLEN:g} % of the cores' time to others, or two threads at once"
+            f" multiply-add less than {FEWEST_CORES:g} times as fast as one.")
     if crowded:
-        names = ", ".join(f"{cell.key.formulation} at n = {cell.key.n}, s = {cell.key.stages} ({cell.quiet} of"
-                          f" {cell.pairs})" for cell in crowded)
-        texts.append(f"All pairs count where fewer than {FEWEST_PAIRS} had the cores to themselves: {names}.")
-    return " ".join(texts)
+        text += f" All pairs count where fewer than {FEWEST_PAIRS} were undisturbed: {', '.join(crowded)}."
+    return text
 
 
 def in_rounds(run):
     """Whether each repetition of a cell with two threads was measured straight after one with one thread."""
     return run.context.get("order") == "rounds"
-
-
-def parallel_algebra(one, two):
-    """What two threads do to the place of algebra (ISOSYRK), which the paper leaves open."""
-    n = max(key.n for key in two.measurements)
-    several = [stages for stages in STAGES if stages > 1]
-    ratios = [[behind_the_fastest(run, n, stages) for stages in several] for run in (one, two)]
-    if any(ratio is None for side in ratios for ratio in side):
-        return []
-    with_one, with_two = (", ".join(map(three_digits, side)) for side in ratios)
-    gains = all(after < NEARER * before for before, after in zip(*ratios))
-    return [Paragraph("The paper leaves open whether ISOSYRK would gain by a parallel implementation."
-                      f" At n = {n}, s = {', '.join(map(str, several))} algebra takes {with_one} times the time of the"
-                      f" fastest formulation with one thread and {with_two} times with two: "
-                      + ("so it gains more by it than they do." if gains else
-                         "so it does not gain more by it than they do; what its pairs of stages offer to a second core,"
-                         " the stages of the others offer too."))]
-
-
-def behind_the_fastest(run, n, stages):
-    times = {name: run.measurements.get(CellKey(name, n, stages)) for name in FORMULATIONS}
-    if not all(each and each.times for each in times.values()):
-        return None
-    return median(times["algebra"].times) / min(median(each.times) for each in times.values())
 
 
 def speed_up(one, two, key):

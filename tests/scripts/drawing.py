@@ -4,8 +4,10 @@ import atexit
 import functools
 import os
 import shutil
+import struct
 import sys
 import tempfile
+import xml.etree.ElementTree
 
 import programs
 from programs import FolderTest, environment, run, run_script
@@ -41,6 +43,15 @@ class DrawingTest(FolderTest):
     def setUp(self):
         super().setUp()
         self.settings = environment(MPLCONFIGDIR=self.path("matplotlib"), PYTHONDONTWRITEBYTECODE="1")
+
+    def assert_whole(self, files, chart):
+        """Both files of a chart are whole, and wide enough for a page."""
+        root = xml.etree.ElementTree.fromstring(files[f"{chart}.svg"])
+        self.assertEqual(root.tag, "{http://www.w3.org/2000/svg}svg")
+        png = files[f"{chart}.png"]
+        self.assertEqual((png[:8], png[-8:-4]), (b"\x89PNG\r\n\x1a\n", b"IEND"), chart)
+        width, height = struct.unpack(">II", png[16:24])
+        self.assertEqual((width, height > 450), (1600, True), chart)
 
     def require_drawing(self):
         self.assertIsNotNone(FOUND, chart_python.complaint())

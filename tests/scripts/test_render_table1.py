@@ -166,357 +166,190 @@ def verdict(text, claim, n, stages):
     return " ".join(item.split())
 
 
-class TimesTest(ScriptTest):
+class TableTest(ScriptTest):
+    """Times, ratios and counters."""
+
+    COUNTERS = "What the time went into, and how good the answer is"
+
     def times(self, data=None):
         return section(self.render(data), "CPU seconds")
 
-    def test_shows_the_median_cpu_time_in_seconds(self):
-        self.assertTrue(entries(self.times(), 17, "group")[0].startswith("0.00300 ±"))
-
-    def test_median_ignores_an_outlier(self):
-        times = repeated(0.003)[:-1] + [0.5]
-        self.assertTrue(entries(self.times(raw(cells={("group", 17, 1): times})), 17, "group")[0]
-                        .startswith("0.00300 ±"))
-
-    def test_spread_is_half_the_interquartile_range_in_percent(self):
+    def test_a_time_is_the_median_with_half_its_interquartile_range(self):
         # Seven equidistant times, ± 10 % in all: the quartiles are halfway between the median and the ends.
-        times = repeated(0.003, 7, spread=0.10)
-        self.assertEqual(entries(self.times(raw(cells={("group", 17, 1): times})), 17, "group")[0],
-                         "0.00300 ±5.0 %")
+        for times, shown in ((repeated(0.003, spread=0.10), "0.00300 ±5.0 %"), (repeated(0.003)[:-1] + [0.5], "0.00300 ±"),
+                             ([0.003], "0.00300")):
+            found = entries(self.times(raw(cells={("group", 17, 1): times})), 17, "group")[0].rstrip("*")
+            self.assertTrue(found.startswith(shown) and (len(times) > 1 or found == shown), found)
 
-    def test_every_time_unit_means_the_same_seconds(self):
-        for unit, factor in (("ns", 1e9), ("us", 1e6), ("s", 1.0)):
-            with self.subTest(unit=unit):
-                rows = rows_of("group", 17, 1, repeated(0.003))
-                for row in rows:
-                    row.update(time_unit=unit, cpu_time=row["cpu_time"] * 1e-3 * factor)
-                self.assertEqual(self.times(raw(cells={("group", 17, 1): rows})), self.times())
+    def test_what_changes_nothing(self):
+        def suffixed(row):
+            row["run_name"] += "/min_time:0.500/repeats:7"
 
-    def test_aggregate_rows_change_nothing(self):
-        data = raw()
-        data["benchmarks"] = [row for row in data["benchmarks"] if row["run_type"] == "iteration"]
-        self.assertEqual(self.render(data), self.render())
+        def named(row):
+            row["name"] = "nonsense"
 
-    def test_nan_in_an_aggregate_row_is_harmless(self):
-        # Google Benchmark divides by the mean for its "cv" rows: bare NaN for a skew defect of exactly 0.
-        data = raw()
-        for row in data["benchmarks"]:
+        def cv(row):  # Google Benchmark divides by the mean for these: bare NaN for a skew defect of exactly 0
             if row["run_type"] == "aggregate":
                 row["skew_defect"] = math.nan
-        self.assertEqual(self.render(data), self.render())
 
-    def test_suffixes_of_the_run_name_change_nothing(self):
+        def scaled(unit, factor):
+            return lambda row: row.update(time_unit=unit, cpu_time=row["cpu_time"] * 1e-3 * factor)
+
+        plain = self.render()
+        for change in (suffixed, named, cv, scaled("ns", 1e9), scaled("us", 1e6), scaled("s", 1.0)):
+            data = raw()
+            for row in data["benchmarks"]:
+                change(row)
+            self.assertEqual(self.render(data), plain, change)
         data = raw()
-        for row in data["benchmarks"]:
-            row["run_name"] += "/min_time:0.500/repeats:7"
-        self.assertEqual(self.render(data), self.render())
+        data["benchmarks"] = [row for row in reversed(data["benchmarks"]) if row["run_type"] == "iteration"]
+        self.assertEqual(self.render(data), plain)
 
-    def test_the_name_field_is_never_read(self):
-        data = raw()
-        for row in data["benchmarks"]:
-            row["name"] = "nonsense"
-        self.assertEqual(self.render(data), self.render())
-
-    def test_a_digit_after_the_stages_is_not_a_suffix(self):
-        data = raw()
-        data["benchmarks"][0]["run_name"] = "table1/cotangent/n:17/s:1x"
-        self.assert_refused(data, "s:1x")
-
-    def test_order_of_rows_changes_nothing(self):
-        data = raw()
-        data["benchmarks"].reverse()
-        self.assertEqual(self.render(data), self.render())
-
-    def test_the_fastest_row_is_marked(self):
-        self.assertEqual([entries(self.times(), 33, "algebra")[0][-1], entries(self.times(), 33, "group")[1][-1]],
-                         ["*", "*"])
-
-    def test_a_slower_row_is_not_marked(self):
-        self.assertNotIn("*", "".join(entries(self.times(), 33, "cotangent")))
-
-    def test_rows_the_rank_test_does_not_separate_are_both_marked(self):
+    def test_the_fastest_row_is_marked_and_what_the_rank_test_does_not_separate(self):
+        times = self.times()
+        self.assertEqual([entries(times, 33, "algebra")[0][-1], entries(times, 33, "group")[1][-1]], ["*", "*"])
+        self.assertNotIn("*", "".join(entries(times, 33, "cotangent")))
         overlapping = [time * 1.001 for time in repeated(0.002)]
         times = self.times(raw(cells={("group", 17, 1): overlapping}))
         self.assertTrue(all(entries(times, 17, name)[0].endswith("*") for name in ("group", "algebra")))
 
-    def test_legend_says_that_unseparated_rows_are_marked_too(self):
-        self.assertIn("does\nnot separate", self.times())
+    def test_a_row_without_rival_is_not_marked(self):
+        times = self.times(raw(cells={("cotangent", 17, 1): None, ("algebra", 17, 1): None}))
+        self.assertFalse(entries(times, 17, "group")[0].endswith("*"))
 
-    def test_legend_states_the_number_of_repetitions(self):
+    def test_the_legend_states_repetitions_and_whether_they_are_too_few(self):
         self.assertIn("Medians of 6 repetitions", self.times(raw(repetitions=6)))
+        self.assertEqual(["untested" in self.times(raw(repetitions=number)) for number in (4, 5)], [True, False])
 
-    def test_too_few_repetitions_are_named_in_the_legend(self):
-        self.assertIn("marked untested", self.times(raw(repetitions=4)))
-
-    def test_enough_repetitions_leave_the_legend_silent(self):
-        self.assertNotIn("untested", self.times(raw(repetitions=5)))
-
-    def test_a_lone_repetition_has_no_spread(self):
-        self.assertNotIn("±", "".join(entries(self.times(raw(repetitions=1)), 17, "group")))
-
-    def test_the_papers_seconds_stand_beside_ours(self):
+    def test_the_papers_seconds_and_winners_stand_beside_ours(self):
         with open(os.path.join(ROOT, "results", "paper", "table1.csv"), encoding="utf-8") as stream:
             published = {(row["n"], row["formulation"], row["stages"]): float(row["seconds"])
                          for row in csv.DictReader(stream)}
         times = self.times()
         for (n, formulation, stages), seconds in published.items():
-            shown = entries(times, n, formulation)[2 + int(stages)].rstrip("*")
-            self.assertEqual(shown, three_digits(seconds))
-
-    def test_the_papers_own_winner_is_marked(self):
-        self.assertEqual(entries(self.times(), 129, "group")[3:], ["19.5", "26.8*", "31.3*"])
-
-    def test_a_size_the_paper_lacks_is_shown_without_its_seconds(self):
+            self.assertEqual(entries(times, n, formulation)[2 + int(stages)].rstrip("*"), three_digits(seconds))
+        self.assertEqual(entries(times, 129, "group")[3:], ["19.5", "26.8*", "31.3*"])
         self.assertEqual(entries(self.times(raw(sizes=(9,))), 9, "group")[3:], ["–", "–", "–"])
 
+    def test_ratios_are_to_the_fastest_row_of_the_block(self):
+        ratios = section(self.render(), "Ratios to the fastest row of the block")
+        self.assertEqual(entries(ratios, 17, "cotangent")[:3], ["2.00", "1.33", "1.20"])
+        self.assertEqual(entries(ratios, 17, "algebra")[3:], ["1.00*", "2.92", "3.92"])
 
-class MissingAndFailedTest(ScriptTest):
-    def test_sizes_not_run_are_shown_as_missing(self):
-        times = section(self.render(raw(sizes=(17, 33))), "CPU seconds")
-        self.assertEqual(entries(times, 65, "group")[:3], ["–", "–", "–"])
-
-    def test_one_missing_cell_is_shown_as_missing(self):
-        times = section(self.render(raw(cells={("group", 17, 2): None})), "CPU seconds")
-        self.assertEqual(entries(times, 17, "group")[1], "–")
-
-    def test_the_missing_mark_is_explained(self):
-        self.assertIn('"–" means not measured', self.render(raw(sizes=(17,))))
-
-    def test_a_whole_table_explains_no_missing_mark(self):
+    def test_what_was_not_measured_is_shown_as_missing_and_explained(self):
+        self.assertEqual(entries(self.times(raw(sizes=(17, 33))), 65, "group")[:3], ["–", "–", "–"])
+        text = self.render(raw(cells={("group", 17, 2): None}))
+        self.assertEqual(entries(section(text, "CPU seconds"), 17, "group")[1], "–")
+        self.assertIn('"–" means not measured', text)
+        self.assertIn("left out of its block's comparison: n = 17, s = 2.", " ".join(text.split()))
         self.assertNotIn("not measured", self.render())
 
-    def test_a_failed_cell_points_to_its_footnote(self):
+    def test_a_failed_cell_points_to_a_footnote_that_says_how(self):
         text = self.render(raw(cells={("group", 129, 1): failed_rows("group", 129, 1)}))
         self.assertEqual(entries(section(text, "CPU seconds"), 129, "group")[0], "failed (1)")
-
-    def test_the_footnote_says_how_it_failed(self):
-        text = self.render(raw(cells={("group", 129, 1): failed_rows("group", 129, 1)}))
         self.assertIn("(1) group, n = 129, s = 1: failed: diverged at step 3 (last change 1e7)", text)
+        self.assertRegex(section(text, self.COUNTERS), r"group +failed \(1\)( +–){5}\n")
 
     def test_one_failed_repetition_fails_the_cell(self):
         rows = rows_of("group", 17, 1, repeated(0.003))
         rows[3] = {**failed_rows("group", 17, 1)[0], "repetition_index": 3}
-        text = self.render(raw(cells={("group", 17, 1): rows}))
-        self.assertIn("failed: diverged at step 3 (last change 1e7) (1 of 7 repetitions)", text)
+        self.assertIn("failed: diverged at step 3 (last change 1e7) (1 of 7 repetitions)",
+                      self.render(raw(cells={("group", 17, 1): rows})))
 
     def test_a_file_of_failures_only_is_rendered(self):
-        cells = {(name, n, s): failed_rows(name, n, s) for name in FORMULATIONS for n in (17,) for s in (1, 2, 3)}
+        cells = {(name, 17, s): failed_rows(name, 17, s) for name in FORMULATIONS for s in (1, 2, 3)}
         self.assertIn("failed (9)", self.render(raw(sizes=(17,), cells=cells)))
 
-    def test_a_row_without_rival_is_not_marked(self):
-        cells = {("cotangent", 17, 1): None, ("algebra", 17, 1): None}
-        times = section(self.render(raw(cells=cells)), "CPU seconds")
-        self.assertFalse(entries(times, 17, "group")[0].endswith("*"))
-
-    def test_ratios_name_the_blocks_that_lack_a_row(self):
-        text = section(self.render(raw(cells={("group", 17, 2): None})), "Ratios to the fastest row of the block")
-        self.assertIn("left out of its block's comparison: n = 17, s = 2.", " ".join(text.split()))
-
-
-class RatiosTest(ScriptTest):
-    def ratios(self):
-        return section(self.render(), "Ratios to the fastest row of the block")
-
-    def test_ratios_are_to_the_fastest_row_of_the_block(self):
-        self.assertEqual(entries(self.ratios(), 17, "cotangent")[:3], ["2.00", "1.33", "1.20"])
-
-    def test_the_papers_ratios_stand_beside_ours(self):
-        self.assertEqual(entries(self.ratios(), 17, "algebra")[3:], ["1.00*", "2.92", "3.92"])
-
-
-class CountersTest(ScriptTest):
-    HEADING = "What the time went into, and how good the answer is"
-
-    def test_counters_are_shown_with_three_digits(self):
-        counters = section(self.render(), self.HEADING)
-        self.assertRegex(counters, r"17 +1 +cotangent +14\.0 +1\.23e-14 +43\.2 % +2\.00e-16 +3\.21e-05 +0\.140\n")
-
-    def test_a_counter_is_the_median_of_its_repetitions(self):
+    def test_counters_are_medians_with_three_digits(self):
         rows = rows_of("cotangent", 17, 1, repeated(0.004))
         for row, sweeps in zip(rows, (1, 900, 2, 13, 800, 3, 700)):
             row["sweeps_per_step"] = sweeps
-        counters = section(self.render(raw(cells={("cotangent", 17, 1): rows})), self.HEADING)
-        self.assertRegex(counters, r"17 +1 +cotangent +13\.0 ")
+        counters = section(self.render(raw(cells={("cotangent", 17, 1): rows})), self.COUNTERS)
+        self.assertRegex(counters, r"17 +1 +cotangent +13\.0 +1\.23e-14 +43\.2 % +2\.00e-16 +3\.21e-05 +0\.140\n")
 
-    def test_a_failed_cell_has_no_counters(self):
-        counters = section(self.render(raw(cells={("cotangent", 17, 1): failed_rows("cotangent", 17, 1)})),
-                           self.HEADING)
-        self.assertRegex(counters, r"17 +1 +cotangent +failed \(1\)( +–){5}\n")
-
-
-class ErrorTest(ScriptTest):
-    """The error at T, which only a run that was given reference solutions has."""
-
-    HEADING = "Error at T = 5"
-
-    def rendered(self, **errors):
-        """Renders a file whose group and algebra rows at n = 17, s = 2 have these errors."""
-        cells = {(name, 17, 2): rows_of(name, 17, 2, repeated(0.005), relative_error=error,
-                                        reference_uncertainty=2.1e-14) for name, error in errors.items()}
-        return self.render(raw(cells=cells))
-
-    def test_the_largest_of_the_formulations_is_shown(self):
-        text = section(self.rendered(group=3.1e-6, algebra=3.4e-6), self.HEADING)
-        self.assertRegex(text, r"17 +– +3\.4e-06 +– +2e-14\n")
-
-    def test_each_cell_shows_its_own(self):
-        text = section(self.rendered(group=3.1e-6), CountersTest.HEADING)
-        self.assertRegex(text, r"2 +cotangent +14\.0 +– ")
-        self.assertRegex(text, r"group +14\.0 +3\.10e-06 ")
-
-    def test_a_file_without_errors_has_no_such_section(self):
-        self.assertNotIn("Error at T", self.render())
-        self.assertNotIn("error at T", self.render())
-
-    def test_a_cell_of_which_some_repetitions_have_none_has_none(self):
+    def test_errors_stand_where_a_run_was_given_reference_solutions(self):
+        cells = {(name, 17, 2): rows_of(name, 17, 2, repeated(0.005), relative_error=error, reference_uncertainty=2.1e-14)
+                 for name, error in (("group", 3.1e-6), ("algebra", 3.4e-6))}
+        text = self.render(raw(cells=cells))
+        self.assertRegex(section(text, "Error at T = 5"), r"17 +– +3\.4e-06 +– +2e-14\n")  # the largest of the three
+        self.assertRegex(section(text, self.COUNTERS), r"2 +cotangent +14\.0 +– [^\n]*\n +group +14\.0 +3\.10e-06 ")
         rows = rows_of("group", 17, 2, repeated(0.005), relative_error=1e-6)
         del rows[0]["relative_error"]
-        self.assertNotIn("Error at T", self.render(raw(cells={("group", 17, 2): rows})))
-
-    def test_an_error_that_is_no_number_is_refused(self):
-        rows = rows_of("group", 17, 2, repeated(0.005), relative_error=float("nan"))
-        self.assert_refused(raw(cells={("group", 17, 2): rows}), "relative_error")
+        for data in (None, raw(cells={("group", 17, 2): rows})):
+            self.assertNotIn("error at t", self.render(data).lower())
 
 
 class VerdictTest(ScriptTest):
-    def verdict(self, claim, n, stages, data=None):
-        return verdict(self.render(data), claim, n, stages)
+    """By SECONDS all claims hold at every n; a case changes some cells at n = 17."""
 
-    def test_claim_a_holds_where_algebra_beats_each_rival(self):
-        self.assertTrue(self.verdict("a", 17, 1).startswith("holds – "))
-
-    def test_claim_a_falls_when_two_cells_are_swapped(self):
-        swapped = {("algebra", 17, 1): repeated(0.003), ("group", 17, 1): repeated(0.002)}
-        self.assertTrue(self.verdict("a", 17, 1, raw(cells=swapped)).startswith("does not hold – "))
-
-    def test_claim_a_elsewhere_is_untouched_by_the_swap(self):
-        swapped = {("algebra", 17, 1): repeated(0.003), ("group", 17, 1): repeated(0.002)}
-        self.assertTrue(self.verdict("a", 33, 1, raw(cells=swapped)).startswith("holds – "))
-
-    def test_overlapping_repetitions_are_too_close_to_call(self):
-        overlapping = {("group", 17, 1): [time * 1.001 for time in repeated(0.002)]}
-        self.assertTrue(self.verdict("a", 17, 1, raw(cells=overlapping)).startswith("too close to call – "))
-
-    def test_a_lower_median_alone_does_not_decide(self):
+    CASES = (
+        ("a", 1, {}, "holds – "),
+        ("a", 1, {"algebra": repeated(0.003), "group": repeated(0.002)}, "does not hold – "),
+        ("a", 1, {"group": [time * 1.001 for time in repeated(0.002)]}, "too close to call – "),
         # Two of seven repetitions disturbed: medians 2 % apart, ranks not separated.
-        times = {("group", 17, 1): repeated(0.00204, spread=0.03)}
-        self.assertTrue(self.verdict("a", 17, 1, raw(cells=times)).startswith("too close to call – "))
+        ("a", 1, {"group": repeated(0.00204, spread=0.03)}, "too close to call – "),
+        ("a", 1, {"group": repeated(0.002)}, "too close to call – "),
+        ("a", 1, {"group": repeated(0.001), "cotangent": repeated(0.002)}, "does not hold – "),
+        ("a", 1, {"cotangent": repeated(0.004, 2)}, "too close to call (2 repetitions; 5 needed)"),
+        ("a", 1, {"group": failed_rows("group", 17, 1, "stagnated at step 2")}, "not judged: group failed: stagnated at"),
+        ("a", 1, {"cotangent": None}, "not judged: cotangent not measured"),
+        ("b", 2, {}, "holds"), ("b", 3, {"algebra": repeated(0.005)}, "does not hold"),
+        ("c", 3, {}, "holds – algebra takes 3.00 times as long as group"),
+        ("c", 3, {"algebra": repeated(0.019)}, "does not hold – "),
+        ("c", 3, {"algebra": repeated(0.0201, spread=0.03)}, "too close to call – "),
+    )
 
-    def test_equal_times_are_too_close_to_call(self):
-        self.assertTrue(self.verdict("a", 17, 1, raw(cells={("group", 17, 1): repeated(0.002)}))
-                        .startswith("too close to call – "))
+    def test_outcomes(self):
+        for claim, stages, cells, expected in self.CASES:
+            with self.subTest(claim=claim, cells=list(cells)):
+                text = self.render(raw(cells={(name, 17, stages): cell for name, cell in cells.items()}))
+                found = verdict(text, claim, 17, stages)
+                self.assertTrue(found.startswith(expected), found)
+                self.assertTrue(verdict(text, claim, 33, stages).startswith("holds – "))
 
-    def test_one_rival_that_wins_refutes_though_another_ties(self):
-        times = {("group", 17, 1): repeated(0.001), ("cotangent", 17, 1): repeated(0.002)}
-        self.assertTrue(self.verdict("a", 17, 1, raw(cells=times)).startswith("does not hold – "))
+    def test_repetitions_that_are_enough(self):
+        for repetitions, expected in ((4, "too close to call (4 repetitions; 5 needed) – "), (5, "holds – ")):
+            self.assertTrue(verdict(self.render(raw(repetitions=repetitions)), "a", 17, 1).startswith(expected))
 
-    def test_four_repetitions_are_too_few(self):
-        self.assertTrue(self.verdict("a", 17, 1, raw(repetitions=4))
-                        .startswith("too close to call (4 repetitions; 5 needed) – "))
-
-    def test_five_repetitions_are_enough(self):
-        self.assertTrue(self.verdict("a", 17, 1, raw(repetitions=5)).startswith("holds – "))
-
-    def test_the_cell_with_fewest_repetitions_counts(self):
-        few = {("cotangent", 17, 1): repeated(0.004, 2)}
-        self.assertTrue(self.verdict("a", 17, 1, raw(cells=few))
-                        .startswith("too close to call (2 repetitions; 5 needed)"))
-
-    def test_evidence_states_ratio_and_p(self):
+    def test_evidence(self):
         # Complete separation of seven from seven: p = 1/C(14,7) = 1/3432.
-        self.assertIn("group takes 1.50 times as long as algebra (p = 0.000291)", self.verdict("a", 17, 1))
+        text = self.render()
+        self.assertIn("group takes 1.50 times as long as algebra (p = 0.000291)", verdict(text, "a", 17, 1))
+        self.assertIn("paper: 3.92 times", verdict(text, "c", 17, 3))
+        text = self.render(raw(cells={("cotangent", 17, 3): repeated(0.009)}))
+        self.assertIn("as long as cotangent, the fastest other row", verdict(text, "c", 17, 3))
+        self.assertEqual(verdict(self.render(raw(sizes=(17,))), "b", 129, 3), "not judged: not measured")
 
-    def test_a_failed_rival_leaves_the_claim_unjudged(self):
-        failed = {("group", 17, 1): failed_rows("group", 17, 1, "stagnated at step 2")}
-        self.assertEqual(self.verdict("a", 17, 1, raw(cells=failed)),
-                         "not judged: group failed: stagnated at step 2")
-
-    def test_a_missing_rival_leaves_the_claim_unjudged(self):
-        self.assertEqual(self.verdict("a", 17, 1, raw(cells={("cotangent", 17, 1): None})),
-                         "not judged: cotangent not measured")
-
-    def test_a_size_not_run_leaves_the_claim_unjudged(self):
-        self.assertEqual(self.verdict("b", 129, 3, raw(sizes=(17, 33))), "not judged: not measured")
-
-    def test_claim_b_is_judged_for_each_number_of_stages(self):
-        times = {("algebra", 17, 3): repeated(0.005)}
-        text = self.render(raw(cells=times))
-        self.assertTrue(verdict(text, "b", 17, 2).startswith("holds"))
-        self.assertTrue(verdict(text, "b", 17, 3).startswith("does not hold"))
-
-    def test_claim_c_holds_above_twice_the_fastest_rival(self):
-        self.assertTrue(self.verdict("c", 65, 3).startswith("holds – algebra takes 3.00 times as long as group"))
-
-    def test_claim_c_fails_below_twice_though_algebra_is_slowest(self):
-        times = {("algebra", 17, 3): repeated(0.019)}
-        self.assertTrue(self.verdict("c", 17, 3, raw(cells=times)).startswith("does not hold – "))
-
-    def test_claim_c_is_too_close_to_call_at_twice(self):
-        times = {("algebra", 17, 3): repeated(0.0201, spread=0.03)}
-        self.assertTrue(self.verdict("c", 17, 3, raw(cells=times)).startswith("too close to call – "))
-
-    def test_claim_c_takes_the_fastest_of_both_rivals(self):
-        times = {("cotangent", 17, 3): repeated(0.009)}
-        self.assertIn("as long as cotangent, the fastest other row", self.verdict("c", 17, 3, raw(cells=times)))
-
-    def test_claim_c_quotes_the_papers_ratio(self):
-        self.assertIn("paper: 3.92 times", self.verdict("c", 17, 3))
-
-    def test_overall_sums_up_where_a_claim_holds(self):
-        self.assertIn("Overall: holds at n = 17, 33, 65, 129.", self.render())
-
-    def test_overall_names_every_outcome(self):
-        cells = {("group", 33, 1): repeated(0.002 * (33 / 17) ** 3), ("group", 65, 1): repeated(0.001)}
+    def test_overall_names_every_outcome_and_tells_the_stages_apart(self):
+        cells = {("group", 33, 1): repeated(0.002 * (33 / 17) ** 3), ("group", 65, 1): repeated(0.001),
+                 ("algebra", 17, 3): repeated(0.005)}
         text = " ".join(self.render(raw(sizes=(17, 33, 65), cells=cells)).split())
         self.assertIn("Overall: holds at n = 17; does not hold at n = 65; too close to call at n = 33;"
                       " not judged at n = 129.", text)
-
-    def test_overall_of_claim_b_tells_the_stages_apart(self):
-        text = " ".join(self.render(raw(cells={("algebra", 17, 3): repeated(0.005)})).split())
-        self.assertIn("Overall: holds at n = 17 (s = 2) and n = 33, 65, 129 (s = 2, 3);"
-                      " does not hold at n = 17 (s = 3).", text)
+        self.assertIn("Overall: holds at n = 17 (s = 2) and n = 33, 65 (s = 2, 3); does not hold at n = 17 (s = 3);", text)
 
 
 class ConditionsTest(ScriptTest):
-    def test_the_host_name_is_never_printed(self):
-        for style in document.WRITERS:
-            with self.subTest(style=style):
-                self.assertNotIn("host", self.render(style=style))
-
-    def test_the_path_of_the_program_is_never_printed(self):
-        self.assertNotIn("/some/where", self.render())
-
-    def test_every_recorded_condition_is_printed(self):
+    def test_every_recorded_condition_is_printed_but_no_host_and_no_path(self):
         own = {key: f"recorded {key}" for key, value in CONTEXT.items()
                if isinstance(value, str) and key not in ("host_name", "executable", "dirty", "library_build_type",
                                                          "isosyrk_program", "isosyrk_format")}
+        for style in document.WRITERS:
+            text = self.render(raw(**own), style)
+            self.assertNotIn("host", text)
+            self.assertNotIn("/some/where", text)
         text = " ".join(self.render(raw(**own)).split())
         for value in own.values():
             self.assertIn(value, text)
 
-    def test_a_missing_condition_is_said_to_be_missing(self):
-        self.assertIn("- commit: not recorded", self.render(without_context("commit")))
-
-    def test_uncommitted_changes_are_told(self):
-        self.assertIn("0123abcd, with uncommitted changes", self.render(raw(dirty="yes")))
-
-    def test_the_debug_word_of_the_library_is_explained_once(self):
-        self.assertEqual(self.render().count("without NDEBUG") + self.render().count("without\n  NDEBUG"), 1)
-
-    def test_a_release_library_needs_no_explanation(self):
-        self.assertNotIn("NDEBUG", self.render(raw(library_build_type="release")))
-
-    def test_a_notice_is_printed(self):
-        self.assertIn("- notice: kernels do not use AVX-512", self.render(raw(notice="kernels do not use AVX-512")))
-
-    def test_an_empty_notice_is_not_printed(self):
+    def test_what_the_conditions_say(self):
+        for data, part in ((without_context("commit"), "- commit: not recorded"),
+                           (raw(dirty="yes"), "0123abcd, with uncommitted changes"),
+                           (raw(notice="no AVX-512"), "- notice: no AVX-512"), (raw(), "without NDEBUG"),
+                           (raw(flags="-O2\n\x1b[31m"), "flags -O2 [31m"), (raw(cpu="\ud800"), "\ufffd")):
+            self.assertIn(part, self.render(data).replace("\n  ", " "))
         self.assertNotIn("notice", self.render())
-
-    def test_control_codes_do_not_reach_the_terminal(self):
-        self.assertIn("flags -O2 [31m", self.render(raw(flags="-O2\n\x1b[31m")))
-
-    def test_a_lone_surrogate_is_replaced(self):
-        self.assertIn("\ufffd", self.render(raw(cpu="\ud800")))
+        self.assertNotIn("NDEBUG", self.render(raw(library_build_type="release")))
 
 
 class FormatsTest(ScriptTest):
@@ -527,215 +360,106 @@ class FormatsTest(ScriptTest):
         text = self.render(raw(cells=failed, flags="-Wword " * 60 + "x" * 300))
         self.assertLessEqual(max(map(len, text.splitlines())), 110)
 
-    def test_each_format_reaches_standard_output(self):
+    def test_each_format_reaches_standard_output_whatever_the_locale(self):
         for style in document.WRITERS:
-            with self.subTest(style=style):
-                expected = self.render(style=style).encode("utf-8")
-                result = self.run_script(self.path, "--format", style)
-                self.assertEqual((result.returncode, result.stderr, result.stdout), (0, b"", expected))
-
-    def test_text_is_the_default_format(self):
-        expected = self.render().encode("utf-8")
-        self.assertEqual(self.run_script(self.path).stdout, expected)
-
-    def test_rendering_needs_no_utf8_locale(self):
-        self.write(raw())
+            expected = self.render(style=style).encode("utf-8")
+            result = self.run_script(self.path, "--format", style)
+            self.assertEqual((result.returncode, result.stderr, result.stdout), (0, b"", expected))
         result = self.run_script(self.path, env={"LC_ALL": "C", "PYTHONIOENCODING": "ascii"})
-        self.assertEqual((result.returncode, result.stderr), (0, b""))
+        self.assertEqual((result.returncode, result.stdout), (0, self.render().encode("utf-8")))
 
-    def markdown_rows(self, data=None):
-        return [line for line in self.render(data, "markdown").splitlines() if line.startswith("|")]
-
-    def test_markdown_tables_have_as_many_cells_in_each_row(self):
-        widths = [len(re.findall(r"(?<!\\)\|", line)) - 1 for line in self.markdown_rows()]
-        self.assertEqual(sorted(set(widths)), [8, 9])
-
-    def test_markdown_columns_are_aligned_in_the_source(self):
-        lengths = [len(line) for line in self.markdown_rows()]
-        self.assertLessEqual(len(set(lengths)), 3)  # three tables
-
-    def test_markdown_winners_are_bold(self):
-        self.assertTrue(any("| **0.00200 ±0.5 %** |" in line for line in self.markdown_rows()))
-
-    def test_markdown_is_not_opened_up_by_a_context_string(self):
-        line = next(line for line in self.render(raw(flags=self.NASTY), "markdown").splitlines() if "flags" in line)
+    def test_markdown(self):
+        text = self.render(raw(flags=self.NASTY), "markdown")
+        rows = [line for line in text.splitlines() if line.startswith("|")]
+        self.assertEqual({len(re.findall(r"(?<!\\)\|", line)) - 1 for line in rows}, {8, 9})
+        self.assertLessEqual(len(set(map(len, rows))), 3)  # three tables, aligned in the source
+        self.assertTrue(any("| **0.00200 ±0.5 %** |" in line for line in rows))
+        line = next(line for line in text.splitlines() if "flags" in line)
         self.assertEqual(re.findall(r"(?<!\\)[`_|<\[~$#&]|(?<!\\)\*(?!\*|build)", line.replace("**build**", "")), [])
 
-    def latex(self, data=None):
-        return self.render(data, "latex")
-
-    def test_latex_winners_are_bold(self):
-        self.assertIn(r"& \textbf{0.00200 $\pm$0.5 \%} &", self.latex())
-
-    def test_latex_names_the_package_it_needs(self):
-        self.assertIn(r"% A fragment to \input; needs \usepackage{booktabs}.", self.latex())
-
-    def test_latex_is_ascii(self):
-        self.assertTrue(self.latex(raw(flags=self.NASTY)).isascii())
-
-    def test_latex_rows_have_as_many_cells_as_their_tabular_has_columns(self):
-        tabulars = re.findall(r"\\begin\{tabular\}\{([rl]+)\}(.*?)\\end\{tabular\}", self.latex(), re.S)
+    def test_latex_tables_are_whole(self):
+        text = self.render(raw(flags=self.NASTY), "latex")
+        self.assertTrue(text.isascii())
+        self.assertIn(r"& \textbf{0.00200 $\pm$0.5 \%} &", text)
+        tabulars = re.findall(r"\\begin\{tabular\}\{([rl]+)\}(.*?)\\end\{tabular\}", text, re.S)
         self.assertEqual(len(tabulars), 3)
         for columns, body in tabulars:
             for row in re.findall(r"^.*\\\\$", body, re.M):
                 spanned = sum(int(size) - 1 for size in re.findall(r"\\multicolumn\{(\d)\}", row))
                 self.assertEqual(len(re.findall(r"(?<!\\)&", row)) + 1 + spanned, len(columns), row)
-
-    def test_latex_braces_and_dollars_balance(self):
-        bare = re.sub(r"\\[{}$\\%&#_]", "", self.latex(raw(flags=self.NASTY)))
+        bare = re.sub(r"\\[{}$\\%&#_]", "", text)
         depth = list(itertools.accumulate({"{": 1, "}": -1}.get(c, 0) for c in bare))
         self.assertEqual((min(depth), depth[-1], bare.count("$") % 2), (0, 0, 0))
-
-    def test_latex_environments_are_closed_in_order(self):
-        stack = []
-        for what, name in re.findall(r"\\(begin|end)\{(\w+)\}", self.latex()):
-            if what == "begin":
-                stack.append(name)
-            else:
-                self.assertEqual(stack.pop(), name)
-        self.assertEqual(stack, [])
-
-    def test_latex_escapes_a_context_string(self):
-        body = self.latex(raw(flags=self.NASTY)).split("flags ", 1)[1].split("\n")[0]
-        self.assertEqual(body, r"a\_b \%d \& 50\% \#1 \{x\} \$y\$ \textasciitilde{}z\textasciicircum{}2 "
-                               r"\textbackslash{}cmd \textless{}i\textgreater{} \textbar{}p\textbar{} "
-                               r"-{}-param=`q` * {[}1{]} (U+00E9)")
+        self.assertEqual(text.split("flags ", 1)[1].split("\n")[0],
+                         r"a\_b \%d \& 50\% \#1 \{x\} \$y\$ \textasciitilde{}z\textasciicircum{}2 "
+                         r"\textbackslash{}cmd \textless{}i\textgreater{} \textbar{}p\textbar{} "
+                         r"-{}-param=`q` * {[}1{]} (U+00E9)")
 
 
 class RefusalTest(ScriptTest):
     """Broken and foreign files: one line that says what is wrong, exit 2, nothing on standard output."""
+
+    ROW = "table1/cotangent/n:17/s:1"
 
     def with_row(self, **changes):
         data = raw()
         data["benchmarks"][2].update(changes)
         return data
 
-    def test_a_sound_file_is_not_refused(self):
-        self.render(self.with_row())
-
-    def test_missing_file(self):
+    def test_files(self):
         self.assert_one_line(self.run_script(self.path), "raw.json", "No such file")
-
-    def test_directory(self):
         self.assert_one_line(self.run_script(self.folder), self.folder, "directory")
+        aggregates = raw()
+        aggregates["benchmarks"] = [row for row in aggregates["benchmarks"] if row["run_type"] == "aggregate"]
+        for data, *words in (
+                (b"", "is empty"), (json.dumps(raw()).encode()[:-100], "is not whole JSON"),
+                (b"n,formulation\n17,group\n", "is not whole JSON"), (b'{"context": "\xff\xfe"}', "is not UTF-8"),
+                ([raw()], "no JSON object at the top"), (b"[" * 200000, "is not usable JSON"),
+                ({"context": CONTEXT}, "no list of benchmarks"),
+                ({**raw(), "benchmarks": [7]}, "row that is no object but 7"),
+                (raw(isosyrk_program="stability"), "stability", "table1"),
+                (without_context("isosyrk_program"), "no isosyrk_program"), (raw(isosyrk_format="2"), "isosyrk_format"),
+                (raw(sizes=()), "no measured row"), (aggregates, "no measured row")):
+            with self.subTest(words=words):
+                self.assert_refused(data, *words)
 
-    def test_empty_file(self):
-        self.assert_refused(b"", "is empty")
-
-    def test_truncated_json(self):
-        self.assert_refused(json.dumps(raw()).encode()[:-100], "is not whole JSON")
-
-    def test_no_json(self):
-        self.assert_refused(b"n,formulation\n17,group\n", "is not whole JSON")
-
-    def test_bytes_that_are_not_utf8(self):
-        self.assert_refused(b'{"context": "\xff\xfe"}', "is not UTF-8")
-
-    def test_json_list(self):
-        self.assert_refused([raw()], "no JSON object at the top")
-
-    def test_deeply_nested_json(self):
-        self.assert_refused(b"[" * 200000, "is not usable JSON")
-
-    def test_json_without_benchmarks(self):
-        self.assert_refused({"context": CONTEXT}, "no list of benchmarks")
-
-    def test_row_that_is_no_object(self):
-        data = raw()
-        data["benchmarks"].append(7)
-        self.assert_refused(data, "row that is no object but 7")
-
-    def test_file_of_another_program(self):
-        self.assert_refused(raw(isosyrk_program="stability"), "stability", "table1")
-
-    def test_file_of_no_program_of_ours(self):
-        self.assert_refused(without_context("isosyrk_program"), "no isosyrk_program")
-
-    def test_later_format(self):
-        self.assert_refused(raw(isosyrk_format="2"), "isosyrk_format")
-
-    def test_file_without_measured_rows(self):
-        self.assert_refused(raw(sizes=()), "no measured row")
-
-    def test_file_of_aggregates_only(self):
-        data = raw()
-        data["benchmarks"] = [row for row in data["benchmarks"] if row["run_type"] == "aggregate"]
-        self.assert_refused(data, "no measured row")
-
-    def test_unknown_formulation(self):
-        self.assert_refused(self.with_row(run_name="table1/magic/n:17/s:1"), "no place for magic")
-
-    def test_unknown_number_of_stages(self):
-        self.assert_refused(self.with_row(run_name="table1/group/n:17/s:4"), "no place for group with s = 4")
-
-    def test_row_without_run_type(self):
-        data = raw()
-        del data["benchmarks"][2]["run_type"]
-        self.assert_refused(data, "run_type")
-
-    def test_repetition_that_stands_twice(self):
-        data = raw()
-        data["benchmarks"].append(copy.deepcopy(data["benchmarks"][2]))
-        self.assert_refused(data, "table1/cotangent/n:17/s:1", "repetition 2 stands twice")
+    def test_rows(self):
+        self.render(self.with_row())  # a sound one
+        twice, untyped = raw(), raw()
+        twice["benchmarks"].append(copy.deepcopy(twice["benchmarks"][2]))
+        del untyped["benchmarks"][2]["run_type"]
+        huge = json.dumps(self.with_row(products=-123456)).replace("-123456", "9" * 10000).encode()
+        for data, *words in (
+                (twice, self.ROW, "repetition 2 stands twice"), (untyped, "run_type"), (huge,),
+                (self.with_row(run_name="table1/magic/n:17/s:1"), "no place for magic"),
+                (self.with_row(run_name="table1/group/n:17/s:4"), "no place for group with s = 4"),
+                (self.with_row(run_name="table1/cotangent/n:17/s:1x"), "s:1x"),
+                (self.with_row(run_name="table1/\n\nboom"), "boom"),
+                (self.with_row(run_name="table1/group/n:17/s:1/" + 1000 * "x", products=-1), "group/n:17", "xxx...:"),
+                (self.with_row(spectrum_error=math.nan), "spectrum_error is nan"),
+                (self.with_row(spectrum_error=math.inf), "spectrum_error is inf"),
+                (self.with_row(products="many"), 'products is "many", not a number'),
+                (self.with_row(products=True), "products is true, not a number"),
+                (self.with_row(skew_defect=-1e-16), "skew_defect is -1e-16"),
+                (self.with_row(products=1e300), "products is 1e+300"), (self.with_row(products=10**400), "products is inf"),
+                (self.with_row(relative_error=math.nan), "relative_error"),
+                (self.with_row(time_unit="h"), 'time_unit "h"'),
+                *((self.with_row(cpu_time=time), self.ROW, "cpu_time")
+                  for time in (0, -1.0, 1e300, 1e-300, math.nan, "fast", None)),
+                *((raw(cells={("group", 17, 1): failed_rows("group", 17, 1, message)}), "table1/group/n:17/s:1",
+                   "error_message") for message in (7, None, {}))):
+            with self.subTest(words=words):
+                self.assert_refused(data, *words)
 
     def test_every_counter_is_required(self):
         for counter in COUNTERS:
-            with self.subTest(counter=counter):
-                data = raw()
-                del data["benchmarks"][2][counter]
-                self.assert_refused(data, "table1/cotangent/n:17/s:1", f"has no {counter}")
+            data = raw()
+            del data["benchmarks"][2][counter]
+            self.assert_refused(data, self.ROW, f"has no {counter}")
 
-    def test_counter_that_is_bare_nan(self):
-        self.assert_refused(self.with_row(spectrum_error=math.nan), "spectrum_error is nan")
-
-    def test_counter_that_is_infinite(self):
-        self.assert_refused(self.with_row(spectrum_error=math.inf), "spectrum_error is inf")
-
-    def test_counter_that_is_text(self):
-        self.assert_refused(self.with_row(products="many"), 'products is "many", not a number')
-
-    def test_counter_that_is_a_boolean(self):
-        self.assert_refused(self.with_row(products=True), "products is true, not a number")
-
-    def test_counter_that_is_negative(self):
-        self.assert_refused(self.with_row(skew_defect=-1e-16), "skew_defect is -1e-16")
-
-    def test_counter_that_is_huge(self):
-        self.assert_refused(self.with_row(products=1e300), "products is 1e+300")
-
-    def test_integer_too_large_for_a_float(self):
-        self.assert_refused(self.with_row(products=10 ** 400), "products is inf")
-
-    def test_integer_of_ten_thousand_digits(self):
-        text = json.dumps(self.with_row(products=-123456)).replace("-123456", "9" * 10000)
-        self.assert_refused(text.encode())
-
-    def test_impossible_times(self):
-        for time in (0, -1.0, 1e300, 1e-300, math.nan, "fast", None):
-            with self.subTest(time=time):
-                self.assert_refused(self.with_row(cpu_time=time), "table1/cotangent/n:17/s:1", "cpu_time")
-
-    def test_unknown_time_unit(self):
-        self.assert_refused(self.with_row(time_unit="h"), 'time_unit "h"')
-
-    def test_line_breaks_in_a_name_do_not_break_the_message(self):
-        self.assert_refused(self.with_row(run_name="table1/\n\nboom"), "boom")
-
-    def test_a_long_name_does_not_make_the_message_long(self):
-        self.assert_refused(self.with_row(run_name="table1/group/n:17/s:1/" + 1000 * "x", products=-1), "group/n:17",
-                            "xxx...:")
-
-    def test_error_message_that_is_no_text(self):
-        for message in (7, None, ["diverged"], {}):
-            with self.subTest(message=message):
-                rows = failed_rows("group", 17, 1, message)
-                self.assert_refused(raw(cells={("group", 17, 1): rows}), "table1/group/n:17/s:1", "error_message")
-
-    def test_unknown_format(self):
+    def test_arguments(self):
         self.write(raw())
         self.assert_one_line(self.run_script(self.path, "--format", "html"), "--format")
-
-    def test_no_arguments(self):
         self.assert_one_line(self.run_script(), "RAW.json")
 
 
@@ -745,33 +469,19 @@ class OutputTest(ScriptTest):
         self.write(raw())
         self.output = os.path.join(self.folder, "table.txt")
 
-    def test_output_holds_what_standard_output_would(self):
-        self.run_script(self.path, "--output", self.output)
-        with open(self.output, "rb") as stream:
-            self.assertEqual(stream.read(), self.run_script(self.path).stdout)
-
-    def test_output_leaves_standard_output_empty(self):
+    def test_output_holds_what_standard_output_would_and_stays_when_the_file_breaks(self):
+        expected = self.run_script(self.path).stdout
         self.assertEqual(self.run_script(self.path, "--output", self.output).stdout, b"")
-
-    def test_no_temporary_file_stays_behind(self):
-        self.run_script(self.path, "--output", self.output)
-        self.assertEqual(sorted(os.listdir(self.folder)), ["raw.json", "table.txt"])
-
-    def test_a_broken_file_leaves_the_old_output_alone(self):
-        self.run_script(self.path, "--output", self.output)
         self.write(b"{")
         self.run_script(self.path, "--output", self.output)
-        self.assertGreater(os.path.getsize(self.output), 1000)
+        with open(self.output, "rb") as stream:
+            self.assertEqual(stream.read(), expected)
+        self.assertEqual(sorted(os.listdir(self.folder)), ["raw.json", "table.txt"])
 
-    def test_output_in_a_folder_that_does_not_exist(self):
-        missing = os.path.join(self.folder, "nowhere", "table.txt")
-        self.assert_one_line(self.run_script(self.path, "--output", missing), "nowhere", "No such file")
-
-    def test_output_that_is_a_folder(self):
-        self.assert_one_line(self.run_script(self.path, "--output", self.folder), self.folder, "directory")
-
-    def test_output_never_replaces_the_raw_file(self):
-        self.assert_one_line(self.run_script(self.path, "--output", self.path), "is the raw file itself")
+    def test_where_nothing_can_be_written(self):
+        for output, *words in ((os.path.join(self.folder, "nowhere", "table.txt"), "nowhere", "No such file"),
+                               (self.folder, "directory"), (self.path, "is the raw file itself")):
+            self.assert_one_line(self.run_script(self.path, "--output", output), *words)
 
     @unittest.skipUnless(os.path.exists("/dev/full"), "needs a device that is always full")
     def test_full_standard_output(self):

@@ -1,7 +1,6 @@
 """Tests of scripts/lib/stability.py: what its readers refuse, and what they find in made-up files."""
 
 import copy
-import json
 import os
 import sys
 import unittest
@@ -9,25 +8,11 @@ import unittest
 from programs import ROOT, FolderTest
 from stability_documents import (BISECTED, GRID, INTEGRATORS, LONG_STEPS, SETTINGS, SHARES, fail, long_document,
                                  map_document, norm, write_document)
-from wrong_values import NAN, NO_NUMBERS, WRONG
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
 import stability  # noqa: E402
 from benchmark_json import UnusableFile  # noqa: E402
-
-TRIAL = {"h_norm_B": "positive", "step": "positive", "status": "text", "steps": "count",
-         "sweeps_per_step": "optional", "contraction": "any size", "spectrum_error": "not negative",
-         "skew_defect": "not negative", "energy_error": "not negative"}
-INTEGRATOR = {"name": "text", "stages": "positive count", "order": "positive count", "isospectral": "truth",
-              "lie_poisson": "truth", "symmetric": "truth", "explicit": "truth"}
-SAMPLE = {"step": "count", "time": "not negative", "spectrum_error": "any size", "energy_error": "any size",
-          "skew_defect": "any size", "casimir_errors": "casimirs or nulls"}
-WRONG = {**WRONG, "limit": tuple(value for value in (*NO_NUMBERS, 0) if value is not None),
-         "any size": tuple(value for value in NO_NUMBERS if value not in (None, 1e300)),
-         "critical": (True, 1, "1", [], {}),
-         "casimirs or nulls": (None, True, 1, "1", {}, [], [1e-15] * 3, [1e-15] * 5, [1e-15] * 3 + [NAN],
-                               [1e-15] * 3 + [-1], [1e-15] * 3 + ["1"])}
 
 
 class ReaderTest(FolderTest):
@@ -65,15 +50,14 @@ class SoundFileTest(ReaderTest):
     def test_values_stand_where_they_belong(self):
         each = stability.failure_map(self.map).at("smooth", 129, "algebra2")
         self.assertEqual((each.linear_limit, each.critical.works.h_norm_B, each.critical.fails.h_norm_B, each.largest_working,
-                          each.over_limit, each.critical.works.contraction, each.critical.fails.status),
-                         (1.9, 1.9, BISECTED * 1.9, 1.9, 1.0, 0.9, "diverged"))
+                          each.critical.fails.status), (1.9, 1.9, BISECTED * 1.9, 1.9, "diverged"))
         self.assertEqual([trial.h_norm_B for trial in each.trials], GRID)
         self.assertEqual((each.trials[0].sweeps_per_step, each.trials[0].steps, each.trials[-1].failed_step),
                          (50 * GRID[0], 5, 3))
 
     def test_an_integrator_that_never_fails(self):
         each = stability.failure_map(self.map).at("smooth", 17, "rkmk4")
-        self.assertEqual((each.critical, each.always_works, each.largest_working, each.over_limit), (None, True, GRID[-1], None))
+        self.assertEqual((each.critical, each.always_works, each.largest_working), (None, True, GRID[-1]))
 
     def test_an_integrator_that_never_works(self):
         each = self.map_of("rk4")
@@ -105,66 +89,6 @@ class SoundFileTest(ReaderTest):
 
 
 class RefusalTest(ReaderTest):
-    def fields_are_checked(self, analyse, document, place, kinds):
-        """Every field of an object inside a document is required, and must be of its kind."""
-        for field, kind in kinds.items():
-            sound = place.pop(field)
-            with self.subTest(field=field):
-                self.assert_refused(analyse, document, field)
-            for value in WRONG[kind]:
-                with self.subTest(field=field, value=str(value)[:20]):
-                    place[field] = value
-                    self.assert_refused(analyse, document, *([field] if field != "trials" else []))
-            place[field] = sound
-        analyse(document)
-
-    def test_fields_of_a_map_file(self):
-        each = self.map_of("group1")
-        limits = {"scene": "text", "n": "positive count", "integrator": "text", "linear_limit": "limit",
-                  "critical": "critical"}
-        steps = {"explicit": "positive count", "implicit": "positive count"}
-        for place, kinds in ((self.map["integrators"][0], INTEGRATOR), (each, limits), (each["trials"][0], TRIAL),
-                             (each["critical"]["works"], TRIAL), (self.map["settings"][0]["trial_steps"], steps),
-                             (self.map["settings"][0], {"scene": "text", "n": "positive count", "norm_B": "positive",
-                                                        "norm_ad_B": "positive", "trial_steps": "object"}),
-                             (self.map, {"max_sweeps": "positive count"})):
-            self.fields_are_checked(stability.failure_map, self.map, place, kinds)
-
-    def test_fields_of_a_long_runs_file(self):
-        run = self.run_of("rk4", 0.9)
-        kinds = {"scene": "text", "n": "positive count", "integrator": "text", "share": "positive",
-                 "critical": "positive", "h_norm_B": "positive", "step": "positive", "status": "text", "steps": "count",
-                 "sweeps_per_step": "optional"}
-        for place, kinds in ((self.long["integrators"][0], INTEGRATOR), (run, kinds), (run["samples"][0], SAMPLE),
-                             (self.long, {"steps": "positive count"})):
-            self.fields_are_checked(stability.long_runs, self.long, place, kinds)
-
-    def test_every_list_is_required(self):
-        for analyse, document, names in ((stability.failure_map, self.map, ("integrators", "settings", "maps")),
-                                         (stability.long_runs, self.long, ("integrators", "runs"))):
-            for name in names:
-                for value in (None, {}, "points", 3, [None], [[]], [3], []):
-                    with self.subTest(list=name, value=value):
-                        self.assert_refused(analyse, {**document, name: value})
-                self.assert_refused(analyse, {key: value for key, value in document.items() if key != name}, name)
-
-    def test_another_format(self):
-        for value in (None, 1, [], {}, "isosyrk stability 2", "isosyrk long_runs 2"):
-            with self.subTest(value=value):
-                self.map["format"] = self.long["format"] = value
-                self.map_refused("was not written by stability")
-                self.long_refused("was not written by long_runs")
-
-    def test_one_file_for_the_other(self):
-        self.assert_refused(stability.failure_map, self.long, "was not written by stability")
-        self.assert_refused(stability.long_runs, self.map, "was not written by long_runs")
-
-    def test_context(self):
-        for value in (None, [], "context", 3):
-            self.map["context"] = self.long["context"] = value
-            self.map_refused("context")
-            self.long_refused("context")
-
     def test_unknown_status_and_scene(self):
         self.map_of("group1")["trials"][0]["status"] = self.run_of("rk4", 0.9)["status"] = "finished"
         self.map_refused("finished", "converged", "sweep cap")
@@ -191,89 +115,17 @@ class RefusalTest(ReaderTest):
         self.long["runs"].append(copy.deepcopy(self.long["runs"][0]))
         self.long_refused("twice")
 
-    def test_a_step_that_contradicts_its_h_norm_B(self):
-        self.map_of("group1")["critical"]["works"]["step"] *= 1.001
-        self.map_refused("group1 at n = 17, smooth", "h_norm_B")
-
-    def test_trials_that_do_not_rise(self):
-        trials = self.map_of("group1")["trials"]
-        trials[0], trials[1] = trials[1], trials[0]
-        self.map_refused("group1 at n = 17, smooth", "do not rise")
-
     def test_no_trials(self):
         self.map_of("group1")["trials"] = []
         self.map_refused("without trials")
-
-    def test_a_bracket_the_wrong_way_round(self):
-        critical = self.map_of("group1")["critical"]
-        critical["works"], critical["fails"] = critical["fails"], critical["works"]
-        self.map_refused("critical of group1")
-
-    def test_a_bracket_of_two_that_work(self):
-        self.map_of("group1")["critical"]["fails"] = copy.deepcopy(self.map_of("group1", n=17)["critical"]["works"])
-        self.map_refused("critical of group1")
 
     def test_a_converged_trial_without_errors(self):
         self.map_of("group1")["trials"][0]["energy_error"] = None
         self.map_refused("is converged and has no value of energy_error")
 
-    def test_a_run_that_is_not_at_its_share(self):
-        self.run_of("group1", 0.9)["critical"] *= 1.01
-        self.long_refused("group1", "share")
-
-    def test_a_run_that_converged_too_early(self):
-        self.run_of("group1", 0.9)["steps"] -= 1
-        self.long_refused("converged after 1999 of 2000 steps")
-
-    def test_a_run_of_too_many_steps(self):
-        self.run_of("rk4", 0.9)["steps"] = LONG_STEPS + 1
-        self.long_refused("after 2001 of 2000 steps")
-
-    def test_a_converged_run_without_samples(self):
-        self.run_of("group1", 0.9)["samples"] = []
-        self.long_refused("with 0 samples")
-
     def test_a_failed_run_without_samples_is_sound(self):
         fail(self.run_of("group1", 0.9), 1, "diverged")
         self.assertEqual(stability.long_runs(self.long).at("smooth", 17, 0.9, "group1").samples, ())
-
-    def test_samples_that_do_not_rise(self):
-        samples = self.run_of("group1", 0.9)["samples"]
-        samples[0], samples[1] = samples[1], samples[0]
-        self.long_refused("group1", "do not rise")
-
-    def test_a_sample_at_another_time(self):
-        self.run_of("group1", 0.9)["samples"][4]["time"] *= 1.001
-        self.long_refused("group1", "time")
-
-
-class HostileFileTest(ReaderTest):
-    def assert_file_refused(self, contents, *words):
-        path = self.path("raw.json")
-        with open(path, "wb") as stream:
-            stream.write(contents)
-        for read in (stability.read_map, stability.read_long_runs):
-            with self.assertRaises(UnusableFile) as caught:
-                read(path)
-            self.assert_one_line(f"{caught.exception}\n", path, *words)
-
-    def test_missing_file(self):
-        for read in (stability.read_map, stability.read_long_runs):
-            with self.assertRaisesRegex(UnusableFile, r"none\.json: cannot be read: No such file"):
-                read(self.path("none.json"))
-
-    def test_empty(self):
-        self.assert_file_refused(b" \n", "is empty")
-
-    def test_foreign(self):
-        for contents in (b"7", b"null", b"[]", b"{}", b'"text"'):
-            self.assert_file_refused(contents, "was not written by")
-
-    def test_cut(self):
-        for document in (self.map, self.long):
-            whole = json.dumps(document).encode()
-            for length in (1, 100, len(whole) // 2, len(whole) - 1):
-                self.assert_file_refused(whole[:length], "is not whole JSON")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,5 @@
 """Tests of build/benchmarks/stability and long_runs from outside."""
 
-import os
 import unittest
 
 from programs import DONE, FolderTest, program, run, snapshot, strict_json

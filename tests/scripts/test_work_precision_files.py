@@ -1,7 +1,6 @@
 """Tests of scripts/lib/work_precision.py: what it refuses, and the floors and orders it finds on made-up lines."""
 
 import copy
-import json
 import os
 import random
 import sys
@@ -16,21 +15,6 @@ sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
 import work_precision  # noqa: E402
 from benchmark_json import UnusableFile  # noqa: E402
 
-QUALITY = {"n": "positive count", "steps": "positive count", "step": "positive", "status": "text", "error": "positive",
-           "spectrum_error": "not negative", "casimir_errors": "casimirs", "energy_error": "not negative",
-           "angular_momentum_error": "not negative", "skew_defect": "not negative"}
-COSTS = {"sweeps": "count", "products": "count", "poisson_solves": "count", "cpu_seconds": "times"}
-KINDS = {
-    "references": {"n": "positive count", "uncertainty": "positive", "first": "object", "second": "object"},
-    "integrators": {"name": "text", "stages": "positive count", "order": "positive count", "isospectral": "truth",
-                    "lie_poisson": "truth", "symmetric": "truth", "explicit": "truth",
-                    "stability_limit": "optional"},
-    "points": {"integrator": "text", **QUALITY, **COSTS, "h_norm_B": "not negative", "h_norm_ad_B": "not negative",
-               "beyond_limit": "truth"},
-    "tolerance_points": {"formulation": "formulation", "stages": "positive count", "tolerance": "positive",
-                         "solver_error": "not negative", **QUALITY, **COSTS},
-}
-
 
 class ReaderTest(FolderTest):
     def setUp(self):
@@ -43,14 +27,6 @@ class ReaderTest(FolderTest):
             work_precision.study(document)
         self.assert_one_line(f"{caught.exception}\n", *words)
         self.assertLess(len(str(caught.exception)), 300)
-
-    def assert_file_refused(self, contents, *words):
-        path = self.path("raw.json")
-        with open(path, "wb") as stream:
-            stream.write(contents)
-        with self.assertRaises(UnusableFile) as caught:
-            work_precision.read_study(path)
-        self.assert_one_line(f"{caught.exception}\n", path, *words)
 
     def point(self, name, n, steps):
         return next(each for each in self.document["points"]
@@ -89,47 +65,6 @@ class SoundFileTest(ReaderTest):
 
 
 class RefusalTest(ReaderTest):
-    def test_the_kinds_name_every_field_of_the_made_up_file(self):
-        for list_name, kinds in KINDS.items():
-            self.assertEqual(set(kinds), set(self.document[list_name][0]), list_name)
-
-    def test_every_field_is_required(self):
-        for list_name, kinds in KINDS.items():
-            for field in kinds:
-                with self.subTest(list=list_name, field=field):
-                    document = copy.deepcopy(self.document)
-                    del document[list_name][0][field]
-                    self.assert_refused(document, field)
-
-    def test_every_field_must_be_of_its_kind(self):
-        for list_name, kinds in KINDS.items():
-            changed = self.document[list_name][0]
-            for field, kind in kinds.items():
-                sound = changed[field]
-                for value in WRONG[kind]:
-                    with self.subTest(list=list_name, field=field, value=str(value)[:20]):
-                        changed[field] = value
-                        self.assert_refused(self.document, *(["has", field] if kind != "object" else []))
-                changed[field] = sound
-        work_precision.study(self.document)
-
-    def test_fields_of_the_runs_behind_a_reference(self):
-        for run in ("first", "second"):
-            for field, kind in (("integrator", "text"), ("steps", "positive count")):
-                for value in WRONG[kind]:
-                    with self.subTest(run=run, field=field, value=str(value)[:20]):
-                        document = copy.deepcopy(self.document)
-                        document["references"][0][run][field] = value
-                        self.assert_refused(document, run, field)
-
-    def test_every_list_is_required(self):
-        for list_name in KINDS:
-            for value in (None, {}, "points", 3, [None], [[]], [3]):
-                with self.subTest(list=list_name, value=value):
-                    self.assert_refused({**self.document, list_name: value}, list_name)
-            without = {name: value for name, value in self.document.items() if name != list_name}
-            self.assert_refused(without, list_name)
-
     def test_empty_references_and_integrators(self):
         self.assert_refused({**self.document, "references": []}, "names no n")
         self.assert_refused({**self.document, "integrators": []}, "names no name")
@@ -139,15 +74,15 @@ class RefusalTest(ReaderTest):
             with self.subTest(value=str(value)[:20]):
                 self.assert_refused({**self.document, "time": value}, "time")
 
-    def test_context(self):
-        for value in (None, [], "context", 3):
-            with self.subTest(value=value):
-                self.assert_refused({**self.document, "context": value}, "context")
-
-    def test_another_format(self):
-        for value in (None, 1, [], {}, "isosyrk work_precision 2"):
-            with self.subTest(value=value):
-                self.assert_refused({**self.document, "format": value}, "was not written by work_precision")
+    def test_impossible_times_and_formulations(self):
+        for value in WRONG["times"]:
+            with self.subTest(value=str(value)[:20]):
+                document = copy.deepcopy(self.document)
+                document["points"][0]["cpu_seconds"] = value
+                self.assert_refused(document, "cpu_seconds")
+        for value in (None, 7, "group1", "quotient"):
+            self.document["tolerance_points"][0]["formulation"] = value
+            self.assert_refused(self.document, "formulation")
 
     def test_unknown_status(self):
         self.document["points"][0]["status"] = "finished"
@@ -181,36 +116,6 @@ class RefusalTest(ReaderTest):
                 document = copy.deepcopy(self.document)
                 document[list_name][0]["step"] *= 1.001
                 self.assert_refused(document, "do not come to the time 5")
-
-
-class HostileFileTest(ReaderTest):
-    def test_missing_file(self):
-        with self.assertRaisesRegex(UnusableFile, r"none\.json: cannot be read: No such file"):
-            work_precision.read_study(self.path("none.json"))
-
-    def test_folder(self):
-        with self.assertRaisesRegex(UnusableFile, "cannot be read"):
-            work_precision.read_study(self.folder)
-
-    def test_empty(self):
-        for contents in (b"", b" \n\t\n"):
-            self.assert_file_refused(contents, "is empty")
-
-    def test_foreign(self):
-        for contents in (b"7", b"null", b"[]", b"{}", b'"text"', b'{"context": {}, "benchmarks": []}'):
-            with self.subTest(contents=contents):
-                self.assert_file_refused(contents, "was not written by work_precision")
-
-    def test_no_json(self):
-        for contents in (b"n,error\n17,1e-3\n", b"\xff\xfe\x00", b"[" * 200000, b"9" * 5000):
-            with self.subTest(contents=contents[:10]):
-                self.assert_file_refused(contents)
-
-    def test_truncated_at_many_lengths(self):
-        whole = json.dumps(self.document).encode()
-        for length in [*range(0, 200, 7), *range(200, len(whole), 997), len(whole) - 1]:
-            with self.subTest(length=length):
-                self.assert_file_refused(whole[:length])
 
 
 class LineTest(ReaderTest):

@@ -9,7 +9,6 @@ TOO_SMALL = (0, 5e-324, 1e-300)
 # What no field of a kind may be, in the objects whose every field is read.
 WRONG = {
     "text": (None, True, 7, [], {}, "", "two\nlines", "x" * 61),
-    "formulation": (None, True, 7, [], {}, "", "group1", "quotient"),
     "truth": (None, 0, 1, "true", [], {}, NAN),
     "not negative": NO_NUMBERS,
     "positive": (*NO_NUMBERS, *TOO_SMALL),
@@ -20,5 +19,5 @@ WRONG = {
                  [1e-15, 1e-15, 1e-15, -1], [1e-15, 1e-15, 1e-15, None], [1e-15, 1e-15, 1e-15, INFINITY]),
     "times": (None, True, 1, "1", {}, [], [0], [1, -1], [1, NAN], [1, INFINITY], [1, "1"], [1, None],
               [1e300], [1e-300]),
-    "object": (None, True, 1, "group5", [], {}),
+    "object": (None, True, 1, "group5", []),
 }

@@ -1,0 +1,89 @@
+"""What is recorded under results/ is what its raw files give, and README.md shows it."""
+
+import os
+import re
+import subprocess
+import sys
+import unittest
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
+RECORDED = os.path.join(ROOT, "results", "recorded")
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
+from accuracy_report import accuracy_sections  # noqa: E402
+from document import as_markdown  # noqa: E402
+from scaling import read_scaling  # noqa: E402
+from scaling_report import scaling_sections  # noqa: E402
+from stability import read_fast_map, read_long_runs, read_map  # noqa: E402
+from stability_report import stability_sections  # noqa: E402
+from work_precision import read_study  # noqa: E402
+
+MOST_BYTES = 8_000_000
+
+
+def text(*path):
+    with open(os.path.join(ROOT, *path), encoding="utf-8") as file:
+        return file.read()
+
+
+def raw(study, name="raw.json"):
+    return os.path.join(RECORDED, study, name)
+
+
+def charts(study):
+    return {name[:-4] for name in os.listdir(os.path.join(RECORDED, study)) if name.endswith(".svg")}
+
+
+class Recorded(unittest.TestCase):
+    def test_reports_are_what_the_raw_files_give(self):
+        stability = [read(raw("stability", name)) for read, name in
+                     ((read_map, "map.json"), (read_long_runs, "long_runs.json"), (read_fast_map, "fast_map.json"))]
+        failures, runs, fast = stability
+        for study, report in (("accuracy", accuracy_sections(read_study(raw("accuracy")), charts("accuracy"))),
+                              ("scaling", scaling_sections(read_scaling(raw("scaling")), charts("scaling"))),
+                              ("stability", stability_sections(failures, runs, charts("stability"), fast=fast))):
+            with self.subTest(study=study):
+                self.assertTrue(text(RECORDED, study, "report.md") == as_markdown(report), "render it again")
+
+    def test_tables_are_what_the_raw_files_give(self):
+        for name, further in (("table1", []), ("table2", ["--threads", raw("table2", "threads.json")])):
+            done = subprocess.run([sys.executable, os.path.join(ROOT, "scripts", f"render_{name}"), raw(name), *further,
+                                   "--format", "markdown"], capture_output=True, encoding="utf-8", check=True)
+            self.assertTrue(text(RECORDED, name, "table.md") == done.stdout, f"render {name} again")
+
+    def test_every_chart_of_a_report_is_there(self):
+        for study in ("accuracy", "scaling", "stability"):
+            shown = re.findall(r"^!\[.*\]\((.*)\.svg\)$", text(RECORDED, study, "report.md"), re.M)
+            self.assertEqual((set(shown), len(shown) > 2), (charts(study), True))
+
+    def test_only_what_is_compact_is_tracked(self):
+        listed = subprocess.run(["git", "ls-files", "-z", "results"], cwd=ROOT, capture_output=True, encoding="utf-8")
+        if listed.returncode != 0:
+            self.skipTest("not a checkout")
+        files = [name for name in listed.stdout.split("\0") if name]
+        self.assertEqual({name.rpartition(".")[2] for name in files}, {"csv", "json", "md", "svg"})
+        self.assertLess(sum(os.path.getsize(os.path.join(ROOT, name)) for name in files), MOST_BYTES)
+
+
+class Pages(unittest.TestCase):
+    def test_what_is_kept_up_to_date_is(self):
+        for script in ("update_readme", "update_limits"):
+            check = subprocess.run([sys.executable, os.path.join(ROOT, "scripts", script), "--check"],
+                                   capture_output=True, encoding="utf-8", check=False)
+            self.assertEqual((check.returncode, check.stderr), (0, ""), script)
+
+    def test_readme_names_only_files_that_exist(self):
+        named = re.findall(r"`((?:core|benchmarks|tests|scripts|results)/[\w./-]*)`", text("README.md"))
+        self.assertGreater(len(named), 10)
+        for name in named:
+            if not name.startswith("results/latest"):
+                self.assertTrue(os.path.exists(os.path.join(ROOT, name)), name)
+
+    def test_links_lead_somewhere(self):
+        for folder in ("", "results"):
+            for target in re.findall(r"\]\(([^)#:]+)\)", text(folder, "README.md")):
+                self.assertTrue(os.path.exists(os.path.join(ROOT, folder, target)), target)
+
+
+if __name__ == "__main__":
+    unittest.main()
