@@ -11,7 +11,7 @@ namespace isosyrk {
 
 /// The largest n for which factors are read where they stand; those of larger ones are copied
 /// together first.
-struct PlanarLimits {
+struct PackingLimits {
   std::ptrdiff_t B;
   std::ptrdiff_t adjoint_A;  ///< where B is copied
 };
@@ -20,7 +20,7 @@ struct PlanarLimits {
 /// first half of each, imaginary parts in the second, a multiple of 64 bytes that is at least n
 /// long; what fills the halves up is 0 and stays so.  Real is double or float.
 template <class Real>
-struct PlanarProduct {
+struct SplitProduct {
   std::ptrdiff_t n;
   std::ptrdiff_t stride;
   const Real* A_re;
@@ -39,25 +39,25 @@ struct PlanarProduct {
   std::ptrdiff_t parts;
   bool copies_B;
   bool copies_adjoint_A;  ///< if it copies B
-  Real* scratch;          ///< planar_scratch(n, stride, copies_B) numbers
+  Real* scratch;          ///< gemm_scratch(n, stride, copies_B) numbers
 };
 
 /// Numbers of workspace that a product takes: three columns, the copy of B, and rows of A.
-constexpr std::ptrdiff_t planar_scratch(std::ptrdiff_t n, std::ptrdiff_t stride, bool copies_B) {
+constexpr std::ptrdiff_t gemm_scratch(std::ptrdiff_t n, std::ptrdiff_t stride, bool copies_B) {
   return 3 * stride / 2 + (copies_B ? n * stride + 12 * n : 0);
 }
 
 /// The kernels of one vector unit.
-struct PlanarKernel {
+struct GemmKernel {
   const char* name;  ///< "avx512", "avx2", "portable"
-  void (*multiply)(const PlanarProduct<double>&);
-  void (*multiply_singles)(const PlanarProduct<float>&);
-  PlanarLimits limits;  ///< measured, as the others
-  PlanarLimits single_limits;
+  void (*multiply)(const SplitProduct<double>&);
+  void (*multiply_singles)(const SplitProduct<float>&);
+  PackingLimits limits;  ///< measured, as the others
+  PackingLimits single_limits;
 };
 
-PlanarKernel planar_kernel_avx512();
-PlanarKernel planar_kernel_avx2();
-PlanarKernel planar_kernel_portable();
+GemmKernel gemm_kernel_avx512();
+GemmKernel gemm_kernel_avx2();
+GemmKernel gemm_kernel_portable();
 
 }  // namespace isosyrk

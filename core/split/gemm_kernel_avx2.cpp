@@ -22,8 +22,8 @@ inline __m256 half_twice(const float* at) {
 
 namespace isosyrk {
 
-PlanarKernel planar_kernel_avx2() {
-  return {"avx2", multiply_planar<double>, multiply_planar<float>, {72, 160}, {104, 160}};
+GemmKernel gemm_kernel_avx2() {
+  return {"avx2", multiply_split<double>, multiply_split<float>, {72, 160}, {104, 160}};
 }
 
 }  // namespace isosyrk

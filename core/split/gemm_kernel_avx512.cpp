@@ -20,8 +20,8 @@ inline __m512 half_twice(const float* at) {
 
 namespace isosyrk {
 
-PlanarKernel planar_kernel_avx512() {
-  return {"avx512", multiply_planar<double>, multiply_planar<float>, {200, 200}, {400, 400}};
+GemmKernel gemm_kernel_avx512() {
+  return {"avx512", multiply_split<double>, multiply_split<float>, {200, 200}, {400, 400}};
 }
 
 }  // namespace isosyrk

@@ -1,4 +1,4 @@
-// Products of planar matrices by tiles that stay in registers.  For the files planar_kernel_*.cpp
+// Products of planar matrices by tiles that stay in registers.  For the files gemm_kernel_*.cpp
 // only, each compiled for one vector unit, which first say what that holds: vectors of
 // `vector_bytes`, a tile of `tile_rows` rows (6 at most) by `tile_vectors` vectors, and
 // half_twice(at), a vector both halves of which hold the numbers from `at` on.  Real is double or
@@ -53,7 +53,7 @@ constexpr Range near(Index n, Index first, Index end, Index band) {
 
 // Where neither A's rows first_row ... nor B's columns first_column ... are 0.
 template <class Real>
-inline Range factors_meet(const PlanarProduct<Real>& product, Index first_row, Index rows,
+inline Range factors_meet(const SplitProduct<Real>& product, Index first_row, Index rows,
                           Index first_column, Index columns) {
   const Range of_A = near(product.n, first_row, first_row + rows, product.A_band);
   const Range of_B = near(product.n, first_column, first_column + columns, product.B_band);
@@ -62,7 +62,7 @@ inline Range factors_meet(const PlanarProduct<Real>& product, Index first_row, I
 
 // Whether nothing is wanted of those columns in the rows from `row` on.
 template <class Real>
-inline bool unwanted(const PlanarProduct<Real>& product, Index row, Index rows, Index column,
+inline bool unwanted(const SplitProduct<Real>& product, Index row, Index rows, Index column,
                      Index columns) {
   return column >= row + rows + product.C_band || column + columns <= row - product.C_band ||
          (product.upper && column + columns <= row);
@@ -183,7 +183,7 @@ inline Left<Real> rows_from(const Left<Real>& A, Index i) {
 
 // The tile of C that begins at (i, j), from those rows of A.
 template <int rows, int vectors, bool adjoint, class Real>
-__attribute__((noinline)) void whole_tile(const PlanarProduct<Real>& product, const Left<Real>& A,
+__attribute__((noinline)) void whole_tile(const SplitProduct<Real>& product, const Left<Real>& A,
                                           const Panel<Real>& B, Index i, Index j) {
   const Index at = i * product.stride + j;
   sum_tile<rows, vectors, adjoint>(factors_meet(product, i, rows, j, vectors * width<Real>), A, B,
@@ -194,7 +194,7 @@ __attribute__((noinline)) void whole_tile(const PlanarProduct<Real>& product, co
 // The same where fewer than `width` columns are left: summed aside, since what fills up the rows of
 // C must stay 0.
 template <int rows, bool adjoint, class Real>
-__attribute__((noinline)) void partial_tile(const PlanarProduct<Real>& product, const Left<Real>& A,
+__attribute__((noinline)) void partial_tile(const SplitProduct<Real>& product, const Left<Real>& A,
                                             const Panel<Real>& B, Index i, Index j) {
   Real re[rows * width<Real>];
   Real im[rows * width<Real>];
@@ -211,7 +211,7 @@ __attribute__((noinline)) void partial_tile(const PlanarProduct<Real>& product, 
 enum class Kind { whole, single, partial };
 
 template <int rows, bool adjoint, class Real>
-void one_tile(Kind kind, const PlanarProduct<Real>& product, const Left<Real>& A,
+void one_tile(Kind kind, const SplitProduct<Real>& product, const Left<Real>& A,
               const Panel<Real>& B, Index i, Index j) {
   if (kind == Kind::whole) {
     whole_tile<rows, tile_vectors, adjoint>(product, A, B, i, j);
@@ -231,7 +231,7 @@ inline bool has_last_column(Index n) {
 
 // The rows of B's last column x + iy that are not 0, from a multiple of half a vector's width on.
 template <class Real>
-inline Range rows_of_last_column(const PlanarProduct<Real>& product) {
+inline Range rows_of_last_column(const SplitProduct<Real>& product) {
   constexpr Index half = width<Real> / 2;
   const Range of_k = near(product.n, product.n - 1, product.n, product.B_band);
   return {of_k.begin / half * half, of_k.end};
@@ -241,7 +241,7 @@ inline Range rows_of_last_column(const PlanarProduct<Real>& product) {
 // up with 0.  Number by number, and so before the tiles are formed: vectors of it can be read by
 // then.
 template <class Real>
-inline void copy_last_column(const PlanarProduct<Real>& product) {
+inline void copy_last_column(const SplitProduct<Real>& product) {
   constexpr Index half = width<Real> / 2;
   const Range of_k = rows_of_last_column(product);
   const Real* x = product.B_re + of_k.begin * product.stride + product.n - 1;
@@ -308,7 +308,7 @@ inline __attribute__((always_inline)) Vector<Real> sums_over_halves(const Vector
 // Entries i, i + 1 ... of C's last column from what is still to be summed over a vector's halves,
 // real parts over the first and imaginary ones over the second: so many together as find room.
 template <int rows, class Real>
-inline __attribute__((always_inline)) void store_last_entries(const PlanarProduct<Real>& product,
+inline __attribute__((always_inline)) void store_last_entries(const SplitProduct<Real>& product,
                                                               const Vector<Real>* sums, Index i) {
   constexpr int half = width<Real> / 2;
   constexpr int most = rows < half ? rows : half;
@@ -329,7 +329,7 @@ inline __attribute__((always_inline)) void store_last_entries(const PlanarProduc
 // Entries i ... i + rows - 1 of A (x + iy), by rows of A: of one, a real part times [x, y] and an
 // imaginary part times [-y, x], half a vector of either at a time.
 template <int rows, class Real>
-__attribute__((noinline)) void last_entries(const PlanarProduct<Real>& product, Index i) {
+__attribute__((noinline)) void last_entries(const SplitProduct<Real>& product, Index i) {
   constexpr Index half = width<Real> / 2;
   const RowSteps steps(product.stride);
   const Range of_A = near(product.n, i, i + rows, product.A_band);
@@ -383,7 +383,7 @@ inline __attribute__((always_inline)) void with_rows(Index rows, Form&& form) {
 }
 
 template <bool adjoint, class Real>
-void one_tile(Index rows, Kind kind, const PlanarProduct<Real>& product, const Left<Real>& A,
+void one_tile(Index rows, Kind kind, const SplitProduct<Real>& product, const Left<Real>& A,
               const Panel<Real>& B, Index i, Index j) {
   with_rows(rows, [&]<int height>(Rows<height>) {
     one_tile<height, adjoint>(kind, product, A, B, i, j);
@@ -392,7 +392,7 @@ void one_tile(Index rows, Kind kind, const PlanarProduct<Real>& product, const L
 
 // Where it is wanted, and formed by rows: not of A†.
 template <bool adjoint, class Real>
-void last_entries(Index rows, const PlanarProduct<Real>& product, Index i) {
+void last_entries(Index rows, const SplitProduct<Real>& product, Index i) {
   if (adjoint || unwanted(product, i, rows, product.n - 1, 1)) return;
   with_rows(rows, [&]<int height>(Rows<height>) { last_entries<height>(product, i); });
 }
@@ -423,7 +423,7 @@ inline __attribute__((always_inline)) void for_panels(Index n, Visit&& panel) {
 // Small matrices, which the caches hold: columns of B as they stand.  A last column by itself is
 // formed between the tiles next to it, whose sums it needs not wait for.
 template <bool adjoint, class Real>
-void multiply_in_place(const PlanarProduct<Real>& product, Range rows, const Left<Real>& A) {
+void multiply_in_place(const SplitProduct<Real>& product, Range rows, const Left<Real>& A) {
   for_panels<Real>(product.n, [&](Kind kind, Index j, Index columns) {
     const Panel<Real> B{product.B_re + j, product.B_im + j, product.stride};
     const Index end = product.upper ? smaller(j + columns, rows.end) : rows.end;
@@ -444,10 +444,10 @@ void multiply_in_place(const PlanarProduct<Real>& product, Range rows, const Lef
 // Larger ones: a block of rows of A stays in the first cache while panels of B, copied together,
 // pass by from the second.
 template <bool adjoint, class Real>
-void multiply_packed(const PlanarProduct<Real>& product, Range rows, const Left<Real>& A) {
+void multiply_packed(const SplitProduct<Real>& product, Range rows, const Left<Real>& A) {
   const Index n = product.n;
   const Index stride = product.stride;
-  Real* packed = product.scratch + planar_scratch(n, stride, false);
+  Real* packed = product.scratch + gemm_scratch(n, stride, false);
   for_panels<Real>(n, [&](Kind, Index j, Index columns) {
     const Index vectors = (columns + width<Real> - 1) / width<Real>;
     const Range of_k = near(n, j, j + columns, product.B_band);
@@ -487,7 +487,7 @@ void multiply_packed(const PlanarProduct<Real>& product, Range rows, const Left<
 // Entries i ... of A† (x + iy), so many vectors of them, into re and im.
 template <int vectors, class Real>
 inline __attribute__((always_inline)) void last_entries_of_adjoint(
-    const PlanarProduct<Real>& product, Index i, Real* re, Real* im) {
+    const SplitProduct<Real>& product, Index i, Real* re, Real* im) {
   const Index n = product.n;
   const Index stride = product.stride;
   Vector<Real> ax[vectors] = {}, by[vectors] = {}, ay[vectors] = {}, bx[vectors] = {};
@@ -515,7 +515,7 @@ inline __attribute__((always_inline)) void last_entries_of_adjoint(
 
 // The same of A†: by columns of A, which are rows of what is summed, where it is wanted.
 template <class Real>
-inline void last_column_of_adjoint(const PlanarProduct<Real>& product, Range rows) {
+inline void last_column_of_adjoint(const SplitProduct<Real>& product, Range rows) {
   const Index first = larger(rows.begin, product.n - 1 - product.C_band);
   const Index end = rows.end;
   Real* re = product.scratch;
@@ -540,7 +540,7 @@ inline void last_column_of_adjoint(const PlanarProduct<Real>& product, Range row
 // What a block of rows takes for each row: of every tile that is wanted, the k that it is summed
 // over and about as many more as to begin and to store it take, for each of its vectors.
 template <class Real>
-inline Index work_in_row(const PlanarProduct<Real>& product, Index i, Index height) {
+inline Index work_in_row(const SplitProduct<Real>& product, Index i, Index height) {
   constexpr Index to_begin_and_store = 8;
   Index work = 0;
   for_panels<Real>(product.n, [&](Kind, Index j, Index columns) {
@@ -554,7 +554,7 @@ inline Index work_in_row(const PlanarProduct<Real>& product, Index i, Index heig
 
 // The rows of the share that is to be formed.
 template <class Real>
-__attribute__((noinline)) Range rows_of_share(const PlanarProduct<Real>& product) {
+__attribute__((noinline)) Range rows_of_share(const SplitProduct<Real>& product) {
   const Index n = product.n;
   if (product.parts == 1) return {0, n};
   const auto for_blocks = [n](auto&& visit) __attribute__((always_inline)) {
@@ -581,7 +581,7 @@ __attribute__((noinline)) Range rows_of_share(const PlanarProduct<Real>& product
 }
 
 template <bool adjoint, class Real>
-void multiply_tiles(const PlanarProduct<Real>& product) {
+void multiply_tiles(const SplitProduct<Real>& product) {
   const Left<Real> A = adjoint ? Left<Real>{product.A_re, product.A_im, 1, product.stride}
                                : Left<Real>{product.A_re, product.A_im, product.stride, 1};
   const Range rows = rows_of_share(product);
@@ -596,7 +596,7 @@ void multiply_tiles(const PlanarProduct<Real>& product) {
 }
 
 template <class Real>
-void multiply_planar(const PlanarProduct<Real>& product) {
+void multiply_split(const SplitProduct<Real>& product) {
   if (product.adjoint) {
     multiply_tiles<true>(product);
   } else {
