@@ -14,7 +14,7 @@ inline FourFloats half_twice(const float* at) { return FourFloats{at[0], at[1], 
 }  // namespace
 }  // namespace isosyrk
 
-#include "isosyrk/split/gemm_kernel_tiles.h"
+#include "isosyrk/split/gemm_macro_kernel.h"
 
 namespace isosyrk {
 
