@@ -22,8 +22,9 @@ struct PackingLimits {
 /// `stride` numbers apart. Each half of a row has `stride` / 2 numbers, at least n and a multiple
 /// of 64 bytes. The numbers from n on are padding; they are 0 and stay 0.
 ///
-/// A product is cut into `parts` ranges of rows of C with equal work. One call forms one `part`.
-/// Each entry is the same bit for bit whatever the cut.
+/// A product is cut into `parts` ranges of rows of C with equal work. One call forms the parts
+/// first_part ... end_part - 1, where 0 <= first_part < end_part <= parts. Each entry is the same
+/// bit for bit whatever the cut.
 template <class Real>
 struct SplitProduct {
   std::ptrdiff_t n;
@@ -40,7 +41,8 @@ struct SplitProduct {
   std::ptrdiff_t A_band;  ///< A(r, c) = 0 where |r - c| > A_band; n - 1 for a full matrix
   std::ptrdiff_t B_band;  ///< the same bound for B
   std::ptrdiff_t C_band;  ///< only |r - c| <= C_band is needed; entries beyond are unspecified
-  std::ptrdiff_t part;
+  std::ptrdiff_t first_part;
+  std::ptrdiff_t end_part;
   std::ptrdiff_t parts;
   bool packs_B;
   bool packs_adjoint_A;  ///< only if B is packed

@@ -90,11 +90,12 @@ inline Index work_in_row(const SplitProduct<Real>& product, Index i, Index heigh
   return work;
 }
 
-// The rows of the part to be formed. Where one part ends the next begins.
+// The rows of parts first_part ... end_part - 1. Where one part ends the next begins, whichever
+// call asks.
 template <class Real>
 __attribute__((noinline)) Range rows_of_share(const SplitProduct<Real>& product) {
   const Index n = product.n;
-  if (product.parts == 1) return {0, n};
+  if (product.first_part == 0 && product.end_part == product.parts) return {0, n};
   const auto for_blocks = [n](auto&& visit) __attribute__((always_inline)) {
     for (Index i = 0; i < n; i += tile_rows) visit(i, smaller(tile_rows, n - i));
   };
@@ -111,8 +112,8 @@ __attribute__((noinline)) Range rows_of_share(const SplitProduct<Real>& product)
         row = i + left / (product.parts * work);
       }
     };
-    if (product.part > 0) end_of(product.part, rows.begin);
-    if (product.part + 1 < product.parts) end_of(product.part + 1, rows.end);
+    if (product.first_part > 0) end_of(product.first_part, rows.begin);
+    if (product.end_part < product.parts) end_of(product.end_part, rows.end);
     above += height * work;
   });
   return rows;

@@ -124,6 +124,7 @@ void PlanarProductsOf<Real>::form(const AnyMatrix& A, bool adjoint, const AnyMat
                                       B.band(),
                                       band,
                                       share.part,
+                                      share.part + 1,
                                       share.parts,
                                       n_ > limits().B,
                                       n_ > limits().adjoint_A,
