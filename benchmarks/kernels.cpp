@@ -25,7 +25,7 @@ const std::vector<Index> sizes = {17, 33, 65, 129};
 std::string product_name(ProductBackend backend, Index n) {
   return fmt::format("kernels/product/{}/n:{}", name(backend), n);
 }
-std::string planar_name(std::string_view part, const PlanarKernel& kernel, Index n) {
+std::string planar_name(std::string_view part, const GemmKernel& kernel, Index n) {
   return fmt::format("kernels/{}/planar_{}/n:{}", part, kernel.name, n);
 }
 std::string planar_poisson_name(Index n) { return fmt::format("kernels/poisson/planar/n:{}", n); }
@@ -101,7 +101,7 @@ void product(benchmark::State& state, ProductBackend backend, Index n) {
 
 // A B or A† B, in double or in single precision.
 template <class Real, bool adjoint = false>
-void planar_product(benchmark::State& state, const PlanarKernel& kernel, Index n) {
+void planar_product(benchmark::State& state, const GemmKernel& kernel, Index n) {
   const Factors given(n);
   const PlanarMatrixOf<Real> W(given.W), B(given.B);
   PlanarMatrixOf<Real> C(n);
@@ -120,7 +120,7 @@ void planar_product(benchmark::State& state, const PlanarKernel& kernel, Index n
 }
 
 // B (W B), which is skew-Hermitian: its upper triangle and the mirror of that.
-void planar_triangle(benchmark::State& state, const PlanarKernel& kernel, Index n) {
+void planar_triangle(benchmark::State& state, const GemmKernel& kernel, Index n) {
   const Factors given(n);
   const PlanarMatrix W(given.W), B(given.B);
   PlanarMatrix WB(n), C(n);
@@ -135,7 +135,7 @@ void planar_triangle(benchmark::State& state, const PlanarKernel& kernel, Index 
 
 struct PlanarPart {
   std::string_view name;
-  void (*time)(benchmark::State&, const PlanarKernel&, Index n);
+  void (*time)(benchmark::State&, const GemmKernel&, Index n);
 };
 const std::vector<PlanarPart> planar_parts = {{"product", planar_product<double>},
                                               {"adjoint", planar_product<double, true>},
@@ -190,7 +190,7 @@ int main_program(int argc, char** argv) {
     for (const ProductBackend backend : product_backends()) {
       names.push_back(product_name(backend, n));
     }
-    for (const PlanarKernel& kernel : planar_kernels()) {
+    for (const GemmKernel& kernel : gemm_kernels()) {
       for (const PlanarPart& part : planar_parts) {
         names.push_back(planar_name(part.name, kernel, n));
       }
@@ -208,7 +208,7 @@ int main_program(int argc, char** argv) {
       benchmark::RegisterBenchmark(product_name(backend, n).c_str(), product, backend, n)
           ->Unit(benchmark::kMicrosecond);
     }
-    for (const PlanarKernel& kernel : planar_kernels()) {
+    for (const GemmKernel& kernel : gemm_kernels()) {
       for (const PlanarPart& part : planar_parts) {
         benchmark::RegisterBenchmark(planar_name(part.name, kernel, n).c_str(), part.time, kernel,
                                      n)

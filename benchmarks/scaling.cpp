@@ -226,7 +226,7 @@ int main_program(int argc, char** argv) {
   Json json = {{"format", "isosyrk scaling 2"}};
   json["context"] = context_json("scaling", {}, rates, {});
   json["h_norm_B"] = scaling_h_norm_B;
-  json["kernels"] = planar_kernels().front().name;
+  json["kernels"] = gemm_kernels().front().name;
   json["points"] = Json::array();
   for (const Index n : sizes) {
     for (const Json& row : scaling_rows(n, measuring)) json["points"].push_back(row);

@@ -27,7 +27,7 @@ TableProgram fast_table(int threads) {
       .has_backends = false,
       .counts_equivalents = true,
       .conditions =
-          {{"products", fmt::format("planar, {} kernels", planar_kernels().front().name)},
+          {{"products", fmt::format("planar, {} kernels", gemm_kernels().front().name)},
            {"start",
             fmt::format("from the last {} steps, {} from n = 48 on, by weights fitted to how they "
                         "followed from each other; cold at first",

@@ -135,7 +135,7 @@ PlanarMatrixOf<Real> whole(PlanarMatrixOf<Real> W) {
 }
 
 template <class Real>
-void expect_bands_change_nothing(const PlanarKernel& kernel) {
+void expect_bands_change_nothing(const GemmKernel& kernel) {
   for (const Index n : {4, 17, 20, 33, 65, 73, 107, 129}) {
     for (const auto& [A_band, B_band] : {std::pair<Index, Index>{0, 0},
                                          {0, n - 1},
@@ -182,7 +182,7 @@ void expect_bands_change_nothing(const PlanarKernel& kernel) {
   }
 }
 
-class BandsInEachUnit : public ::testing::TestWithParam<PlanarKernel> {};
+class BandsInEachUnit : public ::testing::TestWithParam<GemmKernel> {};
 
 // What is left out is 0 times something: bit for bit the product of the whole.
 TEST_P(BandsInEachUnit, ChangeNoProduct) {

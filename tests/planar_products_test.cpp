@@ -47,7 +47,7 @@ std::vector<Index> tested_sizes() {
   return sizes;
 }
 
-class EachUnit : public ::testing::TestWithParam<PlanarKernel> {};
+class EachUnit : public ::testing::TestWithParam<GemmKernel> {};
 
 TEST_P(EachUnit, ProductsAreRightToRoundingForEverySize) {
   for (const Index n : tested_sizes()) {

@@ -15,7 +15,7 @@ constexpr double single_roundoff = 0x1p-24;
 
 Matrix widened(const SingleMatrix& X) { return X.interleaved(); }
 
-class SinglesInEachUnit : public ::testing::TestWithParam<PlanarKernel> {};
+class SinglesInEachUnit : public ::testing::TestWithParam<GemmKernel> {};
 
 TEST_P(SinglesInEachUnit, AreMultipliedToTheirRoundingForEverySize) {
   std::vector<Index> sizes = {47, 63, 64, 65, 97, 104, 105, 107, 128, 129, 140};

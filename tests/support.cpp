@@ -56,10 +56,10 @@ Matrix product(std::initializer_list<Matrix> factors) {
 
 Matrix commutator(const Matrix& A, const Matrix& B) { return product({A, B}) - product({B, A}); }
 
-std::vector<PlanarKernel> tested_kernels() {
+std::vector<GemmKernel> tested_kernels() {
   static std::list<std::string> names;
-  std::vector<PlanarKernel> tested;
-  for (PlanarKernel kernel : planar_kernels()) {
+  std::vector<GemmKernel> tested;
+  for (GemmKernel kernel : gemm_kernels()) {
     tested.push_back(kernel);
     kernel.name = names.emplace_back(kernel.name + std::string("_copies")).c_str();
     kernel.limits = kernel.single_limits = {0, 0};

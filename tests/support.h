@@ -55,7 +55,7 @@ Tableau radau_iia();
 
 /// Every kernel that runs here, by itself and, named ..._copies, with copies of the factors at any
 /// size.
-std::vector<PlanarKernel> tested_kernels();
+std::vector<GemmKernel> tested_kernels();
 
 /// The processors that the calling thread may run on.
 std::vector<std::size_t> allowed_processors();
@@ -91,6 +91,6 @@ namespace isosyrk {
 
 /// How GoogleTest names an entry in its reports.
 inline void PrintTo(const IntegratorEntry& entry, std::ostream* out) { *out << entry.name; }
-inline void PrintTo(const PlanarKernel& kernel, std::ostream* out) { *out << kernel.name; }
+inline void PrintTo(const GemmKernel& kernel, std::ostream* out) { *out << kernel.name; }
 
 }  // namespace isosyrk

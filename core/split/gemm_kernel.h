@@ -1,63 +1,71 @@
-// The inner loops of products of planar matrices, once for each vector unit.
+// Interface of the GEMM kernels for split-complex matrices, one kernel set for each vector unit.
 //
-// No header with functions in it is included here, and what is here is evaluated by the compiler:
-// the files that include this one are compiled for different units, and the linker takes any of the
-// copies of an inline function.
+// The kernel sources are compiled for different vector units. An inline function emitted by two of
+// them would be merged by the linker, and the surviving copy might not run on this processor.
+// Therefore this header includes no header that defines functions, and its own function is always
+// inlined.
 #pragma once
 
 #include <cstddef>
 
 namespace isosyrk {
 
-/// The largest n for which factors are read where they stand; those of larger ones are copied
-/// together first.
-struct PlanarLimits {
+/// Largest n at which the kernels read a factor in place. Beyond it the factor is packed.
+struct PackingLimits {
   std::ptrdiff_t B;
-  std::ptrdiff_t adjoint_A;  ///< where B is copied
+  std::ptrdiff_t adjoint_A;  ///< applies only where B is packed
 };
 
-/// C = scale A B, or scale A† B, all n x n, their rows `stride` numbers apart: real parts in the
-/// first half of each, imaginary parts in the second, a multiple of 64 bytes that is at least n
-/// long; what fills the halves up is 0 and stays so.  Real is double or float.
+/// The product C = scale A B or C = scale A† B of n x n matrices, Real double or float.
+///
+/// Split-complex storage: each row holds its real parts, then its imaginary parts. Rows are
+/// `stride` numbers apart. Each half of a row has `stride` / 2 numbers, at least n and a multiple
+/// of 64 bytes. The numbers from n on are padding; they are 0 and stay 0.
+///
+/// A product is cut into `parts` ranges of rows of C with equal work. One call forms the parts
+/// first_part ... end_part - 1, where 0 <= first_part < end_part <= parts. Each entry is the same
+/// bit for bit whatever the cut.
 template <class Real>
-struct PlanarProduct {
+struct SplitProduct {
   std::ptrdiff_t n;
   std::ptrdiff_t stride;
   const Real* A_re;
   const Real* A_im;
-  bool adjoint;
+  bool adjoint;  ///< A† in place of A
   const Real* B_re;
   const Real* B_im;
   Real scale;
   Real* C_re;
   Real* C_im;
-  bool upper;  ///< only what lies on and above the diagonal is wanted; below it anything may be
-  std::ptrdiff_t A_band;  ///< entries (r, c) of A with |r - c| > A_band are 0; n - 1 for the whole
-  std::ptrdiff_t B_band;
-  std::ptrdiff_t C_band;  ///< only |r - c| <= C_band is wanted; beyond it anything may be
-  std::ptrdiff_t part;  ///< of the rows of C this share is formed, part of `parts` with equal work
+  bool upper;  ///< only the upper triangle of C is needed; entries below it are unspecified
+  std::ptrdiff_t A_band;  ///< A(r, c) = 0 where |r - c| > A_band; n - 1 for a full matrix
+  std::ptrdiff_t B_band;  ///< the same bound for B
+  std::ptrdiff_t C_band;  ///< only |r - c| <= C_band is needed; entries beyond are unspecified
+  std::ptrdiff_t first_part;
+  std::ptrdiff_t end_part;
   std::ptrdiff_t parts;
-  bool copies_B;
-  bool copies_adjoint_A;  ///< if it copies B
-  Real* scratch;          ///< planar_scratch(n, stride, copies_B) numbers
+  bool packs_B;
+  bool packs_adjoint_A;  ///< only if B is packed
+  Real* scratch;         ///< gemm_scratch(n, stride, packs_B) numbers
 };
 
-/// Numbers of workspace that a product takes: three columns, the copy of B, and rows of A.
-constexpr std::ptrdiff_t planar_scratch(std::ptrdiff_t n, std::ptrdiff_t stride, bool copies_B) {
-  return 3 * stride / 2 + (copies_B ? n * stride + 12 * n : 0);
+/// Workspace of a product, in numbers: three columns; where B is packed also B and six rows of A.
+[[gnu::always_inline]] constexpr std::ptrdiff_t gemm_scratch(std::ptrdiff_t n,
+                                                             std::ptrdiff_t stride, bool packs_B) {
+  return 3 * stride / 2 + (packs_B ? n * stride + 12 * n : 0);
 }
 
 /// The kernels of one vector unit.
-struct PlanarKernel {
+struct GemmKernel {
   const char* name;  ///< "avx512", "avx2", "portable"
-  void (*multiply)(const PlanarProduct<double>&);
-  void (*multiply_singles)(const PlanarProduct<float>&);
-  PlanarLimits limits;  ///< measured, as the others
-  PlanarLimits single_limits;
+  void (*multiply)(const SplitProduct<double>&);
+  void (*multiply_singles)(const SplitProduct<float>&);
+  PackingLimits limits;         ///< of `multiply`, tuned by timing
+  PackingLimits single_limits;  ///< of `multiply_singles`
 };
 
-PlanarKernel planar_kernel_avx512();
-PlanarKernel planar_kernel_avx2();
-PlanarKernel planar_kernel_portable();
+GemmKernel gemm_kernel_avx512();
+GemmKernel gemm_kernel_avx2();
+GemmKernel gemm_kernel_portable();
 
 }  // namespace isosyrk

@@ -14,12 +14,12 @@ inline FourFloats half_twice(const float* at) { return FourFloats{at[0], at[1], 
 }  // namespace
 }  // namespace isosyrk
 
-#include "isosyrk/split/gemm_kernel_tiles.h"
+#include "isosyrk/split/gemm_macro_kernel.h"
 
 namespace isosyrk {
 
-PlanarKernel planar_kernel_portable() {
-  return {"portable", multiply_planar<double>, multiply_planar<float>, {72, 160}, {104, 160}};
+GemmKernel gemm_kernel_portable() {
+  return {"portable", multiply_split<double>, multiply_split<float>, {72, 160}, {104, 160}};
 }
 
 }  // namespace isosyrk

@@ -10,18 +10,18 @@
 
 namespace isosyrk {
 
-const std::vector<PlanarKernel>& planar_kernels() {
-  static const std::vector<PlanarKernel> all = [] {
-    std::vector<PlanarKernel> found;
+const std::vector<GemmKernel>& gemm_kernels() {
+  static const std::vector<GemmKernel> all = [] {
+    std::vector<GemmKernel> found;
 #if defined(ISOSYRK_KERNEL_AVX512)
-    if (__builtin_cpu_supports("avx512f")) found.push_back(planar_kernel_avx512());
+    if (__builtin_cpu_supports("avx512f")) found.push_back(gemm_kernel_avx512());
 #endif
 #if defined(ISOSYRK_KERNEL_AVX2)
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
-      found.push_back(planar_kernel_avx2());
+      found.push_back(gemm_kernel_avx2());
     }
 #endif
-    found.push_back(planar_kernel_portable());
+    found.push_back(gemm_kernel_portable());
     return found;
   }();
   return all;
@@ -50,13 +50,13 @@ std::int64_t multiplications(Index n, Index A_band, Index B_band, Index C_band) 
 }  // namespace
 
 template <class Real>
-PlanarProductsOf<Real>::PlanarProductsOf(Index n) : PlanarProductsOf(n, planar_kernels().front()) {}
+PlanarProductsOf<Real>::PlanarProductsOf(Index n) : PlanarProductsOf(n, gemm_kernels().front()) {}
 
 template <class Real>
-PlanarProductsOf<Real>::PlanarProductsOf(Index n, const PlanarKernel& kernel)
+PlanarProductsOf<Real>::PlanarProductsOf(Index n, const GemmKernel& kernel)
     : n_(n), kernel_(kernel) {
   if (n < 1) throw std::invalid_argument(fmt::format("products: n = {}, must be at least 1", n));
-  scratch_ = AnyMatrix::Entries::Zero(planar_scratch(n, 2 * planar_row<Real>(n), n > limits().B));
+  scratch_ = AnyMatrix::Entries::Zero(gemm_scratch(n, 2 * planar_row<Real>(n), n > limits().B));
 }
 
 template <class Real>
@@ -109,25 +109,26 @@ void PlanarProductsOf<Real>::form(const AnyMatrix& A, bool adjoint, const AnyMat
   if (&C == &A || &C == &B) {
     throw std::invalid_argument("product: the result may not be one of the factors");
   }
-  const PlanarProduct<Real> product = {n_,
-                                       A.stride(),
-                                       A.re(),
-                                       A.im(),
-                                       adjoint,
-                                       B.re(),
-                                       B.im(),
-                                       scale,
-                                       C.re(),
-                                       C.im(),
-                                       upper,
-                                       A.band(),
-                                       B.band(),
-                                       band,
-                                       share.part,
-                                       share.parts,
-                                       n_ > limits().B,
-                                       n_ > limits().adjoint_A,
-                                       scratch_.data()};
+  const SplitProduct<Real> product = {n_,
+                                      A.stride(),
+                                      A.re(),
+                                      A.im(),
+                                      adjoint,
+                                      B.re(),
+                                      B.im(),
+                                      scale,
+                                      C.re(),
+                                      C.im(),
+                                      upper,
+                                      A.band(),
+                                      B.band(),
+                                      band,
+                                      share.part,
+                                      share.part + 1,
+                                      share.parts,
+                                      n_ > limits().B,
+                                      n_ > limits().adjoint_A,
+                                      scratch_.data()};
   if constexpr (std::is_same_v<Real, float>) {
     kernel_.multiply_singles(product);
   } else {

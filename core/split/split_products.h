@@ -12,7 +12,7 @@
 namespace isosyrk {
 
 /// The kernels that this program was built with and this processor can run, the fastest first.
-const std::vector<PlanarKernel>& planar_kernels();
+const std::vector<GemmKernel>& gemm_kernels();
 
 /// Products of n x n planar matrices with one vector unit, from what lies in the bands of the
 /// factors.  Workspace is allocated once, here; no product allocates.  Not for use by two threads
@@ -24,7 +24,7 @@ class PlanarProductsOf {
 
   /// With the kernel given, or the fastest that runs here.  Throws std::invalid_argument for n < 1.
   explicit PlanarProductsOf(Index n);
-  PlanarProductsOf(Index n, const PlanarKernel& kernel);
+  PlanarProductsOf(Index n, const GemmKernel& kernel);
 
   /// C = scale A B, or a share of it, with its band.  All three n x n; C may be neither A nor B
   /// (std::invalid_argument).
@@ -64,14 +64,14 @@ class PlanarProductsOf {
   }
 
  private:
-  const PlanarLimits& limits() const {
+  const PackingLimits& limits() const {
     return std::is_same_v<Real, float> ? kernel_.single_limits : kernel_.limits;
   }
   void form(const AnyMatrix& A, bool adjoint, const AnyMatrix& B, AnyMatrix& C, Real scale,
             bool upper, Index band, Share share);
 
   Index n_;
-  PlanarKernel kernel_;
+  GemmKernel kernel_;
   typename AnyMatrix::Entries scratch_;
   long full_ = 0;
   long triangles_ = 0;

@@ -1,0 +1,195 @@
+// The kernel interface itself: a product formed in ranges of its parts.
+#include "isosyrk/split/gemm_kernel.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+#include "isosyrk/split/split_blocks.h"
+#include "isosyrk/split/split_matrix.h"
+#include "tests/support.h"
+
+namespace isosyrk::testing {
+namespace {
+
+// Which entries are nonzero or needed.
+struct Shape {
+  bool adjoint;
+  bool upper;
+  Index A_band;
+  Index B_band;
+  Index C_band;
+
+  bool needs(Index r, Index c) const { return std::abs(r - c) <= C_band && !(upper && r > c); }
+};
+
+std::vector<Shape> shapes(Index n) {
+  const Index full = n - 1;
+  std::vector<Shape> all;
+  for (const bool adjoint : {false, true}) {
+    for (const bool upper : {false, true}) {
+      all.push_back({adjoint, upper, full, full, full});
+      all.push_back({adjoint, upper, n / 3, n / 2, full});
+      all.push_back({adjoint, upper, n / 4, full, n / 3});
+    }
+  }
+  return all;
+}
+
+struct Parts {
+  Index first;
+  Index end;
+  Index of;
+};
+constexpr Parts whole = {0, 1, 1};
+constexpr std::array<Parts, 3> ranges = {{{0, 1, 6}, {1, 4, 6}, {4, 6, 6}}};
+
+template <class Real>
+class Factors {
+ public:
+  Factors(Index n, const Shape& shape)
+      : shape_(shape), A_(random_matrix(n, 1)), B_(random_matrix(n, 2)) {
+    cut_to_band(shape.A_band, A_);
+    cut_to_band(shape.B_band, B_);
+  }
+
+  // Forms these parts of C = -0.3 A B or -0.3 A† B and leaves other rows of C as they were.
+  void multiply(const GemmKernel& kernel, Parts parts, PlanarMatrixOf<Real>& C) const {
+    constexpr bool is_single = sizeof(Real) == sizeof(float);
+    const Index n = A_.size();
+    const PackingLimits limits = is_single ? kernel.single_limits : kernel.limits;
+    const bool packs_B = n > limits.B;
+    std::vector<Real> scratch(static_cast<std::size_t>(gemm_scratch(n, A_.stride(), packs_B)),
+                              std::numeric_limits<Real>::quiet_NaN());
+    SplitProduct<Real> product{};
+    product.n = n;
+    product.stride = A_.stride();
+    product.A_re = A_.re();
+    product.A_im = A_.im();
+    product.adjoint = shape_.adjoint;
+    product.B_re = B_.re();
+    product.B_im = B_.im();
+    product.scale = static_cast<Real>(-0.3);
+    product.C_re = C.re();
+    product.C_im = C.im();
+    product.upper = shape_.upper;
+    product.A_band = shape_.A_band;
+    product.B_band = shape_.B_band;
+    product.C_band = shape_.C_band;
+    product.first_part = parts.first;
+    product.end_part = parts.end;
+    product.parts = parts.of;
+    product.packs_B = packs_B;
+    product.packs_adjoint_A = n > limits.adjoint_A;
+    product.scratch = scratch.data();
+    if constexpr (is_single) {
+      kernel.multiply_singles(product);
+    } else {
+      kernel.multiply(product);
+    }
+  }
+
+ private:
+  Shape shape_;
+  PlanarMatrixOf<Real> A_;
+  PlanarMatrixOf<Real> B_;
+};
+
+// Not a number in every entry; the padding is 0.
+template <class Real>
+PlanarMatrixOf<Real> unformed(Index n) {
+  const double nan = std::nan("");
+  return PlanarMatrixOf<Real>(Matrix(Matrix::Constant(n, n, Complex(nan, nan))));
+}
+
+// Entries of C that are needed and differ from those of `expected` in any bit.
+template <class Real>
+Index different_entries(const Shape& shape, const PlanarMatrixOf<Real>& C,
+                        const PlanarMatrixOf<Real>& expected) {
+  Index different = 0;
+  for (Index r = 0; r < C.size(); ++r) {
+    for (Index c = 0; c < C.size(); ++c) {
+      if (!shape.needs(r, c)) continue;
+      const Index at = r * C.stride() + c;
+      different += std::memcmp(C.re() + at, expected.re() + at, sizeof(Real)) != 0 ||
+                   std::memcmp(C.im() + at, expected.im() + at, sizeof(Real)) != 0;
+    }
+  }
+  return different;
+}
+
+// Every shape needs the diagonal.
+template <class Real>
+bool row_is_formed(const PlanarMatrixOf<Real>& C, Index r) {
+  return !std::isnan(C.re()[r * C.stride() + r]);
+}
+
+constexpr std::array<Index, 5> sizes = {17, 33, 49, 66, 129};
+
+template <class Real>
+void expect_ranges_to_be_the_whole(const GemmKernel& kernel) {
+  for (const Index n : sizes) {
+    for (const Shape& shape : shapes(n)) {
+      SCOPED_TRACE(::testing::Message()
+                   << "n = " << n << ", adjoint " << shape.adjoint << ", upper " << shape.upper
+                   << ", bands " << shape.A_band << " " << shape.B_band << " " << shape.C_band);
+      const Factors<Real> factors(n, shape);
+      auto expected = unformed<Real>(n), C = unformed<Real>(n);
+      factors.multiply(kernel, whole, expected);
+      for (const Parts& parts : ranges) {
+        EXPECT_GT(different_entries(shape, C, expected), 0) << "before the last range";
+        factors.multiply(kernel, parts, C);
+      }
+      EXPECT_EQ(different_entries(shape, C, expected), 0);
+    }
+  }
+}
+
+template <class Real>
+void expect_rows_in_one_range_each(const GemmKernel& kernel) {
+  for (const Index n : sizes) {
+    for (const Shape& shape : shapes(n)) {
+      const Factors<Real> factors(n, shape);
+      Index next = 0;
+      for (const Parts& parts : ranges) {
+        auto C = unformed<Real>(n);
+        factors.multiply(kernel, parts, C);
+        for (Index r = 0; r < next; ++r) EXPECT_FALSE(row_is_formed(C, r)) << n << " " << r;
+        const Index begin = next;
+        while (next < n && row_is_formed(C, next)) ++next;
+        for (Index r = next; r < n; ++r) EXPECT_FALSE(row_is_formed(C, r)) << n << " " << r;
+        EXPECT_GT(next, begin) << n;
+        const bool rows_cost_the_same = !shape.upper && shape.A_band == n - 1;
+        if (rows_cost_the_same) {
+          const double share =
+              static_cast<double>(parts.end - parts.first) / static_cast<double>(parts.of);
+          EXPECT_NEAR(static_cast<double>(next - begin), share * static_cast<double>(n), 1.0);
+        }
+      }
+      EXPECT_EQ(next, n);
+    }
+  }
+}
+
+class EachKernel : public ::testing::TestWithParam<GemmKernel> {};
+
+TEST_P(EachKernel, FormsRangesThatAreTheWholeBitForBit) {
+  expect_ranges_to_be_the_whole<double>(GetParam());
+  expect_ranges_to_be_the_whole<float>(GetParam());
+}
+
+TEST_P(EachKernel, FormsEachRowInOneRangeOfItsShareOfTheWork) {
+  expect_rows_in_one_range_each<double>(GetParam());
+  expect_rows_in_one_range_each<float>(GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(Gemm, EachKernel, ::testing::ValuesIn(tested_kernels()),
+                         [](const auto& tested) { return std::string(tested.param.name); });
+
+}  // namespace
+}  // namespace isosyrk::testing
