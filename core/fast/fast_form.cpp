@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "isosyrk/flows/euler_zeitlin.h"
+#include "isosyrk/iteration/picard.h"
 #include "isosyrk/split/flush_denormals.h"
 #include "isosyrk/split/mixed_sums.h"
 #include "isosyrk/split/split_blocks.h"

@@ -51,7 +51,7 @@ struct FastOptions {
 /// A one-step method in planar matrices for Euler-Zeitlin on su(n): the answer of the published
 /// form to the solver's tolerance, sooner.
 ///
-/// Every iteration starts from predicted unknowns and stops by the rule of fixed_point.h, on the
+/// Every iteration starts from predicted unknowns and stops by the rule of picard.h, on the
 /// change that a plain sweep in double precision makes, so that what is accepted is as good as from
 /// a cold start.
 ///

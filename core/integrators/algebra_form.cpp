@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "isosyrk/iteration/picard.h"
 #include "isosyrk/linalg/commutator.h"
 #include "isosyrk/iteration/faults.h"
 #include "isosyrk/linalg/stage_sums.h"

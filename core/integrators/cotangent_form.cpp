@@ -1,5 +1,6 @@
 #include "isosyrk/integrators/cotangent_form.h"
 
+#include "isosyrk/iteration/picard.h"
 #include "isosyrk/linalg/stage_sums.h"
 
 namespace isosyrk {

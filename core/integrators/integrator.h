@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "isosyrk/iteration/fixed_point.h"
+#include "isosyrk/iteration/status.h"
 #include "isosyrk/flows/flow.h"
 #include "isosyrk/linalg/products.h"
 

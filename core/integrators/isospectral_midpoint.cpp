@@ -1,5 +1,6 @@
 #include "isosyrk/integrators/isospectral_midpoint.h"
 
+#include "isosyrk/iteration/picard.h"
 #include "isosyrk/linalg/commutator.h"
 
 namespace isosyrk {
