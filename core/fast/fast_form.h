@@ -104,7 +104,7 @@ class FastForm : public Integrator {
   FastForm(const EulerZeitlin& flow, const FastOptions& options,
            std::initializer_list<Items> unknowns, Index least_coupling_band);
 
-  SolveReport advance(const Matrix& W0, double h, Matrix& W1) final;
+  StepReport advance(const Matrix& W0, double h, Matrix& W1) final;
 
   /// Sees W0_ before anything else of a step.
   virtual void begin_step() {}
@@ -275,7 +275,7 @@ class FastForm : public Integrator {
     cut(number(kind, i), left_out(), unknowns_[kind][i], share);
   }
 
-  SolveReport solve(double h);
+  SolveReport solve(double h, Attempt& attempt);
 
   // A phase(item, share, worker) for Team.
   template <class Phase>

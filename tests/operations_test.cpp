@@ -1,5 +1,5 @@
 // Sums over stages in one pass against the same sums entry by entry.
-#include "isosyrk/linalg/stage_sums.h"
+#include "isosyrk/linalg/operations.h"
 
 #include <gtest/gtest.h>
 
