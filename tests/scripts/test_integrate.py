@@ -299,6 +299,30 @@ class FastSolver(RefusalTest):
             self.assertEqual(file.read(), EARLIER)
 
 
+@unittest.skipIf(SANITIZED, "a sanitizer reserves terabytes of address space")
+class Memory(RefusalTest):
+    """A run that needs more memory than there is, which the kernel would kill, is refused before it starts."""
+
+    HUGE = {"n": "4096", "stages": "20", "formulation": "algebra", "step": "0.1", "time": "0.1"}
+
+    def limited(self, kilobytes, arguments, *flags, **changes):
+        script = 'ulimit -v "$1"; shift; OPENBLAS_NUM_THREADS=1 exec "$@"'
+        return run(["bash", "-c", script, "bash", str(kilobytes), *command(arguments, *flags, **changes)])
+
+    def test_that_nobody_has_is_refused_at_once(self):
+        self.assert_refused(self.limited(100_000_000, self.HUGE, "--output", self.output), "--n 4096", "algebra20",
+                            "GB", "n or stages must be smaller")
+
+    def test_beyond_the_limit_of_the_process_is_refused(self):
+        # About 0.6 GB for 548 matrices of 257 x 257.
+        large = {**self.HUGE, "n": "257"}
+        self.assert_refused(self.limited(500_000, large, "--output", self.output), "--n 257", "ulimit -v")
+
+    def test_of_past_steps_is_counted(self):
+        fast = {**self.HUGE, "n": "257", "stages": "3"}
+        self.assert_refused(self.limited(300_000, fast, solver="fast"), "--n 257", "fast_algebra3", "ulimit -v")
+
+
 class RefusedModes(RefusalTest):
     """Modes files: the line names the file and what is wrong."""
 
