@@ -82,6 +82,7 @@ nlohmann::ordered_json as_json(const IntegrateRequest& request, const std::vecto
       {"formulation", request.formulation ? nlohmann::ordered_json(name(*request.formulation))
                                           : nlohmann::ordered_json(nullptr)},
       {"solver", request.method},
+      {"threads", request.threads},
       {"step", request.step},
       {"steps", request.steps},
       {"time", request.time},

@@ -299,6 +299,26 @@ class FastSolver(RefusalTest):
             self.assertEqual(file.read(), EARLIER)
 
 
+    def test_threads_are_1_to_64(self):
+        for value in ("0", "-1", "65", "x", "1.5", "", "9" * 30):
+            with self.subTest(value):
+                line = command(SHORT, "--output", self.output, solver="fast", threads=value)
+                self.assert_refused_alone(line, "--threads", value, "1 to 64")
+
+    def test_threads_are_of_the_fast_solver(self):
+        self.assert_refused_alone(command(SHORT, "--output", self.output, threads="2"), "--threads 2", "--solver fast")
+
+    def test_one_thread_is_the_default(self):
+        alone, _ = self.result(SHORT, solver="fast")
+        self.assertEqual(alone["threads"], 1)
+
+    def test_more_threads_than_cores_are_allowed_and_noted(self):
+        pinned = ["taskset", "-c", str(min(os.sched_getaffinity(0))), *command(SHORT, "--json", solver="fast", threads="2")]
+        done = run(pinned)
+        self.assertEqual(done.returncode, DONE, done.stderr)
+        self.assertRegex(done.stderr, r"^integrate: note: 2 threads on 1 core: [^\n]*\n$")
+
+
 @unittest.skipIf(SANITIZED, "a sanitizer reserves terabytes of address space")
 class Memory(RefusalTest):
     """A run that needs more memory than there is, which the kernel would kill, is refused before it starts."""
