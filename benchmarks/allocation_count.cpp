@@ -3,9 +3,12 @@
 #include <atomic>
 #include <cstdlib>
 
+#include <malloc.h>
+
 namespace {
 
 std::atomic<long> allocations{0};
+std::atomic<long> bytes{0};
 
 }  // namespace
 
@@ -14,9 +17,16 @@ std::atomic<long> allocations{0};
 extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*malloc_hook)(const volatile void*,
                                                                              size_t),
                                                          void (*free_hook)(const volatile void*));
+extern "C" size_t __sanitizer_get_allocated_size(const volatile void* memory);
 namespace {
 const int hooks_installed = __sanitizer_install_malloc_and_free_hooks(
-    [](const volatile void*, size_t) { ++allocations; }, [](const volatile void*) {});
+    [](const volatile void*, size_t size) {
+      ++allocations;
+      bytes += static_cast<long>(size);
+    },
+    [](const volatile void* memory) {
+      bytes -= static_cast<long>(__sanitizer_get_allocated_size(memory));
+    });
 }  // namespace
 
 #else
@@ -27,31 +37,39 @@ void* __libc_malloc(size_t size);
 void* __libc_calloc(size_t count, size_t size);
 void* __libc_realloc(void* old, size_t size);
 void* __libc_memalign(size_t alignment, size_t size);
+void __libc_free(void* memory);
+}
 
-void* malloc(size_t size) {
+namespace {
+
+long usable_bytes(void* memory) { return static_cast<long>(malloc_usable_size(memory)); }
+
+void* counted(void* memory) {
   ++allocations;
-  return __libc_malloc(size);
+  bytes += usable_bytes(memory);
+  return memory;
 }
-void* calloc(size_t count, size_t size) {
-  ++allocations;
-  return __libc_calloc(count, size);
-}
+
+}  // namespace
+
+extern "C" {
+void* malloc(size_t size) { return counted(__libc_malloc(size)); }
+void* calloc(size_t count, size_t size) { return counted(__libc_calloc(count, size)); }
 void* realloc(void* old, size_t size) {
-  ++allocations;
-  return __libc_realloc(old, size);
+  bytes -= usable_bytes(old);
+  return counted(__libc_realloc(old, size));
 }
-void* memalign(size_t alignment, size_t size) {
-  ++allocations;
-  return __libc_memalign(alignment, size);
-}
+void* memalign(size_t alignment, size_t size) { return counted(__libc_memalign(alignment, size)); }
 void* aligned_alloc(size_t alignment, size_t size) {
-  ++allocations;
-  return __libc_memalign(alignment, size);
+  return counted(__libc_memalign(alignment, size));
 }
 int posix_memalign(void** out, size_t alignment, size_t size) {
-  ++allocations;
-  *out = __libc_memalign(alignment, size);
+  *out = counted(__libc_memalign(alignment, size));
   return *out == nullptr ? 12 : 0;
+}
+void free(void* memory) {
+  bytes -= usable_bytes(memory);
+  __libc_free(memory);
 }
 }
 
@@ -60,6 +78,8 @@ int posix_memalign(void** out, size_t alignment, size_t size) {
 namespace isosyrk {
 
 long allocations_so_far() { return allocations; }
+
+long bytes_in_use() { return bytes; }
 
 long allocations_during(const std::function<void()>& action) {
   const long before = allocations_so_far();

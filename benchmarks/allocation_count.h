@@ -9,7 +9,10 @@ namespace isosyrk {
 /// Allocations of this program so far, by malloc and all that allocates like it.
 long allocations_so_far();
 
-/// Those made while `action` ran.
+/// Allocations made while `action` ran.
 long allocations_during(const std::function<void()>& action);
+
+/// Bytes that this program has allocated and not freed.
+long bytes_in_use();
 
 }  // namespace isosyrk

@@ -1,6 +1,7 @@
 #include "benchmarks/arguments.h"
 
 #include <fmt/format.h>
+#include <sched.h>
 
 #include <algorithm>
 #include <charconv>
@@ -63,6 +64,20 @@ long step_count(double time, double step) {
                     step, quotient));
   }
   return static_cast<long>(steps);
+}
+
+int thread_count(const char* program, const std::string& text) {
+  constexpr long most = 64;
+  const auto threads = static_cast<int>(whole_number("--threads", text, 1, most));
+  cpu_set_t allowed;
+  const bool known = sched_getaffinity(0, sizeof(allowed), &allowed) == 0;
+  const int cores = known ? CPU_COUNT(&allowed) : threads;
+  if (threads > cores) {
+    print_error(program, fmt::format("note: {} threads on {} {}: they take turns, and the run is "
+                                     "slower than with {}",
+                                     threads, cores, cores == 1 ? "core" : "cores", cores));
+  }
+  return threads;
 }
 
 HbarConvention hbar_convention(const std::string& text) {

@@ -23,6 +23,10 @@ double positive_number(const std::string& option, const std::string& text);
 /// T / h as a whole number of steps, to 1e-9.  Throws BadArgument.
 long step_count(double time, double step);
 
+/// --threads: 1 to 64.  More than this process may run on at once are allowed, and `program` says
+/// so on stderr.  Throws BadArgument.
+int thread_count(const char* program, const std::string& text);
+
 /// "paper" or "standard".  Throws BadArgument.
 HbarConvention hbar_convention(const std::string& text);
 

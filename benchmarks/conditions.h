@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "benchmarks/product_rate.h"
-#include "isosyrk/iteration/fixed_point.h"
+#include "isosyrk/iteration/status.h"
 #include "isosyrk/flows/scene.h"
 
 namespace isosyrk {

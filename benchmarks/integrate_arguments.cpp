@@ -16,6 +16,7 @@ struct Text {
   std::string hbar = "paper";
   std::string products = "fastest";
   std::string solver = "published";
+  std::string threads = "1";
   std::string scene = "smooth";
   std::string modes;
   std::string output;
@@ -24,7 +25,7 @@ struct Text {
 
 // Which of the options that have no default were given.
 struct Given {
-  bool formulation, stages, integrator, products, scene, modes, output;
+  bool formulation, stages, integrator, products, threads, scene, modes, output;
 };
 
 // --integrator, or --formulation and --stages, and --solver.
@@ -47,6 +48,11 @@ void choose_integrator(const Text& text, const Given& given, IntegrateRequest& r
     throw BadArgument(fmt::format(
         "--solver fast: has products of its own; must stand without --products {}", text.products));
   }
+  if (!fast && given.threads) {
+    throw BadArgument(
+        fmt::format("--threads {}: must go with --solver fast; others have one", text.threads));
+  }
+  request.threads = thread_count("integrate", text.threads);
   request.method = text.solver;
   try {
     if (given.integrator) {
@@ -57,8 +63,17 @@ void choose_integrator(const Text& text, const Given& given, IntegrateRequest& r
     if (!given.formulation) throw BadArgument("--formulation is required, or --integrator");
     const int stages = static_cast<int>(whole_number("--stages", text.stages, 1, max_stages));
     request.formulation = formulation_from_name(text.formulation);
-    request.integrator = fast ? fast_gauss_entry(*request.formulation, stages)
-                              : gauss_entry(*request.formulation, stages);
+    if (!fast) {
+      request.integrator = gauss_entry(*request.formulation, stages);
+      return;
+    }
+    request.integrator = fast_gauss_entry(*request.formulation, stages);
+    request.integrator.make =
+        [formulation = *request.formulation, stages, threads = request.threads](
+            const Flow& flow, const SolverOptions& solver, ProductBackend backend) {
+          return make_fast_gauss(formulation, stages, flow, {.solver = solver, .threads = threads},
+                                 backend);
+        };
   } catch (const std::invalid_argument& error) {
     throw BadArgument(fmt::format("--{}", error.what()));
   }
@@ -130,6 +145,7 @@ std::variant<IntegrateRequest, int> read_integrate_arguments(int argc, char** ar
   line.option("--products", text.products, "fastest (default), openblas or eigen");
   line.option("--solver", text.solver,
               "published (default), or fast: the same answer to the tolerance, sooner");
+  line.option("--threads", text.threads, "of --solver fast, 1 (default) to 64");
   line.option("--scene", text.scene, "smooth (default) or rough");
   line.option("--modes", text.modes, "initial modes, CSV with the header l,m,re,im");
   line.option("--output", text.output, "write W(T) as NumPy .npy, complex128");
@@ -139,6 +155,7 @@ std::variant<IntegrateRequest, int> read_integrate_arguments(int argc, char** ar
                       .stages = line.given("--stages"),
                       .integrator = line.given("--integrator"),
                       .products = line.given("--products"),
+                      .threads = line.given("--threads"),
                       .scene = line.given("--scene"),
                       .modes = line.given("--modes"),
                       .output = line.given("--output")});

@@ -16,6 +16,7 @@ struct IntegrateRequest {
   IntegratorEntry integrator;
   std::optional<Formulation> formulation;  ///< where it was chosen by this
   std::string method;                      ///< "published" or "fast": how it is solved
+  int threads;                             ///< of the fast solver
   double step;
   double time;
   long steps;

@@ -5,6 +5,7 @@
 
 #include <bit>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -27,11 +28,11 @@ OutputFile::OutputFile(std::string option, const std::string& path)
   }
   if (fs::exists(target) && access(target.c_str(), W_OK) != 0) fail(std::strerror(errno));
   path_ = target.string();
-  temporary_ = fmt::format("{}.{}.partial", path_, getpid());
-  {
-    std::ofstream probe(temporary_);
-    if (!probe) fail(fmt::format("cannot be written ({})", std::strerror(errno)));
-  }
+  const std::string suffix = ".partial";
+  temporary_ = path_ + ".XXXXXX" + suffix;
+  const int probe = mkstemps(temporary_.data(), static_cast<int>(suffix.size()));
+  if (probe < 0) fail(fmt::format("cannot be written ({})", std::strerror(errno)));
+  close(probe);
   fs::remove(temporary_, error);
 }
 

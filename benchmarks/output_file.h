@@ -8,7 +8,8 @@
 namespace isosyrk {
 
 /// A file to be written later: checked now, written to a temporary neighbour and renamed then, so
-/// that an earlier file of that name stays until the new one is complete.
+/// that an earlier file of that name stays until the new one is complete.  The neighbour's name is
+/// one that no file has, so that what a killed program left behind is in nobody's way.
 class OutputFile {
  public:
   /// Throws BadArgument if `path` could not be written (missing folder, no permission, something

@@ -16,10 +16,10 @@
 #include "benchmarks/progress.h"
 #include "benchmarks/reference.h"
 #include "benchmarks/stolen_time.h"
-#include "isosyrk/simulation/conservation.h"
-#include "isosyrk/tableaux/gauss_tableau.h"
 #include "isosyrk/catalogue/integrator_list.h"
+#include "isosyrk/simulation/conservation.h"
 #include "isosyrk/simulation/run.h"
+#include "isosyrk/tableaux/gauss_tableau.h"
 
 namespace isosyrk {
 namespace {
@@ -229,8 +229,8 @@ int time_table(const TableProgram& table, const ComparedTables& compared, int ar
               fmt::format("times the cells of {} too", compared.published->name));
   }
   std::string threads = "1";
-  if (compared.two_threads != nullptr) {
-    line.option("--threads", threads, "1 (default); 2 times the cells by two threads too");
+  if (compared.with_threads) {
+    line.option("--threads", threads, "1 (default) to 64; N > 1 times the cells by N threads too");
   }
   std::string max_sweeps = "1000";
   line.option("--max-sweeps", max_sweeps, "sweeps allowed in a step (default 1000)");
@@ -246,8 +246,11 @@ int time_table(const TableProgram& table, const ComparedTables& compared, int ar
 
   std::vector<const TableProgram*> tables = {&table};
   if (with_published) tables.push_back(compared.published);
-  const bool two_threads = whole_number("--threads", threads, 1, 2) == 2;
-  if (two_threads) tables.push_back(compared.two_threads);
+  std::optional<TableProgram> threaded;
+  if (const int count = thread_count(table.name.c_str(), threads); count > 1) {
+    threaded = compared.with_threads(count);
+    tables.push_back(&*threaded);
+  }
   std::map<Index, std::vector<std::string>> names_of;
   std::vector<std::string> names;
   for (const Index n : sizes) {
@@ -272,7 +275,7 @@ int time_table(const TableProgram& table, const ComparedTables& compared, int ar
         for (const TableProgram* each : tables) {
           benchmark::internal::RegisterBenchmarkInternal(
               new Cell(*each, formulation, n, s, options, rates.back().chosen, &reference[n],
-                       two_threads, &progress));
+                       threaded.has_value(), &progress));
         }
       }
     }

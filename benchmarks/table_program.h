@@ -13,7 +13,7 @@ namespace isosyrk {
 /// What makes one table of the other.
 struct TableProgram {
   std::string name;  ///< "table1"; cells are named table1/group/n:17/s:2
-  int threads = 1;   ///< cells of two threads are named table2/group/n:17/s:2/threads:2
+  int threads = 1;   ///< cells of 2 threads are named table2/group/n:17/s:2/threads:2
   std::string description;
   std::function<std::unique_ptr<Integrator>(Formulation, int stages, const Flow&,
                                             const SolverOptions&, ProductBackend)>
@@ -29,11 +29,11 @@ struct TableProgram {
 TableProgram published_table();
 
 /// What a table is compared with on request: its cells are timed too, in turns with the table's own
-/// if Google Benchmark is asked to interleave.  With two_threads every row has cores_at_once, the
-/// least of before and after its run.
+/// if Google Benchmark is asked to interleave.  With several threads every row has cores_at_once,
+/// the least of before and after its run.
 struct ComparedTables {
-  const TableProgram* published = nullptr;    ///< by --published
-  const TableProgram* two_threads = nullptr;  ///< by --threads 2
+  const TableProgram* published = nullptr;             ///< by --published
+  std::function<TableProgram(int)> with_threads = {};  ///< by --threads N, N > 1
 };
 
 /// The program: times 50 steps of each cell, n = 17, 33, 65, 129, s = 1, 2, 3, and returns its exit

@@ -4,7 +4,7 @@
 
 namespace isosyrk {
 
-TimedRun timed_run(Integrator& integrator, Matrix& W, double h, long steps,
+TimedRun timed_run(Integrator& integrator, MatrixView W, double h, long steps,
                    const std::function<void(const Matrix&)>& observe) {
   TimedRun result;
   double observing = 0.0;

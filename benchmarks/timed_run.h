@@ -13,7 +13,7 @@ struct TimedRun {
 };
 
 /// isosyrk::run with its CPU time; `observe(W)` is called after every completed step.
-TimedRun timed_run(Integrator& integrator, Matrix& W, double h, long steps,
+TimedRun timed_run(Integrator& integrator, MatrixView W, double h, long steps,
                    const std::function<void(const Matrix&)>& observe);
 
 }  // namespace isosyrk

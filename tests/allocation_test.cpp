@@ -1,4 +1,4 @@
-// Nothing allocates inside a step.
+// Nothing allocates inside a step, and what an integrator holds is known before it is made.
 #include <gtest/gtest.h>
 
 #include "benchmarks/allocation_count.h"
@@ -79,6 +79,46 @@ TEST(Step, AllocatesNothingWhereJIsNotTheIdentity) {
       EXPECT_EQ(allocations_during([&] { integrator->step(W, 0.1); }), 0) << name(formulation);
     }
   }
+}
+
+double bytes_of(const IntegratorEntry& entry, Index n) {
+  const Scene scene = smooth_scene(n);
+  const long before = bytes_in_use();
+  const auto integrator = entry.make(*scene.flow, {}, ProductBackend::openblas);
+  return static_cast<double>(bytes_in_use() - before);
+}
+
+// Vectors, tableaux and what the allocator adds are less than a tenth at n = 33.
+TEST(Memory, OfAPublishedFormIsWhatTheListSays) {
+  std::vector<IntegratorEntry> entries = integrators();
+  entries.push_back(gauss_entry(Formulation::algebra, 6));
+  for (const IntegratorEntry& entry : entries) {
+    const double bytes = bytes_of(entry, 33);
+    EXPECT_GE(entry.bytes(33), 0.9 * bytes) << entry.name;
+    EXPECT_LE(entry.bytes(33), 1.1 * bytes) << entry.name;
+  }
+}
+
+TEST(Memory, OfAFastFormIsAtMostWhatTheListSays) {
+  for (const Index n : {33, 65, 129, 193}) {
+    for (const Formulation formulation : formulations()) {
+      for (const int s : {1, 2, 3, 6}) {
+        const IntegratorEntry entry = fast_gauss_entry(formulation, s);
+        const double bytes = bytes_of(entry, n);
+        EXPECT_GE(entry.bytes(n), bytes) << entry.name << " n = " << n;
+        EXPECT_LE(entry.bytes(n), 1.5 * bytes) << entry.name << " n = " << n;
+      }
+    }
+  }
+}
+
+TEST(Memory, IsCountedBothWays) {
+  const long before = bytes_in_use();
+  {
+    const Matrix X(40, 40);
+    EXPECT_GE(bytes_in_use() - before, 40 * 40 * 16);
+  }
+  EXPECT_EQ(bytes_in_use(), before);
 }
 
 }  // namespace

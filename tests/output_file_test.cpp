@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "benchmarks/arguments.h"
@@ -56,6 +58,32 @@ TEST_F(OutputFiles, KeepTheEarlierFileUntilThen) {
   EXPECT_EQ(contents(path), "old");
   output.write("new");
   EXPECT_EQ(contents(path), "new");
+}
+
+TEST_F(OutputFiles, AreWrittenBesideWhatAKilledProgramLeft) {
+  const fs::path path = folder_ / "W.npy";
+  const pid_t killed = fork();
+  if (killed == 0) {
+    const OutputFile output("--output", path.string());
+    std::ofstream(output.temporary_path()) << "half" << std::flush;
+    raise(SIGKILL);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(killed, &status, 0), killed);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  ASSERT_EQ(files(), 1U);
+  // Nor does a name in the way that this process could have chosen by its number.
+  fs::create_directory(folder_ / ("W.npy." + std::to_string(getpid()) + ".partial"));
+  OutputFile("--output", path.string()).write("new");
+  EXPECT_EQ(contents(path), "new");
+  EXPECT_EQ(files(), 3U);
+}
+
+TEST_F(OutputFiles, OfTheSameNameAreWrittenAtOnceWithoutMixing) {
+  const fs::path path = folder_ / "W.npy";
+  const OutputFile one("--output", path.string());
+  const OutputFile other("--output", path.string());
+  EXPECT_NE(one.temporary_path(), other.temporary_path());
 }
 
 TEST_F(OutputFiles, GoThroughASymbolicLinkWithoutReplacingIt) {

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <type_traits>
+#include <vector>
+
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -31,12 +34,14 @@ TEST(Run, StopsAtTheFirstStepThatFailsAndKeepsTheLastGoodState) {
   // Fails at its third step.
   class Fragile final : public Integrator {
    public:
-    explicit Fragile(const Flow& flow) : Integrator(flow, ProductBackend::openblas) {}
+    explicit Fragile(const Flow& flow) : Integrator(flow) {}
 
    protected:
-    SolveReport advance(const Matrix& W0, double, Matrix& W1) override {
+    StepReport advance(const Matrix& W0, double, Matrix& W1) override {
       W1 = 2.0 * W0;
-      return {++calls_ == 3 ? Status::stagnated : Status::converged, 1, 0.25};
+      return {.status = ++calls_ == 3 ? Status::stagnated : Status::converged,
+              .sweeps = 1,
+              .last_change = 0.25};
     }
 
    private:
@@ -56,10 +61,10 @@ TEST(Run, StopsAtTheFirstStepThatFailsAndKeepsTheLastGoodState) {
 TEST(Step, IsDivergedWhenTheUpdateOverflowsAfterItsStagesConverged) {
   class Overflowing final : public Integrator {
    public:
-    explicit Overflowing(const Flow& flow) : Integrator(flow, ProductBackend::openblas) {}
+    explicit Overflowing(const Flow& flow) : Integrator(flow) {}
 
    protected:
-    SolveReport advance(const Matrix& W0, double, Matrix& W1) override {
+    StepReport advance(const Matrix& W0, double, Matrix& W1) override {
       W1 = W0;
       W1(0, 0) = std::numeric_limits<double>::infinity();
       return {};
@@ -70,6 +75,62 @@ TEST(Step, IsDivergedWhenTheUpdateOverflowsAfterItsStagesConverged) {
   Matrix W = scene.initial;
   EXPECT_EQ(integrator.step(W, 0.1).status, Status::diverged);
   EXPECT_EQ(W, scene.initial);
+}
+
+// A matrix that does not lie in memory as a Matrix does is no view: a copy would be advanced
+// instead.
+static_assert(std::is_convertible_v<Matrix&, MatrixView>);
+static_assert(std::is_convertible_v<Eigen::Map<Matrix>, MatrixView>);
+static_assert(std::is_convertible_v<Eigen::Block<Matrix>, MatrixView>);
+static_assert(!std::is_convertible_v<const Matrix&, MatrixView>);
+static_assert(!std::is_convertible_v<Eigen::MatrixXcd&, MatrixView>);
+static_assert(!std::is_convertible_v<Eigen::Map<Eigen::MatrixXcd>, MatrixView>);
+static_assert(!std::is_convertible_v<RealMatrix&, MatrixView>);
+static_assert(!std::is_convertible_v<Eigen::Transpose<Matrix>, MatrixView>);
+
+TEST(Step, AdvancesWhatAViewShowsAndNothingBesideIt) {
+  constexpr Index n = 9;
+  const Scene scene = smooth_scene(n);
+  for (const IntegratorEntry& entry : integrators()) {
+    const auto make = [&] { return entry.make(*scene.flow, {}, ProductBackend::openblas); };
+    Matrix W = scene.initial;
+    make()->step(W, 0.1);
+    EXPECT_NE(W, scene.initial);
+
+    Matrix frame = Matrix::Constant(n + 3, n + 5, 7.0);
+    frame.block(1, 2, n, n) = scene.initial;
+    make()->step(frame.block(1, 2, n, n), 0.1);
+    EXPECT_EQ(Matrix(frame.block(1, 2, n, n)), W) << entry.name;
+    frame.block(1, 2, n, n).setConstant(7.0);
+    EXPECT_EQ(frame, Matrix::Constant(n + 3, n + 5, 7.0)) << entry.name;
+
+    // At an address that no allocator would choose.
+    std::vector<Complex> numbers(n * n + 1);
+    Eigen::Map<Matrix> mapped(numbers.data() + 1, n, n);
+    mapped = scene.initial;
+    make()->step(mapped, 0.1);
+    EXPECT_EQ(Matrix(mapped), W) << entry.name;
+  }
+}
+
+TEST(Step, KeepsNoMemoryOfTheCaller) {
+  const Scene scene = smooth_scene(9);
+  for (const IntegratorEntry& entry : integrators()) {
+    const auto integrator = entry.make(*scene.flow, {}, ProductBackend::openblas);
+    Matrix W = scene.initial;
+    const Complex* const memory = W.data();
+    integrator->step(W, 0.1);
+    EXPECT_EQ(W.data(), memory) << entry.name;
+  }
+}
+
+TEST(Step, SaysWhichAttemptSucceeded) {
+  const Scene scene = smooth_scene(9);
+  for (const IntegratorEntry& entry : integrators()) {
+    Matrix W = scene.initial;
+    const StepReport report = entry.make(*scene.flow, {}, ProductBackend::openblas)->step(W, 0.1);
+    EXPECT_EQ(name(report.attempt), entry.keeps.is_explicit ? "explicit" : "cold Picard");
+  }
 }
 
 TEST(Run, OfNoStepsChangesNothing) {

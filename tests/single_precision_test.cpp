@@ -5,7 +5,7 @@
 #include "isosyrk/split/split_blocks.h"
 #include "isosyrk/flows/split_laplacian.h"
 #include "isosyrk/split/split_products.h"
-#include "isosyrk/linalg/stage_sums.h"
+#include "isosyrk/linalg/operations.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {

@@ -30,16 +30,16 @@ Tableau wrong_sign() {
 class SkewnessSkipped final : public Integrator {
  public:
   explicit SkewnessSkipped(const Flow& flow)
-      : Integrator(flow, ProductBackend::openblas),
+      : Integrator(flow),
         sound_(gauss(Formulation::algebra, flow, 1)),
         B_(flow.size(), flow.size()) {}
 
  protected:
-  SolveReport advance(const Matrix& W0, double h, Matrix& W1) override {
+  StepReport advance(const Matrix& W0, double h, Matrix& W1) override {
     W1 = W0;
     const StepReport report = sound_->step(W1, h);
     // A little of the Hermitian part that the update should not have.
-    generator(W1, B_);
+    flow().generator(W1, B_);
     W1 += 1e-6 * h * (product({B_, W1}) + product({B_, W1}).adjoint());
     return {.status = report.status, .sweeps = report.sweeps};
   }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "isosyrk/catalogue/workspace_bytes.h"
 #include "isosyrk/flows/euler_zeitlin.h"
 #include "isosyrk/fast/fast_algebra.h"
 #include "isosyrk/fast/fast_cotangent.h"
@@ -36,6 +37,9 @@ IntegratorEntry fast_gauss_entry(Formulation formulation, int s) {
   entry.make = [formulation, s](const Flow& flow, const SolverOptions& solver,
                                 ProductBackend backend) {
     return make_fast_gauss(formulation, s, flow, {.solver = solver}, backend);
+  };
+  entry.bytes = [formulation, s](Index n) {
+    return fast_workspace_bytes(formulation, s, n, default_start_order(n));
   };
   return entry;
 }

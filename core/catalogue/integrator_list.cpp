@@ -8,8 +8,8 @@
 #include "isosyrk/integrators/composition.h"
 #include "isosyrk/integrators/direct_form.h"
 #include "isosyrk/integrators/explicit_methods.h"
-#include "isosyrk/tableaux/gauss_tableau.h"
 #include "isosyrk/integrators/step_limits.h"
+#include "isosyrk/tableaux/gauss_tableau.h"
 
 namespace isosyrk {
 
@@ -45,7 +45,13 @@ Make make_explicit() {
   };
 }
 
-constexpr double no_stability_limit = std::numeric_limits<double>::infinity();
+// Of an integrator that holds so many n x n complex matrices.
+std::function<double(Index)> bytes_of(Index matrices) {
+  return [matrices](Index n) {
+    return static_cast<double>(matrices) * static_cast<double>(n) * static_cast<double>(n) *
+           sizeof(Complex);
+  };
+}
 
 // For a constant generator W' = ad_B W, whose eigenvalues are imaginary: |R(iy)| <= 1 of
 // R(z) = 1 + z + z²/2 + z³/6 + z⁴/24 holds for y <= 2√2.
@@ -76,35 +82,45 @@ std::vector<IntegratorEntry> make_list() {
                     .order = scheme.order,
                     .keeps = isosyrk_properties,
                     .make = make_composition(scheme),
-                    .linear_limit = composition_limit(scheme)});
+                    .linear_limit = composition_limit(scheme),
+                    .bytes = bytes_of(Composition::matrices())});
   }
-  list.push_back(
-      {"rkmk4",
-       4,
-       4,
-       {.isospectral = true, .lie_poisson = false, .symmetric = false, .is_explicit = true},
-       make_explicit<MuntheKaas4>()});
+  list.push_back({.name = "rkmk4",
+                  .stages = 4,
+                  .order = 4,
+                  .keeps = {.isospectral = true,
+                            .lie_poisson = false,
+                            .symmetric = false,
+                            .is_explicit = true},
+                  .make = make_explicit<MuntheKaas4>(),
+                  .bytes = bytes_of(MuntheKaas4::matrices())});
   // Controls, which give structure up.
   for (int s = 1; s <= 3; ++s) {
-    list.push_back(
-        {fmt::format("direct{}", s),
-         s,
-         2 * s,
-         {.isospectral = false, .lie_poisson = false, .symmetric = true, .is_explicit = false},
-         make_direct(s),
-         no_stability_limit,
-         [tableau = gauss_tableau(s)](const RealVector& frequencies) {
-           return direct_iteration_limit(tableau, frequencies);
-         }});
+    list.push_back({.name = fmt::format("direct{}", s),
+                    .stages = s,
+                    .order = 2 * s,
+                    .keeps = {.isospectral = false,
+                              .lie_poisson = false,
+                              .symmetric = true,
+                              .is_explicit = false},
+                    .make = make_direct(s),
+                    .linear_limit =
+                        [tableau = gauss_tableau(s)](const RealVector& frequencies) {
+                          return direct_iteration_limit(tableau, frequencies);
+                        },
+                    .bytes = bytes_of(DirectForm::matrices(s))});
   }
   list.push_back(
-      {"rk4",
-       4,
-       4,
-       {.isospectral = false, .lie_poisson = false, .symmetric = false, .is_explicit = true},
-       make_explicit<ClassicalRungeKutta4>(),
-       rk4_limit,
-       [](const RealVector& frequencies) { return adjoint_limit(rk4_limit, frequencies); }});
+      {.name = "rk4",
+       .stages = 4,
+       .order = 4,
+       .keeps =
+           {.isospectral = false, .lie_poisson = false, .symmetric = false, .is_explicit = true},
+       .make = make_explicit<ClassicalRungeKutta4>(),
+       .stability_limit = rk4_limit,
+       .linear_limit =
+           [](const RealVector& frequencies) { return adjoint_limit(rk4_limit, frequencies); },
+       .bytes = bytes_of(ClassicalRungeKutta4::matrices())});
   return list;
 }
 
@@ -116,11 +132,13 @@ IntegratorEntry gauss_entry(Formulation formulation, int s) {
           .order = 2 * s,
           .keeps = isosyrk_properties,
           .make = make_gauss(formulation, s),
-          .linear_limit = [formulation, tableau = gauss_tableau(s)](const RealVector& frequencies) {
-            return formulation == Formulation::algebra && tableau.stages() == 1
-                       ? midpoint_iteration_limit(frequencies)
-                       : stage_iteration_limit(tableau, frequencies);
-          }};
+          .linear_limit =
+              [formulation, tableau = gauss_tableau(s)](const RealVector& frequencies) {
+                return formulation == Formulation::algebra && tableau.stages() == 1
+                           ? midpoint_iteration_limit(frequencies)
+                           : stage_iteration_limit(tableau, frequencies);
+              },
+          .bytes = bytes_of(formulation_matrices(formulation, gauss_tableau(s)))};
 }
 
 IntegratorEntry two_products_entry(int s) {

@@ -31,9 +31,11 @@ struct IntegratorEntry {
   /// Largest h‖ad_B‖₂ at which the step is stable for a constant generator; a longer step lets
   /// perturbations grow whatever the accuracy asked for.
   double stability_limit = std::numeric_limits<double>::infinity();
-  /// The h at which linear theory ends (core/linear_theory.h), from the eigenvalues of -iB(W₀);
+  /// The h at which linear theory ends (integrators/step_limits.h), from the eigenvalues of -iB(W₀);
   /// empty where it sets no limit.
   std::function<double(const RealVector&)> linear_limit = {};
+  /// The memory of the integrator in bytes for n x n matrices and J = I, known before it is made.
+  std::function<double(Index)> bytes = {};
 };
 
 /// The Gauss method with s stages in one of the formulations.  Throws std::invalid_argument unless

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "isosyrk/flows/euler_zeitlin.h"
+#include "isosyrk/iteration/picard.h"
 #include "isosyrk/split/flush_denormals.h"
 #include "isosyrk/split/mixed_sums.h"
 #include "isosyrk/split/split_blocks.h"
@@ -69,7 +70,7 @@ int default_start_order(Index n) {
 
 FastForm::FastForm(const EulerZeitlin& flow, const FastOptions& options,
                    std::initializer_list<Items> unknowns, Index least_coupling_band)
-    : Integrator(flow, ProductBackend::openblas),
+    : Integrator(flow),
       W0_(flow.size()),
       unknowns_(zero_unknowns(flow.size(), unknowns)),
       options_(options),
@@ -316,12 +317,19 @@ bool FastForm::correct(double h, double change) {
   return true;
 }
 
-SolveReport FastForm::solve(double h) {
+Attempt attempt_of(Start start, int iteration) {
+  constexpr std::array<isosyrk::Iteration, 3> names = {
+      isosyrk::Iteration::picard, isosyrk::Iteration::anderson, isosyrk::Iteration::newton};
+  return {start, names[static_cast<std::size_t>(iteration)]};
+}
+
+SolveReport FastForm::solve(double h, Attempt& attempt) {
   SolveReport report;
   int wasted = 0;
-  const auto converges = [&](Iteration iteration) {
+  const auto converges = [&](Start start, Iteration iteration) {
     wasted += report.sweeps;
     report = iterate(h, iteration);
+    attempt = attempt_of(start, static_cast<int>(iteration));
     return report.status == Status::converged;
   };
   const Iteration uncorrected = options_.accelerate ? Iteration::accelerated : Iteration::plain;
@@ -329,13 +337,13 @@ SolveReport FastForm::solve(double h) {
   const std::array<Iteration, 3> attempts = {Iteration::corrected, uncorrected, other};
   const std::size_t first = corrects() ? 0 : 1;
   if (predict(h)) {
-    if (converges(attempts[first])) return report;
+    if (converges(Start::predicted, attempts[first])) return report;
     start_values_.forget();
   }
   contraction_ = likely_contraction;
   for (std::size_t i = first; i < attempts.size(); ++i) {
     start_cold();
-    if (converges(attempts[i])) break;
+    if (converges(Start::cold, attempts[i])) break;
   }
   report.sweeps += wasted;
   return report;
@@ -354,7 +362,7 @@ double FastForm::change_of_one_more_sweep(double h) {
   return change;
 }
 
-SolveReport FastForm::advance(const Matrix& W0, double h, Matrix& W1) {
+StepReport FastForm::advance(const Matrix& W0, double h, Matrix& W1) {
   const FlushDenormals flush;
   const long products_before = products();
   const double equivalents_before = equivalent_products();
@@ -368,7 +376,8 @@ SolveReport FastForm::advance(const Matrix& W0, double h, Matrix& W1) {
   if (is_another[0] || is_another[1]) start_values_.forget();
   step_ = std::abs(h);
   begin_step();
-  const SolveReport report = solve(h);
+  Attempt attempt;
+  const SolveReport report = solve(h, attempt);
   if (report.status == Status::converged) {
     update(h, W1_);
     start_values_.accept(h);
@@ -380,10 +389,14 @@ SolveReport FastForm::advance(const Matrix& W0, double h, Matrix& W1) {
   } else {
     start_values_.forget();
   }
-  add_work({.products = products() - products_before,
-            .poisson_solves = poisson_solves() - solves_before,
-            .equivalent_products = equivalent_products() - equivalents_before});
-  return report;
+  return {.status = report.status,
+          .attempt = attempt,
+          .sweeps = report.sweeps,
+          .last_change = report.change,
+          .contraction = report.contraction,
+          .products = products() - products_before,
+          .poisson_solves = poisson_solves() - solves_before,
+          .equivalent_products = equivalent_products() - equivalents_before};
 }
 
 }  // namespace isosyrk

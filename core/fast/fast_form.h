@@ -51,7 +51,7 @@ struct FastOptions {
 /// A one-step method in planar matrices for Euler-Zeitlin on su(n): the answer of the published
 /// form to the solver's tolerance, sooner.
 ///
-/// Every iteration starts from predicted unknowns and stops by the rule of fixed_point.h, on the
+/// Every iteration starts from predicted unknowns and stops by the rule of picard.h, on the
 /// change that a plain sweep in double precision makes, so that what is accepted is as good as from
 /// a cold start.
 ///
@@ -104,7 +104,7 @@ class FastForm : public Integrator {
   FastForm(const EulerZeitlin& flow, const FastOptions& options,
            std::initializer_list<Items> unknowns, Index least_coupling_band);
 
-  SolveReport advance(const Matrix& W0, double h, Matrix& W1) final;
+  StepReport advance(const Matrix& W0, double h, Matrix& W1) final;
 
   /// Sees W0_ before anything else of a step.
   virtual void begin_step() {}
@@ -275,7 +275,7 @@ class FastForm : public Integrator {
     cut(number(kind, i), left_out(), unknowns_[kind][i], share);
   }
 
-  SolveReport solve(double h);
+  SolveReport solve(double h, Attempt& attempt);
 
   // A phase(item, share, worker) for Team.
   template <class Phase>

@@ -2,14 +2,16 @@
 
 #include <utility>
 
-#include "isosyrk/linalg/commutator.h"
-#include "isosyrk/linalg/stage_sums.h"
+#include "isosyrk/iteration/picard.h"
+#include "isosyrk/linalg/operations.h"
 
 namespace isosyrk {
 
 AlgebraForm::AlgebraForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
                          ProductBackend backend, AlgebraUpdate update)
-    : Integrator(flow, backend),
+    : Integrator(flow),
+      flow_(flow),
+      products_(backend, flow.size()),
       tableau_(tableau),
       options_(options),
       update_(update),
@@ -36,7 +38,7 @@ void AlgebraForm::start(const Matrix& W0) {
 // and no more is stored than X, K and one row of K twice.
 double AlgebraForm::sweep(const Matrix& W0, double h) {
   std::swap(X_, X_old_);
-  for (std::size_t i = 0; i < s_; ++i) generator(W_stage_[i], B_[i]);
+  for (std::size_t i = 0; i < s_; ++i) flow_.generator(W_stage_[i], B_[i]);
   change_.setZero();
   for (std::size_t i = 0; i < s_; ++i) {
     input_ = W0 + X_sum_[i];
@@ -56,23 +58,13 @@ double AlgebraForm::sweep(const Matrix& W0, double h) {
 
 // With Y_i = Σ_j a_ij X_j:  W̃_i = W₀ + Y_i - J⁻¹ Y_i† J + Σ_j a_ij K_ij.
 void AlgebraForm::update_stage_vorticities(const Matrix& W0) {
-  const QuadraticAlgebra& algebra = flow_.algebra();
   for (std::size_t i = 0; i < s_; ++i) {
     const auto a_i = tableau_.a.row(static_cast<Index>(i));
     Matrix& Y = X_sum_[i];
+    Matrix& S = input_;
     combine(a_i, X_, Y);
-    combine(Y, a_i, K_[i], input_);
-    double change = 0.0;
-    if (algebra.is_skew_hermitian()) {
-      change = replace(W_stage_[i], [&](Index r, Index c) {
-        return W0(r, c) + (input_(r, c) - std::conj(Y(c, r)));
-      });
-    } else {
-      algebra.involution(Y, adjoint_);
-      change = replace(W_stage_[i], [&](Index r, Index c) {
-        return W0(r, c) + (input_(r, c) - adjoint_(r, c));
-      });
-    }
+    combine(Y, a_i, K_[i], S);
+    const double change = update_stage_vorticity(flow_.algebra(), W0, S, Y, adjoint_, W_stage_[i]);
     change_(2) = larger(change_(2), change);
   }
 }
@@ -80,7 +72,7 @@ void AlgebraForm::update_stage_vorticities(const Matrix& W0) {
 void AlgebraForm::update(const Matrix& W0, double h, Matrix& W1) {
   Stages& C = K_row_;
   for (std::size_t i = 0; i < s_; ++i) {
-    generator(W_stage_[i], B_[i]);
+    flow_.generator(W_stage_[i], B_[i]);
     products_.multiply(B_[i], W_stage_[i], C[i]);
   }
   combine(h * tableau_.b, C, input_);
@@ -91,7 +83,7 @@ void AlgebraForm::update_by_two_products(const Matrix& W0, double h, Matrix& W1)
   W1 = W0;
   for (std::size_t i = 0; i < s_; ++i) {
     const double weight = h * tableau_.b(static_cast<Index>(i));
-    generator(W_stage_[i], B_[i]);
+    flow_.generator(W_stage_[i], B_[i]);
     products_.multiply(B_[i], W_stage_[i], input_, weight);
     W1 += input_;
     products_.multiply(W_stage_[i], B_[i], input_, weight);
@@ -99,16 +91,17 @@ void AlgebraForm::update_by_two_products(const Matrix& W0, double h, Matrix& W1)
   }
 }
 
-SolveReport AlgebraForm::advance(const Matrix& W0, double h, Matrix& W1) {
+StepReport AlgebraForm::advance(const Matrix& W0, double h, Matrix& W1) {
+  const StepCount count(flow_, products_);
   start(W0);
-  const SolveReport report = solve_fixed_point(options_, [&] { return sweep(W0, h); });
-  if (report.status != Status::converged) return report;
+  const SolveReport solve = solve_fixed_point(options_, [&] { return sweep(W0, h); });
+  if (solve.status != Status::converged) return count.report(solve);
   if (update_ == AlgebraUpdate::one_product) {
     update(W0, h, W1);
   } else {
     update_by_two_products(W0, h, W1);
   }
-  return report;
+  return count.report(solve);
 }
 
 }  // namespace isosyrk

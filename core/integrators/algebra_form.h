@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "isosyrk/integrators/integrator.h"
-#include "isosyrk/linalg/stage_sums.h"
+#include "isosyrk/integrators/counted_flow.h"
+#include "isosyrk/linalg/operations.h"
 #include "isosyrk/tableaux/tableau.h"
 
 namespace isosyrk {
@@ -33,8 +33,11 @@ class AlgebraForm final : public Integrator {
   AlgebraForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
               ProductBackend backend, AlgebraUpdate update = AlgebraUpdate::one_product);
 
+  /// The n x n complex matrices that it holds where J = I.
+  static Index matrices(Index s) { return common_matrices + s * s + 6 * s + 1; }
+
  protected:
-  SolveReport advance(const Matrix& W0, double h, Matrix& W1) override;
+  StepReport advance(const Matrix& W0, double h, Matrix& W1) override;
 
  private:
   using Stages = std::vector<Matrix>;
@@ -45,6 +48,8 @@ class AlgebraForm final : public Integrator {
   void update(const Matrix& W0, double h, Matrix& W1);
   void update_by_two_products(const Matrix& W0, double h, Matrix& W1);
 
+  CountedFlow flow_;
+  Products products_;
   Tableau tableau_;
   SolverOptions options_;
   AlgebraUpdate update_;

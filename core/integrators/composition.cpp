@@ -9,7 +9,7 @@ namespace isosyrk {
 
 Composition::Composition(const Flow& flow, const CompositionScheme& scheme,
                          const SolverOptions& options, ProductBackend backend)
-    : Integrator(flow, backend), fractions_(scheme.fractions), midpoint_(flow, options, backend) {
+    : Integrator(flow), fractions_(scheme.fractions), midpoint_(flow, options, backend) {
   const double sum = std::accumulate(fractions_.begin(), fractions_.end(), 0.0);
   if (std::abs(sum - 1.0) > 1e-14 ||
       !std::equal(fractions_.begin(), fractions_.end(), fractions_.rbegin())) {
@@ -18,16 +18,19 @@ Composition::Composition(const Flow& flow, const CompositionScheme& scheme,
   }
 }
 
-SolveReport Composition::advance(const Matrix& W0, double h, Matrix& W1) {
+StepReport Composition::advance(const Matrix& W0, double h, Matrix& W1) {
   W1 = W0;
-  SolveReport total;
+  StepReport total;
   for (const double fraction : fractions_) {
     const StepReport substep = midpoint_.step(W1, fraction * h);
-    add_work(substep);
-    total.sweeps += substep.sweeps;
-    total.change = substep.last_change;
-    total.contraction = larger(total.contraction, substep.contraction);
     total.status = substep.status;
+    total.attempt = substep.attempt;
+    total.sweeps += substep.sweeps;
+    total.last_change = substep.last_change;
+    total.contraction = larger(total.contraction, substep.contraction);
+    total.products += substep.products;
+    total.poisson_solves += substep.poisson_solves;
+    total.equivalent_products += substep.equivalent_products;
     if (substep.status != Status::converged) break;
   }
   return total;

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "isosyrk/tableaux/composition_schemes.h"
 #include "isosyrk/integrators/isospectral_midpoint.h"
+#include "isosyrk/tableaux/composition_schemes.h"
 
 namespace isosyrk {
 
@@ -17,8 +17,11 @@ class Composition final : public Integrator {
   Composition(const Flow& flow, const CompositionScheme& scheme, const SolverOptions& options,
               ProductBackend backend);
 
+  /// The n x n complex matrices that it holds where J = I.
+  static Index matrices() { return common_matrices + IsospectralMidpoint::matrices(); }
+
  protected:
-  SolveReport advance(const Matrix& W0, double h, Matrix& W1) override;
+  StepReport advance(const Matrix& W0, double h, Matrix& W1) override;
 
  private:
   std::vector<double> fractions_;

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "isosyrk/integrators/integrator.h"
-#include "isosyrk/linalg/stage_sums.h"
+#include "isosyrk/integrators/counted_flow.h"
+#include "isosyrk/linalg/operations.h"
 #include "isosyrk/tableaux/tableau.h"
 
 namespace isosyrk {
@@ -23,13 +23,18 @@ class CotangentForm final : public Integrator {
   CotangentForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
                 ProductBackend backend);
 
+  /// The n x n complex matrices that it holds where J = I.
+  static Index matrices(Index s) { return common_matrices + 4 * s + 5; }
+
  protected:
-  SolveReport advance(const Matrix& W0, double h, Matrix& W1) override;
+  StepReport advance(const Matrix& W0, double h, Matrix& W1) override;
 
  private:
   void evaluate_stages();
   double sweep(const Matrix& W0, double h);
 
+  CountedFlow flow_;
+  Products products_;
   Tableau tableau_;
   SolverOptions options_;
   std::vector<Matrix> Q_;

@@ -1,13 +1,17 @@
 #include "isosyrk/integrators/direct_form.h"
 
-#include "isosyrk/linalg/commutator.h"
-#include "isosyrk/linalg/stage_sums.h"
+#include "isosyrk/iteration/picard.h"
+#include "isosyrk/linalg/operations.h"
 
 namespace isosyrk {
 
 DirectForm::DirectForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
                        ProductBackend backend)
-    : Integrator(flow, backend), tableau_(tableau), options_(options) {
+    : Integrator(flow),
+      flow_(flow),
+      products_(backend, flow.size()),
+      tableau_(tableau),
+      options_(options) {
   require_consistent(tableau);
   const Index n = flow.size();
   W_stage_ = stage_matrices(tableau.stages(), n);
@@ -19,7 +23,7 @@ DirectForm::DirectForm(const Flow& flow, const Tableau& tableau, const SolverOpt
 
 void DirectForm::evaluate_stages() {
   for (std::size_t i = 0; i < W_stage_.size(); ++i) {
-    generator(W_stage_[i], B_);
+    flow_.generator(W_stage_[i], B_);
     products_.multiply(B_, W_stage_[i], C_[i]);
   }
 }
@@ -42,14 +46,15 @@ void DirectForm::add_increment(const Matrix& W0, const Weights& weights, Matrix&
   add_commutator(flow_.algebra(), W0, sum_, scratch_, out);
 }
 
-SolveReport DirectForm::advance(const Matrix& W0, double h, Matrix& W1) {
+StepReport DirectForm::advance(const Matrix& W0, double h, Matrix& W1) {
+  const StepCount count(flow_, products_);
   for (Matrix& W : W_stage_) W = W0;
-  const SolveReport report = solve_fixed_point(options_, [&] { return sweep(W0, h); });
-  if (report.status != Status::converged) return report;
+  const SolveReport solve = solve_fixed_point(options_, [&] { return sweep(W0, h); });
+  if (solve.status != Status::converged) return count.report(solve);
 
   evaluate_stages();
   add_increment(W0, h * tableau_.b, W1);
-  return report;
+  return count.report(solve);
 }
 
 }  // namespace isosyrk

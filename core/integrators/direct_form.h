@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "isosyrk/integrators/integrator.h"
+#include "isosyrk/integrators/counted_flow.h"
 #include "isosyrk/tableaux/tableau.h"
 
 namespace isosyrk {
@@ -21,8 +21,11 @@ class DirectForm final : public Integrator {
   DirectForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
              ProductBackend backend);
 
+  /// The n x n complex matrices that it holds where J = I.
+  static Index matrices(Index s) { return common_matrices + 2 * s + 3; }
+
  protected:
-  SolveReport advance(const Matrix& W0, double h, Matrix& W1) override;
+  StepReport advance(const Matrix& W0, double h, Matrix& W1) override;
 
  private:
   void evaluate_stages();
@@ -30,6 +33,8 @@ class DirectForm final : public Integrator {
   template <class Weights>
   void add_increment(const Matrix& W0, const Weights& weights, Matrix& out);
 
+  CountedFlow flow_;
+  Products products_;
   Tableau tableau_;
   SolverOptions options_;
   std::vector<Matrix> W_stage_;

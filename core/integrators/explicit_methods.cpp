@@ -3,19 +3,20 @@
 namespace isosyrk {
 
 MuntheKaas4::MuntheKaas4(const Flow& flow, ProductBackend backend)
-    : Integrator(flow, backend), series_(flow.algebra()) {
+    : Integrator(flow), flow_(flow), products_(backend, flow.size()), series_(flow.algebra()) {
   commutator_ = Omega_ = W_stage_ = Matrix::Zero(flow.size(), flow.size());
   k_.fill(commutator_);
 }
 
-SolveReport MuntheKaas4::advance(const Matrix& W0, double h, Matrix& W1) {
+StepReport MuntheKaas4::advance(const Matrix& W0, double h, Matrix& W1) {
+  const StepCount count(flow_, products_);
   bool summed = true;
   const auto stage = [&](double scale, const Matrix& exponent, Matrix& k) {
     summed = series_.conjugate(products_, scale, exponent, W0, W_stage_) && summed;
-    generator(W_stage_, k);
+    flow_.generator(W_stage_, k);
     k *= h;
   };
-  generator(W0, k_[0]);
+  flow_.generator(W0, k_[0]);
   k_[0] *= h;
   stage(0.5, k_[0], k_[1]);
   series_.commutator(products_, k_[0], k_[1], commutator_);
@@ -25,21 +26,22 @@ SolveReport MuntheKaas4::advance(const Matrix& W0, double h, Matrix& W1) {
   series_.commutator(products_, k_[0], k_[3], commutator_);
   Omega_ = (k_[0] + 2.0 * k_[1] + 2.0 * k_[2] + k_[3]) / 6.0 - commutator_ / 12.0;
   summed = series_.conjugate(products_, 1.0, Omega_, W0, W1) && summed;
-  return {summed ? Status::converged : Status::diverged, 0, 0.0};
+  return count.report(summed ? Status::converged : Status::diverged);
 }
 
 ClassicalRungeKutta4::ClassicalRungeKutta4(const Flow& flow, ProductBackend backend)
-    : Integrator(flow, backend), series_(flow.algebra()) {
+    : Integrator(flow), flow_(flow), products_(backend, flow.size()), series_(flow.algebra()) {
   B_ = W_stage_ = Matrix::Zero(flow.size(), flow.size());
   k_.fill(B_);
 }
 
 void ClassicalRungeKutta4::slope(const Matrix& W, Matrix& out) {
-  generator(W, B_);
+  flow_.generator(W, B_);
   series_.commutator(products_, B_, W, out);
 }
 
-SolveReport ClassicalRungeKutta4::advance(const Matrix& W0, double h, Matrix& W1) {
+StepReport ClassicalRungeKutta4::advance(const Matrix& W0, double h, Matrix& W1) {
+  const StepCount count(flow_, products_);
   slope(W0, k_[0]);
   W_stage_ = W0 + (0.5 * h) * k_[0];
   slope(W_stage_, k_[1]);
@@ -48,7 +50,7 @@ SolveReport ClassicalRungeKutta4::advance(const Matrix& W0, double h, Matrix& W1
   W_stage_ = W0 + h * k_[2];
   slope(W_stage_, k_[3]);
   W1 = W0 + (h / 6.0) * (k_[0] + 2.0 * k_[1] + 2.0 * k_[2] + k_[3]);
-  return {};
+  return count.report(Status::converged);
 }
 
 }  // namespace isosyrk

@@ -4,8 +4,8 @@
 
 #include <array>
 
+#include "isosyrk/integrators/counted_flow.h"
 #include "isosyrk/linalg/adjoint_series.h"
-#include "isosyrk/integrators/integrator.h"
 
 namespace isosyrk {
 
@@ -22,10 +22,15 @@ class MuntheKaas4 final : public Integrator {
  public:
   MuntheKaas4(const Flow& flow, ProductBackend backend);
 
+  /// The n x n complex matrices that it holds where J = I.
+  static Index matrices() { return common_matrices + AdjointSeries::matrices() + 7; }
+
  protected:
-  SolveReport advance(const Matrix& W0, double h, Matrix& W1) override;
+  StepReport advance(const Matrix& W0, double h, Matrix& W1) override;
 
  private:
+  CountedFlow flow_;
+  Products products_;
   AdjointSeries series_;
   std::array<Matrix, 4> k_;
   Matrix commutator_;
@@ -39,12 +44,17 @@ class ClassicalRungeKutta4 final : public Integrator {
  public:
   ClassicalRungeKutta4(const Flow& flow, ProductBackend backend);
 
+  /// The n x n complex matrices that it holds where J = I.
+  static Index matrices() { return common_matrices + AdjointSeries::matrices() + 6; }
+
  protected:
-  SolveReport advance(const Matrix& W0, double h, Matrix& W1) override;
+  StepReport advance(const Matrix& W0, double h, Matrix& W1) override;
 
  private:
   void slope(const Matrix& W, Matrix& out);
 
+  CountedFlow flow_;
+  Products products_;
   AdjointSeries series_;
   std::array<Matrix, 4> k_;
   Matrix B_;

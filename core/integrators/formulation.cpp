@@ -64,4 +64,17 @@ std::unique_ptr<Integrator> make_formulation(Formulation formulation, const Flow
   throw std::invalid_argument("make_formulation: unknown formulation");
 }
 
+Index formulation_matrices(Formulation formulation, const Tableau& tableau) {
+  switch (formulation) {
+    case Formulation::cotangent:
+      return CotangentForm::matrices(tableau.stages());
+    case Formulation::group:
+      return GroupForm::matrices(tableau.stages());
+    case Formulation::algebra:
+      return is_midpoint(tableau) ? IsospectralMidpoint::matrices()
+                                  : AlgebraForm::matrices(tableau.stages());
+  }
+  throw std::invalid_argument("formulation_matrices: unknown formulation");
+}
+
 }  // namespace isosyrk

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "isosyrk/integrators/integrator.h"
+#include "isosyrk/linalg/product_backend.h"
 #include "isosyrk/tableaux/tableau.h"
 
 namespace isosyrk {
@@ -26,5 +27,8 @@ Formulation formulation_from_name(std::string_view name);
 std::unique_ptr<Integrator> make_formulation(Formulation formulation, const Flow& flow,
                                              const Tableau& tableau, const SolverOptions& options,
                                              ProductBackend backend);
+
+/// The n x n complex matrices that this integrator holds where J = I.
+Index formulation_matrices(Formulation formulation, const Tableau& tableau);
 
 }  // namespace isosyrk

@@ -1,12 +1,17 @@
 #include "isosyrk/integrators/group_form.h"
 
-#include "isosyrk/linalg/stage_sums.h"
+#include "isosyrk/iteration/picard.h"
+#include "isosyrk/linalg/operations.h"
 
 namespace isosyrk {
 
 GroupForm::GroupForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
                      ProductBackend backend)
-    : Integrator(flow, backend), tableau_(tableau), options_(options) {
+    : Integrator(flow),
+      flow_(flow),
+      products_(backend, flow.size()),
+      tableau_(tableau),
+      options_(options) {
   require_consistent(tableau);
   const Index n = flow.size();
   Q_ = stage_matrices(tableau.stages(), n);
@@ -33,7 +38,7 @@ void GroupForm::transport(const Matrix& W0, const Matrix& Q, Matrix& W) {
 void GroupForm::evaluate_stages(const Matrix& W0) {
   for (std::size_t j = 0; j < Q_.size(); ++j) {
     transport(W0, Q_[j], W_stage_);
-    generator(W_stage_, B_);
+    flow_.generator(W_stage_, B_);
     products_.multiply_adjoint_right(Q_[j], B_, QB_[j]);
   }
 }
@@ -44,15 +49,16 @@ double GroupForm::sweep(const Matrix& W0, double h) {
   return largest_change(change_);
 }
 
-SolveReport GroupForm::advance(const Matrix& W0, double h, Matrix& W1) {
+StepReport GroupForm::advance(const Matrix& W0, double h, Matrix& W1) {
+  const StepCount count(flow_, products_);
   for (Matrix& Q : Q_) Q.setIdentity();
-  const SolveReport report = solve_fixed_point(options_, [&] { return sweep(W0, h); });
-  if (report.status != Status::converged) return report;
+  const SolveReport solve = solve_fixed_point(options_, [&] { return sweep(W0, h); });
+  if (solve.status != Status::converged) return count.report(solve);
 
   evaluate_stages(W0);
   combine(identity_, h * tableau_.b, QB_, Q_next_);
   transport(W0, Q_next_, W1);
-  return report;
+  return count.report(solve);
 }
 
 }  // namespace isosyrk

@@ -1,23 +1,21 @@
-// One-step integrators of isospectral flows.
+// The contract of a one-step method.
 #pragma once
 
-#include <string>
-
-#include "isosyrk/iteration/fixed_point.h"
 #include "isosyrk/flows/flow.h"
-#include "isosyrk/linalg/products.h"
+#include "isosyrk/iteration/status.h"
 
 namespace isosyrk {
 
 /// What one step did.
 struct StepReport {
   Status status = Status::converged;
-  int sweeps = 0;  ///< 0 for explicit methods
+  Attempt attempt = {};  ///< the attempt that the status is of: the last one made
+  int sweeps = 0;        ///< of all attempts; 0 for explicit methods
   double last_change = 0.0;
   double contraction = 0.0;  ///< of the iteration, as in SolveReport; 0 for explicit methods
   long products = 0;         ///< n x n complex matrix products
   long poisson_solves = 0;   ///< evaluations of the generator B
-  /// What the products come to in full ones: of a triangle, half is formed.
+  /// The work of the products in full ones: a product of which half is formed counts as half.
   double equivalent_products = 0.0;
 };
 
@@ -28,44 +26,27 @@ class Integrator {
   Integrator(const Integrator&) = delete;
   Integrator& operator=(const Integrator&) = delete;
 
-  /// Advances W, n x n, by h (which may be negative).  Unless the status is `converged`, W is left
-  /// as it was.  Allocates nothing.  Throws std::invalid_argument for a W of another size or an h
-  /// that is not finite.
-  StepReport step(Matrix& W, double h);
+  /// Advances W, n x n, by h, which may be negative, and reports what that took.  Unless the status
+  /// is `converged`, W is left as it was.  Memory stays the caller's: W is read and written where
+  /// it is.  Allocates nothing.  Throws std::invalid_argument for a W of another size or an h that
+  /// is not finite.
+  StepReport step(MatrixView W, double h);
 
   const Flow& flow() const { return flow_; }
 
+  /// The n x n complex matrices that every integrator holds, beside those of its form.
+  static constexpr Index common_matrices = 2;
+
  protected:
-  Integrator(const Flow& flow, ProductBackend backend);
+  explicit Integrator(const Flow& flow);
 
-  /// Computes W1 from W0; the contents of W1 count only when the status is `converged`.
-  virtual SolveReport advance(const Matrix& W0, double h, Matrix& W1) = 0;
-
-  /// B = B(W), counted.
-  void generator(const Matrix& W, Matrix& B) {
-    flow_.generator(W, B);
-    ++poisson_solves_;
-  }
-
-  /// Counts the work of a step of another integrator that this one is made of.
-  void add_work(const StepReport& inner) {
-    inner_products_ += inner.products;
-    inner_equivalents_ += inner.equivalent_products;
-    poisson_solves_ += inner.poisson_solves;
-  }
-
-  const Flow& flow_;
-  Products products_;
+  /// Computes W1 from W0, both n x n; the contents of W1 count only when the status is `converged`.
+  virtual StepReport advance(const Matrix& W0, double h, Matrix& W1) = 0;
 
  private:
-  long products() const { return products_.count() + inner_products_; }
-
-  double equivalents() const { return static_cast<double>(products_.count()) + inner_equivalents_; }
-
-  long inner_products_ = 0;
-  double inner_equivalents_ = 0.0;
-  long poisson_solves_ = 0;
-  Matrix next_;
+  const Flow& flow_;
+  Matrix W0_;
+  Matrix W1_;
 };
 
 }  // namespace isosyrk

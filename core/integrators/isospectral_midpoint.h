@@ -1,7 +1,7 @@
 // The isospectral midpoint rule: the algebra formulation at s = 1, in one unknown.
 #pragma once
 
-#include "isosyrk/integrators/integrator.h"
+#include "isosyrk/integrators/counted_flow.h"
 
 namespace isosyrk {
 
@@ -17,12 +17,17 @@ class IsospectralMidpoint final : public Integrator {
  public:
   IsospectralMidpoint(const Flow& flow, const SolverOptions& options, ProductBackend backend);
 
+  /// The n x n complex matrices that it holds where J = I.
+  static Index matrices() { return common_matrices + 4; }
+
  protected:
-  SolveReport advance(const Matrix& W0, double h, Matrix& W1) override;
+  StepReport advance(const Matrix& W0, double h, Matrix& W1) override;
 
  private:
   double sweep(const Matrix& W0, double h);
 
+  CountedFlow flow_;
+  Products products_;
   SolverOptions options_;
   Matrix W_stage_;  // W̃
   Matrix B_;

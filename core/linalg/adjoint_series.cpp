@@ -1,6 +1,6 @@
 #include "isosyrk/linalg/adjoint_series.h"
 
-#include "isosyrk/linalg/commutator.h"
+#include "isosyrk/linalg/operations.h"
 
 namespace isosyrk {
 

@@ -12,6 +12,9 @@ class AdjointSeries {
  public:
   explicit AdjointSeries(const QuadraticAlgebra& algebra);
 
+  /// The n x n complex matrices that it holds where J = I.
+  static Index matrices() { return 3; }
+
   /// out = e^(scale Ω) W e^(-scale Ω).  Ends when a term is below rounding relative to W, after at
   /// most 200 terms (false if that was not enough or a term is not finite).  out is not W.
   bool conjugate(Products& products, double scale, const Matrix& Omega, const Matrix& W,

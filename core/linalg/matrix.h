@@ -15,6 +15,9 @@ using Index = Eigen::Index;
 /// Complex matrix, stored by rows: row i, columns i..n-1, then holds entry i of every diagonal
 /// (i, i+m), m >= 0, next to one another, which is what the Poisson solve runs over.
 using Matrix = Eigen::Matrix<Complex, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+/// A view of complex numbers that belong to the caller, stored by rows: of a Matrix, of a block of
+/// one, or of a Map of any memory.  A matrix stored by columns does not convert to it.
+using MatrixView = Eigen::Ref<Matrix>;
 using RealMatrix = Eigen::MatrixXd;
 using RealVector = Eigen::VectorXd;
 

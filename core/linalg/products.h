@@ -2,25 +2,11 @@
 #pragma once
 
 #include <memory>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "isosyrk/linalg/matrix.h"
+#include "isosyrk/linalg/product_backend.h"
 
 namespace isosyrk {
-
-/// Whose kernels form a product.
-enum class ProductBackend {
-  openblas,  ///< cblas_zgemm
-  eigen,     ///< Eigen's own complex kernels, without its dispatch to a BLAS
-};
-
-/// All backends, in the order in which they are listed to a user.
-const std::vector<ProductBackend>& product_backends();
-
-/// "openblas", "eigen".
-std::string_view name(ProductBackend backend);
 
 /// Floating point operations of one complex n x n product, counted 8 n^3.
 double product_flops(Index n);

@@ -1,13 +1,12 @@
 #include "isosyrk/simulation/run.h"
 
 namespace isosyrk {
+namespace {
 
-RunReport run(Integrator& integrator, Matrix& W, double h, long steps) {
-  return run(integrator, W, h, steps, [](long, const Matrix&, const StepReport&) {});
-}
-
-RunReport run(Integrator& integrator, Matrix& W, double h, long steps,
-              const std::function<void(long, const Matrix&, const StepReport&)>& observe) {
+// observe(k, report of step k) after every completed step.
+template <class Observe>
+RunReport run_steps(Integrator& integrator, MatrixView W, double h, long steps,
+                    const Observe& observe) {
   RunReport total;
   for (long k = 1; k <= steps; ++k) {
     const StepReport step = integrator.step(W, h);
@@ -23,9 +22,24 @@ RunReport run(Integrator& integrator, Matrix& W, double h, long steps,
       return total;
     }
     total.steps = k;
-    observe(k, W, step);
+    observe(k, step);
   }
   return total;
+}
+
+}  // namespace
+
+RunReport run(Integrator& integrator, MatrixView W, double h, long steps) {
+  return run_steps(integrator, W, h, steps, [](long, const StepReport&) {});
+}
+
+RunReport run(Integrator& integrator, MatrixView W, double h, long steps,
+              const std::function<void(long, const Matrix&, const StepReport&)>& observe) {
+  Matrix observed = W;
+  return run_steps(integrator, W, h, steps, [&](long k, const StepReport& step) {
+    observed = W;
+    observe(k, observed, step);
+  });
 }
 
 }  // namespace isosyrk

@@ -25,12 +25,14 @@ struct RunReport {
   }
 };
 
-/// Advances W by `steps` steps of size h, stopping at the first that does not converge; W is then
-/// the last good state.
-RunReport run(Integrator& integrator, Matrix& W, double h, long steps);
+/// Advances W, n x n, by `steps` steps of size h and returns what that took.  Stops at the first
+/// step that does not converge; W is then the last good state.  Allocates nothing.  Throws as
+/// Integrator::step.
+RunReport run(Integrator& integrator, MatrixView W, double h, long steps);
 
-/// The same, with `observe(step, W, report of the step)` after every completed step.
-RunReport run(Integrator& integrator, Matrix& W, double h, long steps,
+/// The same, with `observe(step, W, report of the step)` after every completed step.  What is
+/// observed is a copy of W, allocated once for the run.
+RunReport run(Integrator& integrator, MatrixView W, double h, long steps,
               const std::function<void(long, const Matrix&, const StepReport&)>& observe);
 
 }  // namespace isosyrk

@@ -263,6 +263,50 @@ class FastSolver(RefusalTest):
             self.assertEqual(file.read(), EARLIER)
 
 
+    def test_threads_are_1_to_64(self):
+        for value in ("0", "-1", "65", "x", "1.5", "", "9" * 30):
+            with self.subTest(value):
+                line = command(SHORT, "--output", self.output, solver="fast", threads=value)
+                self.assert_refused_alone(line, "--threads", value, "1 to 64")
+
+    def test_threads_are_of_the_fast_solver(self):
+        self.assert_refused_alone(command(SHORT, "--output", self.output, threads="2"), "--threads 2", "--solver fast")
+
+    def test_one_thread_is_the_default(self):
+        alone, _ = self.result(SHORT, solver="fast")
+        self.assertEqual(alone["threads"], 1)
+
+    def test_more_threads_than_cores_are_allowed_and_noted(self):
+        pinned = ["taskset", "-c", str(min(os.sched_getaffinity(0))), *command(SHORT, "--json", solver="fast", threads="2")]
+        done = run(pinned)
+        self.assertEqual(done.returncode, DONE, done.stderr)
+        self.assertRegex(done.stderr, r"^integrate: note: 2 threads on 1 core: [^\n]*\n$")
+
+
+@unittest.skipIf(SANITIZED, "a sanitizer reserves terabytes of address space")
+class Memory(RefusalTest):
+    """A run that needs more memory than there is, which the kernel would kill, is refused before it starts."""
+
+    HUGE = {"n": "4096", "stages": "20", "formulation": "algebra", "step": "0.1", "time": "0.1"}
+
+    def limited(self, kilobytes, arguments, *flags, **changes):
+        script = 'ulimit -v "$1"; shift; OPENBLAS_NUM_THREADS=1 exec "$@"'
+        return run(["bash", "-c", script, "bash", str(kilobytes), *command(arguments, *flags, **changes)])
+
+    def test_that_nobody_has_is_refused_at_once(self):
+        self.assert_refused(self.limited(100_000_000, self.HUGE, "--output", self.output), "--n 4096", "algebra20",
+                            "GB", "n or stages must be smaller")
+
+    def test_beyond_the_limit_of_the_process_is_refused(self):
+        # About 0.6 GB for 548 matrices of 257 x 257.
+        large = {**self.HUGE, "n": "257"}
+        self.assert_refused(self.limited(500_000, large, "--output", self.output), "--n 257", "ulimit -v")
+
+    def test_of_past_steps_is_counted(self):
+        fast = {**self.HUGE, "n": "257", "stages": "3"}
+        self.assert_refused(self.limited(300_000, fast, solver="fast"), "--n 257", "fast_algebra3", "ulimit -v")
+
+
 class RefusedModes(RefusalTest):
     """Modes files: the line names the file and what is wrong."""
 

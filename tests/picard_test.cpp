@@ -1,4 +1,4 @@
-#include "isosyrk/iteration/fixed_point.h"
+#include "isosyrk/iteration/picard.h"
 
 #include <gtest/gtest.h>
 
@@ -68,6 +68,14 @@ TEST(FixedPoint, MeasuresTheContraction) {
   EXPECT_NEAR(solve_changes({1.0, 1e-14}).contraction, 1e-14, 1e-26);
   EXPECT_EQ(solve_changes({0.0}).contraction, 0.0);  // a single sweep tells nothing
   EXPECT_GT(solve_changes({1.0, 10.0, 1e7}).contraction, 1.0);
+}
+
+TEST(Attempt, HasANameOfItsOwn) {
+  EXPECT_EQ(name(Attempt{}), "explicit");
+  EXPECT_EQ(name({Start::cold, Iteration::picard}), "cold Picard");
+  EXPECT_EQ(name({Start::predicted, Iteration::newton}), "predicted Newton");
+  EXPECT_EQ(name({Start::cold, Iteration::frozen_picard}), "cold frozen Picard");
+  EXPECT_EQ(name({Start::cold, Iteration::anderson}), "cold Anderson");
 }
 
 TEST(Larger, KeepsNanWhateverItsPlace) {

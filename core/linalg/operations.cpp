@@ -1,4 +1,4 @@
-#include "isosyrk/linalg/stage_sums.h"
+#include "isosyrk/linalg/operations.h"
 
 namespace isosyrk {
 namespace {
@@ -48,6 +48,22 @@ void update_all(const Matrix& base, double h, const RealMatrix& a, const std::ve
   for (Index i = 0; i < c.rows(); ++i) squares[i] = sums[i].sum() + rest_sums[i].sum();
 }
 
+// X(r, c) = fresh(r, c) for all entries; returns Σ |change of X|².
+template <class Fresh>
+double replace(Matrix& X, const Fresh& fresh) {
+  double change = 0.0;
+  for (Index r = 0; r < X.rows(); ++r) {
+    double change_of_row = 0.0;
+    for (Index c = 0; c < X.cols(); ++c) {
+      const Complex value = fresh(r, c);
+      change_of_row += std::norm(value - X(r, c));
+      X(r, c) = value;
+    }
+    change += change_of_row;
+  }
+  return change;
+}
+
 }  // namespace
 
 void update_unknowns(const Matrix& base, double h, const RealMatrix& a,
@@ -62,6 +78,44 @@ void update_unknowns(const Matrix& base, double h, const RealMatrix& a,
     default:
       return update_all<Eigen::Dynamic>(base, h, a, Y, X, squares);
   }
+}
+
+double update_stage_vorticity(const QuadraticAlgebra& algebra, const Matrix& W0, const Matrix& S,
+                              const Matrix& Y, Matrix& scratch, Matrix& W) {
+  if (algebra.is_skew_hermitian()) {
+    return replace(W, [&](Index r, Index c) { return W0(r, c) + (S(r, c) - std::conj(Y(c, r))); });
+  }
+  algebra.involution(Y, scratch);
+  return replace(W, [&](Index r, Index c) { return W0(r, c) + (S(r, c) - scratch(r, c)); });
+}
+
+double update_midpoint_vorticity(const QuadraticAlgebra& algebra, const Matrix& W0, double a,
+                                 const Matrix& M, double b, const Matrix& MB, Matrix& scratch,
+                                 Matrix& W) {
+  if (algebra.is_skew_hermitian()) {
+    return replace(W, [&](Index r, Index c) {
+      return W0(r, c) + a * (M(r, c) - std::conj(M(c, r))) + b * MB(r, c);
+    });
+  }
+  algebra.involution(M, scratch);
+  return replace(
+      W, [&](Index r, Index c) { return W0(r, c) + a * (M(r, c) - scratch(r, c)) + b * MB(r, c); });
+}
+
+void commutator_of_product(const QuadraticAlgebra& algebra, const Matrix& C, Matrix& scratch,
+                           Matrix& out) {
+  if (algebra.is_skew_hermitian()) {
+    out = C - C.adjoint();
+    return;
+  }
+  algebra.involution(C, scratch);
+  out = C - scratch;
+}
+
+void add_commutator(const QuadraticAlgebra& algebra, const Matrix& W0, const Matrix& C,
+                    Matrix& scratch, Matrix& out) {
+  commutator_of_product(algebra, C, scratch, out);
+  out += W0;
 }
 
 }  // namespace isosyrk

@@ -1,4 +1,4 @@
-// The fixed-point driver that every implicit integrator shares.
+// The Picard iteration that every implicit integrator shares.
 #pragma once
 
 #include <algorithm>
@@ -6,49 +6,12 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <string_view>
 
-#include "isosyrk/linalg/matrix.h"
+#include "isosyrk/iteration/status.h"
 
 namespace isosyrk {
 
-/// How a step ended.
-enum class Status {
-  converged,
-  diverged,   ///< a change was not finite or above 1e6
-  stagnated,  ///< the best change so far was not improved in 50 sweeps
-  sweep_cap,  ///< max_sweeps reached while still falling
-};
-
-inline std::string_view name(Status status) {
-  switch (status) {
-    case Status::converged:
-      return "converged";
-    case Status::diverged:
-      return "diverged";
-    case Status::stagnated:
-      return "stagnated";
-    case Status::sweep_cap:
-      return "sweep cap";
-  }
-  return "unknown";
-}
-
-struct SolverOptions {
-  double tolerance = 1e-13;  ///< absolute, on the largest change of an unknown
-  int max_sweeps = 1000;
-};
-
-struct SolveReport {
-  Status status = Status::converged;
-  int sweeps = 0;
-  double change = 0.0;  ///< of the last sweep
-  /// Change of the last sweep over that of the one before, geometric mean over the last five sweeps
-  /// (fewer if there were fewer; 0 for a single sweep): below 1 where the iteration contracts.
-  double contraction = 0.0;
-};
-
-/// The changes of the last few sweeps.
+/// The changes of the last few Picard sweeps.
 class LastChanges {
  public:
   void add(double change) {
@@ -71,10 +34,10 @@ class LastChanges {
   std::size_t count_ = 0;
 };
 
-/// Plain fixed-point iteration.  `sweep()` updates every unknown once, Jacobi style (all new values
-/// from the old ones), and returns the largest change of an unknown in the Frobenius norm, or NaN
-/// if any change is NaN.  The rule is that of README "What the paper leaves open": the paper
-/// states only the tolerance.
+/// Repeats Picard sweeps until one of them converges or the iteration fails; returns how it ended.
+/// `sweep()` updates every unknown once, all new values from the old ones.  It returns the largest
+/// change of an unknown in the Frobenius norm, or NaN if any change is NaN.
+/// The paper states only the tolerance; README "What the paper leaves open" gives the whole rule.
 template <class Sweep>
 SolveReport solve_fixed_point(const SolverOptions& options, Sweep&& sweep) {
   constexpr double divergence_bound = 1e6;

@@ -1,12 +1,12 @@
-// Sums over stages in one pass against the same sums entry by entry.
-#include "isosyrk/linalg/stage_sums.h"
+// Sums over stages and updates in one pass against the same expressions written out.
+#include "isosyrk/linalg/operations.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "isosyrk/tableaux/gauss_tableau.h"
 #include "isosyrk/split/split_sums.h"
+#include "isosyrk/tableaux/gauss_tableau.h"
 
 namespace isosyrk {
 namespace {
@@ -133,6 +133,60 @@ TEST(PlanarSums, OfAnyNumberOfTermsAreTheirSum) {
 INSTANTIATE_TEST_SUITE_P(SizesAndStages, StageSums,
                          ::testing::Values(Sizes{2, 1}, Sizes{3, 2}, Sizes{5, 3}, Sizes{6, 4},
                                            Sizes{17, 3}, Sizes{17, 7}, Sizes{4, max_stages}));
+
+// J = I, symplectic and indefinite J.
+std::vector<QuadraticAlgebra> algebras() {
+  Matrix symplectic = Matrix::Zero(6, 6);
+  symplectic.topRightCorner(3, 3).setIdentity();
+  symplectic.bottomLeftCorner(3, 3) = -Matrix::Identity(3, 3);
+  Matrix indefinite = Matrix::Identity(6, 6);
+  indefinite(4, 4) = indefinite(5, 5) = -1.0;
+  return {QuadraticAlgebra::skew_hermitian(6), QuadraticAlgebra(symplectic),
+          QuadraticAlgebra(indefinite)};
+}
+
+// Entries are below 8, and each is a sum of few terms.
+constexpr double rounding = 1e-14;
+
+TEST(Updates, AreTheirEquationsAndReturnTheirChanges) {
+  for (const QuadraticAlgebra& algebra : algebras()) {
+    const Index n = algebra.size();
+    const auto random = [n] { return Matrix(Matrix::Random(n, n)); };
+    const Matrix W0 = random(), S = random(), Y = random(), old = random();
+    Matrix scratch(n, n), adjoint(n, n);
+    algebra.involution(Y, adjoint);
+    const auto expect = [&](const Matrix& expected, const Matrix& W, double change) {
+      EXPECT_LE((W - expected).cwiseAbs().maxCoeff(), rounding);
+      EXPECT_NEAR(change, (expected - old).squaredNorm(), 100.0 * rounding);
+    };
+
+    Matrix W = old;
+    double change = update_stage_vorticity(algebra, W0, S, Y, scratch, W);
+    expect(W0 + S - adjoint, W, change);
+
+    W = old;
+    change = update_midpoint_vorticity(algebra, W0, 0.3, Y, 0.7, S, scratch, W);
+    expect(W0 + 0.3 * (Y - adjoint) + 0.7 * S, W, change);
+
+    add_commutator(algebra, W0, Y, scratch, W);
+    expect(W0 + Y - adjoint, W, (W - old).squaredNorm());
+  }
+}
+
+TEST(Updates, SeeAChangeThatIsNotANumber) {
+  for (const QuadraticAlgebra& algebra : algebras()) {
+    const Index n = algebra.size();
+    const Matrix zero = Matrix::Zero(n, n);
+    Matrix bad = zero;
+    bad(n - 1, 0) = std::numeric_limits<double>::quiet_NaN();
+    Matrix scratch(n, n);
+    Matrix W = zero;
+    EXPECT_TRUE(std::isnan(update_stage_vorticity(algebra, zero, zero, bad, scratch, W)));
+    W = zero;
+    EXPECT_TRUE(
+        std::isnan(update_midpoint_vorticity(algebra, zero, 1.0, bad, 1.0, zero, scratch, W)));
+  }
+}
 
 TEST(RequireConsistent, RefusesMoreStagesThanTheSumsHaveRoomFor) {
   Tableau tableau = gauss_tableau(1);

@@ -1,0 +1,108 @@
+#include "benchmarks/memory.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+#include <optional>
+#include <sstream>
+
+namespace isosyrk {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double unlimited = std::numeric_limits<double>::infinity();
+
+// The number that a file holds; "max" and a file that is not there are no number.
+std::optional<double> number_in(const fs::path& file) {
+  std::ifstream input(file);
+  double number = 0.0;
+  if (input >> number) return number;
+  return {};
+}
+
+// The number behind a key in a file of lines "key number".
+double number_of(const fs::path& file, const std::string& key, double otherwise) {
+  std::ifstream input(file);
+  std::string line;
+  while (std::getline(input, line)) {
+    std::istringstream words(line);
+    std::string word;
+    double number = 0.0;
+    if (words >> word >> number && word == key) return number;
+  }
+  return otherwise;
+}
+
+// How the two versions of cgroups name their files.
+struct CgroupFiles {
+  const char* folder;
+  const char* limit;
+  const char* usage;
+  const char* pages;  // before active_file and inactive_file in memory.stat
+};
+constexpr CgroupFiles version1 = {"memory", "memory.limit_in_bytes", "memory.usage_in_bytes",
+                                  "total_"};
+constexpr CgroupFiles version2 = {"", "memory.max", "memory.current", ""};
+
+double available_in(const fs::path& cgroup, const CgroupFiles& files) {
+  const auto limit = number_in(cgroup / files.limit);
+  const auto usage = number_in(cgroup / files.usage);
+  if (!limit || !usage) return unlimited;
+  double pages = 0.0;
+  for (const char* kind : {"active_file", "inactive_file"}) {
+    pages += number_of(cgroup / "memory.stat", std::string(files.pages) + kind, 0.0);
+  }
+  return std::max(0.0, *limit - std::max(0.0, *usage - pages));
+}
+
+// /proc/self/cgroup has lines number:controllers:path, no controllers for version 2.
+double available_in_cgroups(const fs::path& root) {
+  double least = unlimited;
+  std::ifstream input(root / "proc/self/cgroup");
+  std::string line;
+  while (std::getline(input, line)) {
+    const auto first = line.find(':');
+    const auto second = line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    const std::string controllers = "," + line.substr(first + 1, second - first - 1) + ",";
+    const bool is_memory = controllers.find(",memory,") != std::string::npos;
+    if (!is_memory && controllers != ",,") continue;
+    const CgroupFiles& files = is_memory ? version1 : version2;
+    const fs::path top = root / "sys/fs/cgroup" / files.folder;
+    fs::path path = fs::path(line.substr(second + 1)).relative_path();
+    least = std::min(least, available_in(top, files));
+    for (; !path.empty(); path = path.parent_path()) {
+      least = std::min(least, available_in(top / path, files));
+    }
+  }
+  return least;
+}
+
+double available_to_process(const fs::path& root) {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return unlimited;
+  const double pages = number_in(root / "proc/self/statm").value_or(0.0);
+  const double size = pages * static_cast<double>(sysconf(_SC_PAGESIZE));
+  return std::max(0.0, static_cast<double>(limit.rlim_cur) - size);
+}
+
+}  // namespace
+
+MemoryLimit available_memory(const fs::path& root) {
+  constexpr double kilobyte = 1024.0;
+  MemoryLimit least = {kilobyte * number_of(root / "proc/meminfo", "MemAvailable:", unlimited),
+                       "the machine"};
+  const MemoryLimit others[] = {
+      {available_in_cgroups(root), "the cgroup"},
+      {available_to_process(root), "the limit of this process (ulimit -v)"}};
+  for (const MemoryLimit& other : others) {
+    if (other.bytes < least.bytes) least = other;
+  }
+  return least;
+}
+
+}  // namespace isosyrk

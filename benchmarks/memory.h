@@ -1,0 +1,21 @@
+// The memory that a program can have, so that a run too large for it is refused before it starts.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace isosyrk {
+
+/// What this process can still allocate, and what sets that limit.
+struct MemoryLimit {
+  double bytes;        ///< infinite where nothing is known
+  std::string source;  ///< "the machine", "the cgroup", "the limit of this process (ulimit -v)"
+};
+
+/// The least of MemAvailable in /proc/meminfo, of memory.max (version 2) or memory.limit_in_bytes
+/// (version 1) less what is used, of this process's cgroup and every one above it, and of
+/// RLIMIT_AS less the present size.  Of what a cgroup uses, file pages do not count: the kernel
+/// drops them for whoever asks.  `root` is where proc and sys/fs/cgroup are looked for.
+MemoryLimit available_memory(const std::filesystem::path& root = "/");
+
+}  // namespace isosyrk

@@ -1,0 +1,32 @@
+#include "isosyrk/catalogue/make_integrator.h"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+#include "isosyrk/catalogue/fast_forms.h"
+#include "isosyrk/catalogue/integrator_list.h"
+
+namespace isosyrk {
+
+std::unique_ptr<Integrator> make_integrator(const Flow& flow, std::string_view wanted,
+                                            const IntegratorOptions& options) {
+  constexpr ProductBackend backend = ProductBackend::openblas;
+  const IntegratorEntry& entry = integrator_entry(wanted);
+  if (options.solver == Solver::published) {
+    if (options.threads != 1) {
+      throw std::invalid_argument(
+          fmt::format("threads {}: published integrators have 1 thread", options.threads));
+    }
+    return entry.make(flow, options.iteration, backend);
+  }
+  for (const Formulation formulation : formulations()) {
+    if (fmt::format("{}{}", name(formulation), entry.stages) != entry.name) continue;
+    return make_fast_gauss(formulation, entry.stages, flow,
+                           {.solver = options.iteration, .threads = options.threads}, backend);
+  }
+  throw std::invalid_argument(fmt::format(
+      "integrator '{}': has no fast form; must be cotangent, group or algebra", wanted));
+}
+
+}  // namespace isosyrk

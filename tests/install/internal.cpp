@@ -1,0 +1,3 @@
+#include <isosyrk/split/split_matrix.h>
+
+int main() {}

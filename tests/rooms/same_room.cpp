@@ -1,0 +1,1 @@
+#include <isosyrk/linalg/matrix.h>

@@ -1,0 +1,3 @@
+#include <isosyrk/linalg/matrix.h>
+
+#include <isosyrk/flows/flow.h>
