@@ -70,9 +70,9 @@ void choose_integrator(const Text& text, const Given& given, IntegrateRequest& r
     request.integrator = fast_gauss_entry(*request.formulation, stages);
     request.integrator.make =
         [formulation = *request.formulation, stages, threads = request.threads](
-            const Flow& flow, const SolverOptions& solver, ProductBackend backend) {
-          return make_fast_gauss(formulation, stages, flow, {.solver = solver, .threads = threads},
-                                 backend);
+            const Flow& flow, const SolverOptions& solver, ProductBackend) {
+          return make_fast_gauss(formulation, stages, flow,
+                                 {.solver = solver, .threads = threads});
         };
   } catch (const std::invalid_argument& error) {
     throw BadArgument(fmt::format("--{}", error.what()));

@@ -1,4 +1,4 @@
-// The parts a sweep is made of: products of each backend and of planar matrices, the Poisson solve,
+// The parts a sweep is made of: products of each backend and of split matrices, the Poisson solve,
 // and the core's peak.
 #include <fmt/format.h>
 
@@ -14,6 +14,7 @@
 #include "benchmarks/median.h"
 #include "benchmarks/peak.h"
 #include "isosyrk/flows/split_laplacian.h"
+#include "isosyrk/split/skew.h"
 #include "isosyrk/split/split_products.h"
 #include "isosyrk/flows/scene.h"
 
@@ -25,10 +26,10 @@ const std::vector<Index> sizes = {17, 33, 65, 129};
 std::string product_name(ProductBackend backend, Index n) {
   return fmt::format("kernels/product/{}/n:{}", name(backend), n);
 }
-std::string planar_name(std::string_view part, const GemmKernel& kernel, Index n) {
-  return fmt::format("kernels/{}/planar_{}/n:{}", part, kernel.name, n);
+std::string split_name(std::string_view part, const GemmKernel& kernel, Index n) {
+  return fmt::format("kernels/{}/split_{}/n:{}", part, kernel.name, n);
 }
-std::string planar_poisson_name(Index n) { return fmt::format("kernels/poisson/planar/n:{}", n); }
+std::string split_poisson_name(Index n) { return fmt::format("kernels/poisson/split/n:{}", n); }
 std::string poisson_name(Index n) { return fmt::format("kernels/poisson/n:{}", n); }
 
 // ‖C - AB‖_F / (‖A‖_F ‖B‖_F u), the error of a product in units of Real's roundoff.
@@ -101,17 +102,13 @@ void product(benchmark::State& state, ProductBackend backend, Index n) {
 
 // A B or A† B, in double or in single precision.
 template <class Real, bool adjoint = false>
-void planar_product(benchmark::State& state, const GemmKernel& kernel, Index n) {
+void split_product(benchmark::State& state, const GemmKernel& kernel, Index n) {
   const Factors given(n);
-  const PlanarMatrixOf<Real> W(given.W), B(given.B);
-  PlanarMatrixOf<Real> C(n);
-  PlanarProductsOf<Real> products(n, kernel);
+  const SplitMatrixOf<Real> W(given.W), B(given.B);
+  SplitMatrixOf<Real> C(n);
+  SplitProductsOf<Real> products(n, kernel);
   time_products<Real>(state, n, [&] {
-    if constexpr (adjoint) {
-      products.multiply_adjoint_left(W, B, C);
-    } else {
-      products.multiply(W, B, C);
-    }
+    products.form(adjoint ? adjoint_times(W, B, C) : times(W, B, C));
     benchmark::DoNotOptimize(C.re());
   });
   const Matrix left = W.interleaved();
@@ -120,40 +117,42 @@ void planar_product(benchmark::State& state, const GemmKernel& kernel, Index n) 
 }
 
 // B (W B), which is skew-Hermitian: its upper triangle and the mirror of that.
-void planar_triangle(benchmark::State& state, const GemmKernel& kernel, Index n) {
+void split_triangle(benchmark::State& state, const GemmKernel& kernel, Index n) {
   const Factors given(n);
-  const PlanarMatrix W(given.W), B(given.B);
-  PlanarMatrix WB(n), C(n);
-  PlanarProducts products(n, kernel);
-  products.multiply(W, B, WB);
+  const SplitMatrix W(given.W), B(given.B);
+  SplitMatrix WB(n), C(n);
+  SplitProducts products(n, kernel);
+  products.form(times(W, B, WB));
   time_products(state, n, [&] {
-    products.multiply_skew(B, WB, C);
+    products.form(times(B, WB, C).upper_triangle());
+    mirror_skew(C);
     benchmark::DoNotOptimize(C.re());
   });
   state.counters["error_in_roundoffs"] = product_error(given.B, WB.interleaved(), C.interleaved());
 }
 
-struct PlanarPart {
+struct SplitPart {
   std::string_view name;
   void (*time)(benchmark::State&, const GemmKernel&, Index n);
 };
-const std::vector<PlanarPart> planar_parts = {{"product", planar_product<double>},
-                                              {"adjoint", planar_product<double, true>},
-                                              {"single", planar_product<float>},
-                                              {"triangle", planar_triangle}};
+const std::vector<SplitPart> split_parts = {{"product", split_product<double>},
+                                              {"adjoint", split_product<double, true>},
+                                              {"single", split_product<float>},
+                                              {"triangle", split_triangle}};
 
-void planar_poisson(benchmark::State& state, Index n) {
+void split_poisson(benchmark::State& state, Index n) {
   const Laplacian laplacian(n);
-  const PlanarLaplacian planar(laplacian);
+  const SplitLaplacianOf<double> split(laplacian);
   const Matrix given = smooth_scene(n).initial;
-  const PlanarMatrix W(given);
-  PlanarMatrix P(n);
+  const SplitStages W = {SplitMatrix(given)};
+  SplitStages P = {SplitMatrix(n)};
   for ([[maybe_unused]] auto _ : state) {
-    planar.solve_skew_hermitian(W, 1.0, P);
-    benchmark::DoNotOptimize(P.re());
+    split.solve_upper(W, 1.0, n - 1, P);
+    mirror_skew(P);
+    benchmark::DoNotOptimize(P[0].re());
   }
   Matrix back(n, n);
-  laplacian.apply(P.interleaved(), back);
+  laplacian.apply(P[0].interleaved(), back);
   state.counters["residual"] = (back - given).norm() / given.norm();
 }
 
@@ -191,12 +190,12 @@ int main_program(int argc, char** argv) {
       names.push_back(product_name(backend, n));
     }
     for (const GemmKernel& kernel : gemm_kernels()) {
-      for (const PlanarPart& part : planar_parts) {
-        names.push_back(planar_name(part.name, kernel, n));
+      for (const SplitPart& part : split_parts) {
+        names.push_back(split_name(part.name, kernel, n));
       }
     }
     names.push_back(poisson_name(n));
-    names.push_back(planar_poisson_name(n));
+    names.push_back(split_poisson_name(n));
   }
   const BenchmarkArguments arguments(line.others(), names);
 
@@ -209,15 +208,15 @@ int main_program(int argc, char** argv) {
           ->Unit(benchmark::kMicrosecond);
     }
     for (const GemmKernel& kernel : gemm_kernels()) {
-      for (const PlanarPart& part : planar_parts) {
-        benchmark::RegisterBenchmark(planar_name(part.name, kernel, n).c_str(), part.time, kernel,
+      for (const SplitPart& part : split_parts) {
+        benchmark::RegisterBenchmark(split_name(part.name, kernel, n).c_str(), part.time, kernel,
                                      n)
             ->Unit(benchmark::kMicrosecond);
       }
     }
     benchmark::RegisterBenchmark(poisson_name(n).c_str(), poisson, n)
         ->Unit(benchmark::kMicrosecond);
-    benchmark::RegisterBenchmark(planar_poisson_name(n).c_str(), planar_poisson, n)
+    benchmark::RegisterBenchmark(split_poisson_name(n).c_str(), split_poisson, n)
         ->Unit(benchmark::kMicrosecond);
   }
   return run_benchmarks(argv[0], arguments, machine_conditions("kernels", std::nullopt, rates));

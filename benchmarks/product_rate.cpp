@@ -55,13 +55,13 @@ double product_rate(ProductBackend backend, Index n, double seconds) {
   return rate(n, seconds, [&] { products.multiply(A, B, C); });
 }
 
-double planar_product_rate(Index n, double seconds) {
+double split_product_rate(Index n, double seconds) {
   std::mt19937_64 generator(1);
-  const PlanarMatrix A(random_matrix(n, generator));
-  const PlanarMatrix B(random_matrix(n, generator));
-  PlanarMatrix C(n);
-  PlanarProducts products(n);
-  return rate(n, seconds, [&] { products.multiply(A, B, C); });
+  const SplitMatrix A(random_matrix(n, generator));
+  const SplitMatrix B(random_matrix(n, generator));
+  SplitMatrix C(n);
+  SplitProducts products(n);
+  return rate(n, seconds, [&] { products.form(times(A, B, C)); });
 }
 
 BackendRates choose_backend(BackendChoice choice, Index n) {

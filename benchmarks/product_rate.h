@@ -16,7 +16,7 @@ using BackendChoice = std::optional<ProductBackend>;
 double product_rate(ProductBackend backend, Index n, double seconds);
 
 /// The same of planar products, with the kernel of planar_products.h that runs here.
-double planar_product_rate(Index n, double seconds);
+double split_product_rate(Index n, double seconds);
 
 /// Rates of every backend at one n, measured in turn, and the one chosen.
 struct BackendRates {

@@ -19,6 +19,8 @@
 #include "isosyrk/simulation/conservation.h"
 #include "isosyrk/catalogue/fast_forms.h"
 #include "isosyrk/simulation/run.h"
+#include "isosyrk/solver/predictor.h"
+#include "isosyrk/split/split_products.h"
 
 namespace isosyrk::scaling {
 namespace {
@@ -33,7 +35,7 @@ const std::vector<int> stage_counts = {1, 2, 3};
 
 constexpr double scaling_h_norm_B = 0.4;
 constexpr double table1_step = 0.1;
-constexpr long warm_steps = StartValues::most + 1;  // until start values are at their full order
+constexpr long warm_steps = Predictor::most + 1;  // until the predictor reads as many steps as it may
 constexpr int repetitions = 7;
 constexpr long most_steps = 200;
 
@@ -73,7 +75,7 @@ Json timed(const Scene& scene, double h, std::vector<Variant>& variants, const M
   }
   std::vector<double> product_seconds, peaks;
   for (int repetition = 0; repetition < repetitions; ++repetition) {
-    product_seconds.push_back(1.0 / planar_product_rate(scene.initial.rows(), 0.03));
+    product_seconds.push_back(1.0 / split_product_rate(scene.initial.rows(), 0.03));
     peaks.push_back(1e-9 * measured_peak_flops());
     for (Variant& each : variants) {
       const double start = cpu_seconds();
@@ -117,7 +119,7 @@ Json scaling_rows(Index n, const Measuring& measuring) {
     for (const int s : stage_counts) {
       variants.push_back(
           {what_cell(formulation, s),
-           make_fast_gauss(formulation, s, *scene.flow, {}, ProductBackend::openblas)});
+           make_fast_gauss(formulation, s, *scene.flow)});
     }
   }
   return timed(scene, scaling_h_norm_B / generator_norms(scene).B, variants, measuring,
@@ -130,47 +132,33 @@ struct Idea {
   FastOptions options;
 };
 
-// Of start values that are not fitted: the best one (measured), since a higher one errs less by
-// itself but amplifies what is wrong with past steps.
-constexpr int polynomial_order = 10;
-
 // From plain sweeps from a cold start on, one idea more in each, up to what the fast form takes by
-// default: the rungs of a ladder.  The other rows are each one thing other than the default, which
-// is named so.
-std::vector<Idea> ideas(const FastForm& by_default) {
+// default: the rungs of a ladder.  The other rows are each one thing other than the default.
+std::vector<Idea> ideas(Index n) {
+  const FastOptions by_default;
+  const bool banded = n >= tuning.smallest_banded;
   FastOptions cold;
-  cold.start_order = 0;
-  cold.correct = false;
+  cold.past_steps = 0;
+  cold.newton = false;
   cold.bands = false;
-  FastOptions warm = cold;
-  warm.start_order = polynomial_order;
-  warm.fit_start = false;
-  FastOptions fitted = cold;
-  fitted.start_order = FastOptions{}.start_order;
-  FastOptions corrected = fitted;
-  corrected.correct = true;
+  FastOptions predicted = cold;
+  predicted.past_steps = by_default.past_steps;
+  FastOptions corrected = predicted;
+  corrected.newton = true;
   FastOptions both = corrected;
   both.bands = true;
-  FastOptions cut = fitted;
+  FastOptions cut = predicted;
   cut.bands = true;
-  FastOptions accelerated = fitted;
-  accelerated.accelerate = true;
-  FastOptions not_fitted;
-  not_fitted.start_order = polynomial_order;
-  not_fitted.fit_start = false;
-  std::vector<Idea> all = {{"structure and planar products", true, cold},
-                           {"start values", true, warm},
-                           {"start values, fitted", true, fitted},
-                           {"corrections in single precision", true, corrected},
-                           {"bands", by_default.cuts(), both},
-                           {"by default", false, {}},
-                           {"bands, no corrections", false, cut},
-                           {"acceleration, no corrections", false, accelerated},
-                           {"start values not fitted", false, not_fitted}};
-  for (const int order : {6, 8, 12, 16, 20, 24}) {
+  std::vector<Idea> all = {{"structure and split products", true, cold},
+                           {"predictor", true, predicted},
+                           {"Newton in single precision", true, corrected},
+                           {"bands", banded, both},
+                           {"by default", false, by_default},
+                           {"bands, no Newton", false, cut}};
+  for (const int steps : {6, 8, 12, 16, 20, 24}) {
     FastOptions other;
-    other.start_order = order;
-    all.push_back({fmt::format("start order {}", order), false, other});
+    other.past_steps = steps;
+    all.push_back({fmt::format("{} past steps", steps), false, other});
   }
   return all;
 }
@@ -186,11 +174,10 @@ Json idea_rows(const Scene& scene, Formulation formulation, int s, ProductBacken
   std::vector<Variant> variants;
   variants.push_back(
       {what("published", true), gauss_entry(formulation, s).make(*scene.flow, {}, backend)});
-  const auto by_default = make_fast_gauss(formulation, s, *scene.flow, {}, backend);
-  for (const Idea& idea : ideas(dynamic_cast<const FastForm&>(*by_default))) {
+  for (const Idea& idea : ideas(scene.initial.rows())) {
     variants.push_back(
         {what(idea.name, idea.rung),
-         make_fast_gauss(formulation, s, *scene.flow, idea.options, ProductBackend::openblas)});
+         make_fast_gauss(formulation, s, *scene.flow, idea.options)});
   }
   return timed(
       scene, table1_step, variants, measuring,

@@ -4,6 +4,7 @@
 #include "benchmarks/product_rate.h"
 #include "benchmarks/table_program.h"
 #include "isosyrk/catalogue/fast_forms.h"
+#include "isosyrk/solver/tuning.h"
 #include "isosyrk/split/split_products.h"
 
 namespace isosyrk::table2 {
@@ -18,25 +19,24 @@ TableProgram fast_table(int threads) {
           "s = 1, 2, 3: the answers of Table 1, sooner.",
       .make =
           [threads](Formulation formulation, int stages, const Flow& flow,
-                    const SolverOptions& options, ProductBackend backend) {
+                    const SolverOptions& options, ProductBackend) {
             return make_fast_gauss(formulation, stages, flow,
-                                   {.solver = options, .threads = threads}, backend);
+                                   {.solver = options, .threads = threads});
           },
       .product_rate = [](ProductBackend, Index n,
-                         double seconds) { return planar_product_rate(n, seconds); },
+                         double seconds) { return split_product_rate(n, seconds); },
       .has_backends = false,
       .counts_equivalents = true,
       .conditions =
-          {{"products", fmt::format("planar, {} kernels", gemm_kernels().front().name)},
+          {{"products", fmt::format("split, {} kernels", gemm_kernels().front().name)},
            {"start",
             fmt::format("from the last {} steps, {} from n = 48 on, by weights fitted to how they "
                         "followed from each other; cold at first",
-                        default_start_order(17), default_start_order(48))},
+                        tuning.past_steps(17), tuning.past_steps(48))},
            {"update_order",
-            "sweeps in double precision, Jacobi, but algebra takes M_jk from the new X; "
-            "corrected between sweeps in single precision; from n = 48 on without what "
-            "lies so far off the diagonal that it comes to a hundredth of the "
-            "tolerance"}},
+            "residuals in double precision, Jacobi; Newton corrections in single precision; from "
+            "n = 48 on without what lies so far off the diagonal that it comes to a hundredth of "
+            "the tolerance"}},
   };
 }
 

@@ -62,6 +62,25 @@ TEST(Step, AllocatesNothingInAFastFormColdOrWarm) {
   }
 }
 
+// Threads are made in the first step, and kept.
+TEST(Step, AllocatesNothingInAFastFormOfSeveralThreads) {
+  const Scene scene = smooth_scene(sizes.back());
+  for (const Formulation formulation : formulations()) {
+    for (const int s : {1, 2}) {
+      const auto integrator =
+          make_fast_gauss(formulation, s, *scene.flow, {.solver = {}, .threads = 3});
+      Matrix W = scene.initial;
+      StepReport report = integrator->step(W, 1e-3);
+      const auto steps = [&] {
+        for (int step = 0; step < 3; ++step) report = integrator->step(W, 1e-3);
+        report = integrator->step(W, 2e-3);
+      };
+      EXPECT_EQ(allocations_during(steps), 0) << name(formulation) << s;
+      EXPECT_EQ(report.status, Status::converged);
+    }
+  }
+}
+
 TEST(Step, AllocatesNothingWhereJIsNotTheIdentity) {
   const ConjugationFlow flow(QuadraticAlgebra(symplectic_J(3)), 1);
   class Quiet final : public Flow {  // ConjugationFlow's own products allocate

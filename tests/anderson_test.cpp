@@ -13,14 +13,14 @@ namespace {
 struct Iteration {
   Index n = 6;
   double c = 0.45;
-  PlanarMatrix b = PlanarMatrix(random_skew_hermitian(6, 1));
-  Unknowns x = {{PlanarMatrix(6), PlanarMatrix(6)}};
+  SplitMatrix b = SplitMatrix(random_skew_hermitian(6, 1));
+  Unknowns x = {{SplitMatrix(6), SplitMatrix(6)}};
 
   // Replaces x by G(x); returns the largest change.
   double sweep() {
     double largest = 0.0;
-    for (PlanarMatrix& each : x[0]) {
-      PlanarMatrix next = b;
+    for (SplitMatrix& each : x[0]) {
+      SplitMatrix next = b;
       for (Index r = 0; r < n; ++r) {
         for (Index s = 0; s < n; ++s) {
           const Index at = r * b.stride() + s;
@@ -62,7 +62,7 @@ TEST(Anderson, KeepsWhatIsSkewHermitianExactly) {
   for (int k = 0; k < 6; ++k) {
     iteration.sweep();
     anderson.mix(iteration.x);
-    for (const PlanarMatrix& each : iteration.x[0]) {
+    for (const SplitMatrix& each : iteration.x[0]) {
       const Matrix W = each.interleaved();
       EXPECT_EQ(W, -W.adjoint()) << k;
     }
@@ -86,7 +86,7 @@ TEST(Anderson, TheFirstSweepIsPlainAndSoIsOneThatChangesNothing) {
   // What is added to x is rounded to single precision: x is 0 here.
   EXPECT_LE(largest_difference(iteration.x[0][0].interleaved(), g), 1e-7);
   // At a fixed point every difference is 0, and so is its square.
-  Unknowns fixed = {{PlanarMatrix(3)}};
+  Unknowns fixed = {{SplitMatrix(3)}};
   Anderson at_rest(fixed);
   at_rest.begin(fixed);
   for (int k = 0; k < 4; ++k) at_rest.mix(fixed);

@@ -4,13 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <atomic>
 #include <limits>
-#include <thread>
 
-#include "isosyrk/fast/fast_form.h"
+#include "isosyrk/fast/fast_integrator.h"
 #include "isosyrk/flows/scene.h"
-#include "isosyrk/split/team.h"
+#include "isosyrk/split/parallel.h"
+#include "tests/stage_system_double.h"
 
 namespace isosyrk::testing {
 namespace {
@@ -61,58 +60,53 @@ TEST_F(FlushDenormalsTest, HoldsWhileOneLives) {
   EXPECT_TRUE(keeps());
 }
 
-TEST_F(FlushDenormalsTest, HoldsInTheSecondThreadOfATeamOnly) {
-  Team team(2);
-  std::array<bool, 2> flushed{};
-  std::atomic<int> begun{0};
-  team.run(2, [&](std::size_t, std::size_t thread) {
-    ++begun;
-    while (begun.load() < 2) std::this_thread::yield();  // so that each thread takes one
-    flushed[thread] = flushes();
-  });
-  EXPECT_FALSE(flushed[0]);
-  EXPECT_TRUE(flushed[1]);
-}
-
-FastOptions uncorrected() {
-  FastOptions options;
-  options.correct = false;
-  return options;
+TEST_F(FlushDenormalsTest, HoldsInEachThreadOfAScopeAndEndsWithIt) {
+  for (const int threads : {1, 2, 3, 8}) {
+    std::array<bool, 8> flushed{};
+    {
+      const ThreadScope scope(threads);
+      EXPECT_TRUE(flushes());
+      // As many items as threads: each has one.
+      parallel::for_each_share(threads, [&](Index, Share, int thread) {
+        flushed[static_cast<std::size_t>(thread)] = flushes();
+      });
+      EXPECT_TRUE(flushes());
+    }
+    EXPECT_TRUE(keeps());
+    for (int t = 0; t < threads; ++t) EXPECT_TRUE(flushed[static_cast<std::size_t>(t)]) << t;
+  }
 }
 
 // A method that stands still, and looks.
-class Onlooker final : public FastForm {
+class Onlooker final : public StageSystemDouble {
  public:
-  explicit Onlooker(const EulerZeitlin& flow) : FastForm(flow, uncorrected(), {1}, 1) {}
+  explicit Onlooker(Index n) : StageSystemDouble(n) {}
   bool flushed = false;
   double change = 0.0;
 
  protected:
-  void start_cold() override {}
-  double sweep(double) override {
+  double residual_of(const SplitMatrix&, SingleMatrix& R) override {
     flushed = flushes();
+    R.entries().setZero();
     return change;
   }
-  double residual(double) override { return 0.0; }
-  Index linearise(double, double) override { return 0; }
-  double transport(double) override { return 0.0; }
-  double couple(double) override { return 0.0; }
-  void update(double, PlanarMatrix& W1) override { W1.entries() = W0_.entries(); }
 };
 
 TEST_F(FlushDenormalsTest, HoldsInAFastStepAndEndsWithIt) {
   const Scene scene = smooth_scene(5);
-  Onlooker form(dynamic_cast<const EulerZeitlin&>(*scene.flow));
+  auto owned = std::make_unique<Onlooker>(5);
+  Onlooker& form = *owned;
+  FastIntegrator integrator(*scene.flow, std::move(owned), {});
   for (const double change : {0.0, 1e300}) {  // a step that works, and one that fails
     form.flushed = false;
     form.change = change;
     Matrix W = scene.initial;
-    EXPECT_EQ(form.Integrator::step(W, 0.1).status == Status::converged, change == 0.0);
+    EXPECT_EQ(integrator.step(W, 0.1).status == Status::converged, change == 0.0);
     EXPECT_TRUE(form.flushed);
     EXPECT_TRUE(keeps());
   }
   form.flushed = false;
-  form.change_of_one_more_sweep(0.1);
+  integrator.change_of_one_more_sweep();
   EXPECT_TRUE(form.flushed);
   EXPECT_TRUE(keeps());
 }

@@ -10,7 +10,7 @@
 #include <limits>
 #include <vector>
 
-#include "isosyrk/split/split_blocks.h"
+#include "isosyrk/split/bands.h"
 #include "isosyrk/split/split_matrix.h"
 #include "tests/support.h"
 
@@ -59,7 +59,7 @@ class Factors {
   }
 
   // Forms these parts of C = -0.3 A B or -0.3 A† B and leaves other rows of C as they were.
-  void multiply(const GemmKernel& kernel, Parts parts, PlanarMatrixOf<Real>& C) const {
+  void multiply(const GemmKernel& kernel, Parts parts, SplitMatrixOf<Real>& C) const {
     constexpr bool is_single = sizeof(Real) == sizeof(float);
     const Index n = A_.size();
     const PackingLimits limits = is_single ? kernel.single_limits : kernel.limits;
@@ -96,21 +96,21 @@ class Factors {
 
  private:
   Shape shape_;
-  PlanarMatrixOf<Real> A_;
-  PlanarMatrixOf<Real> B_;
+  SplitMatrixOf<Real> A_;
+  SplitMatrixOf<Real> B_;
 };
 
 // Not a number in every entry; the padding is 0.
 template <class Real>
-PlanarMatrixOf<Real> unformed(Index n) {
+SplitMatrixOf<Real> unformed(Index n) {
   const double nan = std::nan("");
-  return PlanarMatrixOf<Real>(Matrix(Matrix::Constant(n, n, Complex(nan, nan))));
+  return SplitMatrixOf<Real>(Matrix(Matrix::Constant(n, n, Complex(nan, nan))));
 }
 
 // Entries of C that are needed and differ from those of `expected` in any bit.
 template <class Real>
-Index different_entries(const Shape& shape, const PlanarMatrixOf<Real>& C,
-                        const PlanarMatrixOf<Real>& expected) {
+Index different_entries(const Shape& shape, const SplitMatrixOf<Real>& C,
+                        const SplitMatrixOf<Real>& expected) {
   Index different = 0;
   for (Index r = 0; r < C.size(); ++r) {
     for (Index c = 0; c < C.size(); ++c) {
@@ -125,7 +125,7 @@ Index different_entries(const Shape& shape, const PlanarMatrixOf<Real>& C,
 
 // Every shape needs the diagonal.
 template <class Real>
-bool row_is_formed(const PlanarMatrixOf<Real>& C, Index r) {
+bool row_is_formed(const SplitMatrixOf<Real>& C, Index r) {
   return !std::isnan(C.re()[r * C.stride() + r]);
 }
 

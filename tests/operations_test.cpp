@@ -5,7 +5,6 @@
 
 #include <limits>
 
-#include "isosyrk/split/split_sums.h"
 #include "isosyrk/tableaux/gauss_tableau.h"
 
 namespace isosyrk {
@@ -69,65 +68,6 @@ TEST_P(StageSums, AChangeThatIsNotANumberIsSeen) {
   RealVector squares(s);
   update_unknowns(Matrix::Zero(n, n), 1.0, gauss_tableau(s).a, Y, X, squares.data());
   EXPECT_TRUE(std::isnan(largest_change(squares)));
-}
-
-TEST_P(StageSums, OneUnknownByItselfIsTheSameBitForBit) {
-  const auto [n, s] = GetParam();
-  const RealMatrix a = gauss_tableau(s).a;
-  const auto compare = [&]<class Real>(const auto& base, std::vector<PlanarMatrixOf<Real>> X) {
-    std::vector<PlanarMatrixOf<Real>> Y;
-    for (const Matrix& each : random_stages()) Y.emplace_back(each);
-    const auto old = X;
-    for (const Share half : {Share{0, 2}, Share{1, 2}}) {
-      RealVector squares(s);
-      const NumbersOfRows numbers(X[0], half);
-      update_unknowns(base, -0.3, a, Y, X, squares.data(), numbers.begin, numbers.end);
-      for (std::size_t i = 0; i < X.size(); ++i) {
-        PlanarMatrixOf<Real> alone = old[i];
-        const auto row = static_cast<Index>(i);
-        EXPECT_EQ(update_unknown(base, -0.3, a, row, Y, alone, half), squares(row));
-        EXPECT_TRUE((reals(alone, half) == reals(X[i], half)).all()) << i;
-        EXPECT_FALSE((reals(alone, half) == reals(old[i], half)).all()) << i;
-      }
-    }
-  };
-  std::vector<PlanarMatrix> X;
-  std::vector<SingleMatrix> singles, bases;
-  for (const Matrix& each : random_stages()) {
-    X.emplace_back(each);
-    singles.emplace_back(each);
-    bases.emplace_back(Matrix::Random(n, n));
-  }
-  compare(PlanarMatrix(Matrix::Random(n, n)), X);
-  compare(bases, singles);
-}
-
-TEST(PlanarSums, OfAnyNumberOfTermsAreTheirSum) {
-  for (const Index n : {1, 5, 17, 34}) {
-    std::vector<PlanarMatrix> X;
-    Terms<double> terms;
-    Matrix expected = Matrix::Zero(n, n);
-    for (std::size_t count = 1; count <= 9; ++count) {
-      const double weight = 0.3 * static_cast<double>(count) - 1.0;
-      X.emplace_back(Matrix::Random(n, n));
-      expected += weight * X.back().interleaved();
-      terms = {};
-      for (std::size_t t = 0; t < X.size(); ++t) {
-        terms.add(0.3 * static_cast<double>(t + 1) - 1.0, X[t]);
-      }
-      PlanarMatrix sum(n), again(Matrix::Random(n, n)), beside(n);
-      assign(sum, Share{0, 2}, terms);
-      assign(sum, Share{1, 2}, terms);
-      EXPECT_LE((sum.interleaved() - expected).cwiseAbs().maxCoeff(), 1e-14) << n << " " << count;
-      const double change = (again.interleaved() - expected).squaredNorm();
-      const Matrix old = again.interleaved();
-      EXPECT_NEAR(replace(again, beside, Share{}, terms), change, 1e-13 * (1.0 + change));
-      EXPECT_EQ(again.interleaved(), old);
-      EXPECT_LE((beside.interleaved() - expected).cwiseAbs().maxCoeff(), 1e-14);
-      EXPECT_NEAR(replace(again, Share{}, terms), change, 1e-13 * (1.0 + change));
-      EXPECT_EQ(again.entries(), beside.entries());
-    }
-  }
 }
 
 INSTANTIATE_TEST_SUITE_P(SizesAndStages, StageSums,

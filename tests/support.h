@@ -8,11 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "isosyrk/flows/flow.h"
-#include "isosyrk/integrators/integrator.h"
 #include "isosyrk/catalogue/integrator_list.h"
-#include "isosyrk/split/gemm_kernel.h"
+#include "isosyrk/flows/flow.h"
 #include "isosyrk/flows/scene.h"
+#include "isosyrk/integrators/integrator.h"
+#include "isosyrk/split/gemm_kernel.h"
+#include "isosyrk/split/parallel.h"
+#include "isosyrk/split/split_matrix.h"
 
 namespace isosyrk::testing {
 
@@ -56,6 +58,41 @@ Tableau radau_iia();
 /// Every kernel that runs here, by itself and, named ..._copies, with copies of the factors at any
 /// size.
 std::vector<GemmKernel> tested_kernels();
+
+/// C = A B, or its upper triangle, in the share of the rows that one of several threads would form.
+template <class Real>
+void multiply_share(const GemmKernel& kernel, const SplitMatrixOf<Real>& A,
+                    const SplitMatrixOf<Real>& B, SplitMatrixOf<Real>& C, bool upper, Share share) {
+  const Index n = A.size();
+  const PackingLimits limits = sizeof(Real) == 4 ? kernel.single_limits : kernel.limits;
+  const bool copies_B = n > limits.B;
+  std::vector<Real> scratch(static_cast<std::size_t>(gemm_scratch(n, A.stride(), copies_B)));
+  const SplitProduct<Real> product = {n,
+                                       A.stride(),
+                                       A.re(),
+                                       A.im(),
+                                       false,
+                                       B.re(),
+                                       B.im(),
+                                       1,
+                                       C.re(),
+                                       C.im(),
+                                       upper,
+                                       A.band(),
+                                       B.band(),
+                                       n - 1,
+                                       share.first,
+                                       share.end,
+                                       share.parts,
+                                       copies_B,
+                                       n > limits.adjoint_A,
+                                       scratch.data()};
+  if constexpr (sizeof(Real) == 4) {
+    kernel.multiply_singles(product);
+  } else {
+    kernel.multiply(product);
+  }
+}
 
 /// The processors that the calling thread may run on.
 std::vector<std::size_t> allowed_processors();

@@ -3,43 +3,55 @@
 #include <fmt/format.h>
 
 #include "isosyrk/catalogue/workspace_bytes.h"
-#include "isosyrk/flows/euler_zeitlin.h"
-#include "isosyrk/fast/fast_algebra.h"
-#include "isosyrk/fast/fast_cotangent.h"
-#include "isosyrk/fast/fast_group.h"
-#include "isosyrk/fast/fast_midpoint.h"
+#include "isosyrk/fast/algebra_system.h"
+#include "isosyrk/fast/cotangent_system.h"
+#include "isosyrk/fast/fast_integrator.h"
+#include "isosyrk/fast/group_system.h"
+#include "isosyrk/fast/midpoint_system.h"
 #include "isosyrk/tableaux/gauss_tableau.h"
 
 namespace isosyrk {
+namespace {
 
-std::unique_ptr<Integrator> make_fast_gauss(Formulation formulation, int s, const Flow& flow,
-                                            const FastOptions& options, ProductBackend backend) {
-  const auto* euler_zeitlin = dynamic_cast<const EulerZeitlin*>(&flow);
-  if (euler_zeitlin == nullptr) {
-    return gauss_entry(formulation, s).make(flow, options.solver, backend);
-  }
+std::unique_ptr<StageSystem> gauss_system(Formulation formulation, int s, const Flow& flow,
+                                          int threads, bool truncates) {
   const Tableau tableau = gauss_tableau(s);
   switch (formulation) {
     case Formulation::cotangent:
-      return std::make_unique<FastCotangent>(*euler_zeitlin, tableau, options);
+      return std::make_unique<CotangentSystem>(flow, tableau, threads, truncates);
     case Formulation::group:
-      return std::make_unique<FastGroup>(*euler_zeitlin, tableau, options);
+      return std::make_unique<GroupSystem>(flow, tableau, threads, truncates);
     case Formulation::algebra:
       break;
   }
-  if (s == 1) return std::make_unique<FastMidpoint>(*euler_zeitlin, options);
-  return std::make_unique<FastAlgebra>(*euler_zeitlin, tableau, options);
+  if (s == 1) return std::make_unique<MidpointSystem>(flow, threads, truncates);
+  return std::make_unique<AlgebraSystem>(flow, tableau, threads, truncates);
+}
+
+}  // namespace
+
+std::unique_ptr<Integrator> make_fast_gauss(Formulation formulation, int s, const Flow& flow,
+                                            const FastOptions& options) {
+  FastOptions chosen = options;
+  ThreadScope::checked(options.threads);
+  const Index n = flow.size();
+  if (n < tuning.smallest_parallel(s)) chosen.threads = std::min(chosen.threads, 1);
+  return std::make_unique<FastIntegrator>(
+      flow,
+      gauss_system(formulation, s, flow, chosen.threads,
+                   options.bands.value_or(n >= tuning.smallest_banded)),
+      chosen);
 }
 
 IntegratorEntry fast_gauss_entry(Formulation formulation, int s) {
   IntegratorEntry entry = gauss_entry(formulation, s);
   entry.name = fmt::format("fast_{}", entry.name);
   entry.make = [formulation, s](const Flow& flow, const SolverOptions& solver,
-                                ProductBackend backend) {
-    return make_fast_gauss(formulation, s, flow, {.solver = solver}, backend);
+                                ProductBackend) {
+    return make_fast_gauss(formulation, s, flow, {.solver = solver});
   };
   entry.bytes = [formulation, s](Index n) {
-    return fast_workspace_bytes(formulation, s, n, default_start_order(n));
+    return fast_workspace_bytes(formulation, s, n, tuning.past_steps(n));
   };
   return entry;
 }

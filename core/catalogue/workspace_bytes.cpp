@@ -1,37 +1,44 @@
 #include "isosyrk/catalogue/workspace_bytes.h"
 
-#include <cmath>
+#include "isosyrk/split/split_matrix.h"
 
 namespace isosyrk {
 namespace {
 
-// The unknowns of one step, each n x n.
-double unknowns_of(Formulation formulation, double s) {
+// Matrices of a stage system: unknowns, and what it works with in double and in single precision.
+struct Matrices {
+  double unknowns;
+  double doubles;
+  double singles;
+};
+
+Matrices matrices_of(Formulation formulation, double s) {
+  const double pairs = 0.5 * s * (s - 1.0);
   switch (formulation) {
     case Formulation::cotangent:
-      return 2.0 * s;  // Q_i, P_i
+      return {2.0 * s, 4.0 * s + 3.0, 8.0 * s};
     case Formulation::group:
-      return s;  // Q_i
+      return {s, 4.0 * s + 3.0, 7.0 * s};
     case Formulation::algebra:
       break;
   }
-  if (s == 1.0) return 1.0;        // W̃
-  return s + 0.5 * s * (s + 1.0);  // X_i, and M_ij for j <= i
+  if (s == 1.0) return {1.0, 5.0, 9.0};  // the midpoint
+  return {2.0 * s + pairs, 9.0 * s + 3.0 * pairs + 2.0, 10.0 * s + 4.0 * pairs};
 }
-
-// Bytes an entry, fitted to what the forms allocate at n = 17 ... 300 and s = 1, 2, 3, 6, so that
-// the bound is between 1 and 1.5 times as much: tests/allocation_test.cpp.
-constexpr double of_a_past_step = 17.0;  // an unknown in double precision, and its share of the fit
-constexpr double of_an_unknown = 250.0;  // itself, B, corrections, Anderson's history
-constexpr double of_the_rest = 200.0;    // W, packed factors
 
 }  // namespace
 
-double fast_workspace_bytes(Formulation formulation, int s, Index n, int past_steps) {
-  // Rows of split-complex storage are padded to whole vectors.
-  const double entries = static_cast<double>(n) * 8.0 * std::ceil(static_cast<double>(n) / 8.0);
-  const double each = of_a_past_step * past_steps + of_an_unknown;
-  return entries * (unknowns_of(formulation, s) * each + of_the_rest);
+double fast_workspace_bytes(Formulation formulation, int s, Index n, int past_steps, int threads) {
+  const auto size = static_cast<double>(n);
+  const double in_double = 16.0 * size * static_cast<double>(split_row<double>(n));
+  const double in_single = 8.0 * size * static_cast<double>(split_row<float>(n));
+  const auto [unknowns, doubles, singles] = matrices_of(formulation, s);
+  // Each unknown, its past, and Anderson's; residual, correction and Anderson's differences.
+  const double solver = unknowns * ((2.0 + past_steps) * in_double + 10.0 * in_single);
+  // W₀ and W₁, dense and split; the factors of the Laplacian; what a product packs in each thread.
+  const double common = 32.0 * size * size + 3.0 * in_double + in_single;
+  return solver + doubles * in_double + singles * in_single + common +
+         threads * (in_double + in_single);
 }
 
 }  // namespace isosyrk

@@ -6,8 +6,9 @@
 namespace isosyrk {
 
 /// An upper bound of the memory in bytes of the Gauss method with s stages in the fast form of a
-/// formulation, for n x n matrices and start values predicted from `past_steps` earlier steps.  It
-/// is at most half too large for n >= 33 and default options.
-double fast_workspace_bytes(Formulation formulation, int s, Index n, int past_steps);
+/// formulation, for n x n matrices, start values predicted from `past_steps` earlier steps and so
+/// many threads.  At most half too large for n >= 33 and default options.
+double fast_workspace_bytes(Formulation formulation, int s, Index n, int past_steps,
+                            int threads = 1);
 
 }  // namespace isosyrk

@@ -1,5 +1,6 @@
 #include "isosyrk/flows/euler_zeitlin.h"
 
+#include "isosyrk/flows/split_laplacian.h"
 
 namespace isosyrk {
 
@@ -28,6 +29,10 @@ double EulerZeitlin::hamiltonian(const Matrix& W) const {
   laplacian_.solve_skew_hermitian(W, 1.0, P);
   // <W, P> = Re tr(W† P)
   return -0.5 * W.conjugate().cwiseProduct(P).sum().real();
+}
+
+std::unique_ptr<SplitGenerator> EulerZeitlin::split_generator() const {
+  return std::make_unique<SplitEulerZeitlin>(laplacian_, reciprocal_hbar_);
 }
 
 }  // namespace isosyrk

@@ -27,6 +27,7 @@ class EulerZeitlin final : public Flow {
 
   void generator(const Matrix& W, Matrix& B) const override;
   double hamiltonian(const Matrix& W) const override;
+  std::unique_ptr<SplitGenerator> split_generator() const override;
 
   HbarConvention convention() const { return convention_; }
   const Laplacian& laplacian() const { return laplacian_; }

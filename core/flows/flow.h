@@ -1,10 +1,14 @@
 // Isospectral flows.
 #pragma once
 
+#include <memory>
+
 #include "isosyrk/linalg/matrix.h"
 #include "isosyrk/linalg/quadratic_algebra.h"
 
 namespace isosyrk {
+
+class SplitGenerator;
 
 /// An isospectral flow  W' = [B(W), W],  B : g -> g, with its algebra g and Hamiltonian.
 class Flow {
@@ -18,6 +22,8 @@ class Flow {
   virtual void generator(const Matrix& W, Matrix& B) const = 0;
   /// H(W), conserved by the exact flow.
   virtual double hamiltonian(const Matrix& W) const = 0;
+  /// B in split-complex storage, for the fast forms; null where the flow has none.
+  virtual std::unique_ptr<SplitGenerator> split_generator() const;
 
  protected:
   explicit Flow(QuadraticAlgebra algebra) : algebra_(std::move(algebra)) {}

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 
-#include "isosyrk/split/split_blocks.h"
+#include "isosyrk/split/small_blocks.h"
 
 namespace isosyrk {
 
 namespace {
 
-// Where a share of the diagonals begins: a multiple of 8, so that they are taken by whole vectors.
+// The diagonal at which part of the diagonals within a band begins: a multiple of 8, so that they are
+// taken by whole vectors; all parts hold about as many entries.
 Index first_diagonal(Index n, Index band, Index part, Index parts) {
   if (part == parts) return band + 1;
   const Index all = (band + 1) * (2 * n - band) / 2;
@@ -19,14 +20,10 @@ Index first_diagonal(Index n, Index band, Index part, Index parts) {
 
 }  // namespace
 
-Diagonals::Diagonals(Index n, Index band, Share share)
-    : begin(first_diagonal(n, band, share.part, share.parts)),
-      end(first_diagonal(n, band, share.part + 1, share.parts)) {}
-
 template <class Real>
-PlanarLaplacianOf<Real>::PlanarLaplacianOf(const Laplacian& laplacian)
+SplitLaplacianOf<Real>::SplitLaplacianOf(const Laplacian& laplacian)
     : n_(laplacian.size()),
-      row_(planar_row<Real>(n_)),
+      row_(split_row<Real>(n_)),
       lower_(Reals::Zero(n_ * row_)),
       reciprocal_pivot_(Reals::Zero(n_ * row_)),
       no_factors_(Reals::Zero(4)),
@@ -40,15 +37,17 @@ PlanarLaplacianOf<Real>::PlanarLaplacianOf(const Laplacian& laplacian)
 }
 
 template <class Real>
-void PlanarLaplacianOf<Real>::solve_skew_hermitian(const PlanarMatrixOf<Real>& W, Real scale,
-                                                   PlanarMatrixOf<Real>& P, Index band) const {
-  solve_upper(W, scale, P, band);
-  mirror_skew_within(band, P);
+void SplitLaplacianOf<Real>::solve_upper(const SplitStagesOf<Real>& W, Real scale, Index band,
+                                         SplitStagesOf<Real>& P) const {
+  parallel::for_each_share(static_cast<Index>(W.size()), [&](Index i, Share share, int) {
+    const auto k = static_cast<std::size_t>(i);
+    solve_upper(W[k], scale, band, P[k], share);
+  });
 }
 
 template <class Real>
-void PlanarLaplacianOf<Real>::solve_upper(const PlanarMatrixOf<Real>& W, Real scale,
-                                          PlanarMatrixOf<Real>& P, Index band, Share share) const {
+void SplitLaplacianOf<Real>::solve_upper(const SplitMatrixOf<Real>& W, Real scale, Index band,
+                                         SplitMatrixOf<Real>& P, Share share) const {
   // Every diagonal at once, four at a time; past the end of a row all factors are 0, and what is
   // written there, where the rows are filled up, must be too.
   const Index n = n_;
@@ -60,22 +59,22 @@ void PlanarLaplacianOf<Real>::solve_upper(const PlanarMatrixOf<Real>& W, Real sc
   const Real* w_im = W.im();
   Real* p_re = P.re();
   Real* p_im = P.im();
-  const auto put = [=](Index at, Index left, Four<Real> re, Four<Real> im) {
-    if (left < 4) {
-      clear_from<Real>(left, re);
-      clear_from<Real>(left, im);
-    }
+  const auto put = [=](Index at, Index left, const Four<Real>& re, const Four<Real>& im) {
     four(p_re + at) = re;
     four(p_im + at) = im;
+    if (left < 4) {
+      clear_from<Real>(left, four(p_re + at));
+      clear_from<Real>(left, four(p_im + at));
+    }
   };
 
-  const Diagonals diagonals(n, band, share);
-  const Index first = diagonals.begin;
-  const auto end = [n, last = diagonals.end](Index i) { return std::min(n - i, last); };
+  const Index first = first_diagonal(n, band, share.first, share.parts);
+  const Index last = first_diagonal(n, band, share.end, share.parts);
+  const auto end = [n, last](Index i) { return std::min(n - i, last); };
 
   // Forward elimination: y_i = f_i - l_i y_{i-1}.
-  std::copy(w_re + diagonals.begin, w_re + diagonals.end, p_re + diagonals.begin);
-  std::copy(w_im + diagonals.begin, w_im + diagonals.end, p_im + diagonals.begin);
+  std::copy(w_re + first, w_re + last, p_re + first);
+  std::copy(w_im + first, w_im + last, p_im + first);
   for (Index i = 1; i < n; ++i) {
     const Index here = i * stride + i;
     const Index above = here - stride - 1;
@@ -105,7 +104,7 @@ void PlanarLaplacianOf<Real>::solve_upper(const PlanarMatrixOf<Real>& W, Real sc
   }
 
   if (share.is_first()) P.set_band(band);
-  if (diagonals.begin > 0 || diagonals.end == 0) return;
+  if (first > 0 || last == 0) return;
   // The main diagonal: take out what the trace of W put in, then the trace.
   const auto diagonal = [stride](auto* part, Index i) -> auto& { return part[i * stride + i]; };
   Real mean_of_W = 0;
@@ -120,7 +119,21 @@ void PlanarLaplacianOf<Real>::solve_upper(const PlanarMatrixOf<Real>& W, Real sc
   for (Index i = 0; i < n_; ++i) diagonal(P.im(), i) -= mean;
 }
 
-template class PlanarLaplacianOf<double>;
-template class PlanarLaplacianOf<float>;
+template class SplitLaplacianOf<double>;
+template class SplitLaplacianOf<float>;
+
+SplitEulerZeitlin::SplitEulerZeitlin(const Laplacian& laplacian, double reciprocal_hbar)
+    : n_(laplacian.size()),
+      laplacian_(laplacian),
+      single_laplacian_(laplacian),
+      reciprocal_hbar_(reciprocal_hbar) {}
+
+void SplitEulerZeitlin::upper(const SplitStages& W, SplitStages& B) const {
+  laplacian_.solve_upper(W, reciprocal_hbar_, n_ - 1, B);
+}
+
+void SplitEulerZeitlin::upper_within(Index band, const SingleStages& W, SingleStages& B) const {
+  single_laplacian_.solve_upper(W, static_cast<float>(reciprocal_hbar_), band, B);
+}
 
 }  // namespace isosyrk

@@ -1,45 +1,29 @@
-// The inverse Laplacian on planar matrices.
+// The inverse Laplacian, and the generator of Euler-Zeitlin, in split-complex storage.
 #pragma once
 
-#include <vector>
-
 #include "isosyrk/flows/laplacian.h"
-#include "isosyrk/split/split_matrix.h"
+#include "isosyrk/flows/split_generator.h"
+#include "isosyrk/split/parallel.h"
 
 namespace isosyrk {
 
-/// The diagonals m = begin ... end - 1 of an upper triangle, 0 the main one, that a share of those
-/// within a band is of: all shares hold about as many entries.
-struct Diagonals {
-  Diagonals(Index n, Index band, Share share);
-  Index begin;
-  Index end;
-};
-
-/// As Laplacian::solve_skew_hermitian, with the same factors: P = scale Δ⁻¹ W from the upper
-/// triangle of W and the imaginary part of its diagonal; P is exactly skew-Hermitian and
-/// trace-free.
+/// Laplacian::solve_skew_hermitian in split-complex storage, with the same factors:
+/// P = scale Δ⁻¹ W from the upper triangle of W and the imaginary part of its diagonal.
 template <class Real>
-class PlanarLaplacianOf {
+class SplitLaplacianOf {
  public:
-  explicit PlanarLaplacianOf(const Laplacian& laplacian);
+  explicit SplitLaplacianOf(const Laplacian& laplacian);
 
-  /// Allocates nothing.  P is not W.  With a band, only the diagonals of W and P within it count;
-  /// the rest of P is 0.
-  void solve_skew_hermitian(const PlanarMatrixOf<Real>& W, Real scale, PlanarMatrixOf<Real>& P,
-                            Index band) const;
-  void solve_skew_hermitian(const PlanarMatrixOf<Real>& W, Real scale,
-                            PlanarMatrixOf<Real>& P) const {
-    solve_skew_hermitian(W, scale, P, n_ - 1);
-  }
-
-  /// The upper triangle of P within the band, or those diagonals of it that a share is of; the
-  /// rest of P stays as it was.
-  void solve_upper(const PlanarMatrixOf<Real>& W, Real scale, PlanarMatrixOf<Real>& P, Index band,
-                   Share share = {}) const;
+  /// The upper triangles of P_i = scale Δ⁻¹ W_i within a band, trace-free; up to three entries of
+  /// a row beyond it become 0, the rest of P_i stays as it was.  P_i is not W_i.  Allocates nothing.
+  void solve_upper(const SplitStagesOf<Real>& W, Real scale, Index band,
+                   SplitStagesOf<Real>& P) const;
 
  private:
-  using Reals = typename PlanarMatrixOf<Real>::Entries;
+  using Reals = typename SplitMatrixOf<Real>::Entries;
+
+  void solve_upper(const SplitMatrixOf<Real>& W, Real scale, Index band, SplitMatrixOf<Real>& P,
+                   Share share) const;
 
   Index n_;
   Index row_;
@@ -50,7 +34,22 @@ class PlanarLaplacianOf {
   Reals identity_solution_;
 };
 
-using PlanarLaplacian = PlanarLaplacianOf<double>;
-using SingleLaplacian = PlanarLaplacianOf<float>;
+/// B(W) = Δ⁻¹ W / ħ of Euler-Zeitlin in both precisions.
+class SplitEulerZeitlin final : public SplitGenerator {
+ public:
+  SplitEulerZeitlin(const Laplacian& laplacian, double reciprocal_hbar);
+
+  void upper(const SplitStages& W, SplitStages& B) const override;
+  void upper_within(Index band, const SingleStages& W, SingleStages& B) const override;
+  /// Δ⁻¹ has norm 1/2.
+  double norm_bound() const override { return 0.5 * reciprocal_hbar_; }
+  bool damps_fine_scales() const override { return true; }
+
+ private:
+  Index n_;
+  SplitLaplacianOf<double> laplacian_;
+  SplitLaplacianOf<float> single_laplacian_;
+  double reciprocal_hbar_;
+};
 
 }  // namespace isosyrk

@@ -18,8 +18,7 @@ ComplexVector solution(ComplexMatrix M, ComplexVector b) {
   const auto s = static_cast<lapack_int>(M.rows());
   std::vector<lapack_int> pivots(static_cast<std::size_t>(s));
   const lapack_int info =
-      LAPACKE_zgesv(LAPACK_COL_MAJOR, s, 1, reinterpret_cast<lapack_complex_double*>(M.data()), s,
-                    pivots.data(), reinterpret_cast<lapack_complex_double*>(b.data()), s);
+      LAPACKE_zgesv(LAPACK_COL_MAJOR, s, 1, M.data(), s, pivots.data(), b.data(), s);
   if (info != 0) throw std::runtime_error(fmt::format("linear theory: zgesv failed ({})", info));
   return b;
 }

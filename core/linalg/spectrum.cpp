@@ -22,8 +22,7 @@ RealVector spectrum(const Matrix& W) {
   // from the upper one zhetrd has OpenBLAS 0.3.21's zgemv kernel for AVX2 read past the end of the
   // array.
   const lapack_int info = LAPACKE_zheevd(LAPACK_COL_MAJOR, 'N', 'L', n,
-                                         reinterpret_cast<lapack_complex_double*>(hermitian.data()),
-                                         n, eigenvalues.data());
+                                         hermitian.data(), n, eigenvalues.data());
   if (info != 0) throw std::runtime_error(fmt::format("spectrum: zheevd failed ({})", info));
   return eigenvalues;
 }

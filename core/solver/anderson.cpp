@@ -3,7 +3,7 @@
 namespace isosyrk {
 namespace {
 
-constexpr int length = 8;  // rows of planar matrices are filled up to whole blocks of 8
+constexpr int length = 8;  // rows of split matrices are padded to whole blocks of 8
 using Singles8 = Eigen::Array<float, length, 1>;
 using Doubles8 = Eigen::Array<double, length, 1>;
 
@@ -15,7 +15,7 @@ auto at(RealVector& values, Index i) { return Eigen::Map<Doubles8>(values.data()
 
 Anderson::Anderson(const Unknowns& unknowns) {
   for (const auto& kind : unknowns) {
-    for (const PlanarMatrix& matrix : kind) {
+    for (const SplitMatrix& matrix : kind) {
       const Singles none = Singles::Zero(matrix.entries().size());
       unknowns_.push_back({matrix.entries(), none, none, {none, none}, {none, none}});
     }
@@ -26,7 +26,7 @@ void Anderson::begin(const Unknowns& x) {
   sweeps_ = 0;
   auto unknown = unknowns_.begin();
   for (const auto& kind : x) {
-    for (const PlanarMatrix& matrix : kind) (unknown++)->x = matrix.entries();
+    for (const SplitMatrix& matrix : kind) (unknown++)->x = matrix.entries();
   }
 }
 
@@ -39,7 +39,7 @@ void Anderson::mix(Unknowns& x) {
   right_[0] = right_[1] = 0.0;
   auto unknown = unknowns_.begin();
   for (const auto& kind : x) {
-    for (const PlanarMatrix& g : kind) remember(g, *unknown++, slot, pairs > 0);
+    for (const SplitMatrix& g : kind) remember(g, *unknown++, slot, pairs > 0);
   }
   std::array<float, depth> gamma{};
   const std::size_t other = 1 - slot;
@@ -53,7 +53,7 @@ void Anderson::mix(Unknowns& x) {
   }
   unknown = unknowns_.begin();
   for (auto& kind : x) {
-    for (PlanarMatrix& matrix : kind) {
+    for (SplitMatrix& matrix : kind) {
       Unknown& u = *unknown++;
       for (Index i = 0; i < u.x.size(); i += length) {
         const Singles8 step = at(u.f, i) - gamma[0] * at(u.dg[0], i) - gamma[1] * at(u.dg[1], i);
@@ -66,7 +66,7 @@ void Anderson::mix(Unknowns& x) {
 }
 
 // f_k, the pair it makes with f_{k-1}, and what the weights need of both.
-void Anderson::remember(const PlanarMatrix& g, Unknown& u, std::size_t slot, bool has_pair) {
+void Anderson::remember(const SplitMatrix& g, Unknown& u, std::size_t slot, bool has_pair) {
   const std::size_t other = 1 - slot;
   if (!has_pair) {
     for (Index i = 0; i < u.x.size(); i += length) {

@@ -37,7 +37,7 @@ class Anderson {
     std::array<Singles, depth> df, dg;
   };
 
-  void remember(const PlanarMatrix& g, Unknown& unknown, std::size_t slot, bool has_pair);
+  void remember(const SplitMatrix& g, Unknown& unknown, std::size_t slot, bool has_pair);
 
   std::vector<Unknown> unknowns_;
   int sweeps_ = 0;

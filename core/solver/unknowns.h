@@ -1,4 +1,4 @@
-// What a solver and a predictor know of a step: its unknowns.
+// What solvers and predictors know of a step: its unknowns.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,19 @@
 
 namespace isosyrk {
 
-/// The unknowns of a step: a few kinds, such as Q and P, each with so many of its own.
-using Unknowns = std::vector<std::vector<PlanarMatrix>>;
+/// The unknowns of a step: a few kinds, such as Q and P, each with some matrices of its own.
+using Unknowns = std::vector<SplitStages>;
+/// Changes of them, in single precision.
+using Corrections = std::vector<SingleStages>;
+
+/// Zero corrections to unknowns of these shapes.
+inline Corrections corrections_like(const Unknowns& x) {
+  Corrections zero;
+  for (const SplitStages& kind : x) {
+    zero.push_back(split_stages<float>(static_cast<Index>(kind.size()),
+                                       kind.empty() ? 0 : kind[0].size()));
+  }
+  return zero;
+}
 
 }  // namespace isosyrk

@@ -1,45 +1,39 @@
-// Complex matrices whose real and imaginary parts stand apart, which is what vector units take.
+// Complex matrices in split-complex storage: real and imaginary parts apart, as vector units take them.
 #pragma once
 
+#include <vector>
+
 #include "isosyrk/linalg/matrix.h"
-#include "isosyrk/split/share.h"
 
 namespace isosyrk {
 
-/// Real numbers that one part of a row takes: n and at least 3 more, filled up to whole vectors of
-/// 64 bytes, so that four may be taken from any column on.  Twice that, from row to row, is never a
-/// multiple of 4 KiB, at which all rows would meet in the same sets of a cache.
+/// Real numbers that one part of a row takes: at least n + 3, padded to whole vectors of 64 bytes, so
+/// that four numbers may be read from any column on.  Twice that, the distance from row to row, is
+/// never a multiple of 4 KiB, at which all rows would fall into the same sets of a cache.
 template <class Real>
-Index planar_row(Index n) {
+Index split_row(Index n) {
   constexpr Index vector = 64 / sizeof(Real);
   const Index row = (n + 3 + vector - 1) / vector * vector;
   return row % (32 * vector) == 0 ? row + vector : row;
 }
 
-/// The rows that a share is of, of n.
-struct Rows {
-  Rows(Index n, Share share)
-      : begin(share.part == 0 ? 0 : n / 2), end(share.part + 1 == share.parts ? n : n / 2) {}
-  Index begin;
-  Index end;
-};
-
-/// An n x n complex matrix, row by row: the real parts of a row, then its imaginary parts.  So a
-/// share of the rows is one piece of memory.  What fills the parts up is 0 and stays so.
+/// An n x n complex matrix in split-complex storage: each row holds its real parts, then its
+/// imaginary parts, both padded with zeros to split_row(n).  So any range of rows is one piece of
+/// memory.
 template <class Real>
-class PlanarMatrixOf {
+class SplitMatrixOf {
  public:
   using Entries = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
 
-  PlanarMatrixOf() = default;
+  SplitMatrixOf() = default;
   /// All zero.
-  explicit PlanarMatrixOf(Index n)
+  explicit SplitMatrixOf(Index n)
       : n_(n),
-        stride_(2 * planar_row<Real>(n)),
+        stride_(2 * split_row<Real>(n)),
         band_(n - 1),
         entries_(Entries::Zero(n * stride_)) {}
 
-  explicit PlanarMatrixOf(const Matrix& W) : PlanarMatrixOf(W.rows()) { load(W); }
+  explicit SplitMatrixOf(const Matrix& W) : SplitMatrixOf(W.rows()) { load(W); }
 
   Index size() const { return n_; }
   /// From row to row.
@@ -59,20 +53,18 @@ class PlanarMatrixOf {
   Entries& entries() { return entries_; }
   const Entries& entries() const { return entries_; }
 
-  /// Takes the entries of W, or a share of its rows.
-  void load(const Matrix& W, Share share = {}) {
-    if (share.is_first()) band_ = n_ - 1;
-    const Rows rows(n_, share);
-    for (Index r = rows.begin; r < rows.end; ++r) {
+  /// Takes the entries of W; the band is the whole again.
+  void load(const Matrix& W) {
+    band_ = n_ - 1;
+    for (Index r = 0; r < n_; ++r) {
       for (Index c = 0; c < n_; ++c) {
         re()[r * stride_ + c] = static_cast<Real>(W(r, c).real());
         im()[r * stride_ + c] = static_cast<Real>(W(r, c).imag());
       }
     }
   }
-  void store(Matrix& W, Share share = {}) const {
-    const Rows rows(n_, share);
-    for (Index r = rows.begin; r < rows.end; ++r) {
+  void store(Matrix& W) const {
+    for (Index r = 0; r < n_; ++r) {
       for (Index c = 0; c < n_; ++c) W(r, c) = {re()[r * stride_ + c], im()[r * stride_ + c]};
     }
   }
@@ -89,18 +81,19 @@ class PlanarMatrixOf {
   Entries entries_;
 };
 
-/// The same as places among the entries of X.
-struct NumbersOfRows {
-  template <class Real>
-  NumbersOfRows(const PlanarMatrixOf<Real>& X, Share share)
-      : NumbersOfRows(X.stride(), Rows(X.size(), share)) {}
-  NumbersOfRows(Index stride, Rows rows) : begin(stride * rows.begin), end(stride * rows.end) {}
-  Index begin;
-  Index end;
-};
+using SplitMatrix = SplitMatrixOf<double>;
+/// In single precision: for corrections, of which only the leading digits are wanted.
+using SingleMatrix = SplitMatrixOf<float>;
 
-using PlanarMatrix = PlanarMatrixOf<double>;
-/// In single precision: for corrections of which only the direction and some digits are wanted.
-using SingleMatrix = PlanarMatrixOf<float>;
+/// Matrices of one size, one for each stage or other unknown: what the operations of this room take.
+template <class Real>
+using SplitStagesOf = std::vector<SplitMatrixOf<Real>>;
+using SplitStages = SplitStagesOf<double>;
+using SingleStages = SplitStagesOf<float>;
+
+template <class Real = double>
+SplitStagesOf<Real> split_stages(Index count, Index n) {
+  return SplitStagesOf<Real>(static_cast<std::size_t>(count), SplitMatrixOf<Real>(n));
+}
 
 }  // namespace isosyrk

@@ -6,7 +6,6 @@
 #include <stdexcept>
 #include <type_traits>
 
-#include "isosyrk/split/split_blocks.h"
 
 namespace isosyrk {
 
@@ -50,96 +49,72 @@ std::int64_t multiplications(Index n, Index A_band, Index B_band, Index C_band) 
 }  // namespace
 
 template <class Real>
-PlanarProductsOf<Real>::PlanarProductsOf(Index n) : PlanarProductsOf(n, gemm_kernels().front()) {}
+SplitProductsOf<Real>::SplitProductsOf(Index n, int threads)
+    : SplitProductsOf(n, gemm_kernels().front(), threads) {}
 
 template <class Real>
-PlanarProductsOf<Real>::PlanarProductsOf(Index n, const GemmKernel& kernel)
+SplitProductsOf<Real>::SplitProductsOf(Index n, const GemmKernel& kernel, int threads)
     : n_(n), kernel_(kernel) {
   if (n < 1) throw std::invalid_argument(fmt::format("products: n = {}, must be at least 1", n));
-  scratch_ = AnyMatrix::Entries::Zero(gemm_scratch(n, 2 * planar_row<Real>(n), n > limits().B));
+  scratch_.assign(static_cast<std::size_t>(ThreadScope::checked(threads)),
+                  SplitMatrixOf<Real>::Entries::Zero(
+                      gemm_scratch(n, 2 * split_row<Real>(n), n > limits().B)));
 }
 
 template <class Real>
-void PlanarProductsOf<Real>::multiply(const AnyMatrix& A, const AnyMatrix& B, AnyMatrix& C,
-                                      Real scale, Share share) {
-  form(A, false, B, C, scale, false, n_ - 1, share);
-  if (share.part == 0) C.set_band(A.band() + B.band());
-}
-template <class Real>
-void PlanarProductsOf<Real>::multiply_adjoint_left(const AnyMatrix& A, const AnyMatrix& B,
-                                                   AnyMatrix& C) {
-  form(A, true, B, C, 1, false, n_ - 1, {});
-  C.set_band(A.band() + B.band());
-}
-template <class Real>
-void PlanarProductsOf<Real>::multiply_adjoint_left_within(Index band, const AnyMatrix& A,
-                                                          const AnyMatrix& B, AnyMatrix& C,
-                                                          Share share) {
-  form(A, true, B, C, 1, false, band, share);
-}
-template <class Real>
-void PlanarProductsOf<Real>::multiply_adjoint_left_upper_within(Index band, const AnyMatrix& A,
-                                                                const AnyMatrix& B, AnyMatrix& C,
-                                                                Share share) {
-  form(A, true, B, C, 1, true, band, share);
-}
-template <class Real>
-void PlanarProductsOf<Real>::multiply_skew(const AnyMatrix& A, const AnyMatrix& B, AnyMatrix& C,
-                                           Real scale) {
-  multiply_upper(A, B, C, scale);
-  mirror_skew(C);
-}
-template <class Real>
-void PlanarProductsOf<Real>::multiply_upper(const AnyMatrix& A, const AnyMatrix& B, AnyMatrix& C,
-                                            Real scale, Share share) {
-  form(A, false, B, C, scale, true, n_ - 1, share);
-}
-template <class Real>
-void PlanarProductsOf<Real>::multiply_adjoint_left_upper(const AnyMatrix& A, const AnyMatrix& B,
-                                                         AnyMatrix& C, Share share) {
-  form(A, true, B, C, 1, true, n_ - 1, share);
+const PackingLimits& SplitProductsOf<Real>::limits() const {
+  return std::is_same_v<Real, float> ? kernel_.single_limits : kernel_.limits;
 }
 
 template <class Real>
-void PlanarProductsOf<Real>::form(const AnyMatrix& A, bool adjoint, const AnyMatrix& B,
-                                  AnyMatrix& C, Real scale, bool upper, Index band, Share share) {
-  if (A.size() != n_ || B.size() != n_ || C.size() != n_) {
+void SplitProductsOf<Real>::note(const ProductOf<Real>& product) {
+  if (product.A->size() != n_ || product.B->size() != n_ || product.C->size() != n_) {
     throw std::invalid_argument(fmt::format("product: every matrix must be {0} x {0}", n_));
   }
-  if (&C == &A || &C == &B) {
+  if (product.C == product.A || product.C == product.B) {
     throw std::invalid_argument("product: the result may not be one of the factors");
   }
-  const SplitProduct<Real> product = {n_,
-                                      A.stride(),
-                                      A.re(),
-                                      A.im(),
-                                      adjoint,
-                                      B.re(),
-                                      B.im(),
-                                      scale,
-                                      C.re(),
-                                      C.im(),
-                                      upper,
-                                      A.band(),
-                                      B.band(),
-                                      band,
-                                      share.part,
-                                      share.part + 1,
-                                      share.parts,
-                                      n_ > limits().B,
-                                      n_ > limits().adjoint_A,
-                                      scratch_.data()};
-  if constexpr (std::is_same_v<Real, float>) {
-    kernel_.multiply_singles(product);
-  } else {
-    kernel_.multiply(product);
+  if (parallel::current_threads > static_cast<int>(scratch_.size())) {
+    throw std::invalid_argument(fmt::format("product: made for {} threads, called with {}",
+                                            scratch_.size(), parallel::current_threads));
   }
-  if (share.part != 0) return;
-  ++(upper ? triangles_ : full_);
-  half_multiplications_ += (upper ? 1 : 2) * multiplications(n_, A.band(), B.band(), band);
+  const Index band = product.band < 0 ? n_ - 1 : product.band;
+  ++count_;
+  half_multiplications_ += (product.upper ? 1 : 2) *
+                           multiplications(n_, product.A->band(), product.B->band(), band);
+  if (band == n_ - 1) product.C->set_band(product.A->band() + product.B->band());
 }
 
-template class PlanarProductsOf<double>;
-template class PlanarProductsOf<float>;
+template <class Real>
+void SplitProductsOf<Real>::form_share(const ProductOf<Real>& product, Share share, int thread) {
+  const SplitProduct<Real> of_kernel = {n_,
+                                         product.A->stride(),
+                                         product.A->re(),
+                                         product.A->im(),
+                                         product.adjoint,
+                                         product.B->re(),
+                                         product.B->im(),
+                                         product.scale,
+                                         product.C->re(),
+                                         product.C->im(),
+                                         product.upper,
+                                         product.A->band(),
+                                         product.B->band(),
+                                         product.band < 0 ? n_ - 1 : product.band,
+                                         share.first,
+                                         share.end,
+                                         share.parts,
+                                         n_ > limits().B,
+                                         n_ > limits().adjoint_A,
+                                         scratch_[static_cast<std::size_t>(thread)].data()};
+  if constexpr (std::is_same_v<Real, float>) {
+    kernel_.multiply_singles(of_kernel);
+  } else {
+    kernel_.multiply(of_kernel);
+  }
+}
+
+template class SplitProductsOf<double>;
+template class SplitProductsOf<float>;
 
 }  // namespace isosyrk

@@ -1,13 +1,16 @@
-#include "isosyrk/split/split_blocks.h"
+#include "isosyrk/split/skew.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "isosyrk/split/bands.h"
+#include "isosyrk/split/small_blocks.h"
+
 namespace isosyrk {
 namespace {
 
-// Where a share of the upper triangle begins, a column that a block of four begins at: left of it
-// lie part / parts of all entries.
+// The column left of which lie part / parts of the entries of the upper triangle, rounded down to the
+// beginning of a block of four.
 Index first_column(Index n, Index part, Index parts) {
   if (part == parts) return n;
   const double share = static_cast<double>(part) / static_cast<double>(parts);
@@ -19,12 +22,12 @@ Index first_column(Index n, Index part, Index parts) {
 // at the edge of the band and the last rows that are less than four; and on_diagonal(place); of all
 // within a band, or of a share of them.
 template <class Real, class OnBlock, class OnPair, class OnDiagonal>
-void for_pairs(const PlanarMatrixOf<Real>& C, Index band, Share share, OnBlock&& block,
+void for_pairs(const SplitMatrixOf<Real>& C, Index band, Share share, OnBlock&& block,
                OnPair&& pair, OnDiagonal&& on_diagonal) {
   const Index n = C.size();
   const Index stride = C.stride();
-  const Index begin = first_column(n, share.part, share.parts);
-  const Index end = first_column(n, share.part + 1, share.parts);
+  const Index begin = first_column(n, share.first, share.parts);
+  const Index end = first_column(n, share.end, share.parts);
   const auto pair_at = [&](Index r, Index c) { pair(r * stride + c, c * stride + r); };
   Index c = begin;
   for (; c + 4 <= end; c += 4) {
@@ -52,7 +55,7 @@ void for_pairs(const PlanarMatrixOf<Real>& C, Index band, Share share, OnBlock&&
 namespace {
 
 template <class Real>
-void mirror(Index band, PlanarMatrixOf<Real>& C, Share share) {
+void mirror(Index band, SplitMatrixOf<Real>& C, Share share) {
   const Index stride = C.stride();
   Real* re = C.re();
   Real* im = C.im();
@@ -78,12 +81,12 @@ void mirror(Index band, PlanarMatrixOf<Real>& C, Share share) {
 }  // namespace
 
 template <class Real>
-void mirror_skew(PlanarMatrixOf<Real>& C, Share share) {
+void mirror_skew(SplitMatrixOf<Real>& C, Share share) {
   mirror(C.size() - 1, C, share);
 }
 
 template <class Real>
-void mirror_skew_within(Index band, PlanarMatrixOf<Real>& C, Share share) {
+void mirror_skew_within(Index band, SplitMatrixOf<Real>& C, Share share) {
   mirror(band, C, share);
   cut_to_band(band, C, share);
 }
@@ -92,8 +95,8 @@ namespace {
 
 // scale (C - C†) within a band, above the diagonal and, if asked for, below it.
 template <bool below, class Real>
-void form_skew_part(Index band, const PlanarMatrixOf<Real>& C, Real scale,
-                    PlanarMatrixOf<Real>& out, Share share) {
+void form_skew_part(Index band, const SplitMatrixOf<Real>& C, Real scale,
+                    SplitMatrixOf<Real>& out, Share share) {
   const Index stride = C.stride();
   const Real* re = C.re();
   const Real* im = C.im();
@@ -139,22 +142,9 @@ void form_skew_part(Index band, const PlanarMatrixOf<Real>& C, Real scale,
       });
 }
 
-}  // namespace
-
+// out = -C†, or the share of it.
 template <class Real>
-void skew_part(const PlanarMatrixOf<Real>& C, std::type_identity_t<Real> scale,
-               PlanarMatrixOf<Real>& out, Share share) {
-  form_skew_part<true>(C.size() - 1, C, scale, out, share);
-}
-
-template <class Real>
-void upper_skew_part_within(Index band, const PlanarMatrixOf<Real>& C, PlanarMatrixOf<Real>& out,
-                            Share share) {
-  form_skew_part<false>(band, C, Real{1}, out, share);
-}
-
-template <class Real>
-void minus_adjoint(const PlanarMatrixOf<Real>& C, PlanarMatrixOf<Real>& out, Share share) {
+void minus_adjoint(const SplitMatrixOf<Real>& C, SplitMatrixOf<Real>& out, Share share) {
   const Index stride = C.stride();
   const Real* re = C.re();
   const Real* im = C.im();
@@ -189,104 +179,62 @@ void minus_adjoint(const PlanarMatrixOf<Real>& C, PlanarMatrixOf<Real>& out, Sha
       });
 }
 
-template <class Real>
-void subtract_adjoint(const PlanarMatrixOf<Real>& C, std::type_identity_t<Real> scale,
-                      PlanarMatrixOf<Real>& out, Share share) {
-  const Index n = C.size();
-  const Index stride = C.stride();
-  const auto add_block = [stride](const Real* from, Real factor, Real* to) {
-    Block<Real> block, sum;
-    block.load(from, stride);
-    block.transpose();
-    sum.load(to, stride);
-    for (int r = 0; r < 4; ++r) sum.row[r] += factor * block.row[r];
-    sum.store(to, stride);
-  };
-  const auto add_entry = [&](Index r, Index c) {
-    out.re()[r * stride + c] -= scale * C.re()[c * stride + r];
-    out.im()[r * stride + c] += scale * C.im()[c * stride + r];
-  };
-  const Rows rows(n, share);
-  Index r = rows.begin;
-  for (; r + 4 <= rows.end; r += 4) {
-    Index c = 0;
-    for (; c + 4 <= n; c += 4) {
-      add_block(C.re() + c * stride + r, -scale, out.re() + r * stride + c);
-      add_block(C.im() + c * stride + r, scale, out.im() + r * stride + c);
-    }
-    for (; c < n; ++c) {
-      for (Index i = r; i < r + 4; ++i) add_entry(i, c);
-    }
-  }
-  for (; r < rows.end; ++r) {
-    for (Index c = 0; c < n; ++c) add_entry(r, c);
-  }
-}
-
-namespace {
-
-// Columns first ... first + count - 1 of a row of both parts, squared.
-template <class Real>
-auto squares_in_row(const PlanarMatrixOf<Real>& W, Index row, Index first, Index count) {
-  const auto of = [&](const Real* part) {
-    using Row = Eigen::Array<Real, Eigen::Dynamic, 1>;
-    return Eigen::Map<const Row>(part + row * W.stride() + first, count)
-        .template cast<double>()
-        .square();
-  };
-  return of(W.re()) + of(W.im());
+// Calls f(i, share) for shares of all items.
+template <class F>
+void for_shares(std::size_t items, F&& f) {
+  parallel::for_each_share(static_cast<Index>(items), [&](Index i, Share share, int) {
+    f(static_cast<std::size_t>(i), share);
+  });
 }
 
 }  // namespace
 
 template <class Real>
-void diagonal_squares(const PlanarMatrixOf<Real>& W, RealVector& squares, Share share) {
-  const Index n = W.size();
-  squares.setZero();
-  const Rows rows(n, share);
-  for (Index i = rows.begin; i < rows.end; ++i) {
-    squares.head(n - i).array() += squares_in_row(W, i, i, n - i);
-    squares.segment(1, i).array() += squares_in_row(W, i, 0, i).reverse();
-  }
-}
-
-void diagonal_squares_of_skew(const PlanarMatrix& W, Index first, Index end, RealVector& squares) {
-  const Index n = W.size();
-  squares.segment(first, end - first).setZero();
-  for (Index i = 0; i + first < n; ++i) {
-    const Index count = std::min(n - i, end) - first;
-    squares.segment(first, count).array() += 2.0 * squares_in_row(W, i, i + first, count);
-  }
+void mirror_skew(SplitStagesOf<Real>& C) {
+  for_shares(C.size(), [&](std::size_t i, Share share) { mirror_skew(C[i], share); });
 }
 
 template <class Real>
-void cut_to_band(Index band, PlanarMatrixOf<Real>& W, Share share) {
-  const Index n = W.size();
-  if (share.is_first()) W.set_band(band);
-  if (band >= n - 1) return;
-  const Rows rows(n, share);
-  for (Index i = rows.begin; i < rows.end; ++i) {
-    for (Real* part : {W.re(), W.im()}) {
-      Real* row = part + i * W.stride();
-      if (i > band) std::fill(row, row + i - band, Real{0});
-      if (i + band + 1 < n) std::fill(row + i + band + 1, row + n, Real{0});
-    }
-  }
+void mirror_skew_within(Index band, SplitStagesOf<Real>& C) {
+  for_shares(C.size(), [&](std::size_t i, Share share) { mirror_skew_within(band, C[i], share); });
 }
 
-template void diagonal_squares(const PlanarMatrix&, RealVector&, Share);
-template void diagonal_squares(const SingleMatrix&, RealVector&, Share);
-template void cut_to_band(Index, PlanarMatrix&, Share);
-template void cut_to_band(Index, SingleMatrix&, Share);
-template void mirror_skew(PlanarMatrix&, Share);
+template <class Real>
+void skew_part(const SplitStagesOf<Real>& C, std::type_identity_t<Real> scale,
+               SplitStagesOf<Real>& out) {
+  for_shares(C.size(), [&](std::size_t i, Share share) {
+    form_skew_part<true>(C[i].size() - 1, C[i], scale, out[i], share);
+    if (share.is_first()) out[i].set_band(C[i].band());
+  });
+}
+
+template <class Real>
+void upper_skew_part_within(Index band, const SplitStagesOf<Real>& C, SplitStagesOf<Real>& out) {
+  for_shares(C.size(), [&](std::size_t i, Share share) {
+    form_skew_part<false>(band, C[i], Real{1}, out[i], share);
+  });
+}
+
+template <class Real>
+void minus_adjoint(const SplitStagesOf<Real>& C, SplitStagesOf<Real>& out) {
+  for_shares(C.size(), [&](std::size_t i, Share share) {
+    minus_adjoint(C[i], out[i], share);
+    if (share.is_first()) out[i].set_band(C[i].band());
+  });
+}
+
+template void mirror_skew(SplitMatrix&, Share);
 template void mirror_skew(SingleMatrix&, Share);
-template void mirror_skew_within(Index, PlanarMatrix&, Share);
+template void mirror_skew_within(Index, SplitMatrix&, Share);
 template void mirror_skew_within(Index, SingleMatrix&, Share);
-template void skew_part(const PlanarMatrix&, double, PlanarMatrix&, Share);
-template void skew_part(const SingleMatrix&, float, SingleMatrix&, Share);
-template void upper_skew_part_within(Index, const SingleMatrix&, SingleMatrix&, Share);
-template void minus_adjoint(const SingleMatrix&, SingleMatrix&, Share);
-template void subtract_adjoint(const PlanarMatrix&, double, PlanarMatrix&, Share);
-template void subtract_adjoint(const SingleMatrix&, float, SingleMatrix&, Share);
+template void mirror_skew(SplitStages&);
+template void mirror_skew(SingleStages&);
+template void mirror_skew_within(Index, SplitStages&);
+template void mirror_skew_within(Index, SingleStages&);
+template void skew_part(const SplitStages&, double, SplitStages&);
+template void skew_part(const SingleStages&, float, SingleStages&);
+template void upper_skew_part_within(Index, const SingleStages&, SingleStages&);
+template void minus_adjoint(const SplitStages&, SplitStages&);
+template void minus_adjoint(const SingleStages&, SingleStages&);
 
 }  // namespace isosyrk

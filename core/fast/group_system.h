@@ -1,0 +1,55 @@
+// The group formulation in split-complex storage.
+#pragma once
+
+#include "isosyrk/fast/split_workspace.h"
+#include "isosyrk/fast/stage_system.h"
+#include "isosyrk/tableaux/tableau.h"
+
+namespace isosyrk {
+
+/// GroupForm for J = I: unknowns Q_i, B_i = B(W̃_i),
+///
+///     W̃_i = Q_i† (W₀ Q_i), skew-Hermitian;   Q_i = I - h Σ_j a_ij Q_j B_j
+///     Q₁  = I - h Σ_j b_j Q_j B_j;            W₁  = Q₁† (W₀ Q₁)
+///
+/// and of corrections δ_i to Q_i
+///
+///     (T δ)_i = -h Σ_j a_ij δ_j B_j,          (K δ)_i = -h Σ_j a_ij Q_j B(N_j - N_j†),
+///     N_j = δ_j† W₀ Q_j
+///
+/// Products: 2s and s triangles a residual; 1 and a triangle for the update, which takes Q_j B_j from
+/// the last residual; in single precision s for T and 2s for K, within bands.  Q_i is truncated, and
+/// so is W₀ where stages are formed.
+class GroupSystem final : public StageSystem {
+ public:
+  /// Throws std::invalid_argument for an inconsistent tableau, or a flow that has no generator in
+  /// split storage.
+  GroupSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates);
+
+  Unknowns unknowns() const override { return {work_.zeros(s_)}; }
+  void bind(const SplitMatrix& W0, double h, double tolerance) override;
+  void cold_start(Unknowns& x) override;
+  double residual(Unknowns& x, double accuracy, Corrections& R) override;
+  void linearise(double accuracy) override;
+  double frozen_sweep(const Corrections& rhs, Corrections& delta) override;
+  void couple(const Corrections& delta, Corrections& coupled) override;
+  void update(const Unknowns& x, SplitMatrix& W1) override;
+  bool truncates() const override { return work_.bands.enabled(); }
+  void truncate(bool enabled) override { work_.bands.enable(enabled); }
+  StepReport work() const override { return work_.work(); }
+
+ private:
+  auto step_row(std::size_t i) const { return -h_ * tableau_.a.row(static_cast<Index>(i)); }
+
+  Tableau tableau_;
+  Index s_;
+  SplitWorkspace work_;
+  const SplitMatrix* W0_ = nullptr;
+  double h_ = 0.0;
+  const SplitStages* Q_ = nullptr;  // of the last residual
+  SplitMatrix identity_, Q1_;
+  SplitStages W0_cut_, W0Q_, W_stage_, B_, QB_;
+  SingleStages Q_single_, B_single_, W0Q_single_, N_, dW_, dB_, product_;
+};
+
+}  // namespace isosyrk

@@ -1,0 +1,130 @@
+#include "isosyrk/split/bands.h"
+
+#include <algorithm>
+
+#include "isosyrk/split/linear_combination.h"
+#include "isosyrk/split/skew.h"
+
+namespace isosyrk {
+namespace {
+
+// Columns first ... first + count - 1 of a row of both parts, squared.
+template <class Real>
+auto squares_in_row(const SplitMatrixOf<Real>& W, Index row, Index first, Index count) {
+  const auto of = [&](const Real* part) {
+    using Row = Eigen::Array<Real, Eigen::Dynamic, 1>;
+    return Eigen::Map<const Row>(part + row * W.stride() + first, count)
+        .template cast<double>()
+        .square();
+  };
+  return of(W.re()) + of(W.im());
+}
+
+// squares(m) = Σ |W(r, c)|² over |r - c| = m, for the diagonals m of the share.
+template <class Real>
+void diagonal_squares(const SplitMatrixOf<Real>& W, RealVector& squares, Share share) {
+  const Index n = W.size();
+  const auto [first, end] = parallel::rows_of_share(n, share);
+  squares.segment(first, end - first).setZero();
+  for (Index i = 0; i < n; ++i) {
+    const Index above = std::min(end, n - i);
+    if (first < above) {
+      squares.segment(first, above - first).array() +=
+          squares_in_row(W, i, i + first, above - first);
+    }
+    const Index nearest = std::max<Index>(first, 1);
+    const Index below = std::min(end, i + 1);
+    if (nearest < below) {
+      squares.segment(nearest, below - nearest).array() +=
+          squares_in_row(W, i, i - below + 1, below - nearest).reverse();
+    }
+  }
+}
+
+// The same of a skew-Hermitian matrix whose upper triangle is read.
+void diagonal_squares_of_skew(const SplitMatrix& W, RealVector& squares, Share share) {
+  const Index n = W.size();
+  const auto [first, end] = parallel::rows_of_share(n, share);
+  squares.segment(first, end - first).setZero();
+  for (Index i = 0; i + first < n; ++i) {
+    const Index count = std::min(n - i, end) - first;
+    squares.segment(first, count).array() += 2.0 * squares_in_row(W, i, i + first, count);
+  }
+}
+
+}  // namespace
+
+Index smallest_band(const RealVector& squares, double tail) {
+  double outside = 0.0;
+  for (Index band = squares.size() - 1; band > 0; --band) {
+    outside += squares(band);
+    if (!(outside <= tail * tail)) return band;  // NaN included
+  }
+  return 0;
+}
+
+template <class Real>
+void cut_to_band(Index band, SplitMatrixOf<Real>& W, Share share) {
+  const Index n = W.size();
+  if (share.is_first()) W.set_band(band);
+  if (band >= n - 1) return;
+  const parallel::Rows rows = parallel::rows_of_share(n, share);
+  for (Index i = rows.begin; i < rows.end; ++i) {
+    for (Real* part : {W.re(), W.im()}) {
+      Real* row = part + i * W.stride();
+      if (i > band) std::fill(row, row + i - band, Real{0});
+      if (i + band + 1 < n) std::fill(row + i + band + 1, row + n, Real{0});
+    }
+  }
+}
+
+BandTruncation::BandTruncation(bool enabled, std::size_t matrices, Index n)
+    : enabled_(enabled), squares_(matrices, RealVector::Zero(n)), skew_squares_(squares_) {}
+
+template <class Real>
+void BandTruncation::truncate(double tail, SplitStagesOf<Real>& X) {
+  const auto items = static_cast<Index>(X.size());
+  if (!enabled_) {
+    for (SplitMatrixOf<Real>& each : X) each.set_band(each.size() - 1);
+    return;
+  }
+  parallel::for_each_share(items, [&](Index i, Share share, int) {
+    const auto k = static_cast<std::size_t>(i);
+    diagonal_squares(X[k], squares_[k], share);
+  });
+  parallel::for_each_share(items, [&](Index i, Share share, int) {
+    const auto k = static_cast<std::size_t>(i);
+    cut_to_band(smallest_band(squares_[k], tail), X[k], share);
+  });
+}
+
+void BandTruncation::truncate_skew(double tail, SplitStages& B) {
+  const auto items = static_cast<Index>(B.size());
+  if (enabled_) {
+    parallel::for_each_share(items, [&](Index i, Share share, int) {
+      const auto k = static_cast<std::size_t>(i);
+      diagonal_squares_of_skew(B[k], skew_squares_[k], share);
+    });
+  }
+  parallel::for_each_share(items, [&](Index i, Share share, int) {
+    const auto k = static_cast<std::size_t>(i);
+    const Index band = enabled_ ? smallest_band(skew_squares_[k], tail) : B[k].size() - 1;
+    mirror_skew_within(band, B[k], share);
+  });
+}
+
+void BandTruncation::round_skew(double tail, const SplitStages& B, SingleStages& S) const {
+  round_to_single(B, S);
+  if (!enabled_) return;
+  parallel::for_each_share(static_cast<Index>(B.size()), [&](Index i, Share share, int) {
+    const auto k = static_cast<std::size_t>(i);
+    cut_to_band(smallest_band(skew_squares_[k], tail), S[k], share);
+  });
+}
+
+template void cut_to_band(Index, SplitMatrix&, Share);
+template void cut_to_band(Index, SingleMatrix&, Share);
+template void BandTruncation::truncate(double, SplitStages&);
+template void BandTruncation::truncate(double, SingleStages&);
+
+}  // namespace isosyrk

@@ -1,0 +1,46 @@
+#include "isosyrk/split/parallel.h"
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <atomic>
+#include <stdexcept>
+
+namespace isosyrk {
+namespace {
+
+std::atomic<bool> ran_in_parallel{false};
+
+}  // namespace
+
+bool has_run_in_parallel() { return ran_in_parallel.load(std::memory_order_relaxed); }
+
+int ThreadScope::checked(int threads) {
+  if (threads < 1 || threads > most) {
+    throw std::invalid_argument(
+        fmt::format("threads = {}: must be 1 to {}", threads, int{ThreadScope::most}));
+  }
+  return threads;
+}
+
+ThreadScope::ThreadScope(int threads) : before_(parallel::current_threads) {
+  parallel::current_threads = checked(threads);
+}
+
+ThreadScope::~ThreadScope() { parallel::current_threads = before_; }
+
+namespace parallel {
+
+void run_region(void (*body)(void* context, int thread, int threads), void* context) {
+  ran_in_parallel.store(true, std::memory_order_relaxed);
+  // Threads that OpenMP makes here inherit the mode, and keep it beyond the region.
+  const DenormalMode as_numbers(false);
+#pragma omp parallel num_threads(current_threads)
+  {
+    const FlushDenormals flush;
+    body(context, omp_get_thread_num(), omp_get_num_threads());
+  }
+}
+
+}  // namespace parallel
+}  // namespace isosyrk

@@ -1,0 +1,63 @@
+// Blocks of 4 x 4 real numbers: what transposes, or runs along diagonals, in split storage.
+#pragma once
+
+#include <cstdint>
+#include <type_traits>
+
+#include "isosyrk/linalg/matrix.h"
+
+namespace isosyrk {
+
+/// Four neighbouring real numbers, in whatever vectors the processor has.
+template <class Real>
+struct FourOf {
+  typedef Real type
+      __attribute__((vector_size(4 * sizeof(Real)), aligned(sizeof(Real)), may_alias));
+  using Integer = std::conditional_t<sizeof(Real) == 8, std::int64_t, std::int32_t>;
+  typedef Integer Bits __attribute__((vector_size(4 * sizeof(Real))));
+};
+template <class Real>
+using Four = typename FourOf<Real>::type;
+
+template <class Real>
+Four<Real>& four(Real* at) {
+  return *reinterpret_cast<Four<Real>*>(at);
+}
+template <class Real>
+const Four<Real>& four(const Real* at) {
+  return *reinterpret_cast<const Four<Real>*>(at);
+}
+
+/// Sets what follows the first `count` of four numbers to 0, NaN too.
+template <class Real>
+void clear_from(Index count, Four<Real>& values) {
+  using Bits = typename FourOf<Real>::Bits;
+  const auto limit = static_cast<typename FourOf<Real>::Integer>(count);
+  const Bits kept = Bits{0, 1, 2, 3} < Bits{limit, limit, limit, limit};
+  values = reinterpret_cast<Four<Real>>(reinterpret_cast<Bits>(values) & kept);
+}
+
+/// Four rows of four numbers.
+template <class Real>
+struct Block {
+  Four<Real> row[4];
+
+  void load(const Real* at, Index stride) {
+    for (Index r = 0; r < 4; ++r) row[r] = four(at + r * stride);
+  }
+  void store(Real* at, Index stride) const {
+    for (Index r = 0; r < 4; ++r) four(at + r * stride) = row[r];
+  }
+  void transpose() {
+    const Four<Real> a = __builtin_shufflevector(row[0], row[1], 0, 4, 2, 6);
+    const Four<Real> b = __builtin_shufflevector(row[0], row[1], 1, 5, 3, 7);
+    const Four<Real> c = __builtin_shufflevector(row[2], row[3], 0, 4, 2, 6);
+    const Four<Real> d = __builtin_shufflevector(row[2], row[3], 1, 5, 3, 7);
+    row[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
+    row[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
+    row[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
+    row[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
+  }
+};
+
+}  // namespace isosyrk

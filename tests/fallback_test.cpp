@@ -1,0 +1,218 @@
+// The attempts of a fast step: each is reached where those before it fail, and none where one
+// works.
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "isosyrk/fast/fast_integrator.h"
+#include "tests/stage_system_double.h"
+#include "tests/support.h"
+
+namespace isosyrk::testing {
+namespace {
+
+constexpr Index n = 5;
+constexpr double h = 0.1;
+
+// What a step does: G(x) = W₀ + g (x - W₀), of which the solver is told T and K.
+struct Script {
+  double g = 0.5;
+  float T = 0.4f;
+  float K = 0.1f;
+  int cold_starts_until_finite = 0;  // residuals before are not numbers
+  bool has_solution = true;          // else G(x) = x + 1
+};
+
+class Scripted final : public StageSystemDouble {
+ public:
+  Scripted() : StageSystemDouble(n) {}
+  void follow(const Script& script) {
+    script_ = script;
+    T_ = script.T;
+    K_ = script.K;
+  }
+
+ protected:
+  double residual_of(const SplitMatrix& x, SingleMatrix& R) override {
+    if (calls_.cold_starts < script_.cold_starts_until_finite) {
+      constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+      R.load(Matrix::Constant(n, n, nan));
+      return nan;
+    }
+    const Matrix change = script_.has_solution
+                              ? Matrix((1.0 - script_.g) * (W0().interleaved() - x.interleaved()))
+                              : Matrix(Matrix::Ones(n, n));
+    R.load(change);
+    return change.norm();
+  }
+
+ private:
+  Script script_;
+};
+
+// In their order, with the cold starts that each comes after.
+enum class Tried { predicted_newton, cold_newton, cold_picard, cold_anderson };
+
+isosyrk::Attempt attempt_of(Tried tried, Iteration first) {
+  switch (tried) {
+    case Tried::predicted_newton:
+      return {Start::predicted, first};
+    case Tried::cold_newton:
+      return {Start::cold, first};
+    case Tried::cold_picard:
+      return {Start::cold, Iteration::frozen_picard};
+    case Tried::cold_anderson:
+      break;
+  }
+  return {Start::cold, Iteration::anderson};
+}
+
+class Fallback : public ::testing::Test {
+ protected:
+  explicit Fallback(const FastOptions& options = {})
+      : first(options.newton ? Iteration::newton : Iteration::picard) {
+    auto owned = std::make_unique<Scripted>();
+    system = owned.get();
+    integrator = std::make_unique<FastIntegrator>(*scene.flow, std::move(owned), options);
+  }
+
+  StepReport step(const Script& script) {
+    system->follow(script);
+    return integrator->step(W, h);
+  }
+
+  // The one place that says which attempt succeeded, by what was called.
+  void expect_success_of(Tried tried, const Script& script) {
+    const Matrix before = W;
+    const StepReport report = step(script);
+    const auto& calls = system->calls();
+    EXPECT_EQ(report.status, Status::converged);
+    EXPECT_EQ(calls.cold_starts, static_cast<int>(tried));
+    EXPECT_EQ(name(report.attempt), name(attempt_of(tried, first)));
+    EXPECT_EQ(calls.updates, 1);
+    EXPECT_EQ(report.sweeps, calls.residuals) << "those of failed attempts count";
+    // The change is below 1e-13, and (1 - g) times the error.
+    EXPECT_LE(largest_difference(W, before), 1e-13 / std::abs(1.0 - script.g));
+  }
+
+  void expect_failure(int cold_starts, const Script& script) {
+    const Matrix before = W;
+    const StepReport report = step(script);
+    EXPECT_NE(report.status, Status::converged);
+    EXPECT_EQ(system->calls().cold_starts, cold_starts);
+    EXPECT_EQ(system->calls().updates, 0);
+    EXPECT_EQ(report.sweeps, system->calls().residuals);
+    EXPECT_EQ(W, before);
+  }
+
+  Scene scene = smooth_scene(n);
+  Matrix W = 0.02 * scene.initial;  // the change of the first sweep is small enough to be corrected
+  Iteration first;  // of the attempts
+  Scripted* system = nullptr;
+  std::unique_ptr<FastIntegrator> integrator;
+};
+
+TEST_F(Fallback, TheFirstStepIsAColdNewtonAndTheNextAPredictedOne) {
+  expect_success_of(Tried::cold_newton, {});
+  const int sweeps = system->calls().residuals;
+  EXPECT_GT(system->calls().linearisations, 0);
+  EXPECT_GT(system->calls().couplings, 0);
+  for (int k = 0; k < 3; ++k) {
+    expect_success_of(Tried::predicted_newton, {});
+    EXPECT_LT(system->calls().residuals, sweeps);
+  }
+}
+
+TEST_F(Fallback, AColdNewtonFollowsAPredictedOneThatFails) {
+  expect_success_of(Tried::cold_newton, {});
+  expect_success_of(Tried::cold_newton, {.cold_starts_until_finite = 1});
+  EXPECT_GT(system->calls().linearisations, 0);
+  expect_success_of(Tried::predicted_newton, {});  // and is predicted from
+}
+
+TEST_F(Fallback, AColdPicardIterationFollowsANewtonThatFails) {
+  expect_success_of(Tried::cold_newton, {});
+  expect_success_of(Tried::cold_picard, {.cold_starts_until_finite = 2});
+  EXPECT_EQ(system->calls().couplings, 0);
+  EXPECT_GT(system->calls().frozen_sweeps, 0);
+  expect_success_of(Tried::predicted_newton, {});
+}
+
+// Corrections by (1 - 0.95)⁻¹ overshoot, where one frozen sweep more, 1.95 R, is nearly right.
+TEST_F(Fallback, PicardWithFrozenSweepsWorksWhereCorrectionsAreTooLarge) {
+  expect_success_of(Tried::cold_picard, {.g = 0.5, .T = 0.95f, .K = 0.0f});
+}
+
+TEST_F(Fallback, AndersonAccelerationIsTheLast) {
+  expect_success_of(Tried::cold_newton, {});
+  expect_success_of(Tried::cold_anderson, {.cold_starts_until_finite = 3});
+  EXPECT_EQ(system->calls().frozen_sweeps, 0);
+  expect_success_of(Tried::predicted_newton, {});
+}
+
+// Plain sweeps grow by 1.05, those with a frozen sweep and corrections by more.
+TEST_F(Fallback, AndersonAccelerationWorksWhereSweepsDoNotContract) {
+  expect_success_of(Tried::cold_anderson, {.g = -1.05, .T = 0.95f, .K = 0.0f});
+}
+
+TEST_F(Fallback, WhereAllFailTheStepHasFailedAndTheNextStartsCold) {
+  expect_success_of(Tried::cold_newton, {});
+  expect_failure(3, {.cold_starts_until_finite = 4});
+  expect_success_of(Tried::cold_newton, {});
+  expect_success_of(Tried::predicted_newton, {});
+  expect_failure(3, {.has_solution = false});
+  expect_success_of(Tried::cold_newton, {});
+}
+
+TEST_F(Fallback, AnotherStepSizeOrStateStartsCold) {
+  expect_success_of(Tried::cold_newton, {});
+  expect_success_of(Tried::predicted_newton, {});
+  integrator->step(W, 0.5 * h);
+  EXPECT_EQ(system->calls().cold_starts, 1);
+  integrator->step(W, 0.5 * h);
+  EXPECT_EQ(system->calls().cold_starts, 0);
+  W *= 0.5;
+  integrator->step(W, 0.5 * h);
+  EXPECT_EQ(system->calls().cold_starts, 1);
+}
+
+class FallbackWithoutNewton : public Fallback {
+ protected:
+  FallbackWithoutNewton() : Fallback({.solver = {}, .newton = false}) {}
+};
+
+TEST_F(FallbackWithoutNewton, IsPredictedPicardThenColdPicardThenAnderson) {
+  const auto expect_nothing_linearised = [&] {
+    EXPECT_EQ(system->calls().linearisations, 0);
+    EXPECT_EQ(system->calls().frozen_sweeps, 0);
+    EXPECT_EQ(system->calls().couplings, 0);
+  };
+  const auto expect_cold_starts = [&](int cold_starts, const Script& script) {
+    const StepReport report = step(script);
+    EXPECT_EQ(report.status, Status::converged);
+    EXPECT_EQ(report.sweeps, system->calls().residuals);
+    EXPECT_EQ(system->calls().cold_starts, cold_starts);
+    expect_nothing_linearised();
+  };
+  expect_cold_starts(1, {});
+  expect_cold_starts(0, {});
+  expect_cold_starts(1, {.cold_starts_until_finite = 1});
+  expect_cold_starts(2, {.cold_starts_until_finite = 2});
+  expect_cold_starts(0, {});
+  expect_failure(2, {.cold_starts_until_finite = 3});
+  expect_nothing_linearised();
+  W *= 0.5;
+  expect_cold_starts(2, {.g = -1.05});
+}
+
+class FallbackWithoutPastSteps : public Fallback {
+ protected:
+  FallbackWithoutPastSteps() : Fallback({.solver = {}, .past_steps = 0}) {}
+};
+
+TEST_F(FallbackWithoutPastSteps, AlwaysStartsCold) {
+  for (int k = 0; k < 3; ++k) expect_success_of(Tried::cold_newton, {});
+}
+
+}  // namespace
+}  // namespace isosyrk::testing

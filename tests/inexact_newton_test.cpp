@@ -1,0 +1,373 @@
+// Inexact Newton on small systems of which the solution is known.
+#include "isosyrk/solver/inexact_newton.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "isosyrk/solver/tuning.h"
+#include "tests/support.h"
+
+namespace isosyrk::testing {
+namespace {
+
+constexpr Index n = 3;
+constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
+
+// Of norm 1, normal: products with it turn a matrix.
+Matrix rotation(unsigned seed) { return exponential(random_skew_hermitian(n, seed)); }
+
+// x = G(x) = c + T x + x K + ε x², solved by x = X of norm 1.
+class Known final : public FixedPointSystem {
+ public:
+  struct Sizes {
+    double T = 0.5;
+    double K = 0.1;
+    double square = 0.0;
+  };
+
+  explicit Known(const Sizes& sizes)
+      : T(sizes.T * rotation(1)), K(sizes.K * rotation(2)), square(sizes.square) {
+    solution = random_matrix(n, 3);
+    solution /= solution.norm();
+    c = solution - (G(solution));
+  }
+
+  double residual(Unknowns& x, double, Corrections& R) override {
+    ++residuals;
+    at = x[0][0].interleaved();
+    Matrix change = G(at) - at;
+    if (loses_residual == residuals) change(1, 1) = not_a_number;
+    R[0][0].load(change);
+    return change.norm();
+  }
+  void linearise(double accuracy) override {
+    ++linearisations;
+    accuracy_asked = accuracy;
+  }
+  double frozen_sweep(const Corrections& rhs, Corrections& delta) override {
+    ++frozen_sweeps;
+    const Matrix before = delta[0][0].interleaved();
+    Matrix after = rhs[0][0].interleaved() + product({T, before});
+    if (loses_sweeps) after(0, 0) = not_a_number;
+    delta[0][0].load(after);
+    return (after - before).norm();
+  }
+  void couple(const Corrections& delta, Corrections& coupled) override {
+    ++couplings;
+    Matrix result = K_of(delta[0][0].interleaved());
+    if (loses_couplings) result(0, 0) = not_a_number;
+    coupled[0][0].load(result);
+  }
+
+  // The solution of δ = R + T δ + K δ, by iterating in double precision; for systems that contract.
+  Matrix exact_correction(const Matrix& R) const {
+    Matrix delta = R;
+    for (int k = 0; k < 400; ++k) delta = (R + product({T, delta}) + K_of(delta)).eval();
+    return delta;
+  }
+
+  Matrix T, K;
+  double square;
+  Matrix solution, c;
+  Matrix at = Matrix::Zero(n, n);  // of the last residual
+  int loses_residual = 0;          // the call in which a number is lost
+  bool loses_sweeps = false, loses_couplings = false;
+  int residuals = 0, linearisations = 0, frozen_sweeps = 0, couplings = 0;
+  double accuracy_asked = 0.0;
+
+ private:
+  Matrix G(const Matrix& x) const {
+    Matrix result = product({T, x}) + product({x, K}) + square * product({x, x});
+    if (c.size() > 0) result += c;
+    return result;
+  }
+  Matrix K_of(const Matrix& delta) const {
+    return product({delta, K}) + square * (product({at, delta}) + product({delta, at}));
+  }
+};
+
+struct Ended {
+  SolveReport report;
+  double error;
+};
+
+Unknowns start_at(const Matrix& x) { return {{SplitMatrix(x)}}; }
+
+Ended newton(Known& system, const Matrix& start, double tolerance = 1e-13) {
+  Unknowns x = start_at(start);
+  InexactNewton solver(x);
+  const SolveReport report = solver.newton(system, {.tolerance = tolerance}, x);
+  return {report, (x[0][0].interleaved() - system.solution).norm()};
+}
+
+Ended picard(Known& system, const Matrix& start, int frozen_sweeps) {
+  Unknowns x = start_at(start);
+  InexactNewton solver(x);
+  const SolveReport report = solver.picard(system, {}, frozen_sweeps, x);
+  return {report, (x[0][0].interleaved() - system.solution).norm()};
+}
+
+const Matrix nothing = Matrix::Zero(n, n);
+
+// A change below the tolerance leaves tolerance / (1 - contraction) of error, the contraction being
+// |T| + |K| + 2 ε |x|.
+TEST(InexactNewton, FindsTheKnownSolutionInFewerSweepsThanPicard) {
+  for (const Known::Sizes& sizes :
+       {Known::Sizes{0.5, 0.1}, Known::Sizes{0.8, 0.05}, Known::Sizes{0.1, 0.3},
+        Known::Sizes{0.4, 0.05, 0.1}, Known::Sizes{0.0, 0.0, 0.2}}) {
+    const double contraction = sizes.T + sizes.K + 2.0 * sizes.square;
+    const double bound = 1e-13 / (1.0 - contraction);
+    Known corrected(sizes), plain(sizes);
+    const Ended found = newton(corrected, nothing);
+    const Ended expected = picard(plain, nothing, 0);
+    EXPECT_EQ(found.report.status, Status::converged);
+    EXPECT_EQ(expected.report.status, Status::converged);
+    EXPECT_LE(found.error, bound);
+    EXPECT_LE(expected.error, bound);
+    EXPECT_LT(found.report.sweeps, 0.6 * expected.report.sweeps) << sizes.T << " " << sizes.K;
+    EXPECT_EQ(found.report.sweeps, corrected.residuals);
+    EXPECT_GT(corrected.linearisations, 0);
+    EXPECT_EQ(plain.linearisations + plain.frozen_sweeps + plain.couplings, 0);
+  }
+}
+
+TEST(InexactNewton, AFrozenSweepMakesPicardSooner) {
+  Known once({0.7, 0.01}), plain({0.7, 0.01});
+  const Ended with_sweep = picard(once, nothing, 1);
+  const Ended without = picard(plain, nothing, 0);
+  EXPECT_EQ(with_sweep.report.status, Status::converged);
+  EXPECT_LE(with_sweep.error, 1e-13 / (1.0 - 0.71));
+  EXPECT_LT(with_sweep.report.sweeps, 0.65 * without.report.sweeps);
+  EXPECT_EQ(once.frozen_sweeps, with_sweep.report.sweeps - 1) << "none for what is accepted";
+  EXPECT_EQ(once.couplings, 0);
+}
+
+// A derivative with the wrong sign of either part takes more sweeps.
+TEST(InexactNewton, AWrongPartOfTheJacobianCostsSweeps) {
+  class Wrong final : public FixedPointSystem {
+   public:
+    Wrong(Known& system, bool wrong_T, bool wrong_K)
+        : system_(system), wrong_T_(wrong_T), wrong_K_(wrong_K) {}
+    double residual(Unknowns& x, double accuracy, Corrections& R) override {
+      return system_.residual(x, accuracy, R);
+    }
+    void linearise(double accuracy) override { system_.linearise(accuracy); }
+    double frozen_sweep(const Corrections& rhs, Corrections& delta) override {
+      if (wrong_T_) delta[0][0].entries() *= -1.0f;
+      return system_.frozen_sweep(rhs, delta);
+    }
+    void couple(const Corrections& delta, Corrections& coupled) override {
+      system_.couple(delta, coupled);
+      if (wrong_K_) coupled[0][0].entries() *= -1.0f;
+    }
+
+   private:
+    Known& system_;
+    bool wrong_T_, wrong_K_;
+  };
+  const auto sweeps = [](bool wrong_T, bool wrong_K) {
+    Known system({0.3, 0.2});
+    Wrong wrong(system, wrong_T, wrong_K);
+    Unknowns x = start_at(nothing);
+    return InexactNewton(x).newton(wrong, {}, x).sweeps;
+  };
+  const int right = sweeps(false, false);
+  EXPECT_GT(sweeps(true, false), right + 3);
+  EXPECT_GT(sweeps(false, true), right + 3);
+}
+
+// δ - R - T δ - K δ is left at the forcing term: single precision's 1e-6 of R, 0.3 of the
+// tolerance, or 0.1 |R|².  The estimate that ends it may be out by a small factor: 3 here, and 1 /
+// (1 - 0.6) from what is left to the error.
+TEST(InexactNewton, SolvesForACorrectionToTheForcingTerm) {
+  const auto error_of = [](double size, double tolerance, Known& system) {
+    Unknowns x = start_at(system.solution);
+    InexactNewton solver(x);
+    Matrix R = random_matrix(n, 9);
+    R *= size / R.norm();
+    const Corrections right = {{SingleMatrix(R)}};
+    EXPECT_TRUE(solver.correct(system, right, size, tolerance));
+    return (solver.correction()[0][0].interleaved() -
+            system.exact_correction(right[0][0].interleaved()))
+        .norm();
+  };
+  int last = 0;
+  for (const auto& [size, tolerance] :
+       {std::pair(0.3, 1e-13), {1e-2, 1e-13}, {1e-4, 1e-13}, {1e-7, 1e-13}}) {
+    Known system({0.5, 0.1});
+    const double forcing_term = std::max({tuning.of_tolerance * tolerance, tuning.of_size * size,
+                                          tuning.of_size_squared * size * size});
+    EXPECT_LE(error_of(size, tolerance, system), 3.0 * forcing_term / 0.4) << size;
+    EXPECT_EQ(system.linearisations, 1);
+    EXPECT_DOUBLE_EQ(system.accuracy_asked, tuning.of_forcing_term * forcing_term / size);
+    EXPECT_GE(system.frozen_sweeps + system.couplings, last) << size;
+    last = system.frozen_sweeps + system.couplings;
+  }
+  // It stops there: more digits than the forcing term asks for are not paid for.
+  Known rough({0.5, 0.1}), loose({0.5, 0.1}), fine({0.5, 0.1});
+  EXPECT_GT(error_of(0.3, 1e-13, rough), 1e-5 * 0.3);
+  EXPECT_GT(error_of(1e-4, 1e-5, loose), 1e-5 * 1e-4);
+  error_of(1e-4, 1e-13, fine);
+  EXPECT_LT(rough.frozen_sweeps, fine.frozen_sweeps);
+  EXPECT_LT(loose.frozen_sweeps, fine.frozen_sweeps);
+}
+
+TEST(InexactNewton, SolvesWhereFrozenSweepsAreSolutions) {
+  class Solved final : public FixedPointSystem {
+   public:
+    explicit Solved(Known& system) : system_(system) {}
+    double residual(Unknowns& x, double accuracy, Corrections& R) override {
+      return system_.residual(x, accuracy, R);
+    }
+    void linearise(double accuracy) override { system_.linearise(accuracy); }
+    double frozen_sweep(const Corrections& rhs, Corrections& delta) override {
+      const Matrix before = delta[0][0].interleaved();
+      for (int k = 0; k < 80; ++k) system_.frozen_sweep(rhs, delta);
+      ++solutions;
+      return (delta[0][0].interleaved() - before).norm();
+    }
+    bool solves_frozen() const override { return true; }
+    void couple(const Corrections& delta, Corrections& coupled) override {
+      system_.couple(delta, coupled);
+    }
+    int solutions = 0;
+
+   private:
+    Known& system_;
+  };
+  Known system({0.6, 0.1});
+  Solved solved(system);
+  Unknowns x = start_at(nothing);
+  InexactNewton solver(x);
+  const SolveReport report = solver.newton(solved, {}, x);
+  EXPECT_EQ(report.status, Status::converged);
+  EXPECT_LE((x[0][0].interleaved() - system.solution).norm(), 1e-13 / 0.3);
+  Known again({0.6, 0.1});
+  newton(again, nothing);
+  EXPECT_LT(solved.solutions, again.frozen_sweeps);
+}
+
+TEST(InexactNewton, ComputesNoCorrectionForAChangeThatIsTooLarge) {
+  Known system({0.3, 0.1});
+  const Matrix far = system.solution + 100.0 * rotation(5);
+  EXPECT_EQ(newton(system, far).report.status, Status::converged);
+  // 100 √3 (1 + 0.4) at most at first; sweeps of 0.4 until it is 0.3.
+  EXPECT_GT(system.linearisations, 0);
+  EXPECT_GE(system.residuals - system.linearisations, 4);
+  Known never({0.3, 0.1});
+  Unknowns x = start_at(far);
+  InexactNewton(x).newton(never, {.tolerance = 1e-13, .max_sweeps = 4}, x);
+  EXPECT_EQ(never.linearisations, 0);
+}
+
+// One Picard sweep contracts by 0.1 unless it was seen to do otherwise.
+TEST(InexactNewton, ComputesNoCorrectionWhereOnePicardSweepWillDo) {
+  constexpr double tolerance = 1e-6;
+  const auto start_near = [&](const Known& system, double distance) {
+    return Matrix(system.solution + distance / std::sqrt(3.0) * rotation(5));
+  };
+  Known near({0.05, 0.03});
+  const Ended ended = newton(near, start_near(near, 4.0 * tolerance), tolerance);
+  EXPECT_EQ(ended.report.status, Status::converged);
+  EXPECT_EQ(ended.report.sweeps, 2);
+  EXPECT_EQ(near.linearisations, 0);
+
+  Known there({0.05, 0.03});
+  EXPECT_EQ(newton(there, start_near(there, 0.1 * tolerance), tolerance).report.sweeps, 1);
+  EXPECT_EQ(there.linearisations, 0);
+
+  Known further({0.05, 0.03});
+  EXPECT_EQ(newton(further, start_near(further, 40.0 * tolerance), tolerance).report.status,
+            Status::converged);
+  EXPECT_EQ(further.linearisations, 1);
+
+  Known slow({-0.85, 0.03});  // of which the first sweep tells
+  EXPECT_EQ(newton(slow, start_near(slow, 2.0 * tolerance), tolerance).report.status,
+            Status::converged);
+  EXPECT_EQ(slow.linearisations, 1);
+}
+
+TEST(InexactNewton, RemembersTheContractionUntilItForgets) {
+  constexpr double tolerance = 1e-6;
+  Known system({-0.85, 0.03});
+  const Matrix near = system.solution + 2.0 * tolerance / std::sqrt(3.0) * rotation(5);
+  InexactNewton solver(start_at(near));
+  const auto linearisations = [&] {
+    system.linearisations = system.residuals = 0;
+    Unknowns x = start_at(near);
+    EXPECT_EQ(solver.newton(system, {.tolerance = tolerance}, x).status, Status::converged);
+    return std::pair(system.linearisations, system.residuals);
+  };
+  const auto first = linearisations();
+  const auto second = linearisations();
+  EXPECT_LT(second.second, first.second) << "no sweep is lost to find out";
+  solver.forget();
+  EXPECT_EQ(linearisations(), first);
+}
+
+// Whichever part it is, and whether corrections grow at once or little by little.
+TEST(InexactNewton, CorrectsNothingWherePartsDoNotContract) {
+  for (const Known::Sizes& sizes :
+       {Known::Sizes{40.0, 0.1}, Known::Sizes{5.0, 0.1}, Known::Sizes{1.5, 0.1},
+        Known::Sizes{0.1, 1.5}, Known::Sizes{0.1, 5.0}}) {
+    Known system(sizes);
+    Unknowns x = start_at(system.solution);
+    InexactNewton solver(x);
+    const Corrections R = {{SingleMatrix(Matrix(0.01 * rotation(5)))}};
+    EXPECT_FALSE(solver.correct(system, R, 0.01 * std::sqrt(3.0), 1e-13))
+        << sizes.T << " " << sizes.K << ": " << system.frozen_sweeps << " frozen sweeps, "
+        << system.couplings << " couplings, a correction of "
+        << solver.correction()[0][0].interleaved().norm();
+  }
+}
+
+TEST(InexactNewton, TakesPicardSweepsWhereItCannotCorrect) {
+  Known growing({5.0, 0.1});
+  const Ended diverged = newton(growing, growing.solution + 0.01 * rotation(5));
+  EXPECT_EQ(diverged.report.status, Status::diverged);
+  EXPECT_GT(growing.linearisations, 0);
+  // Changes grow by 5 a sweep from 0.01 |1 - T| to 1e6: as Picard sweeps do.
+  Known plain({5.0, 0.1});
+  const Ended expected = picard(plain, plain.solution + 0.01 * rotation(5), 0);
+  EXPECT_EQ(expected.report.status, Status::diverged);
+  EXPECT_EQ(diverged.report.sweeps, expected.report.sweeps);
+  EXPECT_NEAR(diverged.report.change, expected.report.change, 1e-3 * expected.report.change);
+}
+
+// G(x) = c + U x with a rotation U: changes keep their size, and no correction can be had.
+TEST(InexactNewton, EndsStagnatedWhereNeitherContracts) {
+  Known turning({1.0, 0.0});
+  turning.loses_sweeps = true;
+  const Ended ended = newton(turning, turning.solution + 0.01 * rotation(5));
+  EXPECT_EQ(ended.report.status, Status::stagnated);
+  EXPECT_LE(ended.report.sweeps, 150);
+  EXPECT_GT(turning.linearisations, 0);
+}
+
+TEST(InexactNewton, ANumberLostInACorrectionCostsTheCorrectionOnly) {
+  for (const bool in_couplings : {false, true}) {
+    Known system({0.5, 0.1});
+    (in_couplings ? system.loses_couplings : system.loses_sweeps) = true;
+    const Ended ended = newton(system, nothing);
+    EXPECT_EQ(ended.report.status, Status::converged) << in_couplings;
+    EXPECT_LE(ended.error, 1e-13 / 0.4);
+    EXPECT_GT(system.linearisations, 0);
+    Known plain({0.5, 0.1});
+    EXPECT_NEAR(ended.report.sweeps, picard(plain, nothing, 0).report.sweeps, 2);
+  }
+}
+
+TEST(InexactNewton, ANumberLostInAResidualDiverges) {
+  for (const int at : {1, 2, 3}) {
+    Known system({0.5, 0.1});
+    system.loses_residual = at;
+    const Ended ended = newton(system, system.solution + 0.01 * rotation(5));
+    EXPECT_EQ(ended.report.status, Status::diverged) << at;
+    EXPECT_EQ(ended.report.sweeps, at);
+    EXPECT_EQ(system.linearisations, at - 1) << "none of what is not a number";
+  }
+}
+
+}  // namespace
+}  // namespace isosyrk::testing

@@ -1,0 +1,306 @@
+// Linear combinations of split matrices in one pass, against the same sums one term at a time.
+#include "isosyrk/split/linear_combination.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "isosyrk/split/bands.h"
+#include "tests/support.h"
+
+namespace isosyrk::testing {
+namespace {
+
+// Sizes with every rest of the vectors, on both sides of where rows are padded more and where sums
+// are cut into blocks.
+const std::vector<Index> sizes = {1, 2, 5, 8, 13, 17, 33, 34, 47, 48, 61, 66, 130};
+
+double weight_of(std::size_t t) { return 0.3 * static_cast<double>(t + 1) - 1.0; }
+
+template <class Real>
+SplitStagesOf<Real> random_stages(std::size_t count, Index n, unsigned seed) {
+  SplitStagesOf<Real> X;
+  for (std::size_t t = 0; t < count; ++t) {
+    X.emplace_back(random_matrix(n, seed + static_cast<unsigned>(t)));
+  }
+  return X;
+}
+
+template <class Real>
+LinearCombination<Real> weighted(const SplitStagesOf<Real>& X) {
+  LinearCombination<Real> sum;
+  for (std::size_t t = 0; t < X.size(); ++t) sum.add(weight_of(t), X[t]);
+  return sum;
+}
+
+template <class Real>
+Matrix expected_of(const SplitStagesOf<Real>& X) {
+  Matrix sum = Matrix::Zero(X[0].size(), X[0].size());
+  for (std::size_t t = 0; t < X.size(); ++t) {
+    sum += static_cast<double>(static_cast<Real>(weight_of(t))) * X[t].interleaved();
+  }
+  return sum;
+}
+
+template <class Real>
+bool fill_is_zero(const SplitMatrixOf<Real>& X) {
+  for (Index r = 0; r < X.size(); ++r) {
+    for (Index c = X.size(); c < X.stride() / 2; ++c) {
+      if (X.re()[r * X.stride() + c] != 0 || X.im()[r * X.stride() + c] != 0) return false;
+    }
+  }
+  return true;
+}
+
+const std::vector<std::size_t> counts = {1, 2, 3, 4, 5, 6, 7, 8, 25};
+
+// Each of `count` terms and sums rounds by half a unit: entries are up to sqrt(2) and their weights
+// add up to less than count², so that the sum errs by count · count² · sqrt(2) roundoffs at most.
+template <class Real>
+double rounding_of(std::size_t count) {
+  const auto terms = static_cast<double>(count);
+  return terms * (terms * terms + 1.0) * std::sqrt(2.0) * std::numeric_limits<Real>::epsilon();
+}
+
+template <class Real>
+void expect_sums() {
+  for (const Index n : sizes) {
+    for (const std::size_t count : counts) {
+      const auto X = random_stages<Real>(count, n, 1);
+      const Matrix expected = expected_of(X);
+      const double bound = rounding_of<Real>(count);
+      SplitMatrixOf<Real> sum(n);
+      assign(sum, weighted(X));
+      EXPECT_LE(largest_difference(sum.interleaved(), expected), bound) << n << " " << count;
+      EXPECT_TRUE(fill_is_zero(sum)) << n;
+      if (count > 1) {  // a term less is another sum
+        const SplitStagesOf<Real> fewer(X.begin(), X.end() - 1);
+        assign(sum, weighted(fewer));
+        EXPECT_GT(largest_difference(sum.interleaved(), expected),
+                  1e-3 * std::abs(weight_of(count - 1)))
+            << n << " " << count;
+      }
+
+      auto replaced = random_stages<Real>(2, n, 100);
+      const double change = std::max((replaced[0].interleaved() - expected).norm(),
+                                     (replaced[1].interleaved() - expected).norm());
+      const double found = replace(replaced, [&](std::size_t) { return weighted(X); });
+      // The sum of 2 n² squares errs by a few roundoffs relatively, each square by the sum's.
+      EXPECT_NEAR(
+          found, change,
+          (bound + 16.0 * std::numeric_limits<Real>::epsilon()) * (static_cast<double>(n) + change))
+          << n << " " << count;
+      assign(sum, weighted(X));
+      for (const auto& each : replaced) EXPECT_EQ(each.entries(), sum.entries()) << n;
+    }
+  }
+}
+
+TEST(LinearCombinations, OfAnyNumberOfTermsAreTheirSum) { expect_sums<double>(); }
+TEST(LinearCombinations, OfAnyNumberOfTermsAreTheirSumInSinglePrecision) { expect_sums<float>(); }
+
+TEST(LinearCombinations, MayReplaceOneOfTheirTerms) {
+  for (const Index n : sizes) {
+    for (const std::size_t count : counts) {
+      const auto X = random_stages<double>(count, n, 1);
+      for (const std::size_t at : {std::size_t{0}, count / 2, count - 1}) {
+        SplitMatrix beside(n);
+        assign(beside, weighted(X));
+        auto within = X;
+        assign(within[at], weighted(within));
+        EXPECT_EQ(within[at].entries(), beside.entries()) << n << " " << count << " " << at;
+
+        SplitStages in_place = {X[at]};
+        const double change = replace(in_place, [&](std::size_t) {
+          LinearCombination<double> sum;
+          for (std::size_t t = 0; t < count; ++t) {
+            sum.add(weight_of(t), t == at ? in_place[0] : X[t]);
+          }
+          return sum;
+        });
+        EXPECT_EQ(in_place[0].entries(), beside.entries()) << n << " " << count << " " << at;
+        const double expected = (beside.entries() - X[at].entries()).norm();
+        EXPECT_NEAR(change, expected, 1e-14 * expected) << n << " " << count << " " << at;
+      }
+    }
+  }
+}
+
+TEST(LinearCombinations, TakeWeightsOfAllStages) {
+  constexpr Index n = 17;
+  const auto X = random_stages<double>(3, n, 1);
+  const RealVector weights = RealVector::LinSpaced(3, -0.5, 1.5);
+  SplitStages out = split_stages(2, n);
+  assign(out, [&](std::size_t i) { return sum_of(static_cast<double>(i), X[0]).add(weights, X); });
+  for (std::size_t i = 0; i < 2; ++i) {
+    Matrix expected = static_cast<double>(i) * X[0].interleaved();
+    for (Index j = 0; j < 3; ++j) {
+      expected += weights(j) * X[static_cast<std::size_t>(j)].interleaved();
+    }
+    EXPECT_LE(largest_difference(out[i].interleaved(), expected), 1e-14);
+  }
+  EXPECT_EQ(sum_of(weights, X).count(), 3u);
+}
+
+TEST(LinearCombinations, HaveTheWidestBandOfATerm) {
+  constexpr Index n = 33;
+  auto X = random_stages<double>(3, n, 1);
+  for (std::size_t t = 0; t < 3; ++t) cut_to_band(3 * static_cast<Index>(t) + 1, X[t]);
+  SplitStages out = split_stages(1, n);
+  for (std::size_t count = 1; count <= 3; ++count) {
+    const SplitStages terms(X.begin(), X.begin() + static_cast<std::ptrdiff_t>(count));
+    const Index widest = 3 * static_cast<Index>(count) - 2;
+    EXPECT_EQ(weighted(terms).band(), widest);
+    out[0].set_band(n - 1);
+    assign(out, [&](std::size_t) { return weighted(terms); });
+    EXPECT_EQ(out[0].band(), widest);
+    SplitStages replaced = random_stages<double>(1, n, 7);
+    replace(replaced, [&](std::size_t) { return weighted(terms); });
+    EXPECT_EQ(replaced[0].band(), widest);
+    SingleStages R = split_stages<float>(1, n);
+    residual(
+        {X[0]}, [&](std::size_t) { return weighted(terms); }, R);
+    EXPECT_EQ(R[0].band(), widest);
+    residual(
+        {X[2]}, [&](std::size_t) { return weighted(terms); }, R);
+    EXPECT_EQ(R[0].band(), 7);  // of the matrix that is taken off
+    SingleStages rounded = split_stages<float>(1, n);
+    round_to_single({X[count - 1]}, rounded);
+    EXPECT_EQ(rounded[0].band(), widest);
+    SplitStages added = {X[0]};
+    add(rounded, added);
+    EXPECT_EQ(added[0].band(), widest);
+  }
+}
+
+TEST(Residuals, AreTheChangesOfDoublePrecisionRounded) {
+  for (const Index n : sizes) {
+    for (const std::size_t count : counts) {
+      const auto terms = random_stages<double>(count, n, 1);
+      const auto sum = [&](std::size_t) { return weighted(terms); };
+      const auto X = random_stages<double>(2, n, 50);
+      SplitStages updated = X;
+      const double expected = replace(updated, sum);
+      SingleStages R = split_stages<float>(2, n);
+      EXPECT_NEAR(residual(X, sum, R), expected, 1e-14 * static_cast<double>(n) * expected) << n;
+      for (std::size_t i = 0; i < 2; ++i) {
+        const Matrix change = updated[i].interleaved() - X[i].interleaved();
+        // Formed in double, then rounded: half a unit of the last digit of a float.
+        const double largest = change.cwiseAbs().maxCoeff();
+        EXPECT_LE(largest_difference(R[i].interleaved(), change), 0x1p-24 * largest + 1e-13) << n;
+        EXPECT_TRUE(fill_is_zero(R[i])) << n;
+      }
+    }
+  }
+}
+
+// Close to the solution the leading digits cancel: rounding first would leave none of R.
+TEST(Residuals, OfCloseNumbersKeepTheirDigits) {
+  constexpr Index n = 17;
+  const auto X = random_stages<double>(1, n, 1);
+  const auto small = random_stages<double>(1, n, 2);
+  SingleStages R = split_stages<float>(1, n);
+  residual(
+      X, [&](std::size_t) { return sum_of(1.0, X[0]).add(1e-9, small[0]); }, R);
+  EXPECT_LE(largest_difference(1e9 * R[0].interleaved(), small[0].interleaved()), 1e-6);
+  SingleStages rounded = split_stages<float>(2, n);
+  round_to_single({X[0]}, rounded);
+  EXPECT_GT(largest_difference(1e9 * (X[0].interleaved() - rounded[0].interleaved()),
+                               small[0].interleaved()),
+            1.0);
+}
+
+TEST(MixedPrecision, RoundsAndAddsEntryByEntry) {
+  for (const Index n : sizes) {
+    const auto X = random_stages<double>(2, n, 1);
+    SingleStages S = split_stages<float>(2, n);
+    round_to_single(X, S);
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_EQ(S[i].entries(), SingleMatrix(X[i].interleaved()).entries()) << n;
+      EXPECT_NE(S[i].interleaved(), X[i].interleaved()) << n;
+      EXPECT_TRUE(fill_is_zero(S[i])) << n;
+    }
+    auto sums = random_stages<double>(2, n, 3);
+    const auto before = sums;
+    add(S, sums);
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_EQ(sums[i].interleaved(), Matrix(before[i].interleaved() + S[i].interleaved())) << n;
+      EXPECT_TRUE(fill_is_zero(sums[i])) << n;
+    }
+  }
+}
+
+TEST(LargestNorm, IsThatOfTheLargest) {
+  for (const Index n : sizes) {
+    auto X = random_stages<double>(3, n, 1);
+    X[1].entries() *= 2.0;
+    double expected = 0.0;
+    for (const SplitMatrix& each : X) expected = std::max(expected, each.interleaved().norm());
+    EXPECT_NEAR(largest_norm(X), expected, 1e-14 * expected) << n;
+  }
+  EXPECT_EQ(largest_norm(SplitStages{}), 0.0);
+}
+
+// Wherever it is, in whichever block of rows, and in whichever of several matrices.
+TEST(LinearCombinations, AChangeThatIsNotANumberIsSeen) {
+  for (const Index n : {2, 17, 66, 130}) {
+    for (const Index at : {Index{0}, n / 2, n - 1}) {
+      for (const std::size_t bad : {0, 1, 2}) {
+        auto X = random_stages<double>(3, n, 1);
+        const auto Y = random_stages<double>(3, n, 5);
+        EXPECT_TRUE(std::isfinite(largest_norm(X)));
+        X[bad].im()[at * X[bad].stride() + (n - 1 - at)] = std::numeric_limits<double>::quiet_NaN();
+        const auto sum = [&](std::size_t i) { return sum_of(0.5, X[i]).add(1.0, Y[i]); };
+        SingleStages R = split_stages<float>(3, n);
+        EXPECT_TRUE(std::isnan(largest_norm(X)));
+        EXPECT_TRUE(std::isnan(residual(Y, sum, R)));
+        EXPECT_TRUE(std::isnan(largest_norm(R)));
+        auto replaced = Y;
+        EXPECT_TRUE(std::isnan(replace(replaced, sum)));
+        for (std::size_t i = 0; i < 3; ++i) {
+          EXPECT_EQ(replaced[i].entries().allFinite(), i != bad);
+        }
+      }
+    }
+  }
+}
+
+TEST(LinearCombinations, AreTheSameBitForBitWithEveryNumberOfThreads) {
+  for (const Index n : sizes) {
+    const auto terms = random_stages<double>(7, n, 1);
+    const auto X = random_stages<double>(3, n, 50);
+    const auto sum = [&](std::size_t i) {
+      return sum_of(static_cast<double>(i) + 0.3, X[i]).add(0.7, terms[i]).add(-0.1, terms[i + 3]);
+    };
+    const auto all = [&](int threads) {
+      const ThreadScope scope(threads);
+      SplitStages replaced = X, assigned = split_stages(3, n), added = X;
+      SingleStages R = split_stages<float>(3, n), rounded = R;
+      const std::vector<double> norms = {replace(replaced, sum), residual(X, sum, R),
+                                         largest_norm(X), largest_norm(R)};
+      assign(assigned, sum);
+      round_to_single(X, rounded);
+      add(R, added);
+      return std::tuple(norms, replaced, assigned, added, R, rounded);
+    };
+    const auto expected = all(1);
+    const auto same = [](const auto& A, const auto& B) {
+      for (std::size_t i = 0; i < A.size(); ++i) {
+        if (A[i].entries() != B[i].entries() || A[i].band() != B[i].band()) return false;
+      }
+      return true;
+    };
+    for (int threads = 2; threads <= 8; ++threads) {
+      const auto found = all(threads);
+      EXPECT_EQ(std::get<0>(found), std::get<0>(expected)) << n << " " << threads;
+      EXPECT_TRUE(same(std::get<1>(found), std::get<1>(expected))) << n << " " << threads;
+      EXPECT_TRUE(same(std::get<2>(found), std::get<2>(expected))) << n << " " << threads;
+      EXPECT_TRUE(same(std::get<3>(found), std::get<3>(expected))) << n << " " << threads;
+      EXPECT_TRUE(same(std::get<4>(found), std::get<4>(expected))) << n << " " << threads;
+      EXPECT_TRUE(same(std::get<5>(found), std::get<5>(expected))) << n << " " << threads;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace isosyrk::testing

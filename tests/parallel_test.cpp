@@ -1,0 +1,357 @@
+// Threads: the whole work, shared out, and the same answers bit for bit.
+#include "isosyrk/split/parallel.h"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <limits>
+#include <mutex>
+#include <set>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include "isosyrk/fast/algebra_system.h"
+#include "isosyrk/fast/cotangent_system.h"
+#include "isosyrk/fast/fast_integrator.h"
+#include "isosyrk/fast/group_system.h"
+#include "isosyrk/fast/midpoint_system.h"
+#include "isosyrk/simulation/run.h"
+#include "isosyrk/split/split_products.h"
+#include "isosyrk/tableaux/gauss_tableau.h"
+#include "tests/support.h"
+
+namespace isosyrk::testing {
+namespace {
+
+using parallel::current_threads;
+using parallel::for_each_block;
+using parallel::for_each_share;
+
+struct Done {
+  Index item;
+  Share share;
+  int thread;
+};
+
+template <class Weight>
+std::vector<Done> shares_done(Index items, const Weight& weight) {
+  std::vector<Done> all;
+  std::mutex mutex;
+  for_each_share(items, weight, [&](Index item, Share share, int thread) {
+    const std::lock_guard lock(mutex);
+    all.push_back({item, share, thread});
+  });
+  return all;
+}
+
+// How much of each item was done, in units of 1 / (threads * weight); nothing twice.
+void expect_whole(const std::vector<Done>& all, Index items, int threads) {
+  for (Index item = 0; item < items; ++item) {
+    double covered = 0.0;
+    std::set<std::pair<Index, Index>> parts;  // (part, of how many)
+    for (const Done& done : all) {
+      if (done.item != item) continue;
+      EXPECT_LT(done.share.first, done.share.end);
+      EXPECT_LE(done.share.end, done.share.parts);
+      for (Index part = done.share.first; part < done.share.end; ++part) {
+        EXPECT_TRUE(parts.emplace(part, done.share.parts).second) << "twice";
+        covered += 1.0 / static_cast<double>(done.share.parts);
+      }
+    }
+    EXPECT_NEAR(covered, 1.0, 1e-12) << item << " of " << items << ", " << threads << " threads";
+  }
+}
+
+const std::vector<std::vector<Index>> weights_tested = {
+    {1, 1, 1, 1, 1, 1, 1}, {2, 1, 2, 1, 2, 1, 2}, {1, 2, 2, 2, 1, 1, 2}, {5, 1, 1, 1, 1, 1, 1}};
+
+TEST(Shares, CoverEveryItemExactlyOnce) {
+  for (int threads = 1; threads <= 8; ++threads) {
+    const ThreadScope scope(threads);
+    for (const auto& weights : weights_tested) {
+      const auto weight = [&](Index i) { return weights[static_cast<std::size_t>(i)]; };
+      for (Index items = 0; items <= 7; ++items) {
+        const std::vector<Done> all = shares_done(items, weight);
+        expect_whole(all, items, threads);
+        // Each thread does as much as the others, of neighbouring items.
+        std::array<double, 8> work{};
+        double whole = 0.0;
+        for (Index item = 0; item < items; ++item) whole += static_cast<double>(weight(item));
+        for (const Done& done : all) {
+          ASSERT_LT(done.thread, threads);
+          work[static_cast<std::size_t>(done.thread)] +=
+              static_cast<double>(weight(done.item)) *
+              static_cast<double>(done.share.end - done.share.first) /
+              static_cast<double>(done.share.parts);
+        }
+        for (int t = 0; t < threads; ++t) {
+          EXPECT_NEAR(work[static_cast<std::size_t>(t)], whole / threads, 1e-12);
+        }
+      }
+    }
+  }
+}
+
+TEST(Shares, OfItemsOfTheSameWeightAreTheSameWithoutIt) {
+  const ThreadScope scope(3);
+  std::atomic<int> calls{0};
+  for_each_share(7, [&](Index, Share, int) { ++calls; });
+  EXPECT_EQ(calls, static_cast<int>(shares_done(7, [](Index) { return Index{1}; }).size()));
+}
+
+TEST(Shares, OfOneThreadAreWholeItemsInTurn) {
+  const std::vector<Done> all = shares_done(5, [](Index) { return Index{2}; });
+  ASSERT_EQ(all.size(), 5u);
+  for (std::size_t i = 0; i < 5; ++i) {
+    EXPECT_EQ(all[i].item, static_cast<Index>(i));
+    EXPECT_EQ(all[i].share.parts, 1);
+    EXPECT_EQ(all[i].thread, 0);
+  }
+}
+
+TEST(Blocks, AreEachVisitedOnce) {
+  for (int threads = 1; threads <= 8; ++threads) {
+    const ThreadScope scope(threads);
+    for (Index items = 0; items <= 7; ++items) {
+      for (const Index blocks : {1, 2, 5, 16}) {
+        std::vector<std::atomic<int>> visits(static_cast<std::size_t>(items * blocks));
+        for_each_block(items, blocks, [&](Index item, Index block) {
+          ASSERT_LT(item, items);
+          ASSERT_LT(block, blocks);
+          ++visits[static_cast<std::size_t>(item * blocks + block)];
+        });
+        for (const auto& count : visits) EXPECT_EQ(count, 1) << threads << " " << items;
+      }
+    }
+  }
+}
+
+TEST(Blocks, AreFixedByTheSizeAndCoverAllRows) {
+  for (Index n = 1; n <= 600; ++n) {
+    const Index blocks = parallel::sum_blocks(n);
+    EXPECT_GE(blocks, 1);
+    EXPECT_LE(blocks, parallel::most_sum_blocks);
+    EXPECT_GE(n / blocks, std::min<Index>(n, 16));
+    const ThreadScope scope(8);
+    EXPECT_EQ(parallel::sum_blocks(n), blocks);
+  }
+}
+
+TEST(ThreadScope, NestsAndRestores) {
+  EXPECT_EQ(current_threads, 1);
+  {
+    const ThreadScope outer(4);
+    EXPECT_EQ(current_threads, 4);
+    {
+      const ThreadScope inner(2);
+      EXPECT_EQ(current_threads, 2);
+      const ThreadScope one(1);
+      EXPECT_EQ(current_threads, 1);
+    }
+    EXPECT_EQ(current_threads, 4);
+    EXPECT_THROW(ThreadScope(0), std::invalid_argument);
+    EXPECT_EQ(current_threads, 4) << "what is refused changes nothing";
+  }
+  EXPECT_EQ(current_threads, 1);
+}
+
+TEST(ThreadScope, IsOfTheThreadThatMadeIt) {
+  const ThreadScope scope(3);
+  int of_other = 0;
+  std::thread([&] { of_other = current_threads; }).join();
+  EXPECT_EQ(of_other, 1);
+  EXPECT_EQ(current_threads, 3);
+}
+
+TEST(ThreadScope, RefusesNumbersOutOfRange) {
+  for (const int threads : {-1, 0, 65}) {
+    EXPECT_THROW(ThreadScope{threads}, std::invalid_argument) << threads;
+    EXPECT_THROW(ThreadScope::checked(threads), std::invalid_argument) << threads;
+  }
+  for (const int threads : {1, 64}) {
+    EXPECT_NO_THROW(ThreadScope{threads});
+    EXPECT_EQ(ThreadScope::checked(threads), threads);
+  }
+}
+
+// Each of so many threads waits for all to have begun: fewer would never end.
+TEST(ThreadScope, HasAsManyThreadsAsItSays) {
+  for (const int threads : {2, 3, 8}) {
+    const ThreadScope scope(threads);
+    std::atomic<int> begun{0};
+    std::set<std::thread::id> ids;
+    std::mutex mutex;
+    for_each_share(threads, [&](Index, Share, int) {
+      ++begun;
+      while (begun.load() < threads) std::this_thread::yield();
+      const std::lock_guard lock(mutex);
+      ids.insert(std::this_thread::get_id());
+    });
+    EXPECT_EQ(ids.size(), static_cast<std::size_t>(threads));
+    EXPECT_EQ(ids.count(std::this_thread::get_id()), 1u);
+  }
+}
+
+TEST(ThreadScope, HasDoneEverythingWhenARegionEnds) {
+  const ThreadScope scope(2);
+  std::array<long, 2> sums{};  // not atomic: each round must see what the one before wrote
+  for (long round = 0; round < 500; ++round) {
+    for_each_share(2,
+                   [&](Index item, Share, int) { sums[static_cast<std::size_t>(item)] += round; });
+    std::swap(sums[0], sums[1]);
+    ASSERT_EQ(sums[0], sums[1]);
+  }
+}
+
+bool keeps_denormals() {
+  volatile double least = std::numeric_limits<double>::min();
+  return least * 0.5 > 0.0;
+}
+
+// Which threads of a region of the test's own, those of the library, keep denormals.
+constexpr int looked_at = 4;
+std::array<bool, looked_at> threads_that_keep_denormals() {
+  std::array<bool, looked_at> kept{};
+#pragma omp parallel for num_threads(looked_at) schedule(static, 1)
+  for (int t = 0; t < looked_at; ++t) kept[static_cast<std::size_t>(t)] = keeps_denormals();
+  return kept;
+}
+
+TEST(ThreadScope, FlushesDenormalsInEveryThreadDuringARegionAndRestoresThemAfterIt) {
+#if !defined(__SSE2__)
+  GTEST_SKIP() << "only x86 is told";
+#endif
+  ASSERT_TRUE(keeps_denormals());
+  std::atomic<int> flushed{0};
+  {
+    const ThreadScope scope(looked_at);
+    for_each_share(looked_at, [&](Index, Share, int) { flushed += !keeps_denormals(); });
+    EXPECT_FALSE(keeps_denormals());
+    EXPECT_EQ(threads_that_keep_denormals(), (std::array<bool, looked_at>{false, true, true, true}))
+        << "between regions the scope's own thread alone";
+  }
+  EXPECT_EQ(flushed, looked_at);
+  EXPECT_TRUE(keeps_denormals());
+  EXPECT_EQ(threads_that_keep_denormals(), (std::array<bool, looked_at>{true, true, true, true}));
+}
+
+// In a child, which has run no region before, whatever this process has.
+TEST(ThreadScope, TellsWhetherThereWasARegionOfSeveralThreads) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto say = [] {
+    std::array<bool, 3> said{};
+    for_each_share(3, [](Index, Share, int) {});
+    said[0] = has_run_in_parallel();
+    {
+      const ThreadScope one(1);
+      for_each_share(3, [](Index, Share, int) {});
+      const ThreadScope two(2);  // as such it is none
+    }
+    said[1] = has_run_in_parallel();
+    {
+      const ThreadScope two(2);
+      for_each_share(3, [](Index, Share, int) {});
+    }
+    said[2] = has_run_in_parallel();
+    std::_Exit(said[0] * 1 + said[1] * 2 + said[2] * 4);
+  };
+  EXPECT_EXIT(say(), ::testing::ExitedWithCode(4), "");
+}
+
+struct Method {
+  Formulation formulation;
+  int s;
+};
+void PrintTo(const Method& method, std::ostream* out) {
+  *out << name(method.formulation) << method.s;
+}
+
+std::unique_ptr<Integrator> fast(const Method& method, const Flow& flow, int threads) {
+  const Tableau tableau = gauss_tableau(method.s);
+  const bool bands = flow.size() >= tuning.smallest_banded;
+  std::unique_ptr<StageSystem> system;
+  if (method.formulation == Formulation::cotangent) {
+    system = std::make_unique<CotangentSystem>(flow, tableau, threads, bands);
+  } else if (method.formulation == Formulation::group) {
+    system = std::make_unique<GroupSystem>(flow, tableau, threads, bands);
+  } else if (method.s == 1) {
+    system = std::make_unique<MidpointSystem>(flow, threads, bands);
+  } else {
+    system = std::make_unique<AlgebraSystem>(flow, tableau, threads, bands);
+  }
+  FastOptions options;
+  options.threads = threads;
+  return std::make_unique<FastIntegrator>(flow, std::move(system), options);
+}
+
+class EachNumberOfThreads : public ::testing::TestWithParam<Method> {
+ protected:
+  static void expect_the_same(Index n, int steps, const std::vector<int>& numbers) {
+    const Scene scene = smooth_scene(n);
+    const auto one = fast(GetParam(), *scene.flow, 1);
+    Matrix W = scene.initial;
+    const RunReport expected = run(*one, W, 0.1, steps);
+    ASSERT_TRUE(expected.converged());
+    const double change = dynamic_cast<FastIntegrator&>(*one).change_of_one_more_sweep();
+    for (const int threads : numbers) {
+      const auto several = fast(GetParam(), *scene.flow, threads);
+      Matrix V = scene.initial;
+      const RunReport report = run(*several, V, 0.1, steps);
+      EXPECT_TRUE(V == W) << n << " " << threads;  // without printing them
+      EXPECT_EQ(report.sweeps, expected.sweeps) << n << " " << threads;
+      EXPECT_EQ(report.products, expected.products) << n << " " << threads;
+      EXPECT_EQ(report.equivalent_products, expected.equivalent_products) << n << " " << threads;
+      EXPECT_EQ(report.poisson_solves, expected.poisson_solves) << n << " " << threads;
+      auto& form = dynamic_cast<FastIntegrator&>(*several);
+      EXPECT_EQ(form.threads(), threads);
+      EXPECT_EQ(form.change_of_one_more_sweep(), change) << n << " " << threads;
+    }
+  }
+};
+
+// With 10 steps the last starts from fitted weights.
+TEST_P(EachNumberOfThreads, GivesTheSameBitForBit) {
+  const bool is_large = GetParam().s > 3;
+  expect_the_same(17, 3, {2, 3, 4, 8});
+  expect_the_same(49, is_large ? 3 : 10, {2, 3, 4, 8});
+}
+
+// Copies of B from 73, of single ones from 105.
+TEST_P(EachNumberOfThreads, GivesTheSameBitForBitAtLargeSizes) {
+  const bool is_large = GetParam().s > 3;
+  for (const Index n : {66, 98, 129}) {
+    expect_the_same(n, 2, is_large ? std::vector{2, 3} : std::vector{2, 3, 4, 8});
+  }
+  for (const Index n : {75, 107}) expect_the_same(n, 2, {2});
+}
+
+std::vector<Method> methods() {
+  std::vector<Method> all;
+  for (const Formulation formulation : formulations()) {
+    for (const int s : {1, 2, 3, 4}) all.push_back({formulation, s});
+  }
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, EachNumberOfThreads, ::testing::ValuesIn(methods()),
+                         [](const auto& tested) {
+                           return std::string(name(tested.param.formulation)) +
+                                  std::to_string(tested.param.s);
+                         });
+
+// Another state, so that the comparison is one that can fail.
+TEST(Threads, ADifferenceOfTheLastDigitIsSeen) {
+  const Scene scene = smooth_scene(17);
+  Matrix W = scene.initial, V = scene.initial;
+  V(0, 0) += Complex(0.0, 1e-15);
+  run(*fast({Formulation::group, 2}, *scene.flow, 1), W, 0.1, 3);
+  run(*fast({Formulation::group, 2}, *scene.flow, 2), V, 0.1, 3);
+  EXPECT_FALSE(V == W);
+}
+
+}  // namespace
+}  // namespace isosyrk::testing

@@ -1,0 +1,209 @@
+// Predictions against unknowns of which the next is known.
+#include "isosyrk/solver/predictor.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "isosyrk/split/parallel.h"
+
+namespace isosyrk {
+namespace {
+
+constexpr double h = 0.1;
+constexpr Index n = 9;
+
+// X(t) for each unknown of two kinds, one of a kind with two.
+template <class Entry>
+Unknowns unknowns_at(double t, const Entry& entry) {
+  Unknowns unknowns;
+  for (const std::size_t count : {1, 2}) {
+    auto& kind = unknowns.emplace_back();
+    for (std::size_t item = 0; item < count; ++item) {
+      Matrix X(n, n);
+      for (Index r = 0; r < n; ++r) {
+        for (Index c = 0; c < n; ++c) {
+          const auto phase = static_cast<double>(3 * r + c * c + static_cast<Index>(item));
+          X(r, c) = {entry(t, phase), entry(t, 2.0 * phase + 1.0)};
+        }
+      }
+      kind.emplace_back(X);
+    }
+  }
+  return unknowns;
+}
+
+double oscillation(double t, double phase) {
+  return std::cos(9.0 * t + phase) + 0.5 * std::sin(5.0 * t + phase * phase);
+}
+
+double polynomial(double t, double phase) { return phase * t * t * t - t * t + phase; }
+
+// The largest difference of an unknown in the Frobenius norm.
+double difference(const Unknowns& x, const Unknowns& y) {
+  double largest = 0.0;
+  for (std::size_t kind = 0; kind < x.size(); ++kind) {
+    for (std::size_t i = 0; i < x[kind].size(); ++i) {
+      largest = std::max(largest, (x[kind][i].entries() - y[kind][i].entries()).norm());
+    }
+  }
+  return largest;
+}
+
+// The largest miss of the value after `steps` steps.
+template <class Entry>
+double miss(Predictor& predictor, int steps, const Entry& entry) {
+  const auto time = [](int step) { return h * static_cast<double>(step); };
+  for (int step = 0; step < steps; ++step) predictor.accept(h, unknowns_at(time(step), entry));
+  Unknowns x = unknowns_at(0.0, entry);
+  EXPECT_TRUE(predictor.predict(h, x));
+  return difference(x, unknowns_at(time(steps), entry));
+}
+
+template <class Entry>
+double miss(int past_steps, int steps, const Entry& entry) {
+  Predictor predictor(past_steps, unknowns_at(0.0, entry));
+  return miss(predictor, steps, entry);
+}
+
+TEST(Predictor, TakesThePolynomialThroughFewSteps) {
+  for (const int past_steps : {7, 16}) {  // never fitted, and fitted later
+    for (const int steps : {4, 5, 8}) {
+      EXPECT_LT(miss(past_steps, steps, polynomial), 1e-10) << steps;
+    }
+    EXPECT_GT(miss(past_steps, 3, polynomial), 1e-3);  // of degree 3
+  }
+  EXPECT_GT(miss(3, 8, polynomial), 1e-3);
+  EXPECT_LT(miss(4, 8, polynomial), 1e-10);
+}
+
+// x(t) = Σ_d (t - 1/2)^d cos(phase d) up to a degree.
+auto polynomial_of(int degree) {
+  return [degree](double t, double phase) {
+    double sum = 0.0;
+    for (int d = 0; d <= degree; ++d) sum += std::pow(t - 0.5, d) * std::cos(phase * d);
+    return sum;
+  };
+}
+
+// Weights of the polynomial through K values are binomials, 2^K in all; so much is made of the
+// rounding of the values, K roundoffs each (K terms of size K at most), in n² complex entries.
+TEST(Predictor, IsExactOnPolynomialsOfADegreeBelowTheNumberOfPastSteps) {
+  for (int K = 1; K <= 7; ++K) {
+    const double bound = std::pow(2.0, K) * K * K * std::numeric_limits<double>::epsilon() *
+                         std::sqrt(2.0) * static_cast<double>(n);
+    for (int degree = 0; degree < K; ++degree) {
+      EXPECT_LE(miss(K, 12, polynomial_of(degree)), bound) << K << " " << degree;
+      EXPECT_LE(miss(16, K, polynomial_of(degree)), bound) << K << " " << degree;
+    }
+    // What is missed of the term of degree K is ∇^K t^K = K! h^K.
+    EXPECT_GT(miss(K, 12, polynomial_of(K)), 1e3 * bound) << K;
+    EXPECT_GT(miss(16, K, polynomial_of(K)), 1e3 * bound) << K;
+  }
+}
+
+// Sixth differences are 0 here but for 2⁶ roundoffs of |x| < 6 n √2, 1e-12.  Weights fitted to such
+// noise are at most 1 each, since larger ones would enlarge the residual: 18 of them make 2e-11.
+TEST(Predictor, IsExactOnPolynomialsOfADegreeBelowSixWhenItFits) {
+  for (const int past_steps : {8, 12, 16, 24}) {
+    for (int degree = 0; degree < 6; ++degree) {
+      EXPECT_LE(miss(past_steps, 30, polynomial_of(degree)), 1e-10) << past_steps << " " << degree;
+    }
+  }
+}
+
+TEST(Predictor, MeetsAnOscillationThatThePolynomialMisses) {
+  for (const int steps : {16, 17, 18, 40}) {
+    EXPECT_LT(miss(16, steps, oscillation), 1e-6) << steps;
+    EXPECT_GT(miss(7, steps, oscillation), 1e-3) << steps;
+  }
+}
+
+TEST(Predictor, ASumOfOscillationsNeedsTwiceAsManyTerms) {
+  EXPECT_LT(miss(10, 20, oscillation), 1e-6);  // four terms beyond the six differences
+  EXPECT_GT(miss(9, 20, oscillation), 1e-4);
+}
+
+// The normal equations carry half the digits: with a diagonal raised by 1e-15 of its mean, weights
+// c that would be exact leave sqrt(1e-15) |c| of the differences.  Here |c| < 7, and the sixth
+// differences of 3 matrices of n² entries come to (2 sin(ωh/2))^6 |x| < 25: 6e-6 of an oscillation.
+// Growth and decay by e^(h/2) a step have differences of (h/2)^6, with nothing left of these.
+TEST(Predictor, IsExactOnAFewExponentialsOnceItFits) {
+  const auto exponentials = [](double t, double phase) {
+    return std::exp(0.5 * t + std::sin(phase)) + std::cos(phase) * std::exp(-3.0 * t);
+  };
+  const auto damped = [](double t, double phase) {
+    return std::exp(-0.5 * t) * std::cos(6.0 * t + phase);
+  };
+  const auto fast = [](double t, double phase) { return std::cos(10.0 * t + phase); };
+  for (const int steps : {10, 16, 30}) {
+    EXPECT_LT(miss(16, steps, exponentials), 6e-6) << steps;
+    EXPECT_LT(miss(16, steps, damped), 6e-6) << steps;
+    EXPECT_LT(miss(16, steps, fast), 6e-6) << steps;
+    EXPECT_GT(miss(7, steps, damped), 6e-5) << steps;
+    EXPECT_GT(miss(7, steps, fast), 1e-2) << steps;
+  }
+}
+
+TEST(Predictor, SharesWeightsAmongAllUnknownsAndChangesNoneOfThePast) {
+  Predictor predictor(16, unknowns_at(0.0, oscillation));
+  miss(predictor, 20, oscillation);
+  Unknowns once = unknowns_at(0.0, oscillation), again = once;
+  EXPECT_TRUE(predictor.predict(h, once));
+  EXPECT_TRUE(predictor.predict(h, again));
+  EXPECT_EQ(difference(once, again), 0.0);
+  EXPECT_GT(difference(once, unknowns_at(0.0, oscillation)), 0.1);
+}
+
+TEST(Predictor, PredictsTheSameBitForBitWithEveryNumberOfThreads) {
+  const Unknowns none = unknowns_at(0.0, oscillation);
+  const auto predicted = [&](int threads) {
+    const ThreadScope scope(threads);
+    Predictor predictor(16, none);
+    miss(predictor, 20, oscillation);
+    Unknowns x = none;
+    EXPECT_TRUE(predictor.predict(h, x));
+    return x;
+  };
+  const Unknowns expected = predicted(1);
+  for (const int threads : {2, 3, 8}) EXPECT_EQ(difference(predicted(threads), expected), 0.0);
+}
+
+TEST(Predictor, StartsColdAtFirstAtAnotherStepAfterForgettingAndWithNoPastSteps) {
+  const Unknowns start = unknowns_at(0.3, polynomial);
+  Unknowns x = start;
+  Predictor predictor(16, start);
+  const auto expect_cold = [&](Predictor& tried, double step, const char* why) {
+    EXPECT_FALSE(tried.predict(step, x)) << why;
+    EXPECT_EQ(difference(x, start), 0.0) << why << ": x is as it was";
+  };
+  expect_cold(predictor, h, "the first step");
+  EXPECT_LT(miss(predictor, 12, polynomial), 1e-10);
+  expect_cold(predictor, 0.5 * h, "another step size");
+  expect_cold(predictor, -h, "backwards");
+  predictor.accept(0.5 * h, unknowns_at(0.0, polynomial));
+  expect_cold(predictor, h, "the step size of before");
+  Unknowns last = start;
+  EXPECT_TRUE(predictor.predict(0.5 * h, last));
+  EXPECT_EQ(difference(last, unknowns_at(0.0, polynomial)), 0.0);  // all that there is
+  predictor.forget();
+  expect_cold(predictor, 0.5 * h, "after forgetting");
+  // And then by what came since alone.
+  EXPECT_GT(miss(predictor, 3, polynomial), 1e-3);
+
+  Predictor cold(0, start);
+  for (int step = 0; step < 3; ++step) cold.accept(h, start);
+  expect_cold(cold, h, "no past steps");
+}
+
+TEST(Predictor, RefusesMorePastStepsThanItHasRoomFor) {
+  for (const int past_steps : {-1, 25}) {
+    EXPECT_THROW(Predictor(past_steps, unknowns_at(0.0, polynomial)), std::invalid_argument);
+  }
+  EXPECT_NO_THROW(Predictor(24, unknowns_at(0.0, polynomial)));
+}
+
+}  // namespace
+}  // namespace isosyrk
