@@ -91,7 +91,7 @@ nlohmann::ordered_json as_json(const IntegrateRequest& request, const std::vecto
       {"hbar", name(request.hbar)},
       {"modes_hash", hash_of(modes)},
       {"product_backend", request.method == "fast"
-                              ? fmt::format("planar {}", gemm_kernels().front().name)
+                              ? fmt::format("split {}", gemm_kernels().front().name)
                               : std::string(name(backend))},
       {"converged", run.converged()},
       {"status", name(run.status)},

@@ -15,7 +15,7 @@ using BackendChoice = std::optional<ProductBackend>;
 /// `seconds` together, of one product repeated, its matrices as near the core as they fit.
 double product_rate(ProductBackend backend, Index n, double seconds);
 
-/// The same of planar products, with the kernel of planar_products.h that runs here.
+/// The same of split products, with the kernel of split_products.h that runs here.
 double split_product_rate(Index n, double seconds);
 
 /// Rates of every backend at one n, measured in turn, and the one chosen.

@@ -60,12 +60,14 @@ void SplitLaplacianOf<Real>::solve_upper(const SplitMatrixOf<Real>& W, Real scal
   Real* p_re = P.re();
   Real* p_im = P.im();
   const auto put = [=](Index at, Index left, const Four<Real>& re, const Four<Real>& im) {
-    four(p_re + at) = re;
-    four(p_im + at) = im;
+    Four<Real> kept_re = re;
+    Four<Real> kept_im = im;
     if (left < 4) {
-      clear_from<Real>(left, four(p_re + at));
-      clear_from<Real>(left, four(p_im + at));
+      clear_from<Real>(left, kept_re);
+      clear_from<Real>(left, kept_im);
     }
+    store_four(p_re + at, kept_re);
+    store_four(p_im + at, kept_im);
   };
 
   const Index first = first_diagonal(n, band, share.first, share.parts);
@@ -80,9 +82,9 @@ void SplitLaplacianOf<Real>::solve_upper(const SplitMatrixOf<Real>& W, Real scal
     const Index above = here - stride - 1;
     const Index behind = end(i);
     for (Index m = first; m < behind; m += 4) {
-      const Four<Real> factor = four(l + i * row + m);
-      const Four<Real> re = four(w_re + here + m) - factor * four(p_re + above + m);
-      const Four<Real> im = four(w_im + here + m) - factor * four(p_im + above + m);
+      const Four<Real> factor = load_four(l + i * row + m);
+      const Four<Real> re = load_four(w_re + here + m) - factor * load_four(p_re + above + m);
+      const Four<Real> im = load_four(w_im + here + m) - factor * load_four(p_im + above + m);
       put(here + m, behind - m, re, im);
     }
   }
@@ -95,10 +97,10 @@ void SplitLaplacianOf<Real>::solve_upper(const SplitMatrixOf<Real>& W, Real scal
     const Real* l_below = last_row ? no_factors_.data() : l + (i + 1) * row;
     const Index behind = end(i);
     for (Index m = first; m < behind; m += 4) {
-      const Four<Real> pivot = -scale * four(d + i * row + m);
-      const Four<Real> factor = four(l_below + m);
-      const Four<Real> re = pivot * four(p_re + here + m) - factor * four(p_re + below + m);
-      const Four<Real> im = pivot * four(p_im + here + m) - factor * four(p_im + below + m);
+      const Four<Real> pivot = -scale * load_four(d + i * row + m);
+      const Four<Real> factor = load_four(l_below + m);
+      const Four<Real> re = pivot * load_four(p_re + here + m) - factor * load_four(p_re + below + m);
+      const Four<Real> im = pivot * load_four(p_im + here + m) - factor * load_four(p_im + below + m);
       put(here + m, behind - m, re, im);
     }
   }

@@ -22,7 +22,7 @@ using Index = std::ptrdiff_t;
 
 template <class Real>
 struct VectorOf {
-  typedef Real type __attribute__((vector_size(vector_bytes), aligned(alignof(Real)), may_alias));
+  typedef Real type __attribute__((vector_size(vector_bytes)));
 };
 template <class Real>
 using Vector = typename VectorOf<Real>::type;
@@ -31,13 +31,16 @@ using Vector = typename VectorOf<Real>::type;
 template <class Real>
 constexpr int width = vector_bytes / sizeof(Real);
 
+// By memcpy: a reference to a vector promises its alignment to clang, whatever its type says.
 template <class Real>
-inline Vector<Real> load(const Real* at) {
-  return *reinterpret_cast<const Vector<Real>*>(at);
+inline __attribute__((always_inline)) Vector<Real> load(const Real* at) {
+  Vector<Real> values;
+  __builtin_memcpy(&values, at, sizeof values);
+  return values;
 }
 template <class Real>
-inline void store(Real* at, Vector<Real> value) {
-  *reinterpret_cast<Vector<Real>*>(at) = value;
+inline __attribute__((always_inline)) void store(Real* at, Vector<Real> value) {
+  __builtin_memcpy(at, &value, sizeof value);
 }
 
 // Optimisation barrier: keeps `number` in a register so that GCC does not rematerialise it.

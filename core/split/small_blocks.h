@@ -11,21 +11,23 @@ namespace isosyrk {
 /// Four neighbouring real numbers, in whatever vectors the processor has.
 template <class Real>
 struct FourOf {
-  typedef Real type
-      __attribute__((vector_size(4 * sizeof(Real)), aligned(sizeof(Real)), may_alias));
+  typedef Real type __attribute__((vector_size(4 * sizeof(Real))));
   using Integer = std::conditional_t<sizeof(Real) == 8, std::int64_t, std::int32_t>;
   typedef Integer Bits __attribute__((vector_size(4 * sizeof(Real))));
 };
 template <class Real>
 using Four = typename FourOf<Real>::type;
 
+// By memcpy: a reference to a vector promises its alignment to clang, whatever its type says.
 template <class Real>
-Four<Real>& four(Real* at) {
-  return *reinterpret_cast<Four<Real>*>(at);
+inline __attribute__((always_inline)) Four<Real> load_four(const Real* at) {
+  Four<Real> values;
+  __builtin_memcpy(&values, at, sizeof values);
+  return values;
 }
 template <class Real>
-const Four<Real>& four(const Real* at) {
-  return *reinterpret_cast<const Four<Real>*>(at);
+inline __attribute__((always_inline)) void store_four(Real* at, const Four<Real>& values) {
+  __builtin_memcpy(at, &values, sizeof values);
 }
 
 /// Sets what follows the first `count` of four numbers to 0, NaN too.
@@ -43,10 +45,10 @@ struct Block {
   Four<Real> row[4];
 
   void load(const Real* at, Index stride) {
-    for (Index r = 0; r < 4; ++r) row[r] = four(at + r * stride);
+    for (Index r = 0; r < 4; ++r) row[r] = load_four(at + r * stride);
   }
   void store(Real* at, Index stride) const {
-    for (Index r = 0; r < 4; ++r) four(at + r * stride) = row[r];
+    for (Index r = 0; r < 4; ++r) store_four(at + r * stride, row[r]);
   }
   void transpose() {
     const Four<Real> a = __builtin_shufflevector(row[0], row[1], 0, 4, 2, 6);

@@ -6,6 +6,8 @@ PACKAGES=(build-essential cmake git libeigen3-dev libopenblas-pthread-dev liblap
           libbenchmark-dev libfmt-dev libgtest-dev libcli11-dev nlohmann-json3-dev python3)
 # What charts need besides.
 CHART_PACKAGES=(python3-numpy python3-matplotlib)
+# What looking for data races needs besides.
+CLANG_PACKAGES=(clang libomp-dev)
 
 say() { printf '%s\n' "$*" >&2; }
 

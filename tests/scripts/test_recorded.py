@@ -73,7 +73,8 @@ class Pages(unittest.TestCase):
             self.assertEqual((check.returncode, check.stderr), (0, ""), script)
 
     def test_readme_names_only_files_that_exist(self):
-        named = re.findall(r"`((?:core|benchmarks|tests|scripts|results)/[\w./-]*)`", text("README.md"))
+        pages = [text("README.md"), *(text(folder, "README.md") for folder in ("core", "benchmarks", "scripts", "tests"))]
+        named = re.findall(r"`((?:core|benchmarks|tests|scripts|results)/[\w./-]*)`", "".join(pages))
         self.assertGreater(len(named), 10)
         for name in named:
             if not name.startswith("results/latest"):
