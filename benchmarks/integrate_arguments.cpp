@@ -39,11 +39,6 @@ void choose_integrator(const Text& text, const Given& given, IntegrateRequest& r
     throw BadArgument(fmt::format("--solver '{}': must be published or fast", text.solver));
   }
   const bool fast = text.solver == "fast";
-  if (fast && given.integrator) {
-    throw BadArgument(
-        fmt::format("--solver fast: must go with --formulation and --stages, not --integrator {}",
-                    text.integrator));
-  }
   if (fast && given.products) {
     throw BadArgument(fmt::format(
         "--solver fast: has products of its own; must stand without --products {}", text.products));
@@ -56,24 +51,16 @@ void choose_integrator(const Text& text, const Given& given, IntegrateRequest& r
   request.method = text.solver;
   try {
     if (given.integrator) {
-      request.integrator = integrator_entry(text.integrator);
+      request.integrator = fast ? fast_entry(text.integrator, request.threads)
+                                : integrator_entry(text.integrator);
       return;
     }
     if (!given.stages) throw BadArgument("--stages is required, or --integrator");
     if (!given.formulation) throw BadArgument("--formulation is required, or --integrator");
     const int stages = static_cast<int>(whole_number("--stages", text.stages, 1, max_stages));
     request.formulation = formulation_from_name(text.formulation);
-    if (!fast) {
-      request.integrator = gauss_entry(*request.formulation, stages);
-      return;
-    }
-    request.integrator = fast_gauss_entry(*request.formulation, stages);
-    request.integrator.make =
-        [formulation = *request.formulation, stages, threads = request.threads](
-            const Flow& flow, const SolverOptions& solver, ProductBackend) {
-          return make_fast_gauss(formulation, stages, flow,
-                                 {.solver = solver, .threads = threads});
-        };
+    request.integrator = fast ? fast_gauss_entry(*request.formulation, stages, request.threads)
+                              : gauss_entry(*request.formulation, stages);
   } catch (const std::invalid_argument& error) {
     throw BadArgument(fmt::format("--{}", error.what()));
   }

@@ -82,6 +82,9 @@ TEST(SplitLaplacian, SolvesTheSameBitForBitWithEveryNumberOfThreads) {
 
 // Which of two threads solved a diagonal shows in its last digits, if the first rounds upwards.
 TEST(SplitLaplacian, SharesHoldAboutAsManyEntries) {
+#if defined(__clang__)
+  GTEST_SKIP() << "LLVM's OpenMP gives each thread the rounding mode of the one that calls";
+#endif
   constexpr Index n = 129;
   const SplitLaplacianOf<double> laplacian{Laplacian(n)};
   const SplitStages W = {SplitMatrix(random_skew_hermitian(n, 1))};

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <stdexcept>
+
 #include "isosyrk/catalogue/workspace_bytes.h"
 #include "isosyrk/fast/algebra_system.h"
 #include "isosyrk/fast/cotangent_system.h"
@@ -43,17 +46,29 @@ std::unique_ptr<Integrator> make_fast_gauss(Formulation formulation, int s, cons
       chosen);
 }
 
-IntegratorEntry fast_gauss_entry(Formulation formulation, int s) {
+IntegratorEntry fast_gauss_entry(Formulation formulation, int s, int threads) {
   IntegratorEntry entry = gauss_entry(formulation, s);
   entry.name = fmt::format("fast_{}", entry.name);
-  entry.make = [formulation, s](const Flow& flow, const SolverOptions& solver,
-                                ProductBackend) {
-    return make_fast_gauss(formulation, s, flow, {.solver = solver});
+  entry.make = [formulation, s, threads](const Flow& flow, const SolverOptions& solver,
+                                         ProductBackend) {
+    return make_fast_gauss(formulation, s, flow, {.solver = solver, .threads = threads});
   };
-  entry.bytes = [formulation, s](Index n) {
-    return fast_workspace_bytes(formulation, s, n, tuning.past_steps(n));
+  entry.bytes = [formulation, s, threads](Index n) {
+    return fast_workspace_bytes(formulation, s, n, tuning.past_steps(n), threads);
   };
   return entry;
+}
+
+IntegratorEntry fast_entry(std::string_view wanted, int threads) {
+  const IntegratorEntry& entry = integrator_entry(wanted);
+  for (const Formulation formulation : formulations()) {
+    if (fmt::format("{}{}", name(formulation), entry.stages) == entry.name) {
+      return fast_gauss_entry(formulation, entry.stages, threads);
+    }
+  }
+  throw std::invalid_argument(fmt::format(
+      "integrator '{}': has no fast form; must be cotangent, group or algebra with its stages",
+      wanted));
 }
 
 }  // namespace isosyrk

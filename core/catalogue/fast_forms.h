@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string_view>
 
 #include "isosyrk/catalogue/integrator_list.h"
 #include "isosyrk/fast/fast_options.h"
@@ -15,7 +16,11 @@ namespace isosyrk {
 std::unique_ptr<Integrator> make_fast_gauss(Formulation formulation, int s, const Flow& flow,
                                             const FastOptions& options = {});
 
-/// The same as a line of the list, named fast_group2 and so on, with start values by default.
-IntegratorEntry fast_gauss_entry(Formulation formulation, int s);
+/// The same as an entry of the list, named fast_group2 and so on, for so many threads.
+IntegratorEntry fast_gauss_entry(Formulation formulation, int s, int threads = 1);
+
+/// The fast form of the listed integrator with this name.  Throws std::invalid_argument for a name that
+/// is not in the list, and where there is no fast form.
+IntegratorEntry fast_entry(std::string_view name, int threads = 1);
 
 }  // namespace isosyrk

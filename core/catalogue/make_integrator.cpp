@@ -20,13 +20,7 @@ std::unique_ptr<Integrator> make_integrator(const Flow& flow, std::string_view w
     }
     return entry.make(flow, options.iteration, backend);
   }
-  for (const Formulation formulation : formulations()) {
-    if (fmt::format("{}{}", name(formulation), entry.stages) != entry.name) continue;
-    return make_fast_gauss(formulation, entry.stages, flow,
-                           {.solver = options.iteration, .threads = options.threads});
-  }
-  throw std::invalid_argument(fmt::format(
-      "integrator '{}': has no fast form; must be cotangent, group or algebra", wanted));
+  return fast_entry(wanted, options.threads).make(flow, options.iteration, backend);
 }
 
 }  // namespace isosyrk

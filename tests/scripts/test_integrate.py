@@ -246,10 +246,13 @@ class FastSolver(RefusalTest):
             self.assert_refused_alone(command(SHORT, "--output", self.output, solver=solver), "--solver", "published",
                                       "fast")
 
-    def test_goes_with_a_formulation_only(self):
+    def test_goes_with_the_names_that_have_a_fast_form(self):
         line = command(SHORT, "--output", self.output, solver="fast", formulation=None, stages=None,
                        integrator="suzuki4")
-        self.assert_refused_alone(line, "--solver fast", "suzuki4")
+        self.assert_refused_alone(line, "suzuki4", "no fast form")
+        by_name, _ = self.result(SHORT, solver="fast", formulation=None, stages=None, integrator="group2")
+        by_formulation, _ = self.result(SHORT, solver="fast", formulation="group", stages="2")
+        self.assertEqual(by_name["sweeps_total"], by_formulation["sweeps_total"])
 
     def test_has_products_of_its_own(self):
         self.assert_refused_alone(command(SHORT, "--output", self.output, solver="fast", products="eigen"),
