@@ -16,6 +16,8 @@
 #include <string>
 #include <system_error>
 
+#include "isosyrk/split/parallel.h"
+
 namespace isosyrk {
 namespace {
 
@@ -139,6 +141,9 @@ std::vector<Json> run_jobs(std::size_t count, long processes, const Job& job,
       finished(k);
     }
     return results;
+  }
+  if (has_run_in_parallel()) {
+    throw std::logic_error("run_jobs: after a step on several threads, those of a child would hang");
   }
   SharedCounter next;
   std::vector<std::unique_ptr<Worker>> workers;

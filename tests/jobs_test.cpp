@@ -6,7 +6,10 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdlib>
 #include <stdexcept>
+
+#include "isosyrk/split/linear_combination.h"
 
 namespace isosyrk::testing {
 namespace {
@@ -14,6 +17,33 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 const auto unheard = [](std::size_t) {};
+
+// One sweep over an unknown on so many threads.
+double norm_on(int threads) {
+  const ThreadScope scope(threads);
+  return largest_norm(SplitStages{SplitMatrix(Matrix::Identity(64, 64))});
+}
+
+TEST(Jobs, MayUseThreadsInChildrenAndAreRefusedAfterThreadsHere) {
+  const auto job = [](std::size_t) { return Json{{"norm", norm_on(2)}}; };
+  EXPECT_EQ(norm_on(1), 8.0);
+  for (const Json& result : run_jobs(4, 2, job, unheard)) EXPECT_EQ(result["norm"], 8.0);
+  // In a process of its own, which the other tests do not share.
+  const auto after_threads = [&] {
+    norm_on(2);
+    run_jobs(4, 2, job, unheard);
+  };
+  EXPECT_EXIT(
+      {
+        try {
+          after_threads();
+        } catch (const std::logic_error&) {
+          std::_Exit(7);
+        }
+        std::_Exit(0);
+      },
+      ::testing::ExitedWithCode(7), "");
+}
 
 TEST(Jobs, ResultsComeInOrderAndEachIsHeardOfOnce) {
   for (const long processes : {1, 2, 5}) {
