@@ -8,18 +8,20 @@
 
 namespace isosyrk {
 
-/// Which ħ scales the bracket.
+/// Convention for the ħ that scales the bracket.
 enum class HbarConvention {
-  paper,     ///< ħ = 2 / sqrt(n (n-1)), as the paper prints it
-  standard,  ///< ħ = 2 / sqrt(n² - 1), as in the convention it cites (and in quflow)
+  paper,     ///< ħ = 2 / sqrt(n (n-1)), as printed in the paper
+  standard,  ///< ħ = 2 / sqrt(n² - 1), as in the convention that the paper cites, and in quflow
 };
 
+/// Returns "paper" or "standard".
 std::string_view name(HbarConvention convention);
 
-/// ħ for size n >= 2.
+/// Returns ħ for n x n matrices, n >= 2.
 double hbar(HbarConvention convention, Index n);
 
-/// W' = (1/ħ) [Δ⁻¹W, W] on su(n):  B(W) = Δ⁻¹W / ħ,  H(W) = -½ <W, Δ⁻¹W>  (kinetic energy).
+/// The flow W' = (1/ħ) [Δ⁻¹W, W] on su(n), with B(W) = Δ⁻¹W / ħ.  H(W) = -½ <W, Δ⁻¹W> is the
+/// kinetic energy.
 class EulerZeitlin final : public Flow {
  public:
   /// Throws std::invalid_argument for n < 2.

@@ -18,11 +18,12 @@ class Flow {
   const QuadraticAlgebra& algebra() const { return algebra_; }
   Index size() const { return algebra_.size(); }
 
-  /// B = B(W), n x n.  Allocates nothing; B is not W.  For Euler-Zeitlin, one Poisson solve.
+  /// B = B(W), n x n.  Allocates nothing.  B is not W.  For Euler-Zeitlin this is one Poisson
+  /// solve.
   virtual void generator(const Matrix& W, Matrix& B) const = 0;
-  /// H(W), conserved by the exact flow.
+  /// Returns H(W), which the exact flow conserves.
   virtual double hamiltonian(const Matrix& W) const = 0;
-  /// B in split-complex storage, for the fast forms; null where the flow has none.
+  /// Returns B in split-complex storage for the fast forms, or null if the flow has none.
   virtual std::unique_ptr<SplitGenerator> split_generator() const;
 
  protected:

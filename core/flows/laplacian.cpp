@@ -10,8 +10,8 @@
 namespace isosyrk {
 namespace {
 
-// P(r, c) = -conj(P(c, r)) for r > c, four rows at a time: the four entries that are read together
-// are one cache line.
+// P(r, c) = -conj(P(c, r)) for r > c, four rows at a time: the four entries read together share a
+// cache line.
 void mirror_skew_hermitian(Matrix& P) {
   const Index n = P.rows();
   constexpr Index rows = 4;
@@ -58,8 +58,8 @@ Laplacian::Laplacian(Index n) : n_(n) {
   for (Index m = 0; m < n; ++m) {
     RealVector d = diagonal(n, m);
     RealVector e = off_diagonal(n, m);
-    // m = 0 is singular (l = 0): its leading n-1 rows are positive definite; the last unknown is
-    // pinned to 0 (reciprocal pivot 0) and the mean taken out after the solve.
+    // Diagonal m = 0 is singular (l = 0), but its leading n-1 rows are positive definite.  The last
+    // unknown is pinned to 0 (reciprocal pivot 0), and the solve subtracts the mean at the end.
     const Index rank = m == 0 ? n - 1 : n - m;
     const double coupling = m == 0 ? e(n - 2) : 0.0;
     const lapack_int info = LAPACKE_dpttrf(static_cast<lapack_int>(rank), d.data(), e.data());
@@ -76,7 +76,7 @@ Laplacian::Laplacian(Index n) : n_(n) {
       reciprocal_pivot_[at] = reciprocal_pivot_[at + 1] = pivot;
     }
     if (m == 0) {
-      // The right-hand side of ones, solved as solve_skew_hermitian solves (last unknown 0).
+      // Solution for a right-hand side of ones with last unknown 0, as in solve_skew_hermitian.
       RealVector ones = RealVector::Constant(n - 1, -1.0);
       LAPACKE_dpttrs(LAPACK_COL_MAJOR, static_cast<lapack_int>(n - 1), 1, d.data(), e.data(),
                      ones.data(), static_cast<lapack_int>(n - 1));
@@ -100,7 +100,7 @@ void Laplacian::apply(const Matrix& W, Matrix& out) const {
 }
 
 void Laplacian::solve_skew_hermitian(const Matrix& W, double scale, Matrix& P) const {
-  // Row i from the diagonal on, as real numbers.
+  // Returns row i from the diagonal on, as real numbers.
   const auto row_of = [this](auto* entries, Index i) { return entries + 2 * (i * n_ + i); };
   const auto coefficients_of = [this](const std::vector<double>& packed, Index i) {
     return packed.data() + row_start_[static_cast<std::size_t>(i)];
@@ -108,7 +108,7 @@ void Laplacian::solve_skew_hermitian(const Matrix& W, double scale, Matrix& P) c
   const auto* w = reinterpret_cast<const double*>(W.data());
   auto* p = reinterpret_cast<double*>(P.data());
 
-  // Forward elimination, every diagonal at once: y_i = f_i - l_i y_{i-1}.
+  // Forward elimination, all diagonals at once: y_i = f_i - l_i y_{i-1}.
   std::copy(w, w + 2 * n_, p);
   for (Index i = 1; i < n_; ++i) {
     const double* __restrict f = row_of(w, i);
@@ -132,7 +132,7 @@ void Laplacian::solve_skew_hermitian(const Matrix& W, double scale, Matrix& P) c
     x[last + 1] *= -scale * d[last + 1];
   }
 
-  // The main diagonal: take out what the trace of W put in, then the trace.
+  // Main diagonal: subtract the contribution of the trace of W, then the trace of P.
   double mean_of_W = 0.0;
   double mean = 0.0;
   for (Index i = 0; i < n_; ++i) mean_of_W += W(i, i).imag();

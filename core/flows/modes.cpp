@@ -26,13 +26,12 @@ const std::vector<Mode>& default_modes() {
 
 namespace {
 
-// Standard normal numbers, the same on every machine: std::normal_distribution leaves the method
-// to the library.
+// Standard normal numbers by the method of Box and Muller.  They are the same with every standard
+// library, while the algorithm of std::normal_distribution is unspecified.
 class NormalNumbers {
  public:
   double next() {
     if (spare_) return *std::exchange(spare_, std::nullopt);
-    // Box and Muller's method.
     const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
     const double angle = 2.0 * std::numbers::pi * uniform();
     spare_ = radius * std::sin(angle);
@@ -91,14 +90,14 @@ RealVector harmonic(Index n, int l, int m) {
         fmt::format("harmonic: l = {}, m = {}, n = {}; must be 0 <= m <= l < n", l, m, n));
   }
   // The eigenvalue is known, so the eigenvector v follows from its first entry by the three-term
-  // recurrence  e_i v_{i+1} = (l(l+1) - d_i) v_i - e_{i-1} v_{i-1},  which is stable as far as the
-  // middle (v grows, then oscillates); the rest is its mirror image, of parity (-1)^(l-m).  In
-  // extended precision with whole numbers under the roots this is good to a few roundings at any
-  // n, where an eigensolver in double loses a factor n^2, and the sign of the first entry holds
-  // even where that entry is far below rounding.
+  // recurrence  e_i v_{i+1} = (l(l+1) - d_i) v_i - e_{i-1} v_{i-1}.  It is stable up to the middle,
+  // where v grows, then oscillates.  The other half is the mirror image, of parity (-1)^(l-m).
+  // Extended precision with integers under the roots gives an error of a few roundings at any n; an
+  // eigensolver in double loses a factor n².  The sign of the first entry is right even if that
+  // entry is far below rounding.
   using Extended = long double;
   const Index length = n - m;
-  const auto off_diagonal = [n, m](Index i) {  // of Laplacian::off_diagonal, from whole numbers
+  const auto off_diagonal = [n, m](Index i) {  // as Laplacian::off_diagonal, from integers
     const Index under_root = (i + 1) * (n - 1 - i) * (i + m + 1) * (n - 1 - i - m);
     return -std::sqrt(static_cast<Extended>(under_root));
   };
@@ -134,8 +133,8 @@ RealVector harmonic(Index n, int l, int m) {
 
 Matrix vorticity_from_modes(const std::vector<Mode>& modes, Index n) {
   require_valid(modes, n);
-  // W is scaled in the end, so that a power of two may be taken out first: squares of very large or
-  // very small values would not be finite or not be there.
+  // A power of two is divided out first, so that squares of very large or very small values neither
+  // overflow nor underflow.  W is scaled to norm 1 at the end.
   double largest = 0.0;
   for (const Mode& mode : modes) {
     largest = std::max({largest, std::abs(mode.value.real()), std::abs(mode.value.imag())});

@@ -11,7 +11,7 @@
 
 namespace isosyrk {
 
-/// What is simulated, as data.
+/// A simulation, as data.
 struct Scene {
   std::string name;
   std::shared_ptr<const Flow> flow;
@@ -19,25 +19,25 @@ struct Scene {
   double time;     ///< end of the time span
 };
 
-/// Euler-Zeitlin from given modes, T = 5.  Throws std::invalid_argument for n < 2 or modes that do
-/// not fit n.
+/// Returns the Euler-Zeitlin scene with the given initial modes, T = 5.  Throws
+/// std::invalid_argument for n < 2 and as require_valid(modes, n).
 Scene euler_zeitlin_scene(std::string_view name, Index n, HbarConvention convention,
                           const std::vector<Mode>& modes);
 
-/// The scene of the paper's Table 1: Euler-Zeitlin from a few smooth modes (by default those with
-/// l <= 4), T = 5.  Throws std::invalid_argument for n < 2 or modes that do not fit n.
+/// Returns the scene of the paper's Table 1: Euler-Zeitlin from a few smooth modes, T = 5.  Throws
+/// std::invalid_argument for n < 2 and as require_valid(modes, n); the default modes need n >= 5.
 Scene smooth_scene(Index n, HbarConvention convention = HbarConvention::paper,
                    const std::vector<Mode>& modes = default_modes());
 
-/// Euler-Zeitlin from rough_modes(n), T = 5.  Throws std::invalid_argument for n < 2.
+/// Returns Euler-Zeitlin from rough_modes(n), T = 5.  Throws std::invalid_argument for n < 2.
 Scene rough_scene(Index n, HbarConvention convention = HbarConvention::paper);
 
-/// "smooth", "rough".
+/// Returns "smooth" and "rough".
 const std::vector<std::string>& scene_names();
-/// The initial modes of the scene of this name.  Throws std::invalid_argument, naming what is
-/// allowed.
+/// Returns the initial modes of the scene with this name.  Throws std::invalid_argument, naming all
+/// scenes, for another name, and as rough_modes(n).
 std::vector<Mode> initial_modes(std::string_view scene, Index n);
-/// The scene of this name.  Throws std::invalid_argument, naming what is allowed, or as the scene.
+/// Returns the scene with this name.  Throws as initial_modes and euler_zeitlin_scene.
 Scene scene_by_name(std::string_view name, Index n,
                     HbarConvention convention = HbarConvention::paper);
 

@@ -8,8 +8,8 @@ namespace isosyrk {
 
 namespace {
 
-// The diagonal at which part of the diagonals within a band begins: a multiple of 8, so that they are
-// taken by whole vectors; all parts hold about as many entries.
+// Returns the first diagonal of a part of the diagonals within a band, a multiple of 8, so that
+// parts begin at whole vectors.  All parts hold about the same number of entries.
 Index first_diagonal(Index n, Index band, Index part, Index parts) {
   if (part == parts) return band + 1;
   const Index all = (band + 1) * (2 * n - band) / 2;
@@ -48,8 +48,8 @@ void SplitLaplacianOf<Real>::solve_upper(const SplitStagesOf<Real>& W, Real scal
 template <class Real>
 void SplitLaplacianOf<Real>::solve_upper(const SplitMatrixOf<Real>& W, Real scale, Index band,
                                          SplitMatrixOf<Real>& P, Share share) const {
-  // Every diagonal at once, four at a time; past the end of a row all factors are 0, and what is
-  // written there, where the rows are filled up, must be too.
+  // All diagonals at once, four in each vector.  Past the end of a row the factors are 0, and `put`
+  // writes zeros there, since the padding must stay 0.
   const Index n = n_;
   const Index row = row_;
   const Index stride = W.stride();
@@ -107,7 +107,7 @@ void SplitLaplacianOf<Real>::solve_upper(const SplitMatrixOf<Real>& W, Real scal
 
   if (share.is_first()) P.set_band(band);
   if (first > 0 || last == 0) return;
-  // The main diagonal: take out what the trace of W put in, then the trace.
+  // Main diagonal: subtract the contribution of the trace of W, then the trace of P.
   const auto diagonal = [stride](auto* part, Index i) -> auto& { return part[i * stride + i]; };
   Real mean_of_W = 0;
   for (Index i = 0; i < n_; ++i) mean_of_W += diagonal(W.im(), i);

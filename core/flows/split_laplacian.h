@@ -7,15 +7,16 @@
 
 namespace isosyrk {
 
-/// Laplacian::solve_skew_hermitian in split-complex storage, with the same factors:
-/// P = scale Δ⁻¹ W from the upper triangle of W and the imaginary part of its diagonal.
+/// Laplacian::solve_skew_hermitian in split-complex storage, with the same factors.  Reads the
+/// upper triangle of W and the imaginary part of its diagonal.
 template <class Real>
 class SplitLaplacianOf {
  public:
   explicit SplitLaplacianOf(const Laplacian& laplacian);
 
-  /// The upper triangles of P_i = scale Δ⁻¹ W_i within a band, trace-free; up to three entries of
-  /// a row beyond it become 0, the rest of P_i stays as it was.  P_i is not W_i.  Allocates nothing.
+  /// Sets the upper triangles of P_i = scale Δ⁻¹ W_i within a band, trace-free.  Up to three
+  /// entries of a row beyond the band become 0; other entries of P_i are unchanged.  P_i is not
+  /// W_i.  Allocates nothing.
   void solve_upper(const SplitStagesOf<Real>& W, Real scale, Index band,
                    SplitStagesOf<Real>& P) const;
 
@@ -27,21 +28,21 @@ class SplitLaplacianOf {
 
   Index n_;
   Index row_;
-  // Row i: for the diagonals m = 0 .. n-1-i, at i row + m; 0 after them.
+  // The factors of row i and diagonal m stand at i row_ + m, m = 0 .. n-1-i, followed by zeros.
   Reals lower_;
   Reals reciprocal_pivot_;
-  Reals no_factors_;  // of the row below the last
+  Reals no_factors_;  // zeros, for the row below the last
   Reals identity_solution_;
 };
 
-/// B(W) = Δ⁻¹ W / ħ of Euler-Zeitlin in both precisions.
+/// The generator B(W) = Δ⁻¹ W / ħ of Euler-Zeitlin, in double and single precision.
 class SplitEulerZeitlin final : public SplitGenerator {
  public:
   SplitEulerZeitlin(const Laplacian& laplacian, double reciprocal_hbar);
 
   void upper(const SplitStages& W, SplitStages& B) const override;
   void upper_within(Index band, const SingleStages& W, SingleStages& B) const override;
-  /// Δ⁻¹ has norm 1/2.
+  /// Returns 1/(2ħ), since Δ⁻¹ has norm 1/2.
   double norm_bound() const override { return 0.5 * reciprocal_hbar_; }
   bool damps_fine_scales() const override { return true; }
 

@@ -11,7 +11,7 @@
 
 namespace isosyrk {
 
-/// The changes of the last few Picard sweeps.
+/// Remembers the changes of the last six Picard sweeps.
 class LastChanges {
  public:
   void add(double change) {
@@ -19,7 +19,7 @@ class LastChanges {
     ++count_;
   }
 
-  /// As SolveReport::contraction.
+  /// Returns SolveReport::contraction.
   double contraction() const {
     const std::size_t known = std::min(count_, kept);
     if (known < 2) return 0.0;
@@ -34,10 +34,11 @@ class LastChanges {
   std::size_t count_ = 0;
 };
 
-/// Repeats Picard sweeps until one of them converges or the iteration fails; returns how it ended.
+/// Repeats Picard sweeps until one converges or the iteration fails, and returns how it ended.
 /// `sweep()` updates every unknown once, all new values from the old ones.  It returns the largest
 /// change of an unknown in the Frobenius norm, or NaN if any change is NaN.
-/// The paper states only the tolerance; README "What the paper leaves open" gives the whole rule.
+/// Source: the paper states only the tolerance.  The other rules are listed in core/README.md,
+/// "What the paper leaves open".
 template <class Sweep>
 SolveReport solve_fixed_point(const SolverOptions& options, Sweep&& sweep) {
   constexpr double divergence_bound = 1e6;

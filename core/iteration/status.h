@@ -1,4 +1,4 @@
-// How an iteration is asked to solve a step, and how it ended.
+// Options of an iteration, and how a step ended.
 #pragma once
 
 #include <string>
@@ -9,15 +9,15 @@ namespace isosyrk {
 /// How a step ended.
 enum class Status {
   converged,
-  diverged,   ///< a change was not finite or above 1e6
+  diverged,   ///< a change was above 1e6, or a change or W₁ was not finite
   stagnated,  ///< the best change so far was not improved in 50 sweeps
-  sweep_cap,  ///< max_sweeps reached while still falling
+  sweep_cap,  ///< max_sweeps sweeps did not reach the tolerance
 };
 
-/// "converged", "diverged", "stagnated", "sweep cap".
+/// Returns "converged", "diverged", "stagnated" or "sweep cap".
 std::string_view name(Status status);
 
-/// When an iteration stops.
+/// Stopping rule of an iteration.
 struct SolverOptions {
   double tolerance = 1e-13;  ///< absolute, on the largest change of an unknown
   int max_sweeps = 1000;
@@ -27,19 +27,19 @@ struct SolverOptions {
 struct SolveReport {
   Status status = Status::converged;
   int sweeps = 0;
-  double change = 0.0;  ///< of the last sweep
-  /// Change of the last sweep over that of the one before, geometric mean over the last five sweeps
-  /// (fewer if there were fewer; 0 for a single sweep): below 1 where the iteration contracts.
+  double change = 0.0;  ///< largest change of an unknown in the last sweep
+  /// Ratio of the changes of two successive sweeps, as the geometric mean of the last five ratios
+  /// or of as many as there are.  Below 1 if the iteration contracts; 0 after a single sweep.
   double contraction = 0.0;
 };
 
-/// Where an iteration starts.
+/// Start values of an iteration.
 enum class Start {
   cold,       ///< from the initial state of the step
-  predicted,  ///< from past steps
+  predicted,  ///< from past steps, by the predictor
 };
 
-/// How an iteration goes on.
+/// Kind of iteration.
 enum class Iteration {
   none,           ///< the step is explicit
   picard,         ///< Picard sweeps
@@ -48,7 +48,7 @@ enum class Iteration {
   anderson,       ///< Picard sweeps with Anderson acceleration
 };
 
-/// One of the ways to solve a step: if one fails, the next is tried.
+/// One attempt at a step.  If an attempt fails, the integrator makes the next one of its list.
 struct Attempt {
   Start start = Start::cold;
   Iteration iteration = Iteration::none;
@@ -56,8 +56,8 @@ struct Attempt {
   bool operator==(const Attempt&) const = default;
 };
 
-/// "cold Picard", "predicted Newton", "cold frozen Picard", "cold Anderson" and so on; "explicit"
-/// where there is no iteration.
+/// Returns "cold Picard", "predicted Newton", "cold frozen Picard", "cold Anderson" and so on, or
+/// "explicit" for Iteration::none.
 std::string name(Attempt attempt);
 
 }  // namespace isosyrk

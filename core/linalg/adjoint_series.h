@@ -6,21 +6,22 @@
 
 namespace isosyrk {
 
-/// e^Ω W e^(-Ω) = W + [Ω, W] + [Ω, [Ω, W]]/2 + ..., for Ω and W in g, to rounding, without forming
-/// the exponential.  One product a term: [Ω, T] = M - J⁻¹ M† J with M = Ω T.
+/// Computes e^Ω W e^(-Ω) = W + [Ω, W] + [Ω, [Ω, W]]/2 + ... for Ω and W in g, to rounding, without
+/// forming the exponential.  Each term takes one product: [Ω, T] = M - J⁻¹ M† J with M = Ω T.  The
+/// algebra must outlive the series.
 class AdjointSeries {
  public:
   explicit AdjointSeries(const QuadraticAlgebra& algebra);
 
-  /// The n x n complex matrices that it holds where J = I.
+  /// Number of n x n complex matrices held if J = I.
   static Index matrices() { return 3; }
 
-  /// out = e^(scale Ω) W e^(-scale Ω).  Ends when a term is below rounding relative to W, after at
-  /// most 200 terms (false if that was not enough or a term is not finite).  out is not W.
+  /// out = e^(scale Ω) W e^(-scale Ω).  The series ends when a term is below rounding relative to
+  /// W.  Returns false if 200 terms do not suffice or a term is not finite.  out is not W.
   bool conjugate(Products& products, double scale, const Matrix& Omega, const Matrix& W,
                  Matrix& out);
 
-  /// out = [A, B] for A, B in g: one product.  out is neither A nor B.
+  /// out = [A, B] for A, B in g, by one product.  out is neither A nor B.
   void commutator(Products& products, const Matrix& A, const Matrix& B, Matrix& out);
 
  private:
@@ -28,7 +29,7 @@ class AdjointSeries {
   Matrix term_;
   Matrix next_;
   Matrix product_;
-  Matrix adjoint_;  // where J is not I
+  Matrix adjoint_;  // J⁻¹ M† J; empty if J = I
 };
 
 }  // namespace isosyrk

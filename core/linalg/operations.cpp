@@ -3,7 +3,7 @@
 namespace isosyrk {
 namespace {
 
-// `Length` neighbouring real numbers of a matrix.
+// `Length` consecutive real numbers of a matrix.
 template <int Length>
 using Piece = Eigen::Array<double, Length, 1>;
 
@@ -27,7 +27,7 @@ void update_piece(const Matrix& base, const Coefficients& c, const std::vector<M
   }
 }
 
-// For s = Size, which the compiler unrolls, or for any s (Eigen::Dynamic).
+// Implements update_unknowns for s = Size, unrolled by the compiler, or any s (Eigen::Dynamic).
 template <int Size>
 void update_all(const Matrix& base, double h, const RealMatrix& a, const std::vector<Matrix>& Y,
                 std::vector<Matrix>& X, double* squares) {
@@ -48,7 +48,7 @@ void update_all(const Matrix& base, double h, const RealMatrix& a, const std::ve
   for (Index i = 0; i < c.rows(); ++i) squares[i] = sums[i].sum() + rest_sums[i].sum();
 }
 
-// X(r, c) = fresh(r, c) for all entries; returns Σ |change of X|².
+// Sets X(r, c) = fresh(r, c) for all entries and returns Σ |change of X|².
 template <class Fresh>
 double replace(Matrix& X, const Fresh& fresh) {
   double change = 0.0;

@@ -1,4 +1,4 @@
-// The kernels that a matrix product can be formed with.
+// The backends for products of complex matrices.
 #pragma once
 
 #include <string_view>
@@ -6,16 +6,16 @@
 
 namespace isosyrk {
 
-/// Whose kernels form a product.
+/// The library whose kernels form a product.
 enum class ProductBackend {
   openblas,  ///< cblas_zgemm
-  eigen,     ///< Eigen's own complex kernels, without its dispatch to a BLAS
+  eigen,     ///< Eigen's complex kernels, without Eigen's dispatch to a BLAS
 };
 
-/// All backends, in the order in which they are listed to a user.
+/// Returns all backends, in the order in which a user sees them.
 const std::vector<ProductBackend>& product_backends();
 
-/// "openblas", "eigen".
+/// Returns "openblas" or "eigen".
 std::string_view name(ProductBackend backend);
 
 }  // namespace isosyrk

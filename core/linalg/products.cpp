@@ -8,8 +8,8 @@
 
 namespace isosyrk {
 
-// Eigen's kernel behind `C.noalias() = A * B`, called with a packing space that is kept: the
-// expression itself would allocate one for every product beyond n = 64.
+// Calls Eigen's kernel behind `C.noalias() = A * B` with a packing space that is allocated once.
+// For large n the expression itself would allocate the space for every product.
 struct Products::EigenWorkspace {
   using Space =
       Eigen::internal::gemm_blocking_space<Eigen::RowMajor, Complex, Complex, Eigen::Dynamic,

@@ -1,4 +1,4 @@
-// The one place that multiplies matrices, and counts that it did.
+// Products of interleaved complex matrices.  All published forms multiply here, and are counted.
 #pragma once
 
 #include <memory>
@@ -8,11 +8,11 @@
 
 namespace isosyrk {
 
-/// Floating point operations of one complex n x n product, counted 8 n^3.
+/// Returns the floating point operations of one complex n x n product, counted as 8 n³.
 double product_flops(Index n);
 
-/// Products of n x n complex matrices with one backend. Workspace is allocated once, here; no
-/// product allocates. Not for use by two threads at a time.
+/// Products of n x n complex matrices with one backend.  Only the constructor allocates.  Not for
+/// use by two threads at a time.
 class Products {
  public:
   /// Throws std::invalid_argument for n < 1.
@@ -21,14 +21,15 @@ class Products {
   Products(const Products&) = delete;
   Products& operator=(const Products&) = delete;
 
-  /// C = scale A B.  All three n x n; C may be neither A nor B (std::invalid_argument).
+  /// C = scale A B.  Here and below, throws std::invalid_argument unless A, B and C are n x n and C
+  /// is neither A nor B.
   void multiply(const Matrix& A, const Matrix& B, Matrix& C, double scale = 1.0);
   /// C = A† B.
   void multiply_adjoint_left(const Matrix& A, const Matrix& B, Matrix& C);
   /// C = A B†.
   void multiply_adjoint_right(const Matrix& A, const Matrix& B, Matrix& C);
 
-  /// Products formed since construction.
+  /// Returns the number of products since construction.
   long count() const { return count_; }
   ProductBackend backend() const { return backend_; }
   Index size() const { return n_; }

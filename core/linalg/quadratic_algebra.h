@@ -7,19 +7,19 @@
 
 namespace isosyrk {
 
-/// The pair (paper, section 2; J invertible, J^2 = alpha I)
+/// The group and the algebra of a matrix J with J² = alpha I, alpha != 0 (the paper, section 2):
 ///
 ///     G = { Q : Q† J Q = J },      g = { W : W† J + J W = 0 }.
 ///
 /// J = I gives u(n), su(n), so(n); J = diag(±1) gives su(p, q); J = [[0, I], [-I, 0]] gives sp(2n).
-/// J is kept as the list of its nonzero entries, so that applying it costs O(n) entries times n
-/// for each of these; for J = I nothing is kept and nothing is applied.
+/// J is stored as the list of its k nonzero entries.  Applying J from both sides costs O(n² + k²).
+/// For J = I the list is empty and nothing is applied.
 class QuadraticAlgebra {
  public:
-  /// J = I.  Throws std::invalid_argument for n < 1.
+  /// Returns the algebra of J = I.  Throws std::invalid_argument for n < 1.
   static QuadraticAlgebra skew_hermitian(Index n);
-  /// Any J.  Throws std::invalid_argument unless J is square, finite and J^2 = alpha I, alpha != 0,
-  /// to 1e-14.
+  /// The algebra of any J.  Throws std::invalid_argument unless J is square and finite with
+  /// J² = alpha I, alpha != 0, to 1e-14 relative to |alpha|.
   explicit QuadraticAlgebra(const Matrix& J);
 
   Index size() const { return n_; }
@@ -30,9 +30,10 @@ class QuadraticAlgebra {
   /// out = J Q J⁻¹.  out is not Q.
   void conjugate_by_J(const Matrix& Q, Matrix& out) const;
 
-  /// Largest entry of |W† J + J W|: zero exactly on g (the skew defect, for J = I).
+  /// Returns the largest entry of |W† J + J W|, which is 0 exactly on g.  For J = I this is
+  /// skew_defect(W).
   double algebra_defect(const Matrix& W) const;
-  /// Largest entry of |Q† J Q - J|: zero exactly on G.
+  /// Returns the largest entry of |Q† J Q - J|, which is 0 exactly on G.
   double group_defect(const Matrix& Q) const;
 
  private:

@@ -18,9 +18,9 @@ RealVector spectrum(const Matrix& W) {
   Matrix hermitian = minus_half_i * (W - W.adjoint());
   const auto n = static_cast<lapack_int>(W.rows());
   RealVector eigenvalues(W.rows());
-  // By columns this is the transpose, whose eigenvalues are the same.  From the lower triangle:
-  // from the upper one zhetrd has OpenBLAS 0.3.21's zgemv kernel for AVX2 read past the end of the
-  // array.
+  // Read by columns, the array is the transpose, which has the same eigenvalues.  The lower
+  // triangle is used because of a bug in OpenBLAS 0.3.21: with the upper one, its zgemv kernel for
+  // AVX2, called by zhetrd, reads past the end of the array.
   const lapack_int info = LAPACKE_zheevd(LAPACK_COL_MAJOR, 'N', 'L', n,
                                          hermitian.data(), n, eigenvalues.data());
   if (info != 0) throw std::runtime_error(fmt::format("spectrum: zheevd failed ({})", info));

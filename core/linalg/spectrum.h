@@ -1,25 +1,25 @@
-// Spectra of skew-Hermitian matrices, what follows from them, and the defect of skewness.
+// Spectra, norms and Casimirs of skew-Hermitian matrices.
 #pragma once
 
 #include "isosyrk/linalg/matrix.h"
 
 namespace isosyrk {
 
-/// Eigenvalues of -iW, ascending, for skew-Hermitian W (LAPACK zheevd on the Hermitian part of
-/// -iW; how far W is from skew-Hermitian is skew_defect's to say).  Throws std::invalid_argument
-/// for a W that is not square or not finite.
+/// Returns the eigenvalues of the Hermitian part of -iW, ascending (LAPACK zheevd).  For
+/// skew-Hermitian W these are the eigenvalues of -iW; skew_defect() measures the distance.  Throws
+/// std::invalid_argument unless W is square and finite, std::runtime_error if zheevd fails.
 RealVector spectrum(const Matrix& W);
 
-/// Largest |λ_k(W) - λ_k(V)| of the sorted spectra.
+/// Returns the largest |λ_k(W) - λ_k(V)| of the sorted spectra.  Throws as spectrum().
 double spectrum_error(const Matrix& W, const Matrix& V);
 
-/// Spectral norm of a skew-Hermitian W.
+/// Returns the spectral norm of a skew-Hermitian W.  Throws as spectrum().
 double spectral_norm(const Matrix& W);
 
-/// Casimir tr(W^k), k >= 1.
+/// Returns the Casimir tr(W^k), by k - 1 products.  Throws std::invalid_argument for k < 1.
 Complex casimir(const Matrix& W, int k);
 
-/// Largest entry of |W + W†|.
+/// Returns the largest entry of |W + W†|.
 double skew_defect(const Matrix& W);
 
 }  // namespace isosyrk

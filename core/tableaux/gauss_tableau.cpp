@@ -10,7 +10,7 @@
 namespace isosyrk {
 namespace {
 
-// Everything in extended precision, so that each coefficient is rounded to double once.
+// Coefficients are computed in extended precision and rounded to double once.
 using Extended = long double;
 
 struct LegendreValue {
@@ -18,7 +18,7 @@ struct LegendreValue {
   Extended derivative;
 };
 
-// P_s and P_s' at x in (-1, 1), by the three-term recurrence.
+// Returns P_s(x) and P_s'(x) for x in (-1, 1), by the three-term recurrence.
 LegendreValue legendre(int s, Extended x) {
   Extended previous = 1;
   Extended current = x;
@@ -33,7 +33,7 @@ LegendreValue legendre(int s, Extended x) {
   return {current, order * (x * current - previous) / (x * x - 1)};
 }
 
-// Zeros of P_s, ascending, by Newton's method from the classical estimate.
+// Returns the zeros of P_s, ascending, by Newton's method from the classical cosine estimate.
 std::vector<Extended> legendre_zeros(int s) {
   std::vector<Extended> zeros(static_cast<std::size_t>(s));
   for (int i = 0; i < s; ++i) {
@@ -49,7 +49,7 @@ std::vector<Extended> legendre_zeros(int s) {
   return zeros;
 }
 
-// The j-th Lagrange polynomial on the given nodes, at x.
+// Returns the value at x of the j-th Lagrange polynomial on the given nodes.
 Extended lagrange(const std::vector<Extended>& nodes, std::size_t j, Extended x) {
   Extended product = 1;
   for (std::size_t k = 0; k < nodes.size(); ++k) {
@@ -80,7 +80,7 @@ Tableau gauss_tableau(int s) {
     tableau.b(row) = static_cast<double>(b[i]);
     tableau.c(row) = static_cast<double>(c[i]);
     for (std::size_t j = 0; j < size; ++j) {
-      // The same quadrature, moved to [0, c_i], is exact for the Lagrange polynomial.
+      // The quadrature mapped to [0, c_i] is exact for the Lagrange polynomial of degree s - 1.
       Extended integral = 0;
       for (std::size_t k = 0; k < size; ++k) integral += b[k] * lagrange(c, j, c[i] * c[k]);
       tableau.a(row, static_cast<Index>(j)) = static_cast<double>(c[i] * integral);

@@ -18,11 +18,11 @@ struct Tableau {
   int stages() const { return static_cast<int>(b.size()); }
 };
 
-/// Largest |b_i a_ij + b_j a_ji - b_i b_j|: zero, up to rounding, exactly for symplectic tableaux,
-/// those for which the three formulations coincide (the paper's theorem).
+/// Returns the largest |b_i a_ij + b_j a_ji - b_i b_j|, which is 0 up to rounding exactly for
+/// symplectic tableaux.  For these the three formulations coincide (the paper's theorem).
 double symplecticity_defect(const Tableau& tableau);
 
-/// Throws std::invalid_argument unless the sizes agree, there are 1 to max_stages stages and
+/// Throws std::invalid_argument unless the sizes agree, the tableau has 1 to max_stages stages and
 /// every coefficient is finite.
 void require_consistent(const Tableau& tableau);
 
