@@ -8,7 +8,7 @@
 namespace isosyrk {
 namespace {
 
-// Columns first ... first + count - 1 of a row of both parts, squared.
+// Returns |W(row, c)|² for the columns c = first ... first + count - 1.
 template <class Real>
 auto squares_in_row(const SplitMatrixOf<Real>& W, Index row, Index first, Index count) {
   const auto of = [&](const Real* part) {
@@ -20,7 +20,7 @@ auto squares_in_row(const SplitMatrixOf<Real>& W, Index row, Index first, Index 
   return of(W.re()) + of(W.im());
 }
 
-// squares(m) = Σ |W(r, c)|² over |r - c| = m, for the diagonals m of the share.
+// squares(m) = Σ |W(r, c)|² over |r - c| = m, for the diagonals m of a share.
 template <class Real>
 void diagonal_squares(const SplitMatrixOf<Real>& W, RealVector& squares, Share share) {
   const Index n = W.size();
@@ -41,7 +41,7 @@ void diagonal_squares(const SplitMatrixOf<Real>& W, RealVector& squares, Share s
   }
 }
 
-// The same of a skew-Hermitian matrix whose upper triangle is read.
+// As diagonal_squares, for a skew-Hermitian matrix.  Reads its upper triangle only.
 void diagonal_squares_of_skew(const SplitMatrix& W, RealVector& squares, Share share) {
   const Index n = W.size();
   const auto [first, end] = parallel::rows_of_share(n, share);

@@ -1,5 +1,5 @@
-// Band truncation: split matrices of a smooth state fall off away from the diagonal, and products
-// leave out what does not count.
+// Band truncation: in a smooth state the entries of split matrices decay away from the diagonal.
+// Products skip the entries outside a band, where the matrix is negligible.
 #pragma once
 
 #include <vector>
@@ -9,41 +9,40 @@
 
 namespace isosyrk {
 
-/// The smallest band outside which entries come to at most `tail` in the Frobenius norm, from the
-/// sums of squares of the diagonals |r - c| = 0 ... n - 1.
+/// Returns the smallest band outside which a matrix has Frobenius norm at most `tail`.  squares(m)
+/// is the sum of squares over |r - c| = m, m = 0 ... n - 1.  A NaN at m gives a band of at least m.
 Index smallest_band(const RealVector& squares, double tail);
 
-/// Sets what lies outside a band of W to 0, or the share of the rows.
+/// Sets the entries of W outside a band to 0, in the rows of the share.
 template <class Real>
 void cut_to_band(Index band, SplitMatrixOf<Real>& W, Share share = {});
 
-/// The policy of band truncation, with its workspace: each matrix is cut to the smallest band that
-/// holds all but a tail of it in the Frobenius norm.  |r - c| <= m holds all modes up to degree m, so
-/// in a smooth state bands are narrow; in a rough one nothing is cut.  Allocates in the constructor
-/// only.
+/// Cuts each matrix to the smallest band outside which its Frobenius norm is at most a given tail.
+/// The band |r - c| <= m holds all modes up to degree m.  In a smooth state bands are therefore
+/// narrow; in a rough one nothing is cut.  Only the constructor allocates.
 class BandTruncation {
  public:
-  /// For up to `matrices` n x n matrices at a time; if not enabled, nothing is ever cut.
+  /// For up to `matrices` n x n matrices at a time.  If not enabled, nothing is cut.
   BandTruncation(bool enabled, std::size_t matrices, Index n);
 
   bool enabled() const { return enabled_; }
   void enable(bool enabled) { enabled_ = enabled; }
 
-  /// Cuts each X_i to its band, and says so (SplitMatrixOf::band).
+  /// Cuts each X_i to its band and sets X_i.band().  If not enabled, sets the full band.
   template <class Real>
   void truncate(double tail, SplitStagesOf<Real>& X);
 
-  /// B_i, skew-Hermitian, of which the upper triangle is given: the lower one is filled in, and both
-  /// are cut.
+  /// Cuts each skew-Hermitian B_i, given by its upper triangle, to its band.  Fills the lower
+  /// triangle and sets B_i.band().
   void truncate_skew(double tail, SplitStages& B);
-  /// S_i = B_i rounded to single precision, cut to what counts against `tail`; B_i as
-  /// truncate_skew left them last.
+  /// S_i = B_i rounded to single precision and cut to the band of `tail`.  The B_i must be
+  /// unchanged since the last truncate_skew().
   void round_skew(double tail, const SplitStages& B, SingleStages& S) const;
 
  private:
   bool enabled_;
-  std::vector<RealVector> squares_;  // of the diagonals of what truncate() measured
-  std::vector<RealVector> skew_squares_;
+  std::vector<RealVector> squares_;  // diagonal_squares of each X_i in truncate()
+  std::vector<RealVector> skew_squares_;  // of each B_i in truncate_skew()
 };
 
 }  // namespace isosyrk

@@ -1,4 +1,4 @@
-// Denormal numbers as 0 for a while.
+// Scoped control of how a thread treats denormal numbers.
 #pragma once
 
 #if defined(__SSE2__)
@@ -7,8 +7,8 @@
 
 namespace isosyrk {
 
-/// While one lives, this thread treats denormal numbers as 0, or as numbers; then as it did before.
-/// Only x86 is told; on others this does nothing.
+/// Sets, for its lifetime, whether this thread treats denormal numbers as 0 or as numbers.  The
+/// destructor restores the mode before.  Does nothing on processors other than x86.
 class DenormalMode {
  public:
   DenormalMode(const DenormalMode&) = delete;
@@ -29,11 +29,10 @@ class DenormalMode {
 #endif
 };
 
-/// While one lives, this thread reads denormal numbers as 0 and writes 0 for them.
+/// Makes this thread, for its lifetime, read denormal numbers as 0 and write 0 in place of them.
 ///
-/// Corrections in single precision fall off away from the diagonal, past 1e-38 and so to nothing
-/// that counts, but some processors take over a hundred cycles for each such number: a step at
-/// n = 129 then takes three to five times as long.
+/// Corrections in single precision decay away from the diagonal to below 1e-38.  Numbers that small
+/// do not affect the result, but some processors take over a hundred cycles for each of them.
 class FlushDenormals : DenormalMode {
  public:
   FlushDenormals() : DenormalMode(true) {}

@@ -33,7 +33,7 @@ inline Range nonzero_terms(const SplitProduct<Real>& product, Index first_row, I
   return {larger(of_A.begin, of_B.begin), smaller(of_A.end, of_B.end)};
 }
 
-// Whether no entry of the given block of C is needed: all lie beyond C_band or below the upper
+// True if no entry of the given block of C is needed: all lie beyond C_band or below the upper
 // triangle.
 template <class Real>
 inline bool unneeded(const SplitProduct<Real>& product, Index row, Index rows, Index column,

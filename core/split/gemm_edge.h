@@ -7,7 +7,7 @@
 namespace isosyrk {
 namespace {
 
-// Whether n leaves a single column beyond whole vectors.
+// True if n leaves a single column beyond whole vectors.
 template <class Real>
 inline bool has_last_column(Index n) {
   return n > 1 && n % Index{width<Real>} == 1;

@@ -79,7 +79,7 @@ void multiply_packed(const SplitProduct<Real>& product, Range rows, const LeftFa
 // constant for starting and storing the tile.
 template <class Real>
 inline Index work_in_row(const SplitProduct<Real>& product, Index i, Index height) {
-  constexpr Index start_and_store = 8;  // about as long as so many terms
+  constexpr Index start_and_store = 8;  // estimated, in terms
   Index work = 0;
   for_panels<Real>(product.n, [&](TileColumns, Index j, Index columns) {
     if (unneeded(product, i, height, j, columns)) return;
@@ -90,8 +90,8 @@ inline Index work_in_row(const SplitProduct<Real>& product, Index i, Index heigh
   return work;
 }
 
-// The rows of parts first_part ... end_part - 1. Where one part ends the next begins, whichever
-// call asks.
+// Returns the rows of parts first_part ... end_part - 1. The boundary between two parts does not
+// depend on which parts a call forms.
 template <class Real>
 __attribute__((noinline)) Range rows_of_share(const SplitProduct<Real>& product) {
   const Index n = product.n;

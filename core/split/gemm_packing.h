@@ -10,13 +10,13 @@
 namespace isosyrk {
 namespace {
 
-// Numbers in the whole vectors that hold `columns` columns.
+// Returns `columns` rounded up to whole vectors.
 template <class Real>
 constexpr Index whole_vectors(Index columns) {
   return (columns + width<Real> - 1) / width<Real> * width<Real>;
 }
 
-// Where the packed panel that begins at column j stands.
+// Returns the place of the packed panel that begins at column j.
 template <class Real>
 inline __attribute__((always_inline)) Real* packed_panel(const SplitProduct<Real>& product,
                                                          Index j) {

@@ -31,7 +31,8 @@ using Vector = typename VectorOf<Real>::type;
 template <class Real>
 constexpr int width = vector_bytes / sizeof(Real);
 
-// By memcpy: a reference to a vector promises its alignment to clang, whatever its type says.
+// `at` need not be aligned. Copied by memcpy, since clang assumes that a reference to a vector is
+// aligned, whatever the alignment of the vector type.
 template <class Real>
 inline __attribute__((always_inline)) Vector<Real> load(const Real* at) {
   Vector<Real> values;

@@ -6,8 +6,8 @@ namespace isosyrk {
 namespace linear_combination {
 namespace {
 
-// Rows of both precisions hold whole pieces of 128 bytes: the real and the imaginary part are each
-// padded to 64.
+// Rows of both precisions consist of whole pieces of 128 bytes, since the real and the imaginary
+// part are each padded to a multiple of 64 bytes.
 template <class Real>
 constexpr int piece_length = 128 / sizeof(Real);
 template <class Real>
@@ -18,8 +18,8 @@ auto view(const Real* at) {
   return Eigen::Map<const Eigen::Array<Real, length, 1>>(at);
 }
 
-// The first `count` terms, copied so that the compiler sees that nothing changes them and unrolls
-// the sum: half again as fast as a loop.
+// A sum of `count` terms, with `count` a constant.  The terms are copied, so that the compiler
+// knows that no store changes them and unrolls the sum.
 template <std::size_t count, class Real>
 struct Unrolled {
   explicit Unrolled(const LinearCombination<Real>& sum) {
@@ -40,6 +40,7 @@ struct Unrolled {
   std::array<const Real*, count> numbers;
 };
 
+// A sum of any number of terms, formed in a loop.
 template <class Real>
 struct Looped {
   explicit Looped(const LinearCombination<Real>& sum) : count(sum.count()) {
@@ -60,7 +61,7 @@ struct Looped {
   std::array<const Real*, LinearCombination<Real>::most> numbers;
 };
 
-// Calls use(terms), unrolled for up to six terms, as three stages have.
+// Calls use(terms), unrolled for up to six terms: enough for three stages.
 template <class Real, class Use>
 auto with_terms(const LinearCombination<Real>& sum, Use&& use) {
   switch (sum.count()) {
@@ -81,8 +82,8 @@ auto with_terms(const LinearCombination<Real>& sum, Use&& use) {
   }
 }
 
-// Calls body(i, k) for eight neighbouring numbers after the other, at i in double and k in single
-// precision: their rows are padded differently.
+// Calls body(i, k) for each piece of eight consecutive numbers in the rows: at i in double, at k in
+// single precision.  Rows of the two precisions are padded differently.
 constexpr int mixed_length = 8;
 template <class Body>
 void for_mixed_pieces(Index n, parallel::Rows rows, Body&& body) {

@@ -1,9 +1,9 @@
 // Linear combinations of split matrices: every sum over stages, past steps or corrections, in one
 // pass over memory.
 //
-// The sums cost O(s² n²) beside the products' O(s n³), and at the sizes of interest they keep a sweep
-// from running at the products' speed.  All weights are real, so a matrix is a row of real numbers,
-// and everything that is wanted of a few of these is done while they are in registers.
+// The sums cost O(s² n²) operations, products O(s n³).  At moderate n the sums still take a
+// noticeable part of a sweep, since they are limited by memory.  All weights are real, so a matrix
+// is read as an array of real numbers.  A few numbers of all terms are combined in registers.
 #pragma once
 
 #include <algorithm>
@@ -15,21 +15,24 @@
 
 namespace isosyrk {
 
-/// Σ_t weight_t X_t of at least one split matrix.  The matrices must outlive it.
+/// The sum Σ_t weight_t X_t of 1 to `most` split matrices of one size.  Holds pointers: the
+/// matrices must outlive the sum.
 template <class Real>
 class LinearCombination {
  public:
-  /// Room for the terms of any stage equation: all X_j and M_jk, j <= k, of max_stages stages.
+  /// Largest number of terms, enough for any stage equation: X_j and M_jk, j <= k, of max_stages
+  /// stages.  Not checked.
   static constexpr std::size_t most = max_stages * (max_stages + 3) / 2;
 
-  // Copies, and leaves alone, all but the terms there are: there is room for many.
-  LinearCombination() {}  // NOLINT(modernize-use-equals-default): `= default` would zero the room
+  // Initialises and copies only the terms in use, since the arrays have room for many.
+  LinearCombination() {}  // NOLINT(modernize-use-equals-default): `= default` may zero the arrays
   LinearCombination(const LinearCombination& other) : count_(other.count_) {
     std::copy_n(other.weights_.begin(), count_, weights_.begin());
     std::copy_n(other.terms_.begin(), count_, terms_.begin());
   }
   LinearCombination& operator=(const LinearCombination&) = delete;
 
+  /// Adds weight X.
   LinearCombination& add(double weight, const SplitMatrixOf<Real>& X) {
     weights_[count_] = static_cast<Real>(weight);
     terms_[count_++] = &X;
@@ -45,7 +48,7 @@ class LinearCombination {
   std::size_t count() const { return count_; }
   Real weight(std::size_t t) const { return weights_[t]; }
   const SplitMatrixOf<Real>& term(std::size_t t) const { return *terms_[t]; }
-  /// The widest band of a term.
+  /// Returns the widest band of a term.
   Index band() const {
     Index widest = 0;
     for (std::size_t t = 0; t < count_; ++t) {
@@ -60,12 +63,12 @@ class LinearCombination {
   std::array<const SplitMatrixOf<Real>*, most> terms_;
 };
 
-/// The sum of one weighted matrix, to be added to.
+/// Returns weight X.
 template <class Real>
 LinearCombination<Real> sum_of(double weight, const SplitMatrixOf<Real>& X) {
   return LinearCombination<Real>().add(weight, X);
 }
-/// Σ_j weights(j) Y_j.
+/// Returns Σ_j weights(j) Y_j.
 template <class Weights, class Real>
 LinearCombination<Real> sum_of(const Weights& weights, const SplitStagesOf<Real>& Y) {
   return LinearCombination<Real>().add(weights, Y);
@@ -73,8 +76,9 @@ LinearCombination<Real> sum_of(const Weights& weights, const SplitStagesOf<Real>
 
 namespace linear_combination {
 
-// Of some rows of one matrix; those that return a number return the sum of squares of what the name
-// says.  The out matrix may be a term.
+// The operations below this namespace, in some rows of one matrix.  change_rows, residual_rows and
+// squares_of_rows return sums of squares: of the change, of R, of X.  `out` may be a term of the
+// sum.
 template <class Real>
 void assign_rows(const LinearCombination<Real>& sum, parallel::Rows rows, SplitMatrixOf<Real>& out);
 template <class Real>
@@ -87,7 +91,7 @@ double squares_of_rows(const SplitMatrixOf<Real>& X, parallel::Rows rows);
 void round_rows(const SplitMatrix& X, parallel::Rows rows, SingleMatrix& S);
 void add_rows(const SingleMatrix& S, parallel::Rows rows, SplitMatrix& X);
 
-// Calls f(item, rows) for the blocks of rows of all items.
+// Calls f(item, rows) for every block of rows of every item.
 template <class F>
 void for_each_block_of_rows(std::size_t items, Index n, F&& f) {
   const Index blocks = parallel::sum_blocks(n);
@@ -98,8 +102,8 @@ void for_each_block_of_rows(std::size_t items, Index n, F&& f) {
       });
 }
 
-// The largest sqrt of Σ f(item, rows) over the blocks of an item, added in the order of blocks; NaN
-// if any is.
+// Returns the largest over the items of sqrt(Σ f(item, rows)), summed over blocks in their order.
+// NaN if any sum is NaN.
 template <class F>
 double largest_norm_of(std::size_t items, Index n, F&& f) {
   const Index blocks = parallel::sum_blocks(n);
@@ -121,8 +125,8 @@ double largest_norm_of(std::size_t items, Index n, F&& f) {
 
 }  // namespace linear_combination
 
-/// out_i = sum(i), a LinearCombination, for all i.  out_i may be a term of its own sum, not of
-/// others.
+/// out_i = sum(i) for all i.  sum(i) is a LinearCombination.  out_i may be a term of sum(i), but of
+/// no other sum.
 template <class Real, class Sum>
 void assign(SplitStagesOf<Real>& out, Sum&& sum) {
   if (out.empty()) return;
@@ -132,7 +136,7 @@ void assign(SplitStagesOf<Real>& out, Sum&& sum) {
       });
 }
 
-/// out = sum, likewise, of one matrix.
+/// out = sum.  out may be a term of the sum.
 template <class Real>
 void assign(SplitMatrixOf<Real>& out, const LinearCombination<Real>& sum) {
   linear_combination::for_each_block_of_rows(
@@ -141,7 +145,8 @@ void assign(SplitMatrixOf<Real>& out, const LinearCombination<Real>& sum) {
       });
 }
 
-/// The same of all X_i; returns the largest Frobenius norm of a change of X_i, NaN if any is.
+/// Sets X_i = sum(i) for all i as assign does, and returns the largest Frobenius norm of a change
+/// of X_i.  NaN if any norm is NaN.
 template <class Real, class Sum>
 double replace(SplitStagesOf<Real>& X, Sum&& sum) {
   if (X.empty()) return 0.0;
@@ -151,8 +156,8 @@ double replace(SplitStagesOf<Real>& X, Sum&& sum) {
       });
 }
 
-/// R_i = sum(i) - X_i, formed in double and rounded to single precision; returns the largest
-/// Frobenius norm, NaN if any is.
+/// Sets R_i = sum(i) - X_i, formed in double and rounded to single precision.  Returns the largest
+/// Frobenius norm of sum(i) - X_i, or NaN if any norm is NaN.
 template <class Sum>
 double residual(const SplitStages& X, Sum&& sum, SingleStages& R) {
   if (X.empty()) return 0.0;
@@ -162,7 +167,7 @@ double residual(const SplitStages& X, Sum&& sum, SingleStages& R) {
       });
 }
 
-/// The largest Frobenius norm, NaN if any is.
+/// Returns the largest Frobenius norm of an X_i, or NaN if any norm is NaN.
 template <class Real>
 double largest_norm(const SplitStagesOf<Real>& X) {
   if (X.empty()) return 0.0;
@@ -172,10 +177,10 @@ double largest_norm(const SplitStagesOf<Real>& X) {
       });
 }
 
-/// S_i = X_i rounded to single precision, with its band.
+/// S_i = X_i rounded to single precision, with the band of X_i.
 void round_to_single(const SplitStages& X, SingleStages& S);
 
-/// X_i += S_i.
+/// X_i += S_i.  The band of X_i becomes the wider of the two.
 void add(const SingleStages& S, SplitStages& X);
 
 /// X_i += scale I.

@@ -33,7 +33,8 @@ namespace parallel {
 
 void run_region(void (*body)(void* context, int thread, int threads), void* context) {
   ran_in_parallel.store(true, std::memory_order_relaxed);
-  // Threads that OpenMP makes here inherit the mode, and keep it beyond the region.
+  // OpenMP creates threads here.  They inherit the mode of this thread and keep it after the
+  // region, so the mode is reset first.
   const DenormalMode as_numbers(false);
 #pragma omp parallel num_threads(current_threads)
   {

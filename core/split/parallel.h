@@ -1,4 +1,5 @@
-// All parallelism of the library: the operations of this room share their work among OpenMP threads.
+// All parallelism of the library.  The operations of this room share their work among OpenMP
+// threads.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +9,8 @@
 
 namespace isosyrk {
 
-/// A share of the work on one matrix: parts first ... end - 1 of `parts` equal ones.  Each entry is
-/// formed as in the whole, so that shares put together are the whole bit for bit.
+/// A share of the work on one matrix: parts first ... end - 1 of `parts` equal parts.  The default
+/// is all of it.  Each entry is formed alike in any share, so the result is the same bit for bit.
 struct Share {
   Index first = 0;
   Index end = 1;
@@ -18,8 +19,8 @@ struct Share {
   bool is_first() const { return first == 0; }
 };
 
-/// While one lives, the operations of this room run on so many threads where they are called by the
-/// thread that made it, and denormal numbers count as 0 in each of them (FlushDenormals).
+/// Sets, for its lifetime, the number of threads on which operations of this room run when called
+/// by the present thread.  All these threads treat denormal numbers as 0 (FlushDenormals).
 class ThreadScope {
  public:
   /// Throws std::invalid_argument unless 1 <= threads <= most.
@@ -29,7 +30,7 @@ class ThreadScope {
   ThreadScope& operator=(const ThreadScope&) = delete;
 
   static constexpr int most = 64;
-  /// Throws as the constructor; returns `threads`.
+  /// Returns `threads`, or throws as the constructor does.
   static int checked(int threads);
 
  private:
@@ -37,22 +38,23 @@ class ThreadScope {
   FlushDenormals flush_;
 };
 
-/// Whether this process has had a parallel region of more than one thread.  A child that is forked
-/// after that and opens one of its own would wait for ever (GCC bug 60035).
+/// True if this process has run a parallel region with more than one thread.  A child forked after
+/// that hangs in libgomp when it opens a parallel region of its own (GCC bug 60035).
 bool has_run_in_parallel();
 
 namespace parallel {
 
 inline constinit thread_local int current_threads = 1;
 
-/// Blocks of rows into which sums over an n x n matrix are cut: fixed by n, so that every number of
-/// threads adds in the same order.
+/// Returns the number of blocks of rows into which sums over an n x n matrix are cut.  It depends
+/// on n only, so that every number of threads adds in the same order.
 inline Index sum_blocks(Index n) {
   constexpr Index rows_of_block = 16;
   constexpr Index most_blocks = 16;
   if (n < 3 * rows_of_block) return 1;
   return n / rows_of_block < most_blocks ? n / rows_of_block : most_blocks;
 }
+/// Upper bound of sum_blocks(n).
 inline constexpr Index most_sum_blocks = 16;
 
 /// Rows begin ... end - 1.
@@ -60,16 +62,18 @@ struct Rows {
   Index begin;
   Index end;
 };
+/// Returns the rows of a share of n rows.
 inline Rows rows_of_share(Index n, Share share) {
   return {n * share.first / share.parts, n * share.end / share.parts};
 }
 
-// Calls body(context, thread, threads) on all threads of a region.
+// Calls body(context, thread, threads) on each thread of a parallel region, with current_threads
+// threads or fewer if OpenMP has no more.  Returns when all are done.
 void run_region(void (*body)(void* context, int thread, int threads), void* context);
 
-/// Calls f(item, share, thread) so that the shares of each item below `items` make up the whole of
-/// it, and returns once all are done.  Item i is weight(i) >= 1 times as much work as the unit; each
-/// thread has as much work as the others, and neighbouring items.  f may not throw.
+/// Calls f(item, share, thread) for shares that together cover every item 0 ... items - 1, and
+/// returns when all calls are done.  Item i takes weight(i) >= 1 units of work.  Every thread has
+/// the same amount of work, on consecutive items.  f must not throw.
 template <class Weight, class F>
 void for_each_share(Index items, Weight&& weight, F&& f) {
   if (current_threads == 1) {
@@ -77,7 +81,7 @@ void for_each_share(Index items, Weight&& weight, F&& f) {
     return;
   }
   auto of_thread = [&](int thread, int threads) {
-    // Item i has threads * weight(i) parts; each thread takes as many as the weights add up to.
+    // Item i has threads * weight(i) parts.  Each thread takes Σ weight(i) parts in all.
     Index all = 0;
     for (Index item = 0; item < items; ++item) all += weight(item);
     const Index begin = thread * all;
@@ -99,14 +103,15 @@ void for_each_share(Index items, Weight&& weight, F&& f) {
       },
       &of_thread);
 }
+/// As above, with weight 1 for every item.
 template <class F>
 void for_each_share(Index items, F&& f) {
   for_each_share(items, [](Index) { return Index{1}; }, f);
 }
 
-/// Calls f(item, block) for every block below `blocks` of every item below `items`, and returns once
-/// all are done.  With one thread, all items of a block follow one another, so that what they read
-/// in common stays in the cache.  f may not throw.
+/// Calls f(item, block) for item = 0 ... items - 1 and block = 0 ... blocks - 1, and returns when
+/// all calls are done.  With one thread the items of one block follow one another, so that their
+/// common terms stay in cache.  f must not throw.
 template <class F>
 void for_each_block(Index items, Index blocks, F&& f) {
   if (current_threads == 1) {

@@ -9,18 +9,19 @@
 namespace isosyrk {
 namespace {
 
-// The column left of which lie part / parts of the entries of the upper triangle, rounded down to the
-// beginning of a block of four.
+// Returns the column c such that part / parts of the upper triangle lies left of c, rounded down to
+// a multiple of 4.
 Index first_column(Index n, Index part, Index parts) {
   if (part == parts) return n;
   const double share = static_cast<double>(part) / static_cast<double>(parts);
   return static_cast<Index>(static_cast<double>(n) * std::sqrt(share)) / 4 * 4;
 }
 
-// Calls block(upper, lower) with the places of the blocks of four rows at (r, c) and (c, r), r < c,
-// and pair(upper, lower) with those of single entries of what is left, the diagonal's blocks, those
-// at the edge of the band and the last rows that are less than four; and on_diagonal(place); of all
-// within a band, or of a share of them.
+// Visits the entries of a share within a band, by their places in C:
+//   block(upper, lower) for the 4 x 4 blocks at (r, c) and (c, r), r < c, that lie in the band;
+//   pair(upper, lower) for all other entries (r, c) and (c, r), r < c: in blocks on the diagonal or
+//     across the edge of the band, and in the last columns if they are fewer than four;
+//   on_diagonal(place) for (r, r).
 template <class Real, class OnBlock, class OnPair, class OnDiagonal>
 void for_pairs(const SplitMatrixOf<Real>& C, Index band, Share share, OnBlock&& block,
                OnPair&& pair, OnDiagonal&& on_diagonal) {
@@ -93,7 +94,7 @@ void mirror_skew_within(Index band, SplitMatrixOf<Real>& C, Share share) {
 
 namespace {
 
-// scale (C - C†) within a band, above the diagonal and, if asked for, below it.
+// out = scale (C - C†) within a band, in the upper triangle and, if `below`, in the lower one.
 template <bool below, class Real>
 void form_skew_part(Index band, const SplitMatrixOf<Real>& C, Real scale,
                     SplitMatrixOf<Real>& out, Share share) {
@@ -142,7 +143,7 @@ void form_skew_part(Index band, const SplitMatrixOf<Real>& C, Real scale,
       });
 }
 
-// out = -C†, or the share of it.
+// out = -C† in a share.
 template <class Real>
 void minus_adjoint(const SplitMatrixOf<Real>& C, SplitMatrixOf<Real>& out, Share share) {
   const Index stride = C.stride();
@@ -179,7 +180,7 @@ void minus_adjoint(const SplitMatrixOf<Real>& C, SplitMatrixOf<Real>& out, Share
       });
 }
 
-// Calls f(i, share) for shares of all items.
+// Calls f(i, share) for shares that together cover every item.
 template <class F>
 void for_shares(std::size_t items, F&& f) {
   parallel::for_each_share(static_cast<Index>(items), [&](Index i, Share share, int) {

@@ -1,4 +1,4 @@
-// Skew-Hermitian parts, mirrored triangles and adjoints of split matrices, by blocks of 4 x 4.
+// Skew-Hermitian parts, mirrored triangles and adjoints of split matrices, in blocks of 4 x 4.
 #pragma once
 
 #include <type_traits>
@@ -8,16 +8,17 @@
 
 namespace isosyrk {
 
-/// Fills the lower triangle of a skew-Hermitian matrix from the upper, or the share of it:
-/// C(r, c) = -conj(C(c, r)), the diagonal imaginary.
+/// Fills the lower triangle of a skew-Hermitian matrix from the upper one, in a share of C:
+/// C(r, c) = -conj(C(c, r)) for r > c.  The real part of the diagonal becomes 0.
 template <class Real>
 void mirror_skew(SplitMatrixOf<Real>& C, Share share = {});
-/// The same within a band, to which C is cut.
+/// As mirror_skew within a band.  Sets C to 0 outside the band, and C.band().
 template <class Real>
 void mirror_skew_within(Index band, SplitMatrixOf<Real>& C, Share share = {});
-/// Both of all C_i.
+/// mirror_skew of all C_i.
 template <class Real>
 void mirror_skew(SplitStagesOf<Real>& C);
+/// mirror_skew_within of all C_i.
 template <class Real>
 void mirror_skew_within(Index band, SplitStagesOf<Real>& C);
 
@@ -26,7 +27,7 @@ template <class Real>
 void skew_part(const SplitStagesOf<Real>& C, std::type_identity_t<Real> scale,
                SplitStagesOf<Real>& out);
 
-/// The upper triangle of C_i - C_i† within a band; the rest of out_i stays as it was.
+/// out_i = C_i - C_i† in the upper triangle within a band.  Other entries of out_i are unchanged.
 template <class Real>
 void upper_skew_part_within(Index band, const SplitStagesOf<Real>& C, SplitStagesOf<Real>& out);
 

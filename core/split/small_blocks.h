@@ -1,4 +1,4 @@
-// Blocks of 4 x 4 real numbers: what transposes, or runs along diagonals, in split storage.
+// Vectors of 4 and blocks of 4 x 4 real numbers, for transposes and for loops along diagonals.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace isosyrk {
 
-/// Four neighbouring real numbers, in whatever vectors the processor has.
+/// Four consecutive real numbers, in the vectors that the compiler chooses.
 template <class Real>
 struct FourOf {
   typedef Real type __attribute__((vector_size(4 * sizeof(Real))));
@@ -18,7 +18,8 @@ struct FourOf {
 template <class Real>
 using Four = typename FourOf<Real>::type;
 
-// By memcpy: a reference to a vector promises its alignment to clang, whatever its type says.
+// `at` need not be aligned.  Copied by memcpy, since clang assumes that a reference to a vector is
+// aligned, whatever the alignment of the vector type.
 template <class Real>
 inline __attribute__((always_inline)) Four<Real> load_four(const Real* at) {
   Four<Real> values;
@@ -30,7 +31,7 @@ inline __attribute__((always_inline)) void store_four(Real* at, const Four<Real>
   __builtin_memcpy(at, &values, sizeof values);
 }
 
-/// Sets what follows the first `count` of four numbers to 0, NaN too.
+/// Sets all but the first `count` of four numbers to 0, even if they are NaN.
 template <class Real>
 void clear_from(Index count, Four<Real>& values) {
   using Bits = typename FourOf<Real>::Bits;
@@ -39,7 +40,7 @@ void clear_from(Index count, Four<Real>& values) {
   values = reinterpret_cast<Four<Real>>(reinterpret_cast<Bits>(values) & kept);
 }
 
-/// Four rows of four numbers.
+/// A block of four rows of four numbers, `stride` apart in memory.
 template <class Real>
 struct Block {
   Four<Real> row[4];

@@ -1,4 +1,4 @@
-// Complex matrices in split-complex storage: real and imaginary parts apart, as vector units take them.
+// Complex matrices in split-complex storage.
 #pragma once
 
 #include <vector>
@@ -7,9 +7,10 @@
 
 namespace isosyrk {
 
-/// Real numbers that one part of a row takes: at least n + 3, padded to whole vectors of 64 bytes, so
-/// that four numbers may be read from any column on.  Twice that, the distance from row to row, is
-/// never a multiple of 4 KiB, at which all rows would fall into the same sets of a cache.
+/// Returns the length, in numbers, of the real or imaginary part of a row with its padding.  It is
+/// at least n + 3, so that four numbers may be read from any column on, and a multiple of 64 bytes.
+/// The stride, twice this length, is never a multiple of 4 KiB, where all rows would share cache
+/// sets.
 template <class Real>
 Index split_row(Index n) {
   constexpr Index vector = 64 / sizeof(Real);
@@ -18,15 +19,15 @@ Index split_row(Index n) {
 }
 
 /// An n x n complex matrix in split-complex storage: each row holds its real parts, then its
-/// imaginary parts, both padded with zeros to split_row(n).  So any range of rows is one piece of
-/// memory.
+/// imaginary parts, both padded with zeros to split_row(n).  A range of rows is therefore
+/// contiguous.
 template <class Real>
 class SplitMatrixOf {
  public:
   using Entries = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
 
   SplitMatrixOf() = default;
-  /// All zero.
+  /// The zero matrix.
   explicit SplitMatrixOf(Index n)
       : n_(n),
         stride_(2 * split_row<Real>(n)),
@@ -36,11 +37,11 @@ class SplitMatrixOf {
   explicit SplitMatrixOf(const Matrix& W) : SplitMatrixOf(W.rows()) { load(W); }
 
   Index size() const { return n_; }
-  /// From row to row.
+  /// Numbers from row to row.
   Index stride() const { return stride_; }
 
-  /// Entries (r, c) with |r - c| > band are 0, which products make use of: n - 1, the whole, unless
-  /// whoever wrote the entries said so.
+  /// Returns a band such that all entries with |r - c| > band are 0; products skip these.  It is n
+  /// - 1 unless set_band() was called by the function that wrote the entries.
   Index band() const { return band_; }
   void set_band(Index band) { band_ = band < n_ - 1 ? band : n_ - 1; }
 
@@ -49,11 +50,11 @@ class SplitMatrixOf {
   const Real* re() const { return entries_.data(); }
   const Real* im() const { return entries_.data() + stride_ / 2; }
 
-  /// Everything in a row: for sums of matrices, entry by entry, and for the Frobenius norm.
+  /// All numbers, padding included, as one vector: for linear combinations and the Frobenius norm.
   Entries& entries() { return entries_; }
   const Entries& entries() const { return entries_; }
 
-  /// Takes the entries of W; the band is the whole again.
+  /// Copies W and resets the band to n - 1.
   void load(const Matrix& W) {
     band_ = n_ - 1;
     for (Index r = 0; r < n_; ++r) {
@@ -63,11 +64,13 @@ class SplitMatrixOf {
       }
     }
   }
+  /// Copies the entries to W, n x n.
   void store(Matrix& W) const {
     for (Index r = 0; r < n_; ++r) {
       for (Index c = 0; c < n_; ++c) W(r, c) = {re()[r * stride_ + c], im()[r * stride_ + c]};
     }
   }
+  /// Returns the matrix in the usual storage.
   Matrix interleaved() const {
     Matrix W(n_, n_);
     store(W);
@@ -82,15 +85,16 @@ class SplitMatrixOf {
 };
 
 using SplitMatrix = SplitMatrixOf<double>;
-/// In single precision: for corrections, of which only the leading digits are wanted.
+/// In single precision, for corrections: only their leading digits matter.
 using SingleMatrix = SplitMatrixOf<float>;
 
-/// Matrices of one size, one for each stage or other unknown: what the operations of this room take.
+/// Matrices of one size, one for each stage or pair of stages.
 template <class Real>
 using SplitStagesOf = std::vector<SplitMatrixOf<Real>>;
 using SplitStages = SplitStagesOf<double>;
 using SingleStages = SplitStagesOf<float>;
 
+/// Returns `count` zero matrices of size n x n.
 template <class Real = double>
 SplitStagesOf<Real> split_stages(Index count, Index n) {
   return SplitStagesOf<Real>(static_cast<std::size_t>(count), SplitMatrixOf<Real>(n));

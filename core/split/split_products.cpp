@@ -28,13 +28,14 @@ const std::vector<GemmKernel>& gemm_kernels() {
 
 namespace {
 
-// How many entries of a row or column k lie in a band.
+// Returns the number of entries of row (or column) k within a band.
 std::int64_t entries_in_band(Index n, Index k, Index band) {
   return std::min(n - 1, k + band) - std::max<Index>(0, k - band) + 1;
 }
 
-// Of the n³ multiplications of a product of full matrices, those whose factors lie in the bands of
-// A and B; of two full ones, those within a band of C.
+// Returns the complex multiplications of a product, n³ for full matrices.  Counts the smaller of
+// two numbers: pairs of factors within the bands of A and B, and n for each entry of C within
+// C_band.
 std::int64_t multiplications(Index n, Index A_band, Index B_band, Index C_band) {
   if (A_band == n - 1 && B_band == n - 1 && C_band == n - 1) return n * n * n;
   std::int64_t of_factors = 0;

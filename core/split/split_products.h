@@ -1,4 +1,4 @@
-// Products of split matrices, counted: the one place that multiplies in split-complex storage.
+// Products of split matrices, counted.  All fast forms multiply here.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,12 @@
 
 namespace isosyrk {
 
-/// The kernels that this program was built with and this processor can run, the fastest first.
+/// Returns the kernels that this program was built with and this processor can run, widest vector
+/// unit first.
 const std::vector<GemmKernel>& gemm_kernels();
 
-/// One product C = scale A B, or scale A† B: n x n matrices, C neither A nor B.  What it leaves out is
-/// said by the functions below; beyond that anything may stand in C.
+/// A product C = scale A B or C = scale A† B of n x n matrices, C neither A nor B.  If only a part
+/// of C is formed, the entries outside that part are unspecified.
 template <class Real>
 struct ProductOf {
   const SplitMatrixOf<Real>* A;
@@ -26,13 +27,14 @@ struct ProductOf {
   bool upper = false;    ///< only the upper triangle of C is formed
   Index band = -1;       ///< only |r - c| <= band of C is formed; -1 for all
 
-  /// Only the upper triangle, for C known to be skew-Hermitian: little more than half the work.
+  /// Returns the same product with only the upper triangle of C formed, for skew-Hermitian C.
+  /// Takes little more than half the work.
   ProductOf upper_triangle() const {
     ProductOf product = *this;
     product.upper = true;
     return product;
   }
-  /// Only what lies within a band.
+  /// Returns the same product with only |r - c| <= of_C of C formed.
   ProductOf within(Index of_C) const {
     ProductOf product = *this;
     product.band = of_C;
@@ -40,33 +42,34 @@ struct ProductOf {
   }
 };
 
-/// C = scale A B.
+/// Returns the product C = scale A B.
 template <class Real>
 ProductOf<Real> times(const SplitMatrixOf<Real>& A, const SplitMatrixOf<Real>& B,
                       SplitMatrixOf<Real>& C, std::type_identity_t<Real> scale = 1) {
   return {&A, &B, &C, scale};
 }
-/// C = A† B.
+/// Returns the product C = A† B.
 template <class Real>
 ProductOf<Real> adjoint_times(const SplitMatrixOf<Real>& A, const SplitMatrixOf<Real>& B,
                               SplitMatrixOf<Real>& C) {
   return {&A, &B, &C, 1, true};
 }
 
-/// Products of n x n split matrices with one vector unit, from what lies in the bands of the factors.
-/// Workspace is allocated once, here; no product allocates.  Several products at a time share the
-/// threads of the ThreadScope.  Not for use by two callers at a time.
+/// Forms products of n x n split matrices with the kernel of one vector unit, skipping entries
+/// outside the bands of the factors.  Only the constructor allocates.  Products formed together
+/// share the threads of the ThreadScope.  Not for use by two callers at a time.
 template <class Real>
 class SplitProductsOf {
  public:
-  /// For up to so many threads, with the kernel given or the fastest that runs here.  Throws
-  /// std::invalid_argument for n < 1.
+  /// For up to `threads` threads, with the given kernel or gemm_kernels().front().  Throws
+  /// std::invalid_argument unless n >= 1 and 1 <= threads <= ThreadScope::most.
   explicit SplitProductsOf(Index n, int threads = 1);
   SplitProductsOf(Index n, const GemmKernel& kernel, int threads = 1);
 
-  /// Forms product(i) for i = 0 ... count - 1; none may read what another writes.  Sets the band of
-  /// each C that is formed whole.  Throws std::invalid_argument for a matrix of another size, a C
-  /// that is one of its factors, or more threads than it was made for.
+  /// Forms product(i) for i = 0 ... count - 1.  No product may read a matrix that another writes.
+  /// Sets C.band() unless the product has a band of its own.  Throws std::invalid_argument for a
+  /// matrix that is not n x n, a C that is one of its factors, or more threads than the constructor
+  /// allowed.
   template <class Product>
   void form(std::size_t count, Product&& product) {
     for (std::size_t i = 0; i < count; ++i) note(product(i));
@@ -81,10 +84,10 @@ class SplitProductsOf {
     form(1, [&](std::size_t) { return product; });
   }
 
-  /// Products since construction; a triangle is one.
+  /// Returns the number of products since construction; a triangle counts as one.
   long count() const { return count_; }
-  /// The same in full products, by the multiplications that they take: of a triangle, half is
-  /// formed, and where factors have bands less.
+  /// Returns the work since construction in full products, by complex multiplications.  A triangle
+  /// counts half; a product of banded factors counts the multiplications within the bands.
   double equivalents() const { return static_cast<double>(half_multiplications_) / (2.0 * cube()); }
   Index size() const { return n_; }
 
@@ -98,7 +101,7 @@ class SplitProductsOf {
 
   Index n_;
   GemmKernel kernel_;
-  std::vector<typename SplitMatrixOf<Real>::Entries> scratch_;  // one a thread
+  std::vector<typename SplitMatrixOf<Real>::Entries> scratch_;  // one for each thread
   long count_ = 0;
   std::int64_t half_multiplications_ = 0;  // twice the complex multiplications
 };
