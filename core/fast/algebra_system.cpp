@@ -36,7 +36,7 @@ void AlgebraSystem::cold_start(Unknowns& x) {
   }
 }
 
-// sum + Σ_{j<k} a_ij a_ik M_jk: with sum = Σ_j a_ij X_j this is S_i.
+// Returns sum + Σ_{j<k} a_ij a_ik M_jk.  With sum = Σ_j a_ij X_j this is S_i.
 template <class Real>
 LinearCombination<Real> AlgebraSystem::half_of_stage(std::size_t i, LinearCombination<Real> sum,
                                                      const KindsOf<Real>& x) const {
@@ -47,7 +47,7 @@ LinearCombination<Real> AlgebraSystem::half_of_stage(std::size_t i, LinearCombin
   return sum;
 }
 
-// sum + Σ_j a_ij² M_jj.
+// Returns sum + Σ_j a_ij² M_jj.
 template <class Real>
 LinearCombination<Real> AlgebraSystem::add_diagonal(std::size_t i, LinearCombination<Real> sum,
                                                     const KindsOf<Real>& x) const {
@@ -87,7 +87,7 @@ void AlgebraSystem::form_M(SplitProductsOf<Real>& products, const SplitStagesOf<
   mirror_skew(M[diagonal]);
 }
 
-// Σ_j a_ij X_j and W̃_i.
+// Sets X_sum_ to Σ_j a_ij X_j and W_stage_ to W̃_i.
 void AlgebraSystem::form_stages(const Unknowns& x) {
   assign(X_sum_, [&](std::size_t i) { return sum_of(row(i), x[X]); });
   if (pairs_.empty()) {
@@ -118,7 +118,7 @@ double AlgebraSystem::residual(Unknowns& x, double, Corrections& R) {
   return larger(change, largest_norm(dW_));
 }
 
-// dW_: what corrections to X and M make of W̃.
+// Sets dW_ to the change of W̃ for corrections to X and M.
 void AlgebraSystem::change_of_stages(const Corrections& delta) {
   assign(half_single_, [&](std::size_t i) {
     return half_of_stage(i, sum_of(row(i), delta[X]), delta);
@@ -133,7 +133,7 @@ void AlgebraSystem::linearise(double accuracy) {
   for (const std::size_t kind : {diagonal, above}) round_to_single(Y_[kind], Y_single_[kind]);
 }
 
-// M from the X of the same sweep: the solution is the same, and comes sooner.
+// Uses the new X for M (Gauss-Seidel).  The fixed point is the same and the sweeps contract faster.
 double AlgebraSystem::frozen_sweep(const Corrections& rhs, Corrections& delta) {
   assign(X_sum_single_, [&](std::size_t i) { return sum_of(row(i), delta[X]); });
   work_.single_products.form(stages(), [&](std::size_t i) {

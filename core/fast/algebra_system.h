@@ -11,35 +11,37 @@
 
 namespace isosyrk {
 
-/// AlgebraForm for J = I in fewer unknowns, X_i and M_jk with j <= k.  K_ij = Σ_k a_ik M_jk, where
+/// AlgebraForm for J = I, with unknowns X_i and M_jk, j <= k.  K_ij = Σ_k a_ik M_jk, where
 ///
 ///     X_i  = -h P_i B_i,                P_i  = W₀ + Σ_j a_ij X_j
 ///     M_jk =  h B_j Y_jk,               Y_jk = X_k + Σ_m a_jm M_mk,       M_kj = -M_jk†
 ///     W̃_i  = W₀ + S_i - S_i† + Σ_j a_ij² M_jj,   S_i = Σ_j a_ij X_j + Σ_{j<k} a_ij a_ik M_jk
 ///     W₁   = W₀ + h Σ_i b_i (C_i - C_i†),        C_i = B_i W̃_i
 ///
-/// M_jj, skew-Hermitian, is formed as a triangle.  Of corrections δ_i to X_i and ε_jk to M_jk, with
-/// δW̃_i what they make of W̃_i,
+/// M_jj is skew-Hermitian and formed as a triangle.  Let δ_i and ε_jk be corrections to X_i and
+/// M_jk, and δW̃_i the change of W̃_i that follows.  The two parts of the Jacobian are
 ///
 ///     (T δ)_i  = -h (Σ_j a_ij δ_j) B_i,                 (K δ)_i  = -h P_i B(δW̃_i)
 ///     (T ε)_jk =  h B_j (δ_k + Σ_m a_jm ε_mk),          (K ε)_jk =  h B(δW̃_j) Y_jk
 ///
-/// Products: s(s+1)/2 and s triangles a residual, s for the update; in single precision as many for
-/// T and for K, within bands.
-/// Source: the recursion's solution is M_jk = -h² B_j (Q_j† W₀ Q_k) B_k.
+/// frozen_sweep takes the new δ for ε.
+/// Products in double precision: s(s+1)/2 and s triangles a residual, s for the update.
+/// Products in single precision, within bands: s(s+1)/2 and s triangles each for T and for K.
+/// Poisson solves: s a residual, s for the update, s for K.
+/// Source: the recursion for K_ij in AlgebraForm; it has M_jk = -h² B_j (Q_j† W₀ Q_k) B_k.
 class AlgebraSystem final : public StageSystem {
  public:
-  /// Throws std::invalid_argument for an inconsistent tableau, or a flow that has no generator in
-  /// split storage.
+  /// Throws std::invalid_argument for an inconsistent tableau or a flow without a generator in
+  /// split-complex storage.
   AlgebraSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates);
 
-  /// X_i, then M_jj, then M_jk, j < k, by k and then j.
+  /// Returns three kinds: X_i; M_jj; M_jk with j < k, ordered by k, then j.
   Unknowns unknowns() const override {
     return {work_.zeros(s_), work_.zeros(s_), work_.zeros(s_ * (s_ - 1) / 2)};
   }
   void bind(const SplitMatrix& W0, double h, double tolerance) override;
   void cold_start(Unknowns& x) override;
-  /// The change includes that of W̃.
+  /// The change includes the change of W̃, as in AlgebraForm.
   double residual(Unknowns& x, double accuracy, Corrections& R) override;
   void linearise(double accuracy) override;
   double frozen_sweep(const Corrections& rhs, Corrections& delta) override;
@@ -83,8 +85,8 @@ class AlgebraSystem final : public StageSystem {
   double h_ = 0.0;
   SplitStages X_sum_, half_, skew_, W_stage_, B_, P_;  // half_: S_i, skew_: S_i - S_i†
   SplitStages C_sum_, C_skew_;                         // of the update
-  SplitStages M_below_;  // -M_jk†, that is M_kj
-  Unknowns Y_, fresh_;   // kind by kind as the unknowns; Y_ has no X
+  SplitStages M_below_;  // M_kj = -M_jk†
+  Unknowns Y_, fresh_;   // ordered as the unknowns; Y_ has no X
   SingleStages X_sum_single_, half_single_, dW_, B_single_, P_single_, dB_, M_below_single_;
   Corrections Y_single_, input_, fresh_single_;
 };

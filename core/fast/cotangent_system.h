@@ -7,24 +7,28 @@
 
 namespace isosyrk {
 
-/// CotangentForm for J = I: unknowns Q_i, P_i, B_i = B(W̃_i),
+/// CotangentForm for J = I, with unknowns Q_i and P_i.  With B_i = B(W̃_i) the equations are
 ///
 ///     W̃_i = Q_i† P_i, taken as skew-Hermitian;   Q_i = I - h Σ_j a_ij Q_j B_j
-///     P_i = W₀ - h Σ_j a_ij P_j B_j;             W₁  = Q₁† P₁, likewise with b_j
+///     P_i = W₀ - h Σ_j a_ij P_j B_j;             W₁  = Q₁† P₁
 ///
-/// and of corrections δ_i to Q_i and ε_i to P_i
+/// where Q₁ and P₁ are the sums with b_j in place of a_ij.  For corrections δ_i to Q_i and ε_i to
+/// P_i the two parts of the Jacobian are
 ///
-///     (T δ)_i = -h Σ_j a_ij δ_j B_j,   (K δ)_i = -h Σ_j a_ij Q_j B(N_j),   N_j = δ_j† P_j + Q_j† ε_j
+///     (T δ)_i = -h Σ_j a_ij δ_j B_j,   (K δ)_i = -h Σ_j a_ij Q_j B(N_j),
+///     N_j = δ_j† P_j + Q_j† ε_j
 ///
-/// and for ε the same with P_j in place of Q_j.
+/// and (T ε)_i, (K ε)_i follow with ε_j in place of δ_j and P_j in place of Q_j.
 ///
-/// Products: 2s and s triangles a residual, a triangle for the update, which takes Q_j B_j and P_j B_j
-/// from the last residual; in single precision 2s for T, 2s and 2s triangles for K, within bands.
-/// Q_i and P_i are truncated.  With P_i = W₀ Q_i this is the group form, in as many products.
+/// The update uses Q_j B_j and P_j B_j of the last residual.  Q_i and P_i are truncated.
+/// Products in double precision: 2s and s triangles a residual, 1 triangle for the update.
+/// Products in single precision, within bands: 2s for T; 2s and 2s triangles for K.
+/// Poisson solves: s a residual, none for the update, s for K.
+/// Source: CotangentForm.  With P_i = W₀ Q_i this is GroupSystem, with as many products a residual.
 class CotangentSystem final : public StageSystem {
  public:
-  /// Throws std::invalid_argument for an inconsistent tableau, or a flow that has no generator in
-  /// split storage.
+  /// Throws std::invalid_argument for an inconsistent tableau or a flow without a generator in
+  /// split-complex storage.
   CotangentSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates);
 
   Unknowns unknowns() const override { return {work_.zeros(s_), work_.zeros(s_)}; }

@@ -63,7 +63,7 @@ StepReport FastIntegrator::solve(double h) {
   }
   solver_.forget();
   for (const Iteration iteration : {first, Iteration::frozen_picard, Iteration::anderson}) {
-    if (iteration == Iteration::frozen_picard && !options_.newton) continue;  // nor T without it
+    if (iteration == Iteration::frozen_picard && !options_.newton) continue;  // T is part of Newton
     system_->cold_start(x_);
     if (converges({Start::cold, iteration})) break;
   }
@@ -85,7 +85,7 @@ StepReport FastIntegrator::advance(const Matrix& W0, double h, Matrix& W1) {
   const ThreadScope scope(options_.threads);
   const StepReport before = system_->work();
   W0_.load(W0);
-  // From another state than the last step ended at, past steps say nothing.
+  // Past steps predict only a step that continues from the last W₁.
   if (W0_.entries() != W1_.entries()) predictor_.forget();
   h_ = h;
   system_->bind(W0_, h, options_.solver.tolerance);

@@ -1,4 +1,4 @@
-// The integrator of the fast forms: stage system, predictor, solvers and fallbacks put together.
+// The integrator of the fast forms: a stage system, a predictor and solvers with fallbacks.
 #pragma once
 
 #include <memory>
@@ -12,32 +12,33 @@
 
 namespace isosyrk {
 
-/// A one-step method in split-complex storage: the answer of the published form to the solver's
-/// tolerance, sooner.
+/// A one-step method in split-complex storage.  It gives the answer of the published form to the
+/// solver's tolerance.
 ///
 /// A step is accepted by the rule of solve_fixed_point, on the change of a Picard sweep in double
-/// precision, so that what is accepted is as good as from a cold start.  A list of attempts is walked
-/// until one converges: predicted Newton, cold Newton, cold Picard with frozen sweeps, cold Anderson.
-/// There is no prediction after a failed step, for a step of another size, and from another state
-/// than the last step ended at.
+/// precision, whatever the start values.  Attempts are made in this order until one converges:
+/// predicted Newton, cold Newton, cold Picard with frozen sweeps, cold Anderson.  Without
+/// FastOptions::newton they are predicted Picard, cold Picard and cold Anderson.  There is no
+/// predicted attempt after a failed step, for another h, or from a state other than the last W₁.
 class FastIntegrator final : public Integrator {
  public:
-  /// Takes the system, made for flow.size() and for as many threads.  Throws std::invalid_argument
-  /// for options out of range.
+  /// Takes the system, made for this flow and for at least options.threads threads.  Throws
+  /// std::invalid_argument for options out of range.
   FastIntegrator(const Flow& flow, std::unique_ptr<StageSystem> system, const FastOptions& options);
 
-  /// The change that one more Picard sweep, without truncation, makes to the unknowns with which the
-  /// last step was accepted: what the tolerance bounds, seen from outside the solver.
+  /// Returns the change of one more Picard sweep, without band truncation, from the unknowns of the
+  /// last step, which must have converged.  Checks the tolerance independently of the solver.
   double change_of_one_more_sweep();
 
   int threads() const { return options_.threads; }
+  /// True if products skip entries outside bands.
   bool truncates() const { return system_->truncates(); }
 
  protected:
   StepReport advance(const Matrix& W0, double h, Matrix& W1) override;
 
  private:
-  // Walks the list of attempts; the report is of the last one, with the sweeps of all.
+  // Makes the attempts in order and returns the report of the last, with the sweeps of all.
   StepReport solve(double h);
   SolveReport solve(Iteration iteration);
   SolveReport anderson();

@@ -7,19 +7,20 @@
 
 namespace isosyrk {
 
+/// Options of a fast integrator.
 struct FastOptions {
   SolverOptions solver;
-  /// Threads that share the work, 1 to 64; one is taken where more would not pay.  The answer is the
-  /// same bit for bit.
+  /// Threads that share the work, 1 to 64.  make_fast_gauss uses one below
+  /// Tuning::smallest_parallel.  The answer is bit for bit the same for every number.
   int threads = 1;
 
-  // Switches by which a study measures each idea.
-  /// Past steps that the predictor reads, at most 24; 0: every step starts cold.  By default
+  // Switches for ablation studies.
+  /// Past steps of the predictor, 0 to Predictor::most; with 0 every step starts cold.  By default
   /// Tuning::past_steps.
   std::optional<int> past_steps = {};
-  /// Newton corrections in single precision; without them, Picard sweeps.
+  /// Inexact Newton; if false, Picard sweeps.
   bool newton = true;
-  /// Band truncation; by default from Tuning::smallest_banded on.
+  /// Band truncation.  By default on from n = Tuning::smallest_banded.
   std::optional<bool> bands = {};
 };
 

@@ -7,23 +7,25 @@
 
 namespace isosyrk {
 
-/// GroupForm for J = I: unknowns Q_i, B_i = B(W̃_i),
+/// GroupForm for J = I, with unknowns Q_i.  With B_i = B(W̃_i) the equations are
 ///
 ///     W̃_i = Q_i† (W₀ Q_i), skew-Hermitian;   Q_i = I - h Σ_j a_ij Q_j B_j
 ///     Q₁  = I - h Σ_j b_j Q_j B_j;            W₁  = Q₁† (W₀ Q₁)
 ///
-/// and of corrections δ_i to Q_i
+/// For corrections δ_i to Q_i the two parts of the Jacobian are
 ///
 ///     (T δ)_i = -h Σ_j a_ij δ_j B_j,          (K δ)_i = -h Σ_j a_ij Q_j B(N_j - N_j†),
 ///     N_j = δ_j† W₀ Q_j
 ///
-/// Products: 2s and s triangles a residual; 1 and a triangle for the update, which takes Q_j B_j from
-/// the last residual; in single precision s for T and 2s for K, within bands.  Q_i is truncated, and
-/// so is W₀ where stages are formed.
+/// The update uses Q_j B_j of the last residual.  Q_i is truncated, and in the stages also W₀.
+/// Products in double precision: 2s and s triangles a residual, 1 and 1 triangle for the update.
+/// Products in single precision, within bands: s for T, 2s for K.
+/// Poisson solves: s a residual, none for the update, s for K.
+/// Source: GroupForm.
 class GroupSystem final : public StageSystem {
  public:
-  /// Throws std::invalid_argument for an inconsistent tableau, or a flow that has no generator in
-  /// split storage.
+  /// Throws std::invalid_argument for an inconsistent tableau or a flow without a generator in
+  /// split-complex storage.
   GroupSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates);
 
   Unknowns unknowns() const override { return {work_.zeros(s_)}; }

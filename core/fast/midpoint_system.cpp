@@ -53,7 +53,7 @@ void MidpointSystem::invert(double accuracy) {
     work_.single_products.form(times(X_[0], V_[0], product_[0], -1.0f));
     add_identity(1.0f, product_);
     const double error = largest_norm(product_);
-    if (!(error < 1.0) && knows_V_) {  // of another time, or another h
+    if (!(error < 1.0) && knows_V_) {  // V_ belongs to another state or h
       knows_V_ = false;
       set_to_one_plus(0.5 * h_, V_);
       continue;

@@ -55,7 +55,7 @@ StepReport SplitWorkspace::work() const {
   StepReport work;
   work.products = products.count() + single_products.count();
   work.poisson_solves = solves_;
-  // A product in single precision takes half the time.
+  // A product in single precision counts half: vectors hold twice as many numbers.
   work.equivalent_products = products.equivalents() + 0.5 * single_products.equivalents();
   return work;
 }

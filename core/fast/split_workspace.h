@@ -1,4 +1,4 @@
-// What the stage systems work with: products, generator and band truncation in split storage.
+// Workspace of the stage systems: products, generator and band truncation in split-complex storage.
 #pragma once
 
 #include <memory>
@@ -12,11 +12,12 @@
 
 namespace isosyrk {
 
-/// Operations of a stage system, counted.  Allocates in the constructor only.
+/// Operations of a stage system, counted.  begin_step(), generate(), round_generators() and
+/// generate_coupled() are called in this order.  They do not allocate.
 class SplitWorkspace {
  public:
-  /// For up to `matrices` matrices at a time.  Throws std::invalid_argument for a flow that has no
-  /// generator in split storage.
+  /// For up to `matrices` matrices at a time.  Throws std::invalid_argument for a flow without a
+  /// generator in split-complex storage, and for threads out of range.
   SplitWorkspace(const Flow& flow, int threads, bool truncates, Index matrices,
                  const Tuning::CouplingBand& coupling_band);
 
@@ -26,24 +27,25 @@ class SplitWorkspace {
   SplitStages zeros(Index count) const { return split_stages(count, size()); }
   SingleStages singles(Index count) const { return split_stages<float>(count, size()); }
 
-  /// The step begins: bounds on what may be left out follow from |h| and the tolerance.
+  /// Begins a step.  |h| and the tolerance of the solver fix the tails of band truncation.
   void begin_step(double h, double tolerance);
-  /// What may be left out of an unknown, in the Frobenius norm.
+  /// Returns the Frobenius norm that may be cut from an unknown.
   double left_out() const { return left_out_; }
 
-  /// B_i = B(W_i) cut to what counts in this step, from the upper triangles of W_i.
+  /// B_i = B(W_i), truncated to left_out() / |h|.  Reads the upper triangles of W_i.
   void generate(const SplitStages& W, SplitStages& B);
-  /// S_i = B_i in single precision, cut to what counts to a relative accuracy; B_i from the last
-  /// generate().  Fixes the band of the coupling for generate_coupled().
+  /// S_i = B_i of the last generate() in single precision, truncated to accuracy / |h|.  Sets
+  /// coupling_band().
   void round_generators(double accuracy, const SplitStages& B, SingleStages& S);
-  /// Diagonals of W̃ and B through which the coupling K acts.
+  /// Returns the band of δW̃ and of B(δW̃) in the coupling through B.
   Index coupling_band() const { return coupling_band_; }
-  /// dB_i = B(dW_i) within the band of the coupling, from the upper triangles of dW_i.
+  /// dB_i = B(dW_i) within coupling_band().  Reads the upper triangles of dW_i.
   void generate_coupled(const SingleStages& dW, SingleStages& dB);
 
-  /// A number c with ‖B(W)‖_F <= c ‖W‖_F.
+  /// Returns a c with ‖B(W)‖_F <= c ‖W‖_F.
   double generator_bound() const { return generator_->norm_bound(); }
 
+  /// Returns products, Poisson solves and equivalent products since construction.
   StepReport work() const;
 
   SplitProducts products;
@@ -55,7 +57,7 @@ class SplitWorkspace {
   long solves_ = 0;
   Index least_coupling_band_;
   Index coupling_band_ = 0;
-  double h_ = 0.0;  // |h| of the step under way
+  double h_ = 0.0;  // |h| of the current step
   double left_out_ = 0.0;
 };
 

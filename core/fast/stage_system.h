@@ -1,4 +1,4 @@
-// The stage equations of one step of a fast form.
+// Stage system: the stage equations of one step of a fast form.
 #pragma once
 
 #include "isosyrk/integrators/integrator.h"
@@ -6,30 +6,39 @@
 
 namespace isosyrk {
 
-/// The equations x = G(x) of one step W₀ -> W₁ of size h, for flows with J = I.  Knows nothing of
-/// solvers, predictors, attempts and threads.
+/// The equations x = G(x) of one step W₀ -> W₁ of size h, for flows with J = I.  Independent of
+/// solvers, predictors and attempts.
 ///
-/// Order of calls: bind; cold_start, or x from elsewhere; residual, linearise, frozen_sweep and couple
-/// as the solver pleases; update with the x that the solver accepted.
+/// Order of calls in a step:
+///   1. bind;
+///   2. cold_start, or an x from the predictor;
+///   3. residual, linearise, frozen_sweep and couple, any number of times: linearise after
+///   residual,
+///      frozen_sweep and couple after linearise;
+///   4. update, with the x that the solver accepted.
+/// After a failed attempt, 2 and 3 are repeated.
 class StageSystem : public FixedPointSystem {
  public:
-  /// Unknowns of the right shapes, zero.
+  /// Returns zero unknowns of the right shapes.
   virtual Unknowns unknowns() const = 0;
 
-  /// The step begins: W₀, which must stay until update, h and the tolerance of the solver.
+  /// Begins a step from W₀ of size h, to be solved to the tolerance.  W₀ must stay unchanged until
+  /// update().
   virtual void bind(const SplitMatrix& W0, double h, double tolerance) = 0;
 
-  /// The x of a cold start: Q = I, P = W₀, X = M = 0, W̃ = W₀.
+  /// Sets x to the start values of a cold start: Q = I, P = W₀, X = M = 0, W̃ = W₀.
   virtual void cold_start(Unknowns& x) = 0;
 
-  /// W₁ from the accepted x, which differs from the x of the last residual by that residual.
+  /// Computes W₁ from the accepted x, which must be the x of the last residual() plus that
+  /// residual.
   virtual void update(const Unknowns& x, SplitMatrix& W1) = 0;
 
-  /// Whether products leave out what lies outside of bands.
+  /// True if products skip entries outside bands.
   virtual bool truncates() const = 0;
+  /// Switches band truncation on or off.
   virtual void truncate(bool enabled) = 0;
 
-  /// Products, Poisson solves and equivalent products since construction.
+  /// Returns products, Poisson solves and equivalent products since construction.
   virtual StepReport work() const = 0;
 };
 

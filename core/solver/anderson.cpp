@@ -3,7 +3,7 @@
 namespace isosyrk {
 namespace {
 
-constexpr int length = 8;  // rows of split matrices are padded to whole blocks of 8
+constexpr int length = 8;  // divides the length of every row of a split matrix
 using Singles8 = Eigen::Array<float, length, 1>;
 using Doubles8 = Eigen::Array<double, length, 1>;
 
@@ -31,7 +31,7 @@ void Anderson::begin(const Unknowns& x) {
 }
 
 void Anderson::mix(Unknowns& x) {
-  // Sweep k = 1, 2, ... makes pair k - 1 with the one before; the last two pairs count.
+  // Sweep k = 2, 3, ... and the sweep before form a pair.  The last two pairs are used.
   ++sweeps_;
   const int pairs = std::min(sweeps_ - 1, depth);
   const std::size_t slot = static_cast<std::size_t>(sweeps_) % depth;
@@ -65,7 +65,7 @@ void Anderson::mix(Unknowns& x) {
   }
 }
 
-// f_k, the pair it makes with f_{k-1}, and what the weights need of both.
+// Stores f_k and the differences from f_{k-1}, and adds to the dot products for the weights.
 void Anderson::remember(const SplitMatrix& g, Unknown& u, std::size_t slot, bool has_pair) {
   const std::size_t other = 1 - slot;
   if (!has_pair) {
@@ -75,7 +75,7 @@ void Anderson::remember(const SplitMatrix& g, Unknown& u, std::size_t slot, bool
     for (Singles* none : {&u.df[0], &u.df[1], &u.dg[0], &u.dg[1]}) none->setZero();
     return;
   }
-  constexpr Index block = 64 * length;  // summed in single precision, the blocks in double
+  constexpr Index block = 64 * length;  // sums: in single precision in a block, then in double
   for (Index begin = 0; begin < u.x.size(); begin += block) {
     Singles8 newest = Singles8::Zero(), mixed = newest, oldest = newest, f_newest = newest,
              f_oldest = newest;

@@ -8,23 +8,24 @@
 
 namespace isosyrk {
 
-/// Takes the place of x_{k+1} = g_k in an iteration x = G(x) (D. G. Anderson, J. ACM 12, 1965, of
-/// depth 2):
+/// Replaces x_{k+1} = g_k in a Picard iteration x = G(x) by Anderson's mixing of depth 2:
 ///
 ///     x_{k+1} = g_k - Σ_j γ_j (g_{j+1} - g_j),   γ minimising |f_k - Σ_j γ_j (f_{j+1} - f_j)|
 ///
-/// over the last two pairs of sweeps, with g_k = G(x_k) and f_k = g_k - x_k.  It forms no product,
-/// but reads and writes as much as a dozen sums of matrices; what is remembered are differences, in
-/// single precision, of which only the direction of a correction is made.  The weights are real, so
-/// that what is skew-Hermitian stays so exactly.
+/// over the last two pairs of sweeps, with g_k = G(x_k) and f_k = g_k - x_k.  No products are
+/// formed; the memory traffic is that of about a dozen linear combinations.  The differences are
+/// stored in single precision, since they give only the direction of a correction.  The weights are
+/// real, so skew-Hermitian unknowns stay so exactly.  Only the constructor allocates.
+/// Source: D. G. Anderson, J. ACM 12, 1965.
 class Anderson {
  public:
+  /// For unknowns of these shapes.
   explicit Anderson(const Unknowns& unknowns);
 
-  /// The iteration begins at x.
+  /// Starts an iteration at x.
   void begin(const Unknowns& x);
 
-  /// x holds g_k; replaces it by x_{k+1}.
+  /// Replaces x = g_k by x_{k+1}.
   void mix(Unknowns& x);
 
  private:
@@ -41,8 +42,8 @@ class Anderson {
 
   std::vector<Unknown> unknowns_;
   int sweeps_ = 0;
-  double dots_[depth][depth] = {};  // of the differences of f
-  double right_[depth] = {};        // of each with f_k
+  double dots_[depth][depth] = {};  // dot products of the differences of f
+  double right_[depth] = {};        // dot products of each difference with f_k
 };
 
 }  // namespace isosyrk

@@ -30,7 +30,7 @@ void InexactNewton::forget() { contraction_ = tuning.likely_contraction; }
 
 SolveReport InexactNewton::newton(FixedPointSystem& system, const SolverOptions& options,
                                   Unknowns& x) {
-  double uncorrected = 0.0;  // the change of the last sweep, if it was not corrected
+  double uncorrected = 0.0;  // change of the last sweep if that was a Picard sweep, else 0
   return solve_fixed_point(options, [&] {
     const double change = system.residual(x, options.tolerance, R_);
     if (uncorrected > 0.0) contraction_ = change / uncorrected;
@@ -70,11 +70,11 @@ bool InexactNewton::correct(FixedPointSystem& system, const Corrections& R, doub
   const Corrections* rhs = &R;
   double T_contraction = 0.0;
   double K_contraction = tuning.likely_contraction;
-  double T_error = size;      // estimated, of delta = rhs + T delta
-  double not_coupled = size;  // what has come to delta since K was last applied
+  double T_error = size;      // estimated error of delta as solution of delta = rhs + T delta
+  double not_coupled = size;  // estimated norm of the part of delta to which K was not applied
   double last = size;
   bool coupled = false;
-  // Alternates sweeps with the two parts of the Jacobian, always reducing the larger error.
+  // Alternates sweeps with T and K, always reducing the larger error estimate.
   for (int k = 0; k < tuning.inner_sweeps; ++k) {
     const double K_error = K_contraction * not_coupled;
     if (T_error + K_error < forcing_term) break;

@@ -37,7 +37,7 @@ LinearPrediction::Weights LinearPrediction::weights() const {
     c(j) = dots_(place(j + 1), place(0));
     for (Index i = j; i < q; ++i) A(i, j) = dots_(place(i + 1), place(j + 1));
   }
-  // What rounding makes of an A that is singular must not make it indefinite.
+  // Keeps a singular A from becoming indefinite by rounding.
   constexpr double rounding = 1e-15;
   if (q > 0) A.diagonal().array() += rounding * A.trace() / static_cast<double>(q);
   const Eigen::LLT<Eigen::Ref<Normal>> factors(A);

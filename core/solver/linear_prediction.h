@@ -1,44 +1,46 @@
-// Prediction of what comes next in a sequence of vectors from what came last.
+// Linear prediction of the next vector of a sequence.
 #pragma once
 
 #include "isosyrk/linalg/matrix.h"
 
 namespace isosyrk {
 
-/// Takes y_{m+1} for a sum of the last q vectors, with the weights that would have given the newest
-/// one best (linear prediction by the covariance method: J. Makhoul, Proc. IEEE 63, 1975, section
-/// II.A; here of vectors, and of one value of m alone):
+/// Predicts the next vector as a linear combination of the last q, with the weights that fit the
+/// newest vector best:
 ///
 ///     y_{m+1} ≈ Σ_{j=1..q} c_j y_{m+1-j},   c minimising |y_m - Σ_{j=1..q} c_j y_{m-j}|
 ///
-/// What is a sum of oscillations is predicted as a polynomial of no order can.  Only the products
-/// of each new vector with the others are formed, O(q) passes over one.  Nothing allocates but the
-/// constructor.
+/// Sums of oscillations are predicted better than by any polynomial.  Each new vector costs its dot
+/// products with the q others.  Only the constructor allocates.
+/// Source: the covariance method, J. Makhoul, Proc. IEEE 63, 1975, section II.A, here for vectors
+/// and for a single m.
 class LinearPrediction {
  public:
   /// The largest q.
   static constexpr int most = 24;
   using Weights = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most, 1>;
 
-  /// Of vectors of so many numbers, by at most q others.  Throws std::invalid_argument unless
+  /// For vectors of length `numbers`, with at most q weights.  Throws std::invalid_argument unless
   /// 0 <= q <= most.
   LinearPrediction(Index numbers, int q);
 
-  /// Where the next vector has to be written to before add().
+  /// Returns the place of the next vector.  The caller fills it, then calls add().
   Eigen::Ref<RealVector> next() { return vectors_.col(after_newest()); }
+  /// Appends the vector at next() to the sequence.
   void add();
+  /// Begins an empty sequence.
   void forget() { known_ = 0; }
 
-  /// How many terms can be fitted to the vectors there are: one more is needed, to be predicted.
+  /// Returns the number of weights that can be fitted: the number of known vectors less one.
   int terms() const { return known_ > 0 ? known_ - 1 : 0; }
-  /// c_1, ..., c_q with q = terms(); none where they cannot be told.
+  /// Returns c_1, ..., c_q with q = terms(), or an empty vector if the fit fails.
   Weights weights() const;
 
  private:
   Index after_newest() const { return (newest_ + 1) % vectors_.cols(); }
 
-  RealMatrix vectors_;  // a ring of q + 1, each a column
-  RealMatrix dots_;     // of each with each
+  RealMatrix vectors_;  // the last q + 1 vectors, a ring of columns
+  RealMatrix dots_;     // dot products of all pairs of vectors
   Index newest_ = 0;
   int known_ = 0;
 };

@@ -30,7 +30,7 @@ int checked(int past_steps) {
   return past_steps;
 }
 
-// (-1)^k C(order, k), the newest first.
+// Returns the coefficients (-1)^k C(order, k) of ∇^order, the newest value first.
 using Binomials = std::array<double, Predictor::most + 1>;
 Binomials alternating_binomials(int order) {
   Binomials c{};
@@ -48,7 +48,7 @@ Predictor::Predictor(int past_steps, const Unknowns& like)
     : past_(static_cast<std::size_t>(checked(past_steps)), like),
       of_differences_(numbers_sampled_of(like), std::max(0, past_steps - differences)) {}
 
-// Sets weights_ from what is known; returns how many there are.
+// Sets weights_ from the past steps and returns their number.
 int Predictor::weigh() {
   const bool fits = of_differences_.terms() >= tuning.fewest_weights;
   const LinearPrediction::Weights c =
@@ -94,7 +94,7 @@ void Predictor::accept(double h, const Unknowns& x) {
   learn();
 }
 
-// Adds ∇^p of the sampled rows to what the weights are fitted to.
+// Appends ∇^p of the sampled rows to the sequence for the fitted weights.
 void Predictor::learn() {
   if (known_ <= differences) return;
   const Binomials weights = alternating_binomials(differences);

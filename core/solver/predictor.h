@@ -1,4 +1,4 @@
-// Start values of an iteration from the steps before.
+// Predictor: start values of an iteration from past steps.
 #pragma once
 
 #include <array>
@@ -10,35 +10,38 @@
 
 namespace isosyrk {
 
-/// Predicts each unknown from its own values in the last K steps of one size:
+/// Predicts each unknown from its own values in the last K steps, all of the same size:
 ///
 ///     x_{m+1} ≈ Σ_{k=1..K} w_k x_{m+1-k}
 ///
-/// While K < p + 2, p = Tuning::differences, by the polynomial through them, w_k = (-1)^{k+1} C(K, k).
-/// After that the polynomial through the last p values is used, and what it leaves, the difference
-/// ∇^p x_{m+1}, is predicted from the K - p differences before (LinearPrediction).  In an oscillation
-/// of frequency ω a polynomial through K values errs by (2 sin(ωh/2))^K, the fitted weights by some
-/// 2^(p-K) of that, and by less where there are few frequencies.  Past solver errors enter the fit, so
-/// the weights balance extrapolation error against noise amplification.
+/// At first the weights are those of the polynomial through K values, w_k = (-1)^{k+1} C(K, k).
+/// Once Tuning::fewest_weights weights can be fitted, the polynomial goes through the last p values
+/// only, p = Tuning::differences.  Its error, the difference ∇^p x_{m+1}, is predicted by
+/// LinearPrediction from the differences before.
 ///
-/// All unknowns have the same weights, fitted to some rows of each.  Each unknown is smooth from step
-/// to step; those of one step, at the nodes of the tableau, are not spaced equally, and mixing them
-/// extrapolates badly.  A composition takes a predictor for each substep.
+/// For an oscillation of frequency ω a polynomial through K values has the error (2 sin(ωh/2))^K.
+/// Fitted weights reduce the error by about 2^(p-K), and by more for few frequencies.  Past solver
+/// errors enter the fit, so the weights balance extrapolation error against noise amplification.
+///
+/// All unknowns share the same weights, fitted to some rows of each.  An unknown is not predicted
+/// from the other stages: the nodes of the tableau are not equally spaced, and mixing stages
+/// extrapolates badly.
 class Predictor {
  public:
   static constexpr int most = LinearPrediction::most;
 
-  /// For unknowns of these shapes, from at most so many past steps; with 0 it never predicts.  Throws
-  /// std::invalid_argument unless 0 <= past_steps <= most.
+  /// For unknowns of these shapes, with at most `past_steps` past steps.  With 0 it never predicts.
+  /// Throws std::invalid_argument unless 0 <= past_steps <= most.
   Predictor(int past_steps, const Unknowns& like);
 
-  /// Sets x for a step of size h.  False, with x as it was, if the step must start cold: as the first,
-  /// and the first of another size or after forget().
+  /// Sets x to the start values of a step of size h.  Returns false, with x unchanged, if there are
+  /// no past steps of size h; the step must then start cold.
   bool predict(double h, Unknowns& x);
 
-  /// Takes the unknowns that solved a step of size h.
+  /// Stores the unknowns that solved a step of size h.  Forgets past steps of another size.
   void accept(double h, const Unknowns& x);
 
+  /// Forgets all past steps.
   void forget();
 
  private:
@@ -50,10 +53,10 @@ class Predictor {
 
   std::vector<Unknowns> past_;  // a ring
   std::size_t newest_ = 0;
-  int known_ = 0;  // past steps
+  int known_ = 0;  // number of past steps stored
   double h_ = 0.0;
   std::array<double, most> weights_{};  // the newest first
-  LinearPrediction of_differences_;     // of the sampled rows
+  LinearPrediction of_differences_;     // the sequence ∇^p of the sampled rows
 };
 
 }  // namespace isosyrk

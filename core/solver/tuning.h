@@ -1,53 +1,59 @@
-// The tuned constants of the fast forms, together.
+// The tuned constants of the fast forms.
 #pragma once
 
 #include "isosyrk/linalg/matrix.h"
 
 namespace isosyrk {
 
-/// Every constant that was chosen by measurement.  Where: the cells of Table 2 (50 steps of 0.1 of the
-/// smooth scene, s = 1, 2, 3) and runs of 2000 steps of both scenes, on processors with AVX2 and with
-/// AVX-512.
+/// All constants chosen by measurement.  They were measured in the cells of Table 2 (50 steps of
+/// 0.1 of the smooth scene, s = 1, 2, 3) and in runs of 2000 steps of both scenes, on processors
+/// with AVX2 and with AVX-512.
 struct Tuning {
   // Inexact Newton.
-  /// Largest change of a Picard sweep that is corrected.  Beyond it the Jacobian says too little: at
-  /// twice this, corrections of h‖B‖ = 1.9 diverge; at half of it, cold starts take a sweep more.
+  /// Largest change of a Picard sweep that is corrected.  For larger changes the Jacobian is a poor
+  /// model.  At twice this value, corrections diverge at h‖B‖ = 1.9; at half, cold starts take one
+  /// more sweep.
   double largest_corrected = 0.3;
-  /// First guess of the contraction of a Picard sweep near the solution, and of the coupling.
+  /// Initial estimate of the contraction of a Picard sweep near the solution, and of the factor by
+  /// which the coupling K contracts.
   double likely_contraction = 0.1;
-  /// The forcing term: the error left in a correction, of its size, of the tolerance, and of the size
-  /// squared.  Single precision carries the first; half or twice the others change the time of no
-  /// cell by more than 3 %.
+  /// The forcing term is the error allowed in a correction: the largest of these multiples of the
+  /// size of the residual, of the tolerance, and of the size squared.  The first is the limit of
+  /// single precision.  Half or twice the others changes the time of no cell by more than 3 %.
   double of_size = 1e-6;
   double of_tolerance = 0.3;
   double of_size_squared = 0.1;
-  /// Accuracy of the Jacobian, of the forcing term.
+  /// Relative accuracy of the Jacobian, as a multiple of the forcing term over the size of the
+  /// residual.
   double of_forcing_term = 0.3;
-  /// Growth of a frozen sweep that still counts as contracting: T is not normal.
+  /// Largest growth of the change from one frozen sweep to the next before T counts as not
+  /// contracting.  T is not normal, so its norm may exceed 1.
   double growth = 4.0;
-  /// Most inner sweeps of a correction.
+  /// Largest number of inner sweeps of a correction.
   int inner_sweeps = 60;
-  /// Frozen sweeps that a Picard iteration adds to each of its own.
+  /// Frozen sweeps after each Picard sweep, in an attempt of Iteration::frozen_picard.
   int frozen_sweeps = 1;
 
   // The predictor.
-  /// Past steps that are read.  More predict better, but cost a pass over memory each: 24 for 12
-  /// saves a sweep in five at n = 65 and 129, and costs more than it saves from n = 192 on.
+  /// Number of past steps.  More steps predict better, but each costs a pass over memory.  24
+  /// instead of 12 saves one sweep in five at n = 65 and 129.  From n = 192 on it costs more than
+  /// it saves.
   int past_steps(Index n) const { return n < 48 ? 16 : n < 192 ? 24 : 12; }
-  /// The difference of the unknowns that is predicted by fitted weights; 4 to 12 err alike.
+  /// Order p of the difference ∇^p that fitted weights predict.  4 to 12 give about the same error.
   static constexpr int differences = 6;
-  /// Rows of each unknown that the weights are fitted to; twice as many predict no better.
+  /// Rows of each unknown to which the weights are fitted.  Twice as many predict no better.
   Index sampled_rows = 4;
-  /// Fewest fitted weights: one predicts no better than the polynomial through one step more.
+  /// Smallest number of fitted weights.  One weight predicts no better than the polynomial through
+  /// one more step.
   int fewest_weights = 2;
 
   // Band truncation.
-  /// Smallest n at which measuring bands costs less than it saves.
+  /// Smallest n at which band truncation saves more than measuring the bands costs.
   Index smallest_banded = 48;
-  /// What may be left out of a factor, of the tolerance.
+  /// Frobenius norm that may be cut from a factor, as a multiple of the tolerance.
   double left_out = 0.01;
-  /// Least band of the coupling K of a form: beyond it Δ⁻¹ damps the contribution below single
-  /// precision.  With half of these a smooth scene needs a third sweep.
+  /// Lower bound on the band of the coupling K.  Beyond it Δ⁻¹ damps the contribution below single
+  /// precision.  At half these values a smooth scene needs a third sweep.
   struct CouplingBand {
     Index floor;
     double of_n;
@@ -61,13 +67,14 @@ struct Tuning {
   CouplingBand algebra_coupling = {32, 0.375};
   CouplingBand midpoint_coupling = {24, 0.125};
 
-  // The midpoint's inverse by Newton's (Schulz's) iteration.
+  // The inverse 1 / (1 - (h/2) B) of the midpoint, by Newton-Schulz iteration.
+  /// Largest number of Newton-Schulz iterations.
   int inverse_iterations = 12;
-  /// What is cut of it, of the accuracy asked for.
+  /// Frobenius norm that may be cut from the inverse, as a multiple of the accuracy.
   double of_inverse = 0.1;
 
   // Threads.
-  /// Smallest n at which threads pay, with one stage and with more.
+  /// Returns the smallest n at which several threads are faster than one.
   Index smallest_parallel(Index stages) const { return stages == 1 ? 96 : 48; }
 };
 

@@ -1,4 +1,4 @@
-// What solvers and predictors know of a step: its unknowns.
+// Unknowns of a step and corrections to them, as solvers and predictors see them.
 #pragma once
 
 #include <vector>
@@ -7,12 +7,12 @@
 
 namespace isosyrk {
 
-/// The unknowns of a step: a few kinds, such as Q and P, each with some matrices of its own.
+/// The unknowns of a step, as a list of kinds, such as Q and P.  Each kind is a list of matrices.
 using Unknowns = std::vector<SplitStages>;
-/// Changes of them, in single precision.
+/// Corrections to unknowns, in single precision.
 using Corrections = std::vector<SingleStages>;
 
-/// Zero corrections to unknowns of these shapes.
+/// Returns zero corrections to unknowns of these shapes.
 inline Corrections corrections_like(const Unknowns& x) {
   Corrections zero;
   for (const SplitStages& kind : x) {
