@@ -9,18 +9,20 @@
 
 namespace isosyrk {
 
-/// The Gauss method with s stages in the fast form of a formulation; `algebra` with one stage is the
-/// isospectral midpoint.  The flow must outlive the integrator.  Throws std::invalid_argument unless
-/// 1 <= s <= max_stages and the options are in range, and for a flow that has no generator in split
-/// storage: it has published forms only.
+/// Returns the Gauss method with s stages in the fast form of a formulation.  `algebra` with one
+/// stage is the isospectral midpoint.  The flow must outlive the integrator.  Throws
+/// std::invalid_argument unless 1 <= s <= max_stages and the options are in range, and for a flow
+/// without a generator in split-complex storage.
 std::unique_ptr<Integrator> make_fast_gauss(Formulation formulation, int s, const Flow& flow,
                                             const FastOptions& options = {});
 
-/// The same as an entry of the list, named fast_group2 and so on, for so many threads.
+/// Returns the list entry of that fast form with default options, named fast_group2 and so on.  Its
+/// integrators have `threads` threads.  Throws std::invalid_argument unless 1 <= s <= max_stages;
+/// making an integrator throws as make_fast_gauss.
 IntegratorEntry fast_gauss_entry(Formulation formulation, int s, int threads = 1);
 
-/// The fast form of the listed integrator with this name.  Throws std::invalid_argument for a name that
-/// is not in the list, and where there is no fast form.
+/// Returns the fast form of the integrator of integrators() with this name.  Throws
+/// std::invalid_argument for a name that is not in the list or has no fast form.
 IntegratorEntry fast_entry(std::string_view name, int threads = 1);
 
 }  // namespace isosyrk

@@ -45,7 +45,7 @@ Make make_explicit() {
   };
 }
 
-// Of an integrator that holds so many n x n complex matrices.
+// Returns n -> bytes of `matrices` complex n x n matrices.
 std::function<double(Index)> bytes_of(Index matrices) {
   return [matrices](Index n) {
     return static_cast<double>(matrices) * static_cast<double>(n) * static_cast<double>(n) *
@@ -53,11 +53,11 @@ std::function<double(Index)> bytes_of(Index matrices) {
   };
 }
 
-// For a constant generator W' = ad_B W, whose eigenvalues are imaginary: |R(iy)| <= 1 of
-// R(z) = 1 + z + z²/2 + z³/6 + z⁴/24 holds for y <= 2√2.
+// Largest y with |R(iy)| <= 1 for R(z) = 1 + z + z²/2 + z³/6 + z⁴/24.  A constant generator gives
+// W' = ad_B W, and ad_B has imaginary eigenvalues.
 const double rk4_limit = 2.0 * std::sqrt(2.0);
 
-// Each substep is a midpoint step of a fraction of h.
+// Limit of the midpoint rule over the largest |fraction|: each substep is a midpoint step.
 std::function<double(const RealVector&)> composition_limit(const CompositionScheme& scheme) {
   double largest = 0.0;
   for (const double fraction : scheme.fractions) largest = larger(largest, std::abs(fraction));
@@ -94,7 +94,7 @@ std::vector<IntegratorEntry> make_list() {
                             .is_explicit = true},
                   .make = make_explicit<MuntheKaas4>(),
                   .bytes = bytes_of(MuntheKaas4::matrices())});
-  // Controls, which give structure up.
+  // Controls: methods that do not keep the structure.
   for (int s = 1; s <= 3; ++s) {
     list.push_back({.name = fmt::format("direct{}", s),
                     .stages = s,

@@ -1,4 +1,4 @@
-// The list of integrators: what tests, benchmarks, tables and charts run over.
+// The list of integrators.  Tests, benchmarks, tables and charts run over it.
 #pragma once
 
 #include <functional>
@@ -12,7 +12,8 @@
 
 namespace isosyrk {
 
-/// What an integrator keeps, each checked by a test in both directions.
+/// Structure that an integrator keeps.  For each property a test checks that it holds if true, and
+/// that it fails if false.
 struct Properties {
   bool isospectral;  ///< keeps the spectrum of W
   bool lie_poisson;  ///< the step is a Poisson map
@@ -20,7 +21,7 @@ struct Properties {
   bool is_explicit;  ///< no iteration
 };
 
-/// One line of the list.
+/// One entry of the list.
 struct IntegratorEntry {
   std::string name;
   int stages;
@@ -28,27 +29,30 @@ struct IntegratorEntry {
   Properties keeps;
   std::function<std::unique_ptr<Integrator>(const Flow&, const SolverOptions&, ProductBackend)>
       make;
-  /// Largest h‖ad_B‖₂ at which the step is stable for a constant generator; a longer step lets
-  /// perturbations grow whatever the accuracy asked for.
+  /// Largest h‖ad_B‖₂ at which the step is stable for a constant generator.  In a longer step
+  /// perturbations grow, whatever the tolerance.
   double stability_limit = std::numeric_limits<double>::infinity();
-  /// The h at which linear theory ends (integrators/step_limits.h), from the eigenvalues of -iB(W₀);
-  /// empty where it sets no limit.
+  /// Largest h that linear theory allows (integrators/step_limits.h), from the eigenvalues of
+  /// -iB(W₀).  Empty if linear theory sets no limit.
   std::function<double(const RealVector&)> linear_limit = {};
-  /// The memory of the integrator in bytes for n x n matrices and J = I, known before it is made.
+  /// Memory of the integrator in bytes, for n x n matrices and J = I, before it is made.  For fast
+  /// forms an upper bound.
   std::function<double(Index)> bytes = {};
 };
 
-/// The Gauss method with s stages in one of the formulations.  Throws std::invalid_argument unless
-/// 1 <= s <= max_stages.
+/// Returns the entry of the Gauss method with s stages in a formulation.  Throws
+/// std::invalid_argument unless 1 <= s <= max_stages.
 IntegratorEntry gauss_entry(Formulation formulation, int s);
 
-/// Control, not in the list: `algebra` with s >= 2 stages and its update formed as B W̃ - W̃ B,
-/// which loses skew-Hermiticity.  Throws std::invalid_argument unless 2 <= s <= max_stages.
+/// Returns the entry of a control that is not in the list: `algebra` with its update formed as
+/// B W̃ - W̃ B, which loses skew-Hermiticity.  Throws std::invalid_argument unless
+/// 2 <= s <= max_stages.
 IntegratorEntry two_products_entry(int s);
 
-/// Every integrator of the project.
+/// Returns the list of published integrators and controls.
 const std::vector<IntegratorEntry>& integrators();
-/// The one of this name.  Throws std::invalid_argument, naming what is allowed.
+/// Returns the entry with this name.  Throws std::invalid_argument, naming all names, if the list
+/// has none.
 const IntegratorEntry& integrator_entry(std::string_view name);
 
 }  // namespace isosyrk

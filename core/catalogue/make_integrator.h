@@ -1,4 +1,4 @@
-// An integrator by its name: what a user of the library asks for.
+// Makes an integrator by its name.
 #pragma once
 
 #include <memory>
@@ -8,22 +8,22 @@
 
 namespace isosyrk {
 
-/// Which implementation of an integrator: the same answer to the tolerance.
+/// Implementation of an integrator.  Both give the same answer to the tolerance.
 enum class Solver {
-  published,  ///< as its equations read
-  fast,       ///< with start values, Newton corrections and split-complex storage
+  published,  ///< the published equations, solved by Picard sweeps
+  fast,       ///< predictor, inexact Newton, band truncation, split-complex storage
 };
 
-/// What else an integrator is made with.
+/// Options of an integrator.
 struct IntegratorOptions {
   Solver solver = Solver::published;
   SolverOptions iteration = {};
-  int threads = 1;  ///< of a fast integrator
+  int threads = 1;  ///< 1 if published, 1 to 64 if fast
 };
 
-/// The integrator of the list with this name, such as "group2"; integrators() lists them all.
-/// `flow` must outlive it.  Throws std::invalid_argument for a name that is not in the list, for a
-/// fast form where the integrator has none, and for a number of threads that is not allowed.
+/// Returns the integrator of integrators() with this name, such as "group2".  `flow` must outlive
+/// the integrator.  Throws std::invalid_argument for a name that is not in the list, for a fast
+/// form that the integrator or the flow does not have, and for a number of threads out of range.
 std::unique_ptr<Integrator> make_integrator(const Flow& flow, std::string_view name,
                                             const IntegratorOptions& options = {});
 

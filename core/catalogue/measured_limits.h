@@ -1,4 +1,4 @@
-// How long a step was seen to work.
+// Measured limits of the step size.
 #pragma once
 
 #include <optional>
@@ -6,8 +6,9 @@
 
 namespace isosyrk {
 
-/// The largest h‖B(W₀)‖₂ below which an integrator worked in every recorded trial, smooth and rough
-/// scene at every n; none where it was not tried.  Source: results/recorded/stability/map.json.
+/// Returns the largest h‖B(W₀)‖₂ below which an integrator worked in every recorded trial of the
+/// smooth and the rough scene, or nothing if it was not tried.
+/// Source: results/recorded/stability/map.json.
 std::optional<double> measured_limit(std::string_view integrator);
 
 }  // namespace isosyrk

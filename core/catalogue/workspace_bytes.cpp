@@ -5,7 +5,7 @@
 namespace isosyrk {
 namespace {
 
-// Matrices of a stage system: unknowns, and what it works with in double and in single precision.
+// Numbers of matrices of a stage system: unknowns, workspace in double and in single precision.
 struct Matrices {
   double unknowns;
   double doubles;
@@ -33,9 +33,11 @@ double fast_workspace_bytes(Formulation formulation, int s, Index n, int past_st
   const double in_double = 16.0 * size * static_cast<double>(split_row<double>(n));
   const double in_single = 8.0 * size * static_cast<double>(split_row<float>(n));
   const auto [unknowns, doubles, singles] = matrices_of(formulation, s);
-  // Each unknown, its past, and Anderson's; residual, correction and Anderson's differences.
+  // In double: the unknowns, the predictor's and Anderson's copies.  In single: residual,
+  // corrections and Anderson's differences.
   const double solver = unknowns * ((2.0 + past_steps) * in_double + 10.0 * in_single);
-  // W₀ and W₁, dense and split; the factors of the Laplacian; what a product packs in each thread.
+  // W₀ and W₁, interleaved and split, and the factors of the Laplacian.  Each thread adds a packing
+  // space.
   const double common = 32.0 * size * size + 3.0 * in_double + in_single;
   return solver + doubles * in_double + singles * in_single + common +
          threads * (in_double + in_single);

@@ -34,8 +34,8 @@ void AlgebraForm::start(const Matrix& W0) {
   }
 }
 
-// Each sum over stages is formed just before the product that needs it, while it stays in cache,
-// and no more is stored than X, K and one row of K twice.
+// Each sum over stages is formed just before the product that reads it, so that it stays in cache.
+// Only X and one row of K are stored twice.
 double AlgebraForm::sweep(const Matrix& W0, double h) {
   std::swap(X_, X_old_);
   for (std::size_t i = 0; i < s_; ++i) flow_.generator(W_stage_[i], B_[i]);

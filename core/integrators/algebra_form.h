@@ -9,10 +9,10 @@
 
 namespace isosyrk {
 
-/// How `algebra` forms its update.
+/// Formula for the update of `algebra`.
 enum class AlgebraUpdate {
   one_product,   ///< C - J⁻¹ C† J with C = B W̃: in g exactly for J = I
-  two_products,  ///< B W̃ - W̃ B, the same but for rounding; a control, see below
+  two_products,  ///< B W̃ - W̃ B, equal up to rounding; a control, see AlgebraForm
 };
 
 /// Unknowns X_i, K_ij, W̃_i, i, j = 1..s, each n x n.  Stage equations and update, B_j = B(W̃_j):
@@ -22,18 +22,21 @@ enum class AlgebraUpdate {
 ///     W̃_i  = W₀ + Σ_j a_ij ( X_j - J⁻¹ X_j† J + K_ij )
 ///     W₁   = W₀ + h Σ_i b_i [B_i, W̃_i],   [B, W̃] = C - J⁻¹ C† J with C = B W̃
 ///
-/// Products: s² + s a sweep, s for the update.  Poisson solves: s a sweep, s for the update.
-/// Source: the paper's ISOSYRK equations, with B_j for the printed B_i in K_ij.  The update formed
-/// from C alone keeps W in g exactly; formed as B W̃ - W̃ B it drifts out exponentially, since the
-/// stage equations take W₀† = -J W₀ J⁻¹ for granted and hand on to W̃ what W₀ has outside g.
-/// At s = 1 the isospectral midpoint form is the cheaper way to the same step.
+/// Products: s² + s a sweep, s for the update (2s with two_products).
+/// Poisson solves: s a sweep, s for the update.
+/// Source: the paper's ISOSYRK equations, with B_j for the printed B_i in K_ij.
+///
+/// The update formed from C alone keeps W in g, for J = I exactly.  Formed as B W̃ - W̃ B, W drifts
+/// out of g exponentially: the stage equations assume W₀† = -J W₀ J⁻¹ and pass the part of W₀
+/// outside g on to W̃.  For the midpoint tableau, IsospectralMidpoint takes
+/// the same step in one unknown.
 class AlgebraForm final : public Integrator {
  public:
   /// Throws std::invalid_argument for an inconsistent tableau.
   AlgebraForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
               ProductBackend backend, AlgebraUpdate update = AlgebraUpdate::one_product);
 
-  /// The n x n complex matrices that it holds where J = I.
+  /// Number of n x n complex matrices held if J = I.
   static Index matrices(Index s) { return common_matrices + s * s + 6 * s + 1; }
 
  protected:
@@ -55,15 +58,15 @@ class AlgebraForm final : public Integrator {
   AlgebraUpdate update_;
   std::size_t s_;
   Stages X_;               // X_i
-  Stages X_old_;           // of the sweep before
+  Stages X_old_;           // X_i of the sweep before
   Stages X_sum_;           // Σ_j a_ij X_j
   std::vector<Stages> K_;  // K_[i][j] = K_ij
   Stages K_row_;           // the new K_i1 .. K_is, while the old ones are needed
   Stages W_stage_;         // W̃_i
   Stages B_;               // B(W̃_i)
   Matrix input_;           // the factor of the next product, or a sum
-  Matrix adjoint_;         // J⁻¹ Y† J, where J is not I
-  RealVector change_;      // squared, largest of the X, of the K and of the W̃
+  Matrix adjoint_;         // J⁻¹ Y† J; empty if J = I
+  RealVector change_;      // largest squared change of an X_i, of a K_ij and of a W̃_i
 };
 
 }  // namespace isosyrk

@@ -1,5 +1,5 @@
-// Symmetric compositions of the isospectral midpoint rule: the isospectral symplectic DIRK methods
-// of the paper's footnote.
+// Symmetric compositions of the isospectral midpoint rule.  These are the isospectral symplectic
+// DIRK methods of the paper's footnote.
 #pragma once
 
 #include <vector>
@@ -9,15 +9,17 @@
 
 namespace isosyrk {
 
-/// Isospectral, Lie-Poisson and symmetric, as the midpoint rule is.
-/// Products and Poisson solves: those of the midpoint substeps.
+/// step(h) = midpoint(γ_k h) ∘ ... ∘ midpoint(γ_1 h) with fractions γ_i of a CompositionScheme.
+/// Isospectral, Lie-Poisson and symmetric, like the midpoint rule.  The step fails if a substep
+/// fails.
+/// Products and Poisson solves: the sums over the midpoint substeps.
 class Composition final : public Integrator {
  public:
   /// Throws std::invalid_argument unless the fractions are symmetric and sum to 1.
   Composition(const Flow& flow, const CompositionScheme& scheme, const SolverOptions& options,
               ProductBackend backend);
 
-  /// The n x n complex matrices that it holds where J = I.
+  /// Number of n x n complex matrices held if J = I.
   static Index matrices() { return common_matrices + IsospectralMidpoint::matrices(); }
 
  protected:

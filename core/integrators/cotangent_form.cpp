@@ -21,7 +21,7 @@ CotangentForm::CotangentForm(const Flow& flow, const Tableau& tableau, const Sol
   change_.resize(2 * tableau.stages());
 }
 
-// QB_j = Q_j B(W̃_j)† and PB_j = P_j B(W̃_j) from the present Q_j, P_j.
+// QB_j = Q_j B(W̃_j)† and PB_j = P_j B(W̃_j) from the current Q_j and P_j.
 void CotangentForm::evaluate_stages() {
   for (std::size_t j = 0; j < Q_.size(); ++j) {
     products_.multiply_adjoint_left(Q_[j], P_[j], W_stage_);

@@ -16,14 +16,14 @@ namespace isosyrk {
 ///     Q₁  = I  + h Σ_j b_j Q_j B_j†,       P₁  = W₀ - h Σ_j b_j P_j B_j,      W₁ = Q₁† P₁
 ///
 /// Products: 3s a sweep, 3s + 1 for the update.  Poisson solves: s a sweep, s for the update.
-/// Source: the paper's theorem, item 1.  J does not appear: it acts through B alone.
+/// Source: the paper's theorem, item 1.  J does not appear, since it acts through B alone.
 class CotangentForm final : public Integrator {
  public:
   /// Throws std::invalid_argument for an inconsistent tableau.
   CotangentForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
                 ProductBackend backend);
 
-  /// The n x n complex matrices that it holds where J = I.
+  /// Number of n x n complex matrices held if J = I.
   static Index matrices(Index s) { return common_matrices + 4 * s + 5; }
 
  protected:
@@ -46,7 +46,7 @@ class CotangentForm final : public Integrator {
   Matrix Q_next_;
   Matrix P_next_;
   Matrix identity_;
-  RealVector change_;  // squared, of the Q_i, then of the P_i
+  RealVector change_;  // squared changes of the Q_i, then of the P_i
 };
 
 }  // namespace isosyrk

@@ -1,4 +1,4 @@
-// What a published form evaluates B with, and how the work of one of its steps is counted.
+// Counters for the work of a published form: evaluations of B and products.
 #pragma once
 
 #include "isosyrk/integrators/integrator.h"
@@ -6,7 +6,7 @@
 
 namespace isosyrk {
 
-/// A flow whose evaluations of B are counted.  The flow must outlive it.
+/// A flow whose evaluations of B are counted.  The flow must outlive the CountedFlow.
 class CountedFlow {
  public:
   explicit CountedFlow(const Flow& flow) : flow_(flow) {}
@@ -18,7 +18,7 @@ class CountedFlow {
   }
 
   const QuadraticAlgebra& algebra() const { return flow_.algebra(); }
-  /// Evaluations of B since construction.
+  /// Returns the number of evaluations of B since construction.
   long poisson_solves() const { return poisson_solves_; }
 
  private:
@@ -26,7 +26,7 @@ class CountedFlow {
   long poisson_solves_ = 0;
 };
 
-/// Counts the work of one step, from its construction on.
+/// Counts the work of one step, from the construction of the StepCount on.
 class StepCount {
  public:
   StepCount(const CountedFlow& flow, const Products& products)
@@ -35,11 +35,11 @@ class StepCount {
         solves_before_(flow.poisson_solves()),
         products_before_(products.count()) {}
 
-  /// The report of a step that Picard sweeps solved from a cold start.
+  /// Returns the report of a step with Picard sweeps from a cold start.
   StepReport report(const SolveReport& solve) const {
     return report(solve, {Start::cold, Iteration::picard});
   }
-  /// The report of an explicit step.
+  /// Returns the report of an explicit step.
   StepReport report(Status status) const { return report({.status = status}, Attempt{}); }
 
  private:

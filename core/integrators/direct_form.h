@@ -1,4 +1,4 @@
-// Control: an implicit Runge-Kutta method applied to W' = [B(W), W] as to any equation.
+// Control: an implicit Runge-Kutta method applied directly to W' = [B(W), W].
 #pragma once
 
 #include <vector>
@@ -13,15 +13,15 @@ namespace isosyrk {
 ///     W̃_i = W₀ + h Σ_j a_ij [B_j, W̃_j],     W₁ = W₀ + h Σ_j b_j [B_j, W̃_j]
 ///
 /// Products: s a sweep, s for the update.  Poisson solves: s a sweep, s for the update.
-/// Not isospectral: symplectic tableaux keep the quadratic Casimir tr W² and lose tr W³.  It stays
-/// in g.  A control, what the three formulations are compared against when structure is given up.
+/// Not isospectral: symplectic tableaux keep the quadratic Casimir tr W² and lose tr W³.  W stays
+/// in g.  The three formulations are compared against this control.
 class DirectForm final : public Integrator {
  public:
   /// Throws std::invalid_argument for an inconsistent tableau.
   DirectForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
              ProductBackend backend);
 
-  /// The n x n complex matrices that it holds where J = I.
+  /// Number of n x n complex matrices held if J = I.
   static Index matrices(Index s) { return common_matrices + 2 * s + 3; }
 
  protected:
@@ -43,7 +43,7 @@ class DirectForm final : public Integrator {
   Matrix sum_;    // Σ_j weights_j C_j
   Matrix fresh_;  // the new W̃_i
   RealVector change_;
-  Matrix scratch_;  // where J is not I
+  Matrix scratch_;  // J⁻¹ C† J; empty if J = I
 };
 
 }  // namespace isosyrk

@@ -1,5 +1,5 @@
-// Explicit methods: Munthe-Kaas's Runge-Kutta method on the group, and, as a control, the classical
-// one applied to W.
+// Explicit methods: the Runge-Kutta method of Munthe-Kaas on the group, and as a control the
+// classical Runge-Kutta method applied to W.
 #pragma once
 
 #include <array>
@@ -9,20 +9,21 @@
 
 namespace isosyrk {
 
-/// RKMK4, order 4: the classical Runge-Kutta method in the algebra, with two commutators,
+/// RKMK4: the classical Runge-Kutta method in the algebra, with two commutators.  Order 4.
 ///
 ///     k₁ = h B(W₀)                               k₂ = h B(Ad(k₁/2) W₀)
 ///     k₃ = h B(Ad(k₂/2 - [k₁, k₂]/8) W₀)         k₄ = h B(Ad(k₃) W₀)
 ///     W₁ = Ad(Ω) W₀,   Ω = (k₁ + 2k₂ + 2k₃ + k₄)/6 - [k₁, k₄]/12
 ///
-/// with Ad(Ω)W = e^Ω W e^(-Ω) by its series to rounding.  Isospectral, not Lie-Poisson.
-/// Products: 2 and a term of each of 4 series.  Poisson solves: 4.
+/// with Ad(Ω)W = e^Ω W e^(-Ω), summed by AdjointSeries to rounding.  Isospectral, not Lie-Poisson.
+/// A step diverges if a series does not converge.
+/// Products: 2, and 1 for each term of the 4 series.  Poisson solves: 4.
 /// Source: Munthe-Kaas 1999; Casas and Owren 2003.
 class MuntheKaas4 final : public Integrator {
  public:
   MuntheKaas4(const Flow& flow, ProductBackend backend);
 
-  /// The n x n complex matrices that it holds where J = I.
+  /// Number of n x n complex matrices held if J = I.
   static Index matrices() { return common_matrices + AdjointSeries::matrices() + 7; }
 
  protected:
@@ -38,13 +39,14 @@ class MuntheKaas4 final : public Integrator {
   Matrix W_stage_;
 };
 
-/// Control: the classical Runge-Kutta method of order 4 on W' = [B(W), W].  Neither isospectral nor
-/// symmetric; unstable for h ‖ad_B‖ > 2.83.  Products: 4.  Poisson solves: 4.
+/// Control: the classical Runge-Kutta method of order 4 applied to W' = [B(W), W].  Neither
+/// isospectral nor symmetric.  Unstable for h ‖ad_B‖₂ > 2√2.
+/// Products: 4.  Poisson solves: 4.
 class ClassicalRungeKutta4 final : public Integrator {
  public:
   ClassicalRungeKutta4(const Flow& flow, ProductBackend backend);
 
-  /// The n x n complex matrices that it holds where J = I.
+  /// Number of n x n complex matrices held if J = I.
   static Index matrices() { return common_matrices + AdjointSeries::matrices() + 6; }
 
  protected:

@@ -39,7 +39,7 @@ Formulation formulation_from_name(std::string_view wanted) {
 
 namespace {
 
-// The midpoint tableau, and only it, has the one-unknown form.
+// True for the midpoint tableau, the only one with a form in one unknown.
 bool is_midpoint(const Tableau& tableau) {
   return tableau.stages() == 1 && tableau.a(0, 0) == 0.5 && tableau.b(0) == 1.0;
 }

@@ -14,21 +14,22 @@ namespace isosyrk {
 /// The three equivalent formulations of the paper.
 enum class Formulation { cotangent, group, algebra };
 
-/// In the order of the paper's Table 1.
+/// Returns all formulations, in the order of the paper's Table 1.
 const std::vector<Formulation>& formulations();
-/// "cotangent", "group", "algebra".
+/// Returns "cotangent", "group" or "algebra".
 std::string_view name(Formulation formulation);
-/// Throws std::invalid_argument, naming what is allowed.
+/// Returns the formulation with this name.  Throws std::invalid_argument, naming all names, for
+/// another one.
 Formulation formulation_from_name(std::string_view name);
 
-/// A Runge-Kutta method in one of the formulations.  The flow must outlive the integrator.
-/// `algebra` with the one-stage Gauss tableau is the isospectral midpoint.
+/// Returns a Runge-Kutta method in one of the formulations.  The flow must outlive the integrator.
+/// `algebra` with the one-stage Gauss tableau gives IsospectralMidpoint.
 /// Throws std::invalid_argument for an inconsistent tableau.
 std::unique_ptr<Integrator> make_formulation(Formulation formulation, const Flow& flow,
                                              const Tableau& tableau, const SolverOptions& options,
                                              ProductBackend backend);
 
-/// The n x n complex matrices that this integrator holds where J = I.
+/// Returns the number of n x n complex matrices that this integrator holds if J = I.
 Index formulation_matrices(Formulation formulation, const Tableau& tableau);
 
 }  // namespace isosyrk

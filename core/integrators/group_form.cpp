@@ -34,7 +34,7 @@ void GroupForm::transport(const Matrix& W0, const Matrix& Q, Matrix& W) {
   products_.multiply_adjoint_left(Q, W0Q_, W);
 }
 
-// QB_j = Q_j B(W̃_j)† from the present Q_j.
+// QB_j = Q_j B(W̃_j)† from the current Q_j.
 void GroupForm::evaluate_stages(const Matrix& W0) {
   for (std::size_t j = 0; j < Q_.size(); ++j) {
     transport(W0, Q_[j], W_stage_);

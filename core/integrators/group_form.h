@@ -23,7 +23,7 @@ class GroupForm final : public Integrator {
   GroupForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
             ProductBackend backend);
 
-  /// The n x n complex matrices that it holds where J = I.
+  /// Number of n x n complex matrices held if J = I.
   static Index matrices(Index s) { return common_matrices + 2 * s + 5; }
 
  protected:
@@ -43,10 +43,10 @@ class GroupForm final : public Integrator {
   Matrix W_stage_;
   Matrix B_;
   Matrix W0Q_;     // W₀ J Q J⁻¹
-  Matrix JQ_;      // J Q J⁻¹, where J is not I
+  Matrix JQ_;      // J Q J⁻¹; empty if J = I
   Matrix Q_next_;  // Q₁ of the update
   Matrix identity_;
-  RealVector change_;  // squared, of each Q_i
+  RealVector change_;  // squared changes of the Q_i
 };
 
 }  // namespace isosyrk

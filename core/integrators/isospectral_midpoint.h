@@ -1,4 +1,4 @@
-// The isospectral midpoint rule: the algebra formulation at s = 1, in one unknown.
+// The isospectral midpoint rule: the algebra formulation for the midpoint tableau, in one unknown.
 #pragma once
 
 #include "isosyrk/integrators/counted_flow.h"
@@ -17,7 +17,7 @@ class IsospectralMidpoint final : public Integrator {
  public:
   IsospectralMidpoint(const Flow& flow, const SolverOptions& options, ProductBackend backend);
 
-  /// The n x n complex matrices that it holds where J = I.
+  /// Number of n x n complex matrices held if J = I.
   static Index matrices() { return common_matrices + 4; }
 
  protected:
@@ -33,7 +33,7 @@ class IsospectralMidpoint final : public Integrator {
   Matrix B_;
   Matrix M_;        // B W̃
   Matrix MB_;       // B W̃ B
-  Matrix adjoint_;  // J⁻¹ M† J, where J is not I
+  Matrix adjoint_;  // J⁻¹ M† J; empty if J = I
 };
 
 }  // namespace isosyrk

@@ -10,10 +10,11 @@
 namespace isosyrk {
 namespace {
 
-// By columns, as LAPACK has them.
+// Stored by columns, for LAPACK.
 using ComplexMatrix = Eigen::MatrixXcd;
 using ComplexVector = Eigen::VectorXcd;
 
+// Returns the solution of M x = b.  Throws std::runtime_error if M is singular.
 ComplexVector solution(ComplexMatrix M, ComplexVector b) {
   const auto s = static_cast<lapack_int>(M.rows());
   std::vector<lapack_int> pivots(static_cast<std::size_t>(s));
@@ -48,7 +49,8 @@ double direct_iteration_limit(const Tableau& tableau, const RealVector& frequenc
   return adjoint_limit(1.0 / spectral_radius(tableau), frequencies);
 }
 
-// With a = h²/4, d = (β_p - β_q)² and m = β_p² β_q²:  a d + a² m = 1, a = 2 / (d + √(d² + 4m)).
+// For each entry, with a = h²/4, d = (β_p - β_q)² and m = β_p² β_q²:  a d + a² m = 1, so that
+// a = 2 / (d + √(d² + 4m)).
 double midpoint_iteration_limit(const RealVector& frequencies) {
   double smallest = std::numeric_limits<double>::infinity();
   for (const double p : frequencies) {
@@ -61,7 +63,7 @@ double midpoint_iteration_limit(const RealVector& frequencies) {
   return smallest;
 }
 
-// In entry (q, p), with W₀ of size 1 there and Y_i = Σ_j a_ij X_j:
+// In entry (q, p), for W₀ with a 1 there and Y_i = Σ_j a_ij X_j:
 //     Y = -ihβ_p A (1 + Y),    K_i = ihβ_q (Y_i + A K_i)  for each row i of K.
 double hermitian_growth(const Tableau& tableau, const RealVector& frequencies, double h) {
   const Index s = tableau.stages();

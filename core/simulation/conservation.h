@@ -1,4 +1,4 @@
-// What a run was seen to conserve.
+// Conservation errors of a run.
 #pragma once
 
 #include <array>
@@ -11,18 +11,19 @@ namespace isosyrk {
 struct Conservation {
   double spectrum_error = 0.0;  ///< largest |λ_k(W) - λ_k(W₀)|
   double skew_defect = 0.0;     ///< largest entry of |W + W†|
-  double energy_error = 0.0;    ///< relative, largest over the steps observed
+  double energy_error = 0.0;    ///< largest |H(W)/H(W₀) - 1| over the steps observed
 };
 
-/// Observes the steps of a run and reports on its last state.  The scene must outlive it.
+/// Observes the steps of a run and reports on its last state.  The scene must outlive the watch.
 class ConservationWatch {
  public:
   explicit ConservationWatch(const Scene& scene);
 
-  /// To be called with W after every step.
+  /// Records the energy error of W; to be called after every step.
   void observe(const Matrix& W);
 
-  /// Errors of W, which must be finite, and the largest energy error observed.
+  /// Returns the errors of W and the largest energy error observed.  Throws std::invalid_argument
+  /// unless W is finite.
   Conservation report(const Matrix& W) const;
 
  private:
@@ -31,23 +32,25 @@ class ConservationWatch {
   double energy_error_ = 0.0;
 };
 
-/// |tr W^k - tr W₀^k| / Σ|λ|^k for k = 2..5, λ the eigenvalues of W₀.  Takes 20 matrix products.
+/// Returns |tr W^k - tr W₀^k| / Σ|λ|^k for k = 2..5, with λ the eigenvalues of W₀.  Takes 20 matrix
+/// products and a spectrum.
 std::array<double, 4> casimir_errors(const Matrix& W, const Matrix& W0);
 
-/// Largest component of the change of the angular momentum, relative to its size at W₀.
+/// Returns the largest component of the change of the angular momentum, relative to its Euclidean
+/// norm at W₀.
 double angular_momentum_error(const Matrix& W, const Matrix& W0);
 
-/// Eigenvalues of -iB(W₀), ascending, at the scene's initial data.
+/// Returns the eigenvalues of -iB(W₀), ascending, for the scene's initial data W₀.
 RealVector generator_frequencies(const Scene& scene);
 
-/// Norms that decide whether a step is small: of the generator B = B(W) and of ad_B = [B, ·].
+/// Norms of the generator B = B(W) and of ad_B = [B, ·].  They decide whether a step is small.
 struct GeneratorNorms {
   double B = 0.0;     ///< ‖B‖₂
   double ad_B = 0.0;  ///< ‖ad_B‖₂ = λ_max - λ_min of -iB
 };
-/// From the eigenvalues of -iB, ascending.
+/// Returns the norms from the eigenvalues of -iB.
 GeneratorNorms generator_norms(const RealVector& frequencies);
-/// At the scene's initial data.
+/// Returns the norms at the scene's initial data.
 GeneratorNorms generator_norms(const Scene& scene);
 
 }  // namespace isosyrk

@@ -3,7 +3,7 @@
 namespace isosyrk {
 namespace {
 
-// observe(k, report of step k) after every completed step.
+// Implements run(); calls observe(k, report of step k) after every completed step k.
 template <class Observe>
 RunReport run_steps(Integrator& integrator, MatrixView W, double h, long steps,
                     const Observe& observe) {

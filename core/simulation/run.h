@@ -1,4 +1,4 @@
-// Many steps of one integrator.
+// Runs: many steps of one integrator.
 #pragma once
 
 #include <functional>
@@ -12,8 +12,8 @@ struct RunReport {
   Status status = Status::converged;
   long steps = 0;        ///< completed
   long failed_step = 0;  ///< first step that did not converge, counted from 1; 0 if none
-  double last_change = 0.0;
-  double contraction = 0.0;  ///< the largest of the steps tried, a failed one included
+  double last_change = 0.0;  ///< of the last step
+  double contraction = 0.0;  ///< largest over all steps, a failed one included
   long sweeps = 0;
   long products = 0;
   long poisson_solves = 0;
@@ -25,13 +25,13 @@ struct RunReport {
   }
 };
 
-/// Advances W, n x n, by `steps` steps of size h and returns what that took.  Stops at the first
-/// step that does not converge; W is then the last good state.  Allocates nothing.  Throws as
+/// Advances W, n x n, by `steps` steps of size h and returns the totals.  Stops at the first step
+/// that does not converge; W is then the state before that step.  Allocates nothing.  Throws as
 /// Integrator::step.
 RunReport run(Integrator& integrator, MatrixView W, double h, long steps);
 
-/// The same, with `observe(step, W, report of the step)` after every completed step.  What is
-/// observed is a copy of W, allocated once for the run.
+/// Advances W as above and calls `observe(step, W, report of the step)` after every completed step.
+/// The W observed is a copy, allocated once for the run.
 RunReport run(Integrator& integrator, MatrixView W, double h, long steps,
               const std::function<void(long, const Matrix&, const StepReport&)>& observe);
 
