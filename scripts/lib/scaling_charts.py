@@ -10,7 +10,9 @@ from scaling import ladder
 
 STEP_LABEL = "CPU seconds per step (median)"
 # Names of rungs that are too long for a chart, and the rungs' shades, the later the darker.
-SHORT = {"structure and planar products": "structure, planar products", "corrections in single precision": "corrections"}
+SHORT = {"structure and planar products": "structure, planar products",
+         "structure and split products": "structure, split products",
+         "corrections in single precision": "corrections"}
 RUNG_SHADES = ("#c9c9c9", "#c3daee", "#8fc1e3", "#4f9bd0", "#1f67ad", "#062a56")
 
 

@@ -130,7 +130,7 @@ class Table2(Table1):
                 self.assertLess(row["equivalent_products"], row["products"])
 
     def test_its_products_and_start_are_recorded(self):
-        self.assertIn("planar", self.context["products"])
+        self.assertIn("split", self.context["products"])
         self.assertIn("fitted", self.context["start"])
         self.assertIn("single precision", self.context["update_order"])
 
@@ -241,9 +241,9 @@ class Kernels(MeasuredTest):
         self.assertEqual(len(rows), 1, name)
         return rows[0]
 
-    def planar_units(self):
+    def split_units(self):
         names = [row["run_name"].split("/") for row in self.rows]
-        return [name[2][len("planar_"):] for name in names if name[1] == "product" and name[2].startswith("planar_")]
+        return [name[2][len("split_"):] for name in names if name[1] == "product" and name[2].startswith("split_")]
 
     def products(self):
         return [row for row in self.rows if row["run_name"].startswith(("kernels/product/", "kernels/adjoint/", "kernels/single/"))]
@@ -252,12 +252,12 @@ class Kernels(MeasuredTest):
         self.assertEqual(self.done.returncode, DONE, self.done.stderr)
 
     def test_peak_products_and_poisson_solve_have_one_row_each(self):
-        units = self.planar_units()
+        units = self.split_units()
         self.assertEqual(units[-1], "portable")  # runs everywhere; others by what the processor has
         self.assertLessEqual(set(units), {"avx512", "avx2", "portable"})
-        expected = ["kernels/peak", "kernels/poisson/n:17", "kernels/poisson/planar/n:17",
+        expected = ["kernels/peak", "kernels/poisson/n:17", "kernels/poisson/split/n:17",
                     *(f"kernels/product/{each}/n:17" for each in BACKENDS),
-                    *(f"kernels/{part}/planar_{unit}/n:17" for unit in units
+                    *(f"kernels/{part}/split_{unit}/n:17" for unit in units
                       for part in ("product", "adjoint", "triangle", "single"))]
         self.assertEqual(sorted(row["run_name"] for row in self.rows), sorted(expected))
 

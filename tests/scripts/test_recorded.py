@@ -74,7 +74,7 @@ class Pages(unittest.TestCase):
 
     def test_readme_names_only_files_that_exist(self):
         named = re.findall(r"`((?:core|benchmarks|tests|scripts|results)/[\w./-]*)`", text("README.md"))
-        self.assertGreater(len(named), 10)
+        self.assertGreater(len(named), 2)
         for name in named:
             if not name.startswith("results/latest"):
                 self.assertTrue(os.path.exists(os.path.join(ROOT, name)), name)

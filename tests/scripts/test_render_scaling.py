@@ -100,7 +100,7 @@ class Program(FolderTest):
         self.assertEqual((study.sizes(), study.idea_sizes()), ([9, 17], [17]))
         self.assertEqual(len(study.points), 18)
         for cell in study.ideas.values():
-            self.assertLess(cell["start values"].sweeps, cell["structure and planar products"].sweeps)
+            self.assertLess(cell["predictor"].sweeps, cell["structure and split products"].sweeps)
 
     def test_bad_arguments(self):
         for arguments, part in ((("--out", self.path("no", "raw.json")), "--out"), (("--n", "4"), "--n"), ((), "--out"),
