@@ -1,4 +1,4 @@
-"""Draws where each method fails, and what drifts in long runs: failure maps and errors against time.
+"""Draws where each method fails, and the errors of long runs: failure maps and errors against time.
 
 Each chart is a figure made from its data alone. In a map a cell is one trial, coloured and hatched by what became of
 it; in a chart of long runs a line is one integrator and carries its name.
@@ -13,10 +13,9 @@ from matplotlib.ticker import FixedLocator, NullLocator
 from benchmark_json import FORMULATIONS
 from chart_panels import (LOOKS, SMALL, Label, colour, column_of_labels, cross_mark, draw_line, floor_band, hide_rest,
                           key_of, logarithmic, look, new_figure, note_below, set_panel, style_key, styled)
-from drift import ROUNDING
 from integrator_names import TABLE1_CELLS, gauss_stages, joined, joined_relatives, others, relatives
 from raw_files import CONVERGED, SWEEP_CAP, UNSTABLE
-from stability import QUANTITIES, trials_in_words
+from stability import QUANTITIES, ROUNDING, trials_in_words
 
 CELLS, NUMBERS = -2, -1  # of the drawing order; what lies below 0 an SVG holds as one image
 GENERATOR_LABEL = "h‖B(W₀)‖₂"

@@ -481,7 +481,7 @@ class EndToEnd(CopyTest):
         done = self.reproduce("stability")
         self.assertEqual(set(os.listdir(self.out)), STABILITY_RESULTS)
         self.assertEqual(done.stdout, self.result("report.txt"))
-        self.assertIn("Drift in long runs", done.stdout)
+        self.assertIn("Largest errors of long runs", done.stdout)
         for program, number in (("stability", 2), ("long_runs", 1)):
             calls = self.calls(program + "[")
             self.assertEqual(len(calls), number)
