@@ -185,14 +185,10 @@ def set_panel(axes, title, xlabel, ylabel):
     axes.set_ylabel(ylabel)
 
 
-def floor_band(axes, floor, text, **place):
+def floor_band(axes, floor, text, at=(0, 0), coordinates="axes fraction", offset=(6, 5)):
     """Greys what lies under the floor: errors there say more about the reference, or rounding, than the integrator."""
     axes.axhspan(axes.get_ylim()[0], floor, facecolor="0.93", linewidth=0, zorder=0)
     axes.axhline(floor, color=GREY, linewidth=0.8, zorder=1)
-    name_floor(axes, text, **place)
-
-
-def name_floor(axes, text, at=(0, 0), coordinates="axes fraction", offset=(6, 5)):
     axes.annotate(text, at, xycoords=coordinates, xytext=offset, textcoords="offset points", fontsize=SMALL,
                   color=NOTE_COLOUR, zorder=1, bbox={"facecolor": "0.96", "edgecolor": "none", "pad": 1.0})
 

@@ -4,7 +4,6 @@ import re
 
 from benchmark_json import FORMULATIONS
 
-COMPOSITIONS = ("yoshida4", "suzuki4", "kahan_li6")
 # A row for each s, a column for each formulation.
 TABLE1_CELLS = tuple(f"{formulation}{s}" for s in (1, 2, 3) for formulation in FORMULATIONS)
 

@@ -15,7 +15,7 @@ from drawing import LIBRARY, PYTHON, DrawingTest
 from programs import environment, snapshot
 from study_documents import UNCERTAINTY, small_study, study_document, write_study
 
-CHARTS = ("error_against_time", "error_against_products", "spectrum_error_against_time", "tolerance")
+CHARTS = ("error_against_time", "tolerance")
 FILES = {"report.md", "report.txt", *(f"{chart}.{kind}" for chart in CHARTS for kind in ("svg", "png"))}
 TABLE1_CHART = "table1_accuracy"
 WITH_TABLE1 = FILES | {f"{TABLE1_CHART}.{kind}" for kind in ("svg", "png")}
@@ -47,9 +47,9 @@ for request in sys.stdin:
 """
 
 
-# What was rendered and drawn before: drawing takes seconds. The files of the small study here and elsewhere, and of
-# another, and charts by their name and raw file's contents.
-PLAIN, ELSEWHERE, OTHER, DRAWN = {}, {}, {}, {}
+# What was rendered and drawn before: drawing takes seconds. The files of the small study, and charts by their name and
+# raw file's contents.
+PLAIN, DRAWN = {}, {}
 DESCRIBER = []  # the process, once it is needed
 MATPLOTLIB = tempfile.TemporaryDirectory(prefix="isosyrk-")  # what it keeps, away from the user's
 
@@ -133,33 +133,6 @@ class AccuracyTest(DrawingTest):
             PLAIN.update(self.render_plain(self.path("plain")))
         return PLAIN
 
-    def elsewhere(self):
-        """Returns them as a chosen Python draws them where this one cannot, and under a user's own settings."""
-        if not ELSEWHERE:
-            self.require_drawing()
-            self.write("matplotlib/matplotlibrc", "lines.linewidth: 9\nfont.size: 30\naxes.facecolor: red\n")
-            chosen = self.write("bin/chosen", f'#!/bin/sh\necho chosen >> {self.path("calls")}\nunset PYTHONPATH\n'
-                                              f'exec {PYTHON} "$@"\n', executable=True)
-            ELSEWHERE.update(self.render_plain(self.path("new", "charts"), PYTHONPATH=self.without(),
-                                               ISOSYRK_PYTHON=chosen))
-            self.assertTrue(os.path.exists(self.path("calls")))
-        return ELSEWHERE
-
-    def other(self):
-        """Returns the files of a slower and worse study, with a Table 1 that has no errors, which is said."""
-        def slower_and_worse(document):
-            for point in document["points"] + document["tolerance_points"]:
-                for field in ("error", "spectrum_error"):
-                    point[field] = point[field] and 3 * point[field]
-                point["cpu_seconds"] = [2.5 * time for time in point["cpu_seconds"]]
-                point["products"] *= 2
-        if not OTHER:
-            raw, table1 = self.small(slower_and_worse), self.table1(lambda s: {})
-            result = self.assert_renders(raw, "--out", self.path("other"), "--table1", table1)
-            self.assert_one_line(result.stderr, table1, "relative_error", TABLE1_CHART)
-            OTHER.update(snapshot(self.path("other")))
-        return OTHER
-
     def lines(self, chart, raw, title):
         return self.drawn(chart, raw)["lines"][title]
 
@@ -177,38 +150,39 @@ class Files(AccuracyTest):
             self.assert_renders(self.small(), "--out", folder)
             self.assertEqual(set(os.listdir(folder)), {name for name in FILES if name.endswith((".svg", ".md"))})
 
-    def test_the_same_raw_file_gives_the_same_bytes_whatever_the_user_s_own_settings(self):
-        self.assertEqual(self.elsewhere(), self.plain())
+    def test_the_same_bytes_by_a_chosen_python_under_a_user_s_own_settings(self):
+        self.require_drawing()
+        self.write("matplotlib/matplotlibrc", "lines.linewidth: 9\nfont.size: 30\naxes.facecolor: red\n")
+        chosen = self.write("bin/chosen", f'#!/bin/sh\necho chosen >> {self.path("calls")}\nunset PYTHONPATH\n'
+                                          f'exec {PYTHON} "$@"\n', executable=True)
+        files = self.render_plain(self.path("new", "charts"), PYTHONPATH=self.without(), ISOSYRK_PYTHON=chosen)
+        self.assertTrue(os.path.exists(self.path("calls")))
+        self.assertTrue(files == self.plain())  # some megabytes
 
     def test_files_name_no_date_and_no_program(self):
         for name, contents in self.plain().items():
             for word in (b"<dc:date", b"Software", b"Matplotlib v", self.folder.encode()):
                 self.assertNotIn(word, contents, name)
 
-    def test_other_measurements_give_other_charts(self):
-        for name, contents in self.other().items():
-            self.assertTrue(contents != self.plain()[name], name)  # without printing them
-
     def test_without_errors_table_1_is_left_out_and_said_so(self):
-        self.assertEqual(set(self.other()), FILES)
+        table1 = self.table1(lambda s: {})
+        result = self.assert_renders(self.small(), "--out", self.path("charts"), "--table1", table1)
+        self.assert_one_line(result.stderr, table1, "relative_error", TABLE1_CHART)
+        self.assertEqual(set(os.listdir(self.path("charts"))), FILES)
 
 
 class WhatIsDrawn(AccuracyTest):
-    def test_points_are_cost_and_error(self):
+    def test_points_are_time_and_error(self):
         point = next(each for each in study_document()["points"]
                      if (each["integrator"], each["n"], each["steps"]) == ("group2", 17, 50))
-        raw = self.raw()
-        by_time = self.lines("error_against_time", raw, "n = 17")["group2"]
-        by_products = self.lines("error_against_products", raw, "n = 17")["group2"]
-        self.assertIn([sorted(point["cpu_seconds"])[1], point["error"]], by_time)
-        self.assertIn([point["products"], point["error"]], by_products)
+        self.assertIn([sorted(point["cpu_seconds"])[1], point["error"]],
+                      self.lines("error_against_time", self.raw(), "n = 17")["group2"])
 
     def test_lines_end_above_the_floor(self):
-        for chart in ("error_against_time", "error_against_products"):
-            for n, lines in self.drawn(chart, self.raw())["lines"].items():
-                self.assertEqual(set(lines), {"cotangent1", "group1", "group2", "rkmk4", "rk4"}, n)
-                for name, points in lines.items():
-                    self.assertGreaterEqual(min(error for _, error in points), FLOOR, (chart, n, name))
+        for n, lines in self.drawn("error_against_time", self.raw())["lines"].items():
+            self.assertEqual(set(lines), {"cotangent1", "group1", "group2", "rkmk4", "rk4"}, n)
+            for name, points in lines.items():
+                self.assertGreaterEqual(min(error for _, error in points), FLOOR, (n, name))
 
     def test_a_point_below_the_floor_is_dropped_and_one_above_drawn(self):
         def with_error(error):
@@ -227,21 +201,6 @@ class WhatIsDrawn(AccuracyTest):
         self.assertEqual(len(found["lines"]["n = 17"]["group1"]), 5)
         self.assertEqual(len(found["lines"]["n = 17"]["cotangent1"]), 6)
         self.assertEqual(found["texts"].count("No usable result: group1 with h = 1."), 2)
-
-    def test_a_study_where_an_integrator_never_works_is_drawn_without_it(self):
-        def fail(document):
-            for point in document["points"]:
-                if point["integrator"] == "rk4":
-                    point.update(status="unstable", error=None, cpu_seconds=[])
-        raw = self.raw(fail)
-        found = self.drawn("error_against_time", raw)
-        self.assertNotIn("rk4", found["lines"]["n = 33"])
-        self.assertTrue(any("rk4 with any h" in text for text in found["texts"]))
-
-    def test_spectrum_chart_shows_kept_spectra_too(self):
-        lines = self.lines("spectrum_error_against_time", self.raw(), "n = 17")
-        self.assertEqual({error for _, error in lines["group2"]}, {1e-15})
-        self.assertGreater(max(error for _, error in lines["rk4"]), 1e-3)
 
     def test_tolerance_chart_has_error_solver_error_and_time(self):
         drawn = self.drawn("tolerance", self.raw())

@@ -25,7 +25,7 @@ from study_documents import small_study, write_study
 
 HOST_NAME = "a-host-to-keep-private"
 RESULTS = {"raw.json", "table.txt", "table.md", "table.tex"}
-CHARTS = ("error_against_time", "error_against_products", "spectrum_error_against_time", "tolerance")
+CHARTS = ("error_against_time", "tolerance")
 ACCURACY_RESULTS = {"raw.json", "report.md", "report.txt",
                     *(f"{chart}.{kind}" for chart in CHARTS for kind in ("svg", "png"))}
 SCALING_RESULTS = {"raw.json", "report.md", "report.txt",
