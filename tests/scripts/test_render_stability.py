@@ -1,46 +1,20 @@
 """Tests of scripts/render_stability on made-up files: by running it as a user does, and by what its charts draw."""
 
 import copy
-import json
 import os
 import unittest
 
 import programs
-from drawing import LIBRARY, PYTHON, DrawingTest
-from programs import run, snapshot
+from drawing import DrawingTest, finite_points, lines_of, panels_of
+from programs import snapshot
 from stability_documents import CONTROL, GRID, long_document, map_document, norm, trial, write_document
+
+from stability import failure_map, long_runs
 
 MAPS = tuple(f"failure_map{others}_{scene}" for scene in ("smooth", "rough") for others in ("", "_others"))
 LONG_RUNS = ("long_runs_n17", "long_runs_n17_controls")
 MAP_ONLY = {"report.md", "report.txt", *(f"{chart}.{kind}" for chart in MAPS for kind in ("svg", "png"))}
 FILES = MAP_ONLY | {f"{chart}.{kind}" for chart in LONG_RUNS for kind in ("svg", "png")}
-
-# Prints what each panel of some charts draws: lines, crosses and cells, by the panel's title. The charts and their files
-# come as JSON: [[function, file, arguments], ...].
-DESCRIBE = """
-import json, sys
-sys.path.insert(0, sys.argv[1])
-import stability_charts
-from matplotlib.patches import Rectangle
-from stability import read_long_runs, read_map
-def finite(points):
-    return [[float(x), float(y)] for x, y in points if x == x and y == y]
-found = []
-for draw, path, arguments in json.loads(sys.argv[2]):
-    read = read_map if draw.startswith("failure") else read_long_runs
-    figure = getattr(stability_charts, draw)(read(path), *arguments)
-    panels = {}
-    for axes in figure.axes:
-        if axes.get_visible():
-            panels.setdefault(axes.get_title(loc="left"), []).append({
-                "lines": {line.get_label(): finite(line.get_xydata()) for line in axes.lines
-                          if not line.get_label().startswith("_")},
-                "crosses": [finite(line.get_xydata())[0] for line in axes.lines if line.get_label() == "_failure"],
-                "cells": [[patch.get_x() + 0.5, patch.get_y(), patch.get_y() + patch.get_height(), patch.get_hatch()]
-                          for patch in axes.patches if isinstance(patch, Rectangle)]})
-    found.append({"panels": panels})
-print(json.dumps(found))
-"""
 
 PLAIN = {}
 
@@ -81,15 +55,10 @@ class StabilityTest(DrawingTest):
             PLAIN.update(self.render_plain(self.path("plain")))
         return PLAIN
 
-    def drawn(self, *charts):
-        """Returns what each of some charts draws; a chart is its function's name and arguments."""
-        self.require_drawing()
-        paths = {"failure": self.raw(), "long": self.raw_long()}
-        wanted = [[draw, paths[draw.split("_")[0]], arguments] for draw, *arguments in charts]
-        found = run([PYTHON, "-c", DESCRIBE, LIBRARY, json.dumps(wanted)], timeout=300,
-                    env={**self.settings, "OPENBLAS_NUM_THREADS": "1"})
-        self.assertEqual(found.returncode, 0, found.stderr)
-        return json.loads(found.stdout)
+    def drawn(self, chart, *arguments):
+        """Returns the panels of a chart, in lists by their titles."""
+        study = failure_map(self.map) if chart.startswith("failure") else long_runs(self.long)
+        return panels_of(getattr(self.module("stability_charts"), chart)(study, *arguments))
 
 
 class FastForms(StabilityTest):
@@ -153,41 +122,42 @@ class FailureMaps(StabilityTest):
         each = next(each for each in self.map["maps"]
                     if (each["scene"], each["n"], each["integrator"]) == ("smooth", 129, "group2"))
         each["trials"][-1]["status"], each["trials"][-2]["status"] = "stagnated", "sweep cap"
-        smooth, others = self.drawn(("failure_map", "smooth"), ("failure_map_others", "smooth"))
-        self.assertEqual(list(smooth["panels"]), [f"{each}{s}" for s in (1, 2, 3) for each in programs.FORMULATIONS])
-        self.assertEqual(list(others["panels"]), ["yoshida4", "rkmk4", "rk4"])
-        (panel,) = smooth["panels"]["group2"]
+        smooth, others = self.drawn("failure_map", "smooth"), self.drawn("failure_map_others", "smooth")
+        self.assertEqual(list(smooth), [f"{each}{s}" for s in (1, 2, 3) for each in programs.FORMULATIONS])
+        self.assertEqual(list(others), ["yoshida4", "rkmk4", "rk4"])
+        (panel,) = smooth["group2"]
         with self.subTest("a cell for each trial, around its h‖B‖₂, hatched by what became of it"):
-            self.assertEqual(len(panel["cells"]), 2 * len(GRID))
-            for (column, bottom, top, hatch), h_norm_B in zip(panel["cells"], [*GRID, *GRID]):
-                self.assertTrue(bottom < h_norm_B < top)
-                self.assertEqual(not hatch, h_norm_B <= 1.5, (column, h_norm_B))
-            hatches = [hatch for column, _, _, hatch in panel["cells"] if column == 1 and hatch]
+            cells = [(patch, h_norm_B) for patch, h_norm_B in zip(panel.patches, [*GRID, *GRID])]
+            self.assertEqual(len(panel.patches), 2 * len(GRID))
+            for patch, h_norm_B in cells:
+                self.assertTrue(patch.get_y() < h_norm_B < patch.get_y() + patch.get_height())
+                self.assertEqual(not patch.get_hatch(), h_norm_B <= 1.5)
+            hatches = [patch.get_hatch() for patch, _ in cells[len(GRID):] if patch.get_hatch()]
             self.assertEqual((len(hatches), len(set(hatches))), (6, 3))
         with self.subTest("the critical line and linear theory, and none where nothing failed"):
-            self.assertEqual(panel["lines"]["measured critical"], [[x, 1.5] for x in (-0.5, 0.5, 0.5, 1.5)])
-            (midpoint,) = smooth["panels"]["algebra1"]
-            self.assertEqual({y for _, y in midpoint["lines"]["linear theory"]}, {2.0})
-            self.assertEqual(others["panels"]["rkmk4"][0]["lines"], {"measured critical": [], "linear theory": []})
+            self.assertEqual(lines_of(panel)["measured critical"], [[x, 1.5] for x in (-0.5, 0.5, 0.5, 1.5)])
+            (midpoint,) = smooth["algebra1"]
+            self.assertEqual({y for _, y in lines_of(midpoint)["linear theory"]}, {2.0})
+            self.assertEqual(lines_of(others["rkmk4"][0]), {"measured critical": [], "linear theory": []})
 
 
 class LongRuns(StabilityTest):
     def test_what_is_drawn(self):
-        kept, controls = self.drawn(("long_runs", "smooth", 17), ("long_runs_controls", "smooth", 17))
-        edge, inside = "{}, 0.9 of the critical step", "{}, 0.3 of the critical step"
-        (panel,) = kept["panels"][inside.format("spectrum error")]
+        kept, controls = (self.drawn(chart, "smooth", 17) for chart in ("long_runs", "long_runs_controls"))
+        (panel,) = kept["spectrum error, 0.3 of the critical step"]
         run = next(each for each in self.long["runs"] if (each["integrator"], each["share"]) == ("group2", 0.3))
         with self.subTest("a point for each sample"):
-            self.assertEqual(panel["lines"]["group2"],
+            self.assertEqual(lines_of(panel)["group2"],
                              [[each["time"], each["spectrum_error"]] for each in run["samples"]])
         with self.subTest("integrators that lose the spectrum are apart"):
-            self.assertNotIn("rk4", panel["lines"])
-            (lost,) = controls["panels"][inside.format("spectrum error")]
-            self.assertEqual(set(lost["lines"]), {"rk4", CONTROL})
+            self.assertNotIn("rk4", lines_of(panel))
+            (lost,) = controls["spectrum error, 0.3 of the critical step"]
+            self.assertEqual(set(lines_of(lost)), {"rk4", CONTROL})
         with self.subTest("a failure is drawn up to its step and marked there"):
-            (lost,) = controls["panels"][edge.format("spectrum error")]
-            self.assertLess(lost["lines"]["rk4"][-1][0], 500 * 0.9 * 2.0 / norm(17))
-            self.assertEqual(lost["crosses"], [lost["lines"]["rk4"][-1]])
+            (lost,) = controls["spectrum error, 0.9 of the critical step"]
+            last = lines_of(lost)["rk4"][-1]
+            self.assertLess(last[0], 500 * 0.9 * 2.0 / norm(17))
+            self.assertEqual([finite_points(line) for line in lost.lines if line.get_label() == "_failure"], [[last]])
 
 
 class Refusals(StabilityTest):
