@@ -11,8 +11,8 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from benchmark_json import FORMULATIONS
 from chart_panels import (GREY, LOOKS, OTHER_COLOUR, SMALL, cross_mark, draw_line, floor_band, hide_rest, key_of,
-                          logarithmic, method_key, new_figure, note_below, panel_grid, set_panel, style_key, styled)
-from integrator_names import joined, relatives
+                          logarithmic, method_key, new_figure, panel_grid, set_panel, style_key, styled)
+from integrator_names import relatives
 from work_precision import FLOOR_MARGIN, TABLE1_STEP
 
 FORMULATION_COLOURS = {"cotangent": "#e08214", "group": "#1f67ad", "algebra": "#4a0a5e"}
@@ -34,9 +34,8 @@ def error_against_time(study):
         " same number of stages (cotangent, group, algebra) have the same error: the one that takes least stands with"
         " points, the others as thin lines of its colour. Lines end where the reference can no longer tell"
         " their error, where it stops falling, or where runs would take too long; they bend back where long steps need"
-        " more sweeps. A cross marks the longest step that works where longer ones were tried and failed; what failed"
-        " is named below each panel.",
-        rows, columns, 4.9, notes=3, keys=3)
+        " more sweeps. A cross marks the longest step that works where longer ones were tried and failed.",
+        rows, columns, 4.9, keys=3)
     style_key(figure, LOOKS)
     method_key(figure, study.integrators)
     for axes, n in zip(panels.flat, study.sizes()):
@@ -63,7 +62,6 @@ def error_panel(axes, study, n):
     for name, points, leading in drawn:
         if leading and failed_before(study, name, n):
             cross_mark(axes, points[0])
-    note_failures(axes, study, n)
 
 
 def mark_floor(axes, study, n):
@@ -88,28 +86,6 @@ def cheapest(study, group, n):
 def failed_before(study, name, n):
     line = study.line(name, n)
     return bool(line) and not line[0].quality.usable
-
-
-def note_failures(axes, study, n):
-    """Names under a panel what did not come to a usable end."""
-    failed = {}
-    for name in study.integrators:
-        steps = failed_steps(study.line(name, n))
-        if steps:
-            failed.setdefault(steps, []).append(name)
-    parts = [f"{joined(names)} with {steps}" for steps, names in failed.items()]
-    text = f"No usable result: {'; '.join(parts)}." if parts else "Every run came to a usable end."
-    note_below(axes, text, 104, 38)
-
-
-def failed_steps(line):
-    """Says in words which steps of a line failed; nothing if none did."""
-    failed = [point.quality.step for point in line if not point.quality.usable]
-    if not failed or len(failed) == len(line):
-        return "any h" if failed else ""
-    if len(failed) > 1 and not any(point.quality.usable for point in line[:len(failed)]):
-        return f"h ≥ {failed[-1]:.2g}"
-    return "h = " + ", ".join(f"{step:.2g}" for step in failed)
 
 
 # ---- tolerance
