@@ -17,7 +17,7 @@ from integrator_names import TABLE1_CELLS, others
 from raw_files import CONVERGED, SWEEP_CAP, UNSTABLE
 from stability import QUANTITIES, ROUNDING, trials_in_words
 
-CELLS, NUMBERS = -2, -1  # of the drawing order; what lies below 0 an SVG holds as one image
+CELLS = -2  # of the drawing order; what lies below 0 an SVG holds as one image
 GENERATOR_LABEL = "h‖B(W₀)‖₂"
 MEASURED, THEORY = "measured critical", "linear theory"
 
@@ -68,7 +68,7 @@ def map_of(study, scene, names, title):
 
 def map_caption(study, scene):
     return (f"Each cell is one trial from the initial data: {trials_in_words(study, [scene])}; at most {study.max_sweeps}"
-            " sweeps a step. Numbers are sweeps per step. Invariants lost: every iteration converged, but what the flow"
+            " sweeps a step. Invariants lost: every iteration converged, but what the flow"
             " conserves did not stay. Measured critical: the largest step that works below the first that fails, by"
             " bisection. Linear theory: where the iteration (of explicit methods the step) ceases to be stable with B frozen"
             " at B(W₀); none is drawn where it names no limit. The values beside a panel are those at its largest n.")
@@ -102,8 +102,6 @@ def map_panel(axes, study, scene, name):
     for column, each in enumerate(maps):
         for trial, (bottom, top) in zip(each.trials, cell_edges(each)):
             cell(axes, column, trial, bottom, top)
-            if all(math.isnan(level) or far(trial.h_norm_B, level) for level in (critical[column], limits[column])):
-                sweeps(axes, column, trial)
     set_panel(axes, name, "n", GENERATOR_LABEL)
     axes.xaxis.set_major_locator(FixedLocator(range(len(maps))))
     axes.xaxis.set_major_formatter(lambda column, _: str(maps[round(column)].n))
@@ -133,17 +131,6 @@ def cell(axes, column, trial, bottom, top):
         shade, hatch, ink = FAILURES[trial.status]
     axes.add_patch(Rectangle((column - 0.5, bottom), 1, top - bottom, facecolor=shade, edgecolor=ink, hatch=hatch,
                              linewidth=0.4 if trial.works else 0, zorder=CELLS))
-
-
-def far(h_norm_B, level):
-    """Tells whether a number written at this h‖B‖₂ is clear of a line at the level."""
-    return abs(math.log(level / h_norm_B)) > 0.13
-
-
-def sweeps(axes, column, trial):
-    if trial.works and trial.sweeps_per_step:
-        axes.text(column, trial.h_norm_B, f"{trial.sweeps_per_step:.0f}", fontsize=SMALL - 1.5, color="0.25",
-                  ha="center", va="center", zorder=NUMBERS)
 
 
 def sweep_shade(trial):

@@ -455,17 +455,14 @@ class EndToEnd(CopyTest):
             for program in programs:
                 self.assertIn(option, self.calls(program + "[")[0])
 
-    def call_of_table1(self, *arguments):
-        self.script("reproduce", "--out", self.out, *arguments, BENCHMARK="fail")
-        return self.calls("table1")[-1]
-
-    def filtered_sizes(self, *arguments):
-        (pattern,) = re.findall(r"--benchmark_filter=(\S+)", self.call_of_table1(*arguments))
-        return [n for n in (17, 33, 65, 129) if re.search(pattern, f"table1/group/n:{n}/s:1")]
-
-    def test_sizes(self):
-        self.assertEqual(self.filtered_sizes(), [17, 33, 65, 129])
-        self.assertEqual(self.filtered_sizes("--quick"), [17, 33])
+    def test_sizes_and_interleaved_repetitions_enough_for_a_verdict(self):
+        for arguments, sizes in (((), [17, 33, 65, 129]), (("--quick",), [17, 33])):
+            self.script("reproduce", "--out", self.out, *arguments, BENCHMARK="fail")
+            call = self.calls("table1")[-1]
+            pattern = re.search(r"--benchmark_filter=(\S+)", call)[1]
+            self.assertEqual([n for n in (17, 33, 65, 129) if re.search(pattern, f"table1/group/n:{n}/s:1")], sizes)
+            self.assertGreaterEqual(int(re.search(r"--benchmark_repetitions=(\d+)", call)[1]), 5)
+            self.assertIn("--benchmark_enable_random_interleaving=true", call)
 
     def test_two_threads_are_measured_in_rounds_that_keep_neighbours_together(self):
         if len(os.sched_getaffinity(0)) < 2:
@@ -482,14 +479,8 @@ class EndToEnd(CopyTest):
         self.assertEqual(joined["context"]["order"], "rounds")
         self.assertNotIn("host_name", joined["context"])
 
-    def test_repetitions_are_enough_for_a_verdict_and_interleaved(self):
-        for arguments in ((), ("--quick",)):
-            call = self.call_of_table1(*arguments)
-            self.assertGreaterEqual(int(re.search(r"--benchmark_repetitions=(\d+)", call)[1]), 5)
-            self.assertIn("--benchmark_enable_random_interleaving=true", call)
-
     def test_the_copy_is_configured_as_release_and_built(self):
-        self.call_of_table1()
+        self.reproduce()
         configure, build = self.calls("cmake")
         self.assertIn(f"-S {self.path('root')}", configure)
         self.assertIn("-DCMAKE_BUILD_TYPE=Release", configure)
@@ -517,16 +508,12 @@ class FailedRuns(CopyTest):
         self.assertIn("build", done.stderr.splitlines()[-1])
         self.assert_earlier_results()
 
-    def test_a_failed_benchmark_passes_its_status_on_and_shows_its_reason(self):
-        done = self.reproduce(BENCHMARK="fail")
-        self.assertEqual((done.returncode, done.stdout), (7, ""))
-        self.assertIn("some reason", done.stderr)
-        self.assert_earlier_results()
-
-    def test_a_killed_benchmark_leaves_earlier_results(self):
-        done = self.reproduce(BENCHMARK="die")
-        self.assertEqual((done.returncode, done.stdout), (128 + signal.SIGKILL, ""))
-        self.assert_earlier_results()
+    def test_a_failed_or_killed_benchmark_passes_its_status_on(self):
+        for benchmark, status in (("fail", 7), ("die", 128 + signal.SIGKILL)):
+            done = self.reproduce(BENCHMARK=benchmark)
+            self.assertEqual((done.returncode, done.stdout), (status, ""))
+            self.assertEqual("some reason" in done.stderr, benchmark == "fail")
+            self.assert_earlier_results()
 
     def test_rounds_of_two_threads_that_cannot_be_put_together_are_reported(self):
         if len(os.sched_getaffinity(0)) < 2:
@@ -603,10 +590,6 @@ class InterruptedRuns(CopyTest):
     def test_ctrl_c_leaves_earlier_results(self):
         os.killpg(self.process.pid, signal.SIGINT)
         self.assert_ends_with(128 + signal.SIGINT)
-
-    def test_a_termination_of_all_leaves_earlier_results(self):
-        os.killpg(self.process.pid, signal.SIGTERM)
-        self.assert_ends_with(128 + signal.SIGTERM)
 
     def test_a_termination_of_the_script_alone_ends_the_benchmark_with_it(self):
         self.process.send_signal(signal.SIGTERM)
