@@ -211,13 +211,11 @@ class Table1WithInheritedKernels(MeasuredTest):
         _, raw = measure("table1", os.path.join(self.folder, "free.json"), *ONE_ROW)
         self.assertNotEqual(raw["context"]["blas_kernels"], "Nehalem")
 
-    def test_a_name_openblas_does_not_know_is_told_with_the_kernels_that_run(self):
-        _, raw = measure("table1", os.path.join(self.folder, "unknown.json"), *ONE_ROW, OPENBLAS_CORETYPE="Abacus")
-        self.assertIn("OPENBLAS_CORETYPE=Abacus", raw["context"]["notice"])
-        self.assertIn(raw["context"]["blas_kernels"], raw["context"]["notice"])
-
-    def test_more_threads_asked_for_are_recorded_but_do_not_run(self):
-        _, raw = measure("table1", os.path.join(self.folder, "threads.json"), *ONE_ROW, OPENBLAS_NUM_THREADS="2")
+    def test_other_settings_are_told_with_what_runs(self):
+        _, raw = measure("table1", os.path.join(self.folder, "other.json"), *ONE_ROW, OPENBLAS_CORETYPE="Abacus",
+                         OPENBLAS_NUM_THREADS="2")
+        for text in ("OPENBLAS_CORETYPE=Abacus", raw["context"]["blas_kernels"]):
+            self.assertIn(text, raw["context"]["notice"])
         self.assertIn("OPENBLAS_NUM_THREADS=2", raw["context"]["environment"])
         self.assertEqual(raw["context"]["blas_threads"], "1")
 

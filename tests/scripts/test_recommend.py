@@ -89,24 +89,16 @@ class AnswerTest(RecommendTest):
 class NeverOfferedTest(RecommendTest):
     """A run that would win is not offered once it failed or its step is too long; without that it is."""
 
-    def assert_offered(self, expected):
-        self.assertEqual(self.winner(17, 1e-3, "poisson"), expected)
-
-    def setUp(self):
-        super().setUp()
-        self.assert_offered(("group2", 20))
-        self.point("group1", 17, 10)["error"] = 1e-4  # 15 ms
-        self.assert_offered(("group1", 10))
-
-    def test_a_run_that_failed(self):
+    def test_a_run_that_failed_or_whose_step_is_beyond_the_limit(self):
+        self.assertEqual(self.winner(17, 1e-3, "poisson"), ("group2", 20))
+        point = self.point("group1", 17, 10)
+        point["error"] = 1e-4  # 15 ms
         for status in work_precision.STATUSES:
             with self.subTest(status=status):
-                self.point("group1", 17, 10)["status"] = status
-                self.assert_offered(("group1", 10) if status == "converged" else ("group2", 20))
-
-    def test_a_step_beyond_the_stability_limit(self):
-        self.point("group1", 17, 10)["beyond_limit"] = True
-        self.assert_offered(("group2", 20))
+                point["status"] = status
+                self.assertEqual(self.winner(17, 1e-3, "poisson"), ("group1", 10) if status == "converged" else ("group2", 20))
+        point.update(status="converged", beyond_limit=True)
+        self.assertEqual(self.winner(17, 1e-3, "poisson"), ("group2", 20))
 
     def test_the_limit_of_rk4_depends_on_n(self):
         # h‖ad_B‖ is 2.80 at n = 17 and 5.44 at n = 33, the limit 2.83; the error at h = 1 is 1e-2 in both.
@@ -143,17 +135,14 @@ class RunnersUpTest(RecommendTest):
         self.document["points"].append({**self.point("rk4", 33, 20), "integrator": "rival"})
         self.assertEqual([name for name, *_ in self.runners_up()], ["rival", "rkmk4", "group2", "group1"])
 
-    def test_overlapping_repetitions_do_not_separate(self):
+    def test_overlapping_or_lone_repetitions_do_not_separate(self):
         # rk4 takes 0.99, 1.00 and 1.02 ms; as much as a tie is an overlap.
         slowest = max(self.point("rk4", 33, 10)["cpu_seconds"])
-        for fastest, separated in ((1.0e-3, False), (slowest, False), (1.021e-3, True)):
-            with self.subTest(fastest=fastest):
-                self.point("rkmk4", 33, 5)["cpu_seconds"] = [1.2e-3, fastest, 1.1e-3]
-                self.assertEqual(self.runners_up()[0], ("rkmk4", 5, 1.1, separated))
-
-    def test_a_lone_repetition_separates_nothing(self):
-        self.point("rkmk4", 33, 5)["cpu_seconds"] = [5e-3]
-        self.assertEqual(self.runners_up()[0], ("rkmk4", 5, 5, False))
+        for times, ratio, separated in (([1.2e-3, 1.0e-3, 1.1e-3], 1.1, False), ([1.2e-3, slowest, 1.1e-3], 1.1, False),
+                                        ([1.2e-3, 1.021e-3, 1.1e-3], 1.1, True), ([5e-3], 5, False)):
+            with self.subTest(times=times):
+                self.point("rkmk4", 33, 5)["cpu_seconds"] = times
+                self.assertEqual(self.runners_up()[0], ("rkmk4", 5, ratio, separated))
 
 
 class TextTest(RecommendTest):

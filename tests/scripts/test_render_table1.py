@@ -213,8 +213,7 @@ class TableTest(ScriptTest):
         times = self.times(raw(cells={("group", 17, 1): overlapping}))
         self.assertTrue(all(entries(times, 17, name)[0].endswith("*") for name in ("group", "algebra")))
 
-    def test_a_row_without_rival_is_not_marked(self):
-        times = self.times(raw(cells={("cotangent", 17, 1): None, ("algebra", 17, 1): None}))
+        times = self.times(raw(cells={("cotangent", 17, 1): None, ("algebra", 17, 1): None}))  # no rival
         self.assertFalse(entries(times, 17, "group")[0].endswith("*"))
 
     def test_the_legend_states_repetitions(self):
@@ -237,22 +236,17 @@ class TableTest(ScriptTest):
 
     def test_what_was_not_measured_is_shown_as_missing(self):
         self.assertEqual(entries(self.times(raw(sizes=(17, 33))), 65, "group")[:3], ["–", "–", "–"])
-        text = self.render(raw(cells={("group", 17, 2): None}))
-        self.assertEqual(entries(section(text, "CPU seconds"), 17, "group")[1], "–")
+        self.assertEqual(entries(self.times(raw(cells={("group", 17, 2): None})), 17, "group")[1], "–")
 
     def test_a_failed_cell_points_to_a_footnote_that_says_how(self):
         text = self.render(raw(cells={("group", 129, 1): failed_rows("group", 129, 1)}))
         self.assertEqual(entries(section(text, "CPU seconds"), 129, "group")[0], "failed (1)")
         self.assertIn("(1) group, n = 129, s = 1: failed: diverged at step 3 (last change 1e7)", text)
         self.assertRegex(section(text, self.COUNTERS), r"group +failed \(1\)( +–){5}\n")
-
-    def test_one_failed_repetition_fails_the_cell(self):
         rows = rows_of("group", 17, 1, repeated(0.003))
-        rows[3] = {**failed_rows("group", 17, 1)[0], "repetition_index": 3}
+        rows[3] = {**failed_rows("group", 17, 1)[0], "repetition_index": 3}  # one failed repetition fails the cell
         self.assertIn("failed: diverged at step 3 (last change 1e7) (1 of 7 repetitions)",
                       self.render(raw(cells={("group", 17, 1): rows})))
-
-    def test_a_file_of_failures_only_is_rendered(self):
         cells = {(name, 17, s): failed_rows(name, 17, s) for name in FORMULATIONS for s in (1, 2, 3)}
         self.assertIn("failed (9)", self.render(raw(sizes=(17,), cells=cells)))
 

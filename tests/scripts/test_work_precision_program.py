@@ -83,21 +83,15 @@ class MeasuredStudy(unittest.TestCase):
         self.assertIn("s left]", self.done.stderr)
         self.assertEqual(self.done.stdout, "")
 
-    def test_every_integrator_asked_for_is_there_with_its_steps_and_repetitions(self):
+    def test_every_integrator_has_its_steps_and_repetitions_and_shows_its_order(self):
         self.assertEqual(tuple(self.study.integrators), MEASURED)
-        for name in MEASURED:
+        for name, integrator in self.study.integrators.items():
             points = self.study.line(name, 17)
             self.assertEqual([point.quality.steps for point in points], list(STEPS), name)
+            self.assertAlmostEqual(self.study.observed_order(name, 17), integrator.order, delta=0.25)
         for point in (*self.study.points, *self.study.tolerance_points):
             if point.quality.usable:
                 self.assertEqual(len(point.costs.cpu_seconds), 2)
-
-    def test_every_line_shows_its_order(self):
-        for name, integrator in self.study.integrators.items():
-            with self.subTest(integrator=name):
-                order = self.study.observed_order(name, 17)
-                self.assertIsNotNone(order)
-                self.assertAlmostEqual(order, integrator.order, delta=0.25)
 
     def test_isospectral_methods_keep_the_spectrum_and_others_do_not(self):
         # Half a unit of tolerance for every sweep of 700, as in the tests of the formulations.
