@@ -48,13 +48,12 @@ class Look:
     line: object
     marker: str
     filled: bool
-    keeps_spectrum: bool
     meaning: str
 
 
-KEEPS_POISSON = Look("-", "o", True, True, "keeps the Lie–Poisson structure and the spectrum")
-KEEPS_SPECTRUM = Look((0, (6, 2)), "s", False, True, "keeps the spectrum only")
-KEEPS_NOTHING = Look((0, (1.2, 1.6)), "^", True, False, "keeps neither")
+KEEPS_POISSON = Look("-", "o", True, "keeps the Lie–Poisson structure and the spectrum")
+KEEPS_SPECTRUM = Look((0, (6, 2)), "s", False, "keeps the spectrum only")
+KEEPS_NOTHING = Look((0, (1.2, 1.6)), "^", True, "keeps neither")
 LOOKS = (KEEPS_POISSON, KEEPS_SPECTRUM, KEEPS_NOTHING)
 
 

@@ -125,8 +125,8 @@ echo "${0##*/} $*" >>"$CALLS"
 """
 
 
-def raw_file(failed=False, tables=("table1",), threads=(1,)):
-    """Returns a raw file at n = 17 of the first of the tables, with the algebra rows failed or not.
+def raw_file(failed=False, tables=("table1",), threads=(1,), sizes=(17,)):
+    """Returns a raw file of the first of the tables, with the algebra rows failed or not.
 
     Table 2 is twice as fast, and two threads take five eighths of the time that passes with one.
     """
@@ -140,9 +140,9 @@ def raw_file(failed=False, tables=("table1",), threads=(1,)):
     counters = {"sweeps_per_step": 11.0, "products": 3700, "poisson_solves": 1200, "spectrum_error": 1e-15,
                 "skew_defect": 0.0, "energy_error": 1e-8, "h_norm_B": 0.14, "product_share": 0.8}
     rows = []
-    cells = itertools.product(tables, threads, enumerate(FORMULATIONS), (1, 2, 3), range(7))
-    for table, number, (place, formulation), s, repetition in cells:
-        name = f"{table}/{formulation}/n:17/s:{s}" + (f"/threads:{number}" if number > 1 else "")
+    cells = itertools.product(tables, threads, enumerate(FORMULATIONS), sizes, (1, 2, 3), range(7))
+    for table, number, (place, formulation), n, s, repetition in cells:
+        name = f"{table}/{formulation}/n:{n}/s:{s}" + (f"/threads:{number}" if number > 1 else "")
         row = {"name": name, "run_name": name, "run_type": "iteration", "repetitions": 7,
                "repetition_index": repetition, "threads": 1, "iterations": 20, "time_unit": "ms"}
         if failed and formulation == "algebra":
