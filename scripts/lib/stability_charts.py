@@ -11,7 +11,7 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import FixedLocator, NullLocator
 
 from benchmark_json import FORMULATIONS
-from chart_panels import (LOOKS, SMALL, Label, colour, column_of_labels, cross_mark, draw_line, floor_band, hide_rest,
+from chart_panels import (LOOKS, Label, colour, column_of_labels, cross_mark, draw_line, floor_band, hide_rest,
                           key_of, logarithmic, look, new_figure, set_panel, style_key, styled)
 from integrator_names import TABLE1_CELLS, others
 from raw_files import CONVERGED, SWEEP_CAP, UNSTABLE

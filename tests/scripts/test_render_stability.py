@@ -7,7 +7,7 @@ import unittest
 import programs
 from drawing import DrawingTest, finite_points, lines_of, panels_of
 from programs import snapshot
-from stability_documents import CONTROL, GRID, long_document, map_document, norm, trial, write_document
+from stability_documents import CONTROL, GRID, long_document, map_document, norm, write_document
 
 from stability import failure_map, long_runs
 
