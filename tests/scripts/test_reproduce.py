@@ -446,7 +446,8 @@ class EndToEnd(CopyTest):
 
     def test_quick_is_passed_on(self):
         for study, failing, programs, option in (
-                ("accuracy", "work_precision", ("work_precision",), "--n 17 33 --out "), ("scaling", "scaling", ("scaling",), "--quick --out "),
+                ("accuracy", "work_precision", ("work_precision",), "--n 17 33 --out "),
+                ("scaling", "scaling", ("scaling",), "--quick --out "),
                 ("stability", "long_runs", ("stability", "long_runs"), "--quick --out ")):
             self.script("reproduce", study, "--quick", "--out", self.out, FAILING=failing)
             for program in programs:
