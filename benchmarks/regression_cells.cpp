@@ -71,8 +71,9 @@ class Scenes {
 
 std::unique_ptr<Integrator> make(const Cell& cell, const Scene& scene,
                                  const SolverOptions& options = {}) {
-  const auto entry = cell.fast ? fast_gauss_entry : gauss_entry;
-  return entry(cell.formulation, cell.s).make(*scene.flow, options, backend);
+  const IntegratorEntry entry = cell.fast ? fast_gauss_entry(cell.formulation, cell.s)
+                                          : gauss_entry(cell.formulation, cell.s);
+  return entry.make(*scene.flow, options, backend);
 }
 
 // ---- the report

@@ -11,8 +11,6 @@ HARMLESS = 0.1
 
 CHARTS = (
     ("error_against_time", "Error at T against CPU time, one panel for each n; lines end at the floor of the reference."),
-    ("error_against_products", "Error at T against matrix products: what remains when the machine is taken away."),
-    ("spectrum_error_against_time", "Error of the spectrum against CPU time: who keeps what the flow keeps."),
     ("tolerance", "Errors and time against the tolerance of the fixed point, at the step size of Table 1."),
     ("table1_accuracy", "Table 1 with its accuracy: every cell as time against error."),
 )

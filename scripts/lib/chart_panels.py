@@ -48,13 +48,12 @@ class Look:
     line: object
     marker: str
     filled: bool
-    keeps_spectrum: bool
     meaning: str
 
 
-KEEPS_POISSON = Look("-", "o", True, True, "keeps the Lie–Poisson structure and the spectrum")
-KEEPS_SPECTRUM = Look((0, (6, 2)), "s", False, True, "keeps the spectrum only")
-KEEPS_NOTHING = Look((0, (1.2, 1.6)), "^", True, False, "keeps neither")
+KEEPS_POISSON = Look("-", "o", True, "keeps the Lie–Poisson structure and the spectrum")
+KEEPS_SPECTRUM = Look((0, (6, 2)), "s", False, "keeps the spectrum only")
+KEEPS_NOTHING = Look((0, (1.2, 1.6)), "^", True, "keeps neither")
 LOOKS = (KEEPS_POISSON, KEEPS_SPECTRUM, KEEPS_NOTHING)
 
 
@@ -109,23 +108,19 @@ def encode(figure, kind):
     return re.sub(rb"<[^!][^>]*>", lambda tag: PRECISE.sub(rb"\1", tag[0]), stream.getvalue())
 
 
-def new_figure(title, caption, rows, columns, panel_height, notes=0, keys=1, right=0.18, row_gap=0.85, column_gap=0.78,
+def new_figure(title, caption, rows, columns, panel_height, keys=1, right=0.18, row_gap=0.85, column_gap=0.78,
                **subplots):
-    """Returns a figure with its panels, all of one size.
-
-    `notes` are the lines of text below each panel, `keys` the lines of keys under the title.
-    """
+    """Returns a figure with its panels, all of one size; `keys` are the lines of keys under the title."""
     caption = textwrap.fill(caption, 215)
-    noted = 0.16 * notes
-    foot = 0.85 + noted + 0.175 * (caption.count("\n") + 1)
-    head, gap, left = 0.8 + KEY_HEIGHT * keys, row_gap + noted, 0.8
-    height = head + rows * panel_height + (rows - 1) * gap + foot
+    foot = 0.85 + 0.175 * (caption.count("\n") + 1)
+    head, left = 0.8 + KEY_HEIGHT * keys, 0.8
+    height = head + rows * panel_height + (rows - 1) * row_gap + foot
     figure = Figure(figsize=(WIDTH, height), dpi=DOTS_PER_INCH)
     FigureCanvasAgg(figure)
     panels = figure.subplots(rows, columns, squeeze=False, **subplots)
     panel_width = (WIDTH - left - right - (columns - 1) * column_gap) / columns
     figure.subplots_adjust(left=left / WIDTH, right=1 - right / WIDTH, top=1 - head / height, bottom=foot / height,
-                           hspace=gap / panel_height, wspace=column_gap / panel_width)
+                           hspace=row_gap / panel_height, wspace=column_gap / panel_width)
     figure.text(MARGIN / WIDTH, 1 - 0.14 / height, title, fontsize=14, fontweight="bold", va="top")
     figure.text(MARGIN / WIDTH, 0.1 / height, caption, fontsize=SMALL + 0.5, color=NOTE_COLOUR, va="bottom",
                 linespacing=1.3)
@@ -185,22 +180,12 @@ def set_panel(axes, title, xlabel, ylabel):
     axes.set_ylabel(ylabel)
 
 
-def floor_band(axes, floor, text, **place):
+def floor_band(axes, floor, text, at=(0, 0), coordinates="axes fraction", offset=(6, 5)):
     """Greys what lies under the floor: errors there say more about the reference, or rounding, than the integrator."""
     axes.axhspan(axes.get_ylim()[0], floor, facecolor="0.93", linewidth=0, zorder=0)
     axes.axhline(floor, color=GREY, linewidth=0.8, zorder=1)
-    name_floor(axes, text, **place)
-
-
-def name_floor(axes, text, at=(0, 0), coordinates="axes fraction", offset=(6, 5)):
     axes.annotate(text, at, xycoords=coordinates, xytext=offset, textcoords="offset points", fontsize=SMALL,
                   color=NOTE_COLOUR, zorder=1, bbox={"facecolor": "0.96", "edgecolor": "none", "pad": 1.0})
-
-
-def note_below(axes, text, characters, drop):
-    """Writes a text under a panel, `drop` points down, in lines of so many characters."""
-    axes.annotate(textwrap.fill(text, characters), (0, 0), xycoords="axes fraction", xytext=(0, -drop),
-                  textcoords="offset points", va="top", fontsize=SMALL, color=NOTE_COLOUR, annotation_clip=False)
 
 
 def draw_line(axes, name, points, integrator, leading=True, **options):

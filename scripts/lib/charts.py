@@ -1,21 +1,18 @@
-"""Draws a Study, and a run of Table 1, as charts: error against cost and against the tolerance.
+"""Draws a Study, and a run of Table 1, as charts: error against time and against the tolerance.
 
 Each chart is a figure made from its data alone. A line stands for one integrator and carries its name.
 """
 
 import math
 import statistics
-from dataclasses import dataclass
-from typing import Callable
 
 import matplotlib
 from matplotlib.ticker import LogLocator, NullLocator
 
 from benchmark_json import FORMULATIONS
-from chart_panels import (GREY, LOOKS, NOTE_COLOUR, OTHER_COLOUR, SMALL, colour, cross_mark, draw_line, floor_band,
-                          hide_rest, key_of, logarithmic, look, method_key, new_figure, note_below, panel_grid,
-                          set_panel, style_key, styled)
-from integrator_names import COMPOSITIONS, gauss_stages, joined, relatives
+from chart_panels import (GREY, LOOKS, OTHER_COLOUR, SMALL, cross_mark, draw_line, floor_band, hide_rest, key_of,
+                          logarithmic, method_key, new_figure, panel_grid, set_panel, style_key, styled)
+from integrator_names import relatives
 from work_precision import FLOOR_MARGIN, TABLE1_STEP
 
 FORMULATION_COLOURS = {"cotangent": "#e08214", "group": "#1f67ad", "algebra": "#4a0a5e"}
@@ -25,74 +22,46 @@ ERROR_LABEL = "relative error of W at T = {time:g}"
 SECONDS_LABEL = "CPU seconds (median)"
 
 
-# ---- error against cost
-
-
-@dataclass(frozen=True)
-class Cost:
-    word: str
-    label: str
-    of: Callable
-
-
-SECONDS = Cost("CPU time", SECONDS_LABEL, lambda point: point.costs.seconds)
-PRODUCTS = Cost("the number of matrix products", "matrix products, n × n by n × n",
-                lambda point: point.costs.products)
+# ---- error against time
 
 
 @styled
 def error_against_time(study):
-    return error_against(study, SECONDS)
-
-
-@styled
-def error_against_products(study):
-    return error_against(study, PRODUCTS)
-
-
-def error_against(study, cost):
     rows, columns = panel_grid(len(study.sizes()))
     figure, panels = new_figure(
-        f"Error at T = {study.time:g} against {cost.word}",
+        f"Error at T = {study.time:g} against CPU time",
         f"Each point is one run to T = {study.time:g} with one step size. The formulations of the Gauss method with the"
         " same number of stages (cotangent, group, algebra) have the same error: the one that takes least stands with"
         " points, the others as thin lines of its colour. Lines end where the reference can no longer tell"
         " their error, where it stops falling, or where runs would take too long; they bend back where long steps need"
-        " more sweeps. A cross marks the longest step that works where longer ones were tried and failed; what failed"
-        " is named below each panel.",
-        rows, columns, 4.9, notes=3, keys=3)
+        " more sweeps. A cross marks the longest step that works where longer ones were tried and failed.",
+        rows, columns, 4.9, keys=3)
     style_key(figure, LOOKS)
     method_key(figure, study.integrators)
     for axes, n in zip(panels.flat, study.sizes()):
-        error_panel(axes, study, n, cost)
+        error_panel(axes, study, n)
     hide_rest(panels, len(study.sizes()))
     return figure
 
 
-def error_panel(axes, study, n, cost):
+def error_panel(axes, study, n):
     logarithmic(axes)
     drawn = []
     for group in relatives(study.integrators):
-        leader = cheapest(study, group, n, cost.of)
+        leader = cheapest(study, group, n)
         for name in group:
-            points = [(cost.of(point), point.quality.error) for point in study.above_floor(name, n)]
+            points = [(point.costs.seconds, point.quality.error) for point in study.above_floor(name, n)]
             if points:
                 draw_line(axes, name, points, study.integrators[name], name == leader)
                 drawn.append((name, points, name == leader))
-    set_panel(axes, f"n = {n}", cost.label, ERROR_LABEL.format(time=study.time))
-    if drawn:
-        spread(axes, [point for _, points, _ in drawn for point in points])
+    set_panel(axes, f"n = {n}", SECONDS_LABEL, ERROR_LABEL.format(time=study.time))
+    seconds = [point[0] for _, points, _ in drawn for point in points]
+    if seconds:
+        axes.set_xlim(min(seconds) / 1.6, max(seconds) * 1.6)
     mark_floor(axes, study, n)
     for name, points, leading in drawn:
         if leading and failed_before(study, name, n):
             cross_mark(axes, points[0])
-    note_failures(axes, study, n)
-
-
-def spread(axes, points):
-    """Sets limits around the points."""
-    x = [x for x, _ in points]
-    axes.set_xlim(min(x) / 1.6, max(x) * 1.6)
 
 
 def mark_floor(axes, study, n):
@@ -104,9 +73,9 @@ def mark_floor(axes, study, n):
                             f" {study.references[n].uncertainty:.1e}")
 
 
-def cheapest(study, group, n, cost):
+def cheapest(study, group, n):
     """Returns the member of a group that takes least, in the geometric mean over the steps all of them did."""
-    lines = {name: {point.quality.steps: cost(point) for point in study.above_floor(name, n)} for name in group}
+    lines = {name: {point.quality.steps: point.costs.seconds for point in study.above_floor(name, n)} for name in group}
     lines = {name: line for name, line in lines.items() if line}
     common = set.intersection(*map(set, lines.values())) if lines else set()
     if not common:
@@ -117,112 +86,6 @@ def cheapest(study, group, n, cost):
 def failed_before(study, name, n):
     line = study.line(name, n)
     return bool(line) and not line[0].quality.usable
-
-
-def note_failures(axes, study, n):
-    """Names under a panel what did not come to a usable end."""
-    failed = {}
-    for name in study.integrators:
-        steps = failed_steps(study.line(name, n))
-        if steps:
-            failed.setdefault(steps, []).append(name)
-    parts = [f"{joined(names)} with {steps}" for steps, names in failed.items()]
-    text = f"No usable result: {'; '.join(parts)}." if parts else "Every run came to a usable end."
-    note_below(axes, text, 104, 38)
-
-
-def failed_steps(line):
-    """Says in words which steps of a line failed; nothing if none did."""
-    failed = [point.quality.step for point in line if not point.quality.usable]
-    if not failed or len(failed) == len(line):
-        return "any h" if failed else ""
-    if len(failed) > 1 and not any(point.quality.usable for point in line[:len(failed)]):
-        return f"h ≥ {failed[-1]:.2g}"
-    return "h = " + ", ".join(f"{step:.2g}" for step in failed)
-
-
-# ---- spectrum against time
-
-
-@styled
-def spectrum_error_against_time(study):
-    rows, columns = panel_grid(len(study.sizes()))
-    figure, panels = new_figure(
-        f"Error of the spectrum at T = {study.time:g} against CPU time",
-        "Lines: integrators that lose the spectrum, each where its error at T lies above the floor of the reference."
-        " Points without a line: every usable run of an integrator that keeps the spectrum; what is left is rounding"
-        " and what the tolerance of the iteration leaves. An error of exactly 0 is drawn at"
-        f" {LEAST_SPECTRUM_ERROR:.0e}. What failed is named below each panel.",
-        rows, columns, 4.4, notes=3, keys=2)
-    spectrum_key(figure, study)
-    method_key(figure, {name: each for name, each in study.integrators.items() if not each.isospectral})
-    for axes, n in zip(panels.flat, study.sizes()):
-        spectrum_panel(axes, study, n)
-    hide_rest(panels, len(study.sizes()))
-    return figure
-
-
-def spectrum_key(figure, study):
-    """Says under the title whose the points without a line are."""
-    groups = {}
-    for name, integrator in study.integrators.items():
-        if integrator.isospectral:
-            kind = ("Gauss, the more stages the darker" if gauss_stages(name)
-                    else "compositions of the isospectral midpoint" if name in COMPOSITIONS else name)
-            groups.setdefault(kind, []).append(name)
-    handles = []
-    for kind, names in groups.items():
-        typical = names[len(names) // 2]
-        shade, style = colour(typical), look(study.integrators[typical])
-        handles.append(matplotlib.lines.Line2D(
-            [], [], color=shade, linestyle="none", marker=style.marker,
-            markerfacecolor=shade if style.filled else "white", label=kind))
-    key_of(figure, handles)
-
-
-LEAST_SPECTRUM_ERROR = 1e-16
-
-
-def spectrum_point(point):
-    return point.costs.seconds, max(point.quality.spectrum_error, LEAST_SPECTRUM_ERROR)
-
-
-def spectrum_panel(axes, study, n):
-    logarithmic(axes)
-    everything = []
-    for name, integrator in study.integrators.items():
-        if integrator.isospectral:
-            points = [spectrum_point(point) for point in study.line(name, n) if point.quality.usable]
-        else:
-            points = [spectrum_point(point) for point in study.above_floor(name, n)]
-        if not points:
-            continue
-        everything += points
-        if integrator.isospectral:
-            style = look(integrator)
-            axes.plot(*zip(*points), color=colour(name), linestyle="none", marker=style.marker, markersize=3.4,
-                      markerfacecolor=colour(name) if style.filled else "white", label=name, zorder=2)
-        else:
-            draw_line(axes, name, points, integrator)
-    set_panel(axes, f"n = {n}", SECONDS_LABEL, "error of the spectrum of W")
-    if everything:
-        spread(axes, everything)
-    errors = [max(point.quality.spectrum_error, LEAST_SPECTRUM_ERROR) for point in study.points if point.quality.usable]
-    axes.set_ylim(LEAST_SPECTRUM_ERROR / 2, max([*errors, 1e-12]) * 4)
-    mark_tolerance(axes, study)
-    note_failures(axes, study, n)
-
-
-def mark_tolerance(axes, study):
-    try:
-        tolerance = float(study.context["tolerance"])
-    except (KeyError, ValueError):
-        return
-    if tolerance > 0:
-        axes.axhline(tolerance, color=GREY, linewidth=0.9, zorder=1)
-        axes.annotate(f"solver tolerance {tolerance:.0e}", (1, tolerance),
-                      xycoords=("axes fraction", "data"), xytext=(-2, 3), textcoords="offset points", ha="right",
-                      fontsize=SMALL, color=NOTE_COLOUR, zorder=5)
 
 
 # ---- tolerance

@@ -7,7 +7,7 @@ import csv
 import io
 import math
 from dataclasses import dataclass
-from typing import Callable, Dict, Tuple
+from typing import Dict, Tuple
 
 from benchmark_json import (LONGEST_SECONDS, SHORTEST_SECONDS, CellKey, Run, UnusableFile, one_line, quoted,
                             read_text)
@@ -146,8 +146,8 @@ def times_section(comparison, heading, introduction):
 def ratios_section(comparison):
     return [Heading("Ratios to the fastest row of the block"),
             Paragraph("Each time over the least of its column in its block, so that different machines can be"
-                      " compared. Marked as above."),
-            both_sides(comparison, our_ratio, published_ratio), *incomplete_note(comparison)]
+                      " compared. Marked as above. A row without a time is left out of its block's comparison."),
+            both_sides(comparison, our_ratio, published_ratio)]
 
 
 def both_sides(comparison, ours, theirs):
@@ -208,19 +208,10 @@ def footnotes(comparison):
 
 
 def times_legend(comparison):
-    """Explains the marks that this table has, and no others."""
-    sentences = [f"Medians of {repetitions_text(comparison)}, ± half their interquartile range.",
-                 "Marked (bold, or * in plain text): the row with the least median of its column in its block,"
-                 " and every row that the exact rank test does not separate from it"
-                 f" (one-sided Mann–Whitney, p ≤ {LEVEL})."]
-    untested = [block_name(n, s) for n, s in blocks_where(comparison, lambda times: len(times) > 1 and too_few(times))]
-    if untested:
-        sentences.append(f"Fewer than {FEWEST_REPETITIONS} repetitions, so the least median is marked untested:"
-                         f" {'; '.join(untested)}.")
-    if any(len(comparison.block(n, s)) < len(comparison.formulations)
-           for n in comparison.sizes() for s in comparison.stages):
-        sentences.append(f"\"{MISSING}\" means not measured.")
-    return " ".join(sentences)
+    return (f"Medians of {repetitions_text(comparison)}, ± half their interquartile range. Marked (bold, or * in plain"
+            " text): the row with the least median of its column in its block, and every row that the exact rank test does"
+            f" not separate from it (one-sided Mann–Whitney, p ≤ {LEVEL}); with fewer than {FEWEST_REPETITIONS} repetitions"
+            f' the least median alone, untested. "{MISSING}": not measured.')
 
 
 def repetitions_text(comparison):
@@ -229,20 +220,6 @@ def repetitions_text(comparison):
         return "no repetitions (every cell failed)"
     least, most = min(counts), max(counts)
     return f"{least} to {most} repetitions" if least < most else f"{most} repetition{'s' if most > 1 else ''}"
-
-
-def incomplete_note(comparison):
-    """Warns where a ratio is to the fastest of fewer rows than the paper's."""
-    total = len(comparison.formulations)
-    lacking = [block_name(n, s) for n, s in blocks_where(comparison, lambda times: 0 < len(times) < total)]
-    if not lacking:
-        return []
-    return [Paragraph(f"A row without a time is left out of its block's comparison: {'; '.join(lacking)}.")]
-
-
-def blocks_where(comparison, holds: Callable):
-    return [(n, stages) for n in comparison.sizes() for stages in comparison.stages
-            if holds(comparison.times(n, stages))]
 
 
 def block_name(n, stages):

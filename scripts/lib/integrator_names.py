@@ -1,10 +1,9 @@
-"""What the names of integrators say: which are forms of one Gauss method, and how several are named in few words."""
+"""What the names of integrators say: which are forms of one Gauss method."""
 
 import re
 
 from benchmark_json import FORMULATIONS
 
-COMPOSITIONS = ("yoshida4", "suzuki4", "kahan_li6")
 # A row for each s, a column for each formulation.
 TABLE1_CELLS = tuple(f"{formulation}{s}" for s in (1, 2, 3) for formulation in FORMULATIONS)
 
@@ -26,22 +25,3 @@ def relatives(names):
     for name in names:
         groups.setdefault(gauss_stages(name) or name, []).append(name)
     return list(groups.values())
-
-
-def joined_relatives(names):
-    stages = gauss_stages(names[0])
-    if stages is None or len(names) == 1:
-        return ", ".join(names)
-    return f"{', '.join(name[:-len(str(stages))] for name in names)}, s = {stages}"
-
-
-def joined(names):
-    """Joins names, those that differ in a last digit as one: direct1–3."""
-    runs = []
-    for name in names:
-        stem, number = re.fullmatch(r"(.*?)([0-9]*)", name).groups()
-        if runs and runs[-1][0] == stem and number and runs[-1][2] and int(number) == int(runs[-1][2]) + 1:
-            runs[-1][2] = number
-        else:
-            runs.append([stem, number, number])
-    return ", ".join(f"{stem}{first}" + (f"–{last}" if last != first else "") for stem, first, last in runs)

@@ -171,16 +171,9 @@ def error_text(error):
 
 
 def source(study, path):
-    return f"Measured: {one_line(path)}, on {processor(study)}, commit {commit(study)}."
-
-
-def processor(study):
-    return study.context.get("cpu") or "an unknown processor"
-
-
-def commit(study):
+    processor, commit = (study.context.get(field) or "not recorded" for field in ("cpu", "commit"))
     changed = " with changes" if study.context.get("dirty") == "yes" else ""
-    return (study.context.get("commit") or "unknown") + changed
+    return f"Measured: {one_line(path)}, processor {processor}, commit {commit}{changed}."
 
 
 def answer_data(study, found, n, error, structure, path):
@@ -209,10 +202,10 @@ def run_data(candidate):
 # ---- the table
 
 
-def recommendation_tables(study, structures=tuple(KEPT), level=2):
+def recommendation_tables(study, level=2):
     """Returns, for each structure, a heading and a table of the winner by n and error; then how to read them."""
     parts = []
-    for structure in structures:
+    for structure in KEPT:
         heading = "Whatever is kept" if structure == "nothing" else f"Keeping {KEPT[structure]}"
         parts += [Heading(heading, level), recommendation_table(study, structure)]
     return [*parts, Paragraph(

@@ -40,11 +40,14 @@ def files(figures, report, recorded):
     figures = {name: figure for name, figure in figures.items() if figure}
     found = {f"{name}.{kind}": encode(figure, kind) for name, figure in figures.items()
              for kind in (("svg",) if recorded else ("svg", "png"))}
-    document = report(set(figures))
-    found["report.md"] = as_markdown(document).encode("utf-8")
-    if not recorded:
-        found["report.txt"] = as_text(document).encode("utf-8")
-    return found
+    reports = report_files(report(set(figures)))
+    if recorded:
+        del reports["report.txt"]
+    return {**found, **reports}
+
+
+def report_files(document):
+    return {"report.md": as_markdown(document).encode("utf-8"), "report.txt": as_text(document).encode("utf-8")}
 
 
 def write_folder(program, folder, files):

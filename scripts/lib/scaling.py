@@ -33,13 +33,8 @@ class Cost:
 
     @property
     def cubic(self):
-        """The seconds of the products alone: n³, within bands less."""
+        """The seconds of the products, at the rate of products alone."""
         return self.products * self.product_seconds
-
-    @property
-    def quadratic(self):
-        """The seconds of all else: solves, sums, start values. 0 where products ran faster than alone."""
-        return max(self.seconds - self.cubic, 0.0)
 
     @property
     def floor(self):

@@ -1,4 +1,4 @@
-"""Draws what a step of the fast forms costs: against n with its parts and its floor, and idea by idea."""
+"""Draws what a step of the fast forms costs: against n with its floor, and idea by idea."""
 
 import matplotlib
 from matplotlib.ticker import FixedLocator, NullLocator
@@ -33,29 +33,6 @@ def cost_against_n(study):
             draw(axes, formulation, points, lambda point: point.seconds, "-", "measured")
             draw(axes, formulation, points, lambda point: point.floor, "--", "floor", marker="None")
         set_panel(axes, f"s = {s}", "n", STEP_LABEL if s == stages[0] else "")
-    return figure
-
-
-@styled
-def parts_against_n(study):
-    """The two parts of a step: its products, and all else, one panel for each formulation and number of stages."""
-    stages = study.stage_counts()
-    figure, panels = new_figure(
-        "Products and all else in a step",
-        "Solid: the products that a step forms, at the rate of products alone, measured beside it. Dotted: what is left of"
-        " the step, the solves with the Laplacian, sums and start values. Where products run no slower than alone and all"
-        " else is little, the difference is noise, and points may be missing.",
-        len(FORMULATIONS), len(stages), 3.0)
-    key_of(figure, [matplotlib.lines.Line2D([], [], color="0.2", linestyle=style, marker=marker, label=meaning)
-                    for style, marker, meaning in (("-", "o", "products (n³, within bands less)"), (":", "s", "all else (n²)"))])
-    for row, formulation in zip(panels, FORMULATIONS):
-        for axes, s in zip(row, stages):
-            against_n(axes, study)
-            points = study.line(formulation, s)
-            draw(axes, formulation, points, lambda point: point.cubic, "-", "products", "o")
-            draw(axes, formulation, points, lambda point: point.quadratic, ":", "all else", "s")
-            set_panel(axes, f"{formulation}, s = {s}", "n" if formulation == FORMULATIONS[-1] else "",
-                      STEP_LABEL if s == stages[0] else "")
     return figure
 
 

@@ -7,7 +7,6 @@ from scaling import BY_DEFAULT, PUBLISHED, ladder
 
 CHARTS = (
     ("cost_against_n", "A step of each fast form against n, and the floor of its products."),
-    ("parts_against_n", "The n³ part of a step, its products, which within bands is less, and the n² part, all else."),
     ("ladder_of_ideas", "What each idea bought, from the published form to the fast one."),
 )
 
@@ -18,10 +17,10 @@ def scaling_sections(study, charts, level=1):
         Heading("What a step of the fast forms costs", level),
         Paragraph(f"Steps at n = {', '.join(map(str, study.sizes()))} such that h‖B(W₀)‖₂ = {study.h_norm_B:g}, with"
                   f" {study.kernels} kernels, on one core."),
-        *shown(CHARTS[:2], charts),
+        *shown(CHARTS[:1], charts),
         *floor_section(study, level + 1),
         Heading("What each idea bought", level + 1),
-        *shown(CHARTS[2:], charts),
+        *shown(CHARTS[1:], charts),
         *ladder_section(study),
         *rest_section(study, level + 1),
         conditions(study.context),

@@ -1,4 +1,4 @@
-"""Reads what build/benchmarks/stability and build/benchmarks/long_runs wrote: where each method fails, and what drifts.
+"""Reads what build/benchmarks/stability and build/benchmarks/long_runs wrote: failures, and errors over time.
 
 A trial is a short run with one step size; the map of one integrator in one setting (a scene at one n) has trials on a
 grid of h‖B‖₂, and the bracket that bisection left around the critical value. ‖B‖₂ is taken at the initial data.
@@ -14,6 +14,7 @@ from raw_files import CASIMIRS, CONVERGED, LARGEST, STATUSES, Fields, Integrator
 MAP_FORMAT = "isosyrk stability 1"
 LONG_RUNS_FORMAT = "isosyrk long_runs 1"
 SCENES = ("smooth", "rough")
+ROUNDING = 1e-12  # what rounding leaves in 10⁴ steps, as a relative error
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Draws where each method fails, and what drifts in long runs: failure maps and errors against time.
+"""Draws where each method fails, and the errors of long runs: failure maps and errors against time.
 
 Each chart is a figure made from its data alone. In a map a cell is one trial, coloured and hatched by what became of
 it; in a chart of long runs a line is one integrator and carries its name.
@@ -11,14 +11,13 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import FixedLocator, NullLocator
 
 from benchmark_json import FORMULATIONS
-from chart_panels import (LOOKS, SMALL, Label, colour, column_of_labels, cross_mark, draw_line, floor_band, hide_rest,
-                          key_of, logarithmic, look, new_figure, note_below, set_panel, style_key, styled)
-from drift import ROUNDING
-from integrator_names import TABLE1_CELLS, gauss_stages, joined, joined_relatives, others, relatives
+from chart_panels import (LOOKS, Label, colour, column_of_labels, cross_mark, draw_line, floor_band, hide_rest,
+                          key_of, logarithmic, look, new_figure, set_panel, style_key, styled)
+from integrator_names import TABLE1_CELLS, others
 from raw_files import CONVERGED, SWEEP_CAP, UNSTABLE
-from stability import QUANTITIES, trials_in_words
+from stability import QUANTITIES, ROUNDING, trials_in_words
 
-CELLS, NUMBERS = -2, -1  # of the drawing order; what lies below 0 an SVG holds as one image
+CELLS = -2  # of the drawing order; what lies below 0 an SVG holds as one image
 GENERATOR_LABEL = "h‖B(W₀)‖₂"
 MEASURED, THEORY = "measured critical", "linear theory"
 
@@ -69,7 +68,7 @@ def map_of(study, scene, names, title):
 
 def map_caption(study, scene):
     return (f"Each cell is one trial from the initial data: {trials_in_words(study, [scene])}; at most {study.max_sweeps}"
-            " sweeps a step. Numbers are sweeps per step. Invariants lost: every iteration converged, but what the flow"
+            " sweeps a step. Invariants lost: every iteration converged, but what the flow"
             " conserves did not stay. Measured critical: the largest step that works below the first that fails, by"
             " bisection. Linear theory: where the iteration (of explicit methods the step) ceases to be stable with B frozen"
             " at B(W₀); none is drawn where it names no limit. The values beside a panel are those at its largest n.")
@@ -103,8 +102,6 @@ def map_panel(axes, study, scene, name):
     for column, each in enumerate(maps):
         for trial, (bottom, top) in zip(each.trials, cell_edges(each)):
             cell(axes, column, trial, bottom, top)
-            if all(math.isnan(level) or far(trial.h_norm_B, level) for level in (critical[column], limits[column])):
-                sweeps(axes, column, trial)
     set_panel(axes, name, "n", GENERATOR_LABEL)
     axes.xaxis.set_major_locator(FixedLocator(range(len(maps))))
     axes.xaxis.set_major_formatter(lambda column, _: str(maps[round(column)].n))
@@ -136,17 +133,6 @@ def cell(axes, column, trial, bottom, top):
                              linewidth=0.4 if trial.works else 0, zorder=CELLS))
 
 
-def far(h_norm_B, level):
-    """Tells whether a number written at this h‖B‖₂ is clear of a line at the level."""
-    return abs(math.log(level / h_norm_B)) > 0.13
-
-
-def sweeps(axes, column, trial):
-    if trial.works and trial.sweeps_per_step:
-        axes.text(column, trial.h_norm_B, f"{trial.sweeps_per_step:.0f}", fontsize=SMALL - 1.5, color="0.25",
-                  ha="center", va="center", zorder=NUMBERS)
-
-
 def sweep_shade(trial):
     return next(shade for most, shade in SWEEP_SHADES if (trial.sweeps_per_step or 0) <= most)
 
@@ -166,7 +152,6 @@ def level_line(axes, values, name, style, width):
 
 # ---- long runs
 
-ALIKE = 10  # relatives whose errors differ by less than this factor share a label
 MARKERS = 7  # a line has one on every so many of its samples
 
 
@@ -192,11 +177,9 @@ def errors_against_time(study, scene, n, which, wanted):
     figure, panels = new_figure(
         f"Long runs at n = {n}, {scene} scene: integrators {which}",
         f"Every run is of {study.steps} steps of one size, the share of the integrator's own critical step that stands over"
-        " the column, so that times differ. Gauss, s: the formulations cotangent, group and algebra with s stages, where"
-        f" they differ by less than a factor {ALIKE} (below {ROUNDING:.0e} by anything); the worst of them stands with"
-        " points, the others as thin lines. × k: the run failed at step k; a cross marks its last state. The energy error is"
-        " the largest since the sample before. What is exactly 0 has no place on the axis and is named below its panel.",
-        len(QUANTITIES), len(shares), panel_height, notes=2, right=2.3, row_gap=0.75, column_gap=2.75,
+        " the column, so that times differ. × k: the run failed at step k; a cross marks its last state. The energy error is"
+        " the largest since the sample before. What is exactly 0 has no place on the axis.",
+        len(QUANTITIES), len(shares), panel_height, right=1.9, row_gap=0.75, column_gap=2.35,
         sharex="col")
     style_key(figure, [each for each in LOOKS if any(look(study.integrators[name]) == each for name in names)])
     for index, (row, quantity) in enumerate(zip(panels, QUANTITIES)):
@@ -217,19 +200,15 @@ def time_panel(axes, study, quantity, runs):
     axes.xaxis.set_minor_locator(NullLocator())  # over five decades
     axes.tick_params(labelbottom=True)  # also where the panels below have the same times
     labels = []
-    for group in relatives(runs):
-        series = {name: drawable(quantity.series(runs[name])) for name in group}
-        drawn = [name for name in group if series[name]]
-        together = len(drawn) > 1 and alike(quantity, [runs[name] for name in drawn])
-        leaders = [max(drawn, key=lambda name: series[name][-1][1])] if together else drawn
-        for index, name in enumerate(drawn):
-            draw_line(axes, name, series[name], study.integrators[name], name in leaders, linewidth=1.1,
-                      markersize=3.2, markevery=(index, MARKERS))
-            if not runs[name].survived:
-                cross_mark(axes, series[name][-1])
-        labels += [Label(line_name(drawn if together else [name]) + failure(runs[name]), series[name][-1], colour(name))
-                   for name in leaders]
-    note_below(axes, notes(quantity, runs), 92, 34)
+    for index, (name, run) in enumerate(runs.items()):
+        points = drawable(quantity.series(run))
+        if not points:
+            continue
+        draw_line(axes, name, points, study.integrators[name], linewidth=1.1, markersize=3.2,
+                  markevery=(index % MARKERS, MARKERS))
+        if not run.survived:
+            cross_mark(axes, points[-1])
+        labels.append(Label(name + failure(run), points[-1], colour(name)))
     return labels
 
 
@@ -237,37 +216,10 @@ def drawable(series):
     return [(time, value) for time, value in series if time > 0 and value > 0]
 
 
-def alike(quantity, runs):
-    """Tells whether runs came to their end within a factor of one another, as far as they stand out of rounding."""
-    if not all(run.survived for run in runs):
-        return False
-    lines = [[max(value, ROUNDING) for _, value in quantity.series(run)] for run in runs]
-    return all(max(values) <= ALIKE * min(values) for values in zip(*lines))
-
-
-def line_name(names):
-    stages = gauss_stages(names[0])
-    if stages is not None and len(names) == len(FORMULATIONS):
-        return f"Gauss, s = {stages}"
-    return joined_relatives(names)
-
-
 def failure(run):
     if run.status == CONVERGED:
         return ""
     return f" × {run.failed_step or run.status}"
-
-
-def notes(quantity, runs):
-    """Says in words what a panel cannot show: series that are 0 throughout, and runs without a sample."""
-    zero = [name for name, run in runs.items() if quantity.series(run)
-            and not any(value for _, value in quantity.series(run))]
-    unseen = [name for name, run in runs.items() if not quantity.series(run)]
-    parts = [f"Exactly 0 in every sample: {joined(zero)}."] if zero else []
-    if unseen:
-        parts.append("Failed before the first sample: "
-                     + ", ".join(name + failure(runs[name]) for name in unseen) + ".")
-    return " ".join(parts)
 
 
 LEAST_DRAWN, LARGEST_DRAWN = 1e-18, 1e8

@@ -78,12 +78,10 @@ def disturbance(run, disturbed):
     left_out = sum(cell.pairs - cell.quiet for cell in disturbed if cell.left_out)
     crowded = [f"{cell.key.formulation} at n = {cell.key.n}, s = {cell.key.stages} ({cell.quiet} of {cell.pairs})"
                for cell in disturbed if not cell.left_out]
-    text = (f"Left out: {left_out} of {sum(len(side.times) for side in run.measurements.values())} pairs, around which the"
+    return (f"Left out: {left_out} of {sum(len(side.times) for side in run.measurements.values())} pairs, around which the"
             f" host gave more than {100 * MOST_STOLEN:g} % of the cores' time to others, or two threads at once"
-            f" multiply-add less than {FEWEST_CORES:g} times as fast as one.")
-    if crowded:
-        text += f" All pairs count where fewer than {FEWEST_PAIRS} were undisturbed: {', '.join(crowded)}."
-    return text
+            f" multiply-add less than {FEWEST_CORES:g} times as fast as one. All pairs count where fewer than"
+            f" {FEWEST_PAIRS} were undisturbed: {', '.join(crowded) or 'nowhere'}.")
 
 
 def in_rounds(run):

@@ -2,6 +2,7 @@
 
 import atexit
 import functools
+import importlib
 import os
 import shutil
 import struct
@@ -35,6 +36,24 @@ def load_matplotlib():
     return True
 
 
+def panels_of(figure):
+    """Returns the panels of a figure that are seen, in lists by their titles."""
+    found = {}
+    for axes in figure.axes:
+        if axes.get_visible():
+            found.setdefault(axes.get_title(loc="left"), []).append(axes)
+    return found
+
+
+def lines_of(axes):
+    """Returns the points of each line of a panel that carries a name."""
+    return {line.get_label(): finite_points(line) for line in axes.lines if not line.get_label().startswith("_")}
+
+
+def finite_points(line):
+    return [[float(x), float(y)] for x, y in line.get_xydata() if x == x and y == y]
+
+
 class DrawingTest(FolderTest):
     """Runs the script named by `script`."""
 
@@ -53,8 +72,12 @@ class DrawingTest(FolderTest):
         width, height = struct.unpack(">II", png[16:24])
         self.assertEqual((width, height > 450), (1600, True), chart)
 
-    def require_drawing(self):
+    def module(self, name):
+        """Returns a module of scripts/lib that draws."""
         self.assertIsNotNone(FOUND, chart_python.complaint())
+        if not load_matplotlib():
+            self.skipTest(f"to be run by {FOUND}, which has matplotlib")
+        return importlib.import_module(name)
 
     def render(self, *arguments, apart=False, **changes):
         """Runs the script to its end, if possible in a copy of this process, which starts sooner.

@@ -101,9 +101,7 @@ def sample(name, step, h):
 def long_run(name, share, n=17):
     critical = INTEGRATORS["algebra2" if name == CONTROL else name][6] or GRID[-1]
     h = share * critical / norm(n)
-    # What an explicit Euler step lets grow, with ‖ad_B‖₂ = 2‖B‖₂.
-    growth = {"predicted_skew_growth": 0.5 * math.log1p((2 * h * norm(n)) ** 2) / h} if name == CONTROL else {}
-    return {"scene": "smooth", "n": n, "integrator": name, "share": share, "critical": critical, **growth,
+    return {"scene": "smooth", "n": n, "integrator": name, "share": share, "critical": critical,
             "h_norm_B": share * critical, "step": h, "status": "converged", "steps": LONG_STEPS,
             "sweeps_per_step": 20.0, "samples": [sample(name, step, h) for step in sampled_steps()]}
 

@@ -54,6 +54,9 @@ class MeasuredTest(unittest.TestCase):
         cls.done, cls.raw = measure(cls.program, cls.path, *cls.arguments, **cls.changes)
         cls.context, cls.rows = cls.raw["context"], cls.raw["benchmarks"]
 
+    def rendered(self):
+        return run([sys.executable, os.path.join(ROOT, "scripts", "render_table1"), self.path])
+
 
 class Table1(MeasuredTest):
     def test_a_complete_run_ends_with_0(self):
@@ -105,7 +108,7 @@ class Table1(MeasuredTest):
         self.assertEqual(os.listdir(self.folder), ["raw.json"])
 
     def test_the_renderer_reads_it(self):
-        rendered = run([sys.executable, os.path.join(ROOT, "scripts", "render_table1"), self.path])
+        rendered = self.rendered()
         self.assertEqual((rendered.returncode, rendered.stderr), (DONE, ""))
         self.assertIn("Table 1", rendered.stdout)
         self.assertNotIn("failed", rendered.stdout)
@@ -115,17 +118,14 @@ class Table2(Table1):
     program = "table2"
 
     def test_the_renderer_reads_it(self):
-        refused = run([sys.executable, os.path.join(ROOT, "scripts", "render_table1"), self.path])
+        refused = self.rendered()
         self.assertEqual(refused.returncode, 2)
         self.assertIn("table1", refused.stderr)  # another table
 
-    def test_every_formulation_keeps_the_algebra_exactly(self):
-        for row in self.rows:
-            self.assertEqual(row["skew_defect"], 0.0, row["run_name"])
-
-    def test_products_are_told_in_full_ones_too(self):
+    def test_every_formulation_keeps_the_algebra_exactly_and_tells_full_products(self):
         for row in self.rows:
             with self.subTest(row=row["run_name"]):
+                self.assertEqual(row["skew_defect"], 0.0)
                 self.assertGreater(row["equivalent_products"], row["products"] / 2)
                 self.assertLess(row["equivalent_products"], row["products"])
 
@@ -160,11 +160,10 @@ class Table1WithoutEnoughSweeps(MeasuredTest):
             self.assertEqual((row["iterations"], row["cpu_time"], row["real_time"]), (0, 0, 0))
             self.assertFalse(set(COUNTERS) & set(row))
 
-    def test_the_cap_is_recorded(self):
         self.assertEqual(self.context["max_sweeps"], "5")
 
     def test_the_renderer_marks_the_failed_cells(self):
-        rendered = run([sys.executable, os.path.join(ROOT, "scripts", "render_table1"), self.path])
+        rendered = self.rendered()
         self.assertEqual((rendered.returncode, rendered.stderr), (DONE, ""))
         self.assertIn("sweep cap", rendered.stdout)
         self.assertNotIn("holds", rendered.stdout)
@@ -173,12 +172,10 @@ class Table1WithoutEnoughSweeps(MeasuredTest):
 class Table1WithEigen(MeasuredTest):
     arguments = (*BRIEF, "--products", "eigen")
 
-    def test_the_choice_is_recorded(self):
+    def test_the_choice_is_recorded_and_honoured(self):
         self.assertIn("as asked", self.context["products"])
         self.assertIn("n=17 eigen", self.context["products"])
         self.assertNotIn("openblas", self.context["products"])
-
-    def test_the_choice_is_honoured(self):
         # Two libraries add in different orders; the rounding that remains tells them apart.
         _, other = measure("table1", os.path.join(self.folder, "openblas.json"), *BRIEF, "--products", "openblas")
         left_by = [[(row["spectrum_error"], row["skew_defect"]) for row in rows]
@@ -201,16 +198,9 @@ class Table1WithInheritedKernels(MeasuredTest):
         if "DYNAMIC_ARCH" not in cls.context["blas_library"]:
             raise unittest.SkipTest("this OpenBLAS has one set of kernels")
 
-    def test_the_environment_is_recorded(self):
-        self.assertIn("OPENBLAS_CORETYPE=Nehalem", self.context["environment"])
-
-    def test_the_notice_tells_it(self):
-        self.assertIn("OPENBLAS_CORETYPE=Nehalem", self.context["notice"])
-
-    def test_the_notice_is_printed(self):
-        self.assertIn("OPENBLAS_CORETYPE=Nehalem", self.done.stderr)
-
-    def test_the_kernels_really_picked_are_recorded(self):
+    def test_the_variable_and_the_kernels_really_picked_are_recorded_and_told(self):
+        for text in (self.context["environment"], self.context["notice"], self.done.stderr):
+            self.assertIn("OPENBLAS_CORETYPE=Nehalem", text)
         self.assertEqual(self.context["blas_kernels"], "Nehalem")
 
     def test_without_the_variable_other_kernels_run(self):
@@ -221,13 +211,11 @@ class Table1WithInheritedKernels(MeasuredTest):
         _, raw = measure("table1", os.path.join(self.folder, "free.json"), *ONE_ROW)
         self.assertNotEqual(raw["context"]["blas_kernels"], "Nehalem")
 
-    def test_a_name_openblas_does_not_know_is_told_with_the_kernels_that_run(self):
-        _, raw = measure("table1", os.path.join(self.folder, "unknown.json"), *ONE_ROW, OPENBLAS_CORETYPE="Abacus")
-        self.assertIn("OPENBLAS_CORETYPE=Abacus", raw["context"]["notice"])
-        self.assertIn(raw["context"]["blas_kernels"], raw["context"]["notice"])
-
-    def test_more_threads_asked_for_are_recorded_but_do_not_run(self):
-        _, raw = measure("table1", os.path.join(self.folder, "threads.json"), *ONE_ROW, OPENBLAS_NUM_THREADS="2")
+    def test_other_settings_are_told_with_what_runs(self):
+        _, raw = measure("table1", os.path.join(self.folder, "other.json"), *ONE_ROW, OPENBLAS_CORETYPE="Abacus",
+                         OPENBLAS_NUM_THREADS="2")
+        for text in ("OPENBLAS_CORETYPE=Abacus", raw["context"]["blas_kernels"]):
+            self.assertIn(text, raw["context"]["notice"])
         self.assertIn("OPENBLAS_NUM_THREADS=2", raw["context"]["environment"])
         self.assertEqual(raw["context"]["blas_threads"], "1")
 
@@ -236,15 +224,6 @@ class Kernels(MeasuredTest):
     program = "kernels"
     arguments = ("--benchmark_filter=n:17$|peak", "--benchmark_min_time=0.01")
 
-    def named(self, name):
-        rows = [row for row in self.rows if row["run_name"] == name]
-        self.assertEqual(len(rows), 1, name)
-        return rows[0]
-
-    def split_units(self):
-        names = [row["run_name"].split("/") for row in self.rows]
-        return [name[2][len("split_"):] for name in names if name[1] == "product" and name[2].startswith("split_")]
-
     def products(self):
         return [row for row in self.rows if row["run_name"].startswith(("kernels/product/", "kernels/adjoint/", "kernels/single/"))]
 
@@ -252,14 +231,15 @@ class Kernels(MeasuredTest):
         self.assertEqual(self.done.returncode, DONE, self.done.stderr)
 
     def test_peak_products_and_poisson_solve_have_one_row_each(self):
-        units = self.split_units()
+        names = [row["run_name"] for row in self.rows]
+        units = [name.split("_")[1].split("/")[0] for name in names if name.startswith("kernels/product/split_")]
         self.assertEqual(units[-1], "portable")  # runs everywhere; others by what the processor has
         self.assertLessEqual(set(units), {"avx512", "avx2", "portable"})
         expected = ["kernels/peak", "kernels/poisson/n:17", "kernels/poisson/split/n:17",
                     *(f"kernels/product/{each}/n:17" for each in BACKENDS),
                     *(f"kernels/{part}/split_{unit}/n:17" for unit in units
                       for part in ("product", "adjoint", "triangle", "single"))]
-        self.assertEqual(sorted(row["run_name"] for row in self.rows), sorted(expected))
+        self.assertEqual(sorted(names), sorted(expected))
 
     def test_every_size_has_its_rows(self):
         listed = run([program("kernels"), "--benchmark_list_tests"]).stdout.split()
@@ -267,9 +247,6 @@ class Kernels(MeasuredTest):
             self.assertIn(f"kernels/poisson/n:{n}", listed)
             for backend in BACKENDS:
                 self.assertIn(f"kernels/product/{backend}/n:{n}", listed)
-
-    def test_peak_is_positive(self):
-        self.assertGreater(self.named("kernels/peak")["gflops"], 0)
 
     @unittest.skipIf(SANITIZED, "the peak is that of sanitised code, OpenBLAS is not sanitised")
     def test_share_of_peak_is_a_share(self):
@@ -283,18 +260,18 @@ class Kernels(MeasuredTest):
         for row in self.products():
             self.assertLess(row["error_in_roundoffs"], 2 * (17 + 2))
 
-    def test_poisson_residual_is_rounding(self):
+    def test_peak_and_poisson_residual(self):
+        rows = {row["run_name"]: row for row in self.rows}
+        self.assertGreater(rows["kernels/peak"]["gflops"], 0)
         # The condition of the Laplacian grows as n², the residual in units of roundoff no faster.
-        self.assertLess(self.named("kernels/poisson/n:17")["residual"], 17 * 17 * 2.0 ** -53)
+        self.assertLess(rows["kernels/poisson/n:17"]["residual"], 17 * 17 * 2.0 ** -53)
 
     def test_every_condition_is_recorded(self):
+        self.assertEqual(self.context["isosyrk_program"], "kernels")
         for field in MACHINE_CONTEXT:
             with self.subTest(field=field):
                 self.assertIsInstance(self.context[field], str)
                 self.assertTrue(self.context[field] or field == "notice")
-
-    def test_the_program_names_itself(self):
-        self.assertEqual(self.context["isosyrk_program"], "kernels")
 
 
 class Refusals(FolderTest):
@@ -317,11 +294,6 @@ class Refusals(FolderTest):
         with self.subTest(program=name, argument=argument):
             self.refuses(name, [f"--benchmark_out={self.output}", *argument.split()], *parts, **options)
 
-    def refuses_path(self, path, *parts, programs=("table1",)):
-        for name in programs:
-            with self.subTest(program=name):
-                self.refuses(name, [*BRIEF, f"--benchmark_out={path}"], "--benchmark_out", path, *parts)
-
     def test_arguments_of_every_program(self):
         for name in PROGRAMS:
             for argument, *parts in (("--benchmark_filter=nothing", "--benchmark_filter", "nothing"),
@@ -342,21 +314,20 @@ class Refusals(FolderTest):
                          "--benchmark_min_time=x", "--benchmark_min_time=nan", "--benchmark_time_unit=parsec"):
             self.refuses_beside_output("table1", f"{ONE_ROW[0]} {argument}", *argument.split("="), timeout=5)
 
-    def test_an_output_in_a_missing_folder(self):
-        self.refuses_path(self.path("nowhere", "raw.json"), programs=PROGRAMS)
-
-    def test_an_output_that_is_no_file(self):
-        for path, *parts in ((self.folder, "file"), ("", "value"), (os.path.join(self.output, "raw.json"),)):
-            self.refuses_path(path, *parts)
-
-    def test_an_output_that_is_a_device(self):
-        self.refuses_path("/dev/null", "file")
+    def test_outputs_that_cannot_be_written(self):
+        missing = self.path("nowhere", "raw.json")
+        for name, path, *parts in (*((name, missing) for name in PROGRAMS), ("table1", self.folder, "file"),
+                                   ("table1", "", "value"), ("table1", os.path.join(self.output, "raw.json")),
+                                   ("table1", "/dev/null", "file")):
+            with self.subTest(program=name, path=path):
+                self.refuses(name, [*BRIEF, f"--benchmark_out={path}"], "--benchmark_out", path, *parts)
         self.assertTrue(stat.S_ISCHR(os.stat("/dev/null").st_mode))
 
     @unittest.skipIf(os.geteuid() == 0, "root writes everywhere")
     def test_an_output_in_a_read_only_folder(self):
         os.mkdir(self.path("closed"), 0o555)
-        self.refuses_path(self.path("closed", "raw.json"))
+        path = self.path("closed", "raw.json")
+        self.refuses("table1", [*BRIEF, f"--benchmark_out={path}"], "--benchmark_out", path)
 
     def test_help_is_no_error(self):
         for name in PROGRAMS:
@@ -376,27 +347,22 @@ class EarlierFile(FolderTest):
         with open(self.output, encoding="utf-8") as stream:
             self.assertEqual(stream.read(), EARLIER)
 
-    def kill_in_the_middle(self, number):
-        process = start([program("table1"), "--benchmark_filter=n:17/", "--benchmark_min_time=20",
-                         f"--benchmark_out={self.output}"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-        self.addCleanup(end, process)
-        watchdog = threading.Timer(40, process.kill)
-        watchdog.start()
-        self.addCleanup(watchdog.cancel)
-        for line in process.stderr:
-            if "s a run" in line:  # a row is being measured
-                break
-        self.assertIsNone(process.poll(), "ended before it could be interrupted")
-        self.assert_earlier_file()
-        process.send_signal(number)
-        self.assertNotEqual(process.wait(timeout=20), DONE)
-        self.assert_earlier_file()
-
-    def test_a_termination_leaves_it_alone(self):
-        self.kill_in_the_middle(signal.SIGTERM)
-
-    def test_an_interrupt_leaves_it_alone(self):
-        self.kill_in_the_middle(signal.SIGINT)
+    def test_a_signal_leaves_it_alone(self):
+        for number in (signal.SIGTERM, signal.SIGINT):
+            process = start([program("table1"), "--benchmark_filter=n:17/", "--benchmark_min_time=20",
+                             f"--benchmark_out={self.output}"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+            self.addCleanup(end, process)
+            watchdog = threading.Timer(40, process.kill)
+            watchdog.start()
+            self.addCleanup(watchdog.cancel)
+            for line in process.stderr:
+                if "s a run" in line:  # a row is being measured
+                    break
+            self.assertIsNone(process.poll(), "ended before it could be interrupted")
+            self.assert_earlier_file()
+            process.send_signal(number)
+            self.assertNotEqual(process.wait(timeout=20), DONE)
+            self.assert_earlier_file()
 
     def test_a_complete_run_replaces_it(self):
         done, raw = measure("table1", self.output, *ONE_ROW)

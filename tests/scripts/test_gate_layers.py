@@ -116,18 +116,14 @@ class Accuracy(unittest.TestCase):
         self.assertEqual(self.failures(build_document()), [])
 
     def test_each_error_beyond_its_bound_is_named_with_its_cell(self):
-        self.assert_caught("group/n:33/s:2", "spectrum error", spectrum_error=1e-11)
-        self.assert_caught("algebra/n:33/s:2", "spectrum error", spectrum_error=2e-13)
-        self.assert_caught("cotangent/n:33/s:2", "skew defect", skew_defect=1e-12)
-        self.assert_caught("cotangent/n:65/s:1", "distance to group", distance_to_group=1e-11)
-        self.assert_caught(FAST + "group/n:33/s:2", "spectrum error", spectrum_error=1e-11)
-        self.assert_caught(FAST_CELL, "spectrum error", spectrum_error=2e-13)
-        self.assert_caught(FAST_CELL, "distance to published", distance_to_published=1e-9)
-        self.assert_caught(FAST_CELL, "distance to published", distance_to_published=None)
-
-    def test_the_skew_defect_of_algebra_and_of_fast_forms_is_exactly_zero(self):
-        for name in ("algebra/n:17/s:3", FAST + "cotangent/n:17/s:3"):
-            self.assert_caught(name, "skew defect", skew_defect=1e-25)
+        for cell, quantity, value in (
+                ("group/n:33/s:2", "spectrum_error", 1e-11), ("algebra/n:33/s:2", "spectrum_error", 2e-13),
+                ("cotangent/n:33/s:2", "skew_defect", 1e-12), ("cotangent/n:65/s:1", "distance_to_group", 1e-11),
+                (FAST + "group/n:33/s:2", "spectrum_error", 1e-11), (FAST_CELL, "spectrum_error", 2e-13),
+                (FAST_CELL, "distance_to_published", 1e-9), (FAST_CELL, "distance_to_published", None),
+                # Exactly zero for algebra and for fast forms.
+                ("algebra/n:17/s:3", "skew_defect", 1e-25), (FAST + "cotangent/n:17/s:3", "skew_defect", 1e-25)):
+            self.assert_caught(cell, quantity.replace("_", " "), **{quantity: value})
 
     def test_bounds_follow_the_tolerance_and_the_contraction(self):
         for values in ({"tolerance": 1e-11}, {"contraction": 0.99}):

@@ -103,12 +103,6 @@ class RefusedArguments(RefusalTest):
         for argument, values, *allowed in self.CASES:
             self.refuses(argument, values, *allowed)
 
-    def test_a_value_with_control_characters_still_gives_one_line(self):
-        for character in "\n\r\v\f\x1b\x7f":
-            with self.subTest(character=character):
-                line = command(SHORT, "--output", self.output, formulation=f"gr{character}oup")
-                self.assert_refused_alone(line, "--formulation", "gr oup")
-
     def test_what_is_missing_twice_or_unknown_is_named(self):
         for flags, part in ((("--tolerance",), "--tolerance"), (("--n", "33"), "--n"), (("--jso",), "--jso"), (("-x",), "-x"),
                             (("--stepsize=3",), "--stepsize"), (("perhaps",), "perhaps")):
@@ -135,21 +129,13 @@ class BeyondTheMeasuredLimit(FolderTest):
     def test_a_step_beyond_it_is_noted_and_the_run_goes_on(self):
         done = self.noted(n="33", step="0.6", time="0.6")
         self.assertEqual(done.returncode, DONE, done.stderr)
-        self.assertEqual(len(done.stderr.splitlines()), 1)
-        for part in ("note", "h_norm_B = 1.52", "group2", "results/README.md"):
-            self.assertIn(part, done.stderr)
+        self.assert_one_line(done.stderr, "note", "h_norm_B = 1.52", "group2", "results/README.md")
 
-    def test_a_run_that_fails_names_both(self):
-        done = self.noted(step="5", time="5")
-        self.assertEqual(done.returncode, SOLVER_FAILED)
-        self.assertEqual(len(done.stderr.splitlines()), 2)
-
-    def test_a_step_within_it_is_not_noted(self):
-        self.assertEqual(self.noted(step="0.5").stderr, "")
-        self.assertEqual(self.noted(step="0.5", scene="rough").stderr, "")
-
-    def test_a_method_that_was_not_mapped_is_not_judged(self):
-        self.assertEqual(len(self.noted(stages="7", step="5", time="5").stderr.splitlines()), 1)
+    def test_notes_beside_other_ends(self):
+        for lines, changes in ((2, {"step": "5", "time": "5"}),  # fails: both are named
+                               (0, {"step": "0.5"}), (0, {"step": "0.5", "scene": "rough"}),
+                               (1, {"stages": "7", "step": "5", "time": "5"})):  # was not mapped, and is not judged
+            self.assertEqual(len(self.noted(**changes).stderr.splitlines()), lines, changes)
 
 
 class NamedScene(RefusalTest):
@@ -168,20 +154,15 @@ class NamedScene(RefusalTest):
         self.assertNotEqual(rough["modes_hash"], smooth["modes_hash"])
         self.assertEqual(rough["scene"], "rough")
         self.assertLess(rough["spectrum_error"], 1e-11)
-
-    def test_rough_works_at_the_smallest_sizes(self):
         for n in ("2", "3", "4"):
             self.assertTrue(self.result(SHORT, scene="rough", n=n)[0]["converged"])
-
-    def test_an_unknown_scene_is_named(self):
-        for scene in ("calm", "", "Smooth"):
-            self.assert_refused_alone(command(SHORT, "--output", self.output, scene=scene), "--scene", scene)
 
     def test_modes_are_a_scene_of_their_own(self):
         modes = self.write("modes.csv", "l,m,re,im\n2,0,1,0\n2,1,0.5,0\n")
         self.assertEqual(self.result(SHORT, modes=modes)[0]["scene"], "modes")
-        line = command(SHORT, "--output", self.output, modes=modes, scene="rough")
-        self.assert_refused_alone(line, "--modes", "--scene")
+        self.assert_refused_alone(command(SHORT, "--output", self.output, modes=modes, scene="rough"), "--modes", "--scene")
+        for scene in ("calm", "", "Smooth"):
+            self.assert_refused_alone(command(SHORT, "--output", self.output, scene=scene), "--scene", scene)
 
 
 class NamedIntegrator(RefusalTest):
@@ -200,15 +181,12 @@ class NamedIntegrator(RefusalTest):
         self.assertEqual((result["sweeps_total"], result["formulation"]), (0, None))
         self.assertLess(result["spectrum_error"], 1e-13)
 
-    def test_a_method_that_is_not_listed_is_refused(self):
-        self.assert_refused_alone(command(self.NAMED, "--output", self.output, integrator="euler"),
-                                  "--integrator 'euler'", "rkmk4", "group2")
-
-    def test_it_stands_alone(self):
-        for other in ("stages", "formulation"):
-            with self.subTest(other=other):
-                line = command({**self.NAMED, other: SHORT[other]}, "--output", self.output, integrator="rk4")
-                self.assert_refused_alone(line, "--integrator", "must stand alone")
+    def test_what_is_refused(self):
+        for changes, *parts in (({"integrator": "euler"}, "--integrator 'euler'", "rkmk4", "group2"),
+                                *(({"integrator": "rk4", other: SHORT[other]}, "--integrator", "must stand alone")
+                                  for other in ("stages", "formulation"))):
+            with self.subTest(changes=changes):
+                self.assert_refused_alone(command({**self.NAMED, **changes}, "--output", self.output), *parts)
 
     def test_an_explicit_run_that_explodes_diverges(self):
         line = command({**self.NAMED, "n": "33", "step": "4", "time": "400"}, "--output", self.output,
@@ -241,22 +219,21 @@ class FastSolver(RefusalTest):
         self.assertEqual((named["solver"], default["solver"]), ("published", "published"))
         self.assertEqual(named_W, default_W)
 
-    def test_another_solver_is_refused(self):
-        for solver in ("quick", "", "Fast"):
-            self.assert_refused_alone(command(SHORT, "--output", self.output, solver=solver), "--solver", "published",
-                                      "fast")
+    def test_what_is_refused(self):
+        for changes, *parts in (
+                *(({"solver": solver}, "--solver", "published", "fast") for solver in ("quick", "", "Fast")),
+                ({"solver": "fast", "formulation": None, "stages": None, "integrator": "suzuki4"}, "suzuki4", "no fast form"),
+                ({"solver": "fast", "products": "eigen"}, "--solver fast", "--products eigen"),
+                ({"threads": "2"}, "--threads 2", "--solver fast"),
+                *(({"solver": "fast", "threads": value}, "--threads", value, "1 to 64")
+                  for value in ("0", "-1", "65", "x", "1.5", "", "9" * 30))):
+            with self.subTest(changes=changes):
+                self.assert_refused_alone(command(SHORT, "--output", self.output, **changes), *parts)
 
     def test_goes_with_the_names_that_have_a_fast_form(self):
-        line = command(SHORT, "--output", self.output, solver="fast", formulation=None, stages=None,
-                       integrator="suzuki4")
-        self.assert_refused_alone(line, "suzuki4", "no fast form")
         by_name, _ = self.result(SHORT, solver="fast", formulation=None, stages=None, integrator="group2")
         by_formulation, _ = self.result(SHORT, solver="fast", formulation="group", stages="2")
         self.assertEqual(by_name["sweeps_total"], by_formulation["sweeps_total"])
-
-    def test_has_products_of_its_own(self):
-        self.assert_refused_alone(command(SHORT, "--output", self.output, solver="fast", products="eigen"),
-                                  "--solver fast", "--products eigen")
 
     def test_a_diverging_run_ends_as_the_published_one_does(self):
         failed = run(command(DIVERGING, "--output", self.output, n="33", step="2", solver="fast"))
@@ -264,16 +241,6 @@ class FastSolver(RefusalTest):
         self.assertIn("at step 1", failed.stderr)
         with open(self.output, encoding="utf-8") as file:
             self.assertEqual(file.read(), EARLIER)
-
-
-    def test_threads_are_1_to_64(self):
-        for value in ("0", "-1", "65", "x", "1.5", "", "9" * 30):
-            with self.subTest(value):
-                line = command(SHORT, "--output", self.output, solver="fast", threads=value)
-                self.assert_refused_alone(line, "--threads", value, "1 to 64")
-
-    def test_threads_are_of_the_fast_solver(self):
-        self.assert_refused_alone(command(SHORT, "--output", self.output, threads="2"), "--threads 2", "--solver fast")
 
     def test_one_thread_is_the_default(self):
         alone, _ = self.result(SHORT, solver="fast")
@@ -296,18 +263,14 @@ class Memory(RefusalTest):
         script = 'ulimit -v "$1"; shift; OPENBLAS_NUM_THREADS=1 exec "$@"'
         return run(["bash", "-c", script, "bash", str(kilobytes), *command(arguments, *flags, **changes)])
 
-    def test_that_nobody_has_is_refused_at_once(self):
-        self.assert_refused(self.limited(100_000_000, self.HUGE, "--output", self.output), "--n 4096", "algebra20",
-                            "GB", "n or stages must be smaller")
-
-    def test_beyond_the_limit_of_the_process_is_refused(self):
-        # About 0.6 GB for 548 matrices of 257 x 257.
-        large = {**self.HUGE, "n": "257"}
-        self.assert_refused(self.limited(500_000, large, "--output", self.output), "--n 257", "ulimit -v")
-
-    def test_of_past_steps_is_counted(self):
-        fast = {**self.HUGE, "n": "257", "stages": "3"}
-        self.assert_refused(self.limited(300_000, fast, solver="fast"), "--n 257", "fast_algebra3", "ulimit -v")
+    def test_is_told_and_refused(self):
+        # About 0.6 GB for 548 matrices of 257 x 257; past steps of the predictor are counted.
+        for kilobytes, changes, *parts in (
+                (100_000_000, {}, "--n 4096", "algebra20", "GB", "n or stages must be smaller"),
+                (500_000, {"n": "257"}, "--n 257", "ulimit -v"),
+                (300_000, {"n": "257", "stages": "3", "solver": "fast"}, "--n 257", "fast_algebra3", "ulimit -v")):
+            with self.subTest(changes=changes):
+                self.assert_refused(self.limited(kilobytes, {**self.HUGE, **changes}, "--output", self.output), *parts)
 
 
 class RefusedModes(RefusalTest):
@@ -329,30 +292,16 @@ class RefusedModes(RefusalTest):
                              (os.path.join(self.output, "modes.csv"), "cannot be read")):
             self.refuses_path(path, *parts)
 
-    def test_layout(self):
-        for text, *parts in (("", "empty"), (self.HEADER,), ("2,0,1,0\n", "l,m,re,im"),
-                             ("l,m,re\n2,0,1\n", "im", "l,m,re,im"), ("l,m,re,im,phase\n2,0,1,0,0\n", "l,m,re,im"),
-                             (self.HEADER + "2,0,1\n", "line 2"), (self.HEADER + "2,0,1,0,0\n", "line 2")):
-            self.refuses_modes(text, *parts)
-
-    def test_rows(self):
+    def test_contents(self):
+        # What is no line of four numbers is refused where the file is read; see tests/modes_file_test.cpp.
         for row, *parts in (
-                *((f"{l},0,1,0", f"l={l}", "1 to n-1") for l in ("0", "-1", "17", "2147483647")),
+                ("2,0,1", "line 2"), *((f"{l},0,1,0", f"l={l}", "1 to n-1") for l in ("0", "-1", "17", "2147483647")),
                 *((f"2,{m},1,0", f"m={m}", "0 to l") for m in ("-1", "3")),
-                *((row, "line 2", "whole number") for row in ("2.0,0,1,0", "2,x,1,0", ",0,1,0", "99999999999999999999,0,1,0")),
-                *((row, "line 2", "number") for row in ("2,1,x,0", "2,1,,0", "2,1,1 0,0", "2,1,1e999,0")),
                 *((row, "l=2", "m=1", "finite") for row in ("2,1,nan,0", "2,1,0,-inf")),
                 ("2,0,1,0.5", "l=2", "m=0", "0.5", "must be 0"), ("2,1,1,0\n3,0,1,0\n2,1,0.5,0", "l=2", "m=1", "twice"),
                 ("2,0,0,0\n3,1,-0,0", "nonzero")):
             with self.subTest(row=row):
                 self.refuses_modes(self.HEADER + row + "\n", *parts)
-
-    def test_bytes_that_are_no_text(self):
-        modes = self.path("modes.csv")
-        with open(modes, "wb") as stream:
-            stream.write(bytes(range(256)) * 40)
-        line = command(SHORT, "--output", self.output, "--modes", modes)
-        self.assert_refused_alone(line, "--modes", modes)
 
     def test_finite_values_whose_squares_are_not_are_used_or_refused_by_name(self):
         for value in ("1e200", "1e-320"):
@@ -386,43 +335,28 @@ class RefusedOutput(IntegrateTest):
                              (self.path("pipe"), "file")):
             self.refuses(path, *parts)
 
-    def test_a_device(self):
         self.refuses("/dev/null", "file")
         self.assertTrue(stat.S_ISCHR(os.stat("/dev/null").st_mode))
 
     @unittest.skipIf(os.geteuid() == 0, "root writes everywhere")
-    def test_a_read_only_folder(self):
+    def test_what_is_read_only(self):
         os.mkdir(self.path("closed"), 0o555)
         self.refuses(self.path("closed", "W.npy"))
-
-    @unittest.skipIf(os.geteuid() == 0, "root writes everywhere")
-    def test_a_read_only_file(self):
         os.chmod(self.write("W.npy", EARLIER), 0o444)
         self.refuses(self.path("W.npy"))
 
 
 class GoodRuns(IntegrateTest):
-    def test_json_has_every_promised_key(self):
-        result, _ = self.result(SHORT)
-        self.assertLessEqual(PROMISED_KEYS, set(result))
-
-    def test_json_repeats_what_was_asked(self):
+    def test_json_repeats_what_was_asked_and_holds_every_promised_key(self):
         result, _ = self.result(SHORT, tolerance="1e-12")
-        asked = {"n": 17, "stages": 2, "formulation": "group", "step": 0.1, "steps": 5, "tolerance": 1e-12}
+        self.assertLessEqual(PROMISED_KEYS, set(result))
+        asked = {"n": 17, "stages": 2, "formulation": "group", "step": 0.1, "steps": 5, "tolerance": 1e-12,
+                 "converged": True, "status": "converged"}
         self.assertEqual({key: result[key] for key in asked}, asked)
-
-    def test_json_of_a_good_run_says_converged_and_names_no_failed_step(self):
-        result, _ = self.result(SHORT)
-        self.assertIs(result["converged"], True)
-        self.assertEqual(result["status"], "converged")
         self.assertNotIn("failed_step", result)
-
-    def test_every_number_of_the_json_is_finite(self):
-        result, _ = self.result(SHORT)
         for key, value in result.items():
             self.assertIsInstance(value, (str, bool, int, float), key)
-            if isinstance(value, float):
-                self.assertTrue(math.isfinite(value), key)
+            self.assertTrue(not isinstance(value, float) or math.isfinite(value), key)
 
     def test_invariants_are_kept(self):
         for formulation in FORMULATIONS:
@@ -432,16 +366,12 @@ class GoodRuns(IntegrateTest):
                 self.assertLessEqual(result["skew_defect"], 1e-13)
                 self.assertLessEqual(result["energy_error"], 1e-3)
 
-    def test_text_lists_the_keys_of_the_json(self):
-        result, _ = self.result(SHORT)
-        text = run(command(SHORT))
-        self.assertEqual(text.returncode, DONE)
-        self.assertEqual([line.split()[0] for line in text.stdout.splitlines()], list(result))
-
     def test_text_says_what_the_json_says(self):
-        result, _ = self.result(SHORT, products="openblas")
-        text = run(command(SHORT, products="openblas"))
+        result, _ = self.result(SAME_PRODUCTS)
+        text = run(command(SAME_PRODUCTS))
+        self.assertEqual(text.returncode, DONE)
         shown = dict(line.split(None, 1) for line in text.stdout.splitlines())
+        self.assertEqual(list(shown), list(result))
         for key in ("n", "formulation", "steps", "status", "sweeps_total", "products", "modes_hash"):
             self.assertEqual(shown[key], str(result[key]))
 
@@ -467,16 +397,13 @@ class GoodRuns(IntegrateTest):
         self.assert_agrees(W_eigen, W_openblas, TOLERANCE)
         self.assertEqual((eigen["product_backend"], openblas["product_backend"]), ("eigen", "openblas"))
 
-    def test_the_other_hbar_gives_another_answer(self):
+    def test_the_other_hbar_and_other_modes_give_other_answers(self):
         _, W = self.result(WHOLE, hbar="standard")
         self.assertIsNotNone(disagreement(W, read_reference("W_t5_h0.1_n17_s2.csv"), 1e-6))
-
-    def test_other_modes_give_another_answer(self):
         modes = self.write("modes.csv", "l,m,re,im\n1,0,1,0\n2,1,0.5,0.5\n")
         result, W = self.result(SHORT, modes=modes, time="0")
-        default, _ = self.result(SHORT, time="0")
         self.assertIsNotNone(disagreement(W, read_reference("W0_n17.csv"), 1e-6))
-        self.assertNotEqual(result["modes_hash"], default["modes_hash"])
+        self.assertNotEqual(result["modes_hash"], self.result(SHORT, time="0")[0]["modes_hash"])
 
     def test_the_default_modes_from_a_file_give_the_same_answer_bit_for_bit(self):
         default, W_default = self.result(WHOLE, products="openblas")
@@ -487,9 +414,8 @@ class GoodRuns(IntegrateTest):
     def test_the_smallest_n_runs_with_modes_of_its_own(self):
         modes = self.write("modes.csv", "l,m,re,im\n1,0,1,0\n1,1,0.5,-0.25\n")
         for formulation in FORMULATIONS:
-            with self.subTest(formulation=formulation):
-                _, W = self.result(SHORT, n="2", formulation=formulation, modes=modes)
-                self.assertEqual([len(row) for row in W], [2, 2])
+            _, W = self.result(SHORT, n="2", formulation=formulation, modes=modes)
+            self.assertEqual([len(row) for row in W], [2, 2])
 
     def test_nothing_but_the_output_is_left(self):
         self.result(SHORT)
@@ -552,16 +478,12 @@ class FailedRuns(IntegrateTest):
         self.assertEqual(snapshot(self.folder), before)
         return result
 
-    @unittest.skipIf(SANITIZED, "n = 129 takes too long when sanitised")
     def test_a_step_far_too_long_diverges(self):
         for formulation in FORMULATIONS:
             with self.subTest(formulation=formulation):
-                self.assert_fails(DIVERGING, "diverged", formulation=formulation)
-
-    def test_a_step_far_too_long_diverges_at_small_n(self):
-        for formulation in FORMULATIONS:
-            with self.subTest(formulation=formulation):
                 self.assert_fails(SHORT, "diverged", formulation=formulation, step="20", time="20")
+                if not SANITIZED:  # n = 129 takes too long when sanitised
+                    self.assert_fails(DIVERGING, "diverged", formulation=formulation)
 
     def test_too_few_sweeps_end_as_sweep_cap(self):
         for formulation in FORMULATIONS:
@@ -570,9 +492,7 @@ class FailedRuns(IntegrateTest):
                 self.assertEqual(result["sweeps_total"], 3)
 
     def test_a_failed_run_lists_its_text_too(self):
-        done = run(command(SHORT, max_sweeps="3"))
-        self.assertEqual(done.returncode, SOLVER_FAILED)
-        self.assertIn("failed_step", done.stdout)
+        self.assertIn("failed_step", run(command(SHORT, max_sweeps="3")).stdout)
 
     def test_a_tolerance_at_the_rounding_floor_ends(self):
         for formulation in FORMULATIONS:
@@ -586,21 +506,16 @@ class FailedRuns(IntegrateTest):
 class InterruptedRuns(IntegrateTest):
     LONG = {**SHORT, "n": "33", "time": "100000"}
 
-    def assert_leaves_the_earlier_file_alone(self, number):
-        output = self.write("W.npy", EARLIER)
-        process = start(command(self.LONG, "--output", output), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        self.addCleanup(end, process)
-        with self.assertRaises(subprocess.TimeoutExpired):
-            process.wait(timeout=1)  # it is running, and goes on for minutes
-        process.send_signal(number)
-        self.assertNotEqual(process.wait(timeout=20), DONE)
-        self.assertEqual(snapshot(self.folder), {"W.npy": EARLIER.encode()})
-
-    def test_an_interrupt_leaves_the_earlier_file_alone(self):
-        self.assert_leaves_the_earlier_file_alone(signal.SIGINT)
-
-    def test_a_termination_leaves_the_earlier_file_alone(self):
-        self.assert_leaves_the_earlier_file_alone(signal.SIGTERM)
+    def test_a_signal_leaves_the_earlier_file_alone(self):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            output = self.write("W.npy", EARLIER)
+            process = start(command(self.LONG, "--output", output), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            self.addCleanup(end, process)
+            with self.assertRaises(subprocess.TimeoutExpired):
+                process.wait(timeout=1)  # it is running, and goes on for minutes
+            process.send_signal(number)
+            self.assertNotEqual(process.wait(timeout=20), DONE)
+            self.assertEqual(snapshot(self.folder), {"W.npy": EARLIER.encode()})
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
 import recommendation  # noqa: E402
 import work_precision  # noqa: E402
-from document import WRITERS  # noqa: E402
+from document import as_text  # noqa: E402
 
 SCRIPT = os.path.join(ROOT, "scripts", "recommend")
 UNANSWERABLE = 3
@@ -56,17 +56,15 @@ class RecommendTest(FolderTest):
 
 
 class AnswerTest(RecommendTest):
-    def test_the_cheapest_for_each_structure(self):
+    def test_the_cheapest_for_each_structure_and_error(self):
         # 1e-3 is reached by rk4 from h = 1/2 on, by rkmk4 from h = 1 on, by group2 from h = 1/4 on.
-        for structure, expected in (("nothing", ("rk4", 10)), ("spectrum", ("rkmk4", 5)), ("poisson", ("group2", 20))):
-            with self.subTest(structure=structure):
-                self.assertEqual(self.winner(33, 1e-3, structure), expected)
-
-    def test_the_cheapest_for_each_error(self):
         # Of the Lie–Poisson methods group1 needs h = 1/2 for 0.3 (15 ms), group2 h = 1 (20 ms).
-        for error, expected in ((0.3, ("group1", 10)), (0.01, ("group2", 10)), (2e-5, ("group2", 50))):
-            with self.subTest(error=error):
-                self.assertEqual(self.winner(17, error, "poisson"), expected)
+        for n, error, structure, expected in (
+                (33, 1e-3, "nothing", ("rk4", 10)), (33, 1e-3, "spectrum", ("rkmk4", 5)),
+                (33, 1e-3, "poisson", ("group2", 20)), (17, 0.3, "poisson", ("group1", 10)),
+                (17, 0.01, "poisson", ("group2", 10)), (17, 2e-5, "poisson", ("group2", 50))):
+            with self.subTest(error=error, structure=structure):
+                self.assertEqual(self.winner(n, error, structure), expected)
 
     def test_an_error_equal_to_the_wanted_one_reaches_it(self):
         error = self.point("group2", 17, 20)["error"]
@@ -91,24 +89,16 @@ class AnswerTest(RecommendTest):
 class NeverOfferedTest(RecommendTest):
     """A run that would win is not offered once it failed or its step is too long; without that it is."""
 
-    def assert_offered(self, expected):
-        self.assertEqual(self.winner(17, 1e-3, "poisson"), expected)
-
-    def setUp(self):
-        super().setUp()
-        self.assert_offered(("group2", 20))
-        self.point("group1", 17, 10)["error"] = 1e-4  # 15 ms
-        self.assert_offered(("group1", 10))
-
-    def test_a_run_that_failed(self):
+    def test_a_run_that_failed_or_whose_step_is_beyond_the_limit(self):
+        self.assertEqual(self.winner(17, 1e-3, "poisson"), ("group2", 20))
+        point = self.point("group1", 17, 10)
+        point["error"] = 1e-4  # 15 ms
         for status in work_precision.STATUSES:
             with self.subTest(status=status):
-                self.point("group1", 17, 10)["status"] = status
-                self.assert_offered(("group1", 10) if status == "converged" else ("group2", 20))
-
-    def test_a_step_beyond_the_stability_limit(self):
-        self.point("group1", 17, 10)["beyond_limit"] = True
-        self.assert_offered(("group2", 20))
+                point["status"] = status
+                self.assertEqual(self.winner(17, 1e-3, "poisson"), ("group1", 10) if status == "converged" else ("group2", 20))
+        point.update(status="converged", beyond_limit=True)
+        self.assertEqual(self.winner(17, 1e-3, "poisson"), ("group2", 20))
 
     def test_the_limit_of_rk4_depends_on_n(self):
         # h‖ad_B‖ is 2.80 at n = 17 and 5.44 at n = 33, the limit 2.83; the error at h = 1 is 1e-2 in both.
@@ -145,17 +135,14 @@ class RunnersUpTest(RecommendTest):
         self.document["points"].append({**self.point("rk4", 33, 20), "integrator": "rival"})
         self.assertEqual([name for name, *_ in self.runners_up()], ["rival", "rkmk4", "group2", "group1"])
 
-    def test_overlapping_repetitions_do_not_separate(self):
+    def test_overlapping_or_lone_repetitions_do_not_separate(self):
         # rk4 takes 0.99, 1.00 and 1.02 ms; as much as a tie is an overlap.
         slowest = max(self.point("rk4", 33, 10)["cpu_seconds"])
-        for fastest, separated in ((1.0e-3, False), (slowest, False), (1.021e-3, True)):
-            with self.subTest(fastest=fastest):
-                self.point("rkmk4", 33, 5)["cpu_seconds"] = [1.2e-3, fastest, 1.1e-3]
-                self.assertEqual(self.runners_up()[0], ("rkmk4", 5, 1.1, separated))
-
-    def test_a_lone_repetition_separates_nothing(self):
-        self.point("rkmk4", 33, 5)["cpu_seconds"] = [5e-3]
-        self.assertEqual(self.runners_up()[0], ("rkmk4", 5, 5, False))
+        for times, ratio, separated in (([1.2e-3, 1.0e-3, 1.1e-3], 1.1, False), ([1.2e-3, slowest, 1.1e-3], 1.1, False),
+                                        ([1.2e-3, 1.021e-3, 1.1e-3], 1.1, True), ([5e-3], 5, False)):
+            with self.subTest(times=times):
+                self.point("rkmk4", 33, 5)["cpu_seconds"] = times
+                self.assertEqual(self.runners_up()[0], ("rkmk4", 5, ratio, separated))
 
 
 class TextTest(RecommendTest):
@@ -175,17 +162,14 @@ class TextTest(RecommendTest):
                        "not separated"], rows)
         self.assertIn(["group2", "4", "the Lie–Poisson structure", "h = 0.25 (20 steps)", "0.000391",
                        "0.0800 ±5.0 %", "80.0", "separated"], rows)
-        last = " ".join(result.stdout.split("Measured: ", 1)[1].split())
-        self.assertEqual(last, f"{self.path('raw.json')}, on a processor, commit 0123456789ab.")
 
-    def test_a_changed_tree_is_said(self):
-        self.document["context"]["dirty"] = "yes"
-        self.assertIn("commit 0123456789ab with changes.", self.recommend("--n", "33", "--error", "1").stdout)
-
-    def test_a_file_that_does_not_name_its_processor_or_commit(self):
-        self.document["context"] = {}
-        self.assertIn("on an unknown processor, commit unknown.",
-                      " ".join(self.recommend("--n", "33", "--error", "1").stdout.split()))
+    def test_where_it_was_measured(self):
+        for context, told in ((self.document["context"], "processor a processor, commit 0123456789ab."),
+                              ({**self.document["context"], "dirty": "yes"}, "commit 0123456789ab with changes."),
+                              ({}, "processor not recorded, commit not recorded.")):
+            self.document["context"] = context
+            last = " ".join(self.recommend("--n", "33", "--error", "1").stdout.split("Measured: ", 1)[1].split())
+            self.assertTrue(last.startswith(self.path("raw.json")) and last.endswith(told), last)
 
     def test_a_winner_without_rival(self):
         result = self.recommend("--n", "33", "--error", "3e-9", "--keep", "spectrum")
@@ -214,47 +198,27 @@ class TextTest(RecommendTest):
 
 
 class TableTest(RecommendTest):
-    def tables(self, structures=tuple(recommendation.KEPT)):
-        return WRITERS["text"](recommendation.recommendation_tables(work_precision.study(self.document), structures))
-
-    def row(self, n, structure):
-        line = next(line for line in self.tables((structure,)).splitlines() if line.startswith(f"{n}  "))
-        return re.split(r"\s{2,}", line)
+    def rows(self, n):
+        """Returns the entries of the rows of one n, without it: one for each structure."""
+        text = as_text(recommendation.recommendation_tables(work_precision.study(self.document)))
+        return [re.split(r"\s{2,}", line)[1:] for line in text.splitlines() if line.startswith(f"{n}  ")]
 
     def test_a_row_of_each_structure(self):
         self.point("rk4", 33, 50)["error"] = 9e-7  # 1e-6 otherwise, to rounding
-        for structure, row in (
-                ("nothing", ["rk4, h = 0.5, 0.00100 s*", "rk4, h = 0.25, 0.00200 s*", "rk4, h = 0.1, 0.00500 s*",
-                             "rk4, h = 0.025, 0.0200 s*"]),
-                ("spectrum", ["rkmk4, h = 1, 0.00500 s*", "rkmk4, h = 0.5, 0.0100 s*", "rkmk4, h = 0.1, 0.0500 s*",
-                              "rkmk4, h = 0.05, 0.100 s"]),
-                ("poisson", ["group2, h = 0.5, 0.0400 s*", "group2, h = 0.1, 0.200 s", "group2, h = 0.05, 0.400 s",
-                             "–"])):
-            with self.subTest(structure=structure):
-                self.assertEqual(self.row(33, structure), ["33", *row])
+        self.assertEqual(self.rows(33), [
+            ["rk4, h = 0.5, 0.00100 s*", "rk4, h = 0.25, 0.00200 s*", "rk4, h = 0.1, 0.00500 s*", "rk4, h = 0.025, 0.0200 s*"],
+            ["rkmk4, h = 1, 0.00500 s*", "rkmk4, h = 0.5, 0.0100 s*", "rkmk4, h = 0.1, 0.0500 s*",
+             "rkmk4, h = 0.05, 0.100 s"],
+            ["group2, h = 0.5, 0.0400 s*", "group2, h = 0.1, 0.200 s", "group2, h = 0.05, 0.400 s", "–"]])
 
     def test_a_rival_that_is_not_separated_takes_the_mark(self):
-        self.assertEqual(self.row(17, "nothing")[2], "rk4, h = 0.25, 0.00200 s*")
+        self.assertEqual(self.rows(17)[0][1], "rk4, h = 0.25, 0.00200 s*")
         self.point("rkmk4", 17, 10)["cpu_seconds"] = [2.01e-3, 2.02e-3, 2.03e-3]
-        self.assertEqual(self.row(17, "nothing")[2], "rk4, h = 0.25, 0.00200 s")
-
-    def test_without_keep_there_are_three_tables(self):
-        text = self.recommend("--table").stdout
-        self.assertEqual(re.findall(r"^(\S.*)\n-+$", text, re.M),
-                         ["Whatever is kept", "Keeping the spectrum", "Keeping the Lie–Poisson structure"])
-        self.assertEqual(text.count("error 1e-8"), 3)
-        self.assertIn("commit 0123456789ab", text)
-
-    def test_markdown(self):
-        text = self.recommend("--table", "--format", "markdown").stdout
-        rows = [line for line in text.splitlines() if line.startswith("|")]
-        self.assertEqual(len(rows), 3 * (2 + 2))
-        self.assertEqual({line.count("|") for line in rows}, {6})
-        self.assertIn("**rkmk4, h = 1, 0.00500 s**", text)
+        self.assertEqual(self.rows(17)[0][1], "rk4, h = 0.25, 0.00200 s")
 
     def test_a_size_without_points_is_shown_as_unreached(self):
         self.document["points"] = [each for each in self.document["points"] if each["n"] == 17]
-        self.assertEqual(self.row(33, "nothing"), ["33", "–", "–", "–", "–"])
+        self.assertEqual(self.rows(33)[0], ["–"] * 4)
 
 
 class UnansweredTest(RecommendTest):
@@ -273,26 +237,18 @@ class UnansweredTest(RecommendTest):
         self.assert_unanswered(result, "no recorded run at n = 17 that keeps the spectrum came to a stable end")
         self.assertEqual(self.recommend("--n", "17", "--error", "1").returncode, 0)
 
-    def test_an_n_that_is_not_recorded(self):
-        for n in ("2", "18", "65", "4096"):
-            with self.subTest(n=n):
-                self.assert_unanswered(self.recommend("--n", n, "--error", "1"), f"n = {n} is not recorded",
-                                       "time 5", "n = 17, 33", "nothing is extrapolated")
+    def test_an_n_or_time_that_is_not_recorded(self):
+        for changes in ({"--n": "2"}, {"--n": "18"}, {"--n": "4096"}, {"--time": "4.99"}, {"--time": "1e300"}):
+            with self.subTest(changes=changes):
+                words = [word for pair in {"--n": "17", "--error": "1", **changes}.items() for word in pair]
+                self.assert_unanswered(self.recommend(*words), "is not recorded", "time 5", "n = 17, 33",
+                                       "nothing is extrapolated")
+        for time in ("5", "0.5e1"):
+            self.assertEqual(self.recommend("--n", "17", "--error", "1", "--time", time).returncode, 0)
 
     def test_an_n_with_a_reference_but_no_run(self):
         self.document["points"] = [each for each in self.document["points"] if each["n"] == 33]
         self.assert_unanswered(self.recommend("--n", "17", "--error", "1"), "n = 17 is not recorded", "n = 33)")
-
-    def test_a_time_that_is_not_recorded(self):
-        for time in ("4.99", "10", "1e300"):
-            with self.subTest(time=time):
-                self.assert_unanswered(self.recommend("--n", "17", "--error", "1", "--time", time),
-                                       "is not recorded", "time 5", "n = 17, 33", "nothing is extrapolated")
-
-    def test_the_recorded_time_in_other_words(self):
-        for time in ("5", "5.0", "0.5e1"):
-            with self.subTest(time=time):
-                self.assertEqual(self.recommend("--n", "17", "--error", "1", "--time", time).returncode, 0)
 
     def test_json_prints_none_either(self):
         self.assert_unanswered(self.recommend("--n", "17", "--error", "1e-12", "--json"), "1e-12")
@@ -311,27 +267,12 @@ class ArgumentTest(RecommendTest):
                     arguments = [word for pair in {**good, name: value}.items() for word in pair]
                     self.assert_refused(self.recommend(*arguments), name, f"'{value}'", allowed)
 
-    def test_any_positive_error_is_a_question(self):
-        for value in ("1", "7.5", "1e300"):
-            with self.subTest(value=value):
-                self.assertEqual(self.recommend("--n", "17", "--error", value).returncode, 0)
-        self.assert_unanswered(self.recommend("--n", "17", "--error", "1e-300"), "1e-300")
-
-    def test_missing_values(self):
-        for arguments, name in ((("--error", "1"), "--n"), (("--n", "17"), "--error"), ((), "--n"),
-                                (("--n", "--error", "1"), "--n"), (("--n", "17", "--error"), "--error")):
-            with self.subTest(arguments=arguments):
-                self.assert_refused(self.recommend(*arguments), f"argument {name}")
-
-    def test_what_is_unknown_or_does_not_go_together(self):
+    def test_missing_and_unknown_arguments(self):
         question = ("--n", "17", "--error", "1")
         for arguments, *parts in (
+                (("--error", "1"), "--n"), (("--n", "17"), "--error"), ((), "--n"),
+                (("--n", "--error", "1"), "--n"), (("--n", "17", "--error"), "--error"),
                 ((*question, "--keep", "energy"), "--keep", "'energy'", "nothing", "spectrum", "poisson"),
-                (("--table", "--format", "html"), "--format", "'html'", "text", "markdown"),
-                *((("--table", *pair), " ".join(pair), "not allowed with --table")
-                  for pair in (("--n", "17"), ("--error", "0.5"), ("--time", "2.5"))),
-                (("--table", "--json"), "--json", "not allowed with --table"),
-                ((*question, "--json", "--format", "text"), "--format text", "not allowed with --json"),
                 *(((*question, *words), words[0].split()[0]) for words in (("17",), ("--size", "17"), ("--err", "1"),
                                                                           ("two\nlines",)))):
             with self.subTest(arguments=arguments):
@@ -348,7 +289,6 @@ class FileTest(RecommendTest):
                             (self.write("cut.json", json.dumps(self.document)[:-100]), "recommend: ", "cut.json: "),
                             (self.write("foreign.json", '{"benchmarks": []}'), "foreign.json: ")):
             self.assert_refused(self.recommend_from(raw), *parts)
-            self.assert_refused(run_script(SCRIPT, "--table", "--raw", raw), *parts)
 
     def test_the_recorded_run_is_the_default(self):
         # In a copy of scripts/, so that whatever is recorded in this tree does not matter.
@@ -366,20 +306,20 @@ class OutputTest(RecommendTest):
         raw = write_study(self.folder, self.document)
         reader, writer = os.pipe()
         os.close(reader)
-        result = run([sys.executable, "-B", SCRIPT, "--table", "--raw", raw], stdout=writer)
+        result = run([sys.executable, "-B", SCRIPT, "--n", "17", "--error", "1", "--raw", raw], stdout=writer)
         os.close(writer)
         self.assertEqual((result.returncode, result.stderr), (1, ""))
 
     @unittest.skipUnless(os.path.exists("/dev/full"), "needs a device that is always full")
     def test_full_standard_output(self):
         with open("/dev/full", "wb") as full:
-            result = self.recommend("--table", stdout=full)
+            result = self.recommend("--n", "17", "--error", "1", stdout=full)
         self.assertEqual(result.returncode, 2)
         self.assert_one_line(result.stderr, "recommend: standard output: cannot be written")
 
     def test_is_executable(self):
         result = subprocess.run([SCRIPT, "--help"], stdout=subprocess.PIPE, check=True, encoding="utf-8")
-        for option in ("--n", "--error", "--time", "--keep", "--raw", "--table", "--format", "--json"):
+        for option in ("--n", "--error", "--time", "--keep", "--raw", "--json"):
             self.assertIn(option, result.stdout)
 
 

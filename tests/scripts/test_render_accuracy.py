@@ -1,72 +1,27 @@
-"""Tests of scripts/render_accuracy on a made-up study: by running it as a user does, and by what its charts draw.
-
-The charts need matplotlib, which these tests need not have: they ask the Python that the script itself would take.
-"""
+"""Tests of scripts/render_accuracy on a made-up study: by running it as a user does, and by what its charts draw."""
 
 import json
 import os
-import subprocess
 import sys
 import tempfile
 import unittest
 
 import programs
-from drawing import LIBRARY, PYTHON, DrawingTest
-from programs import environment, snapshot
+from drawing import PYTHON, DrawingTest, lines_of, panels_of
+from programs import snapshot
 from study_documents import UNCERTAINTY, small_study, study_document, write_study
+from test_reproduce import raw_file
 
-CHARTS = ("error_against_time", "error_against_products", "spectrum_error_against_time", "tolerance")
+from benchmark_json import read_run
+from work_precision import study
+
+CHARTS = ("error_against_time", "tolerance")
 FILES = {"report.md", "report.txt", *(f"{chart}.{kind}" for chart in CHARTS for kind in ("svg", "png"))}
 TABLE1_CHART = "table1_accuracy"
 WITH_TABLE1 = FILES | {f"{TABLE1_CHART}.{kind}" for kind in ("svg", "png")}
 FLOOR = 10 * UNCERTAINTY
 
-# Answers each line, a JSON list of a chart and a raw file, with what the panels of that chart draw, {title: {label of a
-# line: points}}, and all its texts. One process for all, because importing matplotlib takes longer than drawing.
-DESCRIBE = """
-import json, sys
-sys.path.insert(0, sys.argv[1])
-import charts
-from work_precision import read_study
-from benchmark_json import read_run
-
-def draw(chart, raw):
-    if chart == "table1_accuracy":
-        counters = ("relative_error", "reference_uncertainty")
-        return charts.table1_accuracy(read_run(raw, "table1", (), optional=counters))
-    return getattr(charts, chart)(read_study(raw))
-
-for request in sys.stdin:
-    figure = draw(*json.loads(request))
-    panels = [axes for axes in figure.axes if axes.get_visible()]
-    texts = [text for axes in panels for text in axes.texts] + figure.texts
-    lines = {axes.get_title(loc="left"): {line.get_label(): [list(map(float, point)) for point in line.get_xydata()]
-                                          for line in axes.lines if not line.get_label().startswith("_")}
-             for axes in panels}
-    print(json.dumps({"lines": lines, "texts": [text.get_text() for text in texts]}), flush=True)
-"""
-
-
-# What was rendered and drawn before: drawing takes seconds. The files of the small study here and elsewhere, and of
-# another, and charts by their name and raw file's contents.
-PLAIN, ELSEWHERE, OTHER, DRAWN = {}, {}, {}, {}
-DESCRIBER = []  # the process, once it is needed
-MATPLOTLIB = tempfile.TemporaryDirectory(prefix="isosyrk-")  # what it keeps, away from the user's
-
-
-def describer():
-    if not DESCRIBER:
-        settings = environment(MPLCONFIGDIR=MATPLOTLIB.name, PYTHONDONTWRITEBYTECODE="1", OPENBLAS_NUM_THREADS="1")
-        DESCRIBER.append(programs.start([PYTHON, "-c", DESCRIBE, LIBRARY], env=settings,
-                                        stdin=subprocess.PIPE, stdout=subprocess.PIPE))
-    return DESCRIBER[0]
-
-
-def tearDownModule():
-    for process in DESCRIBER:
-        process.stdin.close()
-        programs.end(process)
-    MATPLOTLIB.cleanup()
+PLAIN = {}  # the files of the small study, rendered once for all tests: drawing takes seconds
 
 
 class AccuracyTest(DrawingTest):
@@ -77,44 +32,28 @@ class AccuracyTest(DrawingTest):
         self.assertEqual((result.returncode, result.stdout), (0, ""), result.stderr)
         return result
 
-    def raw(self, change=lambda document: None, name="raw.json"):
+    def drawn(self, change=lambda document: None, chart="error_against_time"):
+        """Returns a chart of the study after a change."""
         document = study_document()
         change(document)
-        return write_study(self.folder, document, name)
+        return getattr(self.module("charts"), chart)(study(document))
 
-    def drawn(self, chart, raw):
-        with open(raw, encoding="utf-8") as file:
-            key = chart, file.read()
-        if key not in DRAWN:
-            self.require_drawing()
-            process = describer()
-            process.stdin.write(json.dumps([chart, raw]) + "\n")
-            process.stdin.flush()
-            DRAWN[key] = process.stdout.readline()
-        return json.loads(DRAWN[key])
+    def lines(self, title, *arguments):
+        """Returns the lines of the first panel with this title."""
+        return lines_of(panels_of(self.drawn(*arguments))[title][0])
 
-    def small(self, change=lambda document: None, name="small.json"):
+    def small(self):
         """Returns the raw file of a study that is drawn in a second or two, where only the files matter."""
-        document = small_study()
-        change(document)
-        return write_study(self.folder, document, name)
+        return write_study(self.folder, small_study(), "small.json")
 
     def table1(self, counters=lambda s: {"relative_error": 10.0**(-3 * s)}, drop=()):
         """Returns a raw file of Table 1 whose rows have these counters; cells of `drop` failed."""
-        rows = []
-        for index, formulation in enumerate(("cotangent", "group", "algebra")):
-            for n in (17, 33):
-                for s in (1, 2, 3):
-                    for repetition in range(3):
-                        rows.append({"name": f"table1/{formulation}/n:{n}/s:{s}",
-                                     "run_name": f"table1/{formulation}/n:{n}/s:{s}", "run_type": "iteration",
-                                     "repetition_index": repetition, "time_unit": "ms",
-                                     "cpu_time": n * s * (1 + 0.3 * index + 0.01 * repetition), **counters(s)})
-        for row in rows:
+        document = raw_file(sizes=(17, 33))
+        for row in document["benchmarks"]:
+            row.update(counters(int(row["run_name"][-1])))
             if row["run_name"] in drop:
                 row.update(error_occurred=True, error_message="diverged at step 3")
-        return self.write("table1.json", json.dumps({"context": {"isosyrk_program": "table1", "isosyrk_format": "1"},
-                                                     "benchmarks": rows}))
+        return self.write("table1.json", json.dumps(document))
 
     def without(self):
         """Returns a folder for PYTHONPATH with which a Python has no matplotlib."""
@@ -133,37 +72,6 @@ class AccuracyTest(DrawingTest):
             PLAIN.update(self.render_plain(self.path("plain")))
         return PLAIN
 
-    def elsewhere(self):
-        """Returns them as a chosen Python draws them where this one cannot, and under a user's own settings."""
-        if not ELSEWHERE:
-            self.require_drawing()
-            self.write("matplotlib/matplotlibrc", "lines.linewidth: 9\nfont.size: 30\naxes.facecolor: red\n")
-            chosen = self.write("bin/chosen", f'#!/bin/sh\necho chosen >> {self.path("calls")}\nunset PYTHONPATH\n'
-                                              f'exec {PYTHON} "$@"\n', executable=True)
-            ELSEWHERE.update(self.render_plain(self.path("new", "charts"), PYTHONPATH=self.without(),
-                                               ISOSYRK_PYTHON=chosen))
-            self.assertTrue(os.path.exists(self.path("calls")))
-        return ELSEWHERE
-
-    def other(self):
-        """Returns the files of a slower and worse study, with a Table 1 that has no errors, which is said."""
-        def slower_and_worse(document):
-            for point in document["points"] + document["tolerance_points"]:
-                for field in ("error", "spectrum_error"):
-                    point[field] = point[field] and 3 * point[field]
-                point["cpu_seconds"] = [2.5 * time for time in point["cpu_seconds"]]
-                point["products"] *= 2
-        if not OTHER:
-            raw, table1 = self.small(slower_and_worse), self.table1(lambda s: {})
-            result = self.assert_renders(raw, "--out", self.path("other"), "--table1", table1)
-            self.assert_one_line(result.stderr, table1, "relative_error", TABLE1_CHART)
-            OTHER.update(snapshot(self.path("other")))
-        return OTHER
-
-    def lines(self, chart, raw, title):
-        return self.drawn(chart, raw)["lines"][title]
-
-
 class Files(AccuracyTest):
     def test_every_chart_is_a_whole_svg_and_png(self):
         files = self.plain()
@@ -177,38 +85,43 @@ class Files(AccuracyTest):
             self.assert_renders(self.small(), "--out", folder)
             self.assertEqual(set(os.listdir(folder)), {name for name in FILES if name.endswith((".svg", ".md"))})
 
-    def test_the_same_raw_file_gives_the_same_bytes_whatever_the_user_s_own_settings(self):
-        self.assertEqual(self.elsewhere(), self.plain())
+    def test_the_same_bytes_by_a_chosen_python_under_a_user_s_own_settings(self):
+        self.write("matplotlib/matplotlibrc", "lines.linewidth: 9\nfont.size: 30\naxes.facecolor: red\n")
+        chosen = self.write("bin/chosen", f'#!/bin/sh\necho chosen >> {self.path("calls")}\nunset PYTHONPATH\n'
+                                          f'exec {PYTHON} "$@"\n', executable=True)
+        files = self.render_plain(self.path("new", "charts"), PYTHONPATH=self.without(), ISOSYRK_PYTHON=chosen)
+        self.assertTrue(os.path.exists(self.path("calls")))
+        self.assertTrue(files == self.plain())  # some megabytes
 
     def test_files_name_no_date_and_no_program(self):
         for name, contents in self.plain().items():
             for word in (b"<dc:date", b"Software", b"Matplotlib v", self.folder.encode()):
                 self.assertNotIn(word, contents, name)
 
-    def test_other_measurements_give_other_charts(self):
-        for name, contents in self.other().items():
-            self.assertTrue(contents != self.plain()[name], name)  # without printing them
-
     def test_without_errors_table_1_is_left_out_and_said_so(self):
-        self.assertEqual(set(self.other()), FILES)
+        table1 = self.table1(lambda s: {})
+        result = self.assert_renders(self.small(), "--out", self.path("charts"), "--table1", table1)
+        self.assert_one_line(result.stderr, table1, "relative_error", TABLE1_CHART)
+        self.assertEqual(set(os.listdir(self.path("charts"))), FILES)
+
+
+def texts_of(figure):
+    """Returns all texts of a figure, in one line."""
+    texts = [text for axes in figure.axes for text in axes.texts] + figure.texts
+    return " ".join(" ".join(text.get_text().split()) for text in texts)
 
 
 class WhatIsDrawn(AccuracyTest):
-    def test_points_are_cost_and_error(self):
+    def test_points_are_time_and_error(self):
         point = next(each for each in study_document()["points"]
                      if (each["integrator"], each["n"], each["steps"]) == ("group2", 17, 50))
-        raw = self.raw()
-        by_time = self.lines("error_against_time", raw, "n = 17")["group2"]
-        by_products = self.lines("error_against_products", raw, "n = 17")["group2"]
-        self.assertIn([sorted(point["cpu_seconds"])[1], point["error"]], by_time)
-        self.assertIn([point["products"], point["error"]], by_products)
+        self.assertIn([sorted(point["cpu_seconds"])[1], point["error"]], self.lines("n = 17")["group2"])
 
     def test_lines_end_above_the_floor(self):
-        for chart in ("error_against_time", "error_against_products"):
-            for n, lines in self.drawn(chart, self.raw())["lines"].items():
-                self.assertEqual(set(lines), {"cotangent1", "group1", "group2", "rkmk4", "rk4"}, n)
-                for name, points in lines.items():
-                    self.assertGreaterEqual(min(error for _, error in points), FLOOR, (chart, n, name))
+        for n, (panel,) in panels_of(self.drawn()).items():
+            self.assertEqual(set(lines_of(panel)), {"cotangent1", "group1", "group2", "rkmk4", "rk4"}, n)
+            for name, points in lines_of(panel).items():
+                self.assertGreaterEqual(min(error for _, error in points), FLOOR, (n, name))
 
     def test_a_point_below_the_floor_is_dropped_and_one_above_drawn(self):
         def with_error(error):
@@ -216,65 +129,48 @@ class WhatIsDrawn(AccuracyTest):
                 for point in document["points"]:
                     if (point["integrator"], point["steps"]) == ("rkmk4", 200):
                         point["error"] = error
-            return self.lines("error_against_time", self.raw(change), "n = 33")["rkmk4"]
+            return self.lines("n = 33", change)["rkmk4"]
         self.assertEqual(len(with_error(0.9 * FLOOR)), 5)
         above = with_error(1.1 * FLOOR)
         self.assertEqual(len(above), 6)
         self.assertAlmostEqual(above[-1][1] / FLOOR, 1.1)
 
-    def test_a_failed_run_is_named_and_not_drawn(self):
-        found = self.drawn("error_against_time", self.raw())
-        self.assertEqual(len(found["lines"]["n = 17"]["group1"]), 5)
-        self.assertEqual(len(found["lines"]["n = 17"]["cotangent1"]), 6)
-        self.assertEqual(found["texts"].count("No usable result: group1 with h = 1."), 2)
-
-    def test_a_study_where_an_integrator_never_works_is_drawn_without_it(self):
-        def fail(document):
-            for point in document["points"]:
-                if point["integrator"] == "rk4":
-                    point.update(status="unstable", error=None, cpu_seconds=[])
-        raw = self.raw(fail)
-        found = self.drawn("error_against_time", raw)
-        self.assertNotIn("rk4", found["lines"]["n = 33"])
-        self.assertTrue(any("rk4 with any h" in text for text in found["texts"]))
-
-    def test_spectrum_chart_shows_kept_spectra_too(self):
-        lines = self.lines("spectrum_error_against_time", self.raw(), "n = 17")
-        self.assertEqual({error for _, error in lines["group2"]}, {1e-15})
-        self.assertGreater(max(error for _, error in lines["rk4"]), 1e-3)
+    def test_a_failed_run_is_marked_and_not_drawn(self):
+        (panel,) = panels_of(self.drawn())["n = 17"]
+        lines = lines_of(panel)
+        self.assertEqual((len(lines["group1"]), len(lines["cotangent1"])), (5, 6))
+        self.assertEqual(sum(line.get_label() == "_failure" for line in panel.lines), 1)
 
     def test_tolerance_chart_has_error_solver_error_and_time(self):
-        drawn = self.drawn("tolerance", self.raw())
-        self.assertIn("s = 1, order 2", drawn["lines"])
-        self.assertEqual(set(drawn["lines"]["s = 2, order 4"]), {"group: error", "group: solver error"})
-        points = drawn["lines"]["s = 2, order 4"]["group: solver error"]
-        for tolerance, error in points:
+        lines = self.lines("s = 2, order 4", lambda document: None, "tolerance")
+        self.assertEqual(set(lines), {"group: error", "group: solver error"})
+        for tolerance, error in lines["group: solver error"]:
             self.assertAlmostEqual(error / tolerance, 0.1)
-        self.assertIn("n = 33", drawn["texts"])
 
     def test_a_study_without_tolerances_is_drawn(self):
-        raw = self.raw(lambda document: document["tolerance_points"].clear())
-        self.assertEqual(self.drawn("tolerance", raw)["lines"], {})
+        found = self.drawn(lambda document: document["tolerance_points"].clear(), "tolerance")
+        self.assertEqual(panels_of(found), {})
 
 
 class Table1(AccuracyTest):
+    def chart(self, *arguments, **options):
+        run = read_run(self.table1(*arguments, **options), "table1", (), optional=("relative_error", "reference_uncertainty"))
+        return self.module("charts").table1_accuracy(run)
+
     def test_every_cell_is_drawn_at_its_time_and_error(self):
-        raw = self.table1(lambda s: {"relative_error": 10.0**(-3 * s), "reference_uncertainty": 1.5e-14})
-        found = self.drawn(TABLE1_CHART, raw)
-        self.assertEqual(set(found["lines"][""]),
-                         {f"{each}, n = {n}" for each in ("cotangent", "group", "algebra") for n in (17, 33)})
-        for (time, error), s in zip(found["lines"][""]["cotangent, n = 33"], (1, 2, 3)):
-            self.assertAlmostEqual(time, 33 * s * 1.01e-3)
+        found = self.chart(lambda s: {"relative_error": 10.0**(-3 * s), "reference_uncertainty": 1.5e-14})
+        lines = lines_of(panels_of(found)[""][0])
+        self.assertEqual(set(lines), {f"{each}, n = {n}" for each in programs.FORMULATIONS for n in (17, 33)})
+        for (time, error), s in zip(lines["cotangent, n = 33"], (1, 2, 3)):
+            self.assertAlmostEqual(time, (2.0 * s + 0.03) * 1e-3)
             self.assertAlmostEqual(error / 10.0**(-3 * s), 1)
-        self.assertIn("n = 33, s = 3", found["texts"])
-        self.assertTrue(any("uncertain by 1.5e-14 at most. No cell failed." in " ".join(text.split())
-                            for text in found["texts"]))
+        for text in ("n = 33, s = 3", "uncertain by 1.5e-14 at most. No cell failed."):
+            self.assertIn(text, texts_of(found))
 
     def test_a_failed_cell_is_named_and_not_drawn(self):
-        raw = self.table1(drop=("table1/group/n:33/s:2",))
-        found = self.drawn(TABLE1_CHART, raw)
-        self.assertEqual(len(found["lines"][""]["group, n = 33"]), 2)
-        self.assertTrue(any("Failed: group at n = 33, s = 2." in " ".join(text.split()) for text in found["texts"]))
+        found = self.chart(drop=("table1/group/n:33/s:2",))
+        self.assertEqual(len(lines_of(panels_of(found)[""][0])["group, n = 33"]), 2)
+        self.assertIn("Failed: group at n = 33, s = 2.", texts_of(found))
 
 
 class Refusals(AccuracyTest):
@@ -284,7 +180,9 @@ class Refusals(AccuracyTest):
         self.assertEqual(os.listdir(self.path("charts")), [])
 
     def test_raw_file_with_an_impossible_value(self):
-        self.assert_nothing_written(self.raw(lambda document: document["points"][0].update(error=-1.0)), "error")
+        document = small_study()
+        document["points"][0]["error"] = -1.0
+        self.assert_nothing_written(write_study(self.folder, document), "error")
 
     def test_out_is_a_file(self):
         self.assert_refused(self.render(self.small(), "--out", self.write("taken", "kept")), "taken", "cannot be written")
@@ -298,8 +196,8 @@ class Refusals(AccuracyTest):
         self.assert_refused(self.render(self.small(), "--out", folder), "cannot be written")
 
     def test_missing_and_unknown_arguments(self):
-        self.assert_refused(self.render(self.raw()), "--out")
-        self.assert_refused(self.render(self.raw(), "--out", self.path("charts"), "--colour"), "--colour")
+        self.assert_refused(self.render(self.small()), "--out")
+        self.assert_refused(self.render(self.small(), "--out", self.path("charts"), "--colour"), "--colour")
 
 
 class Python(AccuracyTest):

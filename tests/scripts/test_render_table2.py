@@ -92,51 +92,35 @@ class RenderTable2(FolderTest):
             self.assertIn(f"1.60 (1.60)  {ratio} (2.00)", section)
             self.assertEqual("one straight after the other" in section, order == "rounds")
 
-    def stolen(self, shares, order="rounds"):
-        """Returns a comparison in which the host took `shares` in the repetitions of group, s = 2, by two threads, and
-        doubled their times."""
-        return self.disturbed("stolen", 0.0, shares, lambda share: share > 0.02, order)
-
-    def cores(self, numbers, threads=2):
-        """Returns one in which it had so many cores in its repetitions, and others had two."""
-        return self.disturbed("cores_at_once", 1.97, numbers, lambda cores: cores < 1.8, threads=threads)
-
-    def disturbed(self, name, quiet, values, disturbs, order="rounds", threads=2):
+    def disturbed(self, name, values, order="rounds", threads=2):
+        """Returns a comparison with these values of a counter in the repetitions of group, s = 2, whose times are twice as
+        long where the host took more than 2 % or left less than 1.8 cores."""
         two = self.one_and_two(order)
         for row in two["benchmarks"]:
-            row[name] = quiet
+            row[name] = {"stolen": 0.0, "cores_at_once": 1.97}[name]
             if row["run_name"] == "table2/group/n:17/s:2" + ("/threads:2" if threads == 2 else ""):
                 row[name] = values[row["repetition_index"]]
-                row["real_time"] *= 2 if disturbs(row[name]) else 1
+                row["real_time"] *= 2 if (row[name] > 0.02 if name == "stolen" else row[name] < 1.8) else 1
         return self.threads_section(two)
 
-    def test_pairs_that_the_host_disturbed_are_left_out(self):
-        section = self.stolen((0.3, 0.02, 0, 0, 0.021, 0, 0))
-        text = " ".join(section.split())
-        self.assertIn("Left out: 2 of 63 pairs", text)
-        self.assertRegex(section, r"group +1\.60 \(1\.60\) +1\.60 \(1\.60\)")
-
-    def test_pairs_on_one_core_are_left_out(self):
-        for threads in (1, 2):
-            section = self.cores((2.05, 1.0, 1.8, 1.9, 1.79, 2, 2), threads)
-            text = " ".join(section.split())
-            self.assertIn("Left out: 2 of 63 pairs", text)
+    def test_pairs_that_the_host_disturbed_or_put_on_one_core_are_left_out(self):
+        for name, values, threads in (("stolen", (0.3, 0.02, 0, 0, 0.021, 0, 0), 2),
+                                      *(("cores_at_once", (2.05, 1.0, 1.8, 1.9, 1.79, 2, 2), each) for each in (1, 2))):
+            section = self.disturbed(name, values, threads=threads)
+            self.assertIn("Left out: 2 of 63 pairs", " ".join(section.split()))
             self.assertRegex(section, r"group +1\.60 \(1\.60\) +1\.60 \(1\.60\)")
 
-    def test_pairs_on_one_core_count_where_few_others_are_left(self):
-        self.assertIn("group at n = 17, s = 2 (2 of 7)", " ".join(self.cores((1,) * 5 + (2,) * 2).split()))
-
-    def test_too_few_undisturbed_pairs_are_said_and_all_count(self):
-        section = self.stolen((0.3, 0.3, 0.3, 0.3, 0, 0, 0))
-        text = " ".join(section.split())
-        self.assertIn("All pairs count where fewer than 5 were undisturbed: group at n = 17, s = 2 (3 of 7).",
-                      text)
-        self.assertIn("Left out: 0 of", text)
+    def test_all_pairs_count_where_few_are_undisturbed(self):
+        for name, values, left in (("cores_at_once", (1,) * 5 + (2,) * 2, 2), ("stolen", (0.3,) * 4 + (0,) * 3, 3)):
+            section = self.disturbed(name, values)
+            text = " ".join(section.split())
+            self.assertIn(f"All pairs count where fewer than 5 were undisturbed: group at n = 17, s = 2 ({left} of 7).", text)
+            self.assertIn("Left out: 0 of", text)
         self.assertRegex(section, r"group +1\.60 \(1\.60\) +0\.80\d \(1\.59\)")
 
     def test_only_pairs_can_be_left_out(self):
-        self.assertNotIn("host", self.stolen((0.3,) * 7, order=None))
-        self.assertNotIn("host", self.stolen((0.0,) * 7))
+        self.assertNotIn("host", self.disturbed("stolen", (0.3,) * 7, order=None))
+        self.assertNotIn("host", self.disturbed("stolen", (0.0,) * 7))
 
     def test_a_cell_that_failed_with_two_threads_has_no_speed_up(self):
         two = self.one_and_two()
@@ -151,23 +135,14 @@ class RenderTable2(FolderTest):
         raw["benchmarks"] += raw_file(tables=("table2",), threads=(2,))["benchmarks"]
         self.assertEqual(self.rendered(raw), self.rendered(self.both()))
 
-    def test_a_file_without_two_threads_is_refused(self):
-        one = raw_file(tables=("table2",))
-        self.assert_refused(self.render(self.both(), *self.with_threads(one)), "threads.json", "table2/")
-
-    def test_the_result_never_replaces_either_raw_file(self):
+    def test_what_is_refused(self):
         option, path = self.with_threads()
-        self.assert_refused(self.render(self.both(), option, path, "--output", path), "is the raw file itself")
-
-    def test_a_run_without_the_published_forms_is_refused(self):
-        self.assert_refused(self.render(raw_file(tables=("table2",))), "raw.json", "table1/")
-
-    def test_a_raw_file_of_table1_is_refused(self):
-        self.assert_refused(self.render(raw_file()), "raw.json", "table1", "table2")
-
-    def test_a_cut_file_is_refused(self):
-        path = self.write("cut.json", json.dumps(self.both())[:500])
-        self.assert_refused(run([sys.executable, SCRIPT, path]), "cut.json", "is not whole JSON")
+        one = self.write("one.json", json.dumps(raw_file(tables=("table2",))))
+        for raw, further, *parts in (
+                (self.both(), (option, one), "one.json", "table2/"),
+                (self.both(), (option, path, "--output", path), "is the raw file itself"),
+                (raw_file(tables=("table2",)), (), "raw.json", "table1/"), (raw_file(), (), "raw.json", "table1", "table2")):
+            self.assert_refused(self.render(raw, *further), *parts)
 
 
 if __name__ == "__main__":

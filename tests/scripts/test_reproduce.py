@@ -25,15 +25,12 @@ from study_documents import small_study, write_study
 
 HOST_NAME = "a-host-to-keep-private"
 RESULTS = {"raw.json", "table.txt", "table.md", "table.tex"}
-CHARTS = ("error_against_time", "error_against_products", "spectrum_error_against_time", "tolerance")
-ACCURACY_RESULTS = {"raw.json", "report.md", "report.txt",
-                    *(f"{chart}.{kind}" for chart in CHARTS for kind in ("svg", "png"))}
-SCALING_RESULTS = {"raw.json", "report.md", "report.txt",
-                   *(f"{chart}.{kind}" for chart in ("cost_against_n", "parts_against_n", "ladder_of_ideas")
-                     for kind in ("svg", "png"))}
-STABILITY_RESULTS = {"map.json", "fast_map.json", "long_runs.json", "report.md", "report.txt",
-                     *(f"{chart}.{kind}" for chart in ("failure_map_smooth", "failure_map_fast_smooth", "long_runs_n17")
-                       for kind in ("svg", "png"))}
+STUDIES = {  # raw files of a study, and its charts here
+    "accuracy": (("raw",), ("error_against_time", "tolerance")),
+    "scaling": (("raw",), ("cost_against_n", "ladder_of_ideas")),
+    "stability": (("map", "fast_map", "long_runs"), ("failure_map_smooth", "failure_map_fast_smooth", "long_runs_n17")),
+}
+STUDY_PROGRAMS = ("work_precision", "scaling", "stability", "long_runs")
 EARLIER = {name: f"earlier {name}" for name in RESULTS}
 
 STAND_INS = {
@@ -99,7 +96,7 @@ echo "reference_solutions $*" >>"$CALLS"
 exit "${REFERENCES_STATUS:-0}"
 """
 
-# Where a program of a study is to write.
+# Where a program of a study, or a script that draws, is to write.
 FIND_OUT = """
 while [ $# -gt 0 ]; do
   [ "$1" = --out ] && out=$2
@@ -107,27 +104,8 @@ while [ $# -gt 0 ]; do
 done
 """
 
-WORK_PRECISION = """
-echo "work_precision[${OPENBLAS_CORETYPE-none}] $*" >>"$CALLS"
-""" + FIND_OUT + """echo "chatter of work_precision"
-case $BENCHMARK in
-  finish) cp "$STUDY" "$out" ;;
-  scribble) echo '{"context": {' >"$out" ;;
-  fail) echo "some reason"; exit 7 ;;
-esac
-"""
-
-
-SCALING = WORK_PRECISION.replace("work_precision", "scaling").replace("$STUDY", "$SCALING")
-
-# A script that draws: leaves a report of one word.
-RENDERER = """#!/bin/sh
-echo "${0##*/} $*" >>"$CALLS"
-""" + FIND_OUT + """mkdir -p "$out" && echo drawn >"$out/report.txt"
-"""
-
-# Both programs of the stability study, named by $0: each writes its own file.
-STABILITY = """
+# A program of a study, named by $0: each writes its own file.
+STUDY = """
 program=${0##*/}
 echo "$program[${OPENBLAS_CORETYPE-none}] $* on $(nproc) cores" >>"$CALLS"
 file=$program
@@ -135,15 +113,20 @@ case "$*" in *"--solver fast"*) file=fast ;; esac
 """ + FIND_OUT + """echo "chatter of $program"
 [ "$program" = "${FAILING:-}" ] && { echo "some reason"; exit 7; }
 case $BENCHMARK in
-  finish) cp "$STABILITY_FOLDER/$file.json" "$out" ;;
+  finish) cp "$PREPARED/$file.json" "$out" ;;
   scribble) echo '{"context": {' >"$out" ;;
-  fail) echo "some reason"; exit 7 ;;
 esac
 """
 
+# A script that draws: leaves a report of one word.
+RENDERER = """#!/bin/sh
+echo "${0##*/} $*" >>"$CALLS"
+""" + FIND_OUT + """mkdir -p "$out" && echo drawn >"$out/report.txt"
+"""
 
-def raw_file(failed=False, tables=("table1",), threads=(1,)):
-    """Returns a raw file at n = 17 of the first of the tables, with the algebra rows failed or not.
+
+def raw_file(failed=False, tables=("table1",), threads=(1,), sizes=(17,)):
+    """Returns a raw file of the first of the tables, with the algebra rows failed or not.
 
     Table 2 is twice as fast, and two threads take five eighths of the time that passes with one.
     """
@@ -157,9 +140,9 @@ def raw_file(failed=False, tables=("table1",), threads=(1,)):
     counters = {"sweeps_per_step": 11.0, "products": 3700, "poisson_solves": 1200, "spectrum_error": 1e-15,
                 "skew_defect": 0.0, "energy_error": 1e-8, "h_norm_B": 0.14, "product_share": 0.8}
     rows = []
-    cells = itertools.product(tables, threads, enumerate(FORMULATIONS), (1, 2, 3), range(7))
-    for table, number, (place, formulation), s, repetition in cells:
-        name = f"{table}/{formulation}/n:17/s:{s}" + (f"/threads:{number}" if number > 1 else "")
+    cells = itertools.product(tables, threads, enumerate(FORMULATIONS), sizes, (1, 2, 3), range(7))
+    for table, number, (place, formulation), n, s, repetition in cells:
+        name = f"{table}/{formulation}/n:{n}/s:{s}" + (f"/threads:{number}" if number > 1 else "")
         row = {"name": name, "run_name": name, "run_type": "iteration", "repetitions": 7,
                "repetition_index": repetition, "threads": 1, "iterations": 20, "time_unit": "ms"}
         if failed and formulation == "algebra":
@@ -172,6 +155,13 @@ def raw_file(failed=False, tables=("table1",), threads=(1,)):
             row.update(real_time=milliseconds * (1 if number == 1 else 0.625), cpu_time=milliseconds, **counters)
         rows.append(row)
     return {"context": context, "benchmarks": rows}
+
+
+def results_of(study):
+    """Returns the names of the files that a study leaves."""
+    raw, charts = STUDIES[study]
+    return {"report.md", "report.txt", *(f"{name}.json" for name in raw),
+            *(f"{chart}.{kind}" for chart in charts for kind in ("svg", "png"))}
 
 
 def one_integrator(document, kind):
@@ -188,7 +178,7 @@ class CopyTest(FolderTest):
         shutil.copytree(os.path.join(ROOT, "scripts"), self.path("root", "scripts"), ignore=ignored)
         shutil.copytree(os.path.join(ROOT, "results", "paper"), self.path("root", "results", "paper"))
         for name, body in (("table1", TABLE), ("table2", TABLE), ("reference_solutions", REFERENCE_SOLUTIONS),
-                           ("work_precision", WORK_PRECISION), ("scaling", SCALING), ("stability", STABILITY), ("long_runs", STABILITY)):
+                           *((study, STUDY) for study in STUDY_PROGRAMS)):
             self.write(f"root/build/benchmarks/{name}", "#!/bin/sh\n" + body, executable=True)
         for name, body in STAND_INS.items():
             self.write(f"tools/{name}", "#!/bin/sh\n" + body, executable=True)
@@ -200,8 +190,8 @@ class CopyTest(FolderTest):
         two = raw_file(tables=("table2",), threads=(1, 2))
         two["benchmarks"] = [row for row in two["benchmarks"] if row["repetition_index"] == 0]  # of one round
         self.threads_path = self.write("prepared_threads.json", json.dumps(two, indent=2))
-        self.study_path = write_study(self.folder, small_study(), name="study.json")
-        self.scaling_path = self.write("scaling.json", json.dumps(scaling_document(sizes=(17, 33))))
+        write_study(self.folder, small_study(), name="work_precision.json")
+        self.write("scaling.json", json.dumps(scaling_document(sizes=(17, 33))))
         failures = one_integrator(map_document(SETTINGS[:1]), "maps")
         write_document(self.folder, failures, "stability.json")
         failures["context"]["solver"] = "fast"
@@ -219,8 +209,7 @@ class CopyTest(FolderTest):
         settings = {"PATH": self.path("tools") + os.pathsep + os.environ["PATH"], "TMPDIR": self.path("tmp"),
                     "CALLS": self.calls_path, "RAW": self.raw_path, "RAW2": self.raw2_path,
                     "RAW_THREADS": self.threads_path,
-                    "STUDY": self.study_path, "SCALING": self.scaling_path,
-                    "BENCHMARK": "finish", "STABILITY_FOLDER": self.folder,
+                    "BENCHMARK": "finish", "PREPARED": self.folder,
                     "PYTHONDONTWRITEBYTECODE": "1", "DEBIAN_FRONTEND": None, "ASAN_OPTIONS": None}
         return environment(**{**settings, **changes})
 
@@ -281,20 +270,16 @@ class BadArguments(CopyTest):
 
 
 class Help(CopyTest):
-    def explains(self, script, *options):
-        for flag in ("--help", "-h"):
-            before = snapshot(self.folder)
-            done = self.script(script, flag)
-            self.assertEqual((done.returncode, done.stderr), (DONE, ""))
-            for option in options:
-                self.assertIn(option, done.stdout)
-            self.assertEqual(snapshot(self.folder), before)
-
-    def test_reproduce_explains_its_options(self):
-        self.explains("reproduce", "table1", "--quick", "--out", "--no-install", "--keep-coretype")
-
-    def test_test_explains_its_options(self):
-        self.explains("test", "--sanitize", "--no-install")
+    def test_options_are_explained(self):
+        for script, *options in (("reproduce", "table1", "--quick", "--out", "--no-install", "--keep-coretype"),
+                                 ("test", "--sanitize", "--no-install")):
+            for flag in ("--help", "-h"):
+                before = snapshot(self.folder)
+                done = self.script(script, flag)
+                self.assertEqual((done.returncode, done.stderr), (DONE, ""))
+                for option in options:
+                    self.assertIn(option, done.stdout)
+                self.assertEqual(snapshot(self.folder), before)
 
 
 class MissingPackages(CopyTest):
@@ -311,14 +296,12 @@ class MissingPackages(CopyTest):
             self.assertNotIn("cmake", done.stderr)
         self.assertEqual(self.calls(), [])
 
-    def test_no_install_with_everything_there_goes_on(self):
-        self.assertEqual(self.script("reproduce", "--no-install", "--out", self.out).returncode, DONE)
-
     def test_a_removed_package_of_which_the_configuration_stays_is_missing(self):
         self.assert_refused(self.script("reproduce", "--no-install", REMOVED="libgtest-dev"), "libgtest-dev")
 
     def test_nothing_is_installed_where_nothing_is_missing(self):
-        self.install()
+        for arguments in ((), ("--no-install",)):
+            self.assertEqual(self.script("reproduce", "--out", self.out, *arguments).returncode, DONE)
         self.assertEqual(self.calls("apt-get") + self.calls("sudo"), [])
 
     def test_just_what_is_missing_is_installed_and_said_and_the_run_goes_on(self):
@@ -341,14 +324,11 @@ class MissingPackages(CopyTest):
             for call in self.calls("apt-get"):
                 self.assertTrue(call.startswith("apt-get[noninteractive]"), call)
 
-    def test_neither_root_nor_sudo_names_what_is_missing(self):
-        path = self.path_with_only(*self.BASICS, "dpkg-query")
-        done = self.install(MISSING="libfmt-dev", USER_ID="1000", PATH=path)
-        self.assert_refused(done, "sudo", "libfmt-dev")
-
-    def test_a_machine_without_dpkg_is_told_what_to_install(self):
-        path = self.path_with_only(*self.BASICS)
-        self.assert_refused(self.install(PATH=path), "dpkg-query", "libfmt-dev")
+    def test_a_machine_where_nothing_can_be_installed_is_told_what_is_missing(self):
+        for tools, part in (((), "dpkg-query"), (("dpkg-query",), "sudo")):
+            shutil.rmtree(self.path("few"), ignore_errors=True)
+            path = self.path_with_only(*self.BASICS, *tools)
+            self.assert_refused(self.install(MISSING="libfmt-dev", USER_ID="1000", PATH=path), part, "libfmt-dev")
 
     def test_a_failed_installation_ends_there(self):
         done = self.install(MISSING="libfmt-dev", APT_STATUS="100")
@@ -364,16 +344,13 @@ class InheritedKernels(CopyTest):
         (call,) = self.calls("table1")
         return re.match(r"table1\[(.*?)\]", call)[1]
 
-    def test_it_is_cleared_and_said(self):
-        done = self.script("reproduce", "--out", self.out, BENCHMARK="fail", OPENBLAS_CORETYPE="Nehalem")
-        self.assertEqual(self.kernels_asked_for(), "none")
-        self.assertRegex(done.stderr, "(?i)cleared.*OPENBLAS_CORETYPE=Nehalem")
-
-    def test_it_is_kept_when_asked_to_and_said(self):
-        done = self.script("reproduce", "--out", self.out, "--keep-coretype", BENCHMARK="fail",
-                           OPENBLAS_CORETYPE="Nehalem")
-        self.assertEqual(self.kernels_asked_for(), "Nehalem")
-        self.assertRegex(done.stderr, "(?i)OPENBLAS_CORETYPE=Nehalem.*kept")
+    def test_it_is_cleared_or_kept_and_said(self):
+        for arguments, asked_for, said in (((), "none", "(?i)cleared.*OPENBLAS_CORETYPE=Nehalem"),
+                                           (("--keep-coretype",), "Nehalem", "(?i)OPENBLAS_CORETYPE=Nehalem.*kept")):
+            self.write("calls", "")
+            done = self.script("reproduce", "--out", self.out, *arguments, BENCHMARK="fail", OPENBLAS_CORETYPE="Nehalem")
+            self.assertEqual(self.kernels_asked_for(), asked_for)
+            self.assertRegex(done.stderr, said)
 
     def test_nothing_is_said_where_nothing_was_inherited(self):
         self.assertNotIn("OPENBLAS_CORETYPE", self.script("reproduce", "--out", self.out, BENCHMARK="fail").stderr)
@@ -406,21 +383,15 @@ class EndToEnd(CopyTest):
         with open(os.path.join(self.out, name), encoding="utf-8") as stream:
             return stream.read()
 
-    def test_earlier_results_are_replaced(self):
-        self.keep_earlier_results()
+    def test_earlier_results_are_replaced_and_other_files_stay(self):
+        self.out = self.path("my results", "of today")
+        for name, text in {**EARLIER, "notes": "mine"}.items():
+            self.write(os.path.join(self.out, name), text)
         self.reproduce()
+        self.assertEqual(set(os.listdir(self.out)), RESULTS | {"notes"})
+        self.assertEqual(self.result("notes"), "mine")
         for name in RESULTS:
             self.assertNotEqual(self.result(name), EARLIER[name])
-
-    def test_other_files_in_the_folder_stay(self):
-        self.write("out/notes", "mine")
-        self.reproduce()
-        self.assertEqual(self.result("notes"), "mine")
-
-    def test_a_folder_with_spaces_in_its_name(self):
-        self.out = self.path("my results", "of today")
-        self.reproduce()
-        self.assertEqual(set(os.listdir(self.out)), RESULTS)
 
     def test_without_out_results_are_under_results_latest(self):
         for arguments, name in (((), "table1"), (("--quick",), "table1-quick")):
@@ -443,9 +414,10 @@ class EndToEnd(CopyTest):
         self.assertIn("--published", self.calls("table2")[0])
         self.assertEqual(["--threads 2" in call for call in self.calls("table2")], [False] + [True] * (15 * two_cores))
         self.assertEqual(set(os.listdir(self.path("out", "accuracy"))),
-                         ACCURACY_RESULTS | {"table1_accuracy.svg", "table1_accuracy.png"})
-        for study, raw in (("scaling", {"raw.json"}), ("stability", {"map.json", "fast_map.json", "long_runs.json"})):
-            self.assertEqual(set(os.listdir(self.path("out", study))), raw | {"report.txt"})
+                         results_of("accuracy") | {"table1_accuracy.svg", "table1_accuracy.png"})
+        for study in ("scaling", "stability"):
+            self.assertEqual(set(os.listdir(self.path("out", study))),
+                             {"report.txt", *(f"{name}.json" for name in STUDIES[study][0])})
 
     def test_reference_solutions_are_kept_for_the_sizes_measured(self):
         references = self.path("root", "results", "latest", "references")
@@ -456,57 +428,39 @@ class EndToEnd(CopyTest):
                                  f"reference_solutions --out {references} --n {sizes}")
                 self.assertIn(f"--references {references}", self.calls("table1")[-1])
 
-    def test_accuracy_measures_the_sizes_and_ends_with_its_report(self):
-        done = self.script("reproduce", "accuracy", "--quick")  # without --out, as the others are not
-        self.assertEqual(done.returncode, DONE, done.stderr)
-        self.out = self.path("root", "results", "latest", "accuracy-quick")
-        self.assertEqual(set(os.listdir(self.out)), ACCURACY_RESULTS)
-        self.assertIn("--n 17 33", self.calls("work_precision")[-1])
-        self.assertEqual(done.stdout, self.result("report.txt"))
-        self.assertTrue(self.result("report.md").startswith("# Accuracy against cost"))
-
-    def test_scaling_measures_and_ends_with_its_report(self):
-        done = self.reproduce("scaling", "--quick")
-        self.assertIn("--quick", self.calls("scaling")[-1])
-        self.assertEqual(set(os.listdir(self.out)), SCALING_RESULTS)
-        self.assertEqual(done.stdout, self.result("report.txt"))
-        self.assertIn("What each idea bought", done.stdout)
-
-    def test_a_failed_study_of_scaling_leaves_earlier_results(self):
-        before = self.keep_earlier_results()
-        self.assertEqual(self.script("reproduce", "scaling", "--out", self.out, BENCHMARK="fail").returncode, 7)
-        self.assertEqual(snapshot(self.out), before)
-
-    def test_stability_maps_and_watches_and_ends_with_its_report(self):
-        done = self.reproduce("stability")
-        self.assertEqual(set(os.listdir(self.out)), STABILITY_RESULTS)
-        self.assertEqual(done.stdout, self.result("report.txt"))
-        self.assertIn("Drift in long runs", done.stdout)
-        for program, number in (("stability", 2), ("long_runs", 1)):
-            calls = self.calls(program + "[")
-            self.assertEqual(len(calls), number)
-            for call in calls:
-                self.assertNotIn("--quick", call)
-                self.assertTrue(call.endswith(f" on {len(os.sched_getaffinity(0))} cores"), call)
+    def test_a_study_measures_and_ends_with_its_report(self):
+        for study, part in (("accuracy", "Error at h = 0.1"), ("scaling", "What each idea bought"),
+                            ("stability", "Largest errors of long runs")):
+            with self.subTest(study=study):
+                self.out = self.path(study)
+                done = self.reproduce(study)
+                self.assertEqual(set(os.listdir(self.out)), results_of(study))
+                self.assertEqual(done.stdout, self.result("report.txt"))
+                self.assertIn(part, done.stdout)
+        self.assertIn("--n 17 33 65 129 ", self.calls("work_precision")[0])
         self.assertIn("--solver fast", self.calls("stability[")[1])
-        self.assertEqual(self.calls("reference_solutions"), [])
+        cores = len(os.sched_getaffinity(0))
+        untimed = [*self.calls("stability["), *self.calls("long_runs[")]
+        self.assertEqual([call.endswith(f" on {cores} cores") for call in untimed], [True] * 3)
+        self.assertFalse(any("--quick" in call for call in self.calls()))
 
-    def test_quick_is_passed_on_to_both_programs_of_stability(self):
-        self.script("reproduce", "stability", "--quick", "--out", self.out, FAILING="long_runs")
-        for program in ("stability", "long_runs"):
-            self.assertRegex(self.calls(program + "[")[0], "--quick --out ")
+    def test_quick_is_passed_on(self):
+        for study, failing, programs, option in (
+                ("accuracy", "work_precision", ("work_precision",), "--n 17 33 --out "),
+                ("scaling", "scaling", ("scaling",), "--quick --out "),
+                ("stability", "long_runs", ("stability", "long_runs"), "--quick --out ")):
+            self.script("reproduce", study, "--quick", "--out", self.out, FAILING=failing)
+            for program in programs:
+                self.assertIn(option, self.calls(program + "[")[0])
 
-    def call_of_table1(self, *arguments):
-        self.script("reproduce", "--out", self.out, *arguments, BENCHMARK="fail")
-        return self.calls("table1")[-1]
-
-    def filtered_sizes(self, *arguments):
-        (pattern,) = re.findall(r"--benchmark_filter=(\S+)", self.call_of_table1(*arguments))
-        return [n for n in (17, 33, 65, 129) if re.search(pattern, f"table1/group/n:{n}/s:1")]
-
-    def test_sizes(self):
-        self.assertEqual(self.filtered_sizes(), [17, 33, 65, 129])
-        self.assertEqual(self.filtered_sizes("--quick"), [17, 33])
+    def test_sizes_and_interleaved_repetitions_enough_for_a_verdict(self):
+        for arguments, sizes in (((), [17, 33, 65, 129]), (("--quick",), [17, 33])):
+            self.script("reproduce", "--out", self.out, *arguments, BENCHMARK="fail")
+            call = self.calls("table1")[-1]
+            pattern = re.search(r"--benchmark_filter=(\S+)", call)[1]
+            self.assertEqual([n for n in (17, 33, 65, 129) if re.search(pattern, f"table1/group/n:{n}/s:1")], sizes)
+            self.assertGreaterEqual(int(re.search(r"--benchmark_repetitions=(\d+)", call)[1]), 5)
+            self.assertIn("--benchmark_enable_random_interleaving=true", call)
 
     def test_two_threads_are_measured_in_rounds_that_keep_neighbours_together(self):
         if len(os.sched_getaffinity(0)) < 2:
@@ -523,14 +477,8 @@ class EndToEnd(CopyTest):
         self.assertEqual(joined["context"]["order"], "rounds")
         self.assertNotIn("host_name", joined["context"])
 
-    def test_repetitions_are_enough_for_a_verdict_and_interleaved(self):
-        for arguments in ((), ("--quick",)):
-            call = self.call_of_table1(*arguments)
-            self.assertGreaterEqual(int(re.search(r"--benchmark_repetitions=(\d+)", call)[1]), 5)
-            self.assertIn("--benchmark_enable_random_interleaving=true", call)
-
     def test_the_copy_is_configured_as_release_and_built(self):
-        self.call_of_table1()
+        self.reproduce()
         configure, build = self.calls("cmake")
         self.assertIn(f"-S {self.path('root')}", configure)
         self.assertIn("-DCMAKE_BUILD_TYPE=Release", configure)
@@ -558,16 +506,12 @@ class FailedRuns(CopyTest):
         self.assertIn("build", done.stderr.splitlines()[-1])
         self.assert_earlier_results()
 
-    def test_a_failed_benchmark_passes_its_status_on_and_shows_its_reason(self):
-        done = self.reproduce(BENCHMARK="fail")
-        self.assertEqual((done.returncode, done.stdout), (7, ""))
-        self.assertIn("some reason", done.stderr)
-        self.assert_earlier_results()
-
-    def test_a_killed_benchmark_leaves_earlier_results(self):
-        done = self.reproduce(BENCHMARK="die")
-        self.assertEqual((done.returncode, done.stdout), (128 + signal.SIGKILL, ""))
-        self.assert_earlier_results()
+    def test_a_failed_or_killed_benchmark_passes_its_status_on(self):
+        for benchmark, status in (("fail", 7), ("die", 128 + signal.SIGKILL)):
+            done = self.reproduce(BENCHMARK=benchmark)
+            self.assertEqual((done.returncode, done.stdout), (status, ""))
+            self.assertEqual("some reason" in done.stderr, benchmark == "fail")
+            self.assert_earlier_results()
 
     def test_rounds_of_two_threads_that_cannot_be_put_together_are_reported(self):
         if len(os.sched_getaffinity(0)) < 2:
@@ -585,23 +529,15 @@ class FailedRuns(CopyTest):
         self.assert_earlier_results()
 
     def test_a_failed_study_leaves_earlier_results(self):
-        for benchmark, status in (("fail", 7), ("scribble", BAD_ARGUMENTS)):
-            with self.subTest(benchmark=benchmark):
-                done = self.script("reproduce", "accuracy", "--out", self.out, BENCHMARK=benchmark)
-                self.assertEqual((done.returncode, done.stdout), (status, ""))
-                self.assertNotIn("Traceback", done.stderr)
-                self.assert_earlier_results()
-
-    def test_a_failed_study_of_stability_leaves_earlier_results(self):
-        for failing in ("stability", "long_runs"):
-            done = self.script("reproduce", "stability", "--out", self.out, FAILING=failing)
-            self.assertEqual((done.returncode, done.stdout), (7, ""))
-            self.assertIn("some reason", done.stderr)
-            self.assert_earlier_results()
-        done = self.script("reproduce", "stability", "--out", self.out, BENCHMARK="scribble")
-        self.assertEqual((done.returncode, done.stdout), (BAD_ARGUMENTS, ""))
-        self.assertNotIn("Traceback", done.stderr)
-        self.assert_earlier_results()
+        for study, program in (("accuracy", "work_precision"), ("scaling", "scaling"), ("stability", "stability"),
+                               ("stability", "long_runs")):
+            for changes, status in (({"FAILING": program}, 7), ({"BENCHMARK": "scribble"}, BAD_ARGUMENTS)):
+                with self.subTest(study=study, changes=changes):
+                    done = self.script("reproduce", study, "--out", self.out, **changes)
+                    self.assertEqual((done.returncode, done.stdout), (status, ""))
+                    self.assertEqual("some reason" in done.stderr, "FAILING" in changes)
+                    self.assertNotIn("Traceback", done.stderr)
+                    self.assert_earlier_results()
 
     def test_a_missing_benchmark_leaves_earlier_results(self):
         os.unlink(self.path("root", "build", "benchmarks", "table1"))
@@ -652,10 +588,6 @@ class InterruptedRuns(CopyTest):
     def test_ctrl_c_leaves_earlier_results(self):
         os.killpg(self.process.pid, signal.SIGINT)
         self.assert_ends_with(128 + signal.SIGINT)
-
-    def test_a_termination_of_all_leaves_earlier_results(self):
-        os.killpg(self.process.pid, signal.SIGTERM)
-        self.assert_ends_with(128 + signal.SIGTERM)
 
     def test_a_termination_of_the_script_alone_ends_the_benchmark_with_it(self):
         self.process.send_signal(signal.SIGTERM)

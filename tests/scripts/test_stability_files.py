@@ -46,23 +46,18 @@ class SoundFileTest(ReaderTest):
         failures = stability.read_map(write_document(self.folder, self.map, "map.json"))
         self.assertEqual((failures.scenes(), failures.sizes("smooth"), list(failures.integrators), len(failures.maps)),
                          (["smooth", "rough"], [17, 129], list(INTEGRATORS), len(SETTINGS) * len(INTEGRATORS)))
-
-    def test_values_stand_where_they_belong(self):
-        each = stability.failure_map(self.map).at("smooth", 129, "algebra2")
+        each = failures.at("smooth", 129, "algebra2")
         self.assertEqual((each.linear_limit, each.critical.works.h_norm_B, each.critical.fails.h_norm_B, each.largest_working,
                           each.critical.fails.status), (1.9, 1.9, BISECTED * 1.9, 1.9, "diverged"))
         self.assertEqual([trial.h_norm_B for trial in each.trials], GRID)
         self.assertEqual((each.trials[0].sweeps_per_step, each.trials[0].steps, each.trials[-1].failed_step),
                          (50 * GRID[0], 5, 3))
 
-    def test_an_integrator_that_never_fails(self):
-        each = stability.failure_map(self.map).at("smooth", 17, "rkmk4")
-        self.assertEqual((each.critical, each.always_works, each.largest_working), (None, True, GRID[-1]))
-
-    def test_an_integrator_that_never_works(self):
+    def test_integrators_that_always_or_never_work(self):
         each = self.map_of("rk4")
         each.update(critical=None, trials=[trial for trial in each["trials"] if trial["status"] != "converged"])
-        self.assertIsNone(stability.failure_map(self.map).at("smooth", 17, "rk4").largest_working)
+        failures = stability.failure_map(self.map)
+        self.assertEqual([failures.at("smooth", 17, name).largest_working for name in ("rkmk4", "rk4")], [GRID[-1], None])
 
     def test_the_long_runs_are_read(self):
         runs = stability.read_long_runs(write_document(self.folder, self.long, "long_runs.json"))
@@ -73,38 +68,42 @@ class SoundFileTest(ReaderTest):
                          ("unstable", False, 500, 499, 0.9 * 2.0 / norm(17)))
         self.assertEqual((run.samples[0].step, run.samples[0].casimir_error), (1, run.samples[0].spectrum_error))
 
-    def test_series_of_quantities_leave_out_what_was_not_finite(self):
-        sample = self.run_of("group1", 0.9)["samples"][3]
-        sample.update(energy_error=None, casimir_errors=[1e-15, None, 1e-15, 1e-15])
+    def test_what_was_not_finite_or_beyond_all_bounds_is_left_out_of_a_series(self):
+        samples = self.run_of("group1", 0.9)["samples"]
+        samples[3].update(energy_error=None, casimir_errors=[1e-15, None, 1e-15, 1e-15])
+        samples[-1].update(skew_defect=1e200, casimir_errors=[1e-3, 1e30, 1e-3, 1e-3])
         run = stability.long_runs(self.long).at("smooth", 17, 0.9, "group1")
         lengths = [len(quantity.series(run)) for quantity in stability.QUANTITIES]
-        self.assertEqual([len(run.samples) - length for length in lengths], [0, 0, 1, 1])
+        self.assertEqual([len(run.samples) - length for length in lengths], [0, 1, 2, 1])
 
-    def test_what_a_run_that_blew_up_last_came_to_is_no_number(self):
-        run = self.run_of("rk4", 0.9)
-        run["samples"][-1].update(skew_defect=1e200, casimir_errors=[1e-3, 1e30, 1e-3, 1e-3])
-        sample = stability.long_runs(self.long).at("smooth", 17, 0.9, "rk4").samples[-1]
-        self.assertEqual((sample.skew_defect, sample.casimir_error), (None, None))
-        self.assertIsNotNone(sample.spectrum_error)
+    def test_a_failed_run_without_samples_is_sound(self):
+        fail(self.run_of("group1", 0.9), 1, "diverged")
+        self.assertEqual(stability.long_runs(self.long).at("smooth", 17, 0.9, "group1").samples, ())
 
 
 class RefusalTest(ReaderTest):
-    def test_unknown_status_and_scene(self):
-        self.map_of("group1")["trials"][0]["status"] = self.run_of("rk4", 0.9)["status"] = "finished"
-        self.map_refused("finished", "converged", "sweep cap")
-        self.long_refused("finished", "converged", "sweep cap")
-        self.map = map_document()
-        self.map_of("group1")["scene"] = "stormy"
-        self.map_refused("stormy", "smooth")
+    def test_maps(self):
+        for field, value, *words in (
+                ("scene", "stormy", "stormy", "smooth"), ("integrator", "magic", "magic"), ("n", 33, "smooth at n = 33"),
+                ("trials", [], "without trials")):
+            with self.subTest(field=field):
+                self.map = map_document()
+                self.map_of("group1")[field] = value
+                self.map_refused(*words)
+        for field, value, *words in (("status", "finished", "finished", "converged", "sweep cap"),
+                                     ("energy_error", None, "is converged and has no value of energy_error")):
+            with self.subTest(field=field):
+                self.map = map_document()
+                self.map_of("group1")["trials"][0][field] = value
+                self.map_refused(*words)
 
-    def test_unlisted_integrator(self):
-        self.map_of("group1")["integrator"] = self.run_of("rk4", 0.9)["integrator"] = "magic"
-        self.map_refused("magic")
-        self.long_refused("magic")
-
-    def test_unlisted_setting(self):
-        self.map["settings"] = self.map["settings"][1:]
-        self.map_refused("smooth at n = 17")
+    def test_long_runs(self):
+        for field, value, *words in (("status", "finished", "finished", "converged", "sweep cap"),
+                                     ("integrator", "magic", "magic")):
+            with self.subTest(field=field):
+                self.long = long_document()
+                self.run_of("rk4", 0.9)[field] = value
+                self.long_refused(*words)
 
     def test_doubled_entries(self):
         for name in ("integrators", "settings", "maps"):
@@ -114,18 +113,6 @@ class RefusalTest(ReaderTest):
                 self.map_refused("twice")
         self.long["runs"].append(copy.deepcopy(self.long["runs"][0]))
         self.long_refused("twice")
-
-    def test_no_trials(self):
-        self.map_of("group1")["trials"] = []
-        self.map_refused("without trials")
-
-    def test_a_converged_trial_without_errors(self):
-        self.map_of("group1")["trials"][0]["energy_error"] = None
-        self.map_refused("is converged and has no value of energy_error")
-
-    def test_a_failed_run_without_samples_is_sound(self):
-        fail(self.run_of("group1", 0.9), 1, "diverged")
-        self.assertEqual(stability.long_runs(self.long).at("smooth", 17, 0.9, "group1").samples, ())
 
 
 if __name__ == "__main__":

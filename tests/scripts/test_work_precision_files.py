@@ -41,20 +41,13 @@ class SoundFileTest(ReaderTest):
                           len(self.document["tolerance_points"])))
 
     def test_values_stand_where_they_belong(self):
-        point = work_precision.study(self.document).at_step("group2", 33, 0.5)
+        study = work_precision.study(self.document)
+        point = study.at_step("group2", 33, 0.5)
         self.assertEqual((point.integrator, point.quality.n, point.quality.steps, point.quality.error,
                           point.costs.products, point.costs.seconds, point.beyond_limit),
                          ("group2", 33, 10, 0.1 * 0.5**4, 40, 0.04, False))
-
-    def test_a_failed_run_needs_no_errors(self):
-        point = work_precision.study(self.document).at_step("group1", 17, 1.0)
-        self.assertEqual((point.quality.usable, point.quality.status, point.quality.error), (False, "diverged", None))
-
-    def test_every_known_status_is_read(self):
-        for status in work_precision.STATUSES:
-            with self.subTest(status=status):
-                self.document["points"][0]["status"] = status
-                self.assertEqual(work_precision.study(self.document).points[0].quality.status, status)
+        failed = study.at_step("group1", 17, 1.0)  # needs no errors
+        self.assertEqual((failed.quality.usable, failed.quality.status, failed.quality.error), (False, "diverged", None))
 
     def test_what_an_integrator_keeps(self):
         integrators = work_precision.study(self.document).integrators
@@ -65,57 +58,29 @@ class SoundFileTest(ReaderTest):
 
 
 class RefusalTest(ReaderTest):
-    def test_empty_references_and_integrators(self):
-        self.assert_refused({**self.document, "references": []}, "names no n")
-        self.assert_refused({**self.document, "integrators": []}, "names no name")
+    def test_damage(self):
+        def with_first(name, **values):
+            return lambda document: document[name][0].update(values)
 
-    def test_time(self):
-        for value in WRONG["positive"]:
-            with self.subTest(value=str(value)[:20]):
-                self.assert_refused({**self.document, "time": value}, "time")
+        def doubled(name):
+            return lambda document: document[name].append(copy.deepcopy(document[name][0]))
 
-    def test_impossible_times_and_formulations(self):
-        for value in WRONG["times"]:
-            with self.subTest(value=str(value)[:20]):
-                document = copy.deepcopy(self.document)
-                document["points"][0]["cpu_seconds"] = value
-                self.assert_refused(document, "cpu_seconds")
-        for value in (None, 7, "group1", "quotient"):
-            self.document["tolerance_points"][0]["formulation"] = value
-            self.assert_refused(self.document, "formulation")
-
-    def test_unknown_status(self):
-        self.document["points"][0]["status"] = "finished"
-        self.assert_refused(self.document, "finished", "converged")
-
-    def test_point_of_an_unlisted_integrator(self):
-        self.document["points"][0]["integrator"] = "magic"
-        self.assert_refused(self.document, "magic")
-
-    def test_points_at_a_size_without_reference(self):
-        for list_name in ("points", "tolerance_points"):
-            with self.subTest(list=list_name):
-                document = copy.deepcopy(self.document)
-                document[list_name][0]["n"] = 65
-                self.assert_refused(document, "n = 65", "no reference")
-
-    def test_doubled_point(self):
-        self.document["points"].append(copy.deepcopy(self.point("group2", 33, 50)))
-        self.assert_refused(self.document, "group2 at n = 33 with 50 steps twice")
-
-    def test_doubled_reference_and_integrator(self):
-        for list_name in ("references", "integrators"):
-            with self.subTest(list=list_name):
-                document = copy.deepcopy(self.document)
-                document[list_name].append(document[list_name][0])
-                self.assert_refused(document, "twice")
-
-    def test_steps_that_do_not_come_to_the_time(self):
-        for list_name in ("points", "tolerance_points"):
-            with self.subTest(list=list_name):
-                document = copy.deepcopy(self.document)
-                document[list_name][0]["step"] *= 1.001
-                self.assert_refused(document, "do not come to the time 5")
+        for change, *words in (
+                (lambda document: document["references"].clear(), "names no n"),
+                (lambda document: document["integrators"].clear(), "names no name"),
+                *((lambda document, value=value: document.update(time=value), "time") for value in WRONG["positive"]),
+                *((with_first("points", cpu_seconds=value), "cpu_seconds") for value in WRONG["times"]),
+                *((with_first("tolerance_points", formulation=value), "formulation")
+                  for value in (None, 7, "group1", "quotient")),
+                (with_first("points", status="finished"), "finished", "converged"),
+                (with_first("points", integrator="magic"), "magic"),
+                *((with_first(name, n=65), "n = 65", "no reference") for name in ("points", "tolerance_points")),
+                *((with_first(name, step=1.001), "do not come to the time 5") for name in ("points", "tolerance_points")),
+                *((doubled(name), "twice") for name in ("points", "references", "integrators"))):
+            document = study_document()
+            change(document)
+            with self.subTest(words=words):
+                self.assert_refused(document, *words)
 
 
 class LineTest(ReaderTest):
@@ -130,22 +95,17 @@ class LineTest(ReaderTest):
     def kept_steps(self, name):
         return [point.quality.steps for point in self.study().above_floor(name, 17)]
 
-    def test_a_line_is_the_longest_step_first_whatever_the_order_of_the_file(self):
+    def test_a_line_is_the_longest_step_first_whatever_the_order_of_the_file_failures_too(self):
         random.Random(3).shuffle(self.document["points"])
         self.assertEqual([point.quality.steps for point in self.study().line("group2", 33)], list(STEPS))
-
-    def test_a_line_holds_failures_too(self):
         self.assertEqual([point.quality.usable for point in self.study().line("group1", 17)], [False] + [True] * 5)
 
     def test_at_step(self):
         self.assertEqual(self.study().at_step("group2", 17, 0.1).quality.steps, 50)
         self.assertIsNone(self.study().at_step("group2", 17, 0.11))
 
-    def test_a_line_above_the_floor_is_kept_whole(self):
-        self.assertEqual(self.kept_steps("group2"), list(STEPS))
-
-    def test_failures_are_left_out(self):
-        self.assertEqual(self.kept_steps("group1"), list(STEPS[1:]))
+    def test_a_line_above_the_floor_is_whole_but_for_failures(self):
+        self.assertEqual([self.kept_steps(name) for name in ("group2", "group1")], [list(STEPS), list(STEPS[1:])])
 
     def test_ends_where_the_reference_tells_no_more(self):
         # Errors 1e-3 h⁴: 1e-7 at 50 steps and 6.25e-9 at 100; ten times the uncertainty lies between them.
@@ -167,9 +127,11 @@ class LineTest(ReaderTest):
                     # Errors are a power of the step to rounding: a relative 1e-15 over a factor of at least 4.
                     self.assertAlmostEqual(self.study().observed_order(name, n), order, delta=1e-12)
 
-    def test_a_wrong_order_is_seen(self):
-        self.set_errors("rkmk4", [1e-3 * (5 / steps) ** 3 for steps in STEPS])
-        self.assertAlmostEqual(self.study().observed_order("rkmk4", 17), 3, delta=1e-12)
+    def test_a_wrong_order_is_seen_on_the_smallest_steps(self):
+        for order, errors in ((3, [1e-3 * (5 / steps) ** 3 for steps in STEPS]),
+                              (4, [1e-3 * (5 / steps) ** (2 if steps < 50 else 4) for steps in STEPS])):
+            self.set_errors("rkmk4", errors)
+            self.assertAlmostEqual(self.study().observed_order("rkmk4", 17), order, delta=1e-12)
 
     def test_an_order_is_taken_above_the_floor_only(self):
         self.set_errors("rkmk4", [max(1e-3 * (5 / steps) ** 4, 5e-9) for steps in STEPS])
@@ -190,10 +152,6 @@ class LineTest(ReaderTest):
         for index, steps in enumerate(STEPS[:3]):
             self.point("rkmk4", 17, steps).update(steps=10**14 + index, step=5e-14)
         self.assertIsNone(self.study().observed_order("rkmk4", 17))
-
-    def test_an_order_is_that_of_the_smallest_steps(self):
-        self.set_errors("rkmk4", [1e-3 * (5 / steps) ** (2 if steps < 50 else 4) for steps in STEPS])
-        self.assertAlmostEqual(self.study().observed_order("rkmk4", 17), 4, delta=1e-12)
 
 
 if __name__ == "__main__":

@@ -83,23 +83,15 @@ class MeasuredStudy(unittest.TestCase):
         self.assertIn("s left]", self.done.stderr)
         self.assertEqual(self.done.stdout, "")
 
-    def test_every_integrator_asked_for_is_there(self):
+    def test_every_integrator_has_its_steps_and_repetitions_and_shows_its_order(self):
         self.assertEqual(tuple(self.study.integrators), MEASURED)
-        for name in MEASURED:
+        for name, integrator in self.study.integrators.items():
             points = self.study.line(name, 17)
             self.assertEqual([point.quality.steps for point in points], list(STEPS), name)
-
-    def test_every_line_shows_its_order(self):
-        for name, integrator in self.study.integrators.items():
-            with self.subTest(integrator=name):
-                order = self.study.observed_order(name, 17)
-                self.assertIsNotNone(order)
-                self.assertAlmostEqual(order, integrator.order, delta=0.25)
-
-    def test_properties_are_those_of_the_methods(self):
-        for name, kept in (("group2", (True, True)), ("rkmk4", (True, False)), ("rk4", (False, False))):
-            integrator = self.study.integrators[name]
-            self.assertEqual((integrator.isospectral, integrator.lie_poisson), kept, name)
+            self.assertAlmostEqual(self.study.observed_order(name, 17), integrator.order, delta=0.25)
+        for point in (*self.study.points, *self.study.tolerance_points):
+            if point.quality.usable:
+                self.assertEqual(len(point.costs.cpu_seconds), 2)
 
     def test_isospectral_methods_keep_the_spectrum_and_others_do_not(self):
         # Half a unit of tolerance for every sweep of 700, as in the tests of the formulations.
@@ -123,11 +115,6 @@ class MeasuredStudy(unittest.TestCase):
             self.assertEqual(point.beyond_limit, point.h_norm_ad_B > limit)
         for point in self.study.line("group2", 17):
             self.assertFalse(point.beyond_limit)
-
-    def test_every_run_was_timed_as_often_as_asked(self):
-        for point in (*self.study.points, *self.study.tolerance_points):
-            if point.quality.usable:
-                self.assertEqual(len(point.costs.cpu_seconds), 2)
 
     def test_tolerances_from_1e_4_to_1e_15(self):
         for formulation, stages in (("algebra", 1), ("group", 2)):
@@ -170,21 +157,15 @@ class Refusals(FolderTest):
         return [word for name, value in arguments.items() if value is not None for word in (f"--{name}", value)]
 
     def test_bad_arguments(self):
-        self.refuses(*self.given(references=None), parts=["--references"])
-        self.refuses(*self.given(out=None), parts=["--out"])
-        self.refuses(*self.given(out=self.path("missing", "raw.json")), parts=["--out", "missing"])
-        self.refuses(*self.given(out=self.folder), parts=["--out"])
-        for n in ("4", "514", "x", "1e9", "-17"):
-            self.refuses(*self.given(n=n), parts=["--n", n, "5 to 513"])
-        self.refuses(*self.given(integrator="euler"), parts=["integrator 'euler'", "rkmk4"])
-        for repetitions in ("0", "x", "1001"):
-            self.refuses(*self.given(repetitions=repetitions), parts=["--repetitions", repetitions])
-        for longest in ("0", "-1", "nan", "x"):
-            self.refuses(*self.given(longest=longest), parts=["--longest", longest])
-        for steps in ("0", "-5", "x", "2.5"):
-            self.refuses(*self.given(steps=steps), parts=["--steps", steps])
+        for name, values, *parts in (
+                ("references", (None,)), ("out", (None, self.path("missing", "raw.json"), self.folder)),
+                ("n", ("4", "514", "x", "1e9", "-17"), "5 to 513"), ("integrator", ("euler",), "rkmk4"),
+                ("repetitions", ("0", "x", "1001")), ("longest", ("0", "-1", "nan", "x")),
+                ("steps", ("0", "-5", "x", "2.5")), ("products", ("abacus",))):
+            for value in values:
+                self.refuses(*self.given(**{name: value}), parts=["integrator" if name == "integrator" else f"--{name}",
+                                                                  value or "", *parts])
         self.refuses(*self.given(steps="10"), "10", parts=["--steps", "rise"])
-        self.refuses(*self.given(products="abacus"), parts=["--products", "abacus"])
         self.refuses(*self.given(), "perhaps", parts=["perhaps"])
 
     def test_references_that_are_missing_or_foreign(self):
