@@ -6,7 +6,6 @@ import sys
 import unittest
 
 from programs import ROOT, FolderTest
-from scaling_documents import scaling_document
 from stability_documents import long_document, map_document
 from study_documents import study_document
 from wrong_values import WRONG
@@ -15,15 +14,13 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
 from benchmark_json import UnusableFile  # noqa: E402
 from raw_files import Fields  # noqa: E402
-from scaling import read_scaling  # noqa: E402
 from stability import read_long_runs, read_map  # noqa: E402
 from work_precision import read_study  # noqa: E402
 
 # The program, its reader, a sound document, and the lists of objects that it has.
 STUDIES = (("work_precision", read_study, study_document, ("references", "integrators", "points", "tolerance_points")),
            ("stability", read_map, map_document, ("integrators", "settings", "maps")),
-           ("long_runs", read_long_runs, long_document, ("integrators", "runs")),
-           ("scaling", read_scaling, scaling_document, ("points", "ideas")))
+           ("long_runs", read_long_runs, long_document, ("integrators", "runs")))
 
 # What the programs write and no reader needs, and what may be left out.
 NOT_NEEDED = {"scene", "norm_ad_B", "linear_limit", "critical", "failed_step", "predicted_skew_growth",

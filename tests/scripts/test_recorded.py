@@ -12,8 +12,6 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
 from accuracy_report import accuracy_sections  # noqa: E402
 from document import as_markdown  # noqa: E402
-from scaling import read_scaling  # noqa: E402
-from scaling_report import scaling_sections  # noqa: E402
 from stability import read_fast_map, read_long_runs, read_map  # noqa: E402
 from stability_report import stability_sections  # noqa: E402
 from work_precision import read_study  # noqa: E402
@@ -40,7 +38,6 @@ class Recorded(unittest.TestCase):
                      ((read_map, "map.json"), (read_long_runs, "long_runs.json"), (read_fast_map, "fast_map.json"))]
         failures, runs, fast = stability
         for study, report in (("accuracy", accuracy_sections(read_study(raw("accuracy")), charts("accuracy"))),
-                              ("scaling", scaling_sections(read_scaling(raw("scaling")), charts("scaling"))),
                               ("stability", stability_sections(failures, runs, charts("stability"), fast=fast))):
             with self.subTest(study=study):
                 self.assertTrue(text(RECORDED, study, "report.md") == as_markdown(report), "render it again")

@@ -19,7 +19,6 @@ import unittest
 
 from programs import (BAD_ARGUMENTS, DONE, FORMULATIONS, ROOT, SOLVER_FAILED, FolderTest, end, environment, run,
                       snapshot, start)
-from scaling_documents import scaling_document
 from stability_documents import SETTINGS, long_document, map_document, write_document
 from study_documents import small_study, write_study
 
@@ -27,10 +26,9 @@ HOST_NAME = "a-host-to-keep-private"
 RESULTS = {"raw.json", "table.txt", "table.md", "table.tex"}
 STUDIES = {  # raw files of a study, and its charts here
     "accuracy": (("raw",), ("error_against_time", "tolerance")),
-    "scaling": (("raw",), ("cost_against_n", "ladder_of_ideas")),
     "stability": (("map", "fast_map", "long_runs"), ("failure_map_smooth", "failure_map_fast_smooth", "long_runs_n17")),
 }
-STUDY_PROGRAMS = ("work_precision", "scaling", "stability", "long_runs")
+STUDY_PROGRAMS = ("work_precision", "stability", "long_runs")
 EARLIER = {name: f"earlier {name}" for name in RESULTS}
 
 STAND_INS = {
@@ -191,7 +189,6 @@ class CopyTest(FolderTest):
         two["benchmarks"] = [row for row in two["benchmarks"] if row["repetition_index"] == 0]  # of one round
         self.threads_path = self.write("prepared_threads.json", json.dumps(two, indent=2))
         write_study(self.folder, small_study(), name="work_precision.json")
-        self.write("scaling.json", json.dumps(scaling_document(sizes=(17, 33))))
         failures = one_integrator(map_document(SETTINGS[:1]), "maps")
         write_document(self.folder, failures, "stability.json")
         failures["context"]["solver"] = "fast"
@@ -243,8 +240,9 @@ class BadArguments(CopyTest):
 
     def test_reproduce_names_what_is_wrong_and_what_is_allowed(self):
         for argument in ("table3", "--quik", "--quick=yes", "--out=here", "-q", "", "Table1"):
-            self.refuses("reproduce", [argument], argument, "table1", "table2", "scaling", "accuracy", "stability", "--quick",
+            self.refuses("reproduce", [argument], argument, "table1", "table2", "accuracy", "stability", "--quick",
                          "--out", "--no-install")
+        self.refuses("reproduce", ["scaling"], "scaling", "results/recorded/scaling/report.md")
         path = self.write("plain", "a file")
         for arguments, *parts in ((["table1", "all"], "all"), (["--out"], "--out"), (["--out", ""], "--out"),
                                   (["--out", "--quick"], "--out"), (["--out", path], "--out", path),
@@ -404,10 +402,10 @@ class EndToEnd(CopyTest):
         for row in raw["benchmarks"]:
             row.update(relative_error=1e-3, reference_uncertainty=1e-14)
         self.use_raw_file(raw)
-        for renderer in ("render_scaling", "render_stability"):  # drawing takes seconds, and other tests see theirs
-            self.write(f"root/scripts/{renderer}", RENDERER, executable=True)
+        # Drawing takes seconds, and other tests see it.
+        self.write("root/scripts/render_stability", RENDERER, executable=True)
         self.reproduce("all")
-        self.assertEqual(set(os.listdir(self.out)), {"table1", "table2", "scaling", "accuracy", "stability"})
+        self.assertEqual(set(os.listdir(self.out)), {"table1", "table2", "accuracy", "stability"})
         self.assertEqual(set(os.listdir(self.path("out", "table1"))), RESULTS)
         two_cores = len(os.sched_getaffinity(0)) > 1
         self.assertEqual(set(os.listdir(self.path("out", "table2"))), RESULTS | ({"threads.json"} if two_cores else set()))
@@ -415,9 +413,8 @@ class EndToEnd(CopyTest):
         self.assertEqual(["--threads 2" in call for call in self.calls("table2")], [False] + [True] * (15 * two_cores))
         self.assertEqual(set(os.listdir(self.path("out", "accuracy"))),
                          results_of("accuracy") | {"table1_accuracy.svg", "table1_accuracy.png"})
-        for study in ("scaling", "stability"):
-            self.assertEqual(set(os.listdir(self.path("out", study))),
-                             {"report.txt", *(f"{name}.json" for name in STUDIES[study][0])})
+        self.assertEqual(set(os.listdir(self.path("out", "stability"))),
+                         {"report.txt", *(f"{name}.json" for name in STUDIES["stability"][0])})
 
     def test_reference_solutions_are_kept_for_the_sizes_measured(self):
         references = self.path("root", "results", "latest", "references")
@@ -429,7 +426,7 @@ class EndToEnd(CopyTest):
                 self.assertIn(f"--references {references}", self.calls("table1")[-1])
 
     def test_a_study_measures_and_ends_with_its_report(self):
-        for study, part in (("accuracy", "Error at h = 0.1"), ("scaling", "What each idea bought"),
+        for study, part in (("accuracy", "Error at h = 0.1"),
                             ("stability", "Largest errors of long runs")):
             with self.subTest(study=study):
                 self.out = self.path(study)
@@ -447,7 +444,6 @@ class EndToEnd(CopyTest):
     def test_quick_is_passed_on(self):
         for study, failing, programs, option in (
                 ("accuracy", "work_precision", ("work_precision",), "--n 17 33 --out "),
-                ("scaling", "scaling", ("scaling",), "--quick --out "),
                 ("stability", "long_runs", ("stability", "long_runs"), "--quick --out ")):
             self.script("reproduce", study, "--quick", "--out", self.out, FAILING=failing)
             for program in programs:
@@ -529,7 +525,7 @@ class FailedRuns(CopyTest):
         self.assert_earlier_results()
 
     def test_a_failed_study_leaves_earlier_results(self):
-        for study, program in (("accuracy", "work_precision"), ("scaling", "scaling"), ("stability", "stability"),
+        for study, program in (("accuracy", "work_precision"), ("stability", "stability"),
                                ("stability", "long_runs")):
             for changes, status in (({"FAILING": program}, 7), ({"BENCHMARK": "scribble"}, BAD_ARGUMENTS)):
                 with self.subTest(study=study, changes=changes):
