@@ -11,23 +11,6 @@
 namespace isosyrk::testing {
 namespace {
 
-struct Method {
-  Formulation formulation;
-  int s;
-};
-
-void PrintTo(const Method& method, std::ostream* out) {
-  *out << name(method.formulation) << method.s;
-}
-
-std::vector<Method> methods() {
-  std::vector<Method> all;
-  for (const Formulation formulation : formulations()) {
-    for (const int s : {1, 2, 3, 4}) all.push_back({formulation, s});
-  }
-  return all;
-}
-
 std::unique_ptr<Integrator> fast(const Method& method, const Flow& flow,
                                  const FastOptions& options = {}) {
   return make_fast_gauss(method.formulation, method.s, flow, options);
@@ -35,7 +18,7 @@ std::unique_ptr<Integrator> fast(const Method& method, const Flow& flow,
 
 class EachFastForm : public ::testing::TestWithParam<Method> {};
 
-TEST_P(EachFastForm, GivesTheAnswerOfThePublishedFormInFewerSweeps) {
+TEST_P(EachFastForm, GivesTheAnswerOfThePublishedFormAsStrictlyInFewerSweeps) {
   const Method method = GetParam();
   for (const Index n : {5, 16, 17, 33, 49}) {  // with bands from 48 on
     const Scene scene = smooth_scene(n);
@@ -44,7 +27,11 @@ TEST_P(EachFastForm, GivesTheAnswerOfThePublishedFormInFewerSweeps) {
     Matrix expected = scene.initial;
     Matrix W = scene.initial;
     const RunReport plain = run(*published, expected, 0.1, 50);
-    const RunReport report = run(*integrator, W, 0.1, 50);
+    auto& form = dynamic_cast<FastIntegrator&>(*integrator);
+    const auto expect_accepted_strictly = [&](long step, const Matrix&, const StepReport&) {
+      EXPECT_LT(form.change_of_one_more_sweep(), 1.5e-13) << n << " " << step;
+    };
+    const RunReport report = run(*integrator, W, 0.1, 50, expect_accepted_strictly);
     ASSERT_TRUE(report.converged()) << n;
     EXPECT_LE(largest_difference(W, expected), coincidence) << n;
     EXPECT_EQ(skew_defect(W), 0.0) << n;
@@ -54,32 +41,6 @@ TEST_P(EachFastForm, GivesTheAnswerOfThePublishedFormInFewerSweeps) {
     EXPECT_LT(report.sweeps, 0.8 * static_cast<double>(plain.sweeps)) << n;
     EXPECT_LT(report.equivalent_products, 0.7 * plain.equivalent_products) << n;
   }
-}
-
-TEST_P(EachFastForm, AcceptsWhatAnotherSweepLeaves) {
-  for (const Index n : {17, 49}) {
-    const Scene scene = smooth_scene(n);
-    const auto integrator = fast(GetParam(), *scene.flow);
-    auto& form = dynamic_cast<FastIntegrator&>(*integrator);
-    Matrix W = scene.initial;
-    for (int step = 0; step < 50; ++step) {
-      ASSERT_EQ(integrator->step(W, 0.1).status, Status::converged);
-      EXPECT_LT(form.change_of_one_more_sweep(), 1.5e-13) << n << " " << step;
-    }
-  }
-}
-
-TEST_P(EachFastForm, ALooserToleranceIsSeenByAnotherSweep) {
-  const Scene scene = smooth_scene(17);
-  const auto integrator = fast(GetParam(), *scene.flow, {.solver = {.tolerance = 1e-9}});
-  auto& form = dynamic_cast<FastIntegrator&>(*integrator);
-  Matrix W = scene.initial;
-  double largest = 0.0;
-  for (int step = 0; step < 20; ++step) {
-    integrator->step(W, 0.1);
-    largest = std::max(largest, form.change_of_one_more_sweep());
-  }
-  EXPECT_GT(largest, 1.5e-13);
 }
 
 // Sweeps of the first hundred of 2000 steps after the first twenty, and of the last hundred.
@@ -234,7 +195,8 @@ TEST_P(EachFastForm, BandsAreTheWholeOfARoughScene) {
   EXPECT_GT(work(true), 0.97 * work(false));
 }
 
-// Bands are as wide as the tolerance asks for: what a loose one leaves out, a full sweep sees.
+// Bands are as wide as the tolerance asks for: what a loose one leaves out, a full sweep sees, at
+// every step by more than what GivesTheAnswerOfThePublishedForm... allows.
 TEST_P(EachFastForm, BandsFollowTheTolerance) {
   const Scene scene = smooth_scene(49);
   constexpr double loose = 1e-6;
@@ -268,41 +230,31 @@ TEST_P(EachFastForm, RefusesAFlowThatHasNoGeneratorInSplitStorage) {
   EXPECT_THROW(fast(GetParam(), flow), std::invalid_argument);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, EachFastForm, ::testing::ValuesIn(methods()), [](const auto& tested) {
-  return std::string(name(tested.param.formulation)) + std::to_string(tested.param.s);
-});
+INSTANTIATE_TEST_SUITE_P(All, EachFastForm, ::testing::ValuesIn(methods(4)),
+                         ::testing::PrintToStringParamName());
 
-// What the bound of a tenth sees: polynomials predict a solution worse that grows finer, and plain
-// sweeps make up for it one by one.
-TEST(FastForms, TakeMoreSweepsAfterALargeNumberOfStepsWithoutFittedWeightsAndNewton) {
-  const Scene scene = smooth_scene(33);
-  const auto integrator = fast({Formulation::cotangent, 2}, *scene.flow,
-                               {.solver = {}, .past_steps = 7, .newton = false});
-  const auto [first, last] = sweeps_first_and_last(*integrator, scene);
-  EXPECT_GT(static_cast<double>(last), 1.2 * static_cast<double>(first));
-}
-
+// With up to 7 past steps the prediction is the polynomial through them, which predicts a solution
+// worse that grows finer, and plain sweeps make up for it one by one: what the bound of a tenth
+// sees.
 TEST(FastForms, FittedWeightsSaveSweepsAfterALargeNumberOfSteps) {
   const Scene scene = smooth_scene(33);
   for (const Formulation formulation : formulations()) {
-    const auto last = [&](int past_steps) {
+    const auto sweeps = [&](int past_steps) {
       const auto integrator = fast({formulation, 2}, *scene.flow,
                                    {.solver = {}, .past_steps = past_steps, .newton = false});
-      return sweeps_first_and_last(*integrator, scene).second;
+      return sweeps_first_and_last(*integrator, scene);
     };
-    // With up to 7 past steps the prediction is the polynomial through them.
-    EXPECT_LT(static_cast<double>(last(16)), 0.8 * static_cast<double>(last(7)))
+    const auto [first, last] = sweeps(7);
+    if (formulation == Formulation::cotangent) {
+      EXPECT_GT(static_cast<double>(last), 1.2 * static_cast<double>(first));
+    }
+    EXPECT_LT(static_cast<double>(sweeps(16).second), 0.8 * static_cast<double>(last))
         << name(formulation);
   }
 }
 
 TEST(FastForms, RefuseWhatTheyCannotDo) {
   const Scene scene = smooth_scene(5);
-  for (const int past_steps : {-1, 25}) {
-    EXPECT_THROW(
-        fast({Formulation::group, 2}, *scene.flow, {.solver = {}, .past_steps = past_steps}),
-        std::invalid_argument);
-  }
   for (const int threads : {-1, 0, 65}) {
     EXPECT_THROW(fast({Formulation::group, 2}, *scene.flow, {.solver = {}, .threads = threads}),
                  std::invalid_argument);
@@ -335,7 +287,7 @@ INSTANTIATE_TEST_SUITE_P(Stages, LargeStep, ::testing::Values(1, 2, 3));
 
 TEST(FastForms, DivergeInBoundedTimeWherePlainIterationDoes) {
   const Scene scene = smooth_scene(33);
-  for (const Method& method : methods()) {
+  for (const Method& method : methods(4)) {
     const auto integrator = fast(method, *scene.flow);
     Matrix W = scene.initial;
     const RunReport report = run(*integrator, W, 3.0, 4);

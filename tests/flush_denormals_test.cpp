@@ -3,12 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <limits>
 
 #include "isosyrk/fast/fast_integrator.h"
 #include "isosyrk/flows/scene.h"
-#include "isosyrk/split/parallel.h"
 #include "tests/stage_system_double.h"
 
 namespace isosyrk::testing {
@@ -58,23 +56,6 @@ TEST_F(FlushDenormalsTest, HoldsWhileOneLives) {
     EXPECT_TRUE(flushes());
   }
   EXPECT_TRUE(keeps());
-}
-
-TEST_F(FlushDenormalsTest, HoldsInEachThreadOfAScopeAndEndsWithIt) {
-  for (const int threads : {1, 2, 3, 8}) {
-    std::array<bool, 8> flushed{};
-    {
-      const ThreadScope scope(threads);
-      EXPECT_TRUE(flushes());
-      // As many items as threads: each has one.
-      parallel::for_each_share(threads, [&](Index, Share, int thread) {
-        flushed[static_cast<std::size_t>(thread)] = flushes();
-      });
-      EXPECT_TRUE(flushes());
-    }
-    EXPECT_TRUE(keeps());
-    for (int t = 0; t < threads; ++t) EXPECT_TRUE(flushed[static_cast<std::size_t>(t)]) << t;
-  }
 }
 
 // A method that stands still, and looks.

@@ -15,34 +15,34 @@ double ulps(double value, double expected) {
   return std::abs(value - expected) / spacing;
 }
 
+// Hairer, Lubich, Wanner, Geometric Numerical Integration, Table II.1.1; evaluated in extended
+// precision so that the comparison is with the correctly rounded coefficient.
 TEST(GaussTableau, AgreesWithTheClosedFormsTo4Ulp) {
-  const Tableau one = gauss_tableau(1);
-  EXPECT_EQ(one.a(0, 0), 0.5);
-  EXPECT_EQ(one.b(0), 1.0);
-  EXPECT_EQ(one.c(0), 0.5);
-
-  // Hairer, Lubich, Wanner, Geometric Numerical Integration, Table II.1.1; evaluated in extended
-  // precision so that the comparison is with the correctly rounded coefficient.
-  const long double r3 = std::sqrt(3.0L);
-  const Tableau two = gauss_tableau(2);
-  const long double a2[2][2] = {{0.25L, 0.25L - r3 / 6}, {0.25L + r3 / 6, 0.25L}};
-  for (int i = 0; i < 2; ++i) {
-    for (int j = 0; j < 2; ++j) EXPECT_LE(ulps(two.a(i, j), static_cast<double>(a2[i][j])), 4.0);
-    EXPECT_LE(ulps(two.b(i), 0.5), 4.0);
-  }
-  EXPECT_LE(ulps(two.c(0), static_cast<double>(0.5L - r3 / 6)), 4.0);
-  EXPECT_LE(ulps(two.c(1), static_cast<double>(0.5L + r3 / 6)), 4.0);
-
-  const long double r15 = std::sqrt(15.0L);
-  const Tableau three = gauss_tableau(3);
-  const long double a3[3][3] = {{5.0L / 36, 2.0L / 9 - r15 / 15, 5.0L / 36 - r15 / 30},
-                                {5.0L / 36 + r15 / 24, 2.0L / 9, 5.0L / 36 - r15 / 24},
-                                {5.0L / 36 + r15 / 30, 2.0L / 9 + r15 / 15, 5.0L / 36}};
-  const long double b3[3] = {5.0L / 18, 4.0L / 9, 5.0L / 18};
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) EXPECT_LE(ulps(three.a(i, j), static_cast<double>(a3[i][j])), 4.0);
-    EXPECT_LE(ulps(three.b(i), static_cast<double>(b3[i])), 4.0);
-    EXPECT_LE(ulps(three.c(i), static_cast<double>(0.5L + (i - 1) * r15 / 10)), 4.0);
+  using Numbers = std::vector<long double>;
+  const long double r3 = std::sqrt(3.0L), r15 = std::sqrt(15.0L);
+  const std::vector<std::array<Numbers, 3>> closed = {
+      {{{0.5L}, {1.0L}, {0.5L}}},
+      {{{0.25L, 0.25L - r3 / 6, 0.25L + r3 / 6, 0.25L},
+        {0.5L, 0.5L},
+        {0.5L - r3 / 6, 0.5L + r3 / 6}}},
+      {{{5.0L / 36, 2.0L / 9 - r15 / 15, 5.0L / 36 - r15 / 30,  //
+         5.0L / 36 + r15 / 24, 2.0L / 9, 5.0L / 36 - r15 / 24,  //
+         5.0L / 36 + r15 / 30, 2.0L / 9 + r15 / 15, 5.0L / 36},
+        {5.0L / 18, 4.0L / 9, 5.0L / 18},
+        {0.5L - r15 / 10, 0.5L, 0.5L + r15 / 10}}}};
+  for (std::size_t s = 1; s <= 3; ++s) {
+    const Tableau found = gauss_tableau(static_cast<int>(s));
+    const auto& [a, b, c] = closed[s - 1];
+    const double most = s == 1 ? 0.0 : 4.0;
+    const auto expect = [&](double value, long double expected) {
+      EXPECT_LE(ulps(value, static_cast<double>(expected)), most) << s;
+    };
+    for (std::size_t i = 0; i < s; ++i) {
+      const auto row = static_cast<Index>(i);
+      for (std::size_t j = 0; j < s; ++j) expect(found.a(row, static_cast<Index>(j)), a[i * s + j]);
+      expect(found.b(row), b[i]);
+      expect(found.c(row), c[i]);
+    }
   }
 }
 

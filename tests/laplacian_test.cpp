@@ -5,7 +5,6 @@
 #include <Eigen/Dense>
 
 #include "isosyrk/flows/invariants.h"
-#include "isosyrk/flows/modes.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -26,21 +25,6 @@ TEST(Laplacian, IsTheDoubleCommutatorWithTheSpinMatrices) {
     // Entries of size n²; 10 roundings each.
     EXPECT_LE(largest_difference(out, laplacian_by_commutators(W)),
               10.0 * 2.3e-16 * static_cast<double>(n * n * 4));
-  }
-}
-
-TEST(Laplacian, HasTheHarmonicsAsEigenvectors) {
-  const Index n = 12;
-  const Laplacian laplacian(n);
-  Matrix out(n, n);
-  for (int l = 0; l < n; ++l) {
-    for (int m = 0; m <= l; ++m) {
-      const RealVector T = harmonic(n, l, m);
-      Matrix W = Matrix::Zero(n, n);
-      for (Index i = 0; i < T.size(); ++i) W(i, i + m) = T(i);
-      laplacian.apply(W, out);
-      EXPECT_LE(largest_difference(out, -l * (l + 1.0) * W), 2e-13) << l << " " << m;
-    }
   }
 }
 

@@ -84,10 +84,10 @@ std::vector<IntegratorEntry> limited(bool is_explicit) {
   return found;
 }
 
-std::string title(const ::testing::TestParamInfo<IntegratorEntry>& info) { return info.param.name; }
-
-INSTANTIATE_TEST_SUITE_P(All, IterationLimit, ::testing::ValuesIn(limited(false)), title);
-INSTANTIATE_TEST_SUITE_P(All, StepLimit, ::testing::ValuesIn(limited(true)), title);
+INSTANTIATE_TEST_SUITE_P(All, IterationLimit, ::testing::ValuesIn(limited(false)),
+                         ::testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(All, StepLimit, ::testing::ValuesIn(limited(true)),
+                         ::testing::PrintToStringParamName());
 
 // The control's Hermitian part, from rounding, grows by the factor that theory says.
 TEST(HermitianGrowth, IsThatOfTheTwoProductsUpdate) {

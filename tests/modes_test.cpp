@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 
 #include "isosyrk/flows/invariants.h"
 #include "isosyrk/flows/laplacian.h"
@@ -13,42 +12,22 @@
 namespace isosyrk::testing {
 namespace {
 
-// Wigner's 3j symbol (j l j; -m1 m m2) by Racah's sum, for whole or half-integer j; arguments
-// doubled.  Good to about 1e-12 at the sizes used here.
-double three_j(int j2, int l2, int minus_m1_2, int m_2, int m2_2) {
-  const auto f = [](int doubled) { return std::lgamma(doubled / 2 + 1.0); };  // log factorial
-  const int a = j2, b = l2, c = j2, al = minus_m1_2, be = m_2, ga = m2_2;
-  if (al + be + ga != 0) return 0.0;
-  const double delta = 0.5 * (f(a + b - c) + f(a - b + c) + f(-a + b + c) - f(a + b + c + 2));
-  const double norm =
-      delta + 0.5 * (f(a + al) + f(a - al) + f(b + be) + f(b - be) + f(c + ga) + f(c - ga));
-  double sum = 0.0;
-  for (int k2 = 0; k2 <= a + b - c; k2 += 2) {
-    const int d1 = c - b + al + k2, d2 = c - a - be + k2, d3 = a + b - c - k2, d4 = a - al - k2,
-              d5 = b + be - k2;
-    if (d1 < 0 || d2 < 0 || d3 < 0 || d4 < 0 || d5 < 0) continue;
-    const double term = std::exp(norm - f(k2) - f(d1) - f(d2) - f(d3) - f(d4) - f(d5));
-    sum += (k2 / 2) % 2 == 0 ? term : -term;
-  }
-  const int phase = (a - b - ga) / 2;
-  return phase % 2 == 0 ? sum : -sum;
-}
-
-TEST(Harmonic, EqualsItsFormulaIn3jSymbols) {
+// With the phases of Condon and Shortley, those of the 3j symbols: T_ll is (-1)^l S_+^l of norm 1,
+// and [S_-, T_lm] = sqrt((l + m)(l - m + 1)) T_l,m-1.
+TEST(Harmonic, IsLoweredFromAPowerOfTheRaisingMatrix) {
   for (const int n : {6, 7}) {
-    const int j2 = n - 1;
+    const auto S = spin_matrices(n);
+    const Complex i(0.0, 1.0);
+    const Matrix up = S[0] + i * S[1], down = S[0] - i * S[1];
+    Matrix power = Matrix::Identity(n, n);
     for (int l = 0; l < n; ++l) {
-      for (int m = 0; m <= l; ++m) {
-        const RealVector T = harmonic(n, l, m);
-        for (int i = 0; i < n - m; ++i) {
-          const int m1 = j2 - 2 * i;
-          const int m2 = j2 - 2 * (i + m);
-          const double sign = i % 2 == 0 ? 1.0 : -1.0;  // (-1)^(j - m1)
-          EXPECT_NEAR(T(i), std::sqrt(2.0 * l + 1.0) * sign * three_j(j2, 2 * l, -m1, 2 * m, m2),
-                      1e-12)
-              << n << " " << l << " " << m << " " << i;
-        }
+      Matrix T = (l % 2 == 0 ? 1.0 : -1.0) / power.norm() * power;
+      for (int m = l; m >= 0; --m) {
+        const RealVector expected = T.diagonal(m).real();
+        EXPECT_LE((harmonic(n, l, m) - expected).cwiseAbs().maxCoeff(), 1e-12) << l << " " << m;
+        T = commutator(down, T) / std::sqrt((l + m) * (l - m + 1.0));
       }
+      power = product({power, up});
     }
   }
 }
@@ -76,9 +55,13 @@ TEST(Harmonic, KeepsItsSignWhereTheFirstEntryIsBelowRounding) {
   EXPECT_LT(U.tail(U.size() / 2).maxCoeff(), 0.0);
 }
 
-TEST(Harmonic, IsAnEigenvectorToRoundingAtLargeSizes) {
-  for (const auto& [n, l, m] :
-       {std::tuple{129, 4, 0}, {129, 90, 17}, {1025, 7, 3}, {1025, 1000, 1}}) {
+TEST(Harmonic, IsAnEigenvectorToRoundingAtAllSizes) {
+  std::vector<std::tuple<int, int, int>> all = {
+      {129, 4, 0}, {129, 90, 17}, {1025, 7, 3}, {1025, 1000, 1}};
+  for (int l = 0; l < 12; ++l) {
+    for (int m = 0; m <= l; ++m) all.emplace_back(12, l, m);
+  }
+  for (const auto& [n, l, m] : all) {
     const RealVector T = harmonic(n, l, m);
     const RealVector d = Laplacian::diagonal(n, m);
     const RealVector e = Laplacian::off_diagonal(n, m);
@@ -95,24 +78,6 @@ TEST(Harmonic, RefusesIndicesOutOfRange) {
   EXPECT_THROW(harmonic(5, 5, 0), std::invalid_argument);
   EXPECT_THROW(harmonic(5, 2, 3), std::invalid_argument);
   EXPECT_THROW(harmonic(5, 2, -1), std::invalid_argument);
-}
-
-TEST(DefaultModes, AreThoseOfTheDataFile) {
-  std::ifstream input(std::string(ISOSYRK_TEST_DATA "/initial_modes.csv"));
-  std::string line;
-  std::getline(input, line);
-  std::size_t count = 0;
-  while (std::getline(input, line)) {
-    int l = 0, m = 0;
-    double re = 0.0, im = 0.0;
-    ASSERT_EQ(std::sscanf(line.c_str(), "%d,%d,%lf,%lf", &l, &m, &re, &im), 4);
-    ASSERT_LT(count, default_modes().size());
-    const Mode& mode = default_modes()[count++];
-    EXPECT_EQ(mode.l, l);
-    EXPECT_EQ(mode.m, m);
-    EXPECT_EQ(mode.value, Complex(re, im));
-  }
-  EXPECT_EQ(count, default_modes().size());
 }
 
 TEST(InitialVorticity, EqualsTheReferenceAtN17) {

@@ -6,8 +6,9 @@
 #include <limits>
 
 #include "isosyrk/tableaux/gauss_tableau.h"
+#include "tests/support.h"
 
-namespace isosyrk {
+namespace isosyrk::testing {
 namespace {
 
 // n odd and even, so that the last few real numbers are taken apart; s below, at and above the
@@ -76,13 +77,8 @@ INSTANTIATE_TEST_SUITE_P(SizesAndStages, StageSums,
 
 // J = I, symplectic and indefinite J.
 std::vector<QuadraticAlgebra> algebras() {
-  Matrix symplectic = Matrix::Zero(6, 6);
-  symplectic.topRightCorner(3, 3).setIdentity();
-  symplectic.bottomLeftCorner(3, 3) = -Matrix::Identity(3, 3);
-  Matrix indefinite = Matrix::Identity(6, 6);
-  indefinite(4, 4) = indefinite(5, 5) = -1.0;
-  return {QuadraticAlgebra::skew_hermitian(6), QuadraticAlgebra(symplectic),
-          QuadraticAlgebra(indefinite)};
+  return {QuadraticAlgebra::skew_hermitian(6), QuadraticAlgebra(symplectic_J(3)),
+          QuadraticAlgebra(indefinite_J(4, 2))};
 }
 
 // Entries are below 8, and each is a sum of few terms.
@@ -137,4 +133,4 @@ TEST(RequireConsistent, RefusesMoreStagesThanTheSumsHaveRoomFor) {
 }
 
 }  // namespace
-}  // namespace isosyrk
+}  // namespace isosyrk::testing

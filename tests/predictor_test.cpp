@@ -7,8 +7,6 @@
 #include <limits>
 #include <stdexcept>
 
-#include "isosyrk/split/parallel.h"
-
 namespace isosyrk {
 namespace {
 
@@ -66,17 +64,6 @@ template <class Entry>
 double miss(int past_steps, int steps, const Entry& entry) {
   Predictor predictor(past_steps, unknowns_at(0.0, entry));
   return miss(predictor, steps, entry);
-}
-
-TEST(Predictor, TakesThePolynomialThroughFewSteps) {
-  for (const int past_steps : {7, 16}) {  // never fitted, and fitted later
-    for (const int steps : {4, 5, 8}) {
-      EXPECT_LT(miss(past_steps, steps, polynomial), 1e-10) << steps;
-    }
-    EXPECT_GT(miss(past_steps, 3, polynomial), 1e-3);  // of degree 3
-  }
-  EXPECT_GT(miss(3, 8, polynomial), 1e-3);
-  EXPECT_LT(miss(4, 8, polynomial), 1e-10);
 }
 
 // x(t) = Σ_d (t - 1/2)^d cos(phase d) up to a degree.
@@ -155,20 +142,6 @@ TEST(Predictor, SharesWeightsAmongAllUnknownsAndChangesNoneOfThePast) {
   EXPECT_TRUE(predictor.predict(h, again));
   EXPECT_EQ(difference(once, again), 0.0);
   EXPECT_GT(difference(once, unknowns_at(0.0, oscillation)), 0.1);
-}
-
-TEST(Predictor, PredictsTheSameBitForBitWithEveryNumberOfThreads) {
-  const Unknowns none = unknowns_at(0.0, oscillation);
-  const auto predicted = [&](int threads) {
-    const ThreadScope scope(threads);
-    Predictor predictor(16, none);
-    miss(predictor, 20, oscillation);
-    Unknowns x = none;
-    EXPECT_TRUE(predictor.predict(h, x));
-    return x;
-  };
-  const Unknowns expected = predicted(1);
-  for (const int threads : {2, 3, 8}) EXPECT_EQ(difference(predicted(threads), expected), 0.0);
 }
 
 TEST(Predictor, StartsColdAtFirstAtAnotherStepAfterForgettingAndWithNoPastSteps) {

@@ -2,23 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
-
 #include "tests/support.h"
 
 namespace isosyrk::testing {
 namespace {
-
-// The product by its definition, with no library's kernel.
-Matrix plain_product(const Matrix& A, const Matrix& B) {
-  Matrix C = Matrix::Zero(A.rows(), B.cols());
-  for (Index i = 0; i < A.rows(); ++i) {
-    for (Index j = 0; j < B.cols(); ++j) {
-      for (Index k = 0; k < A.cols(); ++k) C(i, j) += A(i, k) * B(k, j);
-    }
-  }
-  return C;
-}
 
 class ProductsOfEachBackend : public ::testing::TestWithParam<ProductBackend> {};
 
@@ -31,11 +18,11 @@ TEST_P(ProductsOfEachBackend, AgreeWithTheDefinitionAtOddAndEvenSizes) {
     // Normwise bound of a sum of n products in any order: n u per entry, both parts, twice over.
     const double bound = 4.0 * static_cast<double>(n) * 1.2e-16 * A.norm() * B.norm();
     products.multiply(A, B, C, -0.5);
-    EXPECT_LE((C + 0.5 * plain_product(A, B)).norm(), bound) << n;
+    EXPECT_LE((C + 0.5 * exact_product(A, B)).norm(), bound) << n;
     products.multiply_adjoint_left(A, B, C);
-    EXPECT_LE((C - plain_product(A.adjoint(), B)).norm(), bound) << n;
+    EXPECT_LE((C - exact_product(A.adjoint(), B)).norm(), bound) << n;
     products.multiply_adjoint_right(A, B, C);
-    EXPECT_LE((C - plain_product(A, B.adjoint())).norm(), bound) << n;
+    EXPECT_LE((C - exact_product(A, B.adjoint())).norm(), bound) << n;
     EXPECT_EQ(products.count(), 3);
   }
 }

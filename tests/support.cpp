@@ -54,6 +54,21 @@ Matrix product(std::initializer_list<Matrix> factors) {
   return result;
 }
 
+Matrix exact_product(const Matrix& A, const Matrix& B) {
+  const Index n = A.rows();
+  Matrix C(n, n);
+  for (Index i = 0; i < n; ++i) {
+    for (Index j = 0; j < n; ++j) {
+      std::complex<long double> sum = 0.0L;
+      for (Index k = 0; k < n; ++k) {
+        sum += std::complex<long double>(A(i, k)) * std::complex<long double>(B(k, j));
+      }
+      C(i, j) = Complex(static_cast<double>(sum.real()), static_cast<double>(sum.imag()));
+    }
+  }
+  return C;
+}
+
 Matrix commutator(const Matrix& A, const Matrix& B) { return product({A, B}) - product({B, A}); }
 
 std::vector<GemmKernel> tested_kernels() {
@@ -101,6 +116,18 @@ std::unique_ptr<Integrator> gauss(Formulation formulation, const Flow& flow, int
                                   double tolerance) {
   return make_formulation(formulation, flow, gauss_tableau(s), {tolerance, 1000},
                           ProductBackend::openblas);
+}
+
+void PrintTo(const Method& method, std::ostream* out) {
+  *out << name(method.formulation) << method.s;
+}
+
+std::vector<Method> methods(int most_stages) {
+  std::vector<Method> all;
+  for (const Formulation formulation : formulations()) {
+    for (int s = 1; s <= most_stages; ++s) all.push_back({formulation, s});
+  }
+  return all;
 }
 
 double observed_order(const std::vector<double>& h, const std::vector<double>& errors) {

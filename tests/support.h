@@ -32,6 +32,9 @@ Matrix random_matrix(Index n, unsigned seed);
 /// Random skew-Hermitian, spectral norm 1.
 Matrix random_skew_hermitian(Index n, unsigned seed);
 
+/// A B as the definition reads, in extended precision.
+Matrix exact_product(const Matrix& A, const Matrix& B);
+
 // exp(A), A^-1, the product of some matrices, and AB - BA: Eigen's. A source that has them itself
 // takes seconds longer to compile.
 Matrix exponential(const Matrix& A);
@@ -49,6 +52,16 @@ Matrix integrated(Integrator& integrator, const Matrix& W0, double h, long steps
 std::unique_ptr<Integrator> gauss(Formulation formulation, const Flow& flow, int s,
                                   double tolerance = 1e-13);
 
+/// A formulation with a number of stages.
+struct Method {
+  Formulation formulation;
+  int s;
+};
+void PrintTo(const Method& method, std::ostream* out);
+
+/// Every formulation with 1 to `most_stages` stages.
+std::vector<Method> methods(int most_stages);
+
 /// Least-squares slope of log(error) against log(h).
 double observed_order(const std::vector<double>& h, const std::vector<double>& errors);
 
@@ -59,39 +72,15 @@ Tableau radau_iia();
 /// size.
 std::vector<GemmKernel> tested_kernels();
 
-/// C = A B, or its upper triangle, in the share of the rows that one of several threads would form.
+/// Whether the padding of the rows of X is 0.
 template <class Real>
-void multiply_share(const GemmKernel& kernel, const SplitMatrixOf<Real>& A,
-                    const SplitMatrixOf<Real>& B, SplitMatrixOf<Real>& C, bool upper, Share share) {
-  const Index n = A.size();
-  const PackingLimits limits = sizeof(Real) == 4 ? kernel.single_limits : kernel.limits;
-  const bool copies_B = n > limits.B;
-  std::vector<Real> scratch(static_cast<std::size_t>(gemm_scratch(n, A.stride(), copies_B)));
-  const SplitProduct<Real> product = {n,
-                                       A.stride(),
-                                       A.re(),
-                                       A.im(),
-                                       false,
-                                       B.re(),
-                                       B.im(),
-                                       1,
-                                       C.re(),
-                                       C.im(),
-                                       upper,
-                                       A.band(),
-                                       B.band(),
-                                       n - 1,
-                                       share.first,
-                                       share.end,
-                                       share.parts,
-                                       copies_B,
-                                       n > limits.adjoint_A,
-                                       scratch.data()};
-  if constexpr (sizeof(Real) == 4) {
-    kernel.multiply_singles(product);
-  } else {
-    kernel.multiply(product);
+bool fill_is_zero(const SplitMatrixOf<Real>& X) {
+  for (Index r = 0; r < X.size(); ++r) {
+    for (Index c = X.size(); c < X.stride() / 2; ++c) {
+      if (X.re()[r * X.stride() + c] != 0 || X.im()[r * X.stride() + c] != 0) return false;
+    }
   }
+  return true;
 }
 
 /// The processors that the calling thread may run on.

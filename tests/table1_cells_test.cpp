@@ -1,5 +1,4 @@
 // Every cell of Table 1: coincidence, spectrum, skewness and sweeps.
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <map>
@@ -25,7 +24,7 @@ const std::vector<Cell> cells = {
     {65, 3, 18.0, 16.0}, {129, 1, 63.2, 31.0}, {129, 2, 34.0, 26.4}, {129, 3, 27.6, 25.0},
 };
 
-void PrintTo(const Cell& cell, std::ostream* out) { *out << "n=" << cell.n << " s=" << cell.s; }
+void PrintTo(const Cell& cell, std::ostream* out) { *out << "n" << cell.n << "s" << cell.s; }
 
 class EachCell : public ::testing::TestWithParam<Cell> {};
 
@@ -66,12 +65,10 @@ std::vector<Cell> cells_of(bool large) {
   return chosen;
 }
 
-const auto cell_name = [](const auto& tested) {
-  return fmt::format("n{}s{}", tested.param.n, tested.param.s);
-};
-
-INSTANTIATE_TEST_SUITE_P(Small, EachCell, ::testing::ValuesIn(cells_of(false)), cell_name);
-INSTANTIATE_TEST_SUITE_P(Large, EachCell, ::testing::ValuesIn(cells_of(true)), cell_name);
+INSTANTIATE_TEST_SUITE_P(Small, EachCell, ::testing::ValuesIn(cells_of(false)),
+                         ::testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Large, EachCell, ::testing::ValuesIn(cells_of(true)),
+                         ::testing::PrintToStringParamName());
 
 }  // namespace
 }  // namespace isosyrk::testing
