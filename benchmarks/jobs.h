@@ -1,7 +1,4 @@
 // Independent jobs on all cores, for studies that count rather than time.
-//
-// In processes, not threads: products and LAPACK calls then have nothing in common that they could
-// wait for or spoil.
 #pragma once
 
 #include <cstddef>
@@ -11,12 +8,11 @@
 
 namespace isosyrk {
 
-/// Calls job(0) .. job(count - 1), each once, in `processes` child processes (in this one if 1),
-/// and returns their results in order; `finished(k)` is called here as each arrives.  Throws
-/// std::runtime_error with the first failure's message; no further job is begun then.  Throws
-/// std::logic_error if this process has run steps on several threads: OpenMP would hang in a child.
+/// Calls job(0) .. job(count - 1), each once, on so many threads, this one included, and returns their
+/// results in order.  `finished(k)` is called as each ends, one at a time.  Jobs may share nothing
+/// that one of them writes.  Rethrows the first failure; no further job is begun then.
 std::vector<nlohmann::ordered_json> run_jobs(
-    std::size_t count, long processes,
+    std::size_t count, long threads,
     const std::function<nlohmann::ordered_json(std::size_t)>& job,
     const std::function<void(std::size_t)>& finished);
 

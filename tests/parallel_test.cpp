@@ -239,29 +239,6 @@ TEST(ThreadScope, FlushesDenormalsInEveryThreadDuringARegionAndRestoresThemAfter
   }
 }
 
-// In a child, which has run no region before, whatever this process has.
-TEST(ThreadScope, TellsWhetherThereWasARegionOfSeveralThreads) {
-  GTEST_FLAG_SET(death_test_style, "threadsafe");
-  const auto say = [] {
-    std::array<bool, 3> said{};
-    for_each_share(3, [](Index, Share, int) {});
-    said[0] = has_run_in_parallel();
-    {
-      const ThreadScope one(1);
-      for_each_share(3, [](Index, Share, int) {});
-      const ThreadScope two(2);  // as such it is none
-    }
-    said[1] = has_run_in_parallel();
-    {
-      const ThreadScope two(2);
-      for_each_share(3, [](Index, Share, int) {});
-    }
-    said[2] = has_run_in_parallel();
-    std::_Exit(said[0] * 1 + said[1] * 2 + said[2] * 4);
-  };
-  EXPECT_EXIT(say(), ::testing::ExitedWithCode(4), "");
-}
-
 std::unique_ptr<Integrator> fast(const Method& method, const Flow& flow, int threads) {
   const Tableau tableau = gauss_tableau(method.s);
   const bool bands = flow.size() >= tuning.smallest_banded;

@@ -3,17 +3,9 @@
 #include <fmt/format.h>
 #include <omp.h>
 
-#include <atomic>
 #include <stdexcept>
 
 namespace isosyrk {
-namespace {
-
-std::atomic<bool> ran_in_parallel{false};
-
-}  // namespace
-
-bool has_run_in_parallel() { return ran_in_parallel.load(std::memory_order_relaxed); }
 
 int ThreadScope::checked(int threads) {
   if (threads < 1 || threads > most) {
@@ -32,7 +24,6 @@ ThreadScope::~ThreadScope() { parallel::current_threads = before_; }
 namespace parallel {
 
 void run_region(void (*body)(void* context, int thread, int threads), void* context) {
-  ran_in_parallel.store(true, std::memory_order_relaxed);
   // OpenMP creates threads here.  They inherit the mode of this thread and keep it after the
   // region, so the mode is reset first.
   const DenormalMode as_numbers(false);

@@ -38,10 +38,6 @@ class ThreadScope {
   FlushDenormals flush_;
 };
 
-/// True if this process has run a parallel region with more than one thread.  A child forked after
-/// that hangs in libgomp when it opens a parallel region of its own (GCC bug 60035).
-bool has_run_in_parallel();
-
 namespace parallel {
 
 inline constinit thread_local int current_threads = 1;
