@@ -1,5 +1,8 @@
 #include "isosyrk/catalogue/workspace_bytes.h"
 
+#include <algorithm>
+
+#include "isosyrk/solver/tuning.h"
 #include "isosyrk/split/split_matrix.h"
 
 namespace isosyrk {
@@ -35,12 +38,16 @@ double fast_workspace_bytes(Formulation formulation, int s, Index n, int past_st
   const auto [unknowns, doubles, singles] = matrices_of(formulation, s);
   // In double: the unknowns, the predictor's and Anderson's copies.  In single: residual,
   // corrections and Anderson's differences.
-  const double solver = unknowns * ((2.0 + past_steps) * in_double + 10.0 * in_single);
+  // The predictor keeps some rows of the differences of past steps besides.
+  const double sampled = static_cast<double>(tuning.sampled_rows) / size *
+                         std::max(0, past_steps - Tuning::differences + 1);
+  const double solver = unknowns * ((2.0 + past_steps + sampled) * in_double + 10.0 * in_single);
   // W₀ and W₁, interleaved and split, and the factors of the Laplacian.  Each thread adds a packing
   // space.
   const double common = 32.0 * size * size + 3.0 * in_double + in_single;
+  const double diagonals = 16.0 * size * (unknowns + 3.0);  // sums over them, for band truncation
   return solver + doubles * in_double + singles * in_single + common +
-         threads * (in_double + in_single);
+         threads * (in_double + in_single) + diagonals;
 }
 
 }  // namespace isosyrk
