@@ -12,9 +12,8 @@ namespace isosyrk {
 /// Order of calls in a step:
 ///   1. bind;
 ///   2. cold_start, or an x from the predictor;
-///   3. residual, linearise, frozen_sweep and couple, any number of times: linearise after
-///   residual,
-///      frozen_sweep and couple after linearise;
+///   3. residual, linearise, frozen_sweep and couple, any number of times: linearise after a
+///      residual, frozen_sweep and couple after linearise;
 ///   4. update, with the x that the solver accepted.
 /// After a failed attempt, 2 and 3 are repeated.
 class StageSystem : public FixedPointSystem {
@@ -29,8 +28,7 @@ class StageSystem : public FixedPointSystem {
   /// Sets x to the start values of a cold start: Q = I, P = W₀, X = M = 0, W̃ = W₀.
   virtual void cold_start(Unknowns& x) = 0;
 
-  /// Computes W₁ from the accepted x, which must be the x of the last residual() plus that
-  /// residual.
+  /// Computes W₁ from the accepted x: the x of the last residual() plus that residual.
   virtual void update(const Unknowns& x, SplitMatrix& W1) = 0;
 
   /// True if products skip entries outside bands.
