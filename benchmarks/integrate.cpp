@@ -129,8 +129,8 @@ int main_program(int argc, char** argv) {
   const auto asked = read_integrate_arguments(argc, argv);
   if (const int* exit_code = std::get_if<int>(&asked)) return *exit_code;
   const auto& request = std::get<IntegrateRequest>(asked);
-  require_memory(fmt::format("--n {} with {}", request.n, request.integrator.name), request.integrator,
-                 request.n);
+  require_memory(fmt::format("--n {} with {}", request.n, request.integrator.name),
+                 request.integrator, request.n);
   use_one_blas_thread();
   std::optional<OutputFile> output;
   if (request.output_file) output.emplace("--output", *request.output_file);

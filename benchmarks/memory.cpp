@@ -116,9 +116,9 @@ void require_memory(const std::string& what, const IntegratorEntry& integrator, 
   const double needed = integrator.bytes(n) + other_matrices * size * size * sizeof(Complex);
   const MemoryLimit limit = available_memory();
   if (needed <= limit.bytes) return;
-  throw BadArgument(
-      fmt::format("{}: needs {:.3g} GB of memory, and {} has {:.3g} GB left; n or stages must be smaller",
-                  what, needed / gigabyte, limit.source, limit.bytes / gigabyte));
+  throw BadArgument(fmt::format(
+      "{}: needs {:.3g} GB of memory, and {} has {:.3g} GB left; n or stages must be smaller", what,
+      needed / gigabyte, limit.source, limit.bytes / gigabyte));
 }
 
 }  // namespace isosyrk

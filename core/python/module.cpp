@@ -48,11 +48,11 @@ BackendChoice backend_of(const std::string& text) {
   throw py::value_error(fmt::format("products '{}': must be fastest, openblas or eigen", text));
 }
 
-Scene scene_of_generator(const std::string& name, const Array& initial, py::object generator, py::object hamiltonian) {
+Scene scene_of_generator(const std::string& name, const Array& initial, py::object generator,
+                         py::object hamiltonian) {
   Matrix W0 = matrix_of(initial);
   const Index n = W0.rows();
-  return {name,
-          std::make_shared<PythonFlow>(n, std::move(generator), std::move(hamiltonian)),
+  return {name, std::make_shared<PythonFlow>(n, std::move(generator), std::move(hamiltonian)),
           std::move(W0), 5.0};
 }
 
@@ -66,8 +66,7 @@ struct Request {
 };
 
 IntegratorEntry entry_of(const Request& request) {
-  return request.fast ? fast_entry(request.name, request.switches)
-                      : integrator_entry(request.name);
+  return request.fast ? fast_entry(request.name, request.switches) : integrator_entry(request.name);
 }
 
 std::unique_ptr<Stepper> make_stepper(const Scene& scene, const Request& request) {
@@ -127,12 +126,13 @@ void bind_scenes(py::module_& module) {
                                   Index n, const std::string& hbar) {
     return euler_zeitlin_scene(name, n, convention_of(hbar), modes_of(modes));
   });
-  module.def("scene_of_initial", [](const std::string& name, const Array& W0,
-                                    const std::string& hbar) {
-    return euler_zeitlin_scene(name, convention_of(hbar), matrix_of(W0));
-  });
+  module.def("scene_of_initial",
+             [](const std::string& name, const Array& W0, const std::string& hbar) {
+               return euler_zeitlin_scene(name, convention_of(hbar), matrix_of(W0));
+             });
   module.def("scene_of_generator", &scene_of_generator);
-  module.def("require_initial_data", [](const Array& W) { require_initial_data(matrix_of(W), W.shape(0)); });
+  module.def("require_initial_data",
+             [](const Array& W) { require_initial_data(matrix_of(W), W.shape(0)); });
   module.def("hash_of_modes",
              [](const std::vector<ModeTuple>& modes) { return hash_of(modes_of(modes)); });
   module.def("hash_of_scene",
@@ -145,25 +145,31 @@ void bind_integrators(py::module_& module) {
       .def_readonly("stages", &IntegratorEntry::stages)
       .def_readonly("order", &IntegratorEntry::order)
       .def_readonly("stability_limit", &IntegratorEntry::stability_limit)
-      .def_property_readonly("isospectral", [](const IntegratorEntry& e) { return e.keeps.isospectral; })
-      .def_property_readonly("lie_poisson", [](const IntegratorEntry& e) { return e.keeps.lie_poisson; })
-      .def_property_readonly("symmetric", [](const IntegratorEntry& e) { return e.keeps.symmetric; })
-      .def_property_readonly("explicit", [](const IntegratorEntry& e) { return e.keeps.is_explicit; })
+      .def_property_readonly("isospectral",
+                             [](const IntegratorEntry& e) { return e.keeps.isospectral; })
+      .def_property_readonly("lie_poisson",
+                             [](const IntegratorEntry& e) { return e.keeps.lie_poisson; })
+      .def_property_readonly("symmetric",
+                             [](const IntegratorEntry& e) { return e.keeps.symmetric; })
+      .def_property_readonly("explicit",
+                             [](const IntegratorEntry& e) { return e.keeps.is_explicit; })
       .def_property_readonly("fast", [](const IntegratorEntry& e) { return has_fast_form(e.name); })
       .def_property_readonly("measured_limit",
                              [](const IntegratorEntry& e) { return measured_limit(e.name); })
-      .def("linear_limit", [](const IntegratorEntry& e, const Scene& scene) -> std::optional<double> {
-        if (!e.linear_limit) return {};
-        const OneBlasThread one_blas_thread;
-        const RealVector frequencies = generator_frequencies(scene);
-        return e.linear_limit(frequencies) * generator_norms(frequencies).B;
-      });
+      .def("linear_limit",
+           [](const IntegratorEntry& e, const Scene& scene) -> std::optional<double> {
+             if (!e.linear_limit) return {};
+             const OneBlasThread one_blas_thread;
+             const RealVector frequencies = generator_frequencies(scene);
+             return e.linear_limit(frequencies) * generator_norms(frequencies).B;
+           });
   module.def("integrators", &integrators);
   module.def("integrator_entry", &integrator_entry);
 
   py::class_<Stepper::Outcome>(module, "Outcome")
       .def_property_readonly("status", [](const Stepper::Outcome& o) { return name(o.run.status); })
-      .def_property_readonly("failed_step", [](const Stepper::Outcome& o) { return o.run.failed_step; })
+      .def_property_readonly("failed_step",
+                             [](const Stepper::Outcome& o) { return o.run.failed_step; })
       .def_property_readonly("steps", [](const Stepper::Outcome& o) { return o.run.steps; })
       .def_property_readonly("sweeps", [](const Stepper::Outcome& o) { return o.run.sweeps; })
       .def_property_readonly("products", [](const Stepper::Outcome& o) { return o.run.products; })
@@ -171,14 +177,17 @@ void bind_integrators(py::module_& module) {
                              [](const Stepper::Outcome& o) { return o.run.equivalent_products; })
       .def_property_readonly("poisson_solves",
                              [](const Stepper::Outcome& o) { return o.run.poisson_solves; })
-      .def_property_readonly("contraction", [](const Stepper::Outcome& o) { return o.run.contraction; })
-      .def_property_readonly("last_change", [](const Stepper::Outcome& o) { return o.run.last_change; })
+      .def_property_readonly("contraction",
+                             [](const Stepper::Outcome& o) { return o.run.contraction; })
+      .def_property_readonly("last_change",
+                             [](const Stepper::Outcome& o) { return o.run.last_change; })
       .def_readonly("seconds", &Stepper::Outcome::seconds);
   py::class_<Stepper>(module, "Stepper")
       .def(py::init([](const Scene& scene, const std::string& name, bool fast, double tolerance,
                        int max_sweeps, int threads, bool predictor, bool newton, bool bands,
                        const std::string& products) {
-        Request request{name, fast, {tolerance, max_sweeps, &handle_signals}, {}, backend_of(products)};
+        Request request{
+            name, fast, {tolerance, max_sweeps, &handle_signals}, {}, backend_of(products)};
         request.switches.threads = threads;
         request.switches.newton = newton;
         if (!predictor) request.switches.past_steps = 0;

@@ -27,7 +27,10 @@ void PythonFlow::generator(const Matrix& W, Matrix& B) const {
   const py::object result = generator_(copy_of(W));
   const auto array =
       py::array_t<Complex, py::array::c_style | py::array::forcecast>::ensure(result);
-  if (!array) throw py::error_already_set();
+  if (!array) {
+    throw py::type_error(py::str("generator: returned a {}, must be an array of numbers")
+                             .format(py::type::of(result).attr("__name__")));
+  }
   if (array.ndim() != 2 || array.shape(0) != size() || array.shape(1) != size()) {
     py::list shape;
     for (py::ssize_t k = 0; k < array.ndim(); ++k) shape.append(array.shape(k));

@@ -95,16 +95,16 @@ class Answers(unittest.TestCase):
         scene = isosyrk.scene("smooth", n=9)
         for record in isosyrk.integrators():
             for solver in ("published", "fast") if record.fast else ("published",):
-                W, _ = isosyrk.integrator(scene, record.name, solver=solver).run(scene.initial, 0.1, 20)
+                W, _ = isosyrk.integrator(scene, record.name, solver=solver).run(scene.initial, 0.5, 20)
                 self.assertEqual(isosyrk.spectrum_error(W, scene.initial) < 1e-11, record.isospectral, record.name)
 
     def test_switches_and_threads_do_not_move_the_answer(self):
-        scene = isosyrk.scene("smooth", n=33)
-        wanted, predicted = isosyrk.integrator(scene, "group2", solver="fast").run(scene.initial, 0.1, 20)
-        same, _ = isosyrk.integrator(scene, "group2", solver="fast", threads=2).run(scene.initial, 0.1, 20)
+        scene = isosyrk.scene("smooth", n=65)  # large enough for bands and for two threads
+        wanted, predicted = isosyrk.integrator(scene, "group2", solver="fast").run(scene.initial, 0.1, 10)
+        same, _ = isosyrk.integrator(scene, "group2", solver="fast", threads=2).run(scene.initial, 0.1, 10)
         self.assertTrue(np.array_equal(same, wanted))
         for switch in isosyrk.SWITCHES:
-            W, report = isosyrk.integrator(scene, "group2", solver="fast", without=(switch,)).run(scene.initial, 0.1, 20)
+            W, report = isosyrk.integrator(scene, "group2", solver="fast", without=(switch,)).run(scene.initial, 0.1, 10)
             self.assertLess(np.abs(W - wanted).max(), 100 * TOLERANCE)
             self.assertGreater(report.equivalent_products, predicted.equivalent_products, switch)
 
@@ -118,7 +118,9 @@ class Answers(unittest.TestCase):
         self.assertAlmostEqual(isosyrk.relative_error(1.5 * W, W), 0.5)
         self.assertLess(max(isosyrk.casimir_errors(W0, W0)), 1e-15)
         self.assertAlmostEqual(isosyrk.casimir_errors(2 * W0, W0)[0], 3.0, 10)
-        self.assertAlmostEqual(isosyrk.angular_momentum_error(2 * W0, W0), 2 / 2, 1)
+        momentum = [np.trace(S @ W0).imag for S in spin(9)]
+        self.assertAlmostEqual(isosyrk.angular_momentum_error(3 * W0, W0),
+                               2 * np.abs(momentum).max() / np.linalg.norm(momentum), 12)
         norm_B, norm_ad_B = scene.generator_norms()
         self.assertAlmostEqual(norm_B, np.linalg.norm(scene.generator(W0), 2), 12)
         self.assertGreater(norm_ad_B, norm_B)
@@ -226,8 +228,8 @@ class OwnFlow(unittest.TestCase):
             raise KeyError("mine")
 
         for generator, error, message in ((raises, KeyError, "mine"), (lambda W: W[:3], ValueError, r"shape \(3, 9\)"),
-                                          (lambda W: 1.0, ValueError, r"shape \(\)"), (lambda W: "B", ValueError, ""),
-                                          (lambda W: None, (ValueError, TypeError), ""),
+                                          (lambda W: 1.0, ValueError, r"shape \(\)"), (lambda W: "B", TypeError, "returned a str"),
+                                          (lambda W: None, Exception, "generator: returned"),
                                           (lambda W: W * np.nan, isosyrk.SolverError, "diverged at step 1")):
             scene = isosyrk.scene(initial=state(), generator=generator)
             W = scene.initial.copy()
@@ -270,7 +272,7 @@ class Refusals(unittest.TestCase):
                 (TypeError, "^n: is a float", dict(name="smooth", n=9.0)),
                 (ValueError, "^hbar 'plank': must be paper or standard$", dict(name="smooth", n=9, hbar="plank")),
                 (ValueError, "^scene: has modes and initial", dict(modes=[(1, 0, 1, 0)], initial=W)),
-                (ValueError, "mode .*l = 9|l = 9", dict(modes=[(9, 0, 1.0, 0.0)], n=9)),
+                (ValueError, "^mode l=9, m=0: l must be", dict(modes=[(9, 0, 1.0, 0.0)], n=9)),
                 (ValueError, "^mode 5: must be", dict(modes=[5], n=9)),
                 (TypeError, "^re: is a str", dict(modes=[(1, 0, "1", 0.0)], n=9)),
                 (ValueError, "dtype is complex64", dict(initial=W.astype(np.complex64))),
@@ -318,16 +320,18 @@ class Refusals(unittest.TestCase):
             self.refused(error, message, method.run, *arguments)
 
     def test_a_step_that_does_not_converge(self):
-        W0 = self.scene.initial.copy()
-        method = isosyrk.integrator(self.scene, "group2", max_sweeps=12)
+        scene = isosyrk.scene("rough", n=9)
+        W0 = scene.initial.copy()
+        method = isosyrk.integrator(scene, "group2", max_sweeps=12)  # enough for the first steps only
         seen = []
         with self.assertRaises(isosyrk.SolverError) as raised:
-            method.run(W0, 0.2, 5, observe=lambda step, W, report: seen.append(W.copy()))
+            method.run(W0, 0.2, 40, observe=lambda step, W, report: seen.append(W.copy()))
         error = raised.exception
         self.assertEqual((error.step, error.status), (len(seen) + 1, "sweep cap"))
         self.assertGreater(error.last_change, TOLERANCE)
         self.assertTrue(np.array_equal(error.W, ([W0] + seen)[-1]))
-        self.assertTrue(np.array_equal(W0, self.scene.initial))
+        self.assertTrue(np.array_equal(W0, scene.initial))
+        self.assertGreater(len(seen), 0)
         self.assertEqual(error.report.steps, len(seen))
 
 
@@ -376,34 +380,33 @@ class Beside(unittest.TestCase):
         for W in results:
             self.assertTrue(np.array_equal(W, wanted))
 
-    def interrupted(self, arguments):
-        """Interrupts a run after a second; returns what its process printed and the seconds it took to end."""
-        code = ("import isosyrk, numpy as np, time\n"
-                f"scene = isosyrk.scene('smooth', n={arguments['n']})\n"
-                f"method = isosyrk.integrator(scene, '{arguments['name']}', solver='{arguments['solver']}')\n"
+    def interrupted(self, n, solver, steps):
+        """Interrupts a run after half a second; returns what its process printed and the seconds it took to end."""
+        code = ("import isosyrk, numpy as np\n"
+                f"scene = isosyrk.scene('rough', n={n})\n"
+                f"method = isosyrk.integrator(scene, 'group2', solver='{solver}')\n"
                 "W = scene.initial.copy()\n"
                 "print('begins', flush=True)\n"
                 "try:\n"
-                f"    method.run(W, 0.1, {arguments['steps']}, out=W)\n"
+                f"    method.run(W, 0.02, {steps}, out=W)\n"
                 "except KeyboardInterrupt:\n"
                 "    print('ended', isosyrk.spectrum_error(W, scene.initial), np.array_equal(W, scene.initial), flush=True)\n"
-                "    method.step(W, 0.1) if " + str(arguments["again"]) + " else None\n"
+                "    isosyrk.integrator(scene, 'rk4').step(W, 0.001)\n"
                 "    print('and works', flush=True)\n")
         process = python(code, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler))
         self.assertEqual(process.stdout.readline(), "begins\n", process)
-        threading.Event().wait(1.0)
+        threading.Event().wait(0.5)
         process.send_signal(signal.SIGINT)
         begun = os.times().elapsed
         ended = process.stdout.readline()
         seconds = os.times().elapsed - begun
-        printed, errors = process.communicate(timeout=60)
-        self.assertEqual((printed, process.returncode), ("and works\n", 0), errors)
+        with process:
+            self.assertEqual(process.stdout.read(), "and works\n", process.stderr.read())
         return ended.split(), seconds
 
     def test_ctrl_c_ends_a_run_with_a_whole_state(self):
         for solver in ("published", "fast"):
-            (_, error, unmoved), seconds = self.interrupted(
-                dict(n=33, name="group2", solver=solver, steps=10**8, again=True))
+            (_, error, unmoved), seconds = self.interrupted(33, solver, 10**8)
             self.assertLess(float(error), 1e-8)
             self.assertEqual(unmoved, "False")
             self.assertLess(seconds, 1.0)
@@ -411,7 +414,7 @@ class Beside(unittest.TestCase):
     @unittest.skipIf(SANITIZED, "a sweep takes long")
     def test_ctrl_c_ends_a_step_between_sweeps(self):
         for solver in ("published", "fast"):
-            (_, _, unmoved), seconds = self.interrupted(dict(n=700, name="group5", solver=solver, steps=1, again=False))
+            (_, _, unmoved), seconds = self.interrupted(600, solver, 1)
             self.assertEqual(unmoved, "True")  # the first step had not ended
             self.assertLess(seconds, 2.5)
 
