@@ -5,9 +5,11 @@ Python with the module isosyrk. It may not depend on the clock, so that both giv
 stands in a journal beside the raw file, and an interrupted study goes on from there.
 """
 
+import argparse
 import concurrent.futures
 import contextlib
 import importlib
+import inspect
 import json
 import logging
 import multiprocessing
@@ -21,14 +23,15 @@ from functools import partial
 import chart_python
 from benchmark_json import UnusableFile, one_line
 from command_line import OneLineParser, whole_number
+from document import replace_file
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 MODULE = os.path.join(os.environ.get("ISOSYRK_BUILD") or os.path.join(ROOT, "build"), "python")
-PATHS = (MODULE, os.path.join(ROOT, "scripts", "lib"), os.path.join(ROOT, "scripts", "studies"))
 JOURNAL = "isosyrk journal 1"
 KEPT_CONDITIONS = ("commit", "dirty", "cpu", "blas_kernels")  # what results depend on
 NOT_OF_THE_STUDY = ("out", "scheduler", "workers")  # options that leave results as they are
 MOST_LOSSES = 3  # of workers, without a job finished between
+LOST = "a worker was lost; its jobs are done again"
 LONG_RUN = 1.0  # CPU seconds; such a run is timed at most twice
 BAD_ARGUMENTS, NO_ANSWER, INTERRUPTED, TERMINATED = 2, 3, 130, 143
 
@@ -61,10 +64,17 @@ def command_line(program, description):
     parser.add_argument("--quick", action="store_true", help="the smaller study")
     parser.add_argument("--n", metavar="N", type=whole_number(5, 513), nargs="+", action="extend", help="matrix sizes")
     parser.add_argument("--integrator", metavar="NAME", nargs="+", action="extend", help="integrators (default: all)")
-    parser.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="Dask scheduler that untimed work is given to")
+    parser.add_argument("--scheduler", metavar="tcp://HOST:PORT", type=address, help="Dask scheduler that untimed work is given to")
     parser.add_argument("--workers", metavar="K", type=whole_number(1, 1024), default=len(os.sched_getaffinity(0)),
                         help="processes for untimed work without --scheduler (default: one for each core)")
     return parser
+
+
+def address(value):
+    """Reads the argument of --scheduler."""
+    if not re.fullmatch(r"tcp://[^\s/]+:[0-9]{1,5}", value):
+        raise argparse.ArgumentTypeError(f"{value!r} is not tcp://HOST:PORT")
+    return value
 
 
 def entries(names):
@@ -140,9 +150,13 @@ class Journal:
             if lines is not None:
                 say(f"{one_line(self.path)}: belongs to something else, begun anew")
             self.context = now
-        with open(self.path, "w", encoding="utf-8") as file:  # without a last line that was cut
-            for line in ({**head, "context": self.context}, *self.found.items()):
-                file.write(json.dumps(line) + "\n")
+        self.head = {**head, "context": self.context}
+        if self.found:
+            self._rewrite()  # without a last line that was cut
+
+    def _rewrite(self):
+        lines = (json.dumps(each) + "\n" for each in (self.head, *self.found.items()))
+        replace_file(self.path, "".join(lines).encode("utf-8"))
 
     def _lines(self):
         """Returns the whole lines of the file, or None where there is none."""
@@ -158,13 +172,17 @@ class Journal:
         return lines if lines and isinstance(lines[0], dict) else []
 
     def add(self, key, result):
+        """Keeps a result. The first one makes the file."""
         line = json.dumps([key, result], allow_nan=False)
+        if not self.found:
+            self._rewrite()
         with open(self.path, "a", encoding="utf-8") as file:
             file.write(line + "\n")
         self.found[key] = json.loads(line)[1]
 
     def remove(self):
-        os.unlink(self.path)
+        if self.found:
+            os.unlink(self.path)
 
     def products(self, n):
         """Returns the product backend that was the faster at n when the study began. Beyond 257 it no longer changes."""
@@ -195,12 +213,13 @@ def untimed(jobs, work, journal, options, what):
                 return [journal.found[key] for key in keys]
             if losses > MOST_LOSSES:
                 raise Stop(f"{what}: a worker was lost {losses} times without a job finished between", NO_ANSWER)
-            with executor(options) as (pool, watch, lost):
+            with executor(options, work) as (pool, watch, lost):
                 futures = {pool.submit(work, job): key for key, job in left.items()}
                 broken = False
                 while futures:
                     done, _ = concurrent.futures.wait(futures, 1.0, concurrent.futures.FIRST_COMPLETED)
-                    watch()
+                    for _ in range(watch()):
+                        bar.write(LOST, file=sys.stderr)
                     for future in done:
                         key = futures.pop(future)
                         try:
@@ -211,7 +230,7 @@ def untimed(jobs, work, journal, options, what):
                             broken = True
             if broken:
                 losses += 1
-                bar.write("a worker was lost; its jobs are done again", file=sys.stderr)
+                bar.write(LOST, file=sys.stderr)
 
 
 def importable(work):
@@ -222,19 +241,20 @@ def importable(work):
     return getattr(importlib.import_module(module), work.__name__)
 
 
-def executor(options):
-    return dask(options.scheduler) if options.scheduler else processes(options.workers)
+def executor(options, work):
+    folders = (MODULE, os.path.dirname(os.path.realpath(__file__)), os.path.dirname(inspect.getfile(work)))
+    return dask(options.scheduler, folders) if options.scheduler else processes(options.workers)
 
 
 @contextlib.contextmanager
 def processes(workers):
-    """Yields an executor on this machine, a watch on its workers, and the errors by which jobs tell of a lost one.
+    """Yields an executor on this machine, a count of workers lost unseen, and the errors by which jobs tell of a loss.
 
     Its processes are spawned, because OpenMP hangs in a forked child.
     """
     pool = concurrent.futures.ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), ignore_interrupts)
     try:
-        yield pool, lambda: None, concurrent.futures.BrokenExecutor
+        yield pool, lambda: 0, concurrent.futures.BrokenExecutor
         pool.shutdown()
     finally:  # at once, whatever they do
         pool.shutdown(wait=False, cancel_futures=True)
@@ -248,10 +268,10 @@ def ignore_interrupts():
 
 
 @contextlib.contextmanager
-def dask(address):
-    """Yields the same for a Dask cluster, with a watch that tells of workers that were lost since it was last called.
+def dask(address, folders):
+    """Yields the same for a Dask cluster, whose scheduler gives the jobs of a lost worker to others, up to three times.
 
-    The scheduler gives their jobs to others, and an error only if a job has lost several workers.
+    Its workers import from these folders too, where they have them.
     """
     try:
         import distributed
@@ -263,16 +283,14 @@ def dask(address):
         client = distributed.Client(address, timeout=10, set_as_default=False)
     except (OSError, ValueError, TypeError) as problem:
         raise Stop(f"--scheduler {one_line(address)}: cannot be reached ({one_line(problem)})") from None
-    for path in PATHS:
-        client.register_worker_callbacks(partial(site.addsitedir, path))
+    for folder in folders:
+        client.register_worker_callbacks(partial(site.addsitedir, folder))
     workers = set()
 
     def watch():
         nonlocal workers
-        now = set(client.scheduler_info()["workers"])
-        for _ in workers - now:
-            say("a Dask worker was lost; its jobs are done again")
-        workers = now
+        before, workers = workers, set(client.scheduler_info()["workers"])
+        return len(before - workers)
 
     lost = (distributed.scheduler.KilledWorker, concurrent.futures.CancelledError)
     try:
