@@ -6,7 +6,6 @@ import sys
 import unittest
 
 from programs import ROOT, FolderTest
-from stability_documents import long_document, map_document
 from study_documents import study_document
 from wrong_values import WRONG
 
@@ -14,16 +13,13 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
 from benchmark_json import UnusableFile  # noqa: E402
 from raw_files import Fields  # noqa: E402
-from stability import read_long_runs, read_map  # noqa: E402
 from work_precision import read_study  # noqa: E402
 
 # The program, its reader, a sound document, and the lists of objects that it has.
-STUDIES = (("work_precision", read_study, study_document, ("references", "integrators", "points", "tolerance_points")),
-           ("stability", read_map, map_document, ("integrators", "settings", "maps")),
-           ("long_runs", read_long_runs, long_document, ("integrators", "runs")))
+STUDIES = (("work_precision", read_study, study_document, ("references", "integrators", "points", "tolerance_points")),)
 
 # What the programs write and no reader needs, and what may be left out.
-NOT_NEEDED = {"scene", "norm_ad_B", "linear_limit", "critical", "failed_step", "predicted_skew_growth",
+NOT_NEEDED = {"scene", "norm_ad_B", "linear_limit", "critical", "failed_step", 
               "poisson_solves_per_step"}
 # How a kind of field is read, of those in wrong_values.py.
 KINDS = {"text": Fields.text, "truth": Fields.truth, "not negative": Fields.not_negative, "positive": Fields.positive,
