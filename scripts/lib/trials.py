@@ -26,7 +26,7 @@ class Setting:
 
     def __init__(self, scene, n):
         self.scene = isosyrk.scene(scene, n=n)
-        self.norm_B, self.norm_ad_B = isosyrk.generator_norms(self.scene)
+        self.norm_B, self.norm_ad_B = self.scene.generator_norms()
         self.initial_energy = self.scene.energy(self.scene.initial)
 
     def integrator(self, name, solver="published"):
@@ -84,8 +84,12 @@ def attempt(setting, integrator, isospectral, h_norm_B, steps):
     if status == "converged" and invariants_lost(errors, isospectral):
         status = "unstable"
     return {"h_norm_B": h_norm_B, "status": status, "steps": report.steps,
-            "sweeps_per_step": report.sweeps / max(report.steps, 1),
+            "sweeps_per_step": sweeps_per_step(report),
             **{name: finite(error) for name, error in errors.items()}, "failed_step": failed_step}
+
+
+def sweeps_per_step(report):
+    return report.sweeps / report.steps if report.steps else 0.0
 
 
 def invariants_lost(errors, isospectral):

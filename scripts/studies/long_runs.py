@@ -73,7 +73,7 @@ def long_run(setting, integrator, h_norm_B, steps):
 
     _, report, status, failed_step = trials.run(integrator, W0, h, steps, watch)
     return {"h_norm_B": h_norm_B, "step": h, "status": "unstable" if lost else status, "steps": report.steps,
-            "sweeps_per_step": report.sweeps / max(report.steps, 1),
+            "sweeps_per_step": trials.sweeps_per_step(report),
             "failed_step": report.steps if lost else failed_step, "samples": samples}
 
 
