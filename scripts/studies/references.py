@@ -26,7 +26,7 @@ import isosyrk
 from benchmark_json import UnusableFile, one_line
 from document import replace_file
 from rendered_folder import output_folder
-from study_file import checked, positive, read_json, text, whole
+from study_file import an_object, checked, list_of, positive, read_json, require, text, whole
 
 FORMAT = "isosyrk references 1"
 SIZES, QUICK_SIZES = (17, 33, 65, 129), (17, 33)
@@ -87,13 +87,13 @@ def read_records(folder):
     """Returns the records of references.json by n. Throws UnusableFile, also for solutions of another scene."""
     def records(document):
         for name, wanted in head().items():
-            if not isinstance(document, dict) or document.get(name) != wanted:
-                raise UnusableFile(f"is no list of reference solutions of this scene (its {name} is not {wanted})")
+            require(document, "list of reference solutions of this scene", name, wanted)
         kinds = {"n": whole(2), "file": text, "uncertainty": positive, "first": run, "second": run}
-        return {each["n"]: checked(each, kinds, "a reference") for each in document.get("references", ())}
+        found = checked(document, {"references": list_of(an_object)}, "it")["references"]
+        return {each["n"]: each for each in (checked(each, kinds, "a reference") for each in found)}
 
     def run(values):
-        return checked(values, {"integrator": text, "steps": whole(1)}, "a run of a reference")
+        return checked(an_object(values), {"integrator": text, "steps": whole(1)}, "a run of a reference")
 
     return read_json(os.path.join(folder, "references.json"), records)
 
