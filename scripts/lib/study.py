@@ -12,6 +12,7 @@ import importlib
 import inspect
 import json
 import logging
+import math
 import multiprocessing
 import os
 import re
@@ -24,6 +25,7 @@ import chart_python
 from benchmark_json import UnusableFile, one_line
 from command_line import OneLineParser, whole_number
 from document import replace_file
+from study_file import Integrator
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 MODULE = os.path.join(os.environ.get("ISOSYRK_BUILD") or os.path.join(ROOT, "build"), "python")
@@ -57,10 +59,10 @@ def require_module(program):
                          "build it with scripts/reproduce, or install python3-numpy and python3-tqdm")
 
 
-def command_line(program, description):
-    """Returns a parser with the options that all studies have."""
+def command_line(program, description, out="FILE"):
+    """Returns a parser with the options that all studies have. `out` is FILE or FOLDER."""
     parser = OneLineParser(prog=program, description=description, allow_abbrev=False)
-    parser.add_argument("--out", metavar="FILE", required=True, help="raw file to write; FILE.journal keeps what is done")
+    parser.add_argument("--out", metavar=out, required=True, help="what to write; a journal beside it keeps what is done")
     parser.add_argument("--quick", action="store_true", help="the smaller study")
     parser.add_argument("--n", metavar="N", type=whole_number(5, 513), nargs="+", action="extend", help="matrix sizes")
     parser.add_argument("--integrator", metavar="NAME", nargs="+", action="extend", help="integrators (default: all)")
@@ -85,6 +87,13 @@ def entries(names):
         if name not in known:
             raise Stop(f"--integrator {one_line(name)!r}: must be one of {', '.join(known)}")
     return [known[name] for name in dict.fromkeys(names or known)]
+
+
+def record_of(entry):
+    """Returns the module's record of an integrator as a row of a raw file."""
+    limit = entry.stability_limit if math.isfinite(entry.stability_limit) else None
+    return Integrator(entry.name, entry.stages, entry.order, entry.isospectral, entry.lie_poisson, entry.symmetric,
+                      entry.explicit, limit)
 
 
 def require_writable(path):
@@ -200,7 +209,8 @@ def key_of(what, job):
 def untimed(jobs, work, journal, options, what):
     """Returns work(job) of each job, in their order. Jobs and results are what JSON can hold.
 
-    `work` is a function of the study's module. A lost worker is told and its jobs are done again.
+    `work` is a function of the study's module. The last jobs are begun first: they tend to be the longest. A lost worker
+    is told and its jobs are done again.
     """
     work = importable(work)
     keys = [key_of(what, job) for job in jobs]
@@ -214,7 +224,7 @@ def untimed(jobs, work, journal, options, what):
             if losses > MOST_LOSSES:
                 raise Stop(f"{what}: a worker was lost {losses} times without a job finished between", NO_ANSWER)
             with executor(options, work) as (pool, watch, lost):
-                futures = {pool.submit(work, job): key for key, job in left.items()}
+                futures = {pool.submit(work, job): key for key, job in reversed(left.items())}
                 broken = False
                 while futures:
                     done, _ = concurrent.futures.wait(futures, 1.0, concurrent.futures.FIRST_COMPLETED)

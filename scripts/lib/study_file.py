@@ -73,6 +73,12 @@ def text(value):
     return value
 
 
+def an_object(value):
+    if not isinstance(value, dict):
+        raise Wrong("an object")
+    return value
+
+
 def one_of(*allowed):
     def kind(value):
         if not isinstance(value, str) or value not in allowed:
@@ -108,6 +114,13 @@ status = one_of(*STATUSES)
 
 
 # ---- records
+
+
+def require(document, what, name, wanted):
+    """Throws UnusableFile, saying that a document is no `what`, if a field of it is not `wanted`."""
+    found = document.get(name) if isinstance(document, dict) else None
+    if found != wanted:
+        raise UnusableFile(f"is no {what} (its {name} is {quoted(found)}, not {quoted(wanted)})")
 
 
 class Integrator(NamedTuple):
@@ -181,14 +194,10 @@ def read_json(path, make):
 
 def study_of(document, schema):
     """Returns the Study in a document of JSON. Throws UnusableFile."""
-    parts = document if isinstance(document, dict) else {}
-    for name, wanted in (("format", FORMAT), ("study", schema.study)):
-        if parts.get(name) != wanted:
-            raise UnusableFile(f"is no raw file of the study {schema.study}"
-                               f" (its {name} is {quoted(parts.get(name))}, not {quoted(wanted)})")
-    for name in ("context", "settings", "tables"):
-        if not isinstance(parts.get(name), dict):
-            raise UnusableFile(f"has no {name}")
+    what = f"raw file of the study {schema.study}"
+    require(document, what, "format", FORMAT)
+    require(document, what, "study", schema.study)
+    parts = checked(document, dict.fromkeys(("context", "settings", "tables"), an_object), "it")
     return Study(printable_context(parts["context"]),
                  schema.settings(**checked(parts["settings"], schema.settings.__annotations__, "settings")),
                  {name: table(parts["tables"].get(name), record, name) for name, record in schema.tables.items()})

@@ -9,7 +9,7 @@ import math
 import isosyrk
 import numpy
 import study
-from study_file import LARGEST, Integrator
+from study_file import CONVERGED, LARGEST, UNSTABLE
 
 MAX_SWEEPS = 400  # tells a slow iteration from one that fails without the cost of Table 1's thousand
 GRID = [2.0 ** (k / 2) for k in range(-6, 8)]  # h‖B(W₀)‖₂ from 1/8 to 11.3
@@ -40,12 +40,6 @@ class Setting:
         return {"spectrum_error": isosyrk.spectrum_error(W, self.scene.initial), "skew_defect": isosyrk.skew_defect(W)}
 
 
-def integrator_row(entry):
-    """Returns an entry of the module's list as a row of a raw file."""
-    row = Integrator(*(getattr(entry, field) for field in Integrator._fields))
-    return row if math.isfinite(row.stability_limit) else row._replace(stability_limit=None)
-
-
 def trial_steps(n, explicit):
     """Returns the steps of a trial: enough for a growth to show, fewer where they are dear."""
     if explicit:
@@ -66,7 +60,7 @@ def finite(error):
 def run(integrator, W, h, steps, observe):
     """Runs, and returns (W, report, status, failed step); W is the last good state, the failed step None if none."""
     try:
-        return (*integrator.run(W, h=h, steps=steps, observe=observe), "converged", None)
+        return (*integrator.run(W, h=h, steps=steps, observe=observe), CONVERGED, None)
     except isosyrk.SolverError as problem:
         return problem.W, problem.report, problem.status, problem.step
 
@@ -81,8 +75,8 @@ def attempt(setting, integrator, isospectral, h_norm_B, steps):
 
     W, report, status, failed_step = run(integrator, setting.scene.initial, h_norm_B / setting.norm_B, steps, watch)
     errors = {**setting.errors(W), "energy_error": energy_error}
-    if status == "converged" and invariants_lost(errors, isospectral):
-        status = "unstable"
+    if status == CONVERGED and invariants_lost(errors, isospectral):
+        status = UNSTABLE
     return {"h_norm_B": h_norm_B, "status": status, "steps": report.steps,
             "sweeps_per_step": sweeps_per_step(report),
             **{name: finite(error) for name, error in errors.items()}, "failed_step": failed_step}
@@ -118,4 +112,4 @@ def find_edge(setting, name, solver="published"):
 
 
 def works(trial):
-    return trial["status"] == "converged"
+    return trial["status"] == CONVERGED

@@ -13,16 +13,17 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.dirname(os.path.realpath
 
 import study
 
+PROGRAM = "long_runs"
 if __name__ == "__main__":
-    study.require_module("long_runs")  # which may start this program again, in another Python
+    study.require_module(PROGRAM)
 
 import isosyrk
 import study_file
 import trials
 from command_line import whole_number
 from stability_files import LONG_RUNS_SCHEMA, LongRunSettings, RunRow, Sample
+from study_file import UNSTABLE
 
-PROGRAM = "long_runs"
 SCENE = "smooth"
 SIZES, QUICK_SIZES = (17, 33), (17,)
 STEPS, QUICK_STEPS = 10000, 1000
@@ -72,7 +73,7 @@ def long_run(setting, integrator, h_norm_B, steps):
         return lost
 
     _, report, status, failed_step = trials.run(integrator, W0, h, steps, watch)
-    return {"h_norm_B": h_norm_B, "step": h, "status": "unstable" if lost else status, "steps": report.steps,
+    return {"h_norm_B": h_norm_B, "step": h, "status": UNSTABLE if lost else status, "steps": report.steps,
             "sweeps_per_step": trials.sweeps_per_step(report),
             "failed_step": report.steps if lost else failed_step, "samples": samples}
 
@@ -83,13 +84,12 @@ def main(arguments):
     options = parser.parse_args(arguments)
     steps = options.steps or (QUICK_STEPS if options.quick else STEPS)
     sizes = sorted(set(options.n or (QUICK_SIZES if options.quick else SIZES)))
-    rows = [trials.integrator_row(entry) for entry in study.entries(options.integrator)]
+    rows = [study.record_of(entry) for entry in study.entries(options.integrator)]
     for name, entry in zip(CONTROLS, study.entries(CONTROLS.values())):
-        rows.append(trials.integrator_row(entry)._replace(name=name, isospectral=False, lie_poisson=False))
+        rows.append(study.record_of(entry)._replace(name=name, isospectral=False, lie_poisson=False))
 
     journal = study.Journal(PROGRAM, options, partial(isosyrk.conditions, products="openblas", sizes=sizes))
-    # The largest n first: the last to end would leave cores idle.
-    jobs = [{"n": n, "integrator": row.name, "steps": steps} for n in reversed(sizes) for row in rows]
+    jobs = [{"n": n, "integrator": row.name, "steps": steps} for n in sizes for row in rows]
     runs = [run for found in study.untimed(jobs, carry_out, journal, options, "long runs") for run in found]
     samples = [Sample(run=number, **sample) for number, run in enumerate(runs) for sample in run.pop("samples")]
     study_file.write(options.out, LONG_RUNS_SCHEMA, journal.context, LongRunSettings(steps, trials.MAX_SWEEPS),

@@ -13,8 +13,9 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.dirname(os.path.realpath
 
 import study
 
+PROGRAM = "stability"
 if __name__ == "__main__":
-    study.require_module("stability")  # which may start this program again, in another Python
+    study.require_module(PROGRAM)
 
 import isosyrk
 import study_file
@@ -22,7 +23,6 @@ import trials
 from integrator_names import TABLE1_CELLS
 from stability_files import FAST, MAP_SCHEMA, PUBLISHED, SCENES, SOLVERS, Edge, MapSettings, Setting, Trial
 
-PROGRAM = "stability"
 SIZES, QUICK_SIZES = (9, 17, 33, 65, 129, 257), (9, 17, 33)
 
 
@@ -56,12 +56,11 @@ def main(arguments):
             raise study.Stop(f"--integrator {entry.name!r}: has no fast form")
 
     journal = study.Journal(PROGRAM, options, partial(isosyrk.conditions, products="openblas", sizes=sizes))
-    # The largest n first: the last to end would leave cores idle.
     jobs = [{"scene": scene, "n": n, "integrator": entry.name, "solver": options.solver}
-            for n in reversed(sizes) for scene in reversed(scenes) for entry in entries]
+            for n in sizes for scene in scenes for entry in entries]
     maps = study.untimed(jobs, draw, journal, options, "stability maps")
     study_file.write(options.out, MAP_SCHEMA, journal.context, MapSettings(options.solver, trials.MAX_SWEEPS), {
-        "integrators": [trials.integrator_row(entry) for entry in entries],
+        "integrators": list(map(study.record_of, entries)),
         "settings": [described(scene, n) for n in sizes for scene in scenes],
         "maps": [Edge(**each["edge"]) for each in maps],
         "trials": [Trial(**trial) for each in maps for trial in each["trials"]]})
