@@ -2,10 +2,9 @@
 
 import os
 import sys
-
 import unittest
 
-from programs import DONE, ROOT, FolderTest, program, run, run_script
+from programs import DONE, HAS_MODULE, ROOT, FolderTest, run, run_script
 
 sys.dont_write_bytecode = True
 from scaling_document import points, write_scaling
@@ -17,6 +16,7 @@ STUDY = os.path.join(ROOT, "scripts", "studies", "scaling.py")
 RENDER = os.path.join(ROOT, "scripts", "render_scaling")
 
 
+@unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")
 class Study(FolderTest):
     def test_every_rung_on_the_same_stretch(self):
         path = self.path("raw.json")
