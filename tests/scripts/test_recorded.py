@@ -10,11 +10,11 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__
 RECORDED = os.path.join(ROOT, "results", "recorded")
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
+from accuracy_lines import read_accuracy  # noqa: E402
 from accuracy_report import accuracy_sections  # noqa: E402
 from document import as_markdown  # noqa: E402
 from stability import read_fast_map, read_long_runs, read_map  # noqa: E402
 from stability_report import stability_sections  # noqa: E402
-from work_precision import read_study  # noqa: E402
 
 MOST_BYTES = 8_000_000
 
@@ -37,7 +37,7 @@ class Recorded(unittest.TestCase):
         stability = [read(raw("stability", name)) for read, name in
                      ((read_map, "map.json"), (read_long_runs, "long_runs.json"), (read_fast_map, "fast_map.json"))]
         failures, runs, fast = stability
-        for study, report in (("accuracy", accuracy_sections(read_study(raw("accuracy")), charts("accuracy"))),
+        for study, report in (("accuracy", accuracy_sections(read_accuracy(raw("accuracy")), charts("accuracy"))),
                               ("stability", stability_sections(failures, runs, charts("stability"), fast=fast))):
             with self.subTest(study=study):
                 self.assertTrue(text(RECORDED, study, "report.md") == as_markdown(report), "render it again")
