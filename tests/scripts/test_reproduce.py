@@ -88,12 +88,6 @@ exit "${BENCHMARK_STATUS:-0}"
 """
 
 
-# Leaves a reference solution for each n asked for.
-REFERENCE_SOLUTIONS = """
-echo "reference_solutions $*" >>"$CALLS"
-exit "${REFERENCES_STATUS:-0}"
-"""
-
 # Where a program of a study, or a script that draws, is to write.
 FIND_OUT = """
 while [ $# -gt 0 ]; do
@@ -175,8 +169,7 @@ class CopyTest(FolderTest):
         ignored = shutil.ignore_patterns("__pycache__")
         shutil.copytree(os.path.join(ROOT, "scripts"), self.path("root", "scripts"), ignore=ignored)
         shutil.copytree(os.path.join(ROOT, "results", "paper"), self.path("root", "results", "paper"))
-        for name, body in (("table1", TABLE), ("table2", TABLE), ("reference_solutions", REFERENCE_SOLUTIONS),
-                           *((study, STUDY) for study in STUDY_PROGRAMS)):
+        for name, body in (("table1", TABLE), ("table2", TABLE), *((study, STUDY) for study in STUDY_PROGRAMS)):
             self.write(f"root/build/benchmarks/{name}", "#!/bin/sh\n" + body, executable=True)
         for name, body in STAND_INS.items():
             self.write(f"tools/{name}", "#!/bin/sh\n" + body, executable=True)
@@ -416,15 +409,6 @@ class EndToEnd(CopyTest):
         self.assertEqual(set(os.listdir(self.path("out", "stability"))),
                          {"report.txt", *(f"{name}.json" for name in STUDIES["stability"][0])})
 
-    def test_reference_solutions_are_kept_for_the_sizes_measured(self):
-        references = self.path("root", "results", "latest", "references")
-        for arguments, sizes in (((), "17 33 65 129"), (("--quick",), "17 33")):
-            with self.subTest(arguments=arguments):
-                self.reproduce(*arguments)
-                self.assertEqual(self.calls("reference_solutions")[-1],
-                                 f"reference_solutions --out {references} --n {sizes}")
-                self.assertIn(f"--references {references}", self.calls("table1")[-1])
-
     def test_a_study_measures_and_ends_with_its_report(self):
         for study, part in (("accuracy", "Error at h = 0.1"),
                             ("stability", "Largest errors of long runs")):
@@ -516,12 +500,6 @@ class FailedRuns(CopyTest):
         done = self.script("reproduce", "table2", "--out", self.out)
         self.assertEqual(done.returncode, BAD_ARGUMENTS)
         self.assertIn("threads.json: cannot be put together", done.stderr.splitlines()[-1])
-        self.assert_earlier_results()
-
-    def test_failed_reference_solutions_end_it_before_anything_is_measured(self):
-        done = self.reproduce(REFERENCES_STATUS="3")
-        self.assertEqual((done.returncode, done.stdout), (SOLVER_FAILED, ""))
-        self.assertEqual(self.calls("table1"), [])
         self.assert_earlier_results()
 
     def test_a_failed_study_leaves_earlier_results(self):
