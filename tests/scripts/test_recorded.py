@@ -58,7 +58,7 @@ class Recorded(unittest.TestCase):
         if listed.returncode != 0:
             self.skipTest("not a checkout")
         files = [name for name in listed.stdout.split("\0") if name]
-        self.assertEqual({name.rpartition(".")[2] for name in files}, {"csv", "json", "md", "svg"})
+        self.assertEqual({name.rpartition(".")[2] for name in files}, {"csv", "json", "md", "npy", "svg"})
         self.assertLess(sum(os.path.getsize(os.path.join(ROOT, name)) for name in files), MOST_BYTES)
 
 
