@@ -19,7 +19,8 @@ import unittest
 
 from programs import (BAD_ARGUMENTS, DONE, FORMULATIONS, ROOT, SOLVER_FAILED, FolderTest, end, environment, run,
                       snapshot, start)
-from stability_documents import SETTINGS, long_document, map_document, write_document
+from scaling_document import write_scaling
+from stability_documents import SETTINGS, long_study, map_study, write
 from study_documents import small_study, write_study
 
 HOST_NAME = "a-host-to-keep-private"
@@ -28,7 +29,8 @@ STUDIES = {  # raw files of a study, and its charts here
     "accuracy": (("raw",), ("error_against_time", "tolerance")),
     "stability": (("map", "fast_map", "long_runs"), ("failure_map_smooth", "failure_map_fast_smooth", "long_runs_n17")),
 }
-STUDY_PROGRAMS = ("work_precision", "stability", "long_runs")
+STUDY_PROGRAMS = ("build/benchmarks/work_precision",
+                  *(f"scripts/studies/{name}.py" for name in ("stability", "long_runs", "scaling")))
 EARLIER = {name: f"earlier {name}" for name in RESULTS}
 
 STAND_INS = {
@@ -98,7 +100,7 @@ done
 
 # A program of a study, named by $0: each writes its own file.
 STUDY = """
-program=${0##*/}
+program=$(basename "$0" .py)
 echo "$program[${OPENBLAS_CORETYPE-none}] $* on $(nproc) cores" >>"$CALLS"
 file=$program
 case "$*" in *"--solver fast"*) file=fast ;; esac
@@ -156,21 +158,16 @@ def results_of(study):
             *(f"{chart}.{kind}" for chart in charts for kind in ("svg", "png"))}
 
 
-def one_integrator(document, kind):
-    """Leaves one integrator of a file of the stability study, which is drawn in a second or two."""
-    document["integrators"] = document["integrators"][:1]
-    document[kind] = [each for each in document[kind] if each["integrator"] == document["integrators"][0]["name"]]
-    return document
-
-
 class CopyTest(FolderTest):
     def setUp(self):
         super().setUp()
         ignored = shutil.ignore_patterns("__pycache__")
         shutil.copytree(os.path.join(ROOT, "scripts"), self.path("root", "scripts"), ignore=ignored)
         shutil.copytree(os.path.join(ROOT, "results", "paper"), self.path("root", "results", "paper"))
-        for name, body in (("table1", TABLE), ("table2", TABLE), *((study, STUDY) for study in STUDY_PROGRAMS)):
+        for name, body in (("table1", TABLE), ("table2", TABLE)):
             self.write(f"root/build/benchmarks/{name}", "#!/bin/sh\n" + body, executable=True)
+        for study in STUDY_PROGRAMS:
+            self.write(f"root/{study}", "#!/bin/sh\n" + STUDY, executable=True)
         for name, body in STAND_INS.items():
             self.write(f"tools/{name}", "#!/bin/sh\n" + body, executable=True)
         os.mkdir(self.path("tmp"))
@@ -182,11 +179,10 @@ class CopyTest(FolderTest):
         two["benchmarks"] = [row for row in two["benchmarks"] if row["repetition_index"] == 0]  # of one round
         self.threads_path = self.write("prepared_threads.json", json.dumps(two, indent=2))
         write_study(self.folder, small_study(), name="work_precision.json")
-        failures = one_integrator(map_document(SETTINGS[:1]), "maps")
-        write_document(self.folder, failures, "stability.json")
-        failures["context"]["solver"] = "fast"
-        write_document(self.folder, failures, "fast.json")
-        write_document(self.folder, one_integrator(long_document(), "runs"), "long_runs.json")
+        write(self.folder, map_study(SETTINGS[:1], ("group1",)), "stability.json")
+        write(self.folder, map_study(SETTINGS[:1], ("group1",), "fast"), "fast.json")
+        write(self.folder, long_study(("group1",)), "long_runs.json")
+        write_scaling(self.folder, "scaling.json")
         self.out = self.path("out")
 
     def use_raw_file(self, raw):
@@ -233,9 +229,8 @@ class BadArguments(CopyTest):
 
     def test_reproduce_names_what_is_wrong_and_what_is_allowed(self):
         for argument in ("table3", "--quik", "--quick=yes", "--out=here", "-q", "", "Table1"):
-            self.refuses("reproduce", [argument], argument, "table1", "table2", "accuracy", "stability", "--quick",
+            self.refuses("reproduce", [argument], argument, "table1", "table2", "accuracy", "stability", "scaling", "--quick",
                          "--out", "--no-install")
-        self.refuses("reproduce", ["scaling"], "scaling", "results/recorded/scaling/report.md")
         path = self.write("plain", "a file")
         for arguments, *parts in ((["table1", "all"], "all"), (["--out"], "--out"), (["--out", ""], "--out"),
                                   (["--out", "--quick"], "--out"), (["--out", path], "--out", path),
@@ -380,7 +375,7 @@ class EndToEnd(CopyTest):
         # Drawing takes seconds, and other tests see it.
         self.write("root/scripts/render_stability", RENDERER, executable=True)
         self.reproduce("all")
-        self.assertEqual(set(os.listdir(self.out)), {"table1", "table2", "accuracy", "stability"})
+        self.assertEqual(set(os.listdir(self.out)), {"table1", "table2", "accuracy", "stability", "scaling"})
         self.assertEqual(set(os.listdir(self.path("out", "table1"))), RESULTS)
         two_cores = len(os.sched_getaffinity(0)) > 1
         self.assertEqual(set(os.listdir(self.path("out", "table2"))), RESULTS | ({"threads.json"} if two_cores else set()))
@@ -390,6 +385,7 @@ class EndToEnd(CopyTest):
                          results_of("accuracy") | {"table1_accuracy.svg", "table1_accuracy.png"})
         self.assertEqual(set(os.listdir(self.path("out", "stability"))),
                          {"report.txt", *(f"{name}.json" for name in STUDIES["stability"][0])})
+        self.assertEqual(set(os.listdir(self.path("out", "scaling"))), {"raw.json", "table.txt", "table.md"})
 
     def test_a_study_measures_and_ends_with_its_report(self):
         for study, part in (("accuracy", "Error at h = 0.1"),
@@ -410,7 +406,7 @@ class EndToEnd(CopyTest):
     def test_quick_is_passed_on(self):
         for study, failing, programs, option in (
                 ("accuracy", "work_precision", ("work_precision",), "--n 17 33 --out "),
-                ("stability", "long_runs", ("stability", "long_runs"), "--quick --out ")):
+                ("stability", "long_runs", ("stability", "long_runs"), "--quick")):
             self.script("reproduce", study, "--quick", "--out", self.out, FAILING=failing)
             for program in programs:
                 self.assertIn(option, self.calls(program + "[")[0])
@@ -448,7 +444,8 @@ class FailedRuns(CopyTest):
         self.before = self.keep_earlier_results()
 
     def assert_earlier_results(self):
-        self.assertEqual(snapshot(self.out), self.before)
+        found = snapshot(self.out)
+        self.assertEqual({name: found[name] for name in found if not name.startswith(".kept")}, self.before)
         self.assertEqual(os.listdir(self.path("tmp")), [])
 
     def ends(self, job, status, *told, **changes):
@@ -482,6 +479,14 @@ class FailedRuns(CopyTest):
         for study, program in (("accuracy", "work_precision"), ("stability", "stability"), ("stability", "long_runs")):
             self.ends(study, 7, "some reason", FAILING=program)
             self.ends(study, BAD_ARGUMENTS, BENCHMARK="scribble")
+
+    def test_what_a_study_has_finished_at_this_commit_is_not_done_again(self):
+        for commit, runs in (("0123456789ab", 1), ("ba9876543210", 2)):  # the files are of the first
+            self.write("tools/git", f"#!/bin/sh\necho {commit}\n", executable=True)
+            self.write("calls", "")
+            self.script("reproduce", "stability", "--out", self.out, FAILING="long_runs")
+            self.assertEqual(self.script("reproduce", "stability", "--out", self.out).returncode, DONE)
+            self.assertEqual((len(self.calls("stability[")), len(self.calls("long_runs["))), (2 * runs, 2))
 
     def test_rows_that_did_not_converge_are_shown_and_end_with_3(self):
         self.use_raw_file(raw_file(failed=True))
