@@ -8,6 +8,7 @@
 #include "benchmarks/integrate_arguments.h"
 #include "benchmarks/memory.h"
 #include "benchmarks/modes_file.h"
+#include "benchmarks/npy_file.h"
 #include "benchmarks/output_file.h"
 #include "benchmarks/timed_run.h"
 #include "isosyrk/catalogue/measured_limits.h"
@@ -42,6 +43,26 @@ void require_memory(const IntegrateRequest& request) {
       request.n, request.integrator.name, needed / gigabyte, limit.source, limit.bytes / gigabyte));
 }
 
+struct Start {
+  Scene scene;
+  nlohmann::ordered_json modes_hash;  // null where there are no modes
+};
+
+Start start_of(const IntegrateRequest& request) {
+  if (request.initial_file) {
+    const std::string& path = *request.initial_file;
+    try {
+      return {euler_zeitlin_scene(request.scene, request.hbar, read_npy(path, request.n)), nullptr};
+    } catch (const std::invalid_argument& error) {
+      throw BadArgument(fmt::format("--initial {}: {}", path, error.what()));
+    }
+  }
+  const std::vector<Mode> modes = request.modes_file
+                                      ? read_modes_file(*request.modes_file, request.n)
+                                      : initial_modes(request.scene, request.n);
+  return {euler_zeitlin_scene(request.scene, request.n, request.hbar, modes), hash_of(modes)};
+}
+
 // Before a long run, not after it.
 void warn_beyond_limit(const std::string& integrator, double h_norm_B) {
   const std::optional<double> limit = measured_limit(integrator);
@@ -71,8 +92,9 @@ Outcome integrate(const IntegrateRequest& request, const Scene& scene, ProductBa
   return outcome;
 }
 
-nlohmann::ordered_json as_json(const IntegrateRequest& request, const std::vector<Mode>& modes,
-                               const Outcome& outcome, ProductBackend backend) {
+nlohmann::ordered_json as_json(const IntegrateRequest& request,
+                               const nlohmann::ordered_json& modes_hash, const Outcome& outcome,
+                               ProductBackend backend) {
   const RunReport& run = outcome.run;
   nlohmann::ordered_json json = {
       {"scene", request.scene},
@@ -89,7 +111,7 @@ nlohmann::ordered_json as_json(const IntegrateRequest& request, const std::vecto
       {"tolerance", request.solver.tolerance},
       {"max_sweeps", request.solver.max_sweeps},
       {"hbar", name(request.hbar)},
-      {"modes_hash", hash_of(modes)},
+      {"modes_hash", modes_hash},
       {"product_backend", request.method == "fast"
                               ? fmt::format("split {}", gemm_kernels().front().name)
                               : std::string(name(backend))},
@@ -112,7 +134,7 @@ nlohmann::ordered_json as_json(const IntegrateRequest& request, const std::vecto
 
 void print_text(const nlohmann::ordered_json& result) {
   for (const auto& [key, value] : result.items()) {
-    if (value.is_null()) continue;  // the formulation of an integrator that is none
+    if (value.is_null()) continue;  // no formulation, or no modes
     fmt::print("{:<16} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
   }
 }
@@ -125,16 +147,13 @@ int main_program(int argc, char** argv) {
   const auto& request = std::get<IntegrateRequest>(asked);
   require_memory(request);
   use_one_blas_thread();
-  const std::vector<Mode> modes = request.modes_file
-                                      ? read_modes_file(*request.modes_file, request.n)
-                                      : initial_modes(request.scene, request.n);
   std::optional<OutputFile> output;
   if (request.output_file) output.emplace("--output", *request.output_file);
-  const Scene scene = euler_zeitlin_scene(request.scene, request.n, request.hbar, modes);
+  const Start start = start_of(request);
   const ProductBackend backend = choose_backend(request.products, request.n).chosen;
-  const Outcome outcome = integrate(request, scene, backend);
+  const Outcome outcome = integrate(request, start.scene, backend);
 
-  const nlohmann::ordered_json result = as_json(request, modes, outcome, backend);
+  const nlohmann::ordered_json result = as_json(request, start.modes_hash, outcome, backend);
   if (outcome.run.converged() && output) output->write(npy(outcome.W));
   if (request.json) {
     fmt::print("{}\n", result.dump());

@@ -18,14 +18,14 @@ struct Text {
   std::string solver = "published";
   std::string threads = "1";
   std::string scene = "smooth";
-  std::string modes;
+  std::string modes, initial;
   std::string output;
   bool json = false;
 };
 
 // Which of the options that have no default were given.
 struct Given {
-  bool formulation, stages, integrator, products, threads, scene, modes, output;
+  bool formulation, stages, integrator, products, threads, scene, modes, initial, output;
 };
 
 // --integrator, or --formulation and --stages, and --solver.
@@ -51,8 +51,8 @@ void choose_integrator(const Text& text, const Given& given, IntegrateRequest& r
   request.method = text.solver;
   try {
     if (given.integrator) {
-      request.integrator = fast ? fast_entry(text.integrator, request.threads)
-                                : integrator_entry(text.integrator);
+      request.integrator =
+          fast ? fast_entry(text.integrator, request.threads) : integrator_entry(text.integrator);
       return;
     }
     if (!given.stages) throw BadArgument("--stages is required, or --integrator");
@@ -66,22 +66,27 @@ void choose_integrator(const Text& text, const Given& given, IntegrateRequest& r
   }
 }
 
-// --scene, or --modes.
+// --scene, --modes or --initial.
 void choose_scene(const Text& text, const Given& given, IntegrateRequest& request) {
-  if (given.modes && given.scene) {
-    throw BadArgument(
-        fmt::format("--modes {}: must stand without --scene, which has its own", text.modes));
+  if (given.scene + given.modes + given.initial > 1) {
+    throw BadArgument("--scene, --modes, --initial: each has initial data; must be one of them");
   }
   if (given.modes) {
     request.scene = "modes";
     request.modes_file = text.modes;
     return;
   }
+  if (given.initial) {
+    request.scene = "initial";
+    request.initial_file = text.initial;
+    return;
+  }
   require_scene("--scene", text.scene);
   request.scene = text.scene;
   if (request.scene == "smooth" && request.n < 5) {
     throw BadArgument(fmt::format(
-        "--n {}: the default modes (l <= 4) need n >= 5; smaller n needs --modes", request.n));
+        "--n {}: the default modes (l <= 4) need n >= 5; smaller n needs --modes or --initial",
+        request.n));
   }
 }
 
@@ -135,6 +140,7 @@ std::variant<IntegrateRequest, int> read_integrate_arguments(int argc, char** ar
   line.option("--threads", text.threads, "of --solver fast, 1 (default) to 64");
   line.option("--scene", text.scene, "smooth (default) or rough");
   line.option("--modes", text.modes, "initial modes, CSV with the header l,m,re,im");
+  line.option("--initial", text.initial, "W at time 0, NumPy .npy as --output writes it");
   line.option("--output", text.output, "write W(T) as NumPy .npy, complex128");
   line.flag("--json", text.json, "print one JSON object");
   if (const auto exit_code = line.read(argc, argv)) return *exit_code;
@@ -145,6 +151,7 @@ std::variant<IntegrateRequest, int> read_integrate_arguments(int argc, char** ar
                       .threads = line.given("--threads"),
                       .scene = line.given("--scene"),
                       .modes = line.given("--modes"),
+                      .initial = line.given("--initial"),
                       .output = line.given("--output")});
 }
 

@@ -23,8 +23,9 @@ struct IntegrateRequest {
   SolverOptions solver;
   HbarConvention hbar;
   BackendChoice products;
-  std::string scene;                      ///< "modes" where they are in a file
-  std::optional<std::string> modes_file;  ///< none: those of the named scene
+  std::string scene;                        ///< "modes" or "initial" where a file has them
+  std::optional<std::string> modes_file;    ///< none: those of the named scene
+  std::optional<std::string> initial_file;  ///< W at time 0, in place of modes
   std::optional<std::string> output_file;
   bool json;
 };

@@ -1,5 +1,6 @@
 #include "benchmarks/memory.h"
 
+#include <fmt/format.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -68,7 +69,7 @@ double available_in_cgroups(const fs::path& root) {
     const auto first = line.find(':');
     const auto second = line.find(':', first + 1);
     if (second == std::string::npos) continue;
-    const std::string controllers = "," + line.substr(first + 1, second - first - 1) + ",";
+    const std::string controllers = fmt::format(",{},", line.substr(first + 1, second - first - 1));
     const bool is_memory = controllers.find(",memory,") != std::string::npos;
     if (!is_memory && controllers != ",,") continue;
     const CgroupFiles& files = is_memory ? version1 : version2;

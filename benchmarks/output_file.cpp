@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <bit>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -66,23 +65,6 @@ void OutputFile::write(const std::string& contents) const {
     }
   }
   commit();
-}
-
-std::string npy(const Matrix& W) {
-  static_assert(std::endian::native == std::endian::little);
-  // Format 1.0: magic, version, header length, then a Python literal padded to 64 bytes.
-  std::string header = fmt::format(
-      "{{'descr': '<c16', 'fortran_order': False, 'shape': ({}, {}), }}", W.rows(), W.cols());
-  constexpr std::size_t preamble = 10;
-  while ((preamble + header.size() + 1) % 64 != 0) header += ' ';
-  header += '\n';
-  std::string contents("\x93NUMPY\x01\x00", 8);
-  contents += static_cast<char>(header.size() & 0xffU);
-  contents += static_cast<char>(header.size() >> 8U);
-  contents += header;
-  contents.append(reinterpret_cast<const char*>(W.data()),
-                  static_cast<std::size_t>(W.size()) * sizeof(Complex));
-  return contents;
 }
 
 }  // namespace isosyrk

@@ -3,8 +3,6 @@
 
 #include <string>
 
-#include "isosyrk/linalg/matrix.h"
-
 namespace isosyrk {
 
 /// A file to be written later: checked now, written to a temporary neighbour and renamed then, so
@@ -35,8 +33,5 @@ class OutputFile {
   std::string path_;
   std::string temporary_;
 };
-
-/// W in NumPy's .npy format: complex128, C order, n x n.
-std::string npy(const Matrix& W);
 
 }  // namespace isosyrk

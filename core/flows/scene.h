@@ -15,7 +15,7 @@ namespace isosyrk {
 struct Scene {
   std::string name;
   std::shared_ptr<const Flow> flow;
-  Matrix initial;  ///< W at time 0, n x n, spectral norm 1
+  Matrix initial;  ///< W at time 0, n x n; of spectral norm 1 where it is made of modes
   double time;     ///< end of the time span
 };
 
@@ -23,6 +23,14 @@ struct Scene {
 /// std::invalid_argument for n < 2 and as require_valid(modes, n).
 Scene euler_zeitlin_scene(std::string_view name, Index n, HbarConvention convention,
                           const std::vector<Mode>& modes);
+
+/// Throws std::invalid_argument unless W₀ is n x n, finite, nonzero and skew-Hermitian: the largest
+/// entry of |W₀ + W₀†| at most 1e-10 of the largest of |W₀|, so that the end of a run may be the
+/// start of the next.  The message has the figure found.  n >= 1.
+void require_initial_data(const Matrix& W0, Index n);
+/// Returns the Euler-Zeitlin scene with the initial data W₀ as they are, T = 5.  Throws
+/// std::invalid_argument for n < 2 and as require_initial_data.
+Scene euler_zeitlin_scene(std::string_view name, HbarConvention convention, const Matrix& W0);
 
 /// Returns the scene of the paper's Table 1: Euler-Zeitlin from a few smooth modes, T = 5.  Throws
 /// std::invalid_argument for n < 2 and as require_valid(modes, n); the default modes need n >= 5.

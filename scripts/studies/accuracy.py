@@ -83,7 +83,7 @@ class Setting:
         self.job = job
         self.scene = isosyrk.scene("smooth", n=job["n"])
         self.energy = self.scene.energy(self.scene.initial)
-        self.norm_B, self.norm_ad_B = isosyrk.generator_norms(self.scene)
+        self.norm_B, self.norm_ad_B = self.scene.generator_norms()
         self.reference, record = read_reference(job["references"], job["n"])
         self.uncertainty = record["uncertainty"]
         (self.entry,) = study.entries([job["integrator"]])

@@ -8,6 +8,7 @@ import math
 import os
 import signal
 import stat
+import struct
 import subprocess
 import unittest
 
@@ -313,6 +314,71 @@ class RefusedModes(RefusalTest):
                     self.assertTrue(isinstance(energy_error, float) and math.isfinite(energy_error), done.stdout)
                 else:
                     self.assert_refused(done, "--modes", modes)
+
+
+def npy_bytes(rows, descr="<c16", fortran_order=False, shape=None, version=1):
+    """Returns a .npy file of complex numbers, its header as given."""
+    header = repr({"descr": descr, "fortran_order": fortran_order, "shape": shape or (len(rows), len(rows[0]))})
+    length = struct.pack("<H" if version == 1 else "<I", len(header) + 1)
+    numbers = [part for row in rows for entry in row for part in (entry.real, entry.imag)]
+    return (b"\x93NUMPY" + bytes((version, 0)) + length + header.encode() + b"\n"
+            + struct.pack(f"<{len(numbers)}d", *numbers))
+
+
+class InitialData(RefusalTest):
+    """--initial W.npy."""
+
+    def initial(self, contents):
+        path = self.path("initial.npy")
+        with open(path, "wb") as file:
+            file.write(contents)
+        return path
+
+    def test_a_run_goes_on_from_its_own_output(self):
+        for solver in ("published", "fast"):
+            with self.subTest(solver=solver):
+                _, whole = self.result(WHOLE, solver=solver)
+                _, half = self.result(WHOLE, solver=solver, time="2.5")
+                result, W = self.result(WHOLE, solver=solver, time="2.5", initial=self.initial(npy_bytes(half)))
+                self.assert_agrees(W, whole, 1e-12 * max(abs(entry) for row in whole for entry in row))
+                self.assertEqual((result["scene"], result["modes_hash"], result["steps"]), ("initial", None, 25))
+                self.assertLess(result["skew_defect"], 1e-13)
+
+    def test_every_layout_is_read_as_it_is_meant(self):
+        W = read_reference("W0_n17.csv")
+        columns = [list(column) for column in zip(*W)]
+        for contents in (npy_bytes(W), npy_bytes(W, version=2), npy_bytes(columns, fortran_order=True)):
+            self.assertEqual(self.result(SHORT, time="0", initial=self.initial(contents))[1], W)
+
+    def test_what_is_refused(self):
+        def changed(value):
+            rows = [list(row) for row in W]
+            rows[3][1] = value
+            return npy_bytes(rows)
+
+        W = read_reference("W0_n17.csv")
+        good = npy_bytes(W)
+        for contents, *parts in (
+                (b"", "empty"), (b"l,m,re,im\n", "not a .npy file"), (good[:7], "not a .npy file"), (good[:60], "header"),
+                (npy_bytes(W, version=3), "format 3"), (good.replace(b"False", b"Maybe"), "header"),
+                (good.replace(b"}\n", b",\n"), "header"), (npy_bytes(W, descr="<f8"), "'<f8'", "'<c16'"),
+                (npy_bytes(W, descr=">c16"), "'>c16'"), (npy_bytes(W, descr=[("W", "<c16")]), "dtype [('W','<c16')]"),
+                (npy_bytes(W[:-1]), "(16,17)", "(17,17)"), (npy_bytes(W, shape=(289,)), "(289,)"),
+                (npy_bytes(W, shape=(17, 17, 1)), "(17,17,1)"), (npy_bytes([[1j] * 33] * 33), "(33,33)"),
+                (good[:-1], "4623 bytes", "4624"), (good + b"\0", "4625 bytes", "4624"),
+                (changed(complex(math.nan, 1)), "entry (3, 1) is nan+1i"), (changed(complex(0, -math.inf)), "-infi"),
+                (npy_bytes([[0j] * 17] * 17), "all entries are 0"), (changed(W[3][1] + 1e-6), "skew-Hermitian", "e-06"),
+                (npy_bytes([[1j * entry for entry in row] for row in W]), "skew-Hermitian", "is 2 of")):
+            with self.subTest(parts=parts):
+                path = self.initial(contents)
+                self.assert_refused_alone(command(SHORT, "--output", self.output, initial=path), "--initial", path, *parts)
+
+    def test_paths_and_what_it_stands_in_place_of(self):
+        for path in (self.path("nowhere.npy"), self.folder, ""):
+            self.assert_refused_alone(command(SHORT, "--output", self.output, initial=path), "--initial", "cannot be read")
+        for other in ("scene", "modes"):
+            line = command(SHORT, "--output", self.output, initial="W.npy", **{other: "smooth"})
+            self.assert_refused_alone(line, "--initial", "--" + other, "one of them")
 
 
 class RefusedOutput(IntegrateTest):

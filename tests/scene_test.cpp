@@ -1,4 +1,5 @@
-// The rough scene: reproducible, the same for every n, and of the spectrum that is promised.
+// Scenes: the rough one is reproducible, the same for every n and of the spectrum that is promised;
+// a user's initial data are taken as they are, or refused.
 #include <gtest/gtest.h>
 
 #include "isosyrk/flows/invariants.h"
@@ -54,6 +55,44 @@ TEST(SceneByName, FindsEachAndNamesWhatIsAllowed) {
   EXPECT_EQ(scene_by_name("smooth", 9).initial, smooth_scene(9).initial);
   EXPECT_EQ(scene_by_name("rough", 9).initial, rough_scene(9).initial);
   EXPECT_THROW(scene_by_name("calm", 9), std::invalid_argument);
+}
+
+TEST(InitialData, AreTakenAsTheyAre) {
+  const Index n = 5;
+  Matrix W0 = 3.0 * smooth_scene(n).initial;
+  W0(0, 1) *= 1.0 + 5e-11;  // what rounding leaves of a run is less
+  const Scene scene = euler_zeitlin_scene("initial", HbarConvention::standard, W0);
+  EXPECT_EQ(scene.initial, W0);
+  EXPECT_EQ(scene.name, "initial");
+  EXPECT_EQ(scene.flow->size(), n);
+}
+
+TEST(InitialData, ThatAreNoneAreRefusedWithTheFigure) {
+  const Matrix good = smooth_scene(5).initial;
+  const auto refused = [](const Matrix& W0, Index n, const std::string& part) {
+    try {
+      require_initial_data(W0, n);
+      ADD_FAILURE() << part;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+    }
+  };
+  const auto with = [&](Complex entry) {
+    Matrix W0 = good;
+    W0(3, 1) = entry;
+    return W0;
+  };
+  EXPECT_NO_THROW(require_initial_data(good, 5));
+  refused(good, 6, "5 x 5; must be 6 x 6");
+  refused(good.leftCols(4), 5, "5 x 4; must be 5 x 5");
+  refused(with({1.0, -std::numeric_limits<double>::infinity()}), 5, "entry (3, 1) is 1-infi");
+  refused(with(std::numeric_limits<double>::quiet_NaN()), 5, "entry (3, 1) is nan+0i");
+  refused(0.0 * good, 5, "all entries are 0");
+  refused(good + 1e-3 * good.cwiseAbs().maxCoeff() * Matrix::Identity(5, 5), 5, "is 0.002 of");
+  refused(good.cwiseAbs(), 5, "skew-Hermitian");
+  EXPECT_THROW(
+      euler_zeitlin_scene("initial", HbarConvention::paper, Matrix::Constant(1, 1, Complex(0, 1))),
+      std::invalid_argument);
 }
 
 }  // namespace
