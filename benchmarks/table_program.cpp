@@ -236,7 +236,7 @@ int time_table(const TableProgram& table, const ComparedTables& compared, int ar
   line.option("--max-sweeps", max_sweeps, "sweeps allowed in a step (default 1000)");
   std::string references;
   line.option("--references", references,
-              "folder that reference_solutions filled: adds relative_error");
+              "folder of recorded reference solutions: adds relative_error");
   line.allow_others();
   if (const auto exit_code = line.read(argc, argv)) return *exit_code;
   use_one_blas_thread();

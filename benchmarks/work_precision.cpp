@@ -22,9 +22,9 @@
 #include "benchmarks/raw_file.h"
 #include "benchmarks/reference.h"
 #include "benchmarks/timed_run.h"
+#include "isosyrk/catalogue/integrator_list.h"
 #include "isosyrk/simulation/conservation.h"
 #include "isosyrk/tableaux/gauss_tableau.h"
-#include "isosyrk/catalogue/integrator_list.h"
 
 namespace isosyrk::work_precision {
 namespace {
@@ -424,7 +424,7 @@ int main_program(int argc, char** argv) {
       "Runs every integrator over step sizes, and the three formulations over tolerances, and "
       "writes error, invariants and cost of each run as JSON."};
   Text text;
-  line.option("--references", text.references, "folder that reference_solutions filled",
+  line.option("--references", text.references, "folder of recorded reference solutions",
               CommandLine::Need::required);
   line.option("--out", text.out, "write the measurements here, as JSON",
               CommandLine::Need::required);

@@ -42,11 +42,6 @@ double midpoint_iteration_limit(const RealVector& frequencies);
 /// contract.
 double direct_iteration_limit(const Tableau& tableau, const RealVector& frequencies);
 
-/// Returns the largest growth factor, in a step of size h, of a Hermitian part of W under `algebra`
-/// with its update formed as B W̃ - W̃ B.  It is |1 + ih(β_p - β_q) Σ b_i (1 + k_i)|, where k_i is
-/// the contribution of Σ_j a_ij K_ij to the entry of W̃_i.
-double hermitian_growth(const Tableau& tableau, const RealVector& frequencies, double h);
-
 /// Returns the h at which h‖ad_B‖₂ equals `limit`.
 double adjoint_limit(double limit, const RealVector& frequencies);
 

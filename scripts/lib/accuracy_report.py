@@ -4,7 +4,7 @@ from benchmark_json import FORMULATIONS
 from comparison import MISSING, three_digits
 from document import Column, Heading, Paragraph, conditions, plain_table, shown
 from recommendation import recommendation_tables
-from work_precision import TABLE1_STEP
+from accuracy_lines import TABLE1_STEP
 
 # The tolerance does no harm where what it adds is at most this share of the error that the step size makes.
 HARMLESS = 0.1
@@ -76,35 +76,35 @@ def fixed_step_section(study, level):
             plain_table(columns, rows)]
 
 
-def error_at(point):
-    if point is None:
+def error_at(run):
+    if run is None:
         return MISSING
-    return scientific(point.quality.error) if point.quality.usable else point.quality.status
+    return scientific(run.error) if run.usable else run.status
 
 
 class HarmlessTolerance:
     """The loosest tolerance of one cell that hardly adds to its error, and what it saves."""
 
-    def __init__(self, points):
-        tightest = points[-1]
-        self.n, self.formulation, self.stages = tightest.quality.n, tightest.formulation, tightest.stages
-        self.error = tightest.quality.error
-        good = len(points)
-        while good > 0 and points[good - 1].solver_error <= HARMLESS * self.error:
+    def __init__(self, runs):
+        tightest = runs[-1]
+        self.n, self.formulation, self.stages = tightest.n, tightest.formulation, tightest.stages
+        self.error = tightest.error
+        good = len(runs)
+        while good > 0 and runs[good - 1].solver_error <= HARMLESS * self.error:
             good -= 1
-        self.loosest = points[min(good, len(points) - 1)]
-        self.usual = min(points, key=lambda point: abs(point.tolerance - 1e-13))
-        self.time_ratio = self.loosest.costs.seconds / self.usual.costs.seconds
+        self.loosest = runs[min(good, len(runs) - 1)]
+        self.usual = min(runs, key=lambda run: abs(run.tolerance - 1e-13))
+        self.time_ratio = self.loosest.seconds / self.usual.seconds
 
 
 def harmless_tolerances(study):
     """Returns a HarmlessTolerance for each cell, all tighter tolerances of which are harmless too."""
     cells = {}
-    for point in study.tolerance_points:
-        if point.quality.usable:
-            cells.setdefault((point.quality.n, point.formulation, point.stages), []).append(point)
-    return [HarmlessTolerance(sorted(points, key=lambda point: -point.tolerance))
-            for _, points in sorted(cells.items(), key=lambda item: (item[0][0], FORMULATIONS.index(item[0][1]), item[0][2]))]
+    for run in study.tolerance_runs:
+        if run.usable:
+            cells.setdefault((run.n, run.formulation, run.stages), []).append(run)
+    return [HarmlessTolerance(sorted(runs, key=lambda run: -run.tolerance))
+            for _, runs in sorted(cells.items(), key=lambda item: (item[0][0], FORMULATIONS.index(item[0][1]), item[0][2]))]
 
 
 def tolerance_section(study, level):
@@ -115,14 +115,14 @@ def tolerance_section(study, level):
                Column("loosest tolerance"), Column("sweeps against 1e-13"), Column("time against 1e-13"),
                Column("spectrum error there"))
     rows = [[str(row.n), row.formulation, str(row.stages), scientific(row.error), f"{row.loosest.tolerance:.0e}",
-             f"{row.loosest.costs.sweeps}/{row.usual.costs.sweeps}", three_digits(row.time_ratio),
-             scientific(row.loosest.quality.spectrum_error)] for row in found]
-    failed = [point for point in study.tolerance_points if not point.quality.usable]
+             f"{row.loosest.sweeps}/{row.usual.sweeps}", three_digits(row.time_ratio),
+             scientific(row.loosest.spectrum_error)] for row in found]
+    failed = [run for run in study.tolerance_runs if not run.usable]
     text = ("The loosest tolerance of the fixed point that adds less than a tenth to the error which the step size makes,"
             " and so do all tighter ones.")
     if failed:
-        text += (f" {len(failed)} of {len(study.tolerance_points)} runs did not converge, at tolerances of"
-                 f" {max(point.tolerance for point in failed):.0e} or less.")
+        text += (f" {len(failed)} of {len(study.tolerance_runs)} runs did not converge, at tolerances of"
+                 f" {max(run.tolerance for run in failed):.0e} or less.")
     return [Heading("Which tolerance an accuracy needs", level), Paragraph(text), plain_table(columns, rows)]
 
 
@@ -131,15 +131,15 @@ def failures_section(study, level):
     rows = []
     for n in study.sizes():
         for name in study.integrators:
-            failed = [point for point in study.line(name, n) if not point.quality.usable]
+            failed = [run for run in study.line(name, n) if not run.usable]
             if failed:
-                rows.append([str(n), name, listed(f"{three_digits(point.quality.step)} {point.quality.status}"
-                                                  for point in failed)])
-    beyond = [point for point in study.points if point.beyond_limit and point.quality.usable]
-    text = f"Of {len(study.points)} runs {sum(not point.quality.usable for point in study.points)} failed."
+                rows.append([str(n), name, listed(f"{three_digits(run.step)} {run.status}"
+                                                  for run in failed)])
+    beyond = [run for run in study.runs if run.beyond_limit and run.usable]
+    text = f"Of {len(study.runs)} runs {sum(not run.usable for run in study.runs)} failed."
     if beyond:
         text += (f" {len(beyond)} more came to an end beyond their stability limit, because T is short"
-                 f" ({listed(sorted({point.integrator for point in beyond}))}); they are recorded and never recommended.")
+                 f" ({listed(sorted({run.integrator for run in beyond}))}); they are recorded and never recommended.")
     parts = [Heading("Runs that failed", level), Paragraph(text)]
     if rows:
         columns = (Column("n"), Column("integrator", align="left"), Column("step sizes, and how", align="left"))

@@ -1,5 +1,6 @@
-"""Finds a Python that has matplotlib: it may be the system's own while another stands first on PATH."""
+"""Finds a Python that has what a script needs: it may be the system's own while another stands first on PATH."""
 
+import importlib
 import importlib.util
 import os
 import platform
@@ -9,7 +10,7 @@ import sys
 
 CHOICE = "ISOSYRK_PYTHON"
 LONGEST_START = 120  # seconds; the first import of matplotlib on a cold disk takes several
-NO_MATPLOTLIB = 2
+MISSING = 2  # exit status
 KERNELS_OF_ANY_X86_64 = "Prescott"  # as OpenBLAS calls them
 
 
@@ -19,34 +20,41 @@ def candidates():
     return list(dict.fromkeys(each for each in wanted if each))
 
 
-def has_matplotlib(python):
+def has(python, modules):
     try:
-        return subprocess.run([python, "-c", "import matplotlib"], stdin=subprocess.DEVNULL, timeout=LONGEST_START,
-                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False).returncode == 0
+        return subprocess.run([python, "-c", f"import {', '.join(modules)}"], stdin=subprocess.DEVNULL,
+                              timeout=LONGEST_START, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                              check=False).returncode == 0
     except (OSError, subprocess.TimeoutExpired):
         return False
 
 
-def find():
-    """Returns the path of the first candidate that has matplotlib, or None."""
-    return next((shutil.which(each) for each in candidates() if shutil.which(each) and has_matplotlib(each)), None)
+def find(modules=("matplotlib",)):
+    """Returns the path of the first candidate that can import these modules, or None."""
+    return next((shutil.which(each) for each in candidates() if shutil.which(each) and has(each, modules)), None)
 
 
-def complaint():
-    return f"no Python with matplotlib found (tried {', '.join(candidates())}); install python3-matplotlib"
+def complaint(modules=("matplotlib",), remedy="install python3-matplotlib"):
+    return f"no Python with {', '.join(modules)} found (tried {', '.join(candidates())}); {remedy}"
 
 
-def require_matplotlib(program):
-    """Returns where matplotlib can be imported; otherwise starts this script again where it can, or exits with 2."""
-    if can_import():
+def require(program, modules, remedy):
+    """Returns where these modules can be imported; otherwise starts this script again where they can, or exits with 2."""
+    if can_import(modules):
         return
-    python = find()
+    python = find(modules)
     if python is None:
-        print(f"{program}: {complaint()}", file=sys.stderr)
-        sys.exit(NO_MATPLOTLIB)
+        print(f"{program}: {complaint(modules, remedy)}", file=sys.stderr)
+        sys.exit(MISSING)
     sys.stdout.flush()
     sys.stderr.flush()
     os.execv(python, [python, *sys.argv])
+
+
+def require_matplotlib(program):
+    """As require(), with NumPy's arithmetic settled before it is loaded."""
+    settle_arithmetic()
+    require(program, ("matplotlib",), "install python3-matplotlib")
 
 
 def settle_arithmetic():
@@ -60,12 +68,12 @@ def settle_arithmetic():
         os.environ["OPENBLAS_CORETYPE"] = KERNELS_OF_ANY_X86_64
 
 
-def can_import():
-    if importlib.util.find_spec("matplotlib") is None:
+def can_import(modules):
+    if any(importlib.util.find_spec(each) is None for each in modules):
         return False
-    settle_arithmetic()
     try:
-        import matplotlib  # noqa: F401
+        for each in modules:
+            importlib.import_module(each)
     except Exception:  # a damaged or mismatched installation fails in ways of its own
         return False
     return True

@@ -13,7 +13,7 @@ from benchmark_json import FORMULATIONS
 from chart_panels import (GREY, LOOKS, OTHER_COLOUR, SMALL, cross_mark, draw_line, floor_band, hide_rest, key_of,
                           logarithmic, method_key, new_figure, panel_grid, set_panel, style_key, styled)
 from integrator_names import relatives
-from work_precision import FLOOR_MARGIN, TABLE1_STEP
+from accuracy_lines import FLOOR_MARGIN, TABLE1_STEP
 
 FORMULATION_COLOURS = {"cotangent": "#e08214", "group": "#1f67ad", "algebra": "#4a0a5e"}
 FORMULATION_MARKERS = {"cotangent": "s", "group": "o", "algebra": "^"}
@@ -50,7 +50,7 @@ def error_panel(axes, study, n):
     for group in relatives(study.integrators):
         leader = cheapest(study, group, n)
         for name in group:
-            points = [(point.costs.seconds, point.quality.error) for point in study.above_floor(name, n)]
+            points = [(run.seconds, run.error) for run in study.above_floor(name, n)]
             if points:
                 draw_line(axes, name, points, study.integrators[name], name == leader)
                 drawn.append((name, points, name == leader))
@@ -67,7 +67,7 @@ def error_panel(axes, study, n):
 def mark_floor(axes, study, n):
     floor = FLOOR_MARGIN * study.references[n].uncertainty
     floors = [FLOOR_MARGIN * each.uncertainty for each in study.references.values()]
-    errors = [point.quality.error for point in study.points if point.quality.usable]
+    errors = [run.error for run in study.runs if run.usable]
     axes.set_ylim(min(floors) / 20, max([*floors, *errors]) * 3)
     floor_band(axes, floor, f"floor: {FLOOR_MARGIN} × the uncertainty of the reference solution,"
                             f" {study.references[n].uncertainty:.1e}")
@@ -75,7 +75,7 @@ def mark_floor(axes, study, n):
 
 def cheapest(study, group, n):
     """Returns the member of a group that takes least, in the geometric mean over the steps all of them did."""
-    lines = {name: {point.quality.steps: point.costs.seconds for point in study.above_floor(name, n)} for name in group}
+    lines = {name: {run.steps: run.seconds for run in study.above_floor(name, n)} for name in group}
     lines = {name: line for name, line in lines.items() if line}
     common = set.intersection(*map(set, lines.values())) if lines else set()
     if not common:
@@ -85,7 +85,7 @@ def cheapest(study, group, n):
 
 def failed_before(study, name, n):
     line = study.line(name, n)
-    return bool(line) and not line[0].quality.usable
+    return bool(line) and not line[0].usable
 
 
 # ---- tolerance
@@ -93,8 +93,8 @@ def failed_before(study, name, n):
 
 @styled
 def tolerance(study):
-    sizes = sorted({point.quality.n for point in study.tolerance_points})
-    stages = sorted({point.stages for point in study.tolerance_points})
+    sizes = sorted({run.n for run in study.tolerance_runs})
+    stages = sorted({run.stages for run in study.tolerance_runs})
     largest = sizes[-1] if sizes else 0
     figure, panels = new_figure(
         "What the tolerance of the fixed-point iteration buys",
@@ -110,22 +110,22 @@ def tolerance(study):
             axes.set_visible(False)
         return figure
     for column, s in zip(panels.T, stages):
-        chosen = [point for point in study.tolerance_points if point.stages == s and point.quality.usable]
-        at_largest = [point for point in chosen if point.quality.n == largest]
+        chosen = [run for run in study.tolerance_runs if run.stages == s and run.usable]
+        at_largest = [run for run in chosen if run.n == largest]
         errors, spectra, times = column
-        tolerance_lines(errors, at_largest, lambda point: point.quality.error, "error")
-        tolerance_lines(errors, at_largest, lambda point: point.solver_error, "solver error", "--")
-        tolerance_lines(spectra, at_largest, lambda point: point.quality.spectrum_error, "spectrum error")
+        tolerance_lines(errors, at_largest, lambda run: run.error, "error")
+        tolerance_lines(errors, at_largest, lambda run: run.solver_error, "solver error", "--")
+        tolerance_lines(spectra, at_largest, lambda run: run.spectrum_error, "spectrum error")
         for n in sizes:
-            tolerance_lines(times, [point for point in chosen if point.quality.n == n],
-                            lambda point: point.costs.seconds, f"n = {n}", sizes=dict.fromkeys(FORMULATIONS, 3.8))
+            tolerance_lines(times, [run for run in chosen if run.n == n],
+                            lambda run: run.seconds, f"n = {n}", sizes=dict.fromkeys(FORMULATIONS, 3.8))
         set_panel(errors, f"s = {s}, order {2 * s}", "", ERROR_LABEL.format(time=study.time))
         set_panel(spectra, "", "", "error of the spectrum")
         set_panel(times, "", "tolerance (tighter to the right)", SECONDS_LABEL)
     errors, spectra, times = panels
     for row in panels:
         share_limits(row)
-    tolerances = [point.tolerance for point in study.tolerance_points]
+    tolerances = [run.tolerance for run in study.tolerance_runs]
     errors[0].set_xlim(max(tolerances) * 2, min(tolerances) / 2)
     for axes in (*errors, *spectra):
         axes.plot(axes.get_xlim(), axes.get_xlim(), color=GREY, linewidth=0.9, scalex=False, scaley=False, zorder=1,
@@ -135,15 +135,15 @@ def tolerance(study):
     return figure
 
 
-def tolerance_lines(axes, points, value, what, line="-", sizes=FORMULATION_SIZES):
+def tolerance_lines(axes, runs, value, what, line="-", sizes=FORMULATION_SIZES):
     """Draws a quantity of each formulation against the tolerance; what has the value 0 has no place on the axis."""
     logarithmic(axes)
     axes.xaxis.set_major_locator(LogLocator(numticks=7))
     axes.xaxis.set_minor_locator(NullLocator())
     axes.tick_params(labelbottom=True)
     for formulation in FORMULATIONS:
-        line_points = [(point.tolerance, value(point)) for point in points
-                       if point.formulation == formulation and value(point) > 0]
+        line_points = [(run.tolerance, value(run)) for run in runs
+                       if run.formulation == formulation and value(run) > 0]
         if line_points:
             axes.plot(*zip(*line_points), color=FORMULATION_COLOURS[formulation], linestyle=line, linewidth=1.3,
                       marker=FORMULATION_MARKERS[formulation], markerfacecolor="white",

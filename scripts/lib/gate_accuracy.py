@@ -19,7 +19,7 @@ import os
 
 from gate_cells import CannotRun, is_fast, published
 from gate_layers import Layer
-from raw_files import CONVERGED
+from study_file import CONVERGED
 
 UNIT_ROUNDOFF = 2.0**-53
 TRUNCATED = 0.1  # of the tolerance, by the bands of a fast form

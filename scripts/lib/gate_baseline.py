@@ -1,16 +1,17 @@
 """The recorded baseline of the regression gate, and its exact layer: counts, and what a raw file of table1 holds."""
 
 import os
+import re
 import subprocess
 import tempfile
 from dataclasses import dataclass
 from typing import Dict, Tuple
 
-from benchmark_json import UnusableFile, cell_key, context_and_rows, parse_json, quoted, read_text
+from benchmark_json import UnusableFile, cell_key, context_and_rows, parse_json, read_text
 from document import replace_file
 from gate_cells import SIZES, CannotRun, cells_of, is_fast, json_text, read_counts
 from gate_layers import Layer
-from raw_files import CONVERGED, Fields, objects, read
+from study_file import CONVERGED, Wrong, an_object, checked, list_of, read_json, require, text
 
 FORMAT = "isosyrk baseline 2"
 # Sweeps of a run that other kernels, which round otherwise, may take more or less: an iteration that ends just under
@@ -52,33 +53,33 @@ def baseline_of(build, commit, shape):
 
 def read_baseline(path):
     """Returns the baseline in `path`. Throws UnusableFile, also where it is one of other cells."""
-    return read(path, analyse)
+    return read_json(path, analyse)
 
 
 def analyse(document):
-    found = document.get("format") if isinstance(document, dict) else None
-    if found != FORMAT:
-        raise UnusableFile(f"is no baseline of this version (its format is {quoted(found)}, not {quoted(FORMAT)})")
-    fields = Fields(document, "it")
-    cells = [Fields(each, "a cell") for section in SECTIONS for each in objects(document, section)]
-    counts = {cell.text("name"): read_counts(cell, cell.text("name")) for cell in cells}
+    require(document, "baseline of this version", "format", FORMAT)
+    found = checked(document, {"commit": commit_hash, "kernels": any_text, "compiler": text, "raw_file": an_object,
+                               **dict.fromkeys(SECTIONS, list_of(an_object))}, "it")
+    cells = [each for section in SECTIONS for each in found[section]]
+    counts = {checked(each, {"name": text}, "a cell")["name"]: read_counts(each) for each in cells}
     if len(counts) != len(cells) or set(counts) != set(cells_of(SIZES)):
         raise UnusableFile("is a baseline of other cells than are watched now")
-    shape = fields.object("raw_file")
-    commit = fields.text("commit")
-    if len(commit) != 40 or not set(commit) <= set("0123456789abcdef"):
-        fields.refuse("commit", "a commit as 40 hexadecimal digits")
-    kernels = fields.get("kernels")
-    if not isinstance(kernels, str):
-        fields.refuse("kernels", "a text")
-    return Baseline(commit, kernels, fields.text("compiler"), counts, Shape(*(texts(shape, part) for part in PARTS)))
+    shape = checked(found["raw_file"], dict.fromkeys(PARTS, list_of(any_text)), "its raw_file")
+    if not all(shape.values()):
+        raise UnusableFile(f"has a raw_file without {', '.join(part for part in PARTS if not shape[part])}")
+    return Baseline(found["commit"], found["kernels"], found["compiler"], counts, Shape(**shape))
 
 
-def texts(fields, name):
-    value = fields.get(name)
-    if not isinstance(value, list) or not value or not all(isinstance(each, str) for each in value):
-        fields.refuse(name, "a list of texts")
-    return tuple(value)
+def any_text(value):
+    if not isinstance(value, str):
+        raise Wrong("a text")
+    return value
+
+
+def commit_hash(value):
+    if not re.fullmatch("[0-9a-f]{40}", any_text(value)):
+        raise Wrong("a commit as 40 hexadecimal digits")
+    return value
 
 
 def write_baseline(path, baseline):

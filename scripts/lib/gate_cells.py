@@ -5,8 +5,8 @@ import subprocess
 from dataclasses import dataclass
 from typing import Dict, List, Optional
 
-from benchmark_json import FORMULATIONS, UnusableFile, one_line, parse_json
-from raw_files import CONVERGED, STATUSES, Fields, context, objects, unique
+from benchmark_json import FORMULATIONS, UnusableFile, one_line, parse_json, printable_context
+from study_file import CONVERGED, an_object, checked, keyed, list_of, number, positive, require, status, text, whole, Wrong
 
 SIZES = (17, 33, 65, 129)
 QUICK_SIZES = (17, 33)
@@ -97,42 +97,44 @@ def report_of(program, names, environment=None):
 
 
 def read_build(document):
-    found = context(document, FORMAT)
-    cells = [read_cell(Fields(each, "a cell")) for each in objects(document, "cells")]
-    return Build(found, unique(cells, "name"))
+    require(document, "document of regression_cells", "format", FORMAT)
+    found = checked(document, {"context": an_object, "cells": list_of(an_object)}, "it")
+    cells = keyed(map(read_cell, found["cells"]), "name")
+    if not cells:
+        raise UnusableFile("names no cell")
+    return Build(printable_context(found["context"]), cells)
 
 
-def read_cell(fields):
-    status = fields.one_of("status", STATUSES)
-    known = {"name": fields.text("name"), "n": fields.whole("n", 2), "status": status,
-             "steps": fields.whole("steps", 1), "tolerance": fields.positive("tolerance"),
-             "norm": fields.positive("norm"),
-             "contraction": fields.not_negative("contraction"), "counts": read_counts(fields, fields.text("name"))}
-    if status != CONVERGED:
+def read_cell(values):
+    kinds = {"name": text, "n": whole(2), "status": status, "steps": whole(1), "tolerance": positive, "norm": positive,
+             "contraction": number}
+    known = checked(values, kinds, "a cell")
+    known["counts"] = read_counts(values)
+    if known["status"] != CONVERGED:
         return Cell(**known)
-    known.update({name: fields.not_negative(name) for name in ("distance_to_group", "distance_to_published")
-                  if name in fields.values})
-    if "W" in fields.values:
-        known["W"] = read_entries(fields, known["n"])
-    return Cell(**known, spectrum_error=fields.not_negative("spectrum_error"),
-                skew_defect=fields.not_negative("skew_defect"))
+    kinds = {"spectrum_error": number, "skew_defect": number, "distance_to_group": number,
+             "distance_to_published": number, "W": entries_of(known["n"])}
+    optional = ("distance_to_group", "distance_to_published", "W")
+    return Cell(**known, **checked(values, {name: kind for name, kind in kinds.items()
+                                            if name in values or name not in optional}, "a cell"))
 
 
-def read_counts(fields, name):
-    """Reads what is counted in a cell of this name."""
-    return {count: fields.positive(count) if count == "equivalent_products" else fields.whole(count)
-            for count in (FAST_COUNTS if is_fast(name) else COUNTS)}
+def read_counts(values):
+    """Reads what is counted in a cell."""
+    counts = FAST_COUNTS if is_fast(values["name"]) else COUNTS
+    return checked(values, {count: positive if count == "equivalent_products" else whole() for count in counts}, "a cell")
 
 
-def read_entries(fields, n):
-    entries = fields.get("W")
-    try:
-        found = [complex(float(re), float(im)) for re, im in entries]
-    except (TypeError, ValueError, OverflowError):
-        found = []
-    if len(found) != n * n:
-        fields.refuse("W", f"a list of {n * n} pairs of numbers")
-    return found
+def entries_of(n):
+    def kind(entries):
+        try:
+            found = [complex(float(re), float(im)) for re, im in entries]
+        except (TypeError, ValueError, OverflowError):
+            found = []
+        if len(found) != n * n:
+            raise Wrong(f"a list of {n * n} pairs of numbers")
+        return found
+    return kind
 
 
 def json_text(document):

@@ -1,4 +1,4 @@
-"""Finds the cheapest recorded run that reaches an error and keeps a structure, in what work_precision measured.
+"""Finds the cheapest recorded run that reaches an error and keeps a structure, in what the study of accuracy measured.
 
 Only runs that were measured are offered: nothing is interpolated in the step size, or extrapolated in n or time.
 """
@@ -7,11 +7,12 @@ import math
 from dataclasses import dataclass
 from typing import Tuple
 
+from accuracy_lines import Run
 from benchmark_json import one_line
 from comparison import MISSING, three_digits, time_with_spread
 from document import Column, Entry, Heading, Item, Items, Paragraph, Table
 from statistics_of_repetitions import half_interquartile_range
-from work_precision import Integrator, Point
+from study_file import Integrator
 
 # What can be asked for, from the least to the most: a Lie–Poisson integrator keeps the spectrum too.
 KEPT = {"nothing": "nothing", "spectrum": "the spectrum", "poisson": "the Lie–Poisson structure"}
@@ -30,21 +31,21 @@ class Unanswerable(Exception):
 @dataclass(frozen=True)
 class Candidate:
     integrator: Integrator
-    point: Point
+    run: Run
 
     @property
     def seconds(self):
-        return self.point.costs.seconds
+        return self.run.seconds
 
     @property
     def error(self):
-        return self.point.quality.error
+        return self.run.error
 
     def strongest_structure(self):
         return next(structure for structure in reversed(KEPT) if self.integrator.keeps(structure))
 
     def separated_from(self, slower):
-        first, second = self.point.costs.cpu_seconds, slower.point.costs.cpu_seconds
+        first, second = self.run.cpu_seconds, slower.run.cpu_seconds
         return min(len(first), len(second)) > 1 and max(first) < min(second)
 
 
@@ -66,9 +67,9 @@ def candidates(study, n, structure):
     A step beyond an integrator's stability limit is never offered, whatever error it had in this scene: there
     the method lets a constant generator's flow grow.
     """
-    return [Candidate(study.integrators[point.integrator], point) for point in study.points
-            if point.quality.n == n and point.quality.usable and not point.beyond_limit
-            and study.integrators[point.integrator].keeps(structure)]
+    return [Candidate(study.integrators[run.integrator], run) for run in study.runs
+            if run.n == n and run.usable and not run.beyond_limit
+            and study.integrators[run.integrator].keeps(structure)]
 
 
 def recommendation(study, n, error, structure):
@@ -95,7 +96,7 @@ def answer(study, n, time, error, structure):
 
 
 def check_recorded(study, n, time):
-    sizes = sorted({point.quality.n for point in study.points})
+    sizes = sorted({run.n for run in study.runs})
     recorded = f"recorded: time {study.time:g} at n = {', '.join(map(str, sizes)) or 'none'}"
     if n not in sizes:
         raise Unanswerable(f"n = {n} is not recorded ({recorded}), and nothing is extrapolated")
@@ -118,7 +119,7 @@ def condition(structure):
 
 
 def known_error(study, candidate):
-    uncertainty = study.references[candidate.point.quality.n].uncertainty
+    uncertainty = study.references[candidate.run.n].uncertainty
     return f"{error_text(candidate.error)} (the reference is good to {uncertainty:.1g})"
 
 
@@ -128,16 +129,16 @@ def known_error(study, candidate):
 def answer_document(study, found, n, error, structure, path):
     """Returns the answer as a document: the winner, its rivals, and where the numbers come from."""
     winner = found.winner
-    costs, quality = winner.point.costs, winner.point.quality
+    run = winner.run
     facts = (
         ("method", f"{winner.integrator.name}, order {winner.integrator.order}, keeps"
                    f" {KEPT[winner.strongest_structure()]}"),
         ("step", step_text(winner)),
         ("expected error", known_error(study, winner)),
-        ("spectrum error", error_text(quality.spectrum_error)),
-        ("CPU seconds", time_with_spread(costs.cpu_seconds)),
-        ("products", str(costs.products)),
-        ("Poisson solves", str(costs.poisson_solves)),
+        ("spectrum error", error_text(run.spectrum_error)),
+        ("CPU seconds", time_with_spread(run.cpu_seconds)),
+        ("products", str(run.products)),
+        ("Poisson solves", str(run.poisson_solves)),
     )
     return [
         Paragraph(f"The cheapest recorded run at n = {n} to time {study.time:g} with an error of"
@@ -155,15 +156,14 @@ def runners_up_section(found):
     columns = tuple(Column(heading, align="left" if heading in left else "right") for heading in
                     ("method", "order", "keeps", "step", "error", "CPU seconds", "times as long", "repetitions"))
     rows = [[each.integrator.name, str(each.integrator.order), KEPT[each.strongest_structure()], step_text(each),
-             error_text(each.error), time_with_spread(each.point.costs.cpu_seconds), three_digits(found.ratio(each)),
+             error_text(each.error), time_with_spread(each.run.cpu_seconds), three_digits(found.ratio(each)),
              SEPARATED if found.winner.separated_from(each) else NOT_SEPARATED] for each in found.runners_up()]
     return [Paragraph("Runners-up, the cheapest such run of each other integrator:"),
             Table(columns, [[[Entry(text) for text in row] for row in rows]]), Paragraph(RULE)]
 
 
 def step_text(candidate):
-    quality = candidate.point.quality
-    return f"h = {quality.step:.4g} ({quality.steps} steps)"
+    return f"h = {candidate.run.step:.4g} ({candidate.run.steps} steps)"
 
 
 def error_text(error):
@@ -189,13 +189,13 @@ def answer_data(study, found, n, error, structure, path):
 
 
 def run_data(candidate):
-    costs, quality = candidate.point.costs, candidate.point.quality
+    run = candidate.run
     return {
         "integrator": candidate.integrator.name, "order": candidate.integrator.order,
-        "keeps": candidate.strongest_structure(), "step": quality.step, "steps": quality.steps,
-        "error": quality.error, "spectrum_error": quality.spectrum_error, "seconds": costs.seconds,
-        "half_interquartile_range": half_interquartile_range(costs.cpu_seconds),
-        "repetitions": len(costs.cpu_seconds), "products": costs.products, "poisson_solves": costs.poisson_solves,
+        "keeps": candidate.strongest_structure(), "step": run.step, "steps": run.steps,
+        "error": run.error, "spectrum_error": run.spectrum_error, "seconds": run.seconds,
+        "half_interquartile_range": half_interquartile_range(run.cpu_seconds),
+        "repetitions": len(run.cpu_seconds), "products": run.products, "poisson_solves": run.poisson_solves,
     }
 
 
@@ -226,5 +226,5 @@ def table_entry(found):
         return Entry(MISSING)
     winner = found.winner
     clear = bool(found.others) and all(map(winner.separated_from, found.others))
-    return Entry(f"{winner.integrator.name}, h = {winner.point.quality.step:.4g}, {three_digits(winner.seconds)} s",
+    return Entry(f"{winner.integrator.name}, h = {winner.run.step:.4g}, {three_digits(winner.seconds)} s",
                  clear)

@@ -22,7 +22,7 @@ def render_study(program, description, arguments, raw, others, drawn):
     that there are to the report.
     """
     parser = OneLineParser(prog=program, description=description)
-    parser.add_argument("raw", metavar="RAW.json", help=f"what build/benchmarks/{raw} wrote")
+    parser.add_argument("raw", metavar="RAW.json", help=f"what {raw} wrote")
     parser.add_argument("--out", metavar="DIR", required=True, help="folder for charts and report; made if missing."
                         " In results/recorded: SVG and Markdown only")
     for name, wrote_it in others.items():

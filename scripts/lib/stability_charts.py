@@ -14,8 +14,8 @@ from benchmark_json import FORMULATIONS
 from chart_panels import (LOOKS, Label, colour, column_of_labels, cross_mark, draw_line, floor_band, hide_rest,
                           key_of, logarithmic, look, new_figure, set_panel, style_key, styled)
 from integrator_names import TABLE1_CELLS, others
-from raw_files import CONVERGED, SWEEP_CAP, UNSTABLE
-from stability import QUANTITIES, ROUNDING, trials_in_words
+from stability_files import QUANTITIES, ROUNDING, trials_in_words
+from study_file import SWEEP_CAP, UNSTABLE
 
 CELLS = -2  # of the drawing order; what lies below 0 an SVG holds as one image
 GENERATOR_LABEL = "h‖B(W₀)‖₂"
@@ -76,7 +76,7 @@ def map_caption(study, scene):
 
 def map_key(figure, study, scene):
     """Says under the title what shades, hatchings and lines mean, of those that occur in this scene."""
-    found = {trial.status for each in study.maps.values() if each.scene == scene for trial in each.trials}
+    found = {trial.status for each in study.maps.values() if each.edge.scene == scene for trial in each.trials}
     handles = [Patch(facecolor=shade, edgecolor="0.6", linewidth=0.5,
                      label="more" if math.isinf(most) else f"≤ {most} sweeps") for most, shade in SWEEP_SHADES]
     handles += [Patch(facecolor=shade, edgecolor=ink, hatch=hatch, linewidth=0,
@@ -97,14 +97,14 @@ def map_panel(axes, study, scene, name):
     edges = [edge for each in maps for bottom, top in cell_edges(each) for edge in (bottom, top)]
     axes.set_ylim(min(edges), max(edges))
     axes.set_xlim(-0.5, len(maps) - 0.5)
-    critical = [each.critical.works.h_norm_B if each.critical else math.nan for each in maps]
-    limits = [each.linear_limit or math.nan for each in maps]
+    critical = [each.edge.works or math.nan for each in maps]
+    limits = [each.edge.linear_limit or math.nan for each in maps]
     for column, each in enumerate(maps):
         for trial, (bottom, top) in zip(each.trials, cell_edges(each)):
             cell(axes, column, trial, bottom, top)
     set_panel(axes, name, "n", GENERATOR_LABEL)
     axes.xaxis.set_major_locator(FixedLocator(range(len(maps))))
-    axes.xaxis.set_major_formatter(lambda column, _: str(maps[round(column)].n))
+    axes.xaxis.set_major_formatter(lambda column, _: str(maps[round(column)].edge.n))
     axes.yaxis.set_major_locator(FixedLocator([2.0**power for power in range(-20, 21)]))
     axes.yaxis.set_minor_locator(NullLocator())
     axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
@@ -116,7 +116,7 @@ def cell_edges(each):
     """Returns (bottom, top) of the cell of each trial: half way to its neighbours on the logarithmic axis, but up to the
     critical value where that lies between what works and what fails."""
     values = [trial.h_norm_B for trial in each.trials]
-    critical = each.critical.works.h_norm_B if each.critical else 0.0
+    critical = each.edge.works or 0.0
     inner = [critical if first.works and not second.works and first.h_norm_B <= critical <= second.h_norm_B
              else math.sqrt(first.h_norm_B * second.h_norm_B) for first, second in zip(each.trials, each.trials[1:])]
     half = 2**0.25 if len(values) == 1 else math.sqrt(values[1] / values[0])
@@ -134,7 +134,7 @@ def cell(axes, column, trial, bottom, top):
 
 
 def sweep_shade(trial):
-    return next(shade for most, shade in SWEEP_SHADES if (trial.sweeps_per_step or 0) <= most)
+    return next(shade for most, shade in SWEEP_SHADES if trial.sweeps_per_step <= most)
 
 
 def level_line(axes, values, name, style, width):
@@ -217,9 +217,7 @@ def drawable(series):
 
 
 def failure(run):
-    if run.status == CONVERGED:
-        return ""
-    return f" × {run.failed_step or run.status}"
+    return "" if run.survived else f" × {run.row.failed_step or run.row.status}"
 
 
 LEAST_DRAWN, LARGEST_DRAWN = 1e-18, 1e8

@@ -7,7 +7,7 @@ from accuracy_report import listed, scientific
 from comparison import MISSING, three_digits
 from document import Column, Heading, Paragraph, conditions, plain_table, shown
 from integrator_names import others
-from stability import QUANTITIES, trials_in_words
+from stability_files import QUANTITIES, trials_in_words
 
 PLAIN_SCENE = "smooth"  # whose name the files of its long runs do not bear
 
@@ -90,7 +90,8 @@ def scenes_and_sizes(settings):
 def ending(runs, run):
     if run.survived:
         return f"{runs.steps} steps"
-    return f"{run.status}" + (f" at step {run.failed_step}" if run.failed_step else f" after {run.steps} steps")
+    row = run.row
+    return row.status + (f" at step {row.failed_step}" if row.failed_step else f" after {row.steps} steps")
 
 
 # ---- tables
@@ -116,17 +117,15 @@ def critical_section(title, failures, level):
 def critical_text(each):
     if each is None:
         return MISSING
-    if each.critical:
-        return three_digits(each.critical.works.h_norm_B)
+    if each.edge.works:
+        return three_digits(each.edge.works)
     if each.always_works:
         return f"> {three_digits(each.trials[-1].h_norm_B)}"
     return MISSING if each.trials[0].works else f"< {three_digits(each.trials[0].h_norm_B)}"
 
 
 def ways_text(line):
-    failing = [[trial for trial in (*each.trials, *([each.critical.fails] if each.critical else [])) if not trial.works]
-               for each in line]
-    ways = [min(trials, key=lambda trial: trial.h_norm_B).status for trials in failing if trials]
+    ways = [each.first_failure for each in line if each.first_failure]
     return listed(dict.fromkeys(ways)) or MISSING
 
 

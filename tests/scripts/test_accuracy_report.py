@@ -5,17 +5,16 @@ import sys
 import unittest
 
 from programs import ROOT
-from study_documents import study_document
+from study_documents import accuracy_of, study_document
 
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
 
 from accuracy_report import accuracy_sections  # noqa: E402
 from document import as_text  # noqa: E402
-from work_precision import study  # noqa: E402
 
 
 def report(document):
-    return as_text(accuracy_sections(study(document), ()))
+    return as_text(accuracy_sections(accuracy_of(document), ()))
 
 
 class Tables(unittest.TestCase):
@@ -24,13 +23,13 @@ class Tables(unittest.TestCase):
 
     def test_a_run_beyond_its_limit_is_counted_apart(self):
         document = study_document()
-        for each in document["points"]:
+        for each in document["runs"]:
             each["beyond_limit"] = (each["integrator"], each["steps"]) == ("rk4", 5)
         self.assertIn("2 more came to an end beyond their stability limit", report(document).replace("\n", " "))
 
     def test_the_error_at_the_step_of_table_1(self):
         before, document = report(study_document()), study_document()
-        for each in document["points"]:
+        for each in document["runs"]:
             if (each["integrator"], each["n"], each["steps"]) == ("rkmk4", 17, 50):
                 each["error"] = 3.3e-3
         self.assertRegex(before, r"rkmk4 +1\.0e-7 +1\.0e-7")
@@ -41,8 +40,8 @@ class Tables(unittest.TestCase):
         document["references"] = document["references"][:1]
         document["integrators"] = document["integrators"][:2]
         names = {each["name"] for each in document["integrators"]}
-        document["points"] = [each for each in document["points"] if each["integrator"] in names and each["n"] == 17]
-        document["tolerance_points"] = []
+        document["runs"] = [each for each in document["runs"] if each["integrator"] in names and each["n"] == 17]
+        document["tolerance_runs"] = []
         self.assertIn("Runs that failed", report(document))
 
 

@@ -16,7 +16,7 @@ import tempfile
 import threading
 import unittest
 
-from programs import (DONE, FORMULATIONS, ROOT, SANITIZED, SOLVER_FAILED, FolderTest, end, environment, program, run,
+from programs import (DATA, DONE, FORMULATIONS, ROOT, SANITIZED, SOLVER_FAILED, FolderTest, end, environment, program, run,
                       snapshot, start, strict_json)
 
 PROGRAMS = ("table1", "table2", "kernels")
@@ -29,6 +29,7 @@ MACHINE_CONTEXT = ("isosyrk_program", "isosyrk_format", "commit", "dirty", "comp
                    "vector_units", "load_average", "blas_library", "blas_kernels", "blas_threads", "environment",
                    "products", "product_rate", "peak_gflops", "notice")
 SOLVER_CONTEXT = ("tolerance", "norm", "start", "update_order", "hbar", "modes_hash")
+REFERENCES = os.path.join(ROOT, "results", "recorded", "references")
 EARLIER = "an earlier result"
 
 
@@ -58,7 +59,20 @@ class MeasuredTest(unittest.TestCase):
         return run([sys.executable, os.path.join(ROOT, "scripts", "render_table1"), self.path])
 
 
+def expected_error():
+    """Returns the relative distance of the reference answers of s = 2 and, 10⁴ times closer to the truth, s = 3."""
+    answers = []
+    for s in (2, 3):
+        with open(os.path.join(DATA, f"W_t5_h0.1_n17_s{s}.csv"), encoding="utf-8") as file:
+            next(file)
+            answers.append([complex(float(re), float(im)) for _, _, re, im in (line.split(",") for line in file)])
+    difference = sum(abs(a - b)**2 for a, b in zip(*answers))
+    return (difference / sum(abs(b)**2 for b in answers[1]))**0.5
+
+
 class Table1(MeasuredTest):
+    arguments = (*BRIEF, "--references", REFERENCES)
+
     def test_a_complete_run_ends_with_0(self):
         self.assertEqual(self.done.returncode, DONE, self.done.stderr)
 
@@ -84,6 +98,11 @@ class Table1(MeasuredTest):
                 self.assertAlmostEqual(sweeps, round(sweeps), places=6)
                 self.assertGreaterEqual(row["products"], 2 * round(sweeps))
                 self.assertGreaterEqual(row["poisson_solves"], round(sweeps))
+
+    def test_rows_have_the_error_at_the_end(self):
+        (row,) = [row for row in self.rows if "/group/n:17/s:2" in row["run_name"]]
+        self.assertLess(abs(row["relative_error"] / expected_error() - 1), 1e-3)
+        self.assertLess(row["reference_uncertainty"], 1e-12)
 
     def test_algebra_keeps_the_algebra_exactly(self):
         for row in self.rows:
@@ -171,6 +190,9 @@ class Table1WithoutEnoughSweeps(MeasuredTest):
 
 class Table1WithEigen(MeasuredTest):
     arguments = (*BRIEF, "--products", "eigen")
+
+    def test_without_references_there_is_no_error(self):
+        self.assertFalse({"relative_error", "reference_uncertainty"} & set(self.rows[0]))
 
     def test_the_choice_is_recorded_and_honoured(self):
         self.assertIn("as asked", self.context["products"])
@@ -308,6 +330,9 @@ class Refusals(FolderTest):
             self.refuses_beside_output("table1", name, name)
             for value in values:
                 self.refuses_beside_output("table1", f"{name} {value}", name, value, *allowed)
+
+    def test_references_that_are_not_there_are_named(self):
+        self.refuses_beside_output("table1", f"--references {self.folder}", "--references", "references.json")
 
     def test_a_bad_value_for_google_benchmark_is_named(self):
         for argument in ("--benchmark_repetitions=x", "--benchmark_repetitions=0", "--benchmark_repetitions=-1",

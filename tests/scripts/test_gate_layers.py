@@ -324,7 +324,7 @@ class Reports(FolderTest):
 
     def test_a_program_that_fails_or_says_something_else_cannot_be_judged(self):
         for script, part in (("echo 'regression_cells: no such cell' >&2; exit 2", "no such cell"),
-                             ("echo '{'", "whole JSON"), ("echo '{}'", "was not written by"), ("true", "empty")):
+                             ("echo '{'", "whole JSON"), ("echo '{}'", "is no document of"), ("true", "empty")):
             with self.assertRaisesRegex(CannotRun, part):
                 self.report(script)
         with self.assertRaisesRegex(CannotRun, "cannot be run"):

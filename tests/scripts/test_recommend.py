@@ -14,13 +14,13 @@ import sys
 import unittest
 
 from programs import ROOT, FolderTest, run, run_script, strict_json
-from study_documents import study_document, write_study
+from study_documents import accuracy_of, study_document, write_study
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
 import recommendation  # noqa: E402
-import work_precision  # noqa: E402
 from document import as_text  # noqa: E402
+from study_file import STATUSES  # noqa: E402
 
 SCRIPT = os.path.join(ROOT, "scripts", "recommend")
 UNANSWERABLE = 3
@@ -31,8 +31,8 @@ class RecommendTest(FolderTest):
         super().setUp()
         self.document = study_document()
 
-    def point(self, name, n, steps):
-        return next(each for each in self.document["points"]
+    def run_of(self, name, n, steps):
+        return next(each for each in self.document["runs"]
                     if (each["integrator"], each["n"], each["steps"]) == (name, n, steps))
 
     def recommend(self, *arguments, **options):
@@ -43,12 +43,12 @@ class RecommendTest(FolderTest):
         return run_script(SCRIPT, "--raw", raw, *arguments)
 
     def found(self, n, error, structure="nothing"):
-        return recommendation.recommendation(work_precision.study(self.document), n, error, structure)
+        return recommendation.recommendation(accuracy_of(self.document), n, error, structure)
 
     def winner(self, n, error, structure="nothing"):
         """Returns the name and number of steps of the run that is offered."""
         winner = self.found(n, error, structure).winner
-        return winner.integrator.name, winner.point.quality.steps
+        return winner.integrator.name, winner.run.steps
 
     def assert_unanswered(self, result, *parts):
         self.assertEqual((result.returncode, result.stdout), (UNANSWERABLE, ""), result.stderr)
@@ -67,16 +67,16 @@ class AnswerTest(RecommendTest):
                 self.assertEqual(self.winner(n, error, structure), expected)
 
     def test_an_error_equal_to_the_wanted_one_reaches_it(self):
-        error = self.point("group2", 17, 20)["error"]
+        error = self.run_of("group2", 17, 20)["error"]
         self.assertEqual(self.winner(17, error, "poisson"), ("group2", 20))
         self.assertEqual(self.winner(17, error * (1 - 1e-15), "poisson"), ("group2", 50))
 
     def test_times_are_compared_by_their_median(self):
-        self.point("rkmk4", 17, 5)["cpu_seconds"] = [1e-6, 2.0, 3.0]
+        self.run_of("rkmk4", 17, 5)["cpu_seconds"] = [1e-6, 2.0, 3.0]
         self.assertEqual(self.winner(17, 1e-3, "spectrum"), ("rkmk4", 10))
 
     def test_of_equal_times_the_better_error(self):
-        self.point("rkmk4", 17, 10)["cpu_seconds"] = self.point("rkmk4", 17, 5)["cpu_seconds"]
+        self.run_of("rkmk4", 17, 10)["cpu_seconds"] = self.run_of("rkmk4", 17, 5)["cpu_seconds"]
         self.assertEqual(self.winner(17, 1e-3, "spectrum"), ("rkmk4", 10))
 
     def test_an_error_below_the_uncertainty_of_the_reference_is_not_known(self):
@@ -91,9 +91,9 @@ class NeverOfferedTest(RecommendTest):
 
     def test_a_run_that_failed_or_whose_step_is_beyond_the_limit(self):
         self.assertEqual(self.winner(17, 1e-3, "poisson"), ("group2", 20))
-        point = self.point("group1", 17, 10)
+        point = self.run_of("group1", 17, 10)
         point["error"] = 1e-4  # 15 ms
-        for status in work_precision.STATUSES:
+        for status in STATUSES:
             with self.subTest(status=status):
                 point["status"] = status
                 self.assertEqual(self.winner(17, 1e-3, "poisson"), ("group1", 10) if status == "converged" else ("group2", 20))
@@ -103,7 +103,7 @@ class NeverOfferedTest(RecommendTest):
     def test_the_limit_of_rk4_depends_on_n(self):
         # h‖ad_B‖ is 2.80 at n = 17 and 5.44 at n = 33, the limit 2.83; the error at h = 1 is 1e-2 in both.
         self.assertEqual((self.winner(17, 0.01), self.winner(33, 0.01)), (("rk4", 5), ("rk4", 10)))
-        self.point("rk4", 33, 5)["beyond_limit"] = False
+        self.run_of("rk4", 33, 5)["beyond_limit"] = False
         self.assertEqual(self.winner(33, 0.01), ("rk4", 5))
 
     def test_a_method_that_does_not_keep_the_structure(self):
@@ -113,7 +113,7 @@ class NeverOfferedTest(RecommendTest):
         self.assertEqual(self.winner(17, 1e-3, "poisson"), ("rkmk4", 5))
 
     def test_none_is_the_best_that_is_named_either(self):
-        self.point("rkmk4", 17, 200)["beyond_limit"] = True
+        self.run_of("rkmk4", 17, 200)["beyond_limit"] = True
         result = self.recommend("--n", "17", "--error", "1e-12")
         self.assert_unanswered(result, "the best has 3.91e-09", "by rk4 with")
 
@@ -121,7 +121,7 @@ class NeverOfferedTest(RecommendTest):
 class RunnersUpTest(RecommendTest):
     def runners_up(self):
         found = self.found(33, 1e-3)
-        return [(each.integrator.name, each.point.quality.steps, round(found.ratio(each), 9),
+        return [(each.integrator.name, each.run.steps, round(found.ratio(each), 9),
                  found.winner.separated_from(each)) for each in found.runners_up()]
 
     def test_the_best_run_of_each_other_integrator(self):
@@ -132,25 +132,25 @@ class RunnersUpTest(RecommendTest):
     def test_at_most_four(self):
         listed = next(each for each in self.document["integrators"] if each["name"] == "rk4")
         self.document["integrators"].append({**listed, "name": "rival"})
-        self.document["points"].append({**self.point("rk4", 33, 20), "integrator": "rival"})
+        self.document["runs"].append({**self.run_of("rk4", 33, 20), "integrator": "rival"})
         self.assertEqual([name for name, *_ in self.runners_up()], ["rival", "rkmk4", "group2", "group1"])
 
     def test_overlapping_or_lone_repetitions_do_not_separate(self):
         # rk4 takes 0.99, 1.00 and 1.02 ms; as much as a tie is an overlap.
-        slowest = max(self.point("rk4", 33, 10)["cpu_seconds"])
+        slowest = max(self.run_of("rk4", 33, 10)["cpu_seconds"])
         for times, ratio, separated in (([1.2e-3, 1.0e-3, 1.1e-3], 1.1, False), ([1.2e-3, slowest, 1.1e-3], 1.1, False),
                                         ([1.2e-3, 1.021e-3, 1.1e-3], 1.1, True), ([5e-3], 5, False)):
             with self.subTest(times=times):
-                self.point("rkmk4", 33, 5)["cpu_seconds"] = times
+                self.run_of("rkmk4", 33, 5)["cpu_seconds"] = times
                 self.assertEqual(self.runners_up()[0], ("rkmk4", 5, ratio, separated))
 
 
 class TextTest(RecommendTest):
     def test_the_whole_answer(self):
         # Of three equidistant times the quartiles are halfway between the median and the ends.
-        self.point("rk4", 33, 10)["cpu_seconds"] = [0.98e-3, 1.0e-3, 1.02e-3]
-        self.point("rkmk4", 33, 5)["cpu_seconds"] = [1.0e-3, 1.1e-3, 1.2e-3]
-        self.point("group2", 33, 20)["cpu_seconds"] = [0.072, 0.080, 0.088]
+        self.run_of("rk4", 33, 10)["cpu_seconds"] = [0.98e-3, 1.0e-3, 1.02e-3]
+        self.run_of("rkmk4", 33, 5)["cpu_seconds"] = [1.0e-3, 1.1e-3, 1.2e-3]
+        self.run_of("group2", 33, 20)["cpu_seconds"] = [0.072, 0.080, 0.088]
         result = self.recommend("--n", "33", "--time", "5", "--error", "1e-3")
         self.assertEqual((result.returncode, result.stderr), (0, ""))
         for line in ("- method: rk4, order 4, keeps nothing", "- step: h = 0.5 (10 steps)",
@@ -200,11 +200,11 @@ class TextTest(RecommendTest):
 class TableTest(RecommendTest):
     def rows(self, n):
         """Returns the entries of the rows of one n, without it: one for each structure."""
-        text = as_text(recommendation.recommendation_tables(work_precision.study(self.document)))
+        text = as_text(recommendation.recommendation_tables(accuracy_of(self.document)))
         return [re.split(r"\s{2,}", line)[1:] for line in text.splitlines() if line.startswith(f"{n}  ")]
 
     def test_a_row_of_each_structure(self):
-        self.point("rk4", 33, 50)["error"] = 9e-7  # 1e-6 otherwise, to rounding
+        self.run_of("rk4", 33, 50)["error"] = 9e-7  # 1e-6 otherwise, to rounding
         self.assertEqual(self.rows(33), [
             ["rk4, h = 0.5, 0.00100 s*", "rk4, h = 0.25, 0.00200 s*", "rk4, h = 0.1, 0.00500 s*", "rk4, h = 0.025, 0.0200 s*"],
             ["rkmk4, h = 1, 0.00500 s*", "rkmk4, h = 0.5, 0.0100 s*", "rkmk4, h = 0.1, 0.0500 s*",
@@ -213,11 +213,11 @@ class TableTest(RecommendTest):
 
     def test_a_rival_that_is_not_separated_takes_the_mark(self):
         self.assertEqual(self.rows(17)[0][1], "rk4, h = 0.25, 0.00200 s*")
-        self.point("rkmk4", 17, 10)["cpu_seconds"] = [2.01e-3, 2.02e-3, 2.03e-3]
+        self.run_of("rkmk4", 17, 10)["cpu_seconds"] = [2.01e-3, 2.02e-3, 2.03e-3]
         self.assertEqual(self.rows(17)[0][1], "rk4, h = 0.25, 0.00200 s")
 
     def test_a_size_without_points_is_shown_as_unreached(self):
-        self.document["points"] = [each for each in self.document["points"] if each["n"] == 17]
+        self.document["runs"] = [each for each in self.document["runs"] if each["n"] == 17]
         self.assertEqual(self.rows(33)[0], ["–"] * 4)
 
 
@@ -230,7 +230,7 @@ class UnansweredTest(RecommendTest):
                 self.assert_unanswered(result, "n = 17", "1e-12", f"the best has {error}", f"by {best} with h = 0.025")
 
     def test_a_structure_no_usable_run_kept(self):
-        for each in self.document["points"]:
+        for each in self.document["runs"]:
             if each["n"] == 17 and each["integrator"] != "rk4":
                 each["status"] = "diverged"
         result = self.recommend("--n", "17", "--error", "1", "--keep", "spectrum")
@@ -247,7 +247,7 @@ class UnansweredTest(RecommendTest):
             self.assertEqual(self.recommend("--n", "17", "--error", "1", "--time", time).returncode, 0)
 
     def test_an_n_with_a_reference_but_no_run(self):
-        self.document["points"] = [each for each in self.document["points"] if each["n"] == 33]
+        self.document["runs"] = [each for each in self.document["runs"] if each["n"] == 33]
         self.assert_unanswered(self.recommend("--n", "17", "--error", "1"), "n = 17 is not recorded", "n = 33)")
 
     def test_json_prints_none_either(self):

@@ -10,11 +10,11 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__
 RECORDED = os.path.join(ROOT, "results", "recorded")
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
+from accuracy_lines import read_accuracy  # noqa: E402
 from accuracy_report import accuracy_sections  # noqa: E402
 from document import as_markdown  # noqa: E402
-from stability import read_fast_map, read_long_runs, read_map  # noqa: E402
+from stability_files import FAST, read_long_runs, read_map  # noqa: E402
 from stability_report import stability_sections  # noqa: E402
-from work_precision import read_study  # noqa: E402
 
 MOST_BYTES = 8_000_000
 
@@ -34,10 +34,9 @@ def charts(study):
 
 class Recorded(unittest.TestCase):
     def test_reports_are_what_the_raw_files_give(self):
-        stability = [read(raw("stability", name)) for read, name in
-                     ((read_map, "map.json"), (read_long_runs, "long_runs.json"), (read_fast_map, "fast_map.json"))]
-        failures, runs, fast = stability
-        for study, report in (("accuracy", accuracy_sections(read_study(raw("accuracy")), charts("accuracy"))),
+        failures, fast = read_map(raw("stability", "map.json")), read_map(raw("stability", "fast_map.json"), FAST)
+        runs = read_long_runs(raw("stability", "long_runs.json"))
+        for study, report in (("accuracy", accuracy_sections(read_accuracy(raw("accuracy")), charts("accuracy"))),
                               ("stability", stability_sections(failures, runs, charts("stability"), fast=fast))):
             with self.subTest(study=study):
                 self.assertTrue(text(RECORDED, study, "report.md") == as_markdown(report), "render it again")
@@ -58,7 +57,7 @@ class Recorded(unittest.TestCase):
         if listed.returncode != 0:
             self.skipTest("not a checkout")
         files = [name for name in listed.stdout.split("\0") if name]
-        self.assertEqual({name.rpartition(".")[2] for name in files}, {"csv", "json", "md", "svg"})
+        self.assertEqual({name.rpartition(".")[2] for name in files}, {"csv", "json", "md", "npy", "svg"})
         self.assertLess(sum(os.path.getsize(os.path.join(ROOT, name)) for name in files), MOST_BYTES)
 
 

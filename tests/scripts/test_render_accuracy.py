@@ -9,11 +9,10 @@ import unittest
 import programs
 from drawing import PYTHON, DrawingTest, lines_of, panels_of
 from programs import snapshot
-from study_documents import UNCERTAINTY, small_study, study_document, write_study
+from study_documents import UNCERTAINTY, accuracy_of, small_study, study_document, write_study
 from test_reproduce import raw_file
 
 from benchmark_json import read_run
-from work_precision import study
 
 CHARTS = ("error_against_time", "tolerance")
 FILES = {"report.md", "report.txt", *(f"{chart}.{kind}" for chart in CHARTS for kind in ("svg", "png"))}
@@ -36,7 +35,7 @@ class AccuracyTest(DrawingTest):
         """Returns a chart of the study after a change."""
         document = study_document()
         change(document)
-        return getattr(self.module("charts"), chart)(study(document))
+        return getattr(self.module("charts"), chart)(accuracy_of(document))
 
     def lines(self, title, *arguments):
         """Returns the lines of the first panel with this title."""
@@ -113,7 +112,7 @@ def texts_of(figure):
 
 class WhatIsDrawn(AccuracyTest):
     def test_points_are_time_and_error(self):
-        point = next(each for each in study_document()["points"]
+        point = next(each for each in study_document()["runs"]
                      if (each["integrator"], each["n"], each["steps"]) == ("group2", 17, 50))
         self.assertIn([sorted(point["cpu_seconds"])[1], point["error"]], self.lines("n = 17")["group2"])
 
@@ -126,7 +125,7 @@ class WhatIsDrawn(AccuracyTest):
     def test_a_point_below_the_floor_is_dropped_and_one_above_drawn(self):
         def with_error(error):
             def change(document):
-                for point in document["points"]:
+                for point in document["runs"]:
                     if (point["integrator"], point["steps"]) == ("rkmk4", 200):
                         point["error"] = error
             return self.lines("n = 33", change)["rkmk4"]
@@ -148,7 +147,7 @@ class WhatIsDrawn(AccuracyTest):
             self.assertAlmostEqual(error / tolerance, 0.1)
 
     def test_a_study_without_tolerances_is_drawn(self):
-        found = self.drawn(lambda document: document["tolerance_points"].clear(), "tolerance")
+        found = self.drawn(lambda document: document["tolerance_runs"].clear(), "tolerance")
         self.assertEqual(panels_of(found), {})
 
 
@@ -181,7 +180,7 @@ class Refusals(AccuracyTest):
 
     def test_raw_file_with_an_impossible_value(self):
         document = small_study()
-        document["points"][0]["error"] = -1.0
+        document["runs"][0]["error"] = -1.0
         self.assert_nothing_written(write_study(self.folder, document), "error")
 
     def test_out_is_a_file(self):

@@ -19,7 +19,8 @@ import unittest
 
 from programs import (BAD_ARGUMENTS, DONE, FORMULATIONS, ROOT, SOLVER_FAILED, FolderTest, end, environment, run,
                       snapshot, start)
-from stability_documents import SETTINGS, long_document, map_document, write_document
+from scaling_document import write_scaling
+from stability_documents import SETTINGS, long_study, map_study, write
 from study_documents import small_study, write_study
 
 HOST_NAME = "a-host-to-keep-private"
@@ -28,7 +29,8 @@ STUDIES = {  # raw files of a study, and its charts here
     "accuracy": (("raw",), ("error_against_time", "tolerance")),
     "stability": (("map", "fast_map", "long_runs"), ("failure_map_smooth", "failure_map_fast_smooth", "long_runs_n17")),
 }
-STUDY_PROGRAMS = ("work_precision", "stability", "long_runs")
+STUDY_PROGRAMS = ("build/benchmarks/work_precision",
+                  *(f"scripts/studies/{name}.py" for name in ("stability", "long_runs", "scaling")))
 EARLIER = {name: f"earlier {name}" for name in RESULTS}
 
 STAND_INS = {
@@ -88,12 +90,6 @@ exit "${BENCHMARK_STATUS:-0}"
 """
 
 
-# Leaves a reference solution for each n asked for.
-REFERENCE_SOLUTIONS = """
-echo "reference_solutions $*" >>"$CALLS"
-exit "${REFERENCES_STATUS:-0}"
-"""
-
 # Where a program of a study, or a script that draws, is to write.
 FIND_OUT = """
 while [ $# -gt 0 ]; do
@@ -104,7 +100,7 @@ done
 
 # A program of a study, named by $0: each writes its own file.
 STUDY = """
-program=${0##*/}
+program=$(basename "$0" .py)
 echo "$program[${OPENBLAS_CORETYPE-none}] $* on $(nproc) cores" >>"$CALLS"
 file=$program
 case "$*" in *"--solver fast"*) file=fast ;; esac
@@ -162,22 +158,16 @@ def results_of(study):
             *(f"{chart}.{kind}" for chart in charts for kind in ("svg", "png"))}
 
 
-def one_integrator(document, kind):
-    """Leaves one integrator of a file of the stability study, which is drawn in a second or two."""
-    document["integrators"] = document["integrators"][:1]
-    document[kind] = [each for each in document[kind] if each["integrator"] == document["integrators"][0]["name"]]
-    return document
-
-
 class CopyTest(FolderTest):
     def setUp(self):
         super().setUp()
         ignored = shutil.ignore_patterns("__pycache__")
         shutil.copytree(os.path.join(ROOT, "scripts"), self.path("root", "scripts"), ignore=ignored)
         shutil.copytree(os.path.join(ROOT, "results", "paper"), self.path("root", "results", "paper"))
-        for name, body in (("table1", TABLE), ("table2", TABLE), ("reference_solutions", REFERENCE_SOLUTIONS),
-                           *((study, STUDY) for study in STUDY_PROGRAMS)):
+        for name, body in (("table1", TABLE), ("table2", TABLE)):
             self.write(f"root/build/benchmarks/{name}", "#!/bin/sh\n" + body, executable=True)
+        for study in STUDY_PROGRAMS:
+            self.write(f"root/{study}", "#!/bin/sh\n" + STUDY, executable=True)
         for name, body in STAND_INS.items():
             self.write(f"tools/{name}", "#!/bin/sh\n" + body, executable=True)
         os.mkdir(self.path("tmp"))
@@ -189,11 +179,10 @@ class CopyTest(FolderTest):
         two["benchmarks"] = [row for row in two["benchmarks"] if row["repetition_index"] == 0]  # of one round
         self.threads_path = self.write("prepared_threads.json", json.dumps(two, indent=2))
         write_study(self.folder, small_study(), name="work_precision.json")
-        failures = one_integrator(map_document(SETTINGS[:1]), "maps")
-        write_document(self.folder, failures, "stability.json")
-        failures["context"]["solver"] = "fast"
-        write_document(self.folder, failures, "fast.json")
-        write_document(self.folder, one_integrator(long_document(), "runs"), "long_runs.json")
+        write(self.folder, map_study(SETTINGS[:1], ("group1",)), "stability.json")
+        write(self.folder, map_study(SETTINGS[:1], ("group1",), "fast"), "fast.json")
+        write(self.folder, long_study(("group1",)), "long_runs.json")
+        write_scaling(self.folder, "scaling.json")
         self.out = self.path("out")
 
     def use_raw_file(self, raw):
@@ -240,23 +229,14 @@ class BadArguments(CopyTest):
 
     def test_reproduce_names_what_is_wrong_and_what_is_allowed(self):
         for argument in ("table3", "--quik", "--quick=yes", "--out=here", "-q", "", "Table1"):
-            self.refuses("reproduce", [argument], argument, "table1", "table2", "accuracy", "stability", "--quick",
+            self.refuses("reproduce", [argument], argument, "table1", "table2", "accuracy", "stability", "scaling", "--quick",
                          "--out", "--no-install")
-        self.refuses("reproduce", ["scaling"], "scaling", "results/recorded/scaling/report.md")
         path = self.write("plain", "a file")
         for arguments, *parts in ((["table1", "all"], "all"), (["--out"], "--out"), (["--out", ""], "--out"),
                                   (["--out", "--quick"], "--out"), (["--out", path], "--out", path),
-                                  (["--out", os.path.join(path, "results")], "--out", path)):
+                                  (["--out", os.path.join(path, "results")], "--out", path),
+                                  (["--out", "/proc/results"], "--out", "/proc/results")):  # where nobody may write
             self.refuses("reproduce", arguments, *parts)
-
-    @unittest.skipUnless(os.path.isdir("/proc/self"), "no /proc here")
-    def test_reproduce_refuses_an_out_where_nobody_may_write(self):
-        self.refuses("reproduce", ["--out", "/proc/results"], "--out", "/proc/results")
-
-    @unittest.skipIf(os.geteuid() == 0, "root writes everywhere")
-    def test_reproduce_refuses_a_read_only_out(self):
-        os.mkdir(self.out, 0o555)
-        self.refuses("reproduce", ["--out", self.out], "--out", self.out)
 
     def test_test_names_an_unknown_argument_and_what_is_allowed(self):
         for argument in ("all", "--sanitise", "--no-install=yes", "-s", ""):
@@ -269,15 +249,14 @@ class BadArguments(CopyTest):
 
 class Help(CopyTest):
     def test_options_are_explained(self):
+        before = snapshot(self.folder)
         for script, *options in (("reproduce", "table1", "--quick", "--out", "--no-install", "--keep-coretype"),
                                  ("test", "--sanitize", "--no-install")):
-            for flag in ("--help", "-h"):
-                before = snapshot(self.folder)
-                done = self.script(script, flag)
-                self.assertEqual((done.returncode, done.stderr), (DONE, ""))
-                for option in options:
-                    self.assertIn(option, done.stdout)
-                self.assertEqual(snapshot(self.folder), before)
+            done = self.script(script, "--help")
+            self.assertEqual((done.returncode, done.stderr), (DONE, ""))
+            for option in options:
+                self.assertIn(option, done.stdout)
+        self.assertEqual(snapshot(self.folder), before)
 
 
 class MissingPackages(CopyTest):
@@ -289,13 +268,10 @@ class MissingPackages(CopyTest):
 
     def test_no_install_names_what_is_missing_and_calls_no_other_tool(self):
         for script in ("reproduce", "test"):
-            done = self.script(script, "--no-install", MISSING="libfmt-dev git")
-            self.assert_refused(done, "--no-install", "git", "libfmt-dev")
+            done = self.script(script, "--no-install", MISSING="libfmt-dev git", REMOVED="libgtest-dev")
+            self.assert_refused(done, "--no-install", "git", "libfmt-dev", "libgtest-dev")
             self.assertNotIn("cmake", done.stderr)
         self.assertEqual(self.calls(), [])
-
-    def test_a_removed_package_of_which_the_configuration_stays_is_missing(self):
-        self.assert_refused(self.script("reproduce", "--no-install", REMOVED="libgtest-dev"), "libgtest-dev")
 
     def test_nothing_is_installed_where_nothing_is_missing(self):
         for arguments in ((), ("--no-install",)):
@@ -354,23 +330,6 @@ class InheritedKernels(CopyTest):
         self.assertNotIn("OPENBLAS_CORETYPE", self.script("reproduce", "--out", self.out, BENCHMARK="fail").stderr)
 
 
-class PlainRun(CopyTest):
-    def test_what_one_run_leaves(self):
-        done = self.script("reproduce", "--out", self.out)
-        self.assertEqual(done.returncode, DONE, done.stderr)
-        results = {name: text.decode() for name, text in snapshot(self.out).items()}
-        self.assertEqual(set(results), RESULTS)
-        self.assertEqual(json.loads(results["raw.json"])["benchmarks"], raw_file()["benchmarks"])
-        for name, text in results.items():
-            self.assertNotIn(HOST_NAME, text, name)
-        self.assertTrue(results["table.txt"].startswith("Table 1"))
-        self.assertTrue(results["table.md"].startswith("# Table 1"))
-        self.assertIn(r"\toprule", results["table.tex"])
-        self.assertEqual(done.stdout, results["table.txt"])
-        self.assertIn(self.out, done.stderr.splitlines()[-1])
-        self.assertEqual(os.listdir(self.path("tmp")), [])
-
-
 class EndToEnd(CopyTest):
     def reproduce(self, *arguments, **changes):
         done = self.script("reproduce", "--out", self.out, *arguments, **changes)
@@ -381,15 +340,26 @@ class EndToEnd(CopyTest):
         with open(os.path.join(self.out, name), encoding="utf-8") as stream:
             return stream.read()
 
-    def test_earlier_results_are_replaced_and_other_files_stay(self):
+    def test_results_replace_earlier_ones_and_other_files_stay(self):
         self.out = self.path("my results", "of today")
         for name, text in {**EARLIER, "notes": "mine"}.items():
             self.write(os.path.join(self.out, name), text)
-        self.reproduce()
-        self.assertEqual(set(os.listdir(self.out)), RESULTS | {"notes"})
-        self.assertEqual(self.result("notes"), "mine")
-        for name in RESULTS:
-            self.assertNotEqual(self.result(name), EARLIER[name])
+        done = self.reproduce()
+        results = {name: text.decode() for name, text in snapshot(self.out).items()}
+        self.assertEqual(results.pop("notes"), "mine")
+        self.assertEqual(set(results), RESULTS)
+        self.assertEqual(json.loads(results["raw.json"])["benchmarks"], raw_file()["benchmarks"])
+        for name, text in results.items():
+            self.assertNotIn(HOST_NAME, text, name)
+        for name, start_of_it in (("txt", "Table 1"), ("md", "# Table 1"), ("tex", "% A fragment")):
+            self.assertTrue(results[f"table.{name}"].startswith(start_of_it))
+        self.assertEqual(done.stdout, results["table.txt"])
+        self.assertIn(self.out, done.stderr.splitlines()[-1])
+        self.assertEqual(os.listdir(self.path("tmp")), [])
+        configure, build = self.calls("cmake")
+        for part in (f"-S {self.path('root')}", "-DCMAKE_BUILD_TYPE=Release"):
+            self.assertIn(part, configure)
+        self.assertIn(f"--build {self.path('root', 'build')}", build)
 
     def test_without_out_results_are_under_results_latest(self):
         for arguments, name in (((), "table1"), (("--quick",), "table1-quick")):
@@ -405,7 +375,7 @@ class EndToEnd(CopyTest):
         # Drawing takes seconds, and other tests see it.
         self.write("root/scripts/render_stability", RENDERER, executable=True)
         self.reproduce("all")
-        self.assertEqual(set(os.listdir(self.out)), {"table1", "table2", "accuracy", "stability"})
+        self.assertEqual(set(os.listdir(self.out)), {"table1", "table2", "accuracy", "stability", "scaling"})
         self.assertEqual(set(os.listdir(self.path("out", "table1"))), RESULTS)
         two_cores = len(os.sched_getaffinity(0)) > 1
         self.assertEqual(set(os.listdir(self.path("out", "table2"))), RESULTS | ({"threads.json"} if two_cores else set()))
@@ -415,15 +385,7 @@ class EndToEnd(CopyTest):
                          results_of("accuracy") | {"table1_accuracy.svg", "table1_accuracy.png"})
         self.assertEqual(set(os.listdir(self.path("out", "stability"))),
                          {"report.txt", *(f"{name}.json" for name in STUDIES["stability"][0])})
-
-    def test_reference_solutions_are_kept_for_the_sizes_measured(self):
-        references = self.path("root", "results", "latest", "references")
-        for arguments, sizes in (((), "17 33 65 129"), (("--quick",), "17 33")):
-            with self.subTest(arguments=arguments):
-                self.reproduce(*arguments)
-                self.assertEqual(self.calls("reference_solutions")[-1],
-                                 f"reference_solutions --out {references} --n {sizes}")
-                self.assertIn(f"--references {references}", self.calls("table1")[-1])
+        self.assertEqual(set(os.listdir(self.path("out", "scaling"))), {"raw.json", "table.txt", "table.md"})
 
     def test_a_study_measures_and_ends_with_its_report(self):
         for study, part in (("accuracy", "Error at h = 0.1"),
@@ -444,7 +406,7 @@ class EndToEnd(CopyTest):
     def test_quick_is_passed_on(self):
         for study, failing, programs, option in (
                 ("accuracy", "work_precision", ("work_precision",), "--n 17 33 --out "),
-                ("stability", "long_runs", ("stability", "long_runs"), "--quick --out ")):
+                ("stability", "long_runs", ("stability", "long_runs"), "--quick")):
             self.script("reproduce", study, "--quick", "--out", self.out, FAILING=failing)
             for program in programs:
                 self.assertIn(option, self.calls(program + "[")[0])
@@ -473,13 +435,6 @@ class EndToEnd(CopyTest):
         self.assertEqual(joined["context"]["order"], "rounds")
         self.assertNotIn("host_name", joined["context"])
 
-    def test_the_copy_is_configured_as_release_and_built(self):
-        self.reproduce()
-        configure, build = self.calls("cmake")
-        self.assertIn(f"-S {self.path('root')}", configure)
-        self.assertIn("-DCMAKE_BUILD_TYPE=Release", configure)
-        self.assertIn(f"--build {self.path('root', 'build')}", build)
-
 
 class FailedRuns(CopyTest):
     """Whatever goes wrong, earlier results stay as they were and nothing stray is left."""
@@ -488,73 +443,54 @@ class FailedRuns(CopyTest):
         super().setUp()
         self.before = self.keep_earlier_results()
 
-    def reproduce(self, **changes):
-        return self.script("reproduce", "--out", self.out, **changes)
-
     def assert_earlier_results(self):
-        self.assertEqual(snapshot(self.out), self.before)
+        found = snapshot(self.out)
+        self.assertEqual({name: found[name] for name in found if not name.startswith(".kept")}, self.before)
         self.assertEqual(os.listdir(self.path("tmp")), [])
 
+    def ends(self, job, status, *told, **changes):
+        with self.subTest(job=job, changes=changes):
+            done = self.script("reproduce", job, "--out", self.out, **changes)
+            self.assertEqual((done.returncode, done.stdout), (status, ""))
+            for part in told:
+                self.assertIn(part, done.stderr)
+            self.assertNotIn("Traceback", done.stderr)
+            self.assert_earlier_results()
+
     def test_a_failed_build_shows_its_log(self):
-        done = self.reproduce(CMAKE_STATUS="1")
-        self.assertEqual((done.returncode, done.stdout), (BAD_ARGUMENTS, ""))
-        self.assertIn("chatter of cmake", done.stderr)
-        self.assertIn("build", done.stderr.splitlines()[-1])
-        self.assert_earlier_results()
+        self.ends("table1", BAD_ARGUMENTS, "chatter of cmake", "reproduce: the build in", CMAKE_STATUS="1")
 
     def test_a_failed_or_killed_benchmark_passes_its_status_on(self):
-        for benchmark, status in (("fail", 7), ("die", 128 + signal.SIGKILL)):
-            done = self.reproduce(BENCHMARK=benchmark)
-            self.assertEqual((done.returncode, done.stdout), (status, ""))
-            self.assertEqual("some reason" in done.stderr, benchmark == "fail")
-            self.assert_earlier_results()
+        self.ends("table1", 7, "some reason", "exit status 7", BENCHMARK="fail")
+        self.ends("table1", 128 + signal.SIGKILL, "exit status 137", BENCHMARK="die")
+
+    def test_a_raw_file_that_cannot_be_used_is_told(self):
+        self.ends("table1", BAD_ARGUMENTS, "raw.json: is not whole JSON", BENCHMARK="scribble")
+        self.use_raw_file({"context": {}, "benchmarks": []})
+        self.ends("table1", BAD_ARGUMENTS, "raw.json: was not written by table1")
 
     def test_rounds_of_two_threads_that_cannot_be_put_together_are_reported(self):
         if len(os.sched_getaffinity(0)) < 2:
             self.skipTest("needs two cores")
         self.write("prepared_threads.json", '{"context": {')
-        done = self.script("reproduce", "table2", "--out", self.out)
-        self.assertEqual(done.returncode, BAD_ARGUMENTS)
-        self.assertIn("threads.json: cannot be put together", done.stderr.splitlines()[-1])
-        self.assert_earlier_results()
+        self.ends("table2", BAD_ARGUMENTS, "threads.json: cannot be put together")
 
-    def test_failed_reference_solutions_end_it_before_anything_is_measured(self):
-        done = self.reproduce(REFERENCES_STATUS="3")
-        self.assertEqual((done.returncode, done.stdout), (SOLVER_FAILED, ""))
-        self.assertEqual(self.calls("table1"), [])
-        self.assert_earlier_results()
+    def test_a_failed_study_passes_its_status_on(self):
+        for study, program in (("accuracy", "work_precision"), ("stability", "stability"), ("stability", "long_runs")):
+            self.ends(study, 7, "some reason", FAILING=program)
+            self.ends(study, BAD_ARGUMENTS, BENCHMARK="scribble")
 
-    def test_a_failed_study_leaves_earlier_results(self):
-        for study, program in (("accuracy", "work_precision"), ("stability", "stability"),
-                               ("stability", "long_runs")):
-            for changes, status in (({"FAILING": program}, 7), ({"BENCHMARK": "scribble"}, BAD_ARGUMENTS)):
-                with self.subTest(study=study, changes=changes):
-                    done = self.script("reproduce", study, "--out", self.out, **changes)
-                    self.assertEqual((done.returncode, done.stdout), (status, ""))
-                    self.assertEqual("some reason" in done.stderr, "FAILING" in changes)
-                    self.assertNotIn("Traceback", done.stderr)
-                    self.assert_earlier_results()
-
-    def test_a_missing_benchmark_leaves_earlier_results(self):
-        os.unlink(self.path("root", "build", "benchmarks", "table1"))
-        done = self.reproduce()
-        self.assertNotEqual(done.returncode, DONE)
-        self.assertEqual(done.stdout, "")
-        self.assert_earlier_results()
-
-    def test_a_raw_file_that_cannot_be_used_is_told_in_a_line_and_leaves_earlier_results(self):
-        self.use_raw_file({"context": {}, "benchmarks": []})
-        for benchmark in ("scribble", "finish"):
-            done = self.reproduce(BENCHMARK=benchmark)
-            self.assertNotEqual(done.returncode, DONE)
-            self.assertEqual(done.stdout, "")
-            self.assertNotIn("Traceback", done.stderr)
-            self.assertIn("raw.json", done.stderr.splitlines()[-1])
-            self.assert_earlier_results()
+    def test_what_a_study_has_finished_at_this_commit_is_not_done_again(self):
+        for commit, runs in (("0123456789ab", 1), ("ba9876543210", 2)):  # the files are of the first
+            self.write("tools/git", f"#!/bin/sh\necho {commit}\n", executable=True)
+            self.write("calls", "")
+            self.script("reproduce", "stability", "--out", self.out, FAILING="long_runs")
+            self.assertEqual(self.script("reproduce", "stability", "--out", self.out).returncode, DONE)
+            self.assertEqual((len(self.calls("stability[")), len(self.calls("long_runs["))), (2 * runs, 2))
 
     def test_rows_that_did_not_converge_are_shown_and_end_with_3(self):
         self.use_raw_file(raw_file(failed=True))
-        done = self.reproduce(BENCHMARK_STATUS="3")
+        done = self.script("reproduce", "--out", self.out, BENCHMARK_STATUS="3")
         self.assertEqual(done.returncode, SOLVER_FAILED)
         self.assertIn("sweep cap at step 1", done.stdout)
         self.assertEqual(set(os.listdir(self.out)), RESULTS)

@@ -1,4 +1,4 @@
-"""Tests of scripts/lib/work_precision.py: what it refuses, and the floors and orders it finds on made-up lines."""
+"""Tests of scripts/lib/accuracy_lines.py: what it refuses, and the floors and orders it finds on made-up lines."""
 
 import copy
 import os
@@ -7,58 +7,47 @@ import sys
 import unittest
 
 from programs import ROOT, FolderTest
-from study_documents import INTEGRATORS, SIZES, STEPS, study_document, write_study
-from wrong_values import WRONG
+from study_documents import INTEGRATORS, SIZES, STEPS, accuracy_of, study_document, write_study
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
-import work_precision  # noqa: E402
+from accuracy_lines import read_accuracy  # noqa: E402
 from benchmark_json import UnusableFile  # noqa: E402
 
 
-class ReaderTest(FolderTest):
+class AccuracyTest(FolderTest):
     def setUp(self):
         super().setUp()
         self.document = study_document()
 
-    def assert_refused(self, document, *words):
-        """Refused, in one short line that has every one of `words` in it."""
-        with self.assertRaises(UnusableFile) as caught:
-            work_precision.study(document)
-        self.assert_one_line(f"{caught.exception}\n", *words)
-        self.assertLess(len(str(caught.exception)), 300)
-
-    def point(self, name, n, steps):
-        return next(each for each in self.document["points"]
+    def run_of(self, name, n, steps):
+        return next(each for each in self.document["runs"]
                     if (each["integrator"], each["n"], each["steps"]) == (name, n, steps))
 
 
-class SoundFileTest(ReaderTest):
-    def test_every_object_is_read(self):
-        study = work_precision.read_study(write_study(self.folder))
-        self.assertEqual((study.sizes(), list(study.integrators), len(study.points), len(study.tolerance_points)),
-                         (list(SIZES), list(INTEGRATORS), len(self.document["points"]),
-                          len(self.document["tolerance_points"])))
-
+class SoundFileTest(AccuracyTest):
     def test_values_stand_where_they_belong(self):
-        study = work_precision.study(self.document)
-        point = study.at_step("group2", 33, 0.5)
-        self.assertEqual((point.integrator, point.quality.n, point.quality.steps, point.quality.error,
-                          point.costs.products, point.costs.seconds, point.beyond_limit),
+        study = read_accuracy(write_study(self.folder))
+        self.assertEqual((study.sizes(), list(study.integrators), len(study.runs), len(study.tolerance_runs)),
+                         (list(SIZES), list(INTEGRATORS), len(self.document["runs"]),
+                          len(self.document["tolerance_runs"])))
+        run = study.at_step("group2", 33, 0.5)
+        self.assertEqual((run.integrator, run.n, run.steps, run.error, run.products, run.seconds, run.beyond_limit),
                          ("group2", 33, 10, 0.1 * 0.5**4, 40, 0.04, False))
         failed = study.at_step("group1", 17, 1.0)  # needs no errors
-        self.assertEqual((failed.quality.usable, failed.quality.status, failed.quality.error), (False, "diverged", None))
+        self.assertEqual((failed.usable, failed.status, failed.error), (False, "diverged", None))
+        self.assertEqual({(run.formulation, run.stages) for run in study.tolerance_runs}, {("group", 1), ("group", 2)})
 
     def test_what_an_integrator_keeps(self):
-        integrators = work_precision.study(self.document).integrators
+        integrators = accuracy_of(self.document).integrators
         kept = {name: [structure for structure in ("nothing", "spectrum", "poisson")
                        if integrators[name].keeps(structure)] for name in ("rk4", "rkmk4", "group2")}
         self.assertEqual(kept, {"rk4": ["nothing"], "rkmk4": ["nothing", "spectrum"],
                                 "group2": ["nothing", "spectrum", "poisson"]})
 
 
-class RefusalTest(ReaderTest):
-    def test_damage(self):
+class RefusalTest(AccuracyTest):
+    def test_tables_that_do_not_belong_together(self):
         def with_first(name, **values):
             return lambda document: document[name][0].update(values)
 
@@ -66,42 +55,40 @@ class RefusalTest(ReaderTest):
             return lambda document: document[name].append(copy.deepcopy(document[name][0]))
 
         for change, *words in (
-                (lambda document: document["references"].clear(), "names no n"),
-                (lambda document: document["integrators"].clear(), "names no name"),
-                *((lambda document, value=value: document.update(time=value), "time") for value in WRONG["positive"]),
-                *((with_first("points", cpu_seconds=value), "cpu_seconds") for value in WRONG["times"]),
-                *((with_first("tolerance_points", formulation=value), "formulation")
-                  for value in (None, 7, "group1", "quotient")),
-                (with_first("points", status="finished"), "finished", "converged"),
-                (with_first("points", integrator="magic"), "magic"),
-                *((with_first(name, n=65), "n = 65", "no reference") for name in ("points", "tolerance_points")),
-                *((with_first(name, step=1.001), "do not come to the time 5") for name in ("points", "tolerance_points")),
-                *((doubled(name), "twice") for name in ("points", "references", "integrators"))):
+                *((lambda document, name=name: document[name].clear(), "no references or no integrators")
+                  for name in ("references", "integrators")),
+                *((with_first("runs", cpu_seconds=value), "cpu_seconds") for value in ([], [0.0], [1, 1e12], [1e-12])),
+                *((with_first("runs", **{name: None}), f"no value of {name}") for name in ("error", "skew_defect")),
+                (with_first("runs", integrator="magic"), "magic"), (with_first("tolerance_runs", integrator="rk4"), "Gauss"),
+                *((with_first(name, n=65), "n = 65", "no reference") for name in ("runs", "tolerance_runs")),
+                *((with_first(name, step=1.001), "do not come to the time 5") for name in ("runs", "tolerance_runs")),
+                *((doubled(name), "twice") for name in ("runs", "tolerance_runs", "references", "integrators"))):
             document = study_document()
             change(document)
-            with self.subTest(words=words):
-                self.assert_refused(document, *words)
+            with self.subTest(words=words), self.assertRaises(UnusableFile) as caught:
+                accuracy_of(document)
+            self.assert_one_line(f"{caught.exception}\n", *words)
 
 
-class LineTest(ReaderTest):
+class LineTest(AccuracyTest):
     def study(self):
-        return work_precision.study(self.document)
+        return accuracy_of(self.document)
 
     def set_errors(self, name, errors):
         """Gives the line at n = 17 these errors, the longest step first."""
         for steps, error in zip(STEPS, errors):
-            self.point(name, 17, steps)["error"] = error
+            self.run_of(name, 17, steps)["error"] = error
 
     def kept_steps(self, name):
-        return [point.quality.steps for point in self.study().above_floor(name, 17)]
+        return [run.steps for run in self.study().above_floor(name, 17)]
 
     def test_a_line_is_the_longest_step_first_whatever_the_order_of_the_file_failures_too(self):
-        random.Random(3).shuffle(self.document["points"])
-        self.assertEqual([point.quality.steps for point in self.study().line("group2", 33)], list(STEPS))
-        self.assertEqual([point.quality.usable for point in self.study().line("group1", 17)], [False] + [True] * 5)
+        random.Random(3).shuffle(self.document["runs"])
+        self.assertEqual([run.steps for run in self.study().line("group2", 33)], list(STEPS))
+        self.assertEqual([run.usable for run in self.study().line("group1", 17)], [False] + [True] * 5)
 
     def test_at_step(self):
-        self.assertEqual(self.study().at_step("group2", 17, 0.1).quality.steps, 50)
+        self.assertEqual(self.study().at_step("group2", 17, 0.1).steps, 50)
         self.assertIsNone(self.study().at_step("group2", 17, 0.11))
 
     def test_a_line_above_the_floor_is_whole_but_for_failures(self):
@@ -141,16 +128,16 @@ class LineTest(ReaderTest):
     def test_an_order_needs_three_points(self):
         for kept, told in ((3, True), (2, False), (0, False)):
             with self.subTest(kept=kept):
-                self.document["points"] = [each for each in study_document()["points"]
+                self.document["runs"] = [each for each in study_document()["runs"]
                                            if each["integrator"] != "rkmk4" or each["steps"] in STEPS[:kept]]
                 self.assertEqual(self.study().observed_order("rkmk4", 17) is not None, told)
 
     def test_an_order_needs_steps_that_can_be_told_apart(self):
         # Three counts of steps whose step sizes are the same to the last digit: damage, but each comes to the time.
-        self.document["points"] = [each for each in self.document["points"] if each["integrator"] != "rkmk4"
+        self.document["runs"] = [each for each in self.document["runs"] if each["integrator"] != "rkmk4"
                                    or each["steps"] in STEPS[:3]]
         for index, steps in enumerate(STEPS[:3]):
-            self.point("rkmk4", 17, steps).update(steps=10**14 + index, step=5e-14)
+            self.run_of("rkmk4", 17, steps).update(steps=10**14 + index, step=5e-14)
         self.assertIsNone(self.study().observed_order("rkmk4", 17))
 
 

@@ -1,0 +1,275 @@
+"""Raw files of scripts/studies/stability.py and long_runs.py: where integrators fail, and errors over time.
+
+A trial is a short run with one step size; the map of one integrator in one setting (a scene at one n) has trials on a
+grid of h‖B‖₂, and the bracket that bisection left around the critical value. ‖B‖₂ is taken at the initial data.
+"""
+
+from dataclasses import dataclass
+from typing import Callable, Dict, List, NamedTuple, Tuple
+
+import study_file
+from benchmark_json import UnusableFile, quoted
+from study_file import (CONVERGED, Integrator, Schema, error_of_any_size, keyed, number, one_of, optional, positive,
+                        status, text, whole)
+
+SCENES = ("smooth", "rough")
+SOLVERS = PUBLISHED, FAST = ("published", "fast")
+ROUNDING = 1e-12  # what rounding leaves in 10⁴ steps, as a relative error
+
+
+# ---- rows
+
+
+class MapSettings(NamedTuple):
+    solver: one_of(*SOLVERS)
+    max_sweeps: whole(1)
+
+
+class Setting(NamedTuple):
+    scene: one_of(*SCENES)
+    n: whole(2)
+    norm_B: positive
+    norm_ad_B: positive
+    explicit_steps: whole(1)  # of a trial
+    implicit_steps: whole(1)
+
+
+class Trial(NamedTuple):
+    """A short run; its errors are None where they were not finite."""
+
+    scene: one_of(*SCENES)
+    n: whole(2)
+    integrator: text
+    h_norm_B: positive
+    status: status
+    steps: whole()  # completed
+    sweeps_per_step: number
+    spectrum_error: error_of_any_size
+    skew_defect: error_of_any_size
+    energy_error: error_of_any_size
+    failed_step: optional(whole(1))
+
+    @property
+    def works(self):
+        return self.status == CONVERGED
+
+
+class Edge(NamedTuple):
+    """The critical h‖B‖₂ of an integrator; None where no trial failed, or none worked below one that failed."""
+
+    scene: one_of(*SCENES)
+    n: whole(2)
+    integrator: text
+    linear_limit: optional(positive)  # h‖B‖₂ beyond which linear theory, B frozen at B(W₀), says that it fails
+    works: optional(positive)  # the largest h‖B‖₂ of the bracket that does
+    fails: optional(positive)  # the smallest that does
+    fails_as: optional(status)
+
+
+class LongRunSettings(NamedTuple):
+    steps: whole(1)
+    max_sweeps: whole(1)
+
+
+class RunRow(NamedTuple):
+    scene: one_of(*SCENES)
+    n: whole(2)
+    integrator: text
+    share: positive  # of the critical h‖B‖₂
+    critical: positive
+    h_norm_B: positive
+    step: positive
+    status: status
+    steps: whole()  # completed
+    sweeps_per_step: number
+    failed_step: optional(whole(1))
+
+
+class Sample(NamedTuple):
+    """The state of a long run after a step; an error is None where it was not finite."""
+
+    run: whole()  # its row among the runs, from 0
+    step: whole()
+    spectrum_error: error_of_any_size
+    casimir_error: error_of_any_size  # relative, largest of k = 2 … 5
+    energy_error: error_of_any_size  # relative, largest since the sample before
+    skew_defect: error_of_any_size
+
+
+MAP_SCHEMA = Schema("stability", MapSettings,
+                    {"integrators": Integrator, "settings": Setting, "maps": Edge, "trials": Trial})
+LONG_RUNS_SCHEMA = Schema("long_runs", LongRunSettings, {"integrators": Integrator, "runs": RunRow, "samples": Sample})
+
+
+# ---- studies
+
+
+@dataclass(frozen=True)
+class Map:
+    """One integrator in one setting."""
+
+    edge: Edge
+    trials: Tuple[Trial, ...]  # h‖B‖₂ rising
+
+    @property
+    def always_works(self):
+        return all(trial.works for trial in self.trials)
+
+    @property
+    def largest_working(self):
+        """The largest h‖B‖₂ below every failure that was tried; None if there is none."""
+        return self.edge.works or (self.trials[-1].h_norm_B if self.always_works else None)
+
+    @property
+    def first_failure(self):
+        """The status of the failure with the smallest h‖B‖₂ that was tried; None if there is none."""
+        failures = [(trial.h_norm_B, trial.status) for trial in self.trials if not trial.works]
+        if self.edge.fails:
+            failures.append((self.edge.fails, self.edge.fails_as))
+        return min(failures)[1] if failures else None
+
+
+@dataclass(frozen=True)
+class FailureMap:
+    context: Dict[str, str]
+    max_sweeps: int
+    integrators: Dict[str, Integrator]
+    settings: Dict[Tuple[str, int], Setting]
+    maps: Dict[Tuple[str, int, str], Map]
+
+    def scenes(self):
+        return [scene for scene in SCENES if any(scene == known for known, _ in self.settings)]
+
+    def sizes(self, scene):
+        return sorted(n for known, n in self.settings if known == scene)
+
+    def at(self, scene, n, integrator):
+        """Returns the map of an integrator in a setting, or None."""
+        return self.maps.get((scene, n, integrator))
+
+    def line(self, scene, integrator):
+        """Returns the maps of an integrator in a scene, n rising."""
+        found = (self.at(scene, n, integrator) for n in self.sizes(scene))
+        return [each for each in found if each]
+
+
+@dataclass(frozen=True)
+class LongRun:
+    row: RunRow
+    samples: Tuple[Sample, ...]
+
+    @property
+    def survived(self):
+        return self.row.status == CONVERGED
+
+
+@dataclass(frozen=True)
+class LongRuns:
+    context: Dict[str, str]
+    steps: int
+    integrators: Dict[str, Integrator]
+    runs: List[LongRun]
+
+    def settings(self):
+        return sorted({(run.row.scene, run.row.n) for run in self.runs},
+                      key=lambda each: (SCENES.index(each[0]), each[1]))
+
+    def shares(self):
+        """Returns the shares of the critical h‖B‖₂, from the edge inwards."""
+        return sorted({run.row.share for run in self.runs}, reverse=True)
+
+    def at(self, scene, n, share, integrator):
+        """Returns a run, or None."""
+        return next((run for run in self.runs if (run.row.scene, run.row.n, run.row.share, run.row.integrator)
+                     == (scene, n, share, integrator)), None)
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What a long run is watched for."""
+
+    name: str
+    label: str
+    of: Callable
+
+    def series(self, run):
+        """Returns (time, value) of every sample that has a value."""
+        found = ((sample.step * run.row.step, self.of(sample)) for sample in run.samples)
+        return [(time, value) for time, value in found if value is not None]
+
+
+QUANTITIES = (
+    Quantity("spectrum error", "largest error of an eigenvalue", lambda sample: sample.spectrum_error),
+    Quantity("skew defect", "largest entry of |W + W†|", lambda sample: sample.skew_defect),
+    Quantity("Casimirs", "largest relative error of a Casimir", lambda sample: sample.casimir_error),
+    Quantity("energy error", "relative error of the energy", lambda sample: sample.energy_error),
+)
+
+
+def trials_in_words(failures, scenes):
+    """Says how many steps the trials of some scenes are of, and at which n."""
+    lengths = {}
+    for (scene, n), setting in failures.settings.items():
+        if scene in scenes:
+            lengths.setdefault((setting.implicit_steps, setting.explicit_steps), set()).add(n)
+    return "; ".join(f"{length_in_words(*steps)} at n = {', '.join(map(str, sorted(sizes)))}"
+                     for steps, sizes in lengths.items())
+
+
+def length_in_words(implicit, explicit):
+    steps = f"{implicit} step" + ("s" if implicit > 1 else "")
+    return steps if implicit == explicit else f"{steps} ({explicit} of explicit methods)"
+
+
+# ---- reading
+
+
+def read_map(path, solver=PUBLISHED):
+    """Returns the FailureMap of the forms of a solver in `path`. Throws UnusableFile with one line that names the file
+    and what is wrong."""
+    return study_file.read(path, MAP_SCHEMA, lambda study: failure_map(study, solver))
+
+
+def read_long_runs(path):
+    """Returns the LongRuns in `path`. Throws UnusableFile as read_map does."""
+    return study_file.read(path, LONG_RUNS_SCHEMA, long_runs)
+
+
+def failure_map(study, solver):
+    if study.settings.solver != solver:
+        raise UnusableFile(f"is no map of the {solver} forms (its solver is {study.settings.solver})")
+    trials = {}
+    for trial in study.tables["trials"]:
+        trials.setdefault((trial.scene, trial.n, trial.integrator), []).append(trial)
+    edges = keyed(study.tables["maps"], "scene", "n", "integrator")
+    if not edges or edges.keys() != trials.keys():
+        raise UnusableFile("has no maps, a map without trials, or trials of no map")
+    result = FailureMap(study.context, study.settings.max_sweeps, keyed(study.tables["integrators"], "name"),
+                        keyed(study.tables["settings"], "scene", "n"),
+                        {key: Map(edge, tuple(trials[key])) for key, edge in edges.items()})
+    check_listed(result.integrators, edges.values(), "map")
+    for scene, n, _ in edges:
+        if (scene, n) not in result.settings:
+            raise UnusableFile(f"has a map in a setting it does not list, {scene} at n = {n}")
+    return result
+
+
+def long_runs(study):
+    rows = study.tables["runs"]
+    if not keyed(rows, "scene", "n", "integrator", "share"):
+        raise UnusableFile("has no runs")
+    samples = [[] for _ in rows]
+    for sample in study.tables["samples"]:
+        if sample.run >= len(rows):
+            raise UnusableFile(f"has a sample of run {sample.run}, which it does not list")
+        samples[sample.run].append(sample)
+    integrators = keyed(study.tables["integrators"], "name")
+    check_listed(integrators, rows, "run")
+    return LongRuns(study.context, study.settings.steps, integrators,
+                    [LongRun(row, tuple(found)) for row, found in zip(rows, samples)])
+
+
+def check_listed(known, rows, what):
+    for each in rows:
+        if each.integrator not in known:
+            raise UnusableFile(f"has a {what} of an integrator it does not list, {quoted(each.integrator)}")

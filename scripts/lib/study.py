@@ -1,0 +1,338 @@
+"""What the studies of scripts/studies share: command line, untimed work on all cores, timed work in turns on one.
+
+Untimed work goes to an executor: processes of this machine, or with --scheduler a Dask cluster, whose workers need a
+Python with the module isosyrk. It may not depend on the clock, so that both give the same raw file. What is finished
+stands in a journal beside the raw file, and an interrupted study goes on from there.
+"""
+
+import argparse
+import concurrent.futures
+import contextlib
+import importlib
+import inspect
+import json
+import logging
+import math
+import multiprocessing
+import os
+import re
+import signal
+import site
+import sys
+from functools import partial
+
+import chart_python
+from benchmark_json import UnusableFile, one_line
+from command_line import OneLineParser, whole_number
+from document import replace_file
+from study_file import Integrator
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
+MODULE = os.path.join(os.environ.get("ISOSYRK_BUILD") or os.path.join(ROOT, "build"), "python")
+JOURNAL = "isosyrk journal 1"
+KEPT_CONDITIONS = ("commit", "dirty", "cpu", "blas_kernels")  # what results depend on
+NOT_OF_THE_STUDY = ("out", "scheduler", "workers")  # options that leave results as they are
+MOST_LOSSES = 3  # of workers, without a job finished between
+LOST = "a worker was lost; its jobs are done again"
+LONG_RUN = 1.0  # CPU seconds; such a run is timed at most twice
+BAD_ARGUMENTS, NO_ANSWER, INTERRUPTED, TERMINATED = 2, 3, 130, 143
+
+
+class Stop(Exception):
+    """Ends a study with one line and an exit status."""
+
+    def __init__(self, message, status=BAD_ARGUMENTS):
+        super().__init__(message)
+        self.status = status
+
+
+# ---- starting
+
+
+def require_module(program):
+    """Returns where isosyrk can be imported; otherwise starts this script again where it can, or exits with 2."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # NumPy's; the module's products take one thread anyway
+    if os.path.isdir(MODULE):
+        sys.path.insert(0, MODULE)
+        os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (MODULE, os.environ.get("PYTHONPATH"))))
+    chart_python.require(program, ("isosyrk", "numpy", "tqdm"),
+                         "build it with scripts/reproduce, or install python3-numpy and python3-tqdm")
+
+
+def command_line(program, description, out="FILE"):
+    """Returns a parser with the options that all studies have. `out` is FILE or FOLDER."""
+    parser = OneLineParser(prog=program, description=description, allow_abbrev=False)
+    parser.add_argument("--out", metavar=out, required=True, help="what to write; a journal beside it keeps what is done")
+    parser.add_argument("--quick", action="store_true", help="the smaller study")
+    parser.add_argument("--n", metavar="N", type=whole_number(5, 513), nargs="+", action="extend", help="matrix sizes")
+    parser.add_argument("--integrator", metavar="NAME", nargs="+", action="extend", help="integrators (default: all)")
+    parser.add_argument("--scheduler", metavar="tcp://HOST:PORT", type=address, help="Dask scheduler that untimed work is given to")
+    parser.add_argument("--workers", metavar="K", type=whole_number(1, 1024), default=len(os.sched_getaffinity(0)),
+                        help="processes for untimed work without --scheduler (default: one for each core)")
+    return parser
+
+
+def address(value):
+    """Reads the argument of --scheduler."""
+    if not re.fullmatch(r"tcp://[^\s/]+:[0-9]{1,5}", value):
+        raise argparse.ArgumentTypeError(f"{value!r} is not tcp://HOST:PORT")
+    return value
+
+
+def entries(names):
+    """Returns the module's records of these integrators, or of all for None. Throws Stop for an unknown name."""
+    import isosyrk
+    known = {each.name: each for each in isosyrk.integrators()}
+    for name in names or ():
+        if name not in known:
+            raise Stop(f"--integrator {one_line(name)!r}: must be one of {', '.join(known)}")
+    return [known[name] for name in dict.fromkeys(names or known)]
+
+
+def record_of(entry):
+    """Returns the module's record of an integrator as a row of a raw file."""
+    limit = entry.stability_limit if math.isfinite(entry.stability_limit) else None
+    return Integrator(entry.name, entry.stages, entry.order, entry.isospectral, entry.lie_poisson, entry.symmetric,
+                      entry.explicit, limit)
+
+
+def require_writable(path):
+    folder = os.path.dirname(os.path.abspath(path))
+    if os.path.isdir(path) or not os.path.isdir(folder) or not os.access(folder, os.W_OK):
+        raise Stop(f"--out {one_line(path)}: cannot be written")
+
+
+def run(program, main, arguments):
+    """Runs a study's main and exits. What the user can mend is one line; Ctrl-C and SIGTERM end all its processes."""
+    def terminate(*_):
+        raise Stop("terminated", TERMINATED)
+
+    signal.signal(signal.SIGTERM, terminate)
+    try:
+        main(arguments)
+    except (Stop, UnusableFile) as problem:
+        say(f"{program}: {one_line(problem)}")
+        sys.exit(getattr(problem, "status", BAD_ARGUMENTS))
+    except OSError as problem:
+        say(f"{program}: {one_line(problem.filename or 'output')}: {problem.strerror}")
+        sys.exit(BAD_ARGUMENTS)
+    except KeyboardInterrupt:
+        say(f"{program}: interrupted; the same command goes on from here")
+        sys.exit(INTERRUPTED)
+
+
+def say(line):
+    print(line, file=sys.stderr, flush=True)
+
+
+def progress(total, what):
+    """Returns a bar with the time left, on stderr."""
+    from tqdm import tqdm  # only now: a Python without it can still say which one has it
+    return tqdm(total=total, desc=what, file=sys.stderr, dynamic_ncols=True)
+
+
+# ---- the journal
+
+
+class Journal:
+    """Finished work of an unfinished study, as JSON lines: what it belongs to, then a key and a result each.
+
+    One that belongs to anything else, as another commit, is begun anew, and that is told. `context` holds the
+    conditions of the first start.
+    """
+
+    def __init__(self, study, options, conditions):
+        """`conditions()` returns the context of a raw file, as isosyrk.conditions does; it is called now."""
+        require_writable(options.out)
+        self.path = f"{options.out}.journal"
+        now = conditions()
+        arguments = {name: value for name, value in vars(options).items() if name not in NOT_OF_THE_STUDY}
+        head = {"format": JOURNAL, "study": study, "arguments": arguments,
+                "conditions": {name: now.get(name) for name in KEPT_CONDITIONS}}
+        lines = self._lines()
+        self.found = {}
+        if lines and {**lines[0], "context": None} == {**head, "context": None}:
+            self.context = lines[0]["context"]
+            self.found = dict(map(tuple, lines[1:]))
+            say(f"{one_line(self.path)}: going on after {len(self.found)} results")
+        else:
+            if lines is not None:
+                say(f"{one_line(self.path)}: belongs to something else, begun anew")
+            self.context = now
+        self.head = {**head, "context": self.context}
+        if self.found:
+            self._rewrite()  # without a last line that was cut
+
+    def _rewrite(self):
+        lines = (json.dumps(each) + "\n" for each in (self.head, *self.found.items()))
+        replace_file(self.path, "".join(lines).encode("utf-8"))
+
+    def _lines(self):
+        """Returns the whole lines of the file, or None where there is none."""
+        if not os.path.exists(self.path):
+            return None
+        with open(self.path, encoding="utf-8") as file:
+            lines = []
+            for line in file:
+                try:
+                    lines.append(json.loads(line))
+                except ValueError:
+                    break
+        return lines if lines and isinstance(lines[0], dict) else []
+
+    def add(self, key, result):
+        """Keeps a result. The first one makes the file."""
+        line = json.dumps([key, result], allow_nan=False)
+        if not self.found:
+            self._rewrite()
+        with open(self.path, "a", encoding="utf-8") as file:
+            file.write(line + "\n")
+        self.found[key] = json.loads(line)[1]
+
+    def remove(self):
+        if self.found:
+            os.unlink(self.path)
+
+    def products(self, n):
+        """Returns the product backend that was the faster at n when the study began. Beyond 257 it no longer changes."""
+        chosen = dict(re.findall(r"n=(\d+) (\w+)", self.context["products"]))
+        return chosen[str(min(n, 257))]
+
+
+def key_of(what, job):
+    return json.dumps([what, job], sort_keys=True)
+
+
+# ---- untimed work
+
+
+def untimed(jobs, work, journal, options, what):
+    """Returns work(job) of each job, in their order. Jobs and results are what JSON can hold.
+
+    `work` is a function of the study's module. The last jobs are begun first: they tend to be the longest. A lost worker
+    is told and its jobs are done again.
+    """
+    work = importable(work)
+    keys = [key_of(what, job) for job in jobs]
+    losses = 0
+    with progress(len(jobs), what) as bar:
+        while True:
+            left = {key: job for key, job in zip(keys, jobs) if key not in journal.found}
+            bar.update(len(jobs) - len(left) - bar.n)
+            if not left:
+                return [journal.found[key] for key in keys]
+            if losses > MOST_LOSSES:
+                raise Stop(f"{what}: a worker was lost {losses} times without a job finished between", NO_ANSWER)
+            with executor(options, work) as (pool, watch, lost):
+                futures = {pool.submit(work, job): key for key, job in reversed(left.items())}
+                broken = False
+                while futures:
+                    done, _ = concurrent.futures.wait(futures, 1.0, concurrent.futures.FIRST_COMPLETED)
+                    for _ in range(watch()):
+                        bar.write(LOST, file=sys.stderr)
+                    for future in done:
+                        key = futures.pop(future)
+                        try:
+                            journal.add(key, future.result())
+                            bar.update()
+                            losses = 0
+                        except lost:
+                            broken = True
+            if broken:
+                losses += 1
+                bar.write(LOST, file=sys.stderr)
+
+
+def importable(work):
+    """Returns a function of the program that runs as one of the module by which other processes import it."""
+    if work.__module__ != "__main__":
+        return work
+    module = os.path.splitext(os.path.basename(sys.modules["__main__"].__file__))[0]
+    return getattr(importlib.import_module(module), work.__name__)
+
+
+def executor(options, work):
+    folders = (MODULE, os.path.dirname(os.path.realpath(__file__)), os.path.dirname(inspect.getfile(work)))
+    return dask(options.scheduler, folders) if options.scheduler else processes(options.workers)
+
+
+@contextlib.contextmanager
+def processes(workers):
+    """Yields an executor on this machine, a count of workers lost unseen, and the errors by which jobs tell of a loss.
+
+    Its processes are spawned, because OpenMP hangs in a forked child.
+    """
+    pool = concurrent.futures.ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), ignore_interrupts)
+    try:
+        yield pool, lambda: 0, concurrent.futures.BrokenExecutor
+        pool.shutdown()
+    finally:  # at once, whatever they do
+        pool.shutdown(wait=False, cancel_futures=True)
+        for child in multiprocessing.active_children():
+            child.terminate()
+
+
+def ignore_interrupts():
+    """Leaves Ctrl-C to the process that started this one."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+@contextlib.contextmanager
+def dask(address, folders):
+    """Yields the same for a Dask cluster, whose scheduler gives the jobs of a lost worker to others, up to three times.
+
+    Its workers import from these folders too, where they have them.
+    """
+    try:
+        import distributed
+    except ImportError:
+        raise Stop("--scheduler: this Python has no distributed; install python3-distributed") from None
+    for name in ("distributed", "distributed.client"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)
+    try:
+        client = distributed.Client(address, timeout=10, set_as_default=False)
+    except (OSError, ValueError, TypeError) as problem:
+        raise Stop(f"--scheduler {one_line(address)}: cannot be reached ({one_line(problem)})") from None
+    for folder in folders:
+        client.register_worker_callbacks(partial(site.addsitedir, folder))
+    workers = set()
+
+    def watch():
+        nonlocal workers
+        before, workers = workers, set(client.scheduler_info()["workers"])
+        return len(before - workers)
+
+    lost = (distributed.scheduler.KilledWorker, concurrent.futures.CancelledError)
+    try:
+        watch()
+        yield client.get_executor(pure=False), watch, lost
+    finally:
+        client.close()
+
+
+# ---- timed work
+
+
+def in_turns(points, repetitions, time_one, journal, what):
+    """Returns the CPU seconds of each point, a list of so many repetitions, by time_one(point).
+
+    All points are timed once, in their order, then again: a slow minute of the machine falls on all alike. This process
+    is kept on the last core meanwhile. A point of LONG_RUN or more is timed at most twice.
+    """
+    cores = os.sched_getaffinity(0)
+    journal.context["timed_on"] = f"core {max(cores)}"
+    os.sched_setaffinity(0, {max(cores)})
+    seconds = [[] for _ in points]
+    try:
+        with progress(len(points) * repetitions, what) as bar:
+            for repetition in range(repetitions):
+                for point, found in zip(points, seconds):
+                    if len(found) < 2 or found[0] < LONG_RUN:
+                        key = key_of(f"{what} {repetition}", point)
+                        if key not in journal.found:
+                            journal.add(key, time_one(point))
+                        found.append(journal.found[key])
+                    bar.update()
+    finally:
+        os.sched_setaffinity(0, cores)
+    return seconds

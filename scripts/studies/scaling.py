@@ -1,0 +1,86 @@
+#!/usr/bin/env python3
+"""Times a step of the fast forms against n, with each idea taken away in turn, beside the published forms.
+
+Everything is timed on the same stretch: the first steps from the initial data of the smooth scene, h = 0.1.
+"""
+
+import math
+import os
+import statistics
+import sys
+from functools import partial
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.dirname(os.path.realpath(__file__))), "lib"))
+
+import study
+
+PROGRAM = "scaling"
+if __name__ == "__main__":
+    study.require_module(PROGRAM)
+
+import isosyrk
+import study_file
+from command_line import whole_number
+from scaling_table import RUNGS, SCHEMA, Point, Settings
+
+SIZES, QUICK_SIZES = (9, 17, 33, 65, 129), (9, 17, 33)
+STAGES, QUICK_STAGES = (1, 2, 3), (2,)
+FORMULATIONS = ("cotangent", "group", "algebra")
+SCENE, STEP, STEPS, REPETITIONS = "smooth", 0.1, 20, 7
+LEAST_SECONDS = 0.01  # that a repetition fills, so that an interruption does not weigh
+
+
+def made(point):
+    """Returns the scene of a point, and its integrator as new, so that no repetition knows of the one before."""
+    solver, without = RUNGS[point["rung"]]
+    scene = isosyrk.scene(SCENE, n=point["n"])
+    return scene, isosyrk.integrator(scene, point["integrator"], solver=solver, without=without,
+                                     products=point["products"])
+
+
+def count(point):
+    """Returns the counts of a point, each for a step; None where a step fails."""
+    scene, integrator = made(point)
+    try:
+        _, report = integrator.run(scene.initial, h=STEP, steps=STEPS)
+    except isosyrk.SolverError:
+        return None
+    return {"sweeps": report.sweeps / STEPS, "equivalent_products": report.equivalent_products / STEPS}
+
+
+def time_one(point):
+    """Returns the CPU seconds of the stretch: the mean of as many runs of it as fill the least."""
+    scene, integrator = made(point)
+    first = integrator.timed_run(scene.initial, h=STEP, steps=STEPS, repetitions=1)[0]
+    if first >= LEAST_SECONDS:
+        return first
+    times = math.ceil(LEAST_SECONDS / max(first, 1e-6))
+    return statistics.fmean(integrator.timed_run(scene.initial, h=STEP, steps=STEPS, repetitions=times))
+
+
+def main(arguments):
+    parser = study.command_line(PROGRAM, __doc__.splitlines()[0])
+    parser.add_argument("--repetitions", type=whole_number(1, 1000), default=REPETITIONS, help="(default: %(default)s)")
+    options = parser.parse_args(arguments)
+    sizes = sorted(set(options.n or (QUICK_SIZES if options.quick else SIZES)))
+    names = options.integrator or [f"{formulation}{s}" for s in (QUICK_STAGES if options.quick else STAGES)
+                                   for formulation in FORMULATIONS]
+    entries = study.entries(names)
+    for entry in entries:
+        if not entry.fast:
+            raise study.Stop(f"--integrator {entry.name!r}: has no fast form")
+
+    journal = study.Journal(PROGRAM, options, partial(isosyrk.conditions, products="fastest", sizes=sizes))
+    points = [{"integrator": entry.name, "n": n, "rung": rung, "products": journal.products(n)}
+              for entry in entries for n in sizes for rung in RUNGS]
+    counts = study.untimed(points, count, journal, options, "counting")
+    done = [(point, found) for point, found in zip(points, counts) if found]
+    seconds = study.in_turns([point for point, _ in done], options.repetitions, time_one, journal, "timing")
+    rows = [Point(point["integrator"], point["n"], point["rung"], **found, seconds=[each / STEPS for each in times])
+            for (point, found), times in zip(done, seconds)]
+    study_file.write(options.out, SCHEMA, journal.context, Settings(SCENE, STEP, STEPS), {"points": rows})
+    journal.remove()
+
+
+if __name__ == "__main__":
+    study.run(PROGRAM, main, sys.argv[1:])

@@ -1,0 +1,345 @@
+"""Tests of what the studies share: the raw file, untimed work on processes and on a Dask cluster, the journal."""
+
+import importlib.util
+import json
+import os
+import signal
+import sys
+import time
+import unittest
+
+from programs import BUILD, ROOT, FolderTest, end, environment, run, start, strict_json
+from study_documents import accuracy_of, raw, study_document
+from wrong_values import WRONG
+
+sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
+import study_file  # noqa: E402
+from accuracy_lines import SCHEMA, Settings, read_accuracy  # noqa: E402
+from benchmark_json import UnusableFile  # noqa: E402
+
+STUDIES = os.path.join(ROOT, "scripts", "studies")
+RECORDED = os.path.join(ROOT, "results", "recorded", "accuracy", "raw.json")
+HAS_MODULE = os.path.isdir(os.path.join(BUILD, "python", "isosyrk"))
+HAS_DASK = importlib.util.find_spec("distributed") is not None
+NO_ANSWER, INTERRUPTED, TERMINATED = 3, 130, 143
+
+# A study of squares: a job is told in LOG, takes a while, and kills its process at first (or always) where it is told to.
+SQUARES = """
+import os, sys, time
+sys.path.insert(0, %r)
+import study
+
+def square(job):
+    with open(os.environ["LOG"], "a") as log:
+        log.write(f"{job['number']}\\n")
+        log.flush()
+    with open(os.environ["LOG"]) as log:
+        deadly = len([line for line in log if line == f"{job['number']}\\n"]) <= job["deaths"]
+    if deadly:
+        os.kill(os.getpid(), 9)
+    time.sleep(0.2)
+    return job["number"]**2
+
+def main(arguments):
+    parser = study.command_line("squares", "Squares.")
+    parser.add_argument("--deaths", type=int, default=0)
+    options = parser.parse_args(arguments)
+    journal = study.Journal("squares", options, lambda: {"commit": "1"})
+    jobs = [{"number": number, "deaths": options.deaths if number == 7 else 0} for number in range(12)]
+    squares = study.untimed(jobs, square, journal, options, "squares")
+    seconds = study.in_turns([3, 4], 3, lambda point: point * 0.4, journal, "turns")
+    print(squares, seconds, journal.context["timed_on"])
+    journal.remove()
+
+if __name__ == "__main__":
+    study.run("squares", main, sys.argv[1:])
+""" % os.path.join(ROOT, "scripts", "lib")
+# 1.2 and 1.6 s are long: they are timed twice, not three times.
+RESULT = f"{[number**2 for number in range(12)]} {[[3 * 0.4] * 2, [4 * 0.4] * 2]} core {max(os.sched_getaffinity(0))}\n"
+
+
+class RawFile(FolderTest):
+    def assert_unusable(self, contents, *words):
+        path = self.write("raw.json", contents if isinstance(contents, str) else json.dumps(contents))
+        with self.assertRaises(UnusableFile) as caught:
+            study_file.read(path, SCHEMA)
+        self.assert_one_line(f"{caught.exception}\n", path, *words)
+
+    def test_what_was_written_is_read(self):
+        study = study_file.study_of(raw(study_document()), SCHEMA)
+        path = self.path("raw.json")
+        study_file.write(path, SCHEMA, study.context, study.settings, study.tables)
+        self.assertEqual(study_file.read(path, SCHEMA), study)
+        before = os.stat(path).st_mtime_ns
+        broken = {**study.tables, "runs": [study.tables["runs"][0]._replace(error=float("nan"))]}
+        with self.assertRaises((ValueError, UnusableFile)):
+            study_file.write(path, SCHEMA, study.context, study.settings, broken)
+        self.assertEqual((os.stat(path).st_mtime_ns, os.listdir(self.folder)), (before, ["raw.json"]))
+
+    def test_kinds(self):
+        for kind, name in ((study_file.text, "text"), (study_file.truth, "truth"), (study_file.number, "not negative"),
+                           (study_file.positive, "positive"), (study_file.optional(study_file.number), "optional"),
+                           (study_file.whole(), "count"), (study_file.whole(1), "positive count"),
+                           (study_file.list_of(study_file.number, 4), "casimirs"), (study_file.an_object, "object")):
+            for value in WRONG[name]:
+                with self.subTest(kind=name, value=str(value)[:20]), self.assertRaisesRegex(UnusableFile, "a thing has x"):
+                    study_file.checked({"x": value}, {"x": kind}, "a thing")
+            with self.assertRaisesRegex(UnusableFile, "a thing has no x"):
+                study_file.checked({}, {"x": kind}, "a thing")
+
+    def test_damage(self):
+        def without(parts, name):
+            return {key: value for key, value in parts.items() if key != name}
+
+        def with_table(**changes):
+            return {**sound, "tables": {**sound["tables"], "runs": {**runs, **changes}}}
+
+        sound = raw(study_document())
+        runs, whole = sound["tables"]["runs"], json.dumps(sound)
+        columns, rows = runs["columns"], runs["rows"]
+        at = columns.index("error")
+        for damaged, *words in (
+                (" \n", "is empty"), *((whole[:length], "is not whole JSON") for length in (1, 100, len(whole) - 1)),
+                *((value, "is no raw file of the study accuracy") for value in (7, None, [], {}, '"text"')),
+                *(({**sound, name: value}, name) for name in ("format", "study") for value in (None, 1, "scaling")),
+                *((without(sound, name), name) for name in sound),
+                *(({**sound, name: []}, name) for name in ("context", "settings", "tables")),
+                *(({**sound, "settings": without(sound["settings"], name)}, name) for name in Settings._fields),
+                *(({**sound, "tables": without(sound["tables"], name)}, name) for name in SCHEMA.tables),
+                *((with_table(columns=value), "runs") for value in (None, [1], columns[:-1], columns + ["more"])),
+                *((with_table(rows=value), "runs") for value in (None, {}, [7], [rows[0][:-1]], [rows[0] + [1]])),
+                *((with_table(rows=[rows[0][:at] + [value] + rows[0][at + 1:]]), "a row of runs has error")
+                  for value in ("1", -1, 10**400, True))):
+            with self.subTest(words=words):
+                self.assert_unusable(damaged, *words)
+
+
+class SquaresTest(FolderTest):
+    def setUp(self):
+        super().setUp()
+        self.script = self.write("squares.py", SQUARES)
+        self.log = self.path("log")
+
+    def command(self, *arguments):
+        return [sys.executable, "-B", self.script, "--out", self.path("raw.json"), *arguments]
+
+    def squares(self, *arguments):
+        return run(self.command(*arguments), env=environment(LOG=self.log))
+
+    def assert_result(self, done):
+        self.assertEqual((done.returncode, done.stdout), (0, RESULT), done.stderr)
+        self.assertFalse(os.path.exists(self.path("raw.json.journal")))
+
+    def begun(self):
+        """Returns how often each job was begun."""
+        with open(self.log, encoding="utf-8") as file:
+            numbers = file.read().split()
+        return {number: numbers.count(number) for number in numbers}
+
+
+class Work(SquaresTest):
+    def test_every_job_once_in_order_with_time_left(self):
+        done = self.squares()
+        self.assert_result(done)
+        self.assertEqual(set(self.begun().values()), {1})
+        self.assertRegex(done.stderr, r"squares: +[1-9][0-9]%.*\[[0-9:]+<[0-9:]+,")
+
+    def test_an_interrupted_study_goes_on_and_leaves_no_process(self):
+        for sent, status, told in ((signal.SIGINT, INTERRUPTED, "interrupted"), (signal.SIGTERM, TERMINATED, "terminated")):
+            with self.subTest(signal=sent):
+                process = start(self.command(), env=environment(LOG=self.log), stderr=-1)
+                try:
+                    self.wait_for(lambda: len(self.journal()) > 4)
+                    process.send_signal(sent)
+                    _, told_on_stderr = process.communicate(timeout=20)
+                    self.assertEqual(process.returncode, status)
+                    self.assert_one_line(told_on_stderr.rpartition("\r")[2].lstrip().rpartition("it/s]")[2].lstrip("\n"),
+                                         f"squares: {told}")
+                    self.wait_for(lambda: not self.group_runs(process.pid))
+                finally:
+                    end(process)
+                finished = len(self.journal()) - 1
+                self.assertLess(finished, 12)
+                os.unlink(self.log)
+                done = self.squares()
+                self.assert_result(done)
+                self.assertIn(f"going on after {finished} results", done.stderr)
+                self.assertEqual(len(self.begun()), 12 - finished)
+
+    def journal(self):
+        try:
+            with open(self.path("raw.json.journal"), encoding="utf-8") as file:
+                return file.readlines()
+        except FileNotFoundError:
+            return []
+
+    @staticmethod
+    def group_runs(leader):
+        try:
+            os.killpg(leader, 0)
+        except ProcessLookupError:
+            return False
+        return True
+
+    def wait_for(self, condition):
+        deadline = time.monotonic() + 30
+        while not condition():
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.05)
+
+    def test_a_journal_that_was_cut_or_belongs_to_something_else(self):
+        def journal(lines):
+            self.write("raw.json.journal", "\n".join(lines))
+
+        head = {"format": "isosyrk journal 1", "study": "squares", "arguments": {"quick": False, "n": None,
+                "integrator": None, "deaths": 0}, "conditions": {"commit": "1", "dirty": None, "cpu": None,
+                "blas_kernels": None}, "context": {"commit": "1"}}
+        key = json.dumps(["squares", {"deaths": 0, "number": 5}])
+        for first, told in ((head, "going on after 1 results"), ({**head, "study": "cubes"}, "begun anew"),
+                            ({**head, "conditions": {"commit": "2"}}, "begun anew")):
+            journal([json.dumps(first), json.dumps([key, 25]), '["squa'])
+            done = self.squares()
+            self.assert_result(done)
+            self.assertIn(told, done.stderr)
+
+    def test_a_lost_worker_is_told_and_its_jobs_are_done_again(self):
+        done = self.squares("--deaths", "1")
+        self.assert_result(done)
+        self.assertIn("a worker was lost; its jobs are done again", done.stderr)
+        self.assertEqual(self.begun()["7"], 2)
+
+    def test_a_job_that_loses_every_worker_ends_the_study(self):
+        done = self.squares("--deaths", "100")
+        self.assertEqual((done.returncode, done.stdout), (NO_ANSWER, ""), done.stderr)
+        self.assertIn("squares: a worker was lost", done.stderr)
+
+    def test_bad_arguments(self):
+        for arguments, *parts in ((("--n", "4"), "--n", "5 to 513"), (("--workers", "0"), "--workers"),
+                                  (("--scheduler", "here"), "--scheduler", "'here'"), (("--scale",), "--scale"),
+                                  (("--out", self.path("none", "raw.json")), "--out", "none/raw.json"),
+                                  (("--out", self.folder), "--out", self.folder)):
+            with self.subTest(arguments=arguments):
+                self.assert_refused(self.squares(*arguments), *parts)
+        self.assertEqual(os.listdir(self.folder), ["squares.py"])
+
+
+class Cluster:
+    """A Dask scheduler with workers on this machine's loopback, each a process."""
+
+    def __init__(self, folder, env):
+        self.processes = []
+        self.env, self.folder = env, folder
+        file = os.path.join(folder, "scheduler.json")
+        self.start("dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", file)
+        deadline = time.monotonic() + 60
+        while not os.path.exists(file) or not os.path.getsize(file):
+            assert time.monotonic() < deadline, "the scheduler did not start"
+            time.sleep(0.1)
+        with open(file, encoding="utf-8") as stream:
+            self.address = json.load(stream)["address"]
+        for _ in range(2):
+            self.start("dask_worker", self.address, "--nthreads", "1", "--no-nanny", "--no-dashboard",
+                       "--local-directory", folder)
+
+    def start(self, program, *arguments):
+        with open(os.path.join(self.folder, "cluster.log"), "a", encoding="utf-8") as log:
+            self.processes.append(start([sys.executable, "-B", "-m", f"distributed.cli.{program}", *arguments],
+                                        env=self.env, stdout=log, stderr=log))
+
+    def end(self):
+        for process in reversed(self.processes):
+            end(process)
+
+
+@unittest.skipUnless(HAS_DASK, "this Python has no distributed (python3-distributed)")
+class Dask(SquaresTest):
+    def test_a_worker_that_is_killed_costs_nothing_but_time(self):
+        cluster = Cluster(self.folder, environment(LOG=self.log))
+        self.addCleanup(cluster.end)
+        done = self.squares("--scheduler", cluster.address, "--deaths", "1")
+        self.assert_result(done)
+        self.assertEqual(self.begun()["7"], 2)
+        self.assertIn("a worker was lost; its jobs are done again", done.stderr)
+
+    def test_a_scheduler_that_is_not_there(self):
+        done = self.squares("--scheduler", "tcp://127.0.0.1:9")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("squares: --scheduler tcp://127.0.0.1:9: cannot be reached", done.stderr)
+
+
+@unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")
+class AccuracyStudy(FolderTest):
+    ARGUMENTS = ("--n", "17", "--integrator", "group2", "rk4", "--repetitions", "2")
+
+    def script(self, name, *arguments, **options):
+        return run([sys.executable, "-B", os.path.join(STUDIES, name), *arguments], timeout=120,
+                   env=environment(ISOSYRK_BUILD=BUILD), **options)
+
+    def study(self, name, *arguments):
+        done = self.script("accuracy.py", "--out", self.path(name), "--references", self.references(), *self.ARGUMENTS,
+                           *arguments)
+        self.assertEqual((done.returncode, done.stdout), (0, ""), done.stderr)
+        return read_accuracy(self.path(name))
+
+    def references(self):
+        folder = self.path("references")
+        done = self.script("references.py", "--out", folder, "--n", "17")
+        self.assertEqual((done.returncode, done.stdout), (0, ""), done.stderr)
+        return folder
+
+    def test_counts_and_errors_are_those_of_the_recorded_study(self):
+        found, recorded = self.study("raw.json"), read_accuracy(RECORDED)
+        self.assertEqual(list(found.integrators), ["group2", "rk4"])
+        for name in found.integrators:
+            self.assertEqual(found.integrators[name], recorded.integrators[name])
+            here, there = ([(run.steps, run.status, run.beyond_limit) for run in study.line(name, 17)]
+                           for study in (found, recorded))
+            both = min(len(here), len(there))
+            self.assertEqual(here[:both], there[:both])
+            self.assertLessEqual(max(len(here), len(there)) - both, 1)  # rounding decides where a line is at its floor
+        tolerances = [run for run in recorded.tolerance_runs if (run.integrator, run.n) == ("group2", 17)]
+        self.assertEqual([run.tolerance for run in found.tolerance_runs], [run.tolerance for run in tolerances])
+        for run_of, (here, there) in (*(("steps", pair) for name in found.integrators
+                                        for pair in zip(found.line(name, 17), recorded.line(name, 17))),
+                                      *(("tolerance", pair) for pair in zip(found.tolerance_runs, tolerances))):
+            with self.subTest(integrator=here.integrator, by=run_of, steps=here.steps, tolerance=here.tolerance):
+                # Other kernels round otherwise, and an iteration may end a sweep later in a step or two; at tolerances
+                # near rounding in more of them.
+                slack = 0 if here.integrator == "rk4" else 3 + 0.05 * here.sweeps * (here.tolerance < 1e-13)
+                self.assertLessEqual(abs(here.sweeps - there.sweeps), slack)
+                self.assertLessEqual(abs(here.products - there.products), 8 * slack)
+                if there.usable and there.error > 1e-10:
+                    self.assertLess(abs(here.error / there.error - 1), 1e-3)
+                self.assertEqual(len(here.cpu_seconds), 2 if here.usable else 0)
+        for field in ("commit", "compiler", "flags", "cpu", "blas_kernels", "products", "timed_on"):
+            self.assertIn(field, found.context)
+
+    @unittest.skipUnless(HAS_DASK, "this Python has no distributed (python3-distributed)")
+    def test_a_cluster_gives_what_this_machine_gives(self):
+        cluster = Cluster(self.folder, environment())
+        self.addCleanup(cluster.end)
+        here, there = self.study("here.json"), self.study("there.json", "--scheduler", cluster.address)
+        for runs in ("runs", "tolerance_runs"):
+            self.assertEqual(*([run._replace(cpu_seconds=()) for run in getattr(study, runs)] for study in (here, there)))
+
+    def test_references_that_are_kept_missing_or_of_another_scene(self):
+        folder = self.references()
+        listed = os.path.join(folder, "references.json")
+        with open(listed, encoding="utf-8") as file:
+            text = file.read()
+        self.assertLess(strict_json(text)["references"][0]["uncertainty"], 1e-12)
+        kept = self.script("references.py", "--out", folder, "--n", "17")
+        self.assertIn("n = 17: kept", kept.stderr)
+        asked = ("--references", folder, "--out", self.path("raw.json"))
+        self.assert_refused(self.script("accuracy.py", *asked, "--n", "33"), "n = 33", "references.py --n 33")
+        with open(listed, "w", encoding="utf-8") as file:
+            file.write(text.replace('"scene": "smooth"', '"scene": "rough"'))
+        self.assert_refused(self.script("accuracy.py", *asked, "--n", "17"), "references.json", "scene")
+        self.assert_refused(self.script("accuracy.py", *asked, "--integrator", "euler"), "'euler'", "rkmk4")
+        os.unlink(os.path.join(folder, "smooth_n17.npy"))
+        self.write("references/references.json", text)
+        self.assert_refused(self.script("accuracy.py", *asked, "--n", "17"), "smooth_n17.npy", "cannot be read")
+
+
+if __name__ == "__main__":
+    unittest.main()
