@@ -3,7 +3,9 @@
 Run with: python3 -m unittest discover -s tests/scripts
 """
 
+import glob
 import os
+import re
 import shutil
 import subprocess
 import tempfile
@@ -49,6 +51,14 @@ class InstalledLibrary(unittest.TestCase):
 
     def run_user(self, name):
         return self.done(os.path.join(self.build, name))
+
+    def test_module_is_installed(self):
+        (package,) = glob.glob(os.path.join(self.prefix, "lib", "**", "isosyrk", "__init__.py"), recursive=True)
+        with open(os.path.join(BUILD, "CMakeCache.txt"), encoding="utf-8") as cache:
+            python = re.search(r"^_?Python_EXECUTABLE:\w+=(.*)$", cache.read(), re.M).group(1)
+        printed = self.done("env", f"PYTHONPATH={os.path.dirname(os.path.dirname(package))}", python, "-c",
+                            "import isosyrk; print(isosyrk.__file__, isosyrk.scene('smooth', n=9).initial.shape)")
+        self.assertEqual(printed, f"{package} (9, 9)\n")
 
     def test_example_runs(self):
         printed = self.run_user("example")
