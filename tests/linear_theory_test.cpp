@@ -89,8 +89,8 @@ INSTANTIATE_TEST_SUITE_P(All, IterationLimit, ::testing::ValuesIn(limited(false)
 INSTANTIATE_TEST_SUITE_P(All, StepLimit, ::testing::ValuesIn(limited(true)),
                          ::testing::PrintToStringParamName());
 
-// Entry (p, q) of a Hermitian part E takes an Euler step, E_pq -> (1 + ih(β_p - β_q)(1 + O(h²)))
-// E_pq: the fastest, of ‖ad_B‖₂, is what is left of rounding after many steps.
+// Each entry (p, q) of a Hermitian part takes an Euler step with the frequency β_p - β_q.  Rounding
+// starts all of them; after many steps only the fastest, of frequency ‖ad_B‖₂, is seen.
 TEST(TwoProductsUpdate, LetsTheHermitianPartGrowAsTheEulerMethodDoes) {
   const Matrix B = random_skew_hermitian(7, 1);
   const FrozenFlow flow(B);

@@ -90,7 +90,8 @@ def scenes_and_sizes(settings):
 def ending(runs, run):
     if run.survived:
         return f"{runs.steps} steps"
-    return f"{run.row.status}" + (f" at step {run.row.failed_step}" if run.row.failed_step else f" after {run.row.steps} steps")
+    row = run.row
+    return row.status + (f" at step {row.failed_step}" if row.failed_step else f" after {row.steps} steps")
 
 
 # ---- tables

@@ -40,13 +40,14 @@ def draw(job):
 def described(scene, n):
     """Returns the row of a setting."""
     setting = trials.Setting(scene, n)
-    return Setting(scene, n, setting.norm_B, setting.norm_ad_B, *(trials.trial_steps(n, each) for each in (True, False)))
+    return Setting(scene, n, setting.norm_B, setting.norm_ad_B, trials.trial_steps(n, True),
+                   trials.trial_steps(n, False))
 
 
 def main(arguments):
     parser = study.command_line(PROGRAM, __doc__.splitlines()[0])
     parser.add_argument("--scene", choices=SCENES, nargs="+", action="extend", help="(default: both)")
-    parser.add_argument("--solver", choices=SOLVERS, default=PUBLISHED, help="fast: the fast forms (default: Table 1's)")
+    parser.add_argument("--solver", choices=SOLVERS, default=PUBLISHED, help="fast: the fast forms (of Table 1)")
     options = parser.parse_args(arguments)
     sizes = sorted(set(options.n or (QUICK_SIZES if options.quick else SIZES)))
     scenes = [scene for scene in SCENES if scene in (options.scene or SCENES)]

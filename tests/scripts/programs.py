@@ -33,6 +33,7 @@ def is_built_with(option):
 
 
 SANITIZED = is_built_with("ISOSYRK_SANITIZE")  # n > 33 takes too long
+HAS_MODULE = os.path.isdir(os.path.join(BUILD, "python", "isosyrk"))
 
 
 def program(name):

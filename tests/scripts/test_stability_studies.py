@@ -4,7 +4,7 @@ import os
 import sys
 import unittest
 
-from programs import DONE, ROOT, FolderTest, run, snapshot
+from programs import DONE, HAS_MODULE, ROOT, FolderTest, run, snapshot
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
@@ -17,6 +17,7 @@ CRITICAL_FAST = 2.430
 AS_CLOSE = 1.04  # two bisections to 2 %
 
 
+@unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")
 class StudyTest(FolderTest):
     def study(self, name, *arguments):
         path = self.path(f"{name}.json")
@@ -84,7 +85,8 @@ class LongRuns(StudyTest):
 class Refusals(StudyTest):
     def test_bad_arguments(self):
         for name, arguments, *parts in (
-                ("stability", ("--solver", "slow"), "--solver", "slow"), ("stability", ("--scene", "calm"), "calm", "smooth"),
+                ("stability", ("--solver", "slow"), "--solver", "slow"),
+                ("stability", ("--scene", "calm"), "calm", "smooth"),
                 ("stability", ("--solver", "fast", "--integrator", "rk4"), "'rk4'", "no fast form"),
                 ("long_runs", ("--solver", "fast"), "--solver"),
                 *(("long_runs", ("--steps", steps), "--steps", steps) for steps in ("9", "x", "1000001"))):
