@@ -24,14 +24,12 @@ from gate_documents import SHAPE, build_document, change  # noqa: E402
 REGRESSION, NOT_JUDGED = 1, 3
 BASELINE = os.path.join("results", "baseline", "baseline.json")
 
-# Of head it is $FACTOR times slower than of base, which with $OLD_BASE knows no fast cells.
+# Of head it is $FACTOR times slower than of base.
 REGRESSION_CELLS = f"""#!{sys.executable}
 import os, sys, time
 is_base = "build-base" in os.path.abspath(sys.argv[0])
 with open(os.environ["CALLS"], "a") as calls:
     calls.write("regression_cells" + (" of base " if is_base else " ") + " ".join(sys.argv[1:]) + "\\n")
-if is_base and "OLD_BASE" in os.environ and any("fast_" in argument for argument in sys.argv):
-    sys.exit(2)
 if sys.argv[1] != "--serve":
     names = sys.argv[1:]
     with open(os.environ["REPORT"]) as file:
