@@ -192,7 +192,8 @@ class WhatIsShown(TableTest):
         del data["context"]["commit"]
         conditions = section(self.render(data), "Measurement conditions")
         for part in ("- commit: not recorded\n", "- dirty: yes\n", "flags: -O2 [31m\n", "\ufffd", "- notice: none",
-                     "- vector units: some vector_units\n", "- modes hash: some modes_hash\n"):
+                     "- vector units: some vector_units\n", "- modes hash: some modes_hash\n",
+                     "- library build type: debug\n"):
             self.assertIn(part, conditions)
 
 
