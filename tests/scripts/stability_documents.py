@@ -18,7 +18,8 @@ BISECTED = 1.02  # the first that fails over the last that works
 SETTINGS = (("smooth", 17), ("smooth", 129), ("rough", 17))
 ROUGH = 1.5  # critical values of the rough scene over those of the smooth one
 TRIAL_STEPS = {17: 50, 129: 5}
-CONTEXT = {"commit": "0123456789ab", "dirty": "no", "compiler": "GNU 12.2.0", "cpu": "a processor", "blas_kernels": "Zen"}
+CONTEXT = {"commit": "0123456789ab", "dirty": "no", "compiler": "GNU 12.2.0", "cpu": "a processor",
+           "blas_kernels": "Zen"}
 
 # name: stages, order, isospectral, Lie-Poisson, symmetric, explicit, critical h‖B‖₂, linear limit
 INTEGRATORS = {
@@ -102,8 +103,8 @@ def long_study(names=tuple(INTEGRATORS)):
             lost = (name, share) == ("rk4", 0.9)
             steps = LOST_AT - 1 if lost else LONG_STEPS
             samples += [sample(len(runs), name, step, h) for step in sampled_steps(steps)]
-            runs.append(RunRow("smooth", 17, name, share, critical, share * critical, h, "unstable" if lost else "converged",
-                               steps, 20.0, LOST_AT if lost else None))
+            runs.append(RunRow("smooth", 17, name, share, critical, share * critical, h,
+                               "unstable" if lost else "converged", steps, 20.0, LOST_AT if lost else None))
     return study_file.Study(dict(CONTEXT), LongRunSettings(LONG_STEPS, 400),
                             {"integrators": integrators(names), "runs": runs, "samples": samples})
 

@@ -34,7 +34,8 @@ class StabilityTest(DrawingTest):
 class Files(StabilityTest):
     def render_plain(self, folder, **changes):
         """Renders everything and returns the files."""
-        result = self.render(self.raw(), "--long", self.raw_long(), "--fast", self.raw(FAST, FEW[:1]), "--out", folder, **changes)
+        result = self.render(self.raw(), "--long", self.raw_long(), "--fast", self.raw(FAST, FEW[:1]), "--out", folder,
+                             **changes)
         self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""))
         return snapshot(folder)
 
@@ -71,7 +72,8 @@ class Charts(StabilityTest):
         study = map_study()
         trials = study.tables["trials"]
         last = max(k for k, each in enumerate(trials) if each[:3] == ("smooth", 129, "group2"))
-        trials[last - 1:last + 1] = [trials[last - 1]._replace(status="sweep cap"), trials[last]._replace(status="stagnated")]
+        trials[last - 1] = trials[last - 1]._replace(status="sweep cap")
+        trials[last] = trials[last]._replace(status="stagnated")
         failures = failure_map(study, "published")
         smooth, others = (self.drawn(failures, chart, "smooth") for chart in ("failure_map", "failure_map_others"))
         self.assertEqual(list(smooth), [f"{each}{s}" for s in (1, 2, 3) for each in programs.FORMULATIONS])

@@ -28,7 +28,7 @@ class Study(FolderTest):
         self.assertEqual({len(point.seconds) for point in found.tables["points"]}, {2})
         self.assertIn("timed_on", found.context)
         sweeps = {point.rung: point.sweeps for point in found.tables["points"]}
-        self.assertEqual(round(sweeps["without any"]), round(sweeps["published"]))  # both are plain sweeps from a cold start
+        self.assertEqual(round(sweeps["without any"]), round(sweeps["published"]))  # plain sweeps from a cold start
         self.assertLess(sweeps["fast"], 0.5 * sweeps["published"])
         self.assertEqual(os.listdir(self.folder), ["raw.json"])
 

@@ -26,8 +26,8 @@ class SoundFiles(FolderTest):
     def test_integrators_that_always_or_never_work(self):
         study = map_study()
         study.tables["trials"] = [each for each in study.tables["trials"] if each.integrator != "rk4" or not each.works]
-        study.tables["maps"] = [each._replace(works=None, fails=None, fails_as=None) if each.integrator == "rk4" else each
-                                for each in study.tables["maps"]]
+        study.tables["maps"] = [each if each.integrator != "rk4" else
+                                each._replace(works=None, fails=None, fails_as=None) for each in study.tables["maps"]]
         failures = stability_files.failure_map(study, "published")
         found = [failures.at("smooth", 17, name) for name in ("rkmk4", "rk4")]
         self.assertEqual([(each.largest_working, each.first_failure) for each in found],
@@ -40,7 +40,8 @@ class SoundFiles(FolderTest):
         run = runs.at("smooth", 17, 0.9, "rk4")
         self.assertEqual((run.survived, run.row.failed_step, run.row.steps, run.samples[-1].step),
                          (False, LOST_AT, LOST_AT - 1, 398))
-        self.assertEqual(stability_files.QUANTITIES[0].series(run)[0], (0.9 * 2.0 / norm(17), run.samples[0].spectrum_error))
+        self.assertEqual(stability_files.QUANTITIES[0].series(run)[0],
+                         (0.9 * 2.0 / norm(17), run.samples[0].spectrum_error))
         self.assertTrue(runs.at("smooth", 17, 0.3, CONTROL).survived)
 
     def test_what_was_not_finite_or_beyond_all_bounds_is_left_out_of_a_series(self):

@@ -85,7 +85,8 @@ class LongRuns(StudyTest):
 class Refusals(StudyTest):
     def test_bad_arguments(self):
         for name, arguments, *parts in (
-                ("stability", ("--solver", "slow"), "--solver", "slow"), ("stability", ("--scene", "calm"), "calm", "smooth"),
+                ("stability", ("--solver", "slow"), "--solver", "slow"),
+                ("stability", ("--scene", "calm"), "calm", "smooth"),
                 ("stability", ("--solver", "fast", "--integrator", "rk4"), "'rk4'", "no fast form"),
                 ("long_runs", ("--solver", "fast"), "--solver"),
                 *(("long_runs", ("--steps", steps), "--steps", steps) for steps in ("9", "x", "1000001"))):
