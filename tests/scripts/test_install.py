@@ -62,8 +62,7 @@ class InstalledLibrary(unittest.TestCase):
 
     def test_example_runs(self):
         printed = self.run_user("example")
-        self.assertRegex(printed, r"^W\(0, 1\) = -?0\.[0-9]{12}[+-]0\.[0-9]{12}i\n[0-9]+ sweeps, spectrum error "
-                                  r"[0-9.]+e-1[2-9]\n$")
+        self.assertRegex(printed, r"^[0-9]+ sweeps, spectrum error [0-9.]+e-1[2-9]\n$")
 
     def test_example_is_the_one_of_the_readme(self):
         with open(README, encoding="utf-8") as stream:
