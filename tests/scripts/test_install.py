@@ -8,6 +8,7 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
 import unittest
 
@@ -59,6 +60,16 @@ class InstalledLibrary(unittest.TestCase):
         printed = self.done("env", f"PYTHONPATH={os.path.dirname(os.path.dirname(package))}", python, "-c",
                             "import isosyrk; print(isosyrk.__file__, isosyrk.scene('smooth', n=9).initial.shape)")
         self.assertEqual(printed, f"{package} (9, 9)\n")
+
+    def test_module_is_built_for_the_python_that_has_numpy(self):
+        with tempfile.TemporaryDirectory() as folder:
+            without = os.path.join(folder, "python3")
+            with open(without, "w", encoding="utf-8") as script:
+                script.write(f"#!/bin/sh\nexec {sys.executable} -S -I \"$@\"\n")  # no packages: no NumPy
+            os.chmod(without, 0o755)
+            printed = self.done("env", "-u", "ISOSYRK_PYTHON", f"PATH={folder}:{os.environ['PATH']}", "cmake", "-S", ROOT, "-B",
+                                os.path.join(folder, "build"))
+        self.assertRegex(printed, r"-- NumPy module: built for /usr/bin/python3 \(Python 3")
 
     def test_example_runs(self):
         printed = self.run_user("example")
