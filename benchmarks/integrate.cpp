@@ -27,22 +27,6 @@ struct Outcome {
   Matrix W;
 };
 
-// Throws BadArgument for a run that needs more memory than there is, which the kernel would kill.
-void require_memory(const IntegrateRequest& request) {
-  // At most so many n x n complex matrices beside the integrator: states, spectra, output.
-  constexpr double other_matrices = 8.0;
-  constexpr double gigabyte = 1e9;
-  const double n = static_cast<double>(request.n);
-  const double needed =
-      request.integrator.bytes(request.n) + other_matrices * n * n * sizeof(Complex);
-  const MemoryLimit limit = available_memory();
-  if (needed <= limit.bytes) return;
-  throw BadArgument(fmt::format(
-      "--n {} with {}: needs {:.3g} GB of memory, and {} has {:.3g} GB left; n or stages must be "
-      "smaller",
-      request.n, request.integrator.name, needed / gigabyte, limit.source, limit.bytes / gigabyte));
-}
-
 struct Start {
   Scene scene;
   nlohmann::ordered_json modes_hash;  // null where there are no modes
@@ -145,7 +129,8 @@ int main_program(int argc, char** argv) {
   const auto asked = read_integrate_arguments(argc, argv);
   if (const int* exit_code = std::get_if<int>(&asked)) return *exit_code;
   const auto& request = std::get<IntegrateRequest>(asked);
-  require_memory(request);
+  require_memory(fmt::format("--n {} with {}", request.n, request.integrator.name),
+                 request.integrator, request.n);
   use_one_blas_thread();
   std::optional<OutputFile> output;
   if (request.output_file) output.emplace("--output", *request.output_file);

@@ -51,15 +51,15 @@ void choose_integrator(const Text& text, const Given& given, IntegrateRequest& r
   request.method = text.solver;
   try {
     if (given.integrator) {
-      request.integrator =
-          fast ? fast_entry(text.integrator, request.threads) : integrator_entry(text.integrator);
+      request.integrator = fast ? fast_entry(text.integrator, {.threads = request.threads})
+                                : integrator_entry(text.integrator);
       return;
     }
     if (!given.stages) throw BadArgument("--stages is required, or --integrator");
     if (!given.formulation) throw BadArgument("--formulation is required, or --integrator");
     const int stages = static_cast<int>(whole_number("--stages", text.stages, 1, max_stages));
     request.formulation = formulation_from_name(text.formulation);
-    request.integrator = fast ? fast_gauss_entry(*request.formulation, stages, request.threads)
+    request.integrator = fast ? fast_gauss_entry(*request.formulation, stages, {.threads = request.threads})
                               : gauss_entry(*request.formulation, stages);
   } catch (const std::invalid_argument& error) {
     throw BadArgument(fmt::format("--{}", error.what()));

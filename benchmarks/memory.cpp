@@ -10,6 +10,8 @@
 #include <optional>
 #include <sstream>
 
+#include "benchmarks/program.h"
+
 namespace isosyrk {
 namespace {
 
@@ -104,6 +106,19 @@ MemoryLimit available_memory(const fs::path& root) {
     if (other.bytes < least.bytes) least = other;
   }
   return least;
+}
+
+void require_memory(const std::string& what, const IntegratorEntry& integrator, Index n) {
+  // At most so many n x n complex matrices beside the integrator: states, spectra, output.
+  constexpr double other_matrices = 8.0;
+  constexpr double gigabyte = 1e9;
+  const auto size = static_cast<double>(n);
+  const double needed = integrator.bytes(n) + other_matrices * size * size * sizeof(Complex);
+  const MemoryLimit limit = available_memory();
+  if (needed <= limit.bytes) return;
+  throw BadArgument(fmt::format(
+      "{}: needs {:.3g} GB of memory, and {} has {:.3g} GB left; n or stages must be smaller", what,
+      needed / gigabyte, limit.source, limit.bytes / gigabyte));
 }
 
 }  // namespace isosyrk

@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <string>
 
+#include "isosyrk/catalogue/integrator_list.h"
+
 namespace isosyrk {
 
 /// What this process can still allocate, and what sets that limit.
@@ -17,5 +19,9 @@ struct MemoryLimit {
 /// RLIMIT_AS less the present size.  Of what a cgroup uses, file pages do not count: the kernel
 /// drops them for whoever asks.  `root` is where proc and sys/fs/cgroup are looked for.
 MemoryLimit available_memory(const std::filesystem::path& root = "/");
+
+/// Throws BadArgument for a run with this integrator, of n x n matrices, that needs more memory than
+/// there is, for which the kernel would kill it.  The message begins with `what`.
+void require_memory(const std::string& what, const IntegratorEntry& integrator, Index n);
 
 }  // namespace isosyrk

@@ -18,7 +18,7 @@
 #include "benchmarks/arguments.h"
 #include "benchmarks/clocks.h"
 #include "benchmarks/command_line.h"
-#include "benchmarks/raw_file.h"
+#include "benchmarks/conditions.h"
 #include "isosyrk/catalogue/fast_forms.h"
 #include "isosyrk/simulation/conservation.h"
 #include "isosyrk/simulation/run.h"
@@ -144,7 +144,10 @@ int report(const std::vector<Cell>& cells) {
     if (!cell.fast) published[{cell.formulation, cell.n, cell.s}] = &measured.back().W;
   }
   Json json = {{"format", "isosyrk regression_cells 2"}};
-  json["context"] = context_json("regression_cells", backend, {}, {});
+  for (const auto& conditions : {machine_conditions("regression_cells", backend, {}),
+                                 solver_conditions({}, HbarConvention::paper, default_modes())}) {
+    for (const auto& [name, value] : conditions) json["context"][name] = value;
+  }
   json["cells"] = Json::array();
   for (std::size_t k = 0; k < cells.size(); ++k) {
     // A published form is compared with group, a fast one with its published form.

@@ -172,7 +172,7 @@ TEST(InexactNewton, SolvesForACorrectionToTheForcingTerm) {
     Matrix R = random_matrix(n, 9);
     R *= size / R.norm();
     const Corrections right = {{SingleMatrix(R)}};
-    EXPECT_TRUE(solver.correct(system, right, size, tolerance));
+    EXPECT_TRUE(solver.correct(system, right, size, {.tolerance = tolerance}));
     return (solver.correction()[0][0].interleaved() -
             system.exact_correction(right[0][0].interleaved()))
         .norm();
@@ -266,7 +266,7 @@ TEST(InexactNewton, CorrectsNothingWherePartsDoNotContract) {
     Unknowns x = start_at(system.solution);
     InexactNewton solver(x);
     const Corrections R = {{SingleMatrix(Matrix(0.01 * rotation(5)))}};
-    EXPECT_FALSE(solver.correct(system, R, 0.01 * std::sqrt(3.0), 1e-13))
+    EXPECT_FALSE(solver.correct(system, R, 0.01 * std::sqrt(3.0), {.tolerance = 1e-13}))
         << sizes.T << " " << sizes.K << ": " << system.frozen_sweeps << " frozen sweeps, "
         << system.couplings << " couplings, a correction of "
         << solver.correction()[0][0].interleaved().norm();

@@ -247,7 +247,7 @@ double miss_of_newton(AtSolution& at, FixedPointSystem& system, unsigned seed) {
   const Unknowns d = at.direction(seed);
   const Unknowns R = sum(size, d, -size, at.derivative(d));
   InexactNewton solver(at.x);
-  if (!solver.correct(system, rounded(R), norm(R), 1e-13)) return 1e3;
+  if (!solver.correct(system, rounded(R), norm(R), {.tolerance = 1e-13})) return 1e3;
   return norm(sum(1.0 / size, widened(solver.correction()), -1.0, d));
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <stdexcept>
 
 #include "isosyrk/catalogue/workspace_bytes.h"
@@ -31,6 +32,15 @@ std::unique_ptr<StageSystem> gauss_system(Formulation formulation, int s, const 
   return std::make_unique<AlgebraSystem>(flow, tableau, threads, truncates);
 }
 
+// Returns the formulation of the listed integrator with this name, if it has one.
+std::optional<Formulation> formulation_of(std::string_view wanted) {
+  const IntegratorEntry& entry = integrator_entry(wanted);
+  for (const Formulation formulation : formulations()) {
+    if (fmt::format("{}{}", name(formulation), entry.stages) == entry.name) return formulation;
+  }
+  return {};
+}
+
 }  // namespace
 
 std::unique_ptr<Integrator> make_fast_gauss(Formulation formulation, int s, const Flow& flow,
@@ -46,29 +56,32 @@ std::unique_ptr<Integrator> make_fast_gauss(Formulation formulation, int s, cons
       chosen);
 }
 
-IntegratorEntry fast_gauss_entry(Formulation formulation, int s, int threads) {
+IntegratorEntry fast_gauss_entry(Formulation formulation, int s, const FastOptions& options) {
   IntegratorEntry entry = gauss_entry(formulation, s);
   entry.name = fmt::format("fast_{}", entry.name);
-  entry.make = [formulation, s, threads](const Flow& flow, const SolverOptions& solver,
+  entry.make = [formulation, s, options](const Flow& flow, const SolverOptions& solver,
                                          ProductBackend) {
-    return make_fast_gauss(formulation, s, flow, {.solver = solver, .threads = threads});
+    FastOptions chosen = options;
+    chosen.solver = solver;
+    return make_fast_gauss(formulation, s, flow, chosen);
   };
-  entry.bytes = [formulation, s, threads](Index n) {
-    return fast_workspace_bytes(formulation, s, n, tuning.past_steps(n), threads);
+  entry.bytes = [formulation, s, options](Index n) {
+    return fast_workspace_bytes(formulation, s, n,
+                                options.past_steps.value_or(tuning.past_steps(n)), options.threads);
   };
   return entry;
 }
 
-IntegratorEntry fast_entry(std::string_view wanted, int threads) {
-  const IntegratorEntry& entry = integrator_entry(wanted);
-  for (const Formulation formulation : formulations()) {
-    if (fmt::format("{}{}", name(formulation), entry.stages) == entry.name) {
-      return fast_gauss_entry(formulation, entry.stages, threads);
-    }
+bool has_fast_form(std::string_view wanted) { return formulation_of(wanted).has_value(); }
+
+IntegratorEntry fast_entry(std::string_view wanted, const FastOptions& options) {
+  const std::optional<Formulation> formulation = formulation_of(wanted);
+  if (!formulation) {
+    throw std::invalid_argument(fmt::format(
+        "integrator '{}': has no fast form; must be cotangent, group or algebra with its stages",
+        wanted));
   }
-  throw std::invalid_argument(fmt::format(
-      "integrator '{}': has no fast form; must be cotangent, group or algebra with its stages",
-      wanted));
+  return fast_gauss_entry(*formulation, integrator_entry(wanted).stages, options);
 }
 
 }  // namespace isosyrk

@@ -16,13 +16,15 @@ namespace isosyrk {
 std::unique_ptr<Integrator> make_fast_gauss(Formulation formulation, int s, const Flow& flow,
                                             const FastOptions& options = {});
 
-/// Returns the list entry of that fast form with default options, named fast_group2 and so on.  Its
-/// integrators have `threads` threads.  Throws std::invalid_argument unless 1 <= s <= max_stages;
-/// making an integrator throws as make_fast_gauss.
-IntegratorEntry fast_gauss_entry(Formulation formulation, int s, int threads = 1);
+/// Returns the list entry of that fast form, named fast_group2 and so on.  Its integrators have
+/// these options, but the SolverOptions that they are made with.  Throws std::invalid_argument
+/// unless 1 <= s <= max_stages; making an integrator throws as make_fast_gauss.
+IntegratorEntry fast_gauss_entry(Formulation formulation, int s, const FastOptions& options = {});
 
 /// Returns the fast form of the integrator of integrators() with this name.  Throws
 /// std::invalid_argument for a name that is not in the list or has no fast form.
-IntegratorEntry fast_entry(std::string_view name, int threads = 1);
+IntegratorEntry fast_entry(std::string_view name, const FastOptions& options = {});
+/// Returns true if the integrator of integrators() with this name has a fast form.
+bool has_fast_form(std::string_view name);
 
 }  // namespace isosyrk

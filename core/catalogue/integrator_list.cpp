@@ -167,6 +167,10 @@ const IntegratorEntry& integrator_entry(std::string_view wanted) {
     if (entry.name == wanted) return entry;
     names.push_back(entry.name);
   }
+  static const IntegratorEntry controls[] = {two_products_entry(2), two_products_entry(3)};
+  for (const IntegratorEntry& entry : controls) {
+    if (entry.name == wanted) return entry;
+  }
   throw std::invalid_argument(
       fmt::format("integrator '{}': must be one of {}", wanted, fmt::join(names, ", ")));
 }

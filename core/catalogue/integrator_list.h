@@ -51,8 +51,8 @@ IntegratorEntry two_products_entry(int s);
 
 /// Returns the list of published integrators and controls.
 const std::vector<IntegratorEntry>& integrators();
-/// Returns the entry with this name.  Throws std::invalid_argument, naming all names, if the list
-/// has none.
+/// Returns the entry with this name: of the list, or two_products_entry(2 or 3).  Throws
+/// std::invalid_argument, naming the names of the list, for another.
 const IntegratorEntry& integrator_entry(std::string_view name);
 
 }  // namespace isosyrk

@@ -89,7 +89,13 @@ StepReport FastIntegrator::advance(const Matrix& W0, double h, Matrix& W1) {
   if (W0_.entries() != W1_.entries()) predictor_.forget();
   h_ = h;
   system_->bind(W0_, h, options_.solver.tolerance);
-  StepReport report = solve(h);
+  StepReport report;
+  try {
+    report = solve(h);
+  } catch (...) {  // of SolverOptions::after_sweep
+    predictor_.forget();
+    throw;
+  }
   if (report.status == Status::converged) {
     system_->update(x_, W1_);
     predictor_.accept(h, x_);

@@ -56,6 +56,7 @@ SolveReport solve_fixed_point(const SolverOptions& options, Sweep&& sweep) {
   while (report.sweeps < options.max_sweeps) {
     report.change = sweep();
     ++report.sweeps;
+    options.swept();
     changes.add(report.change);
     if (!(report.change <= divergence_bound)) return ended(Status::diverged);  // NaN included
     if (report.change < options.tolerance) return ended(Status::converged);

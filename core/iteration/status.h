@@ -21,6 +21,12 @@ std::string_view name(Status status);
 struct SolverOptions {
   double tolerance = 1e-13;  ///< absolute, on the largest change of an unknown
   int max_sweeps = 1000;
+  /// Called after every sweep, if set.  It may throw: the step then ends and leaves W unchanged.
+  void (*after_sweep)() = nullptr;
+
+  void swept() const {
+    if (after_sweep != nullptr) after_sweep();
+  }
 };
 
 /// How an iteration ended.

@@ -3,10 +3,10 @@
 namespace isosyrk {
 namespace {
 
-// Implements run(); calls observe(k, report of step k) after every completed step k.
-template <class Observe>
+// Implements run(); calls go_on(totals, report of the step) after every completed step.
+template <class GoOn>
 RunReport run_steps(Integrator& integrator, MatrixView W, double h, long steps,
-                    const Observe& observe) {
+                    const GoOn& go_on) {
   RunReport total;
   for (long k = 1; k <= steps; ++k) {
     const StepReport step = integrator.step(W, h);
@@ -22,7 +22,7 @@ RunReport run_steps(Integrator& integrator, MatrixView W, double h, long steps,
       return total;
     }
     total.steps = k;
-    observe(k, step);
+    if (!go_on(total, step)) break;
   }
   return total;
 }
@@ -30,15 +30,23 @@ RunReport run_steps(Integrator& integrator, MatrixView W, double h, long steps,
 }  // namespace
 
 RunReport run(Integrator& integrator, MatrixView W, double h, long steps) {
-  return run_steps(integrator, W, h, steps, [](long, const StepReport&) {});
+  return run_steps(integrator, W, h, steps,
+                   [](const RunReport&, const StepReport&) { return true; });
+}
+
+RunReport run_while(Integrator& integrator, MatrixView W, double h, long steps,
+                    const std::function<bool(const RunReport&)>& go_on) {
+  return run_steps(integrator, W, h, steps,
+                   [&](const RunReport& total, const StepReport&) { return go_on(total); });
 }
 
 RunReport run(Integrator& integrator, MatrixView W, double h, long steps,
               const std::function<void(long, const Matrix&, const StepReport&)>& observe) {
   Matrix observed = W;
-  return run_steps(integrator, W, h, steps, [&](long k, const StepReport& step) {
+  return run_steps(integrator, W, h, steps, [&](const RunReport& total, const StepReport& step) {
     observed = W;
-    observe(k, observed, step);
+    observe(total.steps, observed, step);
+    return true;
   });
 }
 

@@ -30,6 +30,11 @@ struct RunReport {
 /// Integrator::step.
 RunReport run(Integrator& integrator, MatrixView W, double h, long steps);
 
+/// Advances W as above and calls `go_on(totals so far)` after every completed step.  Ends the run
+/// where that returns false.
+RunReport run_while(Integrator& integrator, MatrixView W, double h, long steps,
+                    const std::function<bool(const RunReport&)>& go_on);
+
 /// Advances W as above and calls `observe(step, W, report of the step)` after every completed step.
 /// The W observed is a copy, allocated once for the run.
 RunReport run(Integrator& integrator, MatrixView W, double h, long steps,

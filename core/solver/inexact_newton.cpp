@@ -37,7 +37,7 @@ SolveReport InexactNewton::newton(FixedPointSystem& system, const SolverOptions&
     // If the contraction predicts that one Picard sweep converges, no correction is computed.
     const bool sweep_converges = std::min(1.0, 2.0 * contraction_) * change < options.tolerance;
     const bool corrected = !sweep_converges && change <= tuning.largest_corrected &&
-                           correct(system, R_, change, options.tolerance);
+                           correct(system, R_, change, options);
     uncorrected = sweep_converges ? change : 0.0;
     add_to(x, corrected ? delta_ : R_);
     return change;
@@ -54,16 +54,19 @@ SolveReport InexactNewton::picard(FixedPointSystem& system, const SolverOptions&
     }
     system.linearise(tuning.of_size);
     copy(R_, delta_);
-    for (int k = 0; k < frozen_sweeps; ++k) system.frozen_sweep(R_, delta_);
+    for (int k = 0; k < frozen_sweeps; ++k) {
+      options.swept();
+      system.frozen_sweep(R_, delta_);
+    }
     add_to(x, delta_);
     return change;
   });
 }
 
 bool InexactNewton::correct(FixedPointSystem& system, const Corrections& R, double size,
-                            double tolerance) {
+                            const SolverOptions& options) {
   const double forcing_term =
-      std::max({tuning.of_tolerance * tolerance, tuning.of_size * size,
+      std::max({tuning.of_tolerance * options.tolerance, tuning.of_size * size,
                 tuning.of_size_squared * size * size});
   system.linearise(tuning.of_forcing_term * forcing_term / size);
   copy(R, delta_);
@@ -78,6 +81,7 @@ bool InexactNewton::correct(FixedPointSystem& system, const Corrections& R, doub
   for (int k = 0; k < tuning.inner_sweeps; ++k) {
     const double K_error = K_contraction * not_coupled;
     if (T_error + K_error < forcing_term) break;
+    options.swept();
     if (k > 0 && K_error > T_error) {
       system.couple(delta_, coupled_);
       double shift = 0.0;

@@ -36,7 +36,8 @@ class InexactNewton {
   /// `size` is the norm of R.  Ends when the estimated error of delta is below the forcing term, or
   /// after Tuning::inner_sweeps.  Returns false, with delta unspecified, if the iteration does not
   /// contract.
-  bool correct(FixedPointSystem& system, const Corrections& R, double size, double tolerance);
+  bool correct(FixedPointSystem& system, const Corrections& R, double size,
+               const SolverOptions& options);
   /// Returns the delta of the last correct().
   const Corrections& correction() const { return delta_; }
 

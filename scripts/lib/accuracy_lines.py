@@ -21,8 +21,8 @@ FLOOR_MARGIN = 10
 # ... or where, below NEAR_ROUNDING, the next step size does not lower it to this share.
 NEAR_ROUNDING = 1e-8
 STILL_FALLING = 0.8
-# Runs that an observed order is fitted on, those of the smallest steps above the floor: an order is what errors tend to.
-# Fewer do not tell one.
+# Runs that an observed order is fitted on, those of the smallest steps above the floor: an order is what errors tend
+# to. Fewer do not tell one.
 ORDER_POINTS = 3
 
 
@@ -163,4 +163,5 @@ def check(run, result):
         if missing:
             raise UnusableFile(f"has a run that {CONVERGED} and has no value of {', '.join(missing)}")
         if not run.cpu_seconds or not all(SHORTEST_SECONDS <= each <= LONGEST_SECONDS for each in run.cpu_seconds):
-            raise UnusableFile(f"has a run with cpu_seconds that are not from {SHORTEST_SECONDS:g} to {LONGEST_SECONDS:g}")
+            raise UnusableFile("has a run with cpu_seconds that are not from"
+                               f" {SHORTEST_SECONDS:g} to {LONGEST_SECONDS:g}")

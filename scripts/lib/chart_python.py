@@ -39,7 +39,7 @@ def complaint(modules=("matplotlib",), remedy="install python3-matplotlib"):
 
 
 def require(program, modules, remedy):
-    """Returns where these modules can be imported; otherwise starts this script again where they can, or exits with 2."""
+    """Returns where these modules can be imported; otherwise starts the script again where they can, or exits."""
     if can_import(modules):
         return
     python = find(modules)

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import Dict, List, Optional
 
 from benchmark_json import FORMULATIONS, UnusableFile, one_line, parse_json, printable_context
-from study_file import CONVERGED, an_object, checked, keyed, list_of, number, positive, require, status, text, whole, Wrong
+from study_file import (CONVERGED, Wrong, an_object, checked, keyed, list_of, number, positive, require, status, text,
+                        whole)
 
 SIZES = (17, 33, 65, 129)
 QUICK_SIZES = (17, 33)
@@ -122,7 +123,8 @@ def read_cell(values):
 def read_counts(values):
     """Reads what is counted in a cell."""
     counts = FAST_COUNTS if is_fast(values["name"]) else COUNTS
-    return checked(values, {count: positive if count == "equivalent_products" else whole() for count in counts}, "a cell")
+    kinds = {count: positive if count == "equivalent_products" else whole() for count in counts}
+    return checked(values, kinds, "a cell")
 
 
 def entries_of(n):

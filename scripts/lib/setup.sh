@@ -4,8 +4,8 @@
 
 PACKAGES=(build-essential cmake git libeigen3-dev libopenblas-pthread-dev liblapacke-dev
           libbenchmark-dev libfmt-dev libgtest-dev libcli11-dev nlohmann-json3-dev python3)
-# What charts need besides.
-CHART_PACKAGES=(python3-numpy python3-matplotlib)
+# What the NumPy module, the studies on it and charts need besides.
+STUDY_PACKAGES=(python3-dev pybind11-dev python3-numpy python3-matplotlib python3-tqdm python3-distributed)
 # What looking for data races needs besides.
 CLANG_PACKAGES=(clang libomp-dev)
 
@@ -56,5 +56,6 @@ build() {
     rm -f "$log"
     die 2 "the build in $folder failed"
   fi
+  sed -n 's/^-- \(NumPy module: .*\)/\1/p' "$log" >&2
   rm -f "$log"
 }

@@ -6,6 +6,7 @@ stands in a journal beside the raw file, and an interrupted study goes on from t
 """
 
 import argparse
+import asyncio
 import concurrent.futures
 import contextlib
 import importlib
@@ -19,6 +20,7 @@ import re
 import signal
 import site
 import sys
+import threading
 from functools import partial
 
 import chart_python
@@ -62,11 +64,13 @@ def require_module(program):
 def command_line(program, description, out="FILE"):
     """Returns a parser with the options that all studies have. `out` is FILE or FOLDER."""
     parser = OneLineParser(prog=program, description=description, allow_abbrev=False)
-    parser.add_argument("--out", metavar=out, required=True, help="what to write; a journal beside it keeps what is done")
+    parser.add_argument("--out", metavar=out, required=True,
+                        help="what to write; a journal beside it keeps what is done")
     parser.add_argument("--quick", action="store_true", help="the smaller study")
     parser.add_argument("--n", metavar="N", type=whole_number(5, 513), nargs="+", action="extend", help="matrix sizes")
     parser.add_argument("--integrator", metavar="NAME", nargs="+", action="extend", help="integrators (default: all)")
-    parser.add_argument("--scheduler", metavar="tcp://HOST:PORT", type=address, help="Dask scheduler that untimed work is given to")
+    parser.add_argument("--scheduler", metavar="tcp://HOST:PORT", type=address,
+                        help="Dask scheduler that untimed work is given to")
     parser.add_argument("--workers", metavar="K", type=whole_number(1, 1024), default=len(os.sched_getaffinity(0)),
                         help="processes for untimed work without --scheduler (default: one for each core)")
     return parser
@@ -114,7 +118,7 @@ def run(program, main, arguments):
         say(f"{program}: {one_line(problem)}")
         sys.exit(getattr(problem, "status", BAD_ARGUMENTS))
     except OSError as problem:
-        say(f"{program}: {one_line(problem.filename or 'output')}: {problem.strerror}")
+        say(f"{program}: {one_line(problem.filename or 'output')}: {problem.strerror or one_line(problem)}")
         sys.exit(BAD_ARGUMENTS)
     except KeyboardInterrupt:
         say(f"{program}: interrupted; the same command goes on from here")
@@ -171,13 +175,9 @@ class Journal:
         """Returns the whole lines of the file, or None where there is none."""
         if not os.path.exists(self.path):
             return None
-        with open(self.path, encoding="utf-8") as file:
-            lines = []
-            for line in file:
-                try:
-                    lines.append(json.loads(line))
-                except ValueError:
-                    break
+        lines = []
+        with contextlib.suppress(ValueError), open(self.path, encoding="utf-8") as file:  # up to one that was cut
+            lines.extend(map(json.loads, file))
         return lines if lines and isinstance(lines[0], dict) else []
 
     def add(self, key, result):
@@ -194,7 +194,7 @@ class Journal:
             os.unlink(self.path)
 
     def products(self, n):
-        """Returns the product backend that was the faster at n when the study began. Beyond 257 it no longer changes."""
+        """Returns the product backend that was the faster at n as the study began. Beyond 257 it is the same."""
         chosen = dict(re.findall(r"n=(\d+) (\w+)", self.context["products"]))
         return chosen[str(min(n, 257))]
 
@@ -209,8 +209,8 @@ def key_of(what, job):
 def untimed(jobs, work, journal, options, what):
     """Returns work(job) of each job, in their order. Jobs and results are what JSON can hold.
 
-    `work` is a function of the study's module. The last jobs are begun first: they tend to be the longest. A lost worker
-    is told and its jobs are done again.
+    `work` is a function of the study's module. The last jobs are begun first: they tend to be the longest. A lost
+    worker is told and its jobs are done again.
     """
     work = importable(work)
     keys = [key_of(what, job) for job in jobs]
@@ -228,8 +228,8 @@ def untimed(jobs, work, journal, options, what):
                 broken = False
                 while futures:
                     done, _ = concurrent.futures.wait(futures, 1.0, concurrent.futures.FIRST_COMPLETED)
-                    for _ in range(watch()):
-                        bar.write(LOST, file=sys.stderr)
+                    for line in watch():
+                        bar.write(line, file=sys.stderr)
                     for future in done:
                         key = futures.pop(future)
                         try:
@@ -258,13 +258,13 @@ def executor(options, work):
 
 @contextlib.contextmanager
 def processes(workers):
-    """Yields an executor on this machine, a count of workers lost unseen, and the errors by which jobs tell of a loss.
+    """Yields an executor on this machine, a watch that returns what is to be told, and the errors of a lost job.
 
     Its processes are spawned, because OpenMP hangs in a forked child.
     """
-    pool = concurrent.futures.ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), ignore_interrupts)
+    pool = concurrent.futures.ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), follow_parent)
     try:
-        yield pool, lambda: 0, concurrent.futures.BrokenExecutor
+        yield pool, lambda: (), concurrent.futures.BrokenExecutor
         pool.shutdown()
     finally:  # at once, whatever they do
         pool.shutdown(wait=False, cancel_futures=True)
@@ -272,9 +272,11 @@ def processes(workers):
             child.terminate()
 
 
-def ignore_interrupts():
-    """Leaves Ctrl-C to the process that started this one."""
+def follow_parent():
+    """Leaves Ctrl-C to the process that started this one, and ends with it, however it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+    threading.Thread(target=lambda: (parent.join(), os._exit(1)), daemon=True).start()
 
 
 @contextlib.contextmanager
@@ -295,16 +297,19 @@ def dask(address, folders):
         raise Stop(f"--scheduler {one_line(address)}: cannot be reached ({one_line(problem)})") from None
     for folder in folders:
         client.register_worker_callbacks(partial(site.addsitedir, folder))
-    workers = set()
+    workers = {None}  # so that a cluster without any is told
 
     def watch():
         nonlocal workers
-        before, workers = workers, set(client.scheduler_info()["workers"])
-        return len(before - workers)
+        try:
+            before, workers = workers, set(client.scheduler_info()["workers"])
+        except (OSError, asyncio.TimeoutError):
+            raise Stop(f"--scheduler {address}: is gone; the same command goes on from here") from None
+        told = [LOST] * len(before - workers - {None})
+        return told if workers or not before else [*told, "the Dask scheduler has no workers; waiting for one"]
 
     lost = (distributed.scheduler.KilledWorker, concurrent.futures.CancelledError)
     try:
-        watch()
         yield client.get_executor(pure=False), watch, lost
     finally:
         client.close()

@@ -3,9 +3,9 @@
     {"format": "isosyrk study 1", "study": "accuracy", "context": {name: text}, "settings": {name: value},
      "tables": {name: {"columns": [...], "rows": [[...], ...]}}}
 
-A study declares its settings and tables once, as a Schema of NamedTuple classes whose annotations are *kinds*: functions
-that return a checked value, or raise Wrong with what is needed instead. A row is read as a record of its class, which
-may have properties. Everything is checked before anything is used.
+A study declares its settings and tables once, as a Schema of NamedTuple classes whose annotations are *kinds*:
+functions that return a checked value, or raise Wrong with what is needed instead. A row is read as a record of its
+class, which may have properties. Everything is checked before anything is used.
 """
 
 import json
@@ -154,7 +154,7 @@ class Study:
 
 
 def checked(values, kinds, what):
-    """Returns the fields of an object that have `kinds`, a dict by name. Throws UnusableFile; `what` names the object."""
+    """Returns the fields of an object that have `kinds`, a dict by name. Throws UnusableFile, naming it `what`."""
     found = {}
     for name, kind in kinds.items():
         if name not in values:
@@ -226,8 +226,9 @@ def write(path, schema, context, settings, tables):
         return f'{{"columns":{compact(record._fields)},"rows":[\n{lines}\n]}}'
 
     blocks = ",\n".join(f"{compact(name)}:{block(record, tables[name])}" for name, record in schema.tables.items())
-    whole_file = (f'{{"format":{compact(FORMAT)},"study":{compact(schema.study)},\n"context":{json.dumps(context, indent=1)},'
-                  f'\n"settings":{compact(settings._asdict())},\n"tables":{{\n{blocks}\n}}}}\n')
+    whole_file = (f'{{"format":{compact(FORMAT)},"study":{compact(schema.study)},\n'
+                  f'"context":{json.dumps(context, indent=1)},\n"settings":{compact(settings._asdict())},\n'
+                  f'"tables":{{\n{blocks}\n}}}}\n')
     study_of(json.loads(whole_file), schema)
     replace_file(path, whole_file.encode("utf-8"))
 

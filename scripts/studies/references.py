@@ -41,7 +41,7 @@ LARGEST_DIFFERENCE = 1e-12
 def refine(scene, integrator, products):
     """Returns (W, number of steps) at which the error, estimated from the last doubling, is down at rounding.
 
-    The estimate is Richardson's: change / (2^order − 1). Raises isosyrk.SolverError if no number of steps converges.
+    The estimate is Richardson's: change / (2^order − 1). Throws Stop if no number of steps converges.
     """
     order = next(each.order for each in isosyrk.integrators() if each.name == integrator)
     method = isosyrk.integrator(scene, integrator, tolerance=TOLERANCE, products=products)
@@ -61,7 +61,8 @@ def refine(scene, integrator, products):
                 break
         steps *= 2
     if best is None:
-        raise study.Stop(f"reference at n = {scene.n}: {integrator} did not converge at {MOST_STEPS} steps", study.NO_ANSWER)
+        raise study.Stop(f"reference at n = {scene.n}: {integrator} did not converge at {MOST_STEPS} steps",
+                         study.NO_ANSWER)
     return best
 
 
@@ -120,8 +121,8 @@ def write(folder, records, solutions):
         stream = io.BytesIO()
         numpy.save(stream, numpy.array(solution["W"]).view(complex))
         replace_file(os.path.join(folder, solution["record"]["file"]), stream.getvalue())
-    lines = ",\n".join(json.dumps(records[n]) for n in sorted(records))
-    whole_file = json.dumps(head())[:-1] + f', "references": [\n{lines}\n]}}\n'
+    lines = ",\n".join(f"  {json.dumps(records[n])}" for n in sorted(records))
+    whole_file = json.dumps(head(), indent=1)[:-2] + f',\n "references": [\n{lines}\n ]\n}}\n'
     replace_file(os.path.join(folder, "references.json"), whole_file.encode("utf-8"))
 
 
@@ -130,7 +131,7 @@ def main(arguments):
     folder = options.out
     output_folder(PROGRAM, "--out", folder)
     records = read_records(folder) if os.path.exists(os.path.join(folder, "references.json")) else {}
-    wanted = options.n or (QUICK_SIZES if options.quick else SIZES)
+    wanted = sorted(set(options.n or (QUICK_SIZES if options.quick else SIZES)))
     missing = [n for n in wanted if n not in records or not os.path.exists(os.path.join(folder, records[n]["file"]))]
     if missing:
         options.out = os.path.join(folder, "references.json")

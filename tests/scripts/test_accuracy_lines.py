@@ -59,7 +59,8 @@ class RefusalTest(AccuracyTest):
                   for name in ("references", "integrators")),
                 *((with_first("runs", cpu_seconds=value), "cpu_seconds") for value in ([], [0.0], [1, 1e12], [1e-12])),
                 *((with_first("runs", **{name: None}), f"no value of {name}") for name in ("error", "skew_defect")),
-                (with_first("runs", integrator="magic"), "magic"), (with_first("tolerance_runs", integrator="rk4"), "Gauss"),
+                (with_first("runs", integrator="magic"), "magic"),
+                (with_first("tolerance_runs", integrator="rk4"), "Gauss"),
                 *((with_first(name, n=65), "n = 65", "no reference") for name in ("runs", "tolerance_runs")),
                 *((with_first(name, step=1.001), "do not come to the time 5") for name in ("runs", "tolerance_runs")),
                 *((doubled(name), "twice") for name in ("runs", "tolerance_runs", "references", "integrators"))):

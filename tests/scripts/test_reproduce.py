@@ -29,8 +29,7 @@ STUDIES = {  # raw files of a study, and its charts here
     "accuracy": (("raw",), ("error_against_time", "tolerance")),
     "stability": (("map", "fast_map", "long_runs"), ("failure_map_smooth", "failure_map_fast_smooth", "long_runs_n17")),
 }
-STUDY_PROGRAMS = ("build/benchmarks/work_precision",
-                  *(f"scripts/studies/{name}.py" for name in ("stability", "long_runs", "scaling")))
+STUDY_PROGRAMS = tuple(f"scripts/studies/{name}.py" for name in ("accuracy", "stability", "long_runs", "scaling"))
 EARLIER = {name: f"earlier {name}" for name in RESULTS}
 
 STAND_INS = {
@@ -178,7 +177,7 @@ class CopyTest(FolderTest):
         two = raw_file(tables=("table2",), threads=(1, 2))
         two["benchmarks"] = [row for row in two["benchmarks"] if row["repetition_index"] == 0]  # of one round
         self.threads_path = self.write("prepared_threads.json", json.dumps(two, indent=2))
-        write_study(self.folder, small_study(), name="work_precision.json")
+        write_study(self.folder, small_study(), name="accuracy.json")
         write(self.folder, map_study(SETTINGS[:1], ("group1",)), "stability.json")
         write(self.folder, map_study(SETTINGS[:1], ("group1",), "fast"), "fast.json")
         write(self.folder, long_study(("group1",)), "long_runs.json")
@@ -396,7 +395,6 @@ class EndToEnd(CopyTest):
                 self.assertEqual(set(os.listdir(self.out)), results_of(study))
                 self.assertEqual(done.stdout, self.result("report.txt"))
                 self.assertIn(part, done.stdout)
-        self.assertIn("--n 17 33 65 129 ", self.calls("work_precision")[0])
         self.assertIn("--solver fast", self.calls("stability[")[1])
         cores = len(os.sched_getaffinity(0))
         untimed = [*self.calls("stability["), *self.calls("long_runs[")]
@@ -410,7 +408,7 @@ class EndToEnd(CopyTest):
 
     def test_quick_is_passed_on(self):
         for study, failing, programs, option in (
-                ("accuracy", "work_precision", ("work_precision",), "--n 17 33 --out "),
+                ("accuracy", "accuracy", ("accuracy",), "--quick"),
                 ("stability", "long_runs", ("stability", "long_runs"), "--quick")):
             self.script("reproduce", study, "--quick", "--out", self.out, FAILING=failing)
             for program in programs:
@@ -481,7 +479,7 @@ class FailedRuns(CopyTest):
         self.ends("table2", BAD_ARGUMENTS, "threads.json: cannot be put together")
 
     def test_a_failed_study_passes_its_status_on(self):
-        for study, program in (("accuracy", "work_precision"), ("stability", "stability"), ("stability", "long_runs")):
+        for study, program in (("accuracy", "accuracy"), ("stability", "stability"), ("stability", "long_runs")):
             self.ends(study, 7, "some reason", FAILING=program)
             self.ends(study, BAD_ARGUMENTS, BENCHMARK="scribble")
 

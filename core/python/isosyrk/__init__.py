@@ -1,0 +1,400 @@
+"""Integrators for isospectral flows W' = [B(W), W], on NumPy arrays.
+
+    import isosyrk
+
+    scene = isosyrk.scene("smooth", n=33)
+    method = isosyrk.integrator(scene, "group2", solver="fast")
+    W, report = method.run(scene.initial, h=0.1, steps=50)
+
+A vorticity matrix W is a complex128 array of shape (n, n), skew-Hermitian to 1e-10 relative. Input is read in any memory
+layout and never modified; only `out` is written, and must be writable and in C order. Steps release the GIL. Ctrl-C ends
+a run after the sweep at hand (an explicit method: after the step at hand) or within a tenth of a second, whichever is
+later. Bad values raise ValueError with one line that names the value and what is allowed, other types TypeError.
+"""
+
+import math
+import operator
+from typing import Callable, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _core
+
+__all__ = ["Integrator", "IntegratorRecord", "Report", "Scene", "SolverError", "angular_momentum_error", "casimir_errors",
+           "conditions", "integrator", "integrators", "relative_error", "scene", "skew_defect", "spectrum", "spectrum_error"]
+
+Matrix = NDArray[np.complex128]
+Mode = Tuple[int, int, float, float]
+
+SOLVERS = ("published", "fast")
+SWITCHES = ("predictor", "newton", "bands")
+LARGEST_N = 4096
+
+
+class Report(NamedTuple):
+    """The work of a run, or of the part of it that is done."""
+
+    steps: int  # completed
+    sweeps: int  # Picard sweeps of all steps; 0 for explicit methods
+    products: int  # n x n complex matrix products
+    equivalent_products: float  # their work in full products in double precision
+    poisson_solves: int  # evaluations of B
+    seconds: float  # CPU time of this process, without `observe`
+    contraction: float  # largest over all steps; 0 for explicit methods
+    last_change: float  # of the last sweep: largest change of an unknown, Frobenius norm
+
+
+class SolverError(RuntimeError):
+    """A step did not converge.
+
+    step: the step that failed, counted from 1.  status: "diverged", "stagnated" or "sweep cap".  last_change: of its last
+    sweep.  W: the state before it, complex128, shape (n, n) (`out`, if that was given).  report: the work so far.
+    """
+
+    def __init__(self, step, status, last_change, W, report):
+        super().__init__(f"{status} at step {step} after {report.sweeps} sweeps in all, last change {last_change:.3g}")
+        self.step = step
+        self.status = status
+        self.last_change = last_change
+        self.W = W
+        self.report = report
+
+
+class IntegratorRecord(NamedTuple):
+    """An integrator of the list, and what it keeps."""
+
+    name: str
+    stages: int
+    order: int
+    isospectral: bool  # keeps the spectrum of W
+    lie_poisson: bool  # a step is a Poisson map
+    symmetric: bool  # a step of -h inverts a step of h
+    explicit: bool  # no iteration
+    fast: bool  # has a fast form for Euler-Zeitlin
+    stability_limit: float  # largest stable h*norm(ad_B) for a constant generator; inf if there is none
+    measured_limit: Optional[float]  # h*norm(B) up to which every recorded trial worked, 2-norm
+
+
+class Scene:
+    """A flow with initial data. Made by scene()."""
+
+    def __init__(self, core, hbar, modes_hash):
+        self._core = core
+        self.hbar: Optional[str] = hbar  # "paper" or "standard"; None for a generator of the user's own
+        self.modes_hash: Optional[str] = modes_hash  # tells initial modes apart; None where there are none
+
+    @property
+    def name(self) -> str:
+        return self._core.name
+
+    @property
+    def n(self) -> int:
+        return self._core.n
+
+    @property
+    def time(self) -> float:
+        """The end of the scene's time span."""
+        return self._core.time
+
+    @property
+    def initial(self) -> Matrix:
+        """W at time 0, shape (n, n), read-only. Named scenes have spectral norm 1."""
+        return self._core.initial
+
+    def energy(self, W: ArrayLike) -> float:
+        """Returns the Hamiltonian H(W); NaN where a user's own flow has none."""
+        return self._core.energy(_square(W, self.n))
+
+    def generator(self, W: ArrayLike) -> Matrix:
+        """Returns B(W), shape (n, n)."""
+        return self._core.generator(_square(W, self.n))
+
+    def generator_norms(self) -> Tuple[float, float]:
+        """Returns the 2-norms of B and of ad_B = [B, .] at the initial data."""
+        return self._core.generator_norms()
+
+    def __repr__(self):
+        return f"<isosyrk.Scene {self.name}, n = {self.n}>"
+
+
+def scene(name: Optional[str] = None, n: Optional[int] = None, hbar: Optional[str] = None, *,
+          modes: Optional[Iterable[Mode]] = None, initial: Optional[ArrayLike] = None,
+          generator: Optional[Callable[[Matrix], ArrayLike]] = None,
+          hamiltonian: Optional[Callable[[Matrix], float]] = None) -> Scene:
+    """Returns a scene: the Euler-Zeitlin equations W' = [B(W), W], B = inverse Laplacian of W over hbar, with initial data.
+
+    One of these says what the initial data are:
+      name     "smooth" (the paper's Table 1; n >= 5) or "rough"; needs n. Beside modes or initial it is a label only.
+      modes    coefficients (l, m, re, im) with 1 <= l < n, 0 <= m <= l, im = 0 where m = 0; needs n. W is scaled to norm 1.
+      initial  W itself, complex128, shape (n, n), skew-Hermitian to 1e-10 relative; taken as it is.
+    hbar is "paper" (the default, 2/sqrt(n(n-1))) or "standard" (2/sqrt(n^2-1), as quflow has it).
+
+    With `initial`, `generator` makes a flow of your own: a function that takes W (a complex128 array of shape (n, n), a
+    copy) and returns B(W), skew-Hermitian. Published forms integrate it. `hamiltonian` maps W to a number.
+    Raises ValueError for values out of range.
+    """
+    if modes is not None and initial is not None:
+        raise ValueError("scene: has modes and initial; must have one of them")
+    if name is None and modes is None and initial is None:
+        raise ValueError("scene: must have a name, modes or initial")
+    if generator is None and hamiltonian is not None:
+        raise ValueError("hamiltonian: goes with a generator")
+    if generator is not None:
+        return _own_scene(name, initial, n, hbar, generator, hamiltonian)
+    hbar = "paper" if hbar is None else _text(hbar, "hbar")
+    label = None if name is None else _text(name, "scene")
+    if initial is not None:
+        return Scene(_core.scene_of_initial(label or "initial", _initial(initial, n), hbar), hbar, None)
+    if n is None:
+        raise ValueError("scene: n is missing")
+    n = _whole(n, "n", 2, LARGEST_N)
+    if modes is not None:
+        modes = [_mode(mode) for mode in modes]
+        return Scene(_core.scene_of_modes(label or "modes", modes, n, hbar), hbar, _core.hash_of_modes(modes))
+    if label == "smooth" and n < 5:
+        raise ValueError(f"n = {n}: the default modes (l <= 4) need n >= 5; smaller n needs modes")
+    return Scene(_core.scene_by_name(label, n, hbar), hbar, _core.hash_of_scene(label, n))
+
+
+def _own_scene(name, initial, n, hbar, generator, hamiltonian):
+    if initial is None:
+        raise ValueError("generator: needs initial, the matrix to begin with")
+    if hbar is not None:
+        raise ValueError("hbar: goes with Euler-Zeitlin only, not with a generator of your own")
+    for what, function in (("generator", generator), ("hamiltonian", hamiltonian)):
+        if function is not None and not callable(function):
+            raise TypeError(f"{what}: is a {type(function).__name__}, must be a function of W")
+    label = "generator" if name is None else _text(name, "scene")
+    return Scene(_core.scene_of_generator(label, _initial(initial, n), generator, hamiltonian), None, None)
+
+
+class Integrator:
+    """A one-step method for the flow of a scene, with its workspace. Made by integrator().
+
+    A fast integrator predicts from its past steps, so that a run is cheaper than as many single steps from other states.
+    One call at a time: a second one from another thread, or from `observe`, raises RuntimeError.
+    """
+
+    def __init__(self, scene, entry, solver, threads, core):
+        self.scene: Scene = scene
+        self.name: str = entry.name
+        self.stages: int = entry.stages
+        self.solver: str = solver
+        self.threads: int = threads
+        self._entry = entry
+        self._core = core
+
+    def step(self, W: ArrayLike, h: float, out: Optional[Matrix] = None) -> Matrix:
+        """Returns the state after one step of size h, which may be negative, from W. `out` as in run()."""
+        return self.run(W, h, 1, out=out)[0]
+
+    def run(self, W: ArrayLike, h: float, steps: int, observe: Optional[Callable[[int, Matrix, Report], object]] = None,
+            every: int = 1, out: Optional[Matrix] = None) -> Tuple[Matrix, Report]:
+        """Takes `steps` steps of size h from W; returns the last state, shape (n, n), and the work.
+
+        observe(step, W, report) is called after every `every` steps and after the last; W is then a read-only view, to be
+        copied if it is to be kept. The run ends where it returns True.
+        out: the array to work in and return, which may be W itself; otherwise a new one. After an exception it holds the
+        state after the last completed step.
+        Raises SolverError if a step does not converge.
+        """
+        state = _state(W, self.scene.n)
+        h, steps, every = _real(h, "h"), _whole(steps, "steps", 0), _whole(every, "every", 1)
+        if observe is not None and not callable(observe):
+            raise TypeError(f"observe: is a {type(observe).__name__}, must be a function of step, W and report")
+        result = np.empty((self.scene.n, self.scene.n), np.complex128) if out is None else _output(out, self.scene.n)
+        np.copyto(result, state)
+        outcome = self._core.run(result, h, steps, observe and _observer(observe, result), every)
+        return result, self._report(outcome, result)
+
+    def timed_run(self, W: ArrayLike, h: float, steps: int, repetitions: int = 7, warmup: int = 0) -> List[float]:
+        """Returns the CPU seconds of `repetitions` runs, measured in C++.
+
+        Each repetition begins at W with `warmup` untimed steps, then times `steps` steps. Raises SolverError.
+        """
+        state = np.ascontiguousarray(_state(W, self.scene.n))
+        outcome, times = self._core.timed_run(state, _real(h, "h"), _whole(steps, "steps", 1),
+                                              _whole(repetitions, "repetitions", 1), _whole(warmup, "warmup", 0))
+        self._report(outcome, state)
+        return times
+
+    def linear_limit(self) -> Optional[float]:
+        """Returns the largest h*norm(B) that linear theory allows at the scene's initial data (2-norm); None if any."""
+        return self._entry.linear_limit(self.scene._core)
+
+    def __repr__(self):
+        return f"<isosyrk.Integrator {self.name}, {self.solver}, n = {self.scene.n}>"
+
+    @staticmethod
+    def _report(outcome, W):
+        report = _report(outcome)
+        if outcome.status != "converged":
+            raise SolverError(outcome.failed_step, outcome.status, outcome.last_change, W, report)
+        return report
+
+
+def integrator(scene: Scene, name: str, solver: str = "published", tolerance: float = 1e-13, threads: int = 1, *,
+               max_sweeps: int = 1000, products: str = "openblas", without: Sequence[str] = ()) -> Integrator:
+    """Returns the integrator with this name of integrators(), for the flow of a scene.
+
+    solver     "published": the paper's equations, solved by Picard sweeps. "fast": the same answer to the tolerance,
+               several times sooner; for names and flows that have a fast form, otherwise ValueError.
+    tolerance  of the iteration, at least 1e-15: the largest change of an unknown, Frobenius norm, absolute.
+    threads    of the fast solver, 1 to 64; the answer is bit for bit the same.
+    max_sweeps of a step, 1 to 1000000.
+    products   of published forms: "openblas", "eigen", or "fastest" of the two as measured here.
+    without    of the fast solver, for studies: "predictor", "newton", "bands".
+    Raises ValueError for values out of range, and if there is not enough memory.
+    """
+    if not isinstance(scene, Scene):
+        raise TypeError(f"scene: is a {type(scene).__name__}, must come from isosyrk.scene()")
+    entry = _core.integrator_entry(_text(name, "integrator"))
+    if _text(solver, "solver") not in SOLVERS:
+        raise ValueError(f"solver '{solver}': must be published or fast")
+    without = (without,) if isinstance(without, str) else tuple(without)
+    for each in without:
+        if each not in SWITCHES:
+            raise ValueError(f"without '{each}': must be of predictor, newton, bands")
+    tolerance = _real(tolerance, "tolerance")
+    if tolerance < 1e-15:
+        raise ValueError(f"tolerance {tolerance:g}: must be at least 1e-15, and finite")
+    threads = _whole(threads, "threads", 1, 64)
+    if solver == "published" and (threads != 1 or without):
+        raise ValueError(f"{'threads' if threads != 1 else 'without'}: goes with solver 'fast' only")
+    core = _core.Stepper(scene._core, entry.name, solver == "fast", tolerance, _whole(max_sweeps, "max_sweeps", 1, 10**6),
+                         threads, *(each not in without for each in SWITCHES), _text(products, "products"))
+    return Integrator(scene, entry, solver, threads, core)
+
+
+def integrators() -> List[IntegratorRecord]:
+    """Returns the list of integrators."""
+    return [IntegratorRecord(*(getattr(entry, field) for field in IntegratorRecord._fields))
+            for entry in _core.integrators()]
+
+
+def conditions(products: str = "fastest", sizes: Iterable[int] = ()) -> dict:
+    """Returns the conditions of a measurement, as text: commit, compiler, processor, BLAS and its kernels, environment.
+
+    Product rates are measured at the given n, about half a second each.
+    """
+    return _core.conditions(_text(products, "products"), [_whole(n, "n", 2, LARGEST_N) for n in sizes])
+
+
+def spectrum(W: ArrayLike) -> NDArray[np.float64]:
+    """Returns the eigenvalues of -iW, ascending, shape (n,), for a skew-Hermitian W of shape (n, n)."""
+    return _core.spectrum(_square(W))
+
+
+def spectrum_error(W: ArrayLike, W0: ArrayLike) -> float:
+    """Returns the largest difference of the sorted spectra of two skew-Hermitian matrices."""
+    W = _square(W)
+    return _core.spectrum_error(W, _square(W0, len(W)))
+
+
+def skew_defect(W: ArrayLike) -> float:
+    """Returns the largest entry of |W + W^dagger|."""
+    return _core.skew_defect(_square(W))
+
+
+def casimir_errors(W: ArrayLike, W0: ArrayLike) -> List[float]:
+    """Returns |tr W^k - tr W0^k| over the sum of |lambda|^k, for k = 2 ... 5."""
+    W = _square(W)
+    return _core.casimir_errors(W, _square(W0, len(W)))
+
+
+def angular_momentum_error(W: ArrayLike, W0: ArrayLike) -> float:
+    """Returns the largest change of a component of the angular momentum, relative to its norm at W0."""
+    W = _square(W)
+    return _core.angular_momentum_error(W, _square(W0, len(W)))
+
+
+def relative_error(W: ArrayLike, reference: ArrayLike) -> float:
+    """Returns the Frobenius norm of W - reference over that of the reference."""
+    reference = _square(reference)
+    return float(np.linalg.norm(_square(W, len(reference)) - reference) / np.linalg.norm(reference))
+
+
+# ---- arguments
+
+
+def _observer(observe, W):
+    view = W.view()
+    view.flags.writeable = False
+    return lambda outcome: observe(outcome.steps, view, _report(outcome))
+
+
+def _report(outcome):
+    return Report(*(getattr(outcome, field) for field in Report._fields))
+
+
+def _square(W, n=None):
+    """Returns a matrix as a complex128 array in C order, of shape (n, n) if n is given."""
+    array = np.asarray(W)
+    if array.dtype != np.complex128:
+        raise ValueError(f"W: its dtype is {array.dtype}, must be complex128")
+    size = array.shape[0] if array.ndim and n is None else n
+    if array.shape != (size, size):
+        raise ValueError(f"W: its shape is {array.shape}, must be ({size or 'n'}, {size or 'n'})")
+    return np.ascontiguousarray(array)
+
+
+def _state(W, n):
+    """Returns a matrix that a step can begin with; its figures are in the message if it cannot."""
+    array = _square(W, n)
+    _core.require_initial_data(array)
+    return array
+
+
+def _initial(W, n):
+    array = _square(W, None if n is None else _whole(n, "n", 2, LARGEST_N))
+    if not 2 <= len(array) <= LARGEST_N:
+        raise ValueError(f"initial: n = {len(array)}, must be 2 to {LARGEST_N}")
+    _core.require_initial_data(array)
+    return array
+
+
+def _output(out, n):
+    if not isinstance(out, np.ndarray):
+        raise TypeError(f"out: is a {type(out).__name__}, must be an array")
+    if out.dtype != np.complex128 or out.shape != (n, n):
+        raise ValueError(f"out: is {out.dtype} of shape {out.shape}, must be complex128 of shape ({n}, {n})")
+    if not out.flags.c_contiguous or not out.flags.writeable or not out.flags.aligned:
+        raise ValueError("out: must be writable, in C order and aligned")
+    return out.view(np.ndarray)
+
+
+def _mode(mode):
+    try:
+        l, m, re, im = mode
+    except (TypeError, ValueError):
+        raise ValueError(f"mode {mode!r}: must be (l, m, re, im)") from None
+    return _whole(l, "l", 1, LARGEST_N), _whole(m, "m", 0, LARGEST_N), _real(re, "re"), _real(im, "im")
+
+
+def _text(value, what):
+    if not isinstance(value, str):
+        raise TypeError(f"{what}: is a {type(value).__name__}, must be a text")
+    return value
+
+
+def _whole(value, what, least, most=2**62):
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{what}: is a {type(value).__name__}, must be a whole number") from None
+    if not least <= number <= most:
+        raise ValueError(f"{what} = {number}: must be {f'{least} to {most}' if most < 2**62 else f'at least {least}'}")
+    return number
+
+
+def _real(value, what):
+    if isinstance(value, (str, bytes)):
+        raise TypeError(f"{what}: is a {type(value).__name__}, must be a number")
+    try:
+        number = float(value)
+    except TypeError:
+        raise TypeError(f"{what}: is a {type(value).__name__}, must be a number") from None
+    if not math.isfinite(number):
+        raise ValueError(f"{what} = {number}: must be finite")
+    return number

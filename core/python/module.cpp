@@ -1,0 +1,237 @@
+// The compiled half of the NumPy module: scenes, integrators and measures on arrays.  isosyrk/
+// checks the arguments and holds what a user sees.
+#include <fmt/format.h>
+#include <pybind11/eigen.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "benchmarks/conditions.h"
+#include "benchmarks/memory.h"
+#include "benchmarks/modes_file.h"
+#include "benchmarks/program.h"
+#include "blas_threads.h"
+#include "isosyrk/catalogue/fast_forms.h"
+#include "isosyrk/catalogue/integrator_list.h"
+#include "isosyrk/catalogue/measured_limits.h"
+#include "isosyrk/flows/invariants.h"
+#include "isosyrk/flows/scene.h"
+#include "isosyrk/simulation/conservation.h"
+#include "python_flow.h"
+#include "signals.h"
+#include "stepper.h"
+
+namespace isosyrk::python {
+namespace {
+
+namespace py = pybind11;
+
+using ModeTuple = std::tuple<int, int, double, double>;
+
+std::vector<Mode> modes_of(const std::vector<ModeTuple>& tuples) {
+  std::vector<Mode> modes;
+  for (const auto& [l, m, re, im] : tuples) modes.push_back({l, m, {re, im}});
+  return modes;
+}
+
+HbarConvention convention_of(const std::string& text) {
+  for (const auto convention : {HbarConvention::paper, HbarConvention::standard}) {
+    if (name(convention) == text) return convention;
+  }
+  throw py::value_error(fmt::format("hbar '{}': must be paper or standard", text));
+}
+
+BackendChoice backend_of(const std::string& text) {
+  if (text == "fastest") return {};
+  for (const ProductBackend backend : product_backends()) {
+    if (name(backend) == text) return backend;
+  }
+  throw py::value_error(fmt::format("products '{}': must be fastest, openblas or eigen", text));
+}
+
+Scene scene_of_generator(const std::string& name, const Array& initial, py::object generator,
+                         py::object hamiltonian) {
+  Matrix W0 = matrix_of(initial);
+  const Index n = W0.rows();
+  return {name, std::make_shared<PythonFlow>(n, std::move(generator), std::move(hamiltonian)),
+          std::move(W0), 5.0};
+}
+
+// What an integrator is asked for.
+struct Request {
+  std::string name;
+  bool fast;
+  SolverOptions options;
+  FastOptions switches;
+  BackendChoice products;
+};
+
+IntegratorEntry entry_of(const Request& request) {
+  return request.fast ? fast_entry(request.name, request.switches) : integrator_entry(request.name);
+}
+
+std::unique_ptr<Stepper> make_stepper(const Scene& scene, const Request& request) {
+  const IntegratorEntry entry = entry_of(request);
+  const Index n = scene.initial.rows();
+  require_memory(fmt::format("n = {} with {}", n, request.name), entry, n);
+  const OneBlasThread one_blas_thread;
+  const ProductBackend backend = request.fast || request.products
+                                     ? request.products.value_or(ProductBackend::openblas)
+                                     : choose_backend({}, n).chosen;
+  return std::make_unique<Stepper>(scene.flow, entry.make(*scene.flow, request.options, backend));
+}
+
+std::map<std::string, std::string> conditions(const std::string& products,
+                                              const std::vector<Index>& sizes) {
+  const OneBlasThread one_blas_thread;
+  const BackendChoice choice = backend_of(products);
+  std::vector<BackendRates> rates;
+  for (const Index n : sizes) rates.push_back(choose_backend(choice, n));
+  std::map<std::string, std::string> result;
+  for (const auto& [key, value] : machine_conditions("python module", choice, rates)) {
+    result[key] = value;
+  }
+  return result;
+}
+
+void bind_scenes(py::module_& module) {
+  py::class_<Scene>(module, "Scene")
+      .def_readonly("name", &Scene::name)
+      .def_readonly("time", &Scene::time)
+      .def_property_readonly("n", [](const Scene& scene) { return scene.initial.rows(); })
+      .def_property_readonly("initial",
+                             [](const py::object& self) {
+                               const Matrix& W = self.cast<const Scene&>().initial;
+                               Array view({W.rows(), W.cols()}, W.data(), self);
+                               view.attr("flags").attr("writeable") = false;
+                               return view;
+                             })
+      .def("energy",
+           [](const Scene& scene, const Array& W) { return scene.flow->hamiltonian(matrix_of(W)); })
+      .def("generator",
+           [](const Scene& scene, const Array& W) {
+             Matrix B(W.shape(0), W.shape(1));
+             scene.flow->generator(matrix_of(W), B);
+             return copy_of(B);
+           })
+      .def("generator_norms", [](const Scene& scene) {
+        const OneBlasThread one_blas_thread;
+        const GeneratorNorms norms = generator_norms(scene);
+        return std::pair(norms.B, norms.ad_B);
+      });
+  module.def("scene_names", &scene_names);
+  module.def("scene_by_name", [](const std::string& name, Index n, const std::string& hbar) {
+    return scene_by_name(name, n, convention_of(hbar));
+  });
+  module.def("scene_of_modes", [](const std::string& name, const std::vector<ModeTuple>& modes,
+                                  Index n, const std::string& hbar) {
+    return euler_zeitlin_scene(name, n, convention_of(hbar), modes_of(modes));
+  });
+  module.def("scene_of_initial",
+             [](const std::string& name, const Array& W0, const std::string& hbar) {
+               return euler_zeitlin_scene(name, convention_of(hbar), matrix_of(W0));
+             });
+  module.def("scene_of_generator", &scene_of_generator);
+  module.def("require_initial_data",
+             [](const Array& W) { require_initial_data(matrix_of(W), W.shape(0)); });
+  module.def("hash_of_modes",
+             [](const std::vector<ModeTuple>& modes) { return hash_of(modes_of(modes)); });
+  module.def("hash_of_scene",
+             [](const std::string& name, Index n) { return hash_of(initial_modes(name, n)); });
+}
+
+void bind_integrators(py::module_& module) {
+  py::class_<IntegratorEntry>(module, "Entry")
+      .def_readonly("name", &IntegratorEntry::name)
+      .def_readonly("stages", &IntegratorEntry::stages)
+      .def_readonly("order", &IntegratorEntry::order)
+      .def_readonly("stability_limit", &IntegratorEntry::stability_limit)
+      .def_property_readonly("isospectral",
+                             [](const IntegratorEntry& e) { return e.keeps.isospectral; })
+      .def_property_readonly("lie_poisson",
+                             [](const IntegratorEntry& e) { return e.keeps.lie_poisson; })
+      .def_property_readonly("symmetric",
+                             [](const IntegratorEntry& e) { return e.keeps.symmetric; })
+      .def_property_readonly("explicit",
+                             [](const IntegratorEntry& e) { return e.keeps.is_explicit; })
+      .def_property_readonly("fast", [](const IntegratorEntry& e) { return has_fast_form(e.name); })
+      .def_property_readonly("measured_limit",
+                             [](const IntegratorEntry& e) { return measured_limit(e.name); })
+      .def("linear_limit",
+           [](const IntegratorEntry& e, const Scene& scene) -> std::optional<double> {
+             if (!e.linear_limit) return {};
+             const OneBlasThread one_blas_thread;
+             const RealVector frequencies = generator_frequencies(scene);
+             return e.linear_limit(frequencies) * generator_norms(frequencies).B;
+           });
+  module.def("integrators", &integrators);
+  module.def("integrator_entry", &integrator_entry);
+
+  py::class_<Stepper::Outcome>(module, "Outcome")
+      .def_property_readonly("status", [](const Stepper::Outcome& o) { return name(o.run.status); })
+      .def_property_readonly("failed_step",
+                             [](const Stepper::Outcome& o) { return o.run.failed_step; })
+      .def_property_readonly("steps", [](const Stepper::Outcome& o) { return o.run.steps; })
+      .def_property_readonly("sweeps", [](const Stepper::Outcome& o) { return o.run.sweeps; })
+      .def_property_readonly("products", [](const Stepper::Outcome& o) { return o.run.products; })
+      .def_property_readonly("equivalent_products",
+                             [](const Stepper::Outcome& o) { return o.run.equivalent_products; })
+      .def_property_readonly("poisson_solves",
+                             [](const Stepper::Outcome& o) { return o.run.poisson_solves; })
+      .def_property_readonly("contraction",
+                             [](const Stepper::Outcome& o) { return o.run.contraction; })
+      .def_property_readonly("last_change",
+                             [](const Stepper::Outcome& o) { return o.run.last_change; })
+      .def_readonly("seconds", &Stepper::Outcome::seconds);
+  py::class_<Stepper>(module, "Stepper")
+      .def(py::init([](const Scene& scene, const std::string& name, bool fast, double tolerance,
+                       int max_sweeps, int threads, bool predictor, bool newton, bool bands,
+                       const std::string& products) {
+        Request request{
+            name, fast, {tolerance, max_sweeps, &handle_signals}, {}, backend_of(products)};
+        request.switches.threads = threads;
+        request.switches.newton = newton;
+        if (!predictor) request.switches.past_steps = 0;
+        if (!bands) request.switches.bands = false;
+        return make_stepper(scene, request);
+      }))
+      .def("run", &Stepper::run)
+      .def("timed_run", &Stepper::timed_run);
+}
+
+void bind_measures(py::module_& module) {
+  module.def("spectrum", [](const Array& W) {
+    const OneBlasThread one_blas_thread;
+    return spectrum(matrix_of(W));
+  });
+  module.def("spectrum_error", [](const Array& W, const Array& W0) {
+    const OneBlasThread one_blas_thread;
+    return spectrum_error(matrix_of(W), matrix_of(W0));
+  });
+  module.def("skew_defect", [](const Array& W) { return skew_defect(matrix_of(W)); });
+  module.def("casimir_errors", [](const Array& W, const Array& W0) {
+    const OneBlasThread one_blas_thread;
+    return casimir_errors(matrix_of(W), matrix_of(W0));
+  });
+  module.def("angular_momentum_error", [](const Array& W, const Array& W0) {
+    return angular_momentum_error(matrix_of(W), matrix_of(W0));
+  });
+  module.def("conditions", &conditions);
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_core, module) {
+  // What the programs refuse with one line is a ValueError with that line.
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const BadArgument& error) {
+      PyErr_SetString(PyExc_ValueError, error.what());
+    }
+  });
+  bind_scenes(module);
+  bind_integrators(module);
+  bind_measures(module);
+}
+
+}  // namespace isosyrk::python

@@ -1,0 +1,467 @@
+"""Tests of the NumPy module: its answers, what it does with arrays, and what it refuses.
+
+Run with: python3 -m unittest test_module (in tests/scripts; the module is that of ISOSYRK_BUILD, or of build/)
+"""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import tracemalloc
+import unittest
+
+from programs import BUILD, ROOT, SANITIZED, program
+
+sys.path.insert(0, os.path.join(BUILD, "python"))
+import numpy as np
+
+import isosyrk
+
+TOLERANCE = 1e-13
+
+
+def spin(n):
+    """Returns the spin matrices S_x, S_y, S_z of size n."""
+    s = (n - 1) / 2
+    m = s - np.arange(n)
+    up = np.diag(np.sqrt(s * (s + 1) - m[1:] * (m[1:] + 1)), 1)
+    return (up + up.T) / 2, (up - up.T) / 2j, np.diag(m)
+
+
+def independent_midpoint(W, h, steps, hbar):
+    """Integrates Euler-Zeitlin with the isospectral midpoint rule, from a dense Laplacian and plain iteration."""
+    n = len(W)
+    matrices = [np.kron(S, np.eye(n)) - np.kron(np.eye(n), S.T) for S in spin(n)]  # [S, .] on W.ravel()
+    minus_laplacian = sum(M @ M for M in matrices)
+    inverse = -np.linalg.pinv(minus_laplacian, rcond=1e-10, hermitian=True)
+    for _ in range(steps):
+        middle = W
+        for _ in range(200):
+            B = (inverse @ middle.ravel()).reshape(n, n) / hbar
+            last, middle = middle, W + h / 2 * (B @ middle - middle @ B) + h**2 / 4 * B @ middle @ B
+            if np.linalg.norm(middle - last) < 1e-15:
+                break
+        B = (inverse @ middle.ravel()).reshape(n, n) / hbar
+        W = W + h * (B @ middle - middle @ B)
+    return W
+
+
+def state(n=9, seed=1):
+    """Returns some state that is no mode of the project's: skew-Hermitian, without trace, norm about 1."""
+    entries = np.random.default_rng(seed).normal(size=(2, n, n)) / n
+    W = entries[0] + 1j * entries[1]
+    W = W - W.conj().T
+    return W - np.trace(W) / n * np.eye(n)
+
+
+def python(code, **options):
+    """Starts Python with the module on its path."""
+    environment = {**os.environ, "PYTHONPATH": os.path.join(BUILD, "python")}
+    environment.pop("OPENBLAS_NUM_THREADS", None)
+    return subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                            env=environment, **options)
+
+
+class Answers(unittest.TestCase):
+    def test_run_is_that_of_integrate(self):
+        for solver in ("published", "fast"):
+            with tempfile.TemporaryDirectory() as folder:
+                path = os.path.join(folder, "W.npy")
+                products = () if solver == "fast" else ("--products", "openblas")
+                subprocess.run([program("integrate"), "--n", "17", "--integrator", "group2", "--step", "0.1", "--time", "2",
+                                "--solver", solver, "--output", path, *products], check=True, stdout=subprocess.DEVNULL)
+                wanted = np.load(path)
+            scene = isosyrk.scene("smooth", n=17)
+            W, report = isosyrk.integrator(scene, "group2", solver=solver).run(scene.initial, 0.1, 20)
+            self.assertTrue(np.array_equal(W, wanted), solver)
+            self.assertEqual(report.steps, 20)
+            self.assertGreater(report.equivalent_products, 0)
+
+    def test_midpoint_is_that_of_an_independent_implementation_with_standard_hbar(self):
+        n, W0 = 9, state(9)
+        wanted = independent_midpoint(W0, 0.1, 10, 2 / np.sqrt(n**2 - 1))
+        for solver in ("published", "fast"):
+            scene = isosyrk.scene(initial=W0, hbar="standard")
+            W, _ = isosyrk.integrator(scene, "algebra1", solver=solver).run(W0, 0.1, 10)
+            self.assertLess(np.abs(W - wanted).max(), 1e-11)
+        scene = isosyrk.scene(initial=W0, hbar="paper")
+        W, _ = isosyrk.integrator(scene, "algebra1").run(W0, 0.1, 10)
+        self.assertGreater(np.abs(W - wanted).max(), 1e-4)
+
+    def test_every_listed_integrator_keeps_what_it_says(self):
+        scene = isosyrk.scene("smooth", n=9)
+        for record in isosyrk.integrators():
+            for solver in ("published", "fast") if record.fast else ("published",):
+                W, _ = isosyrk.integrator(scene, record.name, solver=solver).run(scene.initial, 0.5, 20)
+                self.assertEqual(isosyrk.spectrum_error(W, scene.initial) < 1e-11, record.isospectral, record.name)
+
+    def test_switches_and_threads_do_not_move_the_answer(self):
+        scene = isosyrk.scene("smooth", n=65)  # large enough for bands and for two threads
+        wanted, predicted = isosyrk.integrator(scene, "group2", solver="fast").run(scene.initial, 0.1, 10)
+        same, _ = isosyrk.integrator(scene, "group2", solver="fast", threads=2).run(scene.initial, 0.1, 10)
+        self.assertTrue(np.array_equal(same, wanted))
+        for switch in isosyrk.SWITCHES:
+            W, report = isosyrk.integrator(scene, "group2", solver="fast", without=(switch,)).run(scene.initial, 0.1, 10)
+            self.assertLess(np.abs(W - wanted).max(), 100 * TOLERANCE)
+            self.assertGreater(report.equivalent_products, predicted.equivalent_products, switch)
+
+    def test_measures(self):
+        scene = isosyrk.scene("smooth", n=9)
+        W0 = scene.initial
+        W = state(9)
+        self.assertLess(np.abs(isosyrk.spectrum(W) - np.linalg.eigvalsh(-1j * W)).max(), 1e-13)
+        self.assertAlmostEqual(isosyrk.spectrum_error(2 * W, W), np.abs(np.linalg.eigvalsh(-1j * W)).max(), 12)
+        self.assertEqual(isosyrk.skew_defect(W), 0.0)
+        self.assertAlmostEqual(isosyrk.relative_error(1.5 * W, W), 0.5)
+        self.assertLess(max(isosyrk.casimir_errors(W0, W0)), 1e-15)
+        self.assertAlmostEqual(isosyrk.casimir_errors(2 * W0, W0)[0], 3.0, 10)
+        momentum = [np.trace(S @ W0).imag for S in spin(9)]
+        self.assertAlmostEqual(isosyrk.angular_momentum_error(3 * W0, W0),
+                               2 * np.abs(momentum).max() / np.linalg.norm(momentum), 12)
+        norm_B, norm_ad_B = scene.generator_norms()
+        self.assertAlmostEqual(norm_B, np.linalg.norm(scene.generator(W0), 2), 12)
+        self.assertGreater(norm_ad_B, norm_B)
+
+    def test_modes_make_the_scene_of_the_same_name(self):
+        with open(os.path.join(ROOT, "tests", "data", "initial_modes.csv"), encoding="utf-8") as lines:
+            rows = [line.split(",") for line in lines if line[0].isdigit()]
+        modes = [(int(l), int(m), float(re), float(im)) for l, m, re, im in rows]
+        named, made = isosyrk.scene("smooth", n=9), isosyrk.scene(modes=modes, n=9)
+        self.assertTrue(np.array_equal(named.initial, made.initial))
+        self.assertEqual(named.modes_hash, made.modes_hash)
+
+    def test_timed_runs_repeat_the_state_and_leave_it(self):
+        scene = isosyrk.scene("smooth", n=9)
+        method = isosyrk.integrator(scene, "group2", solver="fast")
+        W = scene.initial.copy()
+        times = method.timed_run(W, h=0.1, steps=50, repetitions=3, warmup=5)
+        self.assertEqual(len(times), 3)
+        self.assertTrue(all(0 < seconds < 60 for seconds in times))
+        self.assertTrue(np.array_equal(W, scene.initial))
+        with self.assertRaises(isosyrk.SolverError):
+            method.timed_run(W, h=50.0, steps=3)
+
+
+class Arrays(unittest.TestCase):
+    def setUp(self):
+        self.scene = isosyrk.scene("smooth", n=17)
+        self.method = isosyrk.integrator(self.scene, "group2", solver="fast")
+        self.wanted, _ = self.method.run(self.scene.initial, 0.1, 5)
+
+    def test_input_of_any_layout_gives_the_same_and_stays(self):
+        W0 = self.scene.initial
+        spread = np.zeros((34, 34), complex)[::2, ::2]
+        spread[...] = W0
+        read_only = W0.copy()
+        read_only.flags.writeable = False
+        for W in (np.asfortranarray(W0), spread, read_only, W0.tolist(), W0.T.copy().T):
+            self.assertTrue(np.array_equal(self.method.run(W, 0.1, 5)[0], self.wanted))
+            self.assertTrue(np.array_equal(W, W0))
+
+    def test_out_is_written_and_may_be_the_input(self):
+        W = self.scene.initial.copy()
+        result, _ = self.method.run(W, 0.1, 5, out=W)
+        self.assertIs(result.base if result.base is not None else result, W)
+        self.assertTrue(np.array_equal(W, self.wanted))
+        read_only = np.empty_like(W)
+        read_only.flags.writeable = False
+        for out in (read_only, np.asfortranarray(W), np.empty((17, 18), complex), np.empty((17, 17), np.float64)):
+            with self.assertRaisesRegex(ValueError, "^out: "):
+                self.method.run(self.scene.initial, 0.1, 5, out=out)
+
+    def test_no_copy_of_W_a_step(self):
+        W = self.scene.initial.copy()
+
+        def peak(observe):
+            tracemalloc.start()
+            self.method.run(W, 0.1, 20, observe=observe, out=W)
+            _, most = tracemalloc.get_traced_memory()
+            tracemalloc.stop()
+            return most
+
+        kept = []
+        self.assertLess(peak(lambda step, V, report: self.assertTrue(np.shares_memory(V, W))), 2 * W.nbytes)
+        self.assertGreater(peak(lambda step, V, report: kept.append(V.copy())), 20 * W.nbytes)
+
+    def test_observer_sees_every_state_and_may_end_the_run(self):
+        seen = []
+
+        def observe(step, W, report):
+            self.assertEqual(report.steps, step)
+            with self.assertRaises(ValueError):
+                W[0, 0] = 0
+            seen.append((step, W.copy()))
+            return step == 4
+
+        W, report = self.method.run(self.scene.initial, 0.1, 9, observe=observe, every=2)
+        self.assertEqual([step for step, _ in seen], [2, 4])
+        self.assertEqual(report.steps, 4)
+        self.assertTrue(np.array_equal(W, seen[-1][1]))
+        self.method.run(self.scene.initial, 0.1, 5, observe=lambda step, *_: seen.append((step, None)), every=2)
+        self.assertEqual([step for step, _ in seen[2:]], [2, 4, 5])
+
+    def test_output_of_a_run_is_input_again(self):
+        W, _ = isosyrk.integrator(self.scene, "cotangent1").run(self.scene.initial, 0.1, 50)
+        self.assertGreater(isosyrk.skew_defect(W), 0.0)
+        isosyrk.scene(initial=W)
+        self.method.run(W, 0.1, 1)
+
+
+class OwnFlow(unittest.TestCase):
+    def test_a_generator_in_python_gives_the_same(self):
+        scene = isosyrk.scene("smooth", n=9)
+        own = isosyrk.scene(initial=scene.initial, generator=scene.generator, hamiltonian=scene.energy)
+        for name in ("group2", "rkmk4", "rk4", "algebra1"):
+            wanted, _ = isosyrk.integrator(scene, name).run(scene.initial, 0.1, 5)
+            W, _ = isosyrk.integrator(own, name).run(own.initial, 0.1, 5)
+            self.assertTrue(np.array_equal(W, wanted), name)
+        self.assertEqual(own.energy(own.initial), scene.energy(scene.initial))
+        self.assertTrue(np.isnan(isosyrk.scene(initial=scene.initial, generator=scene.generator).energy(scene.initial)))
+        with self.assertRaisesRegex(ValueError, "fast form: the flow has no generator in split storage"):
+            isosyrk.integrator(own, "group2", solver="fast")
+
+    def test_a_generator_that_fails_ends_the_step(self):
+        def raises(W):
+            raise KeyError("mine")
+
+        for generator, error, message in ((raises, KeyError, "mine"), (lambda W: W[:3], ValueError, r"shape \(3, 9\)"),
+                                          (lambda W: 1.0, ValueError, r"shape \(\)"), (lambda W: "B", TypeError, "returned a str"),
+                                          (lambda W: None, Exception, "generator: returned"),
+                                          (lambda W: W * np.nan, isosyrk.SolverError, "diverged at step 1")):
+            scene = isosyrk.scene(initial=state(), generator=generator)
+            W = scene.initial.copy()
+            with self.assertRaisesRegex(error, message):
+                isosyrk.integrator(scene, "group2").run(W, 0.1, 3, out=W)
+            self.assertTrue(np.array_equal(W, scene.initial))
+
+    def test_a_generator_may_keep_its_argument(self):
+        kept = []
+        scene = isosyrk.scene(initial=state(), generator=lambda W: kept.append(W) or 0 * W)
+        isosyrk.integrator(scene, "group1").run(scene.initial, 0.1, 2)
+        del scene
+        self.assertTrue(all(np.isfinite(W).all() for W in kept))
+
+
+class Refusals(unittest.TestCase):
+    def setUp(self):
+        self.scene = isosyrk.scene("smooth", n=9)
+
+    def refused(self, error, message, call, *arguments, **options):
+        with self.assertRaises(error) as raised:
+            call(*arguments, **options)
+        self.assertRegex(str(raised.exception), message)
+        self.assertNotIn("\n", str(raised.exception))
+
+    def test_scenes(self):
+        W = state()
+        nearly, broken, spoiled = W.copy(), W.copy(), W.copy()
+        nearly[0, 1] *= 1 + 1e-12
+        broken[0, 1] *= 1 + 1e-6
+        spoiled[2, 3] = np.nan
+        isosyrk.scene(initial=nearly)
+        for error, message, arguments in (
+                (ValueError, "^scene 'calm': must be one of smooth, rough$", dict(name="calm", n=9)),
+                (ValueError, "^scene: must have a name", dict(n=9)),
+                (ValueError, "^n = 1: must be 2 to 4096$", dict(name="rough", n=1)),
+                (ValueError, "needs modes$", dict(name="smooth", n=4)),
+                (ValueError, "^scene: n is missing$", dict(name="smooth")),
+                (TypeError, "^n: is a str", dict(name="smooth", n="9")),
+                (TypeError, "^n: is a float", dict(name="smooth", n=9.0)),
+                (ValueError, "^hbar 'plank': must be paper or standard$", dict(name="smooth", n=9, hbar="plank")),
+                (ValueError, "^scene: has modes and initial", dict(modes=[(1, 0, 1, 0)], initial=W)),
+                (ValueError, "^mode l=9, m=0: l must be", dict(modes=[(9, 0, 1.0, 0.0)], n=9)),
+                (ValueError, "^mode 5: must be", dict(modes=[5], n=9)),
+                (TypeError, "^re: is a str", dict(modes=[(1, 0, "1", 0.0)], n=9)),
+                (ValueError, "dtype is complex64", dict(initial=W.astype(np.complex64))),
+                (ValueError, "dtype is float64", dict(initial=W.real)),
+                (ValueError, r"shape is \(9, 8\)", dict(initial=W[:, :8])),
+                (ValueError, r"shape is \(9, 9\), must be \(8, 8\)", dict(initial=W, n=8)),
+                (ValueError, "1e-10", dict(initial=broken)),
+                (ValueError, "finite|nan", dict(initial=spoiled)),
+                (ValueError, "zero|all 0", dict(initial=0 * W)),
+                (ValueError, "^hamiltonian: goes with", dict(initial=W, hamiltonian=abs)),
+                (TypeError, "^generator: is a int", dict(initial=W, generator=5)),
+                (ValueError, "^generator: needs initial", dict(name="smooth", n=9, generator=abs))):
+            self.refused(error, message, isosyrk.scene, **arguments)
+
+    def test_integrators(self):
+        for error, message, arguments in (
+                (ValueError, "^integrator 'group99': must be one of cotangent1", dict(name="group99")),
+                (ValueError, "^solver 'quick': must be published or fast$", dict(name="group2", solver="quick")),
+                (ValueError, "^threads = 0: must be 1 to 64$", dict(name="group2", solver="fast", threads=0)),
+                (TypeError, "^threads: is a str", dict(name="group2", solver="fast", threads="2")),
+                (ValueError, "^threads: goes with", dict(name="group2", threads=2)),
+                (ValueError, "^without: goes with", dict(name="group2", without=("bands",))),
+                (ValueError, "^without 'magic'", dict(name="group2", solver="fast", without=("magic",))),
+                (ValueError, "^tolerance 1e-16: must be at least 1e-15", dict(name="group2", tolerance=1e-16)),
+                (TypeError, "^tolerance: is a str", dict(name="group2", tolerance="1e-13")),
+                (ValueError, "^products 'mkl'", dict(name="group2", products="mkl")),
+                (ValueError, "has no fast form", dict(name="rk4", solver="fast"))):
+            self.refused(error, message, isosyrk.integrator, self.scene, **arguments)
+        self.refused(TypeError, "^scene: is a str", isosyrk.integrator, "smooth", "group2")
+
+    @unittest.skipIf(SANITIZED, "a sanitised process has no limit of its own")
+    def test_memory(self):
+        scene = isosyrk.scene(modes=[(1, 0, 1.0, 0.0)], n=4096)
+        self.refused(ValueError, "needs .* GB of memory", isosyrk.integrator, scene, "algebra3", solver="fast", threads=64)
+
+    def test_steps(self):
+        method = isosyrk.integrator(self.scene, "group2")
+        W = self.scene.initial
+        for error, message, arguments in (
+                (TypeError, "^h: is a str", (W, "0.1", 5)), (ValueError, "^h = nan", (W, float("nan"), 5)),
+                (TypeError, "^steps: is a float", (W, 0.1, 5.0)), (ValueError, "^steps = -1: must be at least 0$", (W, 0.1, -1)),
+                (ValueError, r"shape is \(8, 8\)", (W[:8, :8], 0.1, 5)), (ValueError, "dtype", ("W", 0.1, 5)),
+                (ValueError, "1e-10", (W + np.eye(9), 0.1, 5)), (TypeError, "^observe: is a int", (W, 0.1, 5, 3)),
+                (ValueError, "^every = 0", (W, 0.1, 5, None, 0))):
+            self.refused(error, message, method.run, *arguments)
+
+    def test_a_step_that_does_not_converge(self):
+        scene = isosyrk.scene("rough", n=9)
+        W0 = scene.initial.copy()
+        method = isosyrk.integrator(scene, "group2", max_sweeps=12)  # enough for the first steps only
+        seen = []
+        with self.assertRaises(isosyrk.SolverError) as raised:
+            method.run(W0, 0.2, 40, observe=lambda step, W, report: seen.append(W.copy()))
+        error = raised.exception
+        self.assertEqual((error.step, error.status), (len(seen) + 1, "sweep cap"))
+        self.assertGreater(error.last_change, TOLERANCE)
+        self.assertTrue(np.array_equal(error.W, ([W0] + seen)[-1]))
+        self.assertTrue(np.array_equal(W0, scene.initial))
+        self.assertGreater(len(seen), 0)
+        self.assertEqual(error.report.steps, len(seen))
+
+
+class Beside(unittest.TestCase):
+    """What goes on beside a run: other threads, signals, NumPy's own arithmetic."""
+
+    def test_a_second_call_is_refused(self):
+        scene = isosyrk.scene("smooth", n=17)
+        method = isosyrk.integrator(scene, "group2")
+        refused = []
+
+        def again(*_):
+            try:
+                method.step(scene.initial, 0.1)
+            except RuntimeError as error:
+                refused.append(str(error))
+
+        def observe(*_):
+            again()
+            other = threading.Thread(target=again)
+            other.start()
+            other.join()
+            return True
+
+        method.run(scene.initial, 0.1, 5, observe=observe)
+        self.assertEqual(refused, ["integrator: is in use by another call"] * 2)
+        method.step(scene.initial, 0.1)
+
+    def test_other_threads_go_on_while_one_steps(self):
+        scene = isosyrk.scene("smooth", n=33)
+        methods = [isosyrk.integrator(scene, "group3") for _ in range(2)]
+        wanted, _ = methods[0].run(scene.initial, 0.1, 20)
+        results = [None, None]
+        turns = 0
+
+        def work(k):
+            results[k] = methods[k].run(scene.initial, 0.1, 20)[0]
+
+        threads = [threading.Thread(target=work, args=(k,)) for k in range(2)]
+        for thread in threads:
+            thread.start()
+        while any(thread.is_alive() for thread in threads):
+            turns += 1
+            threads[0].join(0.001)
+        self.assertGreater(turns, 3)
+        for W in results:
+            self.assertTrue(np.array_equal(W, wanted))
+
+    def interrupted(self, n, solver, steps):
+        """Interrupts a run after half a second; returns what its process printed and the seconds it took to end."""
+        code = ("import isosyrk, numpy as np\n"
+                f"scene = isosyrk.scene('rough', n={n})\n"
+                f"method = isosyrk.integrator(scene, 'group2', solver='{solver}')\n"
+                "W = scene.initial.copy()\n"
+                "print('begins', flush=True)\n"
+                "try:\n"
+                f"    method.run(W, 0.02, {steps}, out=W)\n"
+                "except KeyboardInterrupt:\n"
+                "    print('ended', isosyrk.spectrum_error(W, scene.initial), np.array_equal(W, scene.initial), flush=True)\n"
+                "    isosyrk.integrator(scene, 'rk4').step(W, 0.001)\n"
+                "    print('and works', flush=True)\n")
+        process = python(code, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler))
+        self.assertEqual(process.stdout.readline(), "begins\n", process)
+        threading.Event().wait(0.5)
+        process.send_signal(signal.SIGINT)
+        begun = os.times().elapsed
+        ended = process.stdout.readline()
+        seconds = os.times().elapsed - begun
+        with process:
+            self.assertEqual(process.stdout.read(), "and works\n", process.stderr.read())
+        return ended.split(), seconds
+
+    def test_ctrl_c_ends_a_run_with_a_whole_state(self):
+        for solver in ("published", "fast"):
+            (_, error, unmoved), seconds = self.interrupted(33, solver, 10**8)
+            self.assertLess(float(error), 1e-8)
+            self.assertEqual(unmoved, "False")
+            self.assertLess(seconds, 1.0)
+
+    @unittest.skipIf(SANITIZED, "a sweep takes long")
+    def test_ctrl_c_ends_a_step_between_sweeps(self):
+        for solver in ("published", "fast"):
+            (_, _, unmoved), seconds = self.interrupted(600, solver, 1)
+            self.assertEqual(unmoved, "True")  # the first step had not ended
+            self.assertLess(seconds, 2.5)
+
+    def test_numpy_is_left_as_it_was(self):
+        code = ("import ctypes, ctypes.util\n"
+                "blas = ctypes.CDLL('libopenblas.so.0')\n"
+                "blas.openblas_set_num_threads(2)\n"
+                "import isosyrk, numpy as np\n"
+                "scene = isosyrk.scene('smooth', n=17)\n"
+                "seen = []\n"
+                "for solver in ('published', 'fast'):\n"
+                "    isosyrk.integrator(scene, 'group2', solver=solver).run(scene.initial, 0.1, 3,\n"
+                "        observe=lambda *_: seen.append(blas.openblas_get_num_threads()))\n"
+                "least = np.float64(2.0)**-1074\n"
+                "print(blas.openblas_get_num_threads(), set(seen), least * 1 > 0, np.float64(2.0)**-1060 / 2 > 0)\n")
+        process = python(code)
+        printed, errors = process.communicate(timeout=60)
+        self.assertEqual(printed, "2 {1} True True\n", errors)
+
+
+class Package(unittest.TestCase):
+    def test_stub_names_what_is_there(self):
+        from isosyrk import _core
+        with open(os.path.join(ROOT, "core", "python", "isosyrk", "_core.pyi"), encoding="utf-8") as stub:
+            named = set(re.findall(r"^(?:def|class) (\w+)", stub.read(), re.M))
+        self.assertEqual(named, {name for name in dir(_core) if not name.startswith("_")})
+
+    def test_everything_public_has_a_docstring(self):
+        for name in isosyrk.__all__:
+            self.assertTrue(getattr(isosyrk, name).__doc__, name)
+
+    def test_conditions(self):
+        found = isosyrk.conditions(sizes=(9,))
+        self.assertLessEqual({"commit", "compiler", "cpu", "blas_kernels", "environment", "product_rate"}, set(found))
+        self.assertIn("n=9", found["product_rate"])
+        self.assertTrue(all(isinstance(value, str) for value in found.values()))
+
+    def test_examples_of_the_readme_run(self):
+        with open(os.path.join(ROOT, "README.md"), encoding="utf-8") as readme:
+            examples = re.findall(r"^```python\n(.*?)^```", readme.read(), re.M | re.S)
+        self.assertEqual(len(examples), 2)
+        for example in examples:
+            with tempfile.TemporaryDirectory() as folder:
+                process = python(f"import matplotlib; matplotlib.use('Agg')\n{example}", cwd=folder)
+                _, errors = process.communicate(timeout=120)
+                self.assertEqual(process.returncode, 0, errors)
+
+
+if __name__ == "__main__":
+    unittest.main()
