@@ -22,7 +22,7 @@ if __name__ == "__main__":
 
 import isosyrk
 import study_file
-from accuracy_lines import SCHEMA, Reference, Run, Settings
+from accuracy_lines import NEAR_ROUNDING, SCHEMA, STILL_FALLING, Reference, Run, Settings
 from command_line import whole_number
 from integrator_names import TABLE1_CELLS
 from references import read_reference
@@ -40,8 +40,6 @@ STEPS = (5, 7, 10, 14, 20, 28, 35, 50, 70, 100, 140, 200, 280, 400, 560, 800, 11
 ENOUGH_WORK = ((17, 3.5e9), (33, 15e9), (65, 52e9), (math.inf, 292e9))
 PATIENCE = 2.0  # one that has not settled ends with the first run of so many times the work
 SETTLED = 0.1  # change of the slope
-NEAR_ROUNDING = 1e-8  # above, an error that does not fall is no floor yet
-STILL_FALLING = 0.8
 LOST_SPECTRUM = 0.1  # of the largest eigenvalue, which is 1: such a run has lost what it should keep, and is unstable
 
 TOLERANCE = 1e-13
@@ -122,7 +120,7 @@ class Setting:
 
 def at_floor(runs, uncertainty):
     """Tells whether the reference or rounding hides the error of the last run."""
-    error, before = (runs[-1]["error"], runs[-2]["error"]) if len(runs) > 1 else (runs[-1]["error"], None)
+    error, before = runs[-1]["error"], runs[-2]["error"] if len(runs) > 1 else None
     if error is None:
         return False
     return error < 2 * uncertainty or (before is not None and before < NEAR_ROUNDING and error > STILL_FALLING * before)

@@ -20,7 +20,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
 import recommendation  # noqa: E402
 from document import as_text  # noqa: E402
-from study_file import STATUSES  # noqa: E402
+from study_file import CONVERGED, STATUSES  # noqa: E402
 
 SCRIPT = os.path.join(ROOT, "scripts", "recommend")
 UNANSWERABLE = 3
@@ -55,29 +55,38 @@ class RecommendTest(FolderTest):
         self.assert_one_line(result.stderr, *parts)
 
 
-class AnswerTest(RecommendTest):
+class Winner(RecommendTest):
     def test_the_cheapest_for_each_structure_and_error(self):
         # 1e-3 is reached by rk4 from h = 1/2 on, by rkmk4 from h = 1 on, by group2 from h = 1/4 on.
         # Of the Lie–Poisson methods group1 needs h = 1/2 for 0.3 (15 ms), group2 h = 1 (20 ms).
+        # h‖ad_B‖ of rk4 at h = 1 is 2.80 at n = 17 and 5.44 at n = 33, its limit 2.83; its error is 1e-2 in both.
         for n, error, structure, expected in (
                 (33, 1e-3, "nothing", ("rk4", 10)), (33, 1e-3, "spectrum", ("rkmk4", 5)),
                 (33, 1e-3, "poisson", ("group2", 20)), (17, 0.3, "poisson", ("group1", 10)),
-                (17, 0.01, "poisson", ("group2", 10)), (17, 2e-5, "poisson", ("group2", 50))):
-            with self.subTest(error=error, structure=structure):
+                (17, 0.01, "poisson", ("group2", 10)), (17, 2e-5, "poisson", ("group2", 50)),
+                (17, 0.01, "nothing", ("rk4", 5)), (33, 0.01, "nothing", ("rk4", 10))):
+            with self.subTest(n=n, error=error, structure=structure):
                 self.assertEqual(self.winner(n, error, structure), expected)
 
-    def test_an_error_equal_to_the_wanted_one_reaches_it(self):
-        error = self.run_of("group2", 17, 20)["error"]
-        self.assertEqual(self.winner(17, error, "poisson"), ("group2", 20))
-        self.assertEqual(self.winner(17, error * (1 - 1e-15), "poisson"), ("group2", 50))
-
-    def test_times_are_compared_by_their_median(self):
-        self.run_of("rkmk4", 17, 5)["cpu_seconds"] = [1e-6, 2.0, 3.0]
-        self.assertEqual(self.winner(17, 1e-3, "spectrum"), ("rkmk4", 10))
-
-    def test_of_equal_times_the_better_error(self):
-        self.run_of("rkmk4", 17, 10)["cpu_seconds"] = self.run_of("rkmk4", 17, 5)["cpu_seconds"]
-        self.assertEqual(self.winner(17, 1e-3, "spectrum"), ("rkmk4", 10))
+    def test_what_decides(self):
+        error = self.run_of("group2", 17, 20)["error"]  # one that is equal to the wanted one reaches it
+        both_times = self.run_of("rkmk4", 17, 5)["cpu_seconds"]
+        for question, run_of, changes, before, after in (
+                ((17, error, "poisson"), ("group2", 17, 20), {"error": error * (1 + 1e-15)}, ("group2", 20), ("group2", 50)),
+                # the median, and of equal times the better error
+                ((17, 1e-3, "spectrum"), ("rkmk4", 17, 5), {"cpu_seconds": [1e-6, 2.0, 3.0]}, ("rkmk4", 5), ("rkmk4", 10)),
+                ((17, 1e-3, "spectrum"), ("rkmk4", 17, 10), {"cpu_seconds": both_times}, ("rkmk4", 5), ("rkmk4", 10)),
+                ((33, 0.01, "nothing"), ("rk4", 33, 5), {"beyond_limit": False}, ("rk4", 10), ("rk4", 5)),
+                # group1 would win if it reached 1e-3, but not once it failed or its step is too long
+                *(((17, 1e-3, "poisson"), ("group1", 17, 10), {"error": 1e-4, "status": status}, ("group2", 20),
+                   ("group1", 10) if status == CONVERGED else ("group2", 20)) for status in STATUSES),
+                ((17, 1e-3, "poisson"), ("group1", 17, 10), {"error": 1e-4, "beyond_limit": True}, ("group2", 20),
+                 ("group2", 20))):
+            with self.subTest(question=question, changes=changes):
+                self.document = study_document()
+                self.assertEqual(self.winner(*question), before)
+                self.run_of(*run_of).update(changes)
+                self.assertEqual(self.winner(*question), after)
 
     def test_an_error_below_the_uncertainty_of_the_reference_is_not_known(self):
         self.assertEqual(self.winner(17, 1e-9, "spectrum"), ("rkmk4", 200))
@@ -85,55 +94,28 @@ class AnswerTest(RecommendTest):
         self.assertIsNone(self.found(17, 1e-9, "spectrum"))
         self.assertEqual(self.winner(17, 2e-9, "spectrum"), ("rkmk4", 200))
 
-
-class NeverOfferedTest(RecommendTest):
-    """A run that would win is not offered once it failed or its step is too long; without that it is."""
-
-    def test_a_run_that_failed_or_whose_step_is_beyond_the_limit(self):
-        self.assertEqual(self.winner(17, 1e-3, "poisson"), ("group2", 20))
-        point = self.run_of("group1", 17, 10)
-        point["error"] = 1e-4  # 15 ms
-        for status in STATUSES:
-            with self.subTest(status=status):
-                point["status"] = status
-                self.assertEqual(self.winner(17, 1e-3, "poisson"), ("group1", 10) if status == "converged" else ("group2", 20))
-        point.update(status="converged", beyond_limit=True)
-        self.assertEqual(self.winner(17, 1e-3, "poisson"), ("group2", 20))
-
-    def test_the_limit_of_rk4_depends_on_n(self):
-        # h‖ad_B‖ is 2.80 at n = 17 and 5.44 at n = 33, the limit 2.83; the error at h = 1 is 1e-2 in both.
-        self.assertEqual((self.winner(17, 0.01), self.winner(33, 0.01)), (("rk4", 5), ("rk4", 10)))
-        self.run_of("rk4", 33, 5)["beyond_limit"] = False
-        self.assertEqual(self.winner(33, 0.01), ("rk4", 5))
-
     def test_a_method_that_does_not_keep_the_structure(self):
         rkmk4 = next(each for each in self.document["integrators"] if each["name"] == "rkmk4")
         self.assertNotEqual(self.winner(17, 1e-3, "poisson")[0], "rkmk4")
         rkmk4["lie_poisson"] = True
         self.assertEqual(self.winner(17, 1e-3, "poisson"), ("rkmk4", 5))
 
-    def test_none_is_the_best_that_is_named_either(self):
-        self.run_of("rkmk4", 17, 200)["beyond_limit"] = True
-        result = self.recommend("--n", "17", "--error", "1e-12")
-        self.assert_unanswered(result, "the best has 3.91e-09", "by rk4 with")
 
-
-class RunnersUpTest(RecommendTest):
+class RunnersUp(RecommendTest):
     def runners_up(self):
         found = self.found(33, 1e-3)
         return [(each.integrator.name, each.run.steps, round(found.ratio(each), 9),
                  found.winner.separated_from(each)) for each in found.runners_up()]
 
-    def test_the_best_run_of_each_other_integrator(self):
+    def test_the_best_runs_of_four_other_integrators(self):
         # To 1 ms of rk4: 5, 80, 300 and 400 ms.
-        self.assertEqual(self.runners_up(), [("rkmk4", 5, 5, True), ("group2", 20, 80, True),
-                                             ("group1", 200, 300, True), ("cotangent1", 200, 400, True)])
-
-    def test_at_most_four(self):
+        all_others = [("rkmk4", 5, 5, True), ("group2", 20, 80, True), ("group1", 200, 300, True),
+                      ("cotangent1", 200, 400, True)]
+        self.assertEqual(self.runners_up(), all_others)
         listed = next(each for each in self.document["integrators"] if each["name"] == "rk4")
         self.document["integrators"].append({**listed, "name": "rival"})
         self.document["runs"].append({**self.run_of("rk4", 33, 20), "integrator": "rival"})
-        self.assertEqual([name for name, *_ in self.runners_up()], ["rival", "rkmk4", "group2", "group1"])
+        self.assertEqual(self.runners_up()[1:], all_others[:3])
 
     def test_overlapping_or_lone_repetitions_do_not_separate(self):
         # rk4 takes 0.99, 1.00 and 1.02 ms; as much as a tie is an overlap.
@@ -145,13 +127,14 @@ class RunnersUpTest(RecommendTest):
                 self.assertEqual(self.runners_up()[0], ("rkmk4", 5, ratio, separated))
 
 
-class TextTest(RecommendTest):
+class Text(RecommendTest):
     def test_the_whole_answer(self):
         # Of three equidistant times the quartiles are halfway between the median and the ends.
         self.run_of("rk4", 33, 10)["cpu_seconds"] = [0.98e-3, 1.0e-3, 1.02e-3]
         self.run_of("rkmk4", 33, 5)["cpu_seconds"] = [1.0e-3, 1.1e-3, 1.2e-3]
-        self.run_of("group2", 33, 20)["cpu_seconds"] = [0.072, 0.080, 0.088]
-        result = self.recommend("--n", "33", "--time", "5", "--error", "1e-3")
+        self.document["context"]["dirty"] = "yes"
+        result = self.recommend("--n", "33", "--time", "5", "--error", "1e-3",
+                                env={"LC_ALL": "C", "PYTHONIOENCODING": "ascii"})  # it writes UTF-8 all the same
         self.assertEqual((result.returncode, result.stderr), (0, ""))
         for line in ("- method: rk4, order 4, keeps nothing", "- step: h = 0.5 (10 steps)",
                      "- expected error: 0.000625 (the reference is good to 1e-14)", "- spectrum error: 0.000625",
@@ -160,20 +143,12 @@ class TextTest(RecommendTest):
         rows = [re.split(r"\s{2,}", line) for line in result.stdout.splitlines()]
         self.assertIn(["rkmk4", "4", "the spectrum", "h = 1 (5 steps)", "0.001", "0.00110 ±4.5 %", "1.10",
                        "not separated"], rows)
-        self.assertIn(["group2", "4", "the Lie–Poisson structure", "h = 0.25 (20 steps)", "0.000391",
-                       "0.0800 ±5.0 %", "80.0", "separated"], rows)
-
-    def test_where_it_was_measured(self):
-        for context, told in ((self.document["context"], "processor a processor, commit 0123456789ab."),
-                              ({**self.document["context"], "dirty": "yes"}, "commit 0123456789ab with changes."),
-                              ({}, "processor not recorded, commit not recorded.")):
-            self.document["context"] = context
-            last = " ".join(self.recommend("--n", "33", "--error", "1").stdout.split("Measured: ", 1)[1].split())
-            self.assertTrue(last.startswith(self.path("raw.json")) and last.endswith(told), last)
+        self.assertIn("Lie–Poisson", result.stdout)
+        last = " ".join(result.stdout.split("Measured: ", 1)[1].split())
+        self.assertEqual(last, f"{self.path('raw.json')}, processor a processor, commit 0123456789ab with changes.")
 
     def test_a_winner_without_rival(self):
         result = self.recommend("--n", "33", "--error", "3e-9", "--keep", "spectrum")
-        self.assertIn("rkmk4", result.stdout)
         self.assertIn("No other integrator has a recorded run that does.", result.stdout)
 
     def test_json(self):
@@ -191,43 +166,31 @@ class TextTest(RecommendTest):
         self.assertEqual(answer["source"], {"raw": self.path("raw.json"), "cpu": "a processor",
                                             "commit": "0123456789ab", "dirty": "no"})
 
-    def test_needs_no_utf8_locale(self):
-        result = self.recommend("--n", "33", "--error", "1e-3", env={"LC_ALL": "C", "PYTHONIOENCODING": "ascii"})
-        self.assertEqual((result.returncode, result.stderr), (0, ""))
-        self.assertIn("Lie–Poisson", result.stdout)
-
-
-class TableTest(RecommendTest):
-    def rows(self, n):
-        """Returns the entries of the rows of one n, without it: one for each structure."""
-        text = as_text(recommendation.recommendation_tables(accuracy_of(self.document)))
-        return [re.split(r"\s{2,}", line)[1:] for line in text.splitlines() if line.startswith(f"{n}  ")]
-
-    def test_a_row_of_each_structure(self):
+    def test_a_table_has_a_row_of_each_structure_and_n(self):
         self.run_of("rk4", 33, 50)["error"] = 9e-7  # 1e-6 otherwise, to rounding
-        self.assertEqual(self.rows(33), [
-            ["rk4, h = 0.5, 0.00100 s*", "rk4, h = 0.25, 0.00200 s*", "rk4, h = 0.1, 0.00500 s*", "rk4, h = 0.025, 0.0200 s*"],
-            ["rkmk4, h = 1, 0.00500 s*", "rkmk4, h = 0.5, 0.0100 s*", "rkmk4, h = 0.1, 0.0500 s*",
+        self.run_of("rkmk4", 33, 10)["cpu_seconds"] = [2.01e-3, 2.02e-3, 2.03e-3]  # as long as rk4: that has no mark
+        self.document["runs"] = [each for each in self.document["runs"] if each["n"] == 33]
+        text = as_text(recommendation.recommendation_tables(accuracy_of(self.document)))
+        rows = {n: [re.split(r"\s{2,}", line)[1:] for line in text.splitlines() if line.startswith(f"{n}  ")]
+                for n in (17, 33)}
+        self.assertEqual(rows[17], [["–"] * 4] * 3)
+        self.assertEqual(rows[33], [
+            ["rk4, h = 0.5, 0.00100 s*", "rk4, h = 0.25, 0.00200 s", "rk4, h = 0.1, 0.00500 s*",
+             "rk4, h = 0.025, 0.0200 s*"],
+            ["rkmk4, h = 0.5, 0.00202 s*", "rkmk4, h = 0.5, 0.00202 s*", "rkmk4, h = 0.1, 0.0500 s*",
              "rkmk4, h = 0.05, 0.100 s"],
             ["group2, h = 0.5, 0.0400 s*", "group2, h = 0.1, 0.200 s", "group2, h = 0.05, 0.400 s", "–"]])
 
-    def test_a_rival_that_is_not_separated_takes_the_mark(self):
-        self.assertEqual(self.rows(17)[0][1], "rk4, h = 0.25, 0.00200 s*")
-        self.run_of("rkmk4", 17, 10)["cpu_seconds"] = [2.01e-3, 2.02e-3, 2.03e-3]
-        self.assertEqual(self.rows(17)[0][1], "rk4, h = 0.25, 0.00200 s")
 
-    def test_a_size_without_points_is_shown_as_unreached(self):
-        self.document["runs"] = [each for each in self.document["runs"] if each["n"] == 17]
-        self.assertEqual(self.rows(33)[0], ["–"] * 4)
-
-
-class UnansweredTest(RecommendTest):
+class Unanswered(RecommendTest):
     def test_an_error_no_method_reached(self):
         for structure, best in (("nothing", "rkmk4"), ("spectrum", "rkmk4"), ("poisson", "group2")):
             with self.subTest(structure=structure):
-                result = self.recommend("--n", "17", "--error", "1e-12", "--keep", structure)
+                result = self.recommend("--n", "17", "--error", "1e-12", "--keep", structure, "--json")
                 error = {"rkmk4": "3.91e-10", "group2": "3.91e-08"}[best]
                 self.assert_unanswered(result, "n = 17", "1e-12", f"the best has {error}", f"by {best} with h = 0.025")
+        self.run_of("rkmk4", 17, 200)["beyond_limit"] = True
+        self.assert_unanswered(self.recommend("--n", "17", "--error", "1e-12"), "the best has 3.91e-09", "by rk4 with")
 
     def test_a_structure_no_usable_run_kept(self):
         for each in self.document["runs"]:
@@ -243,52 +206,32 @@ class UnansweredTest(RecommendTest):
                 words = [word for pair in {"--n": "17", "--error": "1", **changes}.items() for word in pair]
                 self.assert_unanswered(self.recommend(*words), "is not recorded", "time 5", "n = 17, 33",
                                        "nothing is extrapolated")
-        for time in ("5", "0.5e1"):
-            self.assertEqual(self.recommend("--n", "17", "--error", "1", "--time", time).returncode, 0)
-
-    def test_an_n_with_a_reference_but_no_run(self):
+        self.assertEqual(self.recommend("--n", "17", "--error", "1", "--time", "0.5e1").returncode, 0)
         self.document["runs"] = [each for each in self.document["runs"] if each["n"] == 33]
         self.assert_unanswered(self.recommend("--n", "17", "--error", "1"), "n = 17 is not recorded", "n = 33)")
 
-    def test_json_prints_none_either(self):
-        self.assert_unanswered(self.recommend("--n", "17", "--error", "1e-12", "--json"), "1e-12")
 
-
-class ArgumentTest(RecommendTest):
-    NUMBERS = ("0", "-1", "-1e-6", "0.0", "nan", "inf", "-inf", "1e999", "1e-999", "x", "", "1_0", "١", "0x1", "1,5")
-
-    def test_bad_numbers(self):
-        good = {"--n": "17", "--error": "1", "--time": "5"}
-        for name, values, allowed in (
-                ("--n", ("1", "-17", "17.0", "4097", "9" * 5000, "", "1_7", "١٧", " 17"), "a whole number from 2 to 4096"),
-                ("--error", self.NUMBERS, "a finite number above 0"), ("--time", self.NUMBERS, "a finite number above 0")):
-            for value in values:
-                with self.subTest(name=name, value=value[:10]):
-                    arguments = [word for pair in {**good, name: value}.items() for word in pair]
-                    self.assert_refused(self.recommend(*arguments), name, f"'{value}'", allowed)
-
-    def test_missing_and_unknown_arguments(self):
+class Refusals(RecommendTest):
+    def test_bad_arguments(self):
         question = ("--n", "17", "--error", "1")
+        numbers = ("0", "-1e-6", "nan", "-inf", "1e999", "1e-999", "x", "", "1_0", "١", "0x1")
         for arguments, *parts in (
-                (("--error", "1"), "--n"), (("--n", "17"), "--error"), ((), "--n"),
-                (("--n", "--error", "1"), "--n"), (("--n", "17", "--error"), "--error"),
+                *((("--n", value, "--error", "1"), "--n", f"'{value}'", "a whole number from 2 to 4096")
+                  for value in ("1", "-17", "17.0", "4097", "", "١٧")),
+                *((("--n", "17", "--error", value), "--error", f"'{value}'", "above 0") for value in numbers),
+                *(((*question, "--time", value), "--time", f"'{value}'", "above 0") for value in numbers),
+                (("--error", "1"), "--n"), (("--n", "17"), "--error"), (("--n", "--error", "1"), "--n"),
                 ((*question, "--keep", "energy"), "--keep", "'energy'", "nothing", "spectrum", "poisson"),
-                *(((*question, *words), words[0].split()[0]) for words in (("17",), ("--size", "17"), ("--err", "1"),
-                                                                          ("two\nlines",)))):
+                ((*question, "17"), "17"), ((*question, "--err", "1"), "--err"), ((*question, "two\nlines"), "two")):
             with self.subTest(arguments=arguments):
                 self.assert_refused(self.recommend(*arguments), *parts)
-
-
-class FileTest(RecommendTest):
-    def recommend_from(self, raw):
-        return run_script(SCRIPT, "--n", "17", "--error", "1", "--raw", raw)
 
     def test_files_that_cannot_be_used(self):
         for raw, *parts in ((self.path("none.json"), "none.json", "No such file"), (self.folder, self.folder, "directory"),
                             (self.path("two\nlines.json"), "two lines.json"),
                             (self.write("cut.json", json.dumps(self.document)[:-100]), "recommend: ", "cut.json: "),
                             (self.write("foreign.json", '{"benchmarks": []}'), "foreign.json: ")):
-            self.assert_refused(self.recommend_from(raw), *parts)
+            self.assert_refused(run_script(SCRIPT, "--n", "17", "--error", "1", "--raw", raw), *parts)
 
     def test_the_recorded_run_is_the_default(self):
         # In a copy of scripts/, so that whatever is recorded in this tree does not matter.
@@ -300,18 +243,12 @@ class FileTest(RecommendTest):
         write_study(recorded, self.document)
         self.assertIn("method: rk4", run(script).stdout)
 
-
-class OutputTest(RecommendTest):
-    def test_a_reader_that_has_seen_enough(self):
-        raw = write_study(self.folder, self.document)
+    def test_output_that_is_closed_or_full(self):
         reader, writer = os.pipe()
         os.close(reader)
-        result = run([sys.executable, "-B", SCRIPT, "--n", "17", "--error", "1", "--raw", raw], stdout=writer)
+        result = self.recommend("--n", "17", "--error", "1", stdout=writer)
         os.close(writer)
-        self.assertEqual((result.returncode, result.stderr), (1, ""))
-
-    @unittest.skipUnless(os.path.exists("/dev/full"), "needs a device that is always full")
-    def test_full_standard_output(self):
+        self.assertEqual((result.returncode, result.stderr), (1, ""))  # its reader has seen enough
         with open("/dev/full", "wb") as full:
             result = self.recommend("--n", "17", "--error", "1", stdout=full)
         self.assertEqual(result.returncode, 2)

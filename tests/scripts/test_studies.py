@@ -8,7 +8,7 @@ import sys
 import time
 import unittest
 
-from programs import BUILD, ROOT, FolderTest, end, environment, run, start, strict_json
+from programs import BUILD, HAS_MODULE, ROOT, FolderTest, end, environment, run, start, strict_json
 from study_documents import accuracy_of, raw, study_document
 from wrong_values import WRONG
 
@@ -19,7 +19,6 @@ from benchmark_json import UnusableFile  # noqa: E402
 
 STUDIES = os.path.join(ROOT, "scripts", "studies")
 RECORDED = os.path.join(ROOT, "results", "recorded", "accuracy", "raw.json")
-HAS_MODULE = os.path.isdir(os.path.join(BUILD, "python", "isosyrk"))
 HAS_DASK = importlib.util.find_spec("distributed") is not None
 NO_ANSWER, INTERRUPTED, TERMINATED = 3, 130, 143
 
