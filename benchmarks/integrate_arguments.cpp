@@ -23,14 +23,9 @@ struct Text {
   bool json = false;
 };
 
-// Which of the options that have no default were given.
-struct Given {
-  bool formulation, stages, integrator, products, threads, scene, modes, initial, output;
-};
-
 // --integrator, or --formulation and --stages, and --solver.
-void choose_integrator(const Text& text, const Given& given, IntegrateRequest& request) {
-  if (given.integrator && (given.formulation || given.stages)) {
+void choose_integrator(const Text& text, const CommandLine& line, IntegrateRequest& request) {
+  if (line.given("--integrator") && (line.given("--formulation") || line.given("--stages"))) {
     throw BadArgument(
         fmt::format("--integrator {}: must stand alone, in place of --formulation and --stages",
                     text.integrator));
@@ -39,44 +34,46 @@ void choose_integrator(const Text& text, const Given& given, IntegrateRequest& r
     throw BadArgument(fmt::format("--solver '{}': must be published or fast", text.solver));
   }
   const bool fast = text.solver == "fast";
-  if (fast && given.products) {
+  if (fast && line.given("--products")) {
     throw BadArgument(fmt::format(
         "--solver fast: has products of its own; must stand without --products {}", text.products));
   }
-  if (!fast && given.threads) {
+  if (!fast && line.given("--threads")) {
     throw BadArgument(
         fmt::format("--threads {}: must go with --solver fast; others have one", text.threads));
   }
   request.threads = thread_count("integrate", text.threads);
   request.method = text.solver;
   try {
-    if (given.integrator) {
+    if (line.given("--integrator")) {
       request.integrator = fast ? fast_entry(text.integrator, {.threads = request.threads})
                                 : integrator_entry(text.integrator);
       return;
     }
-    if (!given.stages) throw BadArgument("--stages is required, or --integrator");
-    if (!given.formulation) throw BadArgument("--formulation is required, or --integrator");
+    if (!line.given("--stages")) throw BadArgument("--stages is required, or --integrator");
+    if (!line.given("--formulation"))
+      throw BadArgument("--formulation is required, or --integrator");
     const int stages = static_cast<int>(whole_number("--stages", text.stages, 1, max_stages));
     request.formulation = formulation_from_name(text.formulation);
-    request.integrator = fast ? fast_gauss_entry(*request.formulation, stages, {.threads = request.threads})
-                              : gauss_entry(*request.formulation, stages);
+    request.integrator =
+        fast ? fast_gauss_entry(*request.formulation, stages, {.threads = request.threads})
+             : gauss_entry(*request.formulation, stages);
   } catch (const std::invalid_argument& error) {
     throw BadArgument(fmt::format("--{}", error.what()));
   }
 }
 
 // --scene, --modes or --initial.
-void choose_scene(const Text& text, const Given& given, IntegrateRequest& request) {
-  if (given.scene + given.modes + given.initial > 1) {
+void choose_scene(const Text& text, const CommandLine& line, IntegrateRequest& request) {
+  if (line.given("--scene") + line.given("--modes") + line.given("--initial") > 1) {
     throw BadArgument("--scene, --modes, --initial: each has initial data; must be one of them");
   }
-  if (given.modes) {
+  if (line.given("--modes")) {
     request.scene = "modes";
     request.modes_file = text.modes;
     return;
   }
-  if (given.initial) {
+  if (line.given("--initial")) {
     request.scene = "initial";
     request.initial_file = text.initial;
     return;
@@ -90,10 +87,10 @@ void choose_scene(const Text& text, const Given& given, IntegrateRequest& reques
   }
 }
 
-IntegrateRequest parse(const Text& text, const Given& given) {
+IntegrateRequest parse(const Text& text, const CommandLine& line) {
   IntegrateRequest request{};
   request.n = whole_number("--n", text.n, 2, 4096);
-  choose_integrator(text, given, request);
+  choose_integrator(text, line, request);
   request.step = positive_number("--step", text.step);
   const std::string not_negative = "0 or positive, and finite";
   request.time = real_number("--time", text.time, not_negative);
@@ -110,8 +107,8 @@ IntegrateRequest parse(const Text& text, const Given& given) {
       static_cast<int>(whole_number("--max-sweeps", text.max_sweeps, 1, 1000000));
   request.hbar = hbar_convention(text.hbar);
   request.products = backend_choice(text.products);
-  choose_scene(text, given, request);
-  if (given.output) request.output_file = text.output;
+  choose_scene(text, line, request);
+  if (line.given("--output")) request.output_file = text.output;
   request.json = text.json;
   return request;
 }
@@ -144,15 +141,7 @@ std::variant<IntegrateRequest, int> read_integrate_arguments(int argc, char** ar
   line.option("--output", text.output, "write W(T) as NumPy .npy, complex128");
   line.flag("--json", text.json, "print one JSON object");
   if (const auto exit_code = line.read(argc, argv)) return *exit_code;
-  return parse(text, {.formulation = line.given("--formulation"),
-                      .stages = line.given("--stages"),
-                      .integrator = line.given("--integrator"),
-                      .products = line.given("--products"),
-                      .threads = line.given("--threads"),
-                      .scene = line.given("--scene"),
-                      .modes = line.given("--modes"),
-                      .initial = line.given("--initial"),
-                      .output = line.given("--output")});
+  return parse(text, line);
 }
 
 }  // namespace isosyrk

@@ -57,17 +57,12 @@ Cell read_cell(const std::string& name) {
           static_cast<int>(whole_number(what + " s", name.substr(s_at + 3), 1, max_stages)), fast};
 }
 
-class Scenes {
- public:
-  const Scene& at(Index n) {
-    const auto found = scenes_.find(n);
-    return found != scenes_.end() ? found->second
-                                  : scenes_.emplace(n, smooth_scene(n)).first->second;
-  }
+using Scenes = std::map<Index, Scene>;
 
- private:
-  std::map<Index, Scene> scenes_;
-};
+const Scene& scene_of(const Cell& cell, Scenes& scenes) {
+  if (!scenes.contains(cell.n)) scenes.emplace(cell.n, smooth_scene(cell.n));
+  return scenes.at(cell.n);
+}
 
 std::unique_ptr<Integrator> make(const Cell& cell, const Scene& scene,
                                  const SolverOptions& options = {}) {
@@ -140,7 +135,7 @@ int report(const std::vector<Cell>& cells) {
   std::map<std::tuple<Formulation, Index, int>, const Matrix*> published;
   measured.reserve(cells.size());
   for (const Cell& cell : cells) {
-    measured.push_back(measure(cell, scenes.at(cell.n)));
+    measured.push_back(measure(cell, scene_of(cell, scenes)));
     if (!cell.fast) published[{cell.formulation, cell.n, cell.s}] = &measured.back().W;
   }
   Json json = {{"format", "isosyrk regression_cells 2"}};
@@ -187,7 +182,7 @@ int serve(const std::vector<Cell>& cells) {
   Scenes scenes;
   std::vector<std::unique_ptr<Integrator>> integrators;
   for (const Cell& cell : cells) {
-    const Scene& scene = scenes.at(cell.n);
+    const Scene& scene = scene_of(cell, scenes);
     integrators.push_back(make(cell, scene));
     seconds_of(*integrators.back(), scene, 1, 1);  // touches all memory
   }

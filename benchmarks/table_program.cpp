@@ -29,16 +29,22 @@ constexpr long step_total = 50;
 const std::vector<Index> sizes = {17, 33, 65, 129};
 const std::vector<int> stage_counts = {1, 2, 3};
 
-std::string cell_name(const TableProgram& table, Formulation formulation, Index n, int s) {
-  const std::string cell = fmt::format("{}/{}/n:{}/s:{}", table.name, name(formulation), n, s);
-  return table.threads == 1 ? cell : fmt::format("{}/threads:{}", cell, table.threads);
-}
+struct CellId {
+  const TableProgram* table;
+  Formulation formulation;
+  Index n;
+  int s;
 
-std::vector<std::string> cell_names(const TableProgram& table, Index n) {
-  std::vector<std::string> names;
-  for (const Formulation formulation : formulations()) {
-    for (const int s : stage_counts) names.push_back(cell_name(table, formulation, n, s));
+  std::string name() const {
+    const std::string cell =
+        fmt::format("{}/{}/n:{}/s:{}", table->name, isosyrk::name(formulation), n, s);
+    return table->threads == 1 ? cell : fmt::format("{}/threads:{}", cell, table->threads);
   }
+};
+
+std::vector<std::string> names_of(const std::vector<CellId>& cells) {
+  std::vector<std::string> names;
+  for (const CellId& cell : cells) names.push_back(cell.name());
   return names;
 }
 
@@ -101,14 +107,11 @@ class CellProgress {
 /// One cell of the table.  One timed iteration is the whole run of 50 steps.
 class Cell : public benchmark::Fixture {
  public:
-  Cell(const TableProgram& table, Formulation formulation, Index n, int s,
-       const SolverOptions& options, ProductBackend backend,
+  Cell(const CellId& id, const SolverOptions& options, ProductBackend backend,
        const std::optional<Reference>* reference, bool counts_cores, CellProgress* progress)
-      : table_(table),
-        name_(cell_name(table, formulation, n, s)),
-        formulation_(formulation),
-        n_(n),
-        s_(s),
+      : table_(*id.table),
+        id_(id),
+        name_(id.name()),
         options_(options),
         backend_(backend),
         reference_(*reference),
@@ -121,8 +124,8 @@ class Cell : public benchmark::Fixture {
   using benchmark::Fixture::SetUp;
   void SetUp(benchmark::State&) override {
     if (integrator_) return;  // repetitions share one cell
-    scene_ = smooth_scene(n_);
-    integrator_ = table_.make(formulation_, s_, *scene_.flow, options_, backend_);
+    scene_ = smooth_scene(id_.n);
+    integrator_ = table_.make(id_.formulation, id_.s, *scene_.flow, options_, backend_);
     quality_ = measure_quality(scene_, *integrator_, reference_);
   }
 
@@ -137,7 +140,7 @@ class Cell : public benchmark::Fixture {
     }
     // The product rate of the moment, on both sides of what it is compared with.
     constexpr double rate_seconds = 0.03;
-    const double rate_before = table_.product_rate(backend_, n_, rate_seconds);
+    const double rate_before = table_.product_rate(backend_, id_.n, rate_seconds);
     const double cores_before = counts_cores_ ? cores_at_once() : 0.0;
     Matrix W = scene_.initial;
     RunReport timed;
@@ -154,7 +157,7 @@ class Cell : public benchmark::Fixture {
     // Of several threads each could have multiplied all the time that passed.
     const double seconds = (table_.threads == 1 ? cpu_seconds() - start : elapsed) /
                            static_cast<double>(state.iterations());
-    const double rate = 0.5 * (rate_before + table_.product_rate(backend_, n_, rate_seconds));
+    const double rate = 0.5 * (rate_before + table_.product_rate(backend_, id_.n, rate_seconds));
     if (timed.sweeps != quality_.run.sweeps) {
       fail_row(state, fmt::format("{} sweeps where the run before took {}", timed.sweeps,
                                   quality_.run.sweeps));
@@ -184,10 +187,8 @@ class Cell : public benchmark::Fixture {
 
  private:
   const TableProgram& table_;
+  CellId id_;
   std::string name_;
-  Formulation formulation_;
-  Index n_;
-  int s_;
   SolverOptions options_;
   ProductBackend backend_;
   const std::optional<Reference>& reference_;
@@ -251,13 +252,15 @@ int time_table(const TableProgram& table, const ComparedTables& compared, int ar
     threaded = compared.with_threads(count);
     tables.push_back(&*threaded);
   }
-  std::map<Index, std::vector<std::string>> names_of;
+  std::map<Index, std::vector<CellId>> cells;
   std::vector<std::string> names;
   for (const Index n : sizes) {
-    for (const TableProgram* each : tables) {
-      for (std::string& name : cell_names(*each, n)) names_of[n].push_back(std::move(name));
+    for (const Formulation formulation : formulations()) {
+      for (const int s : stage_counts) {
+        for (const TableProgram* each : tables) cells[n].push_back({each, formulation, n, s});
+      }
     }
-    names.insert(names.end(), names_of[n].begin(), names_of[n].end());
+    for (std::string& name : names_of(cells[n])) names.push_back(std::move(name));
   }
   const BenchmarkArguments arguments(line.others(), names);
   CellProgress progress(names.size(), arguments.repetitions());
@@ -265,19 +268,14 @@ int time_table(const TableProgram& table, const ComparedTables& compared, int ar
   std::vector<BackendRates> rates;
   std::map<Index, std::optional<Reference>> reference;  // of each n that the filter leaves in
   for (const Index n : sizes) {
-    if (line.given("--references") && arguments.selects_any(names_of[n])) {
+    if (line.given("--references") && arguments.selects_any(names_of(cells[n]))) {
       reference[n] = read_reference("--references", references, smooth_scene(n),
                                     HbarConvention::paper, default_modes());
     }
     rates.push_back(choose_backend(choice, n));
-    for (const Formulation formulation : formulations()) {
-      for (const int s : stage_counts) {
-        for (const TableProgram* each : tables) {
-          benchmark::internal::RegisterBenchmarkInternal(
-              new Cell(*each, formulation, n, s, options, rates.back().chosen, &reference[n],
-                       threaded.has_value(), &progress));
-        }
-      }
+    for (const CellId& cell : cells[n]) {
+      benchmark::internal::RegisterBenchmarkInternal(new Cell(
+          cell, options, rates.back().chosen, &reference[n], threaded.has_value(), &progress));
     }
   }
   Conditions conditions = machine_conditions(table.name, choice, rates);

@@ -71,9 +71,7 @@ def read_run(path, program, counters, optional=(), table=None, threads=1, time="
     try:
         document = parse_json(read_text(path))
         context, rows = context_and_rows(document, program)
-        table = table or program
-        rows = [row for row in rows if threads_of(row) == threads]
-        return Run(context, measurements(rows, table, counters, optional, time))
+        return Run(context, measurements(rows, table or program, threads, counters, optional, time))
     except UnusableFile as problem:
         raise UnusableFile(f"{one_line(path)}: {problem}") from None
 
@@ -128,18 +126,11 @@ def printable_context(context):
     return {key: one_line(value) for key, value in context.items() if isinstance(value, (str, int, float))}
 
 
-def threads_of(row):
-    """Returns how many threads a row's name says, 1 where it says none."""
-    name = row.get("run_name") if isinstance(row, dict) else None
-    match = re.search(r"/threads:([0-9]{1,3})(?=/|$)", name) if isinstance(name, str) else None
-    return int(match[1]) if match else 1
-
-
-def measurements(rows, table, counters, optional, time):
+def measurements(rows, table, threads, counters, optional, time):
     """Gathers the repetitions of each cell, by their index so that a doubled one is noticed."""
     cells = {}
     for row in rows:
-        key = cell_key(row, table)
+        key = cell_key(row, table, threads)
         if key is None:
             continue
         index = number(row, "repetition_index")
@@ -152,8 +143,8 @@ def measurements(rows, table, counters, optional, time):
             for key, cell in cells.items()}
 
 
-def cell_key(row, program):
-    """Returns the cell a row belongs to, or None for an aggregate or a row of something else."""
+def cell_key(row, program, threads=1):
+    """Returns the cell a row belongs to, or None for an aggregate, a row of something else or of other threads."""
     if not isinstance(row, dict):
         raise UnusableFile(f"has a benchmark row that is no object but {quoted(row)}")
     run_type, run_name = row.get("run_type"), row.get("run_name")
@@ -161,10 +152,10 @@ def cell_key(row, program):
         raise UnusableFile(f"has a row whose run_name is {quoted(run_name)} and run_type {quoted(run_type)}")
     if run_type == "aggregate" or not run_name.startswith(program + "/"):
         return None
-    match = re.match(r"([a-z0-9_]+)/n:([0-9]{1,6})/s:([0-9]{1,3})(?=/|$)", run_name[len(program) + 1:])
+    match = re.match(r"([a-z0-9_]+)/n:([0-9]{1,6})/s:([0-9]{1,3})(?:/threads:([0-9]{1,3}))?(?=/|$)", run_name[len(program) + 1:])
     if not match:
         raise UnusableFile(f"has a row named {quoted(run_name)}, not {program}/<formulation>/n:…/s:…")
-    return CellKey(match[1], int(match[2]), int(match[3]))
+    return CellKey(match[1], int(match[2]), int(match[3])) if int(match[4] or 1) == threads else None
 
 
 def measurement(rows, counters, optional, time):

@@ -11,7 +11,7 @@ from typing import Dict, Tuple
 
 from benchmark_json import (LONGEST_SECONDS, SHORTEST_SECONDS, CellKey, Run, UnusableFile, one_line, quoted,
                             read_text)
-from document import Column, Entry, Heading, Item, Items, Paragraph, Table
+from document import Column, Entry, Heading, Item, Items, Paragraph, Table, plain_table
 from statistics_of_repetitions import (FASTER, FEWEST_REPETITIONS, LEVEL, compare, half_interquartile_range,
                                        median)
 
@@ -215,11 +215,8 @@ def times_legend(comparison):
 
 
 def repetitions_text(comparison):
-    counts = {len(cell.times) for cell in comparison.run.measurements.values() if not cell.failure}
-    if not counts:
-        return "no repetitions (every cell failed)"
-    least, most = min(counts), max(counts)
-    return f"{least} to {most} repetitions" if least < most else f"{most} repetition{'s' if most > 1 else ''}"
+    counts = sorted({len(cell.times) for cell in comparison.run.measurements.values() if not cell.failure})
+    return f"{' or '.join(map(str, counts)) or 'no'} repetitions"
 
 
 def block_name(n, stages):
@@ -258,26 +255,15 @@ def errors_section(comparison, heading, introduction, error, uncertainty):
     """
     if not comparison.has_counter(error):
         return []
-    rows = [[str(n), *(largest_text(comparison, n, stages, error) for stages in comparison.stages),
-             uncertainty_text(comparison, n, uncertainty)] for n in comparison.sizes()]
-    columns = (Column("n"), *(Column(f"s = {stages}") for stages in comparison.stages),
-               Column("reference good to"))
-    return [Heading(heading), Paragraph(introduction), Table(columns, [[[Entry(text) for text in row] for row in rows]])]
+    def largest(n, stages, counter, digits):
+        found = [cell.counters[counter] for s in stages for cell in comparison.block(n, s).values()
+                 if not cell.failure and counter in cell.counters]
+        return f"{max(found):.{digits}g}" if found else MISSING
 
-
-def counter_values(comparison, n, stages, counter):
-    cells = comparison.block(n, stages).values()
-    return [cell.counters[counter] for cell in cells if not cell.failure and counter in cell.counters]
-
-
-def largest_text(comparison, n, stages, counter):
-    values = counter_values(comparison, n, stages, counter)
-    return f"{max(values):.2g}" if values else MISSING
-
-
-def uncertainty_text(comparison, n, counter):
-    values = [value for stages in comparison.stages for value in counter_values(comparison, n, stages, counter)]
-    return f"{max(values):.1g}" if values else MISSING
+    rows = [[str(n), *(largest(n, (stages,), error, 2) for stages in comparison.stages),
+             largest(n, comparison.stages, uncertainty, 1)] for n in comparison.sizes()]
+    columns = (Column("n"), *(Column(f"s = {stages}") for stages in comparison.stages), Column("reference good to"))
+    return [Heading(heading), Paragraph(introduction), plain_table(columns, rows)]
 
 
 # ---- measurement conditions

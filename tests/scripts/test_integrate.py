@@ -108,9 +108,25 @@ class RefusedArguments(RefusalTest):
         for argument in SHORT:
             self.assert_refused_alone(command(SHORT, "--output", self.output, **{argument: None}), f"--{argument} ")
 
-    def test_small_n_without_modes_says_what_is_needed(self):
-        for n in ("2", "4"):
-            self.assert_refused_alone(command(SHORT, "--output", self.output, n=n), f"--n {n}", "n >= 5", "--modes", "--initial")
+    def test_what_does_not_go_together_or_is_no_choice(self):
+        modes = self.write("modes.csv", "l,m,re,im\n2,0,1,0\n2,1,0.5,0\n")
+        named = {"stages": None, "formulation": None}
+        for changes, *parts in (
+                *(({"n": n}, f"--n {n}", "n >= 5", "--modes", "--initial") for n in ("2", "4")),
+                *(({"scene": scene}, "--scene", scene) for scene in ("calm", "", "Smooth")),
+                ({"modes": modes, "scene": "rough"}, "--modes", "--scene", "one of them"),
+                ({"initial": "W.npy", "scene": "rough"}, "--initial", "--scene", "one of them"),
+                ({"initial": "W.npy", "modes": modes}, "--initial", "--modes", "one of them"),
+                ({**named, "integrator": "euler"}, "--integrator 'euler'", "rkmk4", "group2"),
+                *(({**named, "integrator": "rk4", other: SHORT[other]}, "--integrator", "must stand alone") for other in named),
+                *(({"solver": solver}, "--solver", "published", "fast") for solver in ("quick", "", "Fast")),
+                ({**named, "solver": "fast", "integrator": "suzuki4"}, "suzuki4", "no fast form"),
+                ({"solver": "fast", "products": "eigen"}, "--solver fast", "--products eigen"),
+                ({"threads": "2"}, "--threads 2", "--solver fast"),
+                *(({"solver": "fast", "threads": value}, "--threads", value, "1 to 64")
+                  for value in ("0", "-1", "65", "x", "1.5", "", "9" * 30))):
+            with self.subTest(changes=changes):
+                self.assert_refused_alone(command(SHORT, "--output", self.output, **changes), *parts)
 
 
 class BeyondTheMeasuredLimit(FolderTest):
@@ -151,9 +167,6 @@ class NamedScene(RefusalTest):
     def test_modes_are_a_scene_of_their_own(self):
         modes = self.write("modes.csv", "l,m,re,im\n2,0,1,0\n2,1,0.5,0\n")
         self.assertEqual(self.result(SHORT, modes=modes)[0]["scene"], "modes")
-        self.assert_refused_alone(command(SHORT, "--output", self.output, modes=modes, scene="rough"), "--modes", "--scene")
-        for scene in ("calm", "", "Smooth"):
-            self.assert_refused_alone(command(SHORT, "--output", self.output, scene=scene), "--scene", scene)
 
 
 class NamedIntegrator(RefusalTest):
@@ -171,13 +184,6 @@ class NamedIntegrator(RefusalTest):
         result, _ = self.result(self.NAMED, integrator="rkmk4")
         self.assertEqual((result["sweeps_total"], result["formulation"]), (0, None))
         self.assertLess(result["spectrum_error"], 1e-13)
-
-    def test_what_is_refused(self):
-        for changes, *parts in (({"integrator": "euler"}, "--integrator 'euler'", "rkmk4", "group2"),
-                                *(({"integrator": "rk4", other: SHORT[other]}, "--integrator", "must stand alone")
-                                  for other in ("stages", "formulation"))):
-            with self.subTest(changes=changes):
-                self.assert_refused_alone(command({**self.NAMED, **changes}, "--output", self.output), *parts)
 
     def test_an_explicit_run_that_explodes_diverges(self):
         line = command({**self.NAMED, "n": "33", "step": "4", "time": "400"}, "--output", self.output,
@@ -203,17 +209,6 @@ class FastSolver(RefusalTest):
                     self.assertLess(fast["equivalent_products"], fast["products"])
                     self.assertEqual((plain["solver"], fast["solver"]), ("published", "fast"))
                     self.assertEqual(fast["skew_defect"], 0.0)
-
-    def test_what_is_refused(self):
-        for changes, *parts in (
-                *(({"solver": solver}, "--solver", "published", "fast") for solver in ("quick", "", "Fast")),
-                ({"solver": "fast", "formulation": None, "stages": None, "integrator": "suzuki4"}, "suzuki4", "no fast form"),
-                ({"solver": "fast", "products": "eigen"}, "--solver fast", "--products eigen"),
-                ({"threads": "2"}, "--threads 2", "--solver fast"),
-                *(({"solver": "fast", "threads": value}, "--threads", value, "1 to 64")
-                  for value in ("0", "-1", "65", "x", "1.5", "", "9" * 30))):
-            with self.subTest(changes=changes):
-                self.assert_refused_alone(command(SHORT, "--output", self.output, **changes), *parts)
 
     def test_goes_with_the_names_that_have_a_fast_form_and_has_one_thread(self):
         by_name, W_by_name = self.result(SHORT, solver="fast", formulation=None, stages=None, integrator="group2")
@@ -354,12 +349,9 @@ class InitialData(RefusalTest):
                 path = self.initial(contents)
                 self.assert_refused_alone(command(SHORT, "--output", self.output, initial=path), "--initial", path, *parts)
 
-    def test_paths_and_what_it_stands_in_place_of(self):
+    def test_paths(self):
         for path in (self.path("nowhere.npy"), self.folder, ""):
             self.assert_refused_alone(command(SHORT, "--output", self.output, initial=path), "--initial", "cannot be read")
-        for other in ("scene", "modes"):
-            line = command(SHORT, "--output", self.output, initial="W.npy", **{other: "smooth"})
-            self.assert_refused_alone(line, "--initial", "--" + other, "one of them")
 
 
 class RefusedOutput(IntegrateTest):
