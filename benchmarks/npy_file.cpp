@@ -76,11 +76,12 @@ Matrix read_npy(const std::string& path, Index n) {
   std::ifstream input(path, std::ios::binary);
   if (!input || input.peek() == EOF) refuse("cannot be read, or is empty");
   std::string header = read_header(input);
-  take(header, "{'descr':");
+  const std::string before = take(header, "{'descr':");
   const std::string dtype = take(header, ",'fortran_order':");
   const std::string fortran_order = take(header, ",'shape':(");
   const std::string shape = take(header, ")");
-  if ((fortran_order != "True" && fortran_order != "False") || (header != ",}" && header != "}")) {
+  if (!before.empty() || (fortran_order != "True" && fortran_order != "False") ||
+      (header != ",}" && header != "}")) {
     refuse("has a broken .npy header");
   }
   if (dtype != "'<c16'") {

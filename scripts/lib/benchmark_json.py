@@ -152,7 +152,8 @@ def cell_key(row, program, threads=1):
         raise UnusableFile(f"has a row whose run_name is {quoted(run_name)} and run_type {quoted(run_type)}")
     if run_type == "aggregate" or not run_name.startswith(program + "/"):
         return None
-    match = re.match(r"([a-z0-9_]+)/n:([0-9]{1,6})/s:([0-9]{1,3})(?:/threads:([0-9]{1,3}))?(?=/|$)", run_name[len(program) + 1:])
+    match = re.match(r"([a-z0-9_]+)/n:([0-9]{1,6})/s:([0-9]{1,3})(?:/threads:([0-9]{1,3}))?(?=/|$)",
+                     run_name[len(program) + 1:])
     if not match:
         raise UnusableFile(f"has a row named {quoted(run_name)}, not {program}/<formulation>/n:…/s:…")
     return CellKey(match[1], int(match[2]), int(match[3])) if int(match[4] or 1) == threads else None

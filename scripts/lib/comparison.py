@@ -268,15 +268,18 @@ def errors_section(comparison, heading, introduction, error, uncertainty):
 
 # ---- measurement conditions
 
-PACKAGED = "library build type: of Google Benchmark as the distribution packaged it; it says nothing of the code measured here."
+PACKAGED = ("library build type: of Google Benchmark as the distribution packaged it; it says nothing of the code"
+            " measured here.")
 # A file says more: whose machine it was is nobody's business.
-CONDITIONS = ("date", "commit", "dirty", "build_type", "compiler", "flags", "cpu", "num_cpus", "mhz_per_cpu", "vector_units",
-              "load_average", "blas_library", "blas_kernels", "blas_threads", "environment", "products", "product_rate",
-              "peak_gflops", "tolerance", "norm", "start", "update_order", "hbar", "modes_hash", "notice", "library_build_type")
+CONDITIONS = ("date", "commit", "dirty", "build_type", "compiler", "flags", "cpu", "num_cpus", "mhz_per_cpu",
+              "vector_units", "load_average", "blas_library", "blas_kernels", "blas_threads", "environment", "products", "product_rate",
+              "peak_gflops", "tolerance", "norm", "start", "update_order", "hbar", "modes_hash", "notice",
+              "library_build_type")
 
 
 def conditions_section(context):
     """Lists under what conditions the run was made."""
     return [Heading("Measurement conditions"),
-            Items([Item(name.replace("_", " "), f": {context.get(name, 'not recorded') or 'none'}") for name in CONDITIONS]),
+            Items([Item(name.replace("_", " "), f": {context.get(name, 'not recorded') or 'none'}")
+                   for name in CONDITIONS]),
             Paragraph(PACKAGED)]

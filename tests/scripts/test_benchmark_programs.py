@@ -16,8 +16,8 @@ import tempfile
 import threading
 import unittest
 
-from programs import (DATA, DONE, FORMULATIONS, ROOT, SANITIZED, SOLVER_FAILED, FolderTest, end, environment, program, run,
-                      snapshot, start, strict_json)
+from programs import (DATA, DONE, FORMULATIONS, ROOT, SANITIZED, SOLVER_FAILED, FolderTest, end, environment, program,
+                      run, snapshot, start, strict_json)
 
 PROGRAMS = ("table1", "table2", "kernels")
 BACKENDS = ("openblas", "eigen")

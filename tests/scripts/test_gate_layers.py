@@ -78,7 +78,8 @@ class Exact(unittest.TestCase):
             for count, most in (("sweeps", 3), ("equivalent_products", 80), ("poisson_solves", 40)):
                 for sign in (-1, 1):
                     self.assertEqual(self.failures(self.moved(FAST_CELL, count, sign * most, **other)), [])
-                    self.assert_caught(self.moved(FAST_CELL, count, sign * (most + 1), **other), FAST_CELL, count, f"± {most}")
+                    self.assert_caught(self.moved(FAST_CELL, count, sign * (most + 1), **other),
+                                       FAST_CELL, count, f"± {most}")
 
     def test_a_cell_that_failed_or_is_missing_is_named(self):
         self.assert_caught(change(build_document(), CELL, status="stagnated"), CELL, "stagnated")

@@ -118,7 +118,8 @@ class RefusedArguments(RefusalTest):
                 ({"initial": "W.npy", "scene": "rough"}, "--initial", "--scene", "one of them"),
                 ({"initial": "W.npy", "modes": modes}, "--initial", "--modes", "one of them"),
                 ({**named, "integrator": "euler"}, "--integrator 'euler'", "rkmk4", "group2"),
-                *(({**named, "integrator": "rk4", other: SHORT[other]}, "--integrator", "must stand alone") for other in named),
+                *(({**named, "integrator": "rk4", other: SHORT[other]}, "--integrator", "must stand alone")
+                  for other in named),
                 *(({"solver": solver}, "--solver", "published", "fast") for solver in ("quick", "", "Fast")),
                 ({**named, "solver": "fast", "integrator": "suzuki4"}, "suzuki4", "no fast form"),
                 ({"solver": "fast", "products": "eigen"}, "--solver fast", "--products eigen"),
@@ -335,9 +336,10 @@ class InitialData(RefusalTest):
         W = read_reference("W0_n17.csv")
         good = npy_bytes(W)
         for contents, *parts in (
-                (b"", "empty"), (b"l,m,re,im\n", "not a .npy file"), (good[:7], "not a .npy file"), (good[:60], "header"),
+                (b"", "empty"), (b"l,m,re,im\n", "not a .npy file"), (good[:7], "not a .npy file"),
                 (npy_bytes(W, version=3), "format 3"), (good.replace(b"False", b"Maybe"), "header"),
-                (good.replace(b"}\n", b",\n"), "header"), (npy_bytes(W, descr="<f8"), "'<f8'", "'<c16'"),
+                (good.replace(b"}\n", b",\n"), "header"), (good.replace(b"{'", b"{{'"), "header"), (good[:60], "header"),
+                (npy_bytes(W, descr="<f8"), "'<f8'", "'<c16'"),
                 (npy_bytes(W, descr=">c16"), "'>c16'"), (npy_bytes(W, descr=[("W", "<c16")]), "dtype [('W','<c16')]"),
                 (npy_bytes(W[:-1]), "(16,17)", "(17,17)"), (npy_bytes(W, shape=(289,)), "(289,)"),
                 (npy_bytes(W, shape=(17, 17, 1)), "(17,17,1)"), (npy_bytes([[1j] * 33] * 33), "(33,33)"),
@@ -347,11 +349,13 @@ class InitialData(RefusalTest):
                 (npy_bytes([[1j * entry for entry in row] for row in W]), "skew-Hermitian", "is 2 of")):
             with self.subTest(parts=parts):
                 path = self.initial(contents)
-                self.assert_refused_alone(command(SHORT, "--output", self.output, initial=path), "--initial", path, *parts)
+                line = command(SHORT, "--output", self.output, initial=path)
+                self.assert_refused_alone(line, "--initial", path, *parts)
 
     def test_paths(self):
         for path in (self.path("nowhere.npy"), self.folder, ""):
-            self.assert_refused_alone(command(SHORT, "--output", self.output, initial=path), "--initial", "cannot be read")
+            line = command(SHORT, "--output", self.output, initial=path)
+            self.assert_refused_alone(line, "--initial", "cannot be read")
 
 
 class RefusedOutput(IntegrateTest):
@@ -369,8 +373,8 @@ class RefusedOutput(IntegrateTest):
         # What else cannot be written is refused where the file is opened; see tests/output_file_test.cpp.
         os.symlink("loop.npy", self.path("loop.npy"))
         os.mkfifo(self.path("pipe"))
-        for path, *parts in ((self.path("nowhere", "W.npy"),), (self.folder, "file"), ("", "file"), (self.path("W" * 300),),
-                             (self.path("loop.npy"),), (self.path("pipe"), "file"), ("/dev/null", "file")):
+        for path, *parts in ((self.path("nowhere", "W.npy"),), (self.folder, "file"), ("", "file"),
+                             (self.path("W" * 300),), (self.path("loop.npy"),), (self.path("pipe"), "file"), ("/dev/null", "file")):
             self.refuses(path, *parts)
         self.assertTrue(stat.S_ISCHR(os.stat("/dev/null").st_mode))
 

@@ -88,8 +88,10 @@ class RenderTable2(FolderTest):
         self.assertIn("1.60 (1.60)  2.00 (2.00)", self.threads_section(two))
 
     def disturbed(self, name, values, threads):
-        """Returns a comparison with these values of a counter in the repetitions of group, s = 2, whose times are twice as
-        long where the host took more than 2 % or left less than 1.8 cores."""
+        """Returns a comparison with these values of a counter in the repetitions of group, s = 2.
+
+        Times are twice as long where the host took more than 2 % or left less than 1.8 cores.
+        """
         two = self.one_and_two()
         for row in two["benchmarks"]:
             row[name] = {"stolen": 0.0, "cores_at_once": 1.97}[name]
