@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -13,24 +14,15 @@
 #include "benchmarks/command_line.h"
 #include "benchmarks/median.h"
 #include "benchmarks/peak.h"
+#include "isosyrk/flows/scene.h"
 #include "isosyrk/flows/split_laplacian.h"
 #include "isosyrk/split/skew.h"
 #include "isosyrk/split/split_products.h"
-#include "isosyrk/flows/scene.h"
 
 namespace isosyrk::kernels {
 namespace {
 
 const std::vector<Index> sizes = {17, 33, 65, 129};
-
-std::string product_name(ProductBackend backend, Index n) {
-  return fmt::format("kernels/product/{}/n:{}", name(backend), n);
-}
-std::string split_name(std::string_view part, const GemmKernel& kernel, Index n) {
-  return fmt::format("kernels/{}/split_{}/n:{}", part, kernel.name, n);
-}
-std::string split_poisson_name(Index n) { return fmt::format("kernels/poisson/split/n:{}", n); }
-std::string poisson_name(Index n) { return fmt::format("kernels/poisson/n:{}", n); }
 
 // ‖C - AB‖_F / (‖A‖_F ‖B‖_F u), the error of a product in units of Real's roundoff.
 template <class Real = double>
@@ -131,15 +123,6 @@ void split_triangle(benchmark::State& state, const GemmKernel& kernel, Index n) 
   state.counters["error_in_roundoffs"] = product_error(given.B, WB.interleaved(), C.interleaved());
 }
 
-struct SplitPart {
-  std::string_view name;
-  void (*time)(benchmark::State&, const GemmKernel&, Index n);
-};
-const std::vector<SplitPart> split_parts = {{"product", split_product<double>},
-                                              {"adjoint", split_product<double, true>},
-                                              {"single", split_product<float>},
-                                              {"triangle", split_triangle}};
-
 void split_poisson(benchmark::State& state, Index n) {
   const Laplacian laplacian(n);
   const SplitLaplacianOf<double> split(laplacian);
@@ -175,6 +158,38 @@ void peak_rate(benchmark::State& state) {
   state.counters["gflops"] = 1e-9 * flops;
 }
 
+struct Row {
+  std::string name;
+  std::function<void(benchmark::State&)> time;
+};
+
+std::vector<Row> all_rows() {
+  using State = benchmark::State;
+  const std::vector<std::pair<std::string_view, void (*)(State&, const GemmKernel&, Index)>>
+      split_parts = {{"product", split_product<double>},
+                     {"adjoint", split_product<double, true>},
+                     {"single", split_product<float>},
+                     {"triangle", split_triangle}};
+  std::vector<Row> rows = {{"kernels/peak", peak_rate}};
+  for (const Index n : sizes) {
+    for (const ProductBackend backend : product_backends()) {
+      rows.push_back({fmt::format("kernels/product/{}/n:{}", name(backend), n),
+                      [=](State& state) { product(state, backend, n); }});
+    }
+    for (const GemmKernel& kernel : gemm_kernels()) {
+      for (const auto& [part, time] : split_parts) {
+        rows.push_back({fmt::format("kernels/{}/split_{}/n:{}", part, kernel.name, n),
+                        [=, time = time](State& state) { time(state, kernel, n); }});
+      }
+    }
+    rows.push_back(
+        {fmt::format("kernels/poisson/n:{}", n), [=](State& state) { poisson(state, n); }});
+    rows.push_back({fmt::format("kernels/poisson/split/n:{}", n),
+                    [=](State& state) { split_poisson(state, n); }});
+  }
+  return rows;
+}
+
 }  // namespace
 
 int main_program(int argc, char** argv) {
@@ -184,41 +199,15 @@ int main_program(int argc, char** argv) {
   line.allow_others();
   if (const auto exit_code = line.read(argc, argv)) return *exit_code;
   use_one_blas_thread();
-  std::vector<std::string> names = {"kernels/peak"};
-  for (const Index n : sizes) {
-    for (const ProductBackend backend : product_backends()) {
-      names.push_back(product_name(backend, n));
-    }
-    for (const GemmKernel& kernel : gemm_kernels()) {
-      for (const SplitPart& part : split_parts) {
-        names.push_back(split_name(part.name, kernel, n));
-      }
-    }
-    names.push_back(poisson_name(n));
-    names.push_back(split_poisson_name(n));
-  }
+  const std::vector<Row> rows = all_rows();
+  std::vector<std::string> names;
+  for (const Row& row : rows) names.push_back(row.name);
   const BenchmarkArguments arguments(line.others(), names);
-
-  std::vector<BackendRates> rates;
-  benchmark::RegisterBenchmark("kernels/peak", peak_rate)->Unit(benchmark::kMillisecond);
-  for (const Index n : sizes) {
-    rates.push_back(choose_backend(std::nullopt, n));
-    for (const ProductBackend backend : product_backends()) {
-      benchmark::RegisterBenchmark(product_name(backend, n).c_str(), product, backend, n)
-          ->Unit(benchmark::kMicrosecond);
-    }
-    for (const GemmKernel& kernel : gemm_kernels()) {
-      for (const SplitPart& part : split_parts) {
-        benchmark::RegisterBenchmark(split_name(part.name, kernel, n).c_str(), part.time, kernel,
-                                     n)
-            ->Unit(benchmark::kMicrosecond);
-      }
-    }
-    benchmark::RegisterBenchmark(poisson_name(n).c_str(), poisson, n)
-        ->Unit(benchmark::kMicrosecond);
-    benchmark::RegisterBenchmark(split_poisson_name(n).c_str(), split_poisson, n)
-        ->Unit(benchmark::kMicrosecond);
+  for (const Row& row : rows) {
+    benchmark::RegisterBenchmark(row.name.c_str(), row.time)->Unit(benchmark::kMicrosecond);
   }
+  std::vector<BackendRates> rates;
+  for (const Index n : sizes) rates.push_back(choose_backend(std::nullopt, n));
   return run_benchmarks(argv[0], arguments, machine_conditions("kernels", std::nullopt, rates));
 }
 

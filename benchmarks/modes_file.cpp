@@ -87,18 +87,15 @@ std::vector<Mode> read_modes(std::istream& input, const std::string& source) {
     Mode mode{};
     double re = 0.0;
     double im = 0.0;
-    if (!parse(fields[column[0]], mode.l)) {
-      fail(fmt::format("l = {} is not a whole number", quoted(fields[column[0]])));
-    }
-    if (!parse(fields[column[1]], mode.m)) {
-      fail(fmt::format("m = {} is not a whole number", quoted(fields[column[1]])));
-    }
-    if (!parse(fields[column[2]], re)) {
-      fail(fmt::format("re = {} is not a number", quoted(fields[column[2]])));
-    }
-    if (!parse(fields[column[3]], im)) {
-      fail(fmt::format("im = {} is not a number", quoted(fields[column[3]])));
-    }
+    const auto read = [&](std::size_t k, auto& value, const char* kind) {
+      const std::string_view field = fields[column[k]];
+      if (parse(field, value)) return;
+      fail(fmt::format("{} = {} is not a {}", column_names[k], quoted(field), kind));
+    };
+    read(0, mode.l, "whole number");
+    read(1, mode.m, "whole number");
+    read(2, re, "number");
+    read(3, im, "number");
     mode.value = {re, im};
     modes.push_back(mode);
   }

@@ -124,22 +124,8 @@ def require_field(context, field, expected):
 
 
 def printable_context(context):
-    """Returns the context fields that can be shown in a line, as text."""
-    texts = {key: context_text(value) for key, value in context.items()}
-    return {key: text for key, text in texts.items() if text is not None}
-
-
-def context_text(value):
-    """Returns one context value as text, or None for what has no place in one line (the list of caches)."""
-    if isinstance(value, str):
-        return one_line(value)
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, (int, float)):
-        return f"{value:.3g}" if isinstance(value, float) else str(value)
-    if isinstance(value, list) and not any(isinstance(item, (list, dict)) for item in value):
-        return ", ".join(str(context_text(item)) for item in value)
-    return None
+    """Returns the texts and numbers of a context as text, each in one line; the list of caches has no place in one."""
+    return {key: one_line(value) for key, value in context.items() if isinstance(value, (str, int, float))}
 
 
 def threads_of(row):
@@ -149,17 +135,21 @@ def threads_of(row):
     return int(match[1]) if match else 1
 
 
-def measurements(rows, program, counters, optional, time):
-    """Gathers the repetitions of each cell."""
-    repetitions = {}
+def measurements(rows, table, counters, optional, time):
+    """Gathers the repetitions of each cell, by their index so that a doubled one is noticed."""
+    cells = {}
     for row in rows:
-        key = cell_key(row, program)
-        if key is not None:
-            present = (*counters, *(name for name in optional if name in row))
-            add_repetition(repetitions.setdefault(key, {}), row, present, time)
-    if not repetitions:
-        raise UnusableFile(f"has no measured row named {program}/… (run_type \"iteration\")")
-    return {key: measurement(cell) for key, cell in repetitions.items()}
+        key = cell_key(row, table)
+        if key is None:
+            continue
+        index = number(row, "repetition_index")
+        if index in cells.setdefault(key, {}):
+            raise UnusableFile(f"{row_name(row)}: repetition {index:g} stands twice")
+        cells[key][index] = row
+    if not cells:
+        raise UnusableFile(f"has no measured row named {table}/… (run_type \"iteration\")")
+    return {key: measurement([cell[index] for index in sorted(cell)], counters, optional, time)
+            for key, cell in cells.items()}
 
 
 def cell_key(row, program):
@@ -177,37 +167,23 @@ def cell_key(row, program):
     return CellKey(match[1], int(match[2]), int(match[3]))
 
 
-def add_repetition(cell, row, counters, time):
-    """Adds one row to the repetitions of its cell, keyed by repetition so that a doubled one is noticed."""
-    index = number(row, "repetition_index")
-    if index in cell:
-        raise UnusableFile(f"{row_name(row)}: repetition {index:g} stands twice")
-    failed = row.get("error_occurred", False)
-    if not isinstance(failed, bool):
-        raise UnusableFile(f"{row_name(row)}: error_occurred is neither true nor false")
-    if failed:
-        cell[index] = Measurement(failure=error_message(row))
-    else:
-        cell[index] = Measurement((seconds(row, time),), {name: (number(row, name),) for name in counters})
-
-
-def error_message(row):
-    message = row.get("error_message", "")
-    if not isinstance(message, str):
-        raise UnusableFile(f"{row_name(row)}: error_message is {quoted(message)}, not a text")
-    return one_line(message) or "no reason recorded"
-
-
-def measurement(cell):
+def measurement(rows, counters, optional, time):
     """Joins the repetitions of a cell; one that failed fails the cell, for its time would be a biased choice."""
-    repetitions = [cell[index] for index in sorted(cell)]
-    failures = [each.failure for each in repetitions if each.failure]
+    failures = [why for why in map(failure, rows) if why]
     if failures:
-        some = f" ({len(failures)} of {len(repetitions)} repetitions)" if len(failures) < len(repetitions) else ""
+        some = f" ({len(failures)} of {len(rows)} repetitions)" if len(failures) < len(rows) else ""
         return Measurement(failure=failures[0] + some)
-    names = [name for name in repetitions[0].repeated if all(name in each.repeated for each in repetitions)]
-    return Measurement(tuple(each.times[0] for each in repetitions),
-                       {name: tuple(each.repeated[name][0] for each in repetitions) for name in names})
+    names = [*counters, *(name for name in optional if all(name in row for row in rows))]
+    return Measurement(tuple(seconds(row, time) for row in rows),
+                       {name: tuple(number(row, name) for row in rows) for name in names})
+
+
+def failure(row):
+    """Returns why a row failed, or None."""
+    failed, message = row.get("error_occurred", False), row.get("error_message", "")
+    if not isinstance(failed, bool) or not isinstance(message, str):
+        raise UnusableFile(f"{row_name(row)}: error_occurred is {quoted(failed)}, error_message {quoted(message)}")
+    return (one_line(message) or "no reason recorded") if failed else None
 
 
 def seconds(row, field):
@@ -215,34 +191,18 @@ def seconds(row, field):
     unit = row.get("time_unit")
     if not isinstance(unit, str) or unit not in SECONDS_PER_UNIT:
         raise UnusableFile(f"{row_name(row)}: time_unit {quoted(unit)} is none of {', '.join(SECONDS_PER_UNIT)}")
-    time = finite(row, field) * SECONDS_PER_UNIT[unit]
-    if not SHORTEST_SECONDS <= time <= LONGEST_SECONDS:
-        raise UnusableFile(f"{row_name(row)}: {field} {quoted(row[field])} {unit} is no possible time")
-    return time
+    factor = SECONDS_PER_UNIT[unit]
+    return factor * number(row, field, SHORTEST_SECONDS / factor, LONGEST_SECONDS / factor)
 
 
-def number(row, field):
-    """Returns a field that is a count, share, norm or error, none of which is negative."""
-    value = finite(row, field)
-    if not 0 <= value <= LARGEST_COUNTER:
-        raise UnusableFile(f"{row_name(row)}: {field} is {quoted(row[field])}, not in 0 … {LARGEST_COUNTER:g}")
-    return value
-
-
-def finite(row, field):
-    """Returns a field that must be a finite number."""
+def number(row, field, least=0.0, most=LARGEST_COUNTER):
+    """Returns a field that is a count, share, norm, error or time, none of which is negative."""
     if field not in row:
         raise UnusableFile(f"{row_name(row)}: has no {field}")
     value = row[field]
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise UnusableFile(f"{row_name(row)}: {field} is {quoted(value)}, not a number")
-    try:
-        value = float(value)
-    except OverflowError:
-        value = math.inf
-    if not math.isfinite(value):
-        raise UnusableFile(f"{row_name(row)}: {field} is {value}, not a finite number")
-    return value
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not least <= value <= most:  # nor NaN
+        raise UnusableFile(f"{row_name(row)}: {field} is {quoted(value)}, not a number in {least:g} … {most:g}")
+    return float(value)
 
 
 def row_name(row):

@@ -282,31 +282,15 @@ def uncertainty_text(comparison, n, counter):
 
 # ---- measurement conditions
 
-DEBUG_EXPLAINED = (" – Debian's Google Benchmark 1.7.1 was packaged without NDEBUG and therefore calls itself debug;"
-                   " the word is about that library, not about the code measured here")
-DIRTY = {"yes": "with uncommitted changes", "no": "nothing uncommitted"}
+PACKAGED = "library build type: of Google Benchmark as the distribution packaged it; it says nothing of the code measured here."
+# A file says more: whose machine it was is nobody's business.
+CONDITIONS = ("date", "commit", "dirty", "build_type", "compiler", "flags", "cpu", "num_cpus", "mhz_per_cpu", "vector_units",
+              "load_average", "blas_library", "blas_kernels", "blas_threads", "environment", "products", "product_rate",
+              "peak_gflops", "tolerance", "norm", "start", "update_order", "hbar", "modes_hash", "notice", "library_build_type")
 
 
 def conditions_section(context):
-    """Lists under what conditions the run was made; the host's name is nobody's business and left out."""
-    def get(key):
-        return context.get(key) or "not recorded"
-
-    lines = [
-        ("date", get("date")),
-        ("commit", f"{get('commit')}, {DIRTY.get(context.get('dirty'), 'uncommitted changes not recorded')}"),
-        ("build", f"{get('build_type')}; {get('compiler')}; flags {get('flags')}"),
-        ("CPU", f"{get('cpu')}; {get('num_cpus')} processors at {get('mhz_per_cpu')} MHz; vector units"
-                f" {get('vector_units')}; load average {get('load_avg')}"),
-        ("BLAS", f"{get('blas_library')}; kernels {get('blas_kernels')}; threads {get('blas_threads')}"),
-        ("environment", context.get("environment", "not recorded") or "nothing set"),
-        ("products", f"{get('products')}; rate {get('product_rate')}; peak {get('peak_gflops')} GFLOP/s"),
-        ("solver", f"tolerance {get('tolerance')}; norm {get('norm')}; start {get('start')};"
-                   f" update order {get('update_order')}"),
-        ("scene", f"ħ {get('hbar')}; hash of the modes {get('modes_hash')}"),
-        ("Google Benchmark", f"library_build_type {get('library_build_type')}"
-                             + (DEBUG_EXPLAINED if context.get("library_build_type") == "debug" else "")),
-    ]
-    if context.get("notice"):
-        lines.append(("notice", context["notice"]))
-    return [Heading("Measurement conditions"), Items([Item(label, f": {text}") for label, text in lines])]
+    """Lists under what conditions the run was made."""
+    return [Heading("Measurement conditions"),
+            Items([Item(name.replace("_", " "), f": {context.get(name, 'not recorded') or 'none'}") for name in CONDITIONS]),
+            Paragraph(PACKAGED)]

@@ -18,7 +18,7 @@ from typing import Optional
 
 from benchmark_json import one_line
 from gate_cells import FAST, CannotRun, cell_name, is_fast
-from gate_layers import COULD_NOT_RUN, Layer
+from gate_layers import Layer
 
 MEDIAN_LIMIT, QUARTILE_LIMIT = 1.03, 1.01
 
@@ -150,12 +150,6 @@ class Contestant:
     def serve(self, cells):
         return Server(self.command, cells, self.environment)
 
-    def knows(self, cell):
-        """Tells whether regression_cells has this cell; it refuses another as a bad argument."""
-        done = subprocess.run([*self.command, cell], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                              stderr=subprocess.DEVNULL, env=self.environment, check=False)
-        return done.returncode != COULD_NOT_RUN
-
 
 def time_cells(base, head, cells, plan):
     """Returns the Timing of each cell over both Contestants. Throws CannotRun."""
@@ -208,18 +202,10 @@ def one_pair(turns, base, head, cell, runs):
 
 
 def judge_times(base, head, plan):
-    """Times the cells of the plan, and those that seem slower once more: a cell is slower if it was both times.
-
-    Fast cells are not judged where the base, being older, does not know them.
-    """
+    """Times the cells of the plan, and those that seem slower once more: a cell is slower if it was both times."""
     layer = Layer("timing")
-    fast = [cell for cell in plan.cells if is_fast(cell)]
-    cells = plan.cells
-    if fast and not base.knows(fast[0]):
-        cells = tuple(cell for cell in cells if cell not in fast)
-        layer.not_judged = "fast cells, which the base does not know"
-    first = time_cells(base, head, cells, plan)
-    suspects = tuple(cell for cell in cells if first[cell].is_slower())
+    first = time_cells(base, head, plan.cells, plan)
+    suspects = tuple(cell for cell in plan.cells if first[cell].is_slower())
     again = time_cells(base, head, suspects, plan) if suspects else {}
     latest = {**first, **again}
     for cell, timing in latest.items():

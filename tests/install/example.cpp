@@ -2,19 +2,15 @@
 #include <isosyrk/flows/scene.h>
 #include <isosyrk/linalg/spectrum.h>
 #include <isosyrk/simulation/run.h>
-
 #include <cstdio>
 
 int main() {
   const isosyrk::Scene scene = isosyrk::smooth_scene(33);
   const auto integrator =
       isosyrk::make_integrator(*scene.flow, "group2", {.solver = isosyrk::Solver::fast});
-
   isosyrk::Matrix W = scene.initial;
   const isosyrk::RunReport report = isosyrk::run(*integrator, W, 0.1, 50);
   if (!report.converged()) return 1;
-
-  std::printf("W(0, 1) = %.12f%+.12fi\n", W(0, 1).real(), W(0, 1).imag());
   std::printf("%ld sweeps, spectrum error %.1e\n", report.sweeps,
               isosyrk::spectrum_error(W, scene.initial));
 }

@@ -430,7 +430,6 @@ class EndToEnd(CopyTest):
         self.assertEqual([row["repetition_index"] for row in joined["benchmarks"]],
                          [index for index in range(15) for _ in range(one_round)])
         self.assertEqual({row["repetitions"] for row in joined["benchmarks"]}, {15})
-        self.assertEqual(joined["context"]["order"], "rounds")
         self.assertNotIn("host_name", joined["context"])
 
 
