@@ -401,6 +401,11 @@ class EndToEnd(CopyTest):
         self.assertEqual([call.endswith(f" on {cores} cores") for call in untimed], [True] * 3)
         self.assertFalse(any("--quick" in call for call in self.calls()))
 
+    def test_every_study_can_be_executed(self):
+        folder = os.path.join(ROOT, "scripts", "studies")
+        studies = [name for name in os.listdir(folder) if name.endswith(".py")]
+        self.assertEqual([name for name in studies if not os.access(os.path.join(folder, name), os.X_OK)], [])
+
     def test_quick_is_passed_on(self):
         for study, failing, programs, option in (
                 ("accuracy", "accuracy", ("accuracy",), "--quick"),
