@@ -338,6 +338,8 @@ class AccuracyStudy(FolderTest):
         os.unlink(os.path.join(folder, "smooth_n17.npy"))
         self.write("references/references.json", text)
         self.assert_refused(self.script("accuracy.py", *asked, "--n", "17"), "smooth_n17.npy", "cannot be read")
+        self.assertIn("n = 17: computed", self.script("references.py", "--out", folder, "--n", "17").stderr)
+        self.assert_refused(self.script("references.py", "--out", folder, "--integrator", "rk4"), "--integrator")
 
 
 if __name__ == "__main__":
