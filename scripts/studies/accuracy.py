@@ -192,17 +192,16 @@ def main(arguments):
                 for n in sizes if n <= largest for name in names]
 
     names = [entry.name for entry in chosen]
-    runs, tolerance_runs = (
-        [Run(**run) for line in study.untimed(work, function, journal, options, what) for run in line]
-        for work, function, what in ((jobs(names), draw_line, "lines"),
-                                     (jobs([name for name in names if name in TABLE1_CELLS], LARGEST_TOLERANCE_SIZE),
-                                      vary_tolerance, "tolerances")))
-    usable = [run for run in (*runs, *tolerance_runs) if run.usable]
-    points = [[run.n, run.integrator, run.tolerance, journal.products(run.n), run.steps] for run in usable]
-    seconds = dict(zip(map(id, usable), study.in_turns(points, options.repetitions, time_one, journal, "timings")))
+    lines = study.untimed(jobs(names), draw_line, journal, options, "lines")
+    cells = study.untimed(jobs([name for name in names if name in TABLE1_CELLS], LARGEST_TOLERANCE_SIZE),
+                          vary_tolerance, journal, options, "tolerances")
+    runs, tolerance_runs = ([Run(**run) for each in found for run in each] for found in (lines, cells))
+    points = [[run.n, run.integrator, run.tolerance, journal.products(run.n), run.steps]
+              for run in (*runs, *tolerance_runs) if run.usable]
+    seconds = iter(study.in_turns(points, options.repetitions, time_one, journal, "timings"))
 
     def timed(runs):
-        return [run._replace(cpu_seconds=seconds.get(id(run), [])) for run in runs]
+        return [run._replace(cpu_seconds=next(seconds)) if run.usable else run for run in runs]
 
     settings = Settings("smooth", isosyrk.scene("smooth", n=sizes[0]).time)
     study_file.write(options.out, SCHEMA, journal.context, settings, {
