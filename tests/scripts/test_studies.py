@@ -81,7 +81,7 @@ class RawFile(FolderTest):
                            (study_file.whole(), "count"), (study_file.whole(1), "positive count"),
                            (study_file.list_of(study_file.number, 4), "casimirs"), (study_file.an_object, "object")):
             for value in WRONG[name]:
-                with self.subTest(kind=name, value=str(value)[:9]), self.assertRaisesRegex(UnusableFile, "a thing has x"):
+                with self.subTest(name, value=str(value)[:9]), self.assertRaisesRegex(UnusableFile, "a thing has x"):
                     study_file.checked({"x": value}, {"x": kind}, "a thing")
             with self.assertRaisesRegex(UnusableFile, "a thing has no x"):
                 study_file.checked({}, {"x": kind}, "a thing")
