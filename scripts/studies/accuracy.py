@@ -4,6 +4,8 @@
 A line is one integrator at one n. Its runs solve the smooth scene to T with more and more steps (as many as in Table 1
 at least), until the error no longer falls, or a run took enough work and the slope of the line has settled. First every
 run is made once and looked at; then all are timed, in turns, so that a slow minute of the machine falls on all alike.
+Counts and errors are those of OpenBLAS's products, times those of the backend that was the faster at the start: counts
+that followed the clock would differ from machine to machine.
 """
 
 import functools
@@ -54,7 +56,7 @@ LEAST_SECONDS = 0.01  # that a repetition fills with runs, so that the clock doe
 
 
 def draw_line(job):
-    """Returns the runs of the line of a job {"n", "integrator", "products", "references"}, as fields of Run."""
+    """Returns the runs of the line of a job {"n", "integrator", "references"}, as fields of Run."""
     setting = Setting(job)
     method = setting.method(TOLERANCE)
     runs = []
@@ -78,7 +80,6 @@ class Setting:
     """The scene of a job, its reference solution, and one integrator."""
 
     def __init__(self, job):
-        self.job = job
         self.scene = isosyrk.scene("smooth", n=job["n"])
         self.energy = self.scene.energy(self.scene.initial)
         self.norm_B, self.norm_ad_B = self.scene.generator_norms()
@@ -87,7 +88,7 @@ class Setting:
         (self.entry,) = study.entries([job["integrator"]])
 
     def method(self, tolerance):
-        return isosyrk.integrator(self.scene, self.entry.name, tolerance=tolerance, products=self.job["products"])
+        return isosyrk.integrator(self.scene, self.entry.name, tolerance=tolerance)
 
     def look(self, method, steps, tolerance):
         """Makes one run, and returns its fields and W(T), which is None if it did not come to a usable end."""
@@ -187,21 +188,20 @@ def main(arguments):
     journal = study.Journal(PROGRAM, options, lambda: isosyrk.conditions(sizes=sizes))
 
     def jobs(names, largest=math.inf):
-        return [{"n": n, "integrator": name, "products": journal.products(n),
-                 "references": os.path.realpath(options.references)} for n in sizes if n <= largest for name in names]
+        return [{"n": n, "integrator": name, "references": os.path.realpath(options.references)}
+                for n in sizes if n <= largest for name in names]
 
     names = [entry.name for entry in chosen]
-    runs, tolerance_runs = (
-        [Run(**run) for line in study.untimed(work, function, journal, options, what) for run in line]
-        for work, function, what in ((jobs(names), draw_line, "lines"),
-                                     (jobs([name for name in names if name in TABLE1_CELLS], LARGEST_TOLERANCE_SIZE),
-                                      vary_tolerance, "tolerances")))
-    usable = [run for run in (*runs, *tolerance_runs) if run.usable]
-    points = [[run.n, run.integrator, run.tolerance, journal.products(run.n), run.steps] for run in usable]
-    seconds = dict(zip(map(id, usable), study.in_turns(points, options.repetitions, time_one, journal, "timings")))
+    lines = study.untimed(jobs(names), draw_line, journal, options, "lines")
+    cells = study.untimed(jobs([name for name in names if name in TABLE1_CELLS], LARGEST_TOLERANCE_SIZE),
+                          vary_tolerance, journal, options, "tolerances")
+    runs, tolerance_runs = ([Run(**run) for each in found for run in each] for found in (lines, cells))
+    points = [[run.n, run.integrator, run.tolerance, journal.products(run.n), run.steps]
+              for run in (*runs, *tolerance_runs) if run.usable]
+    seconds = iter(study.in_turns(points, options.repetitions, time_one, journal, "timings"))
 
     def timed(runs):
-        return [run._replace(cpu_seconds=seconds.get(id(run), [])) for run in runs]
+        return [run._replace(cpu_seconds=next(seconds)) if run.usable else run for run in runs]
 
     settings = Settings("smooth", isosyrk.scene("smooth", n=sizes[0]).time)
     study_file.write(options.out, SCHEMA, journal.context, settings, {

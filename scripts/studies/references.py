@@ -38,13 +38,13 @@ NEAR_ROUNDING = 1e-10  # below, an error that a doubling does not halve is round
 LARGEST_DIFFERENCE = 1e-12
 
 
-def refine(scene, integrator, products):
+def refine(scene, integrator):
     """Returns (W, number of steps) at which the error, estimated from the last doubling, is down at rounding.
 
     The estimate is Richardson's: change / (2^order − 1). Throws Stop if no number of steps converges.
     """
     order = next(each.order for each in isosyrk.integrators() if each.name == integrator)
-    method = isosyrk.integrator(scene, integrator, tolerance=TOLERANCE, products=products)
+    method = isosyrk.integrator(scene, integrator, tolerance=TOLERANCE)
     best, last_change, steps = None, math.inf, FEWEST_STEPS
     while steps <= MOST_STEPS:
         try:
@@ -67,9 +67,9 @@ def refine(scene, integrator, products):
 
 
 def solve(job):
-    """Returns the reference solution of a job {"n", "products"}: its line in references.json, and W as n rows."""
+    """Returns the reference solution of a job {"n"}: its line in references.json, and W as n rows."""
     scene = isosyrk.scene("smooth", n=job["n"])
-    solutions = [refine(scene, integrator, job["products"]) for integrator in INTEGRATORS]
+    solutions = [refine(scene, integrator) for integrator in INTEGRATORS]
     runs = [{"integrator": integrator, "steps": steps} for integrator, (_, steps) in zip(INTEGRATORS, solutions)]
     W = solutions[0][0]
     return {"record": {"n": scene.n, "file": f"smooth_n{scene.n}.npy",
@@ -115,6 +115,13 @@ def read_reference(folder, n):
     return W, record
 
 
+def is_whole(folder, n):
+    try:
+        return bool(read_reference(folder, n))
+    except UnusableFile:
+        return False
+
+
 def write(folder, records, solutions):
     """Writes the matrices first, so that references.json never lists one that is not there."""
     for solution in solutions:
@@ -128,16 +135,17 @@ def write(folder, records, solutions):
 
 def main(arguments):
     options = study.command_line(PROGRAM, __doc__.splitlines()[0], out="FOLDER").parse_args(arguments)
+    if options.integrator:
+        raise study.Stop(f"--integrator: reference solutions are those of {' and '.join(INTEGRATORS)}")
     folder = options.out
     output_folder(PROGRAM, "--out", folder)
     records = read_records(folder) if os.path.exists(os.path.join(folder, "references.json")) else {}
     wanted = sorted(set(options.n or (QUICK_SIZES if options.quick else SIZES)))
-    missing = [n for n in wanted if n not in records or not os.path.exists(os.path.join(folder, records[n]["file"]))]
+    missing = [n for n in wanted if n not in records or not is_whole(folder, n)]
     if missing:
         options.out = os.path.join(folder, "references.json")
-        journal = study.Journal(PROGRAM, options, lambda: isosyrk.conditions(sizes=missing))
-        jobs = [{"n": n, "products": journal.products(n)} for n in missing]
-        solutions = study.untimed(jobs, solve, journal, options, "reference solutions")
+        journal = study.Journal(PROGRAM, options, isosyrk.conditions)
+        solutions = study.untimed([{"n": n} for n in missing], solve, journal, options, "reference solutions")
         for record in (solution["record"] for solution in solutions):
             if not record["uncertainty"] < LARGEST_DIFFERENCE:
                 raise study.Stop(f"reference at n = {record['n']}: {' and '.join(INTEGRATORS)} differ by"

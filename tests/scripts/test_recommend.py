@@ -72,9 +72,11 @@ class Winner(RecommendTest):
         error = self.run_of("group2", 17, 20)["error"]  # one that is equal to the wanted one reaches it
         both_times = self.run_of("rkmk4", 17, 5)["cpu_seconds"]
         for question, run_of, changes, before, after in (
-                ((17, error, "poisson"), ("group2", 17, 20), {"error": error * (1 + 1e-15)}, ("group2", 20), ("group2", 50)),
+                ((17, error, "poisson"), ("group2", 17, 20), {"error": error * (1 + 1e-15)}, ("group2", 20),
+                 ("group2", 50)),
                 # the median, and of equal times the better error
-                ((17, 1e-3, "spectrum"), ("rkmk4", 17, 5), {"cpu_seconds": [1e-6, 2.0, 3.0]}, ("rkmk4", 5), ("rkmk4", 10)),
+                ((17, 1e-3, "spectrum"), ("rkmk4", 17, 5), {"cpu_seconds": [1e-6, 2.0, 3.0]}, ("rkmk4", 5),
+                 ("rkmk4", 10)),
                 ((17, 1e-3, "spectrum"), ("rkmk4", 17, 10), {"cpu_seconds": both_times}, ("rkmk4", 5), ("rkmk4", 10)),
                 ((33, 0.01, "nothing"), ("rk4", 33, 5), {"beyond_limit": False}, ("rk4", 10), ("rk4", 5)),
                 # group1 would win if it reached 1e-3, but not once it failed or its step is too long
@@ -227,7 +229,8 @@ class Refusals(RecommendTest):
                 self.assert_refused(self.recommend(*arguments), *parts)
 
     def test_files_that_cannot_be_used(self):
-        for raw, *parts in ((self.path("none.json"), "none.json", "No such file"), (self.folder, self.folder, "directory"),
+        for raw, *parts in ((self.path("none.json"), "none.json", "No such file"),
+                            (self.folder, self.folder, "directory"),
                             (self.path("two\nlines.json"), "two lines.json"),
                             (self.write("cut.json", json.dumps(self.document)[:-100]), "recommend: ", "cut.json: "),
                             (self.write("foreign.json", '{"benchmarks": []}'), "foreign.json: ")):

@@ -81,7 +81,7 @@ class RawFile(FolderTest):
                            (study_file.whole(), "count"), (study_file.whole(1), "positive count"),
                            (study_file.list_of(study_file.number, 4), "casimirs"), (study_file.an_object, "object")):
             for value in WRONG[name]:
-                with self.subTest(kind=name, value=str(value)[:9]), self.assertRaisesRegex(UnusableFile, "a thing has x"):
+                with self.subTest(name, value=str(value)[:9]), self.assertRaisesRegex(UnusableFile, "a thing has x"):
                     study_file.checked({"x": value}, {"x": kind}, "a thing")
             with self.assertRaisesRegex(UnusableFile, "a thing has no x"):
                 study_file.checked({}, {"x": kind}, "a thing")
@@ -338,6 +338,8 @@ class AccuracyStudy(FolderTest):
         os.unlink(os.path.join(folder, "smooth_n17.npy"))
         self.write("references/references.json", text)
         self.assert_refused(self.script("accuracy.py", *asked, "--n", "17"), "smooth_n17.npy", "cannot be read")
+        self.assertIn("n = 17: computed", self.script("references.py", "--out", folder, "--n", "17").stderr)
+        self.assert_refused(self.script("references.py", "--out", folder, "--integrator", "rk4"), "--integrator")
 
 
 if __name__ == "__main__":
