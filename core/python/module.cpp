@@ -25,6 +25,9 @@ namespace {
 
 namespace py = pybind11;
 
+/// Lets other threads run Python meanwhile.
+using Aside = py::call_guard<py::gil_scoped_release, OneBlasThread>;
+
 using ModeTuple = std::tuple<int, int, double, double>;
 
 std::vector<Mode> modes_of(const std::vector<ModeTuple>& tuples) {
@@ -48,12 +51,10 @@ BackendChoice backend_of(const std::string& text) {
   throw py::value_error(fmt::format("products '{}': must be fastest, openblas or eigen", text));
 }
 
-Scene scene_of_generator(const std::string& name, const Array& initial, py::object generator,
-                         py::object hamiltonian) {
+Scene scene_of_generator(const std::string& name, const Array& initial, py::handle generator) {
   Matrix W0 = matrix_of(initial);
   const Index n = W0.rows();
-  return {name, std::make_shared<PythonFlow>(n, std::move(generator), std::move(hamiltonian)),
-          std::move(W0), 5.0};
+  return {name, std::make_shared<PythonFlow>(n, generator), std::move(W0), 5.0};
 }
 
 // What an integrator is asked for.
@@ -82,7 +83,6 @@ std::unique_ptr<Stepper> make_stepper(const Scene& scene, const Request& request
 
 std::map<std::string, std::string> conditions(const std::string& products,
                                               const std::vector<Index>& sizes) {
-  const OneBlasThread one_blas_thread;
   const BackendChoice choice = backend_of(products);
   std::vector<BackendRates> rates;
   for (const Index n : sizes) rates.push_back(choose_backend(choice, n));
@@ -113,23 +113,33 @@ void bind_scenes(py::module_& module) {
              scene.flow->generator(matrix_of(W), B);
              return copy_of(B);
            })
-      .def("generator_norms", [](const Scene& scene) {
-        const OneBlasThread one_blas_thread;
-        const GeneratorNorms norms = generator_norms(scene);
-        return std::pair(norms.B, norms.ad_B);
-      });
+      .def(
+          "generator_norms",
+          [](const Scene& scene) {
+            const GeneratorNorms norms = generator_norms(scene);
+            return std::pair(norms.B, norms.ad_B);
+          },
+          Aside());
   module.def("scene_names", &scene_names);
-  module.def("scene_by_name", [](const std::string& name, Index n, const std::string& hbar) {
-    return scene_by_name(name, n, convention_of(hbar));
-  });
-  module.def("scene_of_modes", [](const std::string& name, const std::vector<ModeTuple>& modes,
-                                  Index n, const std::string& hbar) {
-    return euler_zeitlin_scene(name, n, convention_of(hbar), modes_of(modes));
-  });
-  module.def("scene_of_initial",
-             [](const std::string& name, const Array& W0, const std::string& hbar) {
-               return euler_zeitlin_scene(name, convention_of(hbar), matrix_of(W0));
-             });
+  module.def(
+      "scene_by_name",
+      [](const std::string& name, Index n, const std::string& hbar) {
+        return scene_by_name(name, n, convention_of(hbar));
+      },
+      Aside());
+  module.def(
+      "scene_of_modes",
+      [](const std::string& name, const std::vector<ModeTuple>& modes, Index n,
+         const std::string& hbar) {
+        return euler_zeitlin_scene(name, n, convention_of(hbar), modes_of(modes));
+      },
+      Aside());
+  module.def(
+      "scene_of_initial",
+      [](const std::string& name, const Array& W0, const std::string& hbar) {
+        return euler_zeitlin_scene(name, convention_of(hbar), matrix_of(W0));
+      },
+      Aside());
   module.def("scene_of_generator", &scene_of_generator);
   module.def("require_initial_data",
              [](const Array& W) { require_initial_data(matrix_of(W), W.shape(0)); });
@@ -199,23 +209,21 @@ void bind_integrators(py::module_& module) {
 }
 
 void bind_measures(py::module_& module) {
-  module.def("spectrum", [](const Array& W) {
-    const OneBlasThread one_blas_thread;
-    return spectrum(matrix_of(W));
-  });
-  module.def("spectrum_error", [](const Array& W, const Array& W0) {
-    const OneBlasThread one_blas_thread;
-    return spectrum_error(matrix_of(W), matrix_of(W0));
-  });
+  module.def(
+      "spectrum", [](const Array& W) { return spectrum(matrix_of(W)); }, Aside());
+  module.def(
+      "spectrum_error",
+      [](const Array& W, const Array& W0) { return spectrum_error(matrix_of(W), matrix_of(W0)); },
+      Aside());
   module.def("skew_defect", [](const Array& W) { return skew_defect(matrix_of(W)); });
-  module.def("casimir_errors", [](const Array& W, const Array& W0) {
-    const OneBlasThread one_blas_thread;
-    return casimir_errors(matrix_of(W), matrix_of(W0));
-  });
+  module.def(
+      "casimir_errors",
+      [](const Array& W, const Array& W0) { return casimir_errors(matrix_of(W), matrix_of(W0)); },
+      Aside());
   module.def("angular_momentum_error", [](const Array& W, const Array& W0) {
     return angular_momentum_error(matrix_of(W), matrix_of(W0));
   });
-  module.def("conditions", &conditions);
+  module.def("conditions", &conditions, Aside());
 }
 
 }  // namespace
@@ -229,6 +237,8 @@ PYBIND11_MODULE(_core, module) {
       PyErr_SetString(PyExc_ValueError, error.what());
     }
   });
+  module.attr("version") = ISOSYRK_VERSION;
+  module.def("end_runs", &end_runs);
   bind_scenes(module);
   bind_integrators(module);
   bind_measures(module);

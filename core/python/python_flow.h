@@ -7,22 +7,23 @@
 
 namespace isosyrk::python {
 
-/// The flow W' = [B(W), W] on u(n) with B and H given as Python functions of a complex128 array of
-/// shape (n, n).  Each call takes the GIL.  There is no B in split storage: published forms only.
+/// The flow W' = [B(W), W] on u(n) with B given as a Python function of a complex128 array of shape
+/// (n, n).  Each call takes the GIL.  There is no B in split storage: published forms only.
 class PythonFlow final : public Flow {
  public:
-  /// `hamiltonian` may be None: H is then NaN.
-  PythonFlow(Index n, pybind11::object generator, pybind11::object hamiltonian);
-  ~PythonFlow() override;
+  /// Borrows the function, which must outlive the flow: the Python half holds it, where the garbage
+  /// collector sees cycles.
+  PythonFlow(Index n, pybind11::handle generator);
 
-  /// Throws pybind11::error_already_set for an exception of the function, and for a result that is
-  /// not an array of shape (n, n) of numbers.
+  /// Throws pybind11::error_already_set for an exception of the function, and TypeError or
+  /// ValueError for a result that is not a skew-Hermitian array of shape (n, n), to 1e-10 relative.
+  /// A result that is not finite is passed on: the iteration then diverges.
   void generator(const Matrix& W, Matrix& B) const override;
+  /// Returns NaN: energies are computed in Python.
   double hamiltonian(const Matrix& W) const override;
 
  private:
-  pybind11::object generator_;
-  pybind11::object hamiltonian_;
+  pybind11::handle generator_;
 };
 
 }  // namespace isosyrk::python

@@ -1,5 +1,7 @@
 #include "stepper.h"
 
+#include <cstring>
+
 #include "benchmarks/clocks.h"
 #include "blas_threads.h"
 #include "signals.h"
@@ -25,19 +27,21 @@ class Stepper::InUse {
 Stepper::Stepper(std::shared_ptr<const Flow> flow, std::unique_ptr<Integrator> integrator)
     : flow_(std::move(flow)), integrator_(std::move(integrator)) {}
 
-Stepper::Outcome Stepper::run(Array W, double h, long steps, const py::object& observe,
-                              long every) {
+Stepper::Outcome Stepper::run(const Array& W, Array state, double h, long steps,
+                              const py::object& observe, long every) {
   const InUse in_use(in_use_);
   const Index n = flow_->size();
-  Eigen::Map<Matrix> state(W.mutable_data(), n, n);
+  std::memmove(state.mutable_data(), W.data(), W.nbytes());
+  Eigen::Map<Matrix> view(state.mutable_data(), n, n);
   const bool observed = !observe.is_none();
 
   const py::gil_scoped_release no_gil;
+  const Running running;
   const OneBlasThread one_blas_thread;
   Outcome outcome;
   double observing = 0.0;
   const double start = cpu_seconds();
-  outcome.run = run_while(*integrator_, state, h, steps, [&](const RunReport& total) {
+  outcome.run = run_while(*integrator_, view, h, steps, [&](const RunReport& total) {
     handle_signals();
     if (!observed || (total.steps % every != 0 && total.steps != steps)) return true;
     const double before = cpu_seconds();
@@ -53,13 +57,16 @@ Stepper::Outcome Stepper::run(Array W, double h, long steps, const py::object& o
   return outcome;
 }
 
-std::pair<Stepper::Outcome, std::vector<double>> Stepper::timed_run(const Array& W, double h,
-                                                                    long steps, long repetitions,
-                                                                    long warmup) {
+std::pair<Stepper::Outcome, std::vector<double>> Stepper::timed_run(const Array& W, Array state,
+                                                                    double h, long steps,
+                                                                    long repetitions, long warmup) {
   const InUse in_use(in_use_);
-  const Matrix initial = matrix_of(W);
+  const Index n = flow_->size();
+  Eigen::Map<Matrix> view(state.mutable_data(), n, n);
+  const Eigen::Map<const Matrix> initial(W.data(), n, n);
 
   const py::gil_scoped_release no_gil;
+  const Running running;
   const OneBlasThread one_blas_thread;
   const auto go_on = [](const RunReport&) {
     handle_signals();
@@ -67,14 +74,15 @@ std::pair<Stepper::Outcome, std::vector<double>> Stepper::timed_run(const Array&
   };
   std::pair<Outcome, std::vector<double>> result;
   auto& [outcome, times] = result;
-  Matrix state = initial;
   for (long k = 0; k < repetitions && outcome.run.converged(); ++k) {
-    state = initial;
-    outcome.run = run_while(*integrator_, state, h, warmup, go_on);
+    view = initial;
+    outcome.run = run_while(*integrator_, view, h, warmup, go_on);
     if (!outcome.run.converged()) break;
     const double start = cpu_seconds();
-    outcome.run = run_while(*integrator_, state, h, steps, go_on);
+    outcome.run = run_while(*integrator_, view, h, steps, go_on);
     outcome.seconds = cpu_seconds() - start;
+    outcome.run.steps += warmup;
+    if (!outcome.run.converged()) outcome.run.failed_step += warmup;
     times.push_back(outcome.seconds);
   }
   return result;

@@ -24,14 +24,15 @@ class Stepper {
     double seconds = 0.0;
   };
 
-  /// Advances W, n x n, in place.  Unless `observe` is None it is called with the Outcome so far
-  /// after every `every` steps, and ends the run by returning True.
-  Outcome run(Array W, double h, long steps, const pybind11::object& observe, long every);
+  /// Advances `state`, n x n, from W, which may overlap it.  Unless `observe` is None it is called
+  /// with the Outcome so far after every `every` steps, and ends the run by returning True.
+  Outcome run(const Array& W, Array state, double h, long steps, const pybind11::object& observe,
+              long every);
 
-  /// Returns the CPU seconds of each repetition: from W, `warmup` untimed steps, then `steps` timed
-  /// ones.  After a failure the Outcome says so.
-  std::pair<Outcome, std::vector<double>> timed_run(const Array& W, double h, long steps,
-                                                    long repetitions, long warmup);
+  /// Returns the CPU seconds of each repetition: from W, `warmup` untimed steps of `state`, then
+  /// `steps` timed ones.  After a failure the Outcome says so, with steps counted from W.
+  std::pair<Outcome, std::vector<double>> timed_run(const Array& W, Array state, double h,
+                                                    long steps, long repetitions, long warmup);
 
  private:
   class InUse;

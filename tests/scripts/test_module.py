@@ -3,7 +3,9 @@
 Run with: python3 -m unittest test_module (in tests/scripts; the module is that of ISOSYRK_BUILD, or of build/)
 """
 
+import gc
 import os
+import pickle
 import re
 import signal
 import subprocess
@@ -12,6 +14,7 @@ import tempfile
 import threading
 import tracemalloc
 import unittest
+import weakref
 
 from programs import BUILD, ROOT, SANITIZED, program
 
@@ -141,8 +144,18 @@ class Answers(unittest.TestCase):
         self.assertEqual(len(times), 3)
         self.assertTrue(all(0 < seconds < 60 for seconds in times))
         self.assertTrue(np.array_equal(W, scene.initial))
-        with self.assertRaises(isosyrk.SolverError):
-            method.timed_run(W, h=50.0, steps=3)
+
+    def test_a_timed_run_that_fails_tells_where(self):
+        scene = isosyrk.scene("rough", n=9)
+        method = isosyrk.integrator(scene, "group2", max_sweeps=12)  # enough for the first steps only
+        failures = []
+        for call, options in ((method.run, {}), (method.timed_run, {}), (method.timed_run, {"warmup": 2})):
+            with self.assertRaises(isosyrk.SolverError) as raised:
+                call(scene.initial, 0.2, 40, **options)
+            failures.append(raised.exception)
+        for each in failures[1:]:
+            self.assertEqual(each.step, failures[0].step)
+            self.assertTrue(np.array_equal(each.W, failures[0].W))
 
 
 class Arrays(unittest.TestCase):
@@ -157,14 +170,14 @@ class Arrays(unittest.TestCase):
         spread[...] = W0
         read_only = W0.copy()
         read_only.flags.writeable = False
-        for W in (np.asfortranarray(W0), spread, read_only, W0.tolist(), W0.T.copy().T):
+        for W in (np.asfortranarray(W0), spread, read_only, W0.tolist(), W0.T.copy().T, W0.astype(">c16")):
             self.assertTrue(np.array_equal(self.method.run(W, 0.1, 5)[0], self.wanted))
             self.assertTrue(np.array_equal(W, W0))
 
     def test_out_is_written_and_may_be_the_input(self):
         W = self.scene.initial.copy()
         result, _ = self.method.run(W, 0.1, 5, out=W)
-        self.assertIs(result.base if result.base is not None else result, W)
+        self.assertIs(result, W)
         self.assertTrue(np.array_equal(W, self.wanted))
         read_only = np.empty_like(W)
         read_only.flags.writeable = False
@@ -200,6 +213,14 @@ class Arrays(unittest.TestCase):
         self.assertEqual([step for step, _ in seen], [2, 4])
         self.assertEqual(report.steps, 4)
         self.assertTrue(np.array_equal(W, seen[-1][1]))
+        class Recorder(list):
+            def __call__(self, step, W, report):
+                self.append(step)
+                return np.float64(step) > 2  # an np.bool_
+
+        recorder = Recorder()
+        self.method.run(self.scene.initial, 0.1, 9, observe=recorder)
+        self.assertEqual(recorder, [1, 2, 3])
         self.method.run(self.scene.initial, 0.1, 5, observe=lambda step, *_: seen.append((step, None)), every=2)
         self.assertEqual([step for step, _ in seen[2:]], [2, 4, 5])
 
@@ -220,7 +241,7 @@ class OwnFlow(unittest.TestCase):
             self.assertTrue(np.array_equal(W, wanted), name)
         self.assertEqual(own.energy(own.initial), scene.energy(scene.initial))
         self.assertTrue(np.isnan(isosyrk.scene(initial=scene.initial, generator=scene.generator).energy(scene.initial)))
-        with self.assertRaisesRegex(ValueError, "fast form: the flow has no generator in split storage"):
+        with self.assertRaisesRegex(ValueError, "^solver 'fast': not for a generator of your own"):
             isosyrk.integrator(own, "group2", solver="fast")
 
     def test_a_generator_that_fails_ends_the_step(self):
@@ -236,6 +257,34 @@ class OwnFlow(unittest.TestCase):
             with self.assertRaisesRegex(error, message):
                 isosyrk.integrator(scene, "group2").run(W, 0.1, 3, out=W)
             self.assertTrue(np.array_equal(W, scene.initial))
+
+    def test_a_generator_that_leaves_the_algebra_is_refused(self):
+        scene = isosyrk.scene("smooth", n=9)
+        own = isosyrk.scene(initial=scene.initial, generator=lambda W: 1j * scene.generator(W))
+        with self.assertRaisesRegex(ValueError, r"^generator: the largest entry of \|B \+ B†\| is 2 of"):
+            isosyrk.integrator(own, "cotangent2").step(own.initial, 0.1)
+
+    def test_a_hamiltonian_that_is_no_number_is_refused(self):
+        for value in (None, "1", np.ones(2), 1j):
+            scene = isosyrk.scene(initial=state(), generator=lambda W: W, hamiltonian=lambda W: value)
+            with self.assertRaisesRegex(TypeError, "^hamiltonian: its result"):
+                scene.energy(scene.initial)
+
+    def test_a_model_that_holds_its_scene_is_freed(self):
+        class Model:
+            def __init__(self):
+                self.scene = isosyrk.scene(initial=state(), generator=self.B)
+                self.method = isosyrk.integrator(self.scene, "group1")
+
+            def B(self, W):
+                return 0 * W
+
+        model = Model()
+        model.method.step(model.scene.initial, 0.1)
+        freed = weakref.ref(model)
+        del model
+        gc.collect()
+        self.assertIsNone(freed())
 
     def test_a_generator_may_keep_its_argument(self):
         kept = []
@@ -277,6 +326,8 @@ class Refusals(unittest.TestCase):
                 (TypeError, "^re: is a str", dict(modes=[(1, 0, "1", 0.0)], n=9)),
                 (ValueError, "dtype is complex64", dict(initial=W.astype(np.complex64))),
                 (ValueError, "dtype is float64", dict(initial=W.real)),
+                (TypeError, "masked", dict(initial=np.ma.array(W))),
+                (ValueError, r"shape is \(1, 9, 9\), must be \(n, n\)", dict(initial=W[None])),
                 (ValueError, r"shape is \(9, 8\)", dict(initial=W[:, :8])),
                 (ValueError, r"shape is \(9, 9\), must be \(8, 8\)", dict(initial=W, n=8)),
                 (ValueError, "1e-10", dict(initial=broken)),
@@ -299,6 +350,8 @@ class Refusals(unittest.TestCase):
                 (ValueError, "^tolerance 1e-16: must be at least 1e-15", dict(name="group2", tolerance=1e-16)),
                 (TypeError, "^tolerance: is a str", dict(name="group2", tolerance="1e-13")),
                 (ValueError, "^products 'mkl'", dict(name="group2", products="mkl")),
+                (ValueError, "must be printable$", dict(name="a\0b")),
+                (ValueError, "^products: goes with", dict(name="group2", solver="fast", products="eigen")),
                 (ValueError, "has no fast form", dict(name="rk4", solver="fast"))):
             self.refused(error, message, isosyrk.integrator, self.scene, **arguments)
         self.refused(TypeError, "^scene: is a str", isosyrk.integrator, "smooth", "group2")
@@ -312,8 +365,9 @@ class Refusals(unittest.TestCase):
         method = isosyrk.integrator(self.scene, "group2")
         W = self.scene.initial
         for error, message, arguments in (
+                (TypeError, "^h: is a ndarray", (W, np.array("0.1"), 5)), (ValueError, "^h: is too large", (W, 10**400, 5)),
                 (TypeError, "^h: is a str", (W, "0.1", 5)), (ValueError, "^h = nan", (W, float("nan"), 5)),
-                (TypeError, "^steps: is a float", (W, 0.1, 5.0)), (ValueError, "^steps = -1: must be at least 0$", (W, 0.1, -1)),
+                (TypeError, "^steps: is a float", (W, 0.1, 5.0)), (ValueError, "^steps = -1: must be 0 to", (W, 0.1, -1)),
                 (ValueError, r"shape is \(8, 8\)", (W[:8, :8], 0.1, 5)), (ValueError, "dtype", ("W", 0.1, 5)),
                 (ValueError, "1e-10", (W + np.eye(9), 0.1, 5)), (TypeError, "^observe: is a int", (W, 0.1, 5, 3)),
                 (ValueError, "^every = 0", (W, 0.1, 5, None, 0))):
@@ -333,6 +387,15 @@ class Refusals(unittest.TestCase):
         self.assertTrue(np.array_equal(W0, scene.initial))
         self.assertGreater(len(seen), 0)
         self.assertEqual(error.report.steps, len(seen))
+        again = pickle.loads(pickle.dumps(error))
+        self.assertEqual((str(again), again.step, again.report), (str(error), error.step, error.report))
+        self.assertTrue(np.array_equal(again.W, error.W))
+
+    def test_empty_matrices(self):
+        empty = np.zeros((0, 0), complex)
+        for call in (isosyrk.skew_defect, isosyrk.spectrum, lambda W: isosyrk.casimir_errors(W, W)):
+            self.refused(ValueError, r"shape is \(0, 0\)", call, empty)
+        self.refused(ValueError, "n >= 2", isosyrk.angular_momentum_error, np.ones((1, 1), complex), np.ones((1, 1), complex))
 
 
 class Beside(unittest.TestCase):
@@ -356,6 +419,11 @@ class Beside(unittest.TestCase):
             other.join()
             return True
 
+        untouched, _ = method.run(scene.initial, 0.1, 5)
+        shared = np.empty_like(untouched)
+        method.run(scene.initial, 0.1, 5, out=shared, observe=lambda *_: self.assertRaises(
+            RuntimeError, method.step, scene.initial, 0.1, out=shared) and None)
+        self.assertTrue(np.array_equal(shared, untouched))
         method.run(scene.initial, 0.1, 5, observe=observe)
         self.assertEqual(refused, ["integrator: is in use by another call"] * 2)
         method.step(scene.initial, 0.1)
@@ -418,6 +486,35 @@ class Beside(unittest.TestCase):
             self.assertEqual(unmoved, "True")  # the first step had not ended
             self.assertLess(seconds, 2.5)
 
+    def test_the_interpreter_ends_while_a_daemon_thread_runs(self):
+        for solver, observe in (("published", None), ("fast", "lambda *_: None")):
+            process = python("import isosyrk, threading, time\n"
+                             "scene = isosyrk.scene('smooth', n=17)\n"
+                             f"method = isosyrk.integrator(scene, 'group2', solver='{solver}')\n"
+                             f"run = lambda: method.run(scene.initial, 0.1, 10**9, observe={observe})\n"
+                             "threading.Thread(target=run, daemon=True).start()\n"
+                             "time.sleep(0.3)\n")
+            _, errors = process.communicate(timeout=60)
+            self.assertEqual((process.returncode, errors), (0, ""))
+
+    def test_threads_in_a_forked_process_are_refused(self):
+        code = ("import isosyrk, os, sys\n"
+                "scene = isosyrk.scene('smooth', n=65)\n"
+                "method = isosyrk.integrator(scene, 'group2', solver='fast', threads=2)\n"
+                "PARENT\n"
+                "if os.fork() == 0:\n"
+                "    try:\n"
+                "        method.step(scene.initial, 0.1)\n"
+                "        os.write(1, b'done')\n"
+                "    except RuntimeError as error:\n"
+                "        os.write(1, str(error).encode())\n"
+                "    os._exit(0)\n"
+                "os.wait()\n")
+        for parent, printed in (("", "done"), ("method.step(scene.initial, 0.1)", "threads = 2: hang in a process forked")):
+            process = python(code.replace("PARENT", parent))
+            output, errors = process.communicate(timeout=60)
+            self.assertTrue(output.startswith(printed), output + errors)
+
     def test_numpy_is_left_as_it_was(self):
         code = ("import ctypes, ctypes.util\n"
                 "blas = ctypes.CDLL('libopenblas.so.0')\n"
@@ -428,6 +525,12 @@ class Beside(unittest.TestCase):
                 "for solver in ('published', 'fast'):\n"
                 "    isosyrk.integrator(scene, 'group2', solver=solver).run(scene.initial, 0.1, 3,\n"
                 "        observe=lambda *_: seen.append(blas.openblas_get_num_threads()))\n"
+                "import signal\n"
+                "flushed = []\n"
+                "signal.signal(signal.SIGALRM, lambda *_: flushed.append(np.float64(2.0)**-1060 / 2 == 0))\n"
+                "signal.setitimer(signal.ITIMER_REAL, 0.2)\n"
+                "isosyrk.integrator(scene, 'group2', solver='fast').run(scene.initial, 0.1, 30000)\n"
+                "assert flushed == [False], flushed\n"
                 "least = np.float64(2.0)**-1074\n"
                 "print(blas.openblas_get_num_threads(), set(seen), least * 1 > 0, np.float64(2.0)**-1060 / 2 > 0)\n")
         process = python(code)
@@ -439,7 +542,7 @@ class Package(unittest.TestCase):
     def test_stub_names_what_is_there(self):
         from isosyrk import _core
         with open(os.path.join(ROOT, "core", "python", "isosyrk", "_core.pyi"), encoding="utf-8") as stub:
-            named = set(re.findall(r"^(?:def|class) (\w+)", stub.read(), re.M))
+            named = set(re.findall(r"^(?:def |class |)(\w+)(?=[(:])", stub.read(), re.M))
         self.assertEqual(named, {name for name in dir(_core) if not name.startswith("_")})
 
     def test_everything_public_has_a_docstring(self):

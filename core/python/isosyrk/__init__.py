@@ -9,12 +9,14 @@
 A vorticity matrix W is a complex128 array of shape (n, n), skew-Hermitian to 1e-10 relative. Input is read in any memory
 layout and never modified; only `out` is written, and must be writable and in C order. Steps release the GIL. Ctrl-C ends
 a run after the sweep at hand (an explicit method: after the step at hand) or within a tenth of a second, whichever is
-later. Bad values raise ValueError with one line that names the value and what is allowed, other types TypeError.
+later; making a scene and spectra cannot be interrupted. Bad values raise ValueError with one line that names the value and what is allowed, other types TypeError.
 """
 
+import atexit
 import math
 import operator
-from typing import Callable, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+import os
+from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,12 +26,16 @@ from . import _core
 __all__ = ["Integrator", "IntegratorRecord", "Report", "Scene", "SolverError", "angular_momentum_error", "casimir_errors",
            "conditions", "integrator", "integrators", "relative_error", "scene", "skew_defect", "spectrum", "spectrum_error"]
 
+__version__ = _core.version
+
 Matrix = NDArray[np.complex128]
 Mode = Tuple[int, int, float, float]
 
 SOLVERS = ("published", "fast")
 SWITCHES = ("predictor", "newton", "bands")
 LARGEST_N = 4096
+
+atexit.register(_core.end_runs)
 
 
 class Report(NamedTuple):
@@ -60,6 +66,9 @@ class SolverError(RuntimeError):
         self.W = W
         self.report = report
 
+    def __reduce__(self):
+        return SolverError, (self.step, self.status, self.last_change, self.W, self.report)
+
 
 class IntegratorRecord(NamedTuple):
     """An integrator of the list, and what it keeps."""
@@ -79,8 +88,10 @@ class IntegratorRecord(NamedTuple):
 class Scene:
     """A flow with initial data. Made by scene()."""
 
-    def __init__(self, core, hbar, modes_hash):
+    def __init__(self, core, hbar, modes_hash, generator=None, hamiltonian=None):
         self._core = core
+        self._generator = generator  # kept here, since the compiled half only borrows it
+        self._hamiltonian = hamiltonian
         self.hbar: Optional[str] = hbar  # "paper" or "standard"; None for a generator of the user's own
         self.modes_hash: Optional[str] = modes_hash  # tells initial modes apart; None where there are none
 
@@ -104,7 +115,10 @@ class Scene:
 
     def energy(self, W: ArrayLike) -> float:
         """Returns the Hamiltonian H(W); NaN where a user's own flow has none."""
-        return self._core.energy(_square(W, self.n))
+        W = _square(W, self.n)
+        if self._hamiltonian is not None:
+            return _real(self._hamiltonian(W.copy()), "hamiltonian: its result", finite=False)
+        return self._core.energy(W)
 
     def generator(self, W: ArrayLike) -> Matrix:
         """Returns B(W), shape (n, n)."""
@@ -166,7 +180,19 @@ def _own_scene(name, initial, n, hbar, generator, hamiltonian):
         if function is not None and not callable(function):
             raise TypeError(f"{what}: is a {type(function).__name__}, must be a function of W")
     label = "generator" if name is None else _text(name, "scene")
-    return Scene(_core.scene_of_generator(label, _initial(initial, n), generator, hamiltonian), None, None)
+    return Scene(_core.scene_of_generator(label, _initial(initial, n), generator), None, None, generator, hamiltonian)
+
+
+# OpenMP hangs in a child that was forked after a parallel region of its parent.
+_used_threads = _hangs = False
+
+
+def _after_fork():
+    global _hangs
+    _hangs = _used_threads
+
+
+os.register_at_fork(after_in_child=_after_fork)
 
 
 class Integrator:
@@ -203,24 +229,36 @@ class Integrator:
         h, steps, every = _real(h, "h"), _whole(steps, "steps", 0), _whole(every, "every", 1)
         if observe is not None and not callable(observe):
             raise TypeError(f"observe: is a {type(observe).__name__}, must be a function of step, W and report")
-        result = np.empty((self.scene.n, self.scene.n), np.complex128) if out is None else _output(out, self.scene.n)
-        np.copyto(result, state)
-        outcome = self._core.run(result, h, steps, observe and _observer(observe, result), every)
-        return result, self._report(outcome, result)
+        self._require_threads()
+        if out is None:
+            out = np.empty((self.scene.n, self.scene.n), np.complex128)
+        result = _output(out, self.scene.n)
+        outcome = self._core.run(state, result, h, steps, None if observe is None else _observer(observe, result), every)
+        return out, self._report(outcome, out)
 
     def timed_run(self, W: ArrayLike, h: float, steps: int, repetitions: int = 7, warmup: int = 0) -> List[float]:
         """Returns the CPU seconds of `repetitions` runs, measured in C++.
 
         Each repetition begins at W with `warmup` untimed steps, then times `steps` steps. Raises SolverError.
         """
-        state = np.ascontiguousarray(_state(W, self.scene.n))
-        outcome, times = self._core.timed_run(state, _real(h, "h"), _whole(steps, "steps", 1),
+        self._require_threads()
+        W = _state(W, self.scene.n)
+        state = np.empty_like(W)
+        outcome, times = self._core.timed_run(W, state, _real(h, "h"), _whole(steps, "steps", 1),
                                               _whole(repetitions, "repetitions", 1), _whole(warmup, "warmup", 0))
         self._report(outcome, state)
         return times
 
+    def _require_threads(self):
+        """Raises RuntimeError where a parallel region would hang."""
+        global _used_threads
+        if self.threads > 1:
+            if _hangs:
+                raise RuntimeError(f"threads = {self.threads}: hang in a process forked after others ran; start it by spawn")
+            _used_threads = True
+
     def linear_limit(self) -> Optional[float]:
-        """Returns the largest h*norm(B) that linear theory allows at the scene's initial data (2-norm); None if any."""
+        """Returns the largest h*norm(B) that linear theory allows at the scene's initial data (2-norm); None if it sets none."""
         return self._entry.linear_limit(self.scene._core)
 
     def __repr__(self):
@@ -240,8 +278,10 @@ def integrator(scene: Scene, name: str, solver: str = "published", tolerance: fl
 
     solver     "published": the paper's equations, solved by Picard sweeps. "fast": the same answer to the tolerance,
                several times sooner; for names and flows that have a fast form, otherwise ValueError.
-    tolerance  of the iteration, at least 1e-15: the largest change of an unknown, Frobenius norm, absolute.
-    threads    of the fast solver, 1 to 64; the answer is bit for bit the same.
+    tolerance  of the iteration, at least 1e-15: the largest change of an unknown, Frobenius norm, absolute. It suits
+               states of norm about 1; scale others, or the tolerance.
+    threads    of the fast solver, 1 to 64; the answer is bit for bit the same. A process forked after a run with
+               several threads raises RuntimeError: OpenMP hangs there.
     max_sweeps of a step, 1 to 1000000.
     products   of published forms: "openblas", "eigen", or "fastest" of the two as measured here.
     without    of the fast solver, for studies: "predictor", "newton", "bands".
@@ -262,6 +302,10 @@ def integrator(scene: Scene, name: str, solver: str = "published", tolerance: fl
     threads = _whole(threads, "threads", 1, 64)
     if solver == "published" and (threads != 1 or without):
         raise ValueError(f"{'threads' if threads != 1 else 'without'}: goes with solver 'fast' only")
+    if solver == "fast" and scene._generator is not None:
+        raise ValueError("solver 'fast': not for a generator of your own; must be published")
+    if solver == "fast" and products != "openblas":
+        raise ValueError("products: goes with solver 'published' only; fast forms have products of their own")
     core = _core.Stepper(scene._core, entry.name, solver == "fast", tolerance, _whole(max_sweeps, "max_sweeps", 1, 10**6),
                          threads, *(each not in without for each in SWITCHES), _text(products, "products"))
     return Integrator(scene, entry, solver, threads, core)
@@ -273,7 +317,7 @@ def integrators() -> List[IntegratorRecord]:
             for entry in _core.integrators()]
 
 
-def conditions(products: str = "fastest", sizes: Iterable[int] = ()) -> dict:
+def conditions(products: str = "fastest", sizes: Iterable[int] = ()) -> Dict[str, str]:
     """Returns the conditions of a measurement, as text: commit, compiler, processor, BLAS and its kernels, environment.
 
     Product rates are measured at the given n, about half a second each.
@@ -304,8 +348,10 @@ def casimir_errors(W: ArrayLike, W0: ArrayLike) -> List[float]:
 
 
 def angular_momentum_error(W: ArrayLike, W0: ArrayLike) -> float:
-    """Returns the largest change of a component of the angular momentum, relative to its norm at W0."""
+    """Returns the largest change of a component of the angular momentum, relative to its norm at W0; n >= 2."""
     W = _square(W)
+    if len(W) < 2:
+        raise ValueError("W: its shape is (1, 1), must be (n, n) with n >= 2")
     return _core.angular_momentum_error(W, _square(W0, len(W)))
 
 
@@ -321,7 +367,12 @@ def relative_error(W: ArrayLike, reference: ArrayLike) -> float:
 def _observer(observe, W):
     view = W.view()
     view.flags.writeable = False
-    return lambda outcome: observe(outcome.steps, view, _report(outcome))
+
+    def called(outcome):
+        result = observe(outcome.steps, view, _report(outcome))
+        return isinstance(result, (bool, np.bool_)) and bool(result)
+
+    return called
 
 
 def _report(outcome):
@@ -330,13 +381,15 @@ def _report(outcome):
 
 def _square(W, n=None):
     """Returns a matrix as a complex128 array in C order, of shape (n, n) if n is given."""
+    if isinstance(W, np.ma.MaskedArray):
+        raise TypeError("W: is a masked array, must have all its entries")
     array = np.asarray(W)
-    if array.dtype != np.complex128:
+    if array.dtype.newbyteorder("=") != np.complex128:
         raise ValueError(f"W: its dtype is {array.dtype}, must be complex128")
-    size = array.shape[0] if array.ndim and n is None else n
-    if array.shape != (size, size):
-        raise ValueError(f"W: its shape is {array.shape}, must be ({size or 'n'}, {size or 'n'})")
-    return np.ascontiguousarray(array)
+    size = n or (array.shape[0] if array.ndim == 2 else 0)
+    if array.shape != (size, size) or not size:
+        raise ValueError(f"W: its shape is {array.shape}, must be ({n or 'n'}, {n or 'n'})")
+    return np.require(array, np.complex128, ("C", "A"))
 
 
 def _state(W, n):
@@ -375,26 +428,30 @@ def _mode(mode):
 def _text(value, what):
     if not isinstance(value, str):
         raise TypeError(f"{what}: is a {type(value).__name__}, must be a text")
+    if not value.isprintable():
+        raise ValueError(f"{what} {value!a}: must be printable")
     return value
 
 
-def _whole(value, what, least, most=2**62):
+def _whole(value, what, least, most=10**15):
     try:
         number = operator.index(value)
     except TypeError:
         raise TypeError(f"{what}: is a {type(value).__name__}, must be a whole number") from None
     if not least <= number <= most:
-        raise ValueError(f"{what} = {number}: must be {f'{least} to {most}' if most < 2**62 else f'at least {least}'}")
+        raise ValueError(f"{what} = {number}: must be {least} to {most}")
     return number
 
 
-def _real(value, what):
-    if isinstance(value, (str, bytes)):
-        raise TypeError(f"{what}: is a {type(value).__name__}, must be a number")
+def _real(value, what, finite=True):
     try:
+        if np.asarray(value).dtype.kind not in "biufO":
+            raise TypeError
         number = float(value)
-    except TypeError:
+    except (TypeError, ValueError):
         raise TypeError(f"{what}: is a {type(value).__name__}, must be a number") from None
-    if not math.isfinite(number):
+    except OverflowError:
+        raise ValueError(f"{what}: is too large, must be finite") from None
+    if finite and not math.isfinite(number):
         raise ValueError(f"{what} = {number}: must be finite")
     return number
