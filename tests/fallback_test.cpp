@@ -15,7 +15,7 @@ namespace {
 constexpr Index n = 5;
 constexpr double h = 0.1;
 
-// What a step does: G(x) = W₀ + g (x - W₀), of which the solver is told T and K.
+// What a step is: G(x) = W₀ + g (x - W₀), of which the solver is told T and K.
 struct Script {
   double g = 0.5;
   float T = 0.4f;
@@ -32,9 +32,11 @@ class Scripted final : public StageSystemDouble {
     T_ = script.T;
     K_ = script.K;
   }
+  bool flushed = false;  // at the last residual
 
  protected:
   double residual_of(const SplitMatrix& x, SingleMatrix& R) override {
+    flushed = flushes_denormals();
     if (calls_.cold_starts < script_.cold_starts_until_finite) {
       constexpr double nan = std::numeric_limits<double>::quiet_NaN();
       R.load(Matrix::Constant(n, n, nan));
@@ -145,6 +147,22 @@ TEST_F(Fallback, WhereAllFailTheStepHasFailedAndTheNextStartsCold) {
   expect_success_of(predicted_newton, {});
   expect_failure(3, {.has_solution = false});
   expect_success_of(cold_newton, {});
+}
+
+// Whether a step works or fails.
+TEST_F(Fallback, DenormalsAreFlushedWhileAStepIsUnderWay) {
+#if !defined(__SSE2__)
+  GTEST_SKIP() << "only x86 is told";
+#endif
+  const auto expect_flushed = [&](const auto& call) {
+    system->flushed = false;
+    call();
+    EXPECT_TRUE(system->flushed);
+    EXPECT_TRUE(keeps_denormals());
+  };
+  expect_flushed([&] { step({}); });
+  expect_flushed([&] { integrator->change_of_one_more_sweep(); });
+  expect_flushed([&] { step({.has_solution = false}); });
 }
 
 class FallbackWithoutNewton : public Fallback {

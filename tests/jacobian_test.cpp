@@ -1,16 +1,10 @@
 // The Jacobian T + K of every stage system against central differences of its residual.
 #include <gtest/gtest.h>
 
-#include "isosyrk/fast/algebra_system.h"
-#include "isosyrk/fast/cotangent_system.h"
-#include "isosyrk/fast/group_system.h"
-#include "isosyrk/fast/midpoint_system.h"
-#include "isosyrk/flows/split_laplacian.h"
+#include "isosyrk/flows/split_generator.h"
 #include "isosyrk/linalg/spectrum.h"
 #include "isosyrk/solver/inexact_newton.h"
 #include "isosyrk/split/linear_combination.h"
-#include "isosyrk/split/skew.h"
-#include "isosyrk/tableaux/gauss_tableau.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -107,41 +101,6 @@ class WrongSign final : public FixedPointSystem {
   bool of_T_, of_K_;
 };
 
-enum class System { cotangent, group, algebra, midpoint };
-
-struct Case {
-  System system;
-  int s;
-};
-
-void PrintTo(const Case& tested, std::ostream* out) {
-  constexpr const char* names[] = {"cotangent", "group", "algebra", "midpoint"};
-  *out << names[static_cast<int>(tested.system)] << tested.s;
-}
-
-std::vector<Case> cases() {
-  std::vector<Case> all = {{System::midpoint, 1}};
-  for (const System system : {System::cotangent, System::group, System::algebra}) {
-    for (const int s : {1, 2, 3, 4}) all.push_back({system, s});
-  }
-  return all;
-}
-
-std::unique_ptr<StageSystem> make(const Case& tested, const Flow& flow) {
-  const Tableau tableau = gauss_tableau(tested.s);
-  switch (tested.system) {
-    case System::cotangent:
-      return std::make_unique<CotangentSystem>(flow, tableau, 1, false);
-    case System::group:
-      return std::make_unique<GroupSystem>(flow, tableau, 1, false);
-    case System::algebra:
-      return std::make_unique<AlgebraSystem>(flow, tableau, 1, false);
-    case System::midpoint:
-      break;
-  }
-  return std::make_unique<MidpointSystem>(flow, 1, false);
-}
-
 // Corrections as vectors in double precision.
 Unknowns widened(const Corrections& delta) {
   Unknowns wide;
@@ -179,8 +138,11 @@ double norm(const Unknowns& x) {
 
 // A system bound to a step with h‖B‖ = 0.3, at its solution.
 struct AtSolution {
-  AtSolution(const Case& tested, const Matrix& initial, bool backwards, Part part)
-      : kind(tested.system), flow(initial, part), system(make(tested, flow)), W0(initial) {
+  AtSolution(const Method& tested, const Matrix& initial, bool backwards, Part part)
+      : method(tested),
+        flow(initial, part),
+        system(stage_system(tested, flow, 1, false)),
+        W0(initial) {
     Matrix B(n, n);
     flow.generator(initial, B);
     const double h = (backwards ? -h_norm_B : h_norm_B) / spectral_norm(B);
@@ -208,7 +170,8 @@ struct AtSolution {
   Unknowns direction(unsigned seed) const {
     Unknowns d = x;
     for (std::size_t each = 0; each < d.size(); ++each) {
-      const bool is_skew = kind == System::midpoint || (kind == System::algebra && each == 1);
+      const bool is_skew =
+          method.formulation == Formulation::algebra && (method.s == 1 || each == 1);
       for (SplitMatrix& matrix : d[each]) {
         const Matrix random = random_matrix(n, seed++);
         matrix = SplitMatrix(is_skew ? Matrix(random - random.adjoint()) : random);
@@ -233,7 +196,7 @@ struct AtSolution {
     return sum(1.0, d, 1.0, sum(scale, widened(ahead), -scale, widened(behind)));
   }
 
-  System kind;
+  Method method;
   PartOfEulerZeitlin flow;
   std::unique_ptr<StageSystem> system;
   SplitMatrix W0;
@@ -251,7 +214,7 @@ double miss_of_newton(AtSolution& at, FixedPointSystem& system, unsigned seed) {
   return norm(sum(1.0 / size, widened(solver.correction()), -1.0, d));
 }
 
-class Jacobian : public ::testing::TestWithParam<Case> {
+class Jacobian : public ::testing::TestWithParam<Method> {
  protected:
   // Calls test(at, seed) for a smooth and a random W₀, forwards and backwards.
   template <class Test>
@@ -318,7 +281,7 @@ TEST_P(Jacobian, HasACouplingByItself) {
   });
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Jacobian, ::testing::ValuesIn(cases()),
+INSTANTIATE_TEST_SUITE_P(All, Jacobian, ::testing::ValuesIn(methods(4)),
                          ::testing::PrintToStringParamName());
 
 }  // namespace

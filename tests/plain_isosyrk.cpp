@@ -6,8 +6,9 @@
 
 namespace isosyrk::testing {
 
-Matrix plain_isosyrk_step(const Flow& flow, const Tableau& tableau, KIndex index, const Matrix& W0,
-                          double h) {
+Matrix plain_isosyrk(const Flow& flow, const Tableau& tableau, KIndex index, const Matrix& W0,
+                     double h, long steps) {
+  if (steps == 0) return W0;
   const Index n = flow.size();
   const auto s = static_cast<std::size_t>(tableau.stages());
   const auto a = [&tableau](std::size_t i, std::size_t j) {
@@ -53,14 +54,7 @@ Matrix plain_isosyrk_step(const Flow& flow, const Tableau& tableau, KIndex index
     flow.algebra().involution(C, adjoint);
     W1 += h * tableau.b(static_cast<Index>(i)) * (C - adjoint);
   }
-  return W1;
-}
-
-Matrix plain_isosyrk(const Flow& flow, const Tableau& tableau, KIndex index, const Matrix& W0,
-                     double h, long steps) {
-  Matrix W = W0;
-  for (long k = 0; k < steps; ++k) W = plain_isosyrk_step(flow, tableau, index, W, h);
-  return W;
+  return plain_isosyrk(flow, tableau, index, W1, h, steps - 1);
 }
 
 }  // namespace isosyrk::testing

@@ -13,11 +13,7 @@ enum class KIndex {
   printed,    ///< h B(W̃_i) ( ... ), as the paper has it
 };
 
-/// One step, iterated to tolerance 1e-14 or 200 sweeps.
-Matrix plain_isosyrk_step(const Flow& flow, const Tableau& tableau, KIndex index, const Matrix& W0,
-                          double h);
-
-/// `steps` of them.
+/// So many steps, each iterated to tolerance 1e-14 or 200 sweeps.
 Matrix plain_isosyrk(const Flow& flow, const Tableau& tableau, KIndex index, const Matrix& W0,
                      double h, long steps);
 
