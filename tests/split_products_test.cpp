@@ -131,10 +131,7 @@ INSTANTIATE_TEST_SUITE_P(Split, EachUnit, ::testing::ValuesIn(tested_kernels()),
 
 TEST(SplitProducts, RefuseAliasesOtherSizesAndThreads) {
   SplitProducts products(5);
-  SplitMatrix A(5);
-  SplitMatrix B(5);
-  SplitMatrix other(6);
-  SplitMatrix C(5);
+  SplitMatrix A(5), B(5), C(5), other(6);
   for (const bool adjoint : {false, true}) {
     const auto form = [&](const SplitMatrix& left, const SplitMatrix& right, SplitMatrix& out) {
       products.form(adjoint ? adjoint_times(left, right, out) : times(left, right, out));
@@ -146,9 +143,9 @@ TEST(SplitProducts, RefuseAliasesOtherSizesAndThreads) {
     EXPECT_THROW(form(A, other, C), std::invalid_argument);
   }
   EXPECT_THROW(SplitProducts(0), std::invalid_argument);
-  for (const int threads : {-1, 0, 65}) {
-    EXPECT_THROW(SplitProducts(5, threads), std::invalid_argument);
-  }
+  EXPECT_THROW(SplitProducts(5, 65), std::invalid_argument);
+  const ThreadScope two(2);
+  EXPECT_THROW(products.form(times(A, B, C)), std::invalid_argument);
   EXPECT_EQ(products.count(), 0);
 }
 
