@@ -71,31 +71,31 @@ TEST(GaussTableau, SatisfiesTheCollocationConditions) {
   }
 }
 
-TEST(GaussTableau, IsSymplecticTo16Epsilon) {
+TEST(GaussTableau, IsSymplecticTo16EpsilonAndRadauIsNot) {
   for (int s = 1; s <= max_stages; ++s) {
     EXPECT_LE(symplecticity_defect(gauss_tableau(s)), 16 * 2.3e-16) << s;
   }
-}
-
-TEST(SymplecticityDefect, TellsRadauFromGauss) {
   EXPECT_GE(symplecticity_defect(radau_iia()), 0.05);
 }
 
-TEST(GaussTableau, RefusesStageNumbersOutOfRange) {
-  EXPECT_THROW(gauss_tableau(0), std::invalid_argument);
-  EXPECT_THROW(gauss_tableau(-1), std::invalid_argument);
-  EXPECT_THROW(gauss_tableau(max_stages + 1), std::invalid_argument);
-}
-
-TEST(Tableau, ThatIsInconsistentIsRefused) {
-  Tableau tableau = gauss_tableau(2);
-  EXPECT_NO_THROW(require_consistent(tableau));
-  tableau.a(0, 1) = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(require_consistent(tableau), std::invalid_argument);
-  tableau = gauss_tableau(2);
-  tableau.b.resize(3);
-  EXPECT_THROW(require_consistent(tableau), std::invalid_argument);
-  EXPECT_THROW(require_consistent(Tableau{}), std::invalid_argument);
+TEST(Tableau, ThatIsInconsistentOrTooLargeIsRefused) {
+  for (const int s : {-1, 0, max_stages + 1}) {
+    EXPECT_THROW(gauss_tableau(s), std::invalid_argument);
+  }
+  const auto expect_refused = [](const auto& change) {
+    Tableau tableau = gauss_tableau(2);
+    EXPECT_NO_THROW(require_consistent(tableau));
+    change(tableau);
+    EXPECT_THROW(require_consistent(tableau), std::invalid_argument);
+  };
+  expect_refused([](Tableau& tableau) { tableau = {}; });
+  expect_refused([](Tableau& tableau) { tableau.b.resize(3); });
+  expect_refused([](Tableau& tableau) { tableau.a(0, 1) = std::nan(""); });
+  expect_refused([](Tableau& tableau) {
+    const Index s = max_stages + 1;
+    tableau.a = RealMatrix::Zero(s, s);
+    tableau.b = tableau.c = RealVector::Constant(s, 1.0 / static_cast<double>(s));
+  });
 }
 
 }  // namespace
