@@ -3,10 +3,10 @@
 
 #include <Eigen/Dense>
 
-#include "isosyrk/tableaux/gauss_tableau.h"
 #include "isosyrk/flows/invariants.h"
 #include "isosyrk/flows/laplacian.h"
 #include "isosyrk/simulation/run.h"
+#include "isosyrk/tableaux/gauss_tableau.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -15,13 +15,11 @@ namespace {
 TEST(Formulations, KeepAngularMomentum) {
   const Scene scene = smooth_scene(17);
   const auto before = angular_momentum(scene.initial);
-  for (const Formulation formulation : formulations()) {
-    for (const int s : {1, 2, 3}) {
-      const Matrix W = integrated(*gauss(formulation, *scene.flow, s), scene.initial, 0.1, 50);
-      const auto after = angular_momentum(W);
-      // S_a has norm (n-1)/2 = 8; the coincidence bound 1e-11 times n for the trace.
-      for (std::size_t a = 0; a < 3; ++a) EXPECT_NEAR(after[a], before[a], 1e-9);
-    }
+  for (const auto& [formulation, s] : methods(3)) {
+    const Matrix W = integrated(*gauss(formulation, *scene.flow, s), scene.initial, 0.1, 50);
+    const auto after = angular_momentum(W);
+    // S_a has norm (n-1)/2 = 8; the coincidence bound 1e-11 times n for the trace.
+    for (std::size_t a = 0; a < 3; ++a) EXPECT_NEAR(after[a], before[a], 1e-9);
   }
 }
 
@@ -63,17 +61,15 @@ double poisson_map_defect(Integrator& integrator, const Matrix& W0, double h) {
   const auto inner = [](const Matrix& A, const Matrix& B) {
     return A.conjugate().cwiseProduct(B).sum().real();
   };
+  // The matrix of f over pairs of the basis.
   const auto size = static_cast<Index>(basis.size());
+  const auto matrix_of = [&](const auto& f) {
+    return RealMatrix(RealMatrix::NullaryExpr(size, size, [&](Index a, Index b) {
+      return f(basis[static_cast<std::size_t>(a)], basis[static_cast<std::size_t>(b)]);
+    }));
+  };
   const auto tensor = [&](const Matrix& W) {
-    RealMatrix T(size, size);
-    for (Index a = 0; a < size; ++a) {
-      for (Index b = 0; b < size; ++b) {
-        const Matrix& A = basis[static_cast<std::size_t>(a)];
-        const Matrix& B = basis[static_cast<std::size_t>(b)];
-        T(a, b) = inner(W, commutator(A, B));
-      }
-    }
-    return T;
+    return matrix_of([&](const Matrix& A, const Matrix& B) { return inner(W, commutator(A, B)); });
   };
   const double delta = 1e-4;
   RealMatrix derivative(size, size);

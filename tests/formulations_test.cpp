@@ -3,10 +3,7 @@
 
 #include <Eigen/Dense>
 
-#include "isosyrk/integrators/algebra_form.h"
-#include "isosyrk/tableaux/gauss_tableau.h"
 #include "isosyrk/flows/invariants.h"
-#include "tests/plain_isosyrk.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -58,26 +55,6 @@ TEST(Formulations, CoincideForManyStages) {
           << s;
     }
   }
-}
-
-TEST(AlgebraForm, EqualsThePlainTranscriptionOfItsEquations) {
-  const Scene scene = smooth_scene(17);
-  for (const int s : {1, 2, 3}) {
-    AlgebraForm form(*scene.flow, gauss_tableau(s), {}, ProductBackend::openblas);
-    EXPECT_LE(largest_difference(integrated(form, scene.initial, 0.1, 10),
-                                 plain_isosyrk(*scene.flow, gauss_tableau(s), KIndex::corrected,
-                                               scene.initial, 0.1, 10)),
-              1e-12)
-        << s;
-  }
-}
-
-TEST(FormulationNames, AreReadBackAndOthersRefused) {
-  for (const Formulation formulation : formulations()) {
-    EXPECT_EQ(formulation_from_name(name(formulation)), formulation);
-  }
-  EXPECT_THROW(formulation_from_name("Group"), std::invalid_argument);
-  EXPECT_THROW(formulation_from_name(""), std::invalid_argument);
 }
 
 }  // namespace

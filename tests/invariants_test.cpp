@@ -34,13 +34,6 @@ TEST(Casimir, IsTheTraceOfThePower) {
   EXPECT_THROW(casimir(W, 0), std::invalid_argument);
 }
 
-TEST(SkewDefect, SeesASingleEntry) {
-  Matrix W = random_skew_hermitian(6, 1);
-  EXPECT_EQ(skew_defect(W), 0.0);
-  W(2, 4) += 1e-13;
-  EXPECT_NEAR(skew_defect(W), 1e-13, 1e-15);
-}
-
 TEST(AngularMomentum, IsTheTraceWithTheSpinMatrices) {
   const Matrix W = random_skew_hermitian(7, 2);
   const auto S = spin_matrices(7);

@@ -1,16 +1,17 @@
 #include "benchmarks/npy_file.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstring>
-#include <filesystem>
-#include <fstream>
+
+#include "tests/support.h"
 
 namespace isosyrk::testing {
 namespace {
 
-TEST(NpyFile, HoldsTheMatrixByRows) {
+using NpyFile = WithFolder;
+
+TEST_F(NpyFile, HoldsTheMatrixByRows) {
   Matrix W(2, 2);
   W << Complex(1, 2), Complex(3, 4), Complex(5, 6), Complex(7, 8);
   const std::string bytes = npy(W);
@@ -26,11 +27,7 @@ TEST(NpyFile, HoldsTheMatrixByRows) {
   EXPECT_EQ(second_row_first, 5.0);
 
   // What is refused is tested from outside; see tests/scripts/test_integrate.py.
-  const auto path =
-      std::filesystem::temp_directory_path() / ("isosyrk_" + std::to_string(::getpid()) + ".npy");
-  std::ofstream(path, std::ios::binary) << bytes;
-  EXPECT_EQ(read_npy(path.string(), 2), W);
-  std::filesystem::remove(path);
+  EXPECT_EQ(read_npy(write("W.npy", bytes).string(), 2), W);
 }
 
 }  // namespace

@@ -33,11 +33,11 @@ Unknowns unknowns_at(double t, const Entry& entry) {
   return unknowns;
 }
 
-double oscillation(double t, double phase) {
+double oscillations(double t, double phase) {
   return std::cos(9.0 * t + phase) + 0.5 * std::sin(5.0 * t + phase * phase);
 }
 
-double polynomial(double t, double phase) { return phase * t * t * t - t * t + phase; }
+double cubic(double t, double phase) { return phase * t * t * t - t * t + phase; }
 
 // The largest difference of an unknown in the Frobenius norm.
 double difference(const Unknowns& x, const Unknowns& y) {
@@ -101,16 +101,13 @@ TEST(Predictor, IsExactOnPolynomialsOfADegreeBelowSixWhenItFits) {
   }
 }
 
-TEST(Predictor, MeetsAnOscillationThatThePolynomialMisses) {
+TEST(Predictor, MeetsTwoOscillationsThatThePolynomialMisses) {
   for (const int steps : {16, 17, 18, 40}) {
-    EXPECT_LT(miss(16, steps, oscillation), 1e-6) << steps;
-    EXPECT_GT(miss(7, steps, oscillation), 1e-3) << steps;
+    EXPECT_LT(miss(16, steps, oscillations), 1e-6) << steps;
+    EXPECT_GT(miss(7, steps, oscillations), 1e-3) << steps;
   }
-}
-
-TEST(Predictor, ASumOfOscillationsNeedsTwiceAsManyTerms) {
-  EXPECT_LT(miss(10, 20, oscillation), 1e-6);  // four terms beyond the six differences
-  EXPECT_GT(miss(9, 20, oscillation), 1e-4);
+  EXPECT_LT(miss(10, 20, oscillations), 1e-6);  // four terms beyond the six differences
+  EXPECT_GT(miss(9, 20, oscillations), 1e-4);
 }
 
 // The normal equations carry half the digits: with a diagonal raised by 1e-15 of its mean, weights
@@ -135,17 +132,17 @@ TEST(Predictor, IsExactOnAFewExponentialsOnceItFits) {
 }
 
 TEST(Predictor, SharesWeightsAmongAllUnknownsAndChangesNoneOfThePast) {
-  Predictor predictor(16, unknowns_at(0.0, oscillation));
-  miss(predictor, 20, oscillation);
-  Unknowns once = unknowns_at(0.0, oscillation), again = once;
+  Predictor predictor(16, unknowns_at(0.0, oscillations));
+  miss(predictor, 20, oscillations);
+  Unknowns once = unknowns_at(0.0, oscillations), again = once;
   EXPECT_TRUE(predictor.predict(h, once));
   EXPECT_TRUE(predictor.predict(h, again));
   EXPECT_EQ(difference(once, again), 0.0);
-  EXPECT_GT(difference(once, unknowns_at(0.0, oscillation)), 0.1);
+  EXPECT_GT(difference(once, unknowns_at(0.0, oscillations)), 0.1);
 }
 
 TEST(Predictor, StartsColdAtFirstAtAnotherStepAfterForgettingAndWithNoPastSteps) {
-  const Unknowns start = unknowns_at(0.3, polynomial);
+  const Unknowns start = unknowns_at(0.3, cubic);
   Unknowns x = start;
   Predictor predictor(16, start);
   const auto expect_cold = [&](Predictor& tried, double step, const char* why) {
@@ -153,18 +150,18 @@ TEST(Predictor, StartsColdAtFirstAtAnotherStepAfterForgettingAndWithNoPastSteps)
     EXPECT_EQ(difference(x, start), 0.0) << why << ": x is as it was";
   };
   expect_cold(predictor, h, "the first step");
-  EXPECT_LT(miss(predictor, 12, polynomial), 1e-10);
+  EXPECT_LT(miss(predictor, 12, cubic), 1e-10);
   expect_cold(predictor, 0.5 * h, "another step size");
   expect_cold(predictor, -h, "backwards");
-  predictor.accept(0.5 * h, unknowns_at(0.0, polynomial));
+  predictor.accept(0.5 * h, unknowns_at(0.0, cubic));
   expect_cold(predictor, h, "the step size of before");
   Unknowns last = start;
   EXPECT_TRUE(predictor.predict(0.5 * h, last));
-  EXPECT_EQ(difference(last, unknowns_at(0.0, polynomial)), 0.0);  // all that there is
+  EXPECT_EQ(difference(last, unknowns_at(0.0, cubic)), 0.0);  // all that there is
   predictor.forget();
   expect_cold(predictor, 0.5 * h, "after forgetting");
   // And then by what came since alone.
-  EXPECT_GT(miss(predictor, 3, polynomial), 1e-3);
+  EXPECT_GT(miss(predictor, 3, cubic), 1e-3);
 
   Predictor cold(0, start);
   for (int step = 0; step < 3; ++step) cold.accept(h, start);
@@ -173,9 +170,9 @@ TEST(Predictor, StartsColdAtFirstAtAnotherStepAfterForgettingAndWithNoPastSteps)
 
 TEST(Predictor, RefusesMorePastStepsThanItHasRoomFor) {
   for (const int past_steps : {-1, 25}) {
-    EXPECT_THROW(Predictor(past_steps, unknowns_at(0.0, polynomial)), std::invalid_argument);
+    EXPECT_THROW(Predictor(past_steps, unknowns_at(0.0, cubic)), std::invalid_argument);
   }
-  EXPECT_NO_THROW(Predictor(24, unknowns_at(0.0, polynomial)));
+  EXPECT_NO_THROW(Predictor(24, unknowns_at(0.0, cubic)));
 }
 
 }  // namespace
