@@ -1,7 +1,11 @@
+// Command lines as they are read, and the ends of programs.
 #include "benchmarks/arguments.h"
 
 #include <gtest/gtest.h>
 
+#include <new>
+
+#include "benchmarks/program.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -38,14 +42,6 @@ TEST(StepCount, IsAWholeNumberToOnePartInABillion) {
   }
 }
 
-TEST(Choices, AreReadByName) {
-  EXPECT_EQ(hbar_convention("standard"), HbarConvention::standard);
-  EXPECT_THROW(hbar_convention("Paper"), BadArgument);
-  EXPECT_EQ(backend_choice("fastest"), std::nullopt);
-  EXPECT_EQ(backend_choice("eigen"), ProductBackend::eigen);
-  EXPECT_THROW(backend_choice("mkl"), BadArgument);
-}
-
 TEST(PrintError, IsOneLineWhateverTheMessage) {
   ::testing::internal::CaptureStderr();
   print_error("integrate", "--n '1\n2\r3\x1b[2J\x7f': not a whole number, \xC3\xA9");
@@ -64,6 +60,31 @@ TEST(BackendChoice, TakesTheFasterByMeasurementUnlessAsked) {
   EXPECT_EQ(choose_backend(ProductBackend::eigen, 17).chosen, ProductBackend::eigen);
   EXPECT_EQ(choose_backend(ProductBackend::openblas, 17).chosen, ProductBackend::openblas);
   EXPECT_EQ(choose_backend(ProductBackend::openblas, 4096).n, 257);
+}
+
+template <class Error>
+int ends_with_two_lines(int, char**) {
+  throw Error("some\nreason");
+}
+int ends_without_memory(int, char**) { throw std::bad_alloc(); }
+int ends_with_3(int, char**) { return exit_solver_failed; }
+
+// What a program that ends so prints and returns.
+void expect_end(MainProgram& main_program, int exit_code, const std::string& printed) {
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(run_program("some_program", main_program, 0, nullptr), exit_code);
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), printed);
+}
+
+TEST(Program, ExitCodeTellsWhetherTheSolverFailedOrAnythingElse) {
+  const std::string line = "some_program: some reason\n";
+  expect_end(ends_with_two_lines<SolverFailed>, exit_solver_failed, line);
+  expect_end(ends_with_two_lines<BadArgument>, exit_bad_arguments, line);
+  expect_end(ends_with_two_lines<std::invalid_argument>, exit_bad_arguments, line);
+  expect_end(ends_without_memory, exit_bad_arguments,
+             "some_program: not enough memory for matrices of this size; n or stages must be "
+             "smaller\n");
+  expect_end(ends_with_3, exit_solver_failed, "");
 }
 
 }  // namespace

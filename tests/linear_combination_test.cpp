@@ -191,25 +191,16 @@ TEST(MixedPrecision, RoundsAndAddsEntryByEntry) {
   }
 }
 
-TEST(LargestNorm, IsThatOfTheLargest) {
-  for (const Index n : sizes) {
-    auto X = random_stages<double>(3, n, 1);
-    X[1].entries() *= 2.0;
-    double expected = 0.0;
-    for (const SplitMatrix& each : X) expected = std::max(expected, each.interleaved().norm());
-    EXPECT_NEAR(largest_norm(X), expected, 1e-14 * expected) << n;
-  }
-  EXPECT_EQ(largest_norm(SplitStages{}), 0.0);
-}
-
 // Wherever it is, in whichever block of rows, and in whichever of several matrices.
-TEST(LinearCombinations, AChangeThatIsNotANumberIsSeen) {
-  for (const Index n : {2, 17, 66, 130}) {
+TEST(LinearCombinations, TheLargestChangeIsFoundAndOneThatIsNotANumberIsSeen) {
+  for (const Index n : sizes) {
     for (const Index at : {Index{0}, n / 2, n - 1}) {
       for (const std::size_t bad : {0, 1, 2}) {
         auto X = random_stages<double>(3, n, 1);
         const auto Y = random_stages<double>(3, n, 5);
-        EXPECT_TRUE(std::isfinite(largest_norm(X)));
+        X[bad].entries() *= 100.0;
+        const double expected = X[bad].interleaved().norm();
+        EXPECT_NEAR(largest_norm(X), expected, 1e-14 * expected) << n;
         X[bad].im()[at * X[bad].stride() + (n - 1 - at)] = std::numeric_limits<double>::quiet_NaN();
         const auto sum = [&](std::size_t i) { return sum_of(0.5, X[i]).add(1.0, Y[i]); };
         SingleStages R = split_stages<float>(3, n);

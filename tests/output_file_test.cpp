@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 
@@ -10,6 +11,7 @@
 #include <unistd.h>
 
 #include "benchmarks/arguments.h"
+#include "benchmarks/npy_file.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -84,6 +86,27 @@ TEST_F(OutputFiles, ThatCannotBeWrittenAreRefusedAtOnce) {
   write("file", "x");
   EXPECT_THROW(OutputFile("--output", (folder_ / "file" / "W.npy").string()), BadArgument);
   EXPECT_EQ(files(), 1U);
+}
+
+using NpyFile = WithFolder;
+
+TEST_F(NpyFile, HoldsTheMatrixByRows) {
+  Matrix W(2, 2);
+  W << Complex(1, 2), Complex(3, 4), Complex(5, 6), Complex(7, 8);
+  const std::string bytes = npy(W);
+  EXPECT_EQ(bytes.substr(0, 8), std::string("\x93NUMPY\x01\x00", 8));
+  const auto header = static_cast<std::size_t>(static_cast<unsigned char>(bytes[8])) +
+                      256U * static_cast<unsigned char>(bytes[9]);
+  EXPECT_EQ((10 + header) % 64, 0U);
+  EXPECT_EQ(bytes.size(), 10 + header + 4 * sizeof(Complex));
+  EXPECT_NE(bytes.find("'descr': '<c16', 'fortran_order': False, 'shape': (2, 2)"),
+            std::string::npos);
+  double second_row_first = 0.0;
+  std::memcpy(&second_row_first, bytes.data() + 10 + header + 2 * sizeof(Complex), sizeof(double));
+  EXPECT_EQ(second_row_first, 5.0);
+
+  // What is refused is tested from outside; see tests/scripts/test_integrate.py.
+  EXPECT_EQ(read_npy(write("W.npy", bytes).string(), 2), W);
 }
 
 }  // namespace

@@ -19,7 +19,6 @@ namespace isosyrk::testing {
 namespace {
 
 using parallel::current_threads;
-using parallel::for_each_block;
 using parallel::for_each_share;
 
 struct Done {
@@ -86,23 +85,6 @@ TEST(Shares, CoverEveryItemExactlyOnceAndGiveEachThreadAsMuch) {
         for (int t = 0; t < threads; ++t) {
           EXPECT_NEAR(work[static_cast<std::size_t>(t)], whole / threads, 1e-12);
         }
-      }
-    }
-  }
-}
-
-TEST(Blocks, AreEachVisitedOnce) {
-  for (int threads = 1; threads <= 8; ++threads) {
-    const ThreadScope scope(threads);
-    for (Index items = 0; items <= 7; ++items) {
-      for (const Index blocks : {1, 2, 5, 16}) {
-        std::vector<std::atomic<int>> visits(static_cast<std::size_t>(items * blocks));
-        for_each_block(items, blocks, [&](Index item, Index block) {
-          ASSERT_LT(item, items);
-          ASSERT_LT(block, blocks);
-          ++visits[static_cast<std::size_t>(item * blocks + block)];
-        });
-        for (const auto& count : visits) EXPECT_EQ(count, 1) << threads << " " << items;
       }
     }
   }

@@ -22,9 +22,9 @@ bool same_bits(const Matrix& A, const Matrix& B) {
 
 class AtItsLimits : public ::testing::TestWithParam<Method> {
  protected:
-  std::unique_ptr<Integrator> method(const Scene& scene, const SolverOptions& options = {}) const {
-    return make_formulation(GetParam().formulation, *scene.flow, gauss_tableau(GetParam().s),
-                            options, ProductBackend::openblas);
+  std::unique_ptr<Integrator> method(const Scene& of, const SolverOptions& options = {}) const {
+    return make_formulation(GetParam().formulation, *of.flow, gauss_tableau(GetParam().s), options,
+                            ProductBackend::openblas);
   }
   bool is_algebra() const { return GetParam().formulation == Formulation::algebra; }
 
@@ -37,8 +37,8 @@ class AtItsLimits : public ::testing::TestWithParam<Method> {
     EXPECT_EQ(report.status, status);
     EXPECT_LE(report.sweeps, most_sweeps);
     EXPECT_TRUE(same_bits(W, W0));
-    W.setZero();
-    EXPECT_EQ(integrator->step(W, h).status, Status::converged);
+    W = scene.initial;
+    EXPECT_EQ(integrator->step(W, 1e-6).status, Status::converged);
   }
   // The step converges within a few sweeps and moves no entry by more than this.
   void expect_rest(const Matrix& W0, double h, int most_sweeps, double moved) const {
@@ -185,7 +185,7 @@ TEST(RandomScenes, FormulationsCoincideOrSayThatTheyFailed) {
   int failed = 0;
   for (int k = 0; k < scenes; ++k) {
     const auto n = static_cast<Index>(2 + draw() % 23);
-    const int s = static_cast<int>(1 + draw() % 4);
+    const int s = static_cast<int>(1 + draw() % 8);
     const double h = std::pow(10.0, uniform(-2.0, 0.7));
     const HbarConvention hbar = draw() % 2 == 0 ? HbarConvention::paper : HbarConvention::standard;
     std::vector<Mode> modes;

@@ -57,23 +57,21 @@ TEST(Bands, AreTheSmallestThatLeaveOutNoMoreThanTheTail) {
       if (band > 0) {
         EXPECT_GT((W - cut(W, band - 1)).norm(), tail) << n;
       }
-      EXPECT_EQ(truncated_band<float>(W, 1e-2), truncated_band(W, 1e-2)) << n;
     }
+    EXPECT_EQ(truncated_band<float>(W, 1e-2), truncated_band(W, 1e-2)) << n;
     EXPECT_EQ(truncated_band(Matrix::Zero(n, n), 0.0), 0);
-    EXPECT_EQ(smallest_band(RealVector::Zero(n), 0.0), 0);
   }
 }
 
-TEST(Bands, AreFoundAndCutByTheTruncationOfEachMatrixByItself) {
+TEST(Bands, AreFoundAndCutInEachMatrixByItself) {
   constexpr Index n = 33;
-  constexpr double tail = 1e-6;
   const std::array<Matrix, 2> W = {falling_off(n, 0.7, 1), falling_off(n, 3.0, 2)};
   SplitStages X = {SplitMatrix(W[0]), SplitMatrix(W[1])};
-  BandTruncation(true, 2, n).truncate(tail, X);
+  BandTruncation(true, 2, n).truncate(1e-6, X);
   EXPECT_GT(X[0].band(), X[1].band());
   for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(X[i].band(), truncated_band(W[i], 1e-6));
     EXPECT_EQ(X[i].interleaved(), cut(W[i], X[i].band()));
-    EXPECT_EQ(X[i].band(), truncated_band(W[i], tail));
     EXPECT_LT(X[i].band(), n - 1);
   }
 }

@@ -56,18 +56,8 @@ Matrix product(std::initializer_list<Matrix> factors) {
 }
 
 Matrix exact_product(const Matrix& A, const Matrix& B) {
-  const Index n = A.rows();
-  Matrix C(n, n);
-  for (Index i = 0; i < n; ++i) {
-    for (Index j = 0; j < n; ++j) {
-      std::complex<long double> sum = 0.0L;
-      for (Index k = 0; k < n; ++k) {
-        sum += std::complex<long double>(A(i, k)) * std::complex<long double>(B(k, j));
-      }
-      C(i, j) = Complex(static_cast<double>(sum.real()), static_cast<double>(sum.imag()));
-    }
-  }
-  return C;
+  using Extended = std::complex<long double>;
+  return A.cast<Extended>().lazyProduct(B.cast<Extended>()).cast<Complex>();
 }
 
 Matrix commutator(const Matrix& A, const Matrix& B) { return product({A, B}) - product({B, A}); }
@@ -187,29 +177,23 @@ Matrix indefinite_J(Index p, Index q) {
 
 namespace {
 
-// Half the least normal number, formed here and now; and the least denormal one, read and scaled
-// up.
+// In how many of two ways denormal numbers are kept: half the least normal number, formed here and
+// now, and the least denormal one, read and scaled up.
 template <class Real>
-bool writes_denormals() {
+int ways_to_keep_denormals() {
   volatile Real least = std::numeric_limits<Real>::min();
-  return least * Real{0.5} != 0;
-}
-template <class Real>
-bool reads_denormals() {
   volatile Real denormal = std::numeric_limits<Real>::denorm_min();
-  return denormal * (Real{1} / std::numeric_limits<Real>::epsilon()) != 0;
+  return (least * Real{0.5} != 0) + (denormal * (1 / std::numeric_limits<Real>::epsilon()) != 0);
 }
 
 }  // namespace
 
 bool keeps_denormals() {
-  return writes_denormals<float>() && writes_denormals<double>() && reads_denormals<float>() &&
-         reads_denormals<double>();
+  return ways_to_keep_denormals<float>() == 2 && ways_to_keep_denormals<double>() == 2;
 }
 
 bool flushes_denormals() {
-  return !writes_denormals<float>() && !writes_denormals<double>() && !reads_denormals<float>() &&
-         !reads_denormals<double>();
+  return ways_to_keep_denormals<float>() == 0 && ways_to_keep_denormals<double>() == 0;
 }
 
 WithFolder::WithFolder()
