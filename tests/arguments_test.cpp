@@ -1,6 +1,12 @@
+// Command lines as they are read, and the ends of programs.
 #include "benchmarks/arguments.h"
 
 #include <gtest/gtest.h>
+
+#include <new>
+
+#include "benchmarks/program.h"
+#include "tests/support.h"
 
 namespace isosyrk::testing {
 namespace {
@@ -13,11 +19,8 @@ TEST(WholeNumber, IsReadStrictly) {
   for (const char* text : {"1", "4097", "-5", "99999999999999999999999"}) {
     EXPECT_THROW(whole_number("--n", text, 2, 4096), BadArgument) << text;
   }
-  try {
-    whole_number("--n", "1", 2, 4096);
-  } catch (const BadArgument& error) {
-    EXPECT_STREQ(error.what(), "--n 1: out of range; must be 2 to 4096");
-  }
+  expect_refused<BadArgument>([] { whole_number("--n", "1", 2, 4096); },
+                              "--n 1: out of range; must be 2 to 4096");
 }
 
 TEST(RealNumber, IsReadStrictlyAndFinite) {
@@ -33,19 +36,10 @@ TEST(StepCount, IsAWholeNumberToOnePartInABillion) {
   EXPECT_EQ(step_count(0.3, 0.1), 3);
   EXPECT_EQ(step_count(1.0 + 1e-11, 0.1), 10);
   EXPECT_EQ(step_count(1e5, 0.1), 1000000);
-  EXPECT_THROW(step_count(1.0 + 1e-8, 0.1), BadArgument);
-  EXPECT_THROW(step_count(5.0, 0.3), BadArgument);
-  EXPECT_THROW(step_count(0.01, 0.1), BadArgument);
-  EXPECT_THROW(step_count(1e300, 1e-300), BadArgument);
-  EXPECT_THROW(step_count(1e20, 1.0), BadArgument);
-}
-
-TEST(Choices, AreReadByName) {
-  EXPECT_EQ(hbar_convention("standard"), HbarConvention::standard);
-  EXPECT_THROW(hbar_convention("Paper"), BadArgument);
-  EXPECT_EQ(backend_choice("fastest"), std::nullopt);
-  EXPECT_EQ(backend_choice("eigen"), ProductBackend::eigen);
-  EXPECT_THROW(backend_choice("mkl"), BadArgument);
+  for (const auto& [time, h] :
+       {std::pair(1.0 + 1e-8, 0.1), {5.0, 0.3}, {0.01, 0.1}, {1e300, 1e-300}, {1e20, 1.0}}) {
+    EXPECT_THROW(step_count(time, h), BadArgument) << time;
+  }
 }
 
 TEST(PrintError, IsOneLineWhateverTheMessage) {
@@ -60,14 +54,37 @@ TEST(BackendChoice, TakesTheFasterByMeasurementUnlessAsked) {
   ASSERT_EQ(measured.rates.size(), product_backends().size());
   for (std::size_t k = 0; k < measured.rates.size(); ++k) {
     EXPECT_GT(measured.rates[k], 0.0);
-    if (product_backends()[k] != measured.chosen) {
-      const auto chosen = measured.chosen == product_backends()[0] ? 0U : 1U;
-      EXPECT_GE(measured.rates[chosen], measured.rates[k]);
-    }
+    const auto chosen = measured.chosen == product_backends()[0] ? 0U : 1U;
+    EXPECT_GE(measured.rates[chosen], measured.rates[k]);
   }
   EXPECT_EQ(choose_backend(ProductBackend::eigen, 17).chosen, ProductBackend::eigen);
   EXPECT_EQ(choose_backend(ProductBackend::openblas, 17).chosen, ProductBackend::openblas);
   EXPECT_EQ(choose_backend(ProductBackend::openblas, 4096).n, 257);
+}
+
+template <class Error>
+int ends_with_two_lines(int, char**) {
+  throw Error("some\nreason");
+}
+int ends_without_memory(int, char**) { throw std::bad_alloc(); }
+int ends_with_3(int, char**) { return exit_solver_failed; }
+
+// What a program that ends so prints and returns.
+void expect_end(MainProgram& main_program, int exit_code, const std::string& printed) {
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(run_program("some_program", main_program, 0, nullptr), exit_code);
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), printed);
+}
+
+TEST(Program, ExitCodeTellsWhetherTheSolverFailedOrAnythingElse) {
+  const std::string line = "some_program: some reason\n";
+  expect_end(ends_with_two_lines<SolverFailed>, exit_solver_failed, line);
+  expect_end(ends_with_two_lines<BadArgument>, exit_bad_arguments, line);
+  expect_end(ends_with_two_lines<std::invalid_argument>, exit_bad_arguments, line);
+  expect_end(ends_without_memory, exit_bad_arguments,
+             "some_program: not enough memory for matrices of this size; n or stages must be "
+             "smaller\n");
+  expect_end(ends_with_3, exit_solver_failed, "");
 }
 
 }  // namespace

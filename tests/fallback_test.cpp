@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "isosyrk/fast/fast_integrator.h"
-#include "tests/stage_system_double.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -15,7 +14,7 @@ namespace {
 constexpr Index n = 5;
 constexpr double h = 0.1;
 
-// What a step does: G(x) = W₀ + g (x - W₀), of which the solver is told T and K.
+// What a step is: G(x) = W₀ + g (x - W₀), of which the solver is told T and K.
 struct Script {
   double g = 0.5;
   float T = 0.4f;
@@ -24,31 +23,67 @@ struct Script {
   bool has_solution = true;          // else G(x) = x + 1
 };
 
-class Scripted final : public StageSystemDouble {
+// x = G(x) for one unknown, of which x = W₀ is the solution.
+class Scripted final : public StageSystem {
  public:
-  Scripted() : StageSystemDouble(n) {}
-  void follow(const Script& script) {
-    script_ = script;
-    T_ = script.T;
-    K_ = script.K;
-  }
+  // Calls since the step began.
+  struct Calls {
+    int cold_starts = 0;
+    int residuals = 0;
+    int linearisations = 0;
+    int frozen_sweeps = 0;
+    int couplings = 0;
+    int updates = 0;
+  };
+  const Calls& calls() const { return calls_; }
+  void follow(const Script& script) { script_ = script; }
+  bool flushed = false;  // at the last residual
 
- protected:
-  double residual_of(const SplitMatrix& x, SingleMatrix& R) override {
-    if (calls_.cold_starts < script_.cold_starts_until_finite) {
-      constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-      R.load(Matrix::Constant(n, n, nan));
-      return nan;
+  Unknowns unknowns() const override { return {split_stages(1, n)}; }
+  void bind(const SplitMatrix& W0, double, double) override {
+    W0_ = &W0;
+    calls_ = {};
+  }
+  void cold_start(Unknowns& x) override {
+    ++calls_.cold_starts;
+    x[0][0].entries().setZero();
+  }
+  double residual(Unknowns& x, double, Corrections& R) override {
+    ++calls_.residuals;
+    flushed = flushes_denormals();
+    Matrix change = Matrix::Ones(n, n);
+    if (script_.has_solution) {
+      change = (1.0 - script_.g) * (W0_->interleaved() - x[0][0].interleaved());
     }
-    const Matrix change = script_.has_solution
-                              ? Matrix((1.0 - script_.g) * (W0().interleaved() - x.interleaved()))
-                              : Matrix(Matrix::Ones(n, n));
-    R.load(change);
+    if (calls_.cold_starts < script_.cold_starts_until_finite) {
+      change.setConstant(std::numeric_limits<double>::quiet_NaN());
+    }
+    R[0][0].load(change);
     return change.norm();
   }
+  void linearise(double) override { ++calls_.linearisations; }
+  double frozen_sweep(const Corrections& rhs, Corrections& delta) override {
+    ++calls_.frozen_sweeps;
+    const Eigen::VectorXf before = delta[0][0].entries();
+    delta[0][0].entries() = rhs[0][0].entries() + script_.T * before;
+    return static_cast<double>((delta[0][0].entries() - before).norm());
+  }
+  void couple(const Corrections& delta, Corrections& coupled) override {
+    ++calls_.couplings;
+    coupled[0][0].entries() = script_.K * delta[0][0].entries();
+  }
+  void update(const Unknowns& x, SplitMatrix& W1) override {
+    ++calls_.updates;
+    W1.entries() = x[0][0].entries();
+  }
+  bool truncates() const override { return false; }
+  void truncate(bool) override {}
+  StepReport work() const override { return {}; }
 
  private:
   Script script_;
+  const SplitMatrix* W0_ = nullptr;
+  Calls calls_;
 };
 
 using isosyrk::Attempt;
@@ -145,6 +180,22 @@ TEST_F(Fallback, WhereAllFailTheStepHasFailedAndTheNextStartsCold) {
   expect_success_of(predicted_newton, {});
   expect_failure(3, {.has_solution = false});
   expect_success_of(cold_newton, {});
+}
+
+// Whether a step works or fails.
+TEST_F(Fallback, DenormalsAreFlushedWhileAStepIsUnderWay) {
+#if !defined(__SSE2__)
+  GTEST_SKIP() << "only x86 is told";
+#endif
+  const auto expect_flushed = [&](const auto& call) {
+    system->flushed = false;
+    call();
+    EXPECT_TRUE(system->flushed);
+    EXPECT_TRUE(keeps_denormals());
+  };
+  expect_flushed([&] { step({}); });
+  expect_flushed([&] { integrator->change_of_one_more_sweep(); });
+  expect_flushed([&] { step({.has_solution = false}); });
 }
 
 class FallbackWithoutNewton : public Fallback {

@@ -46,56 +46,52 @@ TEST(GaussTableau, AgreesWithTheClosedFormsTo4Ulp) {
   }
 }
 
-TEST(GaussTableau, IntegratesPolynomialsOfDegree2sMinus1AndNoMore) {
+TEST(GaussTableau, IntegratesPolynomialsOfDegree2sMinus1AndNoMoreByCollocation) {
   for (int s = 1; s <= max_stages; ++s) {
     const Tableau tableau = gauss_tableau(s);
     EXPECT_EQ(tableau.order, 2 * s);
-    const auto quadrature_error = [&](int power) {
-      return std::abs((tableau.b.array() * tableau.c.array().pow(power)).sum() - 1.0 / (power + 1));
-    };
-    for (int power = 0; power < 2 * s; ++power) EXPECT_LE(quadrature_error(power), 1e-15) << s;
-    if (s <= 5) {
-      EXPECT_GE(quadrature_error(2 * s), 1e-9) << s;
+    for (int power = 0; power <= 2 * s; ++power) {
+      const RealVector c_power = tableau.c.array().pow(power);
+      const double error = std::abs(tableau.b.dot(c_power) - 1.0 / (power + 1));
+      if (power < s) {
+        const RealVector expected = c_power.cwiseProduct(tableau.c) / (power + 1);
+        EXPECT_LE((tableau.a * c_power - expected).cwiseAbs().maxCoeff(), 1e-15)
+            << s << " " << power;
+      }
+      if (power < 2 * s) {
+        EXPECT_LE(error, 1e-15) << s << " " << power;
+      } else if (s <= 5) {
+        EXPECT_GE(error, 1e-9) << s;
+      }
     }
   }
 }
 
-TEST(GaussTableau, SatisfiesTheCollocationConditions) {
-  for (int s = 1; s <= max_stages; ++s) {
-    const Tableau tableau = gauss_tableau(s);
-    for (int power = 0; power < s; ++power) {
-      const RealVector left = tableau.a * tableau.c.array().pow(power).matrix();
-      const RealVector right = tableau.c.array().pow(power + 1).matrix() / (power + 1);
-      EXPECT_LE((left - right).cwiseAbs().maxCoeff(), 1e-15) << s << " " << power;
-    }
-  }
-}
-
-TEST(GaussTableau, IsSymplecticTo16Epsilon) {
+TEST(GaussTableau, IsSymplecticTo16EpsilonAndRadauIsNot) {
   for (int s = 1; s <= max_stages; ++s) {
     EXPECT_LE(symplecticity_defect(gauss_tableau(s)), 16 * 2.3e-16) << s;
   }
-}
-
-TEST(SymplecticityDefect, TellsRadauFromGauss) {
   EXPECT_GE(symplecticity_defect(radau_iia()), 0.05);
 }
 
-TEST(GaussTableau, RefusesStageNumbersOutOfRange) {
-  EXPECT_THROW(gauss_tableau(0), std::invalid_argument);
-  EXPECT_THROW(gauss_tableau(-1), std::invalid_argument);
-  EXPECT_THROW(gauss_tableau(max_stages + 1), std::invalid_argument);
-}
-
-TEST(Tableau, ThatIsInconsistentIsRefused) {
-  Tableau tableau = gauss_tableau(2);
-  EXPECT_NO_THROW(require_consistent(tableau));
-  tableau.a(0, 1) = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(require_consistent(tableau), std::invalid_argument);
-  tableau = gauss_tableau(2);
-  tableau.b.resize(3);
-  EXPECT_THROW(require_consistent(tableau), std::invalid_argument);
-  EXPECT_THROW(require_consistent(Tableau{}), std::invalid_argument);
+TEST(Tableau, ThatIsInconsistentOrTooLargeIsRefused) {
+  for (const int s : {-1, 0, max_stages + 1}) {
+    EXPECT_THROW(gauss_tableau(s), std::invalid_argument);
+  }
+  const auto expect_refused = [](const auto& change) {
+    Tableau tableau = gauss_tableau(2);
+    EXPECT_NO_THROW(require_consistent(tableau));
+    change(tableau);
+    EXPECT_THROW(require_consistent(tableau), std::invalid_argument);
+  };
+  expect_refused([](Tableau& tableau) { tableau = {}; });
+  expect_refused([](Tableau& tableau) { tableau.b.resize(3); });
+  expect_refused([](Tableau& tableau) { tableau.a(0, 1) = std::nan(""); });
+  expect_refused([](Tableau& tableau) {
+    const Index s = max_stages + 1;
+    tableau.a = RealMatrix::Zero(s, s);
+    tableau.b = tableau.c = RealVector::Constant(s, 1.0 / static_cast<double>(s));
+  });
 }
 
 }  // namespace

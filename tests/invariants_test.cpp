@@ -1,10 +1,11 @@
-#include "isosyrk/flows/invariants.h"
-
+// Conserved quantities of known matrices, and what is reported of changes whose effect is known.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <array>
 
-#include "isosyrk/flows/scene.h"
+#include "isosyrk/flows/invariants.h"
+#include "isosyrk/simulation/conservation.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -34,24 +35,12 @@ TEST(Casimir, IsTheTraceOfThePower) {
   EXPECT_THROW(casimir(W, 0), std::invalid_argument);
 }
 
-TEST(SkewDefect, SeesASingleEntry) {
-  Matrix W = random_skew_hermitian(6, 1);
-  EXPECT_EQ(skew_defect(W), 0.0);
-  W(2, 4) += 1e-13;
-  EXPECT_NEAR(skew_defect(W), 1e-13, 1e-15);
-}
-
 TEST(AngularMomentum, IsTheTraceWithTheSpinMatrices) {
   const Matrix W = random_skew_hermitian(7, 2);
   const auto S = spin_matrices(7);
   const auto momentum = angular_momentum(W);
   for (std::size_t a = 0; a < 3; ++a)
     EXPECT_NEAR(momentum[a], product({S[a], W}).trace().imag(), 1e-14);
-}
-
-TEST(EulerZeitlin, HasTheTwoValuesOfHbar) {
-  EXPECT_DOUBLE_EQ(hbar(HbarConvention::paper, 17), 2.0 / std::sqrt(17.0 * 16.0));
-  EXPECT_DOUBLE_EQ(hbar(HbarConvention::standard, 17), 2.0 / std::sqrt(288.0));
 }
 
 TEST(EulerZeitlin, HasPositiveEnergyWhoseGradientIsTheStreamMatrix) {
@@ -66,6 +55,67 @@ TEST(EulerZeitlin, HasPositiveEnergyWhoseGradientIsTheStreamMatrix) {
   const Matrix P = hbar(HbarConvention::paper, 9) * B;
   const double derivative = 0.5 * (scene.flow->hamiltonian(W + V) - scene.flow->hamiltonian(W - V));
   EXPECT_NEAR(derivative, -product({P.adjoint(), V}).trace().real(), 1e-14);
+}
+
+constexpr Index n = 9;
+
+// (1 + e) W: eigenvalues and angular momentum grow by 1 + e, energy by (1 + e)², tr W^k by
+// (1 + e)^k; nothing at all with e = 0.
+TEST(ConservationWatch, ScalingIsSeenInEveryQuantity) {
+  const Scene scene = smooth_scene(n);
+  const auto L = angular_momentum(scene.initial);
+  const double component =
+      std::max({std::abs(L[0]), std::abs(L[1]), std::abs(L[2])}) / std::hypot(L[0], L[1], L[2]);
+  for (const double e : {0.0, 1e-3}) {
+    const Matrix W = (1.0 + e) * scene.initial;
+    const double rounding = e == 0.0 ? 0.0 : 1e-13;
+    ConservationWatch watch(scene);
+    watch.observe(W);
+    const Conservation kept = watch.report(W);
+    EXPECT_EQ(kept.skew_defect, 0.0);
+    EXPECT_NEAR(kept.spectrum_error, e, rounding);  // the largest eigenvalue is 1
+    EXPECT_NEAR(kept.energy_error, 2.0 * e + e * e, rounding);
+    EXPECT_NEAR(angular_momentum_error(W, scene.initial), e * component, rounding);
+    const auto casimirs = casimir_errors(W, scene.initial);
+    if (e == 0.0) {
+      EXPECT_EQ(casimirs, (std::array<double, 4>{}));
+    }
+    for (const int k : {2, 4}) {  // |tr W^k| = Σ|λ|^k for even k
+      EXPECT_NEAR(casimirs[static_cast<std::size_t>(k - 2)], std::pow(1.0 + e, k) - 1.0, rounding);
+    }
+  }
+}
+
+TEST(ConservationWatch, EnergyErrorIsTheLargestOfTheRunOrNan) {
+  const Scene scene = smooth_scene(n);
+  ConservationWatch watch(scene);
+  const auto error_after = [&](double factor) {
+    watch.observe(factor * scene.initial);
+    watch.observe(scene.initial);
+    return watch.report(scene.initial).energy_error;
+  };
+  EXPECT_NEAR(error_after(1.01), 1.01 * 1.01 - 1.0, 1e-13);
+  EXPECT_TRUE(std::isnan(error_after(std::nan(""))));
+}
+
+TEST(ConservationWatch, ASkewDefectOfASingleEntryIsSeen) {
+  const Scene scene = smooth_scene(n);
+  Matrix W = scene.initial;
+  W(2, 3) += 1e-6;
+  EXPECT_NEAR(ConservationWatch(scene).report(W).skew_defect, 1e-6, 1e-15);
+}
+
+// ad_B is diagonal in the eigenbasis of B: its eigenvalues are the differences of those of B.
+TEST(GeneratorNorms, AreThoseOfBAndOfItsAdjointAction) {
+  const Scene scene = smooth_scene(n);
+  Matrix B(n, n);
+  scene.flow->generator(scene.initial, B);
+  const RealVector eigenvalues = spectrum(B);
+  const GeneratorNorms norms = generator_norms(scene);
+  EXPECT_DOUBLE_EQ(norms.B, spectral_norm(B));
+  EXPECT_DOUBLE_EQ(norms.ad_B, eigenvalues(n - 1) - eigenvalues(0));
+  EXPECT_GT(norms.ad_B, norms.B);
+  EXPECT_LE(norms.ad_B, 2.0 * norms.B);
 }
 
 }  // namespace

@@ -17,12 +17,6 @@ const std::vector<Index> sizes = {1, 2, 5, 8, 13, 17, 33, 34, 47, 48, 61, 66, 13
 
 double weight_of(std::size_t t) { return 0.3 * static_cast<double>(t + 1) - 1.0; }
 
-RealVector weights(std::size_t count) {
-  RealVector all(static_cast<Index>(count));
-  for (std::size_t t = 0; t < count; ++t) all(static_cast<Index>(t)) = weight_of(t);
-  return all;
-}
-
 template <class Real>
 SplitStagesOf<Real> random_stages(std::size_t count, Index n, unsigned seed) {
   SplitStagesOf<Real> X;
@@ -34,7 +28,7 @@ SplitStagesOf<Real> random_stages(std::size_t count, Index n, unsigned seed) {
 
 template <class Real>
 LinearCombination<Real> weighted(const SplitStagesOf<Real>& X) {
-  return sum_of(weights(X.size()), X);
+  return sum_of([](Index t) { return weight_of(static_cast<std::size_t>(t)); }, X);
 }
 
 template <class Real>
@@ -67,7 +61,6 @@ void expect_sums() {
       assign(sum, weighted(X));
       EXPECT_LE(largest_difference(sum.interleaved(), expected), bound) << n << " " << count;
       EXPECT_TRUE(fill_is_zero(sum)) << n;
-      EXPECT_EQ(weighted(X).count(), count);
       if (count > 1) {  // a term less is another sum
         const SplitStagesOf<Real> fewer(X.begin(), X.end() - 1);
         assign(sum, weighted(fewer));
@@ -91,16 +84,18 @@ void expect_sums() {
   }
 }
 
-TEST(LinearCombinations, OfAnyNumberOfTermsAreTheirSum) { expect_sums<double>(); }
-TEST(LinearCombinations, OfAnyNumberOfTermsAreTheirSumInSinglePrecision) { expect_sums<float>(); }
+TEST(LinearCombinations, OfAnyNumberOfTermsAreTheirSum) {
+  expect_sums<double>();
+  expect_sums<float>();
+}
 
 TEST(LinearCombinations, MayReplaceOneOfTheirTerms) {
   for (const Index n : sizes) {
     for (const std::size_t count : counts) {
       const auto X = random_stages<double>(count, n, 1);
+      SplitMatrix beside(n);
+      assign(beside, weighted(X));
       for (const std::size_t at : {std::size_t{0}, count / 2, count - 1}) {
-        SplitMatrix beside(n);
-        assign(beside, weighted(X));
         auto within = X;
         assign(within[at], weighted(within));
         EXPECT_EQ(within[at].entries(), beside.entries()) << n << " " << count << " " << at;
@@ -129,19 +124,18 @@ TEST(LinearCombinations, HaveTheWidestBandOfATerm) {
   for (std::size_t count = 1; count <= 3; ++count) {
     const SplitStages terms(X.begin(), X.begin() + static_cast<std::ptrdiff_t>(count));
     const Index widest = 3 * static_cast<Index>(count) - 2;
-    EXPECT_EQ(weighted(terms).band(), widest);
+    const auto sum = [&](std::size_t) { return weighted(terms); };
+    EXPECT_EQ(sum(0).band(), widest);
     out[0].set_band(n - 1);
-    assign(out, [&](std::size_t) { return weighted(terms); });
+    assign(out, sum);
     EXPECT_EQ(out[0].band(), widest);
     SplitStages replaced = random_stages<double>(1, n, 7);
-    replace(replaced, [&](std::size_t) { return weighted(terms); });
+    replace(replaced, sum);
     EXPECT_EQ(replaced[0].band(), widest);
     SingleStages R = split_stages<float>(1, n);
-    residual(
-        {X[0]}, [&](std::size_t) { return weighted(terms); }, R);
+    residual({X[0]}, sum, R);
     EXPECT_EQ(R[0].band(), widest);
-    residual(
-        {X[2]}, [&](std::size_t) { return weighted(terms); }, R);
+    residual({X[2]}, sum, R);
     EXPECT_EQ(R[0].band(), 7);  // of the matrix that is taken off
     SingleStages rounded = split_stages<float>(1, n);
     round_to_single({X[count - 1]}, rounded);
@@ -152,41 +146,30 @@ TEST(LinearCombinations, HaveTheWidestBandOfATerm) {
   }
 }
 
+// Formed in double, then rounded: half a unit of the last digit of a float.  Close to the solution
+// the leading digits cancel, and rounding first would leave 1e-1 of R.
 TEST(Residuals, AreTheChangesOfDoublePrecisionRounded) {
   for (const Index n : sizes) {
     for (const std::size_t count : counts) {
-      const auto terms = random_stages<double>(count, n, 1);
-      const auto sum = [&](std::size_t) { return weighted(terms); };
-      const auto X = random_stages<double>(2, n, 50);
-      SplitStages updated = X;
-      const double expected = replace(updated, sum);
-      SingleStages R = split_stages<float>(2, n);
-      EXPECT_NEAR(residual(X, sum, R), expected, 1e-14 * static_cast<double>(n) * expected) << n;
-      for (std::size_t i = 0; i < 2; ++i) {
-        const Matrix change = updated[i].interleaved() - X[i].interleaved();
-        // Formed in double, then rounded: half a unit of the last digit of a float.
-        const double largest = change.cwiseAbs().maxCoeff();
-        EXPECT_LE(largest_difference(R[i].interleaved(), change), 0x1p-24 * largest + 1e-13) << n;
-        EXPECT_TRUE(fill_is_zero(R[i])) << n;
+      for (const double distance : {1.0, 1e-6}) {
+        const auto terms = random_stages<double>(count, n, 1);
+        const auto sum = [&](std::size_t) { return weighted(terms); };
+        auto X = random_stages<double>(2, n, 50);
+        assign(X, [&](std::size_t i) { return weighted(terms).add(distance, X[i]); });
+        SplitStages updated = X;
+        const double expected = replace(updated, sum);
+        SingleStages R = split_stages<float>(2, n);
+        const double bound = 1e-14 * static_cast<double>(n) * expected / distance;
+        EXPECT_NEAR(residual(X, sum, R), expected, bound) << n;
+        for (std::size_t i = 0; i < 2; ++i) {
+          const Matrix change = updated[i].interleaved() - X[i].interleaved();
+          const double largest = change.cwiseAbs().maxCoeff();
+          EXPECT_LE(largest_difference(R[i].interleaved(), change), 0x1p-24 * largest + 1e-13) << n;
+          EXPECT_TRUE(fill_is_zero(R[i])) << n;
+        }
       }
     }
   }
-}
-
-// Close to the solution the leading digits cancel: rounding first would leave none of R.
-TEST(Residuals, OfCloseNumbersKeepTheirDigits) {
-  constexpr Index n = 17;
-  const auto X = random_stages<double>(1, n, 1);
-  const auto small = random_stages<double>(1, n, 2);
-  SingleStages R = split_stages<float>(1, n);
-  residual(
-      X, [&](std::size_t) { return sum_of(1.0, X[0]).add(1e-9, small[0]); }, R);
-  EXPECT_LE(largest_difference(1e9 * R[0].interleaved(), small[0].interleaved()), 1e-6);
-  SingleStages rounded = split_stages<float>(2, n);
-  round_to_single({X[0]}, rounded);
-  EXPECT_GT(largest_difference(1e9 * (X[0].interleaved() - rounded[0].interleaved()),
-                               small[0].interleaved()),
-            1.0);
 }
 
 TEST(MixedPrecision, RoundsAndAddsEntryByEntry) {
@@ -196,7 +179,6 @@ TEST(MixedPrecision, RoundsAndAddsEntryByEntry) {
     round_to_single(X, S);
     for (std::size_t i = 0; i < 2; ++i) {
       EXPECT_EQ(S[i].entries(), SingleMatrix(X[i].interleaved()).entries()) << n;
-      EXPECT_NE(S[i].interleaved(), X[i].interleaved()) << n;
       EXPECT_TRUE(fill_is_zero(S[i])) << n;
     }
     auto sums = random_stages<double>(2, n, 3);
@@ -209,25 +191,16 @@ TEST(MixedPrecision, RoundsAndAddsEntryByEntry) {
   }
 }
 
-TEST(LargestNorm, IsThatOfTheLargest) {
-  for (const Index n : sizes) {
-    auto X = random_stages<double>(3, n, 1);
-    X[1].entries() *= 2.0;
-    double expected = 0.0;
-    for (const SplitMatrix& each : X) expected = std::max(expected, each.interleaved().norm());
-    EXPECT_NEAR(largest_norm(X), expected, 1e-14 * expected) << n;
-  }
-  EXPECT_EQ(largest_norm(SplitStages{}), 0.0);
-}
-
 // Wherever it is, in whichever block of rows, and in whichever of several matrices.
-TEST(LinearCombinations, AChangeThatIsNotANumberIsSeen) {
-  for (const Index n : {2, 17, 66, 130}) {
+TEST(LinearCombinations, TheLargestChangeIsFoundAndOneThatIsNotANumberIsSeen) {
+  for (const Index n : sizes) {
     for (const Index at : {Index{0}, n / 2, n - 1}) {
       for (const std::size_t bad : {0, 1, 2}) {
         auto X = random_stages<double>(3, n, 1);
         const auto Y = random_stages<double>(3, n, 5);
-        EXPECT_TRUE(std::isfinite(largest_norm(X)));
+        X[bad].entries() *= 100.0;
+        const double expected = X[bad].interleaved().norm();
+        EXPECT_NEAR(largest_norm(X), expected, 1e-14 * expected) << n;
         X[bad].im()[at * X[bad].stride() + (n - 1 - at)] = std::numeric_limits<double>::quiet_NaN();
         const auto sum = [&](std::size_t i) { return sum_of(0.5, X[i]).add(1.0, Y[i]); };
         SingleStages R = split_stages<float>(3, n);

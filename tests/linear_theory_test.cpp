@@ -37,18 +37,13 @@ class LinearLimit : public ::testing::TestWithParam<IntegratorEntry> {
   const double limit = GetParam().linear_limit(spectrum(B));
 };
 
-// Implicit methods: the iteration.
-class IterationLimit : public LinearLimit {
- protected:
-  StepReport step(double h) {
-    SolverOptions options;
-    options.max_sweeps = 3000;
-    Matrix W = W0;
-    return GetParam().make(flow, options, ProductBackend::openblas)->step(W, h);
-  }
-};
+class IterationLimit : public LinearLimit {};
 
-TEST_P(IterationLimit, BelowItTheIterationContracts) {
+TEST_P(IterationLimit, BelowItTheIterationContractsAndBeyondItFails) {
+  const auto step = [this](double h) {
+    Matrix W = W0;
+    return GetParam().make(flow, {.max_sweeps = 3000}, ProductBackend::openblas)->step(W, h);
+  };
   const StepReport report = step(0.9 * limit);
   EXPECT_EQ(report.status, Status::converged);
   // Changes fall from about 1 to 1e-13; the modulus of the slowest entry goes like h, or h² for the
@@ -56,25 +51,21 @@ TEST_P(IterationLimit, BelowItTheIterationContracts) {
   const double mean_contraction = std::pow(1e-13, 1.0 / report.sweeps);
   EXPECT_LT(mean_contraction, 0.98);
   EXPECT_GT(mean_contraction, 0.9 * 0.9 - 0.05);
-}
-
-TEST_P(IterationLimit, BeyondItTheIterationFails) {
   EXPECT_NE(step(1.05 * limit).status, Status::converged);
 }
 
-// Explicit methods: the step.
-class StepLimit : public LinearLimit {
- protected:
-  double norm_after(double h, long steps) {
+// Of explicit methods.
+class StepLimit : public LinearLimit {};
+
+TEST_P(StepLimit, BelowItNothingGrowsAndBeyondItPerturbationsDo) {
+  const auto growth = [this](double h) {
     Matrix W = W0;
-    run(*GetParam().make(flow, {}, ProductBackend::openblas), W, h, steps);
+    run(*GetParam().make(flow, {}, ProductBackend::openblas), W, h, 500);
     return W.norm() / W0.norm();
-  }
-};
-
-TEST_P(StepLimit, BelowItNothingGrows) { EXPECT_LE(norm_after(0.99 * limit, 500), 1.0 + 1e-10); }
-
-TEST_P(StepLimit, BeyondItPerturbationsGrow) { EXPECT_GT(norm_after(1.05 * limit, 500), 100.0); }
+  };
+  EXPECT_LE(growth(0.99 * limit), 1.0 + 1e-10);
+  EXPECT_GT(growth(1.05 * limit), 100.0);
+}
 
 std::vector<IntegratorEntry> limited(bool is_explicit) {
   std::vector<IntegratorEntry> found;

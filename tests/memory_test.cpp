@@ -2,38 +2,24 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <fstream>
+
+#include "tests/support.h"
 
 namespace isosyrk::testing {
 namespace {
 
-namespace fs = std::filesystem;
-
-// A tree as the kernel shows it.
-class AvailableMemory : public ::testing::Test {
+// The folder is a tree as the kernel shows it.
+class AvailableMemory : public WithFolder {
  protected:
-  void SetUp() override {
-    root_ = fs::temp_directory_path() /
-            ("isosyrk_" + std::to_string(::getpid()) + "_" +
-             ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    write("proc/meminfo", "MemTotal: 2000 kB\nMemAvailable:    1000 kB\n");
-  }
-  void TearDown() override { fs::remove_all(root_); }
+  AvailableMemory() { write("proc/meminfo", "MemTotal: 2000 kB\nMemAvailable:    1000 kB\n"); }
 
-  void write(const fs::path& path, const std::string& contents) const {
-    fs::create_directories((root_ / path).parent_path());
-    std::ofstream(root_ / path) << contents;
-  }
   void expect(double bytes, const std::string& source) const {
-    const MemoryLimit limit = available_memory(root_);
+    const MemoryLimit limit = available_memory(folder_);
     EXPECT_EQ(limit.bytes, bytes);
     EXPECT_EQ(limit.source, source);
   }
-
-  fs::path root_;
 };
 
 TEST_F(AvailableMemory, IsThatOfTheMachineWithoutOtherLimits) {
@@ -67,11 +53,11 @@ TEST_F(AvailableMemory, IsThatOfACgroupOfVersion1) {
 }
 
 TEST_F(AvailableMemory, IsUnlimitedWhereNothingIsKnown) {
-  fs::remove_all(root_);
+  std::filesystem::remove_all(folder_);
   rlimit limit{};
   ASSERT_EQ(getrlimit(RLIMIT_AS, &limit), 0);
   if (limit.rlim_cur != RLIM_INFINITY) GTEST_SKIP() << "the tests have a limit themselves";
-  EXPECT_TRUE(std::isinf(available_memory(root_).bytes));
+  EXPECT_TRUE(std::isinf(available_memory(folder_).bytes));
 }
 
 TEST(MemoryOfThisMachine, IsKnown) {

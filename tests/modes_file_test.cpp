@@ -12,15 +12,6 @@ std::vector<Mode> read(const std::string& text) {
   return read_modes(input, "modes.csv");
 }
 
-std::string refusal(const std::string& text) {
-  try {
-    read(text);
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "accepted";
-}
-
 TEST(ModesFile, IsReadWhateverTheOrderOfItsColumnsAndItsLineEnds) {
   for (const char* text :
        {"l,m,re,im\n2,1,0.5,-1e-3\n", "\xEF\xBB\xBFl, m ,re,im\r\n2,1, +0.5,-0.001\r\n\r\n",
@@ -42,28 +33,35 @@ TEST(ModesFile, OfTheDefaultModesGivesTheirHash) {
 }
 
 TEST(ModesFile, ThatIsBrokenIsRefusedWithItsLine) {
-  EXPECT_EQ(refusal(""), "modes.csv: empty; must have the header l,m,re,im");
-  EXPECT_EQ(refusal("\n\n"), "modes.csv: empty; must have the header l,m,re,im");
-  EXPECT_EQ(refusal("l,m,re,im\n"), "modes.csv: no modes; must have at least one line");
-  EXPECT_EQ(refusal("l,m,re\n1,0,1\n"),
-            "modes.csv, line 1: column im is missing; the header must name l,m,re,im");
-  EXPECT_EQ(refusal("l,m,re,im,x\n1,0,1,0,5\n"),
-            "modes.csv, line 1: 5 columns; the header must name l,m,re,im and no other");
-  EXPECT_EQ(refusal("1,0,1,0\n"),
-            "modes.csv, line 1: column l is missing; the header must name l,m,re,im");
-  EXPECT_EQ(refusal("l,m,re,im\n1,0,1\n"), "modes.csv, line 2: 3 fields; must be 4 (l,m,re,im)");
-  EXPECT_EQ(refusal("l,m,re,im\n1.5,0,1,0\n"),
-            "modes.csv, line 2: l = '1.5' is not a whole number");
-  EXPECT_EQ(refusal("l,m,re,im\n1,x,1,0\n"), "modes.csv, line 2: m = 'x' is not a whole number");
-  EXPECT_EQ(refusal("l,m,re,im\n\n1,0,,0\n"), "modes.csv, line 3: re = '' is not a number");
-  EXPECT_EQ(refusal("l,m,re,im\n1,0,1,0x1\n"), "modes.csv, line 2: im = '0x1' is not a number");
-  EXPECT_EQ(refusal("l,m,re,im\n1,0,+-1,0\n"), "modes.csv, line 2: re = '+-1' is not a number");
-  EXPECT_EQ(refusal("l,m,re,im\n+-1,0,1,0\n"),
-            "modes.csv, line 2: l = '+-1' is not a whole number");
-  EXPECT_EQ(refusal("l,m,re,im\n1,0,1,\x01\xff\n"),
-            "modes.csv, line 2: im = '?\?' is not a number");
-  EXPECT_EQ(refusal("l,m,re,im\n99999999999,0,1,0\n"),
-            "modes.csv, line 2: l = '99999999999' is not a whole number");
+  const auto refused = [](const std::string& text, const std::string& message) {
+    try {
+      read(text);
+      ADD_FAILURE() << "accepted: " << text;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_EQ(error.what(), "modes.csv" + message);
+    }
+  };
+  refused("", ": empty; must have the header l,m,re,im");
+  refused("\n\n", ": empty; must have the header l,m,re,im");
+  refused("l,m,re,im\n", ": no modes; must have at least one line");
+  refused("l,m,re\n1,0,1\n", ", line 1: column im is missing; the header must name l,m,re,im");
+  refused("l,m,re,im,x\n1,0,1,0,5\n",
+          ", line 1: 5 columns; the header must name l,m,re,im and no other");
+  refused("1,0,1,0\n", ", line 1: column l is missing; the header must name l,m,re,im");
+  // Lines after the header.
+  const auto refused_line = [&](const std::string& line, const std::string& message) {
+    refused("l,m,re,im\n" + line + "\n", ", line 2: " + message);
+    refused("l,m,re,im\n\n" + line + "\n", ", line 3: " + message);
+  };
+  refused_line("1,0,1", "3 fields; must be 4 (l,m,re,im)");
+  refused_line("1.5,0,1,0", "l = '1.5' is not a whole number");
+  refused_line("1,x,1,0", "m = 'x' is not a whole number");
+  refused_line("1,0,,0", "re = '' is not a number");
+  refused_line("1,0,1,0x1", "im = '0x1' is not a number");
+  refused_line("1,0,+-1,0", "re = '+-1' is not a number");
+  refused_line("+-1,0,1,0", "l = '+-1' is not a whole number");
+  refused_line("1,0,1,\x01\xff", "im = '?\?' is not a number");
+  refused_line("99999999999,0,1,0", "l = '99999999999' is not a whole number");
 }
 
 TEST(ModesFile, ThatCannotBeReadIsNamed) {

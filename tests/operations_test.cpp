@@ -1,4 +1,5 @@
-// Sums over stages and updates in one pass against the same expressions written out.
+// Quadratic algebras; sums over stages and updates in one pass against the same expressions written
+// out.
 #include "isosyrk/linalg/operations.h"
 
 #include <gtest/gtest.h>
@@ -10,6 +11,8 @@
 
 namespace isosyrk::testing {
 namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 // n odd and even, so that the last few real numbers are taken apart; s below, at and above the
 // counts that are unrolled.
@@ -27,13 +30,12 @@ class StageSums : public ::testing::TestWithParam<Sizes> {
   }
 };
 
-TEST_P(StageSums, UpdateUnknownsIsTheStageEquationAndItsChange) {
+TEST_P(StageSums, UpdateUnknownsIsTheStageEquationAndItsChangeAndSeesNan) {
   const auto [n, s] = GetParam();
   const double h = -0.3;
   const RealMatrix a = gauss_tableau(s).a;
   const Matrix base = Matrix::Random(n, n);
-  const std::vector<Matrix> Y = random_stages();
-  std::vector<Matrix> X = random_stages();
+  std::vector<Matrix> Y = random_stages(), X = random_stages();
   const std::vector<Matrix> old = X;
   RealVector squares(s);
   update_unknowns(base, h, a, Y, X, squares.data());
@@ -45,6 +47,10 @@ TEST_P(StageSums, UpdateUnknownsIsTheStageEquationAndItsChange) {
     const double change = (expected - old[at]).squaredNorm();
     EXPECT_NEAR(squares(i), change, 1e-13 * change);
   }
+  EXPECT_TRUE(std::isfinite(largest_change(squares)));
+  Y.back()(n - 1, n - 1) = Complex(nan, 0.0);
+  update_unknowns(base, h, a, Y, X, squares.data());
+  EXPECT_TRUE(std::isnan(largest_change(squares)));
 }
 
 TEST_P(StageSums, CombineIsTheWeightedSum) {
@@ -61,75 +67,90 @@ TEST_P(StageSums, CombineIsTheWeightedSum) {
   EXPECT_LE((sum - (base + expected)).cwiseAbs().maxCoeff(), 1e-15 * (s + 1));
 }
 
-TEST_P(StageSums, AChangeThatIsNotANumberIsSeen) {
-  const auto [n, s] = GetParam();
-  std::vector<Matrix> Y = random_stages();
-  Y.back()(n - 1, n - 1) = Complex(std::numeric_limits<double>::quiet_NaN(), 0.0);
-  std::vector<Matrix> X = random_stages();
-  RealVector squares(s);
-  update_unknowns(Matrix::Zero(n, n), 1.0, gauss_tableau(s).a, Y, X, squares.data());
-  EXPECT_TRUE(std::isnan(largest_change(squares)));
-}
-
 INSTANTIATE_TEST_SUITE_P(SizesAndStages, StageSums,
                          ::testing::Values(Sizes{2, 1}, Sizes{3, 2}, Sizes{5, 3}, Sizes{6, 4},
                                            Sizes{17, 3}, Sizes{17, 7}, Sizes{4, max_stages}));
 
-// J = I, symplectic and indefinite J.
-std::vector<QuadraticAlgebra> algebras() {
-  return {QuadraticAlgebra::skew_hermitian(6), QuadraticAlgebra(symplectic_J(3)),
-          QuadraticAlgebra(indefinite_J(4, 2))};
-}
-
 // Entries are below 8, and each is a sum of few terms.
 constexpr double rounding = 1e-14;
 
-TEST(Updates, AreTheirEquationsAndReturnTheirChanges) {
-  for (const QuadraticAlgebra& algebra : algebras()) {
+TEST(Updates, AreTheirEquationsAndReturnTheirChangesOrNan) {
+  for (const QuadraticAlgebra& algebra :
+       {QuadraticAlgebra::skew_hermitian(6), QuadraticAlgebra(symplectic_J(3)),
+        QuadraticAlgebra(indefinite_J(4, 2))}) {
     const Index n = algebra.size();
     const auto random = [n] { return Matrix(Matrix::Random(n, n)); };
-    const Matrix W0 = random(), S = random(), Y = random(), old = random();
-    Matrix scratch(n, n), adjoint(n, n);
+    const Matrix W0 = random(), S = random(), old = random();
+    Matrix Y = random(), W(n, n), scratch(n, n), adjoint(n, n);
     algebra.involution(Y, adjoint);
-    const auto expect = [&](const Matrix& expected, const Matrix& W, double change) {
+    const auto vorticity = [&] {
+      W = old;
+      return update_stage_vorticity(algebra, W0, S, Y, scratch, W);
+    };
+    const auto midpoint_vorticity = [&] {
+      W = old;
+      return update_midpoint_vorticity(algebra, W0, 0.3, Y, 0.7, S, scratch, W);
+    };
+    const auto expect = [&](const Matrix& expected, double change) {
       EXPECT_LE((W - expected).cwiseAbs().maxCoeff(), rounding);
       EXPECT_NEAR(change, (expected - old).squaredNorm(), 100.0 * rounding);
     };
-
-    Matrix W = old;
-    double change = update_stage_vorticity(algebra, W0, S, Y, scratch, W);
-    expect(W0 + S - adjoint, W, change);
-
-    W = old;
-    change = update_midpoint_vorticity(algebra, W0, 0.3, Y, 0.7, S, scratch, W);
-    expect(W0 + 0.3 * (Y - adjoint) + 0.7 * S, W, change);
-
+    double change = vorticity();
+    expect(W0 + S - adjoint, change);
+    change = midpoint_vorticity();
+    expect(W0 + 0.3 * (Y - adjoint) + 0.7 * S, change);
     add_commutator(algebra, W0, Y, scratch, W);
-    expect(W0 + Y - adjoint, W, (W - old).squaredNorm());
+    expect(W0 + Y - adjoint, (W - old).squaredNorm());
+    Y(n - 1, 0) = nan;
+    EXPECT_TRUE(std::isnan(vorticity()));
+    EXPECT_TRUE(std::isnan(midpoint_vorticity()));
   }
 }
 
-TEST(Updates, SeeAChangeThatIsNotANumber) {
-  for (const QuadraticAlgebra& algebra : algebras()) {
-    const Index n = algebra.size();
-    const Matrix zero = Matrix::Zero(n, n);
-    Matrix bad = zero;
-    bad(n - 1, 0) = std::numeric_limits<double>::quiet_NaN();
-    Matrix scratch(n, n);
-    Matrix W = zero;
-    EXPECT_TRUE(std::isnan(update_stage_vorticity(algebra, zero, zero, bad, scratch, W)));
-    W = zero;
-    EXPECT_TRUE(
-        std::isnan(update_midpoint_vorticity(algebra, zero, 1.0, bad, 1.0, zero, scratch, W)));
+// A dense J with J² = -I: the symplectic one in other coordinates, by an orthogonal matrix.
+Matrix dense_symplectic_J(Index k) {
+  const Matrix Q = exponential(random_skew_hermitian(2 * k, 5));
+  return product({Q, symplectic_J(k), inverse(Q)});
+}
+
+std::vector<Matrix> various_J() {
+  return {symplectic_J(2), indefinite_J(3, 1), Complex(0.0, 2.0) * indefinite_J(2, 3),
+          dense_symplectic_J(2)};
+}
+
+TEST(QuadraticAlgebra, InvolutionAndConjugationAreTheirFormulas) {
+  for (const Matrix& J : various_J()) {
+    const QuadraticAlgebra algebra(J);
+    const Matrix X = random_matrix(J.rows(), 1);
+    Matrix out(J.rows(), J.rows());
+    algebra.involution(X, out);
+    EXPECT_LE(largest_difference(out, product({inverse(J), X.adjoint(), J})), 1e-14);
+    algebra.conjugate_by_J(X, out);
+    EXPECT_LE(largest_difference(out, product({J, X, inverse(J)})), 1e-14);
   }
 }
 
-TEST(RequireConsistent, RefusesMoreStagesThanTheSumsHaveRoomFor) {
-  Tableau tableau = gauss_tableau(1);
-  const Index s = max_stages + 1;
-  tableau.a = RealMatrix::Zero(s, s);
-  tableau.b = tableau.c = RealVector::Constant(s, 1.0 / static_cast<double>(s));
-  EXPECT_THROW(require_consistent(tableau), std::invalid_argument);
+TEST(QuadraticAlgebra, DefectsVanishOnTheAlgebraAndTheIdentityAndNotOnARandomMatrix) {
+  for (const Matrix& J : various_J()) {
+    const QuadraticAlgebra algebra(J);
+    const Matrix X = random_matrix(J.rows(), 1);
+    Matrix mirrored(J.rows(), J.rows());
+    algebra.involution(X, mirrored);
+    EXPECT_LE(algebra.algebra_defect(X - mirrored), 1e-15);
+    EXPECT_GE(algebra.algebra_defect(X), 0.1);
+    EXPECT_LE(algebra.group_defect(Matrix::Identity(J.rows(), J.rows())), 1e-15);
+    EXPECT_GE(algebra.group_defect(X), 0.1);
+  }
+}
+
+TEST(QuadraticAlgebra, RefusesAJWhoseSquareIsNotAMultipleOfTheIdentity) {
+  EXPECT_THROW(QuadraticAlgebra(random_matrix(3, 1)), std::invalid_argument);
+  EXPECT_THROW(QuadraticAlgebra(Matrix::Zero(3, 3)), std::invalid_argument);
+  EXPECT_THROW(QuadraticAlgebra(Matrix::Zero(2, 3)), std::invalid_argument);
+  Matrix broken = Matrix::Identity(3, 3);
+  broken(1, 1) = nan;
+  EXPECT_THROW(QuadraticAlgebra{broken}, std::invalid_argument);
+  EXPECT_THROW(QuadraticAlgebra::skew_hermitian(0), std::invalid_argument);
 }
 
 }  // namespace

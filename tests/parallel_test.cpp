@@ -2,33 +2,23 @@
 #include "isosyrk/split/parallel.h"
 
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <array>
 #include <atomic>
-#include <limits>
 #include <mutex>
 #include <set>
 #include <stdexcept>
 #include <thread>
 #include <vector>
 
-#include "isosyrk/fast/algebra_system.h"
-#include "isosyrk/fast/cotangent_system.h"
 #include "isosyrk/fast/fast_integrator.h"
-#include "isosyrk/fast/group_system.h"
-#include "isosyrk/fast/midpoint_system.h"
-#include "isosyrk/simulation/run.h"
-#include "isosyrk/split/split_products.h"
-#include "isosyrk/tableaux/gauss_tableau.h"
+#include "isosyrk/solver/tuning.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {
 namespace {
 
 using parallel::current_threads;
-using parallel::for_each_block;
 using parallel::for_each_share;
 
 struct Done {
@@ -48,8 +38,12 @@ std::vector<Done> shares_done(Index items, const Weight& weight) {
   return all;
 }
 
-// How much of each item was done, in units of 1 / (threads * weight); nothing twice.
-void expect_whole(const std::vector<Done>& all, Index items, int threads) {
+double size_of(const Share& share) {
+  return static_cast<double>(share.end - share.first) / static_cast<double>(share.parts);
+}
+
+// Each item is done whole, and no part of it twice.
+void expect_whole(const std::vector<Done>& all, Index items) {
   for (Index item = 0; item < items; ++item) {
     double covered = 0.0;
     std::set<std::pair<Index, Index>> parts;  // (part, of how many)
@@ -59,72 +53,38 @@ void expect_whole(const std::vector<Done>& all, Index items, int threads) {
       EXPECT_LE(done.share.end, done.share.parts);
       for (Index part = done.share.first; part < done.share.end; ++part) {
         EXPECT_TRUE(parts.emplace(part, done.share.parts).second) << "twice";
-        covered += 1.0 / static_cast<double>(done.share.parts);
       }
+      covered += size_of(done.share);
     }
-    EXPECT_NEAR(covered, 1.0, 1e-12) << item << " of " << items << ", " << threads << " threads";
+    EXPECT_NEAR(covered, 1.0, 1e-12) << item;
   }
 }
 
 const std::vector<std::vector<Index>> weights_tested = {
     {1, 1, 1, 1, 1, 1, 1}, {2, 1, 2, 1, 2, 1, 2}, {1, 2, 2, 2, 1, 1, 2}, {5, 1, 1, 1, 1, 1, 1}};
 
-TEST(Shares, CoverEveryItemExactlyOnce) {
+// One thread does whole items.
+TEST(Shares, CoverEveryItemExactlyOnceAndGiveEachThreadAsMuch) {
   for (int threads = 1; threads <= 8; ++threads) {
     const ThreadScope scope(threads);
     for (const auto& weights : weights_tested) {
       const auto weight = [&](Index i) { return weights[static_cast<std::size_t>(i)]; };
       for (Index items = 0; items <= 7; ++items) {
+        SCOPED_TRACE(::testing::Message() << threads << " threads, " << items << " items");
         const std::vector<Done> all = shares_done(items, weight);
-        expect_whole(all, items, threads);
-        // Each thread does as much as the others, of neighbouring items.
+        expect_whole(all, items);
         std::array<double, 8> work{};
         double whole = 0.0;
         for (Index item = 0; item < items; ++item) whole += static_cast<double>(weight(item));
         for (const Done& done : all) {
           ASSERT_LT(done.thread, threads);
           work[static_cast<std::size_t>(done.thread)] +=
-              static_cast<double>(weight(done.item)) *
-              static_cast<double>(done.share.end - done.share.first) /
-              static_cast<double>(done.share.parts);
+              static_cast<double>(weight(done.item)) * size_of(done.share);
+          EXPECT_TRUE(threads > 1 || done.share.parts == 1);
         }
         for (int t = 0; t < threads; ++t) {
           EXPECT_NEAR(work[static_cast<std::size_t>(t)], whole / threads, 1e-12);
         }
-      }
-    }
-  }
-}
-
-TEST(Shares, OfItemsOfTheSameWeightAreTheSameWithoutIt) {
-  const ThreadScope scope(3);
-  std::atomic<int> calls{0};
-  for_each_share(7, [&](Index, Share, int) { ++calls; });
-  EXPECT_EQ(calls, static_cast<int>(shares_done(7, [](Index) { return Index{1}; }).size()));
-}
-
-TEST(Shares, OfOneThreadAreWholeItemsInTurn) {
-  const std::vector<Done> all = shares_done(5, [](Index) { return Index{2}; });
-  ASSERT_EQ(all.size(), 5u);
-  for (std::size_t i = 0; i < 5; ++i) {
-    EXPECT_EQ(all[i].item, static_cast<Index>(i));
-    EXPECT_EQ(all[i].share.parts, 1);
-    EXPECT_EQ(all[i].thread, 0);
-  }
-}
-
-TEST(Blocks, AreEachVisitedOnce) {
-  for (int threads = 1; threads <= 8; ++threads) {
-    const ThreadScope scope(threads);
-    for (Index items = 0; items <= 7; ++items) {
-      for (const Index blocks : {1, 2, 5, 16}) {
-        std::vector<std::atomic<int>> visits(static_cast<std::size_t>(items * blocks));
-        for_each_block(items, blocks, [&](Index item, Index block) {
-          ASSERT_LT(item, items);
-          ASSERT_LT(block, blocks);
-          ++visits[static_cast<std::size_t>(item * blocks + block)];
-        });
-        for (const auto& count : visits) EXPECT_EQ(count, 1) << threads << " " << items;
       }
     }
   }
@@ -141,41 +101,26 @@ TEST(Blocks, AreFixedByTheSizeAndCoverAllRows) {
   }
 }
 
-TEST(ThreadScope, NestsAndRestores) {
-  EXPECT_EQ(current_threads, 1);
+TEST(ThreadScope, NestsRestoresAndIsOfTheThreadThatMadeIt) {
   {
     const ThreadScope outer(4);
-    EXPECT_EQ(current_threads, 4);
     {
       const ThreadScope inner(2);
       EXPECT_EQ(current_threads, 2);
       const ThreadScope one(1);
       EXPECT_EQ(current_threads, 1);
     }
-    EXPECT_EQ(current_threads, 4);
-    EXPECT_THROW(ThreadScope(0), std::invalid_argument);
+    int of_other = 0;
+    std::thread([&] { of_other = current_threads; }).join();
+    EXPECT_EQ(of_other, 1);
+    for (const int threads : {-1, 0, 65}) {
+      EXPECT_THROW(ThreadScope{threads}, std::invalid_argument) << threads;
+      EXPECT_THROW(ThreadScope::checked(threads), std::invalid_argument) << threads;
+    }
     EXPECT_EQ(current_threads, 4) << "what is refused changes nothing";
   }
   EXPECT_EQ(current_threads, 1);
-}
-
-TEST(ThreadScope, IsOfTheThreadThatMadeIt) {
-  const ThreadScope scope(3);
-  int of_other = 0;
-  std::thread([&] { of_other = current_threads; }).join();
-  EXPECT_EQ(of_other, 1);
-  EXPECT_EQ(current_threads, 3);
-}
-
-TEST(ThreadScope, RefusesNumbersOutOfRange) {
-  for (const int threads : {-1, 0, 65}) {
-    EXPECT_THROW(ThreadScope{threads}, std::invalid_argument) << threads;
-    EXPECT_THROW(ThreadScope::checked(threads), std::invalid_argument) << threads;
-  }
-  for (const int threads : {1, 64}) {
-    EXPECT_NO_THROW(ThreadScope{threads});
-    EXPECT_EQ(ThreadScope::checked(threads), threads);
-  }
+  EXPECT_NO_THROW(ThreadScope{64});
 }
 
 // Each of so many threads waits for all to have begun: fewer would never end.
@@ -207,11 +152,6 @@ TEST(ThreadScope, HasDoneEverythingWhenARegionEnds) {
   }
 }
 
-bool keeps_denormals() {
-  volatile double least = std::numeric_limits<double>::min();
-  return least * 0.5 > 0.0;
-}
-
 // Which threads of a region of the test's own, those of the library, keep denormals.
 constexpr int looked_at = 4;
 std::array<bool, looked_at> threads_that_keep_denormals() {
@@ -221,7 +161,7 @@ std::array<bool, looked_at> threads_that_keep_denormals() {
   return kept;
 }
 
-TEST(ThreadScope, FlushesDenormalsInEveryThreadDuringARegionAndRestoresThemAfterIt) {
+TEST(ThreadScope, FlushesDenormalsInEveryThreadWhileItLastsAndNoLonger) {
 #if !defined(__SSE2__)
   GTEST_SKIP() << "only x86 is told";
 #endif
@@ -230,8 +170,9 @@ TEST(ThreadScope, FlushesDenormalsInEveryThreadDuringARegionAndRestoresThemAfter
     std::atomic<int> flushed{0};
     {
       const ThreadScope scope(threads);
-      for_each_share(threads, [&](Index, Share, int) { flushed += !keeps_denormals(); });
-      EXPECT_FALSE(keeps_denormals());
+      for_each_share(threads, [&](Index, Share, int) { flushed += flushes_denormals(); });
+      { const ThreadScope inner(1); }
+      EXPECT_TRUE(flushes_denormals());
     }
     EXPECT_EQ(flushed, threads);
     EXPECT_TRUE(keeps_denormals());
@@ -239,22 +180,11 @@ TEST(ThreadScope, FlushesDenormalsInEveryThreadDuringARegionAndRestoresThemAfter
   }
 }
 
-std::unique_ptr<Integrator> fast(const Method& method, const Flow& flow, int threads) {
-  const Tableau tableau = gauss_tableau(method.s);
+// Of `threads` threads at any size, where make_fast_gauss has one.
+std::unique_ptr<FastIntegrator> fast(const Method& method, const Flow& flow, int threads) {
   const bool bands = flow.size() >= tuning.smallest_banded;
-  std::unique_ptr<StageSystem> system;
-  if (method.formulation == Formulation::cotangent) {
-    system = std::make_unique<CotangentSystem>(flow, tableau, threads, bands);
-  } else if (method.formulation == Formulation::group) {
-    system = std::make_unique<GroupSystem>(flow, tableau, threads, bands);
-  } else if (method.s == 1) {
-    system = std::make_unique<MidpointSystem>(flow, threads, bands);
-  } else {
-    system = std::make_unique<AlgebraSystem>(flow, tableau, threads, bands);
-  }
-  FastOptions options;
-  options.threads = threads;
-  return std::make_unique<FastIntegrator>(flow, std::move(system), options);
+  return std::make_unique<FastIntegrator>(flow, stage_system(method, flow, threads, bands),
+                                          FastOptions{.solver = {}, .threads = threads});
 }
 
 class EachNumberOfThreads : public ::testing::TestWithParam<Method> {
@@ -265,7 +195,7 @@ class EachNumberOfThreads : public ::testing::TestWithParam<Method> {
     Matrix W = scene.initial;
     const RunReport expected = run(*one, W, 0.1, steps);
     ASSERT_TRUE(expected.converged());
-    const double change = dynamic_cast<FastIntegrator&>(*one).change_of_one_more_sweep();
+    const double change = one->change_of_one_more_sweep();
     for (const int threads : numbers) {
       const auto several = fast(GetParam(), *scene.flow, threads);
       Matrix V = scene.initial;
@@ -275,9 +205,8 @@ class EachNumberOfThreads : public ::testing::TestWithParam<Method> {
       EXPECT_EQ(report.products, expected.products) << n << " " << threads;
       EXPECT_EQ(report.equivalent_products, expected.equivalent_products) << n << " " << threads;
       EXPECT_EQ(report.poisson_solves, expected.poisson_solves) << n << " " << threads;
-      auto& form = dynamic_cast<FastIntegrator&>(*several);
-      EXPECT_EQ(form.threads(), threads);
-      EXPECT_EQ(form.change_of_one_more_sweep(), change) << n << " " << threads;
+      EXPECT_EQ(several->threads(), threads);
+      EXPECT_EQ(several->change_of_one_more_sweep(), change) << n << " " << threads;
     }
   }
 };

@@ -2,37 +2,30 @@
 #include "benchmarks/reference.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "benchmarks/npy_file.h"
 #include "benchmarks/program.h"
-#include "isosyrk/catalogue/integrator_list.h"
-#include "isosyrk/simulation/run.h"
+#include "tests/support.h"
 
-namespace isosyrk {
+namespace isosyrk::testing {
 namespace {
 
 const std::string recorded = ISOSYRK_TEST_DATA "/../../results/recorded/references";
 constexpr Index n = 17;
 
 Reference read(const std::string& folder, HbarConvention hbar = HbarConvention::paper) {
-  return read_reference("--references", folder, smooth_scene(n), hbar, default_modes());
+  return isosyrk::read_reference("--references", folder, smooth_scene(n), hbar, default_modes());
 }
 
 // A third integrator, of order 8, with a step at which it is down at rounding: 400 steps of a few
 // products, each of which rounds by some 1e-15 relative.
 TEST(Reference, AgreesWithAThirdIntegrator) {
   const Scene scene = smooth_scene(n);
-  SolverOptions options;
-  options.tolerance = 1e-14;
-  const auto third =
-      gauss_entry(Formulation::algebra, 4).make(*scene.flow, options, ProductBackend::openblas);
-  Matrix W = scene.initial;
-  ASSERT_TRUE(run(*third, W, scene.time / 400.0, 400).converged());
+  const auto third = gauss(Formulation::algebra, *scene.flow, 4, 1e-14);
+  const Matrix W = integrated(*third, scene.initial, scene.time / 400.0, 400);
   const Reference reference = read(recorded);
   EXPECT_LE(relative_error(W, reference.W), 5e-13);
   EXPECT_LE(reference.uncertainty, 5e-13);
@@ -40,38 +33,29 @@ TEST(Reference, AgreesWithAThirdIntegrator) {
   EXPECT_EQ(reference.second.integrator, "rkmk4");
 }
 
-class ReferenceFolder : public ::testing::Test {
+class ReferenceFolder : public WithFolder {
  protected:
-  void SetUp() override {
-    folder_ = ::testing::TempDir() + "reference_test_" + std::to_string(::getpid());
+  ReferenceFolder() {
     std::filesystem::copy(recorded, folder_);
-    std::ifstream(folder_ + "/references.json") >> good_;
+    std::ifstream(folder_ / "references.json") >> good_;
     // Of the four the one that is read, so that every change is seen.
     good_["references"] = {good_["references"][0]};
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
 
   void refuses(const std::string& list, const std::string& part = "references.json") const {
-    std::ofstream(folder_ + "/references.json") << list;
-    try {
-      read(folder_);
-      FAIL() << "read: " << list;
-    } catch (const BadArgument& error) {
-      const std::string message = error.what();
-      EXPECT_NE(message.find("--references " + folder_), std::string::npos) << message;
-      EXPECT_NE(message.find(part), std::string::npos) << message;
-      EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    write("references.json", list);
+    for (const std::string& each : {"--references " + folder_.string(), part}) {
+      expect_refused<BadArgument>([&] { read(folder_); }, each);
     }
   }
 
-  std::string folder_;
   nlohmann::json good_;
 };
 
 TEST_F(ReferenceFolder, OfAnotherSceneIsRefused) {
   EXPECT_NO_THROW(read(folder_));
   EXPECT_THROW(read(folder_, HbarConvention::standard), BadArgument);
-  EXPECT_THROW(read(folder_ + "/nowhere"), BadArgument);
+  EXPECT_THROW(read(folder_ / "nowhere"), BadArgument);
   const std::vector<std::pair<std::string, nlohmann::json>> others = {
       {"time", 4.0}, {"modes_hash", "0"}, {"scene", "rough"}, {"hbar", "standard"}};
   for (const auto& [field, value] : others) {
@@ -101,12 +85,11 @@ TEST_F(ReferenceFolder, BrokenIsRefused) {
   without_each_field(good_);
   without_each_field(good_["references"][0]);
   without_each_field(good_["references"][0]["first"]);
-  const std::string solution = folder_ + "/smooth_n17.npy";
-  std::ofstream(solution) << npy(Matrix::Identity(n, n));
+  const auto solution = write("smooth_n17.npy", npy(Matrix::Identity(n, n)));
   refuses(whole, "smooth_n17.npy");
   std::filesystem::remove(solution);
   refuses(whole, "smooth_n17.npy: cannot be read");
 }
 
 }  // namespace
-}  // namespace isosyrk
+}  // namespace isosyrk::testing

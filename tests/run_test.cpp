@@ -109,13 +109,14 @@ TEST(Step, AdvancesWhatAViewShowsAndNothingBesideIt) {
   }
 }
 
-TEST(Run, OfNoStepsChangesNothing) {
+TEST(Step, RefusesWrongSizesAndLengths) {
   const Scene scene = smooth_scene(5);
-  Matrix W = scene.initial;
-  const RunReport report = run(*gauss(Formulation::algebra, *scene.flow, 1), W, 0.1, 0);
-  EXPECT_TRUE(report.converged());
-  EXPECT_EQ(report.sweeps_per_step(), 0.0);
-  EXPECT_EQ(W, scene.initial);
+  const auto integrator = gauss(Formulation::group, *scene.flow, 1);
+  Matrix W = scene.initial, small = Matrix::Zero(4, 4);
+  EXPECT_THROW(integrator->step(small, 0.1), std::invalid_argument);
+  for (const double h : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+    EXPECT_THROW(integrator->step(W, h), std::invalid_argument);
+  }
 }
 
 }  // namespace

@@ -1,8 +1,13 @@
-#include "benchmarks/stolen_time.h"
-
+// What a measurement is told of the machine beside it: stolen time, cores at once, the median.
 #include <gtest/gtest.h>
+#include <sched.h>
 
+#include <algorithm>
 #include <sstream>
+
+#include "benchmarks/median.h"
+#include "benchmarks/peak.h"
+#include "benchmarks/stolen_time.h"
 
 namespace isosyrk::testing {
 namespace {
@@ -41,11 +46,23 @@ TEST(StolenTime, IsThatOfTheProcessorsThatWorked) {
   EXPECT_EQ(stolen_seconds(before, after, 9), 1.75);
 }
 
-TEST(StolenTime, NeverGrowsLess) {
-  const auto before = processor_times();
-  const auto after = processor_times();
-  ASSERT_EQ(before.size(), after.size());
-  EXPECT_GE(stolen_seconds(before, after, static_cast<int>(before.size())), 0.0);
+TEST(CoresAtOnce, AreOneForTwoThreadsOnOneProcessor) {
+  cpu_set_t all, one;
+  ASSERT_EQ(sched_getaffinity(0, sizeof all, &all), 0);
+  CPU_ZERO(&one);
+  CPU_SET(static_cast<std::size_t>(sched_getcpu()), &one);
+  ASSERT_EQ(sched_setaffinity(0, sizeof one, &one), 0);
+  double least = cores_at_once();
+  for (int again = 0; again < 2; ++again) least = std::min(least, cores_at_once());
+  ASSERT_EQ(sched_setaffinity(0, sizeof all, &all), 0);
+  EXPECT_GT(least, 0.0);
+  EXPECT_LT(least, 1.3);  // others may have work here too
+}
+
+TEST(Median, IsTheMiddleOneOrTheUpperOfTwo) {
+  EXPECT_EQ(median({3.0}), 3.0);
+  EXPECT_EQ(median({9.0, 1.0, 5.0}), 5.0);
+  EXPECT_EQ(median({4.0, 1.0, 3.0, 2.0}), 3.0);
 }
 
 }  // namespace

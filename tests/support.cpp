@@ -2,22 +2,23 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <sched.h>
+#include <unistd.h>
 
 #include <Eigen/Dense>
-#include <cstdio>
 #include <fstream>
+#include <limits>
 #include <list>
 #include <random>
-#include <sstream>
-#include <stdexcept>
 #include <unsupported/Eigen/MatrixFunctions>
 
-#include "isosyrk/tableaux/gauss_tableau.h"
+#include "isosyrk/fast/algebra_system.h"
+#include "isosyrk/fast/cotangent_system.h"
+#include "isosyrk/fast/group_system.h"
+#include "isosyrk/fast/midpoint_system.h"
 #include "isosyrk/flows/invariants.h"
-#include "isosyrk/split/split_products.h"
-#include "isosyrk/simulation/run.h"
 #include "isosyrk/flows/spin.h"
+#include "isosyrk/split/split_products.h"
+#include "isosyrk/tableaux/gauss_tableau.h"
 
 namespace isosyrk::testing {
 
@@ -55,18 +56,8 @@ Matrix product(std::initializer_list<Matrix> factors) {
 }
 
 Matrix exact_product(const Matrix& A, const Matrix& B) {
-  const Index n = A.rows();
-  Matrix C(n, n);
-  for (Index i = 0; i < n; ++i) {
-    for (Index j = 0; j < n; ++j) {
-      std::complex<long double> sum = 0.0L;
-      for (Index k = 0; k < n; ++k) {
-        sum += std::complex<long double>(A(i, k)) * std::complex<long double>(B(k, j));
-      }
-      C(i, j) = Complex(static_cast<double>(sum.real()), static_cast<double>(sum.imag()));
-    }
-  }
-  return C;
+  using Extended = std::complex<long double>;
+  return A.cast<Extended>().lazyProduct(B.cast<Extended>()).cast<Complex>();
 }
 
 Matrix commutator(const Matrix& A, const Matrix& B) { return product({A, B}) - product({B, A}); }
@@ -84,24 +75,18 @@ std::vector<GemmKernel> tested_kernels() {
 }
 
 Matrix read_reference(const std::string& file, Index n) {
-  std::ifstream input(std::string(ISOSYRK_TEST_DATA "/") + file);
+  std::ifstream input(ISOSYRK_TEST_DATA "/" + file);
   std::string line;
   std::getline(input, line);
-  if (line != "i,j,re,im") throw std::runtime_error("not a reference matrix: " + file);
+  EXPECT_EQ(line, "i,j,re,im") << file;
   Matrix W = Matrix::Zero(n, n);
   Index entries = 0;
-  while (std::getline(input, line)) {
-    long i = 0;
-    long j = 0;
-    double re = 0.0;
-    double im = 0.0;
-    if (std::sscanf(line.c_str(), "%ld,%ld,%lf,%lf", &i, &j, &re, &im) != 4) {
-      throw std::runtime_error("broken line in " + file);
-    }
+  char comma = 0;
+  double re = 0.0, im = 0.0;
+  for (Index i = 0, j = 0; input >> i >> comma >> j >> comma >> re >> comma >> im; ++entries) {
     W(i, j) = Complex(re, im);
-    ++entries;
   }
-  if (entries != n * n) throw std::runtime_error("entries missing in " + file);
+  EXPECT_TRUE(input.eof() && entries == n * n) << file;
   return W;
 }
 
@@ -110,6 +95,10 @@ Matrix integrated(Integrator& integrator, const Matrix& W0, double h, long steps
   const RunReport report = run(integrator, W, h, steps);
   EXPECT_TRUE(report.converged()) << name(report.status) << " at step " << report.failed_step;
   return W;
+}
+
+RunReport report_of(Integrator& integrator, Matrix W0, double h, long steps) {
+  return run(integrator, W0, h, steps);
 }
 
 std::unique_ptr<Integrator> gauss(Formulation formulation, const Flow& flow, int s,
@@ -130,18 +119,28 @@ std::vector<Method> methods(int most_stages) {
   return all;
 }
 
-double observed_order(const std::vector<double>& h, const std::vector<double>& errors) {
-  const double count = static_cast<double>(h.size());
-  double sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
-  for (std::size_t k = 0; k < h.size(); ++k) {
-    const double x = std::log(h[k]);
-    const double y = std::log(errors[k]);
-    sx += x;
-    sy += y;
-    sxx += x * x;
-    sxy += x * y;
+std::unique_ptr<StageSystem> stage_system(const Method& method, const Flow& flow, int threads,
+                                          bool bands) {
+  const Tableau tableau = gauss_tableau(method.s);
+  if (method.formulation == Formulation::cotangent) {
+    return std::make_unique<CotangentSystem>(flow, tableau, threads, bands);
   }
-  return (count * sxy - sx * sy) / (count * sxx - sx * sx);
+  if (method.formulation == Formulation::group) {
+    return std::make_unique<GroupSystem>(flow, tableau, threads, bands);
+  }
+  if (method.s == 1) return std::make_unique<MidpointSystem>(flow, threads, bands);
+  return std::make_unique<AlgebraSystem>(flow, tableau, threads, bands);
+}
+
+double observed_order(const std::vector<double>& h, const std::vector<double>& errors) {
+  const auto logarithms_about_their_mean = [](const std::vector<double>& values) {
+    const RealVector all =
+        Eigen::Map<const RealVector>(values.data(), static_cast<Index>(values.size()));
+    const RealVector logarithms = all.array().log();
+    return RealVector(logarithms.array() - logarithms.mean());
+  };
+  const RealVector x = logarithms_about_their_mean(h);
+  return x.dot(logarithms_about_their_mean(errors)) / x.squaredNorm();
 }
 
 Tableau radau_iia() {
@@ -176,22 +175,39 @@ Matrix indefinite_J(Index p, Index q) {
   return J;
 }
 
-std::vector<std::size_t> allowed_processors() {
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  sched_getaffinity(0, sizeof set, &set);
-  std::vector<std::size_t> processors;
-  for (std::size_t each = 0; each < CPU_SETSIZE; ++each) {
-    if (CPU_ISSET(each, &set)) processors.push_back(each);
-  }
-  return processors;
+namespace {
+
+// In how many of two ways denormal numbers are kept: half the least normal number, formed here and
+// now, and the least denormal one, read and scaled up.
+template <class Real>
+int ways_to_keep_denormals() {
+  volatile Real least = std::numeric_limits<Real>::min();
+  volatile Real denormal = std::numeric_limits<Real>::denorm_min();
+  return (least * Real{0.5} != 0) + (denormal * (1 / std::numeric_limits<Real>::epsilon()) != 0);
 }
 
-void run_on(const std::vector<std::size_t>& processors) {
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  for (const std::size_t processor : processors) CPU_SET(processor, &set);
-  ASSERT_EQ(sched_setaffinity(0, sizeof set, &set), 0);
+}  // namespace
+
+bool keeps_denormals() {
+  return ways_to_keep_denormals<float>() == 2 && ways_to_keep_denormals<double>() == 2;
+}
+
+bool flushes_denormals() {
+  return ways_to_keep_denormals<float>() == 0 && ways_to_keep_denormals<double>() == 0;
+}
+
+WithFolder::WithFolder()
+    : folder_(std::filesystem::temp_directory_path() /
+              fmt::format("isosyrk_{}_{}", ::getpid(),
+                          ::testing::UnitTest::GetInstance()->current_test_info()->name())) {
+  std::filesystem::create_directory(folder_);
+}
+
+std::filesystem::path WithFolder::write(const std::filesystem::path& file,
+                                        const std::string& contents) const {
+  std::filesystem::create_directories((folder_ / file).parent_path());
+  std::ofstream(folder_ / file, std::ios::binary) << contents;
+  return folder_ / file;
 }
 
 ConjugationFlow::ConjugationFlow(const QuadraticAlgebra& algebra, unsigned seed) : Flow(algebra) {

@@ -1,17 +1,23 @@
 // What several tests need.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <array>
 #include <cstddef>
+#include <filesystem>
 #include <initializer_list>
 #include <ostream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "isosyrk/catalogue/integrator_list.h"
+#include "isosyrk/fast/stage_system.h"
 #include "isosyrk/flows/flow.h"
 #include "isosyrk/flows/scene.h"
 #include "isosyrk/integrators/integrator.h"
+#include "isosyrk/simulation/run.h"
 #include "isosyrk/split/gemm_kernel.h"
 #include "isosyrk/split/parallel.h"
 #include "isosyrk/split/split_matrix.h"
@@ -32,6 +38,17 @@ Matrix random_matrix(Index n, unsigned seed);
 /// Random skew-Hermitian, spectral norm 1.
 Matrix random_skew_hermitian(Index n, unsigned seed);
 
+/// W with `otherwise` in place of the entries (r, c) that are not wanted.
+template <class Wanted>
+Matrix entries_of(Matrix W, const Wanted& wanted, Complex otherwise = 0.0) {
+  for (Index r = 0; r < W.rows(); ++r) {
+    for (Index c = 0; c < W.cols(); ++c) {
+      if (!wanted(r, c)) W(r, c) = otherwise;
+    }
+  }
+  return W;
+}
+
 /// A B as the definition reads, in extended precision.
 Matrix exact_product(const Matrix& A, const Matrix& B);
 
@@ -47,6 +64,8 @@ Matrix read_reference(const std::string& file, Index n);
 
 /// A one-step method applied until T = steps * h, which must converge throughout.
 Matrix integrated(Integrator& integrator, const Matrix& W0, double h, long steps);
+/// The report of such a run, which may fail.
+RunReport report_of(Integrator& integrator, Matrix W0, double h, long steps);
 
 /// The formulation with the Gauss tableau of s stages, OpenBLAS products, tolerance 1e-13.
 std::unique_ptr<Integrator> gauss(Formulation formulation, const Flow& flow, int s,
@@ -61,6 +80,10 @@ void PrintTo(const Method& method, std::ostream* out);
 
 /// Every formulation with 1 to `most_stages` stages.
 std::vector<Method> methods(int most_stages);
+
+/// The stage system of a fast form, with threads and bands at any size.
+std::unique_ptr<StageSystem> stage_system(const Method& method, const Flow& flow, int threads,
+                                          bool bands);
 
 /// Least-squares slope of log(error) against log(h).
 double observed_order(const std::vector<double>& h, const std::vector<double>& errors);
@@ -83,11 +106,32 @@ bool fill_is_zero(const SplitMatrixOf<Real>& X) {
   return true;
 }
 
-/// The processors that the calling thread may run on.
-std::vector<std::size_t> allowed_processors();
+/// Whether the calling thread reads and writes denormal numbers of both precisions, or 0 for all.
+bool keeps_denormals();
+bool flushes_denormals();
 
-/// Keeps the calling thread, and those that it makes from now on, on these.
-void run_on(const std::vector<std::size_t>& processors);
+/// Expects the call to throw an Error whose message is one line with this part.
+template <class Error = std::invalid_argument, class Call>
+void expect_refused(const Call& call, const std::string& part) {
+  try {
+    call();
+    ADD_FAILURE() << "accepted; expected: " << part;
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+  }
+}
+
+/// A test with a new folder, which goes when it ends.
+class WithFolder : public ::testing::Test {
+ protected:
+  WithFolder();
+  ~WithFolder() override { std::filesystem::remove_all(folder_); }
+  /// Writes a file in the folder, and the folders above it.
+  std::filesystem::path write(const std::filesystem::path& file, const std::string& contents) const;
+
+  const std::filesystem::path folder_;
+};
 
 /// The spin matrices S_x, S_y, S_z of size n, written out.
 std::array<Matrix, 3> spin_matrices(Index n);
