@@ -219,10 +219,6 @@ def repetitions_text(comparison):
     return f"{' or '.join(map(str, counts)) or 'no'} repetitions"
 
 
-def block_name(n, stages):
-    return f"n = {n}, s = {stages}"
-
-
 def counters_section(comparison, heading, columns):
     """Shows counters, one row a cell; `columns` lists (heading, counter, how to write it)."""
     names = [name for name, _, _ in columns]
