@@ -70,7 +70,7 @@ def overall(judged):
         for stages in sorted({each.stages for each in judged}):
             sizes = [str(each.n) for each in judged if (each.outcome, each.stages) == (outcome, stages)]
             if sizes:
-                parts.append(f"{outcome} at s = {stages}, n = {', '.join(sizes)}")
+                parts.append(f"{outcome} at n = {', '.join(sizes)} (s = {stages})")
     return "; ".join(parts)
 
 

@@ -231,9 +231,9 @@ class Verdicts(TableTest):
         cells = {("group", 33, 1): repeated(0.002 * (33 / 17) ** 3), ("group", 65, 1): repeated(0.001),
                  ("algebra", 17, 3): repeated(0.005)}
         text = " ".join(self.render(raw(sizes=(17, 33, 65), cells=cells)).split())
-        self.assertIn("Overall: holds at s = 1, n = 17; does not hold at s = 1, n = 65; too close to call at s = 1, n = 33;"
-                      " not judged at s = 1, n = 129.", text)
-        self.assertIn("Overall: holds at s = 2, n = 17, 33, 65; holds at s = 3, n = 33, 65; does not hold at s = 3, n = 17;",
+        self.assertIn("Overall: holds at n = 17 (s = 1); does not hold at n = 65 (s = 1); too close to call at n = 33 (s = 1);"
+                      " not judged at n = 129 (s = 1).", text)
+        self.assertIn("Overall: holds at n = 17, 33, 65 (s = 2); holds at n = 33, 65 (s = 3); does not hold at n = 17 (s = 3);",
                       text)
 
 
