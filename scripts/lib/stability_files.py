@@ -5,7 +5,7 @@ grid of h‖B‖₂, and the bracket that bisection left around the critical val
 """
 
 from dataclasses import dataclass
-from typing import Callable, Dict, List, NamedTuple, Tuple
+from typing import Dict, List, NamedTuple, Tuple
 
 import study_file
 from benchmark_json import UnusableFile, quoted
@@ -96,6 +96,10 @@ class Sample(NamedTuple):
     skew_defect: error_of_any_size
 
 
+# What a long run is watched for: errors of a Sample, and what each is.
+QUANTITIES = {"spectrum_error": "largest error of an eigenvalue", "skew_defect": "largest entry of |W + W†|",
+              "casimir_error": "largest relative error of a Casimir", "energy_error": "relative error of the energy"}
+
 MAP_SCHEMA = Schema("stability", MapSettings,
                     {"integrators": Integrator, "settings": Setting, "maps": Edge, "trials": Trial})
 LONG_RUNS_SCHEMA = Schema("long_runs", LongRunSettings, {"integrators": Integrator, "runs": RunRow, "samples": Sample})
@@ -162,6 +166,11 @@ class LongRun:
     def survived(self):
         return self.row.status == CONVERGED
 
+    def series(self, quantity):
+        """Returns (time, value) of every sample that has a value of a quantity."""
+        found = ((sample.step * self.row.step, getattr(sample, quantity)) for sample in self.samples)
+        return [(time, value) for time, value in found if value is not None]
+
 
 @dataclass(frozen=True)
 class LongRuns:
@@ -182,43 +191,6 @@ class LongRuns:
         """Returns a run, or None."""
         return next((run for run in self.runs if (run.row.scene, run.row.n, run.row.share, run.row.integrator)
                      == (scene, n, share, integrator)), None)
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """What a long run is watched for."""
-
-    name: str
-    label: str
-    of: Callable
-
-    def series(self, run):
-        """Returns (time, value) of every sample that has a value."""
-        found = ((sample.step * run.row.step, self.of(sample)) for sample in run.samples)
-        return [(time, value) for time, value in found if value is not None]
-
-
-QUANTITIES = (
-    Quantity("spectrum error", "largest error of an eigenvalue", lambda sample: sample.spectrum_error),
-    Quantity("skew defect", "largest entry of |W + W†|", lambda sample: sample.skew_defect),
-    Quantity("Casimirs", "largest relative error of a Casimir", lambda sample: sample.casimir_error),
-    Quantity("energy error", "relative error of the energy", lambda sample: sample.energy_error),
-)
-
-
-def trials_in_words(failures, scenes):
-    """Says how many steps the trials of some scenes are of, and at which n."""
-    lengths = {}
-    for (scene, n), setting in failures.settings.items():
-        if scene in scenes:
-            lengths.setdefault((setting.implicit_steps, setting.explicit_steps), set()).add(n)
-    return "; ".join(f"{length_in_words(*steps)} at n = {', '.join(map(str, sorted(sizes)))}"
-                     for steps, sizes in lengths.items())
-
-
-def length_in_words(implicit, explicit):
-    steps = f"{implicit} step" + ("s" if implicit > 1 else "")
-    return steps if implicit == explicit else f"{steps} ({explicit} of explicit methods)"
 
 
 # ---- reading

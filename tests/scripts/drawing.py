@@ -36,15 +36,6 @@ def load_matplotlib():
     return True
 
 
-def panels_of(figure):
-    """Returns the panels of a figure that are seen, in lists by their titles."""
-    found = {}
-    for axes in figure.axes:
-        if axes.get_visible():
-            found.setdefault(axes.get_title(loc="left"), []).append(axes)
-    return found
-
-
 def lines_of(axes):
     """Returns the points of each line of a panel that carries a name."""
     return {line.get_label(): finite_points(line) for line in axes.lines if not line.get_label().startswith("_")}
@@ -72,19 +63,24 @@ class DrawingTest(FolderTest):
         width, height = struct.unpack(">II", png[16:24])
         self.assertEqual((width, height > 450), (1600, True), chart)
 
-    def module(self, name):
-        """Returns a module of scripts/lib that draws."""
+    def panels(self, module, chart, *arguments):
+        """Draws a chart of a module of scripts/lib; returns its panels that are seen, in lists by their titles."""
         self.assertIsNotNone(FOUND, chart_python.complaint())
         if not load_matplotlib():
             self.skipTest(f"to be run by {FOUND}, which has matplotlib")
-        return importlib.import_module(name)
+        with importlib.import_module("chart_panels").own_style():
+            figure = getattr(importlib.import_module(module), chart)(*arguments)
+        found = {}
+        for axes in figure.axes:
+            found.setdefault(axes.get_title(loc="left"), []).append(axes)
+        return found
 
-    def render(self, *arguments, apart=False, **changes):
+    def render(self, *arguments, **changes):
         """Runs the script to its end, if possible in a copy of this process, which starts sooner.
 
-        `apart`, or changes of the environment, run it as a user does.
+        With changes of the environment it runs as a user has it.
         """
         script = os.path.join(programs.ROOT, "scripts", self.script)
-        if apart or changes or not load_matplotlib():
+        if changes or not load_matplotlib():
             return run([self.python, script, *arguments], timeout=300, env={**self.settings, **changes})
         return run_script(script, *arguments, timeout=300)

@@ -40,8 +40,7 @@ class SoundFiles(FolderTest):
         run = runs.at("smooth", 17, 0.9, "rk4")
         self.assertEqual((run.survived, run.row.failed_step, run.row.steps, run.samples[-1].step),
                          (False, LOST_AT, LOST_AT - 1, 398))
-        self.assertEqual(stability_files.QUANTITIES[0].series(run)[0],
-                         (0.9 * 2.0 / norm(17), run.samples[0].spectrum_error))
+        self.assertEqual(run.series("spectrum_error")[0], (0.9 * 2.0 / norm(17), run.samples[0].spectrum_error))
         self.assertTrue(runs.at("smooth", 17, 0.3, CONTROL).survived)
 
     def test_what_was_not_finite_or_beyond_all_bounds_is_left_out_of_a_series(self):
@@ -51,7 +50,7 @@ class SoundFiles(FolderTest):
         samples[4] = samples[4]._replace(skew_defect=1e200, casimir_error=1e30)
         read = stability_files.read_long_runs(write(self.folder, study, "long_runs.json"))
         run = read.at("smooth", 17, 0.9, "group1")
-        lengths = [len(quantity.series(run)) for quantity in stability_files.QUANTITIES]
+        lengths = [len(run.series(quantity)) for quantity in stability_files.QUANTITIES]
         self.assertEqual([len(run.samples) - length for length in lengths], [0, 1, 2, 1])
 
     def test_a_failed_run_without_samples_is_sound(self):
