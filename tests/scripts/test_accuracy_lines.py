@@ -87,26 +87,21 @@ class LineTest(AccuracyTest):
         random.Random(3).shuffle(self.document["runs"])
         self.assertEqual([run.steps for run in self.study().line("group2", 33)], list(STEPS))
         self.assertEqual([run.usable for run in self.study().line("group1", 17)], [False] + [True] * 5)
-
-    def test_at_step(self):
         self.assertEqual(self.study().at_step("group2", 17, 0.1).steps, 50)
         self.assertIsNone(self.study().at_step("group2", 17, 0.11))
 
-    def test_a_line_above_the_floor_is_whole_but_for_failures(self):
-        self.assertEqual([self.kept_steps(name) for name in ("group2", "group1")], [list(STEPS), list(STEPS[1:])])
-
-    def test_ends_where_the_reference_tells_no_more(self):
-        # Errors 1e-3 h⁴: 1e-7 at 50 steps and 6.25e-9 at 100; ten times the uncertainty lies between them.
-        self.document["references"][0]["uncertainty"] = 1e-9
-        self.assertEqual(self.kept_steps("rkmk4"), [5, 10, 20, 50])
-
-    def test_ends_where_rounding_stops_the_error_from_falling(self):
-        self.set_errors("rkmk4", (1e-3, 6e-5, 4e-6, 3e-9, 2.9e-9, 1e-9))
-        self.assertEqual(self.kept_steps("rkmk4"), [5, 10, 20, 50])
-
-    def test_a_plateau_far_above_rounding_is_no_floor(self):
-        self.set_errors("rkmk4", (1e-3, 6e-5, 5.9e-5, 5.8e-5, 6e-9, 4e-10))
-        self.assertEqual(self.kept_steps("rkmk4"), list(STEPS))
+    def test_where_a_line_ends(self):
+        self.assertEqual(self.kept_steps("group1"), list(STEPS[1:]))  # whole but for failures
+        for uncertainty, errors, kept in (
+                (1e-14, [1e-3 * (5 / steps) ** 4 for steps in STEPS], 6),
+                # Errors 1e-7 at 50 steps and 6.25e-9 at 100: ten times the uncertainty lies between them.
+                (1e-9, [1e-3 * (5 / steps) ** 4 for steps in STEPS], 4),
+                (1e-14, (1e-3, 6e-5, 4e-6, 3e-9, 2.9e-9, 1e-9), 4),  # rounding stops the error from falling
+                (1e-14, (1e-3, 6e-5, 5.9e-5, 5.8e-5, 6e-9, 4e-10), 6)):  # a plateau far above rounding is no floor
+            with self.subTest(uncertainty=uncertainty, errors=errors):
+                self.document["references"][0]["uncertainty"] = uncertainty
+                self.set_errors("rkmk4", errors)
+                self.assertEqual(self.kept_steps("rkmk4"), list(STEPS[:kept]))
 
     def test_observed_orders_are_those_the_errors_were_made_with(self):
         for name, (_, order, *_) in INTEGRATORS.items():
@@ -115,28 +110,24 @@ class LineTest(AccuracyTest):
                     # Errors are a power of the step to rounding: a relative 1e-15 over a factor of at least 4.
                     self.assertAlmostEqual(self.study().observed_order(name, n), order, delta=1e-12)
 
-    def test_a_wrong_order_is_seen_on_the_smallest_steps(self):
-        for order, errors in ((3, [1e-3 * (5 / steps) ** 3 for steps in STEPS]),
-                              (4, [1e-3 * (5 / steps) ** (2 if steps < 50 else 4) for steps in STEPS])):
+    def test_an_order_is_fitted_on_the_smallest_steps_above_the_floor(self):
+        for order, uncertainty, errors in (
+                (3, 1e-14, [1e-3 * (5 / steps) ** 3 for steps in STEPS]),
+                (4, 1e-14, [1e-3 * (5 / steps) ** (2 if steps < 50 else 4) for steps in STEPS]),
+                (4, 1e-9, [max(1e-3 * (5 / steps) ** 4, 5e-9) for steps in STEPS])):
             self.set_errors("rkmk4", errors)
+            self.document["references"][0]["uncertainty"] = uncertainty
             self.assertAlmostEqual(self.study().observed_order("rkmk4", 17), order, delta=1e-12)
 
-    def test_an_order_is_taken_above_the_floor_only(self):
-        self.set_errors("rkmk4", [max(1e-3 * (5 / steps) ** 4, 5e-9) for steps in STEPS])
-        self.document["references"][0]["uncertainty"] = 1e-9
-        self.assertAlmostEqual(self.study().observed_order("rkmk4", 17), 4, delta=1e-12)
-
-    def test_an_order_needs_three_points(self):
+    def test_an_order_needs_three_steps_that_can_be_told_apart(self):
         for kept, told in ((3, True), (2, False), (0, False)):
             with self.subTest(kept=kept):
                 self.document["runs"] = [each for each in study_document()["runs"]
-                                           if each["integrator"] != "rkmk4" or each["steps"] in STEPS[:kept]]
+                                         if each["integrator"] != "rkmk4" or each["steps"] in STEPS[:kept]]
                 self.assertEqual(self.study().observed_order("rkmk4", 17) is not None, told)
-
-    def test_an_order_needs_steps_that_can_be_told_apart(self):
         # Three counts of steps whose step sizes are the same to the last digit: damage, but each comes to the time.
-        self.document["runs"] = [each for each in self.document["runs"] if each["integrator"] != "rkmk4"
-                                   or each["steps"] in STEPS[:3]]
+        self.document["runs"] = [each for each in study_document()["runs"] if each["integrator"] != "rkmk4"
+                                 or each["steps"] in STEPS[:3]]
         for index, steps in enumerate(STEPS[:3]):
             self.run_of("rkmk4", 17, steps).update(steps=10**14 + index, step=5e-14)
         self.assertIsNone(self.study().observed_order("rkmk4", 17))
