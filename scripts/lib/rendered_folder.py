@@ -41,14 +41,11 @@ def files(drawn, options):
         figures = {name: figure for name, figure in figures.items() if figure}
         found = {f"{name}.{kind}": encode(figure, kind) for name, figure in figures.items()
                  for kind in (("svg",) if recorded else ("svg", "png"))}
-    reports = report_files(report(set(figures)))
-    if recorded:
-        del reports["report.txt"]
-    return {**found, **reports}
-
-
-def report_files(document):
-    return {"report.md": as_markdown(document).encode("utf-8"), "report.txt": as_text(document).encode("utf-8")}
+    document = report(set(figures))
+    found["report.md"] = as_markdown(document).encode("utf-8")
+    if not recorded:
+        found["report.txt"] = as_text(document).encode("utf-8")
+    return found
 
 
 def write_folder(program, folder, files):
