@@ -25,16 +25,10 @@ class Paragraph:
 
 
 @dataclass(frozen=True)
-class Item:
-    """A list entry: a few words that stand out, and the rest with its own punctuation."""
-
-    strong: str
-    rest: str = ""
-
-
-@dataclass(frozen=True)
 class Items:
-    items: List[Item]
+    """A list; each entry is a few words that stand out, and the rest with its own punctuation."""
+
+    items: List[Tuple[str, str]]
 
 
 @dataclass(frozen=True)
@@ -118,7 +112,7 @@ def as_text(document):
     return written(document, {
         Heading: text_heading,
         Paragraph: lambda part: fill(part.text),
-        Items: lambda part: "\n".join(fill(item.strong + item.rest, "  ", "- ") for item in part.items),
+        Items: lambda part: "\n".join(fill(strong + rest, "  ", "- ") for strong, rest in part.items),
         Table: text_table,
         Figure: lambda part: fill(f"[{part.path}] {part.caption}")})
 
@@ -169,7 +163,7 @@ def as_markdown(document):
     return written(document, {
         Heading: lambda part: f"{'#' * part.level} {escape(part.text)}",
         Paragraph: lambda part: escape(part.text),
-        Items: lambda part: "\n".join(f"- {markdown_strong(item.strong)}{escape(item.rest)}" for item in part.items),
+        Items: lambda part: "\n".join(f"- {markdown_strong(strong)}{escape(rest)}" for strong, rest in part.items),
         Table: markdown_table,
         Figure: lambda part: f"![{escape(part.caption)}]({part.path})\n\n*{escape(part.caption)}*"})
 
@@ -236,7 +230,7 @@ def latex_strong(text):
 
 
 def latex_items(items):
-    lines = [rf"  \item {latex_strong(item.strong)}{latex_escape(item.rest)}" for item in items.items]
+    lines = [rf"  \item {latex_strong(strong)}{latex_escape(rest)}" for strong, rest in items.items]
     return "\n".join([r"\begin{itemize}", *lines, r"\end{itemize}"])
 
 

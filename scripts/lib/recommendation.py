@@ -7,7 +7,7 @@ import math
 
 from benchmark_json import one_line
 from comparison import MISSING, three_digits, time_with_spread
-from document import Column, Entry, Heading, Item, Items, Paragraph, Table, plain_table
+from document import Column, Entry, Heading, Items, Paragraph, Table, plain_table
 from statistics_of_repetitions import half_interquartile_range
 
 # What can be asked for, from the least to the most: a Lie–Poisson integrator keeps the spectrum too.
@@ -115,7 +115,7 @@ def answer_document(study, found, n, error, structure, path):
     return [
         Paragraph(f"The cheapest recorded run at n = {n} to time {study.time:g} with an error of {error:.10g} or"
                   f" less{that_keeps(structure)}:"),
-        Items([Item(name, f": {text}") for name, text in facts.items()]),
+        Items([(name, f": {text}") for name, text in facts.items()]),
         *([Paragraph("Runners-up, the cheapest such run of each other integrator:"), plain_table(columns, rows),
            Paragraph(RULE)] if others else [Paragraph("No other integrator has a recorded run that does.")]),
         Paragraph(f"Measured: {one_line(path)}, processor {processor}, commit {commit}{changed}."),

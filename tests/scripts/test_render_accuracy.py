@@ -39,16 +39,11 @@ class AccuracyTest(DrawingTest):
         self.write("broken/matplotlib.py", "raise ImportError('not here')\n")
         return self.path("broken")
 
-    def rendered(self, folder, **changes):
-        """Renders the small study with Table 1 and returns the files."""
-        done = self.render(self.small(), "--out", folder, "--table1", self.table1(), **changes)
-        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
-        return snapshot(folder)
-
 
 class Files(AccuracyTest):
     def test_whole_and_the_same_by_a_chosen_python_under_a_user_s_own_settings(self):
-        files = self.rendered(self.path("plain"))
+        arguments = (self.small(), "--table1", self.table1())
+        files = self.rendered("plain", *arguments)
         self.assertEqual(set(files), {"report.md", "report.txt", *(f"{chart}.{kind}" for chart in CHARTS
                                                                    for kind in ("svg", "png"))})
         for chart in CHARTS:
@@ -59,7 +54,7 @@ class Files(AccuracyTest):
         self.write("matplotlib/matplotlibrc", "lines.linewidth: 9\nfont.size: 30\naxes.facecolor: red\n")
         chosen = self.write("bin/chosen", f'#!/bin/sh\necho chosen >> {self.path("calls")}\nunset PYTHONPATH\n'
                                           f'exec {PYTHON} "$@"\n', executable=True)
-        again = self.rendered(self.path("new", "charts"), PYTHONPATH=self.without(), ISOSYRK_PYTHON=chosen)
+        again = self.rendered("new/charts", *arguments, PYTHONPATH=self.without(), ISOSYRK_PYTHON=chosen)
         self.assertTrue(os.path.exists(self.path("calls")))
         self.assertTrue(again == files)  # some megabytes
 

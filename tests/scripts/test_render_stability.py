@@ -5,7 +5,6 @@ import unittest
 
 from drawing import DrawingTest, finite_points, lines_of
 from integrator_names import TABLE1_CELLS, others
-from programs import snapshot
 from stability_documents import CONTROL, GRID, LOST_AT, SETTINGS, long_study, map_study, norm, write
 
 from stability_files import FAST, failure_map, long_runs
@@ -32,15 +31,9 @@ class StabilityTest(DrawingTest):
 
 
 class Files(StabilityTest):
-    def rendered(self, folder, **changes):
-        """Renders everything and returns the files."""
-        result = self.render(self.raw(), "--long", self.raw_long(), "--fast", self.raw(FAST, FEW[:1]), "--out", folder,
-                             **changes)
-        self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""))
-        return snapshot(folder)
-
     def test_every_chart_is_whole_and_shown_and_the_same_under_a_user_s_own_settings_on_other_kernels(self):
-        files = self.rendered(self.path("plain"))
+        arguments = (self.raw(), "--long", self.raw_long(), "--fast", self.raw(FAST, FEW[:1]))
+        files = self.rendered("plain", *arguments)
         charts = (*MAPS, *FAST_MAPS, *LONG_RUNS)
         self.assertEqual(set(files), files_of(*charts))
         for chart in charts:
@@ -48,11 +41,10 @@ class Files(StabilityTest):
             self.assertIn(f"({chart}.svg)".encode(), files["report.md"])
         self.assertIn("Critical h‖B(W₀)‖₂ of the fast forms\n", files["report.txt"].decode())
         self.write("matplotlib/matplotlibrc", "lines.linewidth: 9\nfont.size: 30\nhatch.linewidth: 5\n")
-        self.assertTrue(self.rendered(self.path("own", "charts"), OPENBLAS_CORETYPE="Haswell") == files)
+        self.assertTrue(self.rendered("own/charts", *arguments, OPENBLAS_CORETYPE="Haswell") == files)
 
     def test_long_runs_and_fast_forms_may_be_left_out(self):
-        self.assertEqual(self.render(self.raw(), "--out", self.path("second")).returncode, 0)
-        self.assertEqual(set(os.listdir(self.path("second"))), files_of(*MAPS))
+        self.assertEqual(set(self.rendered("maps", self.raw())), files_of(*MAPS))
 
     def test_one_file_is_not_taken_for_another(self):
         for arguments, words in (([self.raw_long()], "no raw file of the study stability"),
