@@ -3,7 +3,6 @@
 A claim holds or does not hold only where the exact rank test separates the rows; medians alone decide nothing.
 """
 
-from dataclasses import dataclass
 from typing import Callable, NamedTuple, Tuple
 
 from comparison import MISSING, three_digits
@@ -13,8 +12,7 @@ from statistics_of_repetitions import FASTER, FEWEST_REPETITIONS, LEVEL, SLOWER,
 OUTCOMES = HOLDS, FAILS, OPEN, UNJUDGED = "holds", "does not hold", "too close to call", "not judged"
 
 
-@dataclass(frozen=True)
-class Claim:
+class Claim(NamedTuple):
     """A statement about every block with these numbers of stages.
 
     `pairs(times)` gets the repetitions of a block by row, and returns the pairs (faster row, slower row) that the claim

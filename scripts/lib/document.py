@@ -7,55 +7,47 @@ import itertools
 import os
 import re
 import textwrap
-from dataclasses import dataclass
-from typing import List, Tuple
+from typing import List, NamedTuple, Tuple
 
 TEXT_WIDTH = 100
 
 
-@dataclass(frozen=True)
-class Heading:
+class Heading(NamedTuple):
     text: str
     level: int = 2
 
 
-@dataclass(frozen=True)
-class Paragraph:
+class Paragraph(NamedTuple):
     text: str
 
 
-@dataclass(frozen=True)
-class Items:
+class Items(NamedTuple):
     """A list; each entry is a few words that stand out, and the rest with its own punctuation."""
 
     items: List[Tuple[str, str]]
 
 
-@dataclass(frozen=True)
-class Figure:
+class Figure(NamedTuple):
     """An image beside the document, and what it shows."""
 
     path: str
     caption: str
 
 
-@dataclass(frozen=True)
-class Column:
+class Column(NamedTuple):
     heading: str
     group: str = ""
     align: str = "right"
 
 
-@dataclass(frozen=True)
-class Entry:
+class Entry(NamedTuple):
     """One table entry; `marked` is what stands out: bold, or a star in plain text."""
 
     text: str
     marked: bool = False
 
 
-@dataclass(frozen=True)
-class Table:
+class Table(NamedTuple):
     """Rows of entries, in blocks set apart from one another."""
 
     columns: Tuple[Column, ...]

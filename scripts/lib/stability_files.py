@@ -4,7 +4,6 @@ A trial is a short run with one step size; the map of one integrator in one sett
 grid of h‖B‖₂, and the bracket that bisection left around the critical value. ‖B‖₂ is taken at the initial data.
 """
 
-from dataclasses import dataclass
 from typing import Dict, List, NamedTuple, Tuple
 
 import study_file
@@ -15,9 +14,6 @@ from study_file import (CONVERGED, Integrator, Schema, error_of_any_size, keyed,
 SCENES = ("smooth", "rough")
 SOLVERS = PUBLISHED, FAST = ("published", "fast")
 ROUNDING = 1e-12  # what rounding leaves in 10⁴ steps, as a relative error
-
-
-# ---- rows
 
 
 class MapSettings(NamedTuple):
@@ -105,11 +101,7 @@ MAP_SCHEMA = Schema("stability", MapSettings,
 LONG_RUNS_SCHEMA = Schema("long_runs", LongRunSettings, {"integrators": Integrator, "runs": RunRow, "samples": Sample})
 
 
-# ---- studies
-
-
-@dataclass(frozen=True)
-class Map:
+class Map(NamedTuple):
     """One integrator in one setting."""
 
     edge: Edge
@@ -133,8 +125,7 @@ class Map:
         return min(failures)[1] if failures else None
 
 
-@dataclass(frozen=True)
-class FailureMap:
+class FailureMap(NamedTuple):
     context: Dict[str, str]
     max_sweeps: int
     integrators: Dict[str, Integrator]
@@ -157,8 +148,7 @@ class FailureMap:
         return [each for each in found if each]
 
 
-@dataclass(frozen=True)
-class LongRun:
+class LongRun(NamedTuple):
     row: RunRow
     samples: Tuple[Sample, ...]
 
@@ -172,8 +162,7 @@ class LongRun:
         return [(time, value) for time, value in found if value is not None]
 
 
-@dataclass(frozen=True)
-class LongRuns:
+class LongRuns(NamedTuple):
     context: Dict[str, str]
     steps: int
     integrators: Dict[str, Integrator]
@@ -191,9 +180,6 @@ class LongRuns:
         """Returns a run, or None."""
         return next((run for run in self.runs if (run.row.scene, run.row.n, run.row.share, run.row.integrator)
                      == (scene, n, share, integrator)), None)
-
-
-# ---- reading
 
 
 def read_map(path, solver=PUBLISHED):

@@ -9,7 +9,7 @@ import unittest
 import programs
 from drawing import PYTHON, DrawingTest, finite_points, lines_of
 from programs import snapshot
-from study_documents import UNCERTAINTY, accuracy_of, small_study, study_document, write_study
+from study_documents import UNCERTAINTY, accuracy_of, run_of, small_study, study_document, write_study
 from test_reproduce import raw_file
 
 from benchmark_json import read_run
@@ -75,13 +75,12 @@ class Files(AccuracyTest):
 class WhatIsDrawn(AccuracyTest):
     def test_error_against_time(self):
         document = study_document()
-        points = {(each["integrator"], each["n"], each["steps"]): each for each in document["runs"]}
-        points["rkmk4", 33, 200]["error"] = 0.9 * FLOOR
+        run_of(document, "rkmk4", 33, 200)["error"] = 0.9 * FLOOR
         panels = self.panels("charts", "error_against_time", accuracy_of(document))
         self.assertEqual(list(panels), ["n = 17", "n = 33"])
         lines = [lines_of(panels[f"n = {n}"][0]) for n in (17, 33)]
         self.assertEqual([len(each["rkmk4"]) for each in lines], [6, 5])
-        point = points["group2", 17, 50]
+        point = run_of(document, "group2", 17, 50)
         self.assertIn([sorted(point["cpu_seconds"])[1], point["error"]], lines[0]["group2"])
         # A failed run is not drawn: a cross marks the next.
         self.assertEqual((len(lines[0]["group1"]), len(lines[0]["cotangent1"])), (5, 6))

@@ -26,15 +26,13 @@ class ReportTest(unittest.TestCase):
         self.assertEqual(self.row("algebra2", "Smooth scene"), ["algebra2", "1.90", "1.90", "diverged"])
         self.assertEqual(self.row("rkmk4", "Smooth scene"), ["rkmk4", "> 11.3", "> 11.3", "–"])
         self.assertEqual(self.row("rk4", "Rough scene"), ["rk4", "3.00", "unstable"])
+        self.assertEqual(self.row("smooth  129", "Critical h‖B(W₀)‖₂")[-2:], ["5", "5"])  # steps of a trial
 
     def test_a_method_that_never_works(self):
         tables = self.map.tables
         tables["maps"] = [each._replace(works=None, fails=None, fails_as=None) for each in tables["maps"]]
         tables["trials"] = [each._replace(status="unstable") for each in tables["trials"]]
         self.assertEqual(self.row("rk4", "Smooth scene"), ["rk4", "< 0.125", "< 0.125", "unstable"])
-
-    def test_short_trials_are_told(self):
-        self.assertEqual(self.row("smooth  129", "Critical h‖B(W₀)‖₂")[-2:], ["5", "5"])
 
     def test_largest_errors_of_long_runs(self):
         # Inside the edge rk4 loses 1e-5 of the spectrum and half of that of the Casimirs in a unit of time.
