@@ -3,68 +3,44 @@
 A claim holds or does not hold only where the exact rank test separates the rows; medians alone decide nothing.
 """
 
-from dataclasses import dataclass
-from typing import Callable, Tuple
+from typing import Callable, NamedTuple, Tuple
 
-from comparison import block_name, three_digits
-from document import Heading, Item, Items, Paragraph
+from comparison import MISSING, three_digits
+from document import Column, Heading, Paragraph, plain_table
 from statistics_of_repetitions import FASTER, FEWEST_REPETITIONS, LEVEL, SLOWER, compare, median
 
-HOLDS, FAILS, OPEN, UNJUDGED = "holds", "does not hold", "too close to call", "not judged"
+OUTCOMES = HOLDS, FAILS, OPEN, UNJUDGED = "holds", "does not hold", "too close to call", "not judged"
 
 
-@dataclass(frozen=True)
-class Claim:
-    """A statement about every block with these numbers of stages, and the function that judges one block.
+class Claim(NamedTuple):
+    """A statement about every block with these numbers of stages.
 
-    `judge(times, published)` gets the repetitions and the published seconds by formulation, and returns
-    (outcome, evidence).
+    `pairs(times)` gets the repetitions of a block by row, and returns the pairs (faster row, slower row) that the claim
+    asserts: the slower takes more than `factor` times as long.
     """
 
     label: str
     statement: str
     stages: Tuple[int, ...]
-    judge: Callable
+    pairs: Callable
+    factor: float = 1
 
 
-@dataclass(frozen=True)
-class Verdict:
+class Verdict(NamedTuple):
     n: int
     stages: int
     outcome: str
-    reason: str = ""
-    evidence: str = ""
+    evidence: Tuple = ()  # (faster row, slower row, ratio of their medians, p)
 
 
 def fastest(winner):
-    """Returns the judge of "`winner` is the fastest row": it must beat each rival; one that beats it refutes."""
-    def judge(times, _published):
-        rivals = {name: compare(times[winner], times[name]) for name in times if name != winner}
-        decisions = {rival.outcome for rival in rivals.values()}
-        outcome = FAILS if SLOWER in decisions else HOLDS if decisions == {FASTER} else OPEN
-        evidence = [f"{name} takes {three_digits(median(times[name]) / median(times[winner]))} times as long as"
-                    f" {winner} (p = {three_digits(rival.p)})" for name, rival in rivals.items()]
-        return outcome, "; ".join(evidence)
-    return judge
+    """Returns the pairs of "`winner` is the fastest row"."""
+    return lambda times: [(winner, rival) for rival in times if rival != winner]
 
 
-def slower_by(factor, loser):
-    """Returns the judge of "`loser` takes at least `factor` times as long as the fastest other row"."""
-    def judge(times, published):
-        best = min((name for name in times if name != loser), key=lambda name: median(times[name]))
-        test = compare([factor * time for time in times[best]], times[loser])
-        outcome = {FASTER: HOLDS, SLOWER: FAILS}.get(test.outcome, OPEN)
-        ratio = three_digits(median(times[loser]) / median(times[best]))
-        return outcome, (f"{loser} takes {ratio} times as long as {best}, the fastest other row"
-                         f" (against {factor} times: p = {three_digits(test.p)}{published_ratio(loser, published)})")
-    return judge
-
-
-def published_ratio(loser, published):
-    others = [seconds for name, seconds in published.items() if name != loser]
-    if loser not in published or not others:
-        return ""
-    return f"; paper: {three_digits(published[loser] / min(others))} times"
+def slower_than_all(loser):
+    """Returns the pair of "`loser` takes longer than the fastest other row"."""
+    return lambda times: [(min((name for name in times if name != loser), key=lambda name: median(times[name])), loser)]
 
 
 def verdicts(claim, comparison):
@@ -72,59 +48,43 @@ def verdicts(claim, comparison):
 
 
 def verdict(claim, comparison, n, stages):
-    """Judges one block, where all its rows have times, and enough of them."""
-    obstacle = why_unjudged(comparison, n, stages)
-    if obstacle:
-        return Verdict(n, stages, UNJUDGED, f": {obstacle}")
+    """Judges one block, where all its rows have times. A pair the other way round refutes the claim."""
     times = comparison.times(n, stages)
-    outcome, evidence = claim.judge(times, comparison.published_block(n, stages))
-    fewest = min(map(len, times.values()))
-    if fewest < FEWEST_REPETITIONS:
-        unit = "repetition" if fewest == 1 else "repetitions"
-        return Verdict(n, stages, OPEN, f" ({fewest} {unit}; {FEWEST_REPETITIONS} needed)", evidence)
-    return Verdict(n, stages, outcome, "", evidence)
-
-
-def why_unjudged(comparison, n, stages):
-    block = comparison.block(n, stages)
-    if not block:
-        return "not measured"
-    missing = [f"{name} not measured" for name in comparison.formulations if name not in block]
-    failed = [f"{name} failed: {cell.failure}" for name, cell in block.items() if cell.failure]
-    return "; ".join(missing + failed)
+    if set(times) != set(comparison.formulations):
+        return Verdict(n, stages, UNJUDGED)
+    evidence, found = [], set()
+    for faster, slower in claim.pairs(times):
+        decision = compare([claim.factor * time for time in times[faster]], times[slower])
+        evidence.append((faster, slower, median(times[slower]) / median(times[faster]), decision.p))
+        found.add(decision.outcome)
+    outcome = FAILS if SLOWER in found else HOLDS if found == {FASTER} else OPEN
+    return Verdict(n, stages, outcome, tuple(evidence))
 
 
 def overall(judged):
     """Sums up the verdicts on a claim: for each outcome that occurs, where."""
-    many_stages = len({each.stages for each in judged}) > 1
-    parts = [f"{outcome} at {places(alike, many_stages)}" for outcome in (HOLDS, FAILS, OPEN, UNJUDGED)
-             if (alike := [each for each in judged if each.outcome == outcome])]
+    parts = []
+    for outcome in OUTCOMES:
+        for stages in sorted({each.stages for each in judged}):
+            sizes = [str(each.n) for each in judged if (each.outcome, each.stages) == (outcome, stages)]
+            if sizes:
+                parts.append(f"{outcome} at n = {', '.join(sizes)} (s = {stages})")
     return "; ".join(parts)
-
-
-def places(judged, many_stages):
-    """Names blocks shortly: sizes with the same numbers of stages together, and these only where they vary."""
-    stages_of, sizes_of = {}, {}
-    for each in judged:
-        stages_of.setdefault(each.n, []).append(str(each.stages))
-    for n, stages in stages_of.items():
-        sizes_of.setdefault(", ".join(stages), []).append(str(n))
-    return " and ".join(f"n = {', '.join(sizes)}" + (f" (s = {stages})" if many_stages else "")
-                        for stages, sizes in sizes_of.items())
 
 
 def claims_section(claims, comparison):
     parts = [Heading("The paper's claims"),
-             Paragraph(f"p: exact one-sided Mann–Whitney rank test of the repetitions, in the direction they lean;"
-                       f" decided where p ≤ {LEVEL}. Ratios are of medians.")]
+             Paragraph("Ratio: median time of the second row over that of the first. p: exact one-sided Mann–Whitney rank test"
+                       f" of the repetitions, in the direction they lean; decided where p ≤ {LEVEL}, with at least"
+                       f" {FEWEST_REPETITIONS} repetitions. Not judged: a row failed or was not measured.")]
+    columns = (Column("n"), Column("s"), Column("verdict", align="left"), Column("first", align="left"),
+               Column("second", align="left"), Column("ratio"), Column("p"))
     for claim in claims:
         judged = verdicts(claim, comparison)
-        parts += [Heading(f"Claim ({claim.label}): {claim.statement}", 3),
-                  Paragraph(f"Overall: {overall(judged)}."), Items([verdict_item(each) for each in judged])]
+        rows = [[str(each.n), str(each.stages), each.outcome, faster, slower, *texts]
+                for each in judged
+                for faster, slower, *texts in ([(*pair[:2], *map(three_digits, pair[2:])) for pair in each.evidence]
+                                               or [[MISSING] * 4])]
+        parts += [Heading(f"Claim ({claim.label}): {claim.statement}", 3), Paragraph(f"Overall: {overall(judged)}."),
+                  plain_table(columns, rows)]
     return parts
-
-
-def verdict_item(judged):
-    strong = f"{block_name(judged.n, judged.stages)}: {judged.outcome}"
-    evidence = f" – {judged.evidence}" if judged.evidence else ""
-    return Item(strong, judged.reason + evidence)

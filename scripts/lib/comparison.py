@@ -11,7 +11,7 @@ from typing import Dict, Tuple
 
 from benchmark_json import (LONGEST_SECONDS, SHORTEST_SECONDS, CellKey, Run, UnusableFile, one_line, quoted,
                             read_text)
-from document import Column, Entry, Heading, Item, Items, Paragraph, Table, plain_table
+from document import Column, Entry, Heading, Items, Paragraph, Table, plain_table
 from statistics_of_repetitions import (FASTER, FEWEST_REPETITIONS, LEVEL, compare, half_interquartile_range,
                                        median)
 
@@ -201,7 +201,7 @@ def published_entry(comparison, name, n, stages, value):
 
 
 def footnotes(comparison):
-    notes = [Item(f"({number}) {key.formulation}, n = {key.n}, s = {key.stages}",
+    notes = [(f"({number}) {key.formulation}, n = {key.n}, s = {key.stages}",
                   f": failed: {comparison.run.measurements[key].failure}")
              for number, key in enumerate(comparison.failures(), 1)]
     return [Items(notes)] if notes else []
@@ -217,10 +217,6 @@ def times_legend(comparison):
 def repetitions_text(comparison):
     counts = sorted({len(cell.times) for cell in comparison.run.measurements.values() if not cell.failure})
     return f"{' or '.join(map(str, counts)) or 'no'} repetitions"
-
-
-def block_name(n, stages):
-    return f"n = {n}, s = {stages}"
 
 
 def counters_section(comparison, heading, columns):
@@ -280,6 +276,5 @@ CONDITIONS = ("date", "commit", "dirty", "build_type", "compiler", "flags", "cpu
 def conditions_section(context):
     """Lists under what conditions the run was made."""
     return [Heading("Measurement conditions"),
-            Items([Item(name.replace("_", " "), f": {context.get(name, 'not recorded') or 'none'}")
-                   for name in CONDITIONS]),
+            Items([(name.replace("_", " "), f": {context.get(name, 'not recorded') or 'none'}") for name in CONDITIONS]),
             Paragraph(PACKAGED)]

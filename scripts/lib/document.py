@@ -7,61 +7,47 @@ import itertools
 import os
 import re
 import textwrap
-from dataclasses import dataclass
-from typing import List, Tuple
+from typing import List, NamedTuple, Tuple
 
 TEXT_WIDTH = 100
 
 
-@dataclass(frozen=True)
-class Heading:
+class Heading(NamedTuple):
     text: str
     level: int = 2
 
 
-@dataclass(frozen=True)
-class Paragraph:
+class Paragraph(NamedTuple):
     text: str
 
 
-@dataclass(frozen=True)
-class Item:
-    """A list entry: a few words that stand out, and the rest with its own punctuation."""
+class Items(NamedTuple):
+    """A list; each entry is a few words that stand out, and the rest with its own punctuation."""
 
-    strong: str
-    rest: str = ""
+    items: List[Tuple[str, str]]
 
 
-@dataclass(frozen=True)
-class Items:
-    items: List[Item]
-
-
-@dataclass(frozen=True)
-class Figure:
+class Figure(NamedTuple):
     """An image beside the document, and what it shows."""
 
     path: str
     caption: str
 
 
-@dataclass(frozen=True)
-class Column:
+class Column(NamedTuple):
     heading: str
     group: str = ""
     align: str = "right"
 
 
-@dataclass(frozen=True)
-class Entry:
+class Entry(NamedTuple):
     """One table entry; `marked` is what stands out: bold, or a star in plain text."""
 
     text: str
     marked: bool = False
 
 
-@dataclass(frozen=True)
-class Table:
+class Table(NamedTuple):
     """Rows of entries, in blocks set apart from one another."""
 
     columns: Tuple[Column, ...]
@@ -105,14 +91,22 @@ def conditions(context):
                                                   ("cpu", "blas_kernels", "compiler", "commit") if field in context) + ".")
 
 
+def written(document, writers):
+    """Joins what the writers of a format make of the parts of a document, each by its class."""
+    return "\n\n".join(writers[type(part)](part) for part in document) + "\n"
+
+
 # ---- plain text
 
 
 def as_text(document):
     """Writes plain text of at most 110 columns: paragraphs are filled, tables as wide as they are."""
-    writers = {Heading: text_heading, Paragraph: text_paragraph, Items: text_items, Table: text_table,
-               Figure: text_figure}
-    return "\n\n".join(writers[type(part)](part) for part in document) + "\n"
+    return written(document, {
+        Heading: text_heading,
+        Paragraph: lambda part: fill(part.text),
+        Items: lambda part: "\n".join(fill(strong + rest, "  ", "- ") for strong, rest in part.items),
+        Table: text_table,
+        Figure: lambda part: fill(f"[{part.path}] {part.caption}")})
 
 
 def text_heading(heading):
@@ -125,18 +119,6 @@ def fill(text, indent="", first=""):
     glued = text.replace(" = ", "\xa0=\xa0")
     lines = textwrap.fill(glued, TEXT_WIDTH, initial_indent=first, subsequent_indent=indent, break_on_hyphens=False)
     return lines.replace("\xa0", " ")
-
-
-def text_paragraph(paragraph):
-    return fill(paragraph.text)
-
-
-def text_items(items):
-    return "\n".join(fill(item.strong + item.rest, "  ", "- ") for item in items.items)
-
-
-def text_figure(figure):
-    return fill(f"[{figure.path}] {figure.caption}")
 
 
 def text_table(table):
@@ -169,9 +151,13 @@ def text_groups(table, widths):
 
 
 def as_markdown(document):
-    writers = {Heading: markdown_heading, Paragraph: markdown_paragraph, Items: markdown_items,
-               Table: markdown_table, Figure: markdown_figure}
-    return "\n\n".join(writers[type(part)](part) for part in document) + "\n"
+    escape = markdown_escape
+    return written(document, {
+        Heading: lambda part: f"{'#' * part.level} {escape(part.text)}",
+        Paragraph: lambda part: escape(part.text),
+        Items: lambda part: "\n".join(f"- {markdown_strong(strong)}{escape(rest)}" for strong, rest in part.items),
+        Table: markdown_table,
+        Figure: lambda part: f"![{escape(part.caption)}]({part.path})\n\n*{escape(part.caption)}*"})
 
 
 def markdown_escape(text):
@@ -180,22 +166,6 @@ def markdown_escape(text):
 
 def markdown_strong(text):
     return f"**{markdown_escape(text)}**" if text else ""
-
-
-def markdown_heading(heading):
-    return "#" * heading.level + " " + markdown_escape(heading.text)
-
-
-def markdown_paragraph(paragraph):
-    return markdown_escape(paragraph.text)
-
-
-def markdown_items(items):
-    return "\n".join(f"- {markdown_strong(item.strong)}{markdown_escape(item.rest)}" for item in items.items)
-
-
-def markdown_figure(figure):
-    return f"![{markdown_escape(figure.caption)}]({figure.path})\n\n*{markdown_escape(figure.caption)}*"
 
 
 def markdown_table(table):
@@ -225,10 +195,13 @@ LATEX_CHARACTERS = {
 
 def as_latex(document):
     """Writes a fragment to \\input: whole tabular environments, ASCII only."""
-    writers = {Heading: latex_heading, Paragraph: latex_paragraph, Items: latex_items, Table: latex_table,
-               Figure: latex_figure}
-    needs = "% A fragment to \\input; needs \\usepackage{booktabs}."
-    return "\n\n".join([needs] + [writers[type(part)](part) for part in document]) + "\n"
+    commands = {1: "section", 2: "subsection"}
+    return "% A fragment to \\input; needs \\usepackage{booktabs}.\n\n" + written(document, {
+        Heading: lambda part: rf"\{commands.get(part.level, 'subsubsection')}*{{{latex_escape(part.text)}}}",
+        Paragraph: lambda part: latex_escape(part.text),
+        Items: latex_items,
+        Table: latex_table,
+        Figure: lambda part: f"% {latex_escape(part.path)}: {latex_escape(part.caption)}"})
 
 
 def latex_escape(text):
@@ -248,22 +221,9 @@ def latex_strong(text):
     return rf"\textbf{{{latex_escape(text)}}}" if text else ""
 
 
-def latex_heading(heading):
-    command = {1: "section", 2: "subsection"}.get(heading.level, "subsubsection")
-    return rf"\{command}*{{{latex_escape(heading.text)}}}"
-
-
-def latex_paragraph(paragraph):
-    return latex_escape(paragraph.text)
-
-
 def latex_items(items):
-    lines = [rf"  \item {latex_strong(item.strong)}{latex_escape(item.rest)}" for item in items.items]
+    lines = [rf"  \item {latex_strong(strong)}{latex_escape(rest)}" for strong, rest in items.items]
     return "\n".join([r"\begin{itemize}", *lines, r"\end{itemize}"])
-
-
-def latex_figure(figure):
-    return f"% {latex_escape(figure.path)}: {latex_escape(figure.caption)}"
 
 
 def latex_row(texts):

@@ -1,7 +1,7 @@
 """What the regression gate says: as a document for readers, and as JSON for programs."""
 
 from benchmark_json import one_line
-from document import Column, Entry, Heading, Item, Items, Paragraph, Table
+from document import Column, Entry, Heading, Items, Paragraph, Table
 from gate_layers import exit_code
 
 FORMAT = "isosyrk check_regression 1"
@@ -30,7 +30,7 @@ def layer_parts(layer):
                 for check in shown]
         parts.append(Table(columns, [rows]))
     if layer.notes:
-        parts.append(Items([Item("", one_line(note)) for note in layer.notes]))
+        parts.append(Items([("", one_line(note)) for note in layer.notes]))
     return parts
 
 

@@ -17,11 +17,3 @@ def gauss_stages(name):
     """Returns s of a formulation of the s-stage Gauss method, or None for any other integrator."""
     match = re.fullmatch(rf"(?:{'|'.join(FORMULATIONS)})([0-9]+)", name)
     return int(match[1]) if match else None
-
-
-def relatives(names):
-    """Returns groups of integrators with the same answer: the formulations of one Gauss method; others alone."""
-    groups = {}
-    for name in names:
-        groups.setdefault(gauss_stages(name) or name, []).append(name)
-    return list(groups.values())

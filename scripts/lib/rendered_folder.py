@@ -1,6 +1,5 @@
 """The folder that a render script fills: charts and a report, as SVG and Markdown, and as PNG and text too."""
 
-import errno
 import os
 import sys
 import tempfile
@@ -29,65 +28,48 @@ def render_study(program, description, arguments, raw, others, drawn):
         parser.add_argument(f"--{name}", metavar=f"{name.upper()}.json", help=wrote_it)
     options = parser.parse_args(arguments)
     require_matplotlib(program)
+    return options, write_folder(program, options.out, lambda: files(drawn, options))
+
+
+def files(drawn, options):
+    """Returns the files of the charts and of their report, by name, and their contents."""
+    from chart_panels import encode, own_style  # only now: it needs matplotlib
+
     recorded = os.path.realpath(options.out).startswith(os.path.realpath(RECORDED) + os.sep)
-    return options, write_folder(program, options.out, lambda: files(*drawn(options), recorded))
-
-
-def files(figures, report, recorded):
-    """Returns the files of some charts and of their report, by name, and their contents."""
-    from chart_panels import encode  # only now: it needs matplotlib, and unusable files should be named without it
-
-    figures = {name: figure for name, figure in figures.items() if figure}
-    found = {f"{name}.{kind}": encode(figure, kind) for name, figure in figures.items()
-             for kind in (("svg",) if recorded else ("svg", "png"))}
-    reports = report_files(report(set(figures)))
-    if recorded:
-        del reports["report.txt"]
-    return {**found, **reports}
-
-
-def report_files(document):
-    return {"report.md": as_markdown(document).encode("utf-8"), "report.txt": as_text(document).encode("utf-8")}
+    with own_style():
+        figures, report = drawn(options)
+        figures = {name: figure for name, figure in figures.items() if figure}
+        found = {f"{name}.{kind}": encode(figure, kind) for name, figure in figures.items()
+                 for kind in (("svg",) if recorded else ("svg", "png"))}
+    document = report(set(figures))
+    found["report.md"] = as_markdown(document).encode("utf-8")
+    if not recorded:
+        found["report.txt"] = as_text(document).encode("utf-8")
+    return found
 
 
 def write_folder(program, folder, files):
     """Writes what `files()` returns, all of it made before any is written. What goes wrong is one line and exit 2."""
     try:
-        require_room(folder)
         contents = files()
+    except UnusableFile as problem:
+        fail(program, problem)
+    try:
         os.makedirs(folder, exist_ok=True)
         for name, data in contents.items():
             replace_file(os.path.join(folder, name), data)
-    except UnusableFile as problem:
-        fail(program, problem)
     except OSError as problem:
         fail(program, f"{one_line(problem.filename or folder)}: cannot be written: {problem.strerror}")
     return contents
-
-
-def require_room(folder):
-    """Raises OSError if a folder cannot be there or be filled, as far as that is seen without making it: it is tried."""
-    nearest = os.path.abspath(folder)
-    while not os.path.lexists(nearest):
-        nearest = os.path.dirname(nearest)
-    if not os.path.isdir(nearest):
-        raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), nearest)
-    try:
-        os.rmdir(tempfile.mkdtemp(dir=nearest))
-    except OSError as problem:
-        raise OSError(problem.errno, problem.strerror, nearest) from None
 
 
 def output_folder(program, option, folder):
     """Makes a folder that is to be written later; one that cannot be is one line and exit 2, before any work."""
     try:
         os.makedirs(folder, exist_ok=True)
+        os.rmdir(tempfile.mkdtemp(dir=folder))
     except OSError as problem:
-        fail(program, f"{option} {one_line(folder)}: cannot be made: {problem.strerror}")
-    try:
-        require_room(folder)
-    except OSError:
-        fail(program, f"{option} {one_line(folder)}: cannot be written")
+        fail(program, f"{option} {one_line(folder)}: cannot be written: {problem.strerror}")
 
 
 def fail(program, problem):

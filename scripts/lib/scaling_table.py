@@ -51,7 +51,6 @@ def sections(study):
         raise UnusableFile("has no points, or one without a time")
     columns = (Column("n"), Column("integrator", align="left"), Column("form", align="left"), Column("sweeps"),
                Column("equivalent products"), Column("CPU seconds"), Column("times as fast"))
-    blocks = [block(points, name, n) for name, n in dict.fromkeys((name, n) for name, n, _ in points)]
     settings = study.settings
     return [
         Heading("What a step costs", 1),
@@ -60,25 +59,20 @@ def sections(study):
                   " newton: plain Picard sweeps. Without predictor: a cold start each step. Without bands: full"
                   " products. Times are medians ± half the interquartile range of repetitions in turns. Times as fast:"
                   " the published form's time over the row's, in the same round. Equivalent products count the"
-                  " multiplications in units of one full complex product."),
-        Table(columns, blocks),
-        Paragraph("No exponents are fitted: how much bands and start values save depends on how fine the data are and"
-                  " how long the step is at that n, so a slope against n would be one of this stretch, not of the"
-                  " method."),
+                  " multiplications in units of one full complex product. No exponents are fitted: a slope against n would"
+                  " be one of this stretch, not of the method."),
+        Table(columns, [[row(points, name, n, rung) for rung in RUNGS]
+                        for name, n in dict.fromkeys((name, n) for name, n, _ in points)]),
         conditions(study.context),
     ]
 
 
-def block(points, name, n):
-    """Returns the rows of one integrator at one n; a rung whose steps failed is shown without figures."""
-    rows = []
-    published = points.get((name, n, PUBLISHED))
-    for rung in RUNGS:
-        point = points.get((name, n, rung))
-        texts = [MISSING] * 4
-        if point:
-            ratios = [theirs / ours for theirs, ours in zip(published.seconds if published else (), point.seconds)]
-            texts = [three_digits(point.sweeps), three_digits(point.equivalent_products),
-                     time_with_spread(point.seconds), time_with_spread(ratios) if ratios else MISSING]
-        rows.append([Entry(each) for each in (str(n), name, rung, *texts)])
-    return rows
+def row(points, name, n, rung):
+    """Returns the row of a rung; one whose steps failed is shown without figures."""
+    point, published = points.get((name, n, rung)), points.get((name, n, PUBLISHED))
+    texts = [MISSING] * 4
+    if point:
+        ratios = [theirs / ours for theirs, ours in zip(published.seconds if published else (), point.seconds)]
+        texts = [three_digits(point.sweeps), three_digits(point.equivalent_products), time_with_spread(point.seconds),
+                 time_with_spread(ratios) if ratios else MISSING]
+    return [Entry(each) for each in (str(n), name, rung, *texts)]

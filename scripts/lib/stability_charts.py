@@ -1,238 +1,96 @@
-"""Draws where each method fails, and the errors of long runs: failure maps and errors against time.
+"""Draws where each integrator fails, and the errors of long runs.
 
-Each chart is a figure made from its data alone. In a map a cell is one trial, coloured and hatched by what became of
-it; in a chart of long runs a line is one integrator and carries its name.
+In a map a cell is one trial, coloured by its outcome: the darker, the worse.
 """
 
 import math
 
-import matplotlib
-from matplotlib.patches import Patch, Rectangle
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from benchmark_json import FORMULATIONS
-from chart_panels import (LOOKS, Label, colour, column_of_labels, cross_mark, draw_line, floor_band, hide_rest,
-                          key_of, logarithmic, look, new_figure, set_panel, style_key, styled)
-from integrator_names import TABLE1_CELLS, others
-from stability_files import QUANTITIES, ROUNDING, trials_in_words
+from chart_panels import METHOD_KEYS, cross, draw_line, key, logarithmic, look, method_key, new_figure
+from stability_files import QUANTITIES, ROUNDING
 from study_file import SWEEP_CAP, UNSTABLE
 
-CELLS = -2  # of the drawing order; what lies below 0 an SVG holds as one image
-GENERATOR_LABEL = "h‖B(W₀)‖₂"
-MEASURED, THEORY = "measured critical", "linear theory"
-
-# ---- failure maps
-
-# A shade for each number of sweeps a step, the more the darker.
-SWEEP_SHADES = ((20, "#f1f6fb"), (50, "#d3e4f3"), (math.inf, "#a9cae6"))
-# Colour and hatching of what failed, apart in grey too.
-FAILURES = {
-    "diverged": ("#e0724a", "////", "0.25"),
-    "stagnated": ("#f2c063", "\\\\\\\\", "0.25"),
-    SWEEP_CAP: ("#f9e79a", "....", "0.25"),
-    UNSTABLE: ("#7c4596", "xxxx", "0.9"),
-}
+SWEEP_SHADES = {"≤ 20 sweeps": (20, "#f4f8fc"), "≤ 50 sweeps": (50, "#d3e4f3"), "more sweeps": (math.inf, "#a9cae6")}
+FAILURES = {SWEEP_CAP: "#eda63a", "stagnated": "#cc6a36", "diverged": "#8f2f2f", UNSTABLE: "#33184a"}
+LEVELS = {"measured critical": {"color": "black", "linewidth": 2.2},
+          "linear theory": {"color": "black", "linewidth": 1.4, "linestyle": (0, (4, 2))}}
+COLUMNS = 3
+MARKERS = 7  # a line of a long run has a marker on every so many of its samples
 
 
-@styled
-def failure_map(study, scene):
-    return map_of(study, scene, TABLE1_CELLS, f"Where the formulations fail: {scene} scene")
-
-
-@styled
-def failure_map_fast(study, scene):
-    return map_of(study, scene, TABLE1_CELLS, f"Where the fast forms fail: {scene} scene")
-
-
-@styled
-def failure_map_others(study, scene):
-    return map_of(study, scene, others(study.integrators), f"Where the other integrators fail: {scene} scene")
-
-
-def map_of(study, scene, names, title):
-    columns = len(FORMULATIONS)
-    rows = math.ceil(len(names) / columns)
-    figure, panels = new_figure(title, map_caption(study, scene), rows, columns, 3.0, right=1.3, row_gap=0.75,
-                                column_gap=1.65)
-    map_key(figure, study, scene)
+def failure_map(study, scene, names, title):
+    """Draws a panel for each integrator: its trials at each n, the measured critical value and linear theory."""
+    names = [name for name in names if study.line(scene, name)]
+    figure, panels = new_figure(f"{title}: {scene} scene", -(-len(names) // COLUMNS), COLUMNS, 2.6, keys=2,
+                                sharey=True)
+    sizes = study.sizes(scene)
     for axes, name in zip(panels.flat, names):
-        if study.line(scene, name):
-            map_panel(axes, study, scene, name)
-        else:
-            axes.set_visible(False)
-    for axes in panels[:, 1:].flat:
-        axes.set_ylabel("")
-    hide_rest(panels, len(names))
+        axes.set(title=name, xlabel="n")
+        axes.grid(False)
+        axes.set_yscale("log", base=2)
+        axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+        axes.yaxis.set_minor_locator(NullLocator())
+        axes.xaxis.set_major_locator(FixedLocator(range(len(sizes))))
+        axes.xaxis.set_major_formatter(lambda column, _: str(sizes[round(column)]))
+        maps = [study.at(scene, n, name) for n in sizes]
+        for column, trials in ((column, each.trials) for column, each in enumerate(maps) if each):
+            values = [trial.h_norm_B for trial in trials]
+            half = math.sqrt(values[1] / values[0]) if len(values) > 1 else 2**0.25
+            axes.bar([column] * len(values), [value * half - value / half for value in values], width=1,
+                     bottom=[value / half for value in values], color=list(map(shade, trials)), edgecolor="white",
+                     linewidth=0.4)
+        x = [edge for column in range(len(sizes)) for edge in (column - 0.5, column + 0.5)]
+        for (label, style), values in zip(LEVELS.items(), ([each and each.edge.works for each in maps],
+                                                           [each and each.edge.linear_limit for each in maps])):
+            axes.plot(x, [value or math.nan for value in values for _ in range(2)], label=label, **style,
+                      path_effects=[withStroke(linewidth=style["linewidth"] + 1.6, foreground="white")])
+        axes.margins(0)
+    for axes in panels.flat[len(names):]:
+        axes.remove()
+    for axes in panels[:, 0]:
+        axes.set_ylabel("h‖B(W₀)‖₂")
+    shades = {**{label: colour for label, (_, colour) in SWEEP_SHADES.items()}, **FAILURES}
+    key(figure, [*(Patch(facecolor=colour, edgecolor="0.6", label=label) for label, colour in shades.items()),
+                 *(Line2D([], [], label=label, **style) for label, style in LEVELS.items())], 2)
     return figure
 
 
-def map_caption(study, scene):
-    return (f"Each cell is one trial from the initial data: {trials_in_words(study, [scene])}; at most {study.max_sweeps}"
-            " sweeps a step. Invariants lost: every iteration converged, but what the flow"
-            " conserves did not stay. Measured critical: the largest step that works below the first that fails, by"
-            " bisection. Linear theory: where the iteration (of explicit methods the step) ceases to be stable with B frozen"
-            " at B(W₀); none is drawn where it names no limit. The values beside a panel are those at its largest n.")
+def shade(trial):
+    """Returns the colour of a trial's cell."""
+    if not trial.works:
+        return FAILURES[trial.status]
+    return next(colour for most, colour in SWEEP_SHADES.values() if trial.sweeps_per_step <= most)
 
 
-def map_key(figure, study, scene):
-    """Says under the title what shades, hatchings and lines mean, of those that occur in this scene."""
-    found = {trial.status for each in study.maps.values() if each.edge.scene == scene for trial in each.trials}
-    handles = [Patch(facecolor=shade, edgecolor="0.6", linewidth=0.5,
-                     label="more" if math.isinf(most) else f"≤ {most} sweeps") for most, shade in SWEEP_SHADES]
-    handles += [Patch(facecolor=shade, edgecolor=ink, hatch=hatch, linewidth=0,
-                      label="invariants lost" if status == UNSTABLE else status)
-                for status, (shade, hatch, ink) in FAILURES.items() if status in found]
-    handles += [matplotlib.lines.Line2D([], [], color="black", linewidth=2.2, label=MEASURED),
-                matplotlib.lines.Line2D([], [], color="black", linewidth=1.4, linestyle=(0, (4, 2)), label=THEORY)]
-    for patch in key_of(figure, handles, handlelength=2.4, columnspacing=1.5).get_patches():
-        patch.set_rasterized(True)  # a hatching in an SVG is thousands of curves
+def long_runs(study, scene, n, isospectral):
+    """Draws a row for each quantity and a column for each share of the critical step; None if none of these was run.
 
-
-def map_panel(axes, study, scene, name):
-    maps = study.line(scene, name)
-    axes.set_yscale("log")
-    axes.grid(False)
-    axes.tick_params(length=2)
-    axes.set_rasterization_zorder(0)
-    edges = [edge for each in maps for bottom, top in cell_edges(each) for edge in (bottom, top)]
-    axes.set_ylim(min(edges), max(edges))
-    axes.set_xlim(-0.5, len(maps) - 0.5)
-    critical = [each.edge.works or math.nan for each in maps]
-    limits = [each.edge.linear_limit or math.nan for each in maps]
-    for column, each in enumerate(maps):
-        for trial, (bottom, top) in zip(each.trials, cell_edges(each)):
-            cell(axes, column, trial, bottom, top)
-    set_panel(axes, name, "n", GENERATOR_LABEL)
-    axes.xaxis.set_major_locator(FixedLocator(range(len(maps))))
-    axes.xaxis.set_major_formatter(lambda column, _: str(maps[round(column)].edge.n))
-    axes.yaxis.set_major_locator(FixedLocator([2.0**power for power in range(-20, 21)]))
-    axes.yaxis.set_minor_locator(NullLocator())
-    axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
-    labels = [*level_line(axes, critical, MEASURED, "-", 2.2), *level_line(axes, limits, THEORY, (0, (4, 2)), 1.4)]
-    column_of_labels(axes, labels)
-
-
-def cell_edges(each):
-    """Returns (bottom, top) of the cell of each trial: half way to its neighbours on the logarithmic axis, but up to the
-    critical value where that lies between what works and what fails."""
-    values = [trial.h_norm_B for trial in each.trials]
-    critical = each.edge.works or 0.0
-    inner = [critical if first.works and not second.works and first.h_norm_B <= critical <= second.h_norm_B
-             else math.sqrt(first.h_norm_B * second.h_norm_B) for first, second in zip(each.trials, each.trials[1:])]
-    half = 2**0.25 if len(values) == 1 else math.sqrt(values[1] / values[0])
-    edges = [values[0] / half, *inner, values[-1] * half]
-    return list(zip(edges, edges[1:]))
-
-
-def cell(axes, column, trial, bottom, top):
-    if trial.works:
-        shade, hatch, ink = sweep_shade(trial), "", "white"
-    else:
-        shade, hatch, ink = FAILURES[trial.status]
-    axes.add_patch(Rectangle((column - 0.5, bottom), 1, top - bottom, facecolor=shade, edgecolor=ink, hatch=hatch,
-                             linewidth=0.4 if trial.works else 0, zorder=CELLS))
-
-
-def sweep_shade(trial):
-    return next(shade for most, shade in SWEEP_SHADES if trial.sweeps_per_step <= most)
-
-
-def level_line(axes, values, name, style, width):
-    """Draws a level across each column that has one, on white so that it stands off the cells; returns its label."""
-    x = [edge for column in range(len(values)) for edge in (column - 0.5, column + 0.5)]
-    y = [value for value in values for _ in range(2)]
-    axes.plot(x, y, color="white", linewidth=width + 1.4, zorder=4, label="_ground", solid_capstyle="butt")
-    axes.plot(x, y, color="black", linestyle=style, linewidth=width, zorder=5, label=name, solid_capstyle="butt")
-    known = [index for index, value in enumerate(values) if not math.isnan(value)]
-    low, high = axes.get_ylim()
-    if not known or not low <= values[known[-1]] <= high:
-        return []
-    return [Label(f"{name.split()[0]} {values[known[-1]]:.3g}", (known[-1] + 0.5, values[known[-1]]), "black")]
-
-
-# ---- long runs
-
-MARKERS = 7  # a line has one on every so many of its samples
-
-
-@styled
-def long_runs(study, scene, n):
-    """Draws the integrators that keep the spectrum; None if none was run."""
-    return errors_against_time(study, scene, n, "that keep the spectrum", lambda each: each.isospectral)
-
-
-@styled
-def long_runs_controls(study, scene, n):
-    """Draws the integrators that do not keep the spectrum; None if none was run."""
-    return errors_against_time(study, scene, n, "that lose the spectrum", lambda each: not each.isospectral)
-
-
-def errors_against_time(study, scene, n, which, wanted):
-    names = [name for name, each in study.integrators.items() if wanted(each)
-             and any(study.at(scene, n, share, name) for share in study.shares())]
-    if not names:
+    The integrators are those that keep the spectrum, or those that do not.
+    """
+    integrators = [each for name, each in study.integrators.items() if each.isospectral == isospectral
+                   and any(study.at(scene, n, share, name) for share in study.shares())]
+    if not integrators:
         return None
-    shares = study.shares()
-    panel_height = max(2.75, 0.25 * len(names))  # so that the labels of all lines have room beside it
     figure, panels = new_figure(
-        f"Long runs at n = {n}, {scene} scene: integrators {which}",
-        f"Every run is of {study.steps} steps of one size, the share of the integrator's own critical step that stands over"
-        " the column, so that times differ. × k: the run failed at step k; a cross marks its last state. The energy error is"
-        " the largest since the sample before. What is exactly 0 has no place on the axis.",
-        len(QUANTITIES), len(shares), panel_height, right=1.9, row_gap=0.75, column_gap=2.35,
-        sharex="col")
-    style_key(figure, [each for each in LOOKS if any(look(study.integrators[name]) == each for name in names)])
-    for index, (row, quantity) in enumerate(zip(panels, QUANTITIES)):
-        labels = []
-        for axes, share in zip(row, shares):
-            runs = {name: study.at(scene, n, share, name) for name in names if study.at(scene, n, share, name)}
-            labels.append(time_panel(axes, study, quantity, runs))
-            title = f"{quantity.name}, {share:g} of the critical step" if index == 0 else quantity.name
-            set_panel(axes, title, "time" if index == len(QUANTITIES) - 1 else "",
-                      quantity.label if share == shares[0] else "")
-        label_row(row, labels)
+        f"Long runs at n = {n}, {scene} scene: integrators that {'keep' if isospectral else 'lose'} the spectrum",
+        len(QUANTITIES), len(study.shares()), 2.8, METHOD_KEYS, row_gap=0.3, sharex="col", sharey="row")
+    for row, (quantity, label) in zip(panels, QUANTITIES.items()):
+        row[0].set_ylabel(label)
+        for axes, share in zip(row, study.shares()):
+            logarithmic(axes)
+            axes.axhline(ROUNDING, color="0.45", linewidth=0.9, zorder=1, label="_rounding")
+            for index, each in enumerate(integrators):
+                run = study.at(scene, n, share, each.name)
+                points = draw_line(axes, each.name, run.series(quantity) if run else [], **look(each),
+                                   markevery=(index % MARKERS, MARKERS))
+                if points and not run.survived:
+                    cross(axes, points[-1])
+    for top, bottom, share in zip(panels[0], panels[-1], study.shares()):
+        top.set_title(f"{share:g} of the critical step")
+        bottom.set_xlabel("time")
+    method_key(figure, integrators)
     return figure
-
-
-def time_panel(axes, study, quantity, runs):
-    """Draws a quantity of some runs and returns the labels of the lines, which need the limits of the whole row."""
-    logarithmic(axes)
-    axes.xaxis.set_minor_locator(NullLocator())  # over five decades
-    axes.tick_params(labelbottom=True)  # also where the panels below have the same times
-    labels = []
-    for index, (name, run) in enumerate(runs.items()):
-        points = drawable(quantity.series(run))
-        if not points:
-            continue
-        draw_line(axes, name, points, study.integrators[name], linewidth=1.1, markersize=3.2,
-                  markevery=(index % MARKERS, MARKERS))
-        if not run.survived:
-            cross_mark(axes, points[-1])
-        labels.append(Label(name + failure(run), points[-1], colour(name)))
-    return labels
-
-
-def drawable(series):
-    return [(time, value) for time, value in series if time > 0 and value > 0]
-
-
-def failure(run):
-    return "" if run.survived else f" × {run.row.failed_step or run.row.status}"
-
-
-LEAST_DRAWN, LARGEST_DRAWN = 1e-18, 1e8
-
-
-def label_row(row, labels):
-    """Gives the panels of a row the same limits, and their lines their names: the labels of each panel."""
-    drawn = [axes.dataLim for axes in row if axes.lines]
-    if not drawn:
-        return
-    low = max(min(each.minposy for each in drawn) / 3, LEAST_DRAWN)
-    high = min(max(max(each.y1 for each in drawn) * 3, 10 * ROUNDING), LARGEST_DRAWN)
-    for axes, names in zip(row, labels):
-        axes.set_ylim(low, high)
-        if low < ROUNDING:
-            floor_band(axes, ROUNDING, "rounding", at=(0, ROUNDING), offset=(6, -11),
-                       coordinates=("axes fraction", "data"))
-        column_of_labels(axes, names)

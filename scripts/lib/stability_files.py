@@ -4,8 +4,7 @@ A trial is a short run with one step size; the map of one integrator in one sett
 grid of h‖B‖₂, and the bracket that bisection left around the critical value. ‖B‖₂ is taken at the initial data.
 """
 
-from dataclasses import dataclass
-from typing import Callable, Dict, List, NamedTuple, Tuple
+from typing import Dict, List, NamedTuple, Tuple
 
 import study_file
 from benchmark_json import UnusableFile, quoted
@@ -15,9 +14,6 @@ from study_file import (CONVERGED, Integrator, Schema, error_of_any_size, keyed,
 SCENES = ("smooth", "rough")
 SOLVERS = PUBLISHED, FAST = ("published", "fast")
 ROUNDING = 1e-12  # what rounding leaves in 10⁴ steps, as a relative error
-
-
-# ---- rows
 
 
 class MapSettings(NamedTuple):
@@ -96,16 +92,16 @@ class Sample(NamedTuple):
     skew_defect: error_of_any_size
 
 
+# What a long run is watched for: errors of a Sample, and what each is.
+QUANTITIES = {"spectrum_error": "largest error of an eigenvalue", "skew_defect": "largest entry of |W + W†|",
+              "casimir_error": "largest relative error of a Casimir", "energy_error": "relative error of the energy"}
+
 MAP_SCHEMA = Schema("stability", MapSettings,
                     {"integrators": Integrator, "settings": Setting, "maps": Edge, "trials": Trial})
 LONG_RUNS_SCHEMA = Schema("long_runs", LongRunSettings, {"integrators": Integrator, "runs": RunRow, "samples": Sample})
 
 
-# ---- studies
-
-
-@dataclass(frozen=True)
-class Map:
+class Map(NamedTuple):
     """One integrator in one setting."""
 
     edge: Edge
@@ -129,8 +125,7 @@ class Map:
         return min(failures)[1] if failures else None
 
 
-@dataclass(frozen=True)
-class FailureMap:
+class FailureMap(NamedTuple):
     context: Dict[str, str]
     max_sweeps: int
     integrators: Dict[str, Integrator]
@@ -153,8 +148,7 @@ class FailureMap:
         return [each for each in found if each]
 
 
-@dataclass(frozen=True)
-class LongRun:
+class LongRun(NamedTuple):
     row: RunRow
     samples: Tuple[Sample, ...]
 
@@ -162,9 +156,13 @@ class LongRun:
     def survived(self):
         return self.row.status == CONVERGED
 
+    def series(self, quantity):
+        """Returns (time, value) of every sample that has a value of a quantity."""
+        found = ((sample.step * self.row.step, getattr(sample, quantity)) for sample in self.samples)
+        return [(time, value) for time, value in found if value is not None]
 
-@dataclass(frozen=True)
-class LongRuns:
+
+class LongRuns(NamedTuple):
     context: Dict[str, str]
     steps: int
     integrators: Dict[str, Integrator]
@@ -182,46 +180,6 @@ class LongRuns:
         """Returns a run, or None."""
         return next((run for run in self.runs if (run.row.scene, run.row.n, run.row.share, run.row.integrator)
                      == (scene, n, share, integrator)), None)
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """What a long run is watched for."""
-
-    name: str
-    label: str
-    of: Callable
-
-    def series(self, run):
-        """Returns (time, value) of every sample that has a value."""
-        found = ((sample.step * run.row.step, self.of(sample)) for sample in run.samples)
-        return [(time, value) for time, value in found if value is not None]
-
-
-QUANTITIES = (
-    Quantity("spectrum error", "largest error of an eigenvalue", lambda sample: sample.spectrum_error),
-    Quantity("skew defect", "largest entry of |W + W†|", lambda sample: sample.skew_defect),
-    Quantity("Casimirs", "largest relative error of a Casimir", lambda sample: sample.casimir_error),
-    Quantity("energy error", "relative error of the energy", lambda sample: sample.energy_error),
-)
-
-
-def trials_in_words(failures, scenes):
-    """Says how many steps the trials of some scenes are of, and at which n."""
-    lengths = {}
-    for (scene, n), setting in failures.settings.items():
-        if scene in scenes:
-            lengths.setdefault((setting.implicit_steps, setting.explicit_steps), set()).add(n)
-    return "; ".join(f"{length_in_words(*steps)} at n = {', '.join(map(str, sorted(sizes)))}"
-                     for steps, sizes in lengths.items())
-
-
-def length_in_words(implicit, explicit):
-    steps = f"{implicit} step" + ("s" if implicit > 1 else "")
-    return steps if implicit == explicit else f"{steps} ({explicit} of explicit methods)"
-
-
-# ---- reading
 
 
 def read_map(path, solver=PUBLISHED):

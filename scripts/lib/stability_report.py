@@ -1,116 +1,85 @@
 """The failure maps and the long runs as a document: charts, critical values, the largest errors."""
 
-from dataclasses import dataclass
-from typing import Tuple
+from typing import NamedTuple, Tuple
 
-from accuracy_report import listed, scientific
+from accuracy_report import scientific
 from comparison import MISSING, three_digits
 from document import Column, Heading, Paragraph, conditions, plain_table, shown
-from integrator_names import others
-from stability_files import QUANTITIES, trials_in_words
+from integrator_names import TABLE1_CELLS, others
+from stability_files import QUANTITIES
 
-PLAIN_SCENE = "smooth"  # whose name the files of its long runs do not bear
+HOW_CHARTS_READ = (
+    "Failure maps: a cell is one trial. Measured critical: the largest h‖B(W₀)‖₂ that works below the first that fails."
+    " Linear theory: where the iteration, of explicit methods the step, ceases to be stable with B frozen at B(W₀); none is"
+    " drawn where it names no limit. Unstable: every iteration converged, but what the flow conserves did not stay.",
+    "Long runs: every step is the same share of the integrator's own critical step, so times differ. A cross: the run"
+    " failed after this state. Grey line: what rounding leaves. The energy error is the largest since the sample before;"
+    " what is exactly 0 has no place on the axis.")
 
 
-@dataclass(frozen=True)
-class Chart:
+class Chart(NamedTuple):
     name: str
     caption: str
     draw: str  # its function in stability_charts, ...
-    arguments: Tuple  # ... and what that takes beside the study
+    arguments: Tuple  # ... and what that takes
 
 
-def map_charts(failures):
-    """Returns the charts of a failure map."""
-    charts = []
+def charts_of(failures, fast=None, runs=None):
+    """Returns the charts of a failure map, and of a map of the fast forms and of long runs where there are any."""
+    found = []
     for scene in failures.scenes():
-        charts.append(Chart(f"failure_map_{scene}", f"Where the formulations of Table 1 fail, {scene} scene: h‖B(W₀)‖₂"
-                            " against n, with the measured critical value and linear theory.", "failure_map", (scene,)))
-        if others(failures.integrators):
-            charts.append(Chart(f"failure_map_others_{scene}", f"Where the other integrators fail, {scene} scene.",
-                                "failure_map_others", (scene,)))
-    return charts
-
-
-def fast_map_charts(fast):
-    """Returns the charts of a failure map of the fast forms; none where there is no such map."""
-    return [Chart(f"failure_map_fast_{scene}", f"Where the fast forms fail, {scene} scene.", "failure_map_fast", (scene,))
-            for scene in (fast.scenes() if fast else ())]
-
-
-def long_run_charts(runs):
-    """Returns the charts of long runs; none where there are no runs."""
-    charts = []
+        for name, names, title in (("failure_map", TABLE1_CELLS, "Where the formulations of Table 1 fail"),
+                                   ("failure_map_others", others(failures.integrators), "Where the other integrators fail")):
+            if any(failures.line(scene, each) for each in names):
+                found.append(Chart(f"{name}_{scene}", f"{title}, {scene} scene.", "failure_map",
+                                   (failures, scene, names, title)))
+    for scene in fast.scenes() if fast else ():
+        title = "Where the fast forms fail"
+        found.append(Chart(f"failure_map_fast_{scene}", f"{title}, {scene} scene.", "failure_map",
+                           (fast, scene, TABLE1_CELLS, title)))
     for scene, n in runs.settings() if runs else ():
-        where = f"n{n}" if scene == PLAIN_SCENE else f"{scene}_n{n}"
-        charts.append(Chart(f"long_runs_{where}", f"Errors of long runs at n = {n}, {scene} scene: integrators that keep"
-                            " the spectrum.", "long_runs", (scene, n)))
-        if any(not each.isospectral for each in runs.integrators.values()):
-            charts.append(Chart(f"long_runs_{where}_controls", f"Errors of long runs at n = {n}, {scene} scene:"
-                                " integrators that lose the spectrum.", "long_runs_controls", (scene, n)))
-    return charts
+        where = f"long_runs_n{n}" if scene == "smooth" else f"long_runs_{scene}_n{n}"
+        for name, isospectral, which in ((where, True, "keep"), (f"{where}_controls", False, "lose")):
+            found.append(Chart(name, f"Errors of long runs at n = {n}, {scene} scene: integrators that {which} the"
+                               " spectrum.", "long_runs", (runs, scene, n, isospectral)))
+    return found
 
 
-def stability_sections(failures, runs, charts, level=1, fast=None):
+def stability_sections(failures, runs, charts, fast=None):
     """Returns the document; `charts` are the names of the charts beside it.
 
     `runs`, and `fast`, a map of the fast forms, may be None.
     """
-    drawn = [*map_charts(failures), *fast_map_charts(fast), *long_run_charts(runs)]
     return [
-        Heading("Stability", level),
-        Paragraph(introduction(failures, runs)),
-        *shown([(each.name, each.caption) for each in drawn], charts),
-        *critical_section("Critical h‖B(W₀)‖₂", failures, level + 1),
-        *(critical_section("Critical h‖B(W₀)‖₂ of the fast forms", fast, level + 1) if fast else []),
-        *(long_runs_section(runs, level + 1) if runs else []),
+        Heading("Stability", 1),
+        *map(Paragraph, HOW_CHARTS_READ),
+        *shown([(each.name, each.caption) for each in charts_of(failures, fast, runs)], charts),
+        *critical_section("Critical h‖B(W₀)‖₂", failures),
+        *(critical_section("Critical h‖B(W₀)‖₂ of the fast forms", fast) if fast else []),
+        *(long_runs_section(runs) if runs else []),
         conditions(failures.context),
     ]
 
 
-def introduction(failures, runs):
-    grids = [each.trials for each in failures.maps.values()]
-    least, most = (pick(trial.h_norm_B for trials in grids for trial in trials) for pick in (min, max))
-    text = (f"{len(failures.integrators)} integrators on {' and '.join(scenes_and_sizes(failures.settings))}, in trials with"
-            f" h‖B(W₀)‖₂ from {three_digits(least)} to {three_digits(most)}.")
-    if runs:
-        text += (f" Long runs of {runs.steps} steps at {listed(f'{share:g}' for share in runs.shares())} of the"
-                 f" critical step, on {' and '.join(scenes_and_sizes(runs.settings()))}.")
-    return text
-
-
-def scenes_and_sizes(settings):
-    """Names settings, each a scene and an n, scene by scene."""
-    sizes = {}
-    for scene, n in settings:
-        sizes.setdefault(scene, []).append(n)
-    return [f"the {scene} scene at n = {listed(sorted(found))}" for scene, found in sizes.items()]
-
-
-def ending(runs, run):
-    if run.survived:
-        return f"{runs.steps} steps"
-    row = run.row
-    return row.status + (f" at step {row.failed_step}" if row.failed_step else f" after {row.steps} steps")
-
-
-# ---- tables
-
-
-def critical_section(title, failures, level):
-    """A table for each scene: its integrators by n, and their ways of failing."""
-    parts = [Heading(title, level), Paragraph(
-        'The largest h‖B(W₀)‖₂ that works below the first that fails, by bisection; "> x": the largest tried still works,'
-        ' "< x": the smallest tried fails. What the first failure is stands last, in the order of n. A trial is of'
-        f" {trials_in_words(failures, failures.scenes())}.")]
+def critical_section(title, failures):
+    """Returns what a trial is, and a table for each scene: its integrators by n, and their ways of failing."""
+    settings = [[scene, str(n), three_digits(each.norm_B), str(each.implicit_steps), str(each.explicit_steps)]
+                for (scene, n), each in failures.settings.items()]
+    parts = [
+        Heading(title),
+        Paragraph('The largest h‖B(W₀)‖₂ that works below the first that fails, by bisection; "> x": the largest tried still'
+                  ' works, "< x": the smallest tried fails. What the first failure is stands last, in the order of n. A'
+                  f" trial has so many steps, of at most {failures.max_sweeps} sweeps each:"),
+        plain_table((Column("scene", align="left"), Column("n"), Column("‖B(W₀)‖₂"), Column("steps of a trial"),
+                     Column("of explicit methods")), settings)]
     for scene in failures.scenes():
         sizes = failures.sizes(scene)
         columns = (Column("integrator", align="left"), *(Column(f"n = {n}") for n in sizes),
                    Column("fails as", align="left"))
         rows = [[name, *(critical_text(failures.at(scene, n, name)) for n in sizes),
-                 ways_text(failures.line(scene, name))]
-                for name in failures.integrators if failures.line(scene, name)]
-        parts += [Heading(f"{scene.capitalize()} scene", level + 1), plain_table(columns, rows)]
+                 ", ".join(dict.fromkeys(filter(None, (each.first_failure for each in line)))) or MISSING]
+                for name in failures.integrators if (line := failures.line(scene, name))]
+        parts += [Heading(f"{scene.capitalize()} scene", 3), plain_table(columns, rows)]
     return parts
 
 
@@ -124,37 +93,25 @@ def critical_text(each):
     return MISSING if each.trials[0].works else f"< {three_digits(each.trials[0].h_norm_B)}"
 
 
-def ways_text(line):
-    ways = [each.first_failure for each in line if each.first_failure]
-    return listed(dict.fromkeys(ways)) or MISSING
-
-
-# ---- long runs
-
-
-def long_runs_section(runs, level):
-    parts = [Heading("Largest errors of long runs", level), Paragraph(
-        "The largest over all samples; of a run that failed, up to there."
+def long_runs_section(runs):
+    parts = [Heading("Largest errors of long runs"), Paragraph(
+        f"The largest over all samples of {runs.steps} steps; of a run that failed, up to there."
         f' "{MISSING}": no sample with a finite value.')]
     for scene, n in runs.settings():
         columns = [Column("integrator", align="left")]
         for share in runs.shares():
             group = f"{share:g} of the critical step"
-            columns += [Column("ends", group, "left"), *(Column(each.name, group) for each in QUANTITIES)]
-        rows = [[name, *(text for share in runs.shares() for text in run_texts(runs, runs.at(scene, n, share, name)))]
+            columns += [Column("ends", group, "left"), Column("steps", group),
+                        *(Column(quantity.replace("_", " "), group) for quantity in QUANTITIES)]
+        rows = [[name, *(text for share in runs.shares() for text in run_texts(runs.at(scene, n, share, name)))]
                 for name in runs.integrators]
-        parts += [Heading(f"n = {n}, {scene} scene", level + 1), plain_table(tuple(columns), rows)]
+        parts += [Heading(f"n = {n}, {scene} scene", 3), plain_table(tuple(columns), rows)]
     return parts
 
 
-def run_texts(runs, run):
+def run_texts(run):
+    """Returns how a run ended, the number of its completed steps, and its largest errors."""
     if run is None:
-        return [MISSING] * (1 + len(QUANTITIES))
-    return [ending(runs, run), *(largest_text(each.series(run)) for each in QUANTITIES)]
-
-
-def largest_text(series):
-    if not series:
-        return MISSING
-    largest = max(value for _, value in series)
-    return scientific(largest) if largest else "0"
+        return [MISSING] * (2 + len(QUANTITIES))
+    largest = (max((value for _, value in run.series(quantity)), default=None) for quantity in QUANTITIES)
+    return [run.row.status, str(run.row.steps), *(MISSING if each is None else scientific(each) for each in largest)]

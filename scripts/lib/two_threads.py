@@ -17,28 +17,23 @@ def threads_section(path, counters):
     """How often the time that passes with one thread holds that with two."""
     one, two = (read_run(path, "table2", counters, (STOLEN, CORES), threads=threads, time="real_time").measurements
                 for threads in (1, 2))
-    pairs = {key: pairs_of(one[key], two[key]) for key in one.keys() & two.keys()}
-    quiet = {key: [(first, second) for first, second, disturbed in found if not disturbed]
-             for key, found in pairs.items()}
-    of_all, of_quiet = (sum(map(len, each.values())) for each in (pairs, quiet))
+    quiet = {key: [times for index, times in enumerate(zip(one[key].times, two[key].times))
+                   if not disturbed(one[key], index) and not disturbed(two[key], index)]
+             for key in one.keys() & two.keys()}
+    pairs = sum(min(len(one[key].times), len(two[key].times)) for key in quiet)
     columns = (Column("n"), Column("formulation", align="left"), *(Column(f"s = {stages}") for stages in STAGES))
     blocks = [[[Entry(str(n) if name == FORMULATIONS[0] else ""), Entry(name),
-                *(Entry(speed_up(quiet.get(CellKey(name, n, stages), ()))) for stages in STAGES)]
-               for name in FORMULATIONS] for n in sorted({key.n for key in two})]
+                *(Entry(speed_up(quiet.get(CellKey(name, n, stages), ()))) for stages in STAGES)] for name in FORMULATIONS]
+              for n in sorted({key.n for key in two})]
     return [Heading("One thread over two"),
             Paragraph("Median over pairs of runs, one straight after the other, of the time that passes, of the fast"
                       " forms with one thread over two, on cores of their own; in brackets the same of the shortest"
                       " times. The answers are the same bit for bit."),
-            Paragraph(f"Left out: {of_all - of_quiet} of {of_all} pairs, around which the host gave more than"
-                      f" {100 * MOST_STOLEN:g} % of the cores' time to others, or two threads at once multiply-add less"
-                      f" than {FEWEST_CORES:g} times as fast as one; and cells with fewer than {FEWEST_PAIRS} others."),
+            Paragraph(f"Left out: {pairs - sum(map(len, quiet.values()))} of {pairs} pairs, around which the host gave"
+                      f" more than {100 * MOST_STOLEN:g} % of the cores' time to others, or two threads at once"
+                      f" multiply-add less than {FEWEST_CORES:g} times as fast as one; and cells with fewer than"
+                      f" {FEWEST_PAIRS} others."),
             Table(columns, blocks)]
-
-
-def pairs_of(one, two):
-    """Returns (time with one thread, time with two, whether the host disturbed either) of each repetition."""
-    return [(first, second, disturbed(one, index) or disturbed(two, index))
-            for index, (first, second) in enumerate(zip(one.times, two.times))]
 
 
 def disturbed(cell, index):
@@ -49,5 +44,5 @@ def disturbed(cell, index):
 def speed_up(pairs):
     if len(pairs) < FEWEST_PAIRS:
         return MISSING
-    one, two = (min(times) for times in zip(*pairs))
-    return f"{three_digits(median([first / second for first, second in pairs]))} ({three_digits(one / two)})"
+    shortest = [min(times) for times in zip(*pairs)]
+    return f"{three_digits(median([first / second for first, second in pairs]))} ({three_digits(shortest[0] / shortest[1])})"

@@ -1,48 +1,20 @@
 """What the tests of the scripts that draw share. The Python that draws may be another than the one that runs the tests."""
 
-import atexit
-import functools
 import importlib
 import os
-import shutil
 import struct
 import sys
-import tempfile
 import xml.etree.ElementTree
 
 import programs
-from programs import FolderTest, environment, run, run_script
+from programs import FolderTest, environment, run, snapshot
 
-LIBRARY = os.path.join(programs.ROOT, "scripts", "lib")
 sys.dont_write_bytecode = True
-sys.path.insert(0, LIBRARY)
+sys.path.insert(0, os.path.join(programs.ROOT, "scripts", "lib"))
 import chart_python  # noqa: E402
 
 FOUND = chart_python.find()
 PYTHON = FOUND or sys.executable  # the one that draws, so that a script need not look for it
-
-
-@functools.lru_cache(maxsize=None)
-def load_matplotlib():
-    """Loads it here, so that a copy of this process need not; tells whether this is the Python that draws."""
-    if not FOUND or os.path.realpath(FOUND) != os.path.realpath(sys.executable):
-        return False
-    # Its files away from the user's, and no threads: a copy would have none of them.
-    os.environ.update(MPLCONFIGDIR=tempfile.mkdtemp(prefix="isosyrk-"), OPENBLAS_NUM_THREADS="1")
-    chart_python.settle_arithmetic()
-    atexit.register(shutil.rmtree, os.environ["MPLCONFIGDIR"], ignore_errors=True)
-    import matplotlib.backends.backend_agg
-    import matplotlib.backends.backend_svg  # noqa: F401
-    return True
-
-
-def panels_of(figure):
-    """Returns the panels of a figure that are seen, in lists by their titles."""
-    found = {}
-    for axes in figure.axes:
-        if axes.get_visible():
-            found.setdefault(axes.get_title(loc="left"), []).append(axes)
-    return found
 
 
 def lines_of(axes):
@@ -59,10 +31,6 @@ class DrawingTest(FolderTest):
 
     python = PYTHON
 
-    def setUp(self):
-        super().setUp()
-        self.settings = environment(MPLCONFIGDIR=self.path("matplotlib"), PYTHONDONTWRITEBYTECODE="1")
-
     def assert_whole(self, files, chart):
         """Both files of a chart are whole, and wide enough for a page."""
         root = xml.etree.ElementTree.fromstring(files[f"{chart}.svg"])
@@ -72,19 +40,27 @@ class DrawingTest(FolderTest):
         width, height = struct.unpack(">II", png[16:24])
         self.assertEqual((width, height > 450), (1600, True), chart)
 
-    def module(self, name):
-        """Returns a module of scripts/lib that draws."""
+    def panels(self, module, chart, *arguments):
+        """Draws a chart of a module of scripts/lib; returns its panels, in lists by their titles."""
         self.assertIsNotNone(FOUND, chart_python.complaint())
-        if not load_matplotlib():
+        if os.path.realpath(FOUND) != os.path.realpath(sys.executable):
             self.skipTest(f"to be run by {FOUND}, which has matplotlib")
-        return importlib.import_module(name)
+        os.environ.setdefault("MPLCONFIGDIR", self.path("matplotlib"))
+        with importlib.import_module("chart_panels").own_style():
+            figure = getattr(importlib.import_module(module), chart)(*arguments)
+        found = {}
+        for axes in figure.axes:
+            found.setdefault(axes.get_title(loc="left"), []).append(axes)
+        return found
 
-    def render(self, *arguments, apart=False, **changes):
-        """Runs the script to its end, if possible in a copy of this process, which starts sooner.
-
-        `apart`, or changes of the environment, run it as a user does.
-        """
+    def render(self, *arguments, **changes):
+        """Runs the script to its end, with changes of the environment."""
+        settings = environment(**{"MPLCONFIGDIR": self.path("matplotlib"), "PYTHONDONTWRITEBYTECODE": "1", **changes})
         script = os.path.join(programs.ROOT, "scripts", self.script)
-        if apart or changes or not load_matplotlib():
-            return run([self.python, script, *arguments], timeout=300, env={**self.settings, **changes})
-        return run_script(script, *arguments, timeout=300)
+        return run([self.python, script, *arguments], timeout=300, env=settings)
+
+    def rendered(self, folder, *arguments, **changes):
+        """Returns the files that the script makes of its arguments in a folder of this test, without a word."""
+        done = self.render(*arguments, "--out", self.path(folder), **changes)
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
+        return snapshot(self.path(folder))

@@ -40,6 +40,7 @@ LONG_STEPS = 2000
 SHARES = (0.9, 0.3)
 LOST_AT = 500  # near the edge rk4 fails at this step
 LINEAR_RATE = 1e-5  # of what rk4 loses, per unit time
+SAMPLED = sorted({round(10 ** (k / 10)) for k in range(34)} | set(range(250, LONG_STEPS + 1, 250)))
 
 
 def norm(n):
@@ -50,61 +51,43 @@ def integrators(names):
     return [study_file.Integrator(name, *INTEGRATORS[name][:6], None) for name in names]
 
 
-def critical_of(name, scene):
-    critical = INTEGRATORS[name][6]
-    return critical and critical * (ROUGH if scene == "rough" else 1)
-
-
-def trial(scene, n, name, h_norm_B):
-    critical, explicit = critical_of(name, scene), INTEGRATORS[name][5]
-    sweeps = 0.0 if explicit else 50 * h_norm_B
-    if critical is None or h_norm_B <= critical:
-        return Trial(scene, n, name, h_norm_B, "converged", TRIAL_STEPS[n], sweeps, 1e-15, 0.0, 1e-6, None)
+def edge_and_trials(scene, n, name):
+    *_, explicit, critical, limit = INTEGRATORS[name]
+    critical = critical and critical * (ROUGH if scene == "rough" else 1)
     failed = "unstable" if explicit else "diverged"
-    return Trial(scene, n, name, h_norm_B, failed, 2, sweeps, None, None, None, 3)
-
-
-def edge(scene, n, name):
-    critical = critical_of(name, scene)
-    if critical is None:
-        return Edge(scene, n, name, None, None, None, None)
-    failed = "unstable" if INTEGRATORS[name][5] else "diverged"
-    return Edge(scene, n, name, INTEGRATORS[name][7], critical, BISECTED * critical, failed)
+    trials = []
+    for h_norm_B in GRID:
+        sweeps = 0.0 if explicit else 50 * h_norm_B
+        works = critical is None or h_norm_B <= critical
+        trials.append(Trial(scene, n, name, h_norm_B, "converged", TRIAL_STEPS[n], sweeps, 1e-15, 0.0, 1e-6, None) if works
+                      else Trial(scene, n, name, h_norm_B, failed, 2, sweeps, None, None, None, 3))
+    bracket = (limit, critical, BISECTED * critical, failed) if critical else (None, None, None, None)
+    return Edge(scene, n, name, *bracket), trials
 
 
 def map_study(settings=SETTINGS, names=LISTED, solver="published"):
     """Returns the Study; tests change its tables."""
-    places = [(scene, n, name) for scene, n in settings for name in names]
+    maps = [edge_and_trials(scene, n, name) for scene, n in settings for name in names]
     return study_file.Study(dict(CONTEXT), MapSettings(solver, 400), {
         "integrators": integrators(names),
         "settings": [Setting(scene, n, norm(n), 2 * norm(n), TRIAL_STEPS[n], TRIAL_STEPS[n]) for scene, n in settings],
-        "maps": [edge(*place) for place in places],
-        "trials": [trial(*place, h_norm_B) for place in places for h_norm_B in GRID]})
-
-
-def sampled_steps(last):
-    """Returns about ten steps a decade, and every 250th."""
-    decades = {round(10 ** (k / 10)) for k in range(100)}
-    return sorted(step for step in decades | set(range(250, last + 1, 250)) if step <= last)
-
-
-def sample(run, name, step, h):
-    lost = LINEAR_RATE * step * h if name == "rk4" else 1e-14
-    skew = 1e-15 * step if name == CONTROL else 0.0 if name.startswith("algebra") else 2e-15
-    return Sample(run, step, lost, lost / 2, 1e-3, skew)
+        "maps": [edge for edge, _ in maps],
+        "trials": [trial for _, trials in maps for trial in trials]})
 
 
 def long_study(names=tuple(INTEGRATORS)):
     runs, samples = [], []
-    for name in names:
-        for share in SHARES:
-            critical = INTEGRATORS[name][6] or GRID[-1]
-            h = share * critical / norm(17)
-            lost = (name, share) == ("rk4", 0.9)
-            steps = LOST_AT - 1 if lost else LONG_STEPS
-            samples += [sample(len(runs), name, step, h) for step in sampled_steps(steps)]
-            runs.append(RunRow("smooth", 17, name, share, critical, share * critical, h,
-                               "unstable" if lost else "converged", steps, 20.0, LOST_AT if lost else None))
+    for name, share in ((name, share) for name in names for share in SHARES):
+        critical = INTEGRATORS[name][6] or GRID[-1]
+        h = share * critical / norm(17)
+        lost = (name, share) == ("rk4", 0.9)
+        steps = LOST_AT - 1 if lost else LONG_STEPS
+        for step in (step for step in SAMPLED if step <= steps):
+            error = LINEAR_RATE * step * h if name == "rk4" else 1e-14
+            skew = 1e-15 * step if name == CONTROL else 0.0 if name.startswith("algebra") else 2e-15
+            samples.append(Sample(len(runs), step, error, error / 2, 1e-3, skew))
+        runs.append(RunRow("smooth", 17, name, share, critical, share * critical, h,
+                           "unstable" if lost else "converged", steps, 20.0, LOST_AT if lost else None))
     return study_file.Study(dict(CONTEXT), LongRunSettings(LONG_STEPS, 400),
                             {"integrators": integrators(names), "runs": runs, "samples": samples})
 

@@ -81,6 +81,11 @@ def study_document():
     }
 
 
+def run_of(document, name, n, steps):
+    """Returns a run of a document, to be changed there."""
+    return next(each for each in document["runs"] if (each["integrator"], each["n"], each["steps"]) == (name, n, steps))
+
+
 def small_study():
     """Returns a study of two integrators at one n, which is drawn in a second or two."""
     study = study_document()

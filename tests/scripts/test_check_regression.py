@@ -243,7 +243,7 @@ class BadInput(GateTest):
         self.refuses(["--quick"], f"base {self.first[:12]}", "build", BASE_FAILS="1")
         self.refuses(["--no-install"], "libfmt-dev", MISSING="libfmt-dev")
         self.write("taken", "")
-        self.refuses(["--quick", "--out", self.path("taken", "out")], "--out", "cannot be made")
+        self.refuses(["--quick", "--out", self.path("taken", "out")], "--out", "cannot be written")
         self.write("shape.json", "{")
         self.refuses(["--quick"], "table1")
 

@@ -3,14 +3,13 @@
 import os
 import unittest
 
-import programs
-from drawing import DrawingTest, finite_points, lines_of, panels_of
-from programs import snapshot
+from drawing import DrawingTest, finite_points, lines_of
+from integrator_names import TABLE1_CELLS, others
 from stability_documents import CONTROL, GRID, LOST_AT, SETTINGS, long_study, map_study, norm, write
 
 from stability_files import FAST, failure_map, long_runs
 
-MAPS = tuple(f"failure_map{kind}_{scene}" for scene in ("smooth", "rough") for kind in ("", "_others"))
+MAPS = tuple(f"failure_map{kind}_{scene}" for kind in ("", "_others") for scene in ("smooth", "rough"))
 FAST_MAPS = ("failure_map_fast_smooth", "failure_map_fast_rough")
 LONG_RUNS = ("long_runs_n17", "long_runs_n17_controls")
 FEW = ("group1", "rk4")  # where only the files matter, less is drawn faster
@@ -32,15 +31,9 @@ class StabilityTest(DrawingTest):
 
 
 class Files(StabilityTest):
-    def render_plain(self, folder, **changes):
-        """Renders everything and returns the files."""
-        result = self.render(self.raw(), "--long", self.raw_long(), "--fast", self.raw(FAST, FEW[:1]), "--out", folder,
-                             **changes)
-        self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""))
-        return snapshot(folder)
-
     def test_every_chart_is_whole_and_shown_and_the_same_under_a_user_s_own_settings_on_other_kernels(self):
-        files = self.render_plain(self.path("plain"))
+        arguments = (self.raw(), "--long", self.raw_long(), "--fast", self.raw(FAST, FEW[:1]))
+        files = self.rendered("plain", *arguments)
         charts = (*MAPS, *FAST_MAPS, *LONG_RUNS)
         self.assertEqual(set(files), files_of(*charts))
         for chart in charts:
@@ -48,11 +41,10 @@ class Files(StabilityTest):
             self.assertIn(f"({chart}.svg)".encode(), files["report.md"])
         self.assertIn("Critical h‖B(W₀)‖₂ of the fast forms\n", files["report.txt"].decode())
         self.write("matplotlib/matplotlibrc", "lines.linewidth: 9\nfont.size: 30\nhatch.linewidth: 5\n")
-        self.assertTrue(self.render_plain(self.path("own", "charts"), OPENBLAS_CORETYPE="Haswell") == files)
+        self.assertTrue(self.rendered("own/charts", *arguments, OPENBLAS_CORETYPE="Haswell") == files)
 
     def test_long_runs_and_fast_forms_may_be_left_out(self):
-        self.assertEqual(self.render(self.raw(), "--out", self.path("second")).returncode, 0)
-        self.assertEqual(set(os.listdir(self.path("second"))), files_of(*MAPS))
+        self.assertEqual(set(self.rendered("maps", self.raw())), files_of(*MAPS))
 
     def test_one_file_is_not_taken_for_another(self):
         for arguments, words in (([self.raw_long()], "no raw file of the study stability"),
@@ -64,10 +56,6 @@ class Files(StabilityTest):
 
 
 class Charts(StabilityTest):
-    def drawn(self, study, chart, *arguments):
-        """Returns the panels of a chart, in lists by their titles."""
-        return panels_of(getattr(self.module("stability_charts"), chart)(study, *arguments))
-
     def test_failure_maps(self):
         study = map_study()
         trials = study.tables["trials"]
@@ -75,38 +63,38 @@ class Charts(StabilityTest):
         trials[last - 1] = trials[last - 1]._replace(status="sweep cap")
         trials[last] = trials[last]._replace(status="stagnated")
         failures = failure_map(study, "published")
-        smooth, others = (self.drawn(failures, chart, "smooth") for chart in ("failure_map", "failure_map_others"))
-        self.assertEqual(list(smooth), [f"{each}{s}" for s in (1, 2, 3) for each in programs.FORMULATIONS])
-        self.assertEqual(list(others), ["yoshida4", "rkmk4", "rk4"])
+        smooth, rest = (self.panels("stability_charts", "failure_map", failures, "smooth", names, "Map")
+                        for names in (TABLE1_CELLS, others(failures.integrators)))
+        self.assertEqual((list(smooth), list(rest)), (list(TABLE1_CELLS), ["yoshida4", "rkmk4", "rk4"]))
         (panel,) = smooth["group2"]
-        with self.subTest("a cell for each trial, around its h‖B‖₂, hatched by what became of it"):
-            cells = [(patch, h_norm_B) for patch, h_norm_B in zip(panel.patches, [*GRID, *GRID])]
+        with self.subTest("a cell for each trial, around its h‖B‖₂, coloured by what became of it"):
             self.assertEqual(len(panel.patches), 2 * len(GRID))
-            for patch, h_norm_B in cells:
+            for patch, h_norm_B in zip(panel.patches, [*GRID, *GRID]):
                 self.assertTrue(patch.get_y() < h_norm_B < patch.get_y() + patch.get_height())
-                self.assertEqual(not patch.get_hatch(), h_norm_B <= 1.5)
-            hatches = [patch.get_hatch() for patch, _ in cells[len(GRID):] if patch.get_hatch()]
-            self.assertEqual((len(hatches), len(set(hatches))), (6, 3))
+            colours = [patch.get_facecolor() for patch in panel.patches]
+            works = {colour for colour, h_norm_B in zip(colours, [*GRID, *GRID]) if h_norm_B <= 1.5}
+            failed = {colour for colour, h_norm_B in zip(colours, [*GRID, *GRID]) if h_norm_B > 1.5}
+            self.assertEqual((len(failed), works & failed), (3, set()))
         with self.subTest("the critical line and linear theory, and none where nothing failed"):
             self.assertEqual(lines_of(panel)["measured critical"], [[x, 1.5] for x in (-0.5, 0.5, 0.5, 1.5)])
             (midpoint,) = smooth["algebra1"]
             self.assertEqual({y for _, y in lines_of(midpoint)["linear theory"]}, {2.0})
-            self.assertEqual(lines_of(others["rkmk4"][0]), {"measured critical": [], "linear theory": []})
+            self.assertEqual(lines_of(rest["rkmk4"][0]), {"measured critical": [], "linear theory": []})
 
     def test_long_runs(self):
         runs = long_runs(long_study())
-        kept, controls = (self.drawn(runs, chart, "smooth", 17) for chart in ("long_runs", "long_runs_controls"))
-        (panel,) = kept["spectrum error, 0.3 of the critical step"]
+        kept, controls = (self.panels("stability_charts", "long_runs", runs, "smooth", 17, isospectral)
+                          for isospectral in (True, False))
+        (panel,) = kept["0.3 of the critical step"]
         with self.subTest("a point for each sample"):
             run = runs.at("smooth", 17, 0.3, "group2")
             self.assertEqual(lines_of(panel)["group2"],
                              [[each.step * run.row.step, each.spectrum_error] for each in run.samples])
         with self.subTest("integrators that lose the spectrum are apart"):
             self.assertNotIn("rk4", lines_of(panel))
-            (lost,) = controls["spectrum error, 0.3 of the critical step"]
+            (lost,) = controls["0.9 of the critical step"]
             self.assertEqual(set(lines_of(lost)), {"rk4", CONTROL})
         with self.subTest("a failure is drawn up to its step and marked there"):
-            (lost,) = controls["spectrum error, 0.9 of the critical step"]
             last = lines_of(lost)["rk4"][-1]
             self.assertLess(last[0], LOST_AT * 0.9 * 2.0 / norm(17))
             self.assertEqual([finite_points(line) for line in lost.lines if line.get_label() == "_failure"], [[last]])

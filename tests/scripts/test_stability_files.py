@@ -23,16 +23,6 @@ class SoundFiles(FolderTest):
                          (1.9, BISECTED * 1.9, 1.9, "diverged"))
         self.assertEqual([trial.h_norm_B for trial in each.trials], GRID)
 
-    def test_integrators_that_always_or_never_work(self):
-        study = map_study()
-        study.tables["trials"] = [each for each in study.tables["trials"] if each.integrator != "rk4" or not each.works]
-        study.tables["maps"] = [each if each.integrator != "rk4" else
-                                each._replace(works=None, fails=None, fails_as=None) for each in study.tables["maps"]]
-        failures = stability_files.failure_map(study, "published")
-        found = [failures.at("smooth", 17, name) for name in ("rkmk4", "rk4")]
-        self.assertEqual([(each.largest_working, each.first_failure) for each in found],
-                         [(GRID[-1], None), (None, "unstable")])
-
     def test_the_long_runs_are_read(self):
         runs = stability_files.read_long_runs(write(self.folder, long_study(), "long_runs.json"))
         self.assertEqual((runs.steps, runs.settings(), tuple(runs.shares()), len(runs.runs)),
@@ -40,8 +30,7 @@ class SoundFiles(FolderTest):
         run = runs.at("smooth", 17, 0.9, "rk4")
         self.assertEqual((run.survived, run.row.failed_step, run.row.steps, run.samples[-1].step),
                          (False, LOST_AT, LOST_AT - 1, 398))
-        self.assertEqual(stability_files.QUANTITIES[0].series(run)[0],
-                         (0.9 * 2.0 / norm(17), run.samples[0].spectrum_error))
+        self.assertEqual(run.series("spectrum_error")[0], (0.9 * 2.0 / norm(17), run.samples[0].spectrum_error))
         self.assertTrue(runs.at("smooth", 17, 0.3, CONTROL).survived)
 
     def test_what_was_not_finite_or_beyond_all_bounds_is_left_out_of_a_series(self):
@@ -51,13 +40,8 @@ class SoundFiles(FolderTest):
         samples[4] = samples[4]._replace(skew_defect=1e200, casimir_error=1e30)
         read = stability_files.read_long_runs(write(self.folder, study, "long_runs.json"))
         run = read.at("smooth", 17, 0.9, "group1")
-        lengths = [len(quantity.series(run)) for quantity in stability_files.QUANTITIES]
+        lengths = [len(run.series(quantity)) for quantity in stability_files.QUANTITIES]
         self.assertEqual([len(run.samples) - length for length in lengths], [0, 1, 2, 1])
-
-    def test_a_failed_run_without_samples_is_sound(self):
-        study = long_study(("group1",))
-        study.tables["samples"] = [each for each in study.tables["samples"] if each.run != 0]
-        self.assertEqual(stability_files.long_runs(study).at("smooth", 17, 0.9, "group1").samples, ())
 
 
 class Refusals(unittest.TestCase):
