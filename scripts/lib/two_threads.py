@@ -26,12 +26,13 @@ def threads_section(path, counters):
                 *(Entry(speed_up(quiet.get(CellKey(name, n, stages), ()))) for stages in STAGES)] for name in FORMULATIONS]
               for n in sorted({key.n for key in two})]
     return [Heading("One thread over two"),
-            Paragraph("Median over pairs of runs, one straight after the other, of the time that passes, of the fast forms"
-                      " with one thread over two, on cores of their own; in brackets the same of the shortest times. The"
-                      " answers are the same bit for bit."),
-            Paragraph(f"Left out: {pairs - sum(map(len, quiet.values()))} of {pairs} pairs, around which the host gave more than"
-                      f" {100 * MOST_STOLEN:g} % of the cores' time to others, or two threads at once multiply-add less than"
-                      f" {FEWEST_CORES:g} times as fast as one; and cells with fewer than {FEWEST_PAIRS} others."),
+            Paragraph("Median over pairs of runs, one straight after the other, of the time that passes, of the fast"
+                      " forms with one thread over two, on cores of their own; in brackets the same of the shortest"
+                      " times. The answers are the same bit for bit."),
+            Paragraph(f"Left out: {pairs - sum(map(len, quiet.values()))} of {pairs} pairs, around which the host gave"
+                      f" more than {100 * MOST_STOLEN:g} % of the cores' time to others, or two threads at once"
+                      f" multiply-add less than {FEWEST_CORES:g} times as fast as one; and cells with fewer than"
+                      f" {FEWEST_PAIRS} others."),
             Table(columns, blocks)]
 
 
