@@ -10,14 +10,14 @@ from accuracy_lines import FLOOR_MARGIN, TABLE1_STEP
 HARMLESS = 0.1
 
 CHARTS = (
-    ("error_against_time", "Error at T against CPU time, one panel for each n. A line ends where the reference can no longer"
-     f" tell its error (grey: up to {FLOOR_MARGIN} times the uncertainty), where it stops falling, or where runs take too"
-     " long. A cross marks the longest step that works where longer ones failed."),
-    ("tolerance", f"Errors and time against the tolerance of the fixed point, at the step size of Table 1, h = {TABLE1_STEP}."
-     " Solver error: distance from the answer with the tightest tolerance that converged. The diagonal is where an error"
-     " equals the tolerance."),
-    ("table1_accuracy", "Table 1 with its accuracy: every cell that did not fail as time against error. Thin lines join the"
-     " stages of a formulation at one n, dotted lines the formulations with one answer. Bars span the quartiles."),
+    ("error_against_time", "Error at T against CPU time, one panel for each n. A line ends where the reference can no"
+     f" longer tell its error (grey: up to {FLOOR_MARGIN} times the uncertainty), where it stops falling, or where runs"
+     " take too long. A cross marks the longest step that works where longer ones failed."),
+    ("tolerance", "Errors and time against the tolerance of the fixed point, at the step size of Table 1, h ="
+     f" {TABLE1_STEP}. Solver error: distance from the answer with the tightest tolerance that converged. The diagonal"
+     " is where an error equals the tolerance."),
+    ("table1_accuracy", "Table 1 with its accuracy: every cell that did not fail as time against error. Thin lines join"
+     " the stages of a formulation at one n, dotted lines the formulations with one answer. Bars span the quartiles."),
 )
 
 
@@ -25,9 +25,9 @@ def accuracy_sections(study, charts):
     """Returns the document; `charts` are the names of the charts beside it."""
     return [
         Heading("Accuracy against cost", 1),
-        Paragraph(f"Every integrator over step sizes, to T = {study.time:g}; errors are relative, in the Frobenius norm. An"
-                  f" error is drawn and fitted only above {FLOOR_MARGIN} times the uncertainty of the reference solution,"
-                  " and only while a smaller step still lowers it."),
+        Paragraph(f"Every integrator over step sizes, to T = {study.time:g}; errors are relative, in the Frobenius"
+                  f" norm. An error is drawn and fitted only above {FLOOR_MARGIN} times the uncertainty of the"
+                  " reference solution, and only while a smaller step still lowers it."),
         *shown(CHARTS, charts),
         *references_section(study),
         *properties_section(study),
@@ -66,8 +66,9 @@ def properties_section(study):
         rows.append([each.name, str(each.order), *(f"{order:.2f}" if order else MISSING for order in orders),
                      *("yes" if value else "no" for value in kept)])
     return [Heading("What each integrator is"),
-            Paragraph("Each property is tested in both directions by the project's tests. The order is fitted on the last"
-                      f" points above the floor; {MISSING} where fewer than three are."), plain_table(columns, rows)]
+            Paragraph("Each property is tested in both directions by the project's tests. The order is fitted on the"
+                      f" last points above the floor; {MISSING} where fewer than three are."),
+            plain_table(columns, rows)]
 
 
 def fixed_step_section(study):
@@ -85,7 +86,7 @@ def fixed_step_section(study):
 
 
 def tolerance_section(study):
-    """Shows for each cell the loosest tolerance that hardly adds to its error, and what it saves; nothing without runs."""
+    """Shows for each cell the loosest tolerance that hardly adds to its error, and what it saves."""
     cells = {}
     for run in sorted(study.tolerance_runs, key=lambda run: (run.n, FORMULATIONS.index(run.formulation), run.stages,
                                                              run.tolerance)):
@@ -107,8 +108,9 @@ def tolerance_section(study):
                Column("spectrum error there"))
     failed = sum(not run.usable for run in study.tolerance_runs)
     return [Heading("Which tolerance an accuracy needs"),
-            Paragraph("The loosest tolerance of the fixed point that adds less than a tenth to the error which the step size"
-                      f" makes, and so do all tighter ones. {failed} of {len(study.tolerance_runs)} runs did not converge."),
+            Paragraph("The loosest tolerance of the fixed point that adds less than a tenth to the error which the step"
+                      f" size makes, and so do all tighter ones. {failed} of {len(study.tolerance_runs)} runs did not"
+                      " converge."),
             plain_table(columns, rows)]
 
 
@@ -123,6 +125,6 @@ def failures_section(study):
                 rows.append([str(n), name, ", ".join(found)])
     columns = (Column("n"), Column("integrator", align="left"), Column("step sizes, and how", align="left"))
     return [Heading("Runs that failed"),
-            Paragraph(f"{sum(not run.usable for run in study.runs)} of {len(study.runs)} runs. A step beyond the stability"
-                      " limit may come to an end because T is short; such a run is never recommended."),
+            Paragraph(f"{sum(not run.usable for run in study.runs)} of {len(study.runs)} runs. A step beyond the"
+                      " stability limit may come to an end because T is short; such a run is never recommended."),
             plain_table(columns, rows)]

@@ -68,7 +68,8 @@ def key(figure, handles, rows=1, title=None):
 
 def method_key(figure, integrators):
     """Says under the panels whose line is whose, in METHOD_KEYS lines."""
-    key(figure, [Line2D([], [], label=each.name, **look(each)) for each in integrators], METHOD_KEYS - 1, LINES_IN_WORDS)
+    handles = [Line2D([], [], label=each.name, **look(each)) for each in integrators]
+    key(figure, handles, METHOD_KEYS - 1, LINES_IN_WORDS)
 
 
 def logarithmic(axes):

@@ -74,9 +74,9 @@ def overall(judged):
 
 def claims_section(claims, comparison):
     parts = [Heading("The paper's claims"),
-             Paragraph("Ratio: median time of the second row over that of the first. p: exact one-sided Mann–Whitney rank test"
-                       f" of the repetitions, in the direction they lean; decided where p ≤ {LEVEL}, with at least"
-                       f" {FEWEST_REPETITIONS} repetitions. Not judged: a row failed or was not measured.")]
+             Paragraph("Ratio: median time of the second row over that of the first. p: exact one-sided Mann–Whitney"
+                       f" rank test of the repetitions, in the direction they lean; decided where p ≤ {LEVEL}, with at"
+                       f" least {FEWEST_REPETITIONS} repetitions. Not judged: a row failed or was not measured.")]
     columns = (Column("n"), Column("s"), Column("verdict", align="left"), Column("first", align="left"),
                Column("second", align="left"), Column("ratio"), Column("p"))
     for claim in claims:

@@ -276,5 +276,6 @@ CONDITIONS = ("date", "commit", "dirty", "build_type", "compiler", "flags", "cpu
 def conditions_section(context):
     """Lists under what conditions the run was made."""
     return [Heading("Measurement conditions"),
-            Items([(name.replace("_", " "), f": {context.get(name, 'not recorded') or 'none'}") for name in CONDITIONS]),
+            Items([(name.replace("_", " "), f": {context.get(name, 'not recorded') or 'none'}")
+                   for name in CONDITIONS]),
             Paragraph(PACKAGED)]

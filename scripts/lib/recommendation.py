@@ -69,8 +69,8 @@ def answer(study, n, time, error, structure):
     found = ranking(study, n, error, structure)
     if not found:
         best = min(runs, key=lambda run: (run.error, run.seconds))
-        raise Unanswerable(f"no recorded run at n = {n}{that_keeps(structure)} is known to have an error of {error:.10g}"
-                           f" or less; the best has {known_error(study, best)}, by {best.integrator} with"
+        raise Unanswerable(f"no recorded run at n = {n}{that_keeps(structure)} is known to have an error of"
+                           f" {error:.10g} or less; the best has {known_error(study, best)}, by {best.integrator} with"
                            f" {step_text(best)}")
     return found
 
@@ -160,7 +160,8 @@ def recommendation_tables(study):
     for structure in KEPT:
         rows = [[Entry(str(n)), *(entry(ranking(study, n, 10.0**exponent, structure)) for exponent in TABLE_EXPONENTS)]
                 for n in study.sizes()]
-        parts += [Heading("Whatever is kept" if structure == "nothing" else f"Keeping {KEPT[structure]}", 3), Table(columns, [rows])]
+        heading = "Whatever is kept" if structure == "nothing" else f"Keeping {KEPT[structure]}"
+        parts += [Heading(heading, 3), Table(columns, [rows])]
     return [*parts, Paragraph(
         f"The cheapest recorded run to time {study.time:g} with at most the column's error: method, step, median CPU"
         f' seconds. "{MISSING}": no recorded run reaches it. Marked: separated from the best run of every other'

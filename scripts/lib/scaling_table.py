@@ -54,13 +54,13 @@ def sections(study):
     settings = study.settings
     return [
         Heading("What a step costs", 1),
-        Paragraph(f"The first {settings.steps} steps from the initial data of the {settings.scene} scene,"
-                  f" h = {settings.step:g}, the same stretch for every row; all figures are those of a step. Without"
+        Paragraph(f"The first {settings.steps} steps from the initial data of the {settings.scene} scene, h ="
+                  f" {settings.step:g}, the same stretch for every row; all figures are those of a step. Without"
                   " newton: plain Picard sweeps. Without predictor: a cold start each step. Without bands: full"
                   " products. Times are medians ± half the interquartile range of repetitions in turns. Times as fast:"
                   " the published form's time over the row's, in the same round. Equivalent products count the"
-                  " multiplications in units of one full complex product. No exponents are fitted: a slope against n would"
-                  " be one of this stretch, not of the method."),
+                  " multiplications in units of one full complex product. No exponents are fitted: a slope against n"
+                  " would be one of this stretch, not of the method."),
         Table(columns, [[row(points, name, n, rung) for rung in RUNGS]
                         for name, n in dict.fromkeys((name, n) for name, n, _ in points)]),
         conditions(study.context),

@@ -10,11 +10,12 @@ from stability_files import QUANTITIES
 
 HOW_CHARTS_READ = (
     "Failure maps: a cell is one trial. Measured critical: the largest h‖B(W₀)‖₂ that works below the first that fails."
-    " Linear theory: where the iteration, of explicit methods the step, ceases to be stable with B frozen at B(W₀); none is"
-    " drawn where it names no limit. Unstable: every iteration converged, but what the flow conserves did not stay.",
+    " Linear theory: where the iteration, of explicit methods the step, ceases to be stable with B frozen at B(W₀);"
+    " none is drawn where it names no limit. Unstable: every iteration converged, but what the flow conserves did not"
+    " stay.",
     "Long runs: every step is the same share of the integrator's own critical step, so times differ. A cross: the run"
-    " failed after this state. Grey line: what rounding leaves. The energy error is the largest since the sample before;"
-    " what is exactly 0 has no place on the axis.")
+    " failed after this state. Grey line: what rounding leaves. The energy error is the largest since the sample"
+    " before; what is exactly 0 has no place on the axis.")
 
 
 class Chart(NamedTuple):
@@ -29,7 +30,8 @@ def charts_of(failures, fast=None, runs=None):
     found = []
     for scene in failures.scenes():
         for name, names, title in (("failure_map", TABLE1_CELLS, "Where the formulations of Table 1 fail"),
-                                   ("failure_map_others", others(failures.integrators), "Where the other integrators fail")):
+                                   ("failure_map_others", others(failures.integrators),
+                                    "Where the other integrators fail")):
             if any(failures.line(scene, each) for each in names):
                 found.append(Chart(f"{name}_{scene}", f"{title}, {scene} scene.", "failure_map",
                                    (failures, scene, names, title)))
@@ -67,8 +69,8 @@ def critical_section(title, failures):
                 for (scene, n), each in failures.settings.items()]
     parts = [
         Heading(title),
-        Paragraph('The largest h‖B(W₀)‖₂ that works below the first that fails, by bisection; "> x": the largest tried still'
-                  ' works, "< x": the smallest tried fails. What the first failure is stands last, in the order of n. A'
+        Paragraph('The largest h‖B(W₀)‖₂ that works below the first that fails, by bisection; "> x": the largest tried'
+                  ' still works, "< x": the smallest tried fails. What the first failure is stands last, in the order of n. A'
                   f" trial has so many steps, of at most {failures.max_sweeps} sweeps each:"),
         plain_table((Column("scene", align="left"), Column("n"), Column("‖B(W₀)‖₂"), Column("steps of a trial"),
                      Column("of explicit methods")), settings)]

@@ -59,8 +59,9 @@ def edge_and_trials(scene, n, name):
     for h_norm_B in GRID:
         sweeps = 0.0 if explicit else 50 * h_norm_B
         works = critical is None or h_norm_B <= critical
-        trials.append(Trial(scene, n, name, h_norm_B, "converged", TRIAL_STEPS[n], sweeps, 1e-15, 0.0, 1e-6, None) if works
-                      else Trial(scene, n, name, h_norm_B, failed, 2, sweeps, None, None, None, 3))
+        outcome = (("converged", TRIAL_STEPS[n], sweeps, 1e-15, 0.0, 1e-6, None) if works
+                   else (failed, 2, sweeps, None, None, None, 3))
+        trials.append(Trial(scene, n, name, h_norm_B, *outcome))
     bracket = (limit, critical, BISECTED * critical, failed) if critical else (None, None, None, None)
     return Edge(scene, n, name, *bracket), trials
 

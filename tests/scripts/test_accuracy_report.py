@@ -20,7 +20,7 @@ def report(document):
 class Tables(unittest.TestCase):
     def test_what_a_change_of_a_run_does(self):
         for run, change, before, after in (
-                (("rk4", 17, 5), {"beyond_limit": True}, "17  group1 +1.00 diverged\n", "17  rk4 +1.00 beyond its limit\n"),
+                (("rk4", 17, 5), {"beyond_limit": True}, "17  group1 +1.00 diverged\n", "17  rk4 +1.00 beyond its"),
                 (("rkmk4", 17, 50), {"error": 3.3e-3}, "rkmk4 +1.0e-7 +1.0e-7", "rkmk4 +3.3e-3 +1.0e-7")):
             with self.subTest(change=change):
                 document = study_document()

@@ -145,7 +145,7 @@ class Text(RecommendTest):
 
     def test_a_table_has_a_row_of_each_structure_and_n(self):
         run_of(self.document, "rk4", 33, 50)["error"] = 9e-7  # 1e-6 otherwise, to rounding
-        run_of(self.document, "rkmk4", 33, 10)["cpu_seconds"] = [2.01e-3, 2.02e-3, 2.03e-3]  # as long as rk4: that has no mark
+        run_of(self.document, "rkmk4", 33, 10)["cpu_seconds"] = [2.01e-3, 2.02e-3, 2.03e-3]  # as long as rk4: no mark
         self.document["runs"] = [each for each in self.document["runs"] if each["n"] == 33]
         text = as_text(recommendation.recommendation_tables(accuracy_of(self.document)))
         rows = {n: [re.split(r"\s{2,}", line)[1:] for line in text.splitlines() if line.startswith(f"{n}  ")]
@@ -200,7 +200,8 @@ class Refusals(RecommendTest):
         for arguments, *parts in (
                 *((("--n", value, "--error", "1"), "--n", f"'{value}'", "a whole number from 2 to 4096")
                   for value in ("1", "-17", "17.0", "4097", "")),
-                *((("--n", "17", "--error", value), "--error", f"'{value}'", "above 0") for value in ("0", "-1e-6", "nan", "1e999", "x", "")),
+                *((("--n", "17", "--error", value), "--error", f"'{value}'", "above 0")
+                  for value in ("0", "-1e-6", "nan", "1e999", "x", "")),
                 ((*question, "--time", "0"), "--time", "'0'", "above 0"),
                 (("--error", "1"), "--n"), (("--n", "17"), "--error"), (("--n", "--error", "1"), "--n"),
                 ((*question, "--keep", "energy"), "--keep", "'energy'", "nothing", "spectrum", "poisson"),
