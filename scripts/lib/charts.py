@@ -54,21 +54,13 @@ def tolerance(study):
         times.margins(y=0.12)
         for axes in (errors, spectra):
             axes.axline((1e-4, 1e-4), (1e-8, 1e-8), color="0.45", linewidth=0.9, label="_diagonal")
-        for name in (f"{formulation}{s}" for formulation in FORMULATIONS):
-            for n in sizes:
-                line = sorted((run.tolerance, run) for run in runs if (run.integrator, run.n) == (name, n))
-                if not line:
-                    continue
-
-                def draw(axes, quantity, **changes):
-                    draw_line(axes, f"{name}: {quantity}", [(at, getattr(run, quantity)) for at, run in line],
-                              **{**look(study.integrators[name]), **changes})
-
-                draw(times, "seconds")
-                if n == sizes[-1]:
-                    draw(errors, "error")
-                    draw(errors, "solver_error", linestyle="--")
-                    draw(spectra, "spectrum_error")
+        quantities = ((errors, "error", "-"), (errors, "solver_error", "--"), (spectra, "spectrum_error", "-"),
+                      (times, "seconds", "-"))
+        for name, n in dict.fromkeys((run.integrator, run.n) for run in runs if run.stages == s):
+            line = sorted((run for run in runs if (run.integrator, run.n) == (name, n)), key=lambda run: run.tolerance)
+            for axes, quantity, style in quantities if n == sizes[-1] else quantities[-1:]:
+                draw_line(axes, f"{name}: {quantity}", [(run.tolerance, getattr(run, quantity)) for run in line],
+                          **{**look(study.integrators[name]), "linestyle": style})
         for n in sizes:
             at = [run for run in runs if (run.n, run.stages) == (n, s)]
             if at:

@@ -58,12 +58,8 @@ class Table(NamedTuple):
 
     def groups(self):
         """Returns (group, first column, number of columns) of each run of columns in one group."""
-        runs, first = [], 0
-        for group, members in itertools.groupby(column.group for column in self.columns):
-            size = len(list(members))
-            runs.append((group, first, size))
-            first += size
-        return runs
+        runs = itertools.groupby(range(len(self.columns)), lambda index: self.columns[index].group)
+        return [(group, members[0], len(members)) for group, members in ((group, list(run)) for group, run in runs)]
 
 
 def padded(texts, widths, columns):

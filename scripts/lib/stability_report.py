@@ -69,9 +69,9 @@ def critical_section(title, failures):
                 for (scene, n), each in failures.settings.items()]
     parts = [
         Heading(title),
-        Paragraph('The largest h‖B(W₀)‖₂ that works below the first that fails, by bisection; "> x": the largest tried'
-                  ' still works, "< x": the smallest tried fails. What the first failure is stands last, in the order of n. A'
-                  f" trial has so many steps, of at most {failures.max_sweeps} sweeps each:"),
+        Paragraph('The largest h‖B(W₀)‖₂ that works below the first that fails, by bisection; "> x": the largest'
+                  ' tried still works, "< x": the smallest tried fails. Ways of failing stand last, in the order of n.'
+                  f" A trial has so many steps, of at most {failures.max_sweeps} sweeps each:"),
         plain_table((Column("scene", align="left"), Column("n"), Column("‖B(W₀)‖₂"), Column("steps of a trial"),
                      Column("of explicit methods")), settings)]
     for scene in failures.scenes():

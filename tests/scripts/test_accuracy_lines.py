@@ -15,17 +15,11 @@ from accuracy_lines import read_accuracy  # noqa: E402
 from benchmark_json import UnusableFile  # noqa: E402
 
 
-class AccuracyTest(FolderTest):
-    def setUp(self):
-        super().setUp()
-        self.document = study_document()
-
-
-class SoundFileTest(AccuracyTest):
+class SoundFileTest(FolderTest):
     def test_values_stand_where_they_belong(self):
         study = read_accuracy(write_study(self.folder))
         self.assertEqual((study.sizes(), list(study.integrators), len(study.runs)),
-                         (list(SIZES), list(INTEGRATORS), len(self.document["runs"])))
+                         (list(SIZES), list(INTEGRATORS), len(study_document()["runs"])))
         run = study.at_step("group2", 33, 0.5)
         self.assertEqual((run.integrator, run.n, run.steps, run.error, run.products, run.seconds, run.beyond_limit),
                          ("group2", 33, 10, 0.1 * 0.5**4, 40, 0.04, False))
@@ -34,7 +28,7 @@ class SoundFileTest(AccuracyTest):
         self.assertEqual({(run.formulation, run.stages) for run in study.tolerance_runs}, {("group", 1), ("group", 2)})
 
 
-class RefusalTest(AccuracyTest):
+class RefusalTest(FolderTest):
     def test_tables_that_do_not_belong_together(self):
         def with_first(name, **values):
             return lambda document: document[name][0].update(values)
@@ -59,7 +53,10 @@ class RefusalTest(AccuracyTest):
             self.assert_one_line(f"{caught.exception}\n", *words)
 
 
-class LineTest(AccuracyTest):
+class LineTest(unittest.TestCase):
+    def setUp(self):
+        self.document = study_document()
+
     def study(self):
         return accuracy_of(self.document)
 

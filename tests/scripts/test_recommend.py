@@ -77,10 +77,9 @@ class Winner(RecommendTest):
                 self.assertEqual(self.winner(*question), after)
 
     def test_an_error_below_the_uncertainty_of_the_reference_is_not_known(self):
-        self.assertEqual(self.winner(17, 1e-9, "spectrum"), ("rkmk4", 200))
-        self.document["references"][0]["uncertainty"] = 2e-9
-        self.assertIsNone(self.winner(17, 1e-9, "spectrum"))
-        self.assertEqual(self.winner(17, 2e-9, "spectrum"), ("rkmk4", 200))
+        for uncertainty, winner in ((1e-9, ("rkmk4", 200)), (2e-9, None)):
+            self.document["references"][0]["uncertainty"] = uncertainty
+            self.assertEqual(self.winner(17, 1e-9, "spectrum"), winner)
 
 
 class RunnersUp(RecommendTest):

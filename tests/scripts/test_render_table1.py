@@ -234,7 +234,8 @@ class Verdicts(TableTest):
         text = " ".join(self.render(raw(sizes=(17, 33, 65), cells=cells)).split())
         self.assertIn("Overall: holds at n = 17 (s = 1); does not hold at n = 65 (s = 1); too close to call at n = 33"
                       " (s = 1); not judged at n = 129 (s = 1).", text)
-        self.assertIn("Overall: holds at n = 17, 33, 65 (s = 2); holds at n = 33, 65 (s = 3); does not hold at n = 17", text)
+        self.assertIn("Overall: holds at n = 17, 33, 65 (s = 2); holds at n = 33, 65 (s = 3); does not hold at n = 17",
+                      text)
 
 
 class Formats(TableTest):
