@@ -44,10 +44,10 @@ TEST(Step, AllocatesNothingForAnyIntegratorBackendAndSize) {
 TEST(Step, AllocatesNothingInAFastFormColdOrWarm) {
   for (const Index n : sizes) {
     const Scene scene = smooth_scene(n);
-    for (const auto& [formulation, s] : methods(3)) {
+    for (const IntegratorEntry& entry : integrators()) {
       for (const int threads : {1, 3}) {
-        const auto integrator =
-            make_fast_gauss(formulation, s, *scene.flow, {.solver = {}, .threads = threads});
+        const auto integrator = fast_entry(entry.name, {.solver = {}, .threads = threads})
+                                    .make(*scene.flow, {}, ProductBackend::openblas);
         Matrix W = scene.initial;
         StepReport report;
         const auto steps = [&] {
@@ -57,7 +57,7 @@ TEST(Step, AllocatesNothingInAFastFormColdOrWarm) {
           report = integrator->step(W, 2e-3);
         };
         if (threads > 1) integrator->step(W, 2e-3);
-        EXPECT_EQ(allocations_during(steps), 0) << name(formulation) << s << " n = " << n;
+        EXPECT_EQ(allocations_during(steps), 0) << entry.name << " n = " << n;
         EXPECT_EQ(report.status, Status::converged);
       }
     }
@@ -101,13 +101,15 @@ TEST(Memory, OfAPublishedFormIsWhatTheListSays) {
 
 TEST(Memory, OfAFastFormIsAtMostWhatTheListSays) {
   for (const Index n : {33, 65, 129, 193}) {
+    std::vector<IntegratorEntry> entries;
+    for (const IntegratorEntry& entry : integrators()) entries.push_back(fast_entry(entry.name));
     for (const Formulation formulation : formulations()) {
-      for (const int s : {1, 2, 3, 6}) {
-        const IntegratorEntry entry = fast_gauss_entry(formulation, s);
-        const double bytes = bytes_of(entry, n);
-        EXPECT_GE(entry.bytes(n), bytes) << entry.name << " n = " << n;
-        EXPECT_LE(entry.bytes(n), 1.5 * bytes) << entry.name << " n = " << n;
-      }
+      entries.push_back(fast_gauss_entry(formulation, 6));
+    }
+    for (const IntegratorEntry& entry : entries) {
+      const double bytes = bytes_of(entry, n);
+      EXPECT_GE(entry.bytes(n), bytes) << entry.name << " n = " << n;
+      EXPECT_LE(entry.bytes(n), 1.5 * bytes) << entry.name << " n = " << n;
     }
   }
 }

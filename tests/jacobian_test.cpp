@@ -1,9 +1,11 @@
 // The Jacobian T + K of every stage system against central differences of its residual.
 #include <gtest/gtest.h>
 
+#include "isosyrk/fast/direct_system.h"
 #include "isosyrk/flows/split_generator.h"
 #include "isosyrk/linalg/spectrum.h"
 #include "isosyrk/split/linear_combination.h"
+#include "isosyrk/tableaux/gauss_tableau.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -89,6 +91,32 @@ class WrongSign final : public FixedPointSystem {
   bool of_T_, of_K_;
 };
 
+// A form of Gauss methods, or the control applied to W itself.
+struct Case {
+  Method method;
+  bool direct = false;
+
+  std::unique_ptr<StageSystem> system(const Flow& flow) const {
+    if (!direct) return stage_system(method, flow, 1, false);
+    return std::make_unique<DirectSystem>(flow, gauss_tableau(method.s), 1, false);
+  }
+};
+
+void PrintTo(const Case& tested, std::ostream* out) {
+  if (tested.direct) {
+    *out << "direct" << tested.method.s;
+  } else {
+    PrintTo(tested.method, out);
+  }
+}
+
+std::vector<Case> cases() {
+  std::vector<Case> all;
+  for (const Method& method : methods(4)) all.push_back({method});
+  for (int s = 1; s <= 4; ++s) all.push_back({{Formulation::cotangent, s}, true});
+  return all;
+}
+
 // All numbers of unknowns or corrections, and the same with other numbers.
 template <class Kinds>
 RealVector numbers_of(const Kinds& kinds) {
@@ -115,8 +143,8 @@ Kinds with_numbers(Kinds kinds, const RealVector& numbers) {
 
 // A system bound to a step with h‖B‖ = 0.3, at its solution.
 struct AtSolution {
-  AtSolution(const Method& tested, const Flow& flow, const Matrix& initial, bool backwards)
-      : method(tested), system(stage_system(tested, flow, 1, false)), W0(initial) {
+  AtSolution(const Case& case_tested, const Flow& flow, const Matrix& initial, bool backwards)
+      : tested(case_tested), system(tested.system(flow)), W0(initial) {
     Matrix B(n, n);
     flow.generator(initial, B);
     const double h = (backwards ? -h_norm_B : h_norm_B) / spectral_norm(B);
@@ -135,13 +163,14 @@ struct AtSolution {
 
   Corrections rounded(const RealVector& d) const { return with_numbers(zero, d); }
 
-  // Of norm 1, with the structure of what it corrects: M_jj and the midpoint's W̃ are
+  // Of norm 1, with the structure of what it corrects: M_jj and W̃ are
   // skew-Hermitian.
   RealVector direction(unsigned seed) const {
     Unknowns d = x;
     for (std::size_t each = 0; each < d.size(); ++each) {
+      const auto [formulation, s] = tested.method;
       const bool is_skew =
-          method.formulation == Formulation::algebra && (method.s == 1 || each == 1);
+          tested.direct || (formulation == Formulation::algebra && (s == 1 || each == 1));
       for (SplitMatrix& matrix : d[each]) {
         const Matrix random = random_matrix(n, seed++);
         matrix = SplitMatrix(is_skew ? Matrix(random - random.adjoint()) : random);
@@ -165,14 +194,14 @@ struct AtSolution {
     return d + 0.5 / difference_step * change;
   }
 
-  Method method;
+  Case tested;
   std::unique_ptr<StageSystem> system;
   SplitMatrix W0;
   Unknowns x;
   Corrections zero;
 };
 
-class Jacobian : public ::testing::TestWithParam<Method> {
+class Jacobian : public ::testing::TestWithParam<Case> {
  protected:
   // Calls test(at, d) for a smooth and a random W₀, forwards and backwards.
   template <class FlowOf, class Test>
@@ -234,7 +263,7 @@ TEST_P(Jacobian, HasAFrozenPartByItself) {
   });
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Jacobian, ::testing::ValuesIn(methods(4)),
+INSTANTIATE_TEST_SUITE_P(All, Jacobian, ::testing::ValuesIn(cases()),
                          ::testing::PrintToStringParamName());
 
 }  // namespace

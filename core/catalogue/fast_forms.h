@@ -22,9 +22,7 @@ std::unique_ptr<Integrator> make_fast_gauss(Formulation formulation, int s, cons
 IntegratorEntry fast_gauss_entry(Formulation formulation, int s, const FastOptions& options = {});
 
 /// Returns the fast form of the integrator of integrators() with this name.  Throws
-/// std::invalid_argument for a name that is not in the list or has no fast form.
+/// std::invalid_argument for another name.
 IntegratorEntry fast_entry(std::string_view name, const FastOptions& options = {});
-/// Returns true if the integrator of integrators() with this name has a fast form.
-bool has_fast_form(std::string_view name);
 
 }  // namespace isosyrk

@@ -74,8 +74,7 @@ std::vector<IntegratorEntry> make_list() {
   for (const Formulation formulation : formulations()) {
     for (int s = 1; s <= 3; ++s) list.push_back(gauss_entry(formulation, s));
   }
-  list.push_back(gauss_entry(Formulation::group, 4));
-  list.push_back(gauss_entry(Formulation::group, 5));
+  for (int s = 4; s <= 8; ++s) list.push_back(gauss_entry(Formulation::group, s));
   for (const CompositionScheme& scheme : {yoshida4(), suzuki4(), kahan_li6()}) {
     list.push_back({.name = scheme.name,
                     .stages = static_cast<int>(scheme.fractions.size()),

@@ -6,16 +6,9 @@
 #include "isosyrk/split/split_matrix.h"
 
 namespace isosyrk {
-namespace {
 
-// Numbers of matrices of a stage system: unknowns, workspace in double and in single precision.
-struct Matrices {
-  double unknowns;
-  double doubles;
-  double singles;
-};
-
-Matrices matrices_of(Formulation formulation, double s) {
+FastMatrices fast_gauss_matrices(Formulation formulation, int stages) {
+  const double s = stages;
   const double pairs = 0.5 * s * (s - 1.0);
   switch (formulation) {
     case Formulation::cotangent:
@@ -29,13 +22,11 @@ Matrices matrices_of(Formulation formulation, double s) {
   return {2.0 * s + pairs, 9.0 * s + 3.0 * pairs + 2.0, 10.0 * s + 4.0 * pairs};
 }
 
-}  // namespace
-
-double fast_workspace_bytes(Formulation formulation, int s, Index n, int past_steps, int threads) {
+double fast_workspace_bytes(const FastMatrices& matrices, Index n, int past_steps, int threads) {
+  const auto [unknowns, doubles, singles] = matrices;
   const auto size = static_cast<double>(n);
   const double in_double = 16.0 * size * static_cast<double>(split_row<double>(n));
   const double in_single = 8.0 * size * static_cast<double>(split_row<float>(n));
-  const auto [unknowns, doubles, singles] = matrices_of(formulation, s);
   // In double: the unknowns, the predictor's and Anderson's copies.  In single: residual,
   // corrections and Anderson's differences.
   // The predictor keeps some rows of the differences of past steps besides.

@@ -1,109 +1,91 @@
 #include "isosyrk/fast/fast_integrator.h"
 
-#include "isosyrk/iteration/picard.h"
-#include "isosyrk/split/linear_combination.h"
+#include <stdexcept>
+
+#include "isosyrk/split/parallel.h"
 
 namespace isosyrk {
+namespace {
+
+std::vector<std::unique_ptr<StageSystem>> one(std::unique_ptr<StageSystem> system) {
+  std::vector<std::unique_ptr<StageSystem>> systems;
+  systems.push_back(std::move(system));
+  return systems;
+}
+
+}  // namespace
+
+FastIntegrator::FastIntegrator(const Flow& flow, std::vector<std::unique_ptr<StageSystem>> systems,
+                               std::vector<double> fractions, const FastOptions& options)
+    : Integrator(flow),
+      threads_(options.threads),
+      fractions_(std::move(fractions)),
+      W_(split_stages(static_cast<Index>(fractions_.size()) + 1, flow.size())) {
+  ThreadScope::checked(options.threads);
+  if (systems.empty() || systems.size() != fractions_.size())
+    throw std::invalid_argument("fast integrator: must have a system for each of its substeps");
+  for (auto& system : systems) substeps_.emplace_back(std::move(system), options);
+}
 
 FastIntegrator::FastIntegrator(const Flow& flow, std::unique_ptr<StageSystem> system,
                                const FastOptions& options)
-    : Integrator(flow),
-      system_(std::move(system)),
-      options_(options),
-      W0_(flow.size()),
-      W1_(flow.size()),
-      x_(system_->unknowns()),
-      solver_(x_),
-      anderson_(x_),
-      predictor_(options.past_steps.value_or(tuning.past_steps(flow.size())), x_) {
-  ThreadScope::checked(options.threads);
-}
-
-SolveReport FastIntegrator::anderson() {
-  Corrections& R = solver_.residual();
-  anderson_.begin(x_);
-  return solve_fixed_point(options_.solver, [&] {
-    const double change = system_->residual(x_, options_.solver.tolerance, R);
-    for (std::size_t kind = 0; kind < x_.size(); ++kind) add(R[kind], x_[kind]);
-    if (change >= options_.solver.tolerance) anderson_.mix(x_);
-    return change;
-  });
-}
-
-SolveReport FastIntegrator::solve(Iteration iteration) {
-  switch (iteration) {
-    case Iteration::newton:
-      return solver_.newton(*system_, options_.solver, x_);
-    case Iteration::frozen_picard:
-      return solver_.picard(*system_, options_.solver, tuning.frozen_sweeps, x_);
-    case Iteration::anderson:
-      return anderson();
-    case Iteration::picard:
-    case Iteration::none:
-      break;
-  }
-  return solver_.picard(*system_, options_.solver, 0, x_);
-}
-
-StepReport FastIntegrator::solve(double h) {
-  StepReport report;
-  const auto converges = [&](Attempt attempt) {
-    const SolveReport solve_report = solve(attempt.iteration);
-    report.status = solve_report.status;
-    report.attempt = attempt;
-    report.sweeps += solve_report.sweeps;
-    report.last_change = solve_report.change;
-    report.contraction = solve_report.contraction;
-    return report.status == Status::converged;
-  };
-  const Iteration first = options_.newton ? Iteration::newton : Iteration::picard;
-  if (predictor_.predict(h, x_)) {
-    if (converges({Start::predicted, first})) return report;
-    predictor_.forget();
-  }
-  solver_.forget();
-  for (const Iteration iteration : {first, Iteration::frozen_picard, Iteration::anderson}) {
-    if (iteration == Iteration::frozen_picard && !options_.newton) continue;  // T is part of Newton
-    system_->cold_start(x_);
-    if (converges({Start::cold, iteration})) break;
-  }
-  return report;
-}
+    : FastIntegrator(flow, one(std::move(system)), {1.0}, options) {}
 
 double FastIntegrator::change_of_one_more_sweep() {
-  const ThreadScope scope(options_.threads);
-  const bool truncates = system_->truncates();
-  system_->truncate(false);
-  system_->bind(W0_, h_, options_.solver.tolerance);
-  Unknowns accepted = x_;
-  const double change = system_->residual(accepted, options_.solver.tolerance, solver_.residual());
-  system_->truncate(truncates);
-  return change;
+  const ThreadScope scope(threads_);
+  return substeps_.back().change_of_one_more_sweep(W_[W_.size() - 2], fractions_.back() * h_);
+}
+
+void FastIntegrator::forget() {
+  for (FastSubstep& substep : substeps_) substep.forget();
+}
+
+StepReport FastIntegrator::work() const {
+  StepReport total;
+  for (const FastSubstep& substep : substeps_) {
+    const StepReport work = substep.system().work();
+    total.products += work.products;
+    total.poisson_solves += work.poisson_solves;
+    total.equivalent_products += work.equivalent_products;
+  }
+  return total;
+}
+
+// Advances W_ by a step.  The report has all but the work.
+StepReport FastIntegrator::advance(double h) {
+  StepReport total;
+  for (std::size_t k = 0; k < substeps_.size(); ++k) {
+    const StepReport substep = substeps_[k].advance(W_[k], fractions_[k] * h, W_[k + 1]);
+    total.status = substep.status;
+    total.attempt = substep.attempt;
+    total.sweeps += substep.sweeps;
+    total.last_change = substep.last_change;
+    total.contraction = larger(total.contraction, substep.contraction);
+    if (substep.status != Status::converged) break;
+  }
+  return total;
 }
 
 StepReport FastIntegrator::advance(const Matrix& W0, double h, Matrix& W1) {
-  const ThreadScope scope(options_.threads);
-  const StepReport before = system_->work();
-  W0_.load(W0);
+  const ThreadScope scope(threads_);
+  const StepReport before = work();
+  W_.front().load(W0);
   // Past steps predict only a step that continues from the last W₁.
-  if (W0_.entries() != W1_.entries()) predictor_.forget();
+  if (W_.front().entries() != W_.back().entries()) forget();
   h_ = h;
-  system_->bind(W0_, h, options_.solver.tolerance);
   StepReport report;
   try {
-    report = solve(h);
+    report = advance(h);
   } catch (...) {  // of SolverOptions::after_sweep
-    predictor_.forget();
+    forget();
     throw;
   }
   if (report.status == Status::converged) {
-    system_->update(x_, W1_);
-    predictor_.accept(h, x_);
-    W1_.store(W1);
+    W_.back().store(W1);
   } else {
-    predictor_.forget();
+    forget();
   }
-  const StepReport after = system_->work();
+  const StepReport after = work();
   report.products = after.products - before.products;
   report.poisson_solves = after.poisson_solves - before.poisson_solves;
   report.equivalent_products = after.equivalent_products - before.equivalent_products;

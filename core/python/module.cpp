@@ -163,7 +163,6 @@ void bind_integrators(py::module_& module) {
                              [](const IntegratorEntry& e) { return e.keeps.symmetric; })
       .def_property_readonly("explicit",
                              [](const IntegratorEntry& e) { return e.keeps.is_explicit; })
-      .def_property_readonly("fast", [](const IntegratorEntry& e) { return has_fast_form(e.name); })
       .def_property_readonly("measured_limit",
                              [](const IntegratorEntry& e) { return measured_limit(e.name); })
       .def("linear_limit",

@@ -119,7 +119,7 @@ class Table1(MeasuredTest):
         rendered = self.rendered()
         self.assertEqual((rendered.returncode, rendered.stderr), (DONE, ""))
         self.assertIn("Table 1", rendered.stdout)
-        self.assertNotIn("failed", rendered.stdout)
+        self.assertNotIn(" failed", rendered.stdout.replace("a row failed or was not measured", ""))
 
 
 class Table2(Table1):

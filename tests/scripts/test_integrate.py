@@ -121,7 +121,7 @@ class RefusedArguments(RefusalTest):
                 *(({**named, "integrator": "rk4", other: SHORT[other]}, "--integrator", "must stand alone")
                   for other in named),
                 *(({"solver": solver}, "--solver", "published", "fast") for solver in ("quick", "", "Fast")),
-                ({**named, "solver": "fast", "integrator": "suzuki4"}, "suzuki4", "no fast form"),
+                ({**named, "solver": "fast", "integrator": "algebra2_two_products"}, "algebra2_two_products", "no fast form"),
                 ({"solver": "fast", "products": "eigen"}, "--solver fast", "--products eigen"),
                 ({"threads": "2"}, "--threads 2", "--solver fast"),
                 *(({"solver": "fast", "threads": value}, "--threads", value, "1 to 64")

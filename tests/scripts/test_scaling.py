@@ -32,10 +32,6 @@ class Study(FolderTest):
         self.assertLess(sweeps["fast"], 0.5 * sweeps["published"])
         self.assertEqual(os.listdir(self.folder), ["raw.json"])
 
-    def test_what_has_no_fast_form_is_refused(self):
-        self.assert_refused(run([sys.executable, STUDY, "--out", self.path("raw.json"), "--integrator", "direct1"]),
-                            "direct1", "no fast form")
-
 
 class Table(FolderTest):
     def render(self, rows=None):

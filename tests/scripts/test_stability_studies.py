@@ -87,7 +87,6 @@ class Refusals(StudyTest):
         for name, arguments, *parts in (
                 ("stability", ("--solver", "slow"), "--solver", "slow"),
                 ("stability", ("--scene", "calm"), "calm", "smooth"),
-                ("stability", ("--solver", "fast", "--integrator", "rk4"), "'rk4'", "no fast form"),
                 ("long_runs", ("--solver", "fast"), "--solver"),
                 *(("long_runs", ("--steps", steps), "--steps", steps) for steps in ("9", "x", "1000001"))):
             with self.subTest(program=name, arguments=arguments):

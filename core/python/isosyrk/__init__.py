@@ -80,7 +80,6 @@ class IntegratorRecord(NamedTuple):
     lie_poisson: bool  # a step is a Poisson map
     symmetric: bool  # a step of -h inverts a step of h
     explicit: bool  # no iteration
-    fast: bool  # has a fast form for Euler-Zeitlin
     stability_limit: float  # largest stable h*norm(ad_B) for a constant generator; inf if there is none
     measured_limit: Optional[float]  # h*norm(B) up to which every recorded trial worked, 2-norm
 
@@ -277,7 +276,7 @@ def integrator(scene: Scene, name: str, solver: str = "published", tolerance: fl
     """Returns the integrator with this name of integrators(), for the flow of a scene.
 
     solver     "published": the paper's equations, solved by Picard sweeps. "fast": the same answer to the tolerance,
-               several times sooner; for names and flows that have a fast form, otherwise ValueError.
+               several times sooner; for Euler-Zeitlin, otherwise ValueError.
     tolerance  of the iteration, at least 1e-15: the largest change of an unknown, Frobenius norm, absolute. It suits
                states of norm about 1; scale others, or the tolerance.
     threads    of the fast solver, 1 to 64; the answer is bit for bit the same. A process forked after a run with

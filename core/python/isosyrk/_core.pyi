@@ -25,7 +25,6 @@ class Entry:
     lie_poisson: bool
     symmetric: bool
     explicit: bool
-    fast: bool
     measured_limit: Optional[float]
     def linear_limit(self, scene: Scene) -> Optional[float]: ...
 

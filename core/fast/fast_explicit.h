@@ -1,0 +1,71 @@
+// Explicit methods in split-complex storage.
+#pragma once
+
+#include <array>
+
+#include "isosyrk/fast/fast_matrices.h"
+#include "isosyrk/fast/fast_options.h"
+#include "isosyrk/fast/split_workspace.h"
+
+namespace isosyrk {
+
+/// What the explicit methods share: a step in split-complex storage, for J = I.
+class FastExplicit : public Integrator {
+ protected:
+  /// Throws std::invalid_argument for a flow without a generator in split-complex storage, and for
+  /// threads out of range.
+  FastExplicit(const Flow& flow, const FastOptions& options, bool truncates);
+
+  StepReport advance(const Matrix& W0, double h, Matrix& W1) final;
+
+  /// Computes W1_ from W0_.  Returns false if the step diverges.
+  virtual bool take_step(double h) = 0;
+
+  /// out = scale [A, X] for skew-Hermitian A and X, by one product.
+  void commutator(const SplitMatrix& A, const SplitMatrix& X, double scale, SplitStages& out);
+  /// B = B(W).  W is cut to its band.
+  void generate(SplitStages& W, SplitStages& B);
+
+  SplitWorkspace work_;
+  SplitStages W0_, W1_, W_stage_;
+
+ private:
+  FastOptions options_;
+  SplitStages product_;
+};
+
+/// ClassicalRungeKutta4 to rounding.  Products: 4.  Poisson solves: 4.
+class FastRungeKutta4 final : public FastExplicit {
+ public:
+  FastRungeKutta4(const Flow& flow, const FastOptions& options, bool truncates);
+
+  /// Numbers of n x n matrices held: unknowns, in double and in single precision.
+  static FastMatrices matrices() { return {0.0, 7.0, 0.0}; }
+
+ private:
+  bool take_step(double h) override;
+
+  SplitStages B_;
+  std::array<SplitStages, 4> k_;
+};
+
+/// MuntheKaas4 to rounding.  Terms of a series below Tuning::single_term are summed in single
+/// precision.  Products: 2, and 1 for each term of the 4 series.  Poisson solves: 4.
+class FastMuntheKaas4 final : public FastExplicit {
+ public:
+  FastMuntheKaas4(const Flow& flow, const FastOptions& options, bool truncates);
+
+  /// As FastRungeKutta4::matrices().
+  static FastMatrices matrices() { return {0.0, 10.0, 4.0}; }
+
+ private:
+  bool take_step(double h) override;
+  // out = e^A W e^(-A) with A = scale Omega; false if the series does not converge.
+  bool conjugate(double scale, const SplitStages& Omega, const SplitStages& W, SplitStages& out);
+
+  std::array<SplitStages, 4> k_;
+  SplitStages Omega_, commutator_, term_, next_;
+  SingleStages Omega_single_, term_single_, next_single_, product_single_;
+};
+
+}  // namespace isosyrk

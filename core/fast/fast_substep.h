@@ -1,0 +1,51 @@
+// One substep of a fast integrator: a stage system, its predictor and solvers with fallbacks.
+#pragma once
+
+#include <memory>
+
+#include "isosyrk/fast/fast_options.h"
+#include "isosyrk/fast/stage_system.h"
+#include "isosyrk/solver/anderson.h"
+#include "isosyrk/solver/inexact_newton.h"
+#include "isosyrk/solver/predictor.h"
+
+namespace isosyrk {
+
+/// Solves the stage equations of a step W₀ -> W₁ in split-complex storage.
+///
+/// A step is accepted by the rule of solve_fixed_point, on the change of a Picard sweep in double
+/// precision, whatever the start values.  Attempts are made in this order until one converges:
+/// predicted Newton, cold Newton, cold Picard with frozen sweeps, cold Anderson.  Without
+/// FastOptions::newton they are predicted Picard, cold Picard and cold Anderson.  There is no
+/// predicted attempt after a failed step, for another h, or after forget().
+class FastSubstep {
+ public:
+  FastSubstep(std::unique_ptr<StageSystem> system, const FastOptions& options);
+
+  /// Computes W₁ from W₀ by a step of size h.  The report has status, attempt and sweeps.  W₀ must
+  /// be the W₁ of the call before, or forget() must be called first.
+  StepReport advance(const SplitMatrix& W0, double h, SplitMatrix& W1);
+  /// Forgets all past steps.
+  void forget() { predictor_.forget(); }
+
+  /// Returns the change of one more Picard sweep, without band truncation, from the unknowns of the
+  /// last step, which must have converged from W₀ with this h.
+  double change_of_one_more_sweep(const SplitMatrix& W0, double h);
+
+  const StageSystem& system() const { return *system_; }
+
+ private:
+  // Makes the attempts in order and returns the report of the last, with the sweeps of all.
+  StepReport solve(double h);
+  SolveReport solve(Iteration iteration);
+  SolveReport anderson();
+
+  std::unique_ptr<StageSystem> system_;
+  FastOptions options_;
+  Unknowns x_;
+  InexactNewton solver_;
+  Anderson anderson_;
+  Predictor predictor_;
+};
+
+}  // namespace isosyrk
