@@ -198,9 +198,6 @@ TEST_P(EachFastForm, ThreadsWorkWhereTheyPay) {
 INSTANTIATE_TEST_SUITE_P(All, EachFastForm, ::testing::ValuesIn(methods(4)),
                          ::testing::PrintToStringParamName());
 
-// With up to 7 past steps the prediction is the polynomial through them, which predicts a solution
-// worse that grows finer, and plain sweeps make up for it one by one: what the bound of a tenth
-// sees.
 class EachListedFastForm : public ::testing::TestWithParam<IntegratorEntry> {};
 
 // An accepted step is within tolerance / (1 - contraction) of the solution in both forms, and 10
@@ -230,6 +227,9 @@ TEST_P(EachListedFastForm, GivesTheAnswerOfThePublishedForm) {
 INSTANTIATE_TEST_SUITE_P(All, EachListedFastForm, ::testing::ValuesIn(integrators()),
                          [](const auto& tested) { return tested.param.name; });
 
+// With up to 7 past steps the prediction is the polynomial through them, which predicts a solution
+// worse that grows finer, and plain sweeps make up for it one by one: what the bound of a tenth
+// sees.
 TEST(FastForms, FittedWeightsSaveSweepsAfterALargeNumberOfSteps) {
   const Scene scene = smooth_scene(33);
   for (const Formulation formulation : formulations()) {

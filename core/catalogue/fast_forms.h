@@ -17,7 +17,7 @@ std::unique_ptr<Integrator> make_fast_gauss(Formulation formulation, int s, cons
                                             const FastOptions& options = {});
 
 /// Returns the list entry of that fast form, named fast_group2 and so on.  Its integrators have
-/// these options, but the SolverOptions that they are made with.  Throws std::invalid_argument
+/// these options, except options.solver, which `make` replaces.  Throws std::invalid_argument
 /// unless 1 <= s <= max_stages; making an integrator throws as make_fast_gauss.
 IntegratorEntry fast_gauss_entry(Formulation formulation, int s, const FastOptions& options = {});
 

@@ -21,7 +21,8 @@ struct IntegratorOptions {
   int threads = 1;  ///< 1 if published, 1 to 64 if fast
 };
 
-/// Returns the integrator of integrators() with this name, such as "group2".  `flow` must outlive
+/// Returns the integrator with this name of integrators(), such as "group2", or a published control
+/// (two_products_entry).  `flow` must outlive
 /// the integrator.  Throws std::invalid_argument for a name that is not in the list, for a fast
 /// form that the integrator or the flow does not have, and for a number of threads out of range.
 std::unique_ptr<Integrator> make_integrator(const Flow& flow, std::string_view name,

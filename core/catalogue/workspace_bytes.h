@@ -6,7 +6,7 @@
 
 namespace isosyrk {
 
-/// Returns the numbers for the Gauss method with s stages in the fast form of a formulation.
+/// Returns what the Gauss method with s stages holds in the fast form of a formulation.
 FastMatrices fast_gauss_matrices(Formulation formulation, int s);
 
 /// Returns an upper bound of the memory of a fast form, in bytes; `past_steps` is the number of

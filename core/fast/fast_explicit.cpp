@@ -22,10 +22,7 @@ StepReport FastExplicit::advance(const Matrix& W0, double h, Matrix& W1) {
   StepReport report;
   report.status = take_step(h) ? Status::converged : Status::diverged;
   W1_[0].store(W1);
-  const StepReport after = work_.work();
-  report.products = after.products - before.products;
-  report.poisson_solves = after.poisson_solves - before.poisson_solves;
-  report.equivalent_products = after.equivalent_products - before.equivalent_products;
+  report.set_work(before, work_.work());
   return report;
 }
 

@@ -42,26 +42,16 @@ void FastIntegrator::forget() {
 
 StepReport FastIntegrator::work() const {
   StepReport total;
-  for (const FastSubstep& substep : substeps_) {
-    const StepReport work = substep.system().work();
-    total.products += work.products;
-    total.poisson_solves += work.poisson_solves;
-    total.equivalent_products += work.equivalent_products;
-  }
+  for (const FastSubstep& substep : substeps_) total.append(substep.system().work());
   return total;
 }
 
 // Advances W_ by a step.  The report has all but the work.
-StepReport FastIntegrator::advance(double h) {
+StepReport FastIntegrator::take_substeps(double h) {
   StepReport total;
   for (std::size_t k = 0; k < substeps_.size(); ++k) {
-    const StepReport substep = substeps_[k].advance(W_[k], fractions_[k] * h, W_[k + 1]);
-    total.status = substep.status;
-    total.attempt = substep.attempt;
-    total.sweeps += substep.sweeps;
-    total.last_change = substep.last_change;
-    total.contraction = larger(total.contraction, substep.contraction);
-    if (substep.status != Status::converged) break;
+    total.append(substeps_[k].advance(W_[k], fractions_[k] * h, W_[k + 1]));
+    if (total.status != Status::converged) break;
   }
   return total;
 }
@@ -75,7 +65,7 @@ StepReport FastIntegrator::advance(const Matrix& W0, double h, Matrix& W1) {
   h_ = h;
   StepReport report;
   try {
-    report = advance(h);
+    report = take_substeps(h);
   } catch (...) {  // of SolverOptions::after_sweep
     forget();
     throw;
@@ -85,10 +75,7 @@ StepReport FastIntegrator::advance(const Matrix& W0, double h, Matrix& W1) {
   } else {
     forget();
   }
-  const StepReport after = work();
-  report.products = after.products - before.products;
-  report.poisson_solves = after.poisson_solves - before.poisson_solves;
-  report.equivalent_products = after.equivalent_products - before.equivalent_products;
+  report.set_work(before, work());
   return report;
 }
 

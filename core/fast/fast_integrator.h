@@ -35,7 +35,7 @@ class FastIntegrator final : public Integrator {
   StepReport advance(const Matrix& W0, double h, Matrix& W1) override;
 
  private:
-  StepReport advance(double h);
+  StepReport take_substeps(double h);
   void forget();
   StepReport work() const;
 

@@ -10,7 +10,7 @@ namespace isosyrk {
 /// Options of a fast integrator.
 struct FastOptions {
   SolverOptions solver = {};
-  /// Threads that share the work, 1 to 64.  make_fast_gauss uses one below
+  /// Threads that share the work, 1 to 64.  Fast forms use one below
   /// Tuning::smallest_parallel.  The answer is bit for bit the same for every number.
   int threads = 1;
 

@@ -22,16 +22,8 @@ StepReport Composition::advance(const Matrix& W0, double h, Matrix& W1) {
   W1 = W0;
   StepReport total;
   for (const double fraction : fractions_) {
-    const StepReport substep = midpoint_.step(W1, fraction * h);
-    total.status = substep.status;
-    total.attempt = substep.attempt;
-    total.sweeps += substep.sweeps;
-    total.last_change = substep.last_change;
-    total.contraction = larger(total.contraction, substep.contraction);
-    total.products += substep.products;
-    total.poisson_solves += substep.poisson_solves;
-    total.equivalent_products += substep.equivalent_products;
-    if (substep.status != Status::converged) break;
+    total.append(midpoint_.step(W1, fraction * h));
+    if (total.status != Status::converged) break;
   }
   return total;
 }

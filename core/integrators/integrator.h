@@ -18,6 +18,12 @@ struct StepReport {
   /// Work of the products in full products in double precision.  A triangle or a product in single
   /// precision counts half; a product of banded matrices counts its multiplications.
   double equivalent_products = 0.0;
+
+  /// Adds a substep that follows: sums the work and the sweeps, takes the larger contraction, and
+  /// the substep's status, attempt and last change.
+  void append(const StepReport& substep);
+  /// Sets products, Poisson solves and equivalent products to `after` - `before`.
+  void set_work(const StepReport& before, const StepReport& after);
 };
 
 /// A one-step method W₀ -> W₁ with its workspace.  The flow must outlive the integrator.

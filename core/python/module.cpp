@@ -120,7 +120,6 @@ void bind_scenes(py::module_& module) {
             return std::pair(norms.B, norms.ad_B);
           },
           Aside());
-  module.def("scene_names", &scene_names);
   module.def(
       "scene_by_name",
       [](const std::string& name, Index n, const std::string& hbar) {

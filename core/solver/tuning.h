@@ -73,7 +73,8 @@ struct Tuning {
   /// Frobenius norm that may be cut from the inverse, as a multiple of the accuracy.
   double of_inverse = 0.1;
 
-  /// Terms of an adjoint series below this multiple of the sum are formed in single precision.  The
+  // The adjoint series of FastMuntheKaas4.
+  /// Terms below this multiple of the sum are formed in single precision.  The
   /// error is then 6e-17 of the sum.  Ten times this value shows in the spectrum of long runs.
   double single_term = 1e-9;
 

@@ -10,7 +10,6 @@ not at all. What the format leaves to trap a reader:
 """
 
 import json
-import math
 import re
 import statistics
 import unicodedata

@@ -36,7 +36,7 @@ def charts_of(failures, fast=None, runs=None):
                 found.append(Chart(f"{name}_{scene}", f"{title}, {scene} scene.", "failure_map",
                                    (failures, scene, names, title)))
     for scene in fast.scenes() if fast else ():
-        title = "Where the fast forms fail"
+        title = "Where the fast forms of Table 1 fail"
         found.append(Chart(f"failure_map_fast_{scene}", f"{title}, {scene} scene.", "failure_map",
                            (fast, scene, TABLE1_CELLS, title)))
     for scene, n in runs.settings() if runs else ():

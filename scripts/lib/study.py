@@ -58,7 +58,7 @@ def require_module(program):
         sys.path.insert(0, MODULE)
         os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (MODULE, os.environ.get("PYTHONPATH"))))
     chart_python.require(program, ("isosyrk", "numpy", "tqdm"),
-                         "build it with scripts/reproduce, or install python3-numpy and python3-tqdm")
+                         "build it with scripts/reproduce accuracy, or install python3-numpy and python3-tqdm")
 
 
 def command_line(program, description, out="FILE"):
@@ -266,10 +266,10 @@ def processes(workers):
     try:
         yield pool, lambda: (), concurrent.futures.BrokenExecutor
         pool.shutdown()
-    finally:  # at once, whatever they do
-        pool.shutdown(wait=False, cancel_futures=True)
+    finally:  # at once, whatever they do; then the pool's own thread is waited for, which would complain at exit
         for child in multiprocessing.active_children():
             child.terminate()
+        pool.shutdown(cancel_futures=True)
 
 
 def follow_parent():

@@ -28,7 +28,7 @@ from accuracy_lines import NEAR_ROUNDING, SCHEMA, STILL_FALLING, Reference, Run,
 from command_line import whole_number
 from integrator_names import TABLE1_CELLS
 from references import read_reference
-from study_file import CONVERGED, UNSTABLE, Integrator
+from study_file import CONVERGED, UNSTABLE
 
 SIZES, QUICK_SIZES = (17, 33, 65, 129), (17, 33)
 REFERENCES = os.path.join(study.ROOT, "results", "recorded", "references")

@@ -28,8 +28,8 @@ SCENE = "smooth"
 SIZES, QUICK_SIZES = (17, 33), (17,)
 STEPS, QUICK_STEPS = 10000, 1000
 SHARES = (0.9, 0.3)  # of the critical step: near the edge, well inside
-# Controls, which the list does not hold, and the integrator at whose edge each is tried. Their update B W̃ - W̃ B does
-# not keep W skew-Hermitian.
+# Controls beside the list: their update B W̃ - W̃ B does not keep W skew-Hermitian. Each is tried at the edge of the
+# integrator behind its name.
 CONTROLS = {"algebra2_two_products": "algebra2", "algebra3_two_products": "algebra3"}
 EVERYTHING = 1.0  # an error of this size: all is lost, since the norm of the data is 1
 

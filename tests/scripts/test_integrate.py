@@ -211,7 +211,11 @@ class FastSolver(RefusalTest):
                     self.assertEqual((plain["solver"], fast["solver"]), ("published", "fast"))
                     self.assertEqual(fast["skew_defect"], 0.0)
 
-    def test_goes_with_the_names_that_have_a_fast_form_and_has_one_thread(self):
+    def test_goes_with_every_kind_of_name_and_has_one_thread(self):
+        for name in ("rk4", "rkmk4", "suzuki4", "direct2"):
+            _, published = self.result(SHORT, formulation=None, stages=None, integrator=name)
+            _, fast = self.result(SHORT, solver="fast", formulation=None, stages=None, integrator=name)
+            self.assert_agrees(fast, published, TOLERANCE)
         by_name, W_by_name = self.result(SHORT, solver="fast", formulation=None, stages=None, integrator="group2")
         by_formulation, W = self.result(SHORT, solver="fast", formulation="group", stages="2")
         self.assertEqual(W_by_name, W)

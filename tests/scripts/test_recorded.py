@@ -77,7 +77,7 @@ class Pages(unittest.TestCase):
                 self.assertTrue(os.path.exists(os.path.join(ROOT, name)), name)
 
     def test_links_lead_somewhere(self):
-        for folder in ("", "results"):
+        for folder in ("", "results", "core", "benchmarks", "scripts", "tests"):
             for target in re.findall(r"\]\(([^)#:]+)\)", text(folder, "README.md")):
                 self.assertTrue(os.path.exists(os.path.join(ROOT, folder, target)), target)
 

@@ -10,7 +10,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
 from stability_files import FAST, PUBLISHED, read_long_runs, read_map  # noqa: E402
 
-# Critical h‖B‖₂ of the smooth scene, that the C++ program of this study found before it went: n = 9, and 17 for the
+# Critical h‖B‖₂ of the smooth scene, found by an independent earlier program: n = 9, and 17 for the
 # fast form.
 CRITICAL = {"group1": 1.354, "algebra2": 1.737, "rkmk4": 4.914}
 CRITICAL_FAST = 2.430

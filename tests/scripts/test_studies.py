@@ -9,7 +9,7 @@ import time
 import unittest
 
 from programs import BUILD, HAS_MODULE, ROOT, FolderTest, end, environment, run, start, strict_json
-from study_documents import accuracy_of, raw, study_document
+from study_documents import raw, study_document
 from wrong_values import WRONG
 
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))

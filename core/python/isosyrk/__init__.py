@@ -81,7 +81,7 @@ class IntegratorRecord(NamedTuple):
     symmetric: bool  # a step of -h inverts a step of h
     explicit: bool  # no iteration
     stability_limit: float  # largest stable h*norm(ad_B) for a constant generator; inf if there is none
-    measured_limit: Optional[float]  # h*norm(B) up to which every recorded trial worked, 2-norm
+    measured_limit: Optional[float]  # h*norm(B), 2-norm, up to which every recorded trial of the published form worked
 
 
 class Scene:
@@ -274,6 +274,8 @@ class Integrator:
 def integrator(scene: Scene, name: str, solver: str = "published", tolerance: float = 1e-13, threads: int = 1, *,
                max_sweeps: int = 1000, products: str = "openblas", without: Sequence[str] = ()) -> Integrator:
     """Returns the integrator with this name of integrators(), for the flow of a scene.
+
+    Beside the list there are two controls, "algebra2_two_products" and "algebra3_two_products", as published forms only.
 
     solver     "published": the paper's equations, solved by Picard sweeps. "fast": the same answer to the tolerance,
                several times sooner; for Euler-Zeitlin, otherwise ValueError.
