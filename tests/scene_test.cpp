@@ -121,7 +121,7 @@ TEST(Modes, ThatDoNotFitAreRefusedByName) {
         Refused{{{2, 1, std::nan("")}}, "finite"}, Refused{{{2, 1, {0.0, HUGE_VAL}}}, "finite"},
         Refused{{{2, 0, {1.0, 0.5}}}, "im = 0.5"}, Refused{{{2, 1, 1.0}, {2, 1, 2.0}}, "twice"},
         Refused{{{2, 1, 0.0}}, "nonzero"}, Refused{{}, "nonzero"}}) {
-    expect_refused([&] { require_valid(modes, 5); }, part);
+    expect_refused([&modes = modes] { require_valid(modes, 5); }, part);
   }
   expect_refused([] { require_valid(default_modes(), 4); }, "l=4");
   EXPECT_NO_THROW(require_valid({{1, 0, 1.0}}, 2));
