@@ -5,9 +5,9 @@
 namespace isosyrk {
 
 AlgebraSystem::AlgebraSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates)
-    : tableau_(tableau),
-      s_(tableau.stages()),
-      work_(flow, threads, truncates, s_, tuning.algebra_coupling) {
+    : SplitSystem(flow, threads, truncates, tableau.stages(), tuning.algebra_coupling),
+      tableau_(tableau),
+      s_(tableau.stages()) {
   require_consistent(tableau);
   for (std::size_t k = 1; k < stages(); ++k) {
     for (std::size_t j = 0; j < k; ++j) pairs_.emplace_back(j, k);
@@ -22,12 +22,6 @@ AlgebraSystem::AlgebraSystem(const Flow& flow, const Tableau& tableau, int threa
   M_below_single_ = work_.singles(pairs);
   fresh_single_ = corrections_like(fresh_);
   Y_single_ = input_ = corrections_like(Y_);
-}
-
-void AlgebraSystem::bind(const SplitMatrix& W0, double h, double tolerance) {
-  W0_ = &W0;
-  h_ = h;
-  work_.begin_step(h, tolerance);
 }
 
 void AlgebraSystem::cold_start(Unknowns& x) {

@@ -4,8 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "isosyrk/fast/split_workspace.h"
-#include "isosyrk/fast/stage_system.h"
+#include "isosyrk/fast/split_system.h"
 #include "isosyrk/split/linear_combination.h"
 #include "isosyrk/tableaux/tableau.h"
 
@@ -29,7 +28,7 @@ namespace isosyrk {
 /// Products in single precision, within bands: s(s+1)/2 and s triangles each for T and for K.
 /// Poisson solves: s a residual, s for the update, s for K.
 /// Source: the recursion for K_ij in AlgebraForm; it has M_jk = -h² B_j (Q_j† W₀ Q_k) B_k.
-class AlgebraSystem final : public StageSystem {
+class AlgebraSystem final : public SplitSystem {
  public:
   /// Throws std::invalid_argument for an inconsistent tableau or a flow without a generator in
   /// split-complex storage.
@@ -39,7 +38,6 @@ class AlgebraSystem final : public StageSystem {
   Unknowns unknowns() const override {
     return {work_.zeros(s_), work_.zeros(s_), work_.zeros(s_ * (s_ - 1) / 2)};
   }
-  void bind(const SplitMatrix& W0, double h, double tolerance) override;
   void cold_start(Unknowns& x) override;
   /// The change includes the change of W̃, as in AlgebraForm.
   double residual(Unknowns& x, double accuracy, Corrections& R) override;
@@ -47,9 +45,6 @@ class AlgebraSystem final : public StageSystem {
   double frozen_sweep(const Corrections& rhs, Corrections& delta) override;
   void couple(const Corrections& delta, Corrections& coupled) override;
   void update(const Unknowns& x, SplitMatrix& W1) override;
-  bool truncates() const override { return work_.bands.enabled(); }
-  void truncate(bool enabled) override { work_.bands.enable(enabled); }
-  StepReport work() const override { return work_.work(); }
 
  private:
   // Kinds of unknowns.
@@ -80,9 +75,6 @@ class AlgebraSystem final : public StageSystem {
   Tableau tableau_;
   Index s_;
   std::vector<std::pair<std::size_t, std::size_t>> pairs_;  // (j, k) of M_jk, j < k
-  SplitWorkspace work_;
-  const SplitMatrix* W0_ = nullptr;
-  double h_ = 0.0;
   SplitStages X_sum_, half_, skew_, W_stage_, B_, P_;  // half_: S_i, skew_: S_i - S_i†
   SplitStages C_sum_, C_skew_;                         // of the update
   SplitStages M_below_;  // M_kj = -M_jk†

@@ -7,21 +7,15 @@ namespace isosyrk {
 
 CotangentSystem::CotangentSystem(const Flow& flow, const Tableau& tableau, int threads,
                                  bool truncates)
-    : tableau_(tableau),
+    : SplitSystem(flow, threads, truncates, tableau.stages(), tuning.cotangent_coupling),
+      tableau_(tableau),
       s_(tableau.stages()),
-      work_(flow, threads, truncates, s_, tuning.cotangent_coupling),
       identity_(work_.identity()) {
   require_consistent(tableau);
   Q1_ = P1_ = work_.zero();
   W_stage_ = B_ = QB_ = PB_ = work_.zeros(s_);
   Q_single_ = P_single_ = B_single_ = N_ = N_of_P_ = dB_ = Q_product_ = P_product_ =
       work_.singles(s_);
-}
-
-void CotangentSystem::bind(const SplitMatrix& W0, double h, double tolerance) {
-  W0_ = &W0;
-  h_ = h;
-  work_.begin_step(h, tolerance);
 }
 
 void CotangentSystem::cold_start(Unknowns& x) {

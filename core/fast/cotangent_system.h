@@ -1,8 +1,7 @@
 // The cotangent formulation in split-complex storage.
 #pragma once
 
-#include "isosyrk/fast/split_workspace.h"
-#include "isosyrk/fast/stage_system.h"
+#include "isosyrk/fast/split_system.h"
 #include "isosyrk/tableaux/tableau.h"
 
 namespace isosyrk {
@@ -25,32 +24,25 @@ namespace isosyrk {
 /// Products in single precision, within bands: 2s for T; 2s and 2s triangles for K.
 /// Poisson solves: s a residual, none for the update, s for K.
 /// Source: CotangentForm.  With P_i = W₀ Q_i this is GroupSystem, with as many products a residual.
-class CotangentSystem final : public StageSystem {
+class CotangentSystem final : public SplitSystem {
  public:
   /// Throws std::invalid_argument for an inconsistent tableau or a flow without a generator in
   /// split-complex storage.
   CotangentSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates);
 
   Unknowns unknowns() const override { return {work_.zeros(s_), work_.zeros(s_)}; }
-  void bind(const SplitMatrix& W0, double h, double tolerance) override;
   void cold_start(Unknowns& x) override;
   double residual(Unknowns& x, double accuracy, Corrections& R) override;
   void linearise(double accuracy) override;
   double frozen_sweep(const Corrections& rhs, Corrections& delta) override;
   void couple(const Corrections& delta, Corrections& coupled) override;
   void update(const Unknowns& x, SplitMatrix& W1) override;
-  bool truncates() const override { return work_.bands.enabled(); }
-  void truncate(bool enabled) override { work_.bands.enable(enabled); }
-  StepReport work() const override { return work_.work(); }
 
  private:
   auto step_row(std::size_t i) const { return -h_ * tableau_.a.row(static_cast<Index>(i)); }
 
   Tableau tableau_;
   Index s_;
-  SplitWorkspace work_;
-  const SplitMatrix* W0_ = nullptr;
-  double h_ = 0.0;
   const Unknowns* x_ = nullptr;  // of the last residual
   SplitMatrix identity_, Q1_, P1_;
   SplitStages W_stage_, B_, QB_, PB_;

@@ -6,17 +6,11 @@
 namespace isosyrk {
 
 DirectSystem::DirectSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates)
-    : tableau_(tableau),
-      work_(flow, threads, truncates, tableau.stages(), tuning.algebra_coupling) {
+    : SplitSystem(flow, threads, truncates, tableau.stages(), tuning.algebra_coupling),
+      tableau_(tableau) {
   require_consistent(tableau);
   B_ = M_ = commutator_ = work_.zeros(tableau.stages());
   W_single_ = B_single_ = dB_ = product_ = product_skew_ = work_.singles(tableau.stages());
-}
-
-void DirectSystem::bind(const SplitMatrix& W0, double h, double tolerance) {
-  W0_ = &W0;
-  h_ = h;
-  work_.begin_step(h, tolerance);
 }
 
 void DirectSystem::cold_start(Unknowns& x) {

@@ -1,8 +1,7 @@
 // Gauss methods applied to W itself, in split-complex storage: a control without structure.
 #pragma once
 
-#include "isosyrk/fast/split_workspace.h"
-#include "isosyrk/fast/stage_system.h"
+#include "isosyrk/fast/split_system.h"
 #include "isosyrk/tableaux/tableau.h"
 
 namespace isosyrk {
@@ -18,34 +17,24 @@ namespace isosyrk {
 /// The update uses M_j of the last residual.
 /// Products: s a residual in double, s a frozen sweep and s a coupling in single precision.
 /// Poisson solves: s a residual, s a coupling.
-class DirectSystem final : public StageSystem {
+class DirectSystem final : public SplitSystem {
  public:
   /// Throws std::invalid_argument for a flow without a generator in split-complex storage, and for
   /// an inconsistent tableau.
   DirectSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates);
 
   Unknowns unknowns() const override { return {work_.zeros(tableau_.stages())}; }
-  void bind(const SplitMatrix& W0, double h, double tolerance) override;
   void cold_start(Unknowns& x) override;
   double residual(Unknowns& x, double accuracy, Corrections& R) override;
   void linearise(double accuracy) override;
   double frozen_sweep(const Corrections& rhs, Corrections& delta) override;
   void couple(const Corrections& delta, Corrections& coupled) override;
   void update(const Unknowns& x, SplitMatrix& W1) override;
-  bool truncates() const override { return work_.bands.enabled(); }
-  void truncate(bool enabled) override { work_.bands.enable(enabled); }
-  StepReport work() const override { return work_.work(); }
 
  private:
-  // Returns j -> h a_ij.
-  auto step_row(std::size_t i) const {
-    return [this, i](Index j) { return h_ * tableau_.a(static_cast<Index>(i), j); };
-  }
+  auto step_row(std::size_t i) const { return h_ * tableau_.a.row(static_cast<Index>(i)); }
 
   Tableau tableau_;
-  SplitWorkspace work_;
-  const SplitMatrix* W0_ = nullptr;
-  double h_ = 0.0;
   const SplitStages* W_stage_ = nullptr;  // of the last residual
   SplitStages B_, M_, commutator_;
   SingleStages W_single_, B_single_, dB_, product_, product_skew_;

@@ -6,9 +6,9 @@
 namespace isosyrk {
 
 GroupSystem::GroupSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates)
-    : tableau_(tableau),
+    : SplitSystem(flow, threads, truncates, tableau.stages(), tuning.group_coupling),
+      tableau_(tableau),
       s_(tableau.stages()),
-      work_(flow, threads, truncates, s_, tuning.group_coupling),
       identity_(work_.identity()) {
   require_consistent(tableau);
   W0_cut_ = work_.zeros(1);
@@ -18,9 +18,7 @@ GroupSystem::GroupSystem(const Flow& flow, const Tableau& tableau, int threads, 
 }
 
 void GroupSystem::bind(const SplitMatrix& W0, double h, double tolerance) {
-  W0_ = &W0;
-  h_ = h;
-  work_.begin_step(h, tolerance);
+  SplitSystem::bind(W0, h, tolerance);
   assign(W0_cut_, [&](std::size_t) { return sum_of(1.0, W0); });
   work_.bands.truncate(work_.left_out() / (std::abs(h) * work_.generator_bound()), W0_cut_);
 }

@@ -1,8 +1,7 @@
 // The group formulation in split-complex storage.
 #pragma once
 
-#include "isosyrk/fast/split_workspace.h"
-#include "isosyrk/fast/stage_system.h"
+#include "isosyrk/fast/split_system.h"
 #include "isosyrk/tableaux/tableau.h"
 
 namespace isosyrk {
@@ -22,7 +21,7 @@ namespace isosyrk {
 /// Products in single precision, within bands: s for T, 2s for K.
 /// Poisson solves: s a residual, none for the update, s for K.
 /// Source: GroupForm.
-class GroupSystem final : public StageSystem {
+class GroupSystem final : public SplitSystem {
  public:
   /// Throws std::invalid_argument for an inconsistent tableau or a flow without a generator in
   /// split-complex storage.
@@ -36,18 +35,12 @@ class GroupSystem final : public StageSystem {
   double frozen_sweep(const Corrections& rhs, Corrections& delta) override;
   void couple(const Corrections& delta, Corrections& coupled) override;
   void update(const Unknowns& x, SplitMatrix& W1) override;
-  bool truncates() const override { return work_.bands.enabled(); }
-  void truncate(bool enabled) override { work_.bands.enable(enabled); }
-  StepReport work() const override { return work_.work(); }
 
  private:
   auto step_row(std::size_t i) const { return -h_ * tableau_.a.row(static_cast<Index>(i)); }
 
   Tableau tableau_;
   Index s_;
-  SplitWorkspace work_;
-  const SplitMatrix* W0_ = nullptr;
-  double h_ = 0.0;
   const SplitStages* Q_ = nullptr;  // of the last residual
   SplitMatrix identity_, Q1_;
   SplitStages W0_cut_, W0Q_, W_stage_, B_, QB_;

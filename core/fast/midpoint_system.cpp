@@ -6,16 +6,10 @@
 namespace isosyrk {
 
 MidpointSystem::MidpointSystem(const Flow& flow, int threads, bool truncates)
-    : work_(flow, threads, truncates, 1, tuning.midpoint_coupling) {
+    : SplitSystem(flow, threads, truncates, 1, tuning.midpoint_coupling) {
   W_stage_ = B_ = M_ = MB_ = commutator_ = work_.zeros(1);
   W_single_ = B_single_ = K_right_ = dB_ = product_ = other_ = X_ = V_ = minus_V_adjoint_ =
       work_.singles(1);
-}
-
-void MidpointSystem::bind(const SplitMatrix& W0, double h, double tolerance) {
-  W0_ = &W0;
-  h_ = h;
-  work_.begin_step(h, tolerance);
 }
 
 void MidpointSystem::cold_start(Unknowns& x) {

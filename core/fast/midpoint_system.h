@@ -1,8 +1,7 @@
 // The isospectral midpoint rule in split-complex storage.
 #pragma once
 
-#include "isosyrk/fast/split_workspace.h"
-#include "isosyrk/fast/stage_system.h"
+#include "isosyrk/fast/split_system.h"
 
 namespace isosyrk {
 
@@ -22,13 +21,12 @@ namespace isosyrk {
 /// (1 - T)⁻¹; 2 for K.
 /// Poisson solves: 1 a residual, none for the update, 1 for K.
 /// Source: IsospectralMidpoint; G. Schulz, ZAMM 13, 1933.
-class MidpointSystem final : public StageSystem {
+class MidpointSystem final : public SplitSystem {
  public:
   /// Throws std::invalid_argument for a flow without a generator in split-complex storage.
   MidpointSystem(const Flow& flow, int threads, bool truncates);
 
   Unknowns unknowns() const override { return {work_.zeros(1)}; }
-  void bind(const SplitMatrix& W0, double h, double tolerance) override;
   void cold_start(Unknowns& x) override;
   double residual(Unknowns& x, double accuracy, Corrections& R) override;
   void linearise(double accuracy) override;
@@ -36,16 +34,10 @@ class MidpointSystem final : public StageSystem {
   bool solves_frozen() const override { return true; }
   void couple(const Corrections& delta, Corrections& coupled) override;
   void update(const Unknowns& x, SplitMatrix& W1) override;
-  bool truncates() const override { return work_.bands.enabled(); }
-  void truncate(bool enabled) override { work_.bands.enable(enabled); }
-  StepReport work() const override { return work_.work(); }
 
  private:
   void invert(double accuracy);
 
-  SplitWorkspace work_;
-  const SplitMatrix* W0_ = nullptr;
-  double h_ = 0.0;
   SplitStages W_stage_, B_, M_, MB_, commutator_;
   SingleStages W_single_, B_single_, K_right_, dB_, product_, other_;
   SingleStages X_, V_, minus_V_adjoint_;  // X = 1 - (h/2) B
