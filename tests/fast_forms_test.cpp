@@ -224,6 +224,25 @@ TEST_P(EachListedFastForm, GivesTheAnswerOfThePublishedForm) {
   }
 }
 
+// What a failed step leaves in the workspace, NaN too, does not enter the next one.
+TEST_P(EachListedFastForm, WorksAsANewOneAfterAFailure) {
+  const Scene scene = smooth_scene(17);
+  const auto make = [&] {
+    return fast_entry(GetParam().name).make(*scene.flow, {}, ProductBackend::openblas);
+  };
+  Matrix expected = scene.initial;
+  EXPECT_EQ(make()->step(expected, 0.1).status, Status::converged);
+  const Matrix not_finite = Matrix::Constant(17, 17, std::nan(""));
+  for (const auto& [state, h] : {std::pair{scene.initial, 1e200}, std::pair{not_finite, 0.1}}) {
+    const auto integrator = make();
+    Matrix W = state;
+    EXPECT_NE(integrator->step(W, h).status, Status::converged);
+    W = scene.initial;
+    EXPECT_EQ(integrator->step(W, 0.1).status, Status::converged);
+    EXPECT_EQ(W, expected);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(All, EachListedFastForm, ::testing::ValuesIn(integrators()),
                          [](const auto& tested) { return tested.param.name; });
 

@@ -50,7 +50,7 @@ bool FastRungeKutta4::take_step(double h) {
     generate(W_stage_, B_);
     commutator(B_[0], W_stage_[0], 1.0, k);
   };
-  stage(0.0, k_[0]);
+  assign(W_stage_, [&](std::size_t) { return sum_of(1.0, W0_[0]); });
   slope(k_[0]);
   stage(0.5 * h, k_[0]);
   slope(k_[1]);
