@@ -10,6 +10,19 @@
 #include <iostream>
 
 namespace isosyrk {
+namespace {
+
+// Returns what `read` returns.  Its message begins with the name of the option, without dashes.
+template <class Read>
+auto of_option(Read&& read) {
+  try {
+    return read();
+  } catch (const std::invalid_argument& error) {
+    throw BadArgument(fmt::format("--{}", error.what()));
+  }
+}
+
+}  // namespace
 
 long whole_number(const std::string& option, const std::string& text, long least, long most) {
   long value = 0;
@@ -81,9 +94,7 @@ int thread_count(const char* program, const std::string& text) {
 }
 
 HbarConvention hbar_convention(const std::string& text) {
-  if (text == "paper") return HbarConvention::paper;
-  if (text == "standard") return HbarConvention::standard;
-  throw BadArgument(fmt::format("--hbar '{}': must be paper or standard", text));
+  return of_option([&] { return hbar_convention_from_name(text); });
 }
 
 void require_scene(const std::string& option, const std::string& text) {
@@ -94,11 +105,7 @@ void require_scene(const std::string& option, const std::string& text) {
 }
 
 BackendChoice backend_choice(const std::string& text) {
-  if (text == "fastest") return std::nullopt;
-  for (const ProductBackend backend : product_backends()) {
-    if (name(backend) == text) return backend;
-  }
-  throw BadArgument(fmt::format("--products '{}': must be fastest, openblas or eigen", text));
+  return of_option([&] { return backend_choice_from_name(text); });
 }
 
 void require_printed() {

@@ -1,9 +1,11 @@
 #include "benchmarks/product_rate.h"
 
 #include <cblas.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <random>
+#include <stdexcept>
 #include <utility>
 
 #include "benchmarks/clocks.h"
@@ -62,6 +64,15 @@ double split_product_rate(Index n, double seconds) {
   SplitMatrix C(n);
   SplitProducts products(n);
   return rate(n, seconds, [&] { products.form(times(A, B, C)); });
+}
+
+BackendChoice backend_choice_from_name(std::string_view wanted) {
+  if (wanted == "fastest") return std::nullopt;
+  for (const ProductBackend backend : product_backends()) {
+    if (name(backend) == wanted) return backend;
+  }
+  throw std::invalid_argument(
+      fmt::format("products '{}': must be fastest, openblas or eigen", wanted));
 }
 
 BackendRates choose_backend(BackendChoice choice, Index n) {

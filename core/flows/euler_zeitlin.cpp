@@ -1,11 +1,22 @@
 #include "isosyrk/flows/euler_zeitlin.h"
 
+#include <fmt/format.h>
+
+#include <stdexcept>
+
 #include "isosyrk/flows/split_laplacian.h"
 
 namespace isosyrk {
 
 std::string_view name(HbarConvention convention) {
   return convention == HbarConvention::paper ? "paper" : "standard";
+}
+
+HbarConvention hbar_convention_from_name(std::string_view wanted) {
+  for (const auto convention : {HbarConvention::paper, HbarConvention::standard}) {
+    if (name(convention) == wanted) return convention;
+  }
+  throw std::invalid_argument(fmt::format("hbar '{}': must be paper or standard", wanted));
 }
 
 double hbar(HbarConvention convention, Index n) {

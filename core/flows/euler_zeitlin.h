@@ -16,6 +16,9 @@ enum class HbarConvention {
 
 /// Returns "paper" or "standard".
 std::string_view name(HbarConvention convention);
+/// Returns the convention with this name.  Throws std::invalid_argument, naming both names, for
+/// another one.
+HbarConvention hbar_convention_from_name(std::string_view name);
 
 /// Returns ħ for n x n matrices, n >= 2.
 double hbar(HbarConvention convention, Index n);

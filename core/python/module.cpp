@@ -36,21 +36,6 @@ std::vector<Mode> modes_of(const std::vector<ModeTuple>& tuples) {
   return modes;
 }
 
-HbarConvention convention_of(const std::string& text) {
-  for (const auto convention : {HbarConvention::paper, HbarConvention::standard}) {
-    if (name(convention) == text) return convention;
-  }
-  throw py::value_error(fmt::format("hbar '{}': must be paper or standard", text));
-}
-
-BackendChoice backend_of(const std::string& text) {
-  if (text == "fastest") return {};
-  for (const ProductBackend backend : product_backends()) {
-    if (name(backend) == text) return backend;
-  }
-  throw py::value_error(fmt::format("products '{}': must be fastest, openblas or eigen", text));
-}
-
 Scene scene_of_generator(const std::string& name, const Array& initial, py::handle generator) {
   Matrix W0 = matrix_of(initial);
   const Index n = W0.rows();
@@ -83,7 +68,7 @@ std::unique_ptr<Stepper> make_stepper(const Scene& scene, const Request& request
 
 std::map<std::string, std::string> conditions(const std::string& products,
                                               const std::vector<Index>& sizes) {
-  const BackendChoice choice = backend_of(products);
+  const BackendChoice choice = backend_choice_from_name(products);
   std::vector<BackendRates> rates;
   for (const Index n : sizes) rates.push_back(choose_backend(choice, n));
   std::map<std::string, std::string> result;
@@ -123,20 +108,20 @@ void bind_scenes(py::module_& module) {
   module.def(
       "scene_by_name",
       [](const std::string& name, Index n, const std::string& hbar) {
-        return scene_by_name(name, n, convention_of(hbar));
+        return scene_by_name(name, n, hbar_convention_from_name(hbar));
       },
       Aside());
   module.def(
       "scene_of_modes",
       [](const std::string& name, const std::vector<ModeTuple>& modes, Index n,
          const std::string& hbar) {
-        return euler_zeitlin_scene(name, n, convention_of(hbar), modes_of(modes));
+        return euler_zeitlin_scene(name, n, hbar_convention_from_name(hbar), modes_of(modes));
       },
       Aside());
   module.def(
       "scene_of_initial",
       [](const std::string& name, const Array& W0, const std::string& hbar) {
-        return euler_zeitlin_scene(name, convention_of(hbar), matrix_of(W0));
+        return euler_zeitlin_scene(name, hbar_convention_from_name(hbar), matrix_of(W0));
       },
       Aside());
   module.def("scene_of_generator", &scene_of_generator);
@@ -164,13 +149,14 @@ void bind_integrators(py::module_& module) {
                              [](const IntegratorEntry& e) { return e.keeps.is_explicit; })
       .def_property_readonly("measured_limit",
                              [](const IntegratorEntry& e) { return measured_limit(e.name); })
-      .def("linear_limit",
-           [](const IntegratorEntry& e, const Scene& scene) -> std::optional<double> {
-             if (!e.linear_limit) return {};
-             const OneBlasThread one_blas_thread;
-             const RealVector frequencies = generator_frequencies(scene);
-             return e.linear_limit(frequencies) * generator_norms(frequencies).B;
-           });
+      .def(
+          "linear_limit",
+          [](const IntegratorEntry& e, const Scene& scene) -> std::optional<double> {
+            if (!e.linear_limit) return {};
+            const RealVector frequencies = generator_frequencies(scene);
+            return e.linear_limit(frequencies) * generator_norms(frequencies).B;
+          },
+          Aside());
   module.def("integrators", &integrators);
   module.def("integrator_entry", &integrator_entry);
 
@@ -194,8 +180,11 @@ void bind_integrators(py::module_& module) {
       .def(py::init([](const Scene& scene, const std::string& name, bool fast, double tolerance,
                        int max_sweeps, int threads, bool predictor, bool newton, bool bands,
                        const std::string& products) {
-        Request request{
-            name, fast, {tolerance, max_sweeps, &handle_signals}, {}, backend_of(products)};
+        Request request{name,
+                        fast,
+                        {tolerance, max_sweeps, &handle_signals},
+                        {},
+                        backend_choice_from_name(products)};
         request.switches.threads = threads;
         request.switches.newton = newton;
         if (!predictor) request.switches.past_steps = 0;

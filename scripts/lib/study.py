@@ -19,6 +19,7 @@ import os
 import re
 import signal
 import site
+import statistics
 import sys
 import threading
 from functools import partial
@@ -37,6 +38,7 @@ NOT_OF_THE_STUDY = ("out", "scheduler", "workers")  # options that leave results
 MOST_LOSSES = 3  # of workers, without a job finished between
 LOST = "a worker was lost; its jobs are done again"
 LONG_RUN = 1.0  # CPU seconds; such a run is timed at most twice
+LEAST_SECONDS = 0.01  # that a repetition fills with runs, so that clock and interruptions do not weigh
 BAD_ARGUMENTS, NO_ANSWER, INTERRUPTED, TERMINATED = 2, 3, 130, 143
 
 
@@ -316,6 +318,14 @@ def dask(address, folders):
 
 
 # ---- timed work
+
+
+def seconds_of(method, W, h, steps):
+    """Returns the CPU seconds of a run: the mean of as many as fill LEAST_SECONDS."""
+    first = method.timed_run(W, h, steps, repetitions=1)[0]
+    if first >= LEAST_SECONDS:
+        return first
+    return statistics.fmean(method.timed_run(W, h, steps, repetitions=math.ceil(LEAST_SECONDS / max(first, 1e-6))))
 
 
 def in_turns(points, repetitions, time_one, journal, what):

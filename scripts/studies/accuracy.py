@@ -11,7 +11,6 @@ that followed the clock would differ from machine to machine.
 import functools
 import math
 import os
-import statistics
 import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.dirname(os.path.realpath(__file__))), "lib"))
@@ -48,8 +47,6 @@ TOLERANCE = 1e-13
 TOLERANCES = tuple(10.0**-exponent for exponent in range(4, 16))
 # The tolerances are not varied beyond, where that would take as long as all else.
 LARGEST_TOLERANCE_SIZE = 65
-
-LEAST_SECONDS = 0.01  # that a repetition fills with runs, so that the clock does not weigh
 
 
 # ---- untimed: a line, or the tolerances of one cell
@@ -161,11 +158,7 @@ def time_one(point):
     """Returns the CPU seconds of a run [n, integrator, tolerance, products, steps], as the mean of a few."""
     *what, steps = point
     scene, method = timed_method(*what)
-    seconds = method.timed_run(scene.initial, scene.time / steps, steps, repetitions=1)
-    if seconds[0] < LEAST_SECONDS:
-        repetitions = math.ceil(LEAST_SECONDS / max(seconds[0], 1e-6))
-        seconds = method.timed_run(scene.initial, scene.time / steps, steps, repetitions=repetitions)
-    return statistics.fmean(seconds)
+    return study.seconds_of(method, scene.initial, scene.time / steps, steps)
 
 
 # ---- the study

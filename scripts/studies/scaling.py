@@ -4,9 +4,7 @@
 Everything is timed on the same stretch: the first steps from the initial data of the smooth scene, h = 0.1.
 """
 
-import math
 import os
-import statistics
 import sys
 from functools import partial
 
@@ -20,14 +18,13 @@ if __name__ == "__main__":
 
 import isosyrk
 import study_file
+from benchmark_json import FORMULATIONS
 from command_line import whole_number
 from scaling_table import RUNGS, SCHEMA, Point, Settings
 
 SIZES, QUICK_SIZES = (9, 17, 33, 65, 129), (9, 17, 33)
 STAGES, QUICK_STAGES = (1, 2, 3), (2,)
-FORMULATIONS = ("cotangent", "group", "algebra")
 SCENE, STEP, STEPS, REPETITIONS = "smooth", 0.1, 20, 7
-LEAST_SECONDS = 0.01  # that a repetition fills, so that an interruption does not weigh
 
 
 def made(point):
@@ -49,13 +46,9 @@ def count(point):
 
 
 def time_one(point):
-    """Returns the CPU seconds of the stretch: the mean of as many runs of it as fill the least."""
+    """Returns the CPU seconds of the stretch: as the mean of a few runs of it."""
     scene, integrator = made(point)
-    first = integrator.timed_run(scene.initial, h=STEP, steps=STEPS, repetitions=1)[0]
-    if first >= LEAST_SECONDS:
-        return first
-    times = math.ceil(LEAST_SECONDS / max(first, 1e-6))
-    return statistics.fmean(integrator.timed_run(scene.initial, h=STEP, steps=STEPS, repetitions=times))
+    return study.seconds_of(integrator, scene.initial, STEP, STEPS)
 
 
 def main(arguments):
