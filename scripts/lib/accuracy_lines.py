@@ -1,18 +1,21 @@
-"""The raw file of the study of accuracy against cost, and what its lines show: floors and observed orders.
+"""The raw file of the study of accuracy against cost, and what its lines show: floors, orders, cost at an error.
 
-A line is the runs of one integrator at one n, to the same time with more and more steps.
+A problem is a scene at one n, solved to one time. A line is the runs of one integrator, by one solver, on one problem,
+with more and more steps.
 """
 
 import math
 import statistics
-from typing import Dict, List, NamedTuple
+from typing import Dict, List, NamedTuple, Optional
 
 import study_file
 from benchmark_json import UnusableFile, quoted
 from integrator_names import gauss_stages
-from study_file import (CASIMIRS, CONVERGED, Integrator, Schema, keyed, list_of, number, optional, positive,
+from study_file import (CASIMIRS, CONVERGED, Integrator, Schema, keyed, list_of, number, one_of, optional, positive,
                         status, text, truth, whole)
 
+SCENES = ("smooth", "rough", "developed")
+SOLVERS = PUBLISHED, FAST = ("published", "fast")
 TABLE1_STEP = 0.1  # the step size of Table 1, where the tolerances were varied too
 
 # A line has reached its floor where the error is within this of the reference's uncertainty, ...
@@ -25,23 +28,54 @@ STILL_FALLING = 0.8
 ORDER_POINTS = 3
 
 
+class Problem(NamedTuple):
+    scene: str
+    time: float
+    n: int
+
+    def __str__(self):
+        return f"{self.scene}, T = {self.time:g}, n = {self.n}"
+
+
 class Settings(NamedTuple):
-    scene: text
-    time: positive
+    quick: truth
 
 
 class Reference(NamedTuple):
+    scene: one_of(*SCENES)
+    time: positive
     n: whole(2)
     uncertainty: positive  # relative, as the error of a run
     integrators: list_of(text, 2)
     steps: list_of(whole(1), 2)
 
 
+class Rate(NamedTuple):
+    """Products of n x n matrices per CPU second, as measured when the study began."""
+
+    n: whole(2)
+    published: positive
+    fast: positive  # in split-complex storage
+
+
+class Limit(NamedTuple):
+    """The largest step that works in every trial up to it, told by h‖B(W₀)‖₂; None if the first trial failed."""
+
+    scene: one_of(*SCENES)
+    n: whole(2)
+    integrator: text
+    solver: one_of(*SOLVERS)
+    h_norm_B: optional(positive)
+
+
 class Run(NamedTuple):
     """What a run came to and what it cost; errors are None where it did not come to a usable end."""
 
-    integrator: text
+    scene: one_of(*SCENES)
+    time: positive
     n: whole(2)
+    integrator: text
+    solver: one_of(*SOLVERS)
     steps: whole(1)
     step: positive
     tolerance: positive
@@ -50,16 +84,20 @@ class Run(NamedTuple):
     solver_error: optional(number)  # of tolerance_runs: relative distance from the tightest tolerance that converged
     spectrum_error: optional(number)
     casimir_errors: optional(list_of(number, len(CASIMIRS)))
-    energy_error: optional(number)
+    energy_error: optional(number)  # relative, largest over the steps
     angular_momentum_error: optional(number)
     skew_defect: optional(number)
     h_norm_B: number
-    h_norm_ad_B: number
-    beyond_limit: truth  # the step is longer than the integrator is stable for
+    beyond_limit: truth  # the step is longer than the integrator is stable for, by linear theory or by trials
     sweeps: whole()
     products: whole()
+    equivalent_products: number
     poisson_solves: whole()
     cpu_seconds: list_of(positive)  # one for each repetition; none for a run that failed
+
+    @property
+    def problem(self):
+        return Problem(self.scene, self.time, self.n)
 
     @property
     def usable(self):
@@ -82,31 +120,46 @@ class Run(NamedTuple):
 # What a run that converged must have.
 NEEDED = ("error", "spectrum_error", "casimir_errors", "energy_error", "angular_momentum_error", "skew_defect",
           "cpu_seconds")
-SCHEMA = Schema("accuracy", Settings, {"references": Reference, "integrators": Integrator, "runs": Run,
-                                       "tolerance_runs": Run})
+SCHEMA = Schema("accuracy", Settings, {"references": Reference, "rates": Rate, "integrators": Integrator,
+                                       "limits": Limit, "runs": Run, "tolerance_runs": Run})
+
+
+class Cost(NamedTuple):
+    """What an error costs on a line, interpolated in log error between two neighbouring runs."""
+
+    seconds: float  # interpolated medians
+    least: float  # interpolated fastest repetitions
+    most: float  # interpolated slowest repetitions
+    step: float
+    equivalent_products: float
+    coarse: Run  # the run before, with an error above the one asked for
+    fine: Run
 
 
 class Accuracy(NamedTuple):
     context: Dict[str, str]
-    time: float
-    references: Dict[int, Reference]
+    quick: bool
+    references: Dict[Problem, Reference]
+    rates: Dict[int, Rate]
     integrators: Dict[str, Integrator]
+    limits: Dict[tuple, Limit]  # by (scene, n, integrator, solver)
     runs: List[Run]
     tolerance_runs: List[Run]
+    lines: Dict[tuple, List[Run]]  # by (problem, integrator, solver), the longest step first
 
-    def sizes(self):
-        return sorted(self.references)
+    def problems(self):
+        """Returns the problems in the order of SCENES, then of time and n."""
+        return sorted(self.references, key=lambda each: (SCENES.index(each.scene), each.time, each.n))
 
-    def line(self, integrator, n):
+    def line(self, problem, integrator, solver=FAST):
         """Returns all runs of a line, the longest step first, failures included."""
-        runs = [run for run in self.runs if run.integrator == integrator and run.n == n]
-        return sorted(runs, key=lambda run: run.steps)
+        return self.lines.get((problem, integrator, solver), [])
 
-    def above_floor(self, integrator, n):
+    def above_floor(self, problem, integrator, solver=FAST):
         """Returns the usable runs of a line down to where its error reaches the floor."""
-        least = FLOOR_MARGIN * self.references[n].uncertainty
+        least = FLOOR_MARGIN * self.references[problem].uncertainty
         kept = []
-        for run in self.line(integrator, n):
+        for run in self.line(problem, integrator, solver):
             if not run.usable:
                 continue
             if run.error < least:
@@ -116,18 +169,57 @@ class Accuracy(NamedTuple):
             kept.append(run)
         return kept
 
-    def observed_order(self, integrator, n):
+    def stretches(self, problem, integrator, solver=FAST):
+        """Returns the line above its floor as lists of neighbouring runs that are no failure and not beyond a limit."""
+        kept = set(map(id, self.above_floor(problem, integrator, solver)))
+        stretches, open_one = [], False
+        for run in self.line(problem, integrator, solver):
+            good = id(run) in kept and not run.beyond_limit
+            if good and open_one:
+                stretches[-1].append(run)
+            elif good:
+                stretches.append([run])
+            open_one = good
+        return stretches
+
+    def cost(self, problem, integrator, error, solver=FAST) -> Optional[Cost]:
+        """Returns the least cost of an error on a line, or None where no two neighbouring runs enclose it."""
+        costs = [interpolated(coarse, fine, error)
+                 for stretch in self.stretches(problem, integrator, solver)
+                 for coarse, fine in zip(stretch, stretch[1:]) if coarse.error >= error >= fine.error]
+        return min(costs, key=lambda cost: cost.seconds, default=None)
+
+    def observed_order(self, problem, integrator, solver=FAST):
         """Fits the slope of log error over log step on the last runs above the floor; None for too few."""
-        runs = self.above_floor(integrator, n)[-ORDER_POINTS:]
+        runs = self.above_floor(problem, integrator, solver)[-ORDER_POINTS:]
         steps = [math.log(run.step) for run in runs]
         if len(set(steps)) < ORDER_POINTS:
             return None
         slope, _ = statistics.linear_regression(steps, [math.log(run.error) for run in runs])
         return slope
 
-    def at_step(self, integrator, n, step):
+    def at_step(self, problem, integrator, step, solver=FAST):
         """Returns the run with this step size, or None."""
-        return next((run for run in self.line(integrator, n) if math.isclose(run.step, step, rel_tol=1e-9)), None)
+        return next((run for run in self.line(problem, integrator, solver)
+                     if math.isclose(run.step, step, rel_tol=1e-9)), None)
+
+    def safe_step_limit(self, scene, n, integrator, solver=FAST):
+        """Returns the largest h‖B(W₀)‖₂ that worked in trials; None where there were none, or where none worked."""
+        limit = self.limits.get((scene, n, integrator, solver))
+        return limit and limit.h_norm_B
+
+
+def interpolated(coarse, fine, error):
+    """Returns the Cost of an error between those of two runs, linear in the logarithms."""
+    share = 1.0 if coarse.error == fine.error else (math.log(coarse.error / error)
+                                                    / math.log(coarse.error / fine.error))
+
+    def between(value):
+        return value(coarse) ** (1 - share) * value(fine) ** share
+
+    return Cost(between(lambda run: run.seconds), between(lambda run: min(run.cpu_seconds)),
+                between(lambda run: max(run.cpu_seconds)), between(lambda run: run.step),
+                between(lambda run: run.equivalent_products), coarse, fine)
 
 
 def read_accuracy(path):
@@ -137,12 +229,18 @@ def read_accuracy(path):
 
 def accuracy(study):
     """Returns the Accuracy of a Study, having checked what its tables say together. Throws UnusableFile."""
-    result = Accuracy(study.context, study.settings.time, keyed(study.tables["references"], "n"),
-                      keyed(study.tables["integrators"], "name"), study.tables["runs"], study.tables["tolerance_runs"])
+    tables = study.tables
+    keyed(tables["runs"], "scene", "time", "n", "integrator", "solver", "steps")
+    keyed(tables["tolerance_runs"], "scene", "time", "n", "integrator", "solver", "tolerance")
+    references = {Problem(*key): each for key, each in keyed(tables["references"], "scene", "time", "n").items()}
+    lines = {}
+    for run in sorted(tables["runs"], key=lambda run: run.steps):
+        lines.setdefault((run.problem, run.integrator, run.solver), []).append(run)
+    result = Accuracy(study.context, study.settings.quick, references, keyed(tables["rates"], "n"),
+                      keyed(tables["integrators"], "name"), keyed(tables["limits"], "scene", "n", "integrator", "solver"),
+                      tables["runs"], tables["tolerance_runs"], lines)
     if not result.references or not result.integrators:
         raise UnusableFile("has no references or no integrators")
-    keyed(result.runs, "integrator", "n", "steps")
-    keyed(result.tolerance_runs, "integrator", "n", "tolerance")
     for run in (*result.runs, *result.tolerance_runs):
         check(run, result)
     if any(run.stages is None for run in result.tolerance_runs):
@@ -153,11 +251,11 @@ def accuracy(study):
 def check(run, result):
     if run.integrator not in result.integrators:
         raise UnusableFile(f"has a run of an integrator it does not list, {quoted(run.integrator)}")
-    if run.n not in result.references:
-        raise UnusableFile(f"has a run at n = {run.n}, for which it has no reference")
-    if not math.isclose(run.steps * run.step, result.time, rel_tol=1e-9):
+    if run.problem not in result.references:
+        raise UnusableFile(f"has a run of {run.problem}, for which it has no reference")
+    if not math.isclose(run.steps * run.step, run.time, rel_tol=1e-9):
         raise UnusableFile(f"has a run of {run.steps} steps of {run.step:g}, which do not come to the time"
-                           f" {result.time:g}")
+                           f" {run.time:g}")
     if run.usable:
         missing = [name for name in NEEDED if getattr(run, name) in (None, ())]
         if missing:
