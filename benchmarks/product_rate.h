@@ -11,8 +11,8 @@ namespace isosyrk {
 /// The backend a user asked for; none means the faster one by measurement.
 using BackendChoice = std::optional<ProductBackend>;
 
-/// Returns the choice with this name, "fastest" or that of a backend.  Throws std::invalid_argument,
-/// naming all names, for another one.
+/// Returns the choice with this name, "fastest" or that of a backend.  Throws
+/// std::invalid_argument, naming all names, for another one.
 BackendChoice backend_choice_from_name(std::string_view name);
 
 /// Products of n x n matrices per second of CPU time: the median over blocks that take about

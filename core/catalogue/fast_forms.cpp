@@ -138,6 +138,10 @@ IntegratorEntry fast_gauss_entry(Formulation formulation, int s, const FastOptio
 
 IntegratorEntry fast_entry(std::string_view wanted, const FastOptions& options) {
   const IntegratorEntry& entry = integrator_entry(wanted);
+  if (entry.co_rotating) {
+    wanted.remove_suffix(frame_suffix.size());
+    return frame_entry(fast_entry(wanted, options));
+  }
   const std::optional<FastForm> form = form_of(entry);
   if (!form) throw std::invalid_argument(fmt::format("integrator '{}': has no fast form", wanted));
   return entry_of(entry, *form, options);

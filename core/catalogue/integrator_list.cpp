@@ -8,6 +8,7 @@
 #include "isosyrk/integrators/composition.h"
 #include "isosyrk/integrators/direct_form.h"
 #include "isosyrk/integrators/explicit_methods.h"
+#include "isosyrk/integrators/frame_integrator.h"
 #include "isosyrk/integrators/step_limits.h"
 #include "isosyrk/tableaux/gauss_tableau.h"
 
@@ -120,6 +121,10 @@ std::vector<IntegratorEntry> make_list() {
        .linear_limit =
            [](const RealVector& frequencies) { return adjoint_limit(rk4_limit, frequencies); },
        .bytes = bytes_of(ClassicalRungeKutta4::matrices())});
+  const std::size_t count = list.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    if (!list[k].name.starts_with("direct")) list.push_back(frame_entry(list[k]));
+  }
   return list;
 }
 
@@ -138,6 +143,21 @@ IntegratorEntry gauss_entry(Formulation formulation, int s) {
                            : stage_iteration_limit(tableau, frequencies);
               },
           .bytes = bytes_of(formulation_matrices(formulation, gauss_tableau(s)))};
+}
+
+IntegratorEntry frame_entry(const IntegratorEntry& method) {
+  IntegratorEntry entry = method;
+  entry.name += frame_suffix;
+  entry.co_rotating = true;
+  entry.make = [make = method.make](const Flow& flow, const SolverOptions& options,
+                                    ProductBackend backend) {
+    return std::make_unique<FrameIntegrator>(
+        flow, [&](const Flow& inner) { return make(inner, options, backend); }, backend);
+  };
+  entry.bytes = [method_bytes = method.bytes](Index n) {
+    return method_bytes(n) + bytes_of(CoRotatingFrame::matrices + Integrator::common_matrices)(n);
+  };
+  return entry;
 }
 
 IntegratorEntry two_products_entry(int s) {

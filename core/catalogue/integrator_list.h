@@ -35,6 +35,9 @@ struct IntegratorEntry {
   /// Largest h that linear theory allows (integrators/step_limits.h), from the eigenvalues of
   /// -iB(W₀).  Empty if linear theory sets no limit.
   std::function<double(const RealVector&)> linear_limit = {};
+  /// True if it solves in the co-rotating frame (flows/co_rotating_frame.h).  Both limits above are
+  /// then about the generator B' of that frame.
+  bool co_rotating = false;
   /// Memory of the integrator in bytes, for n x n matrices and J = I, before it is made.  For fast
   /// forms an upper bound.
   std::function<double(Index)> bytes = {};
@@ -43,6 +46,11 @@ struct IntegratorEntry {
 /// Returns the entry of the Gauss method with s stages in a formulation.  Throws
 /// std::invalid_argument unless 1 <= s <= max_stages.
 IntegratorEntry gauss_entry(Formulation formulation, int s);
+
+/// Ends the name of a method in the co-rotating frame.
+inline constexpr std::string_view frame_suffix = "_frame";
+/// Returns the entry of a method in the co-rotating frame, for Euler-Zeitlin, with this suffix.
+IntegratorEntry frame_entry(const IntegratorEntry& method);
 
 /// Returns the entry of a control that is not in the list: `algebra` with its update formed as
 /// B W̃ - W̃ B, which loses skew-Hermiticity.  Throws std::invalid_argument unless

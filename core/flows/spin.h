@@ -20,6 +20,11 @@ struct Spin {
   double ladder(Index i) const {
     return std::sqrt(static_cast<double>(i + 1) * static_cast<double>(n - 1 - i));
   }
+  /// Returns tr S_a² = n(n² - 1)/12, the same for a = x, y, z.
+  double squared_norm() const {
+    const auto size = static_cast<double>(n);
+    return size * (size * size - 1.0) / 12.0;
+  }
 };
 
 }  // namespace isosyrk

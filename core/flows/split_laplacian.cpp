@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "isosyrk/flows/spin.h"
 #include "isosyrk/split/small_blocks.h"
 
 namespace isosyrk {
@@ -99,8 +100,10 @@ void SplitLaplacianOf<Real>::solve_upper(const SplitMatrixOf<Real>& W, Real scal
     for (Index m = first; m < behind; m += 4) {
       const Four<Real> pivot = -scale * load_four(d + i * row + m);
       const Four<Real> factor = load_four(l_below + m);
-      const Four<Real> re = pivot * load_four(p_re + here + m) - factor * load_four(p_re + below + m);
-      const Four<Real> im = pivot * load_four(p_im + here + m) - factor * load_four(p_im + below + m);
+      const Four<Real> re =
+          pivot * load_four(p_re + here + m) - factor * load_four(p_re + below + m);
+      const Four<Real> im =
+          pivot * load_four(p_im + here + m) - factor * load_four(p_im + below + m);
       put(here + m, behind - m, re, im);
     }
   }
@@ -124,18 +127,50 @@ void SplitLaplacianOf<Real>::solve_upper(const SplitMatrixOf<Real>& W, Real scal
 template class SplitLaplacianOf<double>;
 template class SplitLaplacianOf<float>;
 
-SplitEulerZeitlin::SplitEulerZeitlin(const Laplacian& laplacian, double reciprocal_hbar)
+namespace {
+
+// Subtracts from the upper triangles of B_i their parts with l = 1.
+template <class Real>
+void subtract_rotation(SplitStagesOf<Real>& B) {
+  const Spin spin(B.front().size());
+  for (SplitMatrixOf<Real>& Bi : B) {
+    const Index next = Bi.stride() + 1;  // from an entry to the next of its diagonal
+    double of_z = 0.0;
+    Complex of_ladder = 0.0;
+    for (Index i = 0; i < spin.n; ++i) of_z += spin.magnetic(i) * Bi.im()[i * next];
+    for (Index i = 0; i + 1 < spin.n; ++i) {
+      of_ladder += spin.ladder(i) * Complex(Bi.re()[i * next + 1], Bi.im()[i * next + 1]);
+    }
+    of_z /= spin.squared_norm();
+    of_ladder /= 2.0 * spin.squared_norm();
+    for (Index i = 0; i < spin.n; ++i) {
+      Bi.im()[i * next] -= static_cast<Real>(of_z * spin.magnetic(i));
+    }
+    for (Index i = 0; i + 1 < spin.n; ++i) {
+      Bi.re()[i * next + 1] -= static_cast<Real>(of_ladder.real() * spin.ladder(i));
+      Bi.im()[i * next + 1] -= static_cast<Real>(of_ladder.imag() * spin.ladder(i));
+    }
+  }
+}
+
+}  // namespace
+
+SplitEulerZeitlin::SplitEulerZeitlin(const Laplacian& laplacian, double reciprocal_hbar,
+                                     Rotation rotation)
     : n_(laplacian.size()),
       laplacian_(laplacian),
       single_laplacian_(laplacian),
-      reciprocal_hbar_(reciprocal_hbar) {}
+      reciprocal_hbar_(reciprocal_hbar),
+      rotation_(rotation) {}
 
 void SplitEulerZeitlin::upper(const SplitStages& W, SplitStages& B) const {
   laplacian_.solve_upper(W, reciprocal_hbar_, n_ - 1, B);
+  if (rotation_ == Rotation::left_out) subtract_rotation(B);
 }
 
 void SplitEulerZeitlin::upper_within(Index band, const SingleStages& W, SingleStages& B) const {
   single_laplacian_.solve_upper(W, static_cast<float>(reciprocal_hbar_), band, B);
+  if (rotation_ == Rotation::left_out) subtract_rotation(B);
 }
 
 }  // namespace isosyrk

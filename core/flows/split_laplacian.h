@@ -35,15 +35,21 @@ class SplitLaplacianOf {
   Reals identity_solution_;
 };
 
-/// The generator B(W) = Δ⁻¹ W / ħ of Euler-Zeitlin, in double and single precision.
+/// Whether B has its part with l = 1, a rigid rotation.
+enum class Rotation { kept, left_out };
+
+/// The generator B(W) = Δ⁻¹ W / ħ of Euler-Zeitlin, or B(W - W_1), in double and single precision.
 class SplitEulerZeitlin final : public SplitGenerator {
  public:
-  SplitEulerZeitlin(const Laplacian& laplacian, double reciprocal_hbar);
+  SplitEulerZeitlin(const Laplacian& laplacian, double reciprocal_hbar,
+                    Rotation rotation = Rotation::kept);
 
   void upper(const SplitStages& W, SplitStages& B) const override;
   void upper_within(Index band, const SingleStages& W, SingleStages& B) const override;
-  /// Returns 1/(2ħ), since Δ⁻¹ has norm 1/2.
-  double norm_bound() const override { return 0.5 * reciprocal_hbar_; }
+  /// Returns 1/(l(l+1)ħ) for the least l that is left: 1 or 2.
+  double norm_bound() const override {
+    return reciprocal_hbar_ / (rotation_ == Rotation::kept ? 2.0 : 6.0);
+  }
   bool damps_fine_scales() const override { return true; }
 
  private:
@@ -51,6 +57,7 @@ class SplitEulerZeitlin final : public SplitGenerator {
   SplitLaplacianOf<double> laplacian_;
   SplitLaplacianOf<float> single_laplacian_;
   double reciprocal_hbar_;
+  Rotation rotation_;
 };
 
 }  // namespace isosyrk

@@ -24,22 +24,47 @@ void StepReport::set_work(const StepReport& before, const StepReport& after) {
 }
 
 Integrator::Integrator(const Flow& flow)
-    : flow_(flow), W0_(flow.size(), flow.size()), W1_(flow.size(), flow.size()) {}
+    : flow_(flow), state_(flow.size(), flow.size()), next_(flow.size(), flow.size()) {}
 
-StepReport Integrator::step(MatrixView W, double h) {
+void Integrator::enter(const Matrix&) {}
+
+void Integrator::leave(double, const Matrix& V, MatrixView W) { W = V; }
+
+void Integrator::set_state(const MatrixView& W) {
   const Index n = flow_.size();
   if (W.rows() != n || W.cols() != n) {
     throw std::invalid_argument(
         fmt::format("step: W is {} x {}, must be {} x {}", W.rows(), W.cols(), n, n));
   }
+  state_ = W;
+  past_ = h_ = 0.0;
+  steps_ = 0;
+  enter(state_);
+}
+
+StepReport Integrator::step(double h) {
   if (!std::isfinite(h))
     throw std::invalid_argument(fmt::format("step: h = {}, must be finite", h));
-
-  W0_ = W;
-  StepReport report = advance(W0_, h, W1_);
+  StepReport report = advance(state_, h, next_);
   // Stages can converge and the update still overflow.
-  if (report.status == Status::converged && !W1_.allFinite()) report.status = Status::diverged;
-  if (report.status == Status::converged) W = W1_;
+  if (report.status == Status::converged && !next_.allFinite()) report.status = Status::diverged;
+  if (report.status != Status::converged) return report;
+  state_.swap(next_);
+  if (h != h_) {
+    past_ += h_ * static_cast<double>(steps_);
+    h_ = h;
+    steps_ = 0;
+  }
+  ++steps_;
+  return report;
+}
+
+void Integrator::state(MatrixView W) { leave(past_ + h_ * static_cast<double>(steps_), state_, W); }
+
+StepReport Integrator::step(MatrixView W, double h) {
+  set_state(W);
+  const StepReport report = step(h);
+  if (report.status == Status::converged) state(W);
   return report;
 }
 

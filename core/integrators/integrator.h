@@ -9,8 +9,8 @@ namespace isosyrk {
 /// Result and work of one step.
 struct StepReport {
   Status status = Status::converged;
-  Attempt attempt = {};  ///< the last attempt, to which the status belongs
-  int sweeps = 0;        ///< Picard sweeps of all attempts; 0 for explicit methods
+  Attempt attempt = {};      ///< the last attempt, to which the status belongs
+  int sweeps = 0;            ///< Picard sweeps of all attempts; 0 for explicit methods
   double last_change = 0.0;  ///< of the last sweep, as SolveReport::change
   double contraction = 0.0;  ///< as in SolveReport; 0 for explicit methods
   long products = 0;         ///< n x n complex matrix products
@@ -38,7 +38,21 @@ class Integrator {
   /// unless W is n x n and h finite.
   StepReport step(MatrixView W, double h);
 
+  // A run keeps its state in the integrator: set_state(W₀), then step(h) as often as wanted, then
+  // state(W).
+  /// Sets the state to W, n x n.  Throws std::invalid_argument for another size.
+  void set_state(const MatrixView& W);
+  /// Advances the state, which stays as it is unless the status is `converged`.  Otherwise as
+  /// above.
+  StepReport step(double h);
+  /// Copies the state to W, n x n.
+  void state(MatrixView W);
+
   const Flow& flow() const { return flow_; }
+
+  /// Computes W1 from W0, both n x n, without the state.  W1 is read only if the status is
+  /// `converged`.
+  virtual StepReport advance(const Matrix& W0, double h, Matrix& W1) = 0;
 
   /// Number of n x n complex matrices of this base class, beside those of the form.
   static constexpr Index common_matrices = 2;
@@ -46,13 +60,19 @@ class Integrator {
  protected:
   explicit Integrator(const Flow& flow);
 
-  /// Computes W1 from W0, both n x n.  W1 is read only if the status is `converged`.
-  virtual StepReport advance(const Matrix& W0, double h, Matrix& W1) = 0;
+  /// Called by set_state for a state W0.
+  virtual void enter(const Matrix& W0);
+  /// Computes W from the state V that is reached a time t after `enter`.  By default W = V.
+  virtual void leave(double t, const Matrix& V, MatrixView W);
 
  private:
   const Flow& flow_;
-  Matrix W0_;
-  Matrix W1_;
+  Matrix state_;
+  Matrix next_;
+  // Time since set_state: `past_` and then as many steps of one size.
+  double past_ = 0.0;
+  double h_ = 0.0;
+  long steps_ = 0;
 };
 
 }  // namespace isosyrk

@@ -100,8 +100,8 @@ void bind_scenes(py::module_& module) {
            })
       .def(
           "generator_norms",
-          [](const Scene& scene) {
-            const GeneratorNorms norms = generator_norms(scene);
+          [](const Scene& scene, bool co_rotating) {
+            const GeneratorNorms norms = generator_norms(generator_frequencies(scene, co_rotating));
             return std::pair(norms.B, norms.ad_B);
           },
           Aside());
@@ -153,8 +153,8 @@ void bind_integrators(py::module_& module) {
           "linear_limit",
           [](const IntegratorEntry& e, const Scene& scene) -> std::optional<double> {
             if (!e.linear_limit) return {};
-            const RealVector frequencies = generator_frequencies(scene);
-            return e.linear_limit(frequencies) * generator_norms(frequencies).B;
+            return e.linear_limit(generator_frequencies(scene, e.co_rotating)) *
+                   generator_norms(scene).B;
           },
           Aside());
   module.def("integrators", &integrators);
@@ -211,6 +211,14 @@ void bind_measures(py::module_& module) {
     return angular_momentum_error(matrix_of(W), matrix_of(W0));
   });
   module.def("conditions", &conditions, Aside());
+  module.def(
+      "product_rate",
+      [](Index n, bool fast) {
+        constexpr double seconds = 0.05;
+        return fast ? split_product_rate(n, seconds)
+                    : product_rate(choose_backend({}, n).chosen, n, seconds);
+      },
+      Aside());
 }
 
 }  // namespace

@@ -46,6 +46,7 @@ Stepper::Outcome Stepper::run(const Array& W, Array state, double h, long steps,
     if (!observed || (total.steps % every != 0 && total.steps != steps)) return true;
     const double before = cpu_seconds();
     bool go_on = true;
+    integrator_->state(view);
     {
       const py::gil_scoped_acquire gil;
       go_on = !observe(Outcome{total, before - start - observing}).is(py::bool_(true));

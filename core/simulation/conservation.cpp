@@ -1,5 +1,6 @@
 #include "isosyrk/simulation/conservation.h"
 
+#include "isosyrk/flows/co_rotating_frame.h"
 #include "isosyrk/flows/invariants.h"
 
 namespace isosyrk {
@@ -35,9 +36,10 @@ double angular_momentum_error(const Matrix& W, const Matrix& W0) {
   return change / std::hypot(initial[0], initial[1], initial[2]);
 }
 
-RealVector generator_frequencies(const Scene& scene) {
+RealVector generator_frequencies(const Scene& scene, bool co_rotating) {
   Matrix B(scene.initial.rows(), scene.initial.cols());
   scene.flow->generator(scene.initial, B);
+  if (co_rotating) subtract_rotation(B);
   return spectrum(B);
 }
 

@@ -40,8 +40,9 @@ std::array<double, 4> casimir_errors(const Matrix& W, const Matrix& W0);
 /// norm at W₀.
 double angular_momentum_error(const Matrix& W, const Matrix& W0);
 
-/// Returns the eigenvalues of -iB(W₀), ascending, for the scene's initial data W₀.
-RealVector generator_frequencies(const Scene& scene);
+/// Returns the eigenvalues of -iB(W₀), ascending, for the scene's initial data W₀; with
+/// `co_rotating` those of the generator B' of the co-rotating frame, for Euler-Zeitlin only.
+RealVector generator_frequencies(const Scene& scene, bool co_rotating = false);
 
 /// Norms of the generator B = B(W) and of ad_B = [B, ·].  They decide whether a step is small.
 struct GeneratorNorms {

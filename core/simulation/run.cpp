@@ -5,11 +5,23 @@ namespace {
 
 // Implements run(); calls go_on(totals, report of the step) after every completed step.
 template <class GoOn>
-RunReport run_steps(Integrator& integrator, MatrixView W, double h, long steps,
-                    const GoOn& go_on) {
+RunReport run_steps(Integrator& integrator, MatrixView W, double h, long steps, const GoOn& go_on) {
+  // W is the last good state however the run ends, by an exception too.
+  class Ending {
+   public:
+    Ending(Integrator& integrator, MatrixView& W) : integrator_(integrator), W_(W) {}
+    ~Ending() { integrator_.state(W_); }
+
+   private:
+    Integrator& integrator_;
+    MatrixView& W_;
+  };
+
+  integrator.set_state(W);
+  const Ending ending(integrator, W);
   RunReport total;
   for (long k = 1; k <= steps; ++k) {
-    const StepReport step = integrator.step(W, h);
+    const StepReport step = integrator.step(h);
     total.sweeps += step.sweeps;
     total.products += step.products;
     total.poisson_solves += step.poisson_solves;
@@ -44,7 +56,7 @@ RunReport run(Integrator& integrator, MatrixView W, double h, long steps,
               const std::function<void(long, const Matrix&, const StepReport&)>& observe) {
   Matrix observed = W;
   return run_steps(integrator, W, h, steps, [&](const RunReport& total, const StepReport& step) {
-    observed = W;
+    integrator.state(observed);
     observe(total.steps, observed, step);
     return true;
   });

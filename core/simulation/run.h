@@ -10,8 +10,8 @@ namespace isosyrk {
 /// Totals over a run.
 struct RunReport {
   Status status = Status::converged;
-  long steps = 0;        ///< completed
-  long failed_step = 0;  ///< first step that did not converge, counted from 1; 0 if none
+  long steps = 0;            ///< completed
+  long failed_step = 0;      ///< first step that did not converge, counted from 1; 0 if none
   double last_change = 0.0;  ///< of the last step
   double contraction = 0.0;  ///< largest over all steps, a failed one included
   long sweeps = 0;
@@ -31,7 +31,8 @@ struct RunReport {
 RunReport run(Integrator& integrator, MatrixView W, double h, long steps);
 
 /// Advances W as above and calls `go_on(totals so far)` after every completed step.  Ends the run
-/// where that returns false.
+/// where that returns false.  Meanwhile the state is the integrator's; W is written at the end, by
+/// an exception of `go_on` too.
 RunReport run_while(Integrator& integrator, MatrixView W, double h, long steps,
                     const std::function<bool(const RunReport&)>& go_on);
 

@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core
 
 __all__ = ["Integrator", "IntegratorRecord", "Report", "Scene", "SolverError", "angular_momentum_error", "casimir_errors",
-           "conditions", "integrator", "integrators", "relative_error", "scene", "skew_defect", "spectrum", "spectrum_error"]
+           "conditions", "integrator", "integrators", "product_rate", "relative_error", "scene", "skew_defect", "spectrum", "spectrum_error"]
 
 __version__ = _core.version
 
@@ -123,9 +123,14 @@ class Scene:
         """Returns B(W), shape (n, n)."""
         return self._core.generator(_square(W, self.n))
 
-    def generator_norms(self) -> Tuple[float, float]:
-        """Returns the 2-norms of B and of ad_B = [B, .] at the initial data."""
-        return self._core.generator_norms()
+    def generator_norms(self, co_rotating: bool = False) -> Tuple[float, float]:
+        """Returns the 2-norms of B and of ad_B = [B, .] at the initial data.
+
+        co_rotating: of the generator in the co-rotating frame, which is B without its l = 1 part; for Euler-Zeitlin only.
+        """
+        if co_rotating and self._generator is not None:
+            raise ValueError("co_rotating: not for a generator of your own")
+        return self._core.generator_norms(bool(co_rotating))
 
     def __repr__(self):
         return f"<isosyrk.Scene {self.name}, n = {self.n}>"
@@ -324,6 +329,14 @@ def conditions(products: str = "fastest", sizes: Iterable[int] = ()) -> Dict[str
     Product rates are measured at the given n, about half a second each.
     """
     return _core.conditions(_text(products, "products"), [_whole(n, "n", 2, LARGEST_N) for n in sizes])
+
+
+def product_rate(n: int, solver: str = "fast") -> float:
+    """Returns the products of n x n matrices per CPU second, as measured here in a twentieth of a second: of the fast
+    forms' products, or of published forms' with the faster backend."""
+    if _text(solver, "solver") not in SOLVERS:
+        raise ValueError(f"solver '{solver}': must be published or fast")
+    return _core.product_rate(_whole(n, "n", 2, LARGEST_N), solver == "fast")
 
 
 def spectrum(W: ArrayLike) -> NDArray[np.float64]:

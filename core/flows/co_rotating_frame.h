@@ -1,0 +1,52 @@
+// The frame that rotates with the angular momentum of an Euler-Zeitlin flow.
+//
+// The part W_1 of W with l = 1 is conserved, and its generator R = B(W_1) is constant.  W_1 turns
+// all of W rigidly.  Since {H_1, H - H_1} = 0, with H_1 the energy of W_1,
+//
+//     W(t) = e^{tR} V(t) e^{-tR},    V' = [B'(V), V],    B'(V) = B(V - V_1),    V(0) = W(0).
+//
+// Both are exact.  A method that solves for V is relieved of the rigid rotation, which dominates B.
+// If its step is a Poisson map, so is the step for W, because e^{tR} is part of the flow of H_1.
+#pragma once
+
+#include <array>
+
+#include "isosyrk/flows/euler_zeitlin.h"
+#include "isosyrk/linalg/products.h"
+
+namespace isosyrk {
+
+/// The rotation e^{tR} and the flow of V for n x n matrices.
+class CoRotatingFrame {
+ public:
+  /// Computes the eigenvectors of S_x, which rotations are made of.  `flow` must outlive the frame.
+  CoRotatingFrame(const EulerZeitlin& flow, ProductBackend backend);
+
+  /// Returns the flow V' = [B'(V), V].
+  const Flow& flow() const { return *flow_; }
+
+  /// Sets R from the angular momentum of W₀.
+  void set(const Matrix& W0);
+  /// W = e^{tR} V e^{-tR}, with three products.  Allocates nothing.  W is not V.
+  void leave(double t, const Matrix& V, MatrixView W);
+
+  /// Number of n x n complex matrices of a frame, its flow not counted.
+  static constexpr Index matrices = 4;
+
+ private:
+  void set_rotation(double t);
+
+  double hbar_;
+  std::unique_ptr<Flow> flow_;
+  std::array<double, 3> rate_{};  // R = -i (rate · S)
+  Matrix eigenvectors_;           // of S_x: column k for the eigenvalue k - (n-1)/2
+  Matrix rotation_;               // e^{tR}
+  Matrix scratch_;
+  Matrix turned_;
+  Products products_;
+};
+
+/// Subtracts from a skew-Hermitian B its part with l = 1, which lies on the diagonals 0 and ±1.
+void subtract_rotation(Matrix& B);
+
+}  // namespace isosyrk
