@@ -7,25 +7,31 @@ import sys
 import unittest
 
 from programs import ROOT, FolderTest
-from study_documents import INTEGRATORS, SIZES, STEPS, accuracy_of, run_of, study_document, write_study
+from study_documents import (INTEGRATORS, PROBLEMS, ROUGH, SLOWER, SMOOTH, STEPS, accuracy_of, run_of, study_document,
+                             write_study)
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
-from accuracy_lines import read_accuracy  # noqa: E402
+from accuracy_lines import PUBLISHED, SCHEMA, read_accuracy  # noqa: E402
 from benchmark_json import UnusableFile  # noqa: E402
 
 
 class SoundFileTest(FolderTest):
     def test_values_stand_where_they_belong(self):
         study = read_accuracy(write_study(self.folder))
-        self.assertEqual((study.sizes(), list(study.integrators), len(study.runs)),
-                         (list(SIZES), list(INTEGRATORS), len(study_document()["runs"])))
-        run = study.at_step("group2", 33, 0.5)
-        self.assertEqual((run.integrator, run.n, run.steps, run.error, run.products, run.seconds, run.beyond_limit),
-                         ("group2", 33, 10, 0.1 * 0.5**4, 40, 0.04, False))
-        failed = study.at_step("group1", 17, 1.0)  # needs no errors
+        self.assertEqual((study.problems(), list(study.integrators), len(study.runs)),
+                         ([*SMOOTH, ROUGH], list(INTEGRATORS), len(study_document()["runs"])))
+        for solver, seconds in (("fast", 0.04), (PUBLISHED, 0.04 * SLOWER)):
+            run = study.at_step(SMOOTH[1], "group2", 0.5, solver)
+            self.assertEqual((run.problem, run.integrator, run.steps, run.error, run.seconds, run.beyond_limit),
+                             (SMOOTH[1], "group2", 10, 0.1 * 0.5**4, seconds, False))
+        self.assertEqual(study.at_step(ROUGH, "group2", 0.5).error, 0.5**4)
+        self.assertEqual(study.line(ROUGH, "group2", PUBLISHED), [])
+        failed = study.at_step(SMOOTH[0], "group1", 1.0)  # needs no errors
         self.assertEqual((failed.usable, failed.status, failed.error), (False, "diverged", None))
         self.assertEqual({(run.formulation, run.stages) for run in study.tolerance_runs}, {("group", 1), ("group", 2)})
+        self.assertEqual((study.rates[17].published, str(ROUGH)), (1e9 / 17**3, "rough, T = 5, n = 17"))
+        self.assertEqual([study.safe_step_limit("smooth", n, "rk4") for n in (17, 65)], [1.4142, None])
 
 
 class RefusalTest(FolderTest):
@@ -45,7 +51,9 @@ class RefusalTest(FolderTest):
                 (with_first("tolerance_runs", integrator="rk4"), "Gauss"),
                 *((with_first(name, n=65), "n = 65", "no reference") for name in ("runs", "tolerance_runs")),
                 *((with_first(name, step=1.001), "do not come to the time 5") for name in ("runs", "tolerance_runs")),
-                *((doubled(name), "twice") for name in ("runs", "tolerance_runs", "references", "integrators"))):
+                (with_first("runs", scene="developed"), "developed, T = 5, n = 17", "no reference"),
+                (with_first("limits", h_norm_B=0.0), "limits has h_norm_B"),
+                *((doubled(name), "twice") for name in SCHEMA.tables)):
             document = study_document()
             change(document)
             with self.subTest(words=words), self.assertRaises(UnusableFile) as caught:
@@ -66,14 +74,14 @@ class LineTest(unittest.TestCase):
             run_of(self.document, name, 17, steps)["error"] = error
 
     def kept_steps(self, name):
-        return [run.steps for run in self.study().above_floor(name, 17)]
+        return [run.steps for run in self.study().above_floor(SMOOTH[0], name)]
 
     def test_a_line_is_the_longest_step_first_whatever_the_order_of_the_file_failures_too(self):
         random.Random(3).shuffle(self.document["runs"])
-        self.assertEqual([run.steps for run in self.study().line("group2", 33)], list(STEPS))
-        self.assertEqual([run.usable for run in self.study().line("group1", 17)], [False] + [True] * 5)
-        self.assertEqual(self.study().at_step("group2", 17, 0.1).steps, 50)
-        self.assertIsNone(self.study().at_step("group2", 17, 0.11))
+        self.assertEqual([run.steps for run in self.study().line(SMOOTH[1], "group2")], list(STEPS))
+        self.assertEqual([run.usable for run in self.study().line(SMOOTH[0], "group1")], [False] + [True] * 5)
+        self.assertEqual(self.study().at_step(SMOOTH[0], "group2", 0.1).steps, 50)
+        self.assertIsNone(self.study().at_step(SMOOTH[0], "group2", 0.11))
 
     def test_where_a_line_ends(self):
         self.assertEqual(self.kept_steps("group1"), list(STEPS[1:]))  # whole but for failures
@@ -90,10 +98,10 @@ class LineTest(unittest.TestCase):
 
     def test_observed_orders_are_those_the_errors_were_made_with(self):
         for name, (_, order, *_) in INTEGRATORS.items():
-            for n in SIZES:
-                with self.subTest(integrator=name, n=n):
+            for problem in PROBLEMS:
+                with self.subTest(integrator=name, problem=problem):
                     # Errors are a power of the step to rounding: a relative 1e-15 over a factor of at least 4.
-                    self.assertAlmostEqual(self.study().observed_order(name, n), order, delta=1e-12)
+                    self.assertAlmostEqual(self.study().observed_order(problem, name), order, delta=1e-12)
 
     def test_an_order_is_fitted_on_the_smallest_steps_above_the_floor(self):
         for order, uncertainty, errors in (
@@ -102,20 +110,70 @@ class LineTest(unittest.TestCase):
                 (4, 1e-9, [max(1e-3 * (5 / steps) ** 4, 5e-9) for steps in STEPS])):
             self.set_errors("rkmk4", errors)
             self.document["references"][0]["uncertainty"] = uncertainty
-            self.assertAlmostEqual(self.study().observed_order("rkmk4", 17), order, delta=1e-12)
+            self.assertAlmostEqual(self.study().observed_order(SMOOTH[0], "rkmk4"), order, delta=1e-12)
 
     def test_an_order_needs_three_steps_that_can_be_told_apart(self):
         for kept, told in ((3, True), (2, False), (0, False)):
             with self.subTest(kept=kept):
                 self.document["runs"] = [each for each in study_document()["runs"]
                                          if each["integrator"] != "rkmk4" or each["steps"] in STEPS[:kept]]
-                self.assertEqual(self.study().observed_order("rkmk4", 17) is not None, told)
+                self.assertEqual(self.study().observed_order(SMOOTH[0], "rkmk4") is not None, told)
         # Three counts of steps whose step sizes are the same to the last digit: damage, but each comes to the time.
         self.document["runs"] = [each for each in study_document()["runs"] if each["integrator"] != "rkmk4"
                                  or each["steps"] in STEPS[:3]]
         for index, steps in enumerate(STEPS[:3]):
             run_of(self.document, "rkmk4", 17, steps).update(steps=10**14 + index, step=5e-14)
-        self.assertIsNone(self.study().observed_order("rkmk4", 17))
+        self.assertIsNone(self.study().observed_order(SMOOTH[0], "rkmk4"))
+
+    def test_stretches_end_at_failures_limits_and_the_floor(self):
+        def steps():
+            return [[run.steps for run in stretch] for stretch in self.study().stretches(SMOOTH[0], "rkmk4")]
+
+        self.assertEqual(steps(), [list(STEPS)])
+        self.fail_at(20)
+        self.assertEqual(steps(), [[5, 10], [50, 100, 200]])
+        run_of(self.document, "rkmk4", 17, 5)["beyond_limit"] = True
+        self.assertEqual(steps(), [[10], [50, 100, 200]])
+        self.document["references"][0]["uncertainty"] = 1e-9  # the error at 100 steps is 6.25e-9
+        self.assertEqual(steps(), [[10], [50]])
+        self.assertEqual(self.study().stretches(SMOOTH[0], "euler"), [])
+
+    def fail_at(self, steps):
+        run_of(self.document, "rkmk4", 17, steps).update(status="diverged", error=None, cpu_seconds=[])
+
+    def test_a_cost_is_interpolated_between_two_runs_that_enclose_the_error(self):
+        def cost(error, problem=SMOOTH[0], **solver):
+            return self.study().cost(problem, "rkmk4", error, **solver)
+
+        # error = 1e-3 h⁴, 1 ms and 4 products a step: on a power law interpolation is exact.
+        for problem, factor in ((SMOOTH[0], 1e-3), (ROUGH, 1e-2)):
+            found = cost(factor * 0.2**4, problem)
+            self.assertEqual((found.coarse.steps, found.fine.steps), (20, 50))
+            for value, wanted in ((found.seconds, 0.025), (found.least, 0.025 * 0.99), (found.most, 0.025 * 1.02),
+                                  (found.step, 0.2), (found.equivalent_products, 100)):
+                self.assertAlmostEqual(value, wanted, delta=1e-12 * wanted)
+        self.assertAlmostEqual(cost(run_of(self.document, "rkmk4", 17, 50)["error"]).seconds, 0.05, delta=1e-12)
+        for outside in (1.001e-3, 3.9e-10):
+            self.assertIsNone(cost(outside))
+        self.assertIsNone(cost(1e-5, solver=PUBLISHED))
+        slow = self.study().cost(SMOOTH[0], "group2", 1e-5, PUBLISHED).seconds
+        self.assertAlmostEqual(slow, SLOWER * self.study().cost(SMOOTH[0], "group2", 1e-5).seconds, delta=1e-12)
+
+    def test_no_cost_bridges_a_failure_or_a_limit(self):
+        error = 1e-3 * 0.2**4  # between 20 and 50 steps
+        run_of(self.document, "rkmk4", 17, 20)["beyond_limit"] = True
+        self.assertIsNone(self.study().cost(SMOOTH[0], "rkmk4", error))
+        self.assertIsNotNone(self.study().cost(SMOOTH[0], "rkmk4", 1e-3 * 0.09**4))
+        self.document = study_document()
+        self.fail_at(20)
+        self.assertIsNone(self.study().cost(SMOOTH[0], "rkmk4", error))
+
+    def test_the_cheapest_crossing_counts_and_equal_errors_divide_by_nothing(self):
+        self.set_errors("rkmk4", (1e-4, 1e-6, 1e-4, 1e-6, 1e-6, 1e-7))
+        self.assertEqual(self.study().cost(SMOOTH[0], "rkmk4", 1e-5).fine.steps, 10)
+        self.assertEqual(self.study().cost(SMOOTH[0], "rkmk4", 1e-6).seconds, 0.01)
+        self.set_errors("rkmk4", (1e-4, 1e-5, 1e-5, 1e-7, 1e-8, 1e-9))
+        self.assertEqual(self.study().cost(SMOOTH[0], "rkmk4", 1e-5).fine.steps, 10)
 
 
 if __name__ == "__main__":
