@@ -333,11 +333,11 @@ def seconds_of(method, W, h, steps):
     return statistics.fmean(method.timed_run(W, h, steps, repetitions=math.ceil(LEAST_SECONDS / max(first, 1e-6))))
 
 
-def in_turns(points, repetitions, time_one, journal, what):
+def in_turns(points, repetitions, time_one, journal, what, long_run=LONG_RUN):
     """Returns the CPU seconds of each point, a list of so many repetitions, by time_one(point).
 
     All points are timed once, in their order, then again: a slow minute of the machine falls on all alike. This process
-    is kept on the last core meanwhile. A point of LONG_RUN or more is timed at most twice.
+    is kept on the last core meanwhile. A point of `long_run` seconds or more is timed at most twice.
     """
     cores = os.sched_getaffinity(0)
     journal.context["timed_on"] = f"core {max(cores)}"
@@ -347,7 +347,7 @@ def in_turns(points, repetitions, time_one, journal, what):
         with progress(len(points) * repetitions, what) as bar:
             for repetition in range(repetitions):
                 for point, found in zip(points, seconds):
-                    if len(found) < 2 or found[0] < LONG_RUN:
+                    if len(found) < 2 or found[0] < long_run:
                         key = key_of(f"{what} {repetition}", point)
                         if key not in journal.found:
                             journal.add(key, time_one(point))
