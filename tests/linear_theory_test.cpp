@@ -73,6 +73,7 @@ TEST_P(StepLimit, BelowItNothingGrowsAndBeyondItPerturbationsDo) {
 std::vector<IntegratorEntry> limited(bool is_explicit) {
   std::vector<IntegratorEntry> found;
   for (const IntegratorEntry& entry : integrators()) {
+    if (entry.co_rotating) continue;  // for Euler-Zeitlin only
     if (entry.linear_limit && entry.keeps.is_explicit == is_explicit) found.push_back(entry);
   }
   return found;
@@ -111,7 +112,8 @@ TEST(TwoProductsUpdate, LetsTheHermitianPartGrowAsTheEulerMethodDoes) {
 
 TEST(LinearLimits, OnlyTheExponentialHasNone) {
   for (const IntegratorEntry& entry : integrators()) {
-    EXPECT_EQ(static_cast<bool>(entry.linear_limit), entry.name != "rkmk4") << entry.name;
+    EXPECT_EQ(static_cast<bool>(entry.linear_limit), !entry.name.starts_with("rkmk4"))
+        << entry.name;
   }
 }
 

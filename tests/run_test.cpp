@@ -29,12 +29,14 @@ TEST(Run, AddsUpWhatItsStepsReport) {
   Matrix W = scene.initial;
   long observed = 0;
   long sweeps = 0;
+  Matrix last;
   const RunReport report =
       run(*integrator, W, 0.1, 7, [&](long k, const Matrix& V, const StepReport& step) {
         EXPECT_EQ(k, ++observed);
-        EXPECT_EQ(V, W);
+        last = V;
         sweeps += step.sweeps;
       });
+  EXPECT_EQ(last, W);
   EXPECT_TRUE(report.converged());
   EXPECT_EQ(report.steps, 7);
   EXPECT_EQ(report.failed_step, 0);

@@ -22,7 +22,11 @@ void copy(const Corrections& from, Corrections& to) {
 }  // namespace
 
 InexactNewton::InexactNewton(const Unknowns& like)
-    : R_(corrections_like(like)), delta_(R_), rhs_(R_), coupled_(R_) {
+    : sweeps_(tuning.sweeps_for_a_correction(like[0][0].size())),
+      R_(corrections_like(like)),
+      delta_(R_),
+      rhs_(R_),
+      coupled_(R_) {
   forget();
 }
 
@@ -34,11 +38,12 @@ SolveReport InexactNewton::newton(FixedPointSystem& system, const SolverOptions&
   return solve_fixed_point(options, [&] {
     const double change = system.residual(x, options.tolerance, R_);
     if (uncorrected > 0.0) contraction_ = change / uncorrected;
-    // If the contraction predicts that one Picard sweep converges, no correction is computed.
-    const bool sweep_converges = std::min(1.0, 2.0 * contraction_) * change < options.tolerance;
-    const bool corrected = !sweep_converges && change <= tuning.largest_corrected &&
+    // If the contraction predicts that a few Picard sweeps converge, no correction is computed.
+    const double ahead = std::min(1.0, 2.0 * contraction_) * std::pow(contraction_, sweeps_ - 1);
+    const bool sweeps_converge = ahead * change < options.tolerance;
+    const bool corrected = !sweeps_converge && change <= tuning.largest_corrected &&
                            correct(system, R_, change, options);
-    uncorrected = sweep_converges ? change : 0.0;
+    uncorrected = sweeps_converge ? change : 0.0;
     add_to(x, corrected ? delta_ : R_);
     return change;
   });
@@ -86,9 +91,8 @@ bool InexactNewton::correct(FixedPointSystem& system, const Corrections& R, doub
       system.couple(delta_, coupled_);
       double shift = 0.0;
       for (std::size_t kind = 0; kind < delta_.size(); ++kind) {
-        assign(coupled_[kind], [&](std::size_t i) {
-          return sum_of(1.0, R[kind][i]).add(1.0, coupled_[kind][i]);
-        });
+        assign(coupled_[kind],
+               [&](std::size_t i) { return sum_of(1.0, R[kind][i]).add(1.0, coupled_[kind][i]); });
         shift = larger(shift, replace(delta_[kind], [&](std::size_t i) {
                          return sum_of(1.0, delta_[kind][i])
                              .add(1.0, coupled_[kind][i])
@@ -100,8 +104,8 @@ bool InexactNewton::correct(FixedPointSystem& system, const Corrections& R, doub
       last = shift;
       K_contraction = std::max(0.5 * K_contraction, last / not_coupled);
       not_coupled = last;
-      T_error = system.solves_frozen() ? last
-                                       : T_error + last * T_contraction / (1.0 - T_contraction);
+      T_error =
+          system.solves_frozen() ? last : T_error + last * T_contraction / (1.0 - T_contraction);
       coupled = true;
     } else {
       const double now = system.frozen_sweep(*rhs, delta_);

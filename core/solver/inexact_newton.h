@@ -45,6 +45,7 @@ class InexactNewton {
   Corrections& residual() { return R_; }
 
  private:
+  int sweeps_;  // as Tuning::sweeps_for_a_correction
   Corrections R_, delta_, rhs_, coupled_;
   double contraction_;  // last observed, of a Picard sweep near the solution
 };
