@@ -41,7 +41,7 @@ def by_n(found):
 
 
 def price_title(study, problems):
-    """Tells what the Lie–Poisson structure costs: the mean over the problems, and the least and largest of their means."""
+    """Tells what the Lie–Poisson structure costs: the mean over the problems, and the range of their means."""
     parts = []
     for other, found in prices(study, problems).items():
         if found:
@@ -68,7 +68,8 @@ def energy_title(study, problems):
     The error in W is the largest at which most of the three can be compared.
     """
     def errors(exponent):
-        found = {name: at_error(study, problems[-1], 10.0**exponent, forms_of(study, method), lambda run: run.energy_error)
+        found = {name: at_error(study, problems[-1], 10.0**exponent, forms_of(study, method),
+                                lambda run: run.energy_error)
                  for method, name in (("gauss", "Gauss"), *NAMES.items())}
         return [f"{scientific(each[1])} by {name}" for name, each in found.items() if each]
 
@@ -90,8 +91,8 @@ def growth_title(study, problems, name="group3"):
         return f"Error at h = {TABLE1_STEP} against n"
     text, framed = (pair and f"× {two_digits(pair[1].error / pair[0].error)}" for pair in ends.values())
     first, last = ends[name]
-    return (f"From n = {first.n} to {last.n} the error at h = {TABLE1_STEP} (Gauss, order {2 * first.stages}) grows {text}"
-            + (f", in the co-rotating frame {framed}" if framed else ""))
+    return (f"From n = {first.n} to {last.n} the error at h = {TABLE1_STEP} (Gauss, order {2 * first.stages}) grows"
+            f" {text}" + (f", in the co-rotating frame {framed}" if framed else ""))
 
 
 def quality(study):
@@ -135,7 +136,8 @@ def loosest_tolerances(study):
             cells.setdefault((run.problem, run.integrator, run.solver), []).append(run)
     found = []
     for runs in cells.values():
-        harmful = next((index for index, run in enumerate(runs) if run.solver_error > HARMLESS * runs[0].error), len(runs))
+        harmful = next((index for index, run in enumerate(runs) if run.solver_error > HARMLESS * runs[0].error),
+                       len(runs))
         usual = min(runs, key=lambda run: abs(run.tolerance - USUAL_TOLERANCE))
         found.append((runs[max(harmful - 1, 0)], usual, runs[0].error))
     return found
@@ -169,7 +171,8 @@ def price_claim(study, problems):
     if not parts:
         return None
     at, error = problems[-1], 1e-6
-    sides = [cheapest(study, at, error, keeping(study, structure), or_less=True) for structure in ("poisson", "spectrum")]
+    sides = [cheapest(study, at, error, keeping(study, structure), or_less=True)
+             for structure in ("poisson", "spectrum")]
     goal = (f" For 1e-6 at n = {at.n} the cheapest Lie–Poisson method, `{sides[0][0]}`, takes"
             f" {ratio_of(sides[0][1], sides[1][1])} times as long as the cheapest that keeps the spectrum only,"
             f" `{sides[1][0]}`.") if all(sides) else ""
@@ -184,14 +187,16 @@ def exponential_claim(study):
     cheaper, dearer = (sum(test(each) for each in found.values())
                        for test in (lambda each: each.most < 1, lambda each: each.least > 1))
     return ("Exponential or not.", f" At equal error `rkmk4` is cheaper than every Lie–Poisson method in {cheaper} of"
-            f" {len(found)} comparisons over all problems, dearer than the cheapest in {dearer}; in the others the spreads"
-            f" overlap. Its time over theirs: {span([each.value for each in found.values()])}. It is explicit and keeps no"
-            " Lie–Poisson structure: implicit methods with an exponential, which the paper calls inefficient, are untested.")
+            f" {len(found)} comparisons over all problems, dearer than the cheapest in {dearer}; in the others the"
+            f" spreads overlap. Its time over theirs: {span([each.value for each in found.values()])}. It is explicit and"
+            " keeps no Lie–Poisson structure: implicit methods with an exponential, which the paper calls inefficient, are"
+            " untested.")
 
 
 def cheapest_orders(study, exponent):
     """Returns the order of the cheapest Gauss form at an error, by problem."""
-    found = {problem: cheapest(study, problem, 10.0**exponent, forms_of(study, "gauss")) for problem in study.problems()}
+    found = {problem: cheapest(study, problem, 10.0**exponent, forms_of(study, "gauss"))
+             for problem in study.problems()}
     return {problem: 2 * gauss_stages(frameless(each[0])) for problem, each in found.items() if each}
 
 

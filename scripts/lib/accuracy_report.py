@@ -7,8 +7,8 @@ from accuracy_lines import FAST, FLOOR_MARGIN, PUBLISHED, TABLE1_STEP
 from benchmark_json import FORMULATIONS
 from comparison import MISSING, percentage, three_digits
 from document import Column, Entry, Heading, Items, Paragraph, Table, conditions, plain_table, shown
-from equal_error import (EXPONENTS, MEAN_EXPONENTS, STRUCTURES, cheapest, forms_of, frame_gains, headline_problems, keeping,
-                         mean, means_by_problem, prices, published_gains, ratio_of, strongest)
+from equal_error import (EXPONENTS, MEAN_EXPONENTS, STRUCTURES, cheapest, forms_of, frame_gains, headline_problems,
+                         keeping, mean, means_by_problem, prices, published_gains, ratio_of, strongest)
 from integrator_names import frameless, gauss_stages
 from recommendation import recommendation_tables
 
@@ -17,22 +17,22 @@ CARE_ERROR = 1e-6  # near which equal care is shown, ...
 CARE_SIZE = 129  # ... at the largest n up to this
 
 WORK_PRECISION = ("A thin line is one integrator in its fast form (a Gauss method: group, or at order 2 algebra where a"
-                  " step is cheaper), with dots in the co-rotating frame; it ends where the reference can no longer tell"
-                  f" its error ({FLOOR_MARGIN} times the uncertainty), where the error stops falling, or where runs take"
-                  " too long, and breaks at failures and limits. Thick: the cheapest with this error or a smaller one; it"
-                  " is upright above the longest step that works. All panels have equal decades.")
+                  " step is cheaper), with dots in the co-rotating frame; it ends where the reference can no longer"
+                  f" tell its error ({FLOOR_MARGIN} times the uncertainty), where the error stops falling, or where runs"
+                  " take too long, and breaks at failures and limits. Thick: the cheapest with this error or a smaller"
+                  " one; it is upright above the longest step that works. All panels have equal decades.")
 CHARTS = (
     ("error_against_time", f"Error against CPU time, smooth scene, T = 5. {WORK_PRECISION}"),
     ("error_against_time_others", "The same for the other problems."),
     ("energy_against_time", "The same for the energy error, the largest over the steps, in the smooth scene."),
-    ("error_against_n", "Error at the step of Table 1 against n, and of every step against h‖B(W₀)‖₂, smooth scene, T = 5."
-     " Lines of all n that coincide say that h‖B‖₂ decides, not n."),
+    ("error_against_n", "Error at the step of Table 1 against n, and of every step against h‖B(W₀)‖₂, smooth scene,"
+     " T = 5. Lines of all n that coincide say that h‖B‖₂ decides, not n."),
     ("tolerance", "Errors and time against the tolerance of the fixed point, at the step size of Table 1, h ="
      f" {TABLE1_STEP}. Solver error: distance from the answer with the tightest tolerance that converged. The diagonal"
      " is where an error equals the tolerance."),
     ("table1_accuracy", "Tables 1 and 2 with their accuracy: every cell that did not fail as time against error, the"
-     " published form hollow, the fast one filled, timed in turns. Dotted lines join the forms with one answer. Bars span"
-     " the quartiles."),
+     " published form hollow, the fast one filled, timed in turns. Dotted lines join the forms with one answer. Bars"
+     " span the quartiles."),
 )
 KEEPS = {"poisson": "Lie–Poisson", "spectrum": "spectrum", "nothing": "neither"}
 # What was tried and paid, by what the name of an integrator begins with.
@@ -50,8 +50,8 @@ def accuracy_sections(study, charts):
     return [
         Heading("Accuracy against cost", 1),
         Paragraph("Every integrator over step sizes on every problem; errors are relative, in the Frobenius norm, and"
-                  " costs at an error are interpolated between two neighbouring runs that worked. Ratios: geometric mean"
-                  " (from fastest over slowest repetitions to slowest over fastest)."),
+                  " costs at an error are interpolated between two neighbouring runs that worked. Ratios: geometric"
+                  " mean (from fastest over slowest repetitions to slowest over fastest)."),
         Items([(strong, rest.replace("`", "")) for strong, rest in claims(study)]),
         *shown(CHARTS, charts),
         *references_section(study),
@@ -73,10 +73,10 @@ def accuracy_sections(study, charts):
 
 def by_problem(study, heading, text, names, entry, columns=(), problems=None,
                group=lambda problem: f"{problem.scene}, T = {problem.time:g}"):
-    """Returns a section with a row for each integrator, a column for each problem, and some (heading, its text) before."""
+    """Returns a section with a row for each integrator and a column for each problem, after some (heading, text)."""
     problems = study.problems() if problems is None else problems
-    rows = [[name, *(show(study.integrators[name]) for _, show in columns), *(entry(problem, name) for problem in problems)]
-            for name in names]
+    rows = [[name, *(show(study.integrators[name]) for _, show in columns),
+             *(entry(problem, name) for problem in problems)] for name in names]
     heads = (Column("integrator", align="left"), *(Column(name) for name, _ in columns),
              *(Column(f"n = {problem.n}", group(problem)) for problem in problems))
     return [Heading(heading), Paragraph(text), plain_table(heads, rows)] if rows else []
@@ -84,7 +84,8 @@ def by_problem(study, heading, text, names, entry, columns=(), problems=None,
 
 def references_section(study):
     columns = (Column("problem", align="left"), Column("from", align="left"), Column("which differ by"))
-    rows = [[str(problem), " and ".join(f"{name} in {steps} steps" for name, steps in zip(each.integrators, each.steps)),
+    rows = [[str(problem),
+             " and ".join(f"{name} in {steps} steps" for name, steps in zip(each.integrators, each.steps)),
              scientific(each.uncertainty)] for problem in study.problems() for each in (study.references[problem],)]
     return [Heading("Reference solutions"), plain_table(columns, rows)]
 
@@ -112,13 +113,14 @@ def structures_section(study):
                     for structure in STRUCTURES]
             least = min((each[1].seconds for each in best if each), default=None)
             rows.append([Entry("" if rows else str(problem)), Entry(f"1e{exponent}"),
-                         *(Entry(cost_text(each, 10.0**exponent), bool(each) and each[1].seconds == least) for each in best),
+                         *(Entry(cost_text(each, 10.0**exponent), bool(each) and each[1].seconds == least)
+                           for each in best),
                          *(Entry(str(ratio_of(best[0][1], other[1])) if best[0] and other else MISSING)
                            for other in best[1:])])
         blocks.append(rows)
     return [Heading("What a structure costs at equal error"),
-            Paragraph("The cheapest integrator, in its fast form, and its CPU seconds; marked: the cheapest of the row. †: its"
-                      " longest step that works errs less than asked. Ratios of seconds, with their spread."),
+            Paragraph("The cheapest integrator, in its fast form, and its CPU seconds; marked: the cheapest of the row. †:"
+                      " its longest step that works errs less than asked. Ratios of seconds, with their spread."),
             Table(columns, blocks)]
 
 
@@ -126,7 +128,8 @@ def prices_section(study):
     """Shows the best Gauss form over RKMK4's and RK4's best forms, by problem."""
     found = prices(study, study.problems())
     means = {other: means_by_problem(each) for other, each in found.items()}
-    rows = [[str(problem), *(str(means[other].get(problem, MISSING)) for other in found)] for problem in study.problems()]
+    rows = [[str(problem), *(str(means[other].get(problem, MISSING)) for other in found)]
+            for problem in study.problems()]
     headline = set(headline_problems(study))
     overall = {other: mean([ratio for (problem, _), ratio in each.items() if problem in headline])
                for other, each in found.items()}
@@ -152,9 +155,10 @@ def orders_section(study):
                            for each in best)])
         blocks.append(rows)
     return [Heading("Which order pays"),
-            Paragraph("CPU seconds at equal error of the cheapest form of the Gauss method of each order, in the frame or not."
-                      f' "{MISSING}": no two neighbouring runs enclose the error.'),
-            Table((Column("problem", align="left"), Column("error"), *(Column(f"order {2 * s}") for s in stages)), blocks)]
+            Paragraph("CPU seconds at equal error of the cheapest form of the Gauss method of each order, in the frame or"
+                      f' not. "{MISSING}": no two neighbouring runs enclose the error.'),
+            Table((Column("problem", align="left"), Column("error"), *(Column(f"order {2 * s}") for s in stages)),
+                  blocks)]
 
 
 def gains_section(study):
@@ -165,7 +169,8 @@ def gains_section(study):
             ("What the fast forms buy", "Time of the published form over that of the fast form", published_gains)):
         found = {name: means_by_problem(each) for name, each in gains(study, study.problems()).items() if each}
         problems = [problem for problem in study.problems() if any(problem in each for each in found.values())]
-        parts += by_problem(study, heading, f"{text}, at equal error, 1e{MEAN_EXPONENTS[0]} to 1e{MEAN_EXPONENTS[-1]}.", found,
+        where = f"at equal error, 1e{MEAN_EXPONENTS[0]} to 1e{MEAN_EXPONENTS[-1]}"
+        parts += by_problem(study, heading, f"{text}, {where}.", found,
                             lambda problem, name, found=found: two_digits(found[name][problem].value)
                             if problem in found[name] else MISSING, problems=problems)
     return parts
@@ -191,8 +196,8 @@ def care_section(study):
         "step", "error", "CPU seconds", "equivalent products", "product share", "published over fast")),
                Column("what makes it fast", align="left"))
     return [Heading("Equal care"),
-            Paragraph(f"{problem}, the run nearest to {CARE_ERROR:g}. Product share: the time of its products, at the rate of"
-                      " products alone, over all its time; bands and triangles count as the part that they are."),
+            Paragraph(f"{problem}, the run nearest to {CARE_ERROR:g}. Product share: the time of its products, at the rate"
+                      " of products alone, over all its time; bands and triangles count as the part that they are."),
             plain_table(columns, rows)] if rows else []
 
 
@@ -210,8 +215,8 @@ def integrators_section(study):
 
     return by_problem(
         study, "What each integrator is, and its observed order",
-        "The order is fitted on the last points above the floor; – where fewer than three are.", study.integrators, order,
-        (("order", lambda each: str(each.order)), ("keeps", lambda each: KEEPS[strongest(each)]),
+        "The order is fitted on the last points above the floor; – where fewer than three are.", study.integrators,
+        order, (("order", lambda each: str(each.order)), ("keeps", lambda each: KEEPS[strongest(each)]),
          ("symmetric", lambda each: "yes" if each.symmetric else "no"),
          ("explicit", lambda each: "yes" if each.explicit else "no")))
 
@@ -230,8 +235,8 @@ def fixed_step_section(study):
 def tolerance_section(study):
     """Shows for each cell the loosest tolerance that hardly adds to its error, and what it saves."""
     rows = [[str(loosest.n), loosest.formulation, str(loosest.stages), loosest.solver, scientific(error),
-             f"{loosest.tolerance:.0e}", f"{loosest.sweeps}/{usual.sweeps}", three_digits(loosest.seconds / usual.seconds),
-             scientific(loosest.spectrum_error)]
+             f"{loosest.tolerance:.0e}", f"{loosest.sweeps}/{usual.sweeps}",
+             three_digits(loosest.seconds / usual.seconds), scientific(loosest.spectrum_error)]
             for loosest, usual, error in sorted(loosest_tolerances(study), key=lambda each: (
                 each[0].n, FORMULATIONS.index(each[0].formulation), each[0].stages))]
     if not rows:
@@ -262,7 +267,7 @@ def limits_section(study):
 
 
 def failures_section(study):
-    """Names every line with a run that failed or lies beyond its limit: a study that hides its failures recommends them."""
+    """Names every line with a run that failed or is beyond its limit: who hides failures recommends them."""
     rows = []
     for problem in study.problems():
         for solver in (FAST, PUBLISHED):

@@ -6,15 +6,16 @@ import statistics
 from matplotlib.lines import Line2D
 
 from accuracy_claims import (energy_title, growth_title, price_title, table1_title, tolerance_title)
-from accuracy_lines import FAST, PUBLISHED, TABLE1_STEP
+from accuracy_lines import FAST, NEAR_ROUNDING, PUBLISHED, TABLE1_STEP
 from benchmark_json import FORMULATIONS
 from chart_panels import FAMILIES, draw_line, key, logarithmic, look, new_figure
 from equal_error import STRUCTURES, headline_problems, strongest
-from integrator_names import FRAME, frameless, gauss_stages, method_name
+from integrator_names import FRAME, frameless, gauss_stages, in_frame, method_name
 
 ERROR_LABEL = "relative error of W(T)"
 SECONDS_LABEL = "CPU seconds"
 LEAST_ERROR, LEAST_ENERGY_ERROR = 1e-12, 1e-14  # where the axes end
+LEAP = 1.4  # in seconds, between two levels of an envelope: more than a line of order 2 rises by
 
 # One colour for each method, and a letter or number at the end of its line.
 METHODS = {**{f"Gauss, order {2 * s}": (colour, str(2 * s)) for s, colour in enumerate(
@@ -74,7 +75,7 @@ def work_precision(study, problems, quantity, title, ghosts=False):
             draw_line(axes, structure, points, **ENVELOPES[structure])
         seconds = [math.log10(x) for _, lines in drawn for line in lines for x, y in line if y >= least] or [0]
         spans.append((min(seconds), max(seconds)))
-        drawn.sort(key=lambda line: is_framed(line[0]))  # so that a name stands once, at the line in the frame if any
+        drawn.sort(key=lambda line: in_frame(line[0].name))  # a name stands once, at the line in the frame
         ends.append({METHODS.get(method_name(each), ("0.5", each.name)): [at for at in lines[-1] if at[1] >= least]
                      for each, lines in drawn if lines})
     decades = max(high - low for low, high in spans) + 0.4
@@ -94,18 +95,14 @@ def work_precision(study, problems, quantity, title, ghosts=False):
     return figure
 
 
-def is_framed(integrator):
-    return integrator.name != frameless(integrator.name)
-
-
 def draw_method(axes, study, problem, integrator, quantity):
-    """Draws the stretches of a line, with markers if it is one in the frame; returns the integrator and their points."""
+    """Draws the stretches of a line, with markers if it is in the frame; returns the integrator and their points."""
     colour, _ = METHODS.get(method_name(integrator), ("0.5", None))
-    framed = is_framed(integrator)
+    framed = in_frame(integrator.name)
     lines = []
     for stretch in study.stretches(problem, integrator.name):
-        points = draw_line(axes, integrator.name, [(run.seconds, getattr(run, quantity)) for run in stretch], color=colour,
-                           linewidth=1 if framed else 0.6, markersize=2.2,
+        points = draw_line(axes, integrator.name, [(run.seconds, getattr(run, quantity)) for run in stretch],
+                           color=colour, linewidth=1 if framed else 0.6, markersize=2.2,
                            marker="o" if framed or len(stretch) == 1 else None)
         lines += [points] if points else []
     return integrator, lines
@@ -139,7 +136,10 @@ def drawn_integrators(study, problem):
 
 
 def envelope(lines, least, in_a_decade=8):
-    """Returns the least seconds in which one of some lines has an error or a smaller one, interpolated along them."""
+    """Returns the least seconds in which one of some lines has an error or a smaller one, interpolated along them.
+
+    It ends where the cheapest line is at its floor and only dearer ones go on.
+    """
     points, best = [], math.inf
     for step in range(round(-math.log10(least)) * in_a_decade, -1, -1):
         level = -step / in_a_decade
@@ -149,7 +149,9 @@ def envelope(lines, least, in_a_decade=8):
                                 for (x, y), (next_x, next_y) in zip(logs, logs[1:]) if y >= level >= next_y),
                         *(x for x, y in logs[:1] if y <= level)))
         points += [(10**best, 10**level)] if best < math.inf else []
-    return points
+    ends = [index for index, ((dearer, error), (cheaper, _)) in enumerate(zip(points, points[1:]), 1)
+            if error < NEAR_ROUNDING and dearer > LEAP * cheaper]
+    return points[max(ends, default=0):]
 
 
 # ---- the same step at every n
@@ -165,8 +167,8 @@ def error_against_n(study):
         axes.set_ylim(LEAST_ERROR, 2)
     at_step.set(title=f"at h = {TABLE1_STEP}", xlabel="n", ylabel=ERROR_LABEL)
     at_step.set_xticks([problem.n for problem in problems], [str(problem.n) for problem in problems])
-    for axes, suffix, title in zip(against_norm, ("", FRAME), ("every h and n, not in the frame", "every h and n, in the frame")):
-        axes.set(title=title, xlabel="h‖B(W₀)‖₂")
+    for axes, suffix, which in zip(against_norm, ("", FRAME), ("not in", "in")):
+        axes.set(title=f"every h and n, {which} the frame", xlabel="h‖B(W₀)‖₂")
         for name in (f"{each}{suffix}" for each in names if f"{each}{suffix}" in study.integrators):
             colour = METHODS[method_name(study.integrators[name])][0]
             filled = {"color": colour, "marker": "o", "linestyle": "-" if suffix else "--",
@@ -180,7 +182,8 @@ def error_against_n(study):
                               color=colour, linewidth=0.6 + 0.5 * index)
     key(figure, [*(Line2D([], [], color=METHODS[method_name(study.integrators[name])][0],
                           label=method_name(study.integrators[name])) for name in names),
-                 Line2D([], [], color="0.3", linestyle="--", marker="o", markerfacecolor="white", label="not in the frame"),
+                 Line2D([], [], color="0.3", linestyle="--", marker="o", markerfacecolor="white",
+                        label="not in the frame"),
                  Line2D([], [], color="0.3", marker="o", label="in the frame; thicker: larger n")], 2)
     return figure
 
@@ -257,8 +260,9 @@ def table1_accuracy(published, fast):
                       for key in cells if (key.n, key.stages) == (n, s))
         axes.plot(*zip(*same), color="0.45", linestyle=":", zorder=1, label="_same answer")
         axes.annotate(f"n = {n}, s = {s}", same[-1], xytext=(10, -4), textcoords="offset points")
-    key(figure, [*formulation_handles(), Line2D([], [], color="0.3", marker="o", markerfacecolor="none", linestyle="none",
-                                                label="published form"),
+    key(figure, [*formulation_handles(),
+                 Line2D([], [], color="0.3", marker="o", markerfacecolor="none", linestyle="none",
+                        label="published form"),
                  Line2D([], [], color="0.3", marker="o", linestyle="none", label="fast form")])
     return figure
 

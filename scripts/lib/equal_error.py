@@ -1,14 +1,14 @@
 """Compares methods at equal error: costs are interpolated along the lines of the study of accuracy.
 
-A ratio comes with its spread: from fastest over slowest repetitions to slowest over fastest. Best forms are compared, with
-the co-rotating frame wherever it is the cheaper.
+A ratio comes with its spread: from fastest over slowest repetitions to slowest over fastest. Best forms are compared,
+with the co-rotating frame wherever it is the cheaper.
 """
 
 import statistics
 from typing import NamedTuple
 
 from accuracy_lines import FAST, interpolated
-from integrator_names import frameless, gauss_stages
+from integrator_names import frameless, gauss_stages, in_frame
 
 EXPONENTS = range(-2, -9, -1)
 # Geometric means are over these errors. Larger ones are often those of the longest step that works.
@@ -37,7 +37,7 @@ def keeping(study, structure):
 
 
 def forms_of(study, *methods):
-    """Returns the names of integrators that are one of these methods, in the frame and not; "gauss" is all its forms."""
+    """Returns the names of the integrators of these methods, in the frame and not; "gauss" is all its forms."""
     return [name for name in study.integrators
             if frameless(name) in methods or ("gauss" in methods and gauss_stages(frameless(name)))]
 
@@ -69,7 +69,7 @@ def ratio_of(first, second):
 
 
 def ratios(study, problems, first, second, solvers=(FAST, FAST), exponents=MEAN_EXPONENTS):
-    """Returns the Ratio of the cheapest of `first` to that of `second`, by (problem, exponent), where both have the error."""
+    """Returns the Ratio of the cheapest of `first` to that of `second`, by (problem, exponent) that both have."""
     found = {}
     for problem in problems:
         for exponent in exponents:
@@ -93,12 +93,13 @@ def means_by_problem(found):
 
 def prices(study, problems):
     """Returns the Ratios of the best Gauss form to the best form of RKMK4 and of RK4."""
-    return {other: ratios(study, problems, forms_of(study, "gauss"), forms_of(study, other)) for other in ("rkmk4", "rk4")}
+    return {other: ratios(study, problems, forms_of(study, "gauss"), forms_of(study, other))
+            for other in ("rkmk4", "rk4")}
 
 
 def frame_gains(study, problems):
     """Returns the Ratios of each integrator to its variant in the co-rotating frame, by its name."""
-    pairs = {frameless(name): name for name in study.integrators if frameless(name) != name}
+    pairs = {frameless(name): name for name in study.integrators if in_frame(name)}
     return {name: ratios(study, problems, [name], [framed]) for name, framed in pairs.items()}
 
 

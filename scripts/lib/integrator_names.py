@@ -25,9 +25,6 @@ def gauss_stages(name):
     return int(match[1]) if match else None
 
 
-FRAME = "_frame"  # ends the name of the variant in the co-rotating frame
-
-
 def frameless(name):
     """Returns the name of the integrator without the co-rotating frame."""
     return name.removesuffix(FRAME)

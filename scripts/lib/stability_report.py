@@ -120,7 +120,8 @@ def energy_sentence(runs):
                 run = runs.at(scene, n, share, name)
                 if run and run.survived:
                     worst = max((value for _, value in run.series("energy_error")), default=0.0)
-                    kept = "the Lie–Poisson structure" if each.lie_poisson else "the spectrum only" if each.isospectral else None
+                    kept = ("the Lie–Poisson structure" if each.lie_poisson else
+                            "the spectrum only" if each.isospectral else None)
                     found.setdefault(kept, []).append(worst)
     parts = [f"{scientific(min(worst))} to {scientific(max(worst))} for methods that keep {kept}"
              for kept, worst in found.items() if kept]

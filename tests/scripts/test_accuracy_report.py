@@ -21,7 +21,8 @@ def report(document):
 class Tables(unittest.TestCase):
     def test_what_a_change_of_a_run_does(self):
         for run, change, before, after in (
-                (("rk4", 17, 5), {"beyond_limit": True}, "n = 17 +fast +group1 1.00 diverged\n", "n = 17 .*; rk4 1.00 beyond its"),
+                (("rk4", 17, 5), {"beyond_limit": True}, "n = 17 +fast +group1 1.00 diverged\n",
+                 "n = 17 .*; rk4 1.00 beyond its"),
                 (("rkmk4", 17, 50), {"error": 3.3e-3}, "rkmk4 +1.0e-7 +1.0e-7", "rkmk4 +3.3e-3 +1.0e-7")):
             with self.subTest(change=change):
                 document = study_document()
@@ -44,7 +45,7 @@ class Tables(unittest.TestCase):
         self.assertRegex(text, r"What the fast forms buy[^*]*group2 +4 +4\n")
 
     def test_equal_care(self):
-        # 100 steps of group2 have an error of 6.3e-7, 400 equivalent products and 0.4 s; the rate is 2e9 / 33^3 = 55,653.
+        # 100 steps of group2 have an error of 6.3e-7, 400 equivalent products, 0.4 s; the rate is 2e9 / 33^3 = 55,653.
         self.assertRegex(report(study_document()), r"group2 +0\.0500 +6\.3e-7 +0\.400 +400 +1\.80 % +4\.00 +predictor")
 
     def test_a_study_of_one_problem_without_tolerances_makes_a_report(self):
@@ -73,7 +74,8 @@ class Claims(unittest.TestCase):
 
     def test_equal_tolerance_is_compared_at_the_usual_one(self):
         document = study_document()
-        self.assertIn("tolerance of the fixed-point", accuracy_claims.tolerance_title(accuracy_of(document)))  # no algebra
+        # Without algebra there is nothing to compare.
+        self.assertIn("tolerance of the fixed-point", accuracy_claims.tolerance_title(accuracy_of(document)))
         group = next(run for run in document["tolerance_runs"] if run["tolerance"] == 1e-13)
         document["integrators"].append({**document["integrators"][1], "name": "algebra1"})
         document["tolerance_runs"].append({**group, "integrator": "algebra1", "spectrum_error": 1e-16})

@@ -10,7 +10,8 @@ import unittest
 import programs
 from drawing import PYTHON, DrawingTest, finite_points, lines_of
 from programs import snapshot
-from study_documents import INTEGRATORS, STEPS, UNCERTAINTY, accuracy_of, run_of, small_study, study_document, write_study
+from study_documents import (INTEGRATORS, STEPS, UNCERTAINTY, accuracy_of, run_of, small_study, study_document,
+                             write_study)
 from test_reproduce import raw_file
 
 from benchmark_json import read_run
@@ -78,7 +79,7 @@ class Files(AccuracyTest):
 
 class WhatIsDrawn(AccuracyTest):
     def stretches(self, document, name="rkmk4"):
-        """Returns the lines of an integrator in the panel of the smooth scene at n = 17, by the steps of their points."""
+        """Returns the lines of an integrator in the panel of n = 17, smooth scene, by the steps of their points."""
         (panel,) = self.panels("charts", "error_against_time", accuracy_of(document))["smooth, T = 5, n = 17"]
         seconds = INTEGRATORS[name][-1]
         return [[round(x / seconds) for x, _ in line.get_xydata()] for line in panel.lines if line.get_label() == name]
@@ -108,7 +109,7 @@ class WhatIsDrawn(AccuracyTest):
             self.assertAlmostEqual(seconds, 5e-3 * max(1, (1e-3 / error) ** 0.25))
         best = [line for name in ("group1", "group2", "group2_frame") for line in lines[name]]
         # Its levels are 8 a decade: within a factor 1.34 above each point there is one that is no dearer.
-        self.assertTrue(all(any(x <= 1.0001 * seconds and error / 1.0001 <= y <= 1.34 * error for x, y in lines["poisson"])
+        self.assertTrue(all(any(x <= 1.0001 * seconds and error <= 1.0001 * y <= 1.34 * error for x, y in lines["poisson"])
                             for seconds, error in best if error < 0.7))
 
     def test_other_problems_energy_and_size(self):
@@ -134,9 +135,10 @@ class WhatIsDrawn(AccuracyTest):
                     for table in ("table1", "table2")]
             return lines_of(self.panels("charts", "table1_accuracy", *runs)[""][0])
 
-        self.assertEqual(set(lines()), {f"{each}{s}, n = {n}, {form}" for each in programs.FORMULATIONS for s in (1, 2, 3)
-                                        for n in (17, 33) for form in ("published", "fast")})
-        ((before, error),), ((after, same),) = (lines()[f"cotangent2, n = 33, {form}"] for form in ("published", "fast"))
+        self.assertEqual(set(lines()), {f"{each}{s}, n = {n}, {form}" for each in programs.FORMULATIONS
+                                        for s in (1, 2, 3) for n in (17, 33) for form in ("published", "fast")})
+        ((before, error),), ((after, same),) = (lines()[f"cotangent2, n = 33, {form}"]
+                                                for form in ("published", "fast"))
         self.assertAlmostEqual(error, 1e-6)
         self.assertEqual(same, error)
         self.assertGreater(before, after)
