@@ -7,6 +7,12 @@ from benchmark_json import FORMULATIONS
 # A row for each s, a column for each formulation.
 TABLE1_CELLS = tuple(f"{formulation}{s}" for s in (1, 2, 3) for formulation in FORMULATIONS)
 
+FRAME = "_frame"  # ends the name of an integrator in the co-rotating frame
+
+
+def in_frame(name):
+    return name.endswith(FRAME)
+
 
 def others(names):
     """Returns the names beside those of Table 1."""

@@ -28,6 +28,7 @@ import chart_python
 from benchmark_json import UnusableFile, one_line
 from command_line import OneLineParser, whole_number
 from document import replace_file
+from integrator_names import in_frame
 from study_file import Integrator
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
@@ -85,14 +86,18 @@ def address(value):
     return value
 
 
-def entries(names):
-    """Returns the module's records of these integrators, or of all for None. Throws Stop for an unknown name."""
+def entries(names, frames=False):
+    """Returns the module's records of these integrators. Throws Stop for an unknown name.
+
+    None stands for all; for those in the co-rotating frame only where `frames` says so, since each doubles a study.
+    """
     import isosyrk
     known = {each.name: each for each in isosyrk.integrators()}
     for name in names or ():
         if name not in known:
             raise Stop(f"--integrator {one_line(name)!r}: must be one of {', '.join(known)}")
-    return [known[name] for name in dict.fromkeys(names or known)]
+    listed = (name for name in known if frames or not in_frame(name))
+    return [known[name] for name in dict.fromkeys(names or listed)]
 
 
 def record_of(entry):

@@ -14,6 +14,7 @@ from study_file import CONVERGED, LARGEST, UNSTABLE
 MAX_SWEEPS = 400  # tells a slow iteration from one that fails without the cost of Table 1's thousand
 GRID = [2.0 ** (k / 2) for k in range(-6, 8)]  # h‖B(W₀)‖₂ from 1/8 to 11.3
 CLOSE = 1.02  # bisection ends when the failing step is at most this many times the working one
+NEAR = 1.1  # where two trials of bisection must do
 
 # Losses that a trial does not survive. What is promised to be isospectral is held to 1e-8, far more than a tolerance of
 # 1e-13 leaves in a few hundred steps; other methods, to a tenth of the largest eigenvalue, which is 1. Every method
@@ -22,10 +23,10 @@ PROMISED_LOSS, SPECTRUM_LOSS, ENERGY_LOSS = 1e-8, 0.1, 1.0
 
 
 class Setting:
-    """A scene at one n, with what step sizes are told by."""
+    """A scene, with what step sizes are told by."""
 
-    def __init__(self, scene, n):
-        self.scene = isosyrk.scene(scene, n=n)
+    def __init__(self, scene):
+        self.scene = scene
         self.norm_B, self.norm_ad_B = self.scene.generator_norms()
         self.initial_energy = self.scene.energy(self.scene.initial)
 
@@ -92,23 +93,42 @@ def invariants_lost(errors, isospectral):
     return not all(errors[name] <= most for name, most in allowed.items())  # so that NaN is a loss
 
 
-def find_edge(setting, name, solver="published"):
-    """Returns the trials of a listed integrator over the grid, and (works, fails) around the first failure above a
-    success, bisected to 2 %; None in its place if there is no such failure."""
+def trial_of(setting, name, solver):
+    """Returns a function that tries a listed integrator with an h‖B(W₀)‖₂."""
     (kept,) = study.entries([name])
     integrator = setting.integrator(name, solver)
     steps = trial_steps(setting.scene.n, kept.explicit)
+    return lambda h_norm_B: attempt(setting, integrator, kept.isospectral, h_norm_B, steps)
 
-    def tried(h_norm_B):
-        return attempt(setting, integrator, kept.isospectral, h_norm_B, steps)
 
+def find_edge(setting, name, solver="published"):
+    """Returns the trials of a listed integrator over the grid, and (works, fails) around the first failure above a
+    success, bisected to 2 %; None in its place if there is no such failure."""
+    tried = trial_of(setting, name, solver)
     trials = [tried(h_norm_B) for h_norm_B in GRID]
     bracket = next(((first, second) for first, second in zip(trials, trials[1:]) if works(first) and not works(second)),
                    None)
-    while bracket and bracket[1]["h_norm_B"] > CLOSE * bracket[0]["h_norm_B"]:
-        middle = tried(math.sqrt(bracket[0]["h_norm_B"] * bracket[1]["h_norm_B"]))
-        bracket = (middle, bracket[1]) if works(middle) else (bracket[0], middle)
-    return trials, bracket
+    return trials, bracket and narrowed(tried, *bracket, CLOSE)
+
+
+def narrowed(tried, inside, outside, close):
+    """Returns the trials that work and fail, bisected until the steps differ by the factor `close` at most."""
+    while outside["h_norm_B"] > close * inside["h_norm_B"]:
+        middle = tried(math.sqrt(inside["h_norm_B"] * outside["h_norm_B"]))
+        inside, outside = (middle, outside) if works(middle) else (inside, middle)
+    return inside, outside
+
+
+def safe_step(setting, name, solver):
+    """Returns the largest h‖B(W₀)‖₂ up to which all trials work, to NEAR; None if the first fails."""
+    tried = trial_of(setting, name, solver)
+    inside = None
+    for h_norm_B in GRID:
+        trial = tried(h_norm_B)
+        if not works(trial):
+            return inside and narrowed(tried, inside, trial, NEAR)[0]["h_norm_B"]
+        inside = trial
+    return inside["h_norm_B"]
 
 
 def works(trial):

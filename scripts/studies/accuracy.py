@@ -1,16 +1,19 @@
 #!/usr/bin/env python3
 """Runs every integrator over step sizes, and the formulations over tolerances, and writes error and cost of each run.
 
-A line is one integrator at one n. Its runs solve the smooth scene to T with more and more steps (as many as in Table 1
-at least), until the error no longer falls, or a run took enough work and the slope of the line has settled. First every
-run is made once and looked at; then all are timed, in turns, so that a slow minute of the machine falls on all alike.
-Counts and errors are those of OpenBLAS's products, times those of the backend that was the faster at the start: counts
-that followed the clock would differ from machine to machine.
+A line is one integrator on one problem: a scene, n and a time. Its runs take more and more steps (as many as in Table 1
+at least), until the error no longer falls, or a run took enough work. Every integrator runs by its fast form; the cells
+of Table 1 by their published forms too, to T = 5 of the smooth scene. First every run is made once and looked at; then
+all are timed, in turns, so that a slow minute of the machine falls on all alike. Counts and errors of published forms
+are those of OpenBLAS's products, times those of the backend that was the faster at the start: counts that followed the
+clock would differ from machine to machine.
 """
 
 import functools
 import math
 import os
+import re
+import statistics
 import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.dirname(os.path.realpath(__file__))), "lib"))
@@ -22,44 +25,58 @@ if __name__ == "__main__":
     study.require_module(PROGRAM)
 
 import isosyrk
+import problems
 import study_file
-from accuracy_lines import NEAR_ROUNDING, SCHEMA, STILL_FALLING, Reference, Run, Settings
+import trials
+from accuracy_lines import (FAST, FLOOR_MARGIN, NEAR_ROUNDING, PUBLISHED, SCHEMA, STILL_FALLING, TABLE1_STEP, Limit,
+                            Problem, Rate, Reference, Run, Settings)
 from command_line import whole_number
-from integrator_names import TABLE1_CELLS
-from references import read_reference
+from integrator_names import TABLE1_CELLS, in_frame
 from study_file import CONVERGED, UNSTABLE
 
-SIZES, QUICK_SIZES = (17, 33, 65, 129), (17, 33)
 REFERENCES = os.path.join(study.ROOT, "results", "recorded", "references")
 
-# About a factor √2 apart, with Table 1's 50 among them.
-TABLE1_STEPS = 50
-STEPS = (5, 7, 10, 14, 20, 28, 35, 50, 70, 100, 140, 200, 280, 400, 560, 800, 1120, 1600, 2240, 3200, 4480, 6400)
+# Whose answers other integrators give too, at the cost of another formulation, or which no comparison needs: these run
+# on the main problem only, the one of Table 1.
+MAIN_ONLY = re.compile(r"(cotangent[0-9]+|algebra[23]|group[178]|direct1|suzuki4)(_frame)?")
 
-# A line that has settled ends with the first run, of at least Table 1's steps, that takes as much work: floating-point
-# operations of its products, as many as take 0.2, 0.5, 1.4 and 7 s on an AMD EPYC with AVX2.
-ENOUGH_WORK = ((17, 3.5e9), (33, 15e9), (65, 52e9), (math.inf, 292e9))
-PATIENCE = 2.0  # one that has not settled ends with the first run of so many times the work
-SETTLED = 0.1  # change of the slope
+# Steps to T = 5: about a factor √2 apart, with Table 1's 50 among them. Published forms are compared with, not chosen.
+UNIT = 5.0
+STEPS = (2, 3, 5, 7, 10, 14, 20, 28, 35, 50, 70, 100, 140, 200, 280, 400, 560, 800, 1120, 1600, 2240, 3200, 4480,
+         6400)
+PUBLISHED_STEPS = (25, 50, 100, 200, 400, 800)
+
+# A line ends with an error that is good enough, but has Table 1's step too, or with the first run, of that step or a
+# shorter one, that takes so much work: floating-point operations of its products. A core does some 5e10 a second.
+GOOD_ENOUGH = 1e-11
+ENOUGH_WORK = ((17, 2e9), (33, 8e9), (65, 20e9), (129, 50e9), (math.inf, 150e9))
+ENOUGH_TIMES = {(FAST, 5.0): 1, (FAST, 50.0): 2.5, (PUBLISHED, 5.0): 4}  # as many times that
+LOOKS = 50  # at the energy in a run, at least while there are as many steps
 LOST_SPECTRUM = 0.1  # of the largest eigenvalue, which is 1: such a run has lost what it should keep, and is unstable
 
 TOLERANCE = 1e-13
 TOLERANCES = tuple(10.0**-exponent for exponent in range(4, 16))
 # The tolerances are not varied beyond, where that would take as long as all else.
 LARGEST_TOLERANCE_SIZE = 65
+RATES = 5  # measurements of a product rate, of which the median counts
 
 
-# ---- untimed: a line, or the tolerances of one cell
+# ---- untimed: a line, the tolerances of one cell, or a largest safe step
 
 
 def draw_line(job):
-    """Returns the runs of the line of a job {"n", "integrator", "references"}, as fields of Run."""
+    """Returns the runs of the line of a job, as fields of Run."""
     setting = Setting(job)
     method = setting.method(TOLERANCE)
     runs = []
-    for steps in STEPS:
-        runs.append(setting.look(method, steps, TOLERANCE)[0])
-        if steps >= TABLE1_STEPS and (at_floor(runs, setting.uncertainty) or took_enough(runs)):
+    at_end = False
+    for steps_of_unit in STEPS if job["solver"] == FAST else PUBLISHED_STEPS:
+        as_in_table1 = steps_of_unit >= UNIT / TABLE1_STEP
+        if at_end and not as_in_table1:
+            continue
+        runs.append(setting.look(method, round(steps_of_unit * job["time"] / UNIT), TOLERANCE)[0])
+        at_end = at_end or at_floor(runs, setting.uncertainty)
+        if as_in_table1 and (at_end or took_enough(runs[-1])):
             break
     return runs
 
@@ -67,98 +84,108 @@ def draw_line(job):
 def vary_tolerance(job):
     """Returns the runs of one cell of Table 1 at each tolerance, from loose to tight."""
     setting = Setting(job)
-    runs, states = zip(*(setting.look(setting.method(tolerance), TABLE1_STEPS, tolerance) for tolerance in TOLERANCES))
+    steps = round(job["time"] / TABLE1_STEP)
+    runs, states = zip(*(setting.look(setting.method(tolerance), steps, tolerance) for tolerance in TOLERANCES))
     tightest = next((W for W in reversed(states) if W is not None), None)
     return [{**run, "solver_error": None if W is None else isosyrk.relative_error(W, tightest)}
             for run, W in zip(runs, states)]
 
 
-class Setting:
-    """The scene of a job, its reference solution, and one integrator."""
+def find_limit(job):
+    """Returns the limit of an integrator in a scene, as fields of Limit."""
+    setting = trials.Setting(scene_of(*problem_of(job), job["references"]))
+    return {**{name: job[name] for name in Limit._fields if name in job},
+            "h_norm_B": trials.safe_step(setting, job["integrator"], job["solver"])}
+
+
+def problem_of(job):
+    return Problem(*(job[name] for name in Problem._fields))
+
+
+@functools.lru_cache(maxsize=1)
+def scene_of(scene, time, n, folder):
+    return problems.scene_of(Problem(scene, time, n), folder)
+
+
+class Setting(trials.Setting):
+    """The problem of a job, its reference solution, and one integrator."""
 
     def __init__(self, job):
-        self.scene = isosyrk.scene("smooth", n=job["n"])
-        self.energy = self.scene.energy(self.scene.initial)
-        self.norm_B, self.norm_ad_B = self.scene.generator_norms()
-        self.reference, record = read_reference(job["references"], job["n"])
+        self.problem, self.solver = problem_of(job), job["solver"]
+        super().__init__(scene_of(*self.problem, job["references"]))
+        self.reference, record = problems.reference_of(self.problem, job["references"])
         self.uncertainty = record["uncertainty"]
         (self.entry,) = study.entries([job["integrator"]])
+        _, self.own_norm_ad_B = self.scene.generator_norms(co_rotating=in_frame(self.entry.name))
 
     def method(self, tolerance):
-        return isosyrk.integrator(self.scene, self.entry.name, tolerance=tolerance)
+        return isosyrk.integrator(self.scene, self.entry.name, solver=self.solver, tolerance=tolerance)
 
     def look(self, method, steps, tolerance):
         """Makes one run, and returns its fields and W(T), which is None if it did not come to a usable end."""
-        h = self.scene.time / steps
+        h = self.problem.time / steps
         energy_error = 0.0
 
         def watch(_step, W, _report):
             nonlocal energy_error
-            energy_error = max(energy_error, abs(self.scene.energy(W) / self.energy - 1))
+            energy_error = max(energy_error, self.energy_error(W))
 
+        initial = self.scene.initial
         try:
-            W, report = method.run(self.scene.initial, h, steps, observe=watch)
-            status = CONVERGED if isosyrk.spectrum_error(W, self.scene.initial) <= LOST_SPECTRUM else UNSTABLE
+            W, report = method.run(initial, h, steps, observe=watch, every=math.ceil(steps / LOOKS))
+            status = CONVERGED if isosyrk.spectrum_error(W, initial) <= LOST_SPECTRUM else UNSTABLE
         except isosyrk.SolverError as failure:
             W, report, status = None, failure.report, failure.status
         found = dict.fromkeys(Run._fields)
-        found.update(integrator=self.entry.name, n=self.scene.n, steps=steps, step=h, tolerance=tolerance,
-                     status=status, h_norm_B=h * self.norm_B, h_norm_ad_B=h * self.norm_ad_B,
-                     beyond_limit=h * self.norm_ad_B > self.entry.stability_limit, sweeps=report.sweeps,
-                     products=report.products, poisson_solves=report.poisson_solves, cpu_seconds=[])
+        found.update(self.problem._asdict(), integrator=self.entry.name, solver=self.solver, steps=steps, step=h,
+                     tolerance=tolerance, status=status, h_norm_B=h * self.norm_B,
+                     beyond_limit=h * self.own_norm_ad_B > self.entry.stability_limit, sweeps=report.sweeps,
+                     products=report.products, equivalent_products=report.equivalent_products,
+                     poisson_solves=report.poisson_solves, cpu_seconds=[])
         if status != CONVERGED:
             return found, None
-        initial = self.scene.initial
-        found.update(error=isosyrk.relative_error(W, self.reference), energy_error=energy_error,
-                     spectrum_error=isosyrk.spectrum_error(W, initial), skew_defect=isosyrk.skew_defect(W),
+        found.update(error=isosyrk.relative_error(W, self.reference), **self.errors(W),
+                     energy_error=max(energy_error, self.energy_error(W)),
                      casimir_errors=list(isosyrk.casimir_errors(W, initial)),
                      angular_momentum_error=isosyrk.angular_momentum_error(W, initial))
         return found, W
 
 
 def at_floor(runs, uncertainty):
-    """Tells whether the reference or rounding hides the error of the last run."""
+    """Tells whether the error of the last run is good enough, or hidden by the reference or by rounding."""
     error, before = runs[-1]["error"], runs[-2]["error"] if len(runs) > 1 else None
     if error is None:
         return False
-    return error < 2 * uncertainty or (before is not None and before < NEAR_ROUNDING and error > STILL_FALLING * before)
+    return (error < max(GOOD_ENOUGH, FLOOR_MARGIN * uncertainty)
+            or (before is not None and before < NEAR_ROUNDING and error > STILL_FALLING * before))
 
 
-def took_enough(runs):
-    """Tells whether the last run took the work that ends a line."""
-    last = runs[-1]
-    enough = next(work for n, work in ENOUGH_WORK if last["n"] <= n)
-    work = 8 * last["n"]**3 * last["products"]
-    return last["error"] is not None and work >= (enough if has_settled(runs) else PATIENCE * enough)
-
-
-def has_settled(runs):
-    """Tells whether the slope at the end of the line no longer changes, whatever it is."""
-    if len(runs) < 3 or any(run["error"] is None for run in runs[-3:]):
-        return False
-    first, second, third = runs[-3:]
-    return abs(slope(second, third) - slope(first, second)) < SETTLED
-
-
-def slope(coarse, fine):
-    """Returns log(error ratio) / log(step ratio): the order, once steps are small."""
-    return math.log(coarse["error"] / fine["error"]) / math.log(fine["steps"] / coarse["steps"])
+def took_enough(run):
+    """Tells whether a run took the work that ends a line."""
+    enough = next(work for n, work in ENOUGH_WORK if run["n"] <= n) * ENOUGH_TIMES[run["solver"], run["time"]]
+    return run["error"] is not None and 8 * run["n"]**3 * run["equivalent_products"] >= enough
 
 
 # ---- timed
 
 
-@functools.lru_cache(maxsize=None)
-def timed_method(n, integrator, tolerance, products):
-    scene = isosyrk.scene("smooth", n=n)
-    return scene, isosyrk.integrator(scene, integrator, tolerance=tolerance, products=products)
+def time_one(point, folder):
+    """Returns the CPU seconds of a run [scene, time, n, integrator, solver, tolerance, products, steps], as the mean of
+    a few."""
+    scene, time, n, integrator, solver, tolerance, products, steps = point
+    setting = scene_of(scene, time, n, folder)
+    method = isosyrk.integrator(setting, integrator, solver=solver, tolerance=tolerance,
+                                **({"products": products} if solver == PUBLISHED else {}))
+    return study.seconds_of(method, setting.initial, time / steps, steps)
 
 
-def time_one(point):
-    """Returns the CPU seconds of a run [n, integrator, tolerance, products, steps], as the mean of a few."""
-    *what, steps = point
-    scene, method = timed_method(*what)
-    return study.seconds_of(method, scene.initial, scene.time / steps, steps)
+def rate_of(n, journal):
+    """Returns the product rates at n, as measured when the study began."""
+    key = study.key_of("rates", n)
+    if key not in journal.found:
+        journal.add(key, [statistics.median(isosyrk.product_rate(n, solver) for _ in range(RATES))
+                          for solver in (PUBLISHED, FAST)])
+    return Rate(n, *journal.found[key])
 
 
 # ---- the study
@@ -166,6 +193,7 @@ def time_one(point):
 
 def parse(arguments):
     parser = study.command_line(PROGRAM, __doc__.splitlines()[0])
+    problems.add_filters(parser)
     parser.add_argument("--references", metavar="FOLDER", default=REFERENCES,
                         help="what scripts/studies/references.py wrote (default: the recorded ones)")
     parser.add_argument("--repetitions", metavar="K", type=whole_number(1, 1000), default=3,
@@ -173,39 +201,60 @@ def parse(arguments):
     return parser.parse_args(arguments)
 
 
+def is_main(problem):
+    return (problem.scene, problem.time) == ("smooth", UNIT) and problem.n in problems.SIZES
+
+
+def lines_of(problem, names, all_of_them):
+    """Returns integrators and solvers of the lines of a problem."""
+    fast = [(name, FAST) for name in names if all_of_them or is_main(problem) or not MAIN_ONLY.fullmatch(name)]
+    return fast + [(name, PUBLISHED) for name in names if is_main(problem) and name in TABLE1_CELLS]
+
+
 def main(arguments):
     options = parse(arguments)
-    chosen = study.entries(options.integrator)
-    sizes = sorted(set(options.n or (QUICK_SIZES if options.quick else SIZES)))
-    references = [read_reference(options.references, n)[1] for n in sizes]
+    chosen = study.entries(options.integrator, frames=True)
+    wanted = problems.asked_for(options)
+    references = [reference_row(problem, problems.reference_of(problem, options.references)[1]) for problem in wanted]
+    for problem in wanted:
+        problems.scene_of(problem, options.references)  # so that initial data that cannot be used are told now
+    sizes = sorted({problem.n for problem in wanted})
     journal = study.Journal(PROGRAM, options, lambda: isosyrk.conditions(sizes=sizes))
+    rates = [rate_of(n, journal) for n in sizes]
 
-    def jobs(names, largest=math.inf):
-        return [{"n": n, "integrator": name, "references": os.path.realpath(options.references)}
-                for n in sizes if n <= largest for name in names]
-
-    names = [entry.name for entry in chosen]
-    lines = study.untimed(jobs(names), draw_line, journal, options, "lines")
-    cells = study.untimed(jobs([name for name in names if name in TABLE1_CELLS], LARGEST_TOLERANCE_SIZE),
+    folder = os.path.realpath(options.references)
+    jobs = [{**problem._asdict(), "integrator": name, "solver": solver, "references": folder}
+            for problem in sorted(wanted, key=lambda problem: (problem.n, problem.time))  # the longest last
+            for name, solver in lines_of(problem, [entry.name for entry in chosen], options.integrator is not None)]
+    by_scene = {(job["scene"], job["n"], job["integrator"], job["solver"]): job for job in reversed(jobs)}
+    limits = [Limit(**found) for found in study.untimed(list(by_scene.values())[::-1], find_limit, journal, options,
+                                                       "limits")]
+    lines = study.untimed(jobs, draw_line, journal, options, "lines")
+    cells = study.untimed([job for job in jobs if job["solver"] == PUBLISHED and job["n"] <= LARGEST_TOLERANCE_SIZE],
                           vary_tolerance, journal, options, "tolerances")
+
+    safe = {(limit.scene, limit.n, limit.integrator, limit.solver): limit.h_norm_B or 0.0 for limit in limits}
     runs, tolerance_runs = ([Run(**run) for each in found for run in each] for found in (lines, cells))
-    points = [[run.n, run.integrator, run.tolerance, journal.products(run.n), run.steps]
+    points = [[*run.problem, run.integrator, run.solver, run.tolerance,
+               journal.products(run.n) if run.solver == PUBLISHED else None, run.steps]
               for run in (*runs, *tolerance_runs) if run.usable]
-    seconds = iter(study.in_turns(points, options.repetitions, time_one, journal, "timings"))
+    seconds = iter(study.in_turns(points, options.repetitions, lambda point: time_one(point, folder), journal,
+                                  "timings"))
 
-    def timed(runs):
-        return [run._replace(cpu_seconds=next(seconds)) if run.usable else run for run in runs]
+    def completed(runs):
+        return [run._replace(
+            beyond_limit=run.beyond_limit or run.h_norm_B > safe[run.scene, run.n, run.integrator, run.solver],
+            cpu_seconds=next(seconds) if run.usable else ()) for run in runs]
 
-    settings = Settings("smooth", isosyrk.scene("smooth", n=sizes[0]).time)
-    study_file.write(options.out, SCHEMA, journal.context, settings, {
-        "references": [reference_of(each) for each in references], "integrators": list(map(study.record_of, chosen)),
-        "runs": timed(runs), "tolerance_runs": timed(tolerance_runs)})
+    study_file.write(options.out, SCHEMA, journal.context, Settings(options.quick), {
+        "references": references, "rates": rates, "integrators": list(map(study.record_of, chosen)), "limits": limits,
+        "runs": completed(runs), "tolerance_runs": completed(tolerance_runs)})
     journal.remove()
 
 
-def reference_of(record):
+def reference_row(problem, record):
     both = record["first"], record["second"]
-    return Reference(record["n"], record["uncertainty"], [run["integrator"] for run in both],
+    return Reference(*problem, record["uncertainty"], [run["integrator"] for run in both],
                      [run["steps"] for run in both])
 
 

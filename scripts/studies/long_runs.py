@@ -42,7 +42,7 @@ def sample_steps(steps):
 
 def carry_out(job):
     """Returns the runs of one integrator at each share, with the samples of each; none where no step works."""
-    setting = trials.Setting(SCENE, job["n"])
+    setting = trials.Setting(isosyrk.scene(SCENE, n=job["n"]))
     tried, bracket = trials.find_edge(setting, CONTROLS.get(job["integrator"], job["integrator"]))
     longest = bracket[0] if bracket else tried[-1]
     if not trials.works(longest):

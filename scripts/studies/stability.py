@@ -28,7 +28,7 @@ SIZES, QUICK_SIZES = (9, 17, 33, 65, 129, 257), (9, 17, 33)
 
 def draw(job):
     """Returns the map of one integrator in one setting: its edge, and its trials, as fields of their records."""
-    setting = trials.Setting(job["scene"], job["n"])
+    setting = trials.Setting(isosyrk.scene(job["scene"], n=job["n"]))
     tried, bracket = trials.find_edge(setting, job["integrator"], job["solver"])
     works, fails = bracket or ({}, {})
     place = {name: job[name] for name in ("scene", "n", "integrator")}
@@ -39,7 +39,7 @@ def draw(job):
 
 def described(scene, n):
     """Returns the row of a setting."""
-    setting = trials.Setting(scene, n)
+    setting = trials.Setting(isosyrk.scene(scene, n=n))
     return Setting(scene, n, setting.norm_B, setting.norm_ad_B, trials.trial_steps(n, True),
                    trials.trial_steps(n, False))
 

@@ -3,10 +3,12 @@
 import importlib.util
 import json
 import os
+import shutil
 import signal
 import sys
 import time
 import unittest
+from types import SimpleNamespace
 
 from programs import BUILD, HAS_MODULE, ROOT, FolderTest, end, environment, run, start, strict_json
 from study_documents import raw, study_document
@@ -14,11 +16,12 @@ from wrong_values import WRONG
 
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
 import study_file  # noqa: E402
-from accuracy_lines import SCHEMA, Settings, read_accuracy  # noqa: E402
+from accuracy_lines import FAST, PUBLISHED, SCHEMA, Problem, Settings, read_accuracy  # noqa: E402
 from benchmark_json import UnusableFile  # noqa: E402
 
 STUDIES = os.path.join(ROOT, "scripts", "studies")
 RECORDED = os.path.join(ROOT, "results", "recorded", "accuracy", "raw.json")
+REFERENCES = os.path.join(ROOT, "results", "recorded", "references")
 HAS_DASK = importlib.util.find_spec("distributed") is not None
 NO_ANSWER, INTERRUPTED, TERMINATED = 3, 130, 143
 
@@ -49,6 +52,40 @@ def main(arguments):
     seconds = study.in_turns([3, 4], 3, lambda point: point * 0.4, journal, "turns")
     print(squares, seconds, journal.context["timed_on"])
     journal.remove()
+
+@unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")
+class Problems(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        sys.path.insert(0, os.path.join(BUILD, "python"))
+        import isosyrk
+        import numpy
+        import problems
+        cls.isosyrk, cls.numpy, cls.problems = isosyrk, numpy, problems
+
+    def test_every_problem_has_a_recorded_solution(self):
+        listed = self.problems.asked_for(SimpleNamespace(n=None, quick=False, scene=None, time=None))
+        self.assertEqual(len(listed), 17)
+        for problem in listed:
+            with self.subTest(str(problem)):
+                scene = self.problems.scene_of(problem, REFERENCES)  # which checks the energies of a developed one
+                W, record = self.problems.reference_of(problem, REFERENCES)
+                self.assertLess(record["uncertainty"], self.problems.UNCERTAINTIES[problem.scene, problem.time])
+                # The flow keeps spectrum and energy, and moves.
+                self.assertLess(self.isosyrk.spectrum_error(W, scene.initial), 1e-12)
+                self.assertLess(abs(scene.energy(W) / scene.energy(scene.initial) - 1), 1e-11)
+                self.assertGreater(self.isosyrk.relative_error(W, scene.initial), 0.1)
+
+    def test_packing_loses_nothing_and_energies_belong_to_their_degrees(self):
+        for modes in ([(2, 1, 0.5, -0.3)], [(1, 0, 1.0, 0.0), (8, 8, 0.2, 0.1)]):
+            scene = self.isosyrk.scene(n=9, modes=modes)
+            W = scene.initial
+            self.assertTrue((self.problems.unpacked(self.problems.packed(W)) == W).all())
+            energies = self.problems.energies_by_degree(W)
+            self.assertAlmostEqual(sum(energies), scene.energy(W), delta=1e-14)
+            self.assertEqual({degree for degree, energy in enumerate(energies, 1) if energy > 1e-20},
+                             {degree for degree, *_ in modes})
+
 
 if __name__ == "__main__":
     study.run("squares", main, sys.argv[1:])
@@ -268,7 +305,8 @@ class Dask(SquaresTest):
 
 @unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")
 class AccuracyStudy(FolderTest):
-    ARGUMENTS = ("--n", "17", "--integrator", "group2", "rk4", "--repetitions", "2")
+    ARGUMENTS = ("--n", "17", "--scene", "smooth", "--time", "5", "--integrator", "group2", "rk4", "--repetitions", "2")
+    PROBLEM = Problem("smooth", 5.0, 17)
 
     def script(self, name, *arguments, **options):
         return run([sys.executable, "-B", os.path.join(STUDIES, name), *arguments], timeout=120,
@@ -279,26 +317,34 @@ class AccuracyStudy(FolderTest):
         self.assertEqual((done.returncode, done.stdout), (0, ""), done.stderr)
         return read_accuracy(self.path(name))
 
+    ASKED = ("--n", "17", "--scene", "smooth", "developed", "--time", "5")
+
     def references(self):
         folder = self.path("references")
-        done = self.script("references.py", "--out", folder, "--n", "17")
+        done = self.script("references.py", "--out", folder, *self.ASKED)
         self.assertEqual((done.returncode, done.stdout), (0, ""), done.stderr)
         return folder
 
     def test_counts_and_errors_are_those_of_the_recorded_study(self):
         found, recorded = self.study("raw.json"), read_accuracy(RECORDED)
-        self.assertEqual(list(found.integrators), ["group2", "rk4"])
-        for name in found.integrators:
+        self.assertEqual((list(found.integrators), found.problems()), (["group2", "rk4"], [self.PROBLEM]))
+        lines = [("group2", PUBLISHED), ("group2", FAST), ("rk4", FAST)]
+        self.assertEqual({(name, solver) for _, name, solver in found.lines}, set(lines))
+        for name, solver in lines:
             self.assertEqual(found.integrators[name], recorded.integrators[name])
-            here, there = ([(run.steps, run.status, run.beyond_limit) for run in study.line(name, 17)]
+            limits = [study.safe_step_limit("smooth", 17, name, solver) for study in (found, recorded)]
+            self.assertLess(abs(limits[0] / limits[1] - 1), 0.1)  # as closely as trials look
+            here, there = ([(run.steps, run.status, run.beyond_limit) for run in study.line(self.PROBLEM, name, solver)]
                            for study in (found, recorded))
             both = min(len(here), len(there))
             self.assertEqual(here[:both], there[:both])
             self.assertLessEqual(max(len(here), len(there)) - both, 1)  # rounding decides where a line is at its floor
+            for run in found.line(self.PROBLEM, name, solver):
+                self.assertTrue(run.beyond_limit or run.h_norm_B <= limits[0])
         tolerances = [run for run in recorded.tolerance_runs if (run.integrator, run.n) == ("group2", 17)]
         self.assertEqual([run.tolerance for run in found.tolerance_runs], [run.tolerance for run in tolerances])
-        for run_of, (here, there) in (*(("steps", pair) for name in found.integrators
-                                        for pair in zip(found.line(name, 17), recorded.line(name, 17))),
+        for run_of, (here, there) in (*(("steps", pair) for line in lines
+                                        for pair in zip(*(each.line(self.PROBLEM, *line) for each in (found, recorded)))),
                                       *(("tolerance", pair) for pair in zip(found.tolerance_runs, tolerances))):
             with self.subTest(integrator=here.integrator, by=run_of, steps=here.steps, tolerance=here.tolerance):
                 # Other kernels round otherwise, and an iteration may end a sweep later in a step or two; at tolerances
@@ -327,19 +373,58 @@ class AccuracyStudy(FolderTest):
         with open(listed, encoding="utf-8") as file:
             text = file.read()
         self.assertLess(strict_json(text)["references"][0]["uncertainty"], 1e-12)
-        kept = self.script("references.py", "--out", folder, "--n", "17")
-        self.assertIn("n = 17: kept", kept.stderr)
+        kept = self.script("references.py", "--out", folder, *self.ASKED)
+        self.assertEqual(kept.stderr.count("n = 17: kept"), 2)
         asked = ("--references", folder, "--out", self.path("raw.json"))
-        self.assert_refused(self.script("accuracy.py", *asked, "--n", "33"), "n = 33", "references.py --n 33")
+        self.assert_refused(self.script("accuracy.py", *asked, "--n", "33", "--time", "5"), "n = 33", "references.py --n 33")
         with open(listed, "w", encoding="utf-8") as file:
             file.write(text.replace('"scene": "smooth"', '"scene": "rough"'))
-        self.assert_refused(self.script("accuracy.py", *asked, "--n", "17"), "references.json", "scene")
+        self.assert_refused(self.script("accuracy.py", *asked, *self.ASKED), "references.json", "scene")
         self.assert_refused(self.script("accuracy.py", *asked, "--integrator", "euler"), "'euler'", "rkmk4")
         os.unlink(os.path.join(folder, "smooth_n17.npy"))
         self.write("references/references.json", text)
-        self.assert_refused(self.script("accuracy.py", *asked, "--n", "17"), "smooth_n17.npy", "cannot be read")
-        self.assertIn("n = 17: computed", self.script("references.py", "--out", folder, "--n", "17").stderr)
+        self.assert_refused(self.script("accuracy.py", *asked, *self.ASKED), "smooth_n17.npy", "cannot be read")
+        self.assertIn("n = 17: computed", self.script("references.py", "--out", folder, *self.ASKED).stderr)
         self.assert_refused(self.script("references.py", "--out", folder, "--integrator", "rk4"), "--integrator")
+        self.assert_refused(self.script("references.py", "--out", folder, "--n", "21", "--scene", "rough"), "no problem")
+        # Initial data of the developed scene that are not those whose energies are listed.
+        shutil.copy(os.path.join(folder, "developed_t5", "developed_n17.npy"),
+                    os.path.join(folder, "developed_t5", "initial_n17.npy"))
+        self.assert_refused(self.script("accuracy.py", *asked, *self.ASKED), "initial_n17.npy", "energies")
+
+
+@unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")
+class Problems(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        sys.path.insert(0, os.path.join(BUILD, "python"))
+        import isosyrk
+        import numpy
+        import problems
+        cls.isosyrk, cls.numpy, cls.problems = isosyrk, numpy, problems
+
+    def test_every_problem_has_a_recorded_solution(self):
+        listed = self.problems.asked_for(SimpleNamespace(n=None, quick=False, scene=None, time=None))
+        self.assertEqual(len(listed), 17)
+        for problem in listed:
+            with self.subTest(str(problem)):
+                scene = self.problems.scene_of(problem, REFERENCES)  # which checks the energies of a developed one
+                W, record = self.problems.reference_of(problem, REFERENCES)
+                self.assertLess(record["uncertainty"], self.problems.UNCERTAINTIES[problem.scene, problem.time])
+                # The flow keeps spectrum and energy, and moves.
+                self.assertLess(self.isosyrk.spectrum_error(W, scene.initial), 1e-12)
+                self.assertLess(abs(scene.energy(W) / scene.energy(scene.initial) - 1), 1e-11)
+                self.assertGreater(self.isosyrk.relative_error(W, scene.initial), 0.1)
+
+    def test_packing_loses_nothing_and_energies_belong_to_their_degrees(self):
+        for modes in ([(2, 1, 0.5, -0.3)], [(1, 0, 1.0, 0.0), (8, 8, 0.2, 0.1)]):
+            scene = self.isosyrk.scene(n=9, modes=modes)
+            W = scene.initial
+            self.assertTrue((self.problems.unpacked(self.problems.packed(W)) == W).all())
+            energies = self.problems.energies_by_degree(W)
+            self.assertAlmostEqual(sum(energies), scene.energy(W), delta=1e-14)
+            self.assertEqual({degree for degree, energy in enumerate(energies, 1) if energy > 1e-20},
+                             {degree for degree, *_ in modes})
 
 
 if __name__ == "__main__":
