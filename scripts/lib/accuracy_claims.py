@@ -188,9 +188,9 @@ def exponential_claim(study):
                        for test in (lambda each: each.most < 1, lambda each: each.least > 1))
     return ("Exponential or not.", f" At equal error `rkmk4` is cheaper than every Lie–Poisson method in {cheaper} of"
             f" {len(found)} comparisons over all problems, dearer than the cheapest in {dearer}; in the others the"
-            f" spreads overlap. Its time over theirs: {span([each.value for each in found.values()])}. It is explicit and"
-            " keeps no Lie–Poisson structure: implicit methods with an exponential, which the paper calls inefficient, are"
-            " untested.")
+            f" spreads overlap. Its time over theirs: {span([each.value for each in found.values()])}. It is explicit"
+            " and keeps no Lie–Poisson structure: implicit methods with an exponential, which the paper calls"
+            " inefficient, are untested.")
 
 
 def cheapest_orders(study, exponent):

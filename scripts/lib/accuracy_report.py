@@ -18,8 +18,8 @@ CARE_SIZE = 129  # ... at the largest n up to this
 
 WORK_PRECISION = ("A thin line is one integrator in its fast form (a Gauss method: group, or at order 2 algebra where a"
                   " step is cheaper), with dots in the co-rotating frame; it ends where the reference can no longer"
-                  f" tell its error ({FLOOR_MARGIN} times the uncertainty), where the error stops falling, or where runs"
-                  " take too long, and breaks at failures and limits. Thick: the cheapest with this error or a smaller"
+                  f" tell its error ({FLOOR_MARGIN} times the uncertainty), where the error stops falling, or where"
+                  " runs take too long, and breaks at failures and limits. Thick: the cheapest with this error or a smaller"
                   " one; it is upright above the longest step that works. All panels have equal decades.")
 CHARTS = (
     ("error_against_time", f"Error against CPU time, smooth scene, T = 5. {WORK_PRECISION}"),
@@ -119,8 +119,8 @@ def structures_section(study):
                            for other in best[1:])])
         blocks.append(rows)
     return [Heading("What a structure costs at equal error"),
-            Paragraph("The cheapest integrator, in its fast form, and its CPU seconds; marked: the cheapest of the row. †:"
-                      " its longest step that works errs less than asked. Ratios of seconds, with their spread."),
+            Paragraph("The cheapest integrator, in its fast form, and its CPU seconds; marked: the cheapest of the row."
+                      " †: its longest step that works errs less than asked. Ratios of seconds, with their spread."),
             Table(columns, blocks)]
 
 
@@ -155,8 +155,8 @@ def orders_section(study):
                            for each in best)])
         blocks.append(rows)
     return [Heading("Which order pays"),
-            Paragraph("CPU seconds at equal error of the cheapest form of the Gauss method of each order, in the frame or"
-                      f' not. "{MISSING}": no two neighbouring runs enclose the error.'),
+            Paragraph("CPU seconds at equal error of the cheapest form of the Gauss method of each order, in the frame"
+                      f' or not. "{MISSING}": no two neighbouring runs enclose the error.'),
             Table((Column("problem", align="left"), Column("error"), *(Column(f"order {2 * s}") for s in stages)),
                   blocks)]
 
@@ -196,8 +196,8 @@ def care_section(study):
         "step", "error", "CPU seconds", "equivalent products", "product share", "published over fast")),
                Column("what makes it fast", align="left"))
     return [Heading("Equal care"),
-            Paragraph(f"{problem}, the run nearest to {CARE_ERROR:g}. Product share: the time of its products, at the rate"
-                      " of products alone, over all its time; bands and triangles count as the part that they are."),
+            Paragraph(f"{problem}, the run nearest to {CARE_ERROR:g}. Product share: the time of its products, at the"
+                      " rate of products alone, over all its time; bands and triangles count as the part that they are."),
             plain_table(columns, rows)] if rows else []
 
 

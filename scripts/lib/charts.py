@@ -15,7 +15,7 @@ from integrator_names import FRAME, frameless, gauss_stages, in_frame, method_na
 ERROR_LABEL = "relative error of W(T)"
 SECONDS_LABEL = "CPU seconds"
 LEAST_ERROR, LEAST_ENERGY_ERROR = 1e-12, 1e-14  # where the axes end
-LEAP = 1.4  # in seconds, between two levels of an envelope: more than a line of order 2 rises by
+LEAP = 1.6  # in seconds, from one level of an envelope to the next: a line of order 2 rises by 10^(1/8)
 
 # One colour for each method, and a letter or number at the end of its line.
 METHODS = {**{f"Gauss, order {2 * s}": (colour, str(2 * s)) for s, colour in enumerate(
@@ -135,7 +135,7 @@ def drawn_integrators(study, problem):
     return [each for name, each in study.integrators.items() if chosen(name)]
 
 
-def envelope(lines, least, in_a_decade=8):
+def envelope(lines, least, in_a_decade=4):
     """Returns the least seconds in which one of some lines has an error or a smaller one, interpolated along them.
 
     It ends where the cheapest line is at its floor and only dearer ones go on.
