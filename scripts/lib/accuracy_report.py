@@ -93,35 +93,37 @@ def references_section(study):
 # ---- comparisons at equal error
 
 
-def cost_text(found, error):
-    if not found:
-        return MISSING
-    name, cost = found
-    return f"{name} {three_digits(cost.seconds)}" + (" †" if cost.coarse.error < error else "")
+def by_error(study, choices, more=(), ratios=lambda best: ()):
+    """Returns a table of the cheapest of each choice (by its heading, names of integrators) for each problem and error.
+
+    Marked: the cheapest of the row. Columns `more` show `ratios` of a row's (name, Cost), None where there is none.
+    """
+    columns = (Column("problem", align="left"), Column("error"), *(Column(each, align="left") for each in choices),
+               *map(Column, more))
+    blocks = []
+    for problem in study.problems():
+        rows = []
+        for error in (10.0**exponent for exponent in SHOWN_EXPONENTS):
+            best = [cheapest(study, problem, error, names, or_less=True) for names in choices.values()]
+            least = min((each[1].seconds for each in best if each), default=None)
+            texts = [each and f"{each[0]} {three_digits(each[1].seconds)}" + " †" * (each[1].coarse.error < error)
+                     for each in best]
+            rows.append([Entry("" if rows else str(problem)), Entry(f"{error:.0e}".replace("e-0", "e-")),
+                         *(Entry(text, each[1].seconds == least) if each else Entry(MISSING)
+                           for text, each in zip(texts, best)),
+                         *(Entry(str(ratio or MISSING)) for ratio in ratios(best))])
+        blocks.append(rows)
+    return Table(columns, blocks)
 
 
 def structures_section(study):
     """Shows the cheapest integrator of each structure kept at each error, and what the stronger structure costs."""
-    columns = (Column("problem", align="left"), Column("error"),
-               *(Column(f"keeps {kept}", align="left") for kept in STRUCTURES.values()),
-               Column("Lie–Poisson over spectrum"), Column("Lie–Poisson over neither"))
-    blocks = []
-    for problem in study.problems():
-        rows = []
-        for exponent in SHOWN_EXPONENTS:
-            best = [cheapest(study, problem, 10.0**exponent, keeping(study, structure), or_less=True)
-                    for structure in STRUCTURES]
-            least = min((each[1].seconds for each in best if each), default=None)
-            rows.append([Entry("" if rows else str(problem)), Entry(f"1e{exponent}"),
-                         *(Entry(cost_text(each, 10.0**exponent), bool(each) and each[1].seconds == least)
-                           for each in best),
-                         *(Entry(str(ratio_of(best[0][1], other[1])) if best[0] and other else MISSING)
-                           for other in best[1:])])
-        blocks.append(rows)
+    choices = {f"keeps {kept}": keeping(study, structure) for structure, kept in STRUCTURES.items()}
     return [Heading("What a structure costs at equal error"),
             Paragraph("The cheapest integrator, in its fast form, and its CPU seconds; marked: the cheapest of the row."
                       " †: its longest step that works errs less than asked. Ratios of seconds, with their spread."),
-            Table(columns, blocks)]
+            by_error(study, choices, ("Lie–Poisson over spectrum", "Lie–Poisson over neither"), lambda best: (
+                ratio_of(best[0][1], other[1]) if best[0] and other else None for other in best[1:]))]
 
 
 def prices_section(study):
@@ -142,23 +144,13 @@ def prices_section(study):
 
 def orders_section(study):
     """Shows the cheapest Gauss form of each order at each error, the cheapest order marked."""
-    stages = sorted({gauss_stages(name) for name in forms_of(study, "gauss") if gauss_stages(name)})
-    blocks = []
-    for problem in study.problems():
-        rows = []
-        for exponent in SHOWN_EXPONENTS:
-            best = [cheapest(study, problem, 10.0**exponent, [name for name in forms_of(study, "gauss")
-                                                              if gauss_stages(frameless(name)) == s]) for s in stages]
-            least = min((each[1].seconds for each in best if each), default=None)
-            rows.append([Entry("" if rows else str(problem)), Entry(f"1e{exponent}"),
-                         *(Entry(three_digits(each[1].seconds), each[1].seconds == least) if each else Entry(MISSING)
-                           for each in best)])
-        blocks.append(rows)
+    choices = {}
+    for name in forms_of(study, "gauss"):
+        choices.setdefault(f"order {2 * gauss_stages(frameless(name))}", []).append(name)
     return [Heading("Which order pays"),
-            Paragraph("CPU seconds at equal error of the cheapest form of the Gauss method of each order, in the frame"
-                      f' or not. "{MISSING}": no two neighbouring runs enclose the error.'),
-            Table((Column("problem", align="left"), Column("error"), *(Column(f"order {2 * s}") for s in stages)),
-                  blocks)]
+            Paragraph("The cheapest form of the Gauss method of each order, in the frame or not, and its CPU seconds, as"
+                      f' above. "{MISSING}": no two neighbouring runs enclose the error.'),
+            by_error(study, dict(sorted(choices.items(), key=lambda each: int(each[0].split()[1]))))]
 
 
 def gains_section(study):
