@@ -20,7 +20,7 @@ WORK_PRECISION = ("A thin line is one integrator in its fast form (a Gauss metho
                   " step is cheaper), with dots in the co-rotating frame; it ends where the reference can no longer"
                   f" tell its error ({FLOOR_MARGIN} times the uncertainty), where the error stops falling, or where"
                   " runs take too long, and breaks at failures and limits. Thick: the cheapest with this error or a smaller"
-                  " one; it is upright above the longest step that works. All panels have equal decades.")
+                  " one; it is upright above the longest step that ran. All panels have equal decades.")
 CHARTS = (
     ("error_against_time", f"Error against CPU time, smooth scene, T = 5. {WORK_PRECISION}"),
     ("error_against_time_others", "The same for the other problems."),
@@ -121,7 +121,7 @@ def structures_section(study):
     choices = {f"keeps {kept}": keeping(study, structure) for structure, kept in STRUCTURES.items()}
     return [Heading("What a structure costs at equal error"),
             Paragraph("The cheapest integrator, in its fast form, and its CPU seconds; marked: the cheapest of the row."
-                      " †: its longest step that works errs less than asked. Ratios of seconds, with their spread."),
+                      " †: its longest step that ran errs less than asked. Ratios of seconds, with their spread."),
             by_error(study, choices, ("Lie–Poisson over spectrum", "Lie–Poisson over neither"), lambda best: (
                 ratio_of(best[0][1], other[1]) if best[0] and other else None for other in best[1:]))]
 
