@@ -5,6 +5,7 @@ Nothing of the machine, the date or a user's settings enters a figure, so that t
 
 import io
 import re
+import textwrap
 
 import matplotlib.style
 from matplotlib.figure import Figure
@@ -13,9 +14,10 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 DOTS_PER_INCH = 120
 WIDTH = 1600 / DOTS_PER_INCH  # inches
-KEY_HEIGHT = 0.2  # inches
+KEY_HEIGHT = 0.21  # inches
+TITLE_CHARACTERS = 105  # a line
 METHOD_KEYS = 3
-SETTINGS = {"svg.hashsalt": "isosyrk", "svg.fonttype": "none", "font.size": 9.5, "axes.titlesize": 11,
+SETTINGS = {"svg.hashsalt": "isosyrk", "svg.fonttype": "none", "font.size": 10.5, "axes.titlesize": 12,
             "axes.titleweight": "bold", "axes.titlelocation": "left", "axes.grid": True, "grid.color": "0.9",
             "grid.linewidth": 0.6, "axes.axisbelow": True, "axes.spines.top": False, "axes.spines.right": False,
             "lines.markersize": 4, "lines.linewidth": 1.3, "legend.frameon": False, "legend.handlelength": 3,
@@ -51,13 +53,14 @@ def new_figure(title, rows, columns, panel_height, keys=1, row_gap=0.75, **subpl
 
     Nothing is laid out by matplotlib's solver, which does not always find the same places.
     """
-    left, right, head, foot, column_gap = 0.8, 0.15, 0.8, 0.7 + KEY_HEIGHT * keys, 0.75
+    lines = textwrap.wrap(title, TITLE_CHARACTERS)
+    left, right, head, foot, column_gap = 0.8, 0.15, 0.55 + 0.25 * len(lines), 0.7 + KEY_HEIGHT * keys, 0.75
     height = head + rows * panel_height + (rows - 1) * row_gap + foot
     figure = Figure(figsize=(WIDTH, height), dpi=DOTS_PER_INCH)
     panel_width = (WIDTH - left - right - (columns - 1) * column_gap) / columns
     figure.subplots_adjust(left=left / WIDTH, right=1 - right / WIDTH, top=1 - head / height, bottom=foot / height,
                            hspace=row_gap / panel_height, wspace=column_gap / panel_width)
-    figure.text(0.01, 1 - 0.15 / height, title, va="top", fontsize=14, fontweight="bold")
+    figure.text(0.01, 1 - 0.15 / height, "\n".join(lines), va="top", fontsize=14, fontweight="bold")
     return figure, figure.subplots(rows, columns, squeeze=False, **subplots)
 
 

@@ -1,37 +1,194 @@
-"""Draws a study of accuracy, and a run of Table 1, as charts: error against time and against the tolerance."""
+"""Draws a study of accuracy, and Tables 1 and 2, as charts. Titles say what the data show (accuracy_claims)."""
 
+import math
 import statistics
 
 from matplotlib.lines import Line2D
 
+from accuracy_claims import (energy_title, growth_title, price_title, table1_title, tolerance_title)
+from accuracy_lines import FAST, NEAR_ROUNDING, PUBLISHED, TABLE1_STEP
 from benchmark_json import FORMULATIONS
-from chart_panels import FAMILIES, METHOD_KEYS, cross, draw_line, key, logarithmic, look, method_key, new_figure
-from accuracy_lines import FLOOR_MARGIN
+from chart_panels import FAMILIES, draw_line, key, logarithmic, look, new_figure
+from equal_error import STRUCTURES, headline_problems, strongest
+from integrator_names import FRAME, frameless, gauss_stages, in_frame, method_name
 
-ERROR_LABEL = "relative error of W at T = {time:g}"
-SECONDS_LABEL = "CPU seconds (median)"
+ERROR_LABEL = "relative error of W(T)"
+SECONDS_LABEL = "CPU seconds"
+LEAST_ERROR, LEAST_ENERGY_ERROR = 1e-12, 1e-14  # where the axes end
+LEAP = 1.6  # in seconds, from one level of an envelope to the next: a line of order 2 rises by 10^(1/8)
+
+# One colour for each method, and a letter or number at the end of its line.
+METHODS = {**{f"Gauss, order {2 * s}": (colour, str(2 * s)) for s, colour in enumerate(
+    ("#8fd3e8", "#58b4dd", "#2f93cf", "#2271b8", "#24519f", "#332f86", "#4f2275", "#6e1564"), 1)},
+    "Yoshida, order 4": ("#d8a03c", "Y"), "Suzuki, order 4": ("#c06a28", "S"), "Kahan–Li, order 6": ("#8a3b12", "K"),
+    "RKMK, order 4": ("#0b8a67", "RKMK4"), "Runge–Kutta, order 4": ("#000000", "RK4"),
+    **{f"direct Gauss, order {order}": (colour, f"d{order}")
+       for order, colour in ((2, "#e3a5c7"), (4, "#cf6aa3"), (6, "#a83a7c"))}}
+ENVELOPES = {structure: {"color": colour, "linewidth": 5, "alpha": 0.4, "solid_capstyle": "round", "zorder": 3}
+             for structure, colour in zip(STRUCTURES, ("#2f93cf", "#0b8a67", "#444444"))}
+GHOST = {"color": "0.72", "linewidth": 0.7, "linestyle": (0, (3, 2)), "zorder": 1}
+
+
+# ---- work–precision diagrams
 
 
 def error_against_time(study):
-    """Draws a panel for each n, with a line for each integrator."""
-    columns = min(len(study.sizes()), 2)
-    integrators = list(study.integrators.values())
-    figure, panels = new_figure(f"Error at T = {study.time:g} against CPU time", -(-len(study.sizes()) // columns),
-                                columns, 5, METHOD_KEYS, sharey=True)
-    for axes, n in zip(panels.flat, study.sizes()):
+    """Draws a panel for each n of the smooth scene to T = 5, published forms as ghosts."""
+    problems = headline_problems(study)
+    return work_precision(study, problems, "error", price_title(study, problems), ghosts=True)
+
+
+def error_against_time_others(study):
+    """Draws the two largest n of every other scene and time; None without any."""
+    others = [problem for problem in study.problems() if problem not in headline_problems(study)]
+    problems = [problem for problem in others
+                if sum(each[:2] == problem[:2] and each.n > problem.n for each in others) < 2]
+    return work_precision(study, problems, "error", price_title(study, problems)) if problems else None
+
+
+def energy_against_time(study):
+    """Draws the energy error of the smooth scene at the largest n of each time."""
+    largest = {problem.time: problem for problem in study.problems() if problem.scene == "smooth"}
+    problems = list(largest.values())
+    return work_precision(study, problems, "energy_error", energy_title(study, problems))
+
+
+def work_precision(study, problems, quantity, title, ghosts=False):
+    """Draws a panel for each problem: lines of methods thin, the envelope of each structure thick.
+
+    A line is drawn above the floor of its error, and broken at failures and limits. All panels have equal decades.
+    """
+    columns = min(len(problems), 2)
+    rows = -(-len(problems) // columns)
+    label, least = (ERROR_LABEL, LEAST_ERROR) if quantity == "error" else ("energy error", LEAST_ENERGY_ERROR)
+    figure, panels = new_figure(title, rows, columns, 5.2, keys=6, sharey=True)
+    spans, ends = [], []
+    for axes, problem in zip(panels.flat, problems):
         logarithmic(axes)
-        axes.set(title=f"n = {n}", xlabel=SECONDS_LABEL, ylabel=ERROR_LABEL.format(time=study.time))
-        floor = FLOOR_MARGIN * study.references[n].uncertainty
-        axes.axhspan(floor / FLOOR_MARGIN, floor, color="0.93", zorder=0)
-        for each in integrators:
-            runs = study.above_floor(each.name, n)
-            points = draw_line(axes, each.name, [(run.seconds, run.error) for run in runs], **look(each))
-            if points and not study.line(each.name, n)[0].usable:
-                cross(axes, points[0])
-    for axes in panels.flat[len(study.sizes()):]:
+        axes.set(title=str(problem), xlabel=SECONDS_LABEL, ylabel=label, ylim=(least, 2))
+        drawn = [draw_method(axes, study, problem, each, quantity) for each in drawn_integrators(study, problem)]
+        for name in study.integrators if ghosts else ():
+            for stretch in study.stretches(problem, name, PUBLISHED) if gauss_stages(name) else ():
+                draw_line(axes, f"{name}, published", [(run.seconds, run.error) for run in stretch], **GHOST)
+        for structure in STRUCTURES:
+            points = envelope([line for each, lines in drawn if strongest(each) == structure for line in lines], least)
+            draw_line(axes, structure, points, **ENVELOPES[structure])
+        seconds = [math.log10(x) for _, lines in drawn for line in lines for x, y in line if y >= least] or [0]
+        spans.append((min(seconds), max(seconds)))
+        drawn.sort(key=lambda line: in_frame(line[0].name))  # a name stands once, at the line in the frame
+        ends.append({METHODS.get(method_name(each), ("0.5", each.name)): [at for at in lines[-1] if at[1] >= least]
+                     for each, lines in drawn if lines})
+    decades = max(high - low for low, high in spans) + 0.4
+    for axes, (low, high), marks in zip(panels.flat, spans, ends):
+        axes.set_xlim(*(10 ** ((low + high + sign * decades) / 2) for sign in (-1, 1)))
+        mark_lines(axes, marks)
+    for axes in panels.flat[len(problems):]:
         axes.remove()
-    method_key(figure, integrators)
+    known = {method_name(each) for each in study.integrators.values()}
+    key(figure, [*(Line2D([], [], label=f"best that keeps {kept}", **ENVELOPES[structure])
+                   for structure, kept in STRUCTURES.items()),
+                 Line2D([], [], color="0.3", linewidth=1, marker="o", markersize=3, label="in the co-rotating frame"),
+                 Line2D([], [], color="0.3", linewidth=0.6, label="not in it"),
+                 *([Line2D([], [], label="Gauss, published forms", **GHOST)] * ghosts),
+                 *(Line2D([], [], color=colour, label=f"{mark}: {name}") for name, (colour, mark) in METHODS.items()
+                   if name in known)], 6)
     return figure
+
+
+def draw_method(axes, study, problem, integrator, quantity):
+    """Draws the stretches of a line, with markers if it is in the frame; returns the integrator and their points."""
+    colour, _ = METHODS.get(method_name(integrator), ("0.5", None))
+    framed = in_frame(integrator.name)
+    lines = []
+    for stretch in study.stretches(problem, integrator.name):
+        points = draw_line(axes, integrator.name, [(run.seconds, getattr(run, quantity)) for run in stretch],
+                           color=colour, linewidth=1 if framed else 0.6, markersize=2.2,
+                           marker="o" if framed or len(stretch) == 1 else None)
+        lines += [points] if points else []
+    return integrator, lines
+
+
+def mark_lines(axes, marks):
+    """Writes a mark beside each line, at the lowest of its points where no other mark stands."""
+    taken = []
+    to_share = axes.transAxes.inverted().transform
+    for (colour, mark), points in marks.items():
+        for point in reversed(points):
+            x, y = to_share(axes.transData.transform(point))
+            if all(abs(x - at_x) > 0.02 * (1 + len(mark)) or abs(y - at_y) > 0.035 for at_x, at_y in taken):
+                taken.append((x, y))
+                axes.annotate(mark, point, xytext=(3, 1), textcoords="offset points", color=colour, zorder=6)
+                break
+
+
+def drawn_integrators(study, problem):
+    """Returns one form of each method: of a Gauss method `group`, or for s = 1 `algebra` where a step is cheaper."""
+    def chosen(name):
+        stages, suffix = gauss_stages(frameless(name)), name[len(frameless(name)):]
+        if stages is None:
+            return True
+        names = [f"{form}{stages}{suffix}" for form in (("group", "algebra") if stages == 1 else ("group",))]
+        steps = {each: min((run.seconds / run.steps for run in study.line(problem, each) if run.usable),
+                           default=math.inf) for each in names}
+        return name == min(steps, key=steps.get)
+
+    return [each for name, each in study.integrators.items() if chosen(name)]
+
+
+def envelope(lines, least, in_a_decade=4):
+    """Returns the least seconds in which one of some lines has an error or a smaller one, interpolated along them.
+
+    It ends where the cheapest line is at its floor and only dearer ones go on.
+    """
+    points, best = [], math.inf
+    for step in range(round(-math.log10(least)) * in_a_decade, -1, -1):
+        level = -step / in_a_decade
+        for line in lines:
+            logs = [(math.log10(x), math.log10(y)) for x, y in line]
+            best = min((best, *(x + (level - y) / (next_y - y) * (next_x - x) if next_y != y else x
+                                for (x, y), (next_x, next_y) in zip(logs, logs[1:]) if y >= level >= next_y),
+                        *(x for x, y in logs[:1] if y <= level)))
+        points += [(10**best, 10**level)] if best < math.inf else []
+    ends = [index for index, ((dearer, error), (cheaper, _)) in enumerate(zip(points, points[1:]), 1)
+            if error < NEAR_ROUNDING and dearer > LEAP * cheaper]
+    return points[max(ends, default=0):]
+
+
+# ---- the same step at every n
+
+
+def error_against_n(study):
+    """Draws the error at Table 1's step against n, and errors against h‖B(W₀)‖₂, not in the frame and in it."""
+    problems = headline_problems(study)
+    figure, ((at_step, *against_norm),) = new_figure(growth_title(study, problems), 1, 3, 5.2, keys=2, sharey=True)
+    names = [name for name in ("group1", "group2", "group3", "group4", "rkmk4", "rk4") if name in study.integrators]
+    for axes in (at_step, *against_norm):
+        logarithmic(axes)
+        axes.set_ylim(LEAST_ERROR, 2)
+    at_step.set(title=f"at h = {TABLE1_STEP}", xlabel="n", ylabel=ERROR_LABEL)
+    at_step.set_xticks([problem.n for problem in problems], [str(problem.n) for problem in problems])
+    for axes, suffix, which in zip(against_norm, ("", FRAME), ("not in", "in")):
+        axes.set(title=f"every h and n, {which} the frame", xlabel="h‖B(W₀)‖₂")
+        for name in (f"{each}{suffix}" for each in names if f"{each}{suffix}" in study.integrators):
+            colour = METHODS[method_name(study.integrators[name])][0]
+            filled = {"color": colour, "marker": "o", "linestyle": "-" if suffix else "--",
+                      "markerfacecolor": colour if suffix else "white"}
+            runs = [run for run in (study.at_step(problem, name, TABLE1_STEP) for problem in problems)
+                    if run and run.usable and not run.beyond_limit]
+            draw_line(at_step, name, [(run.n, run.error) for run in runs], **filled)
+            for index, problem in enumerate(problems):
+                for stretch in study.stretches(problem, name):
+                    draw_line(axes, f"{name}, n = {problem.n}", [(run.h_norm_B, run.error) for run in stretch],
+                              color=colour, linewidth=0.6 + 0.5 * index)
+    key(figure, [*(Line2D([], [], color=METHODS[method_name(study.integrators[name])][0],
+                          label=method_name(study.integrators[name])) for name in names),
+                 Line2D([], [], color="0.3", linestyle="--", marker="o", markerfacecolor="white",
+                        label="not in the frame"),
+                 Line2D([], [], color="0.3", marker="o", label="in the frame; thicker: larger n")], 2)
+    return figure
+
+
+# ---- tolerances
 
 
 def tolerance(study):
@@ -40,12 +197,11 @@ def tolerance(study):
     if not runs:
         return None
     sizes, stages = (sorted({getattr(run, name) for run in runs}) for name in ("n", "stages"))
-    figure, panels = new_figure("What the tolerance of the fixed-point iteration buys", 3, len(stages), 3,
-                                row_gap=0.3, sharex=True, sharey="row")
+    figure, panels = new_figure(tolerance_title(study), 3, len(stages), 3, row_gap=0.3, sharex=True, sharey="row")
     for axes in panels.flat:
         logarithmic(axes)
     panels[0, 0].set(xlim=(2 * max(run.tolerance for run in runs), min(run.tolerance for run in runs) / 2),
-                     ylabel=ERROR_LABEL.format(time=study.time) + f", n = {sizes[-1]}")
+                     ylabel=ERROR_LABEL + f", n = {sizes[-1]}")
     panels[1, 0].set_ylabel(f"error of the spectrum, n = {sizes[-1]}")
     panels[2, 0].set_ylabel(SECONDS_LABEL)
     for (errors, spectra, times), s in zip(panels.T, stages):
@@ -72,32 +228,42 @@ def tolerance(study):
     return figure
 
 
-def table1_accuracy(run):
-    """Draws each cell of a run of Table 1 as its time against its error; None where no cell has an error."""
-    cells = {key: cell for key, cell in run.measurements.items()
-             if cell.failure is None and cell.counters.get("relative_error", 0) > 0}
-    if not cells:
+# ---- Tables 1 and 2
+
+
+def table1_accuracy(published, fast):
+    """Draws each cell of a run of Table 1 as its time against its error, hollow, and of Table 2 filled.
+
+    None where no cell has an error.
+    """
+    sides = [{key: cell for key, cell in run.measurements.items()
+              if cell.failure is None and cell.counters.get("relative_error", 0) > 0} for run in (published, fast)]
+    if not any(sides):
         return None
-    figure, ((axes,),) = new_figure("Table 1 with its accuracy: what the time of each cell buys", 1, 1, 6.5)
+    medians = [{key: statistics.median(cell.times) for key, cell in cells.items()} for cells in sides]
+    figure, ((axes,),) = new_figure(table1_title([(medians[0][key], medians[1][key]) for key in medians[0]
+                                                  if key in medians[1]]), 1, 1, 6.5)
     logarithmic(axes)
-    axes.set(xlabel=SECONDS_LABEL, ylabel=ERROR_LABEL.format(time=5))
+    axes.set(xlabel=f"{SECONDS_LABEL} of 50 steps", ylabel="relative error of W(5)")
     axes.margins(x=0.12)
-    for formulation, n in sorted({(key.formulation, key.n) for key in cells}):
-        line = [cells[key] for key in sorted(cells) if (key.formulation, key.n) == (formulation, n)]
-        colour, size = FAMILIES[formulation]
-        axes.plot([statistics.median(cell.times) for cell in line], [cell.counters["relative_error"] for cell in line],
-                  marker="o", color=colour, markersize=size + 2, markerfacecolor="none", linewidth=0.9,
-                  label=f"{formulation}, n = {n}")
-        for cell in line:
+    for cells, times, which in zip(sides, medians, (PUBLISHED, FAST)):
+        for cell_key, cell in sorted(cells.items()):
+            colour, size = FAMILIES[cell_key.formulation]
+            axes.plot(times[cell_key], cell.counters["relative_error"], marker="o", color=colour, markersize=size + 2,
+                      markerfacecolor=colour if which == FAST else "none", linestyle="none",
+                      label=f"{cell_key.formulation}{cell_key.stages}, n = {cell_key.n}, {which}")
             if len(cell.times) > 1:
                 low, _, high = statistics.quantiles(cell.times, n=4, method="inclusive")
                 axes.plot([low, high], [cell.counters["relative_error"]] * 2, color=colour, label="_quartiles")
-    for n, s in sorted({(key.n, key.stages) for key in cells}):
-        same = sorted((statistics.median(cell.times), cell.counters["relative_error"]) for key, cell in cells.items()
-                      if (key.n, key.stages) == (n, s))
+    for n, s in sorted({(key.n, key.stages) for key in (*sides[0], *sides[1])}):
+        same = sorted((times[key], cells[key].counters["relative_error"]) for cells, times in zip(sides, medians)
+                      for key in cells if (key.n, key.stages) == (n, s))
         axes.plot(*zip(*same), color="0.45", linestyle=":", zorder=1, label="_same answer")
-        axes.annotate(f"n = {n}, s = {s}", same[-1], xytext=(10, 3), textcoords="offset points")
-    key(figure, formulation_handles())
+        axes.annotate(f"n = {n}, s = {s}", same[-1], xytext=(10, -4), textcoords="offset points")
+    key(figure, [*formulation_handles(),
+                 Line2D([], [], color="0.3", marker="o", markerfacecolor="none", linestyle="none",
+                        label="published form"),
+                 Line2D([], [], color="0.3", marker="o", linestyle="none", label="fast form")])
     return figure
 
 

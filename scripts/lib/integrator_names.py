@@ -1,4 +1,4 @@
-"""What the names of integrators say: which are forms of one Gauss method."""
+"""What the names of integrators say: which are forms of one Gauss method, and which run in the co-rotating frame."""
 
 import re
 
@@ -23,3 +23,16 @@ def gauss_stages(name):
     """Returns s of a formulation of the s-stage Gauss method, or None for any other integrator."""
     match = re.fullmatch(rf"(?:{'|'.join(FORMULATIONS)})([0-9]+)", name)
     return int(match[1]) if match else None
+
+
+def frameless(name):
+    """Returns the name of the integrator without the co-rotating frame."""
+    return name.removesuffix(FRAME)
+
+
+def method_name(integrator):
+    """Returns the name of its method, one for all formulations and in the frame or not, as "Gauss, order 4"."""
+    family = re.match("[a-z_]*[a-z]", frameless(integrator.name))[0]
+    families = {**dict.fromkeys(FORMULATIONS, "Gauss"), "direct": "direct Gauss", "yoshida": "Yoshida",
+                "suzuki": "Suzuki", "kahan_li": "Kahan–Li", "rkmk": "RKMK", "rk": "Runge–Kutta"}
+    return f"{families.get(family, family)}, order {integrator.order}"

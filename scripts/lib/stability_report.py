@@ -2,7 +2,7 @@
 
 from typing import NamedTuple, Tuple
 
-from accuracy_report import scientific
+from accuracy_claims import scientific
 from comparison import MISSING, three_digits
 from document import Column, Heading, Paragraph, conditions, plain_table, shown
 from integrator_names import TABLE1_CELLS, others
@@ -98,7 +98,7 @@ def critical_text(each):
 def long_runs_section(runs):
     parts = [Heading("Largest errors of long runs"), Paragraph(
         f"The largest over all samples of {runs.steps} steps; of a run that failed, up to there."
-        f' "{MISSING}": no sample with a finite value.')]
+        f' "{MISSING}": no sample with a finite value. {energy_sentence(runs)}')]
     for scene, n in runs.settings():
         columns = [Column("integrator", align="left")]
         for share in runs.shares():
@@ -109,6 +109,23 @@ def long_runs_section(runs):
                 for name in runs.integrators]
         parts += [Heading(f"n = {n}, {scene} scene", 3), plain_table(tuple(columns), rows)]
     return parts
+
+
+def energy_sentence(runs):
+    """Says how far the energy of runs that came through is off, by what their integrators keep."""
+    found = {}
+    for scene, n in runs.settings():
+        for share in runs.shares():
+            for name, each in runs.integrators.items():
+                run = runs.at(scene, n, share, name)
+                if run and run.survived:
+                    worst = max((value for _, value in run.series("energy_error")), default=0.0)
+                    kept = ("the Lie–Poisson structure" if each.lie_poisson else
+                            "the spectrum only" if each.isospectral else None)
+                    found.setdefault(kept, []).append(worst)
+    parts = [f"{scientific(min(worst))} to {scientific(max(worst))} for methods that keep {kept}"
+             for kept, worst in found.items() if kept]
+    return (f"A run that converged may have lost its energy: the energy error is {', '.join(parts)}." if parts else "")
 
 
 def run_texts(run):

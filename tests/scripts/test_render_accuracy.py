@@ -1,6 +1,7 @@
 """Tests of scripts/render_accuracy on a made-up study: by running it as a user does, and by what its charts draw."""
 
 import json
+import math
 import os
 import sys
 import tempfile
@@ -9,12 +10,13 @@ import unittest
 import programs
 from drawing import PYTHON, DrawingTest, finite_points, lines_of
 from programs import snapshot
-from study_documents import UNCERTAINTY, accuracy_of, run_of, small_study, study_document, write_study
+from study_documents import (INTEGRATORS, STEPS, UNCERTAINTY, accuracy_of, run_of, small_study, study_document,
+                             write_study)
 from test_reproduce import raw_file
 
 from benchmark_json import read_run
 
-CHARTS = ("error_against_time", "tolerance", "table1_accuracy")
+CHARTS = ("error_against_time", "energy_against_time", "error_against_n", "tolerance", "table1_accuracy")
 FLOOR = 10 * UNCERTAINTY
 
 
@@ -25,14 +27,17 @@ class AccuracyTest(DrawingTest):
         """Returns the raw file of a study that is drawn in a second or two, where only the files matter."""
         return write_study(self.folder, small_study(), "small.json")
 
-    def table1(self, counters=lambda s: {"relative_error": 10.0**(-3 * s)}, drop=()):
-        """Returns a raw file of Table 1 whose rows have these counters; cells of `drop` failed."""
-        document = raw_file(sizes=(17, 33))
+    def table2(self, counters=lambda s: {"relative_error": 10.0**(-3 * s)}, drop=()):
+        """Returns a raw file of Table 2 with Table 1's rows, which take twice as long, with these counters.
+
+        Cells of `drop` failed.
+        """
+        document = raw_file(tables=("table2", "table1"), sizes=(17, 33))
         for row in document["benchmarks"]:
             row.update(counters(int(row["run_name"][-1])))
             if row["run_name"] in drop:
                 row.update(error_occurred=True, error_message="diverged at step 3")
-        return self.write("table1.json", json.dumps(document))
+        return self.write("table2.json", json.dumps(document))
 
     def without(self):
         """Returns a folder for PYTHONPATH with which a Python has no matplotlib."""
@@ -42,7 +47,7 @@ class AccuracyTest(DrawingTest):
 
 class Files(AccuracyTest):
     def test_whole_and_the_same_by_a_chosen_python_under_a_user_s_own_settings(self):
-        arguments = (self.small(), "--table1", self.table1())
+        arguments = (self.small(), "--table2", self.table2())
         files = self.rendered("plain", *arguments)
         self.assertEqual(set(files), {"report.md", "report.txt", *(f"{chart}.{kind}" for chart in CHARTS
                                                                    for kind in ("svg", "png"))})
@@ -62,30 +67,67 @@ class Files(AccuracyTest):
         recorded = os.path.join(programs.ROOT, "results", "recorded")
         with tempfile.TemporaryDirectory(dir=recorded) as folder:
             self.assertEqual(self.render(self.small(), "--out", folder).returncode, 0)
-            self.assertEqual(set(os.listdir(folder)), {"report.md", "error_against_time.svg", "tolerance.svg"})
+            self.assertEqual(set(os.listdir(folder)), {"report.md", *(f"{chart}.svg" for chart in CHARTS[:-1])})
 
     def test_without_errors_table_1_is_left_out_and_said_so(self):
-        table1 = self.table1(lambda s: {})
-        result = self.render(self.small(), "--out", self.path("charts"), "--table1", table1)
+        table2 = self.table2(lambda s: {})
+        result = self.render(self.small(), "--out", self.path("charts"), "--table2", table2)
         self.assertEqual(result.returncode, 0)
-        self.assert_one_line(result.stderr, table1, "relative_error", "table1_accuracy")
+        self.assert_one_line(result.stderr, table2, "relative_error", "table1_accuracy")
         self.assertNotIn("table1_accuracy.svg", os.listdir(self.path("charts")))
 
 
 class WhatIsDrawn(AccuracyTest):
-    def test_error_against_time(self):
+    def stretches(self, document, name="rkmk4"):
+        """Returns the lines of an integrator in the panel of n = 17, smooth scene, by the steps of their points."""
+        (panel,) = self.panels("charts", "error_against_time", accuracy_of(document))["smooth, T = 5, n = 17"]
+        seconds = INTEGRATORS[name][-1]
+        return [[round(x / seconds) for x, _ in line.get_xydata()] for line in panel.lines if line.get_label() == name]
+
+    def test_no_line_across_a_failure_or_beyond_a_limit(self):
         document = study_document()
-        run_of(document, "rkmk4", 33, 200)["error"] = 0.9 * FLOOR
-        panels = self.panels("charts", "error_against_time", accuracy_of(document))
-        self.assertEqual(list(panels), ["n = 17", "n = 33"])
-        lines = [lines_of(panels[f"n = {n}"][0]) for n in (17, 33)]
-        self.assertEqual([len(each["rkmk4"]) for each in lines], [6, 5])
-        point = run_of(document, "group2", 17, 50)
-        self.assertIn([sorted(point["cpu_seconds"])[1], point["error"]], lines[0]["group2"])
-        # A failed run is not drawn: a cross marks the next.
-        self.assertEqual((len(lines[0]["group1"]), len(lines[0]["cotangent1"])), (5, 6))
-        self.assertEqual([finite_points(line) for line in panels["n = 17"][0].lines if line.get_label() == "_failure"],
-                         [lines[0]["group1"][:1]])
+        self.assertEqual(self.stretches(document), [list(STEPS)])
+        self.assertEqual(self.stretches(document, "group1"), [list(STEPS[1:])])  # 5 steps diverged
+        run_of(document, "rkmk4", 17, 20)["beyond_limit"] = True
+        self.assertEqual(self.stretches(document), [[5, 10], [50, 100, 200]])
+        run_of(document, "rkmk4", 17, 20).update(beyond_limit=False, status="diverged", cpu_seconds=[])
+        self.assertEqual(self.stretches(document), [[5, 10], [50, 100, 200]])
+        run_of(document, "rkmk4", 17, 200)["error"] = 0.9 * FLOOR
+        self.assertEqual(self.stretches(document), [[5, 10], [50, 100]])
+
+    def test_envelopes_ghosts_and_decades(self):
+        panels = self.panels("charts", "error_against_time", accuracy_of(study_document()))
+        self.assertEqual(list(panels), ["smooth, T = 5, n = 17", "smooth, T = 5, n = 33"])
+        widths = [math.log10(panel.get_xlim()[1] / panel.get_xlim()[0]) for (panel,) in panels.values()]
+        self.assertAlmostEqual(*widths)
+        lines = lines_of(panels["smooth, T = 5, n = 17"][0])
+        self.assertIn("group2, published", lines)
+        self.assertNotIn("cotangent1", lines)  # group stands for its method
+        # The spectrum is kept by rkmk4 alone: 1e-3 h^4 in 1e-3 T/h seconds, upright above its longest step.
+        self.assertEqual(lines["spectrum"][-1][1], 1.0)
+        for seconds, error in lines["spectrum"]:
+            self.assertAlmostEqual(seconds, 5e-3 * max(1, (1e-3 / error) ** 0.25))
+        best = [line for name in ("group1", "group2", "group2_frame") for line in lines[name]]
+        # Its levels are 4 a decade: within a factor 1.78 above each point there is one that is no dearer.
+        self.assertTrue(all(any(x <= 1.0001 * seconds and error <= 1.0001 * y <= 1.79 * error
+                                for x, y in lines["poisson"]) for seconds, error in best if error < 0.5))
+
+    def test_an_envelope_ends_where_its_cheapest_line_does(self):
+        self.panels("charts", "error_against_time", accuracy_of(small_study()))  # finds the module
+        import charts
+        cheap, dear = [(1.0, 1e-2), (2.0, 1e-9)], [(10.0, 1e-3), (20.0, 1e-11)]
+        for lines, least in (([cheap, dear], 1e-9), ([dear], 1e-11), ([cheap, [(1.5, 1e-3), (3.0, 1e-11)]], 1e-11)):
+            self.assertAlmostEqual(math.log10(charts.envelope(lines, 1e-12)[0][1]), math.log10(least))
+
+    def test_other_problems_energy_and_size(self):
+        study = accuracy_of(study_document())
+        self.assertEqual(list(self.panels("charts", "error_against_time_others", study)), ["rough, T = 5, n = 17"])
+        self.assertEqual(list(self.panels("charts", "energy_against_time", study)), ["smooth, T = 5, n = 33"])
+        panels = self.panels("charts", "error_against_n", study)
+        at_step = lines_of(panels["at h = 0.1"][0])
+        self.assertEqual([n for n, _ in at_step["group2_frame"]], [17, 33])
+        self.assertAlmostEqual(at_step["group2"][0][1] / at_step["group2_frame"][0][1], 10)
+        self.assertIn("group2_frame, n = 33", lines_of(panels["every h and n, in the frame"][0]))
 
     def test_tolerance(self):
         (panel,) = self.panels("charts", "tolerance", accuracy_of(study_document()))["s = 2, order 4"]
@@ -94,16 +136,20 @@ class WhatIsDrawn(AccuracyTest):
         for tolerance, error in lines["group2: solver_error"]:
             self.assertAlmostEqual(error / tolerance, 0.1)
 
-    def test_table_1(self):
+    def test_tables_1_and_2(self):
         def lines(drop=()):
-            run = read_run(self.table1(drop=drop), "table1", (), optional=("relative_error",))
-            return lines_of(self.panels("charts", "table1_accuracy", run)[""][0])
+            runs = [read_run(self.table2(drop=drop), "table2", (), ("relative_error",), table)
+                    for table in ("table1", "table2")]
+            return lines_of(self.panels("charts", "table1_accuracy", *runs)[""][0])
 
-        self.assertEqual(set(lines()), {f"{each}, n = {n}" for each in programs.FORMULATIONS for n in (17, 33)})
-        for (time, error), s in zip(lines()["cotangent, n = 33"], (1, 2, 3)):
-            self.assertAlmostEqual(time, (2.0 * s + 0.03) * 1e-3)
-            self.assertAlmostEqual(error / 10.0**(-3 * s), 1)
-        self.assertEqual(len(lines(drop=("table1/group/n:33/s:2",))["group, n = 33"]), 2)
+        self.assertEqual(set(lines()), {f"{each}{s}, n = {n}, {form}" for each in programs.FORMULATIONS
+                                        for s in (1, 2, 3) for n in (17, 33) for form in ("published", "fast")})
+        ((before, error),), ((after, same),) = (lines()[f"cotangent2, n = 33, {form}"]
+                                                for form in ("published", "fast"))
+        self.assertAlmostEqual(error, 1e-6)
+        self.assertEqual(same, error)
+        self.assertGreater(before, after)
+        self.assertNotIn("group2, n = 33, fast", lines(drop=("table2/group/n:33/s:2",)))
 
 
 class Refusals(AccuracyTest):
