@@ -40,6 +40,9 @@ REFERENCES = os.path.join(study.ROOT, "results", "recorded", "references")
 # on the main problem only, the one of Table 1.
 MAIN_ONLY = re.compile(r"(cotangent[0-9]+|algebra[23]|group[178]|direct1|suzuki4)(_frame)?")
 
+# Published forms that run too, on the main problem.
+PUBLISHED_TOO = (*TABLE1_CELLS, "rkmk4", "rk4")
+
 # Steps to T = 5: about a factor √2 apart, with Table 1's 50 among them.
 UNIT = 5.0
 STEPS = (2, 3, 5, 7, 10, 14, 20, 28, 35, 50, 70, 100, 140, 200, 280, 400, 560, 800, 1120, 1600, 2240, 3200, 4480,
@@ -223,7 +226,7 @@ def is_main(problem):
 def lines_of(problem, names, all_of_them):
     """Returns integrators and solvers of the lines of a problem."""
     fast = [(name, FAST) for name in names if all_of_them or is_main(problem) or not MAIN_ONLY.fullmatch(name)]
-    return fast + [(name, PUBLISHED) for name in names if is_main(problem) and name in TABLE1_CELLS]
+    return fast + [(name, PUBLISHED) for name in names if is_main(problem) and name in PUBLISHED_TOO]
 
 
 def main(arguments):
@@ -245,8 +248,8 @@ def main(arguments):
     limits = [Limit(**found) for found in study.untimed(list(by_scene.values())[::-1], find_limit, journal, options,
                                                        "limits")]
     lines = study.untimed(jobs, draw_line, journal, options, "lines")
-    cells = study.untimed([job for job in jobs if job["solver"] == PUBLISHED and job["n"] <= LARGEST_TOLERANCE_SIZE],
-                          vary_tolerance, journal, options, "tolerances")
+    cells = study.untimed([job for job in jobs if job["solver"] == PUBLISHED and job["n"] <= LARGEST_TOLERANCE_SIZE
+                           and job["integrator"] in TABLE1_CELLS], vary_tolerance, journal, options, "tolerances")
 
     safe = {(limit.scene, limit.n, limit.integrator, limit.solver): limit.h_norm_B or 0.0 for limit in limits}
     runs, tolerance_runs = ([Run(**run) for each in found for run in each] for found in (lines, cells))
