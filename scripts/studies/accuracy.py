@@ -245,7 +245,8 @@ def main(arguments):
     jobs = [{**problem._asdict(), "integrator": name, "solver": solver, "references": folder}
             for problem in sorted(wanted, key=lambda problem: (problem.n, problem.time))  # the longest last
             for name, solver in lines_of(problem, [entry.name for entry in chosen], options.integrator is not None)]
-    by_scene = {(job["scene"], job["n"], job["integrator"], job["solver"]): job for job in reversed(jobs)}
+    by_scene = {(job["scene"], job["n"], job["integrator"]): job for job in reversed(jobs)
+                if job["solver"] == FAST and not MAIN_ONLY.fullmatch(job["integrator"])}  # what recommend may offer
     limits = [Limit(**found) for found in study.untimed(list(by_scene.values())[::-1], find_limit, journal, options,
                                                        "limits")]
     lines = study.untimed(jobs, draw_line, journal, options, "lines")
