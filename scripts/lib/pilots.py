@@ -38,18 +38,13 @@ MOST_TRIES = 4  # of a method on a part of the time
 BELOW_FAILURE = 1.3  # a step that failed, over the longest one that is tried next
 SHARP, SHARP_ENOUGH = 10, 4  # the uncertainty of the reference aims at, and has to reach, the error over that
 FLOOR = 1e-6  # below, two references that no longer come closer are at rounding
-TOO_DEAR, STILL_CHEAP = 8.0, 2.0  # times the cheapest: where pilots stop, and who goes on to the next part;
-LEAST_KEPT, MOST_KEPT = 2, 5  # so many do at least, and at most
-NEXT_PART = 1.6  # runs that a method takes there, on average
+TOO_DEAR = 8.0  # times the cheapest good pilot over the same part: others stop there
+MOST_KEPT = 6  # methods that go on to the next part
 # Of the error as a power of time, for what keeps the spectrum and what does not; over short times less is seen.
 LEAST_GROWTH, LEAST_GROWTH_OF_OTHERS, MOST_GROWTH = 1.5, 4.0, 5.0
 LOOKS = 100  # at a run of many steps, for its energy and its cost
 FIRST_SHARE = 1 / 3  # of the budget, after which no further method is begun on the first part
 TOLERANCE = 1e-13  # of the iteration, for a state of norm 1
-
-
-class OutOfTime(Exception):
-    """The budget is spent."""
 
 
 # ---- the user's scene
@@ -107,7 +102,7 @@ def refinement(error, wanted, integrator, least, most=math.inf):
 class Search:
     """The pilots of one scene, and what they say so far.
 
-    `left()` returns the seconds that are left of the budget; OutOfTime is thrown from anywhere at their end.
+    `left()` returns the seconds that are left of the budget; TimeoutError is thrown from anywhere at their end.
     """
 
     def __init__(self, scene, question, left):
@@ -122,7 +117,8 @@ class Search:
         self.limits = {each: (self.method(each).linear_limit() or math.inf) / self.setting.norm_B for each in self.candidates}
         self.pilots = []
         self.trajectory = True  # whether that is judged, or energy and spectrum
-        self.reference, self.exact, self.uncertainty = None, (), math.inf  # pilot, states at half its time and at its end
+        self.reference, self.exact, self.uncertainty = None, (), math.inf  # pilot, its states at half time and at the end
+        self.reference_step = FIRST_REFERENCE / self.setting.norm_B  # of the next part
         self.spent = False  # whether the budget is
         self.good = {}  # by integrator: the best pilot over the longest part that it did
         self.time = question.time / 2 ** max(0, math.floor(math.log2(question.time * self.setting.norm_B / FIRST_TIME)))
@@ -139,7 +135,7 @@ class Search:
     def run(self, integrator, steps, most_seconds=math.inf):
         """Returns the pilot of an even number of steps over the part, and its states at half time and at the end.
 
-        The pilot has an error if there is a reference; there are no states if it did not come to its end.
+        The pilot has an error if there is a reference. There are no states if it did not come to a usable end.
         """
         scene = self.setting.scene
         pilot = Outcome(integrator, scene.n, self.time, steps, None, 0.0, STOPPED)
@@ -164,7 +160,10 @@ class Search:
             return pilot, ()
         errors = {name: error / self.size for name, error in self.setting.errors(W).items()}
         errors["energy_error"] = energy_error
-        pilot.status = UNSTABLE if invariants_lost(errors, integrator.isospectral) else CONVERGED
+        if invariants_lost(errors, integrator.isospectral):
+            pilot.status = UNSTABLE
+            return pilot, ()
+        pilot.status = CONVERGED
         if not self.trajectory:
             pilot.error = max(energy_error, errors["spectrum_error"])
         elif self.reference and self.reference.time == self.time:
@@ -177,31 +176,27 @@ class Search:
 
         Throws Stop where they agree to less than what is asked for.
         """
-        finest = self.references[1]
-        steps, before, best = even(self.time * self.setting.norm_B / FIRST_REFERENCE), math.inf, ()
-        if self.reference:  # of a shorter time
-            grown = self.uncertainty * self.time / self.reference.time
-            steps = even(self.time / self.reference.step * refinement(2 * SHARP * grown, error, finest, 0.5, 1.0))
+        finest, before = self.references[1], math.inf
+        steps = even(self.time / self.reference_step)
         for tries in itertools.count(1):
             pair, states = zip(*(self.run(each, steps) for each in self.references))
             if not all(states):
                 steps = even(1.5 * steps)
                 continue
             found = isosyrk.relative_error(states[1][1], states[0][1])
-            for each in pair:
-                each.error = found
-            if found < before:
-                best, self.exact = pair, states[0]
             if found <= error / SHARP or (found > before / 2 and (before < FLOOR or tries > MOST_TRIES)):
                 break
-            before = min(before, found)
+            before = found
             steps = even(steps * refinement(2 * SHARP * found, error, finest, 1.2, 3.0))
-        self.reference, self.uncertainty = best[0], best[0].error
+        for each in pair:
+            each.error = found
+        self.reference, self.exact, self.uncertainty = pair[0], states[0], found
+        self.reference_step = self.time / steps / refinement(2 * SHARP * found, error, finest, 0.5, 1.0)
         if self.uncertainty > PREDICTABLE:
             self.trajectory, self.good = False, {}
         elif self.uncertainty > self.question.error:
             raise below_reference(self.question.error, self.uncertainty)
-        for each in best if self.trajectory else ():
+        for each in pair if self.trajectory else ():
             if each.integrator in self.candidates:
                 self.good.setdefault(each.integrator, each)
 
@@ -246,7 +241,7 @@ class Search:
                        pilot.seconds * steps / pilot.steps)
 
     def ranking(self):
-        """Returns the expected run of each good integrator over the whole time: the longest pilots first, then the cheapest."""
+        """Returns the expected run of each good integrator over the whole time: the cheapest of the longest pilots first."""
         found = [(-each.time, replace(self.expected(each, self.question.time, self.question.error), evidence=self.pilots))
                  for each in self.good.values()]
         return [each for _, each in sorted(found, key=lambda pair: (pair[0], pair[1].seconds))]
@@ -267,9 +262,8 @@ class Search:
             said.append(beyond_predictability(whole, f"two reference solutions differ by {self.uncertainty:.2g}"))
         best = self.good[self.ranking()[0].integrator]
         if best.time < whole:
-            said.append(f"the pilots behind the answer end at T = {best.time:g}: error and seconds are extrapolated, the"
-                        f" error as growing by a factor of {self.growth(best, whole):.2g}; whether the trajectory can be told"
-                        " so far was not tried")
+            said.append(f"the pilots of the answer end at T = {best.time:g}: its error and seconds are extrapolated, the error"
+                        f" as growing by a factor of {self.growth(best, whole):.2g}")
         if self.spent:
             said.append("the budget was spent before all pilots were made")
         return said
@@ -277,27 +271,21 @@ class Search:
     def go_on(self):
         """Makes pilots over longer and longer parts of the time, until it is whole or the next part takes too long.
 
-        Throws Stop, and OutOfTime.
+        Throws Stop, and TimeoutError at the end of the budget.
         """
         integrators, spared = self.candidates, self.left() * (1 - FIRST_SHARE)
         while True:
-            before, made = self.left(), len(self.pilots)
+            before = self.left()
             self.try_all(integrators, spared)
-            if self.time == self.question.time:
+            fits = self.left() / (before - self.left())  # how often the budget has room for such a part
+            if self.time == self.question.time or fits < 1:
                 return
-            ranked, spared = self.ranking(), 0.0
-            integrators = [each.integrator for place, each in enumerate(ranked[:MOST_KEPT])
-                           if place < LEAST_KEPT or each.seconds <= STILL_CHEAP * ranked[0].seconds] or integrators
-            chosen = [self.reference, *(self.good[each] for each in integrators if each in self.good)]
-            busy = (before - self.left()) / sum(each.seconds for each in self.pilots[made:])  # wall time a CPU second
-            fits = self.left() / busy / NEXT_PART / sum(each.seconds for each in chosen)
-            if fits < 1:
-                return
-            # Of twice the time, half fits at least.
+            integrators, spared = [each.integrator for each in self.ranking()[:MOST_KEPT]] or integrators, 0.0
+            # At least twice the time: of a part that is not finished, the cheapest methods are.
             self.time = min(self.question.time, self.time * 2 ** max(1, math.floor(math.log2(fits))))
 
     def try_all(self, integrators, spared):
-        """Makes the pilots of integrators over the part. None is begun when there is a good one and `spared` is left."""
+        """Makes the pilots of integrators over the part; once one is good, no more when `spared` seconds are left."""
         share = self.time / self.question.time
         if self.trajectory:
             self.refer(self.question.error * share)
@@ -327,16 +315,16 @@ def answer(options, left):
     `left()` returns the seconds that are left; SIGALRM comes at their end.
     """
     def stop(*_):
-        raise OutOfTime
+        raise TimeoutError
 
     scene = scene_of(options)
     search = Search(scene, Question(one_line(options.own), scene.n, options.time, options.error, options.keep), left)
     try:
         signal.signal(signal.SIGALRM, stop)
         if not left():
-            raise OutOfTime
+            raise TimeoutError
         search.go_on()
-    except OutOfTime:
+    except TimeoutError:
         search.spent = True
     signal.setitimer(signal.ITIMER_REAL, 0)
     arguments = ["--initial" if options.modes is None else "--modes", options.own]

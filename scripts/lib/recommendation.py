@@ -15,8 +15,7 @@ from typing import NamedTuple, Optional, Sequence
 from accuracy_lines import FAST, NEAR_ROUNDING, SCENES, Problem, interpolated
 from benchmark_json import one_line
 from comparison import MISSING, three_digits
-from document import Column, Heading, Items, Paragraph, plain_table
-from equal_error import strongest
+from document import Column, Items, Paragraph, plain_table
 from study import MODULE, NO_ANSWER, Stop
 from study_file import Integrator
 
@@ -66,9 +65,13 @@ class Outcome:
 
     def row(self):
         """Returns what answers tell about it, by name."""
-        return {"integrator": self.integrator.name, "order": self.integrator.order, "keeps": strongest(self.integrator),
-                "n": self.n, "time": self.time, "steps": self.steps, "step": self.step, "error": self.error,
-                "seconds": self.seconds, "status": self.status}
+        return {"integrator": self.integrator.name, "order": self.integrator.order,
+                "keeps": strongest_structure(self.integrator), "n": self.n, "time": self.time, "steps": self.steps,
+                "step": self.step, "error": self.error, "seconds": self.seconds, "status": self.status}
+
+
+def strongest_structure(integrator):
+    return next(structure for structure in reversed(KEPT) if integrator.keeps(structure))
 
 
 def that_keeps(structure):
@@ -223,10 +226,9 @@ class Recorded:
 def answer(study, question, path, rate_here=lambda n: None):
     """Returns the answer as answer_data() does. `rate_here(n)` returns products per second here, or None."""
     recorded = Recorded(study, question)
-    speedup = None
-    if min(study.rates, default=math.inf) <= question.n <= max(study.rates, default=0):
-        around, here = neighbours(study.rates, question.n), rate_here(question.n)
-        speedup = here and here / blend(around.values(), [study.rates[n].fast for n in around])
+    here = rate_here(question.n) if study.rates else None
+    around = neighbours(study.rates, question.n) if here else {}
+    speedup = here and here / blend(around.values(), [study.rates[n].fast for n in around])
     scene = ["--scene", question.scene]
     if question.scene == SCENES[2]:
         scene = ["--initial", f"developed_n{question.n}.npy"]
@@ -303,23 +305,21 @@ def answer_document(data):
 
 
 def recommendation_tables(study):
-    """Returns, for each structure, a heading and a table of the cheapest by problem and error; then how to read them."""
-    def entry(problem, structure, exponent):
+    """Returns a table of the cheapest method by structure, problem and error; then how to read it."""
+    def entry(structure, problem, exponent):
         try:
-            offers = Recorded(study, Question(problem.scene, problem.n, problem.time, 10.0**exponent, structure)).ranking()
-        except Stop:
-            offers = []
-        return next((f"{each.integrator.name}, h = {each.step:.3g}, {three_digits(each.seconds)} s" for each in offers), MISSING)
+            question = Question(problem.scene, problem.n, problem.time, 10.0**exponent, structure)
+            best = Recorded(study, question).ranking()[0]
+        except (Stop, IndexError):
+            return MISSING
+        return f"{best.integrator.name}, h = {best.step:.3g}, {three_digits(best.seconds)} s"
 
-    columns = (Column("scene", align="left"), Column("T"), Column("n"),
+    columns = (Column("keeps", align="left"), Column("scene", align="left"), Column("T"), Column("n"),
                *(Column(f"error 1e{exponent}", align="left") for exponent in TABLE_EXPONENTS))
-    parts = []
-    for structure, kept in KEPT.items():
-        rows = [[problem.scene, f"{problem.time:g}", str(problem.n),
-                 *(entry(problem, structure, exponent) for exponent in TABLE_EXPONENTS)] for problem in study.problems()]
-        heading = "Whatever is kept" if structure == "nothing" else f"Keeping {kept}"
-        parts += [Heading(heading, 3), plain_table(columns, rows)]
-    return [*parts, Paragraph(
+    rows = [[structure, problem.scene, f"{problem.time:g}", str(problem.n),
+             *(entry(structure, problem, exponent) for exponent in TABLE_EXPONENTS)]
+            for structure in KEPT for problem in study.problems()]
+    return [plain_table(columns, rows), Paragraph(
         "The cheapest method by its fast form, as scripts/recommend answers: method, step, CPU seconds, interpolated along"
         f" the line for the column's error over {MARGIN}. A step is never longer than what worked in trials."
         f' "{MISSING}": nothing recorded reaches the error.')]
