@@ -202,7 +202,7 @@ class Refusals(RecommendTest):
                 *((arguments_of(**{name: None}), f"--{name}") for name in ("n", "time", "error")),
                 (arguments_of(keep="energy"), "--keep", "'energy'", "nothing", "spectrum", "poisson"),
                 (arguments_of(scene="calm"), "--scene", "'calm'", "smooth", "rough", "developed"),
-                (arguments_of(scene="rough", state="W.npy"), "--scene, --modes, --state", "one of them"),
+                (arguments_of(scene="rough", state="W.npy"), "--state", "not allowed with", "--scene"),
                 (arguments_of(modes="m.csv"), "--raw"), (arguments_of(modes="m.csv", hbar="old"), "'old'", "standard"),
                 *((arguments_of(**{name: value}), f"--{name}", "--modes")
                   for name, value in (("budget", "5"), ("hbar", "standard"))),
