@@ -99,14 +99,16 @@ def refinement(error, wanted, integrator, least, most=math.inf):
 # ---- pilots
 
 
+def seconds_left():
+    """Returns what is left of the budget, 0 after its end, when SIGALRM comes."""
+    return signal.getitimer(signal.ITIMER_REAL)[0]
+
+
 class Search:
-    """The pilots of one scene, and what they say so far.
+    """The pilots of one scene, and what they say so far. At the end of the budget, any method may throw TimeoutError."""
 
-    `left()` returns the seconds that are left of the budget; TimeoutError is thrown from anywhere at their end.
-    """
-
-    def __init__(self, scene, question, left):
-        self.setting, self.question, self.left = Setting(scene), question, left
+    def __init__(self, scene, question):
+        self.setting, self.question = Setting(scene), question
         self.size = float(numpy.linalg.norm(scene.initial, 2))
         # Tolerances are absolute.
         self.tolerance = TOLERANCE if 0.5 < self.size < 2 else max(1e-15, TOLERANCE * self.size)
@@ -176,7 +178,7 @@ class Search:
 
         Throws Stop where they agree to less than what is asked for.
         """
-        finest, before = self.references[1], math.inf
+        second, before = self.references[1], math.inf
         steps = even(self.time / self.reference_step)
         for tries in itertools.count(1):
             pair, states = zip(*(self.run(each, steps) for each in self.references))
@@ -187,11 +189,11 @@ class Search:
             if found <= error / SHARP or (found > before / 2 and (before < FLOOR or tries > MOST_TRIES)):
                 break
             before = found
-            steps = even(steps * refinement(2 * SHARP * found, error, finest, 1.2, 3.0))
+            steps = even(steps * refinement(2 * SHARP * found, error, second, 1.2, 3.0))
         for each in pair:
             each.error = found
         self.reference, self.exact, self.uncertainty = pair[0], states[0], found
-        self.reference_step = self.time / steps / refinement(2 * SHARP * found, error, finest, 0.5, 1.0)
+        self.reference_step = self.time / steps / refinement(2 * SHARP * found, error, second, 0.5, 1.0)
         if self.uncertainty > PREDICTABLE:
             self.trajectory, self.good = False, {}
         elif self.uncertainty > self.question.error:
@@ -273,11 +275,11 @@ class Search:
 
         Throws Stop, and TimeoutError at the end of the budget.
         """
-        integrators, spared = self.candidates, self.left() * (1 - FIRST_SHARE)
+        integrators, spared = self.candidates, seconds_left() * (1 - FIRST_SHARE)
         while True:
-            before = self.left()
+            before = seconds_left()
             self.try_all(integrators, spared)
-            fits = self.left() / (before - self.left())  # how often the budget has room for such a part
+            fits = seconds_left() / (before - seconds_left())  # how often the budget has room for such a part
             if self.time == self.question.time or fits < 1:
                 return
             integrators, spared = [each.integrator for each in self.ranking()[:MOST_KEPT]] or integrators, 0.0
@@ -291,7 +293,7 @@ class Search:
             self.refer(self.question.error * share)
         cheapest = min((each.seconds for each in self.good.values() if each.time == self.time), default=math.inf)
         for each in integrators:
-            if self.good and self.left() < spared:
+            if self.good and seconds_left() < spared:
                 break
             if self.trajectory:  # whose error grows at least in proportion to time
                 error = min(self.question.error, max(self.question.error * share, SHARP_ENOUGH * self.uncertainty))
@@ -309,19 +311,16 @@ class Search:
 # ---- the answer
 
 
-def answer(options, left):
-    """Returns the answer for the user's scene as answer_data() does; throws UnusableFile too.
-
-    `left()` returns the seconds that are left; SIGALRM comes at their end.
-    """
+def answer(options):
+    """Returns the answer for the user's scene as answer_data() does; throws UnusableFile too. The clock is running."""
     def stop(*_):
         raise TimeoutError
 
     scene = scene_of(options)
-    search = Search(scene, Question(one_line(options.own), scene.n, options.time, options.error, options.keep), left)
+    search = Search(scene, Question(one_line(options.own), scene.n, options.time, options.error, options.keep))
     try:
         signal.signal(signal.SIGALRM, stop)
-        if not left():
+        if not seconds_left():
             raise TimeoutError
         search.go_on()
     except TimeoutError:

@@ -201,15 +201,15 @@ class Recorded:
         costs = [cost_of(line, error) for line in self.lines[name]]
         if None in costs:
             return None
-        step, norm_B, expected, seconds = (blend(self.weights.values(), values) for values in zip(*(
-            (cost.step, cost.fine.h_norm_B / cost.fine.step, cost.fine.error if cost.coarse is cost.fine else error,
-             cost.seconds / problem.time) for problem, cost in zip(self.weights, costs))))
+        known = [(cost.step, cost.fine.h_norm_B / cost.fine.step, cost.fine.error if cost.coarse is cost.fine else error,
+                  cost.seconds / problem.time) for problem, cost in zip(self.weights, costs)]
+        step, norm_B, expected, pace = (blend(self.weights.values(), values) for values in zip(*known))
         longest = min(self.longest_h_norm_B(problem, name) for problem in self.weights) / norm_B
         steps = math.ceil(time / min(step, longest) * (1 - 1e-9))
         shortened, integrator = time / steps / step, self.study.integrators[name]
         runs = dict.fromkeys(run for cost in costs for run in (cost.coarse, cost.fine))
         return Outcome(integrator, self.question.n, time, steps, expected * shortened**integrator.order,
-                       seconds * time / shortened, evidence=list(map(self.outcome, runs)))
+                       pace * time / shortened, evidence=list(map(self.outcome, runs)))
 
     def ranking(self):
         """Returns the offer of each integrator that reaches the error, the cheapest first."""
@@ -250,8 +250,8 @@ def integrate():
 def answer_data(search, how, scene_arguments, source, speedup=None):
     """Returns the answer for programs, as what JSON can hold: of a question, from recorded runs or from pilots.
 
-    `how` says how the error was to be reached, for the Stop if nothing reaches it; `scene_arguments` are the scene's for
-    the program `integrate`; `speedup` is that of this machine against the one of the seconds, None if not known.
+    Throws Stop if nothing reaches the error; `how` says how it was to be reached. `scene_arguments` are those of the
+    program `integrate`. `speedup` is that of this machine against the one of the seconds, None if not known.
     """
     question, offers = search.question, search.ranking()[:MOST_OFFERED]
     if not offers or offers[0].error > question.error:
@@ -285,7 +285,7 @@ def outcomes_table(rows, names):
 
 def answer_document(data):
     """Returns an answer as a document: the cheapest method above its rivals, and where the numbers come from."""
-    question, evidence = Question(**data["question"]), data["evidence"]
+    question = Question(**data["question"])
     recorded = [] if data["speedup"] is None else ["seconds_recorded"]
     return [
         Paragraph(f"The cheapest methods{that_keeps(question.keep)} for the scene {question.scene}, n = {question.n}, to"
@@ -295,7 +295,7 @@ def answer_document(data):
                                                      "expected_error", "seconds", *recorded]),
         *(Paragraph(f"Note: {each}.") for each in data["statements"]),
         Paragraph("Evidence for the answer:"),
-        outcomes_table(evidence, ["integrator", "n", "time", "steps", "error", "seconds", "status"]),
+        outcomes_table(data["evidence"], ["integrator", "n", "time", "steps", "error", "seconds", "status"]),
         Items([(name, f": {text}") for name, text in data["source"].items() if text is not None]),
         Paragraph("Run it:"),
     ]
