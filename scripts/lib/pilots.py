@@ -28,22 +28,20 @@ CANDIDATES = ("rk4", "group3", "group4", "rkmk4", "group5", "group2", "group6", 
               "group1")
 STOPPED = "stopped"  # status of a pilot at TOO_DEAR times the cheapest good one, or at the end of the budget
 
-# Step sizes are told by h‖B(W₀)‖₂, the first part of the time by T‖B(W₀)‖₂.
-FIRST_TIME, FIRST_REFERENCE = 10.0, 2.0
-FIRST_STEP = 15.0  # times the root of the error, at most 1
-# Longest step that is offered untried over the whole time: long runs were seen to fail from 5.2 on, short ones later.
-MOST_UNTRIED = 3.5
+FIRST_TIME, FIRST_REFERENCE = 10.0, 2.0  # T‖B(W₀)‖₂ of the first part, h‖B(W₀)‖₂ of its first reference
+FIRST_STEP = 15.0  # times error^(1/order), at most 1: h‖B(W₀)‖₂ of the first pilot of a method
+MOST_UNTRIED = 3.5  # h‖B(W₀)‖₂ over a longer time than tried: long runs were seen to fail from 5.2 on, short ones later
 AIM, ENOUGH = 1.3, 4.0  # steps are for the error over AIM; a pilot more than ENOUGH times better is made coarser
 MOST_TRIES = 4  # of a method on a part of the time
 BELOW_FAILURE = 1.3  # a step that failed, over the longest one that is tried next
 SHARP, SHARP_ENOUGH = 10, 4  # the uncertainty of the reference aims at, and has to reach, the error over that
 FLOOR = 1e-6  # below, two references that no longer come closer are at rounding
-TOO_DEAR = 8.0  # times the cheapest good pilot over the same part: others stop there
+TOO_DEAR = 8.0  # times the seconds of the cheapest good pilot over the part, where others are stopped
 MOST_KEPT = 6  # methods that go on to the next part
-# Of the error as a power of time, for what keeps the spectrum and what does not; over short times less is seen.
+# Growth of the error as a power of time, for methods that keep the spectrum and others. Short runs show too little of it.
 LEAST_GROWTH, LEAST_GROWTH_OF_OTHERS, MOST_GROWTH = 1.5, 4.0, 5.0
-LOOKS = 100  # at a run of many steps, for its energy and its cost
-FIRST_SHARE = 1 / 3  # of the budget, after which no further method is begun on the first part
+LOOKS = 100  # at the energy and the cost of a pilot of many steps
+FIRST_SHARE = 1 / 3  # of the budget; after it, no further method is begun on the first part
 TOLERANCE = 1e-13  # of the iteration, for a state of norm 1
 
 
@@ -105,12 +103,12 @@ def seconds_left():
 
 
 class Search:
-    """The pilots of one scene, and what they say so far. At the end of the budget, any method may throw TimeoutError."""
+    """The pilots of one scene and the best of them. At the end of the budget, any method may throw TimeoutError."""
 
     def __init__(self, scene, question):
         self.setting, self.question = Setting(scene), question
         self.size = float(numpy.linalg.norm(scene.initial, 2))
-        # Tolerances are absolute.
+        # The tolerance of the iteration is absolute.
         self.tolerance = TOLERANCE if 0.5 < self.size < 2 else max(1e-15, TOLERANCE * self.size)
         listed = {each.name: study.record_of(each) for each in isosyrk.integrators()}
         self.references, candidates = ([listed.get(name + FRAME, listed[name]) for name in names]
@@ -118,14 +116,16 @@ class Search:
         self.candidates = [each for each in candidates if each.keeps(question.keep)]
         self.limits = {each: (self.method(each).linear_limit() or math.inf) / self.setting.norm_B for each in self.candidates}
         self.pilots = []
-        self.trajectory = True  # whether that is judged, or energy and spectrum
+        self.trajectory = True  # whether errors are those of the trajectory, or of energy and spectrum
         self.reference, self.exact, self.uncertainty = None, (), math.inf  # pilot, its states at half time and at the end
         self.reference_step = FIRST_REFERENCE / self.setting.norm_B  # of the next part
-        self.spent = False  # whether the budget is
+        self.spent = False  # whether the budget ended before all pilots were made
         self.good = {}  # by integrator: the best pilot over the longest part that it did
+        # Of the part that pilots go over.
         self.time = question.time / 2 ** max(0, math.floor(math.log2(question.time * self.setting.norm_B / FIRST_TIME)))
 
     def method(self, integrator):
+        """Returns the module's integrator of the scene."""
         return isosyrk.integrator(self.setting.scene, integrator.name, solver=FAST, tolerance=self.tolerance)
 
     def longest_step(self, integrator):
@@ -271,10 +271,7 @@ class Search:
         return said
 
     def go_on(self):
-        """Makes pilots over longer and longer parts of the time, until it is whole or the next part takes too long.
-
-        Throws Stop, and TimeoutError at the end of the budget.
-        """
+        """Makes pilots over longer and longer parts of the time, until it is whole or the next part takes too long."""
         integrators, spared = self.candidates, seconds_left() * (1 - FIRST_SHARE)
         while True:
             before = seconds_left()
@@ -287,7 +284,7 @@ class Search:
             self.time = min(self.question.time, self.time * 2 ** max(1, math.floor(math.log2(fits))))
 
     def try_all(self, integrators, spared):
-        """Makes the pilots of integrators over the part; once one is good, no more when `spared` seconds are left."""
+        """Makes the pilots of integrators over the part; if one is good, none is begun in the last `spared` seconds."""
         share = self.time / self.question.time
         if self.trajectory:
             self.refer(self.question.error * share)

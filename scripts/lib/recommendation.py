@@ -71,6 +71,7 @@ class Outcome:
 
 
 def strongest_structure(integrator):
+    """Returns the strongest structure that an integrator keeps."""
     return next(structure for structure in reversed(KEPT) if integrator.keeps(structure))
 
 
@@ -148,9 +149,8 @@ class Recorded:
         uncertainty = max(study.references[problem].uncertainty for problem in self.weights)
         self.trajectory = question.time <= self.longest and uncertainty <= PREDICTABLE
         if not self.trajectory:
-            why = (f"no reference solution goes beyond T = {self.longest:g}" if question.time > self.longest else
-                   f"the reference solution is good to {uncertainty:.1g} only")
-            self.statements.append(beyond_predictability(question.time, why))
+            self.statements.append(beyond_predictability(question.time, (
+                f"the reference solution ends at T = {self.longest:g} and is good to {uncertainty:.1g}")))
         elif question.error < uncertainty:
             raise below_reference(question.error, uncertainty)
         else:
