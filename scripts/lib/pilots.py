@@ -212,7 +212,7 @@ class Search:
         for _ in range(MOST_TRIES):
             steps = max(wanted, even(self.time / self.longest_step(integrator)))
             pilot, _ = self.run(integrator, steps, most_seconds)
-            if pilot.status == STOPPED:
+            if pilot.status == STOPPED or (best and pilot.status != CONVERGED):
                 break
             if pilot.status != CONVERGED:
                 continue
