@@ -163,6 +163,7 @@ class Answers(RecommendTest):
         self.assertEqual((result.returncode, result.stderr), (0, ""))
         self.assertRegex(result.stdout, r"(?s)\nrk4 +fast +4 +nothing +0.5 +10 .*\nrkmk4 .*\nEvidence")
         self.assertEqual(result.stdout.splitlines()[-1], found["command"])
+        self.assertIn("Note: n = 24 is not recorded", self.recommend(*arguments_of(n="24")).stdout)
 
     def test_the_developed_scene_says_how_its_state_is_made(self):
         for name in ("references", "runs", "limits", "tolerance_runs"):
