@@ -175,9 +175,9 @@ class Recorded:
         return (run.error + self.study.references[run.problem].uncertainty) * min(1.0, self.question.time / self.shortest)
 
     def longest_h_norm_B(self, problem, name):
-        """Returns the largest h‖B‖₂ that worked in trials; 0 where none worked, infinity where there were no trials."""
+        """Returns the largest h‖B‖₂ that worked in trials; 0 where none worked, or there were none."""
         limit = self.study.limits.get((problem.scene, problem.n, name, FAST))
-        return math.inf if limit is None else limit.h_norm_B or 0.0
+        return limit.h_norm_B or 0.0 if limit else 0.0
 
     def safe_runs(self, problem, name):
         """Returns the runs of a line with the errors judged, from the shortest step to the longest safe one.
