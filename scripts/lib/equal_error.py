@@ -7,14 +7,14 @@ with the co-rotating frame wherever it is the cheaper.
 import statistics
 from typing import NamedTuple
 
-from accuracy_lines import FAST, interpolated
+from accuracy_lines import FAST, PUBLISHED
 from integrator_names import frameless, gauss_stages, in_frame
+from recommendation import strongest_structure
 
 EXPONENTS = range(-2, -9, -1)
 # Geometric means are over these errors. Larger ones are often those of the longest step that works.
 MEAN_EXPONENTS = range(-4, -9, -1)
 HEADLINE = ("smooth", 5.0)  # the scene and time of the headline figures
-STRUCTURES = {"poisson": "the Lie–Poisson structure", "spectrum": "the spectrum only", "nothing": "neither"}
 
 
 class Ratio(NamedTuple):
@@ -26,63 +26,44 @@ class Ratio(NamedTuple):
         return f"{self.value:.2g} ({self.least:.2g}–{self.most:.2g})"
 
 
-def strongest(integrator):
-    """Returns the strongest structure that an integrator keeps."""
-    return next(structure for structure in STRUCTURES if integrator.keeps(structure))
-
-
 def keeping(study, structure):
     """Returns the names of integrators whose strongest structure is this one."""
-    return [name for name, each in study.integrators.items() if strongest(each) == structure]
+    return [name for name, each in study.integrators.items() if strongest_structure(each) == structure]
 
 
-def forms_of(study, *methods):
-    """Returns the names of the integrators of these methods, in the frame and not; "gauss" is all its forms."""
+def forms_of(study, method):
+    """Returns the names of the integrators of a method, in the frame and not; "gauss" is all its forms."""
     return [name for name in study.integrators
-            if frameless(name) in methods or ("gauss" in methods and gauss_stages(frameless(name)))]
+            if frameless(name) == method or (method == "gauss" and gauss_stages(frameless(name)))]
 
 
 def headline_problems(study):
     return [problem for problem in study.problems() if (problem.scene, problem.time) == HEADLINE]
 
 
-def cheapest(study, problem, error, names, solver=FAST, or_less=False):
-    """Returns (name, Cost) of the integrator that has this error at the least cost, or None.
-
-    With `or_less`, the longest step that works on a line stands for every larger error than its own.
-    """
-    found = []
-    for name in names:
-        cost = study.cost(problem, name, error, solver)
-        if cost is None and or_less:
-            stretches = study.stretches(problem, name, solver)
-            if stretches and stretches[0][0].error <= error:
-                cost = interpolated(stretches[0][0], stretches[0][0], stretches[0][0].error)
-        if cost:
-            found.append((name, cost))
+def cheapest(study, problem, error, names, solver=FAST):
+    """Returns (name, Cost) of the integrator that has this error at the least cost, or None."""
+    found = [(name, cost) for name in names if (cost := study.cost(problem, name, error, solver))]
     return min(found, key=lambda each: each[1].seconds, default=None)
 
 
-def ratio_of(first, second):
-    """Returns the Ratio of two costs."""
-    return Ratio(first.seconds / second.seconds, first.least / second.most, first.most / second.least)
-
-
-def ratios(study, problems, first, second, solvers=(FAST, FAST), exponents=MEAN_EXPONENTS):
+def ratios(study, problems, first, second, solvers=(FAST, FAST)):
     """Returns the Ratio of the cheapest of `first` to that of `second`, by (problem, exponent) that both have."""
     found = {}
     for problem in problems:
-        for exponent in exponents:
+        for exponent in MEAN_EXPONENTS:
             sides = [cheapest(study, problem, 10.0**exponent, names, solver)
                      for names, solver in zip((first, second), solvers)]
             if all(sides):
-                found[problem, exponent] = ratio_of(*(cost for _, cost in sides))
+                (_, dear), (_, cheap) = sides
+                found[problem, exponent] = Ratio(dear.seconds / cheap.seconds, dear.least / cheap.most,
+                                                 dear.most / cheap.least)
     return found
 
 
 def mean(found):
-    """Returns the geometric mean of some Ratios, or None of none."""
-    return Ratio(*map(statistics.geometric_mean, zip(*found))) if found else None
+    """Returns the geometric mean of some Ratios."""
+    return Ratio(*map(statistics.geometric_mean, zip(*found)))
 
 
 def means_by_problem(found):
@@ -93,17 +74,21 @@ def means_by_problem(found):
 
 def prices(study, problems):
     """Returns the Ratios of the best Gauss form to the best form of RKMK4 and of RK4."""
-    return {other: ratios(study, problems, forms_of(study, "gauss"), forms_of(study, other))
-            for other in ("rkmk4", "rk4")}
+    return without_empty({other: ratios(study, problems, forms_of(study, "gauss"), forms_of(study, other))
+                          for other in ("rkmk4", "rk4")})
 
 
 def frame_gains(study, problems):
     """Returns the Ratios of each integrator to its variant in the co-rotating frame, by its name."""
-    pairs = {frameless(name): name for name in study.integrators if in_frame(name)}
-    return {name: ratios(study, problems, [name], [framed]) for name, framed in pairs.items()}
+    return without_empty({frameless(name): ratios(study, problems, [frameless(name)], [name])
+                          for name in study.integrators if in_frame(name)})
 
 
 def published_gains(study, problems):
     """Returns the Ratios of each integrator's published form to its fast form, by its name."""
-    found = {name: ratios(study, problems, [name], [name], ("published", FAST)) for name in study.integrators}
+    return without_empty({name: ratios(study, problems, [name], [name], (PUBLISHED, FAST))
+                          for name in study.integrators})
+
+
+def without_empty(found):
     return {name: each for name, each in found.items() if each}

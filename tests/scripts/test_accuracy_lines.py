@@ -145,12 +145,12 @@ class LineTest(unittest.TestCase):
         def cost(error, problem=SMOOTH[0], **solver):
             return self.study().cost(problem, "rkmk4", error, **solver)
 
-        # error = 1e-3 h⁴, 1 ms and 4 products a step: on a power law interpolation is exact.
+        # error = 1e-3 h⁴, 1 ms a step: on a power law interpolation is exact.
         for problem, factor in ((SMOOTH[0], 1e-3), (ROUGH, 1e-2)):
             found = cost(factor * 0.2**4, problem)
             self.assertEqual((found.coarse.steps, found.fine.steps), (20, 50))
             for value, wanted in ((found.seconds, 0.025), (found.least, 0.025 * 0.99), (found.most, 0.025 * 1.02),
-                                  (found.step, 0.2), (found.equivalent_products, 100)):
+                                  (found.step, 0.2)):
                 self.assertAlmostEqual(value, wanted, delta=1e-12 * wanted)
         self.assertAlmostEqual(cost(run_of(self.document, "rkmk4", 17, 50)["error"]).seconds, 0.05, delta=1e-12)
         for outside in (1.001e-3, 3.9e-10):
