@@ -9,7 +9,7 @@ import statistics
 from accuracy_lines import TABLE1_STEP
 from comparison import three_digits
 from equal_error import (EXPONENTS, MEAN_EXPONENTS, cheapest, forms_of, frame_gains, headline_problems, keeping, mean,
-                         means_by_problem, prices, published_gains, ratios)
+                         means_by_problem, prices, ratios)
 from integrator_names import frameless, gauss_stages
 
 # The tolerance does no harm where what it adds is at most this share of the error that the step size makes.
@@ -43,21 +43,9 @@ def by_n(found):
 def claims(study):
     """Returns the claims that the study has data for, as sentences in two parts."""
     headline = headline_problems(study)
-    found = (orders(study), price(study, headline), exponential(study), order_pays(study), energy(study),
-             gain("The co-rotating frame divides", frame_gains(study, headline)),
-             gain("Fast forms divide the published forms'", published_gains(study, headline)),
+    found = (price(study, headline), exponential(study), order_pays(study), energy(study), frame(study, headline),
              growth(study), needed_tolerance(study), quality(study))
     return [(f"{each[0]}.", f" {each[1]}") for each in found if each]
-
-
-def orders(study):
-    found = [(abs(order - each.order), order, each, problem) for problem in study.problems()
-             for each in study.integrators.values() if (order := study.observed_order(problem, each.name))]
-    if not found:
-        return None
-    _, order, each, problem = max(found, key=lambda one: one[0])
-    return (f"{len(found)} observed orders were fitted",
-            f"The farthest from its integrator's is {order:.2f}, of {each.name} with {each.order} ({problem}).")
 
 
 # ---- at equal error
@@ -121,13 +109,13 @@ def energy(study):
             "Each in the cheapest of its forms.")
 
 
-def gain(what, found):
-    """Tells by how much something divides times: those of all Gauss methods together, and of each other one."""
+def frame(study, problems):
+    """Tells by how much the co-rotating frame divides times: those of all Gauss methods together, and of each other one."""
     methods = {}
-    for name, each in found.items():
+    for name, each in frame_gains(study, problems).items():
         methods.setdefault("Gauss" if gauss_stages(name) else name, []).extend(each.values())
     parts = [f"{mean(each)} for {method}" for method, each in methods.items()]
-    return parts and (f"{what} time at equal error by {parts[0]}",
+    return parts and (f"The co-rotating frame divides time at equal error by {parts[0]}",
                       f"Means, smooth, T = 5, {MEAN_OVER}{''.join(f'; {each}' for each in parts[1:])}.")
 
 

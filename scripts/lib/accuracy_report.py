@@ -7,7 +7,7 @@ from accuracy_lines import FAST, FLOOR_MARGIN, PUBLISHED, TABLE1_STEP
 from benchmark_json import FORMULATIONS
 from comparison import MISSING, percentage, three_digits
 from document import Column, Heading, Items, Paragraph, conditions, plain_table, shown
-from equal_error import frame_gains, headline_problems, means_by_problem, prices, published_gains
+from equal_error import frame_gains, headline_problems, means_by_problem, prices
 from recommendation import KEPT, recommendation_tables, strongest_structure
 
 CARE_ERROR = 1e-6  # near which equal care is shown, ...
@@ -23,11 +23,8 @@ CHARTS = (
     ("error_against_time", f"Error against CPU time, smooth scene, T = 5. {WORK_PRECISION}"),
     ("error_against_time_others", "The same for the other problems."),
     ("energy_against_time", "The same for the energy error, the largest over the steps, in the smooth scene."),
-    ("error_against_n", "Error at the step of Table 1 against n, and of every step against h‖B(W₀)‖₂, smooth scene,"
-     " T = 5. Lines of all n that coincide say that h‖B‖₂ decides, not n."),
-    ("tolerance", "Errors against the tolerance of the fixed point, at the step size of Table 1, h ="
-     f" {TABLE1_STEP}. Solver error: distance from the answer with the tightest tolerance that converged. The diagonal"
-     " is where an error equals the tolerance."),
+    ("error_against_n", "Error at the step of Table 1 against n, and of every step, not in the frame, against h‖B(W₀)‖₂,"
+     " smooth scene, T = 5. Lines of all n that coincide say that h‖B‖₂ decides, not n."),
     ("table1_accuracy", "Tables 1 and 2 with their accuracy: every cell that did not fail as time against error, the"
      " published form hollow, the fast one filled, timed in turns. Dotted lines join the forms with one answer. Bars"
      " span the quartiles."),
@@ -56,8 +53,6 @@ def accuracy_sections(study, charts):
                         "Time of the best Gauss form over that of the other method's best form"),
         *ratios_section(study, "What the co-rotating frame buys", frame_gains, two_digits_of,
                         "Time without the frame over time in it"),
-        *ratios_section(study, "What the fast forms buy", published_gains, two_digits_of,
-                        "Time of the published form over that of the fast form"),
         *care_section(study),
         *integrators_section(study),
         *tolerance_section(study),
@@ -108,11 +103,11 @@ def care_section(study):
         if not runs:
             continue
         run = min(runs, key=lambda each: abs(math.log(each.error / CARE_ERROR)))
-        published = study.at_step(problem, name, run.step, PUBLISHED)
+        published = study.cost(problem, name, run.error, PUBLISHED)
         family = max((each for each in CARE if name.startswith(each)), key=len, default=None)
         rows.append([name, three_digits(run.step), scientific(run.error), three_digits(run.seconds),
                      f"{run.equivalent_products:.0f}", percentage(run.equivalent_products / rate.fast / run.seconds),
-                     three_digits(published.seconds / run.seconds) if published and published.usable else MISSING,
+                     three_digits(published.seconds / run.seconds) if published else MISSING,
                      CARE.get(family, MISSING)])
     columns = (Column("integrator", align="left"), *map(Column, (
         "step", "error", "CPU seconds", "equivalent products", "product share", "published over fast")),
@@ -140,20 +135,20 @@ def integrators_section(study):
 
 def tolerance_section(study):
     """Shows for each cell the loosest tolerance that hardly adds to its error, and what it saves."""
-    rows = [[str(loosest.n), loosest.formulation, str(loosest.stages), loosest.solver, scientific(error),
-             f"{loosest.tolerance:.0e}", f"{loosest.sweeps}/{usual.sweeps}",
-             three_digits(loosest.seconds / usual.seconds), scientific(loosest.spectrum_error)]
+    rows = [[str(loosest.n), loosest.formulation, str(loosest.stages), scientific(error),
+             f"{loosest.tolerance:.0e}", three_digits(loosest.seconds / usual.seconds),
+             scientific(loosest.spectrum_error), scientific(usual.spectrum_error)]
             for loosest, usual, error in sorted(loosest_tolerances(study), key=lambda each: (
                 each[0].n, FORMULATIONS.index(each[0].formulation), each[0].stages))]
     if not rows:
         return []
-    columns = (Column("n"), Column("formulation", align="left"), Column("s"), Column("form", align="left"),
-               Column(f"error at h = {TABLE1_STEP}"), Column("loosest tolerance"), Column("sweeps against 1e-13"),
-               Column("time against 1e-13"), Column("spectrum error there"))
+    columns = (Column("n"), Column("formulation", align="left"), Column("s"),
+               Column(f"error at h = {TABLE1_STEP}"), Column("loosest tolerance"), Column("time against 1e-13"),
+               Column("spectrum error"), Column("at 1e-13"))
     failed = sum(not run.usable for run in study.tolerance_runs)
     return [Heading("Which tolerance an accuracy needs"),
             Paragraph("The loosest tolerance of the fixed point that adds less than a tenth to the error which the step"
-                      f" size makes, and so do all tighter ones. {failed} of {len(study.tolerance_runs)} runs did not"
+                      f" size makes, and so do all tighter ones, published forms. {failed} of {len(study.tolerance_runs)} runs did not"
                       " converge."),
             plain_table(columns, rows)]
 
@@ -171,21 +166,16 @@ def limits_section(study):
 
 
 def failures_section(study):
-    """Names every line with a run that failed or is beyond its limit: who hides failures recommends them."""
-    rows = []
-    for problem in study.problems():
-        for solver in (FAST, PUBLISHED):
-            found = []
-            for name in study.integrators:
-                bad = [run for run in study.line(problem, name, solver) if not run.usable or run.beyond_limit]
-                if bad:
-                    how = dict.fromkeys("beyond its limit" if run.usable else run.status for run in reversed(bad))
-                    found.append(f"{name} {three_digits(bad[-1].step)} {', '.join(how)}")
-            if found:
-                rows.append([str(problem), solver, "; ".join(found)])
-    columns = (Column("problem", align="left"), Column("form", align="left"),
-               Column("smallest step that failed, and how this and longer ones did", align="left"))
-    return [Heading("Runs that failed"),
-            Paragraph(f"{sum(not run.usable for run in study.runs)} of {len(study.runs)} runs. A step beyond the"
-                      " stability limit may come to an end because T is short; such a run is never recommended."),
-            plain_table(columns, rows)]
+    """Names every fast form with a run that failed or is beyond its limit: who hides failures recommends them."""
+
+    def failed(problem, name):
+        bad = [run for run in study.line(problem, name) if not run.usable or run.beyond_limit]
+        how = dict.fromkeys("beyond its limit" if run.usable else run.status for run in reversed(bad))
+        return f"{three_digits(bad[-1].step)} {', '.join(how)}" if bad else MISSING
+
+    names = [name for name in study.integrators if any(failed(problem, name) != MISSING for problem in study.problems())]
+    return by_problem(study, "Runs that failed",
+                      f"{sum(not run.usable for run in study.runs)} of {len(study.runs)} runs. Of each fast form the"
+                      " smallest step that failed, and how this and longer ones did. A step beyond the stability limit"
+                      " may come to an end because T is short; such a run is never recommended.",
+                      names, study.problems(), failed)

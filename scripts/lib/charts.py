@@ -5,10 +5,10 @@ import statistics
 
 from matplotlib.lines import Line2D
 
-from accuracy_claims import energy, growth, price, quality, span
+from accuracy_claims import energy, growth, price, span
 from accuracy_lines import FAST, NEAR_ROUNDING, PUBLISHED, TABLE1_STEP
 from benchmark_json import FORMULATIONS
-from chart_panels import FAMILIES, draw_line, key, logarithmic, look, new_figure
+from chart_panels import FAMILIES, draw_line, key, logarithmic, new_figure
 from equal_error import headline_problems
 from integrator_names import FRAME, gauss_stages, in_frame, method_name
 from recommendation import KEPT, strongest_structure
@@ -16,6 +16,7 @@ from recommendation import KEPT, strongest_structure
 ERROR_LABEL = "relative error of W(T)"
 SECONDS_LABEL = "CPU seconds"
 LEAST_ERROR, LEAST_ENERGY_ERROR = 1e-12, 1e-14  # where the axes end
+SHOWN_AGAINST_N = ("group1", "group2", "group3", "group4", "rkmk4", "rk4")
 LEAP = 1.6  # in seconds, from one level of an envelope to the next: a line of order 2 rises by 10^(1/8)
 
 # One colour for each method, and a letter or number at the end of its line.
@@ -162,67 +163,34 @@ def envelope(lines, least, in_a_decade=4):
 
 
 def error_against_n(study):
-    """Draws the error at Table 1's step against n, and errors against h‖B(W₀)‖₂, not in the frame and in it."""
+    """Draws the error at Table 1's step against n, and those of all steps, not in the frame, against h‖B(W₀)‖₂."""
     problems = headline_problems(study)
-    figure, ((at_step, *against_norm),) = new_figure(title(growth(study), f"Error at h = {TABLE1_STEP} against n"), 1, 3,
-                                                     5.2, keys=2, sharey=True)
-    names = [name for name in ("group1", "group2", "group3", "group4", "rkmk4", "rk4") if name in study.integrators]
-    for axes in (at_step, *against_norm):
+    heading = title(growth(study), f"Error at h = {TABLE1_STEP} against n")
+    figure, ((at_step, at_norm),) = new_figure(heading, 1, 2, 5.2, keys=2, sharey=True)
+    for axes in (at_step, at_norm):
         logarithmic(axes)
         axes.set_ylim(LEAST_ERROR, 2)
     at_step.set(title=f"at h = {TABLE1_STEP}", xlabel="n", ylabel=ERROR_LABEL)
     at_step.set_xticks([problem.n for problem in problems], [str(problem.n) for problem in problems])
-    for axes, suffix, which in zip(against_norm, ("", FRAME), ("not in", "in")):
-        axes.set(title=f"every h and n, {which} the frame", xlabel="h‖B(W₀)‖₂")
-        for name in (f"{each}{suffix}" for each in names if f"{each}{suffix}" in study.integrators):
-            colour = METHODS[method_name(study.integrators[name])][0]
-            filled = {"color": colour, "marker": "o", "linestyle": "-" if suffix else "--",
-                      "markerfacecolor": colour if suffix else "white"}
-            runs = [run for run in (study.at_step(problem, name, TABLE1_STEP) for problem in problems)
-                    if run and run.usable and not run.beyond_limit]
-            draw_line(at_step, name, [(run.n, run.error) for run in runs], **filled)
-            for index, problem in enumerate(problems):
-                for stretch in study.stretches(problem, name):
-                    draw_line(axes, f"{name}, n = {problem.n}", [(run.h_norm_B, run.error) for run in stretch],
-                              color=colour, linewidth=0.6 + 0.5 * index)
-    methods = [method_name(study.integrators[name]) for name in names]
-    key(figure, [*(handle(method, color=METHODS[method][0]) for method in methods),
-                 handle("not in the frame", color="0.3", linestyle="--", marker="o", markerfacecolor="white"),
-                 handle("in the frame; thicker: larger n", color="0.3", marker="o")], 2)
-    return figure
-
-
-# ---- tolerances
-
-
-def tolerance(study):
-    """Draws errors at the largest n against the tolerance; None without such runs."""
-    runs = sorted((run for run in study.tolerance_runs if run.usable), key=lambda run: run.tolerance)
-    if not runs:
-        return None
-    n, stages = max(run.n for run in runs), sorted({run.stages for run in runs})
-    figure, panels = new_figure(title(quality(study), "What the tolerance of the fixed-point iteration buys"), 2,
-                                len(stages), 3.6, row_gap=0.3, sharex=True, sharey="row")
-    panels[0, 0].set_xlim(2 * runs[-1].tolerance, runs[0].tolerance / 2)
-    for row, label, quantities in zip(panels, (ERROR_LABEL, "error of the spectrum"), (
-            {"error": "-", "solver_error": "--"}, {"spectrum_error": "-"})):
-        row[0].set_ylabel(f"{label}, n = {n}")
-        for axes, s in zip(row, stages):
-            logarithmic(axes)
-            axes.axline((1e-4, 1e-4), (1e-8, 1e-8), color="0.45", linewidth=0.9, label="_diagonal")
-            lines = {}
-            for run in runs:
-                if (run.n, run.stages) == (n, s):
-                    lines.setdefault(run.integrator, []).append(run)
-            for name, line in lines.items():
-                for quantity, style in quantities.items():
-                    draw_line(axes, f"{name}: {quantity}", [(run.tolerance, getattr(run, quantity)) for run in line],
-                              **{**look(study.integrators[name]), "linestyle": style})
-    for top, bottom, s in zip(*panels, stages):
-        top.set_title(f"s = {s}, order {2 * s}")
-        bottom.set_xlabel("tolerance (tighter to the right)")
-    key(figure, [*formulation_handles(), handle("error", color="black"),
-                 handle("solver error", color="black", linestyle="--")])
+    at_norm.set(title="every h, not in the frame; thicker: larger n", xlabel="h‖B(W₀)‖₂")
+    methods = {}
+    for name in (f"{each}{suffix}" for each in SHOWN_AGAINST_N for suffix in ("", FRAME)):
+        if name not in study.integrators:
+            continue
+        method = method_name(study.integrators[name])
+        methods[method] = colour = METHODS[method][0]
+        framed = in_frame(name)
+        runs = [run for run in (study.at_step(problem, name, TABLE1_STEP) for problem in problems)
+                if run and run.usable and not run.beyond_limit]
+        draw_line(at_step, name, [(run.n, run.error) for run in runs], marker="o", color=colour,
+                  linestyle="-" if framed else "--")
+        for index, problem in enumerate([] if framed else problems):
+            for stretch in study.stretches(problem, name):
+                draw_line(at_norm, f"{name}, n = {problem.n}", [(run.h_norm_B, run.error) for run in stretch],
+                          linewidth=0.5 + 0.4 * index, color=colour)
+    key(figure, [*(handle(method, color=colour) for method, colour in methods.items()),
+                 handle("not in the frame", color="0.3", linestyle="--"),
+                 handle("in the frame", color="0.3")], 2)
     return figure
 
 
@@ -262,11 +230,7 @@ def table1_accuracy(published, fast):
         axes.plot(*zip(*sorted(points)), color="0.45", linestyle=":", zorder=1, label="_same answer")
         axes.annotate(f"n = {n}, s = {s}", max(points), xytext=(10, -4), textcoords="offset points")
     dot = {"color": "0.3", "marker": "o", "linestyle": "none"}
-    key(figure, [*formulation_handles(), handle("published form", markerfacecolor="none", **dot),
-                 handle("fast form", **dot)])
+    key(figure, [*(handle(each, color=FAMILIES[each][0], marker="o", markersize=FAMILIES[each][1],
+                          markerfacecolor="none") for each in FORMULATIONS),
+                 handle("published form", markerfacecolor="none", **dot), handle("fast form", **dot)])
     return figure
-
-
-def formulation_handles():
-    return [handle(each, color=FAMILIES[each][0], marker="o", markersize=FAMILIES[each][1], markerfacecolor="none")
-            for each in FORMULATIONS]

@@ -7,7 +7,6 @@ with the co-rotating frame wherever it is the cheaper.
 import statistics
 from typing import NamedTuple
 
-from accuracy_lines import FAST, PUBLISHED
 from integrator_names import frameless, gauss_stages, in_frame
 from recommendation import strongest_structure
 
@@ -41,19 +40,18 @@ def headline_problems(study):
     return [problem for problem in study.problems() if (problem.scene, problem.time) == HEADLINE]
 
 
-def cheapest(study, problem, error, names, solver=FAST):
+def cheapest(study, problem, error, names):
     """Returns (name, Cost) of the integrator that has this error at the least cost, or None."""
-    found = [(name, cost) for name in names if (cost := study.cost(problem, name, error, solver))]
+    found = [(name, cost) for name in names if (cost := study.cost(problem, name, error))]
     return min(found, key=lambda each: each[1].seconds, default=None)
 
 
-def ratios(study, problems, first, second, solvers=(FAST, FAST)):
+def ratios(study, problems, first, second):
     """Returns the Ratio of the cheapest of `first` to that of `second`, by (problem, exponent) that both have."""
     found = {}
     for problem in problems:
         for exponent in MEAN_EXPONENTS:
-            sides = [cheapest(study, problem, 10.0**exponent, names, solver)
-                     for names, solver in zip((first, second), solvers)]
+            sides = [cheapest(study, problem, 10.0**exponent, names) for names in (first, second)]
             if all(sides):
                 (_, dear), (_, cheap) = sides
                 found[problem, exponent] = Ratio(dear.seconds / cheap.seconds, dear.least / cheap.most,
@@ -82,12 +80,6 @@ def frame_gains(study, problems):
     """Returns the Ratios of each integrator to its variant in the co-rotating frame, by its name."""
     return without_empty({frameless(name): ratios(study, problems, [frameless(name)], [name])
                           for name in study.integrators if in_frame(name)})
-
-
-def published_gains(study, problems):
-    """Returns the Ratios of each integrator's published form to its fast form, by its name."""
-    return without_empty({name: ratios(study, problems, [name], [name], (PUBLISHED, FAST))
-                          for name in study.integrators})
 
 
 def without_empty(found):

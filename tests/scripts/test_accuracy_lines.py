@@ -7,7 +7,7 @@ import sys
 import unittest
 
 from programs import ROOT, FolderTest
-from study_documents import (INTEGRATORS, PROBLEMS, ROUGH, SLOWER, SMOOTH, STEPS, accuracy_of, run_of, study_document,
+from study_documents import (INTEGRATORS, ROUGH, SLOWER, SMOOTH, STEPS, accuracy_of, run_of, study_document,
                              write_study)
 
 sys.dont_write_bytecode = True
@@ -73,73 +73,53 @@ class LineTest(unittest.TestCase):
         for steps, error in zip(STEPS, errors):
             run_of(self.document, name, 17, steps)["error"] = error
 
-    def kept_steps(self, name):
-        return [run.steps for run in self.study().above_floor(SMOOTH[0], name)]
+    def test_where_a_line_ends_and_the_order_there(self):
+        def power(order):
+            return [1e-3 * (5 / steps) ** order for steps in STEPS]
 
-    def test_a_line_is_the_longest_step_first_whatever_the_order_of_the_file_failures_too(self):
-        random.Random(3).shuffle(self.document["runs"])
-        self.assertEqual([run.steps for run in self.study().line(SMOOTH[1], "group2")], list(STEPS))
-        self.assertEqual([run.usable for run in self.study().line(SMOOTH[0], "group1")], [False] + [True] * 5)
-        self.assertEqual(self.study().at_step(SMOOTH[0], "group2", 0.1).steps, 50)
-        self.assertIsNone(self.study().at_step(SMOOTH[0], "group2", 0.11))
-
-    def test_where_a_line_ends(self):
-        self.assertEqual(self.kept_steps("group1"), list(STEPS[1:]))  # whole but for failures
-        for uncertainty, errors, kept in (
-                (1e-14, [1e-3 * (5 / steps) ** 4 for steps in STEPS], 6),
-                # Errors 1e-7 at 50 steps and 6.25e-9 at 100: ten times the uncertainty lies between them.
-                (1e-9, [1e-3 * (5 / steps) ** 4 for steps in STEPS], 4),
-                (1e-14, (1e-3, 6e-5, 4e-6, 3e-9, 2.9e-9, 1e-9), 4),  # rounding stops the error from falling
-                (1e-14, (1e-3, 6e-5, 5.9e-5, 5.8e-5, 6e-9, 4e-10), 6)):  # a plateau far above rounding is no floor
+        for uncertainty, errors, kept, order in (
+                (1e-14, power(4), 6, 4), (1e-14, power(3), 6, 3),  # powers of the step to rounding
+                (1e-9, power(4), 4, 4),  # 1e-7 at 50 steps, 6.25e-9 at 100: ten times the uncertainty lies between them
+                (1e-14, (1e-3, 6e-5, 4e-6, 3e-9, 2.9e-9, 1e-9), 4, None),  # rounding stops the error from falling
+                (1e-14, (1e-3, 6e-5, 5.9e-5, 5.8e-5, 6e-9, 4e-10), 6, None),  # a plateau far above is no floor
+                (1e-14, [*power(2)[:3], *power(4)[3:]], 6, 4)):  # an order is fitted on the smallest steps
             with self.subTest(uncertainty=uncertainty, errors=errors):
                 self.document["references"][0]["uncertainty"] = uncertainty
                 self.set_errors("rkmk4", errors)
-                self.assertEqual(self.kept_steps("rkmk4"), list(STEPS[:kept]))
-
-    def test_observed_orders_are_those_the_errors_were_made_with(self):
-        for name, (_, order, *_) in INTEGRATORS.items():
-            for problem in PROBLEMS:
-                with self.subTest(integrator=name, problem=problem):
-                    # Errors are a power of the step to rounding: a relative 1e-15 over a factor of at least 4.
-                    self.assertAlmostEqual(self.study().observed_order(problem, name), order, delta=1e-12)
-
-    def test_an_order_is_fitted_on_the_smallest_steps_above_the_floor(self):
-        for order, uncertainty, errors in (
-                (3, 1e-14, [1e-3 * (5 / steps) ** 3 for steps in STEPS]),
-                (4, 1e-14, [1e-3 * (5 / steps) ** (2 if steps < 50 else 4) for steps in STEPS]),
-                (4, 1e-9, [max(1e-3 * (5 / steps) ** 4, 5e-9) for steps in STEPS])):
-            self.set_errors("rkmk4", errors)
-            self.document["references"][0]["uncertainty"] = uncertainty
-            self.assertAlmostEqual(self.study().observed_order(SMOOTH[0], "rkmk4"), order, delta=1e-12)
+                self.assertEqual([run.steps for run in self.study().above_floor(SMOOTH[0], "rkmk4")], list(STEPS[:kept]))
+                if order:
+                    self.assertAlmostEqual(self.study().observed_order(SMOOTH[0], "rkmk4"), order, delta=1e-12)
 
     def test_an_order_needs_three_steps_that_can_be_told_apart(self):
-        for kept, told in ((3, True), (2, False), (0, False)):
-            with self.subTest(kept=kept):
-                self.document["runs"] = [each for each in study_document()["runs"]
-                                         if each["integrator"] != "rkmk4" or each["steps"] in STEPS[:kept]]
-                self.assertEqual(self.study().observed_order(SMOOTH[0], "rkmk4") is not None, told)
+        def order(steps):
+            self.document["runs"] = [each for each in study_document()["runs"]
+                                     if each["integrator"] != "rkmk4" or each["steps"] in steps]
+            return self.study().observed_order(SMOOTH[0], "rkmk4")
+
+        self.assertIsNone(order(()))
+        self.assertIsNone(order(STEPS[:2]))
+        self.assertIsNotNone(order(STEPS[:3]))
         # Three counts of steps whose step sizes are the same to the last digit: damage, but each comes to the time.
-        self.document["runs"] = [each for each in study_document()["runs"] if each["integrator"] != "rkmk4"
-                                 or each["steps"] in STEPS[:3]]
         for index, steps in enumerate(STEPS[:3]):
             run_of(self.document, "rkmk4", 17, steps).update(steps=10**14 + index, step=5e-14)
         self.assertIsNone(self.study().observed_order(SMOOTH[0], "rkmk4"))
 
-    def test_stretches_end_at_failures_limits_and_the_floor(self):
+    def test_stretches_end_at_failures_limits_and_the_floor_and_no_cost_bridges_a_gap(self):
         def steps():
             return [[run.steps for run in stretch] for stretch in self.study().stretches(SMOOTH[0], "rkmk4")]
 
-        self.assertEqual(steps(), [list(STEPS)])
-        self.fail_at(20)
-        self.assertEqual(steps(), [[5, 10], [50, 100, 200]])
+        def cost(step):
+            return self.study().cost(SMOOTH[0], "rkmk4", 1e-3 * step**4)
+
+        self.assertEqual((steps(), cost(0.2).coarse.steps), ([list(STEPS)], 20))
+        for change in ({"beyond_limit": True},
+                       {"beyond_limit": False, "status": "diverged", "error": None, "cpu_seconds": []}):
+            run_of(self.document, "rkmk4", 17, 20).update(change)
+            self.assertEqual((steps(), cost(0.2), cost(0.09).coarse.steps), ([[5, 10], [50, 100, 200]], None, 50))
         run_of(self.document, "rkmk4", 17, 5)["beyond_limit"] = True
-        self.assertEqual(steps(), [[10], [50, 100, 200]])
         self.document["references"][0]["uncertainty"] = 1e-9  # the error at 100 steps is 6.25e-9
         self.assertEqual(steps(), [[10], [50]])
         self.assertEqual(self.study().stretches(SMOOTH[0], "euler"), [])
-
-    def fail_at(self, steps):
-        run_of(self.document, "rkmk4", 17, steps).update(status="diverged", error=None, cpu_seconds=[])
 
     def test_a_cost_is_interpolated_between_two_runs_that_enclose_the_error(self):
         def cost(error, problem=SMOOTH[0], **solver):
@@ -158,15 +138,6 @@ class LineTest(unittest.TestCase):
         self.assertIsNone(cost(1e-5, solver=PUBLISHED))
         slow = self.study().cost(SMOOTH[0], "group2", 1e-5, PUBLISHED).seconds
         self.assertAlmostEqual(slow, SLOWER * self.study().cost(SMOOTH[0], "group2", 1e-5).seconds, delta=1e-12)
-
-    def test_no_cost_bridges_a_failure_or_a_limit(self):
-        error = 1e-3 * 0.2**4  # between 20 and 50 steps
-        run_of(self.document, "rkmk4", 17, 20)["beyond_limit"] = True
-        self.assertIsNone(self.study().cost(SMOOTH[0], "rkmk4", error))
-        self.assertIsNotNone(self.study().cost(SMOOTH[0], "rkmk4", 1e-3 * 0.09**4))
-        self.document = study_document()
-        self.fail_at(20)
-        self.assertIsNone(self.study().cost(SMOOTH[0], "rkmk4", error))
 
     def test_the_cheapest_crossing_counts_and_equal_errors_divide_by_nothing(self):
         self.set_errors("rkmk4", (1e-4, 1e-6, 1e-4, 1e-6, 1e-6, 1e-7))
