@@ -3,7 +3,7 @@
 import math
 
 from accuracy_claims import MEAN_OVER, claims, loosest_tolerances, scientific, two_digits
-from accuracy_lines import FAST, FLOOR_MARGIN, PUBLISHED, TABLE1_STEP
+from accuracy_lines import FLOOR_MARGIN, PUBLISHED, TABLE1_STEP
 from benchmark_json import FORMULATIONS
 from comparison import MISSING, percentage, three_digits
 from document import Column, Heading, Items, Paragraph, conditions, plain_table, shown
@@ -13,21 +13,18 @@ from recommendation import KEPT, recommendation_tables, strongest_structure
 CARE_ERROR = 1e-6  # near which equal care is shown, ...
 CARE_SIZE = 129  # ... at the largest n up to this
 
-WORK_PRECISION = ("A thin line is one integrator in its fast form (of a Gauss method the formulation whose step is"
-                  " cheapest), with dots in the co-rotating frame; it ends where the reference can no longer tell its"
-                  f" error ({FLOOR_MARGIN} times the uncertainty), where the error stops falling, or where runs take"
-                  " too long, and breaks at failures and limits. Thick: of those with the same strongest structure, the"
-                  " cheapest with this error or a smaller one; it is upright above the longest step that ran. All panels"
-                  " have equal decades.")
 CHARTS = (
-    ("error_against_time", f"Error against CPU time, smooth scene, T = 5. {WORK_PRECISION}"),
+    ("error_against_time", "Error against CPU time, smooth scene, T = 5. A thin line is one integrator in its fast form"
+     " (of a Gauss method the formulation whose step is cheapest), with dots in the co-rotating frame. It ends at"
+     f" {FLOOR_MARGIN} times the uncertainty of the reference, where the error stops falling, or where runs take too"
+     " long, and breaks at failures and limits. Thick: of those with the same strongest structure, the cheapest with"
+     " this error or a smaller one, upright above the longest step that ran. All panels have equal decades."),
     ("error_against_time_others", "The same for the other problems."),
     ("energy_against_time", "The same for the energy error, the largest over the steps, in the smooth scene."),
-    ("error_against_n", "Error at the step of Table 1 against n, and of every step, not in the frame, against h‖B(W₀)‖₂,"
-     " smooth scene, T = 5. Lines of all n that coincide say that h‖B‖₂ decides, not n."),
-    ("table1_accuracy", "Tables 1 and 2 with their accuracy: every cell that did not fail as time against error, the"
-     " published form hollow, the fast one filled, timed in turns. Dotted lines join the forms with one answer. Bars"
-     " span the quartiles."),
+    ("error_against_n", "Error at the step of Table 1 against n, and of every step against h‖B(W₀)‖₂, smooth scene,"
+     " T = 5. Lines of all n that coincide say that h‖B‖₂ decides, not n."),
+    ("table1_accuracy", "Tables 1 and 2 with their accuracy, timed in turns, with their quartiles. Dotted lines join the"
+     " forms with one answer."),
 )
 # What was tried and paid, by what the name of an integrator begins with.
 CARE = {
@@ -58,7 +55,6 @@ def accuracy_sections(study, charts):
         *tolerance_section(study),
         Heading("The cheapest sufficient method"),
         *recommendation_tables(study),
-        *limits_section(study),
         *failures_section(study),
         conditions(study.context),
     ]
@@ -151,18 +147,6 @@ def tolerance_section(study):
                       f" size makes, and so do all tighter ones, published forms. {failed} of {len(study.tolerance_runs)} runs did not"
                       " converge."),
             plain_table(columns, rows)]
-
-
-def limits_section(study):
-    places = {(problem.scene, problem.n): problem for problem in reversed(study.problems())}
-
-    def limit(problem, name):
-        found = study.limits.get((problem.scene, problem.n, name, FAST))
-        return MISSING if found is None else three_digits(found.h_norm_B) if found.h_norm_B else "none"
-
-    return by_problem(study, "Steps that work", "The largest h‖B(W₀)‖₂ that works in every trial up to it, fast forms;"
-                      " none: the first trial failed.", study.integrators if study.limits else (),
-                      list(places.values())[::-1], limit)
 
 
 def failures_section(study):

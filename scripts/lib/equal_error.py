@@ -8,7 +8,6 @@ import statistics
 from typing import NamedTuple
 
 from integrator_names import frameless, gauss_stages, in_frame
-from recommendation import strongest_structure
 
 EXPONENTS = range(-2, -9, -1)
 # Geometric means are over these errors. Larger ones are often those of the longest step that works.
@@ -23,11 +22,6 @@ class Ratio(NamedTuple):
 
     def __str__(self):
         return f"{self.value:.2g} ({self.least:.2g}–{self.most:.2g})"
-
-
-def keeping(study, structure):
-    """Returns the names of integrators whose strongest structure is this one."""
-    return [name for name, each in study.integrators.items() if strongest_structure(each) == structure]
 
 
 def forms_of(study, method):
