@@ -3,10 +3,12 @@
 A claim is what stands out, which is also the title of the chart that shows it, and the rest; or None without its data.
 """
 
+import itertools
 import math
 import statistics
 
 from accuracy_lines import TABLE1_STEP
+from benchmark_json import FORMULATIONS
 from comparison import three_digits
 from equal_error import (EXPONENTS, MEAN_EXPONENTS, cheapest, forms_of, frame_gains, headline_problems, mean,
                          means_by_problem, prices)
@@ -57,8 +59,8 @@ def price(study, problems):
     at_1e6 = [f"{ratio} at n = {problem.n}" for (problem, exponent), ratio in found.get("rkmk4", {}).items()
               if exponent == -6]
     return (f"At equal error the best Gauss form takes {' and '.join(titles)}",
-            f"Best forms, means over n and the errors {MEAN_OVER}: {'; '.join(means)}. Over RKMK4,"
-            f" for 1e-6: {', '.join(at_1e6) or 'no comparison'}.")
+            f"Best forms, means over n and the errors {MEAN_OVER}: {'; '.join(means)}. For 1e-6"
+            f" alone, over RKMK4's: {', '.join(at_1e6) or 'none'}.")
 
 
 def exponential(study):
@@ -83,23 +85,13 @@ def order_pays(study):
 
 
 def energy(study):
-    """Compares energy errors where all err alike in W, in the longest run of the smooth scene at its largest n.
-
-    The error in W is the largest at which most methods can be compared.
-    """
+    """Compares energy errors where all err by 1e-6 in W, in the longest run of the smooth scene at its largest n."""
     smooth = [problem for problem in study.problems() if problem.scene == "smooth"]
-    found = {}
-    for exponent in EXPONENTS if smooth else ():
-        best = {name: cheapest(study, smooth[-1], 10.0**exponent, forms_of(study, method))
-                for method, name in NAMES.items()}
-        parts = [f"{scientific(each[1].energy_error)} by {name}" for name, each in best.items() if each]
-        found.setdefault(len(parts), (exponent, parts))
-    most = max(found, default=0)
-    if not most:
-        return None
-    exponent, parts = found[most]
-    return (f"Where W errs by 1e{exponent} ({smooth[-1]}), the energy errs by {', '.join(parts)}",
-            "Each in the cheapest of its forms.")
+    best = {name: cheapest(study, problem, 1e-6, forms_of(study, method))
+            for problem in smooth[-1:] for method, name in NAMES.items()}
+    parts = [f"{scientific(each[1].energy_error)} by {name}" for name, each in best.items() if each]
+    return parts and (f"Where W errs by 1e-6 ({smooth[-1]}), the energy errs by {', '.join(parts)}",
+                      "Each in the cheapest of its forms.")
 
 
 def frame(study, problems):
@@ -109,66 +101,64 @@ def frame(study, problems):
         methods.setdefault("Gauss" if gauss_stages(name) else name, []).extend(each.values())
     parts = [f"{mean(each)} for {method}" for method, each in methods.items()]
     return parts and (f"The co-rotating frame divides time at equal error by {parts[0]}",
-                      f"Means, smooth, T = 5, {MEAN_OVER}{''.join(f'; {each}' for each in parts[1:])}.")
+                      f"Means, smooth, T = 5, {MEAN_OVER}. Others: {', '.join(parts[1:]) or 'none'}.")
+
+
+def runs_at_table1_step(study, name):
+    """Returns the runs of an integrator with the step of Table 1 that work, n rising."""
+    runs = (study.at_step(problem, name, TABLE1_STEP) for problem in headline_problems(study))
+    return [run for run in runs if run and run.usable and not run.beyond_limit]
 
 
 def growth(study):
     """Tells how the error at Table 1's step grows from the first n to the last that works."""
-    problems = headline_problems(study)
-    parts = []
-    for name in ("group3", "group3_frame", "group1", "group2", "rkmk4", "rk4"):
-        errors = [run.error for problem in problems
-                  if (run := study.at_step(problem, name, TABLE1_STEP)) and run.usable]
-        if len(errors) > 1:
-            parts.append(f"{scientific(errors[0])} to {scientific(errors[-1])} ({name})")
-    return parts and (f"From n = {problems[0].n} to {problems[-1].n} the error at h = {TABLE1_STEP} goes from"
+    sizes = [problem.n for problem in headline_problems(study)]
+    lines = {name: runs_at_table1_step(study, name)
+             for name in ("group3", "group3_frame", "group1", "group2", "rkmk4", "rk4")}
+    parts = [f"{scientific(runs[0].error)} to {scientific(runs[-1].error)} ({name})" for name, runs in lines.items() if runs]
+    return parts and (f"From n = {sizes[0]} to {sizes[-1]} the error at h = {TABLE1_STEP} goes from"
                       f" {' and from '.join(parts[:2])}",
-                      "One step size is not one accuracy" + "".join(f"; {each}" for each in parts[2:]) + ".")
+                      f"One step size is not one accuracy. Others: {', '.join(parts[2:]) or 'none'}.")
 
 
 # ---- tolerances
 
 
-def loosest_tolerances(study):
-    """Returns (loosest harmless run, run at 1e-13, error of the step size) for each problem, integrator and solver."""
+def tolerances(study):
+    """Returns (loosest run that does no harm, run at 1e-13) for each cell of Table 1, by n, formulation and s."""
     cells = {}
     for run in sorted(study.tolerance_runs, key=lambda run: run.tolerance):
         if run.usable:
-            cells.setdefault((run.problem, run.integrator, run.solver), []).append(run)
+            cells.setdefault((run.problem, FORMULATIONS.index(run.formulation), run.stages), []).append(run)
     found = []
-    for runs in cells.values():
-        harmful = next((index for index, run in enumerate(runs) if run.solver_error > HARMLESS * runs[0].error),
-                       len(runs))
-        usual = min(runs, key=lambda run: abs(run.tolerance - USUAL_TOLERANCE))
-        found.append((runs[max(harmful - 1, 0)], usual, runs[0].error))
+    for _, runs in sorted(cells.items()):
+        harmless = list(itertools.takewhile(lambda run: run.solver_error <= HARMLESS * runs[0].error, runs))
+        found += [((harmless or runs)[-1], run) for run in runs if math.isclose(run.tolerance, USUAL_TOLERANCE)]
     return found
 
 
 def needed_tolerance(study):
-    found = loosest_tolerances(study)
+    found = tolerances(study)
     if not found:
         return None
-    largest = max(loosest.n for loosest, *_ in found)
-    needed = [f"{scientific(loosest.tolerance)} at s = {loosest.stages}" for loosest, *_ in found
-              if (loosest.n, loosest.formulation) == (largest, "group")]
-    times = statistics.geometric_mean(usual.seconds / loosest.seconds for loosest, usual, _ in found)
-    worst, tight = (max(run.spectrum_error for run in runs) for runs in list(zip(*found))[:2])
+    needed = [f"{scientific(loosest.tolerance)} at s = {loosest.stages}" for loosest, _ in found
+              if (loosest.n, loosest.formulation) == (found[-1][0].n, "group")]
+    times = statistics.geometric_mean(usual.seconds / loosest.seconds for loosest, usual in found)
+    worst, tight = (scientific(max(run.spectrum_error for run in runs)) for runs in zip(*found))
     return ("What the tolerance 1e-13 buys is the spectrum, not the trajectory",
-            f"At h = {TABLE1_STEP}, n = {largest}, looser ones add less than a tenth to group's error:"
-            f" {', '.join(needed)}. The spectrum errs by up to {scientific(worst)} at such tolerances of all cells, and"
-            f" by {scientific(tight)} at 1e-13, for {two_digits(times)} times the time (geometric mean).")
+            f"At h = {TABLE1_STEP}, n = {found[-1][0].n}, looser ones add less than a tenth to group's error:"
+            f" {', '.join(needed)}. The spectrum errs by up to {worst} at such tolerances of all cells, and by {tight} at"
+            f" 1e-13, for {two_digits(times)} times the time (geometric mean).")
 
 
 def quality(study):
     """Compares the spectrum errors of group and algebra at 1e-13 where they differ most."""
-    runs = {(run.problem, run.stages, run.formulation): run for _, run, _ in loosest_tolerances(study)
-            if run.spectrum_error > 0 and math.isclose(run.tolerance, USUAL_TOLERANCE)}
-    pairs = [(run, runs[problem, s, "algebra"]) for (problem, s, formulation), run in runs.items()
+    runs = {(run.problem, run.stages, run.formulation): run for _, run in tolerances(study) if run.spectrum_error > 0}
+    pairs = [(run.spectrum_error / runs[problem, s, "algebra"].spectrum_error, run)
+             for (problem, s, formulation), run in runs.items()
              if formulation == "group" and (problem, s, "algebra") in runs]
     if not pairs:
         return None
-    group, algebra = max(pairs, key=lambda pair: pair[0].spectrum_error / pair[1].spectrum_error)
-    return (f"Equal tolerance is not equal quality: at {USUAL_TOLERANCE:g} algebra's spectrum errs up to"
-            f" {two_digits(group.spectrum_error / algebra.spectrum_error)} times less than group's",
-            f"By {scientific(algebra.spectrum_error)} and {scientific(group.spectrum_error)} at n = {group.n}, s ="
-            f" {group.stages}.")
+    ratio, run = max(pairs, key=lambda pair: pair[0])
+    return (f"Equal tolerance is not equal quality: at 1e-13 algebra's spectrum errs up to {two_digits(ratio)} times less"
+            " than group's", f"There (n = {run.n}, s = {run.stages}) group's errs by {scientific(run.spectrum_error)}.")

@@ -2,7 +2,7 @@
 
 import math
 
-from accuracy_claims import MEAN_OVER, claims, loosest_tolerances, scientific, two_digits
+from accuracy_claims import MEAN_OVER, claims, scientific, tolerances, two_digits
 from accuracy_lines import FLOOR_MARGIN, PUBLISHED, TABLE1_STEP
 from benchmark_json import FORMULATIONS
 from comparison import MISSING, percentage, three_digits
@@ -45,7 +45,9 @@ def accuracy_sections(study, charts):
                   " mean (from fastest over slowest repetitions to slowest over fastest)."),
         Items(claims(study)),
         *shown(CHARTS, charts),
-        *references_section(study),
+        Heading("Reference solutions"),
+        Items([(str(problem), f": {each.integrators[0]} in {each.steps[0]} and {each.integrators[1]} in {each.steps[1]}"
+                f" steps, which differ by {scientific(each.uncertainty)}") for problem, each in study.references.items()]),
         *ratios_section(study, "The price of structure", prices, str,
                         "Time of the best Gauss form over that of the other method's best form"),
         *ratios_section(study, "What the co-rotating frame buys", frame_gains, two_digits_of,
@@ -67,14 +69,6 @@ def by_problem(study, heading, text, names, problems, entry, columns=()):
     heads = (Column("integrator", align="left"), *(Column(name) for name, _ in columns),
              *(Column(f"n = {problem.n}", f"{problem.scene}, T = {problem.time:g}") for problem in problems))
     return [Heading(heading), Paragraph(text), plain_table(heads, rows)] if rows else []
-
-
-def references_section(study):
-    columns = (Column("problem", align="left"), Column("from", align="left"), Column("which differ by"))
-    rows = [[str(problem),
-             " and ".join(f"{name} in {steps} steps" for name, steps in zip(each.integrators, each.steps)),
-             scientific(each.uncertainty)] for problem in study.problems() for each in (study.references[problem],)]
-    return [Heading("Reference solutions"), plain_table(columns, rows)]
 
 
 def ratios_section(study, heading, ratios, show, text):
@@ -131,16 +125,14 @@ def integrators_section(study):
 
 def tolerance_section(study):
     """Shows for each cell the loosest tolerance that hardly adds to its error, and what it saves."""
-    rows = [[str(loosest.n), loosest.formulation, str(loosest.stages), scientific(error),
+    rows = [[str(loosest.n), loosest.formulation, str(loosest.stages), scientific(usual.error),
              f"{loosest.tolerance:.0e}", three_digits(loosest.seconds / usual.seconds),
              scientific(loosest.spectrum_error), scientific(usual.spectrum_error)]
-            for loosest, usual, error in sorted(loosest_tolerances(study), key=lambda each: (
-                each[0].n, FORMULATIONS.index(each[0].formulation), each[0].stages))]
+            for loosest, usual in tolerances(study)]
     if not rows:
         return []
-    columns = (Column("n"), Column("formulation", align="left"), Column("s"),
-               Column(f"error at h = {TABLE1_STEP}"), Column("loosest tolerance"), Column("time against 1e-13"),
-               Column("spectrum error"), Column("at 1e-13"))
+    columns = (Column("n"), Column("formulation", align="left"), *map(Column, (
+        "s", f"error at h = {TABLE1_STEP}", "loosest tolerance", "time against 1e-13", "spectrum error", "at 1e-13")))
     failed = sum(not run.usable for run in study.tolerance_runs)
     return [Heading("Which tolerance an accuracy needs"),
             Paragraph("The loosest tolerance of the fixed point that adds less than a tenth to the error which the step"

@@ -5,7 +5,7 @@ import statistics
 
 from matplotlib.lines import Line2D
 
-from accuracy_claims import energy, growth, price, span
+from accuracy_claims import energy, growth, price, runs_at_table1_step, span
 from accuracy_lines import FAST, NEAR_ROUNDING, PUBLISHED, TABLE1_STEP
 from benchmark_json import FORMULATIONS
 from chart_panels import FAMILIES, draw_line, key, logarithmic, new_figure
@@ -180,10 +180,8 @@ def error_against_n(study):
         method = method_name(study.integrators[name])
         methods[method] = colour = METHODS[method][0]
         framed = in_frame(name)
-        runs = [run for run in (study.at_step(problem, name, TABLE1_STEP) for problem in problems)
-                if run and run.usable and not run.beyond_limit]
-        draw_line(at_step, name, [(run.n, run.error) for run in runs], marker="o", color=colour,
-                  linestyle="-" if framed else "--")
+        draw_line(at_step, name, [(run.n, run.error) for run in runs_at_table1_step(study, name)], marker="o",
+                  color=colour, linestyle="-" if framed else "--")
         for index, problem in enumerate([] if framed else problems):
             for stretch in study.stretches(problem, name):
                 draw_line(at_norm, f"{name}, n = {problem.n}", [(run.h_norm_B, run.error) for run in stretch],

@@ -1,4 +1,4 @@
-"""Tests of scripts/lib/accuracy_lines.py: what it refuses, and the floors and orders it finds on made-up lines."""
+"""Tests of the study of accuracy on a made-up one: what is refused, floors, orders and costs of lines, the report."""
 
 import copy
 import os
@@ -7,31 +7,15 @@ import sys
 import unittest
 
 from programs import ROOT, FolderTest
-from study_documents import (INTEGRATORS, ROUGH, SLOWER, SMOOTH, STEPS, accuracy_of, run_of, study_document,
-                             write_study)
+from study_documents import (INTEGRATORS, ROUGH, SLOWER, SMOOTH, STEPS, accuracy_of, run_of, small_study,
+                             study_document, write_study)
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
-from accuracy_lines import PUBLISHED, SCHEMA, read_accuracy  # noqa: E402
+from accuracy_lines import FAST, PUBLISHED, SCHEMA, read_accuracy  # noqa: E402
+from accuracy_report import accuracy_sections  # noqa: E402
 from benchmark_json import UnusableFile  # noqa: E402
-
-
-class SoundFileTest(FolderTest):
-    def test_values_stand_where_they_belong(self):
-        study = read_accuracy(write_study(self.folder))
-        self.assertEqual((study.problems(), list(study.integrators), len(study.runs)),
-                         ([*SMOOTH, ROUGH], list(INTEGRATORS), len(study_document()["runs"])))
-        for solver, seconds in (("fast", 0.04), (PUBLISHED, 0.04 * SLOWER)):
-            run = study.at_step(SMOOTH[1], "group2", 0.5, solver)
-            self.assertEqual((run.problem, run.integrator, run.steps, run.error, run.seconds, run.beyond_limit),
-                             (SMOOTH[1], "group2", 10, 0.1 * 0.5**4, seconds, False))
-        self.assertEqual(study.at_step(ROUGH, "group2", 0.5).error, 0.5**4)
-        self.assertEqual(study.line(ROUGH, "group2", PUBLISHED), [])
-        failed = study.at_step(SMOOTH[0], "group1", 1.0)  # needs no errors
-        self.assertEqual((failed.usable, failed.status, failed.error), (False, "diverged", None))
-        self.assertEqual({(run.formulation, run.stages) for run in study.tolerance_runs}, {("group", 1), ("group", 2)})
-        self.assertEqual((study.rates[17].published, str(ROUGH)), (1e9 / 17**3, "rough, T = 5, n = 17"))
-        self.assertEqual([study.safe_step_limit("smooth", n, "rk4") for n in (17, 65)], [1.4142, None])
+from document import as_text  # noqa: E402
 
 
 class RefusalTest(FolderTest):
@@ -61,17 +45,33 @@ class RefusalTest(FolderTest):
             self.assert_one_line(f"{caught.exception}\n", *words)
 
 
-class LineTest(unittest.TestCase):
+class LineTest(FolderTest):
     def setUp(self):
+        super().setUp()
         self.document = study_document()
 
     def study(self):
         return accuracy_of(self.document)
 
-    def set_errors(self, name, errors):
-        """Gives the line at n = 17 these errors, the longest step first."""
+    def set_errors(self, errors):
+        """Gives the line of rkmk4 at n = 17 these errors, the longest step first."""
         for steps, error in zip(STEPS, errors):
-            run_of(self.document, name, 17, steps)["error"] = error
+            run_of(self.document, "rkmk4", 17, steps)["error"] = error
+
+    def test_values_stand_where_they_belong_whatever_the_order_of_the_file(self):
+        random.Random(3).shuffle(self.document["runs"])
+        study = read_accuracy(write_study(self.folder, self.document))
+        self.assertEqual((study.problems(), list(study.integrators)), ([*SMOOTH, ROUGH], list(INTEGRATORS)))
+        for solver, seconds in (("fast", 0.04), (PUBLISHED, 0.04 * SLOWER)):
+            run = study.at_step(SMOOTH[1], "group2", 0.5, solver)
+            self.assertEqual((run.problem, run.integrator, run.steps, run.error, run.seconds),
+                             (SMOOTH[1], "group2", 10, 0.1 * 0.5**4, seconds))
+        self.assertIsNone(study.at_step(SMOOTH[0], "group2", 0.11))
+        self.assertEqual([run.steps for run in study.line(SMOOTH[1], "group2")], list(STEPS))  # the longest step first
+        self.assertEqual([run.usable for run in study.line(SMOOTH[0], "group1")], [False] + [True] * 5)
+        self.assertEqual(study.line(ROUGH, "group2", PUBLISHED), [])
+        self.assertEqual({(run.formulation, run.stages) for run in study.tolerance_runs}, {("group", 1), ("group", 2)})
+        self.assertEqual([study.safe_step_limit("smooth", n, "rk4") for n in (17, 65)], [1.4142, None])
 
     def test_where_a_line_ends_and_the_order_there(self):
         def power(order):
@@ -85,7 +85,7 @@ class LineTest(unittest.TestCase):
                 (1e-14, [*power(2)[:3], *power(4)[3:]], 6, 4)):  # an order is fitted on the smallest steps
             with self.subTest(uncertainty=uncertainty, errors=errors):
                 self.document["references"][0]["uncertainty"] = uncertainty
-                self.set_errors("rkmk4", errors)
+                self.set_errors(errors)
                 self.assertEqual([run.steps for run in self.study().above_floor(SMOOTH[0], "rkmk4")], list(STEPS[:kept]))
                 if order:
                     self.assertAlmostEqual(self.study().observed_order(SMOOTH[0], "rkmk4"), order, delta=1e-12)
@@ -122,29 +122,82 @@ class LineTest(unittest.TestCase):
         self.assertEqual(self.study().stretches(SMOOTH[0], "euler"), [])
 
     def test_a_cost_is_interpolated_between_two_runs_that_enclose_the_error(self):
-        def cost(error, problem=SMOOTH[0], **solver):
-            return self.study().cost(problem, "rkmk4", error, **solver)
-
-        # error = 1e-3 h⁴, 1 ms a step: on a power law interpolation is exact.
+        study = self.study()
+        # The error of rkmk4 is 1e-3 h⁴, ten times that in the rough scene; 1 ms a step, group2 4 ms. On a power law
+        # interpolation is exact.
         for problem, factor in ((SMOOTH[0], 1e-3), (ROUGH, 1e-2)):
-            found = cost(factor * 0.2**4, problem)
+            found = study.cost(problem, "rkmk4", factor * 0.2**4)
             self.assertEqual((found.coarse.steps, found.fine.steps), (20, 50))
             for value, wanted in ((found.seconds, 0.025), (found.least, 0.025 * 0.99), (found.most, 0.025 * 1.02),
                                   (found.step, 0.2)):
                 self.assertAlmostEqual(value, wanted, delta=1e-12 * wanted)
-        self.assertAlmostEqual(cost(run_of(self.document, "rkmk4", 17, 50)["error"]).seconds, 0.05, delta=1e-12)
-        for outside in (1.001e-3, 3.9e-10):
-            self.assertIsNone(cost(outside))
-        self.assertIsNone(cost(1e-5, solver=PUBLISHED))
-        slow = self.study().cost(SMOOTH[0], "group2", 1e-5, PUBLISHED).seconds
-        self.assertAlmostEqual(slow, SLOWER * self.study().cost(SMOOTH[0], "group2", 1e-5).seconds, delta=1e-12)
+        for error, solver in ((1.001e-3, FAST), (3.9e-10, FAST), (1e-5, PUBLISHED)):
+            self.assertIsNone(study.cost(SMOOTH[0], "rkmk4", error, solver))
+        fast, slow = (study.cost(SMOOTH[0], "group2", 1e-5, solver).seconds for solver in (FAST, PUBLISHED))
+        self.assertAlmostEqual(slow, SLOWER * fast, delta=1e-12)
 
     def test_the_cheapest_crossing_counts_and_equal_errors_divide_by_nothing(self):
-        self.set_errors("rkmk4", (1e-4, 1e-6, 1e-4, 1e-6, 1e-6, 1e-7))
+        self.set_errors((1e-4, 1e-6, 1e-4, 1e-6, 1e-6, 1e-7))
         self.assertEqual(self.study().cost(SMOOTH[0], "rkmk4", 1e-5).fine.steps, 10)
         self.assertEqual(self.study().cost(SMOOTH[0], "rkmk4", 1e-6).seconds, 0.01)
-        self.set_errors("rkmk4", (1e-4, 1e-5, 1e-5, 1e-7, 1e-8, 1e-9))
+        self.set_errors((1e-4, 1e-5, 1e-5, 1e-7, 1e-8, 1e-9))
         self.assertEqual(self.study().cost(SMOOTH[0], "rkmk4", 1e-5).fine.steps, 10)
+
+
+def report(document):
+    return as_text(accuracy_sections(accuracy_of(document), ()))
+
+
+def rkmk4_dearer(document):
+    for run in document["runs"]:
+        if run["integrator"] == "rkmk4":
+            run["cpu_seconds"] = [100 * time for time in run["cpu_seconds"]]
+
+
+def algebra_at_the_usual_tolerance(document):
+    """Gives algebra1 a run at 1e-13, with a better spectrum than group1's, which is worse at other tolerances."""
+    group = next(run for run in document["tolerance_runs"] if run["tolerance"] == 1e-13)
+    document["integrators"].append({**document["integrators"][1], "name": "algebra1"})
+    document["tolerance_runs"].append({**group, "integrator": "algebra1", "spectrum_error": 1e-16})
+    for run in document["tolerance_runs"]:
+        if run["integrator"] == "group1":
+            run["spectrum_error"] = run["tolerance"] * (5 if run["tolerance"] == 1e-13 else 1e5)
+
+
+class Report(unittest.TestCase):
+    def test_figures_can_be_worked_out_by_hand(self):
+        text = report(study_document())
+        for pattern in (
+                # C h^4 in S/h seconds: group2_frame costs 4e-3 (1e-2)^(1/4) / (1e-3 (1e-3)^(1/4)) = 7.1 times rkmk4.
+                r"takes 7\.1 × RKMK4's time and 40 × RK4's time\.", r" 7\.1 \(6\.9–7\.3\) times RKMK4's over 10 comp",
+                r"The price of structure[^*]*\nrkmk4 +7\.1 \(6\.9–7\.3\) +7\.1 \(6\.9–7\.3\) +7\.1 \(6\.9–7\.3\)\n",
+                r"What the co-rotating frame buys[^*]*group2 +1\.8 +1\.8 +1\.8\n",  # (1e-1 / 1e-2)^(1/4)
+                r"cheaper than the best Gauss form in 14 of 14",
+                # Errors 0.01 (s = 1) and 1e-5 (s = 2); a solver error is a tenth of the tolerance, 1e-4 at most.
+                r"17  group +1 +1\.0e-2 +1e-04 ", r"17  group +2 +1\.0e-5 +1e-05 ",
+                # 100 steps of group2: an error of 6.3e-7, 400 equivalent products, 0.4 s; the rate is 2e9 / 33^3 = 55,653.
+                r"group2 +0\.0500 +6\.3e-7 +0\.400 +400 +1\.80 % +4\.00 +predictor"):
+            with self.subTest(pattern=pattern):
+                self.assertRegex(text, pattern)
+
+    def test_a_change_of_a_run_changes_them(self):
+        for change, after in (
+                (lambda document: run_of(document, "rk4", 17, 5).update(beyond_limit=True),
+                 r"\nrk4 +1\.00 beyond its limit +1\.00 beyond its limit "),
+                (lambda document: run_of(document, "rkmk4", 17, 50).update(error=3.3e-3),
+                 r" 3\.3e-3 to\s+1\.0e-7\s+\(rkmk4\)"),
+                (rkmk4_dearer, r"takes 0\.071 × RKMK4's time"), (rkmk4_dearer, r"in 0 of 14"),
+                (algebra_at_the_usual_tolerance, r"algebra's spectrum errs up to 5000 times less")):
+            with self.subTest(after=after):
+                document = study_document()
+                self.assertNotRegex(report(document), after)
+                change(document)
+                self.assertRegex(report(document), after)
+
+    def test_a_study_of_one_problem_without_tolerances_makes_a_report(self):
+        document = small_study()
+        document["tolerance_runs"] = document["limits"] = document["rates"] = []
+        self.assertIn("Runs that failed", report(document))
 
 
 if __name__ == "__main__":
