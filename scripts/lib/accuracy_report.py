@@ -2,12 +2,12 @@
 
 import math
 
-from accuracy_claims import MEAN_OVER, claims, scientific, tolerances, two_digits
+from accuracy_claims import (MEAN_OVER, claims, frame_gains, headline_problems, means_by_problem, prices, scientific,
+                             tolerances, two_digits)
 from accuracy_lines import FLOOR_MARGIN, PUBLISHED, TABLE1_STEP
 from benchmark_json import FORMULATIONS
 from comparison import MISSING, percentage, three_digits
 from document import Column, Heading, Items, Paragraph, conditions, plain_table, shown
-from equal_error import frame_gains, headline_problems, means_by_problem, prices
 from recommendation import KEPT, recommendation_tables, strongest_structure
 
 CARE_ERROR = 1e-6  # near which equal care is shown, ...
@@ -23,8 +23,7 @@ CHARTS = (
     ("energy_against_time", "The same for the energy error, the largest over the steps, in the smooth scene."),
     ("error_against_n", "Error at the step of Table 1 against n, and of every step against h‖B(W₀)‖₂, smooth scene,"
      " T = 5. Lines of all n that coincide say that h‖B‖₂ decides, not n."),
-    ("table1_accuracy", "Tables 1 and 2 with their accuracy, timed in turns, with their quartiles. Dotted lines join the"
-     " forms with one answer."),
+    ("table1_accuracy", "Tables 1 and 2 with their accuracy, timed in turns. Dotted lines join the forms with one answer."),
 )
 # What was tried and paid, by what the name of an integrator begins with.
 CARE = {

@@ -5,11 +5,10 @@ import statistics
 
 from matplotlib.lines import Line2D
 
-from accuracy_claims import energy, growth, price, runs_at_table1_step, span
+from accuracy_claims import energy, growth, headline_problems, price, runs_at_table1_step, span
 from accuracy_lines import FAST, NEAR_ROUNDING, PUBLISHED, TABLE1_STEP
 from benchmark_json import FORMULATIONS
 from chart_panels import FAMILIES, draw_line, key, logarithmic, new_figure
-from equal_error import headline_problems
 from integrator_names import FRAME, gauss_stages, in_frame, method_name
 from recommendation import KEPT, strongest_structure
 
@@ -220,9 +219,6 @@ def table1_accuracy(published, fast):
             axes.plot(seconds, error, marker="o", color=colour, markersize=size + 2,
                       markerfacecolor=colour if which == FAST else "none", linestyle="none",
                       label=f"{cell_key.formulation}{cell_key.stages}, n = {cell_key.n}, {which}")
-            if len(cell.times) > 1:
-                low, _, high = statistics.quantiles(cell.times, n=4, method="inclusive")
-                axes.plot([low, high], [error, error], color=colour, label="_quartiles")
             same.setdefault((cell_key.n, cell_key.stages), []).append((seconds, error))
     for (n, s), points in same.items():
         axes.plot(*zip(*sorted(points)), color="0.45", linestyle=":", zorder=1, label="_same answer")

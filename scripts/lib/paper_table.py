@@ -45,7 +45,7 @@ def closing_sections(comparison, counters):
                         "Relative error of W(5) in the Frobenius norm against reference solutions, the largest of the"
                         " three formulations, which coincide: what the times above buy.", *OPTIONAL_COUNTERS),
         *counters_section(comparison, "What the time went into, and how good the answer is", columns),
-        *claims_section(CLAIMS, comparison),
+        *claims_section(comparison),
         *conditions_section(comparison.run.context),
     ]
 
@@ -122,14 +122,14 @@ def overall(judged):
     return "; ".join(parts)
 
 
-def claims_section(claims, comparison):
+def claims_section(comparison):
     parts = [Heading("The paper's claims"),
              Paragraph("Ratio: median time of the second row over that of the first. p: exact one-sided Mann–Whitney"
                        f" rank test of the repetitions, in the direction they lean; decided where p ≤ {LEVEL}, with at"
                        f" least {FEWEST_REPETITIONS} repetitions. Not judged: a row failed or was not measured.")]
     columns = (Column("n"), Column("s"), Column("verdict", align="left"), Column("first", align="left"),
                Column("second", align="left"), Column("ratio"), Column("p"))
-    for claim in claims:
+    for claim in CLAIMS:
         judged = verdicts(claim, comparison)
         rows = [[str(each.n), str(each.stages), each.outcome, faster, slower, *texts]
                 for each in judged

@@ -140,31 +140,19 @@ class Refusals(AccuracyTest):
         damaged = small_study()
         damaged["runs"][0]["error"] = -1.0
         folder = ("--out", self.path("charts"))
-        for arguments, *words in (((write_study(self.folder, damaged), *folder), "error"),
-                                  ((self.small(), "--out", self.write("taken", "kept")), "taken", "cannot be written"),
-                                  ((self.small(),), "--out"), ((self.small(), *folder, "--colour"), "--colour")):
+        nowhere = {"PYTHONPATH": self.without(), "ISOSYRK_PYTHON": sys.executable, "PATH": self.path("empty")}
+        for arguments, changes, *words in (
+                ((write_study(self.folder, damaged), *folder), {}, "error"),
+                ((self.path("none.json"), *folder), {}, "none.json", "cannot be read"),
+                ((self.small(), "--out", self.write("taken", "kept")), {}, "taken", "cannot be written"),
+                ((self.small(),), {}, "--out"), ((self.small(), *folder, "--colour"), {}, "--colour"),
+                ((self.small(), *folder), nowhere, "no Python with matplotlib found", sys.executable, "/usr/bin/python3",
+                 "install python3-matplotlib")):
             with self.subTest(words=words):
-                self.assert_refused(self.render(*arguments), *words)
+                self.assert_refused(self.render(*arguments, **changes), *words)
                 self.assertFalse(os.path.exists(self.path("charts")))
         self.assertEqual(snapshot(self.folder)["taken"], b"kept")
-
-
-class Python(AccuracyTest):
-    """Which Python draws. A module that fails stands in for a Python without matplotlib."""
-
-    python = sys.executable
-
-    def test_no_matplotlib_anywhere_is_one_line_but_help_needs_none(self):
-        without = {"PYTHONPATH": self.without(), "ISOSYRK_PYTHON": sys.executable, "PATH": self.path("empty")}
-        self.assert_refused(self.render(self.small(), "--out", self.path("charts"), **without),
-                            "no Python with matplotlib found", sys.executable, "/usr/bin/python3",
-                            "install python3-matplotlib")
-        self.assertFalse(os.path.exists(self.path("charts")))
-        self.assertEqual(self.render("--help", **without).returncode, 0)
-
-    def test_a_chosen_python_that_does_not_exist_is_passed_over(self):
-        result = self.render(self.path("none.json"), "--out", self.path("charts"), ISOSYRK_PYTHON=self.path("none"))
-        self.assert_refused(result, "none.json", "cannot be read")  # by the Python that would have drawn it
+        self.assertEqual(self.render("--help", **nowhere).returncode, 0)  # which needs no matplotlib
 
 
 if __name__ == "__main__":
