@@ -3,7 +3,7 @@
 import math
 
 from accuracy_claims import (MEAN_OVER, claims, frame_gains, headline_problems, means_by_problem, prices, scientific,
-                             tolerances, two_digits)
+                             tolerances)
 from accuracy_lines import FLOOR_MARGIN, PUBLISHED, TABLE1_STEP
 from benchmark_json import FORMULATIONS
 from comparison import MISSING, percentage, three_digits
@@ -47,9 +47,9 @@ def accuracy_sections(study, charts):
         Heading("Reference solutions"),
         Items([(str(problem), f": {each.integrators[0]} in {each.steps[0]} and {each.integrators[1]} in {each.steps[1]}"
                 f" steps, which differ by {scientific(each.uncertainty)}") for problem, each in study.references.items()]),
-        *ratios_section(study, "The price of structure", prices, str,
+        *ratios_section(study, "The price of structure", prices, "{}",
                         "Time of the best Gauss form over that of the other method's best form"),
-        *ratios_section(study, "What the co-rotating frame buys", frame_gains, two_digits_of,
+        *ratios_section(study, "What the co-rotating frame buys", frame_gains, "{0.value:.2g}",
                         "Time without the frame over time in it"),
         *care_section(study),
         *integrators_section(study),
@@ -61,25 +61,27 @@ def accuracy_sections(study, charts):
     ]
 
 
-def by_problem(study, heading, text, names, problems, entry, columns=()):
-    """Returns a section with a row for each integrator and a column for each problem, after some (heading, text)."""
-    rows = [[name, *(show(study.integrators[name]) for _, show in columns),
-             *(entry(problem, name) for problem in problems)] for name in names]
+def by_problem(study, heading, text, entry, columns=()):
+    """Returns a section with a row for each integrator and a column for each problem, after some (heading, text).
+
+    Without such columns, integrators without any entry are left out.
+    """
+    rows = []
+    for name, integrator in study.integrators.items():
+        entries = [entry(problem, name) for problem in study.problems()]
+        if columns or set(entries) != {MISSING}:
+            rows.append([name, *(show(integrator) for _, show in columns), *entries])
     heads = (Column("integrator", align="left"), *(Column(name) for name, _ in columns),
-             *(Column(f"n = {problem.n}", f"{problem.scene}, T = {problem.time:g}") for problem in problems))
+             *(Column(f"n = {problem.n}", f"{problem.scene}, T = {problem.time:g}") for problem in study.problems()))
     return [Heading(heading), Paragraph(text), plain_table(heads, rows)] if rows else []
 
 
-def ratios_section(study, heading, ratios, show, text):
-    """Shows the geometric mean of an integrator's ratios on each problem, where there are any."""
+def ratios_section(study, heading, ratios, written, text):
+    """Shows the geometric mean of an integrator's ratios on each problem, where there are any, written in a format."""
     found = {name: means_by_problem(each) for name, each in ratios(study, study.problems()).items()}
-    problems = [problem for problem in study.problems() if any(problem in each for each in found.values())]
-    return by_problem(study, heading, f"{text}, at equal error, {MEAN_OVER}, where both have it.", found,
-                      problems, lambda problem, name: show(found[name][problem]) if problem in found[name] else MISSING)
-
-
-def two_digits_of(ratio):
-    return two_digits(ratio.value)
+    return by_problem(study, heading, f"{text}, at equal error, {MEAN_OVER}, where both have it.",
+                      lambda problem, name: written.format(found[name][problem]) if problem in found.get(name, ())
+                      else MISSING)
 
 
 def care_section(study):
@@ -117,8 +119,7 @@ def integrators_section(study):
 
     return by_problem(
         study, "What each integrator is, and its observed order",
-        "The order is fitted on the last points above the floor; – where fewer than three are.", study.integrators,
-        study.problems(), order,
+        "The order is fitted on the last points above the floor; – where fewer than three are.", order,
         (("order", lambda each: str(each.order)), ("keeps", lambda each: KEPT[strongest_structure(each)])))
 
 
@@ -135,8 +136,8 @@ def tolerance_section(study):
     failed = sum(not run.usable for run in study.tolerance_runs)
     return [Heading("Which tolerance an accuracy needs"),
             Paragraph("The loosest tolerance of the fixed point that adds less than a tenth to the error which the step"
-                      f" size makes, and so do all tighter ones, published forms. {failed} of {len(study.tolerance_runs)} runs did not"
-                      " converge."),
+                      f" size makes, and so do all tighter ones, published forms. {failed} of"
+                      f" {len(study.tolerance_runs)} runs did not converge."),
             plain_table(columns, rows)]
 
 
@@ -148,9 +149,7 @@ def failures_section(study):
         how = dict.fromkeys("beyond its limit" if run.usable else run.status for run in reversed(bad))
         return f"{three_digits(bad[-1].step)} {', '.join(how)}" if bad else MISSING
 
-    names = [name for name in study.integrators if any(failed(problem, name) != MISSING for problem in study.problems())]
     return by_problem(study, "Runs that failed",
                       f"{sum(not run.usable for run in study.runs)} of {len(study.runs)} runs. Of each fast form the"
                       " smallest step that failed, and how this and longer ones did. A step beyond the stability limit"
-                      " may come to an end because T is short; such a run is never recommended.",
-                      names, study.problems(), failed)
+                      " may come to an end because T is short; such a run is never recommended.", failed)

@@ -13,7 +13,7 @@ from programs import ROOT
 
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
 from accuracy_lines import FAST, NEEDED, PUBLISHED, SCHEMA, SOLVERS, Problem, accuracy  # noqa: E402
-from study_file import FORMAT, study_of  # noqa: E402
+from study_file import FORMAT, Integrator, study_of  # noqa: E402
 
 STEPS = (5, 10, 20, 50, 100, 200)
 SMOOTH = tuple(Problem("smooth", 5.0, n) for n in (17, 33))
@@ -71,11 +71,7 @@ def study_document():
         "references": [{**problem._asdict(), "uncertainty": uncertainty, "integrators": ["group5", "rkmk4"],
                         "steps": [200, 3200]} for problem, uncertainty in PROBLEMS.items()],
         "rates": [{"n": n, "published": 1e9 / n**3, "fast": 2e9 / n**3} for n in (17, 33)],
-        "integrators": [{"name": name, "stages": stages, "order": order, "isospectral": isospectral,
-                         "lie_poisson": poisson, "symmetric": symmetric, "explicit": explicit,
-                         "stability_limit": limit}
-                        for name, (stages, order, isospectral, poisson, symmetric, explicit, limit, _, _)
-                        in INTEGRATORS.items()],
+        "integrators": [dict(zip(Integrator._fields, (name, *values))) for name, values in INTEGRATORS.items()],
         "limits": [{"scene": problem.scene, "n": problem.n, "integrator": name, "solver": solver,
                     "h_norm_B": LIMITS[name]} for problem, name, solver in lines],
         "runs": [run(problem, name, steps, solver, "diverged" if (name, steps) == ("group1", 5) else "converged")
