@@ -21,8 +21,8 @@ CHARTS = (
      " this error or a smaller one, upright above the longest step that ran. All panels have equal decades."),
     ("error_against_time_others", "The same for the other problems."),
     ("energy_against_time", "The same for the energy error, the largest over the steps, in the smooth scene."),
-    ("error_against_n", "Error at the step of Table 1 against n, and of every step against h‖B(W₀)‖₂, smooth scene,"
-     " T = 5. Lines of all n that coincide say that h‖B‖₂ decides, not n."),
+    ("error_against_n", f"Error at h = {TABLE1_STEP}, the step of Table 1, against n, and of every step, not in the frame,"
+     " against h‖B(W₀)‖₂, smooth scene, T = 5. Lines of all n that coincide say that h‖B‖₂ decides, not n."),
     ("table1_accuracy", "Tables 1 and 2 with their accuracy, timed in turns. Dotted lines join the forms with one answer."),
 )
 # What was tried and paid, by what the name of an integrator begins with.

@@ -108,13 +108,11 @@ def draw_method(axes, study, problem, integrator, quantity):
     """Draws the stretches of a line, with markers if it is in the frame; returns the integrator and their points."""
     colour, _ = METHODS.get(method_name(integrator), ("0.5", None))
     framed = in_frame(integrator.name)
-    lines = []
-    for stretch in study.stretches(problem, integrator.name):
-        points = draw_line(axes, integrator.name, [(run.seconds, getattr(run, quantity)) for run in stretch],
-                           color=colour, linewidth=1 if framed else 0.6, markersize=2.2,
-                           marker="o" if framed or len(stretch) == 1 else None)
-        lines += [points] if points else []
-    return integrator, lines
+    lines = [draw_line(axes, integrator.name, [(run.seconds, getattr(run, quantity)) for run in stretch], color=colour,
+                       linewidth=1 if framed else 0.6, markersize=2.2,
+                       marker="o" if framed or len(stretch) == 1 else None)
+             for stretch in study.stretches(problem, integrator.name)]
+    return integrator, list(filter(None, lines))
 
 
 def mark_lines(axes, marks):
