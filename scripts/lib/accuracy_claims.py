@@ -10,7 +10,7 @@ import math
 import statistics
 from typing import NamedTuple
 
-from accuracy_lines import TABLE1_STEP
+from accuracy_lines import FAST, TABLE1_STEP
 from benchmark_json import FORMULATIONS
 from comparison import three_digits
 from integrator_names import frameless, gauss_stages, in_frame
@@ -64,18 +64,19 @@ def headline_problems(study):
     return [problem for problem in study.problems() if (problem.scene, problem.time) == HEADLINE]
 
 
-def cheapest(study, problem, error, names):
+def cheapest(study, problem, error, names, solver=FAST):
     """Returns (name, Cost) of the integrator that has this error at the least cost, or None."""
-    found = [(name, cost) for name in names if (cost := study.cost(problem, name, error))]
+    found = [(name, cost) for name in names if (cost := study.cost(problem, name, error, solver))]
     return min(found, key=lambda each: each[1].seconds, default=None)
 
 
-def ratios(study, problems, first, second):
+def ratios(study, problems, first, second, solvers=(FAST, FAST)):
     """Returns the Ratio of the cheapest of `first` to that of `second`, by (problem, exponent) that both have."""
     found = {}
     for problem in problems:
         for exponent in MEAN_EXPONENTS:
-            sides = [cheapest(study, problem, 10.0**exponent, names) for names in (first, second)]
+            sides = [cheapest(study, problem, 10.0**exponent, names, solver)
+                     for names, solver in zip((first, second), solvers)]
             if all(sides):
                 (_, dear), (_, cheap) = sides
                 found[problem, exponent] = Ratio(dear.seconds / cheap.seconds, dear.least / cheap.most,
@@ -180,10 +181,11 @@ def growth(study):
     sizes = [problem.n for problem in headline_problems(study)]
     lines = {name: runs_at_table1_step(study, name)
              for name in ("group3", "group3_frame", "group1", "group2", "rkmk4", "rk4")}
-    parts = [f"{scientific(runs[0].error)} to {scientific(runs[-1].error)} ({name})" for name, runs in lines.items() if runs]
+    parts = [f"{scientific(runs[0].error)} to {scientific(runs[-1].error)} ({name})"
+             for name, runs in lines.items() if runs]
     return parts and (f"From n = {sizes[0]} to {sizes[-1]} the error at h = {TABLE1_STEP} goes from"
-                      f" {' and from '.join(parts[:2])}",
-                      f"One step size is not one accuracy. Others: {', '.join(parts[2:]) or 'none'}.")
+                      f" {' and from '.join(parts[:2])}", "One step size is not one accuracy. Others, to the last n that"
+                      f" works: {', '.join(parts[2:]) or 'none'}.")
 
 
 # ---- tolerances
@@ -198,7 +200,7 @@ def tolerances(study):
     found = []
     for _, runs in sorted(cells.items()):
         harmless = list(itertools.takewhile(lambda run: run.solver_error <= HARMLESS * runs[0].error, runs))
-        found += [((harmless or runs)[-1], run) for run in runs if math.isclose(run.tolerance, USUAL_TOLERANCE)]
+        found += [((harmless or runs[:1])[-1], run) for run in runs if math.isclose(run.tolerance, USUAL_TOLERANCE)]
     return found
 
 

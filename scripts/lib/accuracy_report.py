@@ -2,9 +2,9 @@
 
 import math
 
-from accuracy_claims import (MEAN_OVER, claims, frame_gains, headline_problems, means_by_problem, prices, scientific,
-                             tolerances)
-from accuracy_lines import FLOOR_MARGIN, PUBLISHED, TABLE1_STEP
+from accuracy_claims import (MEAN_OVER, claims, frame_gains, headline_problems, mean, means_by_problem, prices, ratios,
+                             scientific, tolerances)
+from accuracy_lines import FAST, FLOOR_MARGIN, PUBLISHED, TABLE1_STEP
 from benchmark_json import FORMULATIONS
 from comparison import MISSING, percentage, three_digits
 from document import Column, Heading, Items, Paragraph, conditions, plain_table, shown
@@ -76,9 +76,9 @@ def by_problem(study, heading, text, entry, columns=()):
     return [Heading(heading), Paragraph(text), plain_table(heads, rows)] if rows else []
 
 
-def ratios_section(study, heading, ratios, written, text):
+def ratios_section(study, heading, compare, written, text):
     """Shows the geometric mean of an integrator's ratios on each problem, where there are any, written in a format."""
-    found = {name: means_by_problem(each) for name, each in ratios(study, study.problems()).items()}
+    found = {name: means_by_problem(each) for name, each in compare(study, study.problems()).items()}
     return by_problem(study, heading, f"{text}, at equal error, {MEAN_OVER}, where both have it.",
                       lambda problem, name: written.format(found[name][problem]) if problem in found.get(name, ())
                       else MISSING)
@@ -94,18 +94,18 @@ def care_section(study):
         if not runs:
             continue
         run = min(runs, key=lambda each: abs(math.log(each.error / CARE_ERROR)))
-        published = study.cost(problem, name, run.error, PUBLISHED)
+        gains = ratios(study, [problem], [name], [name], (PUBLISHED, FAST)).values()
         family = max((each for each in CARE if name.startswith(each)), key=len, default=None)
         rows.append([name, three_digits(run.step), scientific(run.error), three_digits(run.seconds),
                      f"{run.equivalent_products:.0f}", percentage(run.equivalent_products / rate.fast / run.seconds),
-                     three_digits(published.seconds / run.seconds) if published else MISSING,
-                     CARE.get(family, MISSING)])
+                     str(mean(gains)) if gains else MISSING, CARE.get(family, MISSING)])
     columns = (Column("integrator", align="left"), *map(Column, (
         "step", "error", "CPU seconds", "equivalent products", "product share", "published over fast")),
                Column("what makes it fast", align="left"))
     return [Heading("Equal care"),
             Paragraph(f"{problem}, the run nearest to {CARE_ERROR:g}. Product share: the time of its products, at the"
-                      " rate of products alone, over all its time; bands and triangles count as the part that they are."),
+                      " rate of products alone, over all its time; bands and triangles count as the part that they are."
+                      f" Published over fast: at equal error, {MEAN_OVER}."),
             plain_table(columns, rows)] if rows else []
 
 
