@@ -14,25 +14,22 @@ QUICK_SIZES = (17, 33)
 STAGES = (1, 2, 3)
 FORMAT = "isosyrk regression_cells 2"
 FAST = "fast_"  # begins the name of a cell of Table 2
-COUNTS = ("sweeps", "products", "poisson_solves", "products_a_sweep", "poisson_solves_a_sweep", "allocations")
-FAST_COUNTS = ("sweeps", "equivalent_products", "poisson_solves", "allocations")  # no two sweeps take the same
+COUNTS = ("sweeps", "products", "poisson_solves", "allocations")
+FAST_COUNTS = ("sweeps", "equivalent_products", "poisson_solves", "allocations")
 
 
 class CannotRun(Exception):
     """The gate cannot judge; the message is one line."""
 
 
-def cell_name(formulation, n, stages):
-    return f"{formulation}/n:{n}/s:{stages}"
-
-
-def published_cells(sizes):
-    return [cell_name(formulation, n, stages) for n in sizes for stages in STAGES for formulation in FORMULATIONS]
-
-
 def cells_of(sizes):
     """Returns the names of the cells of Table 1, then of Table 2."""
-    names = published_cells(sizes)
+    return with_fast([f"{formulation}/n:{n}/s:{stages}" for n in sizes for stages in STAGES
+                      for formulation in FORMULATIONS])
+
+
+def with_fast(names):
+    """Returns these cells of Table 1, then those of Table 2 that give the same answers."""
     return names + [FAST + name for name in names]
 
 
@@ -62,10 +59,6 @@ class Cell:
     distance_to_group: Optional[float] = None  # of a published form
     distance_to_published: Optional[float] = None  # of a fast one
     W: Optional[List[complex]] = None
-
-    def outside_sweeps(self, count):
-        """Returns how many products or Poisson solves the updates took, which no rounding changes."""
-        return self.counts[count] - self.counts["sweeps"] * self.counts[f"{count}_a_sweep"]
 
 
 @dataclass(frozen=True)

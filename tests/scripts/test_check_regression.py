@@ -17,9 +17,9 @@ from test_reproduce import CopyTest
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
-from gate_baseline import Shape, baseline_of, write_baseline  # noqa: E402
+from gate_baseline import baseline_of, write_baseline  # noqa: E402
 from gate_cells import read_build  # noqa: E402
-from gate_documents import SHAPE, build_document, change  # noqa: E402
+from gate_documents import build_document, change  # noqa: E402
 
 REGRESSION, NOT_JUDGED = 1, 3
 BASELINE = os.path.join("results", "baseline", "baseline.json")
@@ -45,12 +45,6 @@ for line in sys.stdin:
     print(0.01 * runs * (1.0 if is_base else float(os.environ.get("FACTOR", "1"))), flush=True)
 """
 
-TABLE1 = """#!/bin/sh
-for argument; do
-  case $argument in --benchmark_out=*) cp "$SHAPE" "${argument#*=}" ;; esac
-done
-"""
-
 # Builds what is not there yet: the stand-in for regression_cells.
 CMAKE = """#!/bin/sh
 echo "cmake $*" >>"$CALLS"
@@ -66,19 +60,13 @@ class GateTest(CopyTest):
         self.root = self.path("root")
         self.program = self.write("regression_cells", REGRESSION_CELLS, executable=True)
         self.write("root/build/benchmarks/regression_cells", REGRESSION_CELLS, executable=True)
-        self.write("root/build/benchmarks/table1", TABLE1, executable=True)
         self.write("tools/cmake", CMAKE, executable=True)
         self.write("root/.gitignore", "/build*/\n")
         shutil.copytree(DATA, os.path.join(self.root, "tests", "data"))
-        fields = dict.fromkeys(SHAPE["fields"], 1)
-        rows = [{"run_type": "iteration", "run_name": name, **fields} for name in SHAPE["rows"]]
-        context = {**dict.fromkeys(SHAPE["context"], "some"), "isosyrk_format": "1", "isosyrk_program": "table1"}
-        self.write("shape.json", json.dumps({"context": context, "benchmarks": rows}))
         self.report(build_document())
         self.git("init", "-q")
         self.first = self.commit("first")
-        shape = Shape(*(tuple(SHAPE[part]) for part in ("context", "rows", "fields")))
-        write_baseline(os.path.join(self.root, BASELINE), baseline_of(read_build(build_document()), self.first, shape))
+        write_baseline(os.path.join(self.root, BASELINE), baseline_of(read_build(build_document()), self.first))
         self.second = self.commit("second")
 
     def git(self, *arguments):
@@ -96,8 +84,7 @@ class GateTest(CopyTest):
         self.write("report.json", json.dumps(document))
 
     def settings(self, **changes):
-        return self.surroundings(**{"REPORT": self.path("report.json"), "SHAPE": self.path("shape.json"),
-                                    "PROGRAM": self.program, **changes})
+        return self.surroundings(**{"REPORT": self.path("report.json"), "PROGRAM": self.program, **changes})
 
     def check(self, *arguments, stdout=subprocess.PIPE, **changes):
         return run(self.line("check_regression", *arguments), env=self.settings(**changes), cwd=self.folder,
@@ -244,8 +231,8 @@ class BadInput(GateTest):
         self.refuses(["--no-install"], "libfmt-dev", MISSING="libfmt-dev")
         self.write("taken", "")
         self.refuses(["--quick", "--out", self.path("taken", "out")], "--out", "cannot be written")
-        self.write("shape.json", "{")
-        self.refuses(["--quick"], "table1")
+        self.write("report.json", "{")
+        self.refuses(["--quick"], "regression_cells")
 
 
 class UpdateBaseline(GateTest):
