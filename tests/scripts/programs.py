@@ -2,6 +2,7 @@
 
 import ast
 import json
+import multiprocessing
 import os
 import runpy
 import shutil
@@ -10,7 +11,6 @@ import struct
 import subprocess
 import sys
 import tempfile
-import traceback
 import unittest
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -69,51 +69,29 @@ def run(command, timeout=60, env=None, prepare=None, **streams):
                           encoding="utf-8", errors="replace", **streams)
 
 
-def run_script(script, *arguments, timeout=60):
+def run_script(script, *arguments):
     """Runs one of the project's scripts to its end as run() does, in a copy of this process.
 
     Starting a Python takes longer than most scripts take to run, and tests run them some hundred times.
     """
-    with tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as errors:
-        child = os.fork()
-        if child == 0:
-            try:
-                os._exit(run_here(script, arguments, output, errors, timeout))
-            finally:
-                os._exit(1)
-        status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-        return subprocess.CompletedProcess([script, *arguments], status, *(text_of(each) for each in (output, errors)))
+    with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as output, \
+            tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as errors:
+        child = multiprocessing.get_context("fork").Process(target=run_here, args=(script, arguments, output, errors))
+        child.start()
+        child.join()
+        for stream in (output, errors):
+            stream.seek(0)
+        return subprocess.CompletedProcess([script, *arguments], child.exitcode, output.read(), errors.read())
 
 
-def text_of(file):
-    file.seek(0)
-    return file.read().decode("utf-8", errors="replace")
-
-
-def run_here(script, arguments, output, errors, timeout):
-    """Runs a script in this process, which is lost to it, and returns its exit code."""
-    signal.alarm(timeout)
-    with open(os.devnull, "rb") as nothing:
-        os.dup2(nothing.fileno(), 0)
+def run_here(script, arguments, output, errors):
+    """Runs a script in this process, which is lost to it."""
     os.dup2(output.fileno(), 1)
     os.dup2(errors.fileno(), 2)
-    sys.stdout, sys.stderr = (open(number, "w", encoding="utf-8", closefd=False) for number in (1, 2))
+    sys.stdout, sys.stderr = output, errors
     os.environ.update(environment())
     sys.argv = [script, *arguments]
-    try:
-        runpy.run_path(script, run_name="__main__")
-        code = 0
-    except SystemExit as end_of_script:
-        code = end_of_script.code or 0
-        if isinstance(code, str):
-            print(code, file=sys.stderr)
-            code = 1
-    except BaseException:
-        traceback.print_exc()
-        code = 1
-    sys.stdout.flush()
-    sys.stderr.flush()
-    return code
+    runpy.run_path(script, run_name="__main__")
 
 
 def start(command, env=None, **streams):
