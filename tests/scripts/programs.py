@@ -1,13 +1,12 @@
 """What the tests that run programs and scripts from outside share. Standard library only, Python 3.9 or later."""
 
-import ast
+import contextlib
 import json
 import multiprocessing
 import os
 import runpy
 import shutil
 import signal
-import struct
 import subprocess
 import sys
 import tempfile
@@ -126,18 +125,6 @@ def strict_json(text):
     return json.loads(text, parse_constant=refuse, object_pairs_hook=unique)
 
 
-def read_npy(path):
-    """Returns the rows of a complex128 .npy file in C order; NumPy itself reads it in test_module."""
-    with open(path, "rb") as stream:
-        contents = stream.read()
-    begin = 10 + struct.unpack("<H", contents[8:10])[0]
-    rows, columns = ast.literal_eval(contents[10:begin].decode("ascii"))["shape"]
-    entries = [complex(re, im) for re, im in struct.iter_unpack("<2d", contents[begin:])]
-    if len(entries) != rows * columns:
-        raise ValueError(f"{len(entries)} entries for {rows} x {columns}")
-    return [entries[i * columns:(i + 1) * columns] for i in range(rows)]
-
-
 def snapshot(folder):
     """Returns every file under a folder with its bytes, and every folder, hidden ones too."""
     found = {}
@@ -170,6 +157,13 @@ class FolderTest(unittest.TestCase):
         if executable:
             os.chmod(path, 0o755)
         return path
+
+    @contextlib.contextmanager
+    def unchanged(self):
+        """Whatever is done meanwhile leaves every file of the folder as it was, and none besides."""
+        before = snapshot(self.folder)
+        yield
+        self.assertEqual(snapshot(self.folder), before)
 
     def assert_one_line(self, text, *parts):
         self.assertEqual(text.count("\n"), 1, f"not exactly one line: {text!r}")
