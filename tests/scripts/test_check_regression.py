@@ -12,14 +12,12 @@ import sys
 import time
 import unittest
 
-from programs import BAD_ARGUMENTS, DATA, DONE, ROOT, end, run, snapshot, start, strict_json
+from programs import BAD_ARGUMENTS, DATA, DONE, end, run, snapshot, start, strict_json
 from test_reproduce import CopyTest
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
-from gate_baseline import baseline_of, write_baseline  # noqa: E402
-from gate_cells import read_build  # noqa: E402
-from gate_documents import build_document, change  # noqa: E402
+from gate_baseline import baseline_of, write_baseline
+from gate_cells import read_build
+from gate_documents import build_document, change
 
 REGRESSION, NOT_JUDGED = 1, 3
 BASELINE = os.path.join("results", "baseline", "baseline.json")

@@ -6,20 +6,17 @@ import itertools
 import json
 import math
 import os
-import sys
 import unittest
 
 from programs import DATA, ROOT, FolderTest
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
-from benchmark_json import UnusableFile  # noqa: E402
-from gate_accuracy import accuracy_layer  # noqa: E402
-from gate_baseline import baseline_of, exact_layer, moves, read_baseline, write_baseline  # noqa: E402
-from gate_cells import FAST, SIZES, CannotRun, cells_of, json_text, read_build, report_of  # noqa: E402
-from gate_documents import build_document, cell_of, change  # noqa: E402
-from gate_layers import NOT_JUDGED, PASSED, REGRESSION, Layer, exit_code  # noqa: E402
-from gate_timing import FULL, QUICK, Plan, Server, Timing, judge_times, steps_of, time_cells  # noqa: E402
+from benchmark_json import UnusableFile
+from gate_accuracy import accuracy_layer
+from gate_baseline import baseline_of, exact_layer, moves, read_baseline, write_baseline
+from gate_cells import FAST, SIZES, CannotRun, cells_of, json_text, read_build, report_of
+from gate_documents import build_document, cell_of, change
+from gate_layers import NOT_JUDGED, PASSED, REGRESSION, Layer, exit_code
+from gate_timing import FULL, QUICK, Plan, Server, Timing, judge_times, steps_of, time_cells
 
 NAMES = cells_of(SIZES)
 CELL = "algebra/n:33/s:2"

@@ -1,15 +1,11 @@
 """Tests of the program regression_cells from outside: what it reports, what it serves, what it refuses."""
 
-import os
-import sys
 import unittest
 
-from programs import BAD_ARGUMENTS, DATA, DONE, ROOT, FolderTest, environment, program, run, strict_json
+from programs import BAD_ARGUMENTS, DATA, DONE, FolderTest, environment, program, run, strict_json
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
-from gate_accuracy import accuracy_layer  # noqa: E402
-from gate_cells import cells_of, read_build  # noqa: E402
+from gate_accuracy import accuracy_layer
+from gate_cells import cells_of, read_build
 
 NAMES = cells_of((17,))
 
