@@ -338,7 +338,7 @@ class EndToEnd(ReproduceTest):
             "table1": RESULTS, "table2": RESULTS | threads,
             "accuracy": results_of("accuracy") | {"table1_accuracy.svg", "table1_accuracy.png"},
             "stability": {"report.txt", "map.json", "fast_map.json", "long_runs.json"},
-            "scaling": {"raw.json", "table.txt", "table.md"}})
+            "scaling": RESULTS})
         self.assertIn("--published", self.calls("table2")[0])
         self.assertEqual(["--threads 2" in call for call in self.calls("table2")],
                          [False] + [True] * (15 if threads else 0))
