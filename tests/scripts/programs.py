@@ -22,15 +22,17 @@ DONE, BAD_ARGUMENTS, SOLVER_FAILED = 0, 2, 3
 FORMULATIONS = ("cotangent", "group", "algebra")
 
 
+def text_of(*path):
+    with open(os.path.join(*path), encoding="utf-8") as stream:
+        return stream.read()
+
+
 def is_built_with(option):
     """Tells whether an option such as ISOSYRK_SANITIZE was on; ctest says so in the environment."""
     if os.environ.get(option):
         return os.environ[option] == "1"
-    try:
-        with open(os.path.join(BUILD, "CMakeCache.txt"), encoding="utf-8") as cache:
-            return any(line.startswith(f"{option}:BOOL=ON") for line in cache)
-    except OSError:
-        return False
+    cache = os.path.join(BUILD, "CMakeCache.txt")
+    return os.path.exists(cache) and f"\n{option}:BOOL=ON\n" in text_of(cache)
 
 
 SANITIZED = is_built_with("ISOSYRK_SANITIZE")  # n > 33 takes too long
@@ -93,6 +95,11 @@ def run_here(script, arguments, output, errors):
     os.environ.update(environment())
     sys.argv = [script, *arguments]
     runpy.run_path(script, run_name="__main__")
+
+
+def run_on_full_disk(command, **options):
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        return run(command, stdout=full, **options)
 
 
 def start(command, env=None, **streams):

@@ -1,7 +1,4 @@
-"""Tests of build/benchmarks/table1 and build/benchmarks/kernels from outside.
-
-Run with: python3 -m unittest discover -s tests/scripts
-"""
+"""Tests of build/benchmarks/table1 and build/benchmarks/kernels from outside."""
 
 import math
 import os
@@ -19,7 +16,7 @@ import unittest
 import numpy
 
 from programs import (DATA, DONE, FORMULATIONS, ROOT, SANITIZED, SOLVER_FAILED, FolderTest, end, environment, program,
-                      run, start, strict_json)
+                      run, start, strict_json, text_of)
 
 PROGRAMS = ("table1", "table2", "kernels")
 BACKENDS = ("openblas", "eigen")
@@ -38,8 +35,7 @@ EARLIER = "an earlier result"
 def measure(name, path, *arguments, **changes):
     """Runs a program with --benchmark_out and returns how it ended and its raw file."""
     done = run([program(name), f"--benchmark_out={path}", *arguments], env=environment(**changes))
-    with open(path, encoding="utf-8") as stream:
-        return done, strict_json(stream.read())
+    return done, strict_json(text_of(path))
 
 
 class MeasuredTest(unittest.TestCase):
@@ -205,10 +201,8 @@ class Table1WithInheritedKernels(MeasuredTest):
         self.assertEqual(self.context["blas_kernels"], "Nehalem")
 
     def test_without_the_variable_other_kernels_run(self):
-        if os.path.exists("/proc/cpuinfo"):
-            with open("/proc/cpuinfo", encoding="utf-8") as info:
-                if " avx2 " not in info.read():
-                    self.skipTest("this processor may run Nehalem kernels by itself")
+        if " avx2 " not in text_of("/proc/cpuinfo"):
+            self.skipTest("this processor may run Nehalem kernels by itself")
         _, raw = measure("table1", os.path.join(self.folder, "free.json"), *ONE_ROW)
         self.assertNotEqual(raw["context"]["blas_kernels"], "Nehalem")
 
@@ -277,10 +271,6 @@ class OutputFile(FolderTest):
             out = f"--benchmark_out={self.output if path is None else path}"
             self.assert_refused(run([program(name), out, *arguments], **options), *parts)
 
-    def assert_earlier_file(self):
-        with open(self.output, encoding="utf-8") as stream:
-            self.assertEqual(stream.read(), EARLIER)
-
     def test_bad_arguments_are_refused(self):
         for name in PROGRAMS:
             for argument, *parts in (("--benchmark_filter=nothing", "--benchmark_filter", "nothing"),
@@ -327,7 +317,7 @@ class OutputFile(FolderTest):
             self.assertIsNone(process.poll(), "ended before it could be interrupted")
             process.send_signal(number)
             self.assertNotEqual(process.wait(timeout=20), DONE)
-            self.assert_earlier_file()
+            self.assertEqual(text_of(self.output), EARLIER)
 
     def test_a_complete_run_replaces_it(self):
         done, raw = measure("table1", self.output, *ONE_ROW)
@@ -344,9 +334,5 @@ class OutputFile(FolderTest):
             resource.setrlimit(resource.RLIMIT_FSIZE, (1024, 1024))
 
         done = run([program("table1"), f"--benchmark_out={self.output}", *ONE_ROW], prepare=small_files_only)
-        self.assert_earlier_file()
+        self.assertEqual(text_of(self.output), EARLIER)
         self.assertNotEqual(done.returncode, DONE)
-
-
-if __name__ == "__main__":
-    unittest.main()

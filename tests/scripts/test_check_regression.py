@@ -10,9 +10,9 @@ import signal
 import subprocess
 import sys
 import time
-import unittest
 
-from programs import BAD_ARGUMENTS, DATA, DONE, end, run, snapshot, start, strict_json
+from programs import (BAD_ARGUMENTS, DATA, DONE, end, run, run_on_full_disk, snapshot, start, strict_json,
+                      text_of)
 from test_reproduce import CopyTest
 
 from gate_baseline import baseline_of, write_baseline
@@ -82,9 +82,8 @@ class GateTest(CopyTest):
     def settings(self, **changes):
         return self.surroundings(**{"REPORT": self.path("report.json"), "PROGRAM": self.program, **changes})
 
-    def check(self, *arguments, stdout=subprocess.PIPE, **changes):
-        return run(self.line("check_regression", *arguments), env=self.settings(**changes), cwd=self.folder,
-                   timeout=120, stdout=stdout)
+    def check(self, *arguments, **changes):
+        return run(self.line("check_regression", *arguments), env=self.settings(**changes), cwd=self.folder, timeout=120)
 
     def kept(self):
         """Returns everything that a run which could not judge must leave as it was."""
@@ -134,8 +133,7 @@ class Verdicts(GateTest):
                          [(name, "regression", True) for name in ("exact", "accuracy", "timing")])
 
     def test_a_report_that_cannot_be_printed_is_no_success(self):
-        with open("/dev/full", "w", encoding="utf-8") as full:
-            done = self.check("--quick", "--no-timing", stdout=full)
+        done = run_on_full_disk(self.line("check_regression", "--quick", "--no-timing"), env=self.settings())
         self.assertEqual(done.returncode, BAD_ARGUMENTS)
         self.assertIn("standard output: No space left", done.stderr)
 
@@ -224,8 +222,7 @@ class BadInput(GateTest):
 
 class UpdateBaseline(GateTest):
     def baseline(self):
-        with open(os.path.join(self.root, BASELINE), encoding="utf-8") as file:
-            return strict_json(file.read())
+        return strict_json(text_of(self.root, BASELINE))
 
     def test_records_this_commit_and_prints_what_moves(self):
         self.report(change(build_document(), "group/n:33/s:2", allocations=3))
@@ -258,7 +255,3 @@ class UpdateBaseline(GateTest):
         self.assertEqual(done.returncode, DONE, done.stderr)
         self.assertIn("no baseline", done.stdout)
         self.assertEqual([len(self.baseline()[section]) for section in ("cells", "fast_cells")], [36, 36])
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -8,7 +8,7 @@ import math
 import os
 import unittest
 
-from programs import DATA, ROOT, FolderTest
+from programs import DATA, ROOT, FolderTest, text_of
 
 from benchmark_json import UnusableFile
 from gate_accuracy import accuracy_layer
@@ -210,8 +210,7 @@ class BaselineFile(FolderTest):
         write_baseline(self.file, baseline())
 
     def document(self):
-        with open(self.file, encoding="utf-8") as file:
-            return json.load(file)
+        return json.loads(text_of(self.file))
 
     def refuses(self, document, *parts):
         path = self.write("other.json", document if isinstance(document, str) else json_text(document))
@@ -265,7 +264,3 @@ class Reports(FolderTest):
                 self.report(script)
         with self.assertRaisesRegex(CannotRun, "cannot be run"):
             report_of(self.path("none"), NAMES)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,7 +1,5 @@
 """Tests of the program regression_cells from outside: what it reports, what it serves, what it refuses."""
 
-import unittest
-
 from programs import BAD_ARGUMENTS, DATA, DONE, FolderTest, environment, program, run, strict_json
 
 from gate_accuracy import accuracy_layer
@@ -70,7 +68,3 @@ class Refusals(FolderTest):
                      "fast_quotient/n:17/s:1", ""):
             self.assert_refused(run([program("regression_cells"), name]), "regression_cells: ")
         self.assert_refused(run([program("regression_cells")]), "cells")
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -10,7 +10,7 @@ import runpy
 import sys
 import unittest
 
-from programs import DONE, FORMULATIONS, ROOT, FolderTest, environment, run, run_script
+from programs import DONE, FORMULATIONS, ROOT, FolderTest, environment, run, run_on_full_disk, run_script, text_of
 
 import document
 from benchmark_json import UnusableFile
@@ -137,10 +137,8 @@ class WhatIsShown(TableTest):
         self.assertFalse(entries(times, 17, "group")[0].endswith("*"))
 
     def test_the_papers_seconds_and_winners_stand_beside_ours(self):
-        with open(os.path.join(ROOT, "results", "paper", "table1.csv"), encoding="utf-8") as stream:
-            published = list(csv.DictReader(stream))
         times = self.times()
-        for row in published:
+        for row in csv.DictReader(text_of(ROOT, "results", "paper", "table1.csv").splitlines()):
             found = entries(times, row["n"], row["formulation"])[2 + int(row["stages"])]
             self.assertEqual(found.rstrip("*"), three_digits(float(row["seconds"])))
         self.assertEqual(entries(times, 129, "group")[3:], ["19.5", "26.8*", "31.3*"])
@@ -337,14 +335,11 @@ class Refusals(TableTest):
         self.assertEqual(run_script(SCRIPT, self.path("raw.json"), "--output", output).stdout, "")
         self.put("{")
         run_script(SCRIPT, self.path("raw.json"), "--output", output)
-        with open(output, encoding="utf-8") as stream:
-            self.assertEqual(stream.read(), expected)
+        self.assertEqual(text_of(output), expected)
         self.assertEqual(sorted(os.listdir(self.folder)), ["raw.json", "table.txt"])
 
-    @unittest.skipUnless(os.path.exists("/dev/full"), "needs a device that is always full")
     def test_full_standard_output(self):
-        with open("/dev/full", "w", encoding="utf-8") as full:
-            done = run([sys.executable, SCRIPT, self.put(raw())], stdout=full)
+        done = run_on_full_disk([sys.executable, SCRIPT, self.put(raw())])
         self.assertEqual(done.returncode, 2)
         self.assert_one_line(done.stderr, "render_table1: standard output: cannot be written: ")
 
@@ -380,7 +375,3 @@ class Numbers(FolderTest):
                             (108.42, "108"), (12345, "12300"), (1.2345e-14, "1.23e-14"), (1e7, "1.00e+07")):
             with self.subTest(value=value):
                 self.assertEqual(three_digits(value), text)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -3,7 +3,6 @@
 import json
 import os
 import runpy
-import unittest
 
 from programs import DONE, ROOT, FolderTest, run_script
 from document import as_text
@@ -109,7 +108,3 @@ class RenderTable2(FolderTest):
                                   ((raw, "--threads", two, "--output", two), "is the raw file itself"),
                                   ((one,), "one.json", "table1/"), ((table1,), "table1.json", "table1", "table2")):
             self.assert_refused(run_script(SCRIPT, *arguments), *parts)
-
-
-if __name__ == "__main__":
-    unittest.main()

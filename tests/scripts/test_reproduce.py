@@ -2,8 +2,6 @@
 
 The copy has the real scripts; package tools, CMake, CTest and the benchmark program are small shell scripts that
 write down how they were called.
-
-Run with: python3 -m unittest discover -s tests/scripts
 """
 
 import itertools
@@ -17,7 +15,7 @@ import time
 import unittest
 
 from programs import (BAD_ARGUMENTS, DONE, FORMULATIONS, ROOT, SOLVER_FAILED, FolderTest, end, environment, run,
-                      snapshot, start)
+                      snapshot, start, text_of)
 from scaling_document import write_scaling
 from stability_documents import SETTINGS, long_study, map_study, write
 from study_documents import small_study, write_study
@@ -159,8 +157,7 @@ class CopyTest(FolderTest):
         return run(self.line(name, *arguments), env=self.surroundings(**changes), cwd=self.folder)
 
     def calls(self, tool=""):
-        with open(self.calls_path, encoding="utf-8") as stream:
-            return [line for line in stream.read().splitlines() if line.startswith(tool)]
+        return [line for line in text_of(self.calls_path).splitlines() if line.startswith(tool)]
 
 
 class ReproduceTest(CopyTest):
@@ -381,8 +378,7 @@ class EndToEnd(ReproduceTest):
         self.reproduced("table2")
         rounds = [call for call in self.calls("table2") if "--threads 2" in call]
         self.assertFalse(any("interleaving" in call or "repetitions" in call for call in rounds))
-        with open(self.path("out", "threads.json"), encoding="utf-8") as raw:
-            joined = json.load(raw)
+        joined = json.loads(text_of(self.out, "threads.json"))
         one_round = len(raw_file(tables=("table2",), threads=(1, 2))["benchmarks"]) // 7
         self.assertEqual([row["repetition_index"] for row in joined["benchmarks"]],
                          [index for index in range(15) for _ in range(one_round)])
@@ -491,7 +487,3 @@ class TestScript(CopyTest):
         self.assertEqual(done.returncode, BAD_ARGUMENTS)
         self.assertIn("chatter of cmake", done.stderr)
         self.assertEqual(self.calls("ctest"), [])
-
-
-if __name__ == "__main__":
-    unittest.main()
