@@ -37,9 +37,9 @@ def is_fast(name):
     return name.startswith(FAST)
 
 
-def published(name):
-    """Returns the cell of Table 1 whose answer this one of Table 2 gives too."""
-    return name[len(FAST):]
+def compared(name):
+    """Returns the cell whose answer this one gives too: of a fast form its published one, of any other group."""
+    return name[len(FAST):] if is_fast(name) else "/".join(["group", *name.split("/")[1:]])
 
 
 @dataclass(frozen=True)
@@ -56,8 +56,7 @@ class Cell:
     counts: Dict[str, float]
     spectrum_error: Optional[float] = None
     skew_defect: Optional[float] = None
-    distance_to_group: Optional[float] = None  # of a published form
-    distance_to_published: Optional[float] = None  # of a fast one
+    distance: Optional[float] = None  # of a published form to group, of a fast one to its published form
     W: Optional[List[complex]] = None
 
 
@@ -104,13 +103,13 @@ def read_cell(values):
              "contraction": number}
     known = checked(values, kinds, "a cell")
     known["counts"] = read_counts(values)
-    if known["status"] != CONVERGED:
-        return Cell(**known)
-    kinds = {"spectrum_error": number, "skew_defect": number, "distance_to_group": number,
-             "distance_to_published": number, "W": entries_of(known["n"])}
-    optional = ("distance_to_group", "distance_to_published", "W")
-    return Cell(**known, **checked(values, {name: kind for name, kind in kinds.items()
-                                            if name in values or name not in optional}, "a cell"))
+    if known["status"] == CONVERGED:
+        known.update(checked(values, {"spectrum_error": number, "skew_defect": number}, "a cell"))
+        distance = "distance_to_published" if is_fast(known["name"]) else "distance_to_group"
+        for field, name, kind in (("distance", distance, number), ("W", "W", entries_of(known["n"]))):
+            if name in values:
+                known[field] = checked(values, {name: kind}, "a cell")[name]
+    return Cell(**known)
 
 
 def read_counts(values):

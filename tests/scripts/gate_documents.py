@@ -3,7 +3,7 @@
 import os
 
 from gate_accuracy import read_answer
-from gate_cells import SIZES, cells_of, is_fast, published
+from gate_cells import SIZES, cells_of, compared, is_fast
 from programs import DATA
 
 CONTEXT = {"commit": "0123456789ab", "dirty": "no", "blas_kernels": "Zen", "vector_units": "avx2",
@@ -33,7 +33,7 @@ def cell_document(name):
 
 def fast_document(name):
     """Returns the same of a fast cell, whose sweeps take 8 equivalent products and 4 Poisson solves each."""
-    cell = cell_document(published(name))
+    cell = cell_document(compared(name))
     del cell["products"], cell["distance_to_group"]
     return {**cell, "name": name, "sweeps": 100, "equivalent_products": 800.0, "poisson_solves": 400,
             "skew_defect": 0.0, "distance_to_published": 1e-14}
