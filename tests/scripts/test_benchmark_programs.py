@@ -8,7 +8,6 @@ import shutil
 import signal
 import stat
 import subprocess
-import sys
 import tempfile
 import threading
 import unittest
@@ -16,7 +15,7 @@ import unittest
 import numpy
 
 from programs import (DATA, DONE, FORMULATIONS, ROOT, SANITIZED, SOLVER_FAILED, FolderTest, end, environment, program,
-                      run, start, strict_json, text_of)
+                      run, run_script, start, strict_json, text_of)
 
 PROGRAMS = ("table1", "table2", "kernels")
 BACKENDS = ("openblas", "eigen")
@@ -38,23 +37,23 @@ def measure(name, path, *arguments, **changes):
     return done, strict_json(text_of(path))
 
 
+def rendered_table1(path):
+    return run_script(os.path.join(ROOT, "scripts", "render_table1"), path)
+
+
 class MeasuredTest(unittest.TestCase):
     """One run for all tests of a class."""
 
     program = "table1"
     arguments = BRIEF
-    changes = {}
 
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.mkdtemp(prefix="isosyrk-")
         cls.addClassCleanup(shutil.rmtree, cls.folder, ignore_errors=True)
         cls.path = os.path.join(cls.folder, "raw.json")
-        cls.done, cls.raw = measure(cls.program, cls.path, *cls.arguments, **cls.changes)
+        cls.done, cls.raw = measure(cls.program, cls.path, *cls.arguments)
         cls.context, cls.rows = cls.raw["context"], cls.raw["benchmarks"]
-
-    def rendered(self):
-        return run([sys.executable, os.path.join(ROOT, "scripts", "render_table1"), self.path])
 
     def assert_conditions(self, *fields):
         for field in fields:
@@ -110,7 +109,7 @@ class Table1(MeasuredTest):
         self.assertLess(row["reference_uncertainty"], 1e-12)
 
     def test_the_renderer_reads_it(self):
-        rendered = self.rendered()
+        rendered = rendered_table1(self.path)
         self.assertEqual((rendered.returncode, rendered.stderr), (DONE, ""))
         self.assertIn("Table 1", rendered.stdout)
         self.assertNotIn(" failed", rendered.stdout.replace("a row failed or was not measured", ""))
@@ -120,7 +119,7 @@ class Table2(Table1):
     program = "table2"
 
     def test_the_renderer_reads_it(self):
-        refused = self.rendered()
+        refused = rendered_table1(self.path)
         self.assertEqual(refused.returncode, 2)
         self.assertIn("table1", refused.stderr)  # another table
 
@@ -143,76 +142,57 @@ class Table2(Table1):
             self.assertNotIn("cores_at_once", row)
 
 
-class Table1WithoutEnoughSweeps(MeasuredTest):
-    arguments = (*BRIEF, "--max-sweeps", "5")
+class Choices(FolderTest):
+    """What is asked of table1 is done and recorded."""
 
-    def test_every_row_is_an_error_row_without_time_or_counters(self):
-        self.assertEqual((self.done.returncode, len(self.rows)), (SOLVER_FAILED, 9))
-        for row in self.rows:
+    def measure(self, *arguments, **changes):
+        """Returns how a run ended, the context and the rows of its raw file."""
+        done, raw = measure("table1", self.path("raw.json"), *arguments, **changes)
+        return done, raw["context"], raw["benchmarks"]
+
+    def test_without_enough_sweeps_every_row_is_an_error_row_without_time_or_counters(self):
+        done, context, rows = self.measure(*BRIEF, "--max-sweeps", "5")
+        self.assertEqual((done.returncode, len(rows), context["max_sweeps"]), (SOLVER_FAILED, 9, "5"))
+        for row in rows:
             self.assertIs(row["error_occurred"], True)
             self.assertIn("sweep cap", row["error_message"])
             self.assertEqual((row["iterations"], row["cpu_time"], row["real_time"]), (0, 0, 0))
             self.assertFalse(set(COUNTERS) & set(row))
-
-        self.assertEqual(self.context["max_sweeps"], "5")
-
-    def test_the_renderer_marks_the_failed_cells(self):
-        rendered = self.rendered()
+        rendered = rendered_table1(self.path("raw.json"))
         self.assertEqual((rendered.returncode, rendered.stderr), (DONE, ""))
         self.assertIn("sweep cap", rendered.stdout)
         self.assertNotIn("holds", rendered.stdout)
 
-
-class Table1WithEigen(MeasuredTest):
-    arguments = (*BRIEF, "--products", "eigen")
-
-    def test_without_references_there_is_no_error(self):
-        self.assertFalse({"relative_error", "reference_uncertainty"} & set(self.rows[0]))
-
-    def test_the_choice_is_recorded_and_honoured(self):
-        self.assertIn("as asked", self.context["products"])
-        self.assertIn("n=17 eigen", self.context["products"])
-        self.assertNotIn("openblas", self.context["products"])
+    def test_products_are_those_of_the_library_asked_for(self):
+        errors = []
+        for backend, other in (BACKENDS, BACKENDS[::-1]):
+            _, context, rows = self.measure(*BRIEF, "--products", backend)
+            self.assertIn("as asked", context["products"])
+            self.assertIn(f"n=17 {backend}", context["products"])
+            self.assertNotIn(other, context["products"])
+            self.assertFalse({"relative_error", "reference_uncertainty"} & set(rows[0]))  # without references
+            errors.append([(row["spectrum_error"], row["skew_defect"]) for row in rows])
         # Two libraries add in different orders; the rounding that remains tells them apart.
-        _, other = measure("table1", os.path.join(self.folder, "openblas.json"), *BRIEF, "--products", "openblas")
-        left_by = [[(row["spectrum_error"], row["skew_defect"]) for row in rows]
-                   for rows in (self.rows, other["benchmarks"])]
-        self.assertNotEqual(*left_by)
+        self.assertNotEqual(*errors)
 
-
-@unittest.skipIf(SANITIZED, "every start measures rates up to n = 129")
-class Table1WithInheritedKernels(MeasuredTest):
-    """OPENBLAS_CORETYPE in the environment decides which kernels run; it must be seen in the raw file."""
-
-    arguments = ONE_ROW
-    changes = {"OPENBLAS_CORETYPE": "Nehalem"}
-
-    @classmethod
-    def setUpClass(cls):
-        if platform.machine() not in ("x86_64", "AMD64"):
-            raise unittest.SkipTest("Nehalem kernels are for x86-64")
-        super().setUpClass()
-        if "DYNAMIC_ARCH" not in cls.context["blas_library"]:
-            raise unittest.SkipTest("this OpenBLAS has one set of kernels")
-
-    def test_the_variable_and_the_kernels_really_picked_are_recorded_and_told(self):
-        for text in (self.context["environment"], self.context["notice"], self.done.stderr):
+    @unittest.skipIf(SANITIZED, "every start measures rates up to n = 129")
+    @unittest.skipIf(platform.machine() not in ("x86_64", "AMD64"), "Nehalem kernels are for x86-64")
+    def test_an_inherited_kernel_choice_is_told_with_the_kernels_really_picked(self):
+        done, context, _ = self.measure(*ONE_ROW, OPENBLAS_CORETYPE="Nehalem")
+        if "DYNAMIC_ARCH" not in context["blas_library"]:
+            self.skipTest("this OpenBLAS has one set of kernels")
+        for text in (context["environment"], context["notice"], done.stderr):
             self.assertIn("OPENBLAS_CORETYPE=Nehalem", text)
-        self.assertEqual(self.context["blas_kernels"], "Nehalem")
+        self.assertEqual(context["blas_kernels"], "Nehalem")
 
-    def test_without_the_variable_other_kernels_run(self):
-        if " avx2 " not in text_of("/proc/cpuinfo"):
-            self.skipTest("this processor may run Nehalem kernels by itself")
-        _, raw = measure("table1", os.path.join(self.folder, "free.json"), *ONE_ROW)
-        self.assertNotEqual(raw["context"]["blas_kernels"], "Nehalem")
+        _, context, _ = self.measure(*ONE_ROW, OPENBLAS_CORETYPE="Abacus", OPENBLAS_NUM_THREADS="2")
+        for text in ("OPENBLAS_CORETYPE=Abacus", context["blas_kernels"]):
+            self.assertIn(text, context["notice"])
+        self.assertIn("OPENBLAS_NUM_THREADS=2", context["environment"])
+        self.assertEqual(context["blas_threads"], "1")
 
-    def test_other_settings_are_told_with_what_runs(self):
-        _, raw = measure("table1", os.path.join(self.folder, "other.json"), *ONE_ROW, OPENBLAS_CORETYPE="Abacus",
-                         OPENBLAS_NUM_THREADS="2")
-        for text in ("OPENBLAS_CORETYPE=Abacus", raw["context"]["blas_kernels"]):
-            self.assertIn(text, raw["context"]["notice"])
-        self.assertIn("OPENBLAS_NUM_THREADS=2", raw["context"]["environment"])
-        self.assertEqual(raw["context"]["blas_threads"], "1")
+        if " avx2 " in text_of("/proc/cpuinfo"):  # without it this processor may run Nehalem kernels by itself
+            self.assertNotEqual(self.measure(*ONE_ROW)[1]["blas_kernels"], "Nehalem")
 
 
 class Kernels(MeasuredTest):
