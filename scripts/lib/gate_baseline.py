@@ -73,16 +73,6 @@ def write_baseline(path, baseline):
     replace_file(path, json_text(document).encode("utf-8"))
 
 
-def moves(old, new):
-    """Returns a line for everything in which two baselines differ; `old` may be None."""
-    if old is None:
-        return ["there was no baseline to compare with"]
-    lines = [f"{name}: {count} {old.counts[name][count]} -> {counts[count]}" for name, counts in new.counts.items()
-             for count in counts if old.counts[name][count] != counts[count]]
-    return lines + [f"{part}: {getattr(old, part)} -> {getattr(new, part)}" for part in ("kernels", "compiler", "commit")
-                    if getattr(old, part) != getattr(new, part)]
-
-
 def exact_layer(baseline, build, names):
     """Checks the counts of these cells.
 

@@ -228,8 +228,8 @@ class UpdateBaseline(GateTest):
         self.report(change(build_document(), "group/n:33/s:2", allocations=3))
         done = self.check("--update-baseline")
         self.assertEqual(done.returncode, DONE, done.stderr)
-        self.assertIn("group/n:33/s:2: allocations 0 -> 3\n", done.stdout)
-        self.assertIn(f"commit: {self.first} -> {self.second}\n", done.stdout)
+        self.assertRegex(done.stdout, r'"group/n:33/s:2",\n( .*\n)+-   "allocations": 0\n\+   "allocations": 3\n')
+        self.assertRegex(done.stdout, f'-.*{self.first}.*\n\\+.*{self.second}')
         self.assertEqual(self.baseline()["commit"], self.second)
         self.assertEqual(self.check("--quick", "--no-timing").returncode, NOT_JUDGED)
 
@@ -253,5 +253,4 @@ class UpdateBaseline(GateTest):
         self.commit("damaged")
         done = self.check("--update-baseline")
         self.assertEqual(done.returncode, DONE, done.stderr)
-        self.assertIn("no baseline", done.stdout)
         self.assertEqual([len(self.baseline()[section]) for section in ("cells", "fast_cells")], [36, 36])

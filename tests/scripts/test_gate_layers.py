@@ -12,7 +12,7 @@ from programs import DATA, ROOT, FolderTest, text_of
 
 from benchmark_json import UnusableFile
 from gate_accuracy import accuracy_layer
-from gate_baseline import baseline_of, exact_layer, moves, read_baseline, write_baseline
+from gate_baseline import baseline_of, exact_layer, read_baseline, write_baseline
 from gate_cells import FAST, SIZES, CannotRun, cells_of, json_text, read_build, report_of
 from gate_documents import build_document, cell_of, change
 from gate_layers import NOT_JUDGED, PASSED, REGRESSION, Layer, exit_code
@@ -243,13 +243,6 @@ class BaselineFile(FolderTest):
             cells = self.document()[section]
             cells[3][count] = wrong
             self.refuses({**good, section: cells}, count)
-
-    def test_moves_are_told(self):
-        self.assertEqual(moves(baseline(), baseline()), [])
-        document = change(change(build_document(), CELL, sweeps=1), FAST_CELL, equivalent_products=700.5)
-        self.assertEqual(moves(baseline(), baseline_of(read_build(document), "f" * 40)),
-                         [f"{CELL}: sweeps 533 -> 1", f"{FAST_CELL}: equivalent_products 800.0 -> 700.5",
-                          f"commit: {COMMIT} -> {'f' * 40}"])
 
 
 class Reports(FolderTest):
