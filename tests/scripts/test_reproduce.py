@@ -22,10 +22,7 @@ from study_documents import small_study, write_study
 
 HOST_NAME = "a-host-to-keep-private"
 RESULTS = {"raw.json", "table.txt", "table.md", "table.tex"}
-STUDIES = {  # raw files of a study, and its charts here
-    "accuracy": (("raw",), ("error_against_time", "energy_against_time", "error_against_n", "tolerance")),
-    "stability": (("map", "fast_map", "long_runs"), ("failure_map_smooth", "failure_map_fast_smooth", "long_runs_n17")),
-}
+RAW_FILES = {"accuracy": {"raw.json"}, "stability": {"map.json", "fast_map.json", "long_runs.json"}}
 PROGRAMS = (*(f"build/benchmarks/{name}" for name in ("table1", "table2")),
             *(f"scripts/studies/{name}.py" for name in ("accuracy", "stability", "long_runs", "scaling")))
 CORES = len(os.sched_getaffinity(0))
@@ -113,13 +110,6 @@ def raw_file(failed=False, tables=("table1",), threads=(1,), sizes=(17,)):
             row.update(real_time=milliseconds * (1 if number == 1 else 0.625), cpu_time=milliseconds, **counters)
         rows.append(row)
     return {"context": context, "benchmarks": rows}
-
-
-def results_of(study):
-    """Returns the names of the files that a study leaves."""
-    raw, charts = STUDIES[study]
-    return {"report.md", "report.txt", *(f"{name}.json" for name in raw),
-            *(f"{chart}.{kind}" for chart in charts for kind in ("svg", "png"))}
 
 
 class CopyTest(FolderTest):
@@ -323,11 +313,10 @@ class EndToEnd(ReproduceTest):
         self.write("root/scripts/render_stability", RENDERER, executable=True)
         self.reproduced("all")
         threads = {"threads.json"} if CORES > 1 else set()
-        self.assertEqual({job: set(os.listdir(self.path("out", job))) for job in os.listdir(self.out)}, {
-            "table1": RESULTS, "table2": RESULTS | threads,
-            "accuracy": results_of("accuracy") | {"table1_accuracy.svg", "table1_accuracy.png"},
-            "stability": {"report.txt", "map.json", "fast_map.json", "long_runs.json"},
-            "scaling": RESULTS})
+        found = {job: set(os.listdir(self.path("out", job))) for job in os.listdir(self.out)}
+        self.assertLessEqual({"raw.json", "report.txt", "table1_accuracy.svg"}, found.pop("accuracy"))
+        self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS | threads, "scaling": RESULTS,
+                                 "stability": {"report.txt", *RAW_FILES["stability"]}})
         self.assertIn("--published", self.calls("table2")[0])
         self.assertEqual(["--threads 2" in call for call in self.calls("table2")],
                          [False] + [True] * (15 if threads else 0))
@@ -337,7 +326,9 @@ class EndToEnd(ReproduceTest):
             self.out = self.path("out", study)
             done = self.reproduced(study)
             found = snapshot(self.out)
-            self.assertEqual(set(found), results_of(study))
+            charts = {name for name in found if name.endswith((".svg", ".png"))}
+            self.assertGreater(len(charts), 2)
+            self.assertEqual(set(found) - charts, {"report.md", "report.txt", *RAW_FILES[study]})
             self.assertEqual(done.stdout, found["report.txt"].decode())
             self.assertIn(part, done.stdout)
         self.assertIn("--solver fast", self.calls("stability[")[1])
