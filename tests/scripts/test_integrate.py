@@ -122,24 +122,11 @@ class RefusedArguments(IntegrateTest):
         for path, *parts in ((self.path("nowhere.csv"), "cannot be read"), ("",), (self.path("out"), "directory"),
                              (os.path.join(self.output, "modes.csv"), "cannot be read")):
             self.refuses({"modes": path}, "--modes", path, *parts)
-        # What is no line of four numbers is refused where the file is read; see tests/modes_file_test.cpp.
-        for row, *parts in (
-                ("2,0,1", "line 2"), *((f"{l},0,1,0", f"l={l}", "1 to n-1") for l in ("0", "-1", "17", "2147483647")),
-                *((f"2,{m},1,0", f"m={m}", "0 to l") for m in ("-1", "3")),
-                *((row, "l=2", "m=1", "finite") for row in ("2,1,nan,0", "2,1,0,-inf")),
-                ("2,0,1,0.5", "l=2", "m=0", "0.5", "must be 0"), ("2,1,1,0\n3,0,1,0\n2,1,0.5,0", "l=2", "m=1", "twice"),
-                ("2,0,0,0\n3,1,-0,0", "nonzero")):
+        # More lines and modes that are none: tests/modes_file_test.cpp and tests/scene_test.cpp.
+        for row, *parts in (("2,0,1", "line 2"), ("2147483647,0,1,0", "l=2147483647", "1 to n-1"),
+                            ("2,1,0,-inf", "l=2", "m=1", "finite")):
             modes = self.write("modes.csv", f"l,m,re,im\n{row}\n")
             self.refuses({"modes": modes}, "--modes", modes, *parts)
-
-    def test_finite_modes_whose_squares_are_not_are_used_or_refused_by_name(self):
-        for value in ("1e200", "1e-320"):
-            modes = self.write("modes.csv", f"l,m,re,im\n2,1,{value},0\n")
-            done = run(command(SHORT, "--json", "--modes", modes))
-            if done.returncode == DONE:
-                self.assertTrue(math.isfinite(strict_json(done.stdout)["energy_error"]), done.stdout)
-            else:
-                self.assert_refused(done, "--modes", modes)
 
     # Were the run begun before the output is looked at, the test would time out.
     ENDLESS = "100000000"
@@ -207,11 +194,6 @@ class InitialData(IntegrateTest):
             self.assert_same(self.result(SHORT, time="0", initial=self.initial(contents))[1], W)
 
     def test_what_is_refused(self):
-        def changed(value):
-            other = W.copy()
-            other[3, 1] = value
-            return npy_bytes(other)
-
         W = reference("W0_n17.csv")
         good = npy_bytes(W)
         for contents, *parts in (
@@ -223,9 +205,8 @@ class InitialData(IntegrateTest):
                 (npy_bytes(W[:-1]), "(16,17)", "(17,17)"), (npy_bytes(W.ravel()), "(289,)"),
                 (npy_bytes(W[:, :, None]), "(17,17,1)"), (npy_bytes(numpy.full((33, 33), 1j)), "(33,33)"),
                 (good[:-1], "4623 bytes", "4624"), (good + b"\0", "4625 bytes", "4624"),
-                (changed(complex(math.nan, 1)), "entry (3, 1) is nan+1i"), (changed(complex(0, -math.inf)), "-infi"),
-                (npy_bytes(0 * W), "all entries are 0"), (changed(W[3, 1] + 1e-6), "skew-Hermitian", "e-06"),
-                (npy_bytes(1j * W), "skew-Hermitian", "is 2 of")):
+                # More matrices that are none: tests/scene_test.cpp.
+                (npy_bytes(0 * W), "all entries are 0"), (npy_bytes(1j * W), "skew-Hermitian", "is 2 of")):
             path = self.initial(contents)
             self.refuses({"initial": path}, "--initial", path, *parts)
         for path in (self.path("nowhere.npy"), self.folder, ""):
@@ -298,10 +279,9 @@ class GoodRuns(IntegrateTest):
 
     def test_the_smallest_n_run_with_modes_of_their_own_or_the_rough_scene(self):
         modes = self.write("modes.csv", "l,m,re,im\n1,0,1,0\n1,1,0.5,-0.25\n")
-        for changes in (*({"n": "2", "formulation": formulation, "modes": modes} for formulation in FORMULATIONS),
-                        *({"n": n, "scene": "rough"} for n in ("2", "3", "4"))):
-            result, W = self.result(SHORT, **changes)
-            self.assertEqual((str(len(W)), result["converged"]), (changes["n"], True))
+        for changes in ({"modes": modes}, {"scene": "rough"}):
+            result, W = self.result(SHORT, n="2", **changes)
+            self.assertEqual((W.shape, result["converged"]), ((2, 2), True))
 
     def test_a_formulation_by_its_name_is_the_same_method(self):
         for solver in ({"solver": "fast"}, {"products": "openblas"}):
@@ -397,14 +377,6 @@ class FailedRuns(IntegrateTest):
             result = self.assert_fails("sweep cap", formulation=formulation, max_sweeps="3")
             self.assertEqual(result["sweeps_total"], 3)
         self.assertIn("failed_step", run(command(SHORT, max_sweeps="3")).stdout)  # as text too
-
-    def test_a_tolerance_at_the_rounding_floor_ends(self):
-        for formulation in FORMULATIONS:
-            for stages in ("1", "2", "3"):
-                with self.subTest(formulation=formulation, stages=stages):
-                    done = run(command(WHOLE, "--json", formulation=formulation, stages=stages, tolerance="1e-15"))
-                    status = strict_json(done.stdout)["status"]
-                    self.assertIn((done.returncode, status), ((DONE, "converged"), (SOLVER_FAILED, "stagnated")))
 
     def test_a_signal_leaves_the_earlier_file_alone(self):
         for number in (signal.SIGINT, signal.SIGTERM):
