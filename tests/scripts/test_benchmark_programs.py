@@ -19,6 +19,7 @@ from programs import (DATA, DONE, FORMULATIONS, ROOT, SANITIZED, SOLVER_FAILED, 
 
 PROGRAMS = ("table1", "table2", "kernels")
 BACKENDS = ("openblas", "eigen")
+SIZES = (17, 33, 65, 129)
 BRIEF = ("--benchmark_filter=n:17", "--benchmark_min_time=0.01")
 ONE_ROW = ("--benchmark_filter=table1/group/n:17/s:1", "--benchmark_min_time=0.01")
 COUNTERS = ("sweeps_per_step", "products", "poisson_solves", "spectrum_error", "skew_defect", "energy_error",
@@ -214,13 +215,6 @@ class Kernels(MeasuredTest):
                       for part in ("product", "adjoint", "triangle", "single"))]
         self.assertEqual(sorted(names), sorted(expected))
 
-    def test_every_size_has_its_rows(self):
-        listed = run([program("kernels"), "--benchmark_list_tests"]).stdout.split()
-        for n in (17, 33, 65, 129):
-            self.assertIn(f"kernels/poisson/n:{n}", listed)
-            for backend in BACKENDS:
-                self.assertIn(f"kernels/product/{backend}/n:{n}", listed)
-
     def test_every_product_is_accurate_and_its_share_of_the_peak_a_share(self):
         for row in self.rows:
             if not row["run_name"].startswith(("kernels/product/", "kernels/adjoint/", "kernels/single/")):
@@ -304,9 +298,13 @@ class OutputFile(FolderTest):
         self.assertEqual((done.returncode, len(raw["benchmarks"])), (DONE, 1))
 
     def test_listing_the_names_leaves_it_alone(self):
-        with self.unchanged():
-            done = run([program("table1"), "--benchmark_list_tests", f"--benchmark_out={self.output}"])
-        self.assertEqual(len(done.stdout.split()), 36)
+        expected = {"table1": [f"{formulation}/n:{n}/s:{s}" for formulation in FORMULATIONS for n in SIZES for s in (1, 2, 3)],
+                    "kernels": [f"{part}/n:{n}" for part in ("poisson", *(f"product/{each}" for each in BACKENDS))
+                                for n in SIZES]}
+        for name, rows in expected.items():
+            with self.unchanged():
+                done = run([program(name), "--benchmark_list_tests", f"--benchmark_out={self.output}"])
+            self.assertLessEqual({f"{name}/{row}" for row in rows}, set(done.stdout.split()))
 
     def test_a_full_disk_leaves_it_alone_and_is_no_success(self):
         def small_files_only():

@@ -143,10 +143,6 @@ class Servers:
 class Times(FolderTest):
     PLAN = Plan(("group/n:17/s:2", FAST_CELL), launches=4)
 
-    def test_the_same_times_pass(self):
-        for timing in time_cells(Servers(1.0), Servers(1.0), self.PLAN.cells, self.PLAN).values():
-            self.assertEqual((timing.median, len(timing.ratios)), (1.0, 12))
-
     def test_a_build_not_slower_by_more_than_the_limit_passes_at_once(self):
         for factor in (0.5, 1.0, 1.02):
             layer = judge_times(Servers(1.0), Servers(factor), self.PLAN)
@@ -184,8 +180,9 @@ class Times(FolderTest):
         with self.assertRaisesRegex(CannotRun, "cannot be run"):
             Server([self.path("none")], None, QUICK.cells)
 
-    def test_all_quick_cells_are_timed_in_all_and_fast_ones_over_the_whole_run(self):
-        self.assertTrue(set(QUICK.cells) <= set(cells_of((17, 33))) & set(FULL.cells))
+    def test_all_cells_exist_and_fast_ones_are_timed_over_the_whole_run(self):
+        self.assertTrue(set(QUICK.cells) <= set(cells_of((17, 33))))
+        self.assertTrue(set(FULL.cells) <= set(NAMES))
         self.assertEqual((steps_of("group/n:129/s:1"), steps_of(FAST + "group/n:129/s:1")), (1, 50))
 
 

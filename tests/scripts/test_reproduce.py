@@ -16,6 +16,7 @@ import unittest
 
 from programs import (BAD_ARGUMENTS, DONE, FORMULATIONS, ROOT, SOLVER_FAILED, FolderTest, end, environment, run,
                       snapshot, start, text_of)
+from comparison import CONDITIONS
 from scaling_document import write_scaling
 from stability_documents import SETTINGS, long_study, map_study, write
 from study_documents import small_study, write_study
@@ -85,13 +86,8 @@ def raw_file(failed=False, tables=("table1",), threads=(1,), sizes=(17,)):
 
     Table 2 is twice as fast, and two threads take five eighths of the time that passes with one.
     """
-    context = {"date": "2024-05-01T10:00:00+00:00", "host_name": HOST_NAME, "num_cpus": 2, "mhz_per_cpu": 3000,
-               "library_build_type": "debug", "isosyrk_program": tables[0], "isosyrk_format": "1"}
-    for field in ("commit", "dirty", "compiler", "flags", "build_type", "cpu", "vector_units", "load_average",
-                  "blas_library", "blas_kernels", "blas_threads", "environment", "products", "product_rate",
-                  "peak_gflops", "notice", "tolerance", "max_sweeps", "norm", "start", "update_order", "hbar",
-                  "modes_hash"):
-        context[field] = f"some {field}"
+    context = {**{field: f"some {field}" for field in CONDITIONS}, "host_name": HOST_NAME, "num_cpus": 2,
+               "mhz_per_cpu": 3000, "library_build_type": "debug", "isosyrk_program": tables[0], "isosyrk_format": "1"}
     counters = {"sweeps_per_step": 11.0, "products": 3700, "poisson_solves": 1200, "spectrum_error": 1e-15,
                 "skew_defect": 0.0, "energy_error": 1e-8, "h_norm_B": 0.14, "product_share": 0.8}
     rows = []
