@@ -85,11 +85,8 @@ def build_base(commit):
     shutil.rmtree(home, ignore_errors=True)  # of an earlier base
     source = os.path.join(place, "source")
     os.makedirs(source)
-    archive = subprocess.run(["git", "-C", ROOT, "archive", commit], capture_output=True, check=False)
-    unpacked = subprocess.run(["tar", "-x", "-C", source], input=archive.stdout, stderr=subprocess.DEVNULL, check=False)
-    if archive.returncode or unpacked.returncode:
-        raise CannotRun(f"base {commit[:12]}: its tree cannot be unpacked")
     try:
+        in_setup('git -C "$ROOT" archive "$1" | tar -x -C "$2"', ROOT, commit, source)
         build(folder, "regression_cells", source)
     except CannotRun as problem:
         raise CannotRun(f"base {commit[:12]}: {problem}") from None

@@ -158,11 +158,11 @@ class FolderTest(unittest.TestCase):
     def path(self, *names):
         return os.path.join(self.folder, *names)
 
-    def write(self, name, text, executable=False):
+    def write(self, name, contents, executable=False):
         path = self.path(name)
         os.makedirs(os.path.dirname(path), exist_ok=True)
-        with open(path, "w", encoding="utf-8") as stream:
-            stream.write(text)
+        with open(path, "wb") as stream:
+            stream.write(contents if isinstance(contents, bytes) else contents.encode("utf-8"))
         if executable:
             os.chmod(path, 0o755)
         return path

@@ -7,9 +7,8 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import unittest
 
-from programs import BUILD, ROOT, environment, run, text_of
+from programs import BUILD, ROOT, FolderTest, environment, run, text_of
 
 USER = os.path.join(ROOT, "tests", "install")
 BEGIN, END = "<!-- example.cpp:begin -->\n```cpp\n", "```\n<!-- example.cpp:end -->\n"
@@ -22,7 +21,7 @@ def command(*line):
     return done.returncode, done.stdout
 
 
-class InstalledLibrary(unittest.TestCase):
+class InstalledLibrary(FolderTest):
     @classmethod
     def setUpClass(cls):
         folder = tempfile.mkdtemp()
@@ -52,13 +51,10 @@ class InstalledLibrary(unittest.TestCase):
         self.assertEqual(printed, f"{package} (9, 9)\n")
 
     def test_module_is_built_for_the_python_that_has_numpy(self):
-        with tempfile.TemporaryDirectory() as folder:
-            without = os.path.join(folder, "python3")
-            with open(without, "w", encoding="utf-8") as script:
-                script.write(f"#!/bin/sh\nexec {sys.executable} -S \"$@\"\n")  # no packages: no NumPy
-            os.chmod(without, 0o755)
-            printed = self.done("env", "-u", "ISOSYRK_PYTHON", f"PATH={folder}:{os.environ['PATH']}", "cmake", "-S", ROOT, "-B",
-                                os.path.join(folder, "build"))
+        # Without packages, and so without NumPy.
+        self.write("python3", f"#!/bin/sh\nexec {sys.executable} -S \"$@\"\n", executable=True)
+        printed = self.done("env", "-u", "ISOSYRK_PYTHON", f"PATH={self.folder}:{os.environ['PATH']}", "cmake", "-S", ROOT,
+                            "-B", self.path("build"))
         self.assertRegex(printed, r"-- NumPy module: built for /usr/bin/python3 \(Python 3")
 
     def test_example_runs(self):

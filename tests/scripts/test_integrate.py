@@ -172,18 +172,12 @@ def npy_bytes(W, version=(1, 0)):
 class InitialData(IntegrateTest):
     """--initial W.npy."""
 
-    def initial(self, contents):
-        path = self.path("initial.npy")
-        with open(path, "wb") as file:
-            file.write(contents)
-        return path
-
     def test_a_run_goes_on_from_its_own_output(self):
         for solver in ("published", "fast"):
             with self.subTest(solver=solver):
                 _, whole = self.result(WHOLE, solver=solver)
                 _, half = self.result(WHOLE, solver=solver, time="2.5")
-                result, W = self.result(WHOLE, solver=solver, time="2.5", initial=self.initial(npy_bytes(half)))
+                result, W = self.result(WHOLE, solver=solver, time="2.5", initial=self.write("W0.npy", npy_bytes(half)))
                 self.assert_agrees(W, whole, 1e-12 * numpy.abs(whole).max())
                 self.assertEqual((result["scene"], result["modes_hash"], result["steps"]), ("initial", None, 25))
                 self.assertLess(result["skew_defect"], 1e-13)
@@ -191,7 +185,7 @@ class InitialData(IntegrateTest):
     def test_every_layout_is_read_as_it_is_meant(self):
         W = reference("W0_n17.csv")
         for contents in (npy_bytes(W), npy_bytes(W, (2, 0)), npy_bytes(numpy.asfortranarray(W))):
-            self.assert_same(self.result(SHORT, time="0", initial=self.initial(contents))[1], W)
+            self.assert_same(self.result(SHORT, time="0", initial=self.write("W0.npy", contents))[1], W)
 
     def test_what_is_refused(self):
         W = reference("W0_n17.csv")
@@ -207,7 +201,7 @@ class InitialData(IntegrateTest):
                 (good[:-1], "4623 bytes", "4624"), (good + b"\0", "4625 bytes", "4624"),
                 # More matrices that are none: tests/scene_test.cpp.
                 (npy_bytes(0 * W), "all entries are 0"), (npy_bytes(1j * W), "skew-Hermitian", "is 2 of")):
-            path = self.initial(contents)
+            path = self.write("W0.npy", contents)
             self.refuses({"initial": path}, "--initial", path, *parts)
         for path in (self.path("nowhere.npy"), self.folder, ""):
             self.refuses({"initial": path}, "--initial", "cannot be read")

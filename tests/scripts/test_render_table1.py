@@ -287,9 +287,7 @@ class Refusals(TableTest):
     def test_files(self):
         self.assert_refused(run_script(SCRIPT, self.path("none.json")), "none.json", "No such file")
         self.assert_refused(run_script(SCRIPT, self.folder), self.folder, "directory")
-        with open(self.path("raw.json"), "wb") as file:
-            file.write(b"\xff\xfe")
-        self.assert_refused(run_script(SCRIPT, self.path("raw.json")), "is not UTF-8")
+        self.assert_refused(run_script(SCRIPT, self.write("raw.json", b"\xff\xfe")), "is not UTF-8")
         aggregates = raw()
         aggregates["benchmarks"] = [row for row in aggregates["benchmarks"] if row["run_type"] == "aggregate"]
         for data, *words in (

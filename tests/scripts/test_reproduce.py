@@ -165,11 +165,6 @@ class ReproduceTest(CopyTest):
         self.assertEqual(done.returncode, DONE, done.stderr)
         return done
 
-    def keep_earlier_results(self):
-        for name in RESULTS:
-            self.write(f"out/{name}", f"earlier {name}")
-        return snapshot(self.out)
-
 
 class Arguments(CopyTest):
     def refuses(self, script, arguments, *parts, **changes):
@@ -370,7 +365,9 @@ class FailedRuns(ReproduceTest):
 
     def setUp(self):
         super().setUp()
-        self.before = self.keep_earlier_results()
+        for name in RESULTS:
+            self.write(f"out/{name}", f"earlier {name}")
+        self.before = snapshot(self.out)
 
     def assert_earlier_results(self):
         found = snapshot(self.out)
