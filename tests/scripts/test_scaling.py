@@ -1,36 +1,12 @@
-"""Tests of scripts/studies/scaling.py and of scripts/render_scaling, as a user runs them."""
+"""Tests of scripts/render_scaling, as a user runs it."""
 
 import os
-import sys
 import unittest
 
-from programs import DONE, HAS_MODULE, ROOT, FolderTest, run, run_script
-
-sys.dont_write_bytecode = True
+from programs import DONE, ROOT, FolderTest, run_script
 from scaling_document import points, write_scaling
 
-from scaling_table import RUNGS, SCHEMA  # noqa: E402  (scaling_document finds it)
-import study_file
-
-STUDY = os.path.join(ROOT, "scripts", "studies", "scaling.py")
 RENDER = os.path.join(ROOT, "scripts", "render_scaling")
-
-
-@unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")
-class Study(FolderTest):
-    def test_every_rung_on_the_same_stretch(self):
-        path = self.path("raw.json")
-        done = run([sys.executable, STUDY, "--out", path, "--n", "9", "--integrator", "group1", "--repetitions", "2"])
-        self.assertEqual(done.returncode, DONE, done.stderr)
-        found = study_file.read(path, SCHEMA)
-        self.assertEqual([(point.integrator, point.n, point.rung) for point in found.tables["points"]],
-                         [("group1", 9, rung) for rung in RUNGS])
-        self.assertEqual({len(point.seconds) for point in found.tables["points"]}, {2})
-        self.assertIn("timed_on", found.context)
-        sweeps = {point.rung: point.sweeps for point in found.tables["points"]}
-        self.assertEqual(round(sweeps["without any"]), round(sweeps["published"]))  # plain sweeps from a cold start
-        self.assertLess(sweeps["fast"], 0.5 * sweeps["published"])
-        self.assertEqual(os.listdir(self.folder), ["raw.json"])
 
 
 class Table(FolderTest):

@@ -1,4 +1,5 @@
-"""Tests of what the studies share: the raw file, untimed work on processes and on a Dask cluster, the journal."""
+"""Tests of what the studies share (the raw file, untimed work on processes and on a Dask cluster, the journal), and of
+each study as a user runs it."""
 
 import importlib.util
 import json
@@ -10,14 +11,16 @@ import time
 import unittest
 from types import SimpleNamespace
 
-from programs import BUILD, HAS_MODULE, ROOT, FolderTest, end, environment, run, start, strict_json
+from programs import BUILD, DONE, HAS_MODULE, ROOT, FolderTest, end, environment, run, start, strict_json
 from study_documents import raw, study_document
 from wrong_values import WRONG
 
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
+import scaling_table  # noqa: E402
 import study_file  # noqa: E402
 from accuracy_lines import FAST, PUBLISHED, SCHEMA, Problem, Settings, read_accuracy  # noqa: E402
 from benchmark_json import UnusableFile  # noqa: E402
+from stability_files import read_long_runs, read_map  # noqa: E402
 
 STUDIES = os.path.join(ROOT, "scripts", "studies")
 RECORDED = os.path.join(ROOT, "results", "recorded", "accuracy", "raw.json")
@@ -270,26 +273,105 @@ class Dask(SquaresTest):
 
 
 @unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")
-class AccuracyStudy(FolderTest):
+class StudyTest(FolderTest):
+    def script(self, name, *arguments):
+        return run([sys.executable, "-B", os.path.join(STUDIES, f"{name}.py"), *arguments], timeout=120,
+                   env=environment(ISOSYRK_BUILD=BUILD))
+
+    def made(self, name, *arguments, file="raw.json"):
+        """Returns the path of what a study wrote, without a word on stdout."""
+        path = self.path(file)
+        done = self.script(name, "--out", path, *arguments)
+        self.assertEqual((done.returncode, done.stdout), (DONE, ""), done.stderr)
+        self.assertFalse(os.path.exists(f"{path}.journal"))
+        return path
+
+
+class FailureMaps(StudyTest):
+    # Critical h‖B‖₂ of the smooth scene, found by an independent earlier program: n = 9, and 17 for the fast form.
+    CRITICAL = {"group1": 1.354, "algebra2": 1.737, "rkmk4": 4.914}
+    CRITICAL_FAST = 2.430
+
+    def assert_as_close(self, found, expected):
+        self.assertLess(max(found, expected) / min(found, expected), 1.04)  # two bisections to 2 %
+
+    def test_outcomes_critical_steps_and_theory(self):
+        failures = read_map(self.made("stability", "--n", "9", "--integrator", *self.CRITICAL))
+        self.assertEqual((list(failures.integrators), list(failures.settings), len(failures.maps)),
+                         (list(self.CRITICAL), [("smooth", 9), ("rough", 9)], 6))
+        for (scene, _, name), each in failures.maps.items():
+            with self.subTest(scene=scene, name=name):
+                self.assertEqual([trial.h_norm_B for trial in each.trials], [2.0 ** (k / 2) for k in range(-6, 8)])
+                self.assertTrue(each.trials[0].works)
+                self.assertFalse(each.trials[-1].works)  # nothing works at h‖B‖ = 11
+                for trial in each.trials:
+                    self.assertEqual(trial.failed_step is None, trial.status in ("converged", "unstable"))
+                self.assertTrue(1 < each.edge.fails / each.edge.works <= 1.0201)
+                if scene == "smooth":
+                    self.assert_as_close(each.edge.works, self.CRITICAL[name])
+        self.assertAlmostEqual(failures.at("smooth", 9, "group1").edge.linear_limit, 2.0)
+        self.assertIsNone(failures.at("smooth", 9, "rkmk4").edge.linear_limit)
+
+    def test_fast_forms_under_the_names_of_the_published_ones(self):
+        arguments = ("--n", "17", "--scene", "smooth", "--integrator", "group2", "--solver")
+        fast, published = (read_map(self.made("stability", *arguments, solver), solver).at("smooth", 17, "group2").edge
+                           for solver in (FAST, PUBLISHED))
+        self.assertGreater(fast.works, 1.1 * published.works)  # what fails is tried again with acceleration
+        self.assert_as_close(fast.works, self.CRITICAL_FAST)
+
+
+class LongRuns(StudyTest):
+    def test_samples_shares_and_controls(self):
+        runs = read_long_runs(self.made("long_runs", "--n", "9", "--steps", "300", "--integrator", "group1"))
+        names = ["group1", "algebra2_two_products", "algebra3_two_products"]
+        self.assertEqual(list(runs.integrators), names)
+        self.assertEqual([(run.row.integrator, run.row.share) for run in runs.runs],
+                         [(name, share) for name in names for share in (0.9, 0.3)])
+        for run in runs.runs:
+            self.assertAlmostEqual(run.row.h_norm_B, run.row.share * run.row.critical)
+            steps = [sample.step for sample in run.samples]
+            self.assertEqual((steps[0], steps), (1, sorted(set(steps))))
+        kept, lost = runs.at("smooth", 9, 0.3, "group1"), runs.at("smooth", 9, 0.3, "algebra2_two_products")
+        self.assertEqual((kept.survived, kept.samples[-1].step), (True, 300))
+        self.assertLess(kept.samples[-1].spectrum_error, 1e-10)
+        # The control is seen to lose skewness where nothing else fails, and ends when all is lost.
+        self.assertEqual((lost.row.status, lost.row.failed_step), ("unstable", lost.samples[-1].step))
+        self.assertGreater(lost.samples[-1].skew_defect, 1e3 * lost.samples[0].skew_defect)
+
+
+class Scaling(StudyTest):
+    def test_every_rung_on_the_same_stretch(self):
+        found = study_file.read(self.made("scaling", "--n", "9", "--integrator", "group1", "--repetitions", "2"),
+                                scaling_table.SCHEMA)
+        self.assertEqual([(point.integrator, point.n, point.rung, len(point.seconds)) for point in found.tables["points"]],
+                         [("group1", 9, rung, 2) for rung in scaling_table.RUNGS])
+        self.assertIn("timed_on", found.context)
+        sweeps = {point.rung: point.sweeps for point in found.tables["points"]}
+        self.assertEqual(round(sweeps["without any"]), round(sweeps["published"]))  # plain sweeps from a cold start
+        self.assertLess(sweeps["fast"], 0.5 * sweeps["published"])
+
+
+class Refusals(StudyTest):
+    def test_bad_arguments(self):
+        for name, arguments, *parts in (
+                ("stability", ("--solver", "slow"), "--solver", "slow"),
+                ("stability", ("--scene", "calm"), "calm", "smooth"),
+                ("long_runs", ("--solver", "fast"), "--solver"),
+                *(("long_runs", ("--steps", steps), "--steps", steps) for steps in ("9", "x", "1000001")),
+                ("accuracy", ("--integrator", "euler"), "'euler'", "rkmk4"),
+                ("references", ("--integrator", "rk4"), "--integrator"),
+                ("references", ("--n", "21", "--scene", "rough"), "no problem")):
+            with self.subTest(program=name, arguments=arguments):
+                self.assert_refused(self.script(name, "--out", self.path("out"), *arguments), *parts)
+                self.assertEqual(os.listdir(self.folder), [])
+
+
+class Accuracy(StudyTest):
     ARGUMENTS = ("--n", "17", "--scene", "smooth", "--time", "5", "--integrator", "group2", "rk4", "--repetitions", "2")
     PROBLEM = Problem("smooth", 5.0, 17)
 
-    def script(self, name, *arguments, **options):
-        return run([sys.executable, "-B", os.path.join(STUDIES, name), *arguments], timeout=120,
-                   env=environment(ISOSYRK_BUILD=BUILD), **options)
-
-    def study(self, name, *arguments):
-        done = self.script("accuracy.py", "--out", self.path(name), *self.ARGUMENTS, *arguments)
-        self.assertEqual((done.returncode, done.stdout), (0, ""), done.stderr)
-        return read_accuracy(self.path(name))
-
-    ASKED = ("--n", "17", "--scene", "smooth", "developed", "--time", "5")
-
-    def references(self):
-        folder = self.path("references")
-        done = self.script("references.py", "--out", folder, *self.ASKED)
-        self.assertEqual((done.returncode, done.stdout), (0, ""), done.stderr)
-        return folder
+    def study(self, file, *arguments):
+        return read_accuracy(self.made("accuracy", *self.ARGUMENTS, *arguments, file=file))
 
     def test_counts_and_errors_are_those_of_the_recorded_study(self):
         found, recorded = self.study("raw.json"), read_accuracy(RECORDED)
@@ -334,29 +416,33 @@ class AccuracyStudy(FolderTest):
                                for study in (here, there)))
 
     def test_references_that_are_kept_missing_or_of_another_scene(self):
-        folder = self.references()
+        asked = ("--scene", "smooth", "developed", "--time", "5", "--n")
+        folder = self.made("references", *asked, "17", file="references")
         listed = os.path.join(folder, "references.json")
         with open(listed, encoding="utf-8") as file:
             text = file.read()
         self.assertLess(strict_json(text)["references"][0]["uncertainty"], 1e-12)
-        kept = self.script("references.py", "--out", folder, *self.ASKED)
-        self.assertEqual(kept.stderr.count("n = 17: kept"), 2)
-        asked = ("--references", folder, "--out", self.path("raw.json"))
-        self.assert_refused(self.script("accuracy.py", *asked, "--n", "33", "--time", "5"), "n = 33", "references.py --n 33")
+
+        def again():
+            return self.script("references", "--out", folder, *asked, "17").stderr
+
+        def refused(*parts, n="17"):
+            self.assert_refused(self.script("accuracy", "--references", folder, "--out", self.path("raw.json"), *asked, n),
+                                *parts)
+
+        self.assertEqual(again().count("n = 17: kept"), 2)
+        refused("n = 33", "references.py --n 33", n="33")
         with open(listed, "w", encoding="utf-8") as file:
             file.write(text.replace('"scene": "smooth"', '"scene": "rough"'))
-        self.assert_refused(self.script("accuracy.py", *asked, *self.ASKED), "references.json", "scene")
-        self.assert_refused(self.script("accuracy.py", *asked, "--integrator", "euler"), "'euler'", "rkmk4")
+        refused("references.json", "scene")
         os.unlink(os.path.join(folder, "smooth_n17.npy"))
         self.write("references/references.json", text)
-        self.assert_refused(self.script("accuracy.py", *asked, *self.ASKED), "smooth_n17.npy", "cannot be read")
-        self.assertIn("n = 17: computed", self.script("references.py", "--out", folder, *self.ASKED).stderr)
-        self.assert_refused(self.script("references.py", "--out", folder, "--integrator", "rk4"), "--integrator")
-        self.assert_refused(self.script("references.py", "--out", folder, "--n", "21", "--scene", "rough"), "no problem")
+        refused("smooth_n17.npy", "cannot be read")
+        self.assertIn("n = 17: computed", again())
         # Initial data of the developed scene that are not those whose energies are listed.
         shutil.copy(os.path.join(folder, "developed_t5", "developed_n17.npy"),
                     os.path.join(folder, "developed_t5", "initial_n17.npy"))
-        self.assert_refused(self.script("accuracy.py", *asked, *self.ASKED), "initial_n17.npy", "energies")
+        refused("initial_n17.npy", "energies")
 
 
 @unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")
