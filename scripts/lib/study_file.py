@@ -176,6 +176,11 @@ def keyed(records, *names):
     return found
 
 
+def object_of(what, **kinds):
+    """The kind of an object that has fields of these kinds; another is refused, named `what`."""
+    return lambda value: checked(an_object(value), kinds, what)
+
+
 # ---- reading
 
 

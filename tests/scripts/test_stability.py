@@ -25,7 +25,7 @@ class RawFiles(unittest.TestCase):
         samples = study.tables["samples"]
         samples[3] = samples[3]._replace(energy_error=None, casimir_error=None)
         samples[4] = samples[4]._replace(casimir_error=None)
-        run = long_runs(study).runs[0]
+        run = long_runs(study).runs["smooth", 17, "group1", 0.9]
         lengths = [len(run.series(quantity)) for quantity in QUANTITIES]
         self.assertEqual([len(run.samples) - length for length in lengths], [0, 0, 2, 1])
 
@@ -64,7 +64,7 @@ class Report(unittest.TestCase):
     def test_critical_values(self):
         maps = failure_map(self.map, PUBLISHED)
         self.assertEqual(self.row("rk4", "Smooth scene")[:3],
-                         ["rk4", *(three_digits(maps.at("smooth", n, "rk4").edge.works) for n in (17, 129))])
+                         ["rk4", *(three_digits(maps.maps["smooth", n, "rk4"].edge.works) for n in (17, 129))])
         setting = maps.settings["smooth", 129]
         self.assertEqual(self.row("smooth  129", "Critical h‖B(W₀)‖₂")[-2:],
                          [str(setting.implicit_steps), str(setting.explicit_steps)])
@@ -140,7 +140,7 @@ class Charts(StabilityTest):
                         for names in (TABLE1_CELLS, others(failures.integrators)))
         self.assertEqual((list(smooth), list(rest)), (list(TABLE1_CELLS), ["yoshida4", "rkmk4", "rk4"]))
         (panel,) = smooth["group2"]
-        maps = failures.line("smooth", "group2")
+        maps = list(failures.line("smooth", "group2").values())
         with self.subTest("a cell for each trial, around its h‖B‖₂, coloured by what became of it"):
             colours = {True: set(), False: set()}
             trials = [trial for each in maps for trial in each.trials]
@@ -166,7 +166,7 @@ class Charts(StabilityTest):
                           for isospectral in (True, False))
         (panel,) = kept["0.3 of the critical step"]
         with self.subTest("a point for each sample"):
-            run = runs.at("smooth", 17, 0.3, "group2")
+            run = runs.runs["smooth", 17, "group2", 0.3]
             self.assertEqual(lines_of(panel)["group2"],
                              [[each.step * run.row.step, each.spectrum_error] for each in run.samples])
         with self.subTest("integrators that lose the spectrum are apart"):

@@ -309,12 +309,12 @@ class FailureMaps(StudyTest):
                 self.assertTrue(1 < each.edge.fails / each.edge.works <= 1.0201)
                 if scene == "smooth":
                     self.assert_as_close(each.edge.works, self.CRITICAL[name])
-        self.assertAlmostEqual(failures.at("smooth", 9, "group1").edge.linear_limit, 2.0)
-        self.assertIsNone(failures.at("smooth", 9, "rkmk4").edge.linear_limit)
+        self.assertAlmostEqual(failures.maps["smooth", 9, "group1"].edge.linear_limit, 2.0)
+        self.assertIsNone(failures.maps["smooth", 9, "rkmk4"].edge.linear_limit)
 
     def test_fast_forms_under_the_names_of_the_published_ones(self):
         arguments = ("--n", "17", "--scene", "smooth", "--integrator", "group2", "--solver")
-        fast, published = (read_map(self.made("stability", *arguments, solver), solver).at("smooth", 17, "group2").edge
+        fast, published = (read_map(self.made("stability", *arguments, solver), solver).maps["smooth", 17, "group2"].edge
                            for solver in (FAST, PUBLISHED))
         self.assertGreater(fast.works, 1.1 * published.works)  # what fails is tried again with acceleration
         self.assert_as_close(fast.works, self.CRITICAL_FAST)
@@ -325,13 +325,12 @@ class LongRuns(StudyTest):
         runs = read_long_runs(self.made("long_runs", "--n", "9", "--steps", "300", "--integrator", "group1"))
         names = ["group1", "algebra2_two_products", "algebra3_two_products"]
         self.assertEqual(list(runs.integrators), names)
-        self.assertEqual([(run.row.integrator, run.row.share) for run in runs.runs],
-                         [(name, share) for name in names for share in (0.9, 0.3)])
-        for run in runs.runs:
+        self.assertEqual(list(runs.runs), [("smooth", 9, name, share) for name in names for share in (0.9, 0.3)])
+        for run in runs.runs.values():
             self.assertAlmostEqual(run.row.h_norm_B, run.row.share * run.row.critical)
             steps = [sample.step for sample in run.samples]
             self.assertEqual((steps[0], steps), (1, sorted(set(steps))))
-        kept, lost = runs.at("smooth", 9, 0.3, "group1"), runs.at("smooth", 9, 0.3, "algebra2_two_products")
+        kept, lost = (runs.runs["smooth", 9, name, 0.3] for name in names[:2])
         self.assertEqual((kept.survived, kept.samples[-1].step), (True, 300))
         self.assertLess(kept.samples[-1].spectrum_error, 1e-10)
         # The control is seen to lose skewness where nothing else fails, and ends when all is lost.
