@@ -3,6 +3,7 @@ each study as a user runs it."""
 
 import importlib.util
 import json
+import math
 import os
 import shutil
 import signal
@@ -13,7 +14,6 @@ from types import SimpleNamespace
 
 from programs import BUILD, DONE, HAS_MODULE, ROOT, FolderTest, end, environment, run, start, strict_json
 from study_documents import raw, study_document
-from wrong_values import WRONG
 
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
 import scaling_table  # noqa: E402
@@ -82,12 +82,19 @@ class RawFile(FolderTest):
         self.assertEqual((os.stat(path).st_mtime_ns, os.listdir(self.folder)), (before, ["raw.json"]))
 
     def test_kinds(self):
-        for kind, name in ((study_file.text, "text"), (study_file.truth, "truth"), (study_file.number, "not negative"),
-                           (study_file.positive, "positive"), (study_file.optional(study_file.number), "optional"),
-                           (study_file.whole(), "count"), (study_file.whole(1), "positive count"),
-                           (study_file.list_of(study_file.number, 4), "casimirs"), (study_file.an_object, "object")):
-            for value in WRONG[name]:
-                with self.subTest(name, value=str(value)[:9]), self.assertRaisesRegex(UnusableFile, "a thing has x"):
+        no_numbers = (None, True, "1", [], {}, math.nan, math.inf, -math.inf, -1, -1e-30, 1e300, 10**400)
+        no_counts = (*no_numbers, 1.5, 1.0, 10**15)
+        for kind, wrong in (
+                (study_file.text, (None, True, 7, [], {}, "", "two\nlines", "x" * 61)),
+                (study_file.truth, (None, 0, 1, "true", [], {}, math.nan)),
+                (study_file.number, no_numbers), (study_file.positive, (*no_numbers, 0, 5e-324, 1e-300)),
+                (study_file.optional(study_file.number), no_numbers[1:]),
+                (study_file.whole(), no_counts), (study_file.whole(1), (*no_counts, 0)),
+                (study_file.list_of(study_file.number, 4), (None, True, 1, "1", {}, [], [0] * 3, [0] * 5,
+                                                            *([0, 0, 0, each] for each in no_numbers))),
+                (study_file.an_object, (None, True, 1, "group5", []))):
+            for value in wrong:
+                with self.subTest(value=str(value)[:9]), self.assertRaisesRegex(UnusableFile, "a thing has x"):
                     study_file.checked({"x": value}, {"x": kind}, "a thing")
             with self.assertRaisesRegex(UnusableFile, "a thing has no x"):
                 study_file.checked({}, {"x": kind}, "a thing")
