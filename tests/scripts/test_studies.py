@@ -235,40 +235,19 @@ class Work(SquaresTest):
         self.assertEqual(os.listdir(self.folder), ["squares.py"])
 
 
-class Cluster:
-    """A Dask scheduler with workers on this machine's loopback, each a process."""
-
-    def __init__(self, folder, env):
-        self.processes = []
-        self.env, self.folder = env, folder
-        file = os.path.join(folder, "scheduler.json")
-        self.start("dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", file)
-        deadline = time.monotonic() + 60
-        while not os.path.exists(file) or not os.path.getsize(file):
-            assert time.monotonic() < deadline, "the scheduler did not start"
-            time.sleep(0.1)
-        with open(file, encoding="utf-8") as stream:
-            self.address = json.load(stream)["address"]
-        for _ in range(2):
-            self.start("dask_worker", self.address, "--nthreads", "1", "--no-nanny", "--no-dashboard",
-                       "--local-directory", folder)
-
-    def start(self, program, *arguments):
-        with open(os.path.join(self.folder, "cluster.log"), "a", encoding="utf-8") as log:
-            self.processes.append(start([sys.executable, "-B", "-m", f"distributed.cli.{program}", *arguments],
-                                        env=self.env, stdout=log, stderr=log))
-
-    def end(self):
-        for process in reversed(self.processes):
-            end(process)
+def start_cluster(test, **settings):
+    """Returns the address of a Dask scheduler with two workers, each a process of this machine, until a test ends."""
+    import distributed
+    cluster = distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0",
+                                       silence_logs="CRITICAL", local_directory=test.folder, env=environment(**settings))
+    test.addCleanup(cluster.close)
+    return cluster.scheduler_address
 
 
 @unittest.skipUnless(HAS_DASK, "this Python has no distributed (python3-distributed)")
 class Dask(SquaresTest):
     def test_a_worker_that_is_killed_costs_nothing_but_time(self):
-        cluster = Cluster(self.folder, environment(LOG=self.log))
-        self.addCleanup(cluster.end)
-        done = self.squares("--scheduler", cluster.address, "--deaths", "1")
+        done = self.squares("--scheduler", start_cluster(self, LOG=self.log), "--deaths", "1")
         self.assert_result(done)
         self.assertEqual(self.begun()["7"], 2)
         self.assertIn("a worker was lost; its jobs are done again", done.stderr)
@@ -414,9 +393,7 @@ class Accuracy(StudyTest):
 
     @unittest.skipUnless(HAS_DASK, "this Python has no distributed (python3-distributed)")
     def test_a_cluster_gives_what_this_machine_gives(self):
-        cluster = Cluster(self.folder, environment())
-        self.addCleanup(cluster.end)
-        here, there = self.study("here.json"), self.study("there.json", "--scheduler", cluster.address)
+        here, there = self.study("here.json"), self.study("there.json", "--scheduler", start_cluster(self))
         for runs in ("runs", "tolerance_runs"):
             self.assertEqual(*([run._replace(cpu_seconds=()) for run in getattr(study, runs)]
                                for study in (here, there)))
