@@ -162,7 +162,6 @@ class LongRun(NamedTuple):
 
 
 class LongRuns(NamedTuple):
-    context: Dict[str, str]
     steps: int
     integrators: Dict[str, Integrator]
     runs: Dict[Tuple[str, int, str, float], LongRun]  # by scene, n, integrator and share of the critical h‖B‖₂
@@ -212,7 +211,7 @@ def long_runs(study):
         if sample.run >= len(rows):
             raise UnusableFile(f"has a sample of run {sample.run}, which it does not list")
         samples[sample.run].append(sample)
-    return LongRuns(study.context, study.settings.steps, integrators_of(study, "run"),
+    return LongRuns(study.settings.steps, integrators_of(study, "run"),
                     {key: LongRun(row, tuple(found)) for (key, row), found in zip(rows.items(), samples)})
 
 

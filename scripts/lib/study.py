@@ -103,8 +103,7 @@ def entries(names, frames=False):
 def record_of(entry):
     """Returns the module's record of an integrator as a row of a raw file."""
     limit = entry.stability_limit if math.isfinite(entry.stability_limit) else None
-    return Integrator(entry.name, entry.stages, entry.order, entry.isospectral, entry.lie_poisson, entry.symmetric,
-                      entry.explicit, limit)
+    return Integrator(*(getattr(entry, field) for field in Integrator._fields[:-1]), limit)
 
 
 def require_writable(path):

@@ -225,15 +225,6 @@ class Work(SquaresTest):
         self.assertEqual((done.returncode, done.stdout), (NO_ANSWER, ""), done.stderr)
         self.assertIn("squares: a worker was lost", done.stderr)
 
-    def test_bad_arguments(self):
-        for arguments, *parts in ((("--n", "4"), "--n", "5 to 513"), (("--workers", "0"), "--workers"),
-                                  (("--scheduler", "here"), "--scheduler", "'here'"), (("--scale",), "--scale"),
-                                  (("--out", self.path("none", "raw.json")), "--out", "none/raw.json"),
-                                  (("--out", self.folder), "--out", self.folder)):
-            with self.subTest(arguments=arguments):
-                self.assert_refused(self.squares(*arguments), *parts)
-        self.assertEqual(os.listdir(self.folder), ["squares.py"])
-
 
 def start_cluster(test, **settings):
     """Returns the address of a Dask scheduler with two workers, each a process of this machine, until a test ends."""
@@ -339,6 +330,10 @@ class Scaling(StudyTest):
 class Refusals(StudyTest):
     def test_bad_arguments(self):
         for name, arguments, *parts in (
+                ("scaling", ("--n", "4"), "--n", "5 to 513"), ("scaling", ("--workers", "0"), "--workers"),
+                ("scaling", ("--scheduler", "here"), "--scheduler", "'here'"), ("scaling", ("--scale",), "--scale"),
+                ("scaling", ("--out", self.path("none", "raw.json")), "--out", "none/raw.json"),
+                ("scaling", ("--out", self.folder), "--out", self.folder),
                 ("stability", ("--solver", "slow"), "--solver", "slow"),
                 ("stability", ("--scene", "calm"), "calm", "smooth"),
                 ("long_runs", ("--solver", "fast"), "--solver"),
