@@ -36,7 +36,7 @@ def failure_map(study, scene, names, title):
         axes.yaxis.set_minor_locator(NullLocator())
         axes.xaxis.set_major_locator(FixedLocator(range(len(sizes))))
         axes.xaxis.set_major_formatter(lambda column, _: str(sizes[round(column)]))
-        maps = list(study.line(scene, name).values())
+        maps = study.line(scene, name)
         for column, trials in ((column, each.trials) for column, each in enumerate(maps) if each):
             values = [trial.h_norm_B for trial in trials]
             half = math.sqrt(values[1] / values[0]) if len(values) > 1 else 2**0.25

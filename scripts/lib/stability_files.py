@@ -139,12 +139,12 @@ class FailureMap(NamedTuple):
         return sorted(n for known, n in self.settings if known == scene)
 
     def line(self, scene, integrator):
-        """Returns the maps of an integrator in a scene, by n; None where there is none."""
-        return {n: self.maps.get((scene, n, integrator)) for n in self.sizes(scene)}
+        """Returns the map of an integrator in a scene at each of its n, or None."""
+        return [self.maps.get((scene, n, integrator)) for n in self.sizes(scene)]
 
     def mapped(self, scene, names):
         """Returns those of some integrators that have maps in a scene."""
-        return [name for name in names if any(self.line(scene, name).values())]
+        return [name for name in names if any(self.line(scene, name))]
 
 
 class LongRun(NamedTuple):
@@ -159,6 +159,10 @@ class LongRun(NamedTuple):
         """Returns (time, value) of every sample that has a value of a quantity."""
         found = ((sample.step * self.row.step, getattr(sample, quantity)) for sample in self.samples)
         return [(time, value) for time, value in found if value is not None]
+
+    def largest(self, quantity):
+        """Returns the largest value of a quantity, or None if no sample has one."""
+        return max((value for _, value in self.series(quantity)), default=None)
 
 
 class LongRuns(NamedTuple):

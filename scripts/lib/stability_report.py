@@ -74,12 +74,14 @@ def critical_section(title, failures):
     for scene in failures.scenes():
         columns = (Column("integrator", align="left"), *(Column(f"n = {n}") for n in failures.sizes(scene)),
                    Column("fails as", align="left"))
-        rows = [[name, *map(critical_text, line), ", ".join(dict.fromkeys(
-                    each.first_failure for each in line if each and each.first_failure)) or MISSING]
-                for name in failures.mapped(scene, failures.integrators)
-                for line in [failures.line(scene, name).values()]]
+        rows = [critical_row(name, failures.line(scene, name)) for name in failures.mapped(scene, failures.integrators)]
         parts += [Heading(f"{scene.capitalize()} scene", 3), plain_table(columns, rows)]
     return parts
+
+
+def critical_row(name, line):
+    failures = dict.fromkeys(each.first_failure for each in line if each and each.first_failure)
+    return [name, *map(critical_text, line), ", ".join(failures) or MISSING]
 
 
 def critical_text(each):
@@ -116,7 +118,7 @@ def energy_sentence(runs):
         if run.survived:
             kept = ("the Lie–Poisson structure" if each.lie_poisson else
                     "the spectrum only" if each.isospectral else None)
-            found.setdefault(kept, []).append(max((value for _, value in run.series("energy_error")), default=0.0))
+            found.setdefault(kept, []).append(run.largest("energy_error") or 0.0)
     parts = [f"{scientific(min(worst))} to {scientific(max(worst))} for methods that keep {kept}"
              for kept, worst in found.items() if kept]
     return (f"A run that converged may have lost its energy: the energy error is {', '.join(parts)}." if parts else "")
@@ -126,5 +128,5 @@ def run_texts(run):
     """Returns how a run ended, the number of its completed steps, and its largest errors."""
     if run is None:
         return [MISSING] * (2 + len(QUANTITIES))
-    largest = (max((value for _, value in run.series(quantity)), default=None) for quantity in QUANTITIES)
+    largest = map(run.largest, QUANTITIES)
     return [run.row.status, str(run.row.steps), *(MISSING if each is None else scientific(each) for each in largest)]

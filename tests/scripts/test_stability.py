@@ -140,7 +140,7 @@ class Charts(StabilityTest):
                         for names in (TABLE1_CELLS, others(failures.integrators)))
         self.assertEqual((list(smooth), list(rest)), (list(TABLE1_CELLS), ["yoshida4", "rkmk4", "rk4"]))
         (panel,) = smooth["group2"]
-        maps = list(failures.line("smooth", "group2").values())
+        maps = failures.line("smooth", "group2")
         with self.subTest("a cell for each trial, around its h‖B‖₂, coloured by what became of it"):
             colours = {True: set(), False: set()}
             trials = [trial for each in maps for trial in each.trials]
