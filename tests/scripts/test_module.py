@@ -517,12 +517,6 @@ class Package(unittest.TestCase):
             named = set(re.findall(r"^(?:def |class |)(\w+)(?=[(:])", stub.read(), re.M))
         self.assertEqual(named, {name for name in dir(_core) if not name.startswith("_")})
 
-    def test_conditions(self):
-        found = isosyrk.conditions(sizes=(9,))
-        self.assertLessEqual({"commit", "compiler", "cpu", "blas_kernels", "environment", "product_rate"}, set(found))
-        self.assertIn("n=9", found["product_rate"])
-        self.assertTrue(all(isinstance(value, str) for value in found.values()))
-
     def test_examples_of_the_readme_run(self):
         with open(os.path.join(ROOT, "README.md"), encoding="utf-8") as readme:
             examples = re.findall(r"^```python\n(.*?)^```", readme.read(), re.M | re.S)

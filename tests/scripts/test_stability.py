@@ -10,7 +10,7 @@ from benchmark_json import UnusableFile  # noqa: E402  (stability_documents find
 from comparison import three_digits
 from document import as_text
 from integrator_names import TABLE1_CELLS, others
-from stability_files import FAST, PUBLISHED, QUANTITIES, Sample, failure_map, long_runs
+from stability_files import FAST, PUBLISHED, Sample, failure_map, long_runs
 from stability_report import stability_sections
 
 MAPS = tuple(f"failure_map{kind}_{scene}" for kind in ("", "_others") for scene in ("smooth", "rough"))
@@ -20,15 +20,6 @@ FEW = ("group1", "rk4")  # where only the files matter, less is drawn faster
 
 
 class RawFiles(unittest.TestCase):
-    def test_what_was_not_finite_or_beyond_all_bounds_is_left_out_of_a_series(self):
-        study = long_study(("group1",))
-        samples = study.tables["samples"]
-        samples[3] = samples[3]._replace(energy_error=None, casimir_error=None)
-        samples[4] = samples[4]._replace(casimir_error=None)
-        run = long_runs(study).runs["smooth", 17, "group1", 0.9]
-        lengths = [len(run.series(quantity)) for quantity in QUANTITIES]
-        self.assertEqual([len(run.samples) - length for length in lengths], [0, 0, 2, 1])
-
     def test_tables_that_do_not_fit_together_are_refused(self):
         def as_map(study):
             return failure_map(study, PUBLISHED)

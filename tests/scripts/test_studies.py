@@ -89,6 +89,7 @@ class RawFile(FolderTest):
                 (study_file.truth, (None, 0, 1, "true", [], {}, math.nan)),
                 (study_file.number, no_numbers), (study_file.positive, (*no_numbers, 0, 5e-324, 1e-300)),
                 (study_file.optional(study_file.number), no_numbers[1:]),
+                (study_file.error_of_any_size, (True, "1", [], {}, math.nan, math.inf, -1, 10**400)),
                 (study_file.whole(), no_counts), (study_file.whole(1), (*no_counts, 0)),
                 (study_file.list_of(study_file.number, 4), (None, True, 1, "1", {}, [], [0] * 3, [0] * 5,
                                                             *([0, 0, 0, each] for each in no_numbers))),
@@ -98,6 +99,9 @@ class RawFile(FolderTest):
                     study_file.checked({"x": value}, {"x": kind}, "a thing")
             with self.assertRaisesRegex(UnusableFile, "a thing has no x"):
                 study_file.checked({}, {"x": kind}, "a thing")
+
+    def test_an_error_beyond_all_bounds_is_none(self):
+        self.assertEqual(list(map(study_file.error_of_any_size, (None, 1e30, 0))), [None, None, 0.0])
 
     def test_damage(self):
         def without(parts, name):
@@ -383,8 +387,9 @@ class Accuracy(StudyTest):
                 if there.usable and there.error > 1e-10:
                     self.assertLess(abs(here.error / there.error - 1), 1e-3)
                 self.assertEqual(len(here.cpu_seconds), 2 if here.usable else 0)
-        for field in ("commit", "compiler", "flags", "cpu", "blas_kernels", "products", "timed_on"):
+        for field in ("commit", "compiler", "flags", "cpu", "blas_kernels", "environment", "products", "timed_on"):
             self.assertIn(field, found.context)
+        self.assertIn("n=17", found.context["product_rate"])
 
     @unittest.skipUnless(HAS_DASK, "this Python has no distributed (python3-distributed)")
     def test_a_cluster_gives_what_this_machine_gives(self):
