@@ -166,12 +166,13 @@ class Work(SquaresTest):
             with self.subTest(signal=sent):
                 process = start(self.command(), env=environment(LOG=self.log), stderr=-1)
                 try:
-                    self.wait_for(lambda: len(self.journal()) > 4)
+                    while len(self.journal()) <= 4:
+                        self.assertIsNone(process.poll())
+                        time.sleep(0.05)
                     process.send_signal(sent)
-                    _, errors = process.communicate(timeout=20)
+                    _, errors = process.communicate(timeout=20)  # until every process of it has let go of stderr
                     self.assertEqual(process.returncode, status)
                     self.assert_one_line(errors.rpartition("it/s]")[2].lstrip("\n"), f"squares: {told}")
-                    self.wait_for(lambda: not self.group_runs(process.pid))
                 finally:
                     end(process)
                 finished = len(self.journal()) - 1
@@ -188,20 +189,6 @@ class Work(SquaresTest):
                 return file.readlines()
         except FileNotFoundError:
             return []
-
-    @staticmethod
-    def group_runs(leader):
-        try:
-            os.killpg(leader, 0)
-        except ProcessLookupError:
-            return False
-        return True
-
-    def wait_for(self, condition):
-        deadline = time.monotonic() + 30
-        while not condition():
-            self.assertLess(time.monotonic(), deadline)
-            time.sleep(0.05)
 
     def test_a_journal_that_was_cut_or_belongs_to_something_else(self):
         def journal(lines):
