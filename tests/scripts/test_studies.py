@@ -22,6 +22,11 @@ from accuracy_lines import FAST, PUBLISHED, SCHEMA, Problem, Settings, read_accu
 from benchmark_json import UnusableFile  # noqa: E402
 from stability_files import read_long_runs, read_map  # noqa: E402
 
+if HAS_MODULE:
+    sys.path.insert(0, os.path.join(BUILD, "python"))
+    import isosyrk
+    import problems
+
 STUDIES = os.path.join(ROOT, "scripts", "studies")
 RECORDED = os.path.join(ROOT, "results", "recorded", "accuracy", "raw.json")
 REFERENCES = os.path.join(ROOT, "results", "recorded", "references")
@@ -417,33 +422,25 @@ class Accuracy(StudyTest):
 
 @unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")
 class Problems(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        sys.path.insert(0, os.path.join(BUILD, "python"))
-        import isosyrk
-        import numpy
-        import problems
-        cls.isosyrk, cls.numpy, cls.problems = isosyrk, numpy, problems
-
     def test_every_problem_has_a_recorded_solution(self):
-        listed = self.problems.asked_for(SimpleNamespace(n=None, quick=False, scene=None, time=None))
+        listed = problems.asked_for(SimpleNamespace(n=None, quick=False, scene=None, time=None))
         self.assertEqual(len(listed), 17)
         for problem in listed:
             with self.subTest(str(problem)):
-                scene = self.problems.scene_of(problem, REFERENCES)  # which checks the energies of a developed one
-                W, record = self.problems.reference_of(problem, REFERENCES)
-                self.assertLess(record["uncertainty"], self.problems.UNCERTAINTIES[problem.scene, problem.time])
+                scene = problems.scene_of(problem, REFERENCES)  # which checks the energies of a developed one
+                W, record = problems.reference_of(problem, REFERENCES)
+                self.assertLess(record["uncertainty"], problems.UNCERTAINTIES[problem.scene, problem.time])
                 # The flow keeps spectrum and energy, and moves.
-                self.assertLess(self.isosyrk.spectrum_error(W, scene.initial), 1e-12)
+                self.assertLess(isosyrk.spectrum_error(W, scene.initial), 1e-12)
                 self.assertLess(abs(scene.energy(W) / scene.energy(scene.initial) - 1), 1e-11)
-                self.assertGreater(self.isosyrk.relative_error(W, scene.initial), 0.1)
+                self.assertGreater(isosyrk.relative_error(W, scene.initial), 0.1)
 
     def test_packing_loses_nothing_and_energies_belong_to_their_degrees(self):
         for modes in ([(2, 1, 0.5, -0.3)], [(1, 0, 1.0, 0.0), (8, 8, 0.2, 0.1)]):
-            scene = self.isosyrk.scene(n=9, modes=modes)
+            scene = isosyrk.scene(n=9, modes=modes)
             W = scene.initial
-            self.assertTrue((self.problems.unpacked(self.problems.packed(W)) == W).all())
-            energies = self.problems.energies_by_degree(W)
+            self.assertTrue((problems.unpacked(problems.packed(W)) == W).all())
+            energies = problems.energies_by_degree(W)
             self.assertAlmostEqual(sum(energies), scene.energy(W), delta=1e-14)
             self.assertEqual({degree for degree, energy in enumerate(energies, 1) if energy > 1e-20},
                              {degree for degree, *_ in modes})
