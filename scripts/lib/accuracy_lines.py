@@ -88,7 +88,7 @@ class Run(NamedTuple):
     angular_momentum_error: optional(number)
     skew_defect: optional(number)
     h_norm_B: number
-    beyond_limit: truth  # the step is longer than the integrator is stable for, by linear theory or by trials
+    beyond_limit: truth  # the step is longer than the integrator is stable for, by linear theory
     sweeps: whole()
     products: whole()
     equivalent_products: number

@@ -1,8 +1,9 @@
-"""Finds the cheapest method and step for a user's own scene by runs of the scene itself, called pilots, within a budget.
+"""Finds the cheapest method and step for a user's own scene by runs of that scene, called pilots, within a budget.
 
 Pilots go over a part T/2^k of the time first, where the dear methods drop out; then over the longest part that the
-budget allows, at best all of it. The reference solution of each part is the more accurate of two integrators that are
-refined together until they agree; their distance is its uncertainty. Fast forms only. Needs NumPy and isosyrk.
+budget allows, at best all of it. The reference solution of each part is the first of two integrators that are refined
+together until they agree; their distance is its uncertainty. Fast forms only, in the co-rotating frame where the list
+has it: that is exact and costs nothing. Needs NumPy and isosyrk.
 """
 
 import csv
@@ -18,26 +19,32 @@ import study
 from accuracy_lines import FAST
 from benchmark_json import UnusableFile, one_line, read_text
 from recommendation import (ENERGY_JUDGED, MOST_OFFERED, PREDICTABLE, SMALLEST_ERROR, Answer, BelowReference, Offer,
-                            Question, Unanswerable, that_keeps)
+                            Question, Unanswerable, energy_growth, that_keeps)
 from study_file import CONVERGED, UNSTABLE
 from trials import invariants_lost, larger
 
-REFERENCES = ("group6", "group5")  # the first is the reference, in the frame where the list has it
+REFERENCES = ("group6", "group5")
 FRAME = "_frame"
-CANDIDATES = ("group3", "group4", "group5", "group2", "group6", "rkmk4", "rk4", "kahan_li6", "group1", "direct2",
-              "yoshida4")
+CANDIDATES = ("rk4", "group3", "group4", "rkmk4", "group5", "group2", "group6", "kahan_li6", "yoshida4", "direct2",
+              "group1")
 STOPPED = "too dear"  # status of a pilot that was stopped at TOO_DEAR times the cheapest one that was good
 
-FIRST_TIME = 10.0  # of the first part, in units of 1/‖B(W₀)‖₂: some ten steps of a method of high order
+# Step sizes are told by h‖B(W₀)‖₂, the first part of the time by T‖B(W₀)‖₂.
+FIRST_TIME, FIRST_REFERENCE = 10.0, 2.0
+FIRST_STEP = 15.0  # times the root of the error, at most 1
+# Longest step that is offered untried over the whole time: long runs were seen to fail from 5.2 on, short ones later.
+MOST_UNTRIED = 3.5
 AIM, ENOUGH = 1.3, 4.0  # steps are for the error over AIM; a pilot more than ENOUGH times better is made coarser
 MOST_TRIES = 4  # of a method on a part of the time
 SHARP, SHARP_ENOUGH = 10, 4  # the uncertainty of the reference aims at, and has to reach, the error over that
 FLOOR = 1e-6  # below, two references that no longer come closer are at rounding
-TOO_DEAR, STILL_CHEAP, MOST_KEPT = 4.0, 2.0, 5  # times the cheapest: pilots stop there, who goes on to the next part
-MOST_TWINS = 2  # of the best methods, tried without the co-rotating frame too
+TOO_DEAR, STILL_CHEAP = 8.0, 2.0  # times the cheapest: where pilots stop, and who goes on to the next part;
+LEAST_KEPT, MOST_KEPT = 2, 5  # so many do at least, and at most
 NEXT_PART = 1.6  # runs that a method takes there, on average
-LEAST_GROWTH = 1.5  # of the error as a power of time; 1 is seen over short times only
-LOOKS = 8  # at a run of many steps, for its energy and its cost
+# Of the error as a power of time, for what keeps the spectrum and what does not; over short times less is seen.
+LEAST_GROWTH, LEAST_GROWTH_OF_OTHERS, MOST_GROWTH = 1.5, 4.0, 5.0
+LOOKS = 100  # at a run of many steps, for its energy and its cost
+FIRST_SHARE = 1 / 3  # of the budget, after which no further method is begun on the first part
 TOLERANCE = 1e-13
 
 
@@ -53,8 +60,7 @@ class Pilot:
     status: str
     seconds: float
     error: Optional[float] = None
-    error_at_half: Optional[float] = None  # of the pilot's time
-    energy_at_half: Optional[float] = None
+    error_at_half: Optional[float] = None  # of its time, of the trajectory only
     W: Optional[numpy.ndarray] = None
     W_at_half: Optional[numpy.ndarray] = None
 
@@ -72,42 +78,36 @@ class Pilot:
 
 def read_modes(path):
     """Returns the modes in a CSV file with the header l,m,re,im. Throws UnusableFile."""
-    name = f"--modes {one_line(path)}"
-    try:
-        lines = read_text(path).lstrip("\ufeff").splitlines()
-    except UnusableFile as problem:
-        raise UnusableFile(f"{name}: {problem}") from None
-    rows = [(number, [field.strip() for field in row]) for number, row in enumerate(csv.reader(lines), 1) if any(row)]
-    columns = ("l", "m", "re", "im")
-    if not rows or sorted(rows[0][1]) != sorted(columns):
-        raise UnusableFile(f"{name}: the header must name l,m,re,im and no other")
+    lines = csv.reader(read_text(path).lstrip("\ufeff").splitlines())
+    rows = [(number, [field.strip() for field in row]) for number, row in enumerate(lines, 1) if any(row)]
+    if not rows or sorted(rows[0][1]) != ["im", "l", "m", "re"]:
+        raise UnusableFile("the header must name l,m,re,im and no other")
     modes = []
     for number, fields in rows[1:]:
-        found = dict(zip(rows[0][1], fields))
         try:
-            if len(fields) != len(columns):
-                raise ValueError
+            found = dict(zip(rows[0][1], fields, strict=True))
             modes.append((int(found["l"]), int(found["m"]), float(found["re"]), float(found["im"])))
         except ValueError:
-            raise UnusableFile(f"{name}, line {number}: must be 4 numbers (l,m,re,im)") from None
+            raise UnusableFile(f"line {number}: must be 4 numbers (l,m,re,im)") from None
     return modes
 
 
 def scene_of(options):
     """Returns the user's scene. Throws UnusableFile."""
-    name = f"--modes {options.modes}" if options.modes is not None else f"--state {options.state}"
     try:
         if options.modes is not None:
-            return isosyrk.scene(modes=read_modes(options.modes), n=options.n)
-        try:
-            W = numpy.load(options.state, allow_pickle=False)
-        except (OSError, ValueError, EOFError):
-            raise UnusableFile(f"{name}: cannot be read as a NumPy .npy file") from None
-        scene = isosyrk.scene(initial=W, n=options.n)
-    except (ValueError, TypeError) as problem:
-        raise UnusableFile(f"{name}: {problem}") from None
-    if not numpy.any(scene.initial):
-        raise UnusableFile(f"{name}: is 0")
+            scene = isosyrk.scene(modes=read_modes(options.modes), n=options.n)
+        else:
+            try:
+                W = numpy.load(options.state, allow_pickle=False)
+            except (OSError, ValueError, EOFError):
+                raise UnusableFile("cannot be read as a NumPy .npy file") from None
+            scene = isosyrk.scene(initial=W, n=options.n)
+        if not scene.generator_norms()[0] > 0:
+            raise UnusableFile("is at rest, as any method keeps it")
+    except (UnusableFile, ValueError, TypeError) as problem:
+        name = "--modes" if options.modes is not None else "--state"
+        raise UnusableFile(f"{name} {one_line(options.modes or options.state)}: {problem}") from None
     return scene
 
 
@@ -142,39 +142,44 @@ class Search:
         return [name for name in names if self.entries[name].keeps(self.question.keep)]
 
     def run(self, name, steps, time, most_seconds=math.inf):
-        """Returns the Pilot of a run, its steps as even() has them; an error of the trajectory is not yet in it."""
+        """Returns the Pilot of a run of an even number of steps, with its error where there is a reference for it."""
         method = isosyrk.integrator(self.scene, name, solver=FAST, tolerance=self.tolerance)
-        pilot = Pilot(name, time, steps, CONVERGED, 0.0)
+        pilot = Pilot(name, time, steps, STOPPED, 0.0)
         self.pilots.append(pilot)
         limit, energy_errors = method.linear_limit(), [0.0]
 
         def look(step, W, report):
             energy_errors.append(larger(energy_errors[-1], abs(self.scene.energy(W) / self.energy - 1)))
             if 2 * step == steps:
-                pilot.W_at_half, pilot.energy_at_half = W.copy(), energy_errors[-1]
+                pilot.W_at_half = W.copy()
             return report.seconds > most_seconds
 
-        if limit is not None and self.norm_B * pilot.step > limit:
-            pilot.status = UNSTABLE
-        else:
-            try:
-                every = steps // LOOKS if steps % LOOKS == 0 else 1
-                pilot.W, report = method.run(self.scene.initial, pilot.step, steps, observe=look, every=every)
+        try:
+            if limit is not None and self.norm_B * pilot.step > limit:
+                pilot.status = UNSTABLE
+            else:
+                every = next(each for each in range(max(1, steps // LOOKS), 0, -1) if steps // 2 % each == 0)
+                W, report = method.run(self.scene.initial, pilot.step, steps, observe=look, every=every)
                 pilot.seconds = report.seconds
-                pilot.status = self.status(pilot, energy_errors[-1]) if report.steps == steps else STOPPED
-            except isosyrk.SolverError as failure:
-                pilot.status, pilot.seconds = failure.status, failure.report.seconds
+                if report.steps == steps:
+                    self.judge(pilot, W, energy_errors)
+        except isosyrk.SolverError as failure:
+            pilot.status, pilot.seconds = failure.status, failure.report.seconds
         if pilot.status not in (CONVERGED, STOPPED):
             self.failed[name] = min(pilot.step, self.failed.get(name, math.inf))
-        elif pilot.status == CONVERGED and not self.trajectory:
-            pilot.error = max(energy_errors[-1], self.spectrum_error(pilot.W))
-            pilot.error_at_half = max(pilot.energy_at_half, self.spectrum_error(pilot.W_at_half))
         return pilot
 
-    def status(self, pilot, energy_error):
-        errors = {"spectrum_error": self.spectrum_error(pilot.W), "energy_error": energy_error,
-                  "skew_defect": isosyrk.skew_defect(pilot.W) / self.largest}
-        return UNSTABLE if invariants_lost(errors, self.entries[pilot.integrator].isospectral) else CONVERGED
+    def judge(self, pilot, W, energy_errors):
+        """Gives a Pilot that came to its end its status and errors."""
+        errors = {"spectrum_error": self.spectrum_error(W), "energy_error": energy_errors[-1],
+                  "skew_defect": isosyrk.skew_defect(W) / self.largest}
+        lost = invariants_lost(errors, self.entries[pilot.integrator].isospectral)
+        pilot.status, pilot.W = UNSTABLE if lost else CONVERGED, W
+        if not self.trajectory:
+            pilot.error = max(energy_errors[-1], errors["spectrum_error"])
+        elif self.reference and self.reference.time == pilot.time:
+            pilot.error = isosyrk.relative_error(W, self.reference.W) + self.uncertainty
+            pilot.error_at_half = isosyrk.relative_error(pilot.W_at_half, self.reference.W_at_half)
 
     def spectrum_error(self, W):
         return isosyrk.spectrum_error(W, self.scene.initial) / self.largest
@@ -186,7 +191,11 @@ class Search:
         """
         names = list(map(self.in_frame, REFERENCES))
         order = self.entries[names[1]].order
-        steps, before = even(time * (1 / self.reference.step if self.reference else self.norm_B)), math.inf
+        steps, before = even(time * self.norm_B / FIRST_REFERENCE), math.inf
+        if self.reference:  # of a shorter time
+            grown = max(self.uncertainty, SMALLEST_ERROR) * time / self.reference.time
+            finer = (2 * SHARP * grown / error) ** (1 / order)
+            steps = even(time / self.reference.step * min(1.0, max(0.5, finer)))
         for tries in itertools.count(1):
             pair = [self.run(name, steps, time) for name in names]
             if any(each.status != CONVERGED for each in pair):
@@ -207,27 +216,23 @@ class Search:
         elif self.uncertainty > self.question.error:
             raise BelowReference(f"--error {self.question.error:g}: is below the uncertainty of the reference solution of"
                                  f" this scene, {self.uncertainty:.2g} at T = {time:g}")
-
-    def pilot(self, name, steps, time, most_seconds):
-        """Returns a Pilot with its error."""
-        pilot = self.run(name, steps, time, most_seconds)
-        if pilot.status == CONVERGED and self.trajectory:
-            pilot.error = isosyrk.relative_error(pilot.W, self.reference.W) + self.uncertainty
-            pilot.error_at_half = isosyrk.relative_error(pilot.W_at_half, self.reference.W_at_half)
-        pilot.W = pilot.W_at_half = None
-        return pilot
+        else:
+            self.good.update((each.integrator, each) for each in pair
+                             if each.error == self.uncertainty and each.integrator in self.candidates()
+                             and each.integrator not in self.good)
 
     def search(self, name, time, error, most_seconds):
         """Returns the Pilot with the longest step that has an error over a part of the time; None if none has."""
         order, best = self.entries[name].order, None
         steps = (self.expected(self.good[name], time, error).steps if name in self.good else
-                 even(time * self.norm_B * max(1.0, error ** (-1 / order) / 5)))
+                 even(time * self.norm_B * max(1.0, error ** (-1 / order) / FIRST_STEP)))
         for _ in range(MOST_TRIES):
             if time / steps >= self.failed.get(name, math.inf):
                 if best:
                     break
                 steps = even(1.3 * time / self.failed[name])
-            pilot = self.pilot(name, steps, time, most_seconds)
+            pilot = self.run(name, steps, time, most_seconds)
+            pilot.W = pilot.W_at_half = None
             if pilot.status == STOPPED:
                 break
             if pilot.status != CONVERGED:
@@ -243,29 +248,35 @@ class Search:
             steps = wanted
         return best
 
-    def growth(self, pilot):
-        """Returns the growth of a pilot's error as a power of time."""
+    def growth(self, pilot, time):
+        """Returns how much larger the error of a pilot is expected to be over a longer time."""
+        entry = self.entries[pilot.integrator]
         if not self.trajectory:
-            return 0.0 if self.entries[pilot.integrator].lie_poisson else 1.0
+            return energy_growth(entry, pilot.time, time)
         seen = math.log2(pilot.error / pilot.error_at_half) if pilot.error_at_half else 0.0
-        return min(4.0, max(LEAST_GROWTH, seen))
+        least = LEAST_GROWTH if entry.isospectral else LEAST_GROWTH_OF_OTHERS
+        return (time / pilot.time) ** min(MOST_GROWTH, max(least, seen))
 
-    def expected(self, pilot, time, error):
-        """Returns a pilot over this time as it is; otherwise one for the error, as extrapolated from a shorter time."""
+    def expected(self, pilot, time, error, longest=math.inf):
+        """Returns a pilot over this time as it is; otherwise one for the error, as extrapolated from a shorter time.
+
+        Its step is no longer than `longest`, told by h‖B(W₀)‖₂.
+        """
         if pilot.time == time:
             return pilot
         order = self.entries[pilot.integrator].order
-        at_time = max(pilot.error, SMALLEST_ERROR) * (time / pilot.time) ** self.growth(pilot)
+        at_time = max(pilot.error, SMALLEST_ERROR) * self.growth(pilot, time)
         steps = even(time / pilot.step * max(0.5, (at_time * AIM / error) ** (1 / order)))
         if time / steps >= self.failed.get(pilot.integrator, math.inf):
             steps = even(time / pilot.step)
+        steps = max(steps, even(time * self.norm_B / longest))
         return replace(pilot, time=time, steps=steps, error=at_time * (time / steps / pilot.step) ** order,
                        seconds=pilot.seconds * steps / pilot.steps)
 
     def ranking(self):
         """Returns what is expected of each good integrator over the whole time; first those with the longest pilots."""
         longest = max((each.time for each in self.good.values()), default=0)
-        found = [(each.time < longest, self.expected(each, self.question.time, self.question.error))
+        found = [(each.time < longest, self.expected(each, self.question.time, self.question.error, MOST_UNTRIED))
                  for each in self.good.values()]
         return [each for _, each in sorted(found, key=lambda pair: (pair[0], pair[1].seconds))]
 
@@ -276,34 +287,36 @@ class Search:
         """
         whole, names = self.question.time, self.candidates()
         time = whole / 2 ** max(0, math.floor(math.log2(whole * self.norm_B / FIRST_TIME)))
+        spared = left() * (1 - FIRST_SHARE)
         while True:
             before, made = left(), len(self.pilots)
-            self.try_all(names, time)
-            if made == 0:  # whether the frame is of use in this scene
-                self.try_all([each.integrator.replace(FRAME, "") for each in self.ranking()[:MOST_TWINS]
-                              if FRAME in each.integrator], time)
+            self.try_all(names, time, lambda: not made and self.good and left() < spared)
             if time == whole:
                 return
             ranked = self.ranking()
-            if ranked:
-                names = [each.integrator for each in ranked[:MOST_KEPT] if each.seconds <= STILL_CHEAP * ranked[0].seconds]
+            names = [each.integrator for place, each in enumerate(ranked[:MOST_KEPT])
+                     if place < LEAST_KEPT or each.seconds <= STILL_CHEAP * ranked[0].seconds] or names
             chosen = NEXT_PART * sum(self.good[name].seconds for name in names if name in self.good)
             busy = (before - left()) / sum(each.seconds for each in self.pilots[made:])  # wall time a CPU second
-            parts = math.floor(math.log2(left() / busy / (chosen + NEXT_PART * self.reference.seconds)))
-            if parts < 1:
+            fits = left() / busy / (chosen + NEXT_PART * self.reference.seconds)
+            if fits < 1:
                 return
-            time = min(whole, time * 2 ** parts)
+            time = min(whole, time * 2 ** max(1, math.floor(math.log2(fits))))  # of twice the time, half fits at least
 
-    def try_all(self, names, time):
-        """Makes the pilots of these integrators over a part of the time."""
-        share = time / self.question.time  # an error grows at least in proportion to time
-        if self.trajectory and not (self.reference and self.reference.time == time):
-            self.refer(time, self.question.error * share)
-        error = self.question.error
+    def try_all(self, names, time, enough):
+        """Makes the pilots of these integrators over a part of the time, or of some until `enough()`."""
+        error = self.question.error * time / self.question.time  # of a trajectory: it grows at least so fast
         if self.trajectory:
-            error = min(error, max(error * share, SHARP_ENOUGH * self.uncertainty))
+            self.refer(time, error)
+        error = min(self.question.error, max(error, SHARP_ENOUGH * self.uncertainty))
         cheapest = min((each.seconds for each in self.good.values() if each.time == time), default=math.inf)
         for name in names:
+            if enough():
+                break
+            if not (self.trajectory or self.entries[name].isospectral):
+                continue
+            if not self.trajectory:
+                error = self.question.error / energy_growth(self.entries[name], time, self.question.time)
             best = self.search(name, time, error, TOO_DEAR * cheapest)
             if best:
                 self.good[name] = best
@@ -313,9 +326,7 @@ class Search:
 
 
 def even(steps):
-    """Rounds a number of steps up to an even one, a multiple of LOOKS where there are many."""
-    unit = LOOKS if steps > 8 * LOOKS else 2
-    return max(unit, unit * math.ceil(steps / unit * (1 - 1e-9)))
+    return max(2, 2 * math.ceil(steps / 2 * (1 - 1e-9)))
 
 
 # ---- the answer
@@ -371,7 +382,8 @@ def statements(search, spent):
     best = search.good[search.ranking()[0].integrator]
     if best.time < whole:
         said.append(f"the pilots behind the answer end at T = {best.time:g}: error and seconds are extrapolated, the error"
-                    f" as time to the power {search.growth(best):.2g}")
+                    f" as growing by a factor of {search.growth(best, whole):.2g}; whether the trajectory can be told so far"
+                    " was not tried")
     if spent:
         said.append("the budget was spent before all pilots were made")
     return said
@@ -384,7 +396,7 @@ def best_there_is(search, spent):
         what += " within the budget"
     tried = [each for each in search.pilots if each.error is not None and each.integrator in search.candidates()]
     if not tried:
-        return f"{what}, and none came to an end"
+        return f"{what}, and none came to an end; a larger --budget may help"
     best = min(tried, key=lambda each: (-each.time, each.error))
     return (f"{what}; the best there is has {best.error:.3g}, by {best.integrator} with h = {best.step:.4g} to T ="
             f" {best.time:g}")

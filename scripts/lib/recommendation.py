@@ -9,7 +9,7 @@ import itertools
 import math
 import os
 import shlex
-from typing import List, NamedTuple
+from typing import Callable, List, NamedTuple
 
 from accuracy_lines import FAST, NEAR_ROUNDING, SCENES, Problem, interpolated
 from benchmark_json import one_line
@@ -29,8 +29,13 @@ MARGIN, MARGIN_OF_N, MARGIN_OF_TIME = 1.2, 1.25, 1.6
 PREDICTABLE = 0.01  # a reference less certain than that tells no trajectory
 SMALLEST_ERROR = 1e-17  # of energy and spectrum, which may be exactly 0
 
-ENERGY_JUDGED = ("the error is that of energy and spectrum, the larger one; for methods that are not Lie–Poisson it is"
-                 " taken to grow in proportion to time")
+# How the error of energy grows with time, a little more than the most that was seen: n = 33 and 65, smooth and rough, to
+# T = 400. It grows while a scene develops, up to SETTLED; then for methods that are not Lie–Poisson only. What the others,
+# which lose the spectrum, lose over long times is no such power, and they are not offered.
+SETTLED, YOUNG_POWER, MOST_YOUNG, MOST_OLD, OLD_POWER = 50.0, 2.0, 40.0, 2.0, 1.2
+ENERGY_JUDGED = (f"the error is that of energy and spectrum, the larger one, of methods that keep the spectrum; it is taken"
+                 f" to grow as the square of time up to T = {SETTLED:g}, and later for methods that are not Lie–Poisson,"
+                 " about in proportion to time")
 
 
 class Unanswerable(Exception):
@@ -75,7 +80,7 @@ class Basis(NamedTuple):
 
     weights: dict  # by Problem, in the logarithms; they add up to 1
     trajectory: bool  # whether errors are those of the trajectory, or of energy and spectrum
-    share: float  # of the question's time in the recorded one, where nearer times are not recorded; otherwise 1
+    growth: Callable[[Integrator], float]  # of the error, from the recorded time to that of the question
     margin: float
     statements: List[str]
 
@@ -128,7 +133,7 @@ def basis_of(study, question):
     around = neighbours(times, question.time)
     weights = {Problem(question.scene, time, n): share * part for time, share in around.items()
                for n, part in neighbours(sizes[time], question.n).items()}
-    statements, margin, share = [], MARGIN, 1.0
+    statements, margin, growth = [], MARGIN, 1.0
     used = sorted({problem.n for problem in weights})
     if used != [question.n]:
         margin *= MARGIN_OF_N
@@ -140,7 +145,7 @@ def basis_of(study, question):
         why = (f"no reference solution goes beyond T = {longest:g}" if question.time > longest * (1 + 1e-9) else
                f"the reference solution is good to {uncertainty:.1g} only")
         statements.append(f"T = {question.time:g} is beyond predictability ({why}): {ENERGY_JUDGED}")
-        return Basis(weights, False, max(1.0, question.time / longest), margin, statements)
+        return Basis(weights, False, lambda each: energy_growth(each, longest, question.time), margin, statements)
     if question.error < uncertainty:
         raise BelowReference(f"--error {question.error:g}: is below the uncertainty of the reference solution,"
                              f" {uncertainty:.2g}")
@@ -150,10 +155,10 @@ def basis_of(study, question):
                           f" {joined(around)}")
     elif question.time < min(times) * (1 - 1e-9):
         margin *= MARGIN_OF_TIME
-        share = question.time / min(times)
+        growth = question.time / min(times)
         statements.append(f"T = {question.time:g} is not recorded: from T = {min(times):g}, up to which the error is"
                           " taken to grow in proportion to time")
-    return Basis(weights, True, share, margin, statements)
+    return Basis(weights, True, lambda each: growth, margin, statements)
 
 
 def safe_runs(study, basis, problem, name):
@@ -173,10 +178,16 @@ def safe_runs(study, basis, problem, name):
 
 
 def judged(study, basis, run):
-    if basis.trajectory:
-        return (run.error + study.references[run.problem].uncertainty) * basis.share
-    growth = 1.0 if study.integrators[run.integrator].lie_poisson else basis.share
-    return max(run.energy_error, run.spectrum_error, SMALLEST_ERROR) * growth
+    error = (run.error + study.references[run.problem].uncertainty if basis.trajectory else
+             max(run.energy_error, run.spectrum_error, SMALLEST_ERROR))
+    return error * basis.growth(study.integrators[run.integrator])
+
+
+def energy_growth(integrator, known, time):
+    """Returns the growth of the error of energy and spectrum from a known time on, 1 for an earlier one."""
+    young = max(1.0, min(time, SETTLED) / min(known, SETTLED)) ** YOUNG_POWER
+    old = max(1.0, max(time, SETTLED) / max(known, SETTLED))
+    return min(MOST_YOUNG, young) * min(MOST_OLD, old) if integrator.lie_poisson else young * old ** OLD_POWER
 
 
 def cost_of(runs, error):
@@ -216,10 +227,15 @@ def evidence(run):
             "error": run.error, "seconds": run.seconds, "status": run.status}
 
 
+def candidates(study, question, basis):
+    """Returns the names of the integrators that may be offered."""
+    return [name for name, each in study.integrators.items()
+            if each.keeps(question.keep) and (basis.trajectory or each.isospectral)]
+
+
 def ranking(study, question, basis):
     """Returns the offer of each integrator that reaches the error, the cheapest first."""
-    offers = (offer_of(study, question, basis, name) for name, each in study.integrators.items()
-              if each.keeps(question.keep))
+    offers = (offer_of(study, question, basis, name) for name in candidates(study, question, basis))
     return sorted(filter(None, offers), key=lambda offer: (offer.seconds, offer.error))
 
 
@@ -248,9 +264,9 @@ def answer(study, question, path, rate_here=lambda n: None):
 def best_there_is(study, question, basis):
     """Says in a line that nothing reaches the error, and what comes nearest."""
     found = []
-    for name, each in study.integrators.items():
-        lines = [safe_runs(study, basis, problem, name) for problem in basis.weights] if each.keeps(question.keep) else []
-        if lines and all(lines):
+    for name in candidates(study, question, basis):
+        lines = [safe_runs(study, basis, problem, name) for problem in basis.weights]
+        if all(lines):
             found.append(max((min(line, key=lambda run: run.error) for line in lines), key=lambda run: run.error))
     what = f"no recorded method{that_keeps(question.keep)}"
     if not found:
