@@ -526,7 +526,3 @@ class Package(unittest.TestCase):
                 process = python(f"import matplotlib; matplotlib.use('Agg')\n{example}", cwd=folder)
                 _, errors = process.communicate(timeout=120)
                 self.assertEqual(process.returncode, 0, errors)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,7 +1,6 @@
 """Tests of scripts/render_scaling, as a user runs it."""
 
 import os
-import unittest
 
 from programs import DONE, ROOT, FolderTest, run_script
 from scaling_document import RUNGS, write_scaling
@@ -30,7 +29,3 @@ class Table(FolderTest):
 
     def test_a_file_without_points_is_refused(self):
         self.assert_refused(self.render([]), "raw.json", "no points")
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -167,7 +167,3 @@ class Charts(StabilityTest):
         with self.subTest("a failure is marked after its last state"):
             self.assertEqual([finite_points(line) for line in lost.lines if line.get_label() == "_failure"],
                              [[lines_of(lost)["rk4"][-1]]])
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -352,19 +352,18 @@ class Accuracy(StudyTest):
     def test_counts_and_errors_are_those_of_the_recorded_study(self):
         found, recorded = self.study("raw.json"), read_accuracy(RECORDED)
         self.assertEqual((list(found.integrators), found.problems()), (["group2", "rk4"], [self.PROBLEM]))
-        lines = [("group2", PUBLISHED), ("group2", FAST), ("rk4", FAST)]
+        lines = [(name, solver) for name in ("group2", "rk4") for solver in (PUBLISHED, FAST)]
         self.assertEqual({(name, solver) for _, name, solver in found.lines}, set(lines))
         for name, solver in lines:
             self.assertEqual(found.integrators[name], recorded.integrators[name])
-            limits = [study.safe_step_limit("smooth", 17, name, solver) for study in (found, recorded)]
-            self.assertLess(abs(limits[0] / limits[1] - 1), 0.1)  # as closely as trials look
+            if solver == FAST:
+                limits = [study.safe_step_limit("smooth", 17, name) for study in (found, recorded)]
+                self.assertLess(abs(limits[0] / limits[1] - 1), 0.1)  # as closely as trials look
             here, there = ([(run.steps, run.status, run.beyond_limit) for run in study.line(self.PROBLEM, name, solver)]
                            for study in (found, recorded))
             both = min(len(here), len(there))
             self.assertEqual(here[:both], there[:both])
             self.assertLessEqual(max(len(here), len(there)) - both, 1)  # rounding decides where a line is at its floor
-            for run in found.line(self.PROBLEM, name, solver):
-                self.assertTrue(run.beyond_limit or run.h_norm_B <= limits[0])
         tolerances = [run for run in recorded.tolerance_runs if (run.integrator, run.n) == ("group2", 17)]
         self.assertEqual([run.tolerance for run in found.tolerance_runs], [run.tolerance for run in tolerances])
         for run_of, (here, there) in (*(("steps", pair) for line in lines
@@ -444,7 +443,3 @@ class Problems(unittest.TestCase):
             self.assertAlmostEqual(sum(energies), scene.energy(W), delta=1e-14)
             self.assertEqual({degree for degree, energy in enumerate(energies, 1) if energy > 1e-20},
                              {degree for degree, *_ in modes})
-
-
-if __name__ == "__main__":
-    unittest.main()
