@@ -24,7 +24,6 @@ MARKERS = 7  # a line of a long run has a marker on every so many of its samples
 
 def failure_map(study, scene, names, title):
     """Draws a panel for each integrator: its trials at each n, the measured critical value and linear theory."""
-    names = study.mapped(scene, names)
     figure, panels = new_figure(f"{title}: {scene} scene", -(-len(names) // COLUMNS), COLUMNS, 2.6, keys=2,
                                 sharey=True)
     sizes = study.sizes(scene)

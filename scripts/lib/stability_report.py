@@ -33,9 +33,9 @@ def charts_of(failures, fast=None, runs=None):
                                      ("_others", others(failures.integrators), "Where the other integrators fail"))),
                          (fast, (("_fast", TABLE1_CELLS, "Where the fast forms of Table 1 fail"),))):
         for scene, (kind, names, title) in itertools.product(study.scenes() if study else (), kinds):
-            if study.mapped(scene, names):
+            if mapped := study.mapped(scene, names):
                 found.append(Chart(f"failure_map{kind}_{scene}", f"{title}, {scene} scene.", "failure_map",
-                                   (study, scene, names, title)))
+                                   (study, scene, mapped, title)))
     for scene, n in runs.settings() if runs else ():
         where = f"long_runs_n{n}" if scene == "smooth" else f"long_runs_{scene}_n{n}"
         for name, isospectral, which in ((where, True, "keep"), (f"{where}_controls", False, "lose")):

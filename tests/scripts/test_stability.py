@@ -76,7 +76,7 @@ class Report(unittest.TestCase):
                          ["unstable", "7", *"––––", "converged", str(second.steps), "4.0e-15", "0", "2.0e-15", "1.0e-3"])
 
 
-class StabilityTest(DrawingTest):
+class Files(DrawingTest):
     script = "render_stability"
 
     def raw(self, solver=PUBLISHED, names=FEW):
@@ -86,8 +86,6 @@ class StabilityTest(DrawingTest):
     def raw_long(self):
         return write(self.folder, long_study((*FEW, CONTROL)), "long.json")
 
-
-class Files(StabilityTest):
     def assert_files(self, files, charts):
         self.assertEqual(set(files), {"report.md", "report.txt",
                                       *(f"{chart}.{kind}" for chart in charts for kind in ("svg", "png"))})
@@ -118,7 +116,7 @@ class Files(StabilityTest):
             self.assertFalse(os.path.exists(self.path("charts")))
 
 
-class Charts(StabilityTest):
+class Charts(DrawingTest):
     def test_failure_maps(self):
         study = map_study()
         trials, edges = study.tables["trials"], study.tables["maps"]

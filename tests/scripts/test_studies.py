@@ -260,7 +260,7 @@ class StudyTest(FolderTest):
         return path
 
 
-class FailureMaps(StudyTest):
+class Stability(StudyTest):
     # Critical h‖B‖₂ of the smooth scene, found by an independent earlier program: n = 9, and 17 for the fast form.
     CRITICAL = {"group1": 1.354, "algebra2": 1.737, "rkmk4": 4.914}
     CRITICAL_FAST = 2.430
@@ -268,7 +268,7 @@ class FailureMaps(StudyTest):
     def assert_as_close(self, found, expected):
         self.assertLess(max(found, expected) / min(found, expected), 1.04)  # two bisections to 2 %
 
-    def test_outcomes_critical_steps_and_theory(self):
+    def test_outcomes_critical_steps_and_theory_of_maps(self):
         failures = read_map(self.made("stability", "--n", "9", "--integrator", *self.CRITICAL))
         self.assertEqual((list(failures.integrators), list(failures.settings), len(failures.maps)),
                          (list(self.CRITICAL), [("smooth", 9), ("rough", 9)], 6))
@@ -292,9 +292,7 @@ class FailureMaps(StudyTest):
         self.assertGreater(fast.works, 1.1 * published.works)  # what fails is tried again with acceleration
         self.assert_as_close(fast.works, self.CRITICAL_FAST)
 
-
-class LongRuns(StudyTest):
-    def test_samples_shares_and_controls(self):
+    def test_samples_shares_and_controls_of_long_runs(self):
         runs = read_long_runs(self.made("long_runs", "--n", "9", "--steps", "300", "--integrator", "group1"))
         names = ["group1", "algebra2_two_products", "algebra3_two_products"]
         self.assertEqual(list(runs.integrators), names)
