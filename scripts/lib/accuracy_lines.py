@@ -4,6 +4,7 @@ A problem is a scene at one n, solved to one time. A line is the runs of one int
 with more and more steps.
 """
 
+import itertools
 import math
 import statistics
 from typing import Dict, List, NamedTuple, Optional
@@ -131,14 +132,13 @@ class Cost(NamedTuple):
     least: float  # interpolated fastest repetitions
     most: float  # interpolated slowest repetitions
     step: float
-    equivalent_products: float
+    energy_error: float
     coarse: Run  # the run before, with an error above the one asked for
     fine: Run
 
 
 class Accuracy(NamedTuple):
     context: Dict[str, str]
-    quick: bool
     references: Dict[Problem, Reference]
     rates: Dict[int, Rate]
     integrators: Dict[str, Integrator]
@@ -172,15 +172,9 @@ class Accuracy(NamedTuple):
     def stretches(self, problem, integrator, solver=FAST):
         """Returns the line above its floor as lists of neighbouring runs that are no failure and not beyond a limit."""
         kept = set(map(id, self.above_floor(problem, integrator, solver)))
-        stretches, open_one = [], False
-        for run in self.line(problem, integrator, solver):
-            good = id(run) in kept and not run.beyond_limit
-            if good and open_one:
-                stretches[-1].append(run)
-            elif good:
-                stretches.append([run])
-            open_one = good
-        return stretches
+        found = itertools.groupby(self.line(problem, integrator, solver),
+                                  lambda run: id(run) in kept and not run.beyond_limit)
+        return [list(runs) for good, runs in found if good]
 
     def cost(self, problem, integrator, error, solver=FAST) -> Optional[Cost]:
         """Returns the least cost of an error on a line, or None where no two neighbouring runs enclose it."""
@@ -219,7 +213,7 @@ def interpolated(coarse, fine, error):
 
     return Cost(between(lambda run: run.seconds), between(lambda run: min(run.cpu_seconds)),
                 between(lambda run: max(run.cpu_seconds)), between(lambda run: run.step),
-                between(lambda run: run.equivalent_products), coarse, fine)
+                between(lambda run: run.energy_error), coarse, fine)
 
 
 def read_accuracy(path):
@@ -236,7 +230,7 @@ def accuracy(study):
     lines = {}
     for run in sorted(tables["runs"], key=lambda run: run.steps):
         lines.setdefault((run.problem, run.integrator, run.solver), []).append(run)
-    result = Accuracy(study.context, study.settings.quick, references, keyed(tables["rates"], "n"),
+    result = Accuracy(study.context, references, keyed(tables["rates"], "n"),
                       keyed(tables["integrators"], "name"), keyed(tables["limits"], "scene", "n", "integrator", "solver"),
                       tables["runs"], tables["tolerance_runs"], lines)
     if not result.references or not result.integrators:

@@ -1,20 +1,21 @@
-"""Draws a study of accuracy, and Tables 1 and 2, as charts. Titles say what the data show (accuracy_claims)."""
+"""Draws a study of accuracy, and Tables 1 and 2, as charts. Titles are what the claims say (accuracy_claims)."""
 
 import math
 import statistics
 
 from matplotlib.lines import Line2D
 
-from accuracy_claims import (energy_title, growth_title, price_title, table1_title, tolerance_title)
+from accuracy_claims import energy, growth, headline_problems, price, runs_at_table1_step, span
 from accuracy_lines import FAST, NEAR_ROUNDING, PUBLISHED, TABLE1_STEP
 from benchmark_json import FORMULATIONS
-from chart_panels import FAMILIES, draw_line, key, logarithmic, look, new_figure
-from equal_error import STRUCTURES, headline_problems, strongest
-from integrator_names import FRAME, frameless, gauss_stages, in_frame, method_name
+from chart_panels import FAMILIES, draw_line, key, logarithmic, new_figure
+from integrator_names import FRAME, gauss_stages, in_frame, method_name
+from recommendation import KEPT, strongest_structure
 
 ERROR_LABEL = "relative error of W(T)"
 SECONDS_LABEL = "CPU seconds"
 LEAST_ERROR, LEAST_ENERGY_ERROR = 1e-12, 1e-14  # where the axes end
+SHOWN_AGAINST_N = ("group1", "group2", "group3", "group4", "rkmk4", "rk4")
 LEAP = 1.6  # in seconds, from one level of an envelope to the next: a line of order 2 rises by 10^(1/8)
 
 # One colour for each method, and a letter or number at the end of its line.
@@ -25,8 +26,17 @@ METHODS = {**{f"Gauss, order {2 * s}": (colour, str(2 * s)) for s, colour in enu
     **{f"direct Gauss, order {order}": (colour, f"d{order}")
        for order, colour in ((2, "#e3a5c7"), (4, "#cf6aa3"), (6, "#a83a7c"))}}
 ENVELOPES = {structure: {"color": colour, "linewidth": 5, "alpha": 0.4, "solid_capstyle": "round", "zorder": 3}
-             for structure, colour in zip(STRUCTURES, ("#2f93cf", "#0b8a67", "#444444"))}
+             for structure, colour in (("poisson", "#2f93cf"), ("spectrum", "#0b8a67"), ("nothing", "#444444"))}
 GHOST = {"color": "0.72", "linewidth": 0.7, "linestyle": (0, (3, 2)), "zorder": 1}
+
+
+def title(claim, otherwise):
+    """Returns what stands out of a claim, if the study has the data for it."""
+    return claim[0] if claim else otherwise
+
+
+def handle(label, **style):
+    return Line2D([], [], label=label, **style)
 
 
 # ---- work–precision diagrams
@@ -35,7 +45,7 @@ GHOST = {"color": "0.72", "linewidth": 0.7, "linestyle": (0, (3, 2)), "zorder": 
 def error_against_time(study):
     """Draws a panel for each n of the smooth scene to T = 5, published forms as ghosts."""
     problems = headline_problems(study)
-    return work_precision(study, problems, "error", price_title(study, problems), ghosts=True)
+    return work_precision(study, problems, "error", price(study, problems), ghosts=True)
 
 
 def error_against_time_others(study):
@@ -43,17 +53,16 @@ def error_against_time_others(study):
     others = [problem for problem in study.problems() if problem not in headline_problems(study)]
     problems = [problem for problem in others
                 if sum(each[:2] == problem[:2] and each.n > problem.n for each in others) < 2]
-    return work_precision(study, problems, "error", price_title(study, problems)) if problems else None
+    return work_precision(study, problems, "error", price(study, problems)) if problems else None
 
 
 def energy_against_time(study):
     """Draws the energy error of the smooth scene at the largest n of each time."""
     largest = {problem.time: problem for problem in study.problems() if problem.scene == "smooth"}
-    problems = list(largest.values())
-    return work_precision(study, problems, "energy_error", energy_title(study, problems))
+    return work_precision(study, list(largest.values()), "energy_error", energy(study))
 
 
-def work_precision(study, problems, quantity, title, ghosts=False):
+def work_precision(study, problems, quantity, claim, ghosts=False):
     """Draws a panel for each problem: lines of methods thin, the envelope of each structure thick.
 
     A line is drawn above the floor of its error, and broken at failures and limits. All panels have equal decades.
@@ -61,7 +70,7 @@ def work_precision(study, problems, quantity, title, ghosts=False):
     columns = min(len(problems), 2)
     rows = -(-len(problems) // columns)
     label, least = (ERROR_LABEL, LEAST_ERROR) if quantity == "error" else ("energy error", LEAST_ENERGY_ERROR)
-    figure, panels = new_figure(title, rows, columns, 5.2, keys=6, sharey=True)
+    figure, panels = new_figure(title(claim, f"{label} against CPU time"), rows, columns, 5.2, keys=6, sharey=True)
     spans, ends = [], []
     for axes, problem in zip(panels.flat, problems):
         logarithmic(axes)
@@ -70,9 +79,10 @@ def work_precision(study, problems, quantity, title, ghosts=False):
         for name in study.integrators if ghosts else ():
             for stretch in study.stretches(problem, name, PUBLISHED) if gauss_stages(name) else ():
                 draw_line(axes, f"{name}, published", [(run.seconds, run.error) for run in stretch], **GHOST)
-        for structure in STRUCTURES:
-            points = envelope([line for each, lines in drawn if strongest(each) == structure for line in lines], least)
-            draw_line(axes, structure, points, **ENVELOPES[structure])
+        for structure, style in ENVELOPES.items():
+            points = envelope([line for each, lines in drawn if strongest_structure(each) == structure
+                               for line in lines], least)
+            draw_line(axes, structure, points, **style)
         seconds = [math.log10(x) for _, lines in drawn for line in lines for x, y in line if y >= least] or [0]
         spans.append((min(seconds), max(seconds)))
         drawn.sort(key=lambda line: in_frame(line[0].name))  # a name stands once, at the line in the frame
@@ -85,12 +95,11 @@ def work_precision(study, problems, quantity, title, ghosts=False):
     for axes in panels.flat[len(problems):]:
         axes.remove()
     known = {method_name(each) for each in study.integrators.values()}
-    key(figure, [*(Line2D([], [], label=f"best that keeps {kept}", **ENVELOPES[structure])
-                   for structure, kept in STRUCTURES.items()),
-                 Line2D([], [], color="0.3", linewidth=1, marker="o", markersize=3, label="in the co-rotating frame"),
-                 Line2D([], [], color="0.3", linewidth=0.6, label="not in it"),
-                 *([Line2D([], [], label="Gauss, published forms", **GHOST)] * ghosts),
-                 *(Line2D([], [], color=colour, label=f"{mark}: {name}") for name, (colour, mark) in METHODS.items()
+    key(figure, [*(handle(f"best that keeps {KEPT[structure]}", **style) for structure, style in ENVELOPES.items()),
+                 handle("in the co-rotating frame", color="0.3", linewidth=1, marker="o", markersize=3),
+                 handle("not in it", color="0.3", linewidth=0.6),
+                 *([handle("Gauss, published forms", **GHOST)] * ghosts),
+                 *(handle(f"{mark}: {name}", color=colour) for name, (colour, mark) in METHODS.items()
                    if name in known)], 6)
     return figure
 
@@ -99,13 +108,11 @@ def draw_method(axes, study, problem, integrator, quantity):
     """Draws the stretches of a line, with markers if it is in the frame; returns the integrator and their points."""
     colour, _ = METHODS.get(method_name(integrator), ("0.5", None))
     framed = in_frame(integrator.name)
-    lines = []
-    for stretch in study.stretches(problem, integrator.name):
-        points = draw_line(axes, integrator.name, [(run.seconds, getattr(run, quantity)) for run in stretch],
-                           color=colour, linewidth=1 if framed else 0.6, markersize=2.2,
-                           marker="o" if framed or len(stretch) == 1 else None)
-        lines += [points] if points else []
-    return integrator, lines
+    lines = [draw_line(axes, integrator.name, [(run.seconds, getattr(run, quantity)) for run in stretch], color=colour,
+                       linewidth=1 if framed else 0.6, markersize=2.2,
+                       marker="o" if framed or len(stretch) == 1 else None)
+             for stretch in study.stretches(problem, integrator.name)]
+    return integrator, list(filter(None, lines))
 
 
 def mark_lines(axes, marks):
@@ -122,17 +129,12 @@ def mark_lines(axes, marks):
 
 
 def drawn_integrators(study, problem):
-    """Returns one form of each method: of a Gauss method `group`, or for s = 1 `algebra` where a step is cheaper."""
-    def chosen(name):
-        stages, suffix = gauss_stages(frameless(name)), name[len(frameless(name)):]
-        if stages is None:
-            return True
-        names = [f"{form}{stages}{suffix}" for form in (("group", "algebra") if stages == 1 else ("group",))]
-        steps = {each: min((run.seconds / run.steps for run in study.line(problem, each) if run.usable),
-                           default=math.inf) for each in names}
-        return name == min(steps, key=steps.get)
-
-    return [each for name, each in study.integrators.items() if chosen(name)]
+    """Returns of each method, in the frame and not, the form whose step is the cheapest."""
+    cheapest = {}
+    for name, each in study.integrators.items():
+        seconds = min((run.seconds / run.steps for run in study.line(problem, name) if run.usable), default=math.inf)
+        cheapest.setdefault((method_name(each), in_frame(name)), []).append((seconds, name))
+    return [study.integrators[min(forms)[1]] for forms in cheapest.values()]
 
 
 def envelope(lines, least, in_a_decade=4):
@@ -158,73 +160,32 @@ def envelope(lines, least, in_a_decade=4):
 
 
 def error_against_n(study):
-    """Draws the error at Table 1's step against n, and errors against h‖B(W₀)‖₂, not in the frame and in it."""
+    """Draws the error at Table 1's step against n, and those of all steps, not in the frame, against h‖B(W₀)‖₂."""
     problems = headline_problems(study)
-    figure, ((at_step, *against_norm),) = new_figure(growth_title(study, problems), 1, 3, 5.2, keys=2, sharey=True)
-    names = [name for name in ("group1", "group2", "group3", "group4", "rkmk4", "rk4") if name in study.integrators]
-    for axes in (at_step, *against_norm):
+    heading = title(growth(study), f"Error at h = {TABLE1_STEP} against n")
+    figure, ((at_step, at_norm),) = new_figure(heading, 1, 2, 5.2, keys=2, sharey=True)
+    for axes in (at_step, at_norm):
         logarithmic(axes)
         axes.set_ylim(LEAST_ERROR, 2)
     at_step.set(title=f"at h = {TABLE1_STEP}", xlabel="n", ylabel=ERROR_LABEL)
     at_step.set_xticks([problem.n for problem in problems], [str(problem.n) for problem in problems])
-    for axes, suffix, which in zip(against_norm, ("", FRAME), ("not in", "in")):
-        axes.set(title=f"every h and n, {which} the frame", xlabel="h‖B(W₀)‖₂")
-        for name in (f"{each}{suffix}" for each in names if f"{each}{suffix}" in study.integrators):
-            colour = METHODS[method_name(study.integrators[name])][0]
-            filled = {"color": colour, "marker": "o", "linestyle": "-" if suffix else "--",
-                      "markerfacecolor": colour if suffix else "white"}
-            runs = [run for run in (study.at_step(problem, name, TABLE1_STEP) for problem in problems)
-                    if run and run.usable and not run.beyond_limit]
-            draw_line(at_step, name, [(run.n, run.error) for run in runs], **filled)
-            for index, problem in enumerate(problems):
-                for stretch in study.stretches(problem, name):
-                    draw_line(axes, f"{name}, n = {problem.n}", [(run.h_norm_B, run.error) for run in stretch],
-                              color=colour, linewidth=0.6 + 0.5 * index)
-    key(figure, [*(Line2D([], [], color=METHODS[method_name(study.integrators[name])][0],
-                          label=method_name(study.integrators[name])) for name in names),
-                 Line2D([], [], color="0.3", linestyle="--", marker="o", markerfacecolor="white",
-                        label="not in the frame"),
-                 Line2D([], [], color="0.3", marker="o", label="in the frame; thicker: larger n")], 2)
-    return figure
-
-
-# ---- tolerances
-
-
-def tolerance(study):
-    """Draws errors at the largest n, and times at every n, against the tolerance; None without such runs."""
-    runs = [run for run in study.tolerance_runs if run.usable]
-    if not runs:
-        return None
-    sizes, stages = (sorted({getattr(run, name) for run in runs}) for name in ("n", "stages"))
-    figure, panels = new_figure(tolerance_title(study), 3, len(stages), 3, row_gap=0.3, sharex=True, sharey="row")
-    for axes in panels.flat:
-        logarithmic(axes)
-    panels[0, 0].set(xlim=(2 * max(run.tolerance for run in runs), min(run.tolerance for run in runs) / 2),
-                     ylabel=ERROR_LABEL + f", n = {sizes[-1]}")
-    panels[1, 0].set_ylabel(f"error of the spectrum, n = {sizes[-1]}")
-    panels[2, 0].set_ylabel(SECONDS_LABEL)
-    for (errors, spectra, times), s in zip(panels.T, stages):
-        errors.set_title(f"s = {s}, order {2 * s}")
-        times.set_xlabel("tolerance (tighter to the right)")
-        times.margins(y=0.12)
-        for axes in (errors, spectra):
-            axes.axline((1e-4, 1e-4), (1e-8, 1e-8), color="0.45", linewidth=0.9, label="_diagonal")
-        quantities = ((errors, "error", "-"), (errors, "solver_error", "--"), (spectra, "spectrum_error", "-"),
-                      (times, "seconds", "-"))
-        for name, n in dict.fromkeys((run.integrator, run.n) for run in runs if run.stages == s):
-            line = sorted((run for run in runs if (run.integrator, run.n) == (name, n)), key=lambda run: run.tolerance)
-            for axes, quantity, style in quantities if n == sizes[-1] else quantities[-1:]:
-                draw_line(axes, f"{name}: {quantity}", [(run.tolerance, getattr(run, quantity)) for run in line],
-                          **{**look(study.integrators[name]), "linestyle": style})
-        for n in sizes:
-            at = [run for run in runs if (run.n, run.stages) == (n, s)]
-            if at:
-                tightest = min(run.tolerance for run in at)
-                times.annotate(f"n = {n}", (tightest, max(run.seconds for run in at if run.tolerance == tightest)),
-                               xytext=(0, 9), textcoords="offset points", ha="right")
-    key(figure, [*formulation_handles(), Line2D([], [], color="black", label="error"),
-                 Line2D([], [], color="black", linestyle="--", label="solver error")])
+    at_norm.set(title="every h, not in the frame; thicker: larger n", xlabel="h‖B(W₀)‖₂")
+    methods = {}
+    for name in (f"{each}{suffix}" for each in SHOWN_AGAINST_N for suffix in ("", FRAME)):
+        if name not in study.integrators:
+            continue
+        method = method_name(study.integrators[name])
+        methods[method] = colour = METHODS[method][0]
+        framed = in_frame(name)
+        draw_line(at_step, name, [(run.n, run.error) for run in runs_at_table1_step(study, name)], marker="o",
+                  color=colour, linestyle="-" if framed else "--")
+        for index, problem in enumerate([] if framed else problems):
+            for stretch in study.stretches(problem, name):
+                draw_line(at_norm, f"{name}, n = {problem.n}", [(run.h_norm_B, run.error) for run in stretch],
+                          linewidth=0.5 + 0.4 * index, color=colour)
+    key(figure, [*(handle(method, color=colour) for method, colour in methods.items()),
+                 handle("not in the frame", color="0.3", linestyle="--"),
+                 handle("in the frame", color="0.3")], 2)
     return figure
 
 
@@ -234,39 +195,34 @@ def tolerance(study):
 def table1_accuracy(published, fast):
     """Draws each cell of a run of Table 1 as its time against its error, hollow, and of Table 2 filled.
 
-    None where no cell has an error.
+    None where no cell has an error in both.
     """
-    sides = [{key: cell for key, cell in run.measurements.items()
-              if cell.failure is None and cell.counters.get("relative_error", 0) > 0} for run in (published, fast)]
-    if not any(sides):
+    sides = {which: {key: cell for key, cell in run.measurements.items()
+                     if cell.failure is None and cell.counters.get("relative_error", 0) > 0}
+             for which, run in ((PUBLISHED, published), (FAST, fast))}
+    gains = [statistics.median(cell.times) / statistics.median(sides[FAST][key].times)
+             for key, cell in sides[PUBLISHED].items() if key in sides[FAST]]
+    if not gains:
         return None
-    medians = [{key: statistics.median(cell.times) for key, cell in cells.items()} for cells in sides]
-    figure, ((axes,),) = new_figure(table1_title([(medians[0][key], medians[1][key]) for key in medians[0]
-                                                  if key in medians[1]]), 1, 1, 6.5)
+    figure, ((axes,),) = new_figure("Table 1 with its accuracy: the fast forms give the same errors"
+                                    f" {span(gains)} times sooner", 1, 1, 6.5)
     logarithmic(axes)
     axes.set(xlabel=f"{SECONDS_LABEL} of 50 steps", ylabel="relative error of W(5)")
     axes.margins(x=0.12)
-    for cells, times, which in zip(sides, medians, (PUBLISHED, FAST)):
+    same = {}
+    for which, cells in sides.items():
         for cell_key, cell in sorted(cells.items()):
             colour, size = FAMILIES[cell_key.formulation]
-            axes.plot(times[cell_key], cell.counters["relative_error"], marker="o", color=colour, markersize=size + 2,
+            seconds, error = statistics.median(cell.times), cell.counters["relative_error"]
+            axes.plot(seconds, error, marker="o", color=colour, markersize=size + 2,
                       markerfacecolor=colour if which == FAST else "none", linestyle="none",
                       label=f"{cell_key.formulation}{cell_key.stages}, n = {cell_key.n}, {which}")
-            if len(cell.times) > 1:
-                low, _, high = statistics.quantiles(cell.times, n=4, method="inclusive")
-                axes.plot([low, high], [cell.counters["relative_error"]] * 2, color=colour, label="_quartiles")
-    for n, s in sorted({(key.n, key.stages) for key in (*sides[0], *sides[1])}):
-        same = sorted((times[key], cells[key].counters["relative_error"]) for cells, times in zip(sides, medians)
-                      for key in cells if (key.n, key.stages) == (n, s))
-        axes.plot(*zip(*same), color="0.45", linestyle=":", zorder=1, label="_same answer")
-        axes.annotate(f"n = {n}, s = {s}", same[-1], xytext=(10, -4), textcoords="offset points")
-    key(figure, [*formulation_handles(),
-                 Line2D([], [], color="0.3", marker="o", markerfacecolor="none", linestyle="none",
-                        label="published form"),
-                 Line2D([], [], color="0.3", marker="o", linestyle="none", label="fast form")])
+            same.setdefault((cell_key.n, cell_key.stages), []).append((seconds, error))
+    for (n, s), points in same.items():
+        axes.plot(*zip(*sorted(points)), color="0.45", linestyle=":", zorder=1, label="_same answer")
+        axes.annotate(f"n = {n}, s = {s}", max(points), xytext=(10, -4), textcoords="offset points")
+    dot = {"color": "0.3", "marker": "o", "linestyle": "none"}
+    key(figure, [*(handle(each, color=FAMILIES[each][0], marker="o", markersize=FAMILIES[each][1],
+                          markerfacecolor="none") for each in FORMULATIONS),
+                 handle("published form", markerfacecolor="none", **dot), handle("fast form", **dot)])
     return figure
-
-
-def formulation_handles():
-    return [Line2D([], [], color=FAMILIES[each][0], marker="o", markersize=FAMILIES[each][1], markerfacecolor="none",
-                   label=each) for each in FORMULATIONS]

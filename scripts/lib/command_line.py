@@ -14,6 +14,18 @@ class OneLineParser(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: {one_line(message)} (see --help)\n")
 
 
+def raw_file_parser(program, description, wrote, others):
+    """Returns the parser of a script that renders what `wrote` wrote.
+
+    `others` are options that name further raw files, with their help.
+    """
+    parser = OneLineParser(prog=program, description=description)
+    parser.add_argument("raw", metavar="RAW.json", help=f"what {wrote} wrote")
+    for name, wrote_it in others.items():
+        parser.add_argument(f"--{name}", metavar=f"{name.upper()}.json", help=wrote_it)
+    return parser
+
+
 def whole_number(least, most):
     """Returns a reader of arguments that must be whole numbers from `least` to `most`."""
     def read(text):

@@ -17,7 +17,7 @@ import csv
 import math
 import os
 
-from gate_cells import CannotRun, is_fast, published
+from gate_cells import FAST, CannotRun, compared, is_fast
 from gate_layers import Layer
 from study_file import CONVERGED
 
@@ -40,7 +40,7 @@ def answer_bound(cell):
 
 
 def is_algebra(cell):
-    return (published(cell.name) if is_fast(cell.name) else cell.name).startswith("algebra/")
+    return cell.name.startswith(("algebra/", FAST + "algebra/"))
 
 
 def spectrum_bound(cell):
@@ -69,18 +69,16 @@ def accuracy_layer(build, names, folder):
 
 
 def check_distance(layer, build, cell):
-    """Checks a published answer against that of group, and a fast one against the published form's."""
-    if is_fast(cell.name):
-        other = build.cells.get(published(cell.name))
-        if other is None or cell.distance_to_published is None:
-            layer.add(cell.name, "distance to published", "none", "one", False)
-            return
-        bound = min(FARTHEST, answer_bound(cell) + answer_bound(other))
-        check(layer, cell, "distance to published", cell.distance_to_published, bound)
+    """Checks the difference from the answer that this cell gives too."""
+    other = build.cells.get(compared(cell.name))
+    if other is cell:
         return
-    group = build.cells.get("/".join(["group", *cell.name.split("/")[1:]]))
-    if cell.distance_to_group is not None and cell is not group:
-        check(layer, cell, "distance to group", cell.distance_to_group, answer_bound(cell) + answer_bound(group))
+    quantity = "distance to " + ("published" if is_fast(cell.name) else "group")
+    if other is None or cell.distance is None:
+        layer.add(cell.name, quantity, "none", "one", False)
+        return
+    bound = answer_bound(cell) + answer_bound(other)
+    check(layer, cell, quantity, cell.distance, min(FARTHEST, bound) if is_fast(cell.name) else bound)
 
 
 def check(layer, cell, quantity, found, bound):

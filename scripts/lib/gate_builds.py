@@ -9,6 +9,7 @@ from benchmark_json import one_line
 from gate_cells import CannotRun
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
+HEAD = os.path.join(ROOT, "build")  # where this tree is built
 ANSWERS = os.path.join(ROOT, "tests", "data")  # reference answers
 SETUP = os.path.join(ROOT, "scripts", "lib", "setup.sh")
 
@@ -63,8 +64,8 @@ def build(folder, target, source=ROOT):
     in_setup('build "$@"', source, folder, target, "-DCMAKE_BUILD_TYPE=Release")
 
 
-def program(folder, name):
-    return os.path.join(folder, "benchmarks", name)
+def cells_program(folder):
+    return os.path.join(folder, "benchmarks", "regression_cells")
 
 
 def program_environment():
@@ -74,19 +75,12 @@ def program_environment():
     return {**kept, "OPENBLAS_NUM_THREADS": "1"}
 
 
-def build_head():
-    """Returns the folder of this tree's programs, built."""
-    folder = os.path.join(ROOT, "build")
-    build(folder, "programs")
-    return folder
-
-
 def build_base(commit):
     """Returns the folder of a commit's programs; kept, so that the next gate finds them. Throws CannotRun."""
     home = os.path.join(ROOT, "build-base")
     place = os.path.join(home, commit)
     folder = os.path.join(place, "build")
-    if os.path.exists(program(folder, "regression_cells")):
+    if os.path.exists(cells_program(folder)):
         return folder
     shutil.rmtree(home, ignore_errors=True)  # of an earlier base
     source = os.path.join(place, "source")

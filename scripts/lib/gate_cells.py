@@ -14,25 +14,22 @@ QUICK_SIZES = (17, 33)
 STAGES = (1, 2, 3)
 FORMAT = "isosyrk regression_cells 2"
 FAST = "fast_"  # begins the name of a cell of Table 2
-COUNTS = ("sweeps", "products", "poisson_solves", "products_a_sweep", "poisson_solves_a_sweep", "allocations")
-FAST_COUNTS = ("sweeps", "equivalent_products", "poisson_solves", "allocations")  # no two sweeps take the same
+COUNTS = ("sweeps", "products", "poisson_solves", "allocations")
+FAST_COUNTS = ("sweeps", "equivalent_products", "poisson_solves", "allocations")
 
 
 class CannotRun(Exception):
     """The gate cannot judge; the message is one line."""
 
 
-def cell_name(formulation, n, stages):
-    return f"{formulation}/n:{n}/s:{stages}"
-
-
-def published_cells(sizes):
-    return [cell_name(formulation, n, stages) for n in sizes for stages in STAGES for formulation in FORMULATIONS]
-
-
 def cells_of(sizes):
     """Returns the names of the cells of Table 1, then of Table 2."""
-    names = published_cells(sizes)
+    return with_fast([f"{formulation}/n:{n}/s:{stages}" for n in sizes for stages in STAGES
+                      for formulation in FORMULATIONS])
+
+
+def with_fast(names):
+    """Returns these cells of Table 1, then those of Table 2 that give the same answers."""
     return names + [FAST + name for name in names]
 
 
@@ -40,9 +37,9 @@ def is_fast(name):
     return name.startswith(FAST)
 
 
-def published(name):
-    """Returns the cell of Table 1 whose answer this one of Table 2 gives too."""
-    return name[len(FAST):]
+def compared(name):
+    """Returns the cell whose answer this one gives too: of a fast form its published one, of any other group."""
+    return name[len(FAST):] if is_fast(name) else "/".join(["group", *name.split("/")[1:]])
 
 
 @dataclass(frozen=True)
@@ -59,13 +56,8 @@ class Cell:
     counts: Dict[str, float]
     spectrum_error: Optional[float] = None
     skew_defect: Optional[float] = None
-    distance_to_group: Optional[float] = None  # of a published form
-    distance_to_published: Optional[float] = None  # of a fast one
+    distance: Optional[float] = None  # of a published form to group, of a fast one to its published form
     W: Optional[List[complex]] = None
-
-    def outside_sweeps(self, count):
-        """Returns how many products or Poisson solves the updates took, which no rounding changes."""
-        return self.counts[count] - self.counts["sweeps"] * self.counts[f"{count}_a_sweep"]
 
 
 @dataclass(frozen=True)
@@ -111,13 +103,13 @@ def read_cell(values):
              "contraction": number}
     known = checked(values, kinds, "a cell")
     known["counts"] = read_counts(values)
-    if known["status"] != CONVERGED:
-        return Cell(**known)
-    kinds = {"spectrum_error": number, "skew_defect": number, "distance_to_group": number,
-             "distance_to_published": number, "W": entries_of(known["n"])}
-    optional = ("distance_to_group", "distance_to_published", "W")
-    return Cell(**known, **checked(values, {name: kind for name, kind in kinds.items()
-                                            if name in values or name not in optional}, "a cell"))
+    if known["status"] == CONVERGED:
+        known.update(checked(values, {"spectrum_error": number, "skew_defect": number}, "a cell"))
+        distance = "distance_to_published" if is_fast(known["name"]) else "distance_to_group"
+        for field, name, kind in (("distance", distance, number), ("W", "W", entries_of(known["n"]))):
+            if name in values:
+                known[field] = checked(values, {name: kind}, "a cell")[name]
+    return Cell(**known)
 
 
 def read_counts(values):

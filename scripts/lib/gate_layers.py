@@ -1,10 +1,17 @@
-"""The parts of a verdict of the regression gate: what was checked, by cell and figure, and whether it passed."""
+"""What the regression gate says: what was checked, by cell and figure, for readers and as JSON for programs."""
 
+import dataclasses
 from dataclasses import dataclass, field
 from typing import List, Optional
 
+from benchmark_json import one_line
+from document import Column, Entry, Heading, Items, Paragraph, Table
+
 PASSED, REGRESSION, COULD_NOT_RUN, NOT_JUDGED = 0, 1, 2, 3  # exit codes
 INTERRUPTED = 130  # as a shell has it
+SUMMARY = {PASSED: "No regression.", REGRESSION: "Regression.",
+           NOT_JUDGED: "No regression found, but not every layer was judged."}
+FORMAT = "isosyrk check_regression 1"
 
 
 @dataclass(frozen=True)
@@ -41,8 +48,37 @@ class Layer:
             return "regression"
         return "not judged" if self.not_judged else "passed"
 
+    def sections(self):
+        """Returns its part of the report; all checks are shown where they are times, else only failures."""
+        parts = [Heading(f"{self.name}: {self.verdict()}")]
+        if self.not_judged:
+            parts.append(Paragraph(f"{self.name} not judged: {self.not_judged}"))
+        if self.checks:
+            parts.append(Paragraph(f"{len(self.checks) - len(self.failures())} of {len(self.checks)} checks passed."))
+        shown = self.checks if self.name == "timing" else self.failures()
+        if shown:
+            columns = tuple(Column(name, align="left") for name in ("cell", "quantity", "found", "allowed"))
+            rows = [[Entry(text, not check.passed) for text in (check.cell, check.quantity, check.found, check.allowed)]
+                    for check in shown]
+            parts.append(Table(columns, [rows]))
+        if self.notes:
+            parts.append(Items([("", one_line(note)) for note in self.notes]))
+        return parts
+
 
 def exit_code(layers):
     if any(layer.failures() for layer in layers):
         return REGRESSION
     return NOT_JUDGED if any(layer.not_judged for layer in layers) else PASSED
+
+
+def as_document(layers, head, base):
+    """Returns the report; `head` and `base` name what was compared."""
+    summary = f"{SUMMARY[exit_code(layers)]} Head: {head}. Base of the times: {base}."
+    return [Heading("Regression gate", 1), Paragraph(summary), *(part for layer in layers for part in layer.sections())]
+
+
+def as_json(layers, head, base, conditions):
+    """Returns every check, as data."""
+    return {"format": FORMAT, "exit_code": exit_code(layers), "head": head, "base": base, "conditions": conditions,
+            "layers": [{**dataclasses.asdict(layer), "verdict": layer.verdict()} for layer in layers]}

@@ -12,12 +12,11 @@ import os
 import shutil
 import statistics
 import subprocess
-import time
 from dataclasses import dataclass
-from typing import Optional
+from typing import Tuple
 
 from benchmark_json import one_line
-from gate_cells import FAST, CannotRun, cell_name, is_fast
+from gate_cells import CannotRun, is_fast, with_fast
 from gate_layers import Layer
 
 MEDIAN_LIMIT, QUARTILE_LIMIT = 1.03, 1.01
@@ -27,26 +26,21 @@ MEDIAN_LIMIT, QUARTILE_LIMIT = 1.03, 1.01
 class Plan:
     """What is timed, and how often."""
 
-    cells: tuple
-    launches: int
-    pairs: int  # of each cell, a launch
-    block_seconds: float
+    cells: Tuple[str, ...]
+    launches: int = 6
+    pairs: int = 3  # of each cell, a launch
+    block_seconds: float = 0.02
 
 
 STEPS = {17: 50, 33: 20, 65: 5, 129: 1}  # of a published form's run, by n
 FAST_STEPS = 50  # of a fast one's: it starts cold, and costs less as soon as it can predict
-QUICK = Plan(tuple(cell_name(*cell) for cell in (
-    ("cotangent", 17, 2), ("group", 17, 2), ("algebra", 17, 2),
-    ("cotangent", 33, 3), ("group", 33, 3), ("algebra", 33, 1),
-    (FAST + "cotangent", 17, 2), (FAST + "group", 17, 2), (FAST + "algebra", 17, 2),
-    (FAST + "cotangent", 33, 3), (FAST + "group", 33, 3), (FAST + "algebra", 33, 1))),
-    launches=6, pairs=3, block_seconds=0.02)
-FULL = Plan(QUICK.cells + tuple(cell_name(*cell) for cell in (
-    ("group", 65, 2), ("algebra", 65, 1), ("algebra", 65, 3),
-    ("cotangent", 129, 3), ("group", 129, 1), ("algebra", 129, 2),
-    (FAST + "cotangent", 65, 2), (FAST + "group", 65, 3), (FAST + "algebra", 65, 2),
-    (FAST + "cotangent", 129, 1), (FAST + "group", 129, 2), (FAST + "algebra", 129, 1))),
-    launches=6, pairs=3, block_seconds=0.02)
+QUICK = Plan(tuple(with_fast(["cotangent/n:17/s:2", "group/n:17/s:2", "algebra/n:17/s:2",
+                              "cotangent/n:33/s:3", "group/n:33/s:3", "algebra/n:33/s:1"])))
+FULL = Plan((*QUICK.cells,
+             "group/n:65/s:2", "algebra/n:65/s:1", "algebra/n:65/s:3",
+             "cotangent/n:129/s:3", "group/n:129/s:1", "algebra/n:129/s:2",
+             "fast_cotangent/n:65/s:2", "fast_group/n:65/s:3", "fast_algebra/n:65/s:2",
+             "fast_cotangent/n:129/s:1", "fast_group/n:129/s:2", "fast_algebra/n:129/s:1"))
 
 
 def steps_of(cell):
@@ -70,7 +64,7 @@ def positive_seconds(line):
 class Server:
     """One build's regression_cells, kept running and asked for blocks of runs."""
 
-    def __init__(self, command, cells, environment=None):
+    def __init__(self, command, environment, cells):
         self.what = command[-1]
         try:
             self.process = subprocess.Popen([*command, "--serve", *cells], env=environment, stdin=subprocess.PIPE,
@@ -82,7 +76,7 @@ class Server:
         try:
             self.answer(is_ready)
         except BaseException:
-            self.end()
+            self.close()
             raise
 
     def answer(self, read):
@@ -97,16 +91,13 @@ class Server:
                             f" {one_line(problem)}".rstrip()) from None
 
     def seconds(self, cell, runs):
-        """Returns CPU and wall seconds of so many runs of a cell."""
-        start = time.monotonic()
-        try:
+        """Returns the CPU seconds of so many runs of a cell."""
+        with contextlib.suppress(OSError):  # where it has died, the answer says of what
             self.process.stdin.write(f"{self.cells[cell]} {steps_of(cell)} {runs}\n")
             self.process.stdin.flush()
-        except OSError:
-            pass  # it has died; the answer says of what
-        return self.answer(positive_seconds), time.monotonic() - start
+        return self.answer(positive_seconds)
 
-    def end(self):
+    def close(self):
         with contextlib.suppress(OSError):
             self.process.stdin.close()
         self.process.kill()
@@ -119,8 +110,7 @@ class Server:
 class Timing:
     """The pairs of one cell: head over base."""
 
-    ratios: tuple
-    wall_ratio: float  # median, for information
+    ratios: Tuple[float, ...]
 
     @property
     def median(self):
@@ -140,65 +130,30 @@ def pinned(program):
     return [program] if last is None or not shutil.which("taskset") else ["taskset", "-c", str(last), program]
 
 
-@dataclass(frozen=True)
-class Contestant:
-    """A build that is timed: the command of its regression_cells, and the environment it runs in."""
-
-    command: list
-    environment: Optional[dict] = None
-
-    def serve(self, cells):
-        return Server(self.command, cells, self.environment)
-
-
 def time_cells(base, head, cells, plan):
-    """Returns the Timing of each cell over both Contestants. Throws CannotRun."""
+    """Returns the Timing of each cell; `base` and `head` start a Server of the cells. Throws CannotRun."""
     pairs = {cell: [] for cell in cells}
     runs = {}
     for launch in range(plan.launches):
-        base_server, head_server = servers = start_both(base, head, cells, launch)
-        try:
+        with contextlib.ExitStack() as running:
+            servers = {}
+            for start in (base, head) if launch % 2 == 0 else (head, base):
+                servers[start] = running.enter_context(contextlib.closing(start(cells)))
             for pair in range(plan.pairs):
                 for cell in cells:
                     if cell not in runs:
-                        runs[cell] = runs_in_a_block(base_server, cell, plan.block_seconds)
-                    turns = servers if (launch + pair) % 2 == 0 else servers[::-1]
-                    pairs[cell].append(one_pair(turns, base_server, head_server, cell, runs[cell]))
-        finally:
-            for server in servers:
-                server.end()
-    return {cell: Timing(tuple(cpu for cpu, _ in found), statistics.median(wall for _, wall in found))
-            for cell, found in pairs.items()}
-
-
-def start_both(base, head, cells, launch):
-    """Starts both servers, every other time the second first; returns base's and head's."""
-    started = []
-    try:
-        for contestant in (base, head) if launch % 2 == 0 else (head, base):
-            started.append(contestant.serve(cells))
-    except BaseException:
-        for server in started:
-            server.end()
-        raise
-    return tuple(started) if launch % 2 == 0 else tuple(started[::-1])
+                        runs[cell] = runs_in_a_block(servers[base], cell, plan.block_seconds)
+                    turns = (base, head, head, base) if (launch + pair) % 2 == 0 else (head, base, base, head)
+                    seconds = {base: 0.0, head: 0.0}
+                    for turn in turns:
+                        seconds[turn] += servers[turn].seconds(cell, runs[cell])
+                    pairs[cell].append(seconds[head] / seconds[base])
+    return {cell: Timing(tuple(found)) for cell, found in pairs.items()}
 
 
 def runs_in_a_block(server, cell, block_seconds):
     server.seconds(cell, 1)  # the first is slower
-    once, _ = server.seconds(cell, 1)
-    return max(1, round(block_seconds / once))
-
-
-def one_pair(turns, base, head, cell, runs):
-    """Returns the ratios of CPU and of wall time of a pair: first, second, second, first."""
-    first, second = turns
-    blocks = [(server, *server.seconds(cell, runs)) for server in (first, second, second, first)]
-
-    def total(wanted, kind):
-        return sum(block[kind] for block in blocks if block[0] is wanted)
-
-    return total(head, 1) / total(base, 1), total(head, 2) / total(base, 2)
+    return max(1, round(block_seconds / server.seconds(cell, 1)))
 
 
 def judge_times(base, head, plan):
@@ -207,13 +162,10 @@ def judge_times(base, head, plan):
     first = time_cells(base, head, plan.cells, plan)
     suspects = tuple(cell for cell in plan.cells if first[cell].is_slower())
     again = time_cells(base, head, suspects, plan) if suspects else {}
-    latest = {**first, **again}
-    for cell, timing in latest.items():
+    for cell, timing in {**first, **again}.items():
         layer.add(cell, "CPU time, head over base", f"{timing.median:.3f} (lower quartile {timing.lower_quartile:.3f})",
                   f"{MEDIAN_LIMIT} ({QUARTILE_LIMIT})", not timing.is_slower())
     if suspects:
         layer.notes.append("measured twice: " + ", ".join(f"{cell} (first {first[cell].median:.3f})"
                                                           for cell in suspects))
-    layer.notes.append("wall time, not judged: " + ", ".join(f"{cell} {timing.wall_ratio:.3f}"
-                                                              for cell, timing in latest.items()))
     return layer

@@ -1,49 +1,40 @@
 """Finds the cheapest run that reaches an error and keeps a structure, in what the study of accuracy measured.
 
-The step for an error is interpolated along a line, between two neighbouring runs that worked. Between recorded n, and
-between recorded times, steps and seconds are interpolated too. All interpolation is linear in the logarithms. Steps
-beyond a failure, beyond the largest step that worked in trials or beyond a stability limit are never offered.
+The step for an error is interpolated along a line, between two neighbouring runs that worked. Between recorded n and
+between recorded times, steps and seconds are interpolated too. All interpolation is linear in the logarithms. No step is
+offered beyond a failure, beyond a stability limit, or beyond the largest step that worked in trials.
 """
 
 import itertools
 import math
 import os
 import shlex
-from typing import Callable, List, NamedTuple
+from dataclasses import dataclass
+from typing import NamedTuple, Optional, Sequence
 
 from accuracy_lines import FAST, NEAR_ROUNDING, SCENES, Problem, interpolated
 from benchmark_json import one_line
 from comparison import MISSING, three_digits
-from document import Column, Entry, Heading, Items, Paragraph, Table, plain_table
+from document import Column, Items, Paragraph, plain_table
+from study import MODULE, NO_ANSWER, Stop
 from study_file import Integrator
 
 # What can be asked for, from the least to the most: a Lie–Poisson integrator keeps the spectrum too.
 KEPT = {"nothing": "nothing", "spectrum": "the spectrum", "poisson": "the Lie–Poisson structure"}
-MOST_OFFERED = 5  # the winner and its runners-up
+MOST_OFFERED = 5  # the answer and its runners-up
 TABLE_EXPONENTS = (-2, -4, -6, -8)
 
 # The steps offered are for the error over MARGIN, for interpolation along a line. Between recorded n, and away from a
 # recorded time, they are for a smaller one still: at T = 20, the errors of rk4 in the smooth scene at n = 33 are 1.8
 # times what interpolation between T = 5 and 50 gives; other methods stay below it.
 MARGIN, MARGIN_OF_N, MARGIN_OF_TIME = 1.2, 1.25, 1.6
-PREDICTABLE = 0.01  # a reference less certain than that tells no trajectory
+PREDICTABLE = 0.01  # largest uncertainty of a reference that trajectories are judged by
 SMALLEST_ERROR = 1e-17  # of energy and spectrum, which may be exactly 0
 
-# How the error of energy grows with time, a little more than the most that was seen: n = 33 and 65, smooth and rough, to
-# T = 400. It grows while a scene develops, up to SETTLED; then for methods that are not Lie–Poisson only. What the others,
-# which lose the spectrum, lose over long times is no such power, and they are not offered.
+# Growth of the error of energy with time, a little more than the most that was seen: n = 33 and 65, smooth and rough, to
+# T = 400. The error grows while a scene develops, up to SETTLED; then for methods that are not Lie–Poisson only. Methods
+# that lose the spectrum follow no such power over long times, and are not offered.
 SETTLED, YOUNG_POWER, MOST_YOUNG, MOST_OLD, OLD_POWER = 50.0, 2.0, 40.0, 2.0, 1.2
-ENERGY_JUDGED = (f"the error is that of energy and spectrum, the larger one, of methods that keep the spectrum; it is taken"
-                 f" to grow as the square of time up to T = {SETTLED:g}, and later for methods that are not Lie–Poisson,"
-                 " about in proportion to time")
-
-
-class Unanswerable(Exception):
-    """A question that nothing measured answers; the message is one line."""
-
-
-class BelowReference(Exception):
-    """An error that the reference solution cannot tell; the message is one line."""
 
 
 class Question(NamedTuple):
@@ -54,133 +45,49 @@ class Question(NamedTuple):
     keep: str
 
 
-class Offer(NamedTuple):
-    """A run that is expected to have the error; `evidence` are the runs it comes from, as columns of a table."""
+@dataclass
+class Outcome:
+    """A run of the fast form of an integrator, as it was made or as it is expected."""
 
     integrator: Integrator
-    step: float
+    n: int
+    time: float
     steps: int
-    error: float
+    error: Optional[float]
     seconds: float
-    evidence: List[dict]
+    status: str = "expected"
+    error_at_half: Optional[float] = None  # of its time; of a trajectory only
+    evidence: Sequence["Outcome"] = ()  # for an expected run: the runs made that it follows from
 
+    @property
+    def step(self):
+        return self.time / self.steps
 
-class Answer(NamedTuple):
-    question: Question
-    offers: List[Offer]  # the cheapest first
-    judged: str
-    statements: List[str]
-    speedup: float  # of this machine against the one of the seconds, None if not known
-    source: dict
-    scene_arguments: List[str]  # of the program `integrate`
-
-
-class Basis(NamedTuple):
-    """The recorded problems that a question is answered from, and how."""
-
-    weights: dict  # by Problem, in the logarithms; they add up to 1
-    trajectory: bool  # whether errors are those of the trajectory, or of energy and spectrum
-    growth: Callable[[Integrator], float]  # of the error, from the recorded time to that of the question
-    margin: float
-    statements: List[str]
-
-
-def that_keeps(structure):
-    return "" if structure == "nothing" else f" that keeps {KEPT[structure]}"
+    def row(self):
+        """Returns what answers tell about it, by name."""
+        return {"integrator": self.integrator.name, "order": self.integrator.order,
+                "keeps": strongest_structure(self.integrator), "n": self.n, "time": self.time, "steps": self.steps,
+                "step": self.step, "error": self.error, "seconds": self.seconds, "status": self.status}
 
 
 def strongest_structure(integrator):
+    """Returns the strongest structure that an integrator keeps."""
     return next(structure for structure in reversed(KEPT) if integrator.keeps(structure))
 
 
-# ---- recorded problems
+def that_keeps(structure):
+    return "" if structure == "nothing" else f" that keep {KEPT[structure]}"
 
 
-def neighbours(values, wanted):
-    """Returns the values around the wanted one, each with its weight; the nearest alone where it is outside."""
-    values = sorted(values)
-    for value in values:
-        if math.isclose(value, wanted, rel_tol=1e-9):
-            return {value: 1.0}
-    below, above = [value for value in values if value < wanted], [value for value in values if value > wanted]
-    if not below or not above:
-        return {(below[-1] if below else above[0]): 1.0}
-    share = math.log(wanted / below[-1]) / math.log(above[0] / below[-1])
-    return {below[-1]: 1 - share, above[0]: share}
+def below_reference(error, uncertainty):
+    """Returns the Stop for an error that the reference solution cannot tell."""
+    return Stop(f"--error {error:g}: is below the uncertainty of the reference solution, {uncertainty:.2g}")
 
 
-def blend(weights, values):
-    """Returns the mean of logarithms as a value."""
-    return math.exp(sum(weight * math.log(value) for weight, value in zip(weights, values)))
-
-
-def joined(values):
-    return " and ".join(f"{value:g}" for value in values)
-
-
-def basis_of(study, question):
-    """Returns the Basis of a question. Throws Unanswerable or BelowReference."""
-    sizes = {}
-    for problem in study.problems():
-        if problem.scene == question.scene:
-            sizes.setdefault(problem.time, []).append(problem.n)
-    times = [time for time, found in sizes.items() if min(found) <= question.n <= max(found)]
-    if not times:
-        recorded = "; ".join(f"n = {', '.join(map(str, found))} to T = {time:g}" for time, found in sizes.items())
-        raise Unanswerable(f"n = {question.n} is outside what is recorded of the scene {question.scene}"
-                           f" ({recorded or 'nothing'}), and nothing is extrapolated in n; --modes or --state tries a"
-                           " scene itself")
-    around = neighbours(times, question.time)
-    weights = {Problem(question.scene, time, n): share * part for time, share in around.items()
-               for n, part in neighbours(sizes[time], question.n).items()}
-    statements, margin, growth = [], MARGIN, 1.0
-    used = sorted({problem.n for problem in weights})
-    if used != [question.n]:
-        margin *= MARGIN_OF_N
-        statements.append(f"n = {question.n} is not recorded: steps and seconds are interpolated between n ="
-                          f" {joined(used)}")
-    longest = max(times)
-    uncertainty = max(study.references[problem].uncertainty for problem in weights)
-    if question.time > longest * (1 + 1e-9) or uncertainty > PREDICTABLE:
-        why = (f"no reference solution goes beyond T = {longest:g}" if question.time > longest * (1 + 1e-9) else
-               f"the reference solution is good to {uncertainty:.1g} only")
-        statements.append(f"T = {question.time:g} is beyond predictability ({why}): {ENERGY_JUDGED}")
-        return Basis(weights, False, lambda each: energy_growth(each, longest, question.time), margin, statements)
-    if question.error < uncertainty:
-        raise BelowReference(f"--error {question.error:g}: is below the uncertainty of the reference solution,"
-                             f" {uncertainty:.2g}")
-    if len(around) > 1:
-        margin *= MARGIN_OF_TIME
-        statements.append(f"T = {question.time:g} is not recorded: steps and seconds are interpolated between T ="
-                          f" {joined(around)}")
-    elif question.time < min(times) * (1 - 1e-9):
-        margin *= MARGIN_OF_TIME
-        growth = question.time / min(times)
-        statements.append(f"T = {question.time:g} is not recorded: from T = {min(times):g}, up to which the error is"
-                          " taken to grow in proportion to time")
-    return Basis(weights, True, lambda each: growth, margin, statements)
-
-
-def safe_runs(study, basis, problem, name):
-    """Returns the runs of a line up to the longest safe step, from the shortest one, with the error as judged.
-
-    It ends before the first step that failed, is beyond a limit, or is longer than what worked in trials.
-    """
-    key = (problem.scene, problem.n, name, FAST)
-    longest = study.safe_step_limit(problem.scene, problem.n, name) or 0.0 if key in study.limits else math.inf
-    found = []
-    for run in reversed(study.line(problem, name)):
-        if run.usable and not run.beyond_limit and run.h_norm_B <= longest * (1 + 1e-9):
-            found.append(run._replace(error=judged(study, basis, run)))
-        elif found:
-            break
-    return found
-
-
-def judged(study, basis, run):
-    error = (run.error + study.references[run.problem].uncertainty if basis.trajectory else
-             max(run.energy_error, run.spectrum_error, SMALLEST_ERROR))
-    return error * basis.growth(study.integrators[run.integrator])
+def beyond_predictability(time, why):
+    return (f"T = {time:g} is beyond predictability ({why}): the error is that of energy and spectrum, the larger one, of"
+            f" methods that keep the spectrum; it is taken to grow as the square of time up to T = {SETTLED:g}, and later"
+            " for methods that are not Lie–Poisson, about in proportion to time")
 
 
 def energy_growth(integrator, known, time):
@@ -188,6 +95,24 @@ def energy_growth(integrator, known, time):
     young = max(1.0, min(time, SETTLED) / min(known, SETTLED)) ** YOUNG_POWER
     old = max(1.0, max(time, SETTLED) / max(known, SETTLED))
     return min(MOST_YOUNG, young) * min(MOST_OLD, old) if integrator.lie_poisson else young * old ** OLD_POWER
+
+
+# ---- recorded problems
+
+
+def neighbours(values, wanted):
+    """Returns the values next to the wanted one, with weights for interpolation; outside them, the nearest alone."""
+    wanted = min(max(wanted, min(values)), max(values))
+    below, above = max(each for each in values if each <= wanted), min(each for each in values if each >= wanted)
+    if below == above:
+        return {wanted: 1.0}
+    share = math.log(wanted / below) / math.log(above / below)
+    return {below: 1 - share, above: share}
+
+
+def blend(weights, values):
+    """Returns the weighted geometric mean of values."""
+    return math.exp(sum(weight * math.log(value) for weight, value in zip(weights, values)))
 
 
 def cost_of(runs, error):
@@ -200,80 +125,117 @@ def cost_of(runs, error):
     return min(costs, key=lambda cost: cost.seconds, default=None)
 
 
-def offer_of(study, question, basis, name):
-    """Returns the Offer of an integrator, or None."""
-    error = question.error / basis.margin
-    costs = [cost_of(safe_runs(study, basis, problem, name), error) for problem in basis.weights]
-    if None in costs:
-        return None
+class Recorded:
+    """The recorded problems that a question is answered from. Throws Stop if there are none that tell the error."""
 
-    def blended(value):
-        return blend(basis.weights.values(), [value(problem, cost) for problem, cost in zip(basis.weights, costs)])
+    def __init__(self, study, question):
+        self.study, self.question = study, question
+        self.margin, self.statements = MARGIN, []
+        sizes = {}
+        for problem in study.problems():
+            if problem.scene == question.scene:
+                sizes.setdefault(problem.time, []).append(problem.n)
+        times = [time for time, found in sizes.items() if min(found) <= question.n <= max(found)]
+        if not times:
+            recorded = "; ".join(f"n = {', '.join(map(str, found))} to T = {time:g}" for time, found in sizes.items())
+            raise Stop(f"n = {question.n} is outside what is recorded of the scene {question.scene}"
+                       f" ({recorded or 'nothing'}), and nothing is extrapolated in n; --modes or --state tries a scene"
+                       " itself", NO_ANSWER)
+        self.shortest, self.longest = min(times), max(times)
+        around = neighbours(times, question.time)
+        self.weights = {Problem(question.scene, time, n): share * part for time, share in around.items()
+                        for n, part in neighbours(sizes[time], question.n).items()}
+        self.interpolate("n", question.n, sorted({problem.n for problem in self.weights}), MARGIN_OF_N)
+        uncertainty = max(study.references[problem].uncertainty for problem in self.weights)
+        self.trajectory = question.time <= self.longest and uncertainty <= PREDICTABLE
+        if not self.trajectory:
+            self.statements.append(beyond_predictability(question.time, (
+                f"the reference solution ends at T = {self.longest:g} and is good to {uncertainty:.1g}")))
+        elif question.error < uncertainty:
+            raise below_reference(question.error, uncertainty)
+        else:
+            self.interpolate("T", question.time, around, MARGIN_OF_TIME)
+        self.lines = {name: [self.safe_runs(problem, name) for problem in self.weights]
+                      for name, each in study.integrators.items()
+                      if each.keeps(question.keep) and (self.trajectory or each.isospectral)}
 
-    step = blended(lambda _, cost: cost.step)
-    limits = [study.safe_step_limit(problem.scene, problem.n, name) or math.inf for problem in basis.weights]
-    longest = min(limits) / blended(lambda _, cost: cost.fine.h_norm_B / cost.fine.step)
-    steps = math.ceil(question.time / min(step, longest, question.time) * (1 - 1e-9))
-    shorter = question.time / steps / step
-    expected = blended(lambda _, cost: error if cost.coarse is not cost.fine else cost.fine.error)
-    seconds = blended(lambda problem, cost: cost.seconds / problem.time) * question.time / shorter
-    runs = {id(run): run for cost in costs for run in (cost.coarse, cost.fine)}.values()
-    return Offer(study.integrators[name], question.time / steps, steps,
-                 expected * min(1.0, shorter) ** study.integrators[name].order, seconds, list(map(evidence, runs)))
+    def interpolate(self, what, wanted, used, margin):
+        """Takes a margin for interpolation in n or T, and says so, unless the wanted value is recorded."""
+        if wanted not in used:
+            self.margin *= margin
+            self.statements.append(f"{what} = {wanted:g} is not recorded: steps and seconds are interpolated from {what} ="
+                                   f" {' and '.join(f'{value:g}' for value in used)}")
 
+    def judged_error(self, run):
+        """Returns the error of a recorded run at the time of the question, of the kind that is judged."""
+        if not self.trajectory:
+            growth = energy_growth(self.study.integrators[run.integrator], self.longest, self.question.time)
+            return max(run.energy_error, run.spectrum_error, SMALLEST_ERROR) * growth
+        # Up to the shortest recorded time, the error is taken to grow in proportion to time.
+        return (run.error + self.study.references[run.problem].uncertainty) * min(1.0, self.question.time / self.shortest)
 
-def evidence(run):
-    return {"integrator": run.integrator, "n": run.n, "time": run.time, "steps": run.steps, "step": run.step,
-            "error": run.error, "seconds": run.seconds, "status": run.status}
+    def longest_h_norm_B(self, problem, name):
+        """Returns the largest h‖B‖₂ that worked in trials; 0 where none worked, or there were none."""
+        limit = self.study.limits.get((problem.scene, problem.n, name, FAST))
+        return limit.h_norm_B or 0.0 if limit else 0.0
 
+    def safe_runs(self, problem, name):
+        """Returns the runs of a line with the errors judged, from the shortest step to the longest safe one.
 
-def candidates(study, question, basis):
-    """Returns the names of the integrators that may be offered."""
-    return [name for name, each in study.integrators.items()
-            if each.keeps(question.keep) and (basis.trajectory or each.isospectral)]
+        The next step failed, is beyond a limit, or is longer than what worked in trials.
+        """
+        longest, found = self.longest_h_norm_B(problem, name) * (1 + 1e-9), []
+        for run in reversed(self.study.line(problem, name)):
+            if run.usable and not run.beyond_limit and run.h_norm_B <= longest:
+                found.append(run._replace(error=self.judged_error(run)))
+            elif found:
+                break
+        return found
 
+    def outcome(self, run):
+        return Outcome(self.study.integrators[run.integrator], run.n, run.time, run.steps, run.error, run.seconds, run.status)
 
-def ranking(study, question, basis):
-    """Returns the offer of each integrator that reaches the error, the cheapest first."""
-    offers = (offer_of(study, question, basis, name) for name in candidates(study, question, basis))
-    return sorted(filter(None, offers), key=lambda offer: (offer.seconds, offer.error))
+    def offer(self, name):
+        """Returns the run of an integrator that is expected to have the error, or None."""
+        error, time = self.question.error / self.margin, self.question.time
+        costs = [cost_of(line, error) for line in self.lines[name]]
+        if None in costs:
+            return None
+        known = [(cost.step, cost.fine.h_norm_B / cost.fine.step, cost.fine.error if cost.coarse is cost.fine else error,
+                  cost.seconds / problem.time) for problem, cost in zip(self.weights, costs)]
+        step, norm_B, expected, pace = (blend(self.weights.values(), values) for values in zip(*known))
+        longest = min(self.longest_h_norm_B(problem, name) for problem in self.weights) / norm_B
+        steps = math.ceil(time / min(step, longest) * (1 - 1e-9))
+        shortened, integrator = time / steps / step, self.study.integrators[name]
+        runs = dict.fromkeys(run for cost in costs for run in (cost.coarse, cost.fine))
+        return Outcome(integrator, self.question.n, time, steps, expected * shortened**integrator.order,
+                       pace * time / shortened, evidence=list(map(self.outcome, runs)))
+
+    def ranking(self):
+        """Returns the offer of each integrator that reaches the error, the cheapest first."""
+        offers = filter(None, map(self.offer, self.lines))
+        return sorted(offers, key=lambda offer: (offer.seconds, offer.error))
+
+    def nearest(self):
+        """Returns the Outcome with the smallest error; of each integrator, that of its worst problem. None if none."""
+        found = [max((min(line, key=lambda run: run.error) for line in lines), key=lambda run: run.error)
+                 for lines in self.lines.values() if all(lines)]
+        return self.outcome(min(found, key=lambda run: run.error)) if found else None
 
 
 def answer(study, question, path, rate_here=lambda n: None):
-    """Returns the Answer. Throws Unanswerable or BelowReference. `rate_here(n)` measures products per second."""
-    basis = basis_of(study, question)
-    offers = ranking(study, question, basis)
-    if not offers:
-        raise Unanswerable(best_there_is(study, question, basis))
-    speedup = None
-    if min(study.rates, default=math.inf) <= question.n <= max(study.rates, default=0):
-        around = neighbours(study.rates, question.n)
-        here = rate_here(question.n)
-        speedup = here and here / blend(around.values(), [study.rates[n].fast for n in around])
-    source = {"raw": one_line(path), **{name: study.context.get(name) for name in ("cpu", "commit", "dirty")}}
-    arguments = ["--scene", question.scene]
-    statements = basis.statements
+    """Returns the answer as answer_data() does. `rate_here(n)` returns products per second here, or None."""
+    recorded = Recorded(study, question)
+    here = rate_here(question.n) if study.rates else None
+    around = neighbours(study.rates, question.n) if here else {}
+    speedup = here and here / blend(around.values(), [study.rates[n].fast for n in around])
+    scene = ["--scene", question.scene]
     if question.scene == SCENES[2]:
-        arguments = ["--initial", f"developed_n{question.n}.npy"]
-        statements = [*statements, f"the developed state is made by: {integrate()} --n {question.n} --scene smooth"
-                      f" --integrator group5 --solver fast --step 0.05 --time 100 --output {arguments[1]}"]
-    judged_by = "trajectory" if basis.trajectory else "energy and spectrum"
-    return Answer(question, offers[:MOST_OFFERED], judged_by, statements, speedup, source, arguments)
-
-
-def best_there_is(study, question, basis):
-    """Says in a line that nothing reaches the error, and what comes nearest."""
-    found = []
-    for name in candidates(study, question, basis):
-        lines = [safe_runs(study, basis, problem, name) for problem in basis.weights]
-        if all(lines):
-            found.append(max((min(line, key=lambda run: run.error) for line in lines), key=lambda run: run.error))
-    what = f"no recorded method{that_keeps(question.keep)}"
-    if not found:
-        return f"{what} has a safe run at n = {question.n} to T = {question.time:g}"
-    best = min(found, key=lambda run: run.error)
-    return (f"{what} is known to reach the error {question.error:g} with a margin of {basis.margin:g}; the best there is"
-            f" has {best.error:.3g}, by {best.integrator} with h = {best.step:.4g} at n = {best.n} to T = {best.time:g}")
+        scene = ["--initial", f"developed_n{question.n}.npy"]
+        recorded.statements.append(f"the developed state is made by: {integrate()} --n {question.n} --scene smooth"
+                                   f" --integrator group5 --solver fast --step 0.05 --time 100 --output {scene[1]}")
+    source = {"raw": one_line(path), **{name: study.context.get(name) for name in ("cpu", "commit", "dirty")}}
+    return answer_data(recorded, f" with a margin of {recorded.margin:g}", scene, source, speedup)
 
 
 # ---- the answer
@@ -281,94 +243,83 @@ def best_there_is(study, question, basis):
 
 def integrate():
     """Returns the path of the program `integrate`, from here where that is shorter."""
-    here = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
-    path = os.path.join(os.environ.get("ISOSYRK_BUILD") or os.path.join(here, "build"), "benchmarks", "integrate")
-    return shlex.quote(min(os.path.relpath(path), os.path.abspath(path), key=len))
+    path = os.path.join(os.path.dirname(os.path.abspath(MODULE)), "benchmarks", "integrate")
+    return shlex.quote(min(os.path.relpath(path), path, key=len))
 
 
-def command(found, offer):
-    """Returns the line that runs an offer."""
-    return (f"{integrate()} --n {found.question.n} {shlex.join(found.scene_arguments)} --integrator"
-            f" {offer.integrator.name} --solver fast --step {offer.step!r} --time {found.question.time!r}")
+def answer_data(search, how, scene_arguments, source, speedup=None):
+    """Returns the answer for programs, as what JSON can hold: of a question, from recorded runs or from pilots.
+
+    Throws Stop if nothing reaches the error; `how` says how it was to be reached. `scene_arguments` are those of the
+    program `integrate`. `speedup` is that of this machine against the one of the seconds, None if not known.
+    """
+    question, offers = search.question, search.ranking()[:MOST_OFFERED]
+    if not offers or offers[0].error > question.error:
+        best = search.nearest()
+        found = (f"the best there is has {best.error:.3g}, by {best.integrator.name} with h = {best.step:.4g} at n ="
+                 f" {best.n} to T = {best.time:g}" if best else "no run worked")
+        raise Stop(f"no methods{that_keeps(question.keep)} are known to reach the error {question.error:g}{how}; {found}",
+                   NO_ANSWER)
+
+    def offered(offer):
+        return {**offer.row(), "solver": FAST, "expected_error": offer.error, "seconds": offer.seconds / (speedup or 1.0),
+                "seconds_recorded": offer.seconds,
+                "command": f"{integrate()} --n {offer.n} {shlex.join(scene_arguments)} --integrator {offer.integrator.name}"
+                           f" --solver {FAST} --step {offer.step!r} --time {offer.time!r}"}
+
+    winner, *others = offers
+    return {**offered(winner), "question": question._asdict(),
+            "judged": "trajectory" if search.trajectory else "energy and spectrum", "statements": search.statements,
+            "speedup": speedup, "evidence": [each.row() for each in winner.evidence],
+            "runners_up": list(map(offered, others)), "source": source}
 
 
-def seconds_here(found, offer):
-    return offer.seconds / (found.speedup or 1.0)
+def outcomes_table(rows, names):
+    """Returns a table with a column for each of some names of what Outcome.row() returns."""
+    def shown(value):
+        return MISSING if value is None else f"{value:.4g}" if isinstance(value, float) else str(value)
+
+    columns = [Column(name, align="left" if isinstance(rows[0][name], str) else "right") for name in names]
+    return plain_table(columns, [[shown(row[name]) for name in names] for row in rows])
 
 
-def answer_document(found):
-    """Returns the answer as a document: the winner, its rivals, and where the numbers come from."""
-    question, (winner, *others) = found.question, found.offers
-    recorded = f" ({three_digits(winner.seconds)} where it was recorded)" if found.speedup else ""
-    facts = {
-        "method": f"{winner.integrator.name}, order {winner.integrator.order}, keeps"
-                  f" {KEPT[strongest_structure(winner.integrator)]}",
-        "solver": "fast",
-        "step": f"h = {winner.step:.6g} ({winner.steps} steps)",
-        "expected error": f"{winner.error:.3g} ({found.judged})",
-        "CPU seconds": three_digits(seconds_here(found, winner)) + recorded,
-    }
-    columns = (Column("method", align="left"), Column("order"), Column("keeps", align="left"), Column("step"),
-               Column("steps"), Column("error"), Column("CPU seconds"), Column("times as long"))
-    rows = [[offer.integrator.name, str(offer.integrator.order), KEPT[strongest_structure(offer.integrator)],
-             f"{offer.step:.4g}", str(offer.steps), f"{offer.error:.3g}", three_digits(seconds_here(found, offer)),
-             three_digits(offer.seconds / winner.seconds)] for offer in others]
-    tried = (Column("method", align="left"), Column("n"), Column("to T"), Column("steps"), Column("error"),
-             Column("CPU seconds"), Column("status", align="left"))
+def answer_document(data):
+    """Returns an answer as a document: the cheapest method above its rivals, and where the numbers come from."""
+    question = Question(**data["question"])
+    recorded = [] if data["speedup"] is None else ["seconds_recorded"]
     return [
-        Paragraph(f"The cheapest method{that_keeps(question.keep)} for the scene {question.scene}, n = {question.n}, to"
-                  f" T = {question.time:g} with an error of {question.error:g} or less:"),
-        Items([(name, f": {text}") for name, text in facts.items()]),
-        *(Paragraph(f"Note: {each}.") for each in found.statements),
-        *([Paragraph("Runners-up:"), plain_table(columns, rows)] if others else
-          [Paragraph("No other integrator does.")]),
-        Paragraph("Evidence:"),
-        plain_table(tried, [[each["integrator"], str(each["n"]), f"{each['time']:.4g}", str(each["steps"]),
-                             MISSING if each["error"] is None else f"{each['error']:.3g}",
-                             MISSING if each["seconds"] is None else three_digits(each["seconds"]), each["status"]]
-                            for each in winner.evidence]),
-        Items([(name, f": {text}") for name, text in found.source.items() if text is not None]),
+        Paragraph(f"The cheapest methods{that_keeps(question.keep)} for the scene {question.scene}, n = {question.n}, to"
+                  f" T = {question.time:g} with an error of {question.error:g} or less ({data['judged']}). The first row"
+                  " is the answer, the others are its runners-up:"),
+        outcomes_table([data, *data["runners_up"]], ["integrator", "solver", "order", "keeps", "step", "steps",
+                                                     "expected_error", "seconds", *recorded]),
+        *(Paragraph(f"Note: {each}.") for each in data["statements"]),
+        Paragraph("Evidence for the answer:"),
+        outcomes_table(data["evidence"], ["integrator", "n", "time", "steps", "error", "seconds", "status"]),
+        Items([(name, f": {text}") for name, text in data["source"].items() if text is not None]),
+        Paragraph("Run it:"),
     ]
-
-
-def answer_data(found):
-    """Returns the answer for programs, as what JSON can hold."""
-    def data(offer):
-        return {"integrator": offer.integrator.name, "solver": FAST, "step": offer.step, "steps": offer.steps,
-                "expected_error": offer.error, "seconds": seconds_here(found, offer),
-                "seconds_recorded": offer.seconds, "keeps": strongest_structure(offer.integrator),
-                "order": offer.integrator.order, "command": command(found, offer)}
-
-    winner, *others = found.offers
-    return {**data(winner), "question": found.question._asdict(), "judged": found.judged,
-            "statements": found.statements, "speedup": found.speedup, "evidence": winner.evidence,
-            "runners_up": [{**data(offer), "ratio": offer.seconds / winner.seconds} for offer in others],
-            "source": found.source}
 
 
 # ---- the table
 
 
 def recommendation_tables(study):
-    """Returns, for each structure, a heading and a table of the winner by scene, n and error; then how to read them."""
-    def entry(problem, structure, exponent):
-        question = Question(problem.scene, problem.n, problem.time, 10.0**exponent, structure)
+    """Returns a table of the cheapest method by structure, problem and error; then how to read it."""
+    def entry(structure, problem, exponent):
         try:
-            winner = ranking(study, question, basis_of(study, question))[0]
-        except (Unanswerable, BelowReference, IndexError):
-            return Entry(MISSING)
-        return Entry(f"{winner.integrator.name}, h = {winner.step:.3g}, {three_digits(winner.seconds)} s")
+            question = Question(problem.scene, problem.n, problem.time, 10.0**exponent, structure)
+            best = Recorded(study, question).ranking()[0]
+        except (Stop, IndexError):
+            return MISSING
+        return f"{best.integrator.name}, h = {best.step:.3g}, {three_digits(best.seconds)} s"
 
-    columns = (Column("scene", align="left"), Column("T"), Column("n"),
+    columns = (Column("keeps", align="left"), Column("scene", align="left"), Column("T"), Column("n"),
                *(Column(f"error 1e{exponent}", align="left") for exponent in TABLE_EXPONENTS))
-    parts = []
-    for structure in KEPT:
-        rows = [[Entry(problem.scene), Entry(f"{problem.time:g}"), Entry(str(problem.n)),
-                 *(entry(problem, structure, exponent) for exponent in TABLE_EXPONENTS)]
-                for problem in study.problems()]
-        heading = "Whatever is kept" if structure == "nothing" else f"Keeping {KEPT[structure]}"
-        parts += [Heading(heading, 3), Table(columns, [rows])]
-    return [*parts, Paragraph(
+    rows = [[structure, problem.scene, f"{problem.time:g}", str(problem.n),
+             *(entry(structure, problem, exponent) for exponent in TABLE_EXPONENTS)]
+            for structure in KEPT for problem in study.problems()]
+    return [plain_table(columns, rows), Paragraph(
         "The cheapest method by its fast form, as scripts/recommend answers: method, step, CPU seconds, interpolated along"
         f" the line for the column's error over {MARGIN}. A step is never longer than what worked in trials."
         f' "{MISSING}": nothing recorded reaches the error.')]

@@ -6,7 +6,7 @@ import tempfile
 
 from benchmark_json import UnusableFile, one_line
 from chart_python import require_matplotlib
-from command_line import OneLineParser
+from command_line import raw_file_parser
 from document import as_markdown, as_text, replace_file
 
 RECORDED = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__)))), "results",
@@ -20,12 +20,9 @@ def render_study(program, description, arguments, raw, others, drawn):
     `drawn(options)` returns figures by name (None: there is nothing to draw) and a function from the names of those
     that there are to the report.
     """
-    parser = OneLineParser(prog=program, description=description)
-    parser.add_argument("raw", metavar="RAW.json", help=f"what {raw} wrote")
+    parser = raw_file_parser(program, description, raw, others)
     parser.add_argument("--out", metavar="DIR", required=True, help="folder for charts and report; made if missing."
                         " In results/recorded: SVG and Markdown only")
-    for name, wrote_it in others.items():
-        parser.add_argument(f"--{name}", metavar=f"{name.upper()}.json", help=wrote_it)
     options = parser.parse_args(arguments)
     require_matplotlib(program)
     return options, write_folder(program, options.out, lambda: files(drawn, options))

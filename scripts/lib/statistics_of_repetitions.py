@@ -27,19 +27,14 @@ def half_interquartile_range(values):
 
 
 @functools.lru_cache(maxsize=None)
-def arrangements_up_to(smaller_side, larger_side, limit):
-    """Counts the orders of two samples in which at most `limit` pairs are the wrong way round.
+def orders(first, second, wrong):
+    """Counts the orders of two samples of these sizes in which exactly `wrong` pairs are the wrong way round.
 
-    These numbers are the coefficients of the Gaussian binomial ∏ (1 − q^(b+i)) / (1 − q^i), i = 1 … a, here
-    multiplied and divided out factor by factor up to q^limit.
+    The last of all is either of the first sample, which puts it behind all of the second, or of the second.
     """
-    coefficients = [1] + [0] * limit
-    for i in range(1, smaller_side + 1):
-        for power in range(limit, larger_side + i - 1, -1):
-            coefficients[power] -= coefficients[power - larger_side - i]
-        for power in range(i, limit + 1):
-            coefficients[power] += coefficients[power - i]
-    return sum(coefficients)
+    if wrong < 0 or not first or not second:
+        return int(wrong == 0)
+    return orders(first - 1, second, wrong - second) + orders(first, second - 1, wrong)
 
 
 def rank_test(smaller, larger):
@@ -49,8 +44,8 @@ def rank_test(smaller, larger):
     them against the claim can only raise p: the result is never too favourable.
     """
     wrong = sum(1 for x in smaller for y in larger if x >= y)
-    sides = sorted((len(smaller), len(larger)))
-    return arrangements_up_to(*sides, wrong) / math.comb(sum(sides), sides[0])
+    as_good = sum(orders(len(smaller), len(larger), fewer) for fewer in range(wrong + 1))
+    return as_good / math.comb(len(smaller) + len(larger), len(smaller))
 
 
 class Decision(NamedTuple):

@@ -38,7 +38,7 @@ KEPT_CONDITIONS = ("commit", "dirty", "cpu", "blas_kernels")  # what results dep
 NOT_OF_THE_STUDY = ("out", "scheduler", "workers")  # options that leave results as they are
 MOST_LOSSES = 3  # of workers, without a job finished between
 LOST = "a worker was lost; its jobs are done again"
-LONG_RUN = 1.0  # CPU seconds; such a run is timed at most twice
+ENOUGH_TIMED = 1.0  # CPU seconds of timed work on a point, after which it is repeated no more
 LEAST_SECONDS = 0.01  # that a repetition fills with runs, so that clock and interruptions do not weigh
 BAD_ARGUMENTS, NO_ANSWER, INTERRUPTED, TERMINATED = 2, 3, 130, 143
 
@@ -328,11 +328,11 @@ def seconds_of(method, W, h, steps):
     return statistics.fmean(method.timed_run(W, h, steps, repetitions=math.ceil(LEAST_SECONDS / max(first, 1e-6))))
 
 
-def in_turns(points, repetitions, time_one, journal, what, long_run=LONG_RUN):
+def in_turns(points, repetitions, time_one, journal, what, enough=ENOUGH_TIMED):
     """Returns the CPU seconds of each point, a list of so many repetitions, by time_one(point).
 
     All points are timed once, in their order, then again: a slow minute of the machine falls on all alike. This process
-    is kept on the last core meanwhile. A point of `long_run` seconds or more is timed at most twice.
+    is kept on the last core meanwhile. A point on which `enough` seconds were spent is not repeated.
     """
     cores = os.sched_getaffinity(0)
     journal.context["timed_on"] = f"core {max(cores)}"
@@ -342,7 +342,7 @@ def in_turns(points, repetitions, time_one, journal, what, long_run=LONG_RUN):
         with progress(len(points) * repetitions, what) as bar:
             for repetition in range(repetitions):
                 for point, found in zip(points, seconds):
-                    if len(found) < 2 or found[0] < long_run:
+                    if sum(found) < enough:
                         key = key_of(f"{what} {repetition}", point)
                         if key not in journal.found:
                             journal.add(key, time_one(point))

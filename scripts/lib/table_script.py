@@ -4,18 +4,8 @@ import os
 import sys
 
 from benchmark_json import UnusableFile, one_line
-from command_line import OneLineParser
+from command_line import raw_file_parser
 from document import WRITERS, replace_file, write_standard_output
-
-
-def parse_arguments(program, description, wrote, arguments, others):
-    parser = OneLineParser(prog=program, description=description)
-    parser.add_argument("raw", metavar="RAW.json", help=f"what {wrote} wrote")
-    parser.add_argument("--format", choices=tuple(WRITERS), default="text")
-    parser.add_argument("--output", metavar="FILE", help="write here instead of to standard output")
-    for name, wrote_it in others.items():
-        parser.add_argument(f"--{name}", metavar=f"{name.upper()}.json", help=wrote_it)
-    return parser.parse_args(arguments)
 
 
 def save(data, options, raw_files):
@@ -33,7 +23,10 @@ def render(program, description, wrote, table, arguments, others=None):
 
     `others` are options that name further raw files, with their help; `table` takes those given by name.
     """
-    options = parse_arguments(program, description, wrote, arguments, others or {})
+    parser = raw_file_parser(program, description, wrote, others or {})
+    parser.add_argument("--format", choices=tuple(WRITERS), default="text")
+    parser.add_argument("--output", metavar="FILE", help="write here instead of to standard output")
+    options = parser.parse_args(arguments)
     further = {name: getattr(options, name) for name in others or {} if getattr(options, name) is not None}
     try:
         data = WRITERS[options.format](table(options.raw, **further)).encode("utf-8")

@@ -56,7 +56,7 @@ COARSE_STEPS = (3, 6, 12, 25, 50, 100, 200, 400, 800, 1600, 3200)
 GOOD_ENOUGH = ((65, 1e-11), (math.inf, 1e-9))  # by the largest n
 ENOUGH_WORK = ((17, 4e9), (33, 12e9), (65, 12e9), (129, 20e9), (math.inf, 80e9))
 ENOUGH_TIMES = {(FAST, 5.0): 1, (FAST, 50.0): 2.5, (PUBLISHED, 5.0): 4}  # as many times that
-LONG_RUN = 0.3  # CPU seconds; such a run is timed twice
+ENOUGH_TIMED = 0.6  # CPU seconds: half of that is timed twice, all of it once
 LOOKS = 50  # at the energy in a run, at least while there are as many steps
 LOST_SPECTRUM = 0.1  # of the largest eigenvalue, which is 1: such a run has lost what it should keep, and is unstable
 
@@ -250,7 +250,7 @@ def main(arguments):
                journal.products(run.n) if run.solver == PUBLISHED else None, run.steps]
               for run in (*runs, *tolerance_runs) if run.usable]
     seconds = iter(study.in_turns(points, options.repetitions, lambda point: time_one(point, folder), journal,
-                                  "timings", LONG_RUN))
+                                  "timings", ENOUGH_TIMED))
 
     def completed(runs):
         return [run._replace(cpu_seconds=next(seconds) if run.usable else ()) for run in runs]

@@ -1,35 +1,38 @@
 """What the tests that run programs and scripts from outside share. Standard library only, Python 3.9 or later."""
 
-import ast
+import contextlib
 import json
+import multiprocessing
 import os
 import runpy
 import shutil
 import signal
-import struct
 import subprocess
 import sys
 import tempfile
-import traceback
 import unittest
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 BUILD = os.environ.get("ISOSYRK_BUILD") or os.path.join(ROOT, "build")
 DATA = os.path.join(ROOT, "tests", "data")
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))  # its modules are tested from inside, too
 
 DONE, BAD_ARGUMENTS, SOLVER_FAILED = 0, 2, 3
 FORMULATIONS = ("cotangent", "group", "algebra")
+
+
+def text_of(*path):
+    with open(os.path.join(*path), encoding="utf-8") as stream:
+        return stream.read()
 
 
 def is_built_with(option):
     """Tells whether an option such as ISOSYRK_SANITIZE was on; ctest says so in the environment."""
     if os.environ.get(option):
         return os.environ[option] == "1"
-    try:
-        with open(os.path.join(BUILD, "CMakeCache.txt"), encoding="utf-8") as cache:
-            return any(line.startswith(f"{option}:BOOL=ON") for line in cache)
-    except OSError:
-        return False
+    cache = os.path.join(BUILD, "CMakeCache.txt")
+    return os.path.exists(cache) and f"\n{option}:BOOL=ON\n" in text_of(cache)
 
 
 SANITIZED = is_built_with("ISOSYRK_SANITIZE")  # n > 33 takes too long
@@ -69,51 +72,34 @@ def run(command, timeout=60, env=None, prepare=None, **streams):
                           encoding="utf-8", errors="replace", **streams)
 
 
-def run_script(script, *arguments, timeout=60):
+def run_script(script, *arguments):
     """Runs one of the project's scripts to its end as run() does, in a copy of this process.
 
     Starting a Python takes longer than most scripts take to run, and tests run them some hundred times.
     """
-    with tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as errors:
-        child = os.fork()
-        if child == 0:
-            try:
-                os._exit(run_here(script, arguments, output, errors, timeout))
-            finally:
-                os._exit(1)
-        status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-        return subprocess.CompletedProcess([script, *arguments], status, *(text_of(each) for each in (output, errors)))
+    with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as output, \
+            tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as errors:
+        child = multiprocessing.get_context("fork").Process(target=run_here, args=(script, arguments, output, errors))
+        child.start()
+        child.join()
+        for stream in (output, errors):
+            stream.seek(0)
+        return subprocess.CompletedProcess([script, *arguments], child.exitcode, output.read(), errors.read())
 
 
-def text_of(file):
-    file.seek(0)
-    return file.read().decode("utf-8", errors="replace")
-
-
-def run_here(script, arguments, output, errors, timeout):
-    """Runs a script in this process, which is lost to it, and returns its exit code."""
-    signal.alarm(timeout)
-    with open(os.devnull, "rb") as nothing:
-        os.dup2(nothing.fileno(), 0)
+def run_here(script, arguments, output, errors):
+    """Runs a script in this process, which is lost to it."""
     os.dup2(output.fileno(), 1)
     os.dup2(errors.fileno(), 2)
-    sys.stdout, sys.stderr = (open(number, "w", encoding="utf-8", closefd=False) for number in (1, 2))
+    sys.stdout, sys.stderr = output, errors
     os.environ.update(environment())
     sys.argv = [script, *arguments]
-    try:
-        runpy.run_path(script, run_name="__main__")
-        code = 0
-    except SystemExit as end_of_script:
-        code = end_of_script.code or 0
-        if isinstance(code, str):
-            print(code, file=sys.stderr)
-            code = 1
-    except BaseException:
-        traceback.print_exc()
-        code = 1
-    sys.stdout.flush()
-    sys.stderr.flush()
-    return code
+    runpy.run_path(script, run_name="__main__")
+
+
+def run_on_full_disk(command, **options):
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        return run(command, stdout=full, **options)
 
 
 def start(command, env=None, **streams):
@@ -148,18 +134,6 @@ def strict_json(text):
     return json.loads(text, parse_constant=refuse, object_pairs_hook=unique)
 
 
-def read_npy(path):
-    """Returns the rows of a complex128 .npy file in C order; NumPy itself reads it in test_module."""
-    with open(path, "rb") as stream:
-        contents = stream.read()
-    begin = 10 + struct.unpack("<H", contents[8:10])[0]
-    rows, columns = ast.literal_eval(contents[10:begin].decode("ascii"))["shape"]
-    entries = [complex(re, im) for re, im in struct.iter_unpack("<2d", contents[begin:])]
-    if len(entries) != rows * columns:
-        raise ValueError(f"{len(entries)} entries for {rows} x {columns}")
-    return [entries[i * columns:(i + 1) * columns] for i in range(rows)]
-
-
 def snapshot(folder):
     """Returns every file under a folder with its bytes, and every folder, hidden ones too."""
     found = {}
@@ -192,6 +166,13 @@ class FolderTest(unittest.TestCase):
         if executable:
             os.chmod(path, 0o755)
         return path
+
+    @contextlib.contextmanager
+    def unchanged(self):
+        """Whatever is done meanwhile leaves every file of the folder as it was, and none besides."""
+        before = snapshot(self.folder)
+        yield
+        self.assertEqual(snapshot(self.folder), before)
 
     def assert_one_line(self, text, *parts):
         self.assertEqual(text.count("\n"), 1, f"not exactly one line: {text!r}")

@@ -12,16 +12,13 @@ import sys
 from programs import ROOT
 
 sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
-from accuracy_lines import FAST, PUBLISHED, SCHEMA, SOLVERS, Problem, accuracy  # noqa: E402
-from study_file import FORMAT, study_of  # noqa: E402
+from accuracy_lines import FAST, NEEDED, PUBLISHED, SCHEMA, SOLVERS, Problem, accuracy  # noqa: E402
+from study_file import FORMAT, Integrator, study_of  # noqa: E402
 
 STEPS = (5, 10, 20, 50, 100, 200)
-TIME = 5.0
-SIZES = (17, 33)
-SMOOTH = tuple(Problem("smooth", TIME, n) for n in SIZES)
-ROUGH = Problem("rough", TIME, 17)
-UNCERTAINTY = 1e-14
-PROBLEMS = {**dict.fromkeys(SMOOTH, UNCERTAINTY), ROUGH: 1e-12}  # with the uncertainty of the reference
+SMOOTH = tuple(Problem("smooth", 5.0, n) for n in (17, 33))
+ROUGH = Problem("rough", 5.0, 17)
+PROBLEMS = {**dict.fromkeys(SMOOTH, 1e-14), ROUGH: 1e-12}  # with the uncertainty of the reference
 PUBLISHED_INTEGRATORS = ("cotangent1", "group1", "group2")  # whose published forms run too, in the smooth scene
 SLOWER = 4  # a published form than the fast one
 
@@ -35,48 +32,24 @@ INTEGRATORS = {
     "group2_frame": (2, 4, True, True, True, False, None, 1e-2, 4e-3),
 }
 # The largest h‖B(W₀)‖₂ that works: group1 fails at 5 steps; rk4 at half its limit by linear theory, as ‖ad_B‖₂ = 2‖B‖₂.
-LIMITS = {"group1": 1.0, "rk4": 1.4142}
-
-
-def context():
-    return {"commit": "0123456789ab", "dirty": "no", "compiler": "GNU 12.2.0", "cpu": "a processor",
-            "blas_kernels": "Zen", "tolerance": "1e-13"}
-
-
-def norm_B(problem):
-    return 1.4 * problem.n / 17
-
-
-def limit_of(problem, name):
-    return LIMITS[name] * (norm_B(problem) if name == "group1" else 1.0) if name in LIMITS else 100.0
+LIMITS = {**dict.fromkeys(INTEGRATORS, 100.0), "group1": 1.38, "rk4": 1.4142}
 
 
 def run(problem, name, steps, solver=FAST, status="converged"):
     _, order, isospectral, _, _, _, _, factor, seconds_a_step = INTEGRATORS[name]
     step = problem.time / steps
-    usable = status == "converged"
-    factor *= 10 if problem.scene == "rough" else 1
-    error = max(factor * step**order, PROBLEMS[problem]) if usable else None
-    small = 1e-15 if usable else None
-    h_norm_B = norm_B(problem) * step
+    error = max((10 if problem == ROUGH else 1) * factor * step**order, PROBLEMS[problem])
+    h_norm_B = 1.4 * problem.n / 17 * step
     slower = SLOWER if solver == PUBLISHED else 1
-    return {
+    result = {
         **problem._asdict(), "integrator": name, "solver": solver, "steps": steps, "step": step, "tolerance": 1e-13,
-        "status": status, "error": error, "solver_error": None,
-        "spectrum_error": (1e-15 if isospectral else error) if usable else None,
-        "casimir_errors": [1e-15] * 4 if usable else None, "energy_error": small,
-        "angular_momentum_error": small, "skew_defect": 0.0 if usable else None,
-        "h_norm_B": h_norm_B, "beyond_limit": h_norm_B > limit_of(problem, name),
+        "status": status, "error": error, "solver_error": None, "spectrum_error": 1e-15 if isospectral else error,
+        "casimir_errors": [1e-15] * 4, "energy_error": 1e-15, "angular_momentum_error": 1e-15, "skew_defect": 0.0,
+        "h_norm_B": h_norm_B, "beyond_limit": h_norm_B > LIMITS[name],
         "sweeps": 0, "products": 4 * steps, "equivalent_products": 4.0 * steps * slower, "poisson_solves": 4 * steps,
-        "cpu_seconds": [seconds_a_step * steps * slower * share for share in (0.99, 1.0, 1.02)] if usable else [],
+        "cpu_seconds": [seconds_a_step * steps * slower * share for share in (0.99, 1.0, 1.02)],
     }
-
-
-def tolerance_run(problem, name, exponent):
-    result = run(problem, name, 50, PUBLISHED)
-    tolerance = 10.0**-exponent
-    result.update(tolerance=tolerance, solver_error=tolerance / 10, error=result["error"] + tolerance / 10)
-    return result
+    return result if status == "converged" else {**result, **dict.fromkeys(NEEDED), "cpu_seconds": []}
 
 
 def study_document():
@@ -84,22 +57,20 @@ def study_document():
     lines = [(problem, name, solver) for problem in PROBLEMS for name in INTEGRATORS for solver in SOLVERS
              if solver == FAST or (name in PUBLISHED_INTEGRATORS and problem in SMOOTH)]
     return {
-        "context": context(),
+        "context": {"commit": "0123456789ab", "dirty": "no", "compiler": "GNU 12.2.0", "cpu": "a processor",
+                    "blas_kernels": "Zen", "tolerance": "1e-13"},
         "settings": {"quick": False},
         "references": [{**problem._asdict(), "uncertainty": uncertainty, "integrators": ["group5", "rkmk4"],
                         "steps": [200, 3200]} for problem, uncertainty in PROBLEMS.items()],
-        "rates": [{"n": n, "published": 1e9 / n**3, "fast": 2e9 / n**3} for n in SIZES],
-        "integrators": [{"name": name, "stages": stages, "order": order, "isospectral": isospectral,
-                         "lie_poisson": poisson, "symmetric": symmetric, "explicit": explicit,
-                         "stability_limit": limit}
-                        for name, (stages, order, isospectral, poisson, symmetric, explicit, limit, _, _)
-                        in INTEGRATORS.items()],
+        "rates": [{"n": n, "published": 1e9 / n**3, "fast": 2e9 / n**3} for n in (17, 33)],
+        "integrators": [dict(zip(Integrator._fields, (name, *values))) for name, values in INTEGRATORS.items()],
         "limits": [{"scene": problem.scene, "n": problem.n, "integrator": name, "solver": solver,
-                    "h_norm_B": limit_of(problem, name)} for problem, name, solver in lines],
+                    "h_norm_B": LIMITS[name]} for problem, name, solver in lines],
         "runs": [run(problem, name, steps, solver, "diverged" if (name, steps) == ("group1", 5) else "converged")
                  for problem, name, solver in lines for steps in STEPS],
-        "tolerance_runs": [tolerance_run(problem, name, exponent) for problem in SMOOTH for name in ("group1", "group2")
-                           for exponent in range(4, 14)],
+        "tolerance_runs": [{**run(problem, name, 50, PUBLISHED), "tolerance": 10.0**-digits,
+                            "solver_error": 10.0**-(digits + 1)}
+                           for problem in SMOOTH for name in ("group1", "group2") for digits in range(4, 14)],
     }
 
 

@@ -1,7 +1,4 @@
-"""Tests of build/benchmarks/table1 and build/benchmarks/kernels from outside.
-
-Run with: python3 -m unittest discover -s tests/scripts
-"""
+"""Tests of build/benchmarks/table1 and build/benchmarks/kernels from outside."""
 
 import math
 import os
@@ -11,16 +8,18 @@ import shutil
 import signal
 import stat
 import subprocess
-import sys
 import tempfile
 import threading
 import unittest
 
+import numpy
+
 from programs import (DATA, DONE, FORMULATIONS, ROOT, SANITIZED, SOLVER_FAILED, FolderTest, end, environment, program,
-                      run, snapshot, start, strict_json)
+                      run, run_script, start, strict_json, text_of)
 
 PROGRAMS = ("table1", "table2", "kernels")
 BACKENDS = ("openblas", "eigen")
+SIZES = (17, 33, 65, 129)
 BRIEF = ("--benchmark_filter=n:17", "--benchmark_min_time=0.01")
 ONE_ROW = ("--benchmark_filter=table1/group/n:17/s:1", "--benchmark_min_time=0.01")
 COUNTERS = ("sweeps_per_step", "products", "poisson_solves", "spectrum_error", "skew_defect", "energy_error",
@@ -36,8 +35,11 @@ EARLIER = "an earlier result"
 def measure(name, path, *arguments, **changes):
     """Runs a program with --benchmark_out and returns how it ended and its raw file."""
     done = run([program(name), f"--benchmark_out={path}", *arguments], env=environment(**changes))
-    with open(path, encoding="utf-8") as stream:
-        return done, strict_json(stream.read())
+    return done, strict_json(text_of(path))
+
+
+def rendered_table1(path):
+    return run_script(os.path.join(ROOT, "scripts", "render_table1"), path)
 
 
 class MeasuredTest(unittest.TestCase):
@@ -45,18 +47,14 @@ class MeasuredTest(unittest.TestCase):
 
     program = "table1"
     arguments = BRIEF
-    changes = {}
 
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.mkdtemp(prefix="isosyrk-")
         cls.addClassCleanup(shutil.rmtree, cls.folder, ignore_errors=True)
         cls.path = os.path.join(cls.folder, "raw.json")
-        cls.done, cls.raw = measure(cls.program, cls.path, *cls.arguments, **cls.changes)
+        cls.done, cls.raw = measure(cls.program, cls.path, *cls.arguments)
         cls.context, cls.rows = cls.raw["context"], cls.raw["benchmarks"]
-
-    def rendered(self):
-        return run([sys.executable, os.path.join(ROOT, "scripts", "render_table1"), self.path])
 
     def assert_conditions(self, *fields):
         for field in fields:
@@ -72,13 +70,9 @@ class MeasuredTest(unittest.TestCase):
 
 def expected_error():
     """Returns the relative distance of the reference answers of s = 2 and, 10⁴ times closer to the truth, s = 3."""
-    answers = []
-    for s in (2, 3):
-        with open(os.path.join(DATA, f"W_t5_h0.1_n17_s{s}.csv"), encoding="utf-8") as file:
-            next(file)
-            answers.append([complex(float(re), float(im)) for _, _, re, im in (line.split(",") for line in file)])
-    difference = sum(abs(a - b)**2 for a, b in zip(*answers))
-    return (difference / sum(abs(b)**2 for b in answers[1]))**0.5
+    two, three = (numpy.loadtxt(os.path.join(DATA, f"W_t5_h0.1_n17_s{s}.csv"), delimiter=",", skiprows=1, usecols=(2, 3))
+                  for s in (2, 3))
+    return numpy.linalg.norm(two - three) / numpy.linalg.norm(three)
 
 
 class Table1(MeasuredTest):
@@ -116,7 +110,7 @@ class Table1(MeasuredTest):
         self.assertLess(row["reference_uncertainty"], 1e-12)
 
     def test_the_renderer_reads_it(self):
-        rendered = self.rendered()
+        rendered = rendered_table1(self.path)
         self.assertEqual((rendered.returncode, rendered.stderr), (DONE, ""))
         self.assertIn("Table 1", rendered.stdout)
         self.assertNotIn(" failed", rendered.stdout.replace("a row failed or was not measured", ""))
@@ -126,7 +120,7 @@ class Table2(Table1):
     program = "table2"
 
     def test_the_renderer_reads_it(self):
-        refused = self.rendered()
+        refused = rendered_table1(self.path)
         self.assertEqual(refused.returncode, 2)
         self.assertIn("table1", refused.stderr)  # another table
 
@@ -148,83 +142,58 @@ class Table2(Table1):
         for row in self.rows:
             self.assertNotIn("cores_at_once", row)
 
-    def test_products_of_a_library_cannot_be_asked_for(self):
-        done = run([program("table2"), "--products", "eigen"])
-        self.assertEqual((done.returncode, len(done.stderr.splitlines())), (2, 1))
 
+class Choices(FolderTest):
+    """What is asked of table1 is done and recorded."""
 
-class Table1WithoutEnoughSweeps(MeasuredTest):
-    arguments = (*BRIEF, "--max-sweeps", "5")
+    def measure(self, *arguments, **changes):
+        """Returns how a run ended, the context and the rows of its raw file."""
+        done, raw = measure("table1", self.path("raw.json"), *arguments, **changes)
+        return done, raw["context"], raw["benchmarks"]
 
-    def test_every_row_is_an_error_row_without_time_or_counters(self):
-        self.assertEqual((self.done.returncode, len(self.rows)), (SOLVER_FAILED, 9))
-        for row in self.rows:
+    def test_without_enough_sweeps_every_row_is_an_error_row_without_time_or_counters(self):
+        done, context, rows = self.measure(*BRIEF, "--max-sweeps", "5")
+        self.assertEqual((done.returncode, len(rows), context["max_sweeps"]), (SOLVER_FAILED, 9, "5"))
+        for row in rows:
             self.assertIs(row["error_occurred"], True)
             self.assertIn("sweep cap", row["error_message"])
             self.assertEqual((row["iterations"], row["cpu_time"], row["real_time"]), (0, 0, 0))
             self.assertFalse(set(COUNTERS) & set(row))
-
-        self.assertEqual(self.context["max_sweeps"], "5")
-
-    def test_the_renderer_marks_the_failed_cells(self):
-        rendered = self.rendered()
+        rendered = rendered_table1(self.path("raw.json"))
         self.assertEqual((rendered.returncode, rendered.stderr), (DONE, ""))
         self.assertIn("sweep cap", rendered.stdout)
         self.assertNotIn("holds", rendered.stdout)
 
-
-class Table1WithEigen(MeasuredTest):
-    arguments = (*BRIEF, "--products", "eigen")
-
-    def test_without_references_there_is_no_error(self):
-        self.assertFalse({"relative_error", "reference_uncertainty"} & set(self.rows[0]))
-
-    def test_the_choice_is_recorded_and_honoured(self):
-        self.assertIn("as asked", self.context["products"])
-        self.assertIn("n=17 eigen", self.context["products"])
-        self.assertNotIn("openblas", self.context["products"])
+    def test_products_are_those_of_the_library_asked_for(self):
+        errors = []
+        for backend, other in (BACKENDS, BACKENDS[::-1]):
+            _, context, rows = self.measure(*BRIEF, "--products", backend)
+            self.assertIn("as asked", context["products"])
+            self.assertIn(f"n=17 {backend}", context["products"])
+            self.assertNotIn(other, context["products"])
+            self.assertFalse({"relative_error", "reference_uncertainty"} & set(rows[0]))  # without references
+            errors.append([(row["spectrum_error"], row["skew_defect"]) for row in rows])
         # Two libraries add in different orders; the rounding that remains tells them apart.
-        _, other = measure("table1", os.path.join(self.folder, "openblas.json"), *BRIEF, "--products", "openblas")
-        left_by = [[(row["spectrum_error"], row["skew_defect"]) for row in rows]
-                   for rows in (self.rows, other["benchmarks"])]
-        self.assertNotEqual(*left_by)
+        self.assertNotEqual(*errors)
 
-
-@unittest.skipIf(SANITIZED, "every start measures rates up to n = 129")
-class Table1WithInheritedKernels(MeasuredTest):
-    """OPENBLAS_CORETYPE in the environment decides which kernels run; it must be seen in the raw file."""
-
-    arguments = ONE_ROW
-    changes = {"OPENBLAS_CORETYPE": "Nehalem"}
-
-    @classmethod
-    def setUpClass(cls):
-        if platform.machine() not in ("x86_64", "AMD64"):
-            raise unittest.SkipTest("Nehalem kernels are for x86-64")
-        super().setUpClass()
-        if "DYNAMIC_ARCH" not in cls.context["blas_library"]:
-            raise unittest.SkipTest("this OpenBLAS has one set of kernels")
-
-    def test_the_variable_and_the_kernels_really_picked_are_recorded_and_told(self):
-        for text in (self.context["environment"], self.context["notice"], self.done.stderr):
+    @unittest.skipIf(SANITIZED, "every start measures rates up to n = 129")
+    @unittest.skipIf(platform.machine() not in ("x86_64", "AMD64"), "Nehalem kernels are for x86-64")
+    def test_an_inherited_kernel_choice_is_told_with_the_kernels_really_picked(self):
+        done, context, _ = self.measure(*ONE_ROW, OPENBLAS_CORETYPE="Nehalem")
+        if "DYNAMIC_ARCH" not in context["blas_library"]:
+            self.skipTest("this OpenBLAS has one set of kernels")
+        for text in (context["environment"], context["notice"], done.stderr):
             self.assertIn("OPENBLAS_CORETYPE=Nehalem", text)
-        self.assertEqual(self.context["blas_kernels"], "Nehalem")
+        self.assertEqual(context["blas_kernels"], "Nehalem")
 
-    def test_without_the_variable_other_kernels_run(self):
-        if os.path.exists("/proc/cpuinfo"):
-            with open("/proc/cpuinfo", encoding="utf-8") as info:
-                if " avx2 " not in info.read():
-                    self.skipTest("this processor may run Nehalem kernels by itself")
-        _, raw = measure("table1", os.path.join(self.folder, "free.json"), *ONE_ROW)
-        self.assertNotEqual(raw["context"]["blas_kernels"], "Nehalem")
+        _, context, _ = self.measure(*ONE_ROW, OPENBLAS_CORETYPE="Abacus", OPENBLAS_NUM_THREADS="2")
+        for text in ("OPENBLAS_CORETYPE=Abacus", context["blas_kernels"]):
+            self.assertIn(text, context["notice"])
+        self.assertIn("OPENBLAS_NUM_THREADS=2", context["environment"])
+        self.assertEqual(context["blas_threads"], "1")
 
-    def test_other_settings_are_told_with_what_runs(self):
-        _, raw = measure("table1", os.path.join(self.folder, "other.json"), *ONE_ROW, OPENBLAS_CORETYPE="Abacus",
-                         OPENBLAS_NUM_THREADS="2")
-        for text in ("OPENBLAS_CORETYPE=Abacus", raw["context"]["blas_kernels"]):
-            self.assertIn(text, raw["context"]["notice"])
-        self.assertIn("OPENBLAS_NUM_THREADS=2", raw["context"]["environment"])
-        self.assertEqual(raw["context"]["blas_threads"], "1")
+        if " avx2 " in text_of("/proc/cpuinfo"):  # without it this processor may run Nehalem kernels by itself
+            self.assertNotEqual(self.measure(*ONE_ROW)[1]["blas_kernels"], "Nehalem")
 
 
 class Kernels(MeasuredTest):
@@ -246,13 +215,6 @@ class Kernels(MeasuredTest):
                       for part in ("product", "adjoint", "triangle", "single"))]
         self.assertEqual(sorted(names), sorted(expected))
 
-    def test_every_size_has_its_rows(self):
-        listed = run([program("kernels"), "--benchmark_list_tests"]).stdout.split()
-        for n in (17, 33, 65, 129):
-            self.assertIn(f"kernels/poisson/n:{n}", listed)
-            for backend in BACKENDS:
-                self.assertIn(f"kernels/product/{backend}/n:{n}", listed)
-
     def test_every_product_is_accurate_and_its_share_of_the_peak_a_share(self):
         for row in self.rows:
             if not row["run_name"].startswith(("kernels/product/", "kernels/adjoint/", "kernels/single/")):
@@ -271,56 +233,42 @@ class Kernels(MeasuredTest):
         self.assertLess(rows["kernels/poisson/n:17"]["residual"], 17 * 17 * 2.0 ** -53)
 
 
-class Refusals(FolderTest):
-    """Exit 2 and one line; an earlier raw file stays as it was, alone in its folder."""
+class OutputFile(FolderTest):
+    """What stands at --benchmark_out stays until the new file is complete."""
 
     def setUp(self):
         super().setUp()
         self.output = self.write("out/raw.json", EARLIER)
 
-    def refuses(self, name, arguments, *parts, timeout=30):
-        before = snapshot(self.folder)
-        try:
-            done = run([program(name), *arguments], timeout=timeout)
-        except subprocess.TimeoutExpired:
-            self.fail(f"not refused within {timeout} s")
-        self.assert_refused(done, *parts)
-        self.assertEqual(snapshot(self.folder), before)
+    def refuses(self, name, arguments, *parts, path=None, **options):
+        with self.subTest(program=name, arguments=arguments, path=path), self.unchanged():
+            out = f"--benchmark_out={self.output if path is None else path}"
+            self.assert_refused(run([program(name), out, *arguments], **options), *parts)
 
-    def refuses_beside_output(self, name, argument, *parts, **options):
-        with self.subTest(program=name, argument=argument):
-            self.refuses(name, [f"--benchmark_out={self.output}", *argument.split()], *parts, **options)
-
-    def test_arguments_of_every_program(self):
+    def test_bad_arguments_are_refused(self):
         for name in PROGRAMS:
             for argument, *parts in (("--benchmark_filter=nothing", "--benchmark_filter", "nothing"),
                                      ("--benchmark_filter=n:17/(", "--benchmark_filter", "n:17/("),
                                      ("--benchmark_fliter=x", "--benchmark_fliter"), ("--speed", "--speed"),
                                      ("perhaps", "perhaps")):
-                self.refuses_beside_output(name, argument, *parts)
-
-    def test_arguments_of_table1(self):
-        for name, values, *allowed in (("--products", ("abacus", "Eigen"), "fastest", *BACKENDS),
-                                       ("--max-sweeps", ("0", "-1", "x", "2.5"), "1 to ")):
-            self.refuses_beside_output("table1", name, name)
+                self.refuses(name, [argument], *parts)
+        for option, values, *allowed in (("--products", ("abacus", "Eigen"), "fastest", *BACKENDS),
+                                         ("--max-sweeps", ("0", "-1", "x", "2.5"), "1 to ")):
+            self.refuses("table1", [option], option)
             for value in values:
-                self.refuses_beside_output("table1", f"{name} {value}", name, value, *allowed)
-
-    def test_references_that_are_not_there_are_named(self):
-        self.refuses_beside_output("table1", f"--references {self.folder}", "--references", "references.json")
-
-    def test_a_bad_value_for_google_benchmark_is_named(self):
+                self.refuses("table1", [option, value], option, value, *allowed)
+        self.refuses("table1", ["--references", self.folder], "--references", "references.json")
+        self.refuses("table2", ["--products", "eigen"], "--products")  # they are its own
         for argument in ("--benchmark_repetitions=x", "--benchmark_repetitions=0", "--benchmark_repetitions=-1",
                          "--benchmark_min_time=x", "--benchmark_min_time=nan", "--benchmark_time_unit=parsec"):
-            self.refuses_beside_output("table1", f"{ONE_ROW[0]} {argument}", *argument.split("="), timeout=5)
+            self.refuses("table1", [ONE_ROW[0], argument], *argument.split("="), timeout=5)
 
     def test_outputs_that_cannot_be_written(self):
         missing = self.path("nowhere", "raw.json")
         for name, path, *parts in (*((name, missing) for name in PROGRAMS), ("table1", self.folder, "file"),
                                    ("table1", "", "value"), ("table1", os.path.join(self.output, "raw.json")),
                                    ("table1", "/dev/null", "file")):
-            with self.subTest(program=name, path=path):
-                self.refuses(name, [*BRIEF, f"--benchmark_out={path}"], "--benchmark_out", path, *parts)
+            self.refuses(name, BRIEF, "--benchmark_out", path, *parts, path=path)
         self.assertTrue(stat.S_ISCHR(os.stat("/dev/null").st_mode))
 
     def test_help_is_no_error(self):
@@ -328,18 +276,6 @@ class Refusals(FolderTest):
             done = run([program(name), "--help"])
             self.assertEqual((done.returncode, done.stderr), (DONE, ""))
             self.assertIn("benchmark", done.stdout)
-
-
-class EarlierFile(FolderTest):
-    """What stands at --benchmark_out stays until the new file is complete."""
-
-    def setUp(self):
-        super().setUp()
-        self.output = self.write("raw.json", EARLIER)
-
-    def assert_earlier_file(self):
-        with open(self.output, encoding="utf-8") as stream:
-            self.assertEqual(stream.read(), EARLIER)
 
     def test_a_signal_leaves_it_alone(self):
         for number in (signal.SIGTERM, signal.SIGINT):
@@ -353,20 +289,22 @@ class EarlierFile(FolderTest):
                 if "s a run" in line:  # a row is being measured
                     break
             self.assertIsNone(process.poll(), "ended before it could be interrupted")
-            self.assert_earlier_file()
             process.send_signal(number)
             self.assertNotEqual(process.wait(timeout=20), DONE)
-            self.assert_earlier_file()
+            self.assertEqual(text_of(self.output), EARLIER)
 
     def test_a_complete_run_replaces_it(self):
         done, raw = measure("table1", self.output, *ONE_ROW)
-        self.assertEqual(done.returncode, DONE)
-        self.assertEqual(len(raw["benchmarks"]), 1)
+        self.assertEqual((done.returncode, len(raw["benchmarks"])), (DONE, 1))
 
     def test_listing_the_names_leaves_it_alone(self):
-        done = run([program("table1"), "--benchmark_list_tests", f"--benchmark_out={self.output}"])
-        self.assertEqual(len(done.stdout.split()), 36)
-        self.assertEqual(snapshot(self.folder), {"raw.json": EARLIER.encode()})
+        expected = {"table1": [f"{formulation}/n:{n}/s:{s}" for formulation in FORMULATIONS for n in SIZES for s in (1, 2, 3)],
+                    "kernels": [f"{part}/n:{n}" for part in ("poisson", *(f"product/{each}" for each in BACKENDS))
+                                for n in SIZES]}
+        for name, rows in expected.items():
+            with self.unchanged():
+                done = run([program(name), "--benchmark_list_tests", f"--benchmark_out={self.output}"])
+            self.assertLessEqual({f"{name}/{row}" for row in rows}, set(done.stdout.split()))
 
     def test_a_full_disk_leaves_it_alone_and_is_no_success(self):
         def small_files_only():
@@ -374,9 +312,5 @@ class EarlierFile(FolderTest):
             resource.setrlimit(resource.RLIMIT_FSIZE, (1024, 1024))
 
         done = run([program("table1"), f"--benchmark_out={self.output}", *ONE_ROW], prepare=small_files_only)
-        self.assert_earlier_file()
+        self.assertEqual(text_of(self.output), EARLIER)
         self.assertNotEqual(done.returncode, DONE)
-
-
-if __name__ == "__main__":
-    unittest.main()

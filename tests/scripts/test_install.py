@@ -1,7 +1,4 @@
-"""Tests of the installed library: what a user's project finds, compiles without our flags, and runs.
-
-Run with: python3 -m unittest discover -s tests/scripts
-"""
+"""Tests of the installed library: what a user's project finds, compiles without our flags, and runs."""
 
 import glob
 import os
@@ -12,36 +9,30 @@ import sys
 import tempfile
 import unittest
 
-from programs import BUILD, ROOT
+from programs import BUILD, ROOT, environment, run, text_of
 
 USER = os.path.join(ROOT, "tests", "install")
-README = os.path.join(ROOT, "README.md")
 BEGIN, END = "<!-- example.cpp:begin -->\n```cpp\n", "```\n<!-- example.cpp:end -->\n"
 INTERNAL_ROOMS = ("split", "solver", "fast")
 
 
 def command(*line):
     """Runs a command without flags from the environment; returns its exit code and all it printed."""
-    plain = {name: value for name, value in os.environ.items() if name not in ("CXXFLAGS", "CPPFLAGS", "LDFLAGS")}
-    done = subprocess.run(line, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
-                          env={**plain, "LC_ALL": "C"})
+    done = run(line, env=environment(CXXFLAGS=None, CPPFLAGS=None, LDFLAGS=None), stderr=subprocess.STDOUT, timeout=600)
     return done.returncode, done.stdout
 
 
 class InstalledLibrary(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.mkdtemp()
-        cls.prefix = os.path.join(cls.folder, "prefix")
-        cls.build = os.path.join(cls.folder, "build")
+        folder = tempfile.mkdtemp()
+        cls.addClassCleanup(shutil.rmtree, folder)
+        cls.prefix = os.path.join(folder, "prefix")
+        cls.build = os.path.join(folder, "build")
         cls.done("cmake", "--install", BUILD, "--prefix", cls.prefix)
         cls.done("cmake", "-S", USER, "-B", cls.build, f"-DCMAKE_PREFIX_PATH={cls.prefix}",
                  "-DCMAKE_BUILD_TYPE=", "-DCMAKE_CXX_FLAGS=-O0")
         cls.done("cmake", "--build", cls.build)
-
-    @classmethod
-    def tearDownClass(cls):
-        shutil.rmtree(cls.folder)
 
     @classmethod
     def done(cls, *line):
@@ -55,8 +46,7 @@ class InstalledLibrary(unittest.TestCase):
 
     def test_module_is_installed(self):
         (package,) = glob.glob(os.path.join(self.prefix, "lib", "**", "isosyrk", "__init__.py"), recursive=True)
-        with open(os.path.join(BUILD, "CMakeCache.txt"), encoding="utf-8") as cache:
-            python = re.search(r"^_?Python_EXECUTABLE:\w+=(.*)$", cache.read(), re.M).group(1)
+        python = re.search(r"^_?Python_EXECUTABLE:\w+=(.*)$", text_of(BUILD, "CMakeCache.txt"), re.M).group(1)
         printed = self.done("env", f"PYTHONPATH={os.path.dirname(os.path.dirname(package))}", python, "-c",
                             "import isosyrk; print(isosyrk.__file__, isosyrk.scene('smooth', n=9).initial.shape)")
         self.assertEqual(printed, f"{package} (9, 9)\n")
@@ -76,12 +66,8 @@ class InstalledLibrary(unittest.TestCase):
         self.assertRegex(printed, r"^[0-9]+ sweeps, spectrum error [0-9.]+e-1[2-9]\n$")
 
     def test_example_is_the_one_of_the_readme(self):
-        with open(README, encoding="utf-8") as stream:
-            readme = stream.read()
-        self.assertEqual(readme.count(BEGIN), 1)
-        block = readme.split(BEGIN)[1].split(END)[0]
-        with open(os.path.join(USER, "example.cpp"), encoding="utf-8") as stream:
-            self.assertEqual(block, stream.read())
+        _, after = text_of(ROOT, "README.md").split(BEGIN)
+        self.assertEqual(after.split(END)[0], text_of(USER, "example.cpp"))
 
     def test_memory_goes_to_and_fro(self):
         self.assertEqual(self.run_user("memory"), "sound\n")
@@ -100,13 +86,5 @@ class InstalledLibrary(unittest.TestCase):
         rooms = os.path.join(self.prefix, "include")
         for folder, _, names in os.walk(rooms):
             for name in names:
-                header = os.path.join(folder, name)
-                with open(header, encoding="utf-8") as stream:
-                    for line in stream:
-                        if line.startswith("#include \"isosyrk/"):
-                            included = line.split('"')[1]
-                            self.assertTrue(os.path.exists(os.path.join(rooms, included)), f"{header}: {included}")
-
-
-if __name__ == "__main__":
-    unittest.main()
+                for included in re.findall('^#include "(isosyrk/.*)"', text_of(folder, name), re.M):
+                    self.assertTrue(os.path.exists(os.path.join(rooms, included)), f"{folder}/{name}: {included}")

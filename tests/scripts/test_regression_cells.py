@@ -1,16 +1,9 @@
 """Tests of the program regression_cells from outside: what it reports, what it serves, what it refuses."""
 
-import os
-import sys
-import unittest
+from programs import BAD_ARGUMENTS, DATA, DONE, FolderTest, environment, program, run, strict_json
 
-from programs import BAD_ARGUMENTS, DATA, DONE, ROOT, FolderTest, environment, program, run, strict_json
-
-sys.dont_write_bytecode = True
-sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
-from gate_accuracy import accuracy_layer  # noqa: E402
-from gate_baseline import read_baseline, shape_of  # noqa: E402
-from gate_cells import cells_of, read_build  # noqa: E402
+from gate_accuracy import accuracy_layer
+from gate_cells import cells_of, read_build
 
 NAMES = cells_of((17,))
 
@@ -41,8 +34,6 @@ class Report(RegressionCellsTest):
             self.assertEqual([cell["sweeps"], *(cell[count] for count in counts)],
                              [found["sweeps_total"], *(found[count] for count in counts)])
             self.assertEqual(cell["allocations"], 0)
-        cell = self.report("group/n:17/s:2")["cells"][0]
-        self.assertEqual((cell["products_a_sweep"], cell["poisson_solves_a_sweep"]), (6, 2))
 
     def test_contraction_is_between_0_and_1_and_grows_with_n(self):
         small, large = (self.report(name)["cells"][0]["contraction"] for name in ("group/n:17/s:1", "group/n:33/s:1"))
@@ -77,15 +68,3 @@ class Refusals(FolderTest):
                      "fast_quotient/n:17/s:1", ""):
             self.assert_refused(run([program("regression_cells"), name]), "regression_cells: ")
         self.assert_refused(run([program("regression_cells")]), "cells")
-
-
-class RecordedBaseline(unittest.TestCase):
-    def test_is_of_this_version_and_its_raw_file_is_what_table1_writes(self):
-        baseline = read_baseline(os.path.join(ROOT, "results", "baseline", "baseline.json"))
-        found = shape_of(program("table1"), environment())
-        for part in ("context", "rows", "fields"):
-            self.assertTrue(set(getattr(baseline.shape, part)) <= set(getattr(found, part)), part)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -2,8 +2,6 @@
 
 The copy has the real scripts; package tools, CMake, CTest and the benchmark program are small shell scripts that
 write down how they were called.
-
-Run with: python3 -m unittest discover -s tests/scripts
 """
 
 import itertools
@@ -13,24 +11,22 @@ import re
 import shutil
 import signal
 import subprocess
-import sys
 import time
 import unittest
 
 from programs import (BAD_ARGUMENTS, DONE, FORMULATIONS, ROOT, SOLVER_FAILED, FolderTest, end, environment, run,
-                      snapshot, start)
+                      snapshot, start, text_of)
+from comparison import CONDITIONS
 from scaling_document import write_scaling
 from stability_documents import SETTINGS, long_study, map_study, write
 from study_documents import small_study, write_study
 
 HOST_NAME = "a-host-to-keep-private"
 RESULTS = {"raw.json", "table.txt", "table.md", "table.tex"}
-STUDIES = {  # raw files of a study, and its charts here
-    "accuracy": (("raw",), ("error_against_time", "energy_against_time", "error_against_n", "tolerance")),
-    "stability": (("map", "fast_map", "long_runs"), ("failure_map_smooth", "failure_map_fast_smooth", "long_runs_n17")),
-}
-STUDY_PROGRAMS = tuple(f"scripts/studies/{name}.py" for name in ("accuracy", "stability", "long_runs", "scaling"))
-EARLIER = {name: f"earlier {name}" for name in RESULTS}
+RAW_FILES = {"accuracy": {"raw.json"}, "stability": {"map.json", "fast_map.json", "long_runs.json"}}
+PROGRAMS = (*(f"build/benchmarks/{name}" for name in ("table1", "table2")),
+            *(f"scripts/studies/{name}.py" for name in ("accuracy", "stability", "long_runs", "scaling")))
+CORES = len(os.sched_getaffinity(0))
 
 STAND_INS = {
     # Knows every package but those in $MISSING, and of $REMOVED only the configuration.
@@ -40,11 +36,6 @@ case " $MISSING " in *" $package "*) echo "dpkg-query: no packages found matchin
 case " $REMOVED " in *" $package "*) echo "deinstall ok config-files"; exit 0 ;; esac
 echo "install ok installed"
 """,
-    "apt-get": """
-echo "apt-get[${DEBIAN_FRONTEND:-}] $*" >>"$CALLS"
-echo "chatter of apt-get"
-exit "${APT_STATUS:-0}"
-""",
     # As sudo does unless told otherwise, it passes on hardly anything of the environment.
     "sudo": """
 echo "sudo $*" >>"$CALLS"
@@ -53,68 +44,40 @@ exec env -i PATH="$PATH" CALLS="$CALLS" "$@"
     "id": """
 echo "${USER_ID:-0}"
 """,
-    "cmake": """
-echo "cmake $*" >>"$CALLS"
-echo "chatter of cmake"
-exit "${CMAKE_STATUS:-0}"
-""",
-    "ctest": """
-echo "ctest $*" >>"$CALLS"
-exit "${CTEST_STATUS:-0}"
-""",
-    # The one that runs these tests; a version manager's takes its time.
-    "python3": f"""
-exec '{sys.executable}' "$@"
-""",
+    **dict.fromkeys(("apt-get", "cmake", "ctest"), """
+tool=${0##*/}
+echo "$tool[${DEBIAN_FRONTEND:-}] $*" >>"$CALLS"
+echo "chatter of $tool"
+[ "$tool" != "$FAILING" ]
+"""),
 }
 
-# A program of a table: writes down its arguments and kernels asked for, then does what $BENCHMARK says.
-TABLE = """
-program=${0##*/}
-[ "$program" = table2 ] && RAW=$RAW2
-case "$*" in *--threads*) RAW=$RAW_THREADS ;; esac
-echo "$program[${OPENBLAS_CORETYPE-none}] $*" >>"$CALLS"
-for argument; do
-  case $argument in --benchmark_out=*) out=${argument#*=} ;; esac
+# A program that measures: writes down how it was called, then does what $BENCHMARK says, and fails if it is $FAILING.
+# What it measured is prepared under its name.
+PROGRAM = """#!/bin/sh
+program=$(basename "$0" .py)
+echo "$program[${OPENBLAS_CORETYPE-none}] $* on $(nproc) cores" >>"$CALLS"
+file=$program
+case "$*" in *"--threads 2"*) file=threads ;; *"--solver fast"*) file=fast_map ;; esac
+while [ $# -gt 0 ]; do
+  case $1 in --benchmark_out=*) out=${1#*=} ;; --out) out=$2 ;; esac
+  shift
 done
 echo "chatter of $program"
+[ "$program" = "$FAILING" ] && { echo "some reason"; exit 7; }
 case $BENCHMARK in
-  finish) cp "$RAW" "$out.1.partial" && mv "$out.1.partial" "$out" ;;
+  finish) cp "$PREPARED/$file.json" "$out" ;;
   scribble) echo '{"context": {' >"$out" ;;
-  fail) echo "some reason"; exit 7 ;;
   die) echo half >"$out.1.partial"; kill -KILL $$ ;;
   wait) echo half >"$out.1.partial"; echo started >>"$CALLS"; exec sleep 60 ;;
 esac
 exit "${BENCHMARK_STATUS:-0}"
 """
 
-
-# Where a program of a study, or a script that draws, is to write.
-FIND_OUT = """
-while [ $# -gt 0 ]; do
-  [ "$1" = --out ] && out=$2
-  shift
-done
-"""
-
-# A program of a study, named by $0: each writes its own file.
-STUDY = """
-program=$(basename "$0" .py)
-echo "$program[${OPENBLAS_CORETYPE-none}] $* on $(nproc) cores" >>"$CALLS"
-file=$program
-case "$*" in *"--solver fast"*) file=fast ;; esac
-""" + FIND_OUT + """echo "chatter of $program"
-[ "$program" = "${FAILING:-}" ] && { echo "some reason"; exit 7; }
-case $BENCHMARK in
-  finish) cp "$PREPARED/$file.json" "$out" ;;
-  scribble) echo '{"context": {' >"$out" ;;
-esac
-"""
-
-# A script that draws: leaves a report of one word.
+# A script that draws: leaves a report of one word in the folder that it is told last.
 RENDERER = """#!/bin/sh
-echo "${0##*/} $*" >>"$CALLS"
-""" + FIND_OUT + """mkdir -p "$out" && echo drawn >"$out/report.txt"
+for out; do :; done
+echo drawn >"$out/report.txt"
 """
 
 
@@ -123,13 +86,8 @@ def raw_file(failed=False, tables=("table1",), threads=(1,), sizes=(17,)):
 
     Table 2 is twice as fast, and two threads take five eighths of the time that passes with one.
     """
-    context = {"date": "2024-05-01T10:00:00+00:00", "host_name": HOST_NAME, "num_cpus": 2, "mhz_per_cpu": 3000,
-               "library_build_type": "debug", "isosyrk_program": tables[0], "isosyrk_format": "1"}
-    for field in ("commit", "dirty", "compiler", "flags", "build_type", "cpu", "vector_units", "load_average",
-                  "blas_library", "blas_kernels", "blas_threads", "environment", "products", "product_rate",
-                  "peak_gflops", "notice", "tolerance", "max_sweeps", "norm", "start", "update_order", "hbar",
-                  "modes_hash"):
-        context[field] = f"some {field}"
+    context = {**{field: f"some {field}" for field in CONDITIONS}, "host_name": HOST_NAME, "num_cpus": 2,
+               "mhz_per_cpu": 3000, "library_build_type": "debug", "isosyrk_program": tables[0], "isosyrk_format": "1"}
     counters = {"sweeps_per_step": 11.0, "products": 3700, "poisson_solves": 1200, "spectrum_error": 1e-15,
                 "skew_defect": 0.0, "energy_error": 1e-8, "h_norm_B": 0.14, "product_share": 0.8}
     rows = []
@@ -150,51 +108,26 @@ def raw_file(failed=False, tables=("table1",), threads=(1,), sizes=(17,)):
     return {"context": context, "benchmarks": rows}
 
 
-def results_of(study):
-    """Returns the names of the files that a study leaves."""
-    raw, charts = STUDIES[study]
-    return {"report.md", "report.txt", *(f"{name}.json" for name in raw),
-            *(f"{chart}.{kind}" for chart in charts for kind in ("svg", "png"))}
-
-
 class CopyTest(FolderTest):
+    """A copy of the repository, and the tools that its scripts call."""
+
     def setUp(self):
         super().setUp()
         ignored = shutil.ignore_patterns("__pycache__")
         shutil.copytree(os.path.join(ROOT, "scripts"), self.path("root", "scripts"), ignore=ignored)
         shutil.copytree(os.path.join(ROOT, "results", "paper"), self.path("root", "results", "paper"))
-        for name, body in (("table1", TABLE), ("table2", TABLE)):
-            self.write(f"root/build/benchmarks/{name}", "#!/bin/sh\n" + body, executable=True)
-        for study in STUDY_PROGRAMS:
-            self.write(f"root/{study}", "#!/bin/sh\n" + STUDY, executable=True)
         for name, body in STAND_INS.items():
             self.write(f"tools/{name}", "#!/bin/sh\n" + body, executable=True)
         os.mkdir(self.path("tmp"))
         self.calls_path = self.write("calls", "")
-        self.use_raw_file(raw_file())
-        both = raw_file(tables=("table2", "table1"))
-        self.raw2_path = self.write("prepared2.json", json.dumps(both, indent=2))
-        two = raw_file(tables=("table2",), threads=(1, 2))
-        two["benchmarks"] = [row for row in two["benchmarks"] if row["repetition_index"] == 0]  # of one round
-        self.threads_path = self.write("prepared_threads.json", json.dumps(two, indent=2))
-        write_study(self.folder, small_study(), name="accuracy.json")
-        write(self.folder, map_study(SETTINGS[:1], ("group1",)), "stability.json")
-        write(self.folder, map_study(SETTINGS[:1], ("group1",), "fast"), "fast.json")
-        write(self.folder, long_study(("group1",)), "long_runs.json")
-        write_scaling(self.folder, "scaling.json")
         self.out = self.path("out")
-
-    def use_raw_file(self, raw):
-        self.raw_path = self.write("prepared.json", json.dumps(raw, indent=2))  # line by line, as table1 does
 
     def line(self, script, *arguments):
         return [self.path("root", "scripts", script), *arguments]
 
     def surroundings(self, **changes):
-        settings = {"PATH": self.path("tools") + os.pathsep + os.environ["PATH"], "TMPDIR": self.path("tmp"),
-                    "CALLS": self.calls_path, "RAW": self.raw_path, "RAW2": self.raw2_path,
-                    "RAW_THREADS": self.threads_path,
-                    "BENCHMARK": "finish", "PREPARED": self.folder,
+        settings = {"PATH": self.path("tools") + os.pathsep + environment()["PATH"], "TMPDIR": self.path("tmp"),
+                    "CALLS": self.calls_path, "BENCHMARK": "finish", "PREPARED": self.folder,
                     "PYTHONDONTWRITEBYTECODE": "1", "DEBIAN_FRONTEND": None, "ASAN_OPTIONS": None}
         return environment(**{**settings, **changes})
 
@@ -202,31 +135,48 @@ class CopyTest(FolderTest):
         return run(self.line(name, *arguments), env=self.surroundings(**changes), cwd=self.folder)
 
     def calls(self, tool=""):
-        with open(self.calls_path, encoding="utf-8") as stream:
-            return [line for line in stream.read().splitlines() if line.startswith(tool)]
+        return [line for line in text_of(self.calls_path).splitlines() if line.startswith(tool)]
 
-    def path_with_only(self, *names):
-        """Returns a PATH on which nothing but these programs is found, stand-ins first."""
-        os.mkdir(self.path("few"))
-        for name in names:
-            stand_in = self.path("tools", name)
-            os.symlink(stand_in if os.path.exists(stand_in) else shutil.which(name), self.path("few", name))
-        return self.path("few")
+
+class ReproduceTest(CopyTest):
+    def setUp(self):
+        super().setUp()
+        for program in PROGRAMS:
+            self.write(f"root/{program}", PROGRAM, executable=True)
+        self.prepare("table1", raw_file())
+        self.prepare("table2", raw_file(tables=("table2", "table1")))
+        two = raw_file(tables=("table2",), threads=(1, 2))
+        two["benchmarks"] = [row for row in two["benchmarks"] if row["repetition_index"] == 0]  # of one round
+        self.prepare("threads", two)
+        write_study(self.folder, small_study(), name="accuracy.json")
+        for name, study in (("stability", map_study(SETTINGS[:1], ("group1",))), ("long_runs", long_study(("group1",))),
+                            ("fast_map", map_study(SETTINGS[:1], ("group1",), "fast"))):
+            write(self.folder, study, f"{name}.json")
+        write_scaling(self.folder, "scaling.json")
+
+    def prepare(self, program, raw):
+        self.write(f"{program}.json", json.dumps(raw, indent=2))  # line by line, as the program does
+
+    def reproduce(self, *arguments, **changes):
+        return self.script("reproduce", "--out", self.out, *arguments, **changes)
+
+    def reproduced(self, *arguments):
+        done = self.reproduce(*arguments)
+        self.assertEqual(done.returncode, DONE, done.stderr)
+        return done
 
     def keep_earlier_results(self):
-        for name, text in EARLIER.items():
-            self.write(f"out/{name}", text)
+        for name in RESULTS:
+            self.write(f"out/{name}", f"earlier {name}")
         return snapshot(self.out)
 
 
-class BadArguments(CopyTest):
+class Arguments(CopyTest):
     def refuses(self, script, arguments, *parts, **changes):
-        with self.subTest(script=script, arguments=arguments):
-            before = snapshot(self.folder)
+        with self.subTest(script=script, arguments=arguments), self.unchanged():
             self.assert_refused(self.script(script, *arguments, **changes), script, *parts)
-            self.assertEqual(snapshot(self.folder), before)
 
-    def test_reproduce_names_what_is_wrong_and_what_is_allowed(self):
+    def test_what_is_wrong_and_what_is_allowed_are_named(self):
         for argument in ("table3", "--quik", "--quick=yes", "--out=here", "-q", "", "Table1"):
             self.refuses("reproduce", [argument], argument, "table1", "table2", "accuracy", "stability", "scaling", "--quick",
                          "--out", "--no-install")
@@ -236,8 +186,6 @@ class BadArguments(CopyTest):
                                   (["--out", os.path.join(path, "results")], "--out", path),
                                   (["--out", "/proc/results"], "--out", "/proc/results")):  # where nobody may write
             self.refuses("reproduce", arguments, *parts)
-
-    def test_test_names_an_unknown_argument_and_what_is_allowed(self):
         for argument in ("all", "--sanitise", "--no-install=yes", "-s", ""):
             self.refuses("test", [argument], argument, "--sanitize", "--no-install")
 
@@ -245,25 +193,31 @@ class BadArguments(CopyTest):
         self.refuses("reproduce", ["--quick", "--no-install", "perhaps"], "perhaps", MISSING="cmake")
         self.refuses("test", ["--sanitize", "perhaps"], "perhaps", MISSING="cmake")
 
-
-class Help(CopyTest):
-    def test_options_are_explained(self):
-        before = snapshot(self.folder)
+    def test_help_explains_the_options(self):
         for script, *options in (("reproduce", "table1", "--quick", "--out", "--no-install", "--keep-coretype"),
                                  ("test", "--sanitize", "--no-install")):
-            done = self.script(script, "--help")
+            with self.unchanged():
+                done = self.script(script, "--help")
             self.assertEqual((done.returncode, done.stderr), (DONE, ""))
             for option in options:
                 self.assertIn(option, done.stdout)
-        self.assertEqual(snapshot(self.folder), before)
 
 
 class MissingPackages(CopyTest):
     BASICS = ("bash", "sh", "dirname", "basename", "realpath", "mkdir", "grep", "id")
 
-    def install(self, **changes):
-        """Runs reproduce up to a build that fails: by then everything is installed, or not."""
-        return self.script("reproduce", "--out", self.out, **{"CMAKE_STATUS": "1", **changes})
+    def install(self, script="reproduce", **changes):
+        """Runs a script up to a build that fails: by then everything is installed, or not."""
+        return self.script(script, **{"FAILING": "cmake", **changes})
+
+    def path_with_only(self, *names):
+        """Returns a PATH on which nothing but these programs is found, stand-ins first."""
+        shutil.rmtree(self.path("few"), ignore_errors=True)
+        os.mkdir(self.path("few"))
+        for name in names:
+            stand_in = self.path("tools", name)
+            os.symlink(stand_in if os.path.exists(stand_in) else shutil.which(name), self.path("few", name))
+        return self.path("few")
 
     def test_no_install_names_what_is_missing_and_calls_no_other_tool(self):
         for script in ("reproduce", "test"):
@@ -274,18 +228,18 @@ class MissingPackages(CopyTest):
 
     def test_nothing_is_installed_where_nothing_is_missing(self):
         for arguments in ((), ("--no-install",)):
-            self.assertEqual(self.script("reproduce", "--out", self.out, *arguments).returncode, DONE)
+            self.script("reproduce", *arguments, FAILING="cmake")
+        self.assertEqual(len(self.calls("cmake")), 2)
         self.assertEqual(self.calls("apt-get") + self.calls("sudo"), [])
 
     def test_just_what_is_missing_is_installed_and_said_and_the_run_goes_on(self):
-        done = self.install(MISSING="libfmt-dev git", CMAKE_STATUS="0")
-        self.assertEqual(done.returncode, DONE, done.stderr)
-        self.assertIn("libfmt-dev", done.stderr)
+        self.assertIn("libfmt-dev", self.install(MISSING="libfmt-dev git").stderr)
+        self.assertEqual(len(self.calls("cmake")), 1)
         self.assertIn("update", self.calls("apt-get")[0])
         install = self.calls("apt-get")[-1].split()
         self.assertIn("install", install)
         self.assertEqual([word for word in install[2:] if not word.startswith("-")], ["git", "libfmt-dev"])
-        self.script("test", MISSING="libcli11-dev")
+        self.install("test", MISSING="libcli11-dev")
         self.assertIn("libcli11-dev", self.calls("apt-get")[-1])
 
     def test_root_installs_without_sudo_and_another_user_through_it_and_apt_asks_no_questions(self):
@@ -299,53 +253,34 @@ class MissingPackages(CopyTest):
 
     def test_a_machine_where_nothing_can_be_installed_is_told_what_is_missing(self):
         for tools, part in (((), "dpkg-query"), (("dpkg-query",), "sudo")):
-            shutil.rmtree(self.path("few"), ignore_errors=True)
             path = self.path_with_only(*self.BASICS, *tools)
             self.assert_refused(self.install(MISSING="libfmt-dev", USER_ID="1000", PATH=path), part, "libfmt-dev")
 
     def test_a_failed_installation_ends_there(self):
-        done = self.install(MISSING="libfmt-dev", APT_STATUS="100")
+        done = self.install(MISSING="libfmt-dev", FAILING="apt-get")
         self.assertEqual((done.returncode, done.stdout), (BAD_ARGUMENTS, ""))
         self.assertIn("apt-get", done.stderr.splitlines()[-1])
         self.assertEqual(self.calls("cmake"), [])
 
 
-class InheritedKernels(CopyTest):
-    """OPENBLAS_CORETYPE left in the environment can halve the speed."""
-
-    def kernels_asked_for(self):
-        (call,) = self.calls("table1")
-        return re.match(r"table1\[(.*?)\]", call)[1]
-
-    def test_it_is_cleared_or_kept_and_said(self):
+class EndToEnd(ReproduceTest):
+    def test_an_inherited_kernel_choice_is_cleared_or_kept_and_said(self):
         for arguments, asked_for, said in (((), "none", "(?i)cleared.*OPENBLAS_CORETYPE=Nehalem"),
                                            (("--keep-coretype",), "Nehalem", "(?i)OPENBLAS_CORETYPE=Nehalem.*kept")):
             self.write("calls", "")
-            done = self.script("reproduce", "--out", self.out, *arguments, BENCHMARK="fail", OPENBLAS_CORETYPE="Nehalem")
-            self.assertEqual(self.kernels_asked_for(), asked_for)
+            done = self.reproduce(*arguments, FAILING="table1", OPENBLAS_CORETYPE="Nehalem")
+            (call,) = self.calls("table1")
+            self.assertTrue(call.startswith(f"table1[{asked_for}]"), call)
             self.assertRegex(done.stderr, said)
-
-    def test_nothing_is_said_where_nothing_was_inherited(self):
-        self.assertNotIn("OPENBLAS_CORETYPE", self.script("reproduce", "--out", self.out, BENCHMARK="fail").stderr)
-
-
-class EndToEnd(CopyTest):
-    def reproduce(self, *arguments, **changes):
-        done = self.script("reproduce", "--out", self.out, *arguments, **changes)
-        self.assertEqual(done.returncode, DONE, done.stderr)
-        return done
-
-    def result(self, name):
-        with open(os.path.join(self.out, name), encoding="utf-8") as stream:
-            return stream.read()
+        self.assertNotIn("OPENBLAS_CORETYPE", self.reproduce(FAILING="table1").stderr)
 
     def test_results_replace_earlier_ones_and_other_files_stay(self):
         self.out = self.path("my results", "of today")
-        for name, text in {**EARLIER, "notes": "mine"}.items():
-            self.write(os.path.join(self.out, name), text)
-        done = self.reproduce()
+        for name in (*RESULTS, "notes"):
+            self.write(os.path.join(self.out, name), f"earlier {name}")
+        done = self.reproduced()
         results = {name: text.decode() for name, text in snapshot(self.out).items()}
-        self.assertEqual(results.pop("notes"), "mine")
+        self.assertEqual(results.pop("notes"), "earlier notes")
         self.assertEqual(set(results), RESULTS)
         self.assertEqual(json.loads(results["raw.json"])["benchmarks"], raw_file()["benchmarks"])
         for name, text in results.items():
@@ -362,43 +297,39 @@ class EndToEnd(CopyTest):
 
     def test_without_out_results_are_under_results_latest(self):
         for arguments, name in (((), "table1"), (("--quick",), "table1-quick")):
-            with self.subTest(arguments=arguments):
-                self.assertEqual(self.script("reproduce", *arguments).returncode, DONE)
-                self.assertEqual(set(os.listdir(self.path("root", "results", "latest", name))), RESULTS)
+            self.assertEqual(self.script("reproduce", *arguments).returncode, DONE)
+            self.assertEqual(set(os.listdir(self.path("root", "results", "latest", name))), RESULTS)
 
     def test_all_makes_a_folder_for_each_job_and_draws_table_1_with_its_accuracy(self):
         raw = raw_file(tables=("table2", "table1"))
         for row in raw["benchmarks"]:
             row.update(relative_error=1e-3, reference_uncertainty=1e-14)
-        self.write("prepared2.json", json.dumps(raw, indent=2))
+        self.prepare("table2", raw)
         # Drawing takes seconds, and other tests see it.
         self.write("root/scripts/render_stability", RENDERER, executable=True)
-        self.reproduce("all")
-        self.assertEqual(set(os.listdir(self.out)), {"table1", "table2", "accuracy", "stability", "scaling"})
-        self.assertEqual(set(os.listdir(self.path("out", "table1"))), RESULTS)
-        two_cores = len(os.sched_getaffinity(0)) > 1
-        self.assertEqual(set(os.listdir(self.path("out", "table2"))), RESULTS | ({"threads.json"} if two_cores else set()))
+        self.reproduced("all")
+        threads = {"threads.json"} if CORES > 1 else set()
+        found = {job: set(os.listdir(self.path("out", job))) for job in os.listdir(self.out)}
+        self.assertLessEqual({"raw.json", "report.txt", "table1_accuracy.svg"}, found.pop("accuracy"))
+        self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS | threads, "scaling": RESULTS,
+                                 "stability": {"report.txt", *RAW_FILES["stability"]}})
         self.assertIn("--published", self.calls("table2")[0])
-        self.assertEqual(["--threads 2" in call for call in self.calls("table2")], [False] + [True] * (15 * two_cores))
-        self.assertEqual(set(os.listdir(self.path("out", "accuracy"))),
-                         results_of("accuracy") | {"table1_accuracy.svg", "table1_accuracy.png"})
-        self.assertEqual(set(os.listdir(self.path("out", "stability"))),
-                         {"report.txt", *(f"{name}.json" for name in STUDIES["stability"][0])})
-        self.assertEqual(set(os.listdir(self.path("out", "scaling"))), {"raw.json", "table.txt", "table.md"})
+        self.assertEqual(["--threads 2" in call for call in self.calls("table2")],
+                         [False] + [True] * (15 if threads else 0))
 
     def test_a_study_measures_and_ends_with_its_report(self):
-        for study, part in (("accuracy", "Error at h = 0.1"),
-                            ("stability", "Largest errors of long runs")):
-            with self.subTest(study=study):
-                self.out = self.path(study)
-                done = self.reproduce(study)
-                self.assertEqual(set(os.listdir(self.out)), results_of(study))
-                self.assertEqual(done.stdout, self.result("report.txt"))
-                self.assertIn(part, done.stdout)
+        for study, part in (("accuracy", "Error at h = 0.1"), ("stability", "Largest errors of long runs")):
+            self.out = self.path("out", study)
+            done = self.reproduced(study)
+            found = snapshot(self.out)
+            charts = {name for name in found if name.endswith((".svg", ".png"))}
+            self.assertGreater(len(charts), 2)
+            self.assertEqual(set(found) - charts, {"report.md", "report.txt", *RAW_FILES[study]})
+            self.assertEqual(done.stdout, found["report.txt"].decode())
+            self.assertIn(part, done.stdout)
         self.assertIn("--solver fast", self.calls("stability[")[1])
-        cores = len(os.sched_getaffinity(0))
         untimed = [*self.calls("stability["), *self.calls("long_runs[")]
-        self.assertEqual([call.endswith(f" on {cores} cores") for call in untimed], [True] * 3)
+        self.assertEqual([call.endswith(f" on {CORES} cores") for call in untimed], [True] * 3)
         self.assertFalse(any("--quick" in call for call in self.calls()))
 
     def test_every_study_can_be_executed(self):
@@ -407,30 +338,26 @@ class EndToEnd(CopyTest):
         self.assertEqual([name for name in studies if not os.access(os.path.join(folder, name), os.X_OK)], [])
 
     def test_quick_is_passed_on(self):
-        for study, failing, programs, option in (
-                ("accuracy", "accuracy", ("accuracy",), "--quick"),
-                ("stability", "long_runs", ("stability", "long_runs"), "--quick")):
-            self.script("reproduce", study, "--quick", "--out", self.out, FAILING=failing)
+        for study, *programs in (("accuracy", "accuracy"), ("stability", "stability", "long_runs")):
+            self.reproduce(study, "--quick", FAILING=programs[-1])
             for program in programs:
-                self.assertIn(option, self.calls(program + "[")[0])
+                self.assertIn("--quick", self.calls(program + "[")[0])
 
     def test_sizes_and_interleaved_repetitions_enough_for_a_verdict(self):
         for arguments, sizes in (((), [17, 33, 65, 129]), (("--quick",), [17, 33])):
-            self.script("reproduce", "--out", self.out, *arguments, BENCHMARK="fail")
+            self.reproduce(*arguments, FAILING="table1")
             call = self.calls("table1")[-1]
             pattern = re.search(r"--benchmark_filter=(\S+)", call)[1]
             self.assertEqual([n for n in (17, 33, 65, 129) if re.search(pattern, f"table1/group/n:{n}/s:1")], sizes)
             self.assertGreaterEqual(int(re.search(r"--benchmark_repetitions=(\d+)", call)[1]), 5)
             self.assertIn("--benchmark_enable_random_interleaving=true", call)
 
+    @unittest.skipIf(CORES < 2, "needs two cores")
     def test_two_threads_are_measured_in_rounds_that_keep_neighbours_together(self):
-        if len(os.sched_getaffinity(0)) < 2:
-            self.skipTest("needs two cores")
-        self.reproduce("table2")
+        self.reproduced("table2")
         rounds = [call for call in self.calls("table2") if "--threads 2" in call]
         self.assertFalse(any("interleaving" in call or "repetitions" in call for call in rounds))
-        with open(self.path("out", "threads.json"), encoding="utf-8") as raw:
-            joined = json.load(raw)
+        joined = json.loads(text_of(self.out, "threads.json"))
         one_round = len(raw_file(tables=("table2",), threads=(1, 2))["benchmarks"]) // 7
         self.assertEqual([row["repetition_index"] for row in joined["benchmarks"]],
                          [index for index in range(15) for _ in range(one_round)])
@@ -438,7 +365,7 @@ class EndToEnd(CopyTest):
         self.assertNotIn("host_name", joined["context"])
 
 
-class FailedRuns(CopyTest):
+class FailedRuns(ReproduceTest):
     """Whatever goes wrong, earlier results stay as they were and nothing stray is left."""
 
     def setUp(self):
@@ -452,7 +379,7 @@ class FailedRuns(CopyTest):
 
     def ends(self, job, status, *told, **changes):
         with self.subTest(job=job, changes=changes):
-            done = self.script("reproduce", job, "--out", self.out, **changes)
+            done = self.reproduce(job, **changes)
             self.assertEqual((done.returncode, done.stdout), (status, ""))
             for part in told:
                 self.assertIn(part, done.stderr)
@@ -460,82 +387,70 @@ class FailedRuns(CopyTest):
             self.assert_earlier_results()
 
     def test_a_failed_build_shows_its_log(self):
-        self.ends("table1", BAD_ARGUMENTS, "chatter of cmake", "reproduce: the build in", CMAKE_STATUS="1")
+        self.ends("table1", BAD_ARGUMENTS, "chatter of cmake", "reproduce: the build in", FAILING="cmake")
 
-    def test_a_failed_or_killed_benchmark_passes_its_status_on(self):
-        self.ends("table1", 7, "some reason", "exit status 7", BENCHMARK="fail")
+    def test_a_failed_or_killed_program_passes_its_status_on(self):
+        self.ends("table1", 7, "some reason", "exit status 7", FAILING="table1")
         self.ends("table1", 128 + signal.SIGKILL, "exit status 137", BENCHMARK="die")
-
-    def test_a_raw_file_that_cannot_be_used_is_told(self):
-        self.ends("table1", BAD_ARGUMENTS, "raw.json: is not whole JSON", BENCHMARK="scribble")
-        self.use_raw_file({"context": {}, "benchmarks": []})
-        self.ends("table1", BAD_ARGUMENTS, "raw.json: was not written by table1")
-
-    def test_rounds_of_two_threads_that_cannot_be_put_together_are_reported(self):
-        if len(os.sched_getaffinity(0)) < 2:
-            self.skipTest("needs two cores")
-        self.write("prepared_threads.json", '{"context": {')
-        self.ends("table2", BAD_ARGUMENTS, "threads.json: cannot be put together")
-
-    def test_a_failed_study_passes_its_status_on(self):
         for study, program in (("accuracy", "accuracy"), ("stability", "stability"), ("stability", "long_runs")):
             self.ends(study, 7, "some reason", FAILING=program)
-            self.ends(study, BAD_ARGUMENTS, BENCHMARK="scribble")
+
+    def test_a_raw_file_that_cannot_be_used_is_told(self):
+        for job in ("table1", "accuracy", "stability"):
+            self.ends(job, BAD_ARGUMENTS, "is not whole JSON", BENCHMARK="scribble")
+        self.prepare("table1", {"context": {}, "benchmarks": []})
+        self.ends("table1", BAD_ARGUMENTS, "raw.json: was not written by table1")
+
+    @unittest.skipIf(CORES < 2, "needs two cores")
+    def test_rounds_of_two_threads_that_cannot_be_put_together_are_reported(self):
+        self.write("threads.json", '{"context": {')
+        self.ends("table2", BAD_ARGUMENTS, "threads.json: cannot be put together")
 
     def test_what_a_study_has_finished_at_this_commit_is_not_done_again(self):
         for commit, runs in (("0123456789ab", 1), ("ba9876543210", 2)):  # the files are of the first
             self.write("tools/git", f"#!/bin/sh\necho {commit}\n", executable=True)
             self.write("calls", "")
-            self.script("reproduce", "stability", "--out", self.out, FAILING="long_runs")
-            self.assertEqual(self.script("reproduce", "stability", "--out", self.out).returncode, DONE)
+            self.reproduce("stability", FAILING="long_runs")
+            self.reproduced("stability")
             self.assertEqual((len(self.calls("stability[")), len(self.calls("long_runs["))), (2 * runs, 2))
 
     def test_rows_that_did_not_converge_are_shown_and_end_with_3(self):
-        self.use_raw_file(raw_file(failed=True))
-        done = self.script("reproduce", "--out", self.out, BENCHMARK_STATUS="3")
+        self.prepare("table1", raw_file(failed=True))
+        done = self.reproduce(BENCHMARK_STATUS="3")
         self.assertEqual(done.returncode, SOLVER_FAILED)
         self.assertIn("sweep cap at step 1", done.stdout)
         self.assertEqual(set(os.listdir(self.out)), RESULTS)
 
-
-class InterruptedRuns(CopyTest):
-    def setUp(self):
-        super().setUp()
-        self.before = self.keep_earlier_results()
-        self.process = start(self.line("reproduce", "--out", self.out), env=self.surroundings(BENCHMARK="wait"),
-                             stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
-        self.addCleanup(end, self.process)
+    def interrupted(self, send, number):
+        """Starts, sends a signal by `send(process, number)` while the program runs, and returns the ended process."""
+        process = start(self.line("reproduce", "--out", self.out), env=self.surroundings(BENCHMARK="wait"),
+                        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+        self.addCleanup(end, process)
         deadline = time.monotonic() + 30
         while "started" not in self.calls():
             self.assertLess(time.monotonic(), deadline, "the benchmark did not start")
             time.sleep(0.02)
-
-    def assert_ends_with(self, status):
-        try:
-            self.assertEqual(self.process.wait(timeout=5), status)
-        except subprocess.TimeoutExpired:
-            self.fail("it went on for 5 seconds")
-        self.assertEqual(self.process.stdout.read(), "")
-        self.assertEqual(snapshot(self.out), self.before)
-        self.assertEqual(os.listdir(self.path("tmp")), [])
+        send(process, number)
+        self.assertEqual(process.wait(timeout=5), 128 + number)
+        self.assertEqual(process.stdout.read(), "")
+        self.assert_earlier_results()
+        return process
 
     def test_ctrl_c_leaves_earlier_results(self):
-        os.killpg(self.process.pid, signal.SIGINT)
-        self.assert_ends_with(128 + signal.SIGINT)
+        self.interrupted(lambda process, number: os.killpg(process.pid, number), signal.SIGINT)
 
     def test_a_termination_of_the_script_alone_ends_the_benchmark_with_it(self):
-        self.process.send_signal(signal.SIGTERM)
-        self.assert_ends_with(128 + signal.SIGTERM)
+        process = self.interrupted(subprocess.Popen.send_signal, signal.SIGTERM)
         with self.assertRaises(ProcessLookupError, msg="the benchmark went on"):
             for _ in range(50):
-                os.killpg(self.process.pid, 0)
+                os.killpg(process.pid, 0)
                 time.sleep(0.1)
 
 
 class TestScript(CopyTest):
     def test_the_suite_runs_in_the_ordinary_build_and_its_status_is_passed_on(self):
-        for status in (DONE, 8):
-            self.assertEqual(self.script("test", CTEST_STATUS=str(status)).returncode, status)
+        for failing, status in (("none", DONE), ("ctest", 1)):
+            self.assertEqual(self.script("test", FAILING=failing).returncode, status)
         self.assertIn(f"--test-dir {self.path('root', 'build')} ", self.calls("ctest")[0])
         self.assertNotIn("SANITIZE=ON", self.calls("cmake")[0])
 
@@ -547,11 +462,7 @@ class TestScript(CopyTest):
         self.assertIn(f"--test-dir {folder} ", self.calls("ctest")[0])
 
     def test_a_failed_build_runs_no_tests(self):
-        done = self.script("test", CMAKE_STATUS="1")
+        done = self.script("test", FAILING="cmake")
         self.assertEqual(done.returncode, BAD_ARGUMENTS)
         self.assertIn("chatter of cmake", done.stderr)
         self.assertEqual(self.calls("ctest"), [])
-
-
-if __name__ == "__main__":
-    unittest.main()

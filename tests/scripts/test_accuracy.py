@@ -1,0 +1,200 @@
+"""Tests of the study of accuracy on a made-up one: what is refused, floors, orders and costs of lines, the report."""
+
+import copy
+import os
+import random
+import sys
+import unittest
+
+from programs import ROOT, FolderTest
+from study_documents import (INTEGRATORS, ROUGH, SLOWER, SMOOTH, STEPS, accuracy_of, run_of, small_study,
+                             study_document, write_study)
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
+from accuracy_lines import FAST, PUBLISHED, SCHEMA, read_accuracy  # noqa: E402
+from accuracy_report import accuracy_sections  # noqa: E402
+from benchmark_json import UnusableFile  # noqa: E402
+from document import as_text  # noqa: E402
+
+
+class RefusalTest(FolderTest):
+    def test_tables_that_do_not_belong_together(self):
+        def with_first(name, **values):
+            return lambda document: document[name][0].update(values)
+
+        def doubled(name):
+            return lambda document: document[name].append(copy.deepcopy(document[name][0]))
+
+        for change, *words in (
+                *((lambda document, name=name: document[name].clear(), "no references or no integrators")
+                  for name in ("references", "integrators")),
+                *((with_first("runs", cpu_seconds=value), "cpu_seconds") for value in ([], [0.0])),
+                *((with_first("runs", **{name: None}), f"no value of {name}") for name in ("error", "skew_defect")),
+                (with_first("runs", integrator="magic"), "magic"),
+                (with_first("tolerance_runs", integrator="rk4"), "Gauss"),
+                *((with_first(name, n=65), "n = 65", "no reference") for name in ("runs", "tolerance_runs")),
+                *((with_first(name, step=1.001), "do not come to the time 5") for name in ("runs", "tolerance_runs")),
+                (with_first("runs", scene="developed"), "developed, T = 5, n = 17", "no reference"),
+                (with_first("limits", h_norm_B=0.0), "limits has h_norm_B"),
+                *((doubled(name), "twice") for name in SCHEMA.tables)):
+            document = study_document()
+            change(document)
+            with self.subTest(words=words), self.assertRaises(UnusableFile) as caught:
+                accuracy_of(document)
+            self.assert_one_line(f"{caught.exception}\n", *words)
+
+
+class LineTest(FolderTest):
+    def setUp(self):
+        super().setUp()
+        self.document = study_document()
+
+    def study(self):
+        return accuracy_of(self.document)
+
+    def set_errors(self, errors):
+        """Gives the line of rkmk4 at n = 17 these errors, the longest step first."""
+        for steps, error in zip(STEPS, errors):
+            run_of(self.document, "rkmk4", 17, steps)["error"] = error
+
+    def test_values_stand_where_they_belong_whatever_the_order_of_the_file(self):
+        random.Random(3).shuffle(self.document["runs"])
+        study = read_accuracy(write_study(self.folder, self.document))
+        self.assertEqual((study.problems(), list(study.integrators)), ([*SMOOTH, ROUGH], list(INTEGRATORS)))
+        for solver, seconds in (("fast", 0.04), (PUBLISHED, 0.04 * SLOWER)):
+            run = study.at_step(SMOOTH[1], "group2", 0.5, solver)
+            self.assertEqual((run.problem, run.integrator, run.steps, run.error, run.seconds),
+                             (SMOOTH[1], "group2", 10, 0.1 * 0.5**4, seconds))
+        self.assertIsNone(study.at_step(SMOOTH[0], "group2", 0.11))
+        self.assertEqual([run.steps for run in study.line(SMOOTH[1], "group2")], list(STEPS))  # the longest step first
+        self.assertEqual([run.usable for run in study.line(SMOOTH[0], "group1")], [False] + [True] * 5)
+        self.assertEqual(study.line(ROUGH, "group2", PUBLISHED), [])
+        self.assertEqual({(run.formulation, run.stages) for run in study.tolerance_runs}, {("group", 1), ("group", 2)})
+        self.assertEqual([study.safe_step_limit("smooth", n, "rk4") for n in (17, 65)], [1.4142, None])
+
+    def test_where_a_line_ends_and_the_order_there(self):
+        def power(order):
+            return [1e-3 * (5 / steps) ** order for steps in STEPS]
+
+        for uncertainty, errors, kept, order in (
+                (1e-14, power(4), 6, 4), (1e-14, power(3), 6, 3),  # powers of the step to rounding
+                (1e-6, power(4), 2, None), (1e-3, power(4), 0, None),  # too few for an order
+                (1e-9, power(4), 4, 4),  # 1e-7 at 50 steps, 6.25e-9 at 100: ten times the uncertainty lies between them
+                (1e-14, (1e-3, 6e-5, 4e-6, 3e-9, 2.9e-9, 1e-9), 4, "no power"),  # rounding stops the error from falling
+                (1e-14, (1e-3, 6e-5, 5.9e-5, 5.8e-5, 6e-9, 4e-10), 6, "no power"),  # a plateau far above is no floor
+                (1e-14, [*power(2)[:3], *power(4)[3:]], 6, 4)):  # an order is fitted on the smallest steps
+            with self.subTest(uncertainty=uncertainty, errors=errors):
+                self.document["references"][0]["uncertainty"] = uncertainty
+                self.set_errors(errors)
+                self.assertEqual([run.steps for run in self.study().above_floor(SMOOTH[0], "rkmk4")], list(STEPS[:kept]))
+                if order != "no power":
+                    found = self.study().observed_order(SMOOTH[0], "rkmk4")
+                    self.assertEqual(found and round(found, 12), order)
+
+    def test_an_order_needs_three_steps_that_can_be_told_apart(self):
+        # Three counts of steps whose step sizes are the same to the last digit: damage, but each comes to the time.
+        line = [run_of(self.document, "rkmk4", 17, steps) for steps in STEPS]
+        self.document["runs"] = [run for run in self.document["runs"] if run not in line[3:]]
+        for index, run in enumerate(line[:3]):
+            run.update(steps=10**14 + index, step=5e-14)
+        self.assertIsNone(self.study().observed_order(SMOOTH[0], "rkmk4"))
+
+    def test_stretches_end_at_failures_limits_and_the_floor_and_no_cost_bridges_a_gap(self):
+        def steps():
+            return [[run.steps for run in stretch] for stretch in self.study().stretches(SMOOTH[0], "rkmk4")]
+
+        def cost(step):
+            return self.study().cost(SMOOTH[0], "rkmk4", 1e-3 * step**4)
+
+        self.assertEqual((steps(), cost(0.2).coarse.steps), ([list(STEPS)], 20))
+        for change in ({"beyond_limit": True},
+                       {"beyond_limit": False, "status": "diverged", "error": None, "cpu_seconds": []}):
+            run_of(self.document, "rkmk4", 17, 20).update(change)
+            self.assertEqual((steps(), cost(0.2), cost(0.09).coarse.steps), ([[5, 10], [50, 100, 200]], None, 50))
+        run_of(self.document, "rkmk4", 17, 5)["beyond_limit"] = True
+        self.document["references"][0]["uncertainty"] = 1e-9  # the error at 100 steps is 6.25e-9
+        self.assertEqual(steps(), [[10], [50]])
+        self.assertEqual(self.study().stretches(SMOOTH[0], "euler"), [])
+
+    def test_a_cost_is_interpolated_between_two_runs_that_enclose_the_error(self):
+        study = self.study()
+        # The error of rkmk4 is 1e-3 h⁴, ten times that in the rough scene; 1 ms a step, group2 4 ms. On a power law
+        # interpolation is exact.
+        for problem, factor in ((SMOOTH[0], 1e-3), (ROUGH, 1e-2)):
+            found = study.cost(problem, "rkmk4", factor * 0.2**4)
+            self.assertEqual((found.coarse.steps, found.fine.steps), (20, 50))
+            for value, wanted in ((found.seconds, 0.025), (found.least, 0.025 * 0.99), (found.most, 0.025 * 1.02),
+                                  (found.step, 0.2)):
+                self.assertAlmostEqual(value, wanted, delta=1e-12 * wanted)
+        for error, solver in ((1.001e-3, FAST), (3.9e-10, FAST), (1e-5, PUBLISHED)):
+            self.assertIsNone(study.cost(SMOOTH[0], "rkmk4", error, solver))
+        fast, slow = (study.cost(SMOOTH[0], "group2", 1e-5, solver).seconds for solver in (FAST, PUBLISHED))
+        self.assertAlmostEqual(slow, SLOWER * fast, delta=1e-12)
+
+    def test_the_cheapest_crossing_counts_and_equal_errors_divide_by_nothing(self):
+        self.set_errors((1e-4, 1e-6, 1e-4, 1e-6, 1e-6, 1e-7))
+        self.assertEqual(self.study().cost(SMOOTH[0], "rkmk4", 1e-5).fine.steps, 10)
+        self.assertEqual(self.study().cost(SMOOTH[0], "rkmk4", 1e-6).seconds, 0.01)
+        self.set_errors((1e-4, 1e-5, 1e-5, 1e-7, 1e-8, 1e-9))
+        self.assertEqual(self.study().cost(SMOOTH[0], "rkmk4", 1e-5).fine.steps, 10)
+
+
+def report(document):
+    return as_text(accuracy_sections(accuracy_of(document), ()))
+
+
+def rkmk4_dearer(document):
+    for run in document["runs"]:
+        if run["integrator"] == "rkmk4":
+            run["cpu_seconds"] = [100 * time for time in run["cpu_seconds"]]
+
+
+def algebra_at_the_usual_tolerance(document):
+    """Gives algebra1 a run at 1e-13, with a better spectrum than group1's, which is worse at other tolerances."""
+    group = next(run for run in document["tolerance_runs"] if run["tolerance"] == 1e-13)
+    document["integrators"].append({**document["integrators"][1], "name": "algebra1"})
+    document["tolerance_runs"].append({**group, "integrator": "algebra1", "spectrum_error": 1e-16})
+    for run in document["tolerance_runs"]:
+        if run["integrator"] == "group1":
+            run["spectrum_error"] = run["tolerance"] * (5 if run["tolerance"] == 1e-13 else 1e5)
+
+
+class Report(unittest.TestCase):
+    def test_figures_can_be_worked_out_by_hand(self):
+        text = report(study_document())
+        for pattern in (
+                # C h^4 in S/h seconds: group2_frame costs 4e-3 (1e-2)^(1/4) / (1e-3 (1e-3)^(1/4)) = 7.1 times rkmk4.
+                r"takes 7\.1 × RKMK4's time and 40 × RK4's time\.", r" 7\.1 \(6\.9–7\.3\) times RKMK4's over 10 comp",
+                r"The price of structure[^*]*\nrkmk4 +7\.1 \(6\.9–7\.3\) +7\.1 \(6\.9–7\.3\) +7\.1 \(6\.9–7\.3\)\n",
+                r"What the co-rotating frame buys[^*]*group2 +1\.8 +1\.8 +1\.8\n",  # (1e-1 / 1e-2)^(1/4)
+                r"cheaper than the best Gauss form in 14 of 14",
+                # Errors 0.01 (s = 1) and 1e-5 (s = 2); a solver error is a tenth of the tolerance, 1e-4 at most.
+                r"17  group +1 +1\.0e-2 +1e-04 ", r"17  group +2 +1\.0e-5 +1e-05 ",
+                # 100 steps of group2: an error of 6.3e-7, 400 equivalent products, 0.4 s; the rate is 2e9 / 33^3 = 55,653.
+                r"group2 +0\.0500 +6\.3e-7 +0\.400 +400 +1\.80 % +4 \(3\.9–4\.1\) +predictor"):
+            with self.subTest(pattern=pattern):
+                self.assertRegex(text, pattern)
+
+    def test_a_change_of_a_run_changes_them(self):
+        for change, after in (
+                (lambda document: run_of(document, "rk4", 17, 5).update(beyond_limit=True),
+                 r"\nrk4 +1\.00 beyond its limit +1\.00 beyond its limit "),
+                (lambda document: run_of(document, "rkmk4", 17, 50).update(error=3.3e-3),
+                 r" 3\.3e-3 to\s+1\.0e-7\s+\(rkmk4\)"),
+                (rkmk4_dearer, r"takes 0\.071 × RKMK4's time"), (rkmk4_dearer, r"in 0 of 14"),
+                (algebra_at_the_usual_tolerance, r"algebra's spectrum errs up to 5000 times less")):
+            with self.subTest(after=after):
+                document = study_document()
+                self.assertNotRegex(report(document), after)
+                change(document)
+                self.assertRegex(report(document), after)
+
+    def test_a_study_of_one_problem_without_tolerances_makes_a_report(self):
+        document = small_study()
+        document["tolerance_runs"] = document["limits"] = document["rates"] = []
+        self.assertIn("Runs that failed", report(document))
+
+
+if __name__ == "__main__":
+    unittest.main()
