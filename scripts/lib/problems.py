@@ -14,7 +14,7 @@ import numpy
 import study
 from accuracy_lines import Problem
 from benchmark_json import UnusableFile, one_line
-from study_file import an_object, checked, list_of, number, positive, read_json, require, text, whole
+from study_file import list_of, number, object_of, positive, read_json, require, text, whole
 
 FORMAT = "isosyrk references 1"
 SIZES, QUICK_SIZES, LARGEST_SIZE = (17, 33, 65, 129), (17, 33), 257
@@ -23,6 +23,9 @@ DEVELOPED, DEVELOPED_TIME = "developed", 100.0
 # Scene and time, with the largest uncertainty of a solution at any n, some four times the largest found when first made.
 # Flow and rounding allow no less: rounding errors grow with the number of steps, and with the norm of B.
 UNCERTAINTIES = {("smooth", 5.0): 1e-12, ("smooth", 50.0): 1e-11, ("rough", 5.0): 1e-12, (DEVELOPED, 5.0): 1e-12}
+RUN = object_of("a run of a reference", integrator=text, steps=whole(1))
+REFERENCE = {"n": whole(2), "file": text, "uncertainty": positive, "first": RUN, "second": RUN}
+INITIAL = object_of("initial data", file=text, energy=positive, energy_by_degree=list_of(number))
 DIGITS = 1e-6  # to which the listed energies of initial data are those of the matrix
 
 
@@ -96,17 +99,8 @@ def read_records(problem, folder):
     def records(document):
         for name, wanted in head(problem).items():
             require(document, "list of reference solutions of this scene", name, wanted)
-        kinds = {"n": whole(2), "file": text, "uncertainty": positive, "first": run, "second": run}
-        if problem.scene == DEVELOPED:
-            kinds["initial"] = initial
-        found = checked(document, {"references": list_of(an_object)}, "it")["references"]
-        return {each["n"]: each for each in (checked(each, kinds, "a reference") for each in found)}
-
-    def run(values):
-        return checked(an_object(values), {"integrator": text, "steps": whole(1)}, "a run of a reference")
-
-    def initial(values):
-        return checked(an_object(values), {"file": text, "energy": positive, "energy_by_degree": list_of(number)}, "initial data")
+        reference = object_of("a reference", **REFERENCE, **({"initial": INITIAL} if problem.scene == DEVELOPED else {}))
+        return {each["n"]: each for each in object_of("it", references=list_of(reference))(document)["references"]}
 
     return read_json(os.path.join(folder_of(problem, folder), "references.json"), records)
 

@@ -24,7 +24,6 @@ MARKERS = 7  # a line of a long run has a marker on every so many of its samples
 
 def failure_map(study, scene, names, title):
     """Draws a panel for each integrator: its trials at each n, the measured critical value and linear theory."""
-    names = [name for name in names if study.line(scene, name)]
     figure, panels = new_figure(f"{title}: {scene} scene", -(-len(names) // COLUMNS), COLUMNS, 2.6, keys=2,
                                 sharey=True)
     sizes = study.sizes(scene)
@@ -36,7 +35,7 @@ def failure_map(study, scene, names, title):
         axes.yaxis.set_minor_locator(NullLocator())
         axes.xaxis.set_major_locator(FixedLocator(range(len(sizes))))
         axes.xaxis.set_major_formatter(lambda column, _: str(sizes[round(column)]))
-        maps = [study.at(scene, n, name) for n in sizes]
+        maps = study.line(scene, name)
         for column, trials in ((column, each.trials) for column, each in enumerate(maps) if each):
             values = [trial.h_norm_B for trial in trials]
             half = math.sqrt(values[1] / values[0]) if len(values) > 1 else 2**0.25
@@ -72,7 +71,7 @@ def long_runs(study, scene, n, isospectral):
     The integrators are those that keep the spectrum, or those that do not.
     """
     integrators = [each for name, each in study.integrators.items() if each.isospectral == isospectral
-                   and any(study.at(scene, n, share, name) for share in study.shares())]
+                   and any((scene, n, name, share) in study.runs for share in study.shares())]
     if not integrators:
         return None
     figure, panels = new_figure(
@@ -84,7 +83,7 @@ def long_runs(study, scene, n, isospectral):
             logarithmic(axes)
             axes.axhline(ROUNDING, color="0.45", linewidth=0.9, zorder=1, label="_rounding")
             for index, each in enumerate(integrators):
-                run = study.at(scene, n, share, each.name)
+                run = study.runs.get((scene, n, each.name, share))
                 points = draw_line(axes, each.name, run.series(quantity) if run else [], **look(each),
                                    markevery=(index % MARKERS, MARKERS))
                 if points and not run.survived:

@@ -4,7 +4,7 @@ A trial is a short run with one step size; the map of one integrator in one sett
 grid of h‖B‖₂, and the bracket that bisection left around the critical value. ‖B‖₂ is taken at the initial data.
 """
 
-from typing import Dict, List, NamedTuple, Tuple
+from typing import Dict, NamedTuple, Tuple
 
 import study_file
 from benchmark_json import UnusableFile, quoted
@@ -133,19 +133,18 @@ class FailureMap(NamedTuple):
     maps: Dict[Tuple[str, int, str], Map]
 
     def scenes(self):
-        return [scene for scene in SCENES if any(scene == known for known, _ in self.settings)]
+        return [scene for scene in SCENES if self.sizes(scene)]
 
     def sizes(self, scene):
         return sorted(n for known, n in self.settings if known == scene)
 
-    def at(self, scene, n, integrator):
-        """Returns the map of an integrator in a setting, or None."""
-        return self.maps.get((scene, n, integrator))
-
     def line(self, scene, integrator):
-        """Returns the maps of an integrator in a scene, n rising."""
-        found = (self.at(scene, n, integrator) for n in self.sizes(scene))
-        return [each for each in found if each]
+        """Returns the map of an integrator in a scene at each of its n, or None."""
+        return [self.maps.get((scene, n, integrator)) for n in self.sizes(scene)]
+
+    def mapped(self, scene, names):
+        """Returns those of some integrators that have maps in a scene."""
+        return [name for name in names if any(self.line(scene, name))]
 
 
 class LongRun(NamedTuple):
@@ -161,25 +160,22 @@ class LongRun(NamedTuple):
         found = ((sample.step * self.row.step, getattr(sample, quantity)) for sample in self.samples)
         return [(time, value) for time, value in found if value is not None]
 
+    def largest(self, quantity):
+        """Returns the largest value of a quantity, or None if no sample has one."""
+        return max((value for _, value in self.series(quantity)), default=None)
+
 
 class LongRuns(NamedTuple):
-    context: Dict[str, str]
     steps: int
     integrators: Dict[str, Integrator]
-    runs: List[LongRun]
+    runs: Dict[Tuple[str, int, str, float], LongRun]  # by scene, n, integrator and share of the critical h‖B‖₂
 
     def settings(self):
-        return sorted({(run.row.scene, run.row.n) for run in self.runs},
-                      key=lambda each: (SCENES.index(each[0]), each[1]))
+        return sorted({key[:2] for key in self.runs}, key=lambda each: (SCENES.index(each[0]), each[1]))
 
     def shares(self):
         """Returns the shares of the critical h‖B‖₂, from the edge inwards."""
-        return sorted({run.row.share for run in self.runs}, reverse=True)
-
-    def at(self, scene, n, share, integrator):
-        """Returns a run, or None."""
-        return next((run for run in self.runs if (run.row.scene, run.row.n, run.row.share, run.row.integrator)
-                     == (scene, n, share, integrator)), None)
+        return sorted({share for *_, share in self.runs}, reverse=True)
 
 
 def read_map(path, solver=PUBLISHED):
@@ -202,32 +198,31 @@ def failure_map(study, solver):
     edges = keyed(study.tables["maps"], "scene", "n", "integrator")
     if not edges or edges.keys() != trials.keys():
         raise UnusableFile("has no maps, a map without trials, or trials of no map")
-    result = FailureMap(study.context, study.settings.max_sweeps, keyed(study.tables["integrators"], "name"),
-                        keyed(study.tables["settings"], "scene", "n"),
-                        {key: Map(edge, tuple(trials[key])) for key, edge in edges.items()})
-    check_listed(result.integrators, edges.values(), "map")
+    settings = keyed(study.tables["settings"], "scene", "n")
     for scene, n, _ in edges:
-        if (scene, n) not in result.settings:
+        if (scene, n) not in settings:
             raise UnusableFile(f"has a map in a setting it does not list, {scene} at n = {n}")
-    return result
+    return FailureMap(study.context, study.settings.max_sweeps, integrators_of(study, "map"), settings,
+                      {key: Map(edge, tuple(trials[key])) for key, edge in edges.items()})
 
 
 def long_runs(study):
-    rows = study.tables["runs"]
-    if not keyed(rows, "scene", "n", "integrator", "share"):
+    rows = keyed(study.tables["runs"], "scene", "n", "integrator", "share")
+    if not rows:
         raise UnusableFile("has no runs")
     samples = [[] for _ in rows]
     for sample in study.tables["samples"]:
         if sample.run >= len(rows):
             raise UnusableFile(f"has a sample of run {sample.run}, which it does not list")
         samples[sample.run].append(sample)
-    integrators = keyed(study.tables["integrators"], "name")
-    check_listed(integrators, rows, "run")
-    return LongRuns(study.context, study.settings.steps, integrators,
-                    [LongRun(row, tuple(found)) for row, found in zip(rows, samples)])
+    return LongRuns(study.settings.steps, integrators_of(study, "run"),
+                    {key: LongRun(row, tuple(found)) for (key, row), found in zip(rows.items(), samples)})
 
 
-def check_listed(known, rows, what):
-    for each in rows:
+def integrators_of(study, what):
+    """Returns the integrators of a study by name, having checked that it lists those of its table of maps or runs."""
+    known = keyed(study.tables["integrators"], "name")
+    for each in study.tables[f"{what}s"]:
         if each.integrator not in known:
             raise UnusableFile(f"has a {what} of an integrator it does not list, {quoted(each.integrator)}")
+    return known

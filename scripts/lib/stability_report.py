@@ -1,5 +1,6 @@
 """The failure maps and the long runs as a document: charts, critical values, the largest errors."""
 
+import itertools
 from typing import NamedTuple, Tuple
 
 from accuracy_claims import scientific
@@ -28,17 +29,13 @@ class Chart(NamedTuple):
 def charts_of(failures, fast=None, runs=None):
     """Returns the charts of a failure map, and of a map of the fast forms and of long runs where there are any."""
     found = []
-    for scene in failures.scenes():
-        for name, names, title in (("failure_map", TABLE1_CELLS, "Where the formulations of Table 1 fail"),
-                                   ("failure_map_others", others(failures.integrators),
-                                    "Where the other integrators fail")):
-            if any(failures.line(scene, each) for each in names):
-                found.append(Chart(f"{name}_{scene}", f"{title}, {scene} scene.", "failure_map",
-                                   (failures, scene, names, title)))
-    for scene in fast.scenes() if fast else ():
-        title = "Where the fast forms of Table 1 fail"
-        found.append(Chart(f"failure_map_fast_{scene}", f"{title}, {scene} scene.", "failure_map",
-                           (fast, scene, TABLE1_CELLS, title)))
+    for study, kinds in ((failures, (("", TABLE1_CELLS, "Where the formulations of Table 1 fail"),
+                                     ("_others", others(failures.integrators), "Where the other integrators fail"))),
+                         (fast, (("_fast", TABLE1_CELLS, "Where the fast forms of Table 1 fail"),))):
+        for scene, (kind, names, title) in itertools.product(study.scenes() if study else (), kinds):
+            if mapped := study.mapped(scene, names):
+                found.append(Chart(f"failure_map{kind}_{scene}", f"{title}, {scene} scene.", "failure_map",
+                                   (study, scene, mapped, title)))
     for scene, n in runs.settings() if runs else ():
         where = f"long_runs_n{n}" if scene == "smooth" else f"long_runs_{scene}_n{n}"
         for name, isospectral, which in ((where, True, "keep"), (f"{where}_controls", False, "lose")):
@@ -75,14 +72,16 @@ def critical_section(title, failures):
         plain_table((Column("scene", align="left"), Column("n"), Column("‖B(W₀)‖₂"), Column("steps of a trial"),
                      Column("of explicit methods")), settings)]
     for scene in failures.scenes():
-        sizes = failures.sizes(scene)
-        columns = (Column("integrator", align="left"), *(Column(f"n = {n}") for n in sizes),
+        columns = (Column("integrator", align="left"), *(Column(f"n = {n}") for n in failures.sizes(scene)),
                    Column("fails as", align="left"))
-        rows = [[name, *(critical_text(failures.at(scene, n, name)) for n in sizes),
-                 ", ".join(dict.fromkeys(filter(None, (each.first_failure for each in line)))) or MISSING]
-                for name in failures.integrators if (line := failures.line(scene, name))]
+        rows = [critical_row(name, failures.line(scene, name)) for name in failures.mapped(scene, failures.integrators)]
         parts += [Heading(f"{scene.capitalize()} scene", 3), plain_table(columns, rows)]
     return parts
+
+
+def critical_row(name, line):
+    failures = dict.fromkeys(each.first_failure for each in line if each and each.first_failure)
+    return [name, *map(critical_text, line), ", ".join(failures) or MISSING]
 
 
 def critical_text(each):
@@ -105,7 +104,7 @@ def long_runs_section(runs):
             group = f"{share:g} of the critical step"
             columns += [Column("ends", group, "left"), Column("steps", group),
                         *(Column(quantity.replace("_", " "), group) for quantity in QUANTITIES)]
-        rows = [[name, *(text for share in runs.shares() for text in run_texts(runs.at(scene, n, share, name)))]
+        rows = [[name, *(text for share in runs.shares() for text in run_texts(runs.runs.get((scene, n, name, share))))]
                 for name in runs.integrators]
         parts += [Heading(f"n = {n}, {scene} scene", 3), plain_table(tuple(columns), rows)]
     return parts
@@ -114,15 +113,12 @@ def long_runs_section(runs):
 def energy_sentence(runs):
     """Says how far the energy of runs that came through is off, by what their integrators keep."""
     found = {}
-    for scene, n in runs.settings():
-        for share in runs.shares():
-            for name, each in runs.integrators.items():
-                run = runs.at(scene, n, share, name)
-                if run and run.survived:
-                    worst = max((value for _, value in run.series("energy_error")), default=0.0)
-                    kept = ("the Lie–Poisson structure" if each.lie_poisson else
-                            "the spectrum only" if each.isospectral else None)
-                    found.setdefault(kept, []).append(worst)
+    for (_, _, name, _), run in runs.runs.items():
+        each = runs.integrators[name]
+        if run.survived:
+            kept = ("the Lie–Poisson structure" if each.lie_poisson else
+                    "the spectrum only" if each.isospectral else None)
+            found.setdefault(kept, []).append(run.largest("energy_error") or 0.0)
     parts = [f"{scientific(min(worst))} to {scientific(max(worst))} for methods that keep {kept}"
              for kept, worst in found.items() if kept]
     return (f"A run that converged may have lost its energy: the energy error is {', '.join(parts)}." if parts else "")
@@ -132,5 +128,5 @@ def run_texts(run):
     """Returns how a run ended, the number of its completed steps, and its largest errors."""
     if run is None:
         return [MISSING] * (2 + len(QUANTITIES))
-    largest = (max((value for _, value in run.series(quantity)), default=None) for quantity in QUANTITIES)
+    largest = map(run.largest, QUANTITIES)
     return [run.row.status, str(run.row.steps), *(MISSING if each is None else scientific(each) for each in largest)]

@@ -103,8 +103,7 @@ def entries(names, frames=False):
 def record_of(entry):
     """Returns the module's record of an integrator as a row of a raw file."""
     limit = entry.stability_limit if math.isfinite(entry.stability_limit) else None
-    return Integrator(entry.name, entry.stages, entry.order, entry.isospectral, entry.lie_poisson, entry.symmetric,
-                      entry.explicit, limit)
+    return Integrator(*(getattr(entry, field) for field in Integrator._fields[:-1]), limit)
 
 
 def require_writable(path):
@@ -160,16 +159,14 @@ class Journal:
         arguments = {name: value for name, value in vars(options).items() if name not in NOT_OF_THE_STUDY}
         head = {"format": JOURNAL, "study": study, "arguments": arguments,
                 "conditions": {name: now.get(name) for name in KEPT_CONDITIONS}}
-        lines = self._lines()
-        self.found = {}
-        if lines and {**lines[0], "context": None} == {**head, "context": None}:
-            self.context = lines[0]["context"]
-            self.found = dict(map(tuple, lines[1:]))
-            say(f"{one_line(self.path)}: going on after {len(self.found)} results")
-        else:
-            if lines is not None:
-                say(f"{one_line(self.path)}: belongs to something else, begun anew")
-            self.context = now
+        begun, *results = self._lines() or [{}]
+        goes_on = {**begun, "context": None} == {**head, "context": None}
+        if goes_on:
+            say(f"{one_line(self.path)}: going on after {len(results)} results")
+        elif os.path.exists(self.path):
+            say(f"{one_line(self.path)}: belongs to something else, begun anew")
+        self.context = begun["context"] if goes_on else now
+        self.found = dict(results) if goes_on else {}
         self.head = {**head, "context": self.context}
         if self.found:
             self._rewrite()  # without a last line that was cut
@@ -179,11 +176,9 @@ class Journal:
         replace_file(self.path, "".join(lines).encode("utf-8"))
 
     def _lines(self):
-        """Returns the whole lines of the file, or None where there is none."""
-        if not os.path.exists(self.path):
-            return None
+        """Returns the whole lines of the file, up to one that was cut."""
         lines = []
-        with contextlib.suppress(ValueError), open(self.path, encoding="utf-8") as file:  # up to one that was cut
+        with contextlib.suppress(FileNotFoundError, ValueError), open(self.path, encoding="utf-8") as file:
             lines.extend(map(json.loads, file))
         return lines if lines and isinstance(lines[0], dict) else []
 

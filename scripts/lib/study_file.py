@@ -32,6 +32,15 @@ class Wrong(Exception):
     """A value is not of its kind; the message says what is needed."""
 
 
+def kind_of(needed, allowed, made=lambda value: value):
+    """Returns the kind of the values that are `allowed`, which are read as `made` says."""
+    def read(value):
+        if not allowed(value):
+            raise Wrong(needed)
+        return made(value)
+    return read
+
+
 def is_number(value):
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return False
@@ -41,58 +50,27 @@ def is_number(value):
         return False
 
 
-def number(value):
-    """A finite number, 0 or more: errors, norms, counts and times are never negative."""
-    if not is_number(value) or not 0 <= value <= LARGEST:
-        raise Wrong(f"a number from 0 to {LARGEST:g}")
-    return float(value)
-
-
-def positive(value):
-    if not is_number(value) or not SMALLEST <= value <= LARGEST:
-        raise Wrong(f"a number from {SMALLEST:g} to {LARGEST:g}")
-    return float(value)
-
-
-def error_of_any_size(value):
-    """A number, 0 or more, or None where the error was not finite or beyond LARGEST: a run that blew up leaves such."""
-    if value is not None and (not is_number(value) or value < 0):
-        raise Wrong("a number, 0 or more, or null")
-    return None if value is None or value > LARGEST else float(value)
-
-
-def truth(value):
-    if not isinstance(value, bool):
-        raise Wrong("true or false")
-    return value
-
-
-def text(value):
-    if not isinstance(value, str) or one_line(value) != value or not 0 < len(value) <= LONGEST_TEXT:
-        raise Wrong("a short text")
-    return value
-
-
-def an_object(value):
-    if not isinstance(value, dict):
-        raise Wrong("an object")
-    return value
+# Errors, norms, counts and times are finite and never negative.
+number = kind_of(f"a number from 0 to {LARGEST:g}", lambda value: is_number(value) and 0 <= value <= LARGEST, float)
+positive = kind_of(f"a number from {SMALLEST:g} to {LARGEST:g}",
+                   lambda value: is_number(value) and SMALLEST <= value <= LARGEST, float)
+# None where the error was not finite or beyond LARGEST: a run that blew up leaves such.
+error_of_any_size = kind_of("a number, 0 or more, or null",
+                            lambda value: value is None or (is_number(value) and value >= 0),
+                            lambda value: None if value is None or value > LARGEST else float(value))
+truth = kind_of("true or false", lambda value: isinstance(value, bool))
+text = kind_of("a short text", lambda value: (isinstance(value, str) and one_line(value) == value
+                                              and 0 < len(value) <= LONGEST_TEXT))
+an_object = kind_of("an object", lambda value: isinstance(value, dict))
 
 
 def one_of(*allowed):
-    def kind(value):
-        if not isinstance(value, str) or value not in allowed:
-            raise Wrong(f"one of {', '.join(allowed)}")
-        return value
-    return kind
+    return kind_of(f"one of {', '.join(allowed)}", lambda value: isinstance(value, str) and value in allowed)
 
 
 def whole(least=0):
-    def kind(value):
-        if isinstance(value, bool) or not isinstance(value, int) or not least <= value < 10**15:
-            raise Wrong(f"a whole number from {least} on")
-        return value
-    return kind
+    return kind_of(f"a whole number from {least} on",
+                   lambda value: isinstance(value, int) and not isinstance(value, bool) and least <= value < 10**15)
 
 
 def optional(kind):
@@ -174,6 +152,11 @@ def keyed(records, *names):
         if found.setdefault(key if len(key) > 1 else key[0], record) is not record:
             raise UnusableFile(f"has {', '.join(f'{name} {value}' for name, value in zip(names, key))} twice")
     return found
+
+
+def object_of(what, **kinds):
+    """The kind of an object that has fields of these kinds; another is refused, named `what`."""
+    return lambda value: checked(an_object(value), kinds, what)
 
 
 # ---- reading

@@ -40,6 +40,16 @@ class Setting:
         """Returns the errors of a state against the initial data, as columns of a table."""
         return {"spectrum_error": isosyrk.spectrum_error(W, self.scene.initial), "skew_defect": isosyrk.skew_defect(W)}
 
+    def run(self, integrator, h, steps, every=1):
+        """Runs from the initial data, and returns what run() does, and the largest energy error after `every` steps."""
+        energy_error = 0.0
+
+        def watch(_step, W, _report):
+            nonlocal energy_error
+            energy_error = larger(energy_error, self.energy_error(W))
+
+        return (*run(integrator, self.scene.initial, h, steps, watch, every), energy_error)
+
 
 def trial_steps(n, explicit):
     """Returns the steps of a trial: enough for a growth to show, fewer where they are dear."""
@@ -58,29 +68,12 @@ def finite(error):
     return error if error <= LARGEST else None
 
 
-def run(integrator, W, h, steps, observe):
+def run(integrator, W, h, steps, observe, every=1):
     """Runs, and returns (W, report, status, failed step); W is the last good state, the failed step None if none."""
     try:
-        return (*integrator.run(W, h=h, steps=steps, observe=observe), CONVERGED, None)
+        return (*integrator.run(W, h, steps, observe, every), CONVERGED, None)
     except isosyrk.SolverError as problem:
         return problem.W, problem.report, problem.status, problem.step
-
-
-def attempt(setting, integrator, isospectral, h_norm_B, steps):
-    """Returns the trial of some steps with one h‖B(W₀)‖₂, as columns of a table."""
-    energy_error = 0.0
-
-    def watch(_step, W, _report):
-        nonlocal energy_error
-        energy_error = larger(energy_error, setting.energy_error(W))
-
-    W, report, status, failed_step = run(integrator, setting.scene.initial, h_norm_B / setting.norm_B, steps, watch)
-    errors = {**setting.errors(W), "energy_error": energy_error}
-    if status == CONVERGED and invariants_lost(errors, isospectral):
-        status = UNSTABLE
-    return {"h_norm_B": h_norm_B, "status": status, "steps": report.steps,
-            "sweeps_per_step": sweeps_per_step(report),
-            **{name: finite(error) for name, error in errors.items()}, "failed_step": failed_step}
 
 
 def sweeps_per_step(report):
@@ -94,11 +87,21 @@ def invariants_lost(errors, isospectral):
 
 
 def trial_of(setting, name, solver):
-    """Returns a function that tries a listed integrator with an h‖B(W₀)‖₂."""
+    """Returns a function of h‖B(W₀)‖₂ that tries a listed integrator, and returns the trial as columns of a table."""
     (kept,) = study.entries([name])
     integrator = setting.integrator(name, solver)
     steps = trial_steps(setting.scene.n, kept.explicit)
-    return lambda h_norm_B: attempt(setting, integrator, kept.isospectral, h_norm_B, steps)
+
+    def trial(h_norm_B):
+        W, report, status, failed_step, energy_error = setting.run(integrator, h_norm_B / setting.norm_B, steps)
+        errors = {**setting.errors(W), "energy_error": energy_error}
+        if status == CONVERGED and invariants_lost(errors, kept.isospectral):
+            status = UNSTABLE
+        return {"h_norm_B": h_norm_B, "status": status, "steps": report.steps,
+                "sweeps_per_step": sweeps_per_step(report),
+                **{name: finite(error) for name, error in errors.items()}, "failed_step": failed_step}
+
+    return trial
 
 
 def find_edge(setting, name, solver="published"):

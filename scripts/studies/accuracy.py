@@ -138,18 +138,10 @@ class Setting(trials.Setting):
     def look(self, method, steps, tolerance):
         """Makes one run, and returns its fields and W(T), which is None if it did not come to a usable end."""
         h = self.problem.time / steps
-        energy_error = 0.0
-
-        def watch(_step, W, _report):
-            nonlocal energy_error
-            energy_error = max(energy_error, self.energy_error(W))
-
         initial = self.scene.initial
-        try:
-            W, report = method.run(initial, h, steps, observe=watch, every=math.ceil(steps / LOOKS))
-            status = CONVERGED if isosyrk.spectrum_error(W, initial) <= LOST_SPECTRUM else UNSTABLE
-        except isosyrk.SolverError as failure:
-            W, report, status = None, failure.report, failure.status
+        W, report, status, _, energy_error = self.run(method, h, steps, math.ceil(steps / LOOKS))
+        if status == CONVERGED and not isosyrk.spectrum_error(W, initial) <= LOST_SPECTRUM:
+            status = UNSTABLE
         found = dict.fromkeys(Run._fields)
         found.update(self.problem._asdict(), integrator=self.entry.name, solver=self.solver, steps=steps, step=h,
                      tolerance=tolerance, status=status, h_norm_B=h * self.norm_B,
@@ -159,7 +151,7 @@ class Setting(trials.Setting):
         if status != CONVERGED:
             return found, None
         found.update(error=isosyrk.relative_error(W, self.reference), **self.errors(W),
-                     energy_error=max(energy_error, self.energy_error(W)),
+                     energy_error=energy_error,
                      casimir_errors=list(isosyrk.casimir_errors(W, initial)),
                      angular_momentum_error=isosyrk.angular_momentum_error(W, initial))
         return found, W

@@ -138,8 +138,8 @@ def main(arguments):
     if options.integrator:
         raise study.Stop(f"--integrator: reference solutions are those of {' and '.join(INTEGRATORS)}")
     folder = options.out
-    output_folder(PROGRAM, "--out", folder)
     wanted = problems.asked_for(options)
+    output_folder(PROGRAM, "--out", folder)
     missing = sorted((problem for problem in wanted if not is_whole(problem, folder)),
                      key=lambda problem: (problem.n, problem.time))  # the longest last
     if missing:

@@ -91,21 +91,11 @@ class Scene:
         self._core = core
         self._generator = generator  # kept here, since the compiled half only borrows it
         self._hamiltonian = hamiltonian
+        self.name: str = core.name
+        self.n: int = core.n
+        self.time: float = core.time  # the end of its time span
         self.hbar: Optional[str] = hbar  # "paper" or "standard"; None for a generator of the user's own
         self.modes_hash: Optional[str] = modes_hash  # tells initial modes apart; None where there are none
-
-    @property
-    def name(self) -> str:
-        return self._core.name
-
-    @property
-    def n(self) -> int:
-        return self._core.n
-
-    @property
-    def time(self) -> float:
-        """The end of the scene's time span."""
-        return self._core.time
 
     @property
     def initial(self) -> Matrix:
@@ -296,8 +286,7 @@ def integrator(scene: Scene, name: str, solver: str = "published", tolerance: fl
     if not isinstance(scene, Scene):
         raise TypeError(f"scene: is a {type(scene).__name__}, must come from isosyrk.scene()")
     entry = _core.integrator_entry(_text(name, "integrator"))
-    if _text(solver, "solver") not in SOLVERS:
-        raise ValueError(f"solver '{solver}': must be published or fast")
+    solver = _solver(solver)
     without = (without,) if isinstance(without, str) else tuple(without)
     for each in without:
         if each not in SWITCHES:
@@ -334,9 +323,7 @@ def conditions(products: str = "fastest", sizes: Iterable[int] = ()) -> Dict[str
 def product_rate(n: int, solver: str = "fast") -> float:
     """Returns the products of n x n matrices per CPU second, as measured here in a twentieth of a second: of the fast
     forms' products, or of published forms' with the faster backend."""
-    if _text(solver, "solver") not in SOLVERS:
-        raise ValueError(f"solver '{solver}': must be published or fast")
-    return _core.product_rate(_whole(n, "n", 2, LARGEST_N), solver == "fast")
+    return _core.product_rate(_whole(n, "n", 2, LARGEST_N), _solver(solver) == "fast")
 
 
 def spectrum(W: ArrayLike) -> NDArray[np.float64]:
@@ -444,6 +431,12 @@ def _text(value, what):
         raise TypeError(f"{what}: is a {type(value).__name__}, must be a text")
     if not value.isprintable():
         raise ValueError(f"{what} {value!a}: must be printable")
+    return value
+
+
+def _solver(value):
+    if _text(value, "solver") not in SOLVERS:
+        raise ValueError(f"solver '{value}': must be published or fast")
     return value
 
 
