@@ -46,8 +46,8 @@ TEST(Step, AllocatesNothingInAFastFormColdOrWarm) {
     const Scene scene = smooth_scene(n);
     for (const IntegratorEntry& entry : integrators()) {
       for (const int threads : {1, 3}) {
-        const auto integrator = fast_entry(entry.name, {.solver = {}, .threads = threads})
-                                    .make(*scene.flow, {}, ProductBackend::openblas);
+        const auto integrator =
+            made(fast_entry(entry.name, {.solver = {}, .threads = threads}), *scene.flow);
         Matrix W = scene.initial;
         StepReport report;
         const auto steps = [&] {
@@ -66,13 +66,8 @@ TEST(Step, AllocatesNothingInAFastFormColdOrWarm) {
 
 TEST(Step, AllocatesNothingWhereJIsNotTheIdentity) {
   const ConjugationFlow flow(QuadraticAlgebra(symplectic_J(3)), 1);
-  class Quiet final : public Flow {  // ConjugationFlow's own products allocate
-   public:
-    explicit Quiet(const QuadraticAlgebra& algebra) : Flow(algebra) {}
-    void generator(const Matrix& W, Matrix& B) const override { B = W; }
-    double hamiltonian(const Matrix&) const override { return 0.0; }
-  };
-  const Quiet quiet(flow.algebra());
+  // ConjugationFlow's own products allocate.
+  const FlowOf quiet(flow.algebra(), [](const Matrix& W, Matrix& B) { B = W; });
   for (const auto& [formulation, s] : methods(3)) {
     const auto integrator = gauss(formulation, quiet, s);
     Matrix W = flow.element(2);
@@ -84,7 +79,7 @@ TEST(Step, AllocatesNothingWhereJIsNotTheIdentity) {
 double bytes_of(const IntegratorEntry& entry, Index n) {
   const Scene scene = smooth_scene(n);
   const long before = bytes_in_use();
-  const auto integrator = entry.make(*scene.flow, {}, ProductBackend::openblas);
+  const auto integrator = made(entry, *scene.flow);
   return static_cast<double>(bytes_in_use() - before);
 }
 

@@ -134,29 +134,18 @@ TEST(GaussAppliedToW, KeepsTheSecondCasimirAndLosesTheThird) {
 TEST(SkippingTheTrace, GivesAnotherAnswerThatAllThreeAgreeOn) {
   // A Poisson solve that forgets that stage values are not trace-free, and just pins the last
   // unknown of the singular diagonal: only the reference sees it.
-  class Forgetful final : public Flow {
-   public:
-    explicit Forgetful(Index n) : Flow(QuadraticAlgebra::skew_hermitian(n)), right_(n) {
-      RealMatrix minus_laplacian = Laplacian::diagonal(n, 0).asDiagonal();
-      minus_laplacian.diagonal(1) = minus_laplacian.diagonal(-1) = Laplacian::off_diagonal(n, 0);
-      from_trace_ = RealVector::Zero(n);
-      from_trace_.head(n - 1) =
-          -minus_laplacian.topLeftCorner(n - 1, n - 1).ldlt().solve(RealVector::Ones(n - 1));
-      from_trace_ /= hbar(HbarConvention::paper, n);
-    }
-    void generator(const Matrix& W, Matrix& B) const override {
-      right_.generator(W, B);
-      const Complex mean = W.trace() / static_cast<double>(size());
-      B.diagonal() += mean * from_trace_;
-    }
-    double hamiltonian(const Matrix& W) const override { return right_.hamiltonian(W); }
-
-   private:
-    EulerZeitlin right_;
-    RealVector from_trace_;
-  };
-  const Forgetful flow(17);
-  const Scene scene = smooth_scene(17);
+  constexpr Index n = 17;
+  const Scene scene = smooth_scene(n);
+  RealMatrix minus_laplacian = Laplacian::diagonal(n, 0).asDiagonal();
+  minus_laplacian.diagonal(1) = minus_laplacian.diagonal(-1) = Laplacian::off_diagonal(n, 0);
+  RealVector from_trace = RealVector::Zero(n);
+  from_trace.head(n - 1) =
+      -minus_laplacian.topLeftCorner(n - 1, n - 1).ldlt().solve(RealVector::Ones(n - 1));
+  from_trace /= hbar(HbarConvention::paper, n);
+  const FlowOf flow(scene.flow->algebra(), [&](const Matrix& W, Matrix& B) {
+    scene.flow->generator(W, B);
+    B.diagonal() += W.trace() / static_cast<double>(n) * from_trace;
+  });
   const Matrix group = integrated(*gauss(Formulation::group, flow, 2), scene.initial, 0.1, 50);
   const Matrix algebra = integrated(*gauss(Formulation::algebra, flow, 2), scene.initial, 0.1, 50);
   EXPECT_LE(largest_difference(group, algebra), 1e-11);

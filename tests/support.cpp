@@ -101,10 +101,14 @@ RunReport report_of(Integrator& integrator, Matrix W0, double h, long steps) {
   return run(integrator, W0, h, steps);
 }
 
+std::unique_ptr<Integrator> made(const IntegratorEntry& entry, const Flow& flow,
+                                 const SolverOptions& options) {
+  return entry.make(flow, options, ProductBackend::openblas);
+}
+
 std::unique_ptr<Integrator> gauss(Formulation formulation, const Flow& flow, int s,
                                   double tolerance) {
-  return make_formulation(formulation, flow, gauss_tableau(s), {tolerance, 1000},
-                          ProductBackend::openblas);
+  return made(gauss_entry(formulation, s), flow, {.tolerance = tolerance});
 }
 
 void PrintTo(const Method& method, std::ostream* out) {

@@ -6,10 +6,12 @@
 #include <array>
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <initializer_list>
 #include <ostream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "isosyrk/catalogue/integrator_list.h"
@@ -67,6 +69,10 @@ Matrix integrated(Integrator& integrator, const Matrix& W0, double h, long steps
 /// The report of such a run, which may fail.
 RunReport report_of(Integrator& integrator, Matrix W0, double h, long steps);
 
+/// The integrator of an entry, with OpenBLAS products.
+std::unique_ptr<Integrator> made(const IntegratorEntry& entry, const Flow& flow,
+                                 const SolverOptions& options = {});
+
 /// The formulation with the Gauss tableau of s stages, OpenBLAS products, tolerance 1e-13.
 std::unique_ptr<Integrator> gauss(Formulation formulation, const Flow& flow, int s,
                                   double tolerance = 1e-13);
@@ -98,12 +104,9 @@ std::vector<GemmKernel> tested_kernels();
 /// Whether the padding of the rows of X is 0.
 template <class Real>
 bool fill_is_zero(const SplitMatrixOf<Real>& X) {
-  for (Index r = 0; r < X.size(); ++r) {
-    for (Index c = X.size(); c < X.stride() / 2; ++c) {
-      if (X.re()[r * X.stride() + c] != 0 || X.im()[r * X.stride() + c] != 0) return false;
-    }
-  }
-  return true;
+  const Index n = X.size(), row = X.stride() / 2;
+  // Column 2 r for the real parts of row r, column 2 r + 1 for the imaginary ones.
+  return X.entries().reshaped(row, 2 * n).bottomRows(row - n).isZero(0);
 }
 
 /// Whether the calling thread reads and writes denormal numbers of both precisions, or 0 for all.
@@ -140,6 +143,19 @@ std::array<Matrix, 3> spin_matrices(Index n);
 Matrix symplectic_J(Index k);
 /// J = diag(1 (p times), -1 (q times)).
 Matrix indefinite_J(Index p, Index q);
+
+/// A flow with any B, and without a Hamiltonian.
+class FlowOf final : public Flow {
+ public:
+  using Generator = std::function<void(const Matrix& W, Matrix& B)>;
+  FlowOf(const QuadraticAlgebra& algebra, Generator generator)
+      : Flow(algebra), generator_(std::move(generator)) {}
+  void generator(const Matrix& W, Matrix& B) const override { generator_(W, B); }
+  double hamiltonian(const Matrix&) const override { return 0.0; }
+
+ private:
+  Generator generator_;
+};
 
 /// A rigid-body-like flow on any J-quadratic algebra with J† = ±J:  B(W) = D W D with
 /// D = J⁻¹ D† J, which maps g to g and is the gradient of H(W) = ½ Re tr(W D W D).
