@@ -51,8 +51,8 @@ TEST_P(EachIntegrator, HasItsOrder) {
       integrated(*exact_method, slow_or_fast.initial, 0.05, std::lround(time / 0.05));
   std::vector<double> steps;
   std::vector<double> errors;
-  const auto precise = made(highest ? fast_entry(entry.name) : entry, *slow_or_fast.flow,
-                            {.tolerance = tolerance});
+  const auto precise =
+      made(highest ? fast_entry(entry.name) : entry, *slow_or_fast.flow, {.tolerance = tolerance});
   for (const long count : counts) {
     const double h = time / static_cast<double>(count);
     const double error =
@@ -107,9 +107,8 @@ double poisson_map_defect(Integrator& integrator, const Matrix& W0, double h) {
     return A.conjugate().cwiseProduct(B).sum().real();
   };
   const auto tensor = [&](const Matrix& W) {
-    return RealMatrix(RealMatrix::NullaryExpr(size, size, [&](Index a, Index b) {
-      return inner(W, commutator(basis(a), basis(b)));
-    }));
+    return RealMatrix(RealMatrix::NullaryExpr(
+        size, size, [&](Index a, Index b) { return inner(W, commutator(basis(a), basis(b))); }));
   };
   // Fourth-order differences: error delta^4, rounding 1e-13 / delta.
   const double delta = 1e-4;
