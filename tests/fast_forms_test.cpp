@@ -114,7 +114,8 @@ TEST_P(EachFastForm, PredictionsSaveSweeps) {
   long last = std::numeric_limits<long>::max();
   for (const int past_steps : {0, 2, 4, 16}) {
     const auto integrator = form(scene, {.solver = {}, .past_steps = past_steps, .newton = false});
-    const long sweeps = report_of(*integrator, scene.initial, 0.1, 50).sweeps;
+    Matrix W = scene.initial;
+    const long sweeps = run(*integrator, W, 0.1, 50).sweeps;
     EXPECT_LT(sweeps, last) << past_steps;
     last = sweeps;
   }
@@ -164,7 +165,8 @@ TEST_P(EachFastForm, BandsAreTheWholeOfARoughScene) {
   const Scene scene = rough_scene(33);
   const auto work = [&](bool bands) {
     const auto integrator = form(scene, {.solver = {}, .newton = false, .bands = bands});
-    return report_of(*integrator, scene.initial, 0.1, 5).equivalent_products;
+    Matrix W = scene.initial;
+    return run(*integrator, W, 0.1, 5).equivalent_products;
   };
   EXPECT_GT(work(true), 0.97 * work(false));
 }

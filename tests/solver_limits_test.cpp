@@ -7,7 +7,6 @@
 #include <random>
 
 #include "isosyrk/flows/invariants.h"
-#include "isosyrk/tableaux/gauss_tableau.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -23,8 +22,7 @@ bool same_bits(const Matrix& A, const Matrix& B) {
 class AtItsLimits : public ::testing::TestWithParam<Method> {
  protected:
   std::unique_ptr<Integrator> method(const Scene& of, const SolverOptions& options = {}) const {
-    return make_formulation(GetParam().formulation, *of.flow, gauss_tableau(GetParam().s), options,
-                            ProductBackend::openblas);
+    return made(gauss_entry(GetParam().formulation, GetParam().s), *of.flow, options);
   }
   bool is_algebra() const { return GetParam().formulation == Formulation::algebra; }
 

@@ -97,10 +97,6 @@ Matrix integrated(Integrator& integrator, const Matrix& W0, double h, long steps
   return W;
 }
 
-RunReport report_of(Integrator& integrator, Matrix W0, double h, long steps) {
-  return run(integrator, W0, h, steps);
-}
-
 std::unique_ptr<Integrator> made(const IntegratorEntry& entry, const Flow& flow,
                                  const SolverOptions& options) {
   return entry.make(flow, options, ProductBackend::openblas);
@@ -138,10 +134,8 @@ std::unique_ptr<StageSystem> stage_system(const Method& method, const Flow& flow
 
 double observed_order(const std::vector<double>& h, const std::vector<double>& errors) {
   const auto logarithms_about_their_mean = [](const std::vector<double>& values) {
-    const RealVector all =
-        Eigen::Map<const RealVector>(values.data(), static_cast<Index>(values.size()));
-    const RealVector logarithms = all.array().log();
-    return RealVector(logarithms.array() - logarithms.mean());
+    const Eigen::Map<const Eigen::ArrayXd> all(values.data(), static_cast<Index>(values.size()));
+    return RealVector(all.log() - all.log().mean());
   };
   const RealVector x = logarithms_about_their_mean(h);
   return x.dot(logarithms_about_their_mean(errors)) / x.squaredNorm();
@@ -214,12 +208,16 @@ std::filesystem::path WithFolder::write(const std::filesystem::path& file,
   return folder_ / file;
 }
 
-ConjugationFlow::ConjugationFlow(const QuadraticAlgebra& algebra, unsigned seed) : Flow(algebra) {
-  const Matrix M = random_matrix(size(), seed);
-  Matrix mirrored(size(), size());
+// M + sign J⁻¹ M† J of a random M, of Frobenius norm 1.
+static Matrix random_part(const QuadraticAlgebra& algebra, double sign, unsigned seed) {
+  const Matrix M = random_matrix(algebra.size(), seed);
+  Matrix mirrored(algebra.size(), algebra.size());
   algebra.involution(M, mirrored);
-  D_ = (M + mirrored) / (M + mirrored).norm();
+  return (M + sign * mirrored).normalized();
 }
+
+ConjugationFlow::ConjugationFlow(const QuadraticAlgebra& algebra, unsigned seed)
+    : Flow(algebra), D_(random_part(algebra, 1.0, seed)) {}
 
 void ConjugationFlow::generator(const Matrix& W, Matrix& B) const { B = product({D_, W, D_}); }
 
@@ -227,11 +225,6 @@ double ConjugationFlow::hamiltonian(const Matrix& W) const {
   return 0.5 * product({W, D_, W, D_}).trace().real();
 }
 
-Matrix ConjugationFlow::element(unsigned seed) const {
-  const Matrix M = random_matrix(size(), seed);
-  Matrix mirrored(size(), size());
-  algebra().involution(M, mirrored);
-  return (M - mirrored) / (M - mirrored).norm();
-}
+Matrix ConjugationFlow::element(unsigned seed) const { return random_part(algebra(), -1.0, seed); }
 
 }  // namespace isosyrk::testing

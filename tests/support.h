@@ -66,8 +66,6 @@ Matrix read_reference(const std::string& file, Index n);
 
 /// A one-step method applied until T = steps * h, which must converge throughout.
 Matrix integrated(Integrator& integrator, const Matrix& W0, double h, long steps);
-/// The report of such a run, which may fail.
-RunReport report_of(Integrator& integrator, Matrix W0, double h, long steps);
 
 /// The integrator of an entry, with OpenBLAS products.
 std::unique_ptr<Integrator> made(const IntegratorEntry& entry, const Flow& flow,
