@@ -1,6 +1,4 @@
 // Nothing allocates inside a step, and what an integrator holds is known before it is made.
-#include <gtest/gtest.h>
-
 #include "benchmarks/allocation_count.h"
 #include "isosyrk/catalogue/fast_forms.h"
 #include "tests/support.h"

@@ -1,8 +1,6 @@
 // Acceleration of a fixed-point iteration: fewer sweeps to the same fixed point, by real weights.
 #include "isosyrk/solver/anderson.h"
 
-#include <gtest/gtest.h>
-
 #include "tests/support.h"
 
 namespace isosyrk::testing {

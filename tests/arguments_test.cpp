@@ -1,8 +1,6 @@
 // Command lines as they are read, and the ends of programs.
 #include "benchmarks/arguments.h"
 
-#include <gtest/gtest.h>
-
 #include <new>
 
 #include "benchmarks/program.h"

@@ -1,7 +1,5 @@
 // The attempts of a fast step: each is reached where those before it fail, and none where one
 // works.
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <limits>
 

@@ -1,6 +1,4 @@
 // The co-rotating frame: exact, and worth its name.
-#include <gtest/gtest.h>
-
 #include "isosyrk/flows/co_rotating_frame.h"
 #include "isosyrk/flows/invariants.h"
 #include "isosyrk/flows/split_generator.h"

@@ -1,7 +1,5 @@
 #include "isosyrk/tableaux/gauss_tableau.h"
 
-#include <gtest/gtest.h>
-
 #include "tests/support.h"
 
 namespace isosyrk::testing {

@@ -2,8 +2,6 @@
 // of the whole, bit for bit.
 #include "isosyrk/split/gemm_kernel.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,7 +10,6 @@
 #include <vector>
 
 #include "isosyrk/split/bands.h"
-#include "isosyrk/split/split_matrix.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {

@@ -1,8 +1,6 @@
 // Inexact Newton on small systems of which the solution is known.
 #include "isosyrk/solver/inexact_newton.h"
 
-#include <gtest/gtest.h>
-
 #include <limits>
 
 #include "isosyrk/solver/tuning.h"

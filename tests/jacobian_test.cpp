@@ -1,6 +1,4 @@
 // The Jacobian T + K of every stage system against central differences of its residual.
-#include <gtest/gtest.h>
-
 #include <functional>
 
 #include "isosyrk/fast/direct_system.h"

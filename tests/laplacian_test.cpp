@@ -1,8 +1,6 @@
 // The Laplacian and its inverse, on plain and on split matrices.
 #include "isosyrk/flows/laplacian.h"
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Dense>
 #include <cfenv>
 

@@ -1,8 +1,6 @@
 // Linear combinations of split matrices in one pass, against the same sums one term at a time.
 #include "isosyrk/split/linear_combination.h"
 
-#include <gtest/gtest.h>
-
 #include <limits>
 
 #include "isosyrk/split/bands.h"

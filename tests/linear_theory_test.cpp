@@ -2,10 +2,7 @@
 // exact.
 #include "isosyrk/integrators/step_limits.h"
 
-#include <gtest/gtest.h>
-
 #include "isosyrk/flows/invariants.h"
-#include "isosyrk/simulation/run.h"
 #include "isosyrk/tableaux/gauss_tableau.h"
 #include "tests/support.h"
 

@@ -1,6 +1,5 @@
 #include "benchmarks/memory.h"
 
-#include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include <cmath>

@@ -1,13 +1,10 @@
 // What must fail, fails: the misprint, a tableau that is not symplectic, Gauss applied to W.
-#include <gtest/gtest.h>
-
 #include <Eigen/Dense>
 
 #include "isosyrk/flows/euler_zeitlin.h"
 #include "isosyrk/flows/invariants.h"
 #include "isosyrk/integrators/direct_form.h"
 #include "isosyrk/simulation/conservation.h"
-#include "isosyrk/simulation/run.h"
 #include "isosyrk/tableaux/gauss_tableau.h"
 #include "tests/support.h"
 

@@ -2,8 +2,6 @@
 // out.
 #include "isosyrk/linalg/operations.h"
 
-#include <gtest/gtest.h>
-
 #include <limits>
 
 #include "isosyrk/tableaux/gauss_tableau.h"

@@ -1,6 +1,4 @@
 // What the list of integrators claims: order, symmetry, spectrum, Lie-Poisson structure.
-#include <gtest/gtest.h>
-
 #include <Eigen/Dense>
 
 #include "isosyrk/catalogue/fast_forms.h"

@@ -1,7 +1,5 @@
 #include "benchmarks/output_file.h"
 
-#include <gtest/gtest.h>
-
 #include <csignal>
 #include <cstring>
 #include <fstream>

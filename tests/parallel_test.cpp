@@ -1,8 +1,6 @@
 // Threads: the whole work, shared out, and the same answers bit for bit.
 #include "isosyrk/split/parallel.h"
 
-#include <gtest/gtest.h>
-
 #include <array>
 #include <atomic>
 #include <mutex>

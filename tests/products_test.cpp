@@ -1,7 +1,5 @@
 #include "isosyrk/linalg/products.h"
 
-#include <gtest/gtest.h>
-
 #include "tests/support.h"
 
 namespace isosyrk::testing {

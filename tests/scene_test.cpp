@@ -1,8 +1,6 @@
 // Modes, the vorticity matrices made of them, and scenes: the rough one is reproducible, the same
 // for every n and of the spectrum that is promised; a user's initial data are taken as they are, or
 // refused.
-#include <gtest/gtest.h>
-
 #include <cmath>
 
 #include "isosyrk/flows/invariants.h"

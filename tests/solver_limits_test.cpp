@@ -1,7 +1,5 @@
 // The solver at its limits: every step ends with the right status, in bounded time, and a step that
 // does not converge leaves W as it was.
-#include <gtest/gtest.h>
-
 #include <cstring>
 #include <limits>
 #include <random>

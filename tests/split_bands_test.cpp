@@ -1,8 +1,6 @@
 // Bands of split matrices: finding them, and what products and the Laplacian make of them.
 // Skew-Hermitian parts and mirrored triangles, whole and within bands.  Threads share all of this:
 // see parallel_test.cpp.
-#include <gtest/gtest.h>
-
 #include <array>
 #include <cmath>
 

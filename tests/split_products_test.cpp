@@ -1,8 +1,6 @@
 // Split products against the plain loop, for every vector unit that runs here.
 #include "isosyrk/split/split_products.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <limits>
 #include <random>

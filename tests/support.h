@@ -1,4 +1,4 @@
-// What several tests need.
+// What several tests need, GoogleTest included.
 #pragma once
 
 #include <gtest/gtest.h>
