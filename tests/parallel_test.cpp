@@ -20,70 +20,46 @@ namespace {
 using parallel::current_threads;
 using parallel::for_each_share;
 
-struct Done {
-  Index item;
-  Share share;
-  int thread;
-};
-
-template <class Weight>
-std::vector<Done> shares_done(Index items, const Weight& weight) {
-  std::vector<Done> all;
-  std::mutex mutex;
-  for_each_share(items, weight, [&](Index item, Share share, int thread) {
-    const std::lock_guard lock(mutex);
-    all.push_back({item, share, thread});
-  });
-  return all;
-}
-
-double size_of(const Share& share) {
-  return static_cast<double>(share.end - share.first) / static_cast<double>(share.parts);
-}
-
-// Each item is done whole, and no part of it twice.
-void expect_whole(const std::vector<Done>& all, Index items) {
-  for (Index item = 0; item < items; ++item) {
-    double covered = 0.0;
-    std::set<std::pair<Index, Index>> parts;  // (part, of how many)
-    for (const Done& done : all) {
-      if (done.item != item) continue;
-      EXPECT_LT(done.share.first, done.share.end);
-      EXPECT_LE(done.share.end, done.share.parts);
-      for (Index part = done.share.first; part < done.share.end; ++part) {
-        EXPECT_TRUE(parts.emplace(part, done.share.parts).second) << "twice";
-      }
-      covered += size_of(done.share);
-    }
-    EXPECT_NEAR(covered, 1.0, 1e-12) << item;
-  }
-}
-
 const std::vector<std::vector<Index>> weights_tested = {
     {1, 1, 1, 1, 1, 1, 1}, {2, 1, 2, 1, 2, 1, 2}, {1, 2, 2, 2, 1, 1, 2}, {5, 1, 1, 1, 1, 1, 1}};
 
 // One thread does whole items.
+void expect_shares_cover_once(int threads, const std::vector<Index>& weights, Index items) {
+  const auto weight = [&](Index i) { return weights[static_cast<std::size_t>(i)]; };
+  std::mutex mutex;
+  std::set<std::tuple<Index, Index, Index>> parts;  // (item, part, of how many)
+  std::array<double, 8> covered{}, work{};          // of each item, by each thread
+  const ThreadScope scope(threads);
+  for_each_share(items, weight, [&](Index item, Share share, int thread) {
+    const std::lock_guard lock(mutex);
+    ASSERT_LT(thread, threads);
+    EXPECT_LT(share.first, share.end);
+    EXPECT_LE(share.end, share.parts);
+    EXPECT_TRUE(threads > 1 || share.parts == 1);
+    for (Index part = share.first; part < share.end; ++part) {
+      EXPECT_TRUE(parts.emplace(item, part, share.parts).second) << "twice";
+    }
+    const double size =
+        static_cast<double>(share.end - share.first) / static_cast<double>(share.parts);
+    covered[static_cast<std::size_t>(item)] += size;
+    work[static_cast<std::size_t>(thread)] += size * static_cast<double>(weight(item));
+  });
+  double whole = 0.0;
+  for (Index item = 0; item < items; ++item) {
+    EXPECT_NEAR(covered[static_cast<std::size_t>(item)], 1.0, 1e-12) << item;
+    whole += static_cast<double>(weight(item));
+  }
+  for (int t = 0; t < threads; ++t) {
+    EXPECT_NEAR(work[static_cast<std::size_t>(t)], whole / threads, 1e-12) << t;
+  }
+}
+
 TEST(Shares, CoverEveryItemExactlyOnceAndGiveEachThreadAsMuch) {
   for (int threads = 1; threads <= 8; ++threads) {
-    const ThreadScope scope(threads);
     for (const auto& weights : weights_tested) {
-      const auto weight = [&](Index i) { return weights[static_cast<std::size_t>(i)]; };
       for (Index items = 0; items <= 7; ++items) {
         SCOPED_TRACE(::testing::Message() << threads << " threads, " << items << " items");
-        const std::vector<Done> all = shares_done(items, weight);
-        expect_whole(all, items);
-        std::array<double, 8> work{};
-        double whole = 0.0;
-        for (Index item = 0; item < items; ++item) whole += static_cast<double>(weight(item));
-        for (const Done& done : all) {
-          ASSERT_LT(done.thread, threads);
-          work[static_cast<std::size_t>(done.thread)] +=
-              static_cast<double>(weight(done.item)) * size_of(done.share);
-          EXPECT_TRUE(threads > 1 || done.share.parts == 1);
-        }
-        for (int t = 0; t < threads; ++t) {
-          EXPECT_NEAR(work[static_cast<std::size_t>(t)], whole / threads, 1e-12);
-        }
+        expect_shares_cover_once(threads, weights, items);
       }
     }
   }
