@@ -153,6 +153,10 @@ std::unique_ptr<FastIntegrator> fast(const Method& method, const Flow& flow, int
 
 class EachNumberOfThreads : public ::testing::TestWithParam<Method> {
  protected:
+  static auto work_of(const RunReport& report) {
+    return std::tuple(report.sweeps, report.products, report.equivalent_products,
+                      report.poisson_solves);
+  }
   static void expect_the_same(Index n, int steps, const std::vector<int>& numbers) {
     const Scene scene = smooth_scene(n);
     const auto one = fast(GetParam(), *scene.flow, 1);
@@ -169,10 +173,6 @@ class EachNumberOfThreads : public ::testing::TestWithParam<Method> {
       EXPECT_EQ(several->threads(), threads);
       EXPECT_EQ(several->change_of_one_more_sweep(), change) << n << " " << threads;
     }
-  }
-  static auto work_of(const RunReport& report) {
-    return std::tuple(report.sweeps, report.products, report.equivalent_products,
-                      report.poisson_solves);
   }
 };
 
