@@ -3,7 +3,6 @@
 
 #include "isosyrk/flows/euler_zeitlin.h"
 #include "isosyrk/flows/invariants.h"
-#include "isosyrk/integrators/direct_form.h"
 #include "isosyrk/simulation/conservation.h"
 #include "isosyrk/tableaux/gauss_tableau.h"
 #include "tests/support.h"
@@ -120,8 +119,9 @@ TEST(NonSymplecticTableau, LosesTheSpectrumAndTheCoincidence) {
 TEST(GaussAppliedToW, KeepsTheSecondCasimirAndLosesTheThird) {
   const Scene scene = smooth_scene(17);
   for (const int s : {1, 2, 3}) {
-    DirectForm direct(*scene.flow, gauss_tableau(s), {1e-14, 1000}, ProductBackend::openblas);
-    const Matrix W = integrated(direct, scene.initial, 0.5, 10);
+    const auto direct =
+        made(integrator_entry("direct" + std::to_string(s)), *scene.flow, {.tolerance = 1e-14});
+    const Matrix W = integrated(*direct, scene.initial, 0.5, 10);
     EXPECT_LE(std::abs(casimir(W, 2) - casimir(scene.initial, 2)), 1e-12) << s;
     EXPECT_GE(std::abs(casimir(W, 3) - casimir(scene.initial, 3)), 1e-9) << s;
     EXPECT_EQ(skew_defect(W), 0.0);
