@@ -11,24 +11,19 @@ namespace {
 struct Iteration {
   Index n = 6;
   double c = 0.45;
-  SplitMatrix b = SplitMatrix(random_skew_hermitian(6, 1));
+  Matrix b = random_skew_hermitian(6, 1);
   Unknowns x = {{SplitMatrix(6), SplitMatrix(6)}};
 
   // Replaces x by G(x); returns the largest change.
   double sweep() {
+    const Matrix factors = Matrix::NullaryExpr(n, n, [this](Index r, Index s) {
+      return Complex(0.0, c * static_cast<double>(r - s) / static_cast<double>(n - 1));
+    });
     double largest = 0.0;
     for (SplitMatrix& each : x[0]) {
-      SplitMatrix next = b;
-      for (Index r = 0; r < n; ++r) {
-        for (Index s = 0; s < n; ++s) {
-          const Index at = r * b.stride() + s;
-          const double factor = c * static_cast<double>(r - s) / static_cast<double>(n - 1);
-          next.re()[at] -= factor * each.im()[at];
-          next.im()[at] += factor * each.re()[at];
-        }
-      }
-      largest = larger(largest, (next.entries() - each.entries()).norm());
-      each = next;
+      const Matrix before = each.interleaved(), after = b + factors.cwiseProduct(before);
+      largest = larger(largest, (after - before).norm());
+      each.load(after);
     }
     return largest;
   }

@@ -135,7 +135,8 @@ std::unique_ptr<StageSystem> stage_system(const Method& method, const Flow& flow
 double observed_order(const std::vector<double>& h, const std::vector<double>& errors) {
   const auto logarithms_about_their_mean = [](const std::vector<double>& values) {
     const Eigen::Map<const Eigen::ArrayXd> all(values.data(), static_cast<Index>(values.size()));
-    return RealVector(all.log() - all.log().mean());
+    const Eigen::ArrayXd logarithms = all.tail(std::min<Index>(5, all.size())).log();
+    return RealVector(logarithms - logarithms.mean());
   };
   const RealVector x = logarithms_about_their_mean(h);
   return x.dot(logarithms_about_their_mean(errors)) / x.squaredNorm();

@@ -89,7 +89,7 @@ std::vector<Method> methods(int most_stages);
 std::unique_ptr<StageSystem> stage_system(const Method& method, const Flow& flow, int threads,
                                           bool bands);
 
-/// Least-squares slope of log(error) against log(h).
+/// Least-squares slope of log(error) against log(h) over the last five points, which show it best.
 double observed_order(const std::vector<double>& h, const std::vector<double>& errors);
 
 /// Radau IIA with two stages, order 3: not symplectic.
