@@ -66,8 +66,8 @@ struct Cell {
   double sweeps_algebra;
 };
 
-// Means over the 50 steps of independent prototypes of the same stopping rule.  Half of the cells are
-// large.
+// Means over the 50 steps of independent prototypes of the same stopping rule.  The second half of
+// the cells are the large ones.
 const std::vector<Cell> cells = {
     {17, 1, 14.0, 10.2}, {17, 2, 11.3, 11.0},  {17, 3, 11.0, 10.0},  {33, 1, 18.4, 11.2},
     {33, 2, 15.0, 13.0}, {33, 3, 14.0, 12.0},  {65, 1, 29.0, 14.3},  {65, 2, 20.2, 17.0},
