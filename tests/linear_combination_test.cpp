@@ -15,13 +15,14 @@ const std::vector<Index> sizes = {1, 2, 5, 8, 13, 17, 33, 34, 47, 48, 61, 66, 13
 
 const std::vector<std::size_t> counts = {1, 2, 3, 4, 5, 6, 7, 8, 25};
 
-// Entries are multiples of 1/16 up to 1, weights multiples of 1/8 up to 6: sums are exact in either
-// precision.
+// Entries are multiples of 2⁻⁴ up to 1 in single precision and of 2⁻³⁰ in double, weights multiples
+// of 1/8 up to 6: sums are exact in their own precision.
 double weight_of(std::size_t t) { return 0.25 * static_cast<double>(t) - 0.875; }
 
 template <class Real>
 SplitStagesOf<Real> random_stages(std::size_t count, Index n, unsigned seed) {
-  const auto rounded = [](double number) { return std::round(16.0 * number) / 16.0; };
+  constexpr double unit = sizeof(Real) == sizeof(float) ? 0x1p-4 : 0x1p-30;
+  const auto rounded = [](double number) { return unit * std::round(number / unit); };
   SplitStagesOf<Real> X;
   for (std::size_t t = 0; t < count; ++t) {
     const Matrix random = random_matrix(n, seed + static_cast<unsigned>(t));
@@ -128,7 +129,7 @@ TEST(LinearCombinations, HaveTheWidestBandOfATerm) {
 TEST(Residuals, AreTheChangesOfDoublePrecisionRounded) {
   for (const Index n : sizes) {
     for (const std::size_t count : counts) {
-      for (const double distance : {0.3, 1e-6}) {
+      for (const double distance : {1.0, 1e-6}) {
         const auto terms = random_stages<double>(count, n, 1);
         const auto sum = [&](std::size_t) { return weighted(terms); };
         auto X = random_stages<double>(2, n, 50);
@@ -151,7 +152,7 @@ TEST(Residuals, AreTheChangesOfDoublePrecisionRounded) {
 
 TEST(MixedPrecision, RoundsAndAddsEntryByEntry) {
   for (const Index n : sizes) {
-    const SplitStages X = {SplitMatrix(random_matrix(n, 1)), SplitMatrix(random_matrix(n, 2))};
+    const auto X = random_stages<double>(2, n, 1);
     SingleStages S = split_stages<float>(2, n);
     round_to_single(X, S);
     for (std::size_t i = 0; i < 2; ++i) {
