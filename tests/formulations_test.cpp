@@ -1,6 +1,5 @@
 // The three formulations are one method: against reference answers, against one another, for any J
 // and in every cell of Table 1; errors at its step size.
-#include <Eigen/Dense>
 #include <map>
 
 #include "isosyrk/flows/invariants.h"

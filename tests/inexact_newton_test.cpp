@@ -26,9 +26,7 @@ class Known final : public FixedPointSystem {
 
   explicit Known(const Sizes& sizes)
       : T(sizes.T * rotation(1)), K(sizes.K * rotation(2)), square(sizes.square) {
-    solution = random_matrix(n, 3);
-    solution /= solution.norm();
-    c = solution - (G(solution));
+    c = solution - G(solution);
   }
 
   double residual(Unknowns& x, double, Corrections& R) override {
@@ -72,7 +70,8 @@ class Known final : public FixedPointSystem {
 
   Matrix T, K;
   double square;
-  Matrix solution, c;
+  Matrix solution = random_matrix(n, 3).normalized();
+  Matrix c = Matrix::Zero(n, n);
   Matrix at = Matrix::Zero(n, n);           // of the last residual
   double sign_of_T = 1.0, sign_of_K = 1.0;  // in what the solver is told
   int sweeps_a_call = 1;                    // of frozen sweeps: 80 are a solution
@@ -84,9 +83,7 @@ class Known final : public FixedPointSystem {
 
  private:
   Matrix G(const Matrix& x) const {
-    Matrix result = product({T, x}) + product({x, K}) + square * product({x, x});
-    if (c.size() > 0) result += c;
-    return result;
+    return c + product({T, x}) + product({x, K}) + square * product({x, x});
   }
   Matrix K_of(const Matrix& delta) const {
     return product({delta, K}) + square * (product({at, delta}) + product({delta, at}));

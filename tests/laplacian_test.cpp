@@ -1,7 +1,6 @@
 // The Laplacian and its inverse, on plain and on split matrices.
 #include "isosyrk/flows/laplacian.h"
 
-#include <Eigen/Dense>
 #include <cfenv>
 
 #include "isosyrk/flows/invariants.h"

@@ -3,7 +3,6 @@
 
 #include "isosyrk/flows/euler_zeitlin.h"
 #include "isosyrk/flows/invariants.h"
-#include "isosyrk/simulation/conservation.h"
 #include "isosyrk/tableaux/gauss_tableau.h"
 #include "tests/support.h"
 

@@ -1,11 +1,8 @@
 // What the list of integrators claims: order, symmetry, spectrum, Lie-Poisson structure.
-#include <Eigen/Dense>
-
 #include "isosyrk/catalogue/fast_forms.h"
 #include "isosyrk/flows/invariants.h"
 #include "isosyrk/integrators/composition.h"
 #include "isosyrk/linalg/adjoint_series.h"
-#include "isosyrk/tableaux/gauss_tableau.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <cstddef>
 #include <filesystem>
 #include <functional>
 #include <initializer_list>
