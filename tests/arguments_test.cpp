@@ -11,10 +11,8 @@ namespace {
 
 TEST(WholeNumber, IsReadStrictly) {
   EXPECT_EQ(whole_number("--n", "17", 2, 4096), 17);
-  for (const char* text : {"", "x", "17x", " 17", "1e9", "17.0", "+17", "0x11"}) {
-    EXPECT_THROW(whole_number("--n", text, 2, 4096), BadArgument) << text;
-  }
-  for (const char* text : {"1", "4097", "-5", "99999999999999999999999"}) {
+  for (const char* text : {"", "x", "17x", " 17", "1e9", "17.0", "+17", "0x11", "1", "4097", "-5",
+                           "99999999999999999999999"}) {
     EXPECT_THROW(whole_number("--n", text, 2, 4096), BadArgument) << text;
   }
   expect_refused<BadArgument>([] { whole_number("--n", "1", 2, 4096); },
