@@ -135,7 +135,7 @@ TEST(Bands, CutWhatLiesOutsideAndNothingElse) {
 }
 
 // A†B with bands given for A, B and, in the second, for the result.  What the kernels make of bands
-// is tested in gemm_kernel_test.cpp.
+// is tested in split_products_test.cpp.
 TEST(Bands, AreThoseOfTheFactorsAndOfTheResultOfAProduct) {
   constexpr Index n = 65, narrow = 16;
   SplitProducts products(n);

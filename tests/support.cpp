@@ -7,7 +7,6 @@
 #include <Eigen/Dense>
 #include <fstream>
 #include <limits>
-#include <list>
 #include <random>
 #include <unsupported/Eigen/MatrixFunctions>
 
@@ -17,7 +16,6 @@
 #include "isosyrk/fast/midpoint_system.h"
 #include "isosyrk/flows/invariants.h"
 #include "isosyrk/flows/spin.h"
-#include "isosyrk/split/split_products.h"
 #include "isosyrk/tableaux/gauss_tableau.h"
 
 namespace isosyrk::testing {
@@ -61,18 +59,6 @@ Matrix exact_product(const Matrix& A, const Matrix& B) {
 }
 
 Matrix commutator(const Matrix& A, const Matrix& B) { return product({A, B}) - product({B, A}); }
-
-std::vector<GemmKernel> tested_kernels() {
-  static std::list<std::string> names;
-  std::vector<GemmKernel> tested;
-  for (GemmKernel kernel : gemm_kernels()) {
-    tested.push_back(kernel);
-    kernel.name = names.emplace_back(kernel.name + std::string("_copies")).c_str();
-    kernel.limits = kernel.single_limits = {0, 0};
-    tested.push_back(kernel);
-  }
-  return tested;
-}
 
 Matrix read_reference(const std::string& file, Index n) {
   std::ifstream input(ISOSYRK_TEST_DATA "/" + file);

@@ -19,7 +19,6 @@
 #include "isosyrk/flows/scene.h"
 #include "isosyrk/integrators/integrator.h"
 #include "isosyrk/simulation/run.h"
-#include "isosyrk/split/gemm_kernel.h"
 #include "isosyrk/split/parallel.h"
 #include "isosyrk/split/split_matrix.h"
 
@@ -93,10 +92,6 @@ double observed_order(const std::vector<double>& h, const std::vector<double>& e
 
 /// Radau IIA with two stages, order 3: not symplectic.
 Tableau radau_iia();
-
-/// Every kernel that runs here, by itself and, named ..._copies, with copies of the factors at any
-/// size.
-std::vector<GemmKernel> tested_kernels();
 
 /// Whether the padding of the rows of X is 0.
 template <class Real>
@@ -174,6 +169,5 @@ namespace isosyrk {
 
 /// How GoogleTest names an entry in its reports.
 inline void PrintTo(const IntegratorEntry& entry, std::ostream* out) { *out << entry.name; }
-inline void PrintTo(const GemmKernel& kernel, std::ostream* out) { *out << kernel.name; }
 
 }  // namespace isosyrk
