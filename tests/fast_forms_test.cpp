@@ -1,9 +1,12 @@
 // The fast forms: the answers of the published ones, accepted as strictly, in fewer sweeps.
 #include "isosyrk/catalogue/fast_forms.h"
 
+#include <tuple>
+
 #include "isosyrk/fast/fast_integrator.h"
 #include "isosyrk/flows/invariants.h"
 #include "isosyrk/simulation/conservation.h"
+#include "isosyrk/solver/tuning.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -213,6 +216,45 @@ TEST_P(EachFastForm, ThreadsWorkWhereTheyPay) {
   }
 }
 
+// Where a run ends, what it takes, and how strictly it was accepted, with threads at any size.
+void expect_the_same_bit_for_bit(const Method& method, Index n, int steps,
+                                 const std::vector<int>& numbers_of_threads) {
+  const Scene scene = smooth_scene(n);
+  const auto result = [&](int threads) {
+    auto system = stage_system(method, *scene.flow, threads, n >= tuning.smallest_banded);
+    FastIntegrator integrator(*scene.flow, std::move(system), {.solver = {}, .threads = threads});
+    EXPECT_EQ(integrator.threads(), threads);
+    Matrix W = scene.initial;
+    const RunReport report = run(integrator, W, 0.1, steps);
+    EXPECT_TRUE(report.converged());
+    return std::tuple(W, report.sweeps, report.products, report.equivalent_products,
+                      report.poisson_solves, integrator.change_of_one_more_sweep());
+  };
+  const auto expected = result(1);
+  for (const int threads : numbers_of_threads) {
+    EXPECT_TRUE(result(threads) == expected) << n << " " << threads;  // without printing them
+  }
+}
+
+// With 10 steps the last starts from fitted weights.
+TEST_P(EachFastForm, IsTheSameBitForBitWithEveryNumberOfThreads) {
+  const bool is_large = GetParam().s > 3;
+  for (const Index n : {5, 17}) {
+    expect_the_same_bit_for_bit(GetParam(), n, 3, {2, 3, 4, 8});
+  }
+  expect_the_same_bit_for_bit(GetParam(), 49, is_large ? 3 : 10, {2, 3, 4, 8});
+}
+
+// Copies of B from 73, of single ones from 105.
+TEST_P(EachFastForm, IsTheSameBitForBitWithEveryNumberOfThreadsAtLargeSizes) {
+  const bool is_large = GetParam().s > 3;
+  for (const Index n : {66, 98, 129}) {
+    expect_the_same_bit_for_bit(GetParam(), n, 2,
+                                is_large ? std::vector{2, 3} : std::vector{2, 3, 4, 8});
+  }
+  for (const Index n : {75, 107}) expect_the_same_bit_for_bit(GetParam(), n, 2, {2});
+}
+
 INSTANTIATE_TEST_SUITE_P(All, EachFastForm, ::testing::ValuesIn(methods(4)),
                          ::testing::PrintToStringParamName());
 
@@ -258,6 +300,16 @@ TEST_P(EachListedFastForm, WorksAsANewOneAfterAFailure) {
 
 INSTANTIATE_TEST_SUITE_P(All, EachListedFastForm, ::testing::ValuesIn(integrators()),
                          [](const auto& tested) { return tested.param.name; });
+
+// Another state, so that comparisons bit for bit are ones that can fail.
+TEST(FastForms, ADifferenceOfTheLastDigitIsSeen) {
+  const Scene scene = smooth_scene(17);
+  Matrix W = scene.initial, V = scene.initial;
+  V(0, 0) += Complex(0.0, 1e-15);
+  run(*fast({Formulation::group, 2}, *scene.flow), W, 0.1, 3);
+  run(*fast({Formulation::group, 2}, *scene.flow), V, 0.1, 3);
+  EXPECT_FALSE(V == W);
+}
 
 TEST(FastForms, RefuseWhatTheyCannotDo) {
   const Scene scene = smooth_scene(5);

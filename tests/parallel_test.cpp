@@ -1,4 +1,4 @@
-// Threads: the whole work, shared out, and the same answers bit for bit.
+// Threads: the whole work, shared out.  That answers are the same is tested in fast_forms_test.cpp.
 #include "isosyrk/split/parallel.h"
 
 #include <array>
@@ -10,8 +10,6 @@
 #include <tuple>
 #include <vector>
 
-#include "isosyrk/fast/fast_integrator.h"
-#include "isosyrk/solver/tuning.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -142,67 +140,6 @@ TEST(ThreadScope, FlushesDenormalsInEveryThreadWhileItLastsAndNoLonger) {
     EXPECT_TRUE(keeps_denormals());
     EXPECT_EQ(threads_that_keep_denormals(), (std::array<bool, looked_at>{true, true, true, true}));
   }
-}
-
-// Of `threads` threads at any size, where make_fast_gauss has one.
-std::unique_ptr<FastIntegrator> fast(const Method& method, const Flow& flow, int threads) {
-  const bool bands = flow.size() >= tuning.smallest_banded;
-  return std::make_unique<FastIntegrator>(flow, stage_system(method, flow, threads, bands),
-                                          FastOptions{.solver = {}, .threads = threads});
-}
-
-class EachNumberOfThreads : public ::testing::TestWithParam<Method> {
- protected:
-  static auto work_of(const RunReport& report) {
-    return std::tuple(report.sweeps, report.products, report.equivalent_products,
-                      report.poisson_solves);
-  }
-  static void expect_the_same(Index n, int steps, const std::vector<int>& numbers) {
-    const Scene scene = smooth_scene(n);
-    const auto one = fast(GetParam(), *scene.flow, 1);
-    Matrix W = scene.initial;
-    const RunReport expected = run(*one, W, 0.1, steps);
-    ASSERT_TRUE(expected.converged());
-    const double change = one->change_of_one_more_sweep();
-    for (const int threads : numbers) {
-      const auto several = fast(GetParam(), *scene.flow, threads);
-      Matrix V = scene.initial;
-      const RunReport report = run(*several, V, 0.1, steps);
-      EXPECT_TRUE(V == W) << n << " " << threads;  // without printing them
-      EXPECT_EQ(work_of(report), work_of(expected)) << n << " " << threads;
-      EXPECT_EQ(several->threads(), threads);
-      EXPECT_EQ(several->change_of_one_more_sweep(), change) << n << " " << threads;
-    }
-  }
-};
-
-// With 10 steps the last starts from fitted weights.
-TEST_P(EachNumberOfThreads, GivesTheSameBitForBit) {
-  const bool is_large = GetParam().s > 3;
-  for (const Index n : {5, 17}) expect_the_same(n, 3, {2, 3, 4, 8});
-  expect_the_same(49, is_large ? 3 : 10, {2, 3, 4, 8});
-}
-
-// Copies of B from 73, of single ones from 105.
-TEST_P(EachNumberOfThreads, GivesTheSameBitForBitAtLargeSizes) {
-  const bool is_large = GetParam().s > 3;
-  for (const Index n : {66, 98, 129}) {
-    expect_the_same(n, 2, is_large ? std::vector{2, 3} : std::vector{2, 3, 4, 8});
-  }
-  for (const Index n : {75, 107}) expect_the_same(n, 2, {2});
-}
-
-INSTANTIATE_TEST_SUITE_P(All, EachNumberOfThreads, ::testing::ValuesIn(methods(4)),
-                         ::testing::PrintToStringParamName());
-
-// Another state, so that the comparison is one that can fail.
-TEST(Threads, ADifferenceOfTheLastDigitIsSeen) {
-  const Scene scene = smooth_scene(17);
-  Matrix W = scene.initial, V = scene.initial;
-  V(0, 0) += Complex(0.0, 1e-15);
-  run(*fast({Formulation::group, 2}, *scene.flow, 1), W, 0.1, 3);
-  run(*fast({Formulation::group, 2}, *scene.flow, 2), V, 0.1, 3);
-  EXPECT_FALSE(V == W);
 }
 
 }  // namespace
