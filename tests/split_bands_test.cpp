@@ -1,6 +1,6 @@
 // Bands of split matrices: finding them, and what products and the Laplacian make of them.
 // Skew-Hermitian parts and mirrored triangles, whole and within bands.  Threads share all of this:
-// see parallel_test.cpp.
+// see fast_forms_test.cpp.
 #include <array>
 #include <cmath>
 
