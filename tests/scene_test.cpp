@@ -69,12 +69,6 @@ TEST(Harmonic, RefusesIndicesOutOfRange) {
   EXPECT_THROW(harmonic(5, 2, -1), std::invalid_argument);
 }
 
-TEST(InitialVorticity, EqualsTheReferenceAtN17) {
-  EXPECT_LE(largest_difference(vorticity_from_modes(default_modes(), 17),
-                               read_reference("W0_n17.csv", 17)),
-            1e-14);
-}
-
 TEST(InitialVorticity, IsSkewHermitianTraceFreeAndOfNorm1) {
   for (const Index n : {5, 6, 17, 34, 129}) {
     for (const auto& modes : {default_modes(), rough_modes(n)}) {
