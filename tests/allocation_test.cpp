@@ -1,6 +1,4 @@
 // Nothing allocates inside a step, and what an integrator holds is known before it is made.
-#include <gtest/gtest.h>
-
 #include "benchmarks/allocation_count.h"
 #include "isosyrk/catalogue/fast_forms.h"
 #include "tests/support.h"
@@ -14,13 +12,15 @@ const std::vector<Index> sizes = {5, 17, 34};  // larger ones take too long
 const std::vector<Index> sizes = {5, 17, 66, 129};
 #endif
 
-TEST(AllocationCounter, SeesAnAllocation) {
-  EXPECT_GE(allocations_during([] {
-              Matrix X(40, 40);
-              X.setZero();
+TEST(AllocationCounter, SeesAnAllocationAndItsEnd) {
+  const long before = bytes_in_use();
+  EXPECT_GE(allocations_during([&] {
+              const Matrix X = Matrix::Zero(40, 40);
               EXPECT_EQ(X(3, 3), 0.0);
+              EXPECT_GE(bytes_in_use() - before, 40 * 40 * 16);
             }),
             1);
+  EXPECT_EQ(bytes_in_use(), before);
 }
 
 TEST(Step, AllocatesNothingForAnyIntegratorBackendAndSize) {
@@ -46,8 +46,8 @@ TEST(Step, AllocatesNothingInAFastFormColdOrWarm) {
     const Scene scene = smooth_scene(n);
     for (const IntegratorEntry& entry : integrators()) {
       for (const int threads : {1, 3}) {
-        const auto integrator = fast_entry(entry.name, {.solver = {}, .threads = threads})
-                                    .make(*scene.flow, {}, ProductBackend::openblas);
+        const auto integrator =
+            made(fast_entry(entry.name, {.solver = {}, .threads = threads}), *scene.flow);
         Matrix W = scene.initial;
         StepReport report;
         const auto steps = [&] {
@@ -66,13 +66,8 @@ TEST(Step, AllocatesNothingInAFastFormColdOrWarm) {
 
 TEST(Step, AllocatesNothingWhereJIsNotTheIdentity) {
   const ConjugationFlow flow(QuadraticAlgebra(symplectic_J(3)), 1);
-  class Quiet final : public Flow {  // ConjugationFlow's own products allocate
-   public:
-    explicit Quiet(const QuadraticAlgebra& algebra) : Flow(algebra) {}
-    void generator(const Matrix& W, Matrix& B) const override { B = W; }
-    double hamiltonian(const Matrix&) const override { return 0.0; }
-  };
-  const Quiet quiet(flow.algebra());
+  // ConjugationFlow's own products allocate.
+  const FlowOf quiet(flow.algebra(), [](const Matrix& W, Matrix& B) { B = W; });
   for (const auto& [formulation, s] : methods(3)) {
     const auto integrator = gauss(formulation, quiet, s);
     Matrix W = flow.element(2);
@@ -81,46 +76,31 @@ TEST(Step, AllocatesNothingWhereJIsNotTheIdentity) {
   }
 }
 
-double bytes_of(const IntegratorEntry& entry, Index n) {
+// What the list says of n x n matrices is between these multiples of what an integrator takes.
+void expect_bytes(const IntegratorEntry& entry, Index n, double least, double most) {
   const Scene scene = smooth_scene(n);
   const long before = bytes_in_use();
-  const auto integrator = entry.make(*scene.flow, {}, ProductBackend::openblas);
-  return static_cast<double>(bytes_in_use() - before);
+  const auto integrator = made(entry, *scene.flow);
+  const auto bytes = static_cast<double>(bytes_in_use() - before);
+  EXPECT_GE(entry.bytes(n), least * bytes) << entry.name << " n = " << n;
+  EXPECT_LE(entry.bytes(n), most * bytes) << entry.name << " n = " << n;
 }
 
 // Vectors, tableaux and what the allocator adds are less than a tenth at n = 33.
 TEST(Memory, OfAPublishedFormIsWhatTheListSays) {
-  std::vector<IntegratorEntry> entries = integrators();
-  entries.push_back(gauss_entry(Formulation::algebra, 6));
-  for (const IntegratorEntry& entry : entries) {
-    const double bytes = bytes_of(entry, 33);
-    EXPECT_GE(entry.bytes(33), 0.9 * bytes) << entry.name;
-    EXPECT_LE(entry.bytes(33), 1.1 * bytes) << entry.name;
-  }
+  for (const IntegratorEntry& entry : integrators()) expect_bytes(entry, 33, 0.9, 1.1);
+  expect_bytes(gauss_entry(Formulation::algebra, 6), 33, 0.9, 1.1);
 }
 
 TEST(Memory, OfAFastFormIsAtMostWhatTheListSays) {
   for (const Index n : {33, 65, 129, 193}) {
-    std::vector<IntegratorEntry> entries;
-    for (const IntegratorEntry& entry : integrators()) entries.push_back(fast_entry(entry.name));
+    for (const IntegratorEntry& entry : integrators()) {
+      expect_bytes(fast_entry(entry.name), n, 1.0, 1.5);
+    }
     for (const Formulation formulation : formulations()) {
-      entries.push_back(fast_gauss_entry(formulation, 6));
-    }
-    for (const IntegratorEntry& entry : entries) {
-      const double bytes = bytes_of(entry, n);
-      EXPECT_GE(entry.bytes(n), bytes) << entry.name << " n = " << n;
-      EXPECT_LE(entry.bytes(n), 1.5 * bytes) << entry.name << " n = " << n;
+      expect_bytes(fast_gauss_entry(formulation, 6), n, 1.0, 1.5);
     }
   }
-}
-
-TEST(Memory, IsCountedBothWays) {
-  const long before = bytes_in_use();
-  {
-    const Matrix X(40, 40);
-    EXPECT_GE(bytes_in_use() - before, 40 * 40 * 16);
-  }
-  EXPECT_EQ(bytes_in_use(), before);
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
-// Command lines as they are read, and the ends of programs.
+// Command lines as they are read, and the ends of programs.  Which values are refused is tested
+// from outside; see tests/scripts/test_integrate.py.
 #include "benchmarks/arguments.h"
-
-#include <gtest/gtest.h>
 
 #include <new>
 
@@ -10,25 +9,6 @@
 
 namespace isosyrk::testing {
 namespace {
-
-TEST(WholeNumber, IsReadStrictly) {
-  EXPECT_EQ(whole_number("--n", "17", 2, 4096), 17);
-  for (const char* text : {"", "x", "17x", " 17", "1e9", "17.0", "+17", "0x11"}) {
-    EXPECT_THROW(whole_number("--n", text, 2, 4096), BadArgument) << text;
-  }
-  for (const char* text : {"1", "4097", "-5", "99999999999999999999999"}) {
-    EXPECT_THROW(whole_number("--n", text, 2, 4096), BadArgument) << text;
-  }
-  expect_refused<BadArgument>([] { whole_number("--n", "1", 2, 4096); },
-                              "--n 1: out of range; must be 2 to 4096");
-}
-
-TEST(RealNumber, IsReadStrictlyAndFinite) {
-  EXPECT_EQ(real_number("--step", "1e-1", "positive"), 0.1);
-  for (const char* text : {"", "h", "0.1s", "nan", "inf", "-inf", "1e999", "0,1"}) {
-    EXPECT_THROW(real_number("--step", text, "positive"), BadArgument) << text;
-  }
-}
 
 TEST(StepCount, IsAWholeNumberToOnePartInABillion) {
   EXPECT_EQ(step_count(5.0, 0.1), 50);

@@ -1,11 +1,12 @@
 // The fast forms: the answers of the published ones, accepted as strictly, in fewer sweeps.
 #include "isosyrk/catalogue/fast_forms.h"
 
-#include <gtest/gtest.h>
+#include <tuple>
 
 #include "isosyrk/fast/fast_integrator.h"
 #include "isosyrk/flows/invariants.h"
 #include "isosyrk/simulation/conservation.h"
+#include "isosyrk/solver/tuning.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -17,29 +18,40 @@ std::unique_ptr<FastIntegrator> fast(const Method& method, const Flow& flow,
   return std::unique_ptr<FastIntegrator>(&dynamic_cast<FastIntegrator&>(*made.release()));
 }
 
-class EachFastForm : public ::testing::TestWithParam<Method> {};
+class EachFastForm : public ::testing::TestWithParam<Method> {
+ protected:
+  static std::unique_ptr<FastIntegrator> form(const Scene& scene, const FastOptions& options = {}) {
+    return fast(GetParam(), *scene.flow, options);
+  }
+
+  // The end and the report of so many steps, accepted as strictly as those of the published form.
+  static std::pair<Matrix, RunReport> strict_run(const Scene& scene, long steps,
+                                                 const FastOptions& options = {}) {
+    const auto integrator = form(scene, options);
+    const auto expect_accepted_strictly = [&](long step, const Matrix&, const StepReport&) {
+      EXPECT_LT(integrator->change_of_one_more_sweep(), 1.5e-13) << step;
+    };
+    Matrix W = scene.initial;
+    const RunReport report = run(*integrator, W, 0.1, steps, expect_accepted_strictly);
+    EXPECT_TRUE(report.converged());
+    EXPECT_EQ(skew_defect(W), 0.0);
+    const bool algebra = GetParam().formulation == Formulation::algebra;
+    EXPECT_LE(spectrum_error(W, scene.initial), algebra ? 1e-13 : 1e-11);
+    return {W, report};
+  }
+};
 
 TEST_P(EachFastForm, GivesTheAnswerOfThePublishedFormAsStrictlyInFewerSweeps) {
-  const Method method = GetParam();
   for (const Index n : {5, 16, 17, 33, 49}) {  // with bands from 48 on
+    SCOPED_TRACE(n);
     const Scene scene = smooth_scene(n);
-    const auto published = gauss(method.formulation, *scene.flow, method.s);
-    const auto integrator = fast(method, *scene.flow);
     Matrix expected = scene.initial;
-    Matrix W = scene.initial;
+    const auto published = gauss(GetParam().formulation, *scene.flow, GetParam().s);
     const RunReport plain = run(*published, expected, 0.1, 50);
-    const auto expect_accepted_strictly = [&](long step, const Matrix&, const StepReport&) {
-      EXPECT_LT(integrator->change_of_one_more_sweep(), 1.5e-13) << n << " " << step;
-    };
-    const RunReport report = run(*integrator, W, 0.1, 50, expect_accepted_strictly);
-    ASSERT_TRUE(report.converged()) << n;
-    EXPECT_LE(largest_difference(W, expected), coincidence) << n;
-    EXPECT_EQ(skew_defect(W), 0.0) << n;
-    EXPECT_LE(spectrum_error(W, scene.initial),
-              method.formulation == Formulation::algebra ? 1e-13 : 1e-11)
-        << n;
-    EXPECT_LT(report.sweeps, 0.8 * static_cast<double>(plain.sweeps)) << n;
-    EXPECT_LT(report.equivalent_products, 0.7 * plain.equivalent_products) << n;
+    const auto [W, report] = strict_run(scene, 50);
+    EXPECT_LE(largest_difference(W, expected), coincidence);
+    EXPECT_LT(report.sweeps, 0.8 * static_cast<double>(plain.sweeps));
+    EXPECT_LT(report.equivalent_products, 0.7 * plain.equivalent_products);
   }
 }
 
@@ -62,7 +74,7 @@ std::pair<long, long> sweeps_first_and_last(Integrator& integrator, const Scene&
 // The smooth scene grows finer, and the rough one is as fine at the end as at the beginning.
 TEST_P(EachFastForm, TakesAsManySweepsAfterALargeNumberOfSteps) {
   const auto expect_as_many_in = [](const Scene& scene) {
-    const auto integrator = fast(GetParam(), *scene.flow);
+    const auto integrator = form(scene);
     const auto [first, last] = sweeps_first_and_last(*integrator, scene);
     EXPECT_LE(static_cast<double>(last), 1.1 * static_cast<double>(first));
   };
@@ -74,14 +86,31 @@ TEST_P(EachFastForm, TakesAsManySweepsAfterALargeNumberOfSteps) {
   if (GetParam().s == 2) expect_as_many_in(smooth_scene(65));
 }
 
+// With up to 7 past steps the prediction is the polynomial through them, which predicts a solution
+// worse that grows finer, and plain sweeps make up for it one by one: what the bound of a tenth
+// sees.
+TEST_P(EachFastForm, FittedWeightsSaveSweepsAfterALargeNumberOfSteps) {
+  if (GetParam().s != 2) return;
+  const Scene scene = smooth_scene(33);
+  const auto sweeps = [&](int past_steps) {
+    const auto integrator = form(scene, {.solver = {}, .past_steps = past_steps, .newton = false});
+    return sweeps_first_and_last(*integrator, scene);
+  };
+  const auto [first, last] = sweeps(7);
+  if (GetParam().formulation == Formulation::cotangent) {
+    EXPECT_GT(static_cast<double>(last), 1.2 * static_cast<double>(first));
+  }
+  EXPECT_LT(static_cast<double>(sweeps(16).second), 0.8 * static_cast<double>(last));
+}
+
 TEST_P(EachFastForm, StartsColdAfterAnotherStepSizeAnotherStateAndAFailure) {
   for (const Index n : {17, 49}) {  // without and with bands
     SCOPED_TRACE(n);
     const Scene scene = smooth_scene(n);
-    const auto tried = fast(GetParam(), *scene.flow);
+    const auto tried = form(scene);
     const auto expect_cold = [&](const Matrix& from, double h, const char* after) {
       Matrix W = from, expected = from;
-      const StepReport cold = fast(GetParam(), *scene.flow)->step(expected, h);
+      const StepReport cold = form(scene)->step(expected, h);
       const StepReport report = tried->step(W, h);
       EXPECT_EQ(report.status, Status::converged) << after;
       EXPECT_EQ(W, expected) << after;  // bit for bit: nothing of what was before is left
@@ -102,9 +131,9 @@ TEST_P(EachFastForm, PredictionsSaveSweeps) {
   const Scene scene = smooth_scene(17);
   long last = std::numeric_limits<long>::max();
   for (const int past_steps : {0, 2, 4, 16}) {
-    const auto integrator =
-        fast(GetParam(), *scene.flow, {.solver = {}, .past_steps = past_steps, .newton = false});
-    const long sweeps = report_of(*integrator, scene.initial, 0.1, 50).sweeps;
+    const auto integrator = form(scene, {.solver = {}, .past_steps = past_steps, .newton = false});
+    Matrix W = scene.initial;
+    const long sweeps = run(*integrator, W, 0.1, 50).sweeps;
     EXPECT_LT(sweeps, last) << past_steps;
     last = sweeps;
   }
@@ -113,32 +142,25 @@ TEST_P(EachFastForm, PredictionsSaveSweeps) {
 // Bands also where they do not pay.
 TEST_P(EachFastForm, CorrectionsAndBandsChangeTheCostAndNotTheAnswer) {
   for (const Index n : {5, 16, 33}) {
+    SCOPED_TRACE(n);
     const Scene scene = smooth_scene(n);
     Matrix expected;
     const auto integrate = [&](bool newton, bool bands) {
-      const auto integrator =
-          fast(GetParam(), *scene.flow, {.solver = {}, .newton = newton, .bands = bands});
-      EXPECT_EQ(integrator->truncates(), bands);
-      const auto expect_accepted_strictly = [&](long step, const Matrix&, const StepReport&) {
-        EXPECT_LT(integrator->change_of_one_more_sweep(), 1.5e-13) << n << " " << step;
-      };
-      Matrix W = scene.initial;
-      const RunReport report = run(*integrator, W, 0.1, 20, expect_accepted_strictly);
-      EXPECT_TRUE(report.converged());
-      EXPECT_EQ(skew_defect(W), 0.0);
-      EXPECT_LE(spectrum_error(W, scene.initial), 1e-11);
+      const FastOptions options = {.solver = {}, .newton = newton, .bands = bands};
+      EXPECT_EQ(form(scene, options)->truncates(), bands);
+      const auto [W, report] = strict_run(scene, 20, options);
       if (expected.size() == 0) expected = W;
-      EXPECT_LE(largest_difference(W, expected), 1e-12) << n;
+      EXPECT_LE(largest_difference(W, expected), 1e-12);
       return report;
     };
     const RunReport plain = integrate(false, false);
     const RunReport corrected = integrate(true, false);
-    const double banded = integrate(false, true).equivalent_products;
+    EXPECT_LT(corrected.sweeps, 0.9 * static_cast<double>(plain.sweeps));
+    EXPECT_LE(integrate(false, true).equivalent_products,
+              (n == 33 ? 0.95 : 1.0) * plain.equivalent_products);
     const double both = integrate(true, true).equivalent_products;
-    EXPECT_LT(corrected.sweeps, 0.9 * static_cast<double>(plain.sweeps)) << n;
-    EXPECT_LE(banded, (n == 33 ? 0.95 : 1.0) * plain.equivalent_products) << n;
     if (n > 5) {  // which the modes, up to degree 4, fill
-      EXPECT_LT(both, corrected.equivalent_products) << n;
+      EXPECT_LT(both, corrected.equivalent_products);
     }
   }
 }
@@ -146,14 +168,13 @@ TEST_P(EachFastForm, CorrectionsAndBandsChangeTheCostAndNotTheAnswer) {
 // The solver's noise, which moves the spectrum of cotangent and group, adds up to no more than that
 // of the published forms.
 TEST_P(EachFastForm, CorrectionsAndBandsLeaveTheSpectrumAsPublishedFormsDoOverALargeNumberOfSteps) {
-  const Method method = GetParam();
-  if (method.s > 2) return;
+  if (GetParam().s > 2) return;
   const Scene scene = smooth_scene(33);
   const auto drift = [&](Integrator& integrator) {
     return spectrum_error(integrated(integrator, scene.initial, 0.1, 500), scene.initial);
   };
-  const auto integrator = fast(method, *scene.flow, {.solver = {}, .newton = true, .bands = true});
-  const auto published = gauss(method.formulation, *scene.flow, method.s);
+  const auto integrator = form(scene, {.solver = {}, .newton = true, .bands = true});
+  const auto published = gauss(GetParam().formulation, *scene.flow, GetParam().s);
   EXPECT_LE(drift(*integrator), 3.0 * drift(*published) + 1e-13);
 }
 
@@ -161,9 +182,9 @@ TEST_P(EachFastForm, CorrectionsAndBandsLeaveTheSpectrumAsPublishedFormsDoOverAL
 TEST_P(EachFastForm, BandsAreTheWholeOfARoughScene) {
   const Scene scene = rough_scene(33);
   const auto work = [&](bool bands) {
-    const auto integrator =
-        fast(GetParam(), *scene.flow, {.solver = {}, .newton = false, .bands = bands});
-    return report_of(*integrator, scene.initial, 0.1, 5).equivalent_products;
+    const auto integrator = form(scene, {.solver = {}, .newton = false, .bands = bands});
+    Matrix W = scene.initial;
+    return run(*integrator, W, 0.1, 5).equivalent_products;
   };
   EXPECT_GT(work(true), 0.97 * work(false));
 }
@@ -173,8 +194,8 @@ TEST_P(EachFastForm, BandsAreTheWholeOfARoughScene) {
 TEST_P(EachFastForm, BandsFollowTheTolerance) {
   const Scene scene = smooth_scene(49);
   constexpr double loose = 1e-6;
-  const auto integrator = fast(GetParam(), *scene.flow,
-                               {.solver = {.tolerance = loose}, .newton = false, .bands = true});
+  const auto integrator =
+      form(scene, {.solver = {.tolerance = loose}, .newton = false, .bands = true});
   Matrix W = scene.initial;
   for (int step = 0; step < 10; ++step) {
     ASSERT_EQ(integrator->step(W, 0.1).status, Status::converged);
@@ -189,10 +210,49 @@ TEST_P(EachFastForm, ThreadsWorkWhereTheyPay) {
   for (const Index n : {least - 1, least}) {
     const Scene scene = smooth_scene(n);
     for (const int threads : {1, 2, 8}) {
-      const auto form = fast(GetParam(), *scene.flow, {.solver = {}, .threads = threads});
-      EXPECT_EQ(form->threads(), n < least ? 1 : threads) << n;
+      const auto integrator = form(scene, {.solver = {}, .threads = threads});
+      EXPECT_EQ(integrator->threads(), n < least ? 1 : threads) << n;
     }
   }
+}
+
+// Where a run ends, what it takes, and how strictly it was accepted, with threads at any size.
+void expect_the_same_bit_for_bit(const Method& method, Index n, int steps,
+                                 const std::vector<int>& numbers_of_threads) {
+  const Scene scene = smooth_scene(n);
+  const auto result = [&](int threads) {
+    auto system = stage_system(method, *scene.flow, threads, n >= tuning.smallest_banded);
+    FastIntegrator integrator(*scene.flow, std::move(system), {.solver = {}, .threads = threads});
+    EXPECT_EQ(integrator.threads(), threads);
+    Matrix W = scene.initial;
+    const RunReport report = run(integrator, W, 0.1, steps);
+    EXPECT_TRUE(report.converged());
+    return std::tuple(W, report.sweeps, report.products, report.equivalent_products,
+                      report.poisson_solves, integrator.change_of_one_more_sweep());
+  };
+  const auto expected = result(1);
+  for (const int threads : numbers_of_threads) {
+    EXPECT_TRUE(result(threads) == expected) << n << " " << threads;  // without printing them
+  }
+}
+
+// With 10 steps the last starts from fitted weights.
+TEST_P(EachFastForm, IsTheSameBitForBitWithEveryNumberOfThreads) {
+  const bool is_large = GetParam().s > 3;
+  for (const Index n : {5, 17}) {
+    expect_the_same_bit_for_bit(GetParam(), n, 3, {2, 3, 4, 8});
+  }
+  expect_the_same_bit_for_bit(GetParam(), 49, is_large ? 3 : 10, {2, 3, 4, 8});
+}
+
+// Copies of B from 73, of single ones from 105.
+TEST_P(EachFastForm, IsTheSameBitForBitWithEveryNumberOfThreadsAtLargeSizes) {
+  const bool is_large = GetParam().s > 3;
+  for (const Index n : {66, 98, 129}) {
+    expect_the_same_bit_for_bit(GetParam(), n, 2,
+                                is_large ? std::vector{2, 3} : std::vector{2, 3, 4, 8});
+  }
+  for (const Index n : {75, 107}) expect_the_same_bit_for_bit(GetParam(), n, 2, {2});
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EachFastForm, ::testing::ValuesIn(methods(4)),
@@ -211,10 +271,7 @@ TEST_P(EachListedFastForm, GivesTheAnswerOfThePublishedForm) {
       const Scene scene = scene_by_name(scene_name, n);
       const double h = 0.2 / generator_norms(scene).B;
       const auto after_ten_steps = [&](const IntegratorEntry& entry, double step) {
-        const auto integrator = entry.make(*scene.flow, {}, ProductBackend::openblas);
-        Matrix W = scene.initial;
-        EXPECT_TRUE(run(*integrator, W, step, 10).converged()) << scene_name << " n = " << n;
-        return W;
+        return integrated(*made(entry, *scene.flow), scene.initial, step, 10);
       };
       const Matrix expected = after_ten_steps(published, h);
       EXPECT_LE((after_ten_steps(fast, h) - expected).norm(), bound) << scene_name << " n = " << n;
@@ -227,9 +284,7 @@ TEST_P(EachListedFastForm, GivesTheAnswerOfThePublishedForm) {
 // What a failed step leaves in the workspace, NaN too, does not enter the next one.
 TEST_P(EachListedFastForm, WorksAsANewOneAfterAFailure) {
   const Scene scene = smooth_scene(17);
-  const auto make = [&] {
-    return fast_entry(GetParam().name).make(*scene.flow, {}, ProductBackend::openblas);
-  };
+  const auto make = [&] { return made(fast_entry(GetParam().name), *scene.flow); };
   Matrix expected = scene.initial;
   EXPECT_EQ(make()->step(expected, 0.1).status, Status::converged);
   const Matrix not_finite = Matrix::Constant(17, 17, std::nan(""));
@@ -246,24 +301,14 @@ TEST_P(EachListedFastForm, WorksAsANewOneAfterAFailure) {
 INSTANTIATE_TEST_SUITE_P(All, EachListedFastForm, ::testing::ValuesIn(integrators()),
                          [](const auto& tested) { return tested.param.name; });
 
-// With up to 7 past steps the prediction is the polynomial through them, which predicts a solution
-// worse that grows finer, and plain sweeps make up for it one by one: what the bound of a tenth
-// sees.
-TEST(FastForms, FittedWeightsSaveSweepsAfterALargeNumberOfSteps) {
-  const Scene scene = smooth_scene(33);
-  for (const Formulation formulation : formulations()) {
-    const auto sweeps = [&](int past_steps) {
-      const auto integrator = fast({formulation, 2}, *scene.flow,
-                                   {.solver = {}, .past_steps = past_steps, .newton = false});
-      return sweeps_first_and_last(*integrator, scene);
-    };
-    const auto [first, last] = sweeps(7);
-    if (formulation == Formulation::cotangent) {
-      EXPECT_GT(static_cast<double>(last), 1.2 * static_cast<double>(first));
-    }
-    EXPECT_LT(static_cast<double>(sweeps(16).second), 0.8 * static_cast<double>(last))
-        << name(formulation);
-  }
+// Another state, so that comparisons bit for bit are ones that can fail.
+TEST(FastForms, ADifferenceOfTheLastDigitIsSeen) {
+  const Scene scene = smooth_scene(17);
+  Matrix W = scene.initial, V = scene.initial;
+  V(0, 0) += Complex(0.0, 1e-15);
+  run(*fast({Formulation::group, 2}, *scene.flow), W, 0.1, 3);
+  run(*fast({Formulation::group, 2}, *scene.flow), V, 0.1, 3);
+  EXPECT_FALSE(V == W);
 }
 
 TEST(FastForms, RefuseWhatTheyCannotDo) {

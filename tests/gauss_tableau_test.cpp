@@ -1,7 +1,5 @@
 #include "isosyrk/tableaux/gauss_tableau.h"
 
-#include <gtest/gtest.h>
-
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -18,30 +16,27 @@ double ulps(double value, double expected) {
 // Hairer, Lubich, Wanner, Geometric Numerical Integration, Table II.1.1; evaluated in extended
 // precision so that the comparison is with the correctly rounded coefficient.
 TEST(GaussTableau, AgreesWithTheClosedFormsTo4Ulp) {
-  using Numbers = std::vector<long double>;
   const long double r3 = std::sqrt(3.0L), r15 = std::sqrt(15.0L);
-  const std::vector<std::array<Numbers, 3>> closed = {
-      {{{0.5L}, {1.0L}, {0.5L}}},
-      {{{0.25L, 0.25L - r3 / 6, 0.25L + r3 / 6, 0.25L},
-        {0.5L, 0.5L},
-        {0.5L - r3 / 6, 0.5L + r3 / 6}}},
-      {{{5.0L / 36, 2.0L / 9 - r15 / 15, 5.0L / 36 - r15 / 30,  //
-         5.0L / 36 + r15 / 24, 2.0L / 9, 5.0L / 36 - r15 / 24,  //
-         5.0L / 36 + r15 / 30, 2.0L / 9 + r15 / 15, 5.0L / 36},
-        {5.0L / 18, 4.0L / 9, 5.0L / 18},
-        {0.5L - r15 / 10, 0.5L, 0.5L + r15 / 10}}}};
-  for (std::size_t s = 1; s <= 3; ++s) {
-    const Tableau found = gauss_tableau(static_cast<int>(s));
-    const auto& [a, b, c] = closed[s - 1];
-    const double most = s == 1 ? 0.0 : 4.0;
-    const auto expect = [&](double value, long double expected) {
-      EXPECT_LE(ulps(value, static_cast<double>(expected)), most) << s;
-    };
-    for (std::size_t i = 0; i < s; ++i) {
-      const auto row = static_cast<Index>(i);
-      for (std::size_t j = 0; j < s; ++j) expect(found.a(row, static_cast<Index>(j)), a[i * s + j]);
-      expect(found.b(row), b[i]);
-      expect(found.c(row), c[i]);
+  const std::vector<std::vector<long double>> closed = {
+      // a by rows, b, c
+      {0.5L, 1.0L, 0.5L},
+      {0.25L, 0.25L - r3 / 6, 0.25L + r3 / 6, 0.25L,  //
+       0.5L, 0.5L,                                    //
+       0.5L - r3 / 6, 0.5L + r3 / 6},
+      {5.0L / 36, 2.0L / 9 - r15 / 15, 5.0L / 36 - r15 / 30,  //
+       5.0L / 36 + r15 / 24, 2.0L / 9, 5.0L / 36 - r15 / 24,  //
+       5.0L / 36 + r15 / 30, 2.0L / 9 + r15 / 15, 5.0L / 36,  //
+       5.0L / 18, 4.0L / 9, 5.0L / 18,                        //
+       0.5L - r15 / 10, 0.5L, 0.5L + r15 / 10}};
+  for (const auto& expected : closed) {
+    const int s = static_cast<int>(&expected - closed.data()) + 1;
+    const Tableau tableau = gauss_tableau(s);
+    RealVector found(s * (s + 2));
+    found << tableau.a.transpose().reshaped(), tableau.b, tableau.c;
+    for (std::size_t k = 0; k < expected.size(); ++k) {
+      EXPECT_LE(ulps(found(static_cast<Index>(k)), static_cast<double>(expected[k])),
+                s == 1 ? 0.0 : 4.0)
+          << s << " " << k;
     }
   }
 }

@@ -1,7 +1,4 @@
 // Conserved quantities of known matrices, and what is reported of changes whose effect is known.
-#include <gtest/gtest.h>
-
-#include <Eigen/Dense>
 #include <array>
 
 #include "isosyrk/flows/invariants.h"

@@ -2,10 +2,7 @@
 // exact.
 #include "isosyrk/integrators/step_limits.h"
 
-#include <gtest/gtest.h>
-
 #include "isosyrk/flows/invariants.h"
-#include "isosyrk/simulation/run.h"
 #include "isosyrk/tableaux/gauss_tableau.h"
 #include "tests/support.h"
 
@@ -13,15 +10,9 @@ namespace isosyrk::testing {
 namespace {
 
 // W' = [B, W] with a constant B.
-class FrozenFlow final : public Flow {
- public:
-  explicit FrozenFlow(const Matrix& B) : Flow(QuadraticAlgebra::skew_hermitian(B.rows())), B_(B) {}
-  void generator(const Matrix&, Matrix& B) const override { B = B_; }
-  double hamiltonian(const Matrix&) const override { return 0.0; }
-
- private:
-  Matrix B_;
-};
+FlowOf frozen_flow(const Matrix& B) {
+  return {QuadraticAlgebra::skew_hermitian(B.rows()), [B](const Matrix&, Matrix& out) { out = B; }};
+}
 
 TEST(SpectralRadius, OfGaussTableaux) {
   EXPECT_NEAR(spectral_radius(gauss_tableau(1)), 0.5, 1e-15);
@@ -33,7 +24,7 @@ class LinearLimit : public ::testing::TestWithParam<IntegratorEntry> {
  protected:
   const Matrix B = random_skew_hermitian(7, 1);
   const Matrix W0 = random_skew_hermitian(7, 2);
-  const FrozenFlow flow{B};
+  const FlowOf flow = frozen_flow(B);
   const double limit = GetParam().linear_limit(spectrum(B));
 };
 
@@ -45,7 +36,7 @@ TEST_P(IterationLimit, BelowItTheIterationContractsAndBeyondItFails) {
   const double tolerance = GetParam().order > 12 ? 1e-12 : 1e-13;
   const auto step = [&](double h) {
     Matrix W = W0;
-    return GetParam().make(flow, {tolerance, 3000}, ProductBackend::openblas)->step(W, h);
+    return made(GetParam(), flow, {tolerance, 3000})->step(W, h);
   };
   const StepReport report = step(0.9 * limit);
   EXPECT_EQ(report.status, Status::converged);
@@ -63,7 +54,7 @@ class StepLimit : public LinearLimit {};
 TEST_P(StepLimit, BelowItNothingGrowsAndBeyondItPerturbationsDo) {
   const auto growth = [this](double h) {
     Matrix W = W0;
-    run(*GetParam().make(flow, {}, ProductBackend::openblas), W, h, 500);
+    run(*made(GetParam(), flow), W, h, 500);
     return W.norm() / W0.norm();
   };
   EXPECT_LE(growth(0.99 * limit), 1.0 + 1e-10);
@@ -88,14 +79,14 @@ INSTANTIATE_TEST_SUITE_P(All, StepLimit, ::testing::ValuesIn(limited(true)),
 // starts all of them; after many steps only the fastest, of frequency ‖ad_B‖₂, is seen.
 TEST(TwoProductsUpdate, LetsTheHermitianPartGrowAsTheEulerMethodDoes) {
   const Matrix B = random_skew_hermitian(7, 1);
-  const FrozenFlow flow(B);
+  const FlowOf flow = frozen_flow(B);
   const RealVector frequencies = spectrum(B);
   const double h = 0.2 / (frequencies.maxCoeff() - frequencies.minCoeff());
   const double growth = 0.5 * std::log1p(0.2 * 0.2);
   const long steps = std::lround(8.0 / growth);
   for (const IntegratorEntry& entry :
        {two_products_entry(2), two_products_entry(3), gauss_entry(Formulation::algebra, 2)}) {
-    const auto integrator = entry.make(flow, {}, ProductBackend::openblas);
+    const auto integrator = made(entry, flow);
     Matrix W = random_skew_hermitian(7, 2);
     run(*integrator, W, h, steps);
     const double early = (W + W.adjoint()).norm();

@@ -1,7 +1,5 @@
-// Threads: the whole work, shared out, and the same answers bit for bit.
+// Threads: the whole work, shared out.  That answers are the same is tested in fast_forms_test.cpp.
 #include "isosyrk/split/parallel.h"
-
-#include <gtest/gtest.h>
 
 #include <array>
 #include <atomic>
@@ -9,10 +7,9 @@
 #include <set>
 #include <stdexcept>
 #include <thread>
+#include <tuple>
 #include <vector>
 
-#include "isosyrk/fast/fast_integrator.h"
-#include "isosyrk/solver/tuning.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -21,83 +18,48 @@ namespace {
 using parallel::current_threads;
 using parallel::for_each_share;
 
-struct Done {
-  Index item;
-  Share share;
-  int thread;
-};
-
-template <class Weight>
-std::vector<Done> shares_done(Index items, const Weight& weight) {
-  std::vector<Done> all;
-  std::mutex mutex;
-  for_each_share(items, weight, [&](Index item, Share share, int thread) {
-    const std::lock_guard lock(mutex);
-    all.push_back({item, share, thread});
-  });
-  return all;
-}
-
-double size_of(const Share& share) {
-  return static_cast<double>(share.end - share.first) / static_cast<double>(share.parts);
-}
-
-// Each item is done whole, and no part of it twice.
-void expect_whole(const std::vector<Done>& all, Index items) {
-  for (Index item = 0; item < items; ++item) {
-    double covered = 0.0;
-    std::set<std::pair<Index, Index>> parts;  // (part, of how many)
-    for (const Done& done : all) {
-      if (done.item != item) continue;
-      EXPECT_LT(done.share.first, done.share.end);
-      EXPECT_LE(done.share.end, done.share.parts);
-      for (Index part = done.share.first; part < done.share.end; ++part) {
-        EXPECT_TRUE(parts.emplace(part, done.share.parts).second) << "twice";
-      }
-      covered += size_of(done.share);
-    }
-    EXPECT_NEAR(covered, 1.0, 1e-12) << item;
-  }
-}
-
 const std::vector<std::vector<Index>> weights_tested = {
     {1, 1, 1, 1, 1, 1, 1}, {2, 1, 2, 1, 2, 1, 2}, {1, 2, 2, 2, 1, 1, 2}, {5, 1, 1, 1, 1, 1, 1}};
 
 // One thread does whole items.
-TEST(Shares, CoverEveryItemExactlyOnceAndGiveEachThreadAsMuch) {
-  for (int threads = 1; threads <= 8; ++threads) {
-    const ThreadScope scope(threads);
-    for (const auto& weights : weights_tested) {
-      const auto weight = [&](Index i) { return weights[static_cast<std::size_t>(i)]; };
-      for (Index items = 0; items <= 7; ++items) {
-        SCOPED_TRACE(::testing::Message() << threads << " threads, " << items << " items");
-        const std::vector<Done> all = shares_done(items, weight);
-        expect_whole(all, items);
-        std::array<double, 8> work{};
-        double whole = 0.0;
-        for (Index item = 0; item < items; ++item) whole += static_cast<double>(weight(item));
-        for (const Done& done : all) {
-          ASSERT_LT(done.thread, threads);
-          work[static_cast<std::size_t>(done.thread)] +=
-              static_cast<double>(weight(done.item)) * size_of(done.share);
-          EXPECT_TRUE(threads > 1 || done.share.parts == 1);
-        }
-        for (int t = 0; t < threads; ++t) {
-          EXPECT_NEAR(work[static_cast<std::size_t>(t)], whole / threads, 1e-12);
-        }
-      }
+void expect_shares_cover_once(int threads, const std::vector<Index>& weights, Index items) {
+  const auto weight = [&](Index i) { return weights[static_cast<std::size_t>(i)]; };
+  std::mutex mutex;
+  std::set<std::tuple<Index, Index, Index>> parts;  // (item, part, of how many)
+  std::array<double, 8> covered{}, work{};          // of each item, by each thread
+  const ThreadScope scope(threads);
+  for_each_share(items, weight, [&](Index item, Share share, int thread) {
+    const std::lock_guard lock(mutex);
+    ASSERT_LT(thread, threads);
+    EXPECT_LT(share.first, share.end);
+    EXPECT_LE(share.end, share.parts);
+    EXPECT_TRUE(threads > 1 || share.parts == 1);
+    for (Index part = share.first; part < share.end; ++part) {
+      EXPECT_TRUE(parts.emplace(item, part, share.parts).second) << "twice";
     }
+    const double size =
+        static_cast<double>(share.end - share.first) / static_cast<double>(share.parts);
+    covered[static_cast<std::size_t>(item)] += size;
+    work[static_cast<std::size_t>(thread)] += size * static_cast<double>(weight(item));
+  });
+  double whole = 0.0;
+  for (Index item = 0; item < items; ++item) {
+    EXPECT_NEAR(covered[static_cast<std::size_t>(item)], 1.0, 1e-12) << item;
+    whole += static_cast<double>(weight(item));
+  }
+  for (int t = 0; t < threads; ++t) {
+    EXPECT_NEAR(work[static_cast<std::size_t>(t)], whole / threads, 1e-12) << t;
   }
 }
 
-TEST(Blocks, AreFixedByTheSizeAndCoverAllRows) {
-  for (Index n = 1; n <= 600; ++n) {
-    const Index blocks = parallel::sum_blocks(n);
-    EXPECT_GE(blocks, 1);
-    EXPECT_LE(blocks, parallel::most_sum_blocks);
-    EXPECT_GE(n / blocks, std::min<Index>(n, 16));
-    const ThreadScope scope(8);
-    EXPECT_EQ(parallel::sum_blocks(n), blocks);
+TEST(Shares, CoverEveryItemExactlyOnceAndGiveEachThreadAsMuch) {
+  for (int threads = 1; threads <= 8; ++threads) {
+    for (const auto& weights : weights_tested) {
+      for (Index items = 0; items <= 7; ++items) {
+        SCOPED_TRACE(::testing::Message() << threads << " threads, " << items << " items");
+        expect_shares_cover_once(threads, weights, items);
+      }
+    }
   }
 }
 
@@ -178,66 +140,6 @@ TEST(ThreadScope, FlushesDenormalsInEveryThreadWhileItLastsAndNoLonger) {
     EXPECT_TRUE(keeps_denormals());
     EXPECT_EQ(threads_that_keep_denormals(), (std::array<bool, looked_at>{true, true, true, true}));
   }
-}
-
-// Of `threads` threads at any size, where make_fast_gauss has one.
-std::unique_ptr<FastIntegrator> fast(const Method& method, const Flow& flow, int threads) {
-  const bool bands = flow.size() >= tuning.smallest_banded;
-  return std::make_unique<FastIntegrator>(flow, stage_system(method, flow, threads, bands),
-                                          FastOptions{.solver = {}, .threads = threads});
-}
-
-class EachNumberOfThreads : public ::testing::TestWithParam<Method> {
- protected:
-  static void expect_the_same(Index n, int steps, const std::vector<int>& numbers) {
-    const Scene scene = smooth_scene(n);
-    const auto one = fast(GetParam(), *scene.flow, 1);
-    Matrix W = scene.initial;
-    const RunReport expected = run(*one, W, 0.1, steps);
-    ASSERT_TRUE(expected.converged());
-    const double change = one->change_of_one_more_sweep();
-    for (const int threads : numbers) {
-      const auto several = fast(GetParam(), *scene.flow, threads);
-      Matrix V = scene.initial;
-      const RunReport report = run(*several, V, 0.1, steps);
-      EXPECT_TRUE(V == W) << n << " " << threads;  // without printing them
-      EXPECT_EQ(report.sweeps, expected.sweeps) << n << " " << threads;
-      EXPECT_EQ(report.products, expected.products) << n << " " << threads;
-      EXPECT_EQ(report.equivalent_products, expected.equivalent_products) << n << " " << threads;
-      EXPECT_EQ(report.poisson_solves, expected.poisson_solves) << n << " " << threads;
-      EXPECT_EQ(several->threads(), threads);
-      EXPECT_EQ(several->change_of_one_more_sweep(), change) << n << " " << threads;
-    }
-  }
-};
-
-// With 10 steps the last starts from fitted weights.
-TEST_P(EachNumberOfThreads, GivesTheSameBitForBit) {
-  const bool is_large = GetParam().s > 3;
-  for (const Index n : {5, 17}) expect_the_same(n, 3, {2, 3, 4, 8});
-  expect_the_same(49, is_large ? 3 : 10, {2, 3, 4, 8});
-}
-
-// Copies of B from 73, of single ones from 105.
-TEST_P(EachNumberOfThreads, GivesTheSameBitForBitAtLargeSizes) {
-  const bool is_large = GetParam().s > 3;
-  for (const Index n : {66, 98, 129}) {
-    expect_the_same(n, 2, is_large ? std::vector{2, 3} : std::vector{2, 3, 4, 8});
-  }
-  for (const Index n : {75, 107}) expect_the_same(n, 2, {2});
-}
-
-INSTANTIATE_TEST_SUITE_P(All, EachNumberOfThreads, ::testing::ValuesIn(methods(4)),
-                         ::testing::PrintToStringParamName());
-
-// Another state, so that the comparison is one that can fail.
-TEST(Threads, ADifferenceOfTheLastDigitIsSeen) {
-  const Scene scene = smooth_scene(17);
-  Matrix W = scene.initial, V = scene.initial;
-  V(0, 0) += Complex(0.0, 1e-15);
-  run(*fast({Formulation::group, 2}, *scene.flow, 1), W, 0.1, 3);
-  run(*fast({Formulation::group, 2}, *scene.flow, 2), V, 0.1, 3);
-  EXPECT_FALSE(V == W);
 }
 
 }  // namespace

@@ -1,8 +1,6 @@
 // Reference solutions: those recorded are what they say, and no other file passes for one.
 #include "benchmarks/reference.h"
 
-#include <gtest/gtest.h>
-
 #include <fstream>
 #include <nlohmann/json.hpp>
 

@@ -1,7 +1,5 @@
 #include "isosyrk/simulation/run.h"
 
-#include <gtest/gtest.h>
-
 #include <functional>
 #include <type_traits>
 #include <vector>

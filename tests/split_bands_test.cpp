@@ -1,7 +1,6 @@
 // Bands of split matrices: finding them, and what products and the Laplacian make of them.
-// Skew-Hermitian parts and mirrored triangles, whole, within bands and in shares.
-#include <gtest/gtest.h>
-
+// Skew-Hermitian parts and mirrored triangles, whole and within bands.  Threads share all of this:
+// see fast_forms_test.cpp.
 #include <array>
 #include <cmath>
 
@@ -34,12 +33,13 @@ Matrix cut(const Matrix& W, Index band) {
   return entries_of(W, [band](Index r, Index c) { return std::abs(r - c) <= band; });
 }
 
-// The band to which the policy cuts W.
+// What the policy makes of W, beside a matrix that it cuts more.
 template <class Real = double>
-Index truncated_band(const Matrix& W, double tail) {
-  SplitStagesOf<Real> X = {SplitMatrixOf<Real>(W)};
-  BandTruncation(true, 1, W.rows()).truncate(tail, X);
-  return X[0].band();
+SplitMatrixOf<Real> truncated(const Matrix& W, double tail) {
+  const Index n = W.rows();
+  SplitStagesOf<Real> X = {SplitMatrixOf<Real>(falling_off(n, 9.0, 5)), SplitMatrixOf<Real>(W)};
+  BandTruncation(true, 2, n).truncate(tail, X);
+  return X[1];
 }
 
 SplitMatrix truncated_skew(const Matrix& W, double tail) {
@@ -48,31 +48,22 @@ SplitMatrix truncated_skew(const Matrix& W, double tail) {
   return X[0];
 }
 
+constexpr std::array<double, 5> tails = {1e-12, 1e-6, 1e-3, 1e-2, 1.0};
+
 TEST(Bands, AreTheSmallestThatLeaveOutNoMoreThanTheTail) {
   for (const Index n : {1, 2, 5, 17, 33, 66}) {
     const Matrix W = falling_off(n, 0.7, static_cast<unsigned>(n));
-    for (const double tail : {1e-12, 1e-6, 1e-2, 1.0}) {
-      const Index band = truncated_band(W, tail);
+    for (const double tail : tails) {
+      const SplitMatrix found = truncated(W, tail);
+      const Index band = found.band();
+      EXPECT_EQ(found.interleaved(), cut(W, band)) << n;
       EXPECT_LE((W - cut(W, band)).norm(), tail) << n;
       if (band > 0) {
         EXPECT_GT((W - cut(W, band - 1)).norm(), tail) << n;
       }
     }
-    EXPECT_EQ(truncated_band<float>(W, 1e-2), truncated_band(W, 1e-2)) << n;
-    EXPECT_EQ(truncated_band(Matrix::Zero(n, n), 0.0), 0);
-  }
-}
-
-TEST(Bands, AreFoundAndCutInEachMatrixByItself) {
-  constexpr Index n = 33;
-  const std::array<Matrix, 2> W = {falling_off(n, 0.7, 1), falling_off(n, 3.0, 2)};
-  SplitStages X = {SplitMatrix(W[0]), SplitMatrix(W[1])};
-  BandTruncation(true, 2, n).truncate(1e-6, X);
-  EXPECT_GT(X[0].band(), X[1].band());
-  for (std::size_t i = 0; i < 2; ++i) {
-    EXPECT_EQ(X[i].band(), truncated_band(W[i], 1e-6));
-    EXPECT_EQ(X[i].interleaved(), cut(W[i], X[i].band()));
-    EXPECT_LT(X[i].band(), n - 1);
+    EXPECT_EQ(truncated<float>(W, 1e-2).band(), truncated(W, 1e-2).band()) << n;
+    EXPECT_EQ(truncated(Matrix::Zero(n, n), 0.0).band(), 0);
   }
 }
 
@@ -82,10 +73,10 @@ TEST(Bands, OfASkewHermitianMatrixAreTakenFromTheUpperTriangle) {
     const Matrix W = skew_falling_off(n, 0.7, 1);
     const Matrix read = entries_of(
         W, [](Index r, Index c) { return r <= c; }, std::nan(""));
-    for (const double tail : {1e-12, 1e-6, 1e-3, 1e-2, 1.0}) {
-      const SplitMatrix found = truncated_skew(read, tail);
-      EXPECT_EQ(found.band(), truncated_band(W, tail)) << n;
-      EXPECT_EQ(found.interleaved(), cut(W, found.band())) << n;
+    for (const double tail : tails) {
+      const SplitMatrix found = truncated_skew(read, tail), expected = truncated(W, tail);
+      EXPECT_EQ(found.band(), expected.band()) << n;
+      EXPECT_EQ(found.interleaved(), expected.interleaved()) << n;
     }
   }
 }
@@ -118,16 +109,16 @@ TEST(Bands, OfTheRoundedAreThoseOfALooserTail) {
   truncation.truncate_skew(1e-12, B);
   SingleStages S = split_stages<float>(1, n);
   truncation.round_skew(1e-3, B, S);
-  EXPECT_EQ(S[0].band(), truncated_band(W, 1e-3));
+  EXPECT_EQ(S[0].band(), truncated(W, 1e-3).band());
   EXPECT_LT(S[0].band(), B[0].band());
   EXPECT_LE((S[0].interleaved() - cut(W, S[0].band())).norm(), 0x1p-24 * W.norm());
 }
 
 TEST(Bands, HoldWhatIsNotANumber) {
   Matrix W = falling_off(17, 3.0, 1);
-  EXPECT_LT(truncated_band(W, 1e-3), 12);
+  EXPECT_LT(truncated(W, 1e-3).band(), 12);
   W(2, 14) = std::nan("");
-  EXPECT_GE(truncated_band(W, 1e-3), 12);
+  EXPECT_GE(truncated(W, 1e-3).band(), 12);
   EXPECT_GE(truncated_skew(W, 1e-3).band(), 12);
 }
 
@@ -144,7 +135,7 @@ TEST(Bands, CutWhatLiesOutsideAndNothingElse) {
 }
 
 // A†B with bands given for A, B and, in the second, for the result.  What the kernels make of bands
-// is tested in gemm_kernel_test.cpp.
+// is tested in split_products_test.cpp.
 TEST(Bands, AreThoseOfTheFactorsAndOfTheResultOfAProduct) {
   constexpr Index n = 65, narrow = 16;
   SplitProducts products(n);
@@ -269,30 +260,6 @@ TEST(Mirrors, AreTheUpperTriangleWithinABand) {
       EXPECT_EQ(within.interleaved(), cut(expected, band)) << n << " " << band;
       EXPECT_EQ(within.band(), band);
     }
-  }
-}
-
-// In two shares, of which one alone leaves something out.
-template <class OfShare>
-void expect_shares_of_the_whole(const OfShare& form, const SingleMatrix& start) {
-  SingleMatrix whole = start, shared = start;
-  form(whole, Share{});
-  form(shared, Share{0, 1, 2});
-  if (start.size() >= 8) {
-    EXPECT_NE(shared.entries(), whole.entries()) << start.size();
-  }
-  form(shared, Share{1, 2, 2});
-  EXPECT_EQ(shared.entries(), whole.entries()) << start.size();
-}
-
-TEST(Shares, OfMirrorsAndCutsAreTheWhole) {
-  for (const Index n : {1, 2, 3, 5, 8, 17, 34, 129}) {
-    const SingleMatrix start(random_matrix(n, 2));
-    expect_shares_of_the_whole([](SingleMatrix& C, Share share) { mirror_skew(C, share); }, start);
-    expect_shares_of_the_whole(
-        [&](SingleMatrix& C, Share share) { mirror_skew_within(n / 2, C, share); }, start);
-    expect_shares_of_the_whole([](SingleMatrix& C, Share share) { cut_to_band(1, C, share); },
-                               start);
   }
 }
 

@@ -7,7 +7,6 @@
 #include <Eigen/Dense>
 #include <fstream>
 #include <limits>
-#include <list>
 #include <random>
 #include <unsupported/Eigen/MatrixFunctions>
 
@@ -17,7 +16,6 @@
 #include "isosyrk/fast/midpoint_system.h"
 #include "isosyrk/flows/invariants.h"
 #include "isosyrk/flows/spin.h"
-#include "isosyrk/split/split_products.h"
 #include "isosyrk/tableaux/gauss_tableau.h"
 
 namespace isosyrk::testing {
@@ -62,18 +60,6 @@ Matrix exact_product(const Matrix& A, const Matrix& B) {
 
 Matrix commutator(const Matrix& A, const Matrix& B) { return product({A, B}) - product({B, A}); }
 
-std::vector<GemmKernel> tested_kernels() {
-  static std::list<std::string> names;
-  std::vector<GemmKernel> tested;
-  for (GemmKernel kernel : gemm_kernels()) {
-    tested.push_back(kernel);
-    kernel.name = names.emplace_back(kernel.name + std::string("_copies")).c_str();
-    kernel.limits = kernel.single_limits = {0, 0};
-    tested.push_back(kernel);
-  }
-  return tested;
-}
-
 Matrix read_reference(const std::string& file, Index n) {
   std::ifstream input(ISOSYRK_TEST_DATA "/" + file);
   std::string line;
@@ -97,14 +83,14 @@ Matrix integrated(Integrator& integrator, const Matrix& W0, double h, long steps
   return W;
 }
 
-RunReport report_of(Integrator& integrator, Matrix W0, double h, long steps) {
-  return run(integrator, W0, h, steps);
+std::unique_ptr<Integrator> made(const IntegratorEntry& entry, const Flow& flow,
+                                 const SolverOptions& options) {
+  return entry.make(flow, options, ProductBackend::openblas);
 }
 
 std::unique_ptr<Integrator> gauss(Formulation formulation, const Flow& flow, int s,
                                   double tolerance) {
-  return make_formulation(formulation, flow, gauss_tableau(s), {tolerance, 1000},
-                          ProductBackend::openblas);
+  return made(gauss_entry(formulation, s), flow, {.tolerance = tolerance});
 }
 
 void PrintTo(const Method& method, std::ostream* out) {
@@ -134,10 +120,9 @@ std::unique_ptr<StageSystem> stage_system(const Method& method, const Flow& flow
 
 double observed_order(const std::vector<double>& h, const std::vector<double>& errors) {
   const auto logarithms_about_their_mean = [](const std::vector<double>& values) {
-    const RealVector all =
-        Eigen::Map<const RealVector>(values.data(), static_cast<Index>(values.size()));
-    const RealVector logarithms = all.array().log();
-    return RealVector(logarithms.array() - logarithms.mean());
+    const Eigen::Map<const Eigen::ArrayXd> all(values.data(), static_cast<Index>(values.size()));
+    const Eigen::ArrayXd logarithms = all.tail(std::min<Index>(5, all.size())).log();
+    return RealVector(logarithms - logarithms.mean());
   };
   const RealVector x = logarithms_about_their_mean(h);
   return x.dot(logarithms_about_their_mean(errors)) / x.squaredNorm();
@@ -210,12 +195,16 @@ std::filesystem::path WithFolder::write(const std::filesystem::path& file,
   return folder_ / file;
 }
 
-ConjugationFlow::ConjugationFlow(const QuadraticAlgebra& algebra, unsigned seed) : Flow(algebra) {
-  const Matrix M = random_matrix(size(), seed);
-  Matrix mirrored(size(), size());
+// M + sign J⁻¹ M† J of a random M, of Frobenius norm 1.
+static Matrix random_part(const QuadraticAlgebra& algebra, double sign, unsigned seed) {
+  const Matrix M = random_matrix(algebra.size(), seed);
+  Matrix mirrored(algebra.size(), algebra.size());
   algebra.involution(M, mirrored);
-  D_ = (M + mirrored) / (M + mirrored).norm();
+  return (M + sign * mirrored).normalized();
 }
+
+ConjugationFlow::ConjugationFlow(const QuadraticAlgebra& algebra, unsigned seed)
+    : Flow(algebra), D_(random_part(algebra, 1.0, seed)) {}
 
 void ConjugationFlow::generator(const Matrix& W, Matrix& B) const { B = product({D_, W, D_}); }
 
@@ -223,11 +212,6 @@ double ConjugationFlow::hamiltonian(const Matrix& W) const {
   return 0.5 * product({W, D_, W, D_}).trace().real();
 }
 
-Matrix ConjugationFlow::element(unsigned seed) const {
-  const Matrix M = random_matrix(size(), seed);
-  Matrix mirrored(size(), size());
-  algebra().involution(M, mirrored);
-  return (M - mirrored) / (M - mirrored).norm();
-}
+Matrix ConjugationFlow::element(unsigned seed) const { return random_part(algebra(), -1.0, seed); }
 
 }  // namespace isosyrk::testing

@@ -1,15 +1,16 @@
-// What several tests need.
+// What several tests need, GoogleTest included.
 #pragma once
 
 #include <gtest/gtest.h>
 
 #include <array>
-#include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <initializer_list>
 #include <ostream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "isosyrk/catalogue/integrator_list.h"
@@ -18,7 +19,6 @@
 #include "isosyrk/flows/scene.h"
 #include "isosyrk/integrators/integrator.h"
 #include "isosyrk/simulation/run.h"
-#include "isosyrk/split/gemm_kernel.h"
 #include "isosyrk/split/parallel.h"
 #include "isosyrk/split/split_matrix.h"
 
@@ -64,8 +64,10 @@ Matrix read_reference(const std::string& file, Index n);
 
 /// A one-step method applied until T = steps * h, which must converge throughout.
 Matrix integrated(Integrator& integrator, const Matrix& W0, double h, long steps);
-/// The report of such a run, which may fail.
-RunReport report_of(Integrator& integrator, Matrix W0, double h, long steps);
+
+/// The integrator of an entry, with OpenBLAS products.
+std::unique_ptr<Integrator> made(const IntegratorEntry& entry, const Flow& flow,
+                                 const SolverOptions& options = {});
 
 /// The formulation with the Gauss tableau of s stages, OpenBLAS products, tolerance 1e-13.
 std::unique_ptr<Integrator> gauss(Formulation formulation, const Flow& flow, int s,
@@ -85,25 +87,18 @@ std::vector<Method> methods(int most_stages);
 std::unique_ptr<StageSystem> stage_system(const Method& method, const Flow& flow, int threads,
                                           bool bands);
 
-/// Least-squares slope of log(error) against log(h).
+/// Least-squares slope of log(error) against log(h) over the last five points, which show it best.
 double observed_order(const std::vector<double>& h, const std::vector<double>& errors);
 
 /// Radau IIA with two stages, order 3: not symplectic.
 Tableau radau_iia();
 
-/// Every kernel that runs here, by itself and, named ..._copies, with copies of the factors at any
-/// size.
-std::vector<GemmKernel> tested_kernels();
-
 /// Whether the padding of the rows of X is 0.
 template <class Real>
 bool fill_is_zero(const SplitMatrixOf<Real>& X) {
-  for (Index r = 0; r < X.size(); ++r) {
-    for (Index c = X.size(); c < X.stride() / 2; ++c) {
-      if (X.re()[r * X.stride() + c] != 0 || X.im()[r * X.stride() + c] != 0) return false;
-    }
-  }
-  return true;
+  const Index n = X.size(), row = X.stride() / 2;
+  // Column 2 r for the real parts of row r, column 2 r + 1 for the imaginary ones.
+  return X.entries().reshaped(row, 2 * n).bottomRows(row - n).isZero(0);
 }
 
 /// Whether the calling thread reads and writes denormal numbers of both precisions, or 0 for all.
@@ -141,6 +136,19 @@ Matrix symplectic_J(Index k);
 /// J = diag(1 (p times), -1 (q times)).
 Matrix indefinite_J(Index p, Index q);
 
+/// A flow with any B, and without a Hamiltonian.
+class FlowOf final : public Flow {
+ public:
+  using Generator = std::function<void(const Matrix& W, Matrix& B)>;
+  FlowOf(const QuadraticAlgebra& algebra, Generator generator)
+      : Flow(algebra), generator_(std::move(generator)) {}
+  void generator(const Matrix& W, Matrix& B) const override { generator_(W, B); }
+  double hamiltonian(const Matrix&) const override { return 0.0; }
+
+ private:
+  Generator generator_;
+};
+
 /// A rigid-body-like flow on any J-quadratic algebra with J† = ±J:  B(W) = D W D with
 /// D = J⁻¹ D† J, which maps g to g and is the gradient of H(W) = ½ Re tr(W D W D).
 class ConjugationFlow final : public Flow {
@@ -161,6 +169,5 @@ namespace isosyrk {
 
 /// How GoogleTest names an entry in its reports.
 inline void PrintTo(const IntegratorEntry& entry, std::ostream* out) { *out << entry.name; }
-inline void PrintTo(const GemmKernel& kernel, std::ostream* out) { *out << kernel.name; }
 
 }  // namespace isosyrk

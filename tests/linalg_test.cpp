@@ -1,11 +1,9 @@
-// Quadratic algebras; sums over stages and updates in one pass against the same expressions written
-// out.
-#include "isosyrk/linalg/operations.h"
-
-#include <gtest/gtest.h>
-
+// Products of each backend against the definition; sums over stages and updates in one pass against
+// the same expressions written out; quadratic algebras.
 #include <limits>
 
+#include "isosyrk/linalg/operations.h"
+#include "isosyrk/linalg/products.h"
 #include "isosyrk/tableaux/gauss_tableau.h"
 #include "tests/support.h"
 
@@ -14,18 +12,61 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
+class ProductsOfEachBackend : public ::testing::TestWithParam<ProductBackend> {};
+
+TEST_P(ProductsOfEachBackend, AgreeWithTheDefinitionAtOddAndEvenSizes) {
+  for (const Index n : {1, 2, 3, 5, 8, 16, 17, 33, 40, 65}) {
+    const Matrix A = random_matrix(n, 1);
+    const Matrix B = random_matrix(n, 2);
+    Matrix C = Matrix::Constant(n, n, 7.0);  // what was there must not matter
+    Products products(GetParam(), n);
+    // Normwise bound of a sum of n products in any order: n u per entry, both parts, twice over.
+    const double bound = 4.0 * static_cast<double>(n) * 1.2e-16 * A.norm() * B.norm();
+    products.multiply(A, B, C, -0.5);
+    EXPECT_LE((C + 0.5 * exact_product(A, B)).norm(), bound) << n;
+    products.multiply_adjoint_left(A, B, C);
+    EXPECT_LE((C - exact_product(A.adjoint(), B)).norm(), bound) << n;
+    products.multiply_adjoint_right(A, B, C);
+    EXPECT_LE((C - exact_product(A, B.adjoint())).norm(), bound) << n;
+    EXPECT_EQ(products.count(), 3);
+  }
+}
+
+TEST_P(ProductsOfEachBackend, PassNanThrough) {
+  const Index n = 9;
+  Matrix A = random_matrix(n, 1);
+  A(4, 5) = nan;
+  const Matrix B = random_matrix(n, 2);
+  Matrix C(n, n);
+  Products products(GetParam(), n);
+  products.multiply(A, B, C);
+  EXPECT_TRUE(std::isnan(C(4, 0).real()));
+  EXPECT_TRUE(std::isfinite(C(3, 0).real()));
+}
+
+TEST_P(ProductsOfEachBackend, RefuseAliasesAndWrongSizes) {
+  Matrix A = random_matrix(6, 1);
+  const Matrix B = random_matrix(6, 2);
+  const Matrix small = random_matrix(5, 3);
+  Products products(GetParam(), 6);
+  EXPECT_THROW(products.multiply(A, B, A), std::invalid_argument);
+  EXPECT_THROW(products.multiply(B, A, A), std::invalid_argument);
+  EXPECT_THROW(products.multiply(B, small, A), std::invalid_argument);
+  EXPECT_EQ(products.count(), 0);
+  EXPECT_THROW(Products(GetParam(), 0), std::invalid_argument);
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, ProductsOfEachBackend, ::testing::ValuesIn(product_backends()),
+                         [](const auto& tested) { return std::string(name(tested.param)); });
+
 // n odd and even, so that the last few real numbers are taken apart; s below, at and above the
 // counts that are unrolled.
-struct Sizes {
-  Index n;
-  int s;
-};
-
-class StageSums : public ::testing::TestWithParam<Sizes> {
+class StageSums : public ::testing::TestWithParam<std::pair<Index, int>> {
  protected:
   std::vector<Matrix> random_stages() const {
     std::vector<Matrix> Y;
-    for (int j = 0; j < GetParam().s; ++j) Y.push_back(Matrix::Random(GetParam().n, GetParam().n));
+    const auto [n, s] = GetParam();
+    for (int j = 0; j < s; ++j) Y.push_back(Matrix::Random(n, n));
     return Y;
   }
 };
@@ -68,8 +109,8 @@ TEST_P(StageSums, CombineIsTheWeightedSum) {
 }
 
 INSTANTIATE_TEST_SUITE_P(SizesAndStages, StageSums,
-                         ::testing::Values(Sizes{2, 1}, Sizes{3, 2}, Sizes{5, 3}, Sizes{6, 4},
-                                           Sizes{17, 3}, Sizes{17, 7}, Sizes{4, max_stages}));
+                         ::testing::ValuesIn(std::vector<std::pair<Index, int>>{
+                             {2, 1}, {3, 2}, {5, 3}, {6, 4}, {17, 3}, {17, 7}, {4, max_stages}}));
 
 // Entries are below 8, and each is a sum of few terms.
 constexpr double rounding = 1e-14;
@@ -118,24 +159,15 @@ std::vector<Matrix> various_J() {
           dense_symplectic_J(2)};
 }
 
-TEST(QuadraticAlgebra, InvolutionAndConjugationAreTheirFormulas) {
+TEST(QuadraticAlgebra, HasTheMapsOfItsFormulasAndDefectsThatVanishOnAlgebraAndGroupOnly) {
   for (const Matrix& J : various_J()) {
     const QuadraticAlgebra algebra(J);
     const Matrix X = random_matrix(J.rows(), 1);
-    Matrix out(J.rows(), J.rows());
-    algebra.involution(X, out);
-    EXPECT_LE(largest_difference(out, product({inverse(J), X.adjoint(), J})), 1e-14);
-    algebra.conjugate_by_J(X, out);
-    EXPECT_LE(largest_difference(out, product({J, X, inverse(J)})), 1e-14);
-  }
-}
-
-TEST(QuadraticAlgebra, DefectsVanishOnTheAlgebraAndTheIdentityAndNotOnARandomMatrix) {
-  for (const Matrix& J : various_J()) {
-    const QuadraticAlgebra algebra(J);
-    const Matrix X = random_matrix(J.rows(), 1);
-    Matrix mirrored(J.rows(), J.rows());
+    Matrix mirrored(J.rows(), J.rows()), conjugated = mirrored;
     algebra.involution(X, mirrored);
+    EXPECT_LE(largest_difference(mirrored, product({inverse(J), X.adjoint(), J})), 1e-14);
+    algebra.conjugate_by_J(X, conjugated);
+    EXPECT_LE(largest_difference(conjugated, product({J, X, inverse(J)})), 1e-14);
     EXPECT_LE(algebra.algebra_defect(X - mirrored), 1e-15);
     EXPECT_GE(algebra.algebra_defect(X), 0.1);
     EXPECT_LE(algebra.group_defect(Matrix::Identity(J.rows(), J.rows())), 1e-15);

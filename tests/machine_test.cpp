@@ -1,0 +1,127 @@
+// What a program is told of its machine: memory, stolen time, cores at once; and the median.
+#include <sched.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "benchmarks/median.h"
+#include "benchmarks/memory.h"
+#include "benchmarks/peak.h"
+#include "benchmarks/stolen_time.h"
+#include "tests/support.h"
+
+namespace isosyrk::testing {
+namespace {
+
+// The folder is a tree as the kernel shows it.
+class AvailableMemory : public WithFolder {
+ protected:
+  AvailableMemory() { write("proc/meminfo", "MemTotal: 2000 kB\nMemAvailable:    1000 kB\n"); }
+
+  void expect(double bytes, const std::string& source) const {
+    const MemoryLimit limit = available_memory(folder_);
+    EXPECT_EQ(limit.bytes, bytes);
+    EXPECT_EQ(limit.source, source);
+  }
+};
+
+TEST_F(AvailableMemory, IsThatOfTheMachineWithoutOtherLimits) {
+  expect(1024000.0, "the machine");
+  write("proc/self/cgroup", "0::/a/b\n");
+  write("sys/fs/cgroup/a/b/memory.max", "max\n");
+  write("sys/fs/cgroup/a/b/memory.current", "5000\n");
+  expect(1024000.0, "the machine");
+}
+
+TEST_F(AvailableMemory, IsThatOfACgroupOrOfOneAboveIt) {
+  write("proc/self/cgroup", "0::/a/b\n");
+  write("sys/fs/cgroup/a/memory.max", "9000\n");
+  write("sys/fs/cgroup/a/memory.current", "5000\n");
+  expect(4000.0, "the cgroup");
+  write("sys/fs/cgroup/a/b/memory.max", "7000\n");
+  write("sys/fs/cgroup/a/b/memory.current", "5000\n");
+  expect(2000.0, "the cgroup");
+  write("sys/fs/cgroup/a/b/memory.stat", "anon 1000\nactive_file 1500\ninactive_file 500\n");
+  expect(4000.0, "the cgroup");
+  write("sys/fs/cgroup/a/b/memory.current", "9000\n");  // above its limit
+  expect(0.0, "the cgroup");
+}
+
+TEST_F(AvailableMemory, IsThatOfACgroupOfVersion1) {
+  write("proc/self/cgroup", "5:cpu,cpuacct:/c\n4:memory:/m\n");
+  write("sys/fs/cgroup/memory/m/memory.limit_in_bytes", "9000\n");
+  write("sys/fs/cgroup/memory/m/memory.usage_in_bytes", "5000\n");
+  write("sys/fs/cgroup/memory/m/memory.stat", "total_active_file 10\ntotal_inactive_file 20\n");
+  expect(4030.0, "the cgroup");
+}
+
+TEST_F(AvailableMemory, IsUnlimitedWhereNothingIsKnown) {
+  std::filesystem::remove_all(folder_);
+  rlimit limit{};
+  ASSERT_EQ(getrlimit(RLIMIT_AS, &limit), 0);
+  if (limit.rlim_cur != RLIM_INFINITY) GTEST_SKIP() << "the tests have a limit themselves";
+  EXPECT_TRUE(std::isinf(available_memory(folder_).bytes));
+}
+
+TEST(MemoryOfThisMachine, IsKnown) {
+  EXPECT_GT(available_memory().bytes, 0.0);
+  EXPECT_TRUE(std::isfinite(available_memory().bytes));
+}
+
+std::vector<ProcessorTime> times_in(const std::string& text) {
+  std::istringstream stat(text);
+  return processor_times(stat, 100.0);
+}
+
+TEST(StolenTime, IsTheEighthNumberOfEachProcessorInSeconds) {
+  const auto times = times_in(
+      "cpu  2062857 9640 164889 2437865 2810 0 2047 135119 0 0\n"
+      "cpu0 1062857 9640 64889 1437865 2810 1 1047 35119 0 0\n"
+      "cpu1 1000000 0 100000 1000000 0 0 1000 100000 0 0\n"
+      "intr 1 2 3 4 5 6 7 8\n");
+  ASSERT_EQ(times.size(), 2u);
+  EXPECT_EQ(times[0].worked, 11384.34);
+  EXPECT_EQ(times[0].stolen, 351.19);
+  EXPECT_EQ(times[1].worked, 11010.0);
+  EXPECT_EQ(times[1].stolen, 1000.0);
+}
+
+TEST(StolenTime, IsNoneWhereTheSystemDoesNotTell) {
+  for (const char* text : {"", "cpu0 1 2 3 4 5 6 7\n", "intr 1 2 3 4 5 6 7 8\n", "cpu0 1 2 3 x",
+                           "cpu0 1 2 3 4 5 6 7 -8\n", "cpu  1 2 3 4 5 6 7 8\n"}) {
+    EXPECT_TRUE(times_in(text).empty()) << text;
+  }
+  EXPECT_EQ(stolen_seconds({}, {}, 1), 0.0);
+}
+
+TEST(StolenTime, IsThatOfTheProcessorsThatWorked) {
+  const std::vector<ProcessorTime> before = {{10, 1}, {20, 2}, {30, 3}};
+  const std::vector<ProcessorTime> after = {{11, 1.5}, {24, 2.25}, {30, 4}};
+  EXPECT_EQ(stolen_seconds(before, after, 1), 0.25);
+  EXPECT_EQ(stolen_seconds(before, after, 2), 0.75);
+  EXPECT_EQ(stolen_seconds(before, after, 9), 1.75);
+}
+
+TEST(CoresAtOnce, AreOneForTwoThreadsOnOneProcessor) {
+  cpu_set_t all, one;
+  ASSERT_EQ(sched_getaffinity(0, sizeof all, &all), 0);
+  CPU_ZERO(&one);
+  CPU_SET(static_cast<std::size_t>(sched_getcpu()), &one);
+  ASSERT_EQ(sched_setaffinity(0, sizeof one, &one), 0);
+  double least = cores_at_once();
+  for (int again = 0; again < 2; ++again) least = std::min(least, cores_at_once());
+  ASSERT_EQ(sched_setaffinity(0, sizeof all, &all), 0);
+  EXPECT_GT(least, 0.0);
+  EXPECT_LT(least, 1.3);  // others may have work here too
+}
+
+TEST(Median, IsTheMiddleOneOrTheUpperOfTwo) {
+  EXPECT_EQ(median({3.0}), 3.0);
+  EXPECT_EQ(median({9.0, 1.0, 5.0}), 5.0);
+  EXPECT_EQ(median({4.0, 1.0, 3.0, 2.0}), 3.0);
+}
+
+}  // namespace
+}  // namespace isosyrk::testing
