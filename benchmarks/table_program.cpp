@@ -13,7 +13,6 @@
 #include "benchmarks/clocks.h"
 #include "benchmarks/command_line.h"
 #include "benchmarks/peak.h"
-#include "benchmarks/progress.h"
 #include "benchmarks/reference.h"
 #include "benchmarks/stolen_time.h"
 #include "isosyrk/catalogue/integrator_list.h"
@@ -79,7 +78,11 @@ class CellProgress {
     Seen& seen = seen_[cell];
     ++seen.calls;
     seen.wall_seconds = wall_seconds;
-    progress_.say(fmt::format("{}  {:.4g} s a run", cell, cpu_seconds_per_run), time_left());
+    const double elapsed = isosyrk::wall_seconds() - start_;
+    std::fputs(fmt::format("[{:4.0f} s{}] {}  {:.4g} s a run\n", elapsed, time_left(), cell,
+                           cpu_seconds_per_run)
+                   .c_str(),
+               stderr);
   }
 
  private:
@@ -95,12 +98,12 @@ class CellProgress {
     for (const auto& [name, each] : seen_) {
       seconds += static_cast<double>(std::max(0L, repetitions_ - each.calls)) * each.wall_seconds;
     }
-    return fmt::format("about {:.0f} s left", seconds);
+    return fmt::format(", about {:.0f} s left", seconds);
   }
 
   std::size_t cells_;
   long repetitions_;
-  Progress progress_;
+  double start_ = wall_seconds();
   std::map<std::string, Seen> seen_;
 };
 
@@ -217,29 +220,31 @@ TableProgram published_table() {
 }
 
 int time_table(const TableProgram& table, const ComparedTables& compared, int argc, char** argv) {
-  CommandLine line{table.description +
-                   "  Takes Google Benchmark's arguments as well, such as "
-                   "--benchmark_filter=n:17/ and --benchmark_out=FILE."};
+  CLI::App line{table.description +
+                "  Takes Google Benchmark's arguments as well, such as "
+                "--benchmark_filter=n:17/ and --benchmark_out=FILE."};
   std::string products = "fastest";
   if (table.has_backends) {
-    line.option("--products", products, "fastest (default), openblas or eigen");
+    line.add_option("--products", products, "fastest (default), openblas or eigen");
   }
   bool with_published = false;
   if (compared.published != nullptr) {
-    line.flag("--published", with_published,
-              fmt::format("times the cells of {} too", compared.published->name));
+    line.add_flag("--published", with_published,
+                  fmt::format("times the cells of {} too", compared.published->name))
+        ->disable_flag_override();
   }
   std::string threads = "1";
   if (compared.with_threads) {
-    line.option("--threads", threads, "1 (default) to 64; N > 1 times the cells by N threads too");
+    line.add_option("--threads", threads,
+                    "1 (default) to 64; N > 1 times the cells by N threads too");
   }
   std::string max_sweeps = "1000";
-  line.option("--max-sweeps", max_sweeps, "sweeps allowed in a step (default 1000)");
+  line.add_option("--max-sweeps", max_sweeps, "sweeps allowed in a step (default 1000)");
   std::string references;
-  line.option("--references", references,
-              "folder of recorded reference solutions: adds relative_error");
-  line.allow_others();
-  if (const auto exit_code = line.read(argc, argv)) return *exit_code;
+  line.add_option("--references", references,
+                  "folder of recorded reference solutions: adds relative_error");
+  line.allow_extras();
+  if (const auto exit_code = read_arguments(line, argc, argv)) return *exit_code;
   use_one_blas_thread();
   const BackendChoice choice = backend_choice(products);
   SolverOptions options;
@@ -262,13 +267,13 @@ int time_table(const TableProgram& table, const ComparedTables& compared, int ar
     }
     for (std::string& name : names_of(cells[n])) names.push_back(std::move(name));
   }
-  const BenchmarkArguments arguments(line.others(), names);
+  const BenchmarkArguments arguments(line.remaining(), names);
   CellProgress progress(names.size(), arguments.repetitions());
 
   std::vector<BackendRates> rates;
   std::map<Index, std::optional<Reference>> reference;  // of each n that the filter leaves in
   for (const Index n : sizes) {
-    if (line.given("--references") && arguments.selects_any(names_of(cells[n]))) {
+    if (line.count("--references") > 0 && arguments.selects_any(names_of(cells[n]))) {
       reference[n] = read_reference("--references", references, smooth_scene(n),
                                     HbarConvention::paper, default_modes());
     }
