@@ -36,9 +36,6 @@ class AlgebraForm final : public Integrator {
   AlgebraForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
               ProductBackend backend, AlgebraUpdate update = AlgebraUpdate::one_product);
 
-  /// Number of n x n complex matrices held if J = I.
-  static Index matrices(Index s) { return common_matrices + s * s + 6 * s + 1; }
-
  protected:
   StepReport advance(const Matrix& W0, double h, Matrix& W1) override;
 

@@ -23,9 +23,6 @@ class CotangentForm final : public Integrator {
   CotangentForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
                 ProductBackend backend);
 
-  /// Number of n x n complex matrices held if J = I.
-  static Index matrices(Index s) { return common_matrices + 4 * s + 5; }
-
  protected:
   StepReport advance(const Matrix& W0, double h, Matrix& W1) override;
 

@@ -23,9 +23,6 @@ class MuntheKaas4 final : public Integrator {
  public:
   MuntheKaas4(const Flow& flow, ProductBackend backend);
 
-  /// Number of n x n complex matrices held if J = I.
-  static Index matrices() { return common_matrices + AdjointSeries::matrices() + 7; }
-
  protected:
   StepReport advance(const Matrix& W0, double h, Matrix& W1) override;
 
@@ -45,9 +42,6 @@ class MuntheKaas4 final : public Integrator {
 class ClassicalRungeKutta4 final : public Integrator {
  public:
   ClassicalRungeKutta4(const Flow& flow, ProductBackend backend);
-
-  /// Number of n x n complex matrices held if J = I.
-  static Index matrices() { return common_matrices + AdjointSeries::matrices() + 6; }
 
  protected:
   StepReport advance(const Matrix& W0, double h, Matrix& W1) override;

@@ -17,9 +17,6 @@ class IsospectralMidpoint final : public Integrator {
  public:
   IsospectralMidpoint(const Flow& flow, const SolverOptions& options, ProductBackend backend);
 
-  /// Number of n x n complex matrices held if J = I.
-  static Index matrices() { return common_matrices + 4; }
-
  protected:
   StepReport advance(const Matrix& W0, double h, Matrix& W1) override;
 
