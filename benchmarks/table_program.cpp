@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -13,11 +14,14 @@
 #include "benchmarks/clocks.h"
 #include "benchmarks/command_line.h"
 #include "benchmarks/peak.h"
+#include "benchmarks/product_rate.h"
 #include "benchmarks/reference.h"
 #include "benchmarks/stolen_time.h"
-#include "isosyrk/catalogue/integrator_list.h"
+#include "isosyrk/catalogue/fast_forms.h"
 #include "isosyrk/simulation/conservation.h"
 #include "isosyrk/simulation/run.h"
+#include "isosyrk/solver/tuning.h"
+#include "isosyrk/split/split_products.h"
 #include "isosyrk/tableaux/gauss_tableau.h"
 
 namespace isosyrk {
@@ -28,8 +32,68 @@ constexpr long step_total = 50;
 const std::vector<Index> sizes = {17, 33, 65, 129};
 const std::vector<int> stage_counts = {1, 2, 3};
 
+// What makes one table of the other.
+struct Table {
+  std::string name;  // "table1"; cells are named table1/group/n:17/s:2
+  std::string description;
+  Forms forms;
+  int threads;  // cells of 2 threads are named table2/group/n:17/s:2/threads:2
+  std::function<std::unique_ptr<Integrator>(Formulation, int stages, const Flow&,
+                                            const SolverOptions&, ProductBackend)>
+      make;
+  Conditions conditions;  // in place of those of the same name
+
+  // Products per second: what product_share is a share of.
+  double product_rate(ProductBackend backend, Index n) const {
+    constexpr double seconds = 0.03;
+    return forms == Forms::fast ? split_product_rate(n, seconds)
+                                : isosyrk::product_rate(backend, n, seconds);
+  }
+};
+
+Table published_table() {
+  return {.name = "table1",
+          .description =
+              "Times 50 steps of each formulation at n = 17, 33, 65, 129 and s = 1, 2, 3 (the "
+              "paper's Table 1).",
+          .forms = Forms::published,
+          .threads = 1,
+          .make =
+              [](Formulation formulation, int stages, const Flow& flow,
+                 const SolverOptions& options, ProductBackend backend) {
+                return make_formulation(formulation, flow, gauss_tableau(stages), options, backend);
+              },
+          .conditions = {}};
+}
+
+Table fast_table(int threads) {
+  return {
+      .name = "table2",
+      .description =
+          "Times 50 steps of the fast form of each formulation at n = 17, 33, 65, 129 and "
+          "s = 1, 2, 3: the answers of Table 1, sooner.",
+      .forms = Forms::fast,
+      .threads = threads,
+      .make =
+          [threads](Formulation formulation, int stages, const Flow& flow,
+                    const SolverOptions& options, ProductBackend) {
+            return make_fast_gauss(formulation, stages, flow,
+                                   {.solver = options, .threads = threads});
+          },
+      .conditions =
+          {{"products", fmt::format("split, {} kernels", gemm_kernels().front().name)},
+           {"start",
+            fmt::format("from the last {} steps, {} from n = 48 on, by weights fitted to how they "
+                        "followed from each other; cold at first",
+                        tuning.past_steps(17), tuning.past_steps(48))},
+           {"update_order",
+            "residuals in double precision, Jacobi; Newton corrections in single precision; from "
+            "n = 48 on without what lies so far off the diagonal that it comes to a hundredth of "
+            "the tolerance"}}};
+}
+
 struct CellId {
-  const TableProgram* table;
+  const Table* table;
   Formulation formulation;
   Index n;
   int s;
@@ -142,8 +206,7 @@ class Cell : public benchmark::Fixture {
       return;
     }
     // The product rate of the moment, on both sides of what it is compared with.
-    constexpr double rate_seconds = 0.03;
-    const double rate_before = table_.product_rate(backend_, id_.n, rate_seconds);
+    const double rate_before = table_.product_rate(backend_, id_.n);
     const double cores_before = counts_cores_ ? cores_at_once() : 0.0;
     Matrix W = scene_.initial;
     RunReport timed;
@@ -160,7 +223,7 @@ class Cell : public benchmark::Fixture {
     // Of several threads each could have multiplied all the time that passed.
     const double seconds = (table_.threads == 1 ? cpu_seconds() - start : elapsed) /
                            static_cast<double>(state.iterations());
-    const double rate = 0.5 * (rate_before + table_.product_rate(backend_, id_.n, rate_seconds));
+    const double rate = 0.5 * (rate_before + table_.product_rate(backend_, id_.n));
     if (timed.sweeps != quality_.run.sweeps) {
       fail_row(state, fmt::format("{} sweeps where the run before took {}", timed.sweeps,
                                   quality_.run.sweeps));
@@ -182,14 +245,14 @@ class Cell : public benchmark::Fixture {
     if (counts_cores_) {
       state.counters["cores_at_once"] = std::min(cores_before, cores_at_once());
     }
-    if (table_.counts_equivalents) {
+    if (table_.forms == Forms::fast) {
       state.counters["equivalent_products"] = timed.equivalent_products;
     }
     progress_->finished(name_, seconds, wall_seconds() - wall_start);
   }
 
  private:
-  const TableProgram& table_;
+  const Table& table_;
   CellId id_;
   std::string name_;
   SolverOptions options_;
@@ -204,37 +267,22 @@ class Cell : public benchmark::Fixture {
 
 }  // namespace
 
-TableProgram published_table() {
-  return {
-      .name = "table1",
-      .description =
-          "Times 50 steps of each formulation at n = 17, 33, 65, 129 and s = 1, 2, 3 (the paper's "
-          "Table 1).",
-      .make =
-          [](Formulation formulation, int stages, const Flow& flow, const SolverOptions& options,
-             ProductBackend backend) {
-            return make_formulation(formulation, flow, gauss_tableau(stages), options, backend);
-          },
-      .product_rate = product_rate,
-  };
-}
-
-int time_table(const TableProgram& table, const ComparedTables& compared, int argc, char** argv) {
+int time_table(Forms forms, int argc, char** argv) {
+  const bool fast = forms == Forms::fast;
+  const Table published = published_table();
+  const Table table = fast ? fast_table(1) : published;
   CLI::App line{table.description +
                 "  Takes Google Benchmark's arguments as well, such as "
                 "--benchmark_filter=n:17/ and --benchmark_out=FILE."};
   std::string products = "fastest";
-  if (table.has_backends) {
+  if (!fast) {
     line.add_option("--products", products, "fastest (default), openblas or eigen");
   }
   bool with_published = false;
-  if (compared.published != nullptr) {
-    line.add_flag("--published", with_published,
-                  fmt::format("times the cells of {} too", compared.published->name))
-        ->disable_flag_override();
-  }
   std::string threads = "1";
-  if (compared.with_threads) {
+  if (fast) {
+    line.add_flag("--published", with_published, "times the cells of table1 too")
+        ->disable_flag_override();
     line.add_option("--threads", threads,
                     "1 (default) to 64; N > 1 times the cells by N threads too");
   }
@@ -250,11 +298,11 @@ int time_table(const TableProgram& table, const ComparedTables& compared, int ar
   SolverOptions options;
   options.max_sweeps = static_cast<int>(whole_number("--max-sweeps", max_sweeps, 1, 1000000));
 
-  std::vector<const TableProgram*> tables = {&table};
-  if (with_published) tables.push_back(compared.published);
-  std::optional<TableProgram> threaded;
+  std::vector<const Table*> tables = {&table};
+  if (with_published) tables.push_back(&published);
+  std::optional<Table> threaded;
   if (const int count = thread_count(table.name.c_str(), threads); count > 1) {
-    threaded = compared.with_threads(count);
+    threaded = fast_table(count);
     tables.push_back(&*threaded);
   }
   std::map<Index, std::vector<CellId>> cells;
@@ -262,7 +310,7 @@ int time_table(const TableProgram& table, const ComparedTables& compared, int ar
   for (const Index n : sizes) {
     for (const Formulation formulation : formulations()) {
       for (const int s : stage_counts) {
-        for (const TableProgram* each : tables) cells[n].push_back({each, formulation, n, s});
+        for (const Table* each : tables) cells[n].push_back({each, formulation, n, s});
       }
     }
     for (std::string& name : names_of(cells[n])) names.push_back(std::move(name));

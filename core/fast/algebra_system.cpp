@@ -5,10 +5,7 @@
 namespace isosyrk {
 
 AlgebraSystem::AlgebraSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates)
-    : SplitSystem(flow, threads, truncates, tableau.stages(), tuning.algebra_coupling),
-      tableau_(tableau),
-      s_(tableau.stages()) {
-  require_consistent(tableau);
+    : SplitSystem(flow, tableau, threads, truncates, tuning.algebra_coupling) {
   for (std::size_t k = 1; k < stages(); ++k) {
     for (std::size_t j = 0; j < k; ++j) pairs_.emplace_back(j, k);
   }

@@ -23,7 +23,7 @@ namespace isosyrk {
 /// Source: IsospectralMidpoint; G. Schulz, ZAMM 13, 1933.
 class MidpointSystem final : public SplitSystem {
  public:
-  /// Throws std::invalid_argument for a flow without a generator in split-complex storage.
+  /// As SplitSystem.
   MidpointSystem(const Flow& flow, int threads, bool truncates);
 
   Unknowns unknowns() const override { return {work_.zeros(1)}; }
