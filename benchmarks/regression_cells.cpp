@@ -205,8 +205,7 @@ int serve(const std::vector<Cell>& cells) {
 }  // namespace
 
 int main_program(int argc, char** argv) {
-  CLI::App line{
-      "Counts and errors of cells of Tables 1 and 2 as JSON, or their times on demand."};
+  CLI::App line{"Counts and errors of cells of Tables 1 and 2 as JSON, or their times on demand."};
   std::vector<std::string> names;
   line.add_option("cells", names, "names like group/n:17/s:2 and fast_group/n:17/s:2")->required();
   bool as_server = false;

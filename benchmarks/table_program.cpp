@@ -80,16 +80,16 @@ Table fast_table(int threads) {
             return make_fast_gauss(formulation, stages, flow,
                                    {.solver = options, .threads = threads});
           },
-      .conditions =
-          {{"products", fmt::format("split, {} kernels", gemm_kernels().front().name)},
-           {"start",
-            fmt::format("from the last {} steps, {} from n = 48 on, by weights fitted to how they "
-                        "followed from each other; cold at first",
-                        tuning.past_steps(17), tuning.past_steps(48))},
-           {"update_order",
-            "residuals in double precision, Jacobi; Newton corrections in single precision; from "
-            "n = 48 on without what lies so far off the diagonal that it comes to a hundredth of "
-            "the tolerance"}}};
+      .conditions = {
+          {"products", fmt::format("split, {} kernels", gemm_kernels().front().name)},
+          {"start",
+           fmt::format("from the last {} steps, {} from n = 48 on, by weights fitted to how they "
+                       "followed from each other; cold at first",
+                       tuning.past_steps(17), tuning.past_steps(48))},
+          {"update_order",
+           "residuals in double precision, Jacobi; Newton corrections in single precision; from "
+           "n = 48 on without what lies so far off the diagonal that it comes to a hundredth of "
+           "the tolerance"}}};
 }
 
 struct CellId {

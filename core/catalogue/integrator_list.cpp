@@ -168,9 +168,7 @@ IntegratorEntry frame_entry(const IntegratorEntry& method) {
     return std::make_unique<FrameIntegrator>(
         flow, [&](const Flow& inner) { return make(inner, options, backend); }, backend);
   };
-  entry.bytes = [method_bytes = method.bytes](Index n) {
-    return method_bytes(n) + bytes_of(6)(n);
-  };
+  entry.bytes = [method_bytes = method.bytes](Index n) { return method_bytes(n) + bytes_of(6)(n); };
   return entry;
 }
 

@@ -64,16 +64,16 @@ class AlgebraSystem final : public SplitSystem {
   template <class Real>
   void form_Y(const KindsOf<Real>& x, SplitStagesOf<Real>& below, KindsOf<Real>& Y) const;
   template <class Real>
-  void form_M(SplitProductsOf<Real>& products, const SplitStagesOf<Real>& B,
-              const KindsOf<Real>& Y, KindsOf<Real>& M) const;
+  void form_M(SplitProductsOf<Real>& products, const SplitStagesOf<Real>& B, const KindsOf<Real>& Y,
+              KindsOf<Real>& M) const;
   void form_stages(const Unknowns& x);
   void change_of_stages(const Corrections& delta);
 
   std::vector<std::pair<std::size_t, std::size_t>> pairs_;  // (j, k) of M_jk, j < k
-  SplitStages X_sum_, half_, skew_, W_stage_, B_, P_;  // half_: S_i, skew_: S_i - S_i†
-  SplitStages C_sum_, C_skew_;                         // of the update
-  SplitStages M_below_;  // M_kj = -M_jk†
-  Unknowns Y_, fresh_;   // ordered as the unknowns; Y_ has no X
+  SplitStages X_sum_, half_, skew_, W_stage_, B_, P_;       // half_: S_i, skew_: S_i - S_i†
+  SplitStages C_sum_, C_skew_;                              // of the update
+  SplitStages M_below_;                                     // M_kj = -M_jk†
+  Unknowns Y_, fresh_;                                      // ordered as the unknowns; Y_ has no X
   SingleStages X_sum_single_, half_single_, dW_, B_single_, P_single_, dB_, M_below_single_;
   Corrections Y_single_, input_, fresh_single_;
 };

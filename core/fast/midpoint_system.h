@@ -41,7 +41,7 @@ class MidpointSystem final : public SplitSystem {
   SplitStages W_stage_, B_, M_, MB_, commutator_;
   SingleStages W_single_, B_single_, K_right_, dB_, product_, other_;
   SingleStages X_, V_, minus_V_adjoint_;  // X = 1 - (h/2) B
-  bool knows_V_ = false;  // V_ holds the inverse of an earlier correction
+  bool knows_V_ = false;                  // V_ holds the inverse of an earlier correction
 };
 
 }  // namespace isosyrk

@@ -40,10 +40,8 @@ SplitLaplacianOf<Real>::SplitLaplacianOf(const Laplacian& laplacian)
 template <class Real>
 void SplitLaplacianOf<Real>::solve_upper(const SplitStagesOf<Real>& W, Real scale, Index band,
                                          SplitStagesOf<Real>& P) const {
-  parallel::for_each_share(static_cast<Index>(W.size()), [&](Index i, Share share, int) {
-    const auto k = static_cast<std::size_t>(i);
-    solve_upper(W[k], scale, band, P[k], share);
-  });
+  parallel::for_shares_of(
+      W, [&](std::size_t i, Share share) { solve_upper(W[i], scale, band, P[i], share); });
 }
 
 template <class Real>
