@@ -2,7 +2,6 @@
 // value and what is allowed.
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "benchmarks/product_rate.h"
@@ -27,14 +26,19 @@ long step_count(double time, double step);
 /// so on stderr.  Throws BadArgument.
 int thread_count(const char* program, const std::string& text);
 
-/// "paper" or "standard".  Throws BadArgument.
-HbarConvention hbar_convention(const std::string& text);
+/// Returns what `read` returns.  Throws BadArgument for a std::invalid_argument, whose message
+/// begins with the name of the option, without dashes.
+template <class Read>
+auto of_option(Read&& read) {
+  try {
+    return read();
+  } catch (const std::invalid_argument& error) {
+    throw BadArgument(std::string("--") + error.what());
+  }
+}
 
 /// One of scene_names().  Throws BadArgument.
 void require_scene(const std::string& option, const std::string& text);
-
-/// "fastest", "openblas" or "eigen".  Throws BadArgument.
-BackendChoice backend_choice(const std::string& text);
 
 /// Throws BadArgument if what was printed on stdout could not be written.
 void require_printed();

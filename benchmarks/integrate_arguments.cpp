@@ -46,23 +46,19 @@ void choose_integrator(const Text& text, const CLI::App& line, IntegrateRequest&
   }
   request.threads = thread_count("integrate", text.threads);
   request.method = text.solver;
-  try {
-    if (given(line, "--integrator")) {
-      request.integrator = fast ? fast_entry(text.integrator, {.threads = request.threads})
-                                : integrator_entry(text.integrator);
-      return;
-    }
-    if (!given(line, "--stages")) throw BadArgument("--stages is required, or --integrator");
-    if (!given(line, "--formulation"))
-      throw BadArgument("--formulation is required, or --integrator");
-    const int stages = static_cast<int>(whole_number("--stages", text.stages, 1, max_stages));
-    request.formulation = formulation_from_name(text.formulation);
-    request.integrator =
-        fast ? fast_gauss_entry(*request.formulation, stages, {.threads = request.threads})
-             : gauss_entry(*request.formulation, stages);
-  } catch (const std::invalid_argument& error) {
-    throw BadArgument(fmt::format("--{}", error.what()));
+  if (given(line, "--integrator")) {
+    request.integrator = fast ? fast_entry(text.integrator, {.threads = request.threads})
+                              : integrator_entry(text.integrator);
+    return;
   }
+  if (!given(line, "--stages")) throw BadArgument("--stages is required, or --integrator");
+  if (!given(line, "--formulation"))
+    throw BadArgument("--formulation is required, or --integrator");
+  const int stages = static_cast<int>(whole_number("--stages", text.stages, 1, max_stages));
+  request.formulation = formulation_from_name(text.formulation);
+  request.integrator =
+      fast ? fast_gauss_entry(*request.formulation, stages, {.threads = request.threads})
+           : gauss_entry(*request.formulation, stages);
 }
 
 // --scene, --modes or --initial.
@@ -107,8 +103,8 @@ IntegrateRequest parse(const Text& text, const CLI::App& line) {
   }
   request.solver.max_sweeps =
       static_cast<int>(whole_number("--max-sweeps", text.max_sweeps, 1, 1000000));
-  request.hbar = hbar_convention(text.hbar);
-  request.products = backend_choice(text.products);
+  request.hbar = hbar_convention_from_name(text.hbar);
+  request.products = backend_choice_from_name(text.products);
   choose_scene(text, line, request);
   if (given(line, "--output")) request.output_file = text.output;
   request.json = text.json;
@@ -142,7 +138,7 @@ std::variant<IntegrateRequest, int> read_integrate_arguments(int argc, char** ar
   line.add_option("--output", text.output, "write W(T) as NumPy .npy, complex128");
   line.add_flag("--json", text.json, "print one JSON object")->disable_flag_override();
   if (const auto exit_code = read_arguments(line, argc, argv)) return *exit_code;
-  return parse(text, line);
+  return of_option([&] { return parse(text, line); });
 }
 
 }  // namespace isosyrk

@@ -294,7 +294,7 @@ int time_table(Forms forms, int argc, char** argv) {
   line.allow_extras();
   if (const auto exit_code = read_arguments(line, argc, argv)) return *exit_code;
   use_one_blas_thread();
-  const BackendChoice choice = backend_choice(products);
+  const BackendChoice choice = of_option([&] { return backend_choice_from_name(products); });
   SolverOptions options;
   options.max_sweeps = static_cast<int>(whole_number("--max-sweeps", max_sweeps, 1, 1000000));
 
