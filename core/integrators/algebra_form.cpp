@@ -2,18 +2,12 @@
 
 #include <utility>
 
-#include "isosyrk/iteration/picard.h"
-#include "isosyrk/linalg/operations.h"
-
 namespace isosyrk {
 
 AlgebraForm::AlgebraForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
                          ProductBackend backend, AlgebraUpdate update)
-    : Integrator(flow),
-      flow_(flow),
-      products_(backend, flow.size()),
+    : ImplicitForm(flow, options, backend),
       tableau_(tableau),
-      options_(options),
       update_(update),
       s_(static_cast<std::size_t>(tableau.stages())) {
   require_consistent(tableau);
@@ -70,6 +64,7 @@ void AlgebraForm::update_stage_vorticities(const Matrix& W0) {
 }
 
 void AlgebraForm::update(const Matrix& W0, double h, Matrix& W1) {
+  if (update_ == AlgebraUpdate::two_products) return update_by_two_products(W0, h, W1);
   Stages& C = K_row_;
   for (std::size_t i = 0; i < s_; ++i) {
     flow_.generator(W_stage_[i], B_[i]);
@@ -89,19 +84,6 @@ void AlgebraForm::update_by_two_products(const Matrix& W0, double h, Matrix& W1)
     products_.multiply(W_stage_[i], B_[i], input_, weight);
     W1 -= input_;
   }
-}
-
-StepReport AlgebraForm::advance(const Matrix& W0, double h, Matrix& W1) {
-  const StepCount count(flow_, products_);
-  start(W0);
-  const SolveReport solve = solve_fixed_point(options_, [&] { return sweep(W0, h); });
-  if (solve.status != Status::converged) return count.report(solve);
-  if (update_ == AlgebraUpdate::one_product) {
-    update(W0, h, W1);
-  } else {
-    update_by_two_products(W0, h, W1);
-  }
-  return count.report(solve);
 }
 
 }  // namespace isosyrk

@@ -1,17 +1,10 @@
 #include "isosyrk/integrators/group_form.h"
 
-#include "isosyrk/iteration/picard.h"
-#include "isosyrk/linalg/operations.h"
-
 namespace isosyrk {
 
 GroupForm::GroupForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
                      ProductBackend backend)
-    : Integrator(flow),
-      flow_(flow),
-      products_(backend, flow.size()),
-      tableau_(tableau),
-      options_(options) {
+    : ImplicitForm(flow, options, backend), tableau_(tableau) {
   require_consistent(tableau);
   const Index n = flow.size();
   Q_ = stage_matrices(tableau.stages(), n);
@@ -49,16 +42,14 @@ double GroupForm::sweep(const Matrix& W0, double h) {
   return largest_change(change_);
 }
 
-StepReport GroupForm::advance(const Matrix& W0, double h, Matrix& W1) {
-  const StepCount count(flow_, products_);
+void GroupForm::start(const Matrix&) {
   for (Matrix& Q : Q_) Q.setIdentity();
-  const SolveReport solve = solve_fixed_point(options_, [&] { return sweep(W0, h); });
-  if (solve.status != Status::converged) return count.report(solve);
+}
 
+void GroupForm::update(const Matrix& W0, double h, Matrix& W1) {
   evaluate_stages(W0);
   combine(identity_, h * tableau_.b, QB_, Q_next_);
   transport(W0, Q_next_, W1);
-  return count.report(solve);
 }
 
 }  // namespace isosyrk
