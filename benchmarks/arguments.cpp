@@ -28,7 +28,8 @@ long whole_number(const std::string& option, const std::string& text, long least
   return value;
 }
 
-double real_number(const std::string& option, const std::string& text, const std::string& allowed) {
+double real_number(const std::string& option, const std::string& text, const std::string& allowed,
+                   double least, double most) {
   double value = 0.0;
   const char* end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, value);
@@ -38,14 +39,8 @@ double real_number(const std::string& option, const std::string& text, const std
   if (!std::isfinite(value)) {
     throw BadArgument(fmt::format("{} {}: not finite; must be {}", option, text, allowed));
   }
-  return value;
-}
-
-double positive_number(const std::string& option, const std::string& text) {
-  const std::string positive = "positive and finite";
-  const double value = real_number(option, text, positive);
-  if (value <= 0.0) {
-    throw BadArgument(fmt::format("{} {}: must be {}", option, text, positive));
+  if (value < least || value > most) {
+    throw BadArgument(fmt::format("{} {}: must be {}", option, text, allowed));
   }
   return value;
 }

@@ -2,6 +2,7 @@
 // value and what is allowed.
 #pragma once
 
+#include <limits>
 #include <string>
 
 #include "benchmarks/product_rate.h"
@@ -13,11 +14,12 @@ namespace isosyrk {
 /// A whole number in [least, most].  Throws BadArgument.
 long whole_number(const std::string& option, const std::string& text, long least, long most);
 
-/// A finite real number.  Throws BadArgument, saying that it must be `allowed`.
-double real_number(const std::string& option, const std::string& text, const std::string& allowed);
-
-/// A number that is positive and finite.  Throws BadArgument.
-double positive_number(const std::string& option, const std::string& text);
+/// A finite real number in [least, most].  Throws BadArgument, saying that it must be `allowed`.
+double real_number(const std::string& option, const std::string& text, const std::string& allowed,
+                   double least = std::numeric_limits<double>::lowest(),
+                   double most = std::numeric_limits<double>::max());
+/// The least number that is positive.
+inline constexpr double positive = std::numeric_limits<double>::denorm_min();
 
 /// T / h as a whole number of steps, to 1e-9.  Throws BadArgument.
 long step_count(double time, double step);

@@ -89,18 +89,11 @@ IntegrateRequest parse(const Text& text, const CLI::App& line) {
   IntegrateRequest request{};
   request.n = whole_number("--n", text.n, 2, 4096);
   choose_integrator(text, line, request);
-  request.step = positive_number("--step", text.step);
-  const std::string not_negative = "0 or positive, and finite";
-  request.time = real_number("--time", text.time, not_negative);
-  if (request.time < 0.0) {
-    throw BadArgument(fmt::format("--time {}: must be {}", text.time, not_negative));
-  }
+  request.step = real_number("--step", text.step, "positive and finite", positive);
+  request.time = real_number("--time", text.time, "0 or positive, and finite", 0.0);
   request.steps = step_count(request.time, request.step);
-  const std::string at_least = "at least 1e-15, and finite";
-  request.solver.tolerance = real_number("--tolerance", text.tolerance, at_least);
-  if (request.solver.tolerance < 1e-15) {
-    throw BadArgument(fmt::format("--tolerance {}: must be {}", text.tolerance, at_least));
-  }
+  request.solver.tolerance =
+      real_number("--tolerance", text.tolerance, "at least 1e-15, and finite", 1e-15);
   request.solver.max_sweeps =
       static_cast<int>(whole_number("--max-sweeps", text.max_sweeps, 1, 1000000));
   request.hbar = hbar_convention_from_name(text.hbar);

@@ -26,16 +26,11 @@ Make make_gauss(Formulation formulation, int s) {
   };
 }
 
-Make make_direct(int s) {
-  return [tableau = gauss_tableau(s)](const Flow& flow, const SolverOptions& options,
-                                      ProductBackend backend) {
-    return std::make_unique<DirectForm>(flow, tableau, options, backend);
-  };
-}
-
-Make make_composition(const CompositionScheme& scheme) {
-  return [scheme](const Flow& flow, const SolverOptions& options, ProductBackend backend) {
-    return std::make_unique<Composition>(flow, scheme, options, backend);
+// Makes a method from a flow and its data: a tableau or a composition scheme.
+template <class Method, class Data>
+Make make_from(const Data& data) {
+  return [data](const Flow& flow, const SolverOptions& options, ProductBackend backend) {
+    return std::make_unique<Method>(flow, data, options, backend);
   };
 }
 
@@ -95,7 +90,7 @@ std::vector<IntegratorEntry> make_list() {
                     .stages = static_cast<int>(scheme.fractions.size()),
                     .order = scheme.order,
                     .keeps = isosyrk_properties,
-                    .make = make_composition(scheme),
+                    .make = make_from<Composition>(scheme),
                     .linear_limit = composition_limit(scheme),
                     .bytes = bytes_of(8)});
   }
@@ -117,7 +112,7 @@ std::vector<IntegratorEntry> make_list() {
                               .lie_poisson = false,
                               .symmetric = true,
                               .is_explicit = false},
-                    .make = make_direct(s),
+                    .make = make_from<DirectForm>(gauss_tableau(s)),
                     .linear_limit =
                         [tableau = gauss_tableau(s)](const RealVector& frequencies) {
                           return direct_iteration_limit(tableau, frequencies);
