@@ -30,7 +30,4 @@ void set(Conditions& conditions, const std::string& name, const std::string& val
 /// inherited OPENBLAS_CORETYPE, an unoptimised build), or empty.
 std::string notice();
 
-/// Prints the notice, if there is one, on one line of stderr.
-void print_notice(const std::string& program);
-
 }  // namespace isosyrk

@@ -335,7 +335,9 @@ int time_table(Forms forms, int argc, char** argv) {
   const Conditions solver = solver_conditions(options, HbarConvention::paper, default_modes());
   conditions.insert(conditions.end(), solver.begin(), solver.end());
   for (const auto& [condition, value] : table.conditions) set(conditions, condition, value);
-  print_notice(table.name);
+  if (const std::string remark = notice(); !remark.empty()) {
+    print_error(table.name.c_str(), "note: " + remark);
+  }
   return run_benchmarks(argv[0], arguments, conditions);
 }
 

@@ -51,10 +51,6 @@ void for_pairs(const SplitMatrixOf<Real>& C, Index band, Share share, OnBlock&& 
   for (Index i = begin; i < end; ++i) on_diagonal(i * stride + i);
 }
 
-}  // namespace
-
-namespace {
-
 template <class Real>
 void mirror(Index band, SplitMatrixOf<Real>& C, Share share) {
   const Index stride = C.stride();
@@ -78,21 +74,6 @@ void mirror(Index band, SplitMatrixOf<Real>& C, Share share) {
       },
       [=](Index at) { re[at] = 0; });
 }
-
-}  // namespace
-
-template <class Real>
-void mirror_skew(SplitMatrixOf<Real>& C, Share share) {
-  mirror(C.size() - 1, C, share);
-}
-
-template <class Real>
-void mirror_skew_within(Index band, SplitMatrixOf<Real>& C, Share share) {
-  mirror(band, C, share);
-  cut_to_band(band, C, share);
-}
-
-namespace {
 
 // out = scale (C - C†) within a band, in the upper triangle and, if `below`, in the lower one.
 template <bool below, class Real>
@@ -181,6 +162,17 @@ void minus_adjoint(const SplitMatrixOf<Real>& C, SplitMatrixOf<Real>& out, Share
 }
 
 }  // namespace
+
+template <class Real>
+void mirror_skew(SplitMatrixOf<Real>& C, Share share) {
+  mirror(C.size() - 1, C, share);
+}
+
+template <class Real>
+void mirror_skew_within(Index band, SplitMatrixOf<Real>& C, Share share) {
+  mirror(band, C, share);
+  cut_to_band(band, C, share);
+}
 
 template <class Real>
 void mirror_skew(SplitStagesOf<Real>& C) {
