@@ -18,7 +18,7 @@ CotangentForm::CotangentForm(const Flow& flow, const Tableau& tableau, const Sol
 void CotangentForm::evaluate_stages() {
   for (std::size_t j = 0; j < Q_.size(); ++j) {
     products_.multiply_adjoint_left(Q_[j], P_[j], W_stage_);
-    flow_.generator(W_stage_, B_);
+    generator(W_stage_, B_);
     products_.multiply_adjoint_right(Q_[j], B_, QB_[j]);
     products_.multiply(P_[j], B_, PB_[j]);
   }

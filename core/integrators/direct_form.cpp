@@ -16,7 +16,7 @@ DirectForm::DirectForm(const Flow& flow, const Tableau& tableau, const SolverOpt
 
 void DirectForm::evaluate_stages() {
   for (std::size_t i = 0; i < W_stage_.size(); ++i) {
-    flow_.generator(W_stage_[i], B_);
+    generator(W_stage_[i], B_);
     products_.multiply(B_, W_stage_[i], C_[i]);
   }
 }
@@ -36,7 +36,7 @@ double DirectForm::sweep(const Matrix& W0, double h) {
 template <class Weights>
 void DirectForm::add_increment(const Matrix& W0, const Weights& weights, Matrix& out) {
   combine(weights, C_, sum_);
-  add_commutator(flow_.algebra(), W0, sum_, scratch_, out);
+  add_commutator(flow().algebra(), W0, sum_, scratch_, out);
 }
 
 void DirectForm::start(const Matrix& W0) {

@@ -12,10 +12,10 @@ StepReport MuntheKaas4::take_step(const Matrix& W0, double h, Matrix& W1) {
   bool summed = true;
   const auto stage = [&](double scale, const Matrix& exponent, Matrix& k) {
     summed = series_.conjugate(products_, scale, exponent, W0, W_stage_) && summed;
-    flow_.generator(W_stage_, k);
+    generator(W_stage_, k);
     k *= h;
   };
-  flow_.generator(W0, k_[0]);
+  generator(W0, k_[0]);
   k_[0] *= h;
   stage(0.5, k_[0], k_[1]);
   series_.commutator(products_, k_[0], k_[1], commutator_);
@@ -35,7 +35,7 @@ ClassicalRungeKutta4::ClassicalRungeKutta4(const Flow& flow, ProductBackend back
 }
 
 void ClassicalRungeKutta4::slope(const Matrix& W, Matrix& out) {
-  flow_.generator(W, B_);
+  generator(W, B_);
   series_.commutator(products_, B_, W, out);
 }
 

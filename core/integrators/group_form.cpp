@@ -17,7 +17,7 @@ GroupForm::GroupForm(const Flow& flow, const Tableau& tableau, const SolverOptio
 
 // W = Q† W₀ J Q J⁻¹
 void GroupForm::transport(const Matrix& W0, const Matrix& Q, Matrix& W) {
-  const QuadraticAlgebra& algebra = flow_.algebra();
+  const QuadraticAlgebra& algebra = flow().algebra();
   if (algebra.is_skew_hermitian()) {
     products_.multiply(W0, Q, W0Q_);
   } else {
@@ -31,7 +31,7 @@ void GroupForm::transport(const Matrix& W0, const Matrix& Q, Matrix& W) {
 void GroupForm::evaluate_stages(const Matrix& W0) {
   for (std::size_t j = 0; j < Q_.size(); ++j) {
     transport(W0, Q_[j], W_stage_);
-    flow_.generator(W_stage_, B_);
+    generator(W_stage_, B_);
     products_.multiply_adjoint_right(Q_[j], B_, QB_[j]);
   }
 }

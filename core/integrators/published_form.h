@@ -8,48 +8,35 @@
 
 namespace isosyrk {
 
-/// A flow whose evaluations of B are counted.  The flow must outlive the CountedFlow.
-class CountedFlow {
- public:
-  explicit CountedFlow(const Flow& flow) : flow_(flow) {}
-
-  /// B = B(W), as Flow::generator.
-  void generator(const Matrix& W, Matrix& B) {
-    flow_.generator(W, B);
-    ++poisson_solves_;
-  }
-
-  const QuadraticAlgebra& algebra() const { return flow_.algebra(); }
-  /// Returns the number of evaluations of B since construction.
-  long poisson_solves() const { return poisson_solves_; }
-
- private:
-  const Flow& flow_;
-  long poisson_solves_ = 0;
-};
-
 /// An integrator that reports the products and the evaluations of B of each step.
 class PublishedForm : public Integrator {
  protected:
   PublishedForm(const Flow& flow, ProductBackend backend)
-      : Integrator(flow), flow_(flow), products_(backend, flow.size()) {}
+      : Integrator(flow), products_(backend, flow.size()) {}
 
   /// Computes W1 from W0.  The report has all but the work.
   virtual StepReport take_step(const Matrix& W0, double h, Matrix& W1) = 0;
 
-  CountedFlow flow_;
+  /// B = B(W), as Flow::generator; counted.
+  void generator(const Matrix& W, Matrix& B) {
+    flow().generator(W, B);
+    ++poisson_solves_;
+  }
+
   Products products_;
 
  private:
   StepReport advance(const Matrix& W0, double h, Matrix& W1) final {
     const long products_before = products_.count();
-    const long solves_before = flow_.poisson_solves();
+    const long solves_before = poisson_solves_;
     StepReport report = take_step(W0, h, W1);
     report.products = products_.count() - products_before;
-    report.poisson_solves = flow_.poisson_solves() - solves_before;
+    report.poisson_solves = poisson_solves_ - solves_before;
     report.equivalent_products = static_cast<double>(report.products);
     return report;
   }
+
+  long poisson_solves_ = 0;
 };
 
 /// A published form with unknowns: Picard sweeps from a cold start, then the update.
