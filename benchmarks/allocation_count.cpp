@@ -77,14 +77,12 @@ void free(void* memory) {
 
 namespace isosyrk {
 
-long allocations_so_far() { return allocations; }
-
 long bytes_in_use() { return bytes; }
 
 long allocations_during(const std::function<void()>& action) {
-  const long before = allocations_so_far();
+  const long before = allocations;
   action();
-  return allocations_so_far() - before;
+  return allocations - before;
 }
 
 }  // namespace isosyrk

@@ -6,10 +6,7 @@
 
 namespace isosyrk {
 
-/// Allocations of this program so far, by malloc and all that allocates like it.
-long allocations_so_far();
-
-/// Allocations made while `action` ran.
+/// Allocations made while `action` ran, by malloc and all that allocates like it.
 long allocations_during(const std::function<void()>& action);
 
 /// Bytes that this program has allocated and not freed.

@@ -10,19 +10,6 @@
 #include <iostream>
 
 namespace isosyrk {
-namespace {
-
-// Returns what `read` returns.  Its message begins with the name of the option, without dashes.
-template <class Read>
-auto of_option(Read&& read) {
-  try {
-    return read();
-  } catch (const std::invalid_argument& error) {
-    throw BadArgument(fmt::format("--{}", error.what()));
-  }
-}
-
-}  // namespace
 
 long whole_number(const std::string& option, const std::string& text, long least, long most) {
   long value = 0;
@@ -41,7 +28,8 @@ long whole_number(const std::string& option, const std::string& text, long least
   return value;
 }
 
-double real_number(const std::string& option, const std::string& text, const std::string& allowed) {
+double real_number(const std::string& option, const std::string& text, const std::string& allowed,
+                   double least, double most) {
   double value = 0.0;
   const char* end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, value);
@@ -51,14 +39,8 @@ double real_number(const std::string& option, const std::string& text, const std
   if (!std::isfinite(value)) {
     throw BadArgument(fmt::format("{} {}: not finite; must be {}", option, text, allowed));
   }
-  return value;
-}
-
-double positive_number(const std::string& option, const std::string& text) {
-  const std::string positive = "positive and finite";
-  const double value = real_number(option, text, positive);
-  if (value <= 0.0) {
-    throw BadArgument(fmt::format("{} {}: must be {}", option, text, positive));
+  if (value < least || value > most) {
+    throw BadArgument(fmt::format("{} {}: must be {}", option, text, allowed));
   }
   return value;
 }
@@ -93,19 +75,11 @@ int thread_count(const char* program, const std::string& text) {
   return threads;
 }
 
-HbarConvention hbar_convention(const std::string& text) {
-  return of_option([&] { return hbar_convention_from_name(text); });
-}
-
 void require_scene(const std::string& option, const std::string& text) {
   const std::vector<std::string>& names = scene_names();
   if (std::find(names.begin(), names.end(), text) == names.end()) {
     throw BadArgument(fmt::format("{} '{}': must be {}", option, text, fmt::join(names, " or ")));
   }
-}
-
-BackendChoice backend_choice(const std::string& text) {
-  return of_option([&] { return backend_choice_from_name(text); });
 }
 
 void require_printed() {

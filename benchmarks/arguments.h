@@ -2,7 +2,7 @@
 // value and what is allowed.
 #pragma once
 
-#include <optional>
+#include <limits>
 #include <string>
 
 #include "benchmarks/product_rate.h"
@@ -14,11 +14,12 @@ namespace isosyrk {
 /// A whole number in [least, most].  Throws BadArgument.
 long whole_number(const std::string& option, const std::string& text, long least, long most);
 
-/// A finite real number.  Throws BadArgument, saying that it must be `allowed`.
-double real_number(const std::string& option, const std::string& text, const std::string& allowed);
-
-/// A number that is positive and finite.  Throws BadArgument.
-double positive_number(const std::string& option, const std::string& text);
+/// A finite real number in [least, most].  Throws BadArgument, saying that it must be `allowed`.
+double real_number(const std::string& option, const std::string& text, const std::string& allowed,
+                   double least = std::numeric_limits<double>::lowest(),
+                   double most = std::numeric_limits<double>::max());
+/// The least number that is positive.
+inline constexpr double positive = std::numeric_limits<double>::denorm_min();
 
 /// T / h as a whole number of steps, to 1e-9.  Throws BadArgument.
 long step_count(double time, double step);
@@ -27,14 +28,19 @@ long step_count(double time, double step);
 /// so on stderr.  Throws BadArgument.
 int thread_count(const char* program, const std::string& text);
 
-/// "paper" or "standard".  Throws BadArgument.
-HbarConvention hbar_convention(const std::string& text);
+/// Returns what `read` returns.  Throws BadArgument for a std::invalid_argument, whose message
+/// begins with the name of the option, without dashes.
+template <class Read>
+auto of_option(Read&& read) {
+  try {
+    return read();
+  } catch (const std::invalid_argument& error) {
+    throw BadArgument(std::string("--") + error.what());
+  }
+}
 
 /// One of scene_names().  Throws BadArgument.
 void require_scene(const std::string& option, const std::string& text);
-
-/// "fastest", "openblas" or "eigen".  Throws BadArgument.
-BackendChoice backend_choice(const std::string& text);
 
 /// Throws BadArgument if what was printed on stdout could not be written.
 void require_printed();

@@ -107,11 +107,7 @@ void BenchmarkArguments::take(const std::string& flag, const std::string& value,
   } else if (flag == "repetitions") {
     repetitions_ = whole_number(option, value, 1, 1000);
   } else if (flag == "min_time") {
-    const std::string allowed = "positive seconds, at most 3600";
-    const double seconds = real_number(option, value, allowed);
-    if (seconds <= 0.0 || seconds > 3600.0) {
-      throw BadArgument(fmt::format("{} {}: must be {}", option, value, allowed));
-    }
+    real_number(option, value, "positive seconds, at most 3600", positive, 3600.0);
   } else if (flag == "enable_random_interleaving" || flag == "report_aggregates_only" ||
              flag == "display_aggregates_only" || flag == "counters_tabular" ||
              flag == "list_tests") {

@@ -5,7 +5,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <string_view>
@@ -119,12 +118,6 @@ std::string notice() {
     remarks.push_back(fmt::format("this is a {} build, not Release", build_info::build_type));
   }
   return fmt::format("{}", fmt::join(remarks, "; "));
-}
-
-void print_notice(const std::string& program) {
-  if (const std::string remark = notice(); !remark.empty()) {
-    std::fputs(fmt::format("{}: note: {}\n", program, remark).c_str(), stderr);
-  }
 }
 
 Conditions machine_conditions(const std::string& program, BackendChoice choice,

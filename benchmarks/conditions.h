@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "benchmarks/product_rate.h"
-#include "isosyrk/iteration/status.h"
 #include "isosyrk/flows/scene.h"
+#include "isosyrk/iteration/status.h"
 
 namespace isosyrk {
 
@@ -29,8 +29,5 @@ void set(Conditions& conditions, const std::string& name, const std::string& val
 /// Why the timings may not be what this machine can do (kernels below its vector units, an
 /// inherited OPENBLAS_CORETYPE, an unoptimised build), or empty.
 std::string notice();
-
-/// Prints the notice, if there is one, on one line of stderr.
-void print_notice(const std::string& program);
 
 }  // namespace isosyrk

@@ -23,9 +23,11 @@ struct Text {
   bool json = false;
 };
 
+bool given(const CLI::App& line, const char* option) { return line.count(option) > 0; }
+
 // --integrator, or --formulation and --stages, and --solver.
-void choose_integrator(const Text& text, const CommandLine& line, IntegrateRequest& request) {
-  if (line.given("--integrator") && (line.given("--formulation") || line.given("--stages"))) {
+void choose_integrator(const Text& text, const CLI::App& line, IntegrateRequest& request) {
+  if (given(line, "--integrator") && (given(line, "--formulation") || given(line, "--stages"))) {
     throw BadArgument(
         fmt::format("--integrator {}: must stand alone, in place of --formulation and --stages",
                     text.integrator));
@@ -34,46 +36,42 @@ void choose_integrator(const Text& text, const CommandLine& line, IntegrateReque
     throw BadArgument(fmt::format("--solver '{}': must be published or fast", text.solver));
   }
   const bool fast = text.solver == "fast";
-  if (fast && line.given("--products")) {
+  if (fast && given(line, "--products")) {
     throw BadArgument(fmt::format(
         "--solver fast: has products of its own; must stand without --products {}", text.products));
   }
-  if (!fast && line.given("--threads")) {
+  if (!fast && given(line, "--threads")) {
     throw BadArgument(
         fmt::format("--threads {}: must go with --solver fast; others have one", text.threads));
   }
   request.threads = thread_count("integrate", text.threads);
   request.method = text.solver;
-  try {
-    if (line.given("--integrator")) {
-      request.integrator = fast ? fast_entry(text.integrator, {.threads = request.threads})
-                                : integrator_entry(text.integrator);
-      return;
-    }
-    if (!line.given("--stages")) throw BadArgument("--stages is required, or --integrator");
-    if (!line.given("--formulation"))
-      throw BadArgument("--formulation is required, or --integrator");
-    const int stages = static_cast<int>(whole_number("--stages", text.stages, 1, max_stages));
-    request.formulation = formulation_from_name(text.formulation);
-    request.integrator =
-        fast ? fast_gauss_entry(*request.formulation, stages, {.threads = request.threads})
-             : gauss_entry(*request.formulation, stages);
-  } catch (const std::invalid_argument& error) {
-    throw BadArgument(fmt::format("--{}", error.what()));
+  if (given(line, "--integrator")) {
+    request.integrator = fast ? fast_entry(text.integrator, {.threads = request.threads})
+                              : integrator_entry(text.integrator);
+    return;
   }
+  if (!given(line, "--stages")) throw BadArgument("--stages is required, or --integrator");
+  if (!given(line, "--formulation"))
+    throw BadArgument("--formulation is required, or --integrator");
+  const int stages = static_cast<int>(whole_number("--stages", text.stages, 1, max_stages));
+  request.formulation = formulation_from_name(text.formulation);
+  request.integrator =
+      fast ? fast_gauss_entry(*request.formulation, stages, {.threads = request.threads})
+           : gauss_entry(*request.formulation, stages);
 }
 
 // --scene, --modes or --initial.
-void choose_scene(const Text& text, const CommandLine& line, IntegrateRequest& request) {
-  if (line.given("--scene") + line.given("--modes") + line.given("--initial") > 1) {
+void choose_scene(const Text& text, const CLI::App& line, IntegrateRequest& request) {
+  if (given(line, "--scene") + given(line, "--modes") + given(line, "--initial") > 1) {
     throw BadArgument("--scene, --modes, --initial: each has initial data; must be one of them");
   }
-  if (line.given("--modes")) {
+  if (given(line, "--modes")) {
     request.scene = "modes";
     request.modes_file = text.modes;
     return;
   }
-  if (line.given("--initial")) {
+  if (given(line, "--initial")) {
     request.scene = "initial";
     request.initial_file = text.initial;
     return;
@@ -87,28 +85,21 @@ void choose_scene(const Text& text, const CommandLine& line, IntegrateRequest& r
   }
 }
 
-IntegrateRequest parse(const Text& text, const CommandLine& line) {
+IntegrateRequest parse(const Text& text, const CLI::App& line) {
   IntegrateRequest request{};
   request.n = whole_number("--n", text.n, 2, 4096);
   choose_integrator(text, line, request);
-  request.step = positive_number("--step", text.step);
-  const std::string not_negative = "0 or positive, and finite";
-  request.time = real_number("--time", text.time, not_negative);
-  if (request.time < 0.0) {
-    throw BadArgument(fmt::format("--time {}: must be {}", text.time, not_negative));
-  }
+  request.step = real_number("--step", text.step, "positive and finite", positive);
+  request.time = real_number("--time", text.time, "0 or positive, and finite", 0.0);
   request.steps = step_count(request.time, request.step);
-  const std::string at_least = "at least 1e-15, and finite";
-  request.solver.tolerance = real_number("--tolerance", text.tolerance, at_least);
-  if (request.solver.tolerance < 1e-15) {
-    throw BadArgument(fmt::format("--tolerance {}: must be {}", text.tolerance, at_least));
-  }
+  request.solver.tolerance =
+      real_number("--tolerance", text.tolerance, "at least 1e-15, and finite", 1e-15);
   request.solver.max_sweeps =
       static_cast<int>(whole_number("--max-sweeps", text.max_sweeps, 1, 1000000));
-  request.hbar = hbar_convention(text.hbar);
-  request.products = backend_choice(text.products);
+  request.hbar = hbar_convention_from_name(text.hbar);
+  request.products = backend_choice_from_name(text.products);
   choose_scene(text, line, request);
-  if (line.given("--output")) request.output_file = text.output;
+  if (given(line, "--output")) request.output_file = text.output;
   request.json = text.json;
   return request;
 }
@@ -116,32 +107,31 @@ IntegrateRequest parse(const Text& text, const CommandLine& line) {
 }  // namespace
 
 std::variant<IntegrateRequest, int> read_integrate_arguments(int argc, char** argv) {
-  CommandLine line{
+  CLI::App line{
       "Integrates the Euler-Zeitlin equations with one formulation of an isospectral "
       "symplectic Runge-Kutta (Gauss) method, or with any listed integrator."};
   Text text;
-  line.option("--n", text.n, "matrix size, 2 to 4096", CommandLine::Need::required);
-  line.option("--stages", text.stages, "stages of the Gauss tableau, 1 to 20");
-  line.option("--formulation", text.formulation, "cotangent, group or algebra");
-  line.option("--integrator", text.integrator,
-              "name of a listed integrator, in place of --formulation and --stages");
-  line.option("--step", text.step, "step size h > 0", CommandLine::Need::required);
-  line.option("--time", text.time, "end time T >= 0, a whole number of steps",
-              CommandLine::Need::required);
-  line.option("--tolerance", text.tolerance, "of the fixed point, >= 1e-15 (default 1e-13)");
-  line.option("--max-sweeps", text.max_sweeps, "sweeps allowed in a step (default 1000)");
-  line.option("--hbar", text.hbar, "paper: 2/sqrt(n(n-1)) (default); standard: 2/sqrt(n^2-1)");
-  line.option("--products", text.products, "fastest (default), openblas or eigen");
-  line.option("--solver", text.solver,
-              "published (default), or fast: the same answer to the tolerance, sooner");
-  line.option("--threads", text.threads, "of --solver fast, 1 (default) to 64");
-  line.option("--scene", text.scene, "smooth (default) or rough");
-  line.option("--modes", text.modes, "initial modes, CSV with the header l,m,re,im");
-  line.option("--initial", text.initial, "W at time 0, NumPy .npy as --output writes it");
-  line.option("--output", text.output, "write W(T) as NumPy .npy, complex128");
-  line.flag("--json", text.json, "print one JSON object");
-  if (const auto exit_code = line.read(argc, argv)) return *exit_code;
-  return parse(text, line);
+  line.add_option("--n", text.n, "matrix size, 2 to 4096")->required();
+  line.add_option("--stages", text.stages, "stages of the Gauss tableau, 1 to 20");
+  line.add_option("--formulation", text.formulation, "cotangent, group or algebra");
+  line.add_option("--integrator", text.integrator,
+                  "name of a listed integrator, in place of --formulation and --stages");
+  line.add_option("--step", text.step, "step size h > 0")->required();
+  line.add_option("--time", text.time, "end time T >= 0, a whole number of steps")->required();
+  line.add_option("--tolerance", text.tolerance, "of the fixed point, >= 1e-15 (default 1e-13)");
+  line.add_option("--max-sweeps", text.max_sweeps, "sweeps allowed in a step (default 1000)");
+  line.add_option("--hbar", text.hbar, "paper: 2/sqrt(n(n-1)) (default); standard: 2/sqrt(n^2-1)");
+  line.add_option("--products", text.products, "fastest (default), openblas or eigen");
+  line.add_option("--solver", text.solver,
+                  "published (default), or fast: the same answer to the tolerance, sooner");
+  line.add_option("--threads", text.threads, "of --solver fast, 1 (default) to 64");
+  line.add_option("--scene", text.scene, "smooth (default) or rough");
+  line.add_option("--modes", text.modes, "initial modes, CSV with the header l,m,re,im");
+  line.add_option("--initial", text.initial, "W at time 0, NumPy .npy as --output writes it");
+  line.add_option("--output", text.output, "write W(T) as NumPy .npy, complex128");
+  line.add_flag("--json", text.json, "print one JSON object")->disable_flag_override();
+  if (const auto exit_code = read_arguments(line, argc, argv)) return *exit_code;
+  return of_option([&] { return parse(text, line); });
 }
 
 }  // namespace isosyrk

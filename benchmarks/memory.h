@@ -20,8 +20,8 @@ struct MemoryLimit {
 /// drops them for whoever asks.  `root` is where proc and sys/fs/cgroup are looked for.
 MemoryLimit available_memory(const std::filesystem::path& root = "/");
 
-/// Throws BadArgument for a run with this integrator, of n x n matrices, that needs more memory than
-/// there is, for which the kernel would kill it.  The message begins with `what`.
+/// Throws BadArgument for a run with this integrator, of n x n matrices, that needs more memory
+/// than there is, for which the kernel would kill it.  The message begins with `what`.
 void require_memory(const std::string& what, const IntegratorEntry& integrator, Index n);
 
 }  // namespace isosyrk

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cstdint>
@@ -67,13 +68,12 @@ std::vector<Mode> read_modes(std::istream& input, const std::string& source) {
     const std::vector<std::string_view> fields = fields_of(text);
     if (!header_read) {
       for (std::size_t k = 0; k < column_names.size(); ++k) {
-        std::size_t at = 0;
-        while (at < fields.size() && fields[at] != column_names[k]) ++at;
-        if (at == fields.size()) {
+        const auto at = std::find(fields.begin(), fields.end(), column_names[k]);
+        if (at == fields.end()) {
           fail(
               fmt::format("column {} is missing; the header must name l,m,re,im", column_names[k]));
         }
-        column[k] = at;
+        column[k] = static_cast<std::size_t>(at - fields.begin());
       }
       if (fields.size() != column_names.size()) {
         fail(fmt::format("{} columns; the header must name l,m,re,im and no other", fields.size()));

@@ -10,13 +10,6 @@
 #include "benchmarks/program.h"
 
 namespace isosyrk {
-namespace {
-
-ReferenceRun reference_run(const nlohmann::json& json) {
-  return {json.at("integrator"), json.at("steps")};
-}
-
-}  // namespace
 
 double relative_error(const Matrix& W, const Matrix& reference) {
   return (W - reference).norm() / reference.norm();
@@ -42,8 +35,8 @@ Reference read_reference(const std::string& option, const std::string& folder, c
       if (entry.at("n") != n) continue;
       Reference reference{{},
                           entry.at("uncertainty"),
-                          reference_run(entry.at("first")),
-                          reference_run(entry.at("second"))};
+                          {entry.at("first").at("integrator"), entry.at("first").at("steps")},
+                          {entry.at("second").at("integrator"), entry.at("second").at("steps")}};
       path = fmt::format("{}/{}", folder, entry.at("file").get<std::string>());
       reference.W = read_npy(path, n);
       require_initial_data(reference.W, n);  // as every state of the flow is

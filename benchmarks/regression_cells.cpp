@@ -205,14 +205,13 @@ int serve(const std::vector<Cell>& cells) {
 }  // namespace
 
 int main_program(int argc, char** argv) {
-  CommandLine line{
-      "Counts and errors of cells of Tables 1 and 2 as JSON, or their times on demand."};
+  CLI::App line{"Counts and errors of cells of Tables 1 and 2 as JSON, or their times on demand."};
   std::vector<std::string> names;
-  line.option("cells", names, "names like group/n:17/s:2 and fast_group/n:17/s:2",
-              CommandLine::Need::required);
+  line.add_option("cells", names, "names like group/n:17/s:2 and fast_group/n:17/s:2")->required();
   bool as_server = false;
-  line.flag("--serve", as_server, "answer lines `CELL STEPS RUNS` with CPU seconds");
-  if (const auto exit_code = line.read(argc, argv)) return *exit_code;
+  line.add_flag("--serve", as_server, "answer lines `CELL STEPS RUNS` with CPU seconds")
+      ->disable_flag_override();
+  if (const auto exit_code = read_arguments(line, argc, argv)) return *exit_code;
   use_one_blas_thread();
   std::vector<Cell> cells;
   for (const std::string& name : names) cells.push_back(read_cell(name));

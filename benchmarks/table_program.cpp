@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -13,12 +14,14 @@
 #include "benchmarks/clocks.h"
 #include "benchmarks/command_line.h"
 #include "benchmarks/peak.h"
-#include "benchmarks/progress.h"
+#include "benchmarks/product_rate.h"
 #include "benchmarks/reference.h"
 #include "benchmarks/stolen_time.h"
-#include "isosyrk/catalogue/integrator_list.h"
+#include "isosyrk/catalogue/fast_forms.h"
 #include "isosyrk/simulation/conservation.h"
 #include "isosyrk/simulation/run.h"
+#include "isosyrk/solver/tuning.h"
+#include "isosyrk/split/split_products.h"
 #include "isosyrk/tableaux/gauss_tableau.h"
 
 namespace isosyrk {
@@ -29,8 +32,68 @@ constexpr long step_total = 50;
 const std::vector<Index> sizes = {17, 33, 65, 129};
 const std::vector<int> stage_counts = {1, 2, 3};
 
+// What makes one table of the other.
+struct Table {
+  std::string name;  // "table1"; cells are named table1/group/n:17/s:2
+  std::string description;
+  Forms forms;
+  int threads;  // cells of 2 threads are named table2/group/n:17/s:2/threads:2
+  std::function<std::unique_ptr<Integrator>(Formulation, int stages, const Flow&,
+                                            const SolverOptions&, ProductBackend)>
+      make;
+  Conditions conditions;  // in place of those of the same name
+
+  // Products per second: what product_share is a share of.
+  double product_rate(ProductBackend backend, Index n) const {
+    constexpr double seconds = 0.03;
+    return forms == Forms::fast ? split_product_rate(n, seconds)
+                                : isosyrk::product_rate(backend, n, seconds);
+  }
+};
+
+Table published_table() {
+  return {.name = "table1",
+          .description =
+              "Times 50 steps of each formulation at n = 17, 33, 65, 129 and s = 1, 2, 3 (the "
+              "paper's Table 1).",
+          .forms = Forms::published,
+          .threads = 1,
+          .make =
+              [](Formulation formulation, int stages, const Flow& flow,
+                 const SolverOptions& options, ProductBackend backend) {
+                return make_formulation(formulation, flow, gauss_tableau(stages), options, backend);
+              },
+          .conditions = {}};
+}
+
+Table fast_table(int threads) {
+  return {
+      .name = "table2",
+      .description =
+          "Times 50 steps of the fast form of each formulation at n = 17, 33, 65, 129 and "
+          "s = 1, 2, 3: the answers of Table 1, sooner.",
+      .forms = Forms::fast,
+      .threads = threads,
+      .make =
+          [threads](Formulation formulation, int stages, const Flow& flow,
+                    const SolverOptions& options, ProductBackend) {
+            return make_fast_gauss(formulation, stages, flow,
+                                   {.solver = options, .threads = threads});
+          },
+      .conditions = {
+          {"products", fmt::format("split, {} kernels", gemm_kernels().front().name)},
+          {"start",
+           fmt::format("from the last {} steps, {} from n = 48 on, by weights fitted to how they "
+                       "followed from each other; cold at first",
+                       tuning.past_steps(17), tuning.past_steps(48))},
+          {"update_order",
+           "residuals in double precision, Jacobi; Newton corrections in single precision; from "
+           "n = 48 on without what lies so far off the diagonal that it comes to a hundredth of "
+           "the tolerance"}}};
+}
+
 struct CellId {
-  const TableProgram* table;
+  const Table* table;
   Formulation formulation;
   Index n;
   int s;
@@ -79,7 +142,11 @@ class CellProgress {
     Seen& seen = seen_[cell];
     ++seen.calls;
     seen.wall_seconds = wall_seconds;
-    progress_.say(fmt::format("{}  {:.4g} s a run", cell, cpu_seconds_per_run), time_left());
+    const double elapsed = isosyrk::wall_seconds() - start_;
+    std::fputs(fmt::format("[{:4.0f} s{}] {}  {:.4g} s a run\n", elapsed, time_left(), cell,
+                           cpu_seconds_per_run)
+                   .c_str(),
+               stderr);
   }
 
  private:
@@ -95,12 +162,12 @@ class CellProgress {
     for (const auto& [name, each] : seen_) {
       seconds += static_cast<double>(std::max(0L, repetitions_ - each.calls)) * each.wall_seconds;
     }
-    return fmt::format("about {:.0f} s left", seconds);
+    return fmt::format(", about {:.0f} s left", seconds);
   }
 
   std::size_t cells_;
   long repetitions_;
-  Progress progress_;
+  double start_ = wall_seconds();
   std::map<std::string, Seen> seen_;
 };
 
@@ -139,8 +206,7 @@ class Cell : public benchmark::Fixture {
       return;
     }
     // The product rate of the moment, on both sides of what it is compared with.
-    constexpr double rate_seconds = 0.03;
-    const double rate_before = table_.product_rate(backend_, id_.n, rate_seconds);
+    const double rate_before = table_.product_rate(backend_, id_.n);
     const double cores_before = counts_cores_ ? cores_at_once() : 0.0;
     Matrix W = scene_.initial;
     RunReport timed;
@@ -157,7 +223,7 @@ class Cell : public benchmark::Fixture {
     // Of several threads each could have multiplied all the time that passed.
     const double seconds = (table_.threads == 1 ? cpu_seconds() - start : elapsed) /
                            static_cast<double>(state.iterations());
-    const double rate = 0.5 * (rate_before + table_.product_rate(backend_, id_.n, rate_seconds));
+    const double rate = 0.5 * (rate_before + table_.product_rate(backend_, id_.n));
     if (timed.sweeps != quality_.run.sweeps) {
       fail_row(state, fmt::format("{} sweeps where the run before took {}", timed.sweeps,
                                   quality_.run.sweeps));
@@ -179,14 +245,14 @@ class Cell : public benchmark::Fixture {
     if (counts_cores_) {
       state.counters["cores_at_once"] = std::min(cores_before, cores_at_once());
     }
-    if (table_.counts_equivalents) {
+    if (table_.forms == Forms::fast) {
       state.counters["equivalent_products"] = timed.equivalent_products;
     }
     progress_->finished(name_, seconds, wall_seconds() - wall_start);
   }
 
  private:
-  const TableProgram& table_;
+  const Table& table_;
   CellId id_;
   std::string name_;
   SolverOptions options_;
@@ -201,55 +267,42 @@ class Cell : public benchmark::Fixture {
 
 }  // namespace
 
-TableProgram published_table() {
-  return {
-      .name = "table1",
-      .description =
-          "Times 50 steps of each formulation at n = 17, 33, 65, 129 and s = 1, 2, 3 (the paper's "
-          "Table 1).",
-      .make =
-          [](Formulation formulation, int stages, const Flow& flow, const SolverOptions& options,
-             ProductBackend backend) {
-            return make_formulation(formulation, flow, gauss_tableau(stages), options, backend);
-          },
-      .product_rate = product_rate,
-  };
-}
-
-int time_table(const TableProgram& table, const ComparedTables& compared, int argc, char** argv) {
-  CommandLine line{table.description +
-                   "  Takes Google Benchmark's arguments as well, such as "
-                   "--benchmark_filter=n:17/ and --benchmark_out=FILE."};
+int time_table(Forms forms, int argc, char** argv) {
+  const bool fast = forms == Forms::fast;
+  const Table published = published_table();
+  const Table table = fast ? fast_table(1) : published;
+  CLI::App line{table.description +
+                "  Takes Google Benchmark's arguments as well, such as "
+                "--benchmark_filter=n:17/ and --benchmark_out=FILE."};
   std::string products = "fastest";
-  if (table.has_backends) {
-    line.option("--products", products, "fastest (default), openblas or eigen");
+  if (!fast) {
+    line.add_option("--products", products, "fastest (default), openblas or eigen");
   }
   bool with_published = false;
-  if (compared.published != nullptr) {
-    line.flag("--published", with_published,
-              fmt::format("times the cells of {} too", compared.published->name));
-  }
   std::string threads = "1";
-  if (compared.with_threads) {
-    line.option("--threads", threads, "1 (default) to 64; N > 1 times the cells by N threads too");
+  if (fast) {
+    line.add_flag("--published", with_published, "times the cells of table1 too")
+        ->disable_flag_override();
+    line.add_option("--threads", threads,
+                    "1 (default) to 64; N > 1 times the cells by N threads too");
   }
   std::string max_sweeps = "1000";
-  line.option("--max-sweeps", max_sweeps, "sweeps allowed in a step (default 1000)");
+  line.add_option("--max-sweeps", max_sweeps, "sweeps allowed in a step (default 1000)");
   std::string references;
-  line.option("--references", references,
-              "folder of recorded reference solutions: adds relative_error");
-  line.allow_others();
-  if (const auto exit_code = line.read(argc, argv)) return *exit_code;
+  line.add_option("--references", references,
+                  "folder of recorded reference solutions: adds relative_error");
+  line.allow_extras();
+  if (const auto exit_code = read_arguments(line, argc, argv)) return *exit_code;
   use_one_blas_thread();
-  const BackendChoice choice = backend_choice(products);
+  const BackendChoice choice = of_option([&] { return backend_choice_from_name(products); });
   SolverOptions options;
   options.max_sweeps = static_cast<int>(whole_number("--max-sweeps", max_sweeps, 1, 1000000));
 
-  std::vector<const TableProgram*> tables = {&table};
-  if (with_published) tables.push_back(compared.published);
-  std::optional<TableProgram> threaded;
+  std::vector<const Table*> tables = {&table};
+  if (with_published) tables.push_back(&published);
+  std::optional<Table> threaded;
   if (const int count = thread_count(table.name.c_str(), threads); count > 1) {
-    threaded = compared.with_threads(count);
+    threaded = fast_table(count);
     tables.push_back(&*threaded);
   }
   std::map<Index, std::vector<CellId>> cells;
@@ -257,18 +310,18 @@ int time_table(const TableProgram& table, const ComparedTables& compared, int ar
   for (const Index n : sizes) {
     for (const Formulation formulation : formulations()) {
       for (const int s : stage_counts) {
-        for (const TableProgram* each : tables) cells[n].push_back({each, formulation, n, s});
+        for (const Table* each : tables) cells[n].push_back({each, formulation, n, s});
       }
     }
     for (std::string& name : names_of(cells[n])) names.push_back(std::move(name));
   }
-  const BenchmarkArguments arguments(line.others(), names);
+  const BenchmarkArguments arguments(line.remaining(), names);
   CellProgress progress(names.size(), arguments.repetitions());
 
   std::vector<BackendRates> rates;
   std::map<Index, std::optional<Reference>> reference;  // of each n that the filter leaves in
   for (const Index n : sizes) {
-    if (line.given("--references") && arguments.selects_any(names_of(cells[n]))) {
+    if (line.count("--references") > 0 && arguments.selects_any(names_of(cells[n]))) {
       reference[n] = read_reference("--references", references, smooth_scene(n),
                                     HbarConvention::paper, default_modes());
     }
@@ -282,7 +335,9 @@ int time_table(const TableProgram& table, const ComparedTables& compared, int ar
   const Conditions solver = solver_conditions(options, HbarConvention::paper, default_modes());
   conditions.insert(conditions.end(), solver.begin(), solver.end());
   for (const auto& [condition, value] : table.conditions) set(conditions, condition, value);
-  print_notice(table.name);
+  if (const std::string remark = notice(); !remark.empty()) {
+    print_error(table.name.c_str(), "note: " + remark);
+  }
   return run_benchmarks(argv[0], arguments, conditions);
 }
 

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
-#include "isosyrk/catalogue/workspace_bytes.h"
 #include "isosyrk/fast/algebra_system.h"
 #include "isosyrk/fast/cotangent_system.h"
 #include "isosyrk/fast/direct_system.h"
@@ -45,32 +45,70 @@ std::pair<FastOptions, bool> chosen_for(const Flow& flow, int s, const FastOptio
   return {chosen, options.bands.value_or(n >= tuning.smallest_banded)};
 }
 
-// A fast form: how it is made, and what it holds.  A composition holds it once for each substep.
+// A fast form: how it is made, and the numbers of n x n matrices that it holds: unknowns, workspace
+// in double and in single precision.  A composition holds them once for each substep.
 struct FastForm {
   std::function<std::unique_ptr<Integrator>(const Flow&, const FastOptions&)> make;
-  FastMatrices matrices;
+  double unknowns;
+  double doubles;
+  double singles;
   std::size_t substeps = 1;
 };
 
-FastForm gauss_form(Formulation formulation, int s) {
-  return {[=](const Flow& flow, const FastOptions& options) {
-            return make_fast_gauss(formulation, s, flow, options);
-          },
-          fast_gauss_matrices(formulation, s)};
+// Returns an upper bound of the memory of a form, in bytes.  For n >= 33 and default options it is
+// at most 1.5 times the memory (tests/allocation_test.cpp).
+double bytes_of(const FastForm& form, Index n, const FastOptions& options) {
+  const int past_steps = options.past_steps.value_or(tuning.past_steps(n));
+  const auto size = static_cast<double>(n);
+  const double in_double = 16.0 * size * static_cast<double>(split_row<double>(n));
+  const double in_single = 8.0 * size * static_cast<double>(split_row<float>(n));
+  // In double: the unknowns, the predictor's and Anderson's copies.  In single: residual,
+  // corrections and Anderson's differences.
+  // The predictor keeps some rows of the differences of past steps besides.
+  const double sampled = static_cast<double>(tuning.sampled_rows) / size *
+                         std::max(0, past_steps - Tuning::differences + 1);
+  const double solver =
+      form.unknowns * ((2.0 + past_steps + sampled) * in_double + 10.0 * in_single);
+  // W₀ and W₁, interleaved and split, and the factors of the Laplacian.  Each thread adds a packing
+  // space.
+  const double common = 32.0 * size * size + 3.0 * in_double + in_single;
+  const double diagonals = 16.0 * size * (form.unknowns + 3.0);  // sums over them, for truncation
+  return static_cast<double>(form.substeps) *
+         (solver + form.doubles * in_double + form.singles * in_single + common +
+          options.threads * (in_double + in_single) + diagonals);
+}
+
+FastForm gauss_form(Formulation formulation, int stages) {
+  const auto make = [=](const Flow& flow, const FastOptions& options) {
+    return make_fast_gauss(formulation, stages, flow, options);
+  };
+  const double s = stages;
+  const double pairs = 0.5 * s * (s - 1.0);
+  switch (formulation) {
+    case Formulation::cotangent:
+      return {make, 2.0 * s, 4.0 * s + 3.0, 8.0 * s};
+    case Formulation::group:
+      return {make, s, 4.0 * s + 3.0, 7.0 * s};
+    case Formulation::algebra:
+      break;
+  }
+  if (stages == 1) return {make, 1.0, 5.0, 9.0};  // the midpoint
+  return {make, 2.0 * s + pairs, 9.0 * s + 3.0 * pairs + 2.0, 10.0 * s + 4.0 * pairs};
 }
 
 // A composition of midpoint steps, with a predictor for each substep.
 FastForm composition_form(const CompositionScheme& scheme) {
-  return {[=](const Flow& flow, const FastOptions& options) -> std::unique_ptr<Integrator> {
-            const auto [chosen, truncates] = chosen_for(flow, 1, options);
-            std::vector<std::unique_ptr<StageSystem>> systems;
-            for (std::size_t k = 0; k < scheme.fractions.size(); ++k) {
-              systems.push_back(std::make_unique<MidpointSystem>(flow, chosen.threads, truncates));
-            }
-            return std::make_unique<FastIntegrator>(flow, std::move(systems), scheme.fractions,
-                                                    chosen);
-          },
-          fast_gauss_matrices(Formulation::algebra, 1), scheme.fractions.size()};
+  FastForm form = gauss_form(Formulation::algebra, 1);
+  form.substeps = scheme.fractions.size();
+  form.make = [=](const Flow& flow, const FastOptions& options) {
+    const auto [chosen, truncates] = chosen_for(flow, 1, options);
+    std::vector<std::unique_ptr<StageSystem>> systems;
+    for (std::size_t k = 0; k < scheme.fractions.size(); ++k) {
+      systems.push_back(std::make_unique<MidpointSystem>(flow, chosen.threads, truncates));
+    }
+    return std::make_unique<FastIntegrator>(flow, std::move(systems), scheme.fractions, chosen);
+  };
+  return form;
 }
 
 FastForm direct_form(int s) {
@@ -81,16 +119,16 @@ FastForm direct_form(int s) {
                 std::make_unique<DirectSystem>(flow, gauss_tableau(s), chosen.threads, truncates),
                 chosen);
           },
-          {1.0 * s, 3.0 * s, 5.0 * s}};
+          1.0 * s, 3.0 * s, 5.0 * s};
 }
 
 template <class Method>
-FastForm explicit_form() {
+FastForm explicit_form(double doubles, double singles) {
   return {[](const Flow& flow, const FastOptions& options) -> std::unique_ptr<Integrator> {
             const auto [chosen, truncates] = chosen_for(flow, 1, options);
             return std::make_unique<Method>(flow, chosen, truncates);
           },
-          Method::matrices()};
+          0.0, doubles, singles};
 }
 
 // Returns the fast form of a listed integrator.
@@ -103,8 +141,8 @@ std::optional<FastForm> form_of(const IntegratorEntry& entry) {
     if (scheme.name == entry.name) return composition_form(scheme);
   }
   if (fmt::format("direct{}", entry.stages) == entry.name) return direct_form(entry.stages);
-  if (entry.name == "rk4") return explicit_form<FastRungeKutta4>();
-  if (entry.name == "rkmk4") return explicit_form<FastMuntheKaas4>();
+  if (entry.name == "rk4") return explicit_form<FastRungeKutta4>(7.0, 0.0);
+  if (entry.name == "rkmk4") return explicit_form<FastMuntheKaas4>(10.0, 4.0);
   return {};  // a control
 }
 
@@ -115,11 +153,7 @@ IntegratorEntry entry_of(IntegratorEntry entry, const FastForm& form, const Fast
     chosen.solver = solver;
     return form.make(flow, chosen);
   };
-  entry.bytes = [form, options](Index n) {
-    const int past_steps = options.past_steps.value_or(tuning.past_steps(n));
-    return static_cast<double>(form.substeps) *
-           fast_workspace_bytes(form.matrices, n, past_steps, options.threads);
-  };
+  entry.bytes = [form, options](Index n) { return bytes_of(form, n, options); };
   return entry;
 }
 

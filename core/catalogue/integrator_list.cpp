@@ -26,16 +26,11 @@ Make make_gauss(Formulation formulation, int s) {
   };
 }
 
-Make make_direct(int s) {
-  return [tableau = gauss_tableau(s)](const Flow& flow, const SolverOptions& options,
-                                      ProductBackend backend) {
-    return std::make_unique<DirectForm>(flow, tableau, options, backend);
-  };
-}
-
-Make make_composition(const CompositionScheme& scheme) {
-  return [scheme](const Flow& flow, const SolverOptions& options, ProductBackend backend) {
-    return std::make_unique<Composition>(flow, scheme, options, backend);
+// Makes a method from a flow and its data: a tableau or a composition scheme.
+template <class Method, class Data>
+Make make_from(const Data& data) {
+  return [data](const Flow& flow, const SolverOptions& options, ProductBackend backend) {
+    return std::make_unique<Method>(flow, data, options, backend);
   };
 }
 
@@ -44,6 +39,20 @@ Make make_explicit() {
   return [](const Flow& flow, const SolverOptions&, ProductBackend backend) {
     return std::make_unique<Explicit>(flow, backend);
   };
+}
+
+// Number of n x n complex matrices that the published form of a Gauss method holds if J = I, its
+// state included.  tests/allocation_test.cpp compares all these numbers with the memory.
+Index gauss_matrices(Formulation formulation, Index s) {
+  switch (formulation) {
+    case Formulation::cotangent:
+      return 4 * s + 7;
+    case Formulation::group:
+      return 2 * s + 7;
+    case Formulation::algebra:
+      break;
+  }
+  return s == 1 ? 6 : s * s + 6 * s + 3;
 }
 
 // Returns n -> bytes of `matrices` complex n x n matrices.
@@ -81,9 +90,9 @@ std::vector<IntegratorEntry> make_list() {
                     .stages = static_cast<int>(scheme.fractions.size()),
                     .order = scheme.order,
                     .keeps = isosyrk_properties,
-                    .make = make_composition(scheme),
+                    .make = make_from<Composition>(scheme),
                     .linear_limit = composition_limit(scheme),
-                    .bytes = bytes_of(Composition::matrices())});
+                    .bytes = bytes_of(8)});
   }
   list.push_back({.name = "rkmk4",
                   .stages = 4,
@@ -93,7 +102,7 @@ std::vector<IntegratorEntry> make_list() {
                             .symmetric = false,
                             .is_explicit = true},
                   .make = make_explicit<MuntheKaas4>(),
-                  .bytes = bytes_of(MuntheKaas4::matrices())});
+                  .bytes = bytes_of(12)});
   // Controls: methods that do not keep the structure.
   for (int s = 1; s <= 3; ++s) {
     list.push_back({.name = fmt::format("direct{}", s),
@@ -103,12 +112,12 @@ std::vector<IntegratorEntry> make_list() {
                               .lie_poisson = false,
                               .symmetric = true,
                               .is_explicit = false},
-                    .make = make_direct(s),
+                    .make = make_from<DirectForm>(gauss_tableau(s)),
                     .linear_limit =
                         [tableau = gauss_tableau(s)](const RealVector& frequencies) {
                           return direct_iteration_limit(tableau, frequencies);
                         },
-                    .bytes = bytes_of(DirectForm::matrices(s))});
+                    .bytes = bytes_of(2 * s + 5)});
   }
   list.push_back(
       {.name = "rk4",
@@ -120,7 +129,7 @@ std::vector<IntegratorEntry> make_list() {
        .stability_limit = rk4_limit,
        .linear_limit =
            [](const RealVector& frequencies) { return adjoint_limit(rk4_limit, frequencies); },
-       .bytes = bytes_of(ClassicalRungeKutta4::matrices())});
+       .bytes = bytes_of(11)});
   const std::size_t count = list.size();
   for (std::size_t k = 0; k < count; ++k) {
     if (!list[k].name.starts_with("direct")) list.push_back(frame_entry(list[k]));
@@ -142,7 +151,7 @@ IntegratorEntry gauss_entry(Formulation formulation, int s) {
                            ? midpoint_iteration_limit(frequencies)
                            : stage_iteration_limit(tableau, frequencies);
               },
-          .bytes = bytes_of(formulation_matrices(formulation, gauss_tableau(s)))};
+          .bytes = bytes_of(gauss_matrices(formulation, s))};
 }
 
 IntegratorEntry frame_entry(const IntegratorEntry& method) {
@@ -154,9 +163,7 @@ IntegratorEntry frame_entry(const IntegratorEntry& method) {
     return std::make_unique<FrameIntegrator>(
         flow, [&](const Flow& inner) { return make(inner, options, backend); }, backend);
   };
-  entry.bytes = [method_bytes = method.bytes](Index n) {
-    return method_bytes(n) + bytes_of(CoRotatingFrame::matrices + Integrator::common_matrices)(n);
-  };
+  entry.bytes = [method_bytes = method.bytes](Index n) { return method_bytes(n) + bytes_of(6)(n); };
   return entry;
 }
 

@@ -5,10 +5,7 @@
 namespace isosyrk {
 
 AlgebraSystem::AlgebraSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates)
-    : SplitSystem(flow, threads, truncates, tableau.stages(), tuning.algebra_coupling),
-      tableau_(tableau),
-      s_(tableau.stages()) {
-  require_consistent(tableau);
+    : SplitSystem(flow, tableau, threads, truncates, tuning.algebra_coupling) {
   for (std::size_t k = 1; k < stages(); ++k) {
     for (std::size_t j = 0; j < k; ++j) pairs_.emplace_back(j, k);
   }
@@ -58,9 +55,7 @@ void AlgebraSystem::form_Y(const KindsOf<Real>& x, SplitStagesOf<Real>& below,
   const auto Y_of = [&](std::size_t j, std::size_t k) {
     auto sum = sum_of(1.0, x[X][k]);
     for (std::size_t m = 0; m < stages(); ++m) {
-      sum.add(a(j, m), m < k   ? x[above][place(m, k)]
-                       : m > k ? below[place(k, m)]
-                               : x[diagonal][k]);
+      sum.add(a(j, m), m < k ? x[above][place(m, k)] : m > k ? below[place(k, m)] : x[diagonal][k]);
     }
     return sum;
   };
@@ -90,23 +85,23 @@ void AlgebraSystem::form_stages(const Unknowns& x) {
     assign(half_, [&](std::size_t i) { return half_of_stage(i, sum_of(1.0, X_sum_[i]), x); });
     skew_part(half_, 1.0, skew_);
   }
-  assign(W_stage_, [&](std::size_t i) {
-    return add_diagonal(i, sum_of(1.0, *W0_).add(1.0, skew_[i]), x);
-  });
+  assign(W_stage_,
+         [&](std::size_t i) { return add_diagonal(i, sum_of(1.0, *W0_).add(1.0, skew_[i]), x); });
 }
 
 double AlgebraSystem::residual(Unknowns& x, double, Corrections& R) {
   form_stages(x);
   work_.generate(W_stage_, B_);
   assign(P_, [&](std::size_t i) { return sum_of(1.0, *W0_).add(1.0, X_sum_[i]); });
-  work_.products.form(stages(), [&](std::size_t i) { return times(P_[i], B_[i], fresh_[X][i], -h_); });
+  work_.products.form(stages(),
+                      [&](std::size_t i) { return times(P_[i], B_[i], fresh_[X][i], -h_); });
   form_Y(x, M_below_, Y_);
   form_M(work_.products, B_, Y_, fresh_);
   double change = 0.0;
   for (std::size_t kind = 0; kind < x.size(); ++kind) {
-    change = larger(change, isosyrk::residual(
-                                x[kind], [&](std::size_t i) { return sum_of(1.0, fresh_[kind][i]); },
-                                R[kind]));
+    change = larger(
+        change, isosyrk::residual(
+                    x[kind], [&](std::size_t i) { return sum_of(1.0, fresh_[kind][i]); }, R[kind]));
   }
   change_of_stages(R);
   return larger(change, largest_norm(dW_));
@@ -114,9 +109,8 @@ double AlgebraSystem::residual(Unknowns& x, double, Corrections& R) {
 
 // Sets dW_ to the change of W̃ for corrections to X and M.
 void AlgebraSystem::change_of_stages(const Corrections& delta) {
-  assign(half_single_, [&](std::size_t i) {
-    return half_of_stage(i, sum_of(row(i), delta[X]), delta);
-  });
+  assign(half_single_,
+         [&](std::size_t i) { return half_of_stage(i, sum_of(row(i), delta[X]), delta); });
   skew_part(half_single_, 1.0f, dW_);
   assign(dW_, [&](std::size_t i) { return add_diagonal(i, sum_of(1.0, dW_[i]), delta); });
 }

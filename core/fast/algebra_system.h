@@ -6,7 +6,6 @@
 
 #include "isosyrk/fast/split_system.h"
 #include "isosyrk/split/linear_combination.h"
-#include "isosyrk/tableaux/tableau.h"
 
 namespace isosyrk {
 
@@ -30,8 +29,7 @@ namespace isosyrk {
 /// Source: the recursion for K_ij in AlgebraForm; it has M_jk = -h² B_j (Q_j† W₀ Q_k) B_k.
 class AlgebraSystem final : public SplitSystem {
  public:
-  /// Throws std::invalid_argument for an inconsistent tableau or a flow without a generator in
-  /// split-complex storage.
+  /// As SplitSystem.
   AlgebraSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates);
 
   /// Returns three kinds: X_i; M_jj; M_jk with j < k, ordered by k, then j.
@@ -54,7 +52,6 @@ class AlgebraSystem final : public SplitSystem {
   double a(std::size_t i, std::size_t j) const {
     return tableau_.a(static_cast<Index>(i), static_cast<Index>(j));
   }
-  auto row(std::size_t i) const { return tableau_.a.row(static_cast<Index>(i)); }
 
   template <class Real>
   using KindsOf = std::vector<SplitStagesOf<Real>>;
@@ -67,18 +64,16 @@ class AlgebraSystem final : public SplitSystem {
   template <class Real>
   void form_Y(const KindsOf<Real>& x, SplitStagesOf<Real>& below, KindsOf<Real>& Y) const;
   template <class Real>
-  void form_M(SplitProductsOf<Real>& products, const SplitStagesOf<Real>& B,
-              const KindsOf<Real>& Y, KindsOf<Real>& M) const;
+  void form_M(SplitProductsOf<Real>& products, const SplitStagesOf<Real>& B, const KindsOf<Real>& Y,
+              KindsOf<Real>& M) const;
   void form_stages(const Unknowns& x);
   void change_of_stages(const Corrections& delta);
 
-  Tableau tableau_;
-  Index s_;
   std::vector<std::pair<std::size_t, std::size_t>> pairs_;  // (j, k) of M_jk, j < k
-  SplitStages X_sum_, half_, skew_, W_stage_, B_, P_;  // half_: S_i, skew_: S_i - S_i†
-  SplitStages C_sum_, C_skew_;                         // of the update
-  SplitStages M_below_;  // M_kj = -M_jk†
-  Unknowns Y_, fresh_;   // ordered as the unknowns; Y_ has no X
+  SplitStages X_sum_, half_, skew_, W_stage_, B_, P_;       // half_: S_i, skew_: S_i - S_i†
+  SplitStages C_sum_, C_skew_;                              // of the update
+  SplitStages M_below_;                                     // M_kj = -M_jk†
+  Unknowns Y_, fresh_;                                      // ordered as the unknowns; Y_ has no X
   SingleStages X_sum_single_, half_single_, dW_, B_single_, P_single_, dB_, M_below_single_;
   Corrections Y_single_, input_, fresh_single_;
 };

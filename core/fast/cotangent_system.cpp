@@ -7,11 +7,8 @@ namespace isosyrk {
 
 CotangentSystem::CotangentSystem(const Flow& flow, const Tableau& tableau, int threads,
                                  bool truncates)
-    : SplitSystem(flow, threads, truncates, tableau.stages(), tuning.cotangent_coupling),
-      tableau_(tableau),
-      s_(tableau.stages()),
+    : SplitSystem(flow, tableau, threads, truncates, tuning.cotangent_coupling),
       identity_(work_.identity()) {
-  require_consistent(tableau);
   Q1_ = P1_ = work_.zero();
   W_stage_ = B_ = QB_ = PB_ = work_.zeros(s_);
   Q_single_ = P_single_ = B_single_ = N_ = N_of_P_ = dB_ = Q_product_ = P_product_ =
@@ -38,9 +35,9 @@ double CotangentSystem::residual(Unknowns& x, double, Corrections& R) {
     return k % 2 == 0 ? times(Q[j], B_[j], QB_[j]) : times(P[j], B_[j], PB_[j]);
   });
   const double of_Q = isosyrk::residual(
-      Q, [&](std::size_t i) { return sum_of(1.0, identity_).add(step_row(i), QB_); }, R[0]);
+      Q, [&](std::size_t i) { return sum_of(1.0, identity_).add(-h_ * row(i), QB_); }, R[0]);
   const double of_P = isosyrk::residual(
-      P, [&](std::size_t i) { return sum_of(1.0, *W0_).add(step_row(i), PB_); }, R[1]);
+      P, [&](std::size_t i) { return sum_of(1.0, *W0_).add(-h_ * row(i), PB_); }, R[1]);
   return larger(of_Q, of_P);
 }
 
@@ -57,10 +54,10 @@ double CotangentSystem::frozen_sweep(const Corrections& rhs, Corrections& delta)
                       : times(delta[1][j], B_single_[j], P_product_[j]);
   });
   const double of_Q = replace(delta[0], [&](std::size_t i) {
-    return sum_of(1.0, rhs[0][i]).add(step_row(i), Q_product_);
+    return sum_of(1.0, rhs[0][i]).add(-h_ * row(i), Q_product_);
   });
   const double of_P = replace(delta[1], [&](std::size_t i) {
-    return sum_of(1.0, rhs[1][i]).add(step_row(i), P_product_);
+    return sum_of(1.0, rhs[1][i]).add(-h_ * row(i), P_product_);
   });
   return larger(of_Q, of_P);
 }
@@ -81,8 +78,8 @@ void CotangentSystem::couple(const Corrections& delta, Corrections& coupled) {
     return k % 2 == 0 ? times(Q_single_[j], dB_[j], Q_product_[j])
                       : times(P_single_[j], dB_[j], P_product_[j]);
   });
-  assign(coupled[0], [&](std::size_t i) { return sum_of(step_row(i), Q_product_); });
-  assign(coupled[1], [&](std::size_t i) { return sum_of(step_row(i), P_product_); });
+  assign(coupled[0], [&](std::size_t i) { return sum_of(-h_ * row(i), Q_product_); });
+  assign(coupled[1], [&](std::size_t i) { return sum_of(-h_ * row(i), P_product_); });
 }
 
 void CotangentSystem::update(const Unknowns&, SplitMatrix& W1) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "isosyrk/fast/split_system.h"
-#include "isosyrk/tableaux/tableau.h"
 
 namespace isosyrk {
 
@@ -26,8 +25,7 @@ namespace isosyrk {
 /// Source: CotangentForm.  With P_i = W₀ Q_i this is GroupSystem, with as many products a residual.
 class CotangentSystem final : public SplitSystem {
  public:
-  /// Throws std::invalid_argument for an inconsistent tableau or a flow without a generator in
-  /// split-complex storage.
+  /// As SplitSystem.
   CotangentSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates);
 
   Unknowns unknowns() const override { return {work_.zeros(s_), work_.zeros(s_)}; }
@@ -39,10 +37,6 @@ class CotangentSystem final : public SplitSystem {
   void update(const Unknowns& x, SplitMatrix& W1) override;
 
  private:
-  auto step_row(std::size_t i) const { return -h_ * tableau_.a.row(static_cast<Index>(i)); }
-
-  Tableau tableau_;
-  Index s_;
   const Unknowns* x_ = nullptr;  // of the last residual
   SplitMatrix identity_, Q1_, P1_;
   SplitStages W_stage_, B_, QB_, PB_;

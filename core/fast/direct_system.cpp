@@ -6,11 +6,9 @@
 namespace isosyrk {
 
 DirectSystem::DirectSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates)
-    : SplitSystem(flow, threads, truncates, tableau.stages(), tuning.algebra_coupling),
-      tableau_(tableau) {
-  require_consistent(tableau);
-  B_ = M_ = commutator_ = work_.zeros(tableau.stages());
-  W_single_ = B_single_ = dB_ = product_ = product_skew_ = work_.singles(tableau.stages());
+    : SplitSystem(flow, tableau, threads, truncates, tuning.algebra_coupling) {
+  B_ = M_ = commutator_ = work_.zeros(s_);
+  W_single_ = B_single_ = dB_ = product_ = product_skew_ = work_.singles(s_);
 }
 
 void DirectSystem::cold_start(Unknowns& x) {
@@ -25,7 +23,7 @@ double DirectSystem::residual(Unknowns& x, double, Corrections& R) {
   work_.products.form(W.size(), [&](std::size_t j) { return times(B_[j], W[j], M_[j]); });
   skew_part(M_, 1.0, commutator_);
   return isosyrk::residual(
-      W, [&](std::size_t i) { return sum_of(1.0, *W0_).add(step_row(i), commutator_); }, R[0]);
+      W, [&](std::size_t i) { return sum_of(1.0, *W0_).add(h_ * row(i), commutator_); }, R[0]);
 }
 
 void DirectSystem::linearise(double accuracy) {
@@ -39,7 +37,7 @@ double DirectSystem::frozen_sweep(const Corrections& rhs, Corrections& delta) {
   });
   skew_part(product_, 1.0f, product_skew_);
   return replace(delta[0], [&](std::size_t i) {
-    return sum_of(1.0, rhs[0][i]).add(step_row(i), product_skew_);
+    return sum_of(1.0, rhs[0][i]).add(h_ * row(i), product_skew_);
   });
 }
 
@@ -48,7 +46,7 @@ void DirectSystem::couple(const Corrections& delta, Corrections& coupled) {
   work_.single_products.form(
       product_.size(), [&](std::size_t j) { return times(dB_[j], W_single_[j], product_[j]); });
   skew_part(product_, 1.0f, product_skew_);
-  assign(coupled[0], [&](std::size_t i) { return sum_of(step_row(i), product_skew_); });
+  assign(coupled[0], [&](std::size_t i) { return sum_of(h_ * row(i), product_skew_); });
 }
 
 void DirectSystem::update(const Unknowns&, SplitMatrix& W1) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "isosyrk/fast/split_system.h"
-#include "isosyrk/tableaux/tableau.h"
 
 namespace isosyrk {
 
@@ -19,11 +18,10 @@ namespace isosyrk {
 /// Poisson solves: s a residual, s a coupling.
 class DirectSystem final : public SplitSystem {
  public:
-  /// Throws std::invalid_argument for a flow without a generator in split-complex storage, and for
-  /// an inconsistent tableau.
+  /// As SplitSystem.
   DirectSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates);
 
-  Unknowns unknowns() const override { return {work_.zeros(tableau_.stages())}; }
+  Unknowns unknowns() const override { return {work_.zeros(s_)}; }
   void cold_start(Unknowns& x) override;
   double residual(Unknowns& x, double accuracy, Corrections& R) override;
   void linearise(double accuracy) override;
@@ -32,9 +30,6 @@ class DirectSystem final : public SplitSystem {
   void update(const Unknowns& x, SplitMatrix& W1) override;
 
  private:
-  auto step_row(std::size_t i) const { return h_ * tableau_.a.row(static_cast<Index>(i)); }
-
-  Tableau tableau_;
   const SplitStages* W_stage_ = nullptr;  // of the last residual
   SplitStages B_, M_, commutator_;
   SingleStages W_single_, B_single_, dB_, product_, product_skew_;

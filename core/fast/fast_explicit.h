@@ -3,7 +3,6 @@
 
 #include <array>
 
-#include "isosyrk/fast/fast_matrices.h"
 #include "isosyrk/fast/fast_options.h"
 #include "isosyrk/fast/split_workspace.h"
 
@@ -39,9 +38,6 @@ class FastRungeKutta4 final : public FastExplicit {
  public:
   FastRungeKutta4(const Flow& flow, const FastOptions& options, bool truncates);
 
-  /// Numbers of n x n matrices held: unknowns, in double and in single precision.
-  static FastMatrices matrices() { return {0.0, 7.0, 0.0}; }
-
  private:
   bool take_step(double h) override;
 
@@ -54,9 +50,6 @@ class FastRungeKutta4 final : public FastExplicit {
 class FastMuntheKaas4 final : public FastExplicit {
  public:
   FastMuntheKaas4(const Flow& flow, const FastOptions& options, bool truncates);
-
-  /// As FastRungeKutta4::matrices().
-  static FastMatrices matrices() { return {0.0, 10.0, 4.0}; }
 
  private:
   bool take_step(double h) override;

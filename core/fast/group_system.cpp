@@ -6,11 +6,8 @@
 namespace isosyrk {
 
 GroupSystem::GroupSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates)
-    : SplitSystem(flow, threads, truncates, tableau.stages(), tuning.group_coupling),
-      tableau_(tableau),
-      s_(tableau.stages()),
+    : SplitSystem(flow, tableau, threads, truncates, tuning.group_coupling),
       identity_(work_.identity()) {
-  require_consistent(tableau);
   W0_cut_ = work_.zeros(1);
   Q1_ = work_.zero();
   W0Q_ = W_stage_ = B_ = QB_ = work_.zeros(s_);
@@ -38,11 +35,7 @@ double GroupSystem::residual(Unknowns& x, double, Corrections& R) {
   work_.generate(W_stage_, B_);
   work_.products.form(Q.size(), [&](std::size_t j) { return times(Q[j], B_[j], QB_[j]); });
   return isosyrk::residual(
-      Q,
-      [&](std::size_t i) {
-        return sum_of(1.0, identity_).add(step_row(i), QB_);
-      },
-      R[0]);
+      Q, [&](std::size_t i) { return sum_of(1.0, identity_).add(-h_ * row(i), QB_); }, R[0]);
 }
 
 void GroupSystem::linearise(double accuracy) {
@@ -55,9 +48,8 @@ double GroupSystem::frozen_sweep(const Corrections& rhs, Corrections& delta) {
   work_.single_products.form(product_.size(), [&](std::size_t j) {
     return times(delta[0][j], B_single_[j], product_[j]);
   });
-  return replace(delta[0], [&](std::size_t i) {
-    return sum_of(1.0, rhs[0][i]).add(step_row(i), product_);
-  });
+  return replace(delta[0],
+                 [&](std::size_t i) { return sum_of(1.0, rhs[0][i]).add(-h_ * row(i), product_); });
 }
 
 void GroupSystem::couple(const Corrections& delta, Corrections& coupled) {
@@ -67,12 +59,9 @@ void GroupSystem::couple(const Corrections& delta, Corrections& coupled) {
   });
   upper_skew_part_within(band, N_, dW_);
   work_.generate_coupled(dW_, dB_);
-  work_.single_products.form(product_.size(), [&](std::size_t j) {
-    return times(Q_single_[j], dB_[j], product_[j]);
-  });
-  assign(coupled[0], [&](std::size_t i) {
-    return sum_of(step_row(i), product_);
-  });
+  work_.single_products.form(
+      product_.size(), [&](std::size_t j) { return times(Q_single_[j], dB_[j], product_[j]); });
+  assign(coupled[0], [&](std::size_t i) { return sum_of(-h_ * row(i), product_); });
 }
 
 void GroupSystem::update(const Unknowns&, SplitMatrix& W1) {

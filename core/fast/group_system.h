@@ -2,7 +2,6 @@
 #pragma once
 
 #include "isosyrk/fast/split_system.h"
-#include "isosyrk/tableaux/tableau.h"
 
 namespace isosyrk {
 
@@ -23,8 +22,7 @@ namespace isosyrk {
 /// Source: GroupForm.
 class GroupSystem final : public SplitSystem {
  public:
-  /// Throws std::invalid_argument for an inconsistent tableau or a flow without a generator in
-  /// split-complex storage.
+  /// As SplitSystem.
   GroupSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates);
 
   Unknowns unknowns() const override { return {work_.zeros(s_)}; }
@@ -37,10 +35,6 @@ class GroupSystem final : public SplitSystem {
   void update(const Unknowns& x, SplitMatrix& W1) override;
 
  private:
-  auto step_row(std::size_t i) const { return -h_ * tableau_.a.row(static_cast<Index>(i)); }
-
-  Tableau tableau_;
-  Index s_;
   const SplitStages* Q_ = nullptr;  // of the last residual
   SplitMatrix identity_, Q1_;
   SplitStages W0_cut_, W0Q_, W_stage_, B_, QB_;

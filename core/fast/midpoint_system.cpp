@@ -2,11 +2,12 @@
 
 #include "isosyrk/split/linear_combination.h"
 #include "isosyrk/split/skew.h"
+#include "isosyrk/tableaux/gauss_tableau.h"
 
 namespace isosyrk {
 
 MidpointSystem::MidpointSystem(const Flow& flow, int threads, bool truncates)
-    : SplitSystem(flow, threads, truncates, 1, tuning.midpoint_coupling) {
+    : SplitSystem(flow, gauss_tableau(1), threads, truncates, tuning.midpoint_coupling) {
   W_stage_ = B_ = M_ = MB_ = commutator_ = work_.zeros(1);
   W_single_ = B_single_ = K_right_ = dB_ = product_ = other_ = X_ = V_ = minus_V_adjoint_ =
       work_.singles(1);

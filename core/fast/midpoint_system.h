@@ -23,7 +23,7 @@ namespace isosyrk {
 /// Source: IsospectralMidpoint; G. Schulz, ZAMM 13, 1933.
 class MidpointSystem final : public SplitSystem {
  public:
-  /// Throws std::invalid_argument for a flow without a generator in split-complex storage.
+  /// As SplitSystem.
   MidpointSystem(const Flow& flow, int threads, bool truncates);
 
   Unknowns unknowns() const override { return {work_.zeros(1)}; }
@@ -41,7 +41,7 @@ class MidpointSystem final : public SplitSystem {
   SplitStages W_stage_, B_, M_, MB_, commutator_;
   SingleStages W_single_, B_single_, K_right_, dB_, product_, other_;
   SingleStages X_, V_, minus_V_adjoint_;  // X = 1 - (h/2) B
-  bool knows_V_ = false;  // V_ holds the inverse of an earlier correction
+  bool knows_V_ = false;                  // V_ holds the inverse of an earlier correction
 };
 
 }  // namespace isosyrk

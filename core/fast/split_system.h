@@ -3,10 +3,11 @@
 
 #include "isosyrk/fast/split_workspace.h"
 #include "isosyrk/fast/stage_system.h"
+#include "isosyrk/tableaux/tableau.h"
 
 namespace isosyrk {
 
-/// A stage system whose operations are those of a SplitWorkspace.
+/// The stage system of a Runge-Kutta method whose operations are those of a SplitWorkspace.
 class SplitSystem : public StageSystem {
  public:
   void bind(const SplitMatrix& W0, double h, double tolerance) override {
@@ -19,12 +20,22 @@ class SplitSystem : public StageSystem {
   StepReport work() const final { return work_.work(); }
 
  protected:
-  /// As SplitWorkspace.
-  SplitSystem(const Flow& flow, int threads, bool truncates, Index matrices,
+  /// Throws std::invalid_argument for an inconsistent tableau, for a flow without a generator in
+  /// split-complex storage, and for threads out of range.
+  SplitSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates,
               const Tuning::CouplingBand& coupling_band)
-      : work_(flow, threads, truncates, matrices, coupling_band) {}
+      : work_(flow, threads, truncates, tableau.stages(), coupling_band),
+        tableau_(tableau),
+        s_(tableau.stages()) {
+    require_consistent(tableau);
+  }
+
+  /// Returns a_i1 ... a_is.
+  auto row(std::size_t i) const { return tableau_.a.row(static_cast<Index>(i)); }
 
   SplitWorkspace work_;
+  Tableau tableau_;
+  Index s_;
   const SplitMatrix* W0_ = nullptr;
   double h_ = 0.0;
 };

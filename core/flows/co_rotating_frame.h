@@ -30,9 +30,6 @@ class CoRotatingFrame {
   /// W = e^{tR} V e^{-tR}, with three products.  Allocates nothing.  W is not V.
   void leave(double t, const Matrix& V, MatrixView W);
 
-  /// Number of n x n complex matrices of a frame, its flow not counted.
-  static constexpr Index matrices = 4;
-
  private:
   void set_rotation(double t);
 

@@ -6,7 +6,6 @@
 #include "isosyrk/split/small_blocks.h"
 
 namespace isosyrk {
-
 namespace {
 
 // Returns the first diagonal of a part of the diagonals within a band, a multiple of 8, so that
@@ -17,6 +16,30 @@ Index first_diagonal(Index n, Index band, Index part, Index parts) {
   Index m = 0;
   for (Index before = 0; parts * before < part * all; ++m) before += n - m;
   return std::min(m / 8 * 8, band + 1);
+}
+
+// Subtracts from the upper triangles of B_i their parts with l = 1.
+template <class Real>
+void subtract_rotation(SplitStagesOf<Real>& B) {
+  const Spin spin(B.front().size());
+  for (SplitMatrixOf<Real>& Bi : B) {
+    const Index next = Bi.stride() + 1;  // from an entry to the next of its diagonal
+    double of_z = 0.0;
+    Complex of_ladder = 0.0;
+    for (Index i = 0; i < spin.n; ++i) of_z += spin.magnetic(i) * Bi.im()[i * next];
+    for (Index i = 0; i + 1 < spin.n; ++i) {
+      of_ladder += spin.ladder(i) * Complex(Bi.re()[i * next + 1], Bi.im()[i * next + 1]);
+    }
+    of_z /= spin.squared_norm();
+    of_ladder /= 2.0 * spin.squared_norm();
+    for (Index i = 0; i < spin.n; ++i) {
+      Bi.im()[i * next] -= static_cast<Real>(of_z * spin.magnetic(i));
+    }
+    for (Index i = 0; i + 1 < spin.n; ++i) {
+      Bi.re()[i * next + 1] -= static_cast<Real>(of_ladder.real() * spin.ladder(i));
+      Bi.im()[i * next + 1] -= static_cast<Real>(of_ladder.imag() * spin.ladder(i));
+    }
+  }
 }
 
 }  // namespace
@@ -40,10 +63,8 @@ SplitLaplacianOf<Real>::SplitLaplacianOf(const Laplacian& laplacian)
 template <class Real>
 void SplitLaplacianOf<Real>::solve_upper(const SplitStagesOf<Real>& W, Real scale, Index band,
                                          SplitStagesOf<Real>& P) const {
-  parallel::for_each_share(static_cast<Index>(W.size()), [&](Index i, Share share, int) {
-    const auto k = static_cast<std::size_t>(i);
-    solve_upper(W[k], scale, band, P[k], share);
-  });
+  parallel::for_shares_of(
+      W, [&](std::size_t i, Share share) { solve_upper(W[i], scale, band, P[i], share); });
 }
 
 template <class Real>
@@ -126,34 +147,6 @@ void SplitLaplacianOf<Real>::solve_upper(const SplitMatrixOf<Real>& W, Real scal
 
 template class SplitLaplacianOf<double>;
 template class SplitLaplacianOf<float>;
-
-namespace {
-
-// Subtracts from the upper triangles of B_i their parts with l = 1.
-template <class Real>
-void subtract_rotation(SplitStagesOf<Real>& B) {
-  const Spin spin(B.front().size());
-  for (SplitMatrixOf<Real>& Bi : B) {
-    const Index next = Bi.stride() + 1;  // from an entry to the next of its diagonal
-    double of_z = 0.0;
-    Complex of_ladder = 0.0;
-    for (Index i = 0; i < spin.n; ++i) of_z += spin.magnetic(i) * Bi.im()[i * next];
-    for (Index i = 0; i + 1 < spin.n; ++i) {
-      of_ladder += spin.ladder(i) * Complex(Bi.re()[i * next + 1], Bi.im()[i * next + 1]);
-    }
-    of_z /= spin.squared_norm();
-    of_ladder /= 2.0 * spin.squared_norm();
-    for (Index i = 0; i < spin.n; ++i) {
-      Bi.im()[i * next] -= static_cast<Real>(of_z * spin.magnetic(i));
-    }
-    for (Index i = 0; i + 1 < spin.n; ++i) {
-      Bi.re()[i * next + 1] -= static_cast<Real>(of_ladder.real() * spin.ladder(i));
-      Bi.im()[i * next + 1] -= static_cast<Real>(of_ladder.imag() * spin.ladder(i));
-    }
-  }
-}
-
-}  // namespace
 
 SplitEulerZeitlin::SplitEulerZeitlin(const Laplacian& laplacian, double reciprocal_hbar,
                                      Rotation rotation)

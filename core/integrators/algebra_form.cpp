@@ -2,18 +2,12 @@
 
 #include <utility>
 
-#include "isosyrk/iteration/picard.h"
-#include "isosyrk/linalg/operations.h"
-
 namespace isosyrk {
 
 AlgebraForm::AlgebraForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
                          ProductBackend backend, AlgebraUpdate update)
-    : Integrator(flow),
-      flow_(flow),
-      products_(backend, flow.size()),
+    : ImplicitForm(flow, options, backend),
       tableau_(tableau),
-      options_(options),
       update_(update),
       s_(static_cast<std::size_t>(tableau.stages())) {
   require_consistent(tableau);
@@ -38,7 +32,7 @@ void AlgebraForm::start(const Matrix& W0) {
 // Only X and one row of K are stored twice.
 double AlgebraForm::sweep(const Matrix& W0, double h) {
   std::swap(X_, X_old_);
-  for (std::size_t i = 0; i < s_; ++i) flow_.generator(W_stage_[i], B_[i]);
+  for (std::size_t i = 0; i < s_; ++i) generator(W_stage_[i], B_[i]);
   change_.setZero();
   for (std::size_t i = 0; i < s_; ++i) {
     input_ = W0 + X_sum_[i];
@@ -64,44 +58,32 @@ void AlgebraForm::update_stage_vorticities(const Matrix& W0) {
     Matrix& S = input_;
     combine(a_i, X_, Y);
     combine(Y, a_i, K_[i], S);
-    const double change = update_stage_vorticity(flow_.algebra(), W0, S, Y, adjoint_, W_stage_[i]);
+    const double change = update_stage_vorticity(flow().algebra(), W0, S, Y, adjoint_, W_stage_[i]);
     change_(2) = larger(change_(2), change);
   }
 }
 
 void AlgebraForm::update(const Matrix& W0, double h, Matrix& W1) {
+  if (update_ == AlgebraUpdate::two_products) return update_by_two_products(W0, h, W1);
   Stages& C = K_row_;
   for (std::size_t i = 0; i < s_; ++i) {
-    flow_.generator(W_stage_[i], B_[i]);
+    generator(W_stage_[i], B_[i]);
     products_.multiply(B_[i], W_stage_[i], C[i]);
   }
   combine(h * tableau_.b, C, input_);
-  add_commutator(flow_.algebra(), W0, input_, adjoint_, W1);
+  add_commutator(flow().algebra(), W0, input_, adjoint_, W1);
 }
 
 void AlgebraForm::update_by_two_products(const Matrix& W0, double h, Matrix& W1) {
   W1 = W0;
   for (std::size_t i = 0; i < s_; ++i) {
     const double weight = h * tableau_.b(static_cast<Index>(i));
-    flow_.generator(W_stage_[i], B_[i]);
+    generator(W_stage_[i], B_[i]);
     products_.multiply(B_[i], W_stage_[i], input_, weight);
     W1 += input_;
     products_.multiply(W_stage_[i], B_[i], input_, weight);
     W1 -= input_;
   }
-}
-
-StepReport AlgebraForm::advance(const Matrix& W0, double h, Matrix& W1) {
-  const StepCount count(flow_, products_);
-  start(W0);
-  const SolveReport solve = solve_fixed_point(options_, [&] { return sweep(W0, h); });
-  if (solve.status != Status::converged) return count.report(solve);
-  if (update_ == AlgebraUpdate::one_product) {
-    update(W0, h, W1);
-  } else {
-    update_by_two_products(W0, h, W1);
-  }
-  return count.report(solve);
 }
 
 }  // namespace isosyrk

@@ -3,8 +3,7 @@
 
 #include <vector>
 
-#include "isosyrk/integrators/counted_flow.h"
-#include "isosyrk/linalg/operations.h"
+#include "isosyrk/integrators/published_form.h"
 #include "isosyrk/tableaux/tableau.h"
 
 namespace isosyrk {
@@ -30,31 +29,22 @@ enum class AlgebraUpdate {
 /// out of g exponentially: the stage equations assume W₀† = -J W₀ J⁻¹ and pass the part of W₀
 /// outside g on to W̃.  For the midpoint tableau, IsospectralMidpoint takes
 /// the same step in one unknown.
-class AlgebraForm final : public Integrator {
+class AlgebraForm final : public ImplicitForm {
  public:
   /// Throws std::invalid_argument for an inconsistent tableau.
   AlgebraForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
               ProductBackend backend, AlgebraUpdate update = AlgebraUpdate::one_product);
 
-  /// Number of n x n complex matrices held if J = I.
-  static Index matrices(Index s) { return common_matrices + s * s + 6 * s + 1; }
-
- protected:
-  StepReport advance(const Matrix& W0, double h, Matrix& W1) override;
-
  private:
   using Stages = std::vector<Matrix>;
 
-  void start(const Matrix& W0);
-  double sweep(const Matrix& W0, double h);
+  void start(const Matrix& W0) override;
+  double sweep(const Matrix& W0, double h) override;
+  void update(const Matrix& W0, double h, Matrix& W1) override;
   void update_stage_vorticities(const Matrix& W0);
-  void update(const Matrix& W0, double h, Matrix& W1);
   void update_by_two_products(const Matrix& W0, double h, Matrix& W1);
 
-  CountedFlow flow_;
-  Products products_;
   Tableau tableau_;
-  SolverOptions options_;
   AlgebraUpdate update_;
   std::size_t s_;
   Stages X_;               // X_i

@@ -19,9 +19,6 @@ class Composition final : public Integrator {
   Composition(const Flow& flow, const CompositionScheme& scheme, const SolverOptions& options,
               ProductBackend backend);
 
-  /// Number of n x n complex matrices held if J = I.
-  static Index matrices() { return common_matrices + IsospectralMidpoint::matrices(); }
-
  protected:
   StepReport advance(const Matrix& W0, double h, Matrix& W1) override;
 

@@ -1,17 +1,10 @@
 #include "isosyrk/integrators/cotangent_form.h"
 
-#include "isosyrk/iteration/picard.h"
-#include "isosyrk/linalg/operations.h"
-
 namespace isosyrk {
 
 CotangentForm::CotangentForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
                              ProductBackend backend)
-    : Integrator(flow),
-      flow_(flow),
-      products_(backend, flow.size()),
-      tableau_(tableau),
-      options_(options) {
+    : ImplicitForm(flow, options, backend), tableau_(tableau) {
   require_consistent(tableau);
   const Index n = flow.size();
   Q_ = stage_matrices(tableau.stages(), n);
@@ -25,7 +18,7 @@ CotangentForm::CotangentForm(const Flow& flow, const Tableau& tableau, const Sol
 void CotangentForm::evaluate_stages() {
   for (std::size_t j = 0; j < Q_.size(); ++j) {
     products_.multiply_adjoint_left(Q_[j], P_[j], W_stage_);
-    flow_.generator(W_stage_, B_);
+    generator(W_stage_, B_);
     products_.multiply_adjoint_right(Q_[j], B_, QB_[j]);
     products_.multiply(P_[j], B_, PB_[j]);
   }
@@ -39,18 +32,16 @@ double CotangentForm::sweep(const Matrix& W0, double h) {
   return largest_change(change_);
 }
 
-StepReport CotangentForm::advance(const Matrix& W0, double h, Matrix& W1) {
-  const StepCount count(flow_, products_);
+void CotangentForm::start(const Matrix& W0) {
   for (Matrix& Q : Q_) Q.setIdentity();
   for (Matrix& P : P_) P = W0;
-  const SolveReport solve = solve_fixed_point(options_, [&] { return sweep(W0, h); });
-  if (solve.status != Status::converged) return count.report(solve);
+}
 
+void CotangentForm::update(const Matrix& W0, double h, Matrix& W1) {
   evaluate_stages();
   combine(identity_, h * tableau_.b, QB_, Q_next_);
   combine(W0, -h * tableau_.b, PB_, P_next_);
   products_.multiply_adjoint_left(Q_next_, P_next_, W1);
-  return count.report(solve);
 }
 
 }  // namespace isosyrk

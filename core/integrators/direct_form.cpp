@@ -1,17 +1,10 @@
 #include "isosyrk/integrators/direct_form.h"
 
-#include "isosyrk/iteration/picard.h"
-#include "isosyrk/linalg/operations.h"
-
 namespace isosyrk {
 
 DirectForm::DirectForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
                        ProductBackend backend)
-    : Integrator(flow),
-      flow_(flow),
-      products_(backend, flow.size()),
-      tableau_(tableau),
-      options_(options) {
+    : ImplicitForm(flow, options, backend), tableau_(tableau) {
   require_consistent(tableau);
   const Index n = flow.size();
   W_stage_ = stage_matrices(tableau.stages(), n);
@@ -23,7 +16,7 @@ DirectForm::DirectForm(const Flow& flow, const Tableau& tableau, const SolverOpt
 
 void DirectForm::evaluate_stages() {
   for (std::size_t i = 0; i < W_stage_.size(); ++i) {
-    flow_.generator(W_stage_[i], B_);
+    generator(W_stage_[i], B_);
     products_.multiply(B_, W_stage_[i], C_[i]);
   }
 }
@@ -43,18 +36,16 @@ double DirectForm::sweep(const Matrix& W0, double h) {
 template <class Weights>
 void DirectForm::add_increment(const Matrix& W0, const Weights& weights, Matrix& out) {
   combine(weights, C_, sum_);
-  add_commutator(flow_.algebra(), W0, sum_, scratch_, out);
+  add_commutator(flow().algebra(), W0, sum_, scratch_, out);
 }
 
-StepReport DirectForm::advance(const Matrix& W0, double h, Matrix& W1) {
-  const StepCount count(flow_, products_);
+void DirectForm::start(const Matrix& W0) {
   for (Matrix& W : W_stage_) W = W0;
-  const SolveReport solve = solve_fixed_point(options_, [&] { return sweep(W0, h); });
-  if (solve.status != Status::converged) return count.report(solve);
+}
 
+void DirectForm::update(const Matrix& W0, double h, Matrix& W1) {
   evaluate_stages();
   add_increment(W0, h * tableau_.b, W1);
-  return count.report(solve);
 }
 
 }  // namespace isosyrk

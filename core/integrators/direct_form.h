@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "isosyrk/integrators/counted_flow.h"
+#include "isosyrk/integrators/published_form.h"
 #include "isosyrk/tableaux/tableau.h"
 
 namespace isosyrk {
@@ -15,28 +15,21 @@ namespace isosyrk {
 /// Products: s a sweep, s for the update.  Poisson solves: s a sweep, s for the update.
 /// Not isospectral: symplectic tableaux keep the quadratic Casimir tr W² and lose tr W³.  W stays
 /// in g.  The three formulations are compared against this control.
-class DirectForm final : public Integrator {
+class DirectForm final : public ImplicitForm {
  public:
   /// Throws std::invalid_argument for an inconsistent tableau.
   DirectForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
              ProductBackend backend);
 
-  /// Number of n x n complex matrices held if J = I.
-  static Index matrices(Index s) { return common_matrices + 2 * s + 3; }
-
- protected:
-  StepReport advance(const Matrix& W0, double h, Matrix& W1) override;
-
  private:
+  void start(const Matrix& W0) override;
+  double sweep(const Matrix& W0, double h) override;
+  void update(const Matrix& W0, double h, Matrix& W1) override;
   void evaluate_stages();
-  double sweep(const Matrix& W0, double h);
   template <class Weights>
   void add_increment(const Matrix& W0, const Weights& weights, Matrix& out);
 
-  CountedFlow flow_;
-  Products products_;
   Tableau tableau_;
-  SolverOptions options_;
   std::vector<Matrix> W_stage_;
   std::vector<Matrix> C_;  // B_i W̃_i
   Matrix B_;

@@ -3,20 +3,19 @@
 namespace isosyrk {
 
 MuntheKaas4::MuntheKaas4(const Flow& flow, ProductBackend backend)
-    : Integrator(flow), flow_(flow), products_(backend, flow.size()), series_(flow.algebra()) {
+    : PublishedForm(flow, backend), series_(flow.algebra()) {
   commutator_ = Omega_ = W_stage_ = Matrix::Zero(flow.size(), flow.size());
   k_.fill(commutator_);
 }
 
-StepReport MuntheKaas4::advance(const Matrix& W0, double h, Matrix& W1) {
-  const StepCount count(flow_, products_);
+StepReport MuntheKaas4::take_step(const Matrix& W0, double h, Matrix& W1) {
   bool summed = true;
   const auto stage = [&](double scale, const Matrix& exponent, Matrix& k) {
     summed = series_.conjugate(products_, scale, exponent, W0, W_stage_) && summed;
-    flow_.generator(W_stage_, k);
+    generator(W_stage_, k);
     k *= h;
   };
-  flow_.generator(W0, k_[0]);
+  generator(W0, k_[0]);
   k_[0] *= h;
   stage(0.5, k_[0], k_[1]);
   series_.commutator(products_, k_[0], k_[1], commutator_);
@@ -26,22 +25,21 @@ StepReport MuntheKaas4::advance(const Matrix& W0, double h, Matrix& W1) {
   series_.commutator(products_, k_[0], k_[3], commutator_);
   Omega_ = (k_[0] + 2.0 * k_[1] + 2.0 * k_[2] + k_[3]) / 6.0 - commutator_ / 12.0;
   summed = series_.conjugate(products_, 1.0, Omega_, W0, W1) && summed;
-  return count.report(summed ? Status::converged : Status::diverged);
+  return {.status = summed ? Status::converged : Status::diverged};
 }
 
 ClassicalRungeKutta4::ClassicalRungeKutta4(const Flow& flow, ProductBackend backend)
-    : Integrator(flow), flow_(flow), products_(backend, flow.size()), series_(flow.algebra()) {
+    : PublishedForm(flow, backend), series_(flow.algebra()) {
   B_ = W_stage_ = Matrix::Zero(flow.size(), flow.size());
   k_.fill(B_);
 }
 
 void ClassicalRungeKutta4::slope(const Matrix& W, Matrix& out) {
-  flow_.generator(W, B_);
+  generator(W, B_);
   series_.commutator(products_, B_, W, out);
 }
 
-StepReport ClassicalRungeKutta4::advance(const Matrix& W0, double h, Matrix& W1) {
-  const StepCount count(flow_, products_);
+StepReport ClassicalRungeKutta4::take_step(const Matrix& W0, double h, Matrix& W1) {
   slope(W0, k_[0]);
   W_stage_ = W0 + (0.5 * h) * k_[0];
   slope(W_stage_, k_[1]);
@@ -50,7 +48,7 @@ StepReport ClassicalRungeKutta4::advance(const Matrix& W0, double h, Matrix& W1)
   W_stage_ = W0 + h * k_[2];
   slope(W_stage_, k_[3]);
   W1 = W0 + (h / 6.0) * (k_[0] + 2.0 * k_[1] + 2.0 * k_[2] + k_[3]);
-  return count.report(Status::converged);
+  return {};
 }
 
 }  // namespace isosyrk

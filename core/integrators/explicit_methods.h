@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "isosyrk/integrators/counted_flow.h"
+#include "isosyrk/integrators/published_form.h"
 #include "isosyrk/linalg/adjoint_series.h"
 
 namespace isosyrk {
@@ -19,19 +19,13 @@ namespace isosyrk {
 /// A step diverges if a series does not converge.
 /// Products: 2, and 1 for each term of the 4 series.  Poisson solves: 4.
 /// Source: Munthe-Kaas 1999; Casas and Owren 2003.
-class MuntheKaas4 final : public Integrator {
+class MuntheKaas4 final : public PublishedForm {
  public:
   MuntheKaas4(const Flow& flow, ProductBackend backend);
 
-  /// Number of n x n complex matrices held if J = I.
-  static Index matrices() { return common_matrices + AdjointSeries::matrices() + 7; }
-
- protected:
-  StepReport advance(const Matrix& W0, double h, Matrix& W1) override;
-
  private:
-  CountedFlow flow_;
-  Products products_;
+  StepReport take_step(const Matrix& W0, double h, Matrix& W1) override;
+
   AdjointSeries series_;
   std::array<Matrix, 4> k_;
   Matrix commutator_;
@@ -42,21 +36,14 @@ class MuntheKaas4 final : public Integrator {
 /// Control: the classical Runge-Kutta method of order 4 applied to W' = [B(W), W].  Neither
 /// isospectral nor symmetric.  Unstable for h ‖ad_B‖₂ > 2√2.
 /// Products: 4.  Poisson solves: 4.
-class ClassicalRungeKutta4 final : public Integrator {
+class ClassicalRungeKutta4 final : public PublishedForm {
  public:
   ClassicalRungeKutta4(const Flow& flow, ProductBackend backend);
 
-  /// Number of n x n complex matrices held if J = I.
-  static Index matrices() { return common_matrices + AdjointSeries::matrices() + 6; }
-
- protected:
-  StepReport advance(const Matrix& W0, double h, Matrix& W1) override;
-
  private:
+  StepReport take_step(const Matrix& W0, double h, Matrix& W1) override;
   void slope(const Matrix& W, Matrix& out);
 
-  CountedFlow flow_;
-  Products products_;
   AdjointSeries series_;
   std::array<Matrix, 4> k_;
   Matrix B_;

@@ -37,15 +37,6 @@ Formulation formulation_from_name(std::string_view wanted) {
       fmt::format("formulation '{}': must be cotangent, group or algebra", wanted));
 }
 
-namespace {
-
-// True for the midpoint tableau, the only one with a form in one unknown.
-bool is_midpoint(const Tableau& tableau) {
-  return tableau.stages() == 1 && tableau.a(0, 0) == 0.5 && tableau.b(0) == 1.0;
-}
-
-}  // namespace
-
 std::unique_ptr<Integrator> make_formulation(Formulation formulation, const Flow& flow,
                                              const Tableau& tableau, const SolverOptions& options,
                                              ProductBackend backend) {
@@ -56,25 +47,12 @@ std::unique_ptr<Integrator> make_formulation(Formulation formulation, const Flow
       return std::make_unique<GroupForm>(flow, tableau, options, backend);
     case Formulation::algebra:
       require_consistent(tableau);
-      if (is_midpoint(tableau)) {
+      if (tableau.stages() == 1 && tableau.a(0, 0) == 0.5 && tableau.b(0) == 1.0) {  // the midpoint
         return std::make_unique<IsospectralMidpoint>(flow, options, backend);
       }
       return std::make_unique<AlgebraForm>(flow, tableau, options, backend);
   }
   throw std::invalid_argument("make_formulation: unknown formulation");
-}
-
-Index formulation_matrices(Formulation formulation, const Tableau& tableau) {
-  switch (formulation) {
-    case Formulation::cotangent:
-      return CotangentForm::matrices(tableau.stages());
-    case Formulation::group:
-      return GroupForm::matrices(tableau.stages());
-    case Formulation::algebra:
-      return is_midpoint(tableau) ? IsospectralMidpoint::matrices()
-                                  : AlgebraForm::matrices(tableau.stages());
-  }
-  throw std::invalid_argument("formulation_matrices: unknown formulation");
 }
 
 }  // namespace isosyrk

@@ -29,7 +29,4 @@ std::unique_ptr<Integrator> make_formulation(Formulation formulation, const Flow
                                              const Tableau& tableau, const SolverOptions& options,
                                              ProductBackend backend);
 
-/// Returns the number of n x n complex matrices that this integrator holds if J = I.
-Index formulation_matrices(Formulation formulation, const Tableau& tableau);
-
 }  // namespace isosyrk

@@ -1,17 +1,10 @@
 #include "isosyrk/integrators/group_form.h"
 
-#include "isosyrk/iteration/picard.h"
-#include "isosyrk/linalg/operations.h"
-
 namespace isosyrk {
 
 GroupForm::GroupForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
                      ProductBackend backend)
-    : Integrator(flow),
-      flow_(flow),
-      products_(backend, flow.size()),
-      tableau_(tableau),
-      options_(options) {
+    : ImplicitForm(flow, options, backend), tableau_(tableau) {
   require_consistent(tableau);
   const Index n = flow.size();
   Q_ = stage_matrices(tableau.stages(), n);
@@ -24,7 +17,7 @@ GroupForm::GroupForm(const Flow& flow, const Tableau& tableau, const SolverOptio
 
 // W = Q† W₀ J Q J⁻¹
 void GroupForm::transport(const Matrix& W0, const Matrix& Q, Matrix& W) {
-  const QuadraticAlgebra& algebra = flow_.algebra();
+  const QuadraticAlgebra& algebra = flow().algebra();
   if (algebra.is_skew_hermitian()) {
     products_.multiply(W0, Q, W0Q_);
   } else {
@@ -38,7 +31,7 @@ void GroupForm::transport(const Matrix& W0, const Matrix& Q, Matrix& W) {
 void GroupForm::evaluate_stages(const Matrix& W0) {
   for (std::size_t j = 0; j < Q_.size(); ++j) {
     transport(W0, Q_[j], W_stage_);
-    flow_.generator(W_stage_, B_);
+    generator(W_stage_, B_);
     products_.multiply_adjoint_right(Q_[j], B_, QB_[j]);
   }
 }
@@ -49,16 +42,14 @@ double GroupForm::sweep(const Matrix& W0, double h) {
   return largest_change(change_);
 }
 
-StepReport GroupForm::advance(const Matrix& W0, double h, Matrix& W1) {
-  const StepCount count(flow_, products_);
+void GroupForm::start(const Matrix&) {
   for (Matrix& Q : Q_) Q.setIdentity();
-  const SolveReport solve = solve_fixed_point(options_, [&] { return sweep(W0, h); });
-  if (solve.status != Status::converged) return count.report(solve);
+}
 
+void GroupForm::update(const Matrix& W0, double h, Matrix& W1) {
   evaluate_stages(W0);
   combine(identity_, h * tableau_.b, QB_, Q_next_);
   transport(W0, Q_next_, W1);
-  return count.report(solve);
 }
 
 }  // namespace isosyrk

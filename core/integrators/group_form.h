@@ -3,8 +3,7 @@
 
 #include <vector>
 
-#include "isosyrk/integrators/counted_flow.h"
-#include "isosyrk/linalg/operations.h"
+#include "isosyrk/integrators/published_form.h"
 #include "isosyrk/tableaux/tableau.h"
 
 namespace isosyrk {
@@ -17,27 +16,20 @@ namespace isosyrk {
 ///
 /// Products: 3s a sweep, 3s + 2 for the update.  Poisson solves: s a sweep, s for the update.
 /// Source: the paper's theorem, item 3, with Q_k† for the printed Q_k.
-class GroupForm final : public Integrator {
+class GroupForm final : public ImplicitForm {
  public:
   /// Throws std::invalid_argument for an inconsistent tableau.
   GroupForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
             ProductBackend backend);
 
-  /// Number of n x n complex matrices held if J = I.
-  static Index matrices(Index s) { return common_matrices + 2 * s + 5; }
-
- protected:
-  StepReport advance(const Matrix& W0, double h, Matrix& W1) override;
-
  private:
+  void start(const Matrix& W0) override;
+  double sweep(const Matrix& W0, double h) override;
+  void update(const Matrix& W0, double h, Matrix& W1) override;
   void transport(const Matrix& W0, const Matrix& Q, Matrix& W);
   void evaluate_stages(const Matrix& W0);
-  double sweep(const Matrix& W0, double h);
 
-  CountedFlow flow_;
-  Products products_;
   Tableau tableau_;
-  SolverOptions options_;
   std::vector<Matrix> Q_;
   std::vector<Matrix> QB_;  // Q_j B_j†
   Matrix W_stage_;

@@ -54,9 +54,6 @@ class Integrator {
   /// `converged`.
   virtual StepReport advance(const Matrix& W0, double h, Matrix& W1) = 0;
 
-  /// Number of n x n complex matrices of this base class, beside those of the form.
-  static constexpr Index common_matrices = 2;
-
  protected:
   explicit Integrator(const Flow& flow);
 

@@ -1,7 +1,7 @@
 // The isospectral midpoint rule: the algebra formulation for the midpoint tableau, in one unknown.
 #pragma once
 
-#include "isosyrk/integrators/counted_flow.h"
+#include "isosyrk/integrators/published_form.h"
 
 namespace isosyrk {
 
@@ -13,22 +13,15 @@ namespace isosyrk {
 /// [B, W̃] = M - J⁻¹ M† J with M = B W̃.
 /// Products: 2 a sweep (M and M B), 1 for the update.  Poisson solves: 1 a sweep, 1 for the update.
 /// Source: the paper's ISOSYRK equations at s = 1 with X and K eliminated.
-class IsospectralMidpoint final : public Integrator {
+class IsospectralMidpoint final : public ImplicitForm {
  public:
   IsospectralMidpoint(const Flow& flow, const SolverOptions& options, ProductBackend backend);
 
-  /// Number of n x n complex matrices held if J = I.
-  static Index matrices() { return common_matrices + 4; }
-
- protected:
-  StepReport advance(const Matrix& W0, double h, Matrix& W1) override;
-
  private:
-  double sweep(const Matrix& W0, double h);
+  void start(const Matrix& W0) override;
+  double sweep(const Matrix& W0, double h) override;
+  void update(const Matrix& W0, double h, Matrix& W1) override;
 
-  CountedFlow flow_;
-  Products products_;
-  SolverOptions options_;
   Matrix W_stage_;  // W̃
   Matrix B_;
   Matrix M_;        // B W̃

@@ -13,9 +13,6 @@ class AdjointSeries {
  public:
   explicit AdjointSeries(const QuadraticAlgebra& algebra);
 
-  /// Number of n x n complex matrices held if J = I.
-  static Index matrices() { return 3; }
-
   /// out = e^(scale Ω) W e^(-scale Ω).  The series ends when a term is below rounding relative to
   /// W.  Returns false if 200 terms do not suffice or a term is not finite.  out is not W.
   bool conjugate(Products& products, double scale, const Matrix& Omega, const Matrix& W,

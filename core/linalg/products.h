@@ -31,8 +31,6 @@ class Products {
 
   /// Returns the number of products since construction.
   long count() const { return count_; }
-  ProductBackend backend() const { return backend_; }
-  Index size() const { return n_; }
 
  private:
   struct EigenWorkspace;

@@ -42,28 +42,21 @@ Scene scene_of_generator(const std::string& name, const Array& initial, py::hand
   return {name, std::make_shared<PythonFlow>(n, generator), std::move(W0), 5.0};
 }
 
-// What an integrator is asked for.
-struct Request {
-  std::string name;
-  bool fast;
-  SolverOptions options;
-  FastOptions switches;
-  BackendChoice products;
-};
-
-IntegratorEntry entry_of(const Request& request) {
-  return request.fast ? fast_entry(request.name, request.switches) : integrator_entry(request.name);
-}
-
-std::unique_ptr<Stepper> make_stepper(const Scene& scene, const Request& request) {
-  const IntegratorEntry entry = entry_of(request);
+std::unique_ptr<Stepper> make_stepper(const Scene& scene, const std::string& name, bool fast,
+                                      double tolerance, int max_sweeps, int threads, bool predictor,
+                                      bool newton, bool bands, const std::string& products) {
+  FastOptions switches{.threads = threads, .newton = newton};
+  if (!predictor) switches.past_steps = 0;
+  if (!bands) switches.bands = false;
+  const BackendChoice choice = backend_choice_from_name(products);
+  const IntegratorEntry entry = fast ? fast_entry(name, switches) : integrator_entry(name);
   const Index n = scene.initial.rows();
-  require_memory(fmt::format("n = {} with {}", n, request.name), entry, n);
+  require_memory(fmt::format("n = {} with {}", n, name), entry, n);
   const OneBlasThread one_blas_thread;
-  const ProductBackend backend = request.fast || request.products
-                                     ? request.products.value_or(ProductBackend::openblas)
-                                     : choose_backend({}, n).chosen;
-  return std::make_unique<Stepper>(scene.flow, entry.make(*scene.flow, request.options, backend));
+  const ProductBackend backend =
+      fast || choice ? choice.value_or(ProductBackend::openblas) : choose_backend({}, n).chosen;
+  const SolverOptions options = {tolerance, max_sweeps, &handle_signals};
+  return std::make_unique<Stepper>(scene.flow, entry.make(*scene.flow, options, backend));
 }
 
 std::map<std::string, std::string> conditions(const std::string& products,
@@ -134,19 +127,18 @@ void bind_scenes(py::module_& module) {
 }
 
 void bind_integrators(py::module_& module) {
+  const auto keeps = [](bool Properties::*property) {
+    return [property](const IntegratorEntry& e) { return e.keeps.*property; };
+  };
   py::class_<IntegratorEntry>(module, "Entry")
       .def_readonly("name", &IntegratorEntry::name)
       .def_readonly("stages", &IntegratorEntry::stages)
       .def_readonly("order", &IntegratorEntry::order)
       .def_readonly("stability_limit", &IntegratorEntry::stability_limit)
-      .def_property_readonly("isospectral",
-                             [](const IntegratorEntry& e) { return e.keeps.isospectral; })
-      .def_property_readonly("lie_poisson",
-                             [](const IntegratorEntry& e) { return e.keeps.lie_poisson; })
-      .def_property_readonly("symmetric",
-                             [](const IntegratorEntry& e) { return e.keeps.symmetric; })
-      .def_property_readonly("explicit",
-                             [](const IntegratorEntry& e) { return e.keeps.is_explicit; })
+      .def_property_readonly("isospectral", keeps(&Properties::isospectral))
+      .def_property_readonly("lie_poisson", keeps(&Properties::lie_poisson))
+      .def_property_readonly("symmetric", keeps(&Properties::symmetric))
+      .def_property_readonly("explicit", keeps(&Properties::is_explicit))
       .def_property_readonly("measured_limit",
                              [](const IntegratorEntry& e) { return measured_limit(e.name); })
       .def(
@@ -160,37 +152,22 @@ void bind_integrators(py::module_& module) {
   module.def("integrators", &integrators);
   module.def("integrator_entry", &integrator_entry);
 
+  const auto of_run = [](auto RunReport::*field) {
+    return [field](const Stepper::Outcome& o) { return o.run.*field; };
+  };
   py::class_<Stepper::Outcome>(module, "Outcome")
       .def_property_readonly("status", [](const Stepper::Outcome& o) { return name(o.run.status); })
-      .def_property_readonly("failed_step",
-                             [](const Stepper::Outcome& o) { return o.run.failed_step; })
-      .def_property_readonly("steps", [](const Stepper::Outcome& o) { return o.run.steps; })
-      .def_property_readonly("sweeps", [](const Stepper::Outcome& o) { return o.run.sweeps; })
-      .def_property_readonly("products", [](const Stepper::Outcome& o) { return o.run.products; })
-      .def_property_readonly("equivalent_products",
-                             [](const Stepper::Outcome& o) { return o.run.equivalent_products; })
-      .def_property_readonly("poisson_solves",
-                             [](const Stepper::Outcome& o) { return o.run.poisson_solves; })
-      .def_property_readonly("contraction",
-                             [](const Stepper::Outcome& o) { return o.run.contraction; })
-      .def_property_readonly("last_change",
-                             [](const Stepper::Outcome& o) { return o.run.last_change; })
+      .def_property_readonly("failed_step", of_run(&RunReport::failed_step))
+      .def_property_readonly("steps", of_run(&RunReport::steps))
+      .def_property_readonly("sweeps", of_run(&RunReport::sweeps))
+      .def_property_readonly("products", of_run(&RunReport::products))
+      .def_property_readonly("equivalent_products", of_run(&RunReport::equivalent_products))
+      .def_property_readonly("poisson_solves", of_run(&RunReport::poisson_solves))
+      .def_property_readonly("contraction", of_run(&RunReport::contraction))
+      .def_property_readonly("last_change", of_run(&RunReport::last_change))
       .def_readonly("seconds", &Stepper::Outcome::seconds);
   py::class_<Stepper>(module, "Stepper")
-      .def(py::init([](const Scene& scene, const std::string& name, bool fast, double tolerance,
-                       int max_sweeps, int threads, bool predictor, bool newton, bool bands,
-                       const std::string& products) {
-        Request request{name,
-                        fast,
-                        {tolerance, max_sweeps, &handle_signals},
-                        {},
-                        backend_choice_from_name(products)};
-        request.switches.threads = threads;
-        request.switches.newton = newton;
-        if (!predictor) request.switches.past_steps = 0;
-        if (!bands) request.switches.bands = false;
-        return make_stepper(scene, request);
-      }))
+      .def(py::init(&make_stepper))
       .def("run", &Stepper::run)
       .def("timed_run", &Stepper::timed_run);
 }

@@ -7,18 +7,14 @@ namespace {
 template <class GoOn>
 RunReport run_steps(Integrator& integrator, MatrixView W, double h, long steps, const GoOn& go_on) {
   // W is the last good state however the run ends, by an exception too.
-  class Ending {
-   public:
-    Ending(Integrator& integrator, MatrixView& W) : integrator_(integrator), W_(W) {}
-    ~Ending() { integrator_.state(W_); }
-
-   private:
-    Integrator& integrator_;
-    MatrixView& W_;
+  struct Ending {
+    Integrator& integrator;
+    MatrixView& W;
+    ~Ending() { integrator.state(W); }
   };
 
   integrator.set_state(W);
-  const Ending ending(integrator, W);
+  const Ending ending{integrator, W};
   RunReport total;
   for (long k = 1; k <= steps; ++k) {
     const StepReport step = integrator.step(h);

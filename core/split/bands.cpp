@@ -83,31 +83,24 @@ BandTruncation::BandTruncation(bool enabled, std::size_t matrices, Index n)
 
 template <class Real>
 void BandTruncation::truncate(double tail, SplitStagesOf<Real>& X) {
-  const auto items = static_cast<Index>(X.size());
   if (!enabled_) {
     for (SplitMatrixOf<Real>& each : X) each.set_band(each.size() - 1);
     return;
   }
-  parallel::for_each_share(items, [&](Index i, Share share, int) {
-    const auto k = static_cast<std::size_t>(i);
-    diagonal_squares(X[k], squares_[k], share);
-  });
-  parallel::for_each_share(items, [&](Index i, Share share, int) {
-    const auto k = static_cast<std::size_t>(i);
+  parallel::for_shares_of(
+      X, [&](std::size_t k, Share share) { diagonal_squares(X[k], squares_[k], share); });
+  parallel::for_shares_of(X, [&](std::size_t k, Share share) {
     cut_to_band(smallest_band(squares_[k], tail), X[k], share);
   });
 }
 
 void BandTruncation::truncate_skew(double tail, SplitStages& B) {
-  const auto items = static_cast<Index>(B.size());
   if (enabled_) {
-    parallel::for_each_share(items, [&](Index i, Share share, int) {
-      const auto k = static_cast<std::size_t>(i);
+    parallel::for_shares_of(B, [&](std::size_t k, Share share) {
       diagonal_squares_of_skew(B[k], skew_squares_[k], share);
     });
   }
-  parallel::for_each_share(items, [&](Index i, Share share, int) {
-    const auto k = static_cast<std::size_t>(i);
+  parallel::for_shares_of(B, [&](std::size_t k, Share share) {
     const Index band = enabled_ ? smallest_band(skew_squares_[k], tail) : B[k].size() - 1;
     mirror_skew_within(band, B[k], share);
   });
@@ -116,8 +109,7 @@ void BandTruncation::truncate_skew(double tail, SplitStages& B) {
 void BandTruncation::round_skew(double tail, const SplitStages& B, SingleStages& S) const {
   round_to_single(B, S);
   if (!enabled_) return;
-  parallel::for_each_share(static_cast<Index>(B.size()), [&](Index i, Share share, int) {
-    const auto k = static_cast<std::size_t>(i);
+  parallel::for_shares_of(B, [&](std::size_t k, Share share) {
     cut_to_band(smallest_band(skew_squares_[k], tail), S[k], share);
   });
 }

@@ -41,7 +41,7 @@ class BandTruncation {
 
  private:
   bool enabled_;
-  std::vector<RealVector> squares_;  // diagonal_squares of each X_i in truncate()
+  std::vector<RealVector> squares_;       // diagonal_squares of each X_i in truncate()
   std::vector<RealVector> skew_squares_;  // of each B_i in truncate_skew()
 };
 

@@ -7,8 +7,11 @@
 
 namespace isosyrk {
 
-/// Sets, for its lifetime, whether this thread treats denormal numbers as 0 or as numbers.  The
-/// destructor restores the mode before.  Does nothing on processors other than x86.
+/// Sets, for its lifetime, whether this thread treats denormal numbers as 0, read or written, or as
+/// numbers.  The destructor restores the mode before.  Does nothing on processors other than x86.
+///
+/// Corrections in single precision decay away from the diagonal to below 1e-38.  Numbers that small
+/// do not affect the result, but some processors take over a hundred cycles for each of them.
 class DenormalMode {
  public:
   DenormalMode(const DenormalMode&) = delete;
@@ -27,15 +30,6 @@ class DenormalMode {
   explicit DenormalMode(bool) {}
   ~DenormalMode() {}
 #endif
-};
-
-/// Makes this thread, for its lifetime, read denormal numbers as 0 and write 0 in place of them.
-///
-/// Corrections in single precision decay away from the diagonal to below 1e-38.  Numbers that small
-/// do not affect the result, but some processors take over a hundred cycles for each of them.
-class FlushDenormals : DenormalMode {
- public:
-  FlushDenormals() : DenormalMode(true) {}
 };
 
 }  // namespace isosyrk

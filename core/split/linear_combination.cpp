@@ -181,18 +181,16 @@ template double squares_of_rows(const SingleMatrix&, parallel::Rows);
 
 void round_to_single(const SplitStages& X, SingleStages& S) {
   if (X.empty()) return;
-  linear_combination::for_each_block_of_rows(
-      X.size(), X[0].size(), [&](std::size_t i, parallel::Rows rows) {
-        linear_combination::round_rows(X[i], rows, S[i]);
-      });
+  parallel::for_each_block(X.size(), X[0].size(), [&](std::size_t i, parallel::Rows rows, Index) {
+    linear_combination::round_rows(X[i], rows, S[i]);
+  });
 }
 
 void add(const SingleStages& S, SplitStages& X) {
   if (X.empty()) return;
-  linear_combination::for_each_block_of_rows(
-      X.size(), X[0].size(), [&](std::size_t i, parallel::Rows rows) {
-        linear_combination::add_rows(S[i], rows, X[i]);
-      });
+  parallel::for_each_block(X.size(), X[0].size(), [&](std::size_t i, parallel::Rows rows, Index) {
+    linear_combination::add_rows(S[i], rows, X[i]);
+  });
 }
 
 void add_identity(float scale, SingleStages& X) {

@@ -91,33 +91,22 @@ double squares_of_rows(const SplitMatrixOf<Real>& X, parallel::Rows rows);
 void round_rows(const SplitMatrix& X, parallel::Rows rows, SingleMatrix& S);
 void add_rows(const SingleMatrix& S, parallel::Rows rows, SplitMatrix& X);
 
-// Calls f(item, rows) for every block of rows of every item.
-template <class F>
-void for_each_block_of_rows(std::size_t items, Index n, F&& f) {
-  const Index blocks = parallel::sum_blocks(n);
-  parallel::for_each_block(
-      static_cast<Index>(items), blocks, [&](Index item, Index block) {
-        f(static_cast<std::size_t>(item),
-          parallel::Rows{n * block / blocks, n * (block + 1) / blocks});
-      });
-}
-
 // Returns the largest over the items of sqrt(Σ f(item, rows)), summed over blocks in their order.
 // NaN if any sum is NaN.
 template <class F>
 double largest_norm_of(std::size_t items, Index n, F&& f) {
   const Index blocks = parallel::sum_blocks(n);
   std::array<double, LinearCombination<double>::most * parallel::most_sum_blocks> squares;
-  parallel::for_each_block(
-      static_cast<Index>(items), blocks, [&](Index item, Index block) {
-        squares[static_cast<std::size_t>(item * blocks + block)] =
-            f(static_cast<std::size_t>(item),
-              parallel::Rows{n * block / blocks, n * (block + 1) / blocks});
-      });
+  const auto place = [&](std::size_t item, Index block) {
+    return item * static_cast<std::size_t>(blocks) + static_cast<std::size_t>(block);
+  };
+  parallel::for_each_block(items, n, [&](std::size_t item, parallel::Rows rows, Index block) {
+    squares[place(item, block)] = f(item, rows);
+  });
   double largest = 0.0;
-  for (Index item = 0; item < static_cast<Index>(items); ++item) {
+  for (std::size_t item = 0; item < items; ++item) {
     double sum = 0.0;
-    for (Index b = 0; b < blocks; ++b) sum += squares[static_cast<std::size_t>(item * blocks + b)];
+    for (Index block = 0; block < blocks; ++block) sum += squares[place(item, block)];
     largest = larger(largest, sum);
   }
   return std::sqrt(largest);
@@ -130,19 +119,18 @@ double largest_norm_of(std::size_t items, Index n, F&& f) {
 template <class Real, class Sum>
 void assign(SplitStagesOf<Real>& out, Sum&& sum) {
   if (out.empty()) return;
-  linear_combination::for_each_block_of_rows(
-      out.size(), out[0].size(), [&](std::size_t i, parallel::Rows rows) {
-        linear_combination::assign_rows(sum(i), rows, out[i]);
-      });
+  parallel::for_each_block(out.size(), out[0].size(),
+                           [&](std::size_t i, parallel::Rows rows, Index) {
+                             linear_combination::assign_rows(sum(i), rows, out[i]);
+                           });
 }
 
 /// out = sum.  out may be a term of the sum.
 template <class Real>
 void assign(SplitMatrixOf<Real>& out, const LinearCombination<Real>& sum) {
-  linear_combination::for_each_block_of_rows(
-      1, out.size(), [&](std::size_t, parallel::Rows rows) {
-        linear_combination::assign_rows(sum, rows, out);
-      });
+  parallel::for_each_block(1, out.size(), [&](std::size_t, parallel::Rows rows, Index) {
+    linear_combination::assign_rows(sum, rows, out);
+  });
 }
 
 /// Sets X_i = sum(i) for all i as assign does, and returns the largest Frobenius norm of a change

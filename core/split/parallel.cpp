@@ -29,7 +29,7 @@ void run_region(void (*body)(void* context, int thread, int threads), void* cont
   const DenormalMode as_numbers(false);
 #pragma omp parallel num_threads(current_threads)
   {
-    const FlushDenormals flush;
+    const DenormalMode flushed(true);
     body(context, omp_get_thread_num(), omp_get_num_threads());
   }
 }

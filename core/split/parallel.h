@@ -20,7 +20,7 @@ struct Share {
 };
 
 /// Sets, for its lifetime, the number of threads on which operations of this room run when called
-/// by the present thread.  All these threads treat denormal numbers as 0 (FlushDenormals).
+/// by the present thread.  All these threads treat denormal numbers as 0 (DenormalMode).
 class ThreadScope {
  public:
   /// Throws std::invalid_argument unless 1 <= threads <= most.
@@ -35,7 +35,7 @@ class ThreadScope {
 
  private:
   int before_;
-  FlushDenormals flush_;
+  DenormalMode flushed_{true};
 };
 
 namespace parallel {
@@ -93,40 +93,48 @@ void for_each_share(Index items, Weight&& weight, F&& f) {
       before += parts;
     }
   };
-  run_region(
-      [](void* context, int thread, int threads) {
-        (*static_cast<decltype(of_thread)*>(context))(thread, threads);
-      },
-      &of_thread);
+  run_region([](void* context, int thread,
+                int threads) { (*static_cast<decltype(of_thread)*>(context))(thread, threads); },
+             &of_thread);
 }
 /// As above, with weight 1 for every item.
 template <class F>
 void for_each_share(Index items, F&& f) {
-  for_each_share(items, [](Index) { return Index{1}; }, f);
+  for_each_share(
+      items, [](Index) { return Index{1}; }, f);
+}
+/// As above, for matrices: calls f(i, share) for i = 0 ... matrices.size() - 1.
+template <class Matrices, class F>
+void for_shares_of(const Matrices& matrices, F&& f) {
+  for_each_share(static_cast<Index>(matrices.size()),
+                 [&](Index i, Share share, int) { f(static_cast<std::size_t>(i), share); });
 }
 
-/// Calls f(item, block) for item = 0 ... items - 1 and block = 0 ... blocks - 1, and returns when
-/// all calls are done.  With one thread the items of one block follow one another, so that their
-/// common terms stay in cache.  f must not throw.
+/// Calls f(item, rows, block) for every item 0 ... items - 1 and every block of the rows of n x n
+/// matrices, and returns when all calls are done.  With one thread the items of one block follow
+/// one another, so that their common terms stay in cache.  f must not throw.
 template <class F>
-void for_each_block(Index items, Index blocks, F&& f) {
+void for_each_block(std::size_t items, Index n, F&& f) {
+  const Index blocks = sum_blocks(n);
+  const auto count = static_cast<Index>(items);
+  const auto call = [&](Index item, Index block) {
+    f(static_cast<std::size_t>(item), rows_of_share(n, {block, block + 1, blocks}), block);
+  };
   if (current_threads == 1) {
     for (Index block = 0; block < blocks; ++block) {
-      for (Index item = 0; item < items; ++item) f(item, block);
+      for (Index item = 0; item < count; ++item) call(item, block);
     }
     return;
   }
   auto of_thread = [&](int thread, int threads) {
-    const Index all = items * blocks;
+    const Index all = count * blocks;
     for (Index k = thread * all / threads; k < (thread + 1) * all / threads; ++k) {
-      f(k / blocks, k % blocks);
+      call(k / blocks, k % blocks);
     }
   };
-  run_region(
-      [](void* context, int thread, int threads) {
-        (*static_cast<decltype(of_thread)*>(context))(thread, threads);
-      },
-      &of_thread);
+  run_region([](void* context, int thread,
+                int threads) { (*static_cast<decltype(of_thread)*>(context))(thread, threads); },
+             &of_thread);
 }
 
 }  // namespace parallel

@@ -51,10 +51,6 @@ void for_pairs(const SplitMatrixOf<Real>& C, Index band, Share share, OnBlock&& 
   for (Index i = begin; i < end; ++i) on_diagonal(i * stride + i);
 }
 
-}  // namespace
-
-namespace {
-
 template <class Real>
 void mirror(Index band, SplitMatrixOf<Real>& C, Share share) {
   const Index stride = C.stride();
@@ -79,25 +75,10 @@ void mirror(Index band, SplitMatrixOf<Real>& C, Share share) {
       [=](Index at) { re[at] = 0; });
 }
 
-}  // namespace
-
-template <class Real>
-void mirror_skew(SplitMatrixOf<Real>& C, Share share) {
-  mirror(C.size() - 1, C, share);
-}
-
-template <class Real>
-void mirror_skew_within(Index band, SplitMatrixOf<Real>& C, Share share) {
-  mirror(band, C, share);
-  cut_to_band(band, C, share);
-}
-
-namespace {
-
 // out = scale (C - C†) within a band, in the upper triangle and, if `below`, in the lower one.
 template <bool below, class Real>
-void form_skew_part(Index band, const SplitMatrixOf<Real>& C, Real scale,
-                    SplitMatrixOf<Real>& out, Share share) {
+void form_skew_part(Index band, const SplitMatrixOf<Real>& C, Real scale, SplitMatrixOf<Real>& out,
+                    Share share) {
   const Index stride = C.stride();
   const Real* re = C.re();
   const Real* im = C.im();
@@ -180,30 +161,34 @@ void minus_adjoint(const SplitMatrixOf<Real>& C, SplitMatrixOf<Real>& out, Share
       });
 }
 
-// Calls f(i, share) for shares that together cover every item.
-template <class F>
-void for_shares(std::size_t items, F&& f) {
-  parallel::for_each_share(static_cast<Index>(items), [&](Index i, Share share, int) {
-    f(static_cast<std::size_t>(i), share);
-  });
-}
-
 }  // namespace
 
 template <class Real>
+void mirror_skew(SplitMatrixOf<Real>& C, Share share) {
+  mirror(C.size() - 1, C, share);
+}
+
+template <class Real>
+void mirror_skew_within(Index band, SplitMatrixOf<Real>& C, Share share) {
+  mirror(band, C, share);
+  cut_to_band(band, C, share);
+}
+
+template <class Real>
 void mirror_skew(SplitStagesOf<Real>& C) {
-  for_shares(C.size(), [&](std::size_t i, Share share) { mirror_skew(C[i], share); });
+  parallel::for_shares_of(C, [&](std::size_t i, Share share) { mirror_skew(C[i], share); });
 }
 
 template <class Real>
 void mirror_skew_within(Index band, SplitStagesOf<Real>& C) {
-  for_shares(C.size(), [&](std::size_t i, Share share) { mirror_skew_within(band, C[i], share); });
+  parallel::for_shares_of(
+      C, [&](std::size_t i, Share share) { mirror_skew_within(band, C[i], share); });
 }
 
 template <class Real>
 void skew_part(const SplitStagesOf<Real>& C, std::type_identity_t<Real> scale,
                SplitStagesOf<Real>& out) {
-  for_shares(C.size(), [&](std::size_t i, Share share) {
+  parallel::for_shares_of(C, [&](std::size_t i, Share share) {
     form_skew_part<true>(C[i].size() - 1, C[i], scale, out[i], share);
     if (share.is_first()) out[i].set_band(C[i].band());
   });
@@ -211,14 +196,14 @@ void skew_part(const SplitStagesOf<Real>& C, std::type_identity_t<Real> scale,
 
 template <class Real>
 void upper_skew_part_within(Index band, const SplitStagesOf<Real>& C, SplitStagesOf<Real>& out) {
-  for_shares(C.size(), [&](std::size_t i, Share share) {
+  parallel::for_shares_of(C, [&](std::size_t i, Share share) {
     form_skew_part<false>(band, C[i], Real{1}, out[i], share);
   });
 }
 
 template <class Real>
 void minus_adjoint(const SplitStagesOf<Real>& C, SplitStagesOf<Real>& out) {
-  for_shares(C.size(), [&](std::size_t i, Share share) {
+  parallel::for_shares_of(C, [&](std::size_t i, Share share) {
     minus_adjoint(C[i], out[i], share);
     if (share.is_first()) out[i].set_band(C[i].band());
   });

@@ -6,7 +6,6 @@
 #include <stdexcept>
 #include <type_traits>
 
-
 namespace isosyrk {
 
 const std::vector<GemmKernel>& gemm_kernels() {
@@ -57,9 +56,9 @@ template <class Real>
 SplitProductsOf<Real>::SplitProductsOf(Index n, const GemmKernel& kernel, int threads)
     : n_(n), kernel_(kernel) {
   if (n < 1) throw std::invalid_argument(fmt::format("products: n = {}, must be at least 1", n));
-  scratch_.assign(static_cast<std::size_t>(ThreadScope::checked(threads)),
-                  SplitMatrixOf<Real>::Entries::Zero(
-                      gemm_scratch(n, 2 * split_row<Real>(n), n > limits().B)));
+  scratch_.assign(
+      static_cast<std::size_t>(ThreadScope::checked(threads)),
+      SplitMatrixOf<Real>::Entries::Zero(gemm_scratch(n, 2 * split_row<Real>(n), n > limits().B)));
 }
 
 template <class Real>
@@ -81,33 +80,33 @@ void SplitProductsOf<Real>::note(const ProductOf<Real>& product) {
   }
   const Index band = product.band < 0 ? n_ - 1 : product.band;
   ++count_;
-  half_multiplications_ += (product.upper ? 1 : 2) *
-                           multiplications(n_, product.A->band(), product.B->band(), band);
+  half_multiplications_ +=
+      (product.upper ? 1 : 2) * multiplications(n_, product.A->band(), product.B->band(), band);
   if (band == n_ - 1) product.C->set_band(product.A->band() + product.B->band());
 }
 
 template <class Real>
 void SplitProductsOf<Real>::form_share(const ProductOf<Real>& product, Share share, int thread) {
   const SplitProduct<Real> of_kernel = {n_,
-                                         product.A->stride(),
-                                         product.A->re(),
-                                         product.A->im(),
-                                         product.adjoint,
-                                         product.B->re(),
-                                         product.B->im(),
-                                         product.scale,
-                                         product.C->re(),
-                                         product.C->im(),
-                                         product.upper,
-                                         product.A->band(),
-                                         product.B->band(),
-                                         product.band < 0 ? n_ - 1 : product.band,
-                                         share.first,
-                                         share.end,
-                                         share.parts,
-                                         n_ > limits().B,
-                                         n_ > limits().adjoint_A,
-                                         scratch_[static_cast<std::size_t>(thread)].data()};
+                                        product.A->stride(),
+                                        product.A->re(),
+                                        product.A->im(),
+                                        product.adjoint,
+                                        product.B->re(),
+                                        product.B->im(),
+                                        product.scale,
+                                        product.C->re(),
+                                        product.C->im(),
+                                        product.upper,
+                                        product.A->band(),
+                                        product.B->band(),
+                                        product.band < 0 ? n_ - 1 : product.band,
+                                        share.first,
+                                        share.end,
+                                        share.parts,
+                                        n_ > limits().B,
+                                        n_ > limits().adjoint_A,
+                                        scratch_[static_cast<std::size_t>(thread)].data()};
   if constexpr (std::is_same_v<Real, float>) {
     kernel_.multiply_singles(of_kernel);
   } else {

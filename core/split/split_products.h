@@ -88,13 +88,12 @@ class SplitProductsOf {
   long count() const { return count_; }
   /// Returns the work since construction in full products, by complex multiplications.  A triangle
   /// counts half; a product of banded factors counts the multiplications within the bands.
-  double equivalents() const { return static_cast<double>(half_multiplications_) / (2.0 * cube()); }
+  double equivalents() const {
+    return static_cast<double>(half_multiplications_) / static_cast<double>(2 * n_ * n_ * n_);
+  }
   Index size() const { return n_; }
 
  private:
-  double cube() const {
-    return static_cast<double>(n_) * static_cast<double>(n_) * static_cast<double>(n_);
-  }
   const PackingLimits& limits() const;
   void note(const ProductOf<Real>& product);
   void form_share(const ProductOf<Real>& product, Share share, int thread);
