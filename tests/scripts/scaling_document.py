@@ -2,13 +2,11 @@
 fast one, and half of it on the rungs between."""
 
 import os
-import sys
 
-from programs import ROOT
+import programs  # finds the modules of scripts/lib
 
-sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
-import study_file  # noqa: E402
-from scaling_table import RUNGS, SCHEMA, Point, Settings  # noqa: E402
+import study_file
+from scaling_table import RUNGS, SCHEMA, Point, Settings
 
 TIMES_AS_FAST = {"published": 1.0, "fast": 5.0}
 

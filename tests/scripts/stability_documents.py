@@ -1,14 +1,12 @@
 """Small parts of the recorded studies of stability and long runs, for tests that change them or need raw files."""
 
 import os
-import sys
 
-from programs import ROOT
+from programs import ROOT  # which finds the modules of scripts/lib
 
-sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
-import study_file  # noqa: E402
-from integrator_names import TABLE1_CELLS  # noqa: E402
-from stability_files import LONG_RUNS_SCHEMA, MAP_SCHEMA  # noqa: E402
+import study_file
+from integrator_names import TABLE1_CELLS
+from stability_files import LONG_RUNS_SCHEMA, MAP_SCHEMA
 
 RECORDED = os.path.join(ROOT, "results", "recorded", "stability")
 SETTINGS = (("smooth", 17), ("smooth", 129), ("rough", 17))

@@ -6,7 +6,7 @@ import unittest
 from drawing import DrawingTest, finite_points, lines_of
 from stability_documents import CONTROL, SETTINGS, long_study, map_study, write
 
-from benchmark_json import UnusableFile  # noqa: E402  (stability_documents finds it)
+from benchmark_json import UnusableFile
 from comparison import three_digits
 from document import as_text
 from integrator_names import TABLE1_CELLS, others

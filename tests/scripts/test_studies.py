@@ -12,15 +12,14 @@ import time
 import unittest
 from types import SimpleNamespace
 
-from programs import BUILD, DONE, HAS_MODULE, ROOT, FolderTest, end, environment, run, start, strict_json
+from programs import BUILD, DONE, HAS_MODULE, ROOT, FolderTest, end, environment, run, start, strict_json, text_of
 from study_documents import raw, study_document
 
-sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
-import scaling_table  # noqa: E402
-import study_file  # noqa: E402
-from accuracy_lines import FAST, PUBLISHED, SCHEMA, Problem, Settings, read_accuracy  # noqa: E402
-from benchmark_json import UnusableFile  # noqa: E402
-from stability_files import read_long_runs, read_map  # noqa: E402
+import scaling_table
+import study_file
+from accuracy_lines import FAST, PUBLISHED, SCHEMA, Problem, Settings, read_accuracy
+from benchmark_json import UnusableFile
+from stability_files import read_long_runs, read_map
 
 if HAS_MODULE:
     sys.path.insert(0, os.path.join(BUILD, "python"))
@@ -57,15 +56,15 @@ def main(arguments):
     journal = study.Journal("squares", options, lambda: {"commit": "1"})
     jobs = [{"number": number, "deaths": options.deaths if number == 7 else 0} for number in range(12)]
     squares = study.untimed(jobs, square, journal, options, "squares")
-    seconds = study.in_turns([3, 4], 3, lambda point: point * 0.4, journal, "turns")
+    seconds = study.in_turns([1, 3], 3, lambda point: point * 0.4, journal, "turns")
     print(squares, seconds, journal.context["timed_on"])
     journal.remove()
 
 if __name__ == "__main__":
     study.run("squares", main, sys.argv[1:])
 """ % os.path.join(ROOT, "scripts", "lib")
-# 1.2 and 1.6 s are long: they are timed twice, not three times.
-RESULT = f"{[number**2 for number in range(12)]} {[[3 * 0.4] * 2, [4 * 0.4] * 2]} core {max(os.sched_getaffinity(0))}\n"
+# 0.4 s are timed three times, 1.2 s are enough at once.
+RESULT = f"{[number**2 for number in range(12)]} {[[1 * 0.4] * 3, [3 * 0.4]]} core {max(os.sched_getaffinity(0))}\n"
 
 
 class RawFile(FolderTest):
@@ -153,8 +152,7 @@ class SquaresTest(FolderTest):
 
     def begun(self):
         """Returns how often each job was begun."""
-        with open(self.log, encoding="utf-8") as file:
-            numbers = file.read().split()
+        numbers = text_of(self.log).split()
         return {number: numbers.count(number) for number in numbers}
 
 
@@ -189,11 +187,8 @@ class Work(SquaresTest):
                 self.assertEqual(len(self.begun()), 12 - finished)
 
     def journal(self):
-        try:
-            with open(self.path("raw.json.journal"), encoding="utf-8") as file:
-                return file.readlines()
-        except FileNotFoundError:
-            return []
+        path = self.path("raw.json.journal")
+        return text_of(path).splitlines() if os.path.exists(path) else []
 
     def test_a_journal_that_was_cut_or_belongs_to_something_else(self):
         def journal(lines):
@@ -375,7 +370,7 @@ class Accuracy(StudyTest):
                 self.assertLessEqual(abs(here.products - there.products), 8 * slack)
                 if there.usable and there.error > 1e-10:
                     self.assertLess(abs(here.error / there.error - 1), 1e-3)
-                self.assertEqual(len(here.cpu_seconds), 2 if here.usable else 0)
+                self.assertIn(len(here.cpu_seconds), (1, 2) if here.usable else (0,))
         for field in ("commit", "compiler", "flags", "cpu", "blas_kernels", "environment", "products", "timed_on"):
             self.assertIn(field, found.context)
         self.assertIn("n=17", found.context["product_rate"])
@@ -391,8 +386,7 @@ class Accuracy(StudyTest):
         asked = ("--scene", "smooth", "developed", "--time", "5", "--n")
         folder = self.made("references", *asked, "17", file="references")
         listed = os.path.join(folder, "references.json")
-        with open(listed, encoding="utf-8") as file:
-            text = file.read()
+        text = text_of(listed)
         self.assertLess(strict_json(text)["references"][0]["uncertainty"], 1e-12)
 
         def again():
@@ -404,8 +398,7 @@ class Accuracy(StudyTest):
 
         self.assertEqual(again().count("n = 17: kept"), 2)
         refused("n = 33", "references.py --n 33", n="33")
-        with open(listed, "w", encoding="utf-8") as file:
-            file.write(text.replace('"scene": "smooth"', '"scene": "rough"'))
+        self.write("references/references.json", text.replace('"scene": "smooth"', '"scene": "rough"'))
         refused("references.json", "scene")
         os.unlink(os.path.join(folder, "smooth_n17.npy"))
         self.write("references/references.json", text)
