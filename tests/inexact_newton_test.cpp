@@ -204,7 +204,7 @@ TEST(InexactNewton, ComputesNoCorrectionForAChangeThatIsTooLarge) {
 }
 
 // One Picard sweep contracts by 0.1 unless it was seen to do otherwise.
-TEST(InexactNewton, ComputesNoCorrectionWhereOnePicardSweepWillDo) {
+TEST(InexactNewton, ComputesNoCorrectionWhereThreePicardSweepsWillDoAtSmallN) {
   constexpr double tolerance = 1e-6;
   // Started so many tolerances from the solution; returns sweeps and linearisations.
   const auto work = [](const Known::Sizes& sizes, double distance) {
@@ -217,7 +217,8 @@ TEST(InexactNewton, ComputesNoCorrectionWhereOnePicardSweepWillDo) {
   const Known::Sizes fast = {0.05, 0.03}, slow = {-0.85, 0.03};
   EXPECT_EQ(work(fast, 0.1), std::pair(1, 0));
   EXPECT_EQ(work(fast, 4.0), std::pair(2, 0));
-  EXPECT_EQ(work(fast, 40.0).second, 1);
+  EXPECT_EQ(work(fast, 40.0).second, 0);
+  EXPECT_EQ(work(fast, 4000.0).second, 1);
   EXPECT_EQ(work(slow, 2.0).second, 1) << "the first sweep tells";
 }
 

@@ -61,7 +61,7 @@ LOOKS = 50  # at the energy in a run, at least while there are as many steps
 LOST_SPECTRUM = 0.1  # of the largest eigenvalue, which is 1: such a run has lost what it should keep, and is unstable
 
 MAX_SWEEPS = 200  # a step; one that takes more is of no use to anybody
-LARGEST_LONG_SIZE = 65  # to T = 50; at n = 129, which --n asks for, a line takes half a minute
+LARGEST_LONG_SIZE = 33  # to T = 50; beyond, which --n asks for, some lines take minutes
 
 TOLERANCE = 1e-13
 TOLERANCES = tuple(10.0**-exponent for exponent in range(4, 16))
