@@ -61,7 +61,7 @@ LOOKS = 50  # at the energy in a run, at least while there are as many steps
 LOST_SPECTRUM = 0.1  # of the largest eigenvalue, which is 1: such a run has lost what it should keep, and is unstable
 
 MAX_SWEEPS = 200  # a step; one that takes more is of no use to anybody
-LARGEST_LONG_SIZE = 33  # to T = 50; beyond, which --n asks for, some lines take minutes
+LARGEST_LONG_SIZE = 33  # to T = 50; beyond, which --time asks for, some lines take minutes
 
 TOLERANCE = 1e-13
 TOLERANCES = tuple(10.0**-exponent for exponent in range(4, 16))
@@ -230,7 +230,7 @@ def main(arguments):
     options = parse(arguments)
     chosen = study.entries(options.integrator, frames=True)
     wanted = [problem for problem in problems.asked_for(options)
-              if options.n or problem.time == UNIT or problem.n <= LARGEST_LONG_SIZE]
+              if options.time or problem.time == UNIT or problem.n <= LARGEST_LONG_SIZE]
     references = [reference_row(problem, problems.reference_of(problem, options.references)[1]) for problem in wanted]
     for problem in wanted:
         problems.scene_of(problem, options.references)  # so that initial data that cannot be used are told now
