@@ -258,12 +258,23 @@ def main(arguments):
                                   "timings", ENOUGH_TIMED))
 
     def completed(runs):
-        return [run._replace(cpu_seconds=next(seconds) if run.usable else ()) for run in runs]
+        return [rounded(run._replace(cpu_seconds=next(seconds) if run.usable else ())) for run in runs]
 
     study_file.write(options.out, SCHEMA, journal.context, Settings(options.quick), {
         "references": references, "rates": rates, "integrators": list(map(study.record_of, chosen)), "limits": limits,
         "runs": completed(runs), "tolerance_runs": completed(tolerance_runs)})
     journal.remove()
+
+
+def rounded(run):
+    """Returns a run with its measured values to four digits, which keeps the recorded file small."""
+    def digits(value):
+        if isinstance(value, (list, tuple)):
+            return [digits(each) for each in value]
+        return float(f"{value:.4g}") if isinstance(value, float) else value
+
+    return Run(*(value if name in ("time", "step", "tolerance") else digits(value)
+                 for name, value in run._asdict().items()))
 
 
 def reference_row(problem, record):
