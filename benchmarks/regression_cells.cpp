@@ -64,11 +64,10 @@ const Scene& scene_of(const Cell& cell, Scenes& scenes) {
   return scenes.at(cell.n);
 }
 
-std::unique_ptr<Integrator> make(const Cell& cell, const Scene& scene,
-                                 const SolverOptions& options = {}) {
+std::unique_ptr<Integrator> make(const Cell& cell, const Scene& scene) {
   const IntegratorEntry entry = cell.fast ? fast_gauss_entry(cell.formulation, cell.s)
                                           : gauss_entry(cell.formulation, cell.s);
-  return entry.make(*scene.flow, options, backend);
+  return entry.make(*scene.flow, {}, backend);
 }
 
 // ---- the report
@@ -77,12 +76,6 @@ struct Measured {
   Json json;
   Matrix W;  // at the end
 };
-
-// A step that may do one sweep ends before its update: what it did is what a sweep does.
-StepReport one_sweep(const Cell& cell, const Scene& scene) {
-  Matrix W = scene.initial;
-  return make(cell, scene, {.max_sweeps = 1})->step(W, step_size);
-}
 
 Json entries_of(const Matrix& W) {
   Json entries = Json::array();
@@ -114,10 +107,7 @@ Measured measure(const Cell& cell, const Scene& scene) {
   if (cell.fast) {  // whose sweeps take more or fewer products, as their corrections do
     json["equivalent_products"] = report.equivalent_products;
   } else {
-    const StepReport sweep = one_sweep(cell, scene);
     json["products"] = report.products;
-    json["products_a_sweep"] = sweep.products;
-    json["poisson_solves_a_sweep"] = sweep.poisson_solves;
   }
   if (report.converged()) {
     ConservationWatch watch(scene);

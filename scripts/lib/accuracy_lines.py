@@ -184,23 +184,21 @@ class Accuracy(NamedTuple):
         return min(costs, key=lambda cost: cost.seconds, default=None)
 
     def observed_order(self, problem, integrator, solver=FAST):
-        """Fits the slope of log error over log step on the last runs above the floor; None for too few."""
-        runs = self.above_floor(problem, integrator, solver)[-ORDER_POINTS:]
-        steps = [math.log(run.step) for run in runs]
-        if len(set(steps)) < ORDER_POINTS:
-            return None
-        slope, _ = statistics.linear_regression(steps, [math.log(run.error) for run in runs])
-        return slope
+        """Returns the order that a line shows above its floor; None for too few runs."""
+        return fitted_order(self.above_floor(problem, integrator, solver))
 
     def at_step(self, problem, integrator, step, solver=FAST):
         """Returns the run with this step size, or None."""
         return next((run for run in self.line(problem, integrator, solver)
                      if math.isclose(run.step, step, rel_tol=1e-9)), None)
 
-    def safe_step_limit(self, scene, n, integrator, solver=FAST):
-        """Returns the largest h‖B(W₀)‖₂ that worked in trials; None where there were none, or where none worked."""
-        limit = self.limits.get((scene, n, integrator, solver))
-        return limit and limit.h_norm_B
+
+def fitted_order(runs):
+    """Fits the slope of log error over log step on the last ORDER_POINTS runs; None for fewer."""
+    steps = [math.log(run.step) for run in runs[-ORDER_POINTS:]]
+    if len(set(steps)) < ORDER_POINTS:
+        return None
+    return statistics.linear_regression(steps, [math.log(run.error) for run in runs[-ORDER_POINTS:]]).slope
 
 
 def interpolated(coarse, fine, error):

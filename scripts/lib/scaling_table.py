@@ -1,4 +1,4 @@
-"""The raw file of scripts/studies/scaling.py, and its table: what a step costs against n, and what each idea buys."""
+"""The raw file of scripts/studies/scaling.py, and its table: what a step costs, and what each idea buys."""
 
 from typing import NamedTuple
 
@@ -8,16 +8,17 @@ from comparison import MISSING, three_digits, time_with_spread
 from document import Column, Entry, Heading, Paragraph, Table, conditions
 from study_file import Schema, keyed, list_of, number, one_of, positive, text, whole
 
-PUBLISHED = "published"
+PUBLISHED, FAST = "published", "fast"
 # A rung: the solver, and what its fast form goes without.
 RUNGS = {
-    PUBLISHED: ("published", ()),
-    "without any": ("fast", ("bands", "predictor", "newton")),
-    "without newton": ("fast", ("newton",)),
-    "without predictor": ("fast", ("predictor",)),
-    "without bands": ("fast", ("bands",)),
-    "fast": ("fast", ()),
+    PUBLISHED: (PUBLISHED, ()),
+    "without any": (FAST, ("bands", "predictor", "newton")),
+    "without newton": (FAST, ("newton",)),
+    "without predictor": (FAST, ("predictor",)),
+    "without bands": (FAST, ("bands",)),
+    FAST: (FAST, ()),
 }
+NEEDS_ITERATION = {"newton", "predictor"}  # ideas that explicit methods have no use for
 
 
 class Settings(NamedTuple):
@@ -49,30 +50,36 @@ def sections(study):
     points = keyed(study.tables["points"], "integrator", "n", "rung")
     if not points or not all(point.seconds for point in points.values()):
         raise UnusableFile("has no points, or one without a time")
-    columns = (Column("n"), Column("integrator", align="left"), Column("form", align="left"), Column("sweeps"),
-               Column("equivalent products"), Column("CPU seconds"), Column("times as fast"))
+    columns = (Column("n"), Column("integrator", align="left"), Column("sweeps"), Column("equivalent products"),
+               Column("CPU seconds"), *(Column(rung, "time over that of the fast form") for rung in RUNGS if rung != FAST))
     settings = study.settings
+    sizes = dict.fromkeys(n for _, n, _ in points)
     return [
-        Heading("What a step costs", 1),
+        Heading("What a step costs, and what each idea buys", 1),
         Paragraph(f"The first {settings.steps} steps from the initial data of the {settings.scene} scene, h ="
-                  f" {settings.step:g}, the same stretch for every row; all figures are those of a step. Without"
-                  " newton: plain Picard sweeps. Without predictor: a cold start each step. Without bands: full"
-                  " products. Times are medians ± half the interquartile range of repetitions in turns. Times as fast:"
-                  " the published form's time over the row's, in the same round. Equivalent products count the"
-                  " multiplications in units of one full complex product. No exponents are fitted: a slope against n"
-                  " would be one of this stretch, not of the method."),
-        Table(columns, [[row(points, name, n, rung) for rung in RUNGS]
-                        for name, n in dict.fromkeys((name, n) for name, n, _ in points)]),
+                  f" {settings.step:g}, the same stretch everywhere; all figures are those of a step, and sweeps, products"
+                  " and CPU seconds those of the fast form. Equivalent products: multiplications in units of one full"
+                  " complex product. Without newton: plain Picard sweeps. Without predictor: a cold start each step."
+                  " Without bands: full products. Without any: split-complex storage, its products, triangles and"
+                  " single precision of late terms are left. Below 1 an idea does not pay in these steps. Medians ± half"
+                  " the interquartile range of repetitions in turns, ratios within the same round. – stands for steps"
+                  " that fail, and for ideas that an explicit method has no use for."),
+        Table(columns, [[row(points, name, n) for name in dict.fromkeys(name for name, size, _ in points if size == n)]
+                        for n in sizes]),
         conditions(study.context),
     ]
 
 
-def row(points, name, n, rung):
-    """Returns the row of a rung; one whose steps failed is shown without figures."""
-    point, published = points.get((name, n, rung)), points.get((name, n, PUBLISHED))
-    texts = [MISSING] * 4
-    if point:
-        ratios = [theirs / ours for theirs, ours in zip(published.seconds if published else (), point.seconds)]
-        texts = [three_digits(point.sweeps), three_digits(point.equivalent_products), time_with_spread(point.seconds),
-                 time_with_spread(ratios) if ratios else MISSING]
-    return [Entry(each) for each in (str(n), name, rung, *texts)]
+def row(points, name, n):
+    """Returns the row of an integrator at one n; what failed is shown without figures."""
+    fast = points.get((name, n, FAST))
+
+    def ratio(rung):
+        other = points.get((name, n, rung))
+        if not (fast and other):
+            return MISSING
+        return time_with_spread([theirs / ours for theirs, ours in zip(other.seconds, fast.seconds)])
+
+    texts = ([three_digits(fast.sweeps), three_digits(fast.equivalent_products), time_with_spread(fast.seconds)]
+             if fast else [MISSING] * 3)
+    return [Entry(each) for each in (str(n), name, *texts, *(ratio(rung) for rung in RUNGS if rung != FAST))]

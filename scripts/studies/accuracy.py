@@ -29,7 +29,7 @@ import problems
 import study_file
 import trials
 from accuracy_lines import (FAST, FLOOR_MARGIN, NEAR_ROUNDING, PUBLISHED, SCHEMA, STILL_FALLING, TABLE1_STEP, Limit,
-                            Problem, Rate, Reference, Run, Settings)
+                            Problem, Rate, Reference, Run, Settings, fitted_order)
 from command_line import whole_number
 from integrator_names import TABLE1_CELLS, in_frame
 from study_file import CONVERGED, UNSTABLE
@@ -47,21 +47,23 @@ PUBLISHED_TOO = (*TABLE1_CELLS, "rkmk4", "rk4")
 UNIT = 5.0
 STEPS = (2, 3, 5, 7, 10, 14, 20, 28, 35, 50, 70, 100, 140, 200, 280, 400, 560, 800, 1120, 1600, 2240, 3200, 4480,
          6400)
-# Where a line takes long, at n = 257, to T = 50 and with fine scales at n = 129, a factor of 2 must do; so it must for
-# published forms, which are compared with and not chosen.
+# Where a line takes long, at n = 257 and to T = 50, a factor of 2 must do; so it must for published forms, which are
+# compared with and not chosen.
 COARSE_STEPS = (3, 6, 12, 25, 50, 100, 200, 400, 800, 1600, 3200)
 
 # A line ends with an error that is good enough, but has Table 1's step too, or with the first run, of that step or a
-# shorter one, that takes so much work: floating-point operations of its products. A core does some 5e10 a second.
+# shorter one, that takes so much work: floating-point operations of its products. A core does some 5e10 a second. It
+# goes on, unless it takes long, to PATIENCE times the work while errors do not yet fall as the order says.
 GOOD_ENOUGH = ((65, 1e-11), (math.inf, 1e-9))  # by the largest n
 ENOUGH_WORK = ((17, 4e9), (33, 12e9), (65, 12e9), (129, 20e9), (math.inf, 80e9))
 ENOUGH_TIMES = {(FAST, 5.0): 1, (FAST, 50.0): 2.5, (PUBLISHED, 5.0): 4}  # as many times that
+PATIENCE = 5
 ENOUGH_TIMED = 0.6  # CPU seconds: half of that is timed twice, all of it once
+NEAR_ORDER = 0.2  # by which observed order and order may differ
 LOOKS = 50  # at the energy in a run, at least while there are as many steps
 LOST_SPECTRUM = 0.1  # of the largest eigenvalue, which is 1: such a run has lost what it should keep, and is unstable
 
-MAX_SWEEPS = 200  # a step; one that takes more is of no use to anybody
-LARGEST_LONG_SIZE = 33  # to T = 50; beyond, which --time asks for, some lines take minutes
+MAX_SWEEPS = {FAST: 60, PUBLISHED: 200}  # a step; one that takes more is of no use to anybody
 
 TOLERANCE = 1e-13
 TOLERANCES = tuple(10.0**-exponent for exponent in range(4, 16))
@@ -84,8 +86,9 @@ def draw_line(job):
         if at_end and not as_in_table1:
             continue
         runs.append(setting.look(method, round(steps_of_unit * job["time"] / UNIT), TOLERANCE)[0])
-        at_end = at_end or at_floor(runs, setting.uncertainty)
-        if as_in_table1 and (at_end or took_enough(runs[-1])):
+        settled = takes_long(job) or has_order(runs, setting.entry.order)
+        at_end = at_end or hidden(runs, setting.uncertainty) or (settled and good_enough(runs[-1]))
+        if as_in_table1 and (at_end or took_enough(runs[-1], 1 if settled else PATIENCE)):
             break
     return runs
 
@@ -94,8 +97,11 @@ def grid(job):
     """Returns the steps to T = 5 of the line of a job."""
     if job["solver"] == PUBLISHED:
         return COARSE_STEPS[COARSE_STEPS.index(25):]
-    dear = job["n"] > 129 or job["time"] > UNIT or (job["n"] == 129 and job["scene"] != "smooth")
-    return COARSE_STEPS if dear else STEPS
+    return COARSE_STEPS if takes_long(job) else STEPS
+
+
+def takes_long(job):
+    return job["solver"] == PUBLISHED or job["n"] > 129 or job["time"] > UNIT
 
 
 def vary_tolerance(job):
@@ -137,7 +143,7 @@ class Setting(trials.Setting):
 
     def method(self, tolerance):
         return isosyrk.integrator(self.scene, self.entry.name, solver=self.solver, tolerance=tolerance,
-                                  max_sweeps=MAX_SWEEPS)
+                                  max_sweeps=MAX_SWEEPS[self.solver])
 
     def look(self, method, steps, tolerance):
         """Makes one run, and returns its fields and W(T), which is None if it did not come to a usable end."""
@@ -161,13 +167,23 @@ class Setting(trials.Setting):
         return found, W
 
 
-def at_floor(runs, uncertainty):
-    """Tells whether the error of the last run is good enough, or hidden by the reference or by rounding."""
+def good_enough(run):
+    return run["error"] is not None and run["error"] < up_to(run["n"], GOOD_ENOUGH)
+
+
+def hidden(runs, uncertainty):
+    """Tells whether the error of the last run is hidden by the reference or by rounding."""
     error, before = runs[-1]["error"], runs[-2]["error"] if len(runs) > 1 else None
     if error is None:
         return False
-    return (error < max(up_to(runs[-1]["n"], GOOD_ENOUGH), FLOOR_MARGIN * uncertainty)
+    return (error < FLOOR_MARGIN * uncertainty
             or (before is not None and before < NEAR_ROUNDING and error > STILL_FALLING * before))
+
+
+def has_order(runs, order):
+    """Tells whether the errors of the last runs fall as an order says."""
+    observed = fitted_order([Run(**run) for run in runs if run["error"] is not None])
+    return observed is not None and abs(observed - order) < NEAR_ORDER
 
 
 def up_to(n, values):
@@ -175,9 +191,9 @@ def up_to(n, values):
     return next(value for largest, value in values if n <= largest)
 
 
-def took_enough(run):
-    """Tells whether a run took the work that ends a line."""
-    enough = up_to(run["n"], ENOUGH_WORK) * ENOUGH_TIMES[run["solver"], run["time"]]
+def took_enough(run, times):
+    """Tells whether a run took so many times the work that ends a line."""
+    enough = times * up_to(run["n"], ENOUGH_WORK) * ENOUGH_TIMES[run["solver"], run["time"]]
     return run["error"] is not None and 8 * run["n"]**3 * run["equivalent_products"] >= enough
 
 
@@ -229,8 +245,7 @@ def lines_of(problem, names, all_of_them):
 def main(arguments):
     options = parse(arguments)
     chosen = study.entries(options.integrator, frames=True)
-    wanted = [problem for problem in problems.asked_for(options)
-              if options.time or problem.time == UNIT or problem.n <= LARGEST_LONG_SIZE]
+    wanted = problems.asked_for(options)
     references = [reference_row(problem, problems.reference_of(problem, options.references)[1]) for problem in wanted]
     for problem in wanted:
         problems.scene_of(problem, options.references)  # so that initial data that cannot be used are told now

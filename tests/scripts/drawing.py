@@ -9,9 +9,7 @@ import xml.etree.ElementTree
 import programs
 from programs import FolderTest, environment, run, snapshot
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, os.path.join(programs.ROOT, "scripts", "lib"))
-import chart_python  # noqa: E402
+import chart_python
 
 FOUND = chart_python.find()
 PYTHON = FOUND or sys.executable  # the one that draws, so that a script need not look for it

@@ -7,13 +7,11 @@ every problem: the smooth scene at two n, and the rough scene, whose errors are 
 
 import json
 import os
-import sys
 
-from programs import ROOT
+import programs  # finds the modules of scripts/lib
 
-sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
-from accuracy_lines import FAST, NEEDED, PUBLISHED, SCHEMA, SOLVERS, Problem, accuracy  # noqa: E402
-from study_file import FORMAT, Integrator, study_of  # noqa: E402
+from accuracy_lines import FAST, NEEDED, PUBLISHED, SCHEMA, SOLVERS, Problem, accuracy
+from study_file import FORMAT, Integrator, study_of
 
 STEPS = (5, 10, 20, 50, 100, 200)
 SMOOTH = tuple(Problem("smooth", 5.0, n) for n in (17, 33))

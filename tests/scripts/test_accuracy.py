@@ -1,21 +1,17 @@
 """Tests of the study of accuracy on a made-up one: what is refused, floors, orders and costs of lines, the report."""
 
 import copy
-import os
 import random
-import sys
 import unittest
 
-from programs import ROOT, FolderTest
+from programs import FolderTest
 from study_documents import (INTEGRATORS, ROUGH, SLOWER, SMOOTH, STEPS, accuracy_of, run_of, small_study,
                              study_document, write_study)
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
-from accuracy_lines import FAST, PUBLISHED, SCHEMA, read_accuracy  # noqa: E402
-from accuracy_report import accuracy_sections  # noqa: E402
-from benchmark_json import UnusableFile  # noqa: E402
-from document import as_text  # noqa: E402
+from accuracy_lines import FAST, PUBLISHED, SCHEMA, read_accuracy
+from accuracy_report import accuracy_sections
+from benchmark_json import UnusableFile
+from document import as_text
 
 
 class RefusalTest(FolderTest):
@@ -71,7 +67,7 @@ class LineTest(FolderTest):
         self.assertEqual([run.usable for run in study.line(SMOOTH[0], "group1")], [False] + [True] * 5)
         self.assertEqual(study.line(ROUGH, "group2", PUBLISHED), [])
         self.assertEqual({(run.formulation, run.stages) for run in study.tolerance_runs}, {("group", 1), ("group", 2)})
-        self.assertEqual([study.safe_step_limit("smooth", n, "rk4") for n in (17, 65)], [1.4142, None])
+        self.assertEqual(study.limits["smooth", 17, "rk4", "fast"].h_norm_B, 1.4142)
 
     def test_where_a_line_ends_and_the_order_there(self):
         def power(order):

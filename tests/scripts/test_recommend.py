@@ -19,13 +19,11 @@ import numpy
 from programs import DATA, HAS_MODULE, ROOT, FolderTest, program, run, run_script, strict_json
 from study_documents import INTEGRATORS, accuracy_of, run_of, study_document, write_study
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
-import recommendation  # noqa: E402
-import study  # noqa: E402
-from document import as_text  # noqa: E402
-from recommendation import MARGIN, MARGIN_OF_N, MARGIN_OF_TIME, Question, Recorded  # noqa: E402
-from study_file import CONVERGED, STATUSES  # noqa: E402
+import recommendation
+import study
+from document import as_text
+from recommendation import MARGIN, MARGIN_OF_N, MARGIN_OF_TIME, Question, Recorded
+from study_file import CONVERGED, STATUSES
 
 SCRIPT = os.path.join(ROOT, "scripts", "recommend")
 UNANSWERABLE = 3
