@@ -21,9 +21,9 @@ TABLE1_STEP = 0.1  # the step size of Table 1, where the tolerances were varied 
 
 # A line has reached its floor where the error is within this of the reference's uncertainty, ...
 FLOOR_MARGIN = 10
-# ... or where, below NEAR_ROUNDING, the next step size does not lower it to this share.
+# ... or where, below NEAR_ROUNDING, it falls with the step by less than this share of the order.
 NEAR_ROUNDING = 1e-8
-STILL_FALLING = 0.8
+STILL_FALLING = 0.5
 # Runs that an observed order is fitted on, those of the smallest steps above the floor: an order is what errors tend
 # to. Fewer do not tell one.
 ORDER_POINTS = 3
@@ -164,7 +164,7 @@ class Accuracy(NamedTuple):
                 continue
             if run.error < least:
                 break
-            if kept and kept[-1].error < NEAR_ROUNDING and run.error > STILL_FALLING * kept[-1].error:
+            if kept and is_rounding(kept[-1], run, self.integrators[integrator].order):
                 break
             kept.append(run)
         return kept
@@ -191,6 +191,12 @@ class Accuracy(NamedTuple):
         """Returns the run with this step size, or None."""
         return next((run for run in self.line(problem, integrator, solver)
                      if math.isclose(run.step, step, rel_tol=1e-9)), None)
+
+
+def is_rounding(coarse, fine, order):
+    """Tells whether rounding keeps the error of `fine` from falling as the order says."""
+    falls = math.log(coarse.error / fine.error)
+    return coarse.error < NEAR_ROUNDING and falls < STILL_FALLING * order * math.log(coarse.step / fine.step)
 
 
 def fitted_order(runs):

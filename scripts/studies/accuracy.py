@@ -28,8 +28,8 @@ import isosyrk
 import problems
 import study_file
 import trials
-from accuracy_lines import (FAST, FLOOR_MARGIN, NEAR_ROUNDING, PUBLISHED, SCHEMA, STILL_FALLING, TABLE1_STEP, Limit,
-                            Problem, Rate, Reference, Run, Settings, fitted_order)
+from accuracy_lines import (FAST, FLOOR_MARGIN, PUBLISHED, SCHEMA, TABLE1_STEP, Limit, Problem, Rate, Reference, Run,
+                            Settings, fitted_order, is_rounding)
 from command_line import whole_number
 from integrator_names import TABLE1_CELLS, in_frame
 from study_file import CONVERGED, UNSTABLE
@@ -57,7 +57,7 @@ COARSE_STEPS = (3, 6, 12, 25, 50, 100, 200, 400, 800, 1600, 3200)
 GOOD_ENOUGH = ((65, 1e-11), (math.inf, 1e-9))  # by the largest n
 ENOUGH_WORK = ((17, 4e9), (33, 12e9), (65, 12e9), (129, 20e9), (math.inf, 80e9))
 ENOUGH_TIMES = {(FAST, 5.0): 1, (FAST, 50.0): 2.5, (PUBLISHED, 5.0): 4}  # as many times that
-PATIENCE = 5
+PATIENCE = 15
 ENOUGH_TIMED = 0.6  # CPU seconds: half of that is timed twice, all of it once
 NEAR_ORDER = 0.2  # by which observed order and order may differ
 LOOKS = 50  # at the energy in a run, at least while there are as many steps
@@ -78,19 +78,21 @@ RATES = 5  # measurements of a product rate, of which the median counts
 def draw_line(job):
     """Returns the runs of the line of a job, as fields of Run."""
     setting = Setting(job)
-    method = setting.method(TOLERANCE)
-    runs = []
+    method, order = setting.method(TOLERANCE), setting.entry.order
+    runs, usable = [], []
     at_end = False
     for steps_of_unit in grid(job):
         as_in_table1 = steps_of_unit >= UNIT / TABLE1_STEP
         if at_end and not as_in_table1:
             continue
         runs.append(setting.look(method, round(steps_of_unit * job["time"] / UNIT), TOLERANCE)[0])
-        settled = takes_long(job) or has_order(runs, setting.entry.order)
-        at_end = at_end or hidden(runs, setting.uncertainty) or (settled and good_enough(runs[-1]))
-        if as_in_table1 and (at_end or took_enough(runs[-1], 1 if settled else PATIENCE)):
-            break
-    return runs
+        if runs[-1].usable:
+            usable.append(runs[-1])
+            settled = takes_long(job) or has_order(usable, order)
+            at_end = at_end or hidden(usable, setting.uncertainty, order) or (settled and good_enough(runs[-1]))
+            if as_in_table1 and (at_end or took_enough(runs[-1], 1 if settled else PATIENCE)):
+                break
+    return [run._asdict() for run in runs]
 
 
 def grid(job):
@@ -110,7 +112,7 @@ def vary_tolerance(job):
     steps = round(job["time"] / TABLE1_STEP)
     runs, states = zip(*(setting.look(setting.method(tolerance), steps, tolerance) for tolerance in TOLERANCES))
     tightest = next((W for W in reversed(states) if W is not None), None)
-    return [{**run, "solver_error": None if W is None else isosyrk.relative_error(W, tightest)}
+    return [{**run._asdict(), "solver_error": None if W is None else isosyrk.relative_error(W, tightest)}
             for run, W in zip(runs, states)]
 
 
@@ -146,7 +148,7 @@ class Setting(trials.Setting):
                                   max_sweeps=MAX_SWEEPS[self.solver])
 
     def look(self, method, steps, tolerance):
-        """Makes one run, and returns its fields and W(T), which is None if it did not come to a usable end."""
+        """Makes one run, and returns it and W(T), which is None if it did not come to a usable end."""
         h = self.problem.time / steps
         initial = self.scene.initial
         W, report, status, _, energy_error = self.run(method, h, steps, math.ceil(steps / LOOKS))
@@ -159,30 +161,26 @@ class Setting(trials.Setting):
                      products=report.products, equivalent_products=report.equivalent_products,
                      poisson_solves=report.poisson_solves, cpu_seconds=[])
         if status != CONVERGED:
-            return found, None
+            return Run(**found), None
         found.update(error=isosyrk.relative_error(W, self.reference), **self.errors(W),
                      energy_error=energy_error,
                      casimir_errors=list(isosyrk.casimir_errors(W, initial)),
                      angular_momentum_error=isosyrk.angular_momentum_error(W, initial))
-        return found, W
+        return Run(**found), W
 
 
 def good_enough(run):
-    return run["error"] is not None and run["error"] < up_to(run["n"], GOOD_ENOUGH)
+    return run.error < up_to(run.n, GOOD_ENOUGH)
 
 
-def hidden(runs, uncertainty):
-    """Tells whether the error of the last run is hidden by the reference or by rounding."""
-    error, before = runs[-1]["error"], runs[-2]["error"] if len(runs) > 1 else None
-    if error is None:
-        return False
-    return (error < FLOOR_MARGIN * uncertainty
-            or (before is not None and before < NEAR_ROUNDING and error > STILL_FALLING * before))
+def hidden(runs, uncertainty, order):
+    """Tells whether the error of the last of some runs is hidden by the reference or by rounding."""
+    return runs[-1].error < FLOOR_MARGIN * uncertainty or (len(runs) > 1 and is_rounding(*runs[-2:], order))
 
 
 def has_order(runs, order):
-    """Tells whether the errors of the last runs fall as an order says."""
-    observed = fitted_order([Run(**run) for run in runs if run["error"] is not None])
+    """Tells whether the errors of the last of some runs fall as the order says."""
+    observed = fitted_order(runs)
     return observed is not None and abs(observed - order) < NEAR_ORDER
 
 
@@ -193,8 +191,8 @@ def up_to(n, values):
 
 def took_enough(run, times):
     """Tells whether a run took so many times the work that ends a line."""
-    enough = times * up_to(run["n"], ENOUGH_WORK) * ENOUGH_TIMES[run["solver"], run["time"]]
-    return run["error"] is not None and 8 * run["n"]**3 * run["equivalent_products"] >= enough
+    enough = times * up_to(run.n, ENOUGH_WORK) * ENOUGH_TIMES[run.solver, run.time]
+    return 8 * run.n**3 * run.equivalent_products >= enough
 
 
 # ---- timed
