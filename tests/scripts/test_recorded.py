@@ -6,16 +6,16 @@ import subprocess
 import sys
 import unittest
 
-ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
-RECORDED = os.path.join(ROOT, "results", "recorded")
-sys.dont_write_bytecode = True
-sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))
-from accuracy_lines import read_accuracy  # noqa: E402
-from accuracy_report import accuracy_sections  # noqa: E402
-from document import as_markdown  # noqa: E402
-from stability_files import FAST, read_long_runs, read_map  # noqa: E402
-from stability_report import stability_sections  # noqa: E402
+from programs import ROOT
 
+import scaling_table
+from accuracy_lines import read_accuracy
+from accuracy_report import accuracy_sections
+from document import as_markdown
+from stability_files import FAST, read_long_runs, read_map
+from stability_report import stability_sections
+
+RECORDED = os.path.join(ROOT, "results", "recorded")
 MOST_BYTES = 8_000_000
 
 
@@ -37,6 +37,7 @@ class Recorded(unittest.TestCase):
         failures, fast = read_map(raw("stability", "map.json")), read_map(raw("stability", "fast_map.json"), FAST)
         runs = read_long_runs(raw("stability", "long_runs.json"))
         for study, report in (("accuracy", accuracy_sections(read_accuracy(raw("accuracy")), charts("accuracy"))),
+                              ("scaling", scaling_table.document(raw("scaling"))),
                               ("stability", stability_sections(failures, runs, charts("stability"), fast=fast))):
             with self.subTest(study=study):
                 self.assertTrue(text(RECORDED, study, "report.md") == as_markdown(report), "render it again")
@@ -47,8 +48,17 @@ class Recorded(unittest.TestCase):
                                    "--format", "markdown"], capture_output=True, encoding="utf-8", check=True)
             self.assertTrue(text(RECORDED, name, "table.md") == done.stdout, f"render {name} again")
 
+    def test_lines_show_the_order_of_their_integrator(self):
+        study = read_accuracy(raw("accuracy"))
+        found = [(order - study.integrators[name].order, problem, name) for problem, name, solver in study.lines
+                 if (order := study.observed_order(problem, name, solver)) is not None and problem.time == 5]
+        self.assertGreater(len(found), 250)
+        for difference, problem, name in found:
+            with self.subTest(problem=str(problem), name=name):
+                self.assertLess(abs(difference), 0.25)
+
     def test_every_chart_of_a_report_is_there(self):
-        for study in ("accuracy", "scaling", "stability"):
+        for study in ("accuracy", "stability"):
             shown = re.findall(r"^!\[.*\]\((.*)\.svg\)$", text(RECORDED, study, "report.md"), re.M)
             self.assertEqual((set(shown), len(shown) > 1), (charts(study), True))
 

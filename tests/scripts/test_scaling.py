@@ -3,6 +3,7 @@
 import os
 
 from programs import DONE, ROOT, FolderTest, run_script
+import scaling_table
 from scaling_document import RUNGS, write_scaling
 
 RENDER = os.path.join(ROOT, "scripts", "render_scaling")
@@ -26,6 +27,14 @@ class Table(FolderTest):
         self.assertEqual(self.row(self.render(["without any", "fast"]).stdout)[7:],
                          ["–", "2.50", "±0.0", "%", "–", "–", "–"])
         self.assertEqual(self.row(self.render(["published"]).stdout)[2:], ["–"] * 8)
+
+    def test_what_it_says(self):
+        path = write_scaling(self.folder, "raw.json")
+        (_, published), (_, ideas), (best, which) = scaling_table.claims(path)
+        self.assertIn(": 5 at n = 17 (", published)
+        self.assertIn("without bands: 2.5 at n = 17", ideas)
+        self.assertIn("more than 0% faster", best)
+        self.assertIn("group without any, n = 17", which)
 
     def test_a_file_without_points_is_refused(self):
         self.assert_refused(self.render([]), "raw.json", "no points")
