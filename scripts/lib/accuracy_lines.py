@@ -12,11 +12,10 @@ from typing import Dict, List, NamedTuple, Optional
 import study_file
 from benchmark_json import UnusableFile, quoted
 from integrator_names import gauss_stages
-from study_file import (CASIMIRS, CONVERGED, Integrator, Schema, keyed, list_of, number, one_of, optional, positive,
+from study_file import (CASIMIRS, CONVERGED, FAST, PUBLISHED, SOLVERS, Integrator, Schema, keyed, list_of, number, one_of, optional, positive,
                         status, text, truth, whole)
 
 SCENES = ("smooth", "rough", "developed")
-SOLVERS = PUBLISHED, FAST = ("published", "fast")
 TABLE1_STEP = 0.1  # the step size of Table 1, where the tolerances were varied too
 
 # A line has reached its floor where the error is within this of the reference's uncertainty, ...

@@ -10,8 +10,8 @@ from comparison import MISSING, percentage, three_digits
 from document import Column, Heading, Items, Paragraph, conditions, plain_table, shown
 from recommendation import KEPT, recommendation_tables, strongest_structure
 
-CARE_ERROR = 1e-6  # near which equal care is shown, ...
-CARE_SIZE = 129  # ... at the largest n up to this
+CARE_ERROR, CARE_FACTOR = 1e-6, 10  # near which, within what factor, equal care is shown, ...
+CARE_SIZE = 65  # ... at the largest n up to this
 
 CHARTS = (
     ("error_against_time", "Error against CPU time, smooth scene, T = 5. A thin line is one integrator in its fast form"
@@ -19,7 +19,7 @@ CHARTS = (
      f" {FLOOR_MARGIN} times the uncertainty of the reference, where the error stops falling, or where runs take too"
      " long, and breaks at failures and limits. Thick: of those with the same strongest structure, the cheapest with"
      " this error or a smaller one, upright above the longest step that ran. All panels have equal decades."),
-    ("error_against_time_others", "The same for the other problems."),
+    ("error_against_time_others", "The same for the two largest n of every other scene and time."),
     ("energy_against_time", "The same for the energy error, the largest over the steps, in the smooth scene."),
     ("error_against_n", f"Error at h = {TABLE1_STEP}, the step of Table 1, against n, and of every step, not in the frame,"
      " against h‖B(W₀)‖₂, smooth scene, T = 5. Lines of all n that coincide say that h‖B‖₂ decides, not n."),
@@ -90,7 +90,8 @@ def care_section(study):
     rate = problem and study.rates.get(problem.n)
     rows = []
     for name in study.integrators if rate else ():
-        runs = [run for run in study.above_floor(problem, name) if not run.beyond_limit]
+        runs = [run for run in study.above_floor(problem, name) if not run.beyond_limit
+                and CARE_ERROR / CARE_FACTOR <= run.error <= CARE_ERROR * CARE_FACTOR]
         if not runs:
             continue
         run = min(runs, key=lambda each: abs(math.log(each.error / CARE_ERROR)))
@@ -103,7 +104,7 @@ def care_section(study):
         "step", "error", "CPU seconds", "equivalent products", "product share", "published over fast")),
                Column("what makes it fast", align="left"))
     return [Heading("Equal care"),
-            Paragraph(f"{problem}, the run nearest to {CARE_ERROR:g}. Product share: the time of its products, at the"
+            Paragraph(f"{problem}, the run nearest to {CARE_ERROR:g}, within a factor of {CARE_FACTOR}. Product share: the time of its products, at the"
                       " rate of products alone, over all its time; bands and triangles count as the part that they are."
                       f" Published over fast: at equal error, {MEAN_OVER}."),
             plain_table(columns, rows)] if rows else []

@@ -26,8 +26,8 @@ SETTINGS = {"svg.hashsalt": "isosyrk", "svg.fonttype": "none", "font.size": 10.5
 # Colour and size of the markers say which family an integrator belongs to, the marker its number (of stages, or its
 # order), the line what it keeps. Formulations with the same answer differ in size, so that none hides another.
 FAMILIES = {"cotangent": ("#e08214", 7.5), "group": ("#1f67ad", 5.2), "algebra": ("#4a0a5e", 3.4),
-            "yoshida": ("#8c510a", 4), "suzuki": ("#d6604d", 4), "kahan_li": ("#b2182b", 4), "rkmk": ("#0b8a67", 4),
-            "direct": ("#c07bb8", 4), "rk": ("#000000", 4)}
+            "yoshida": ("#d8a03c", 4), "suzuki": ("#c06a28", 4), "kahan_li": ("#8a3b12", 4), "rkmk": ("#0b8a67", 4),
+            "direct": ("#cf6aa3", 4), "rk": ("#000000", 4)}
 OTHER_FAMILY = ("0.5", 4)
 MARKERS = {"1": "o", "2": "s", "3": "^", "4": "D", "5": "P", "6": "v"}
 LINES = {"poisson": "-", "spectrum": "--", "nothing": ":"}
@@ -69,9 +69,13 @@ def key(figure, handles, rows=1, title=None):
     figure.legend(handles=handles, loc="lower left", ncol=-(-len(handles) // rows), title=title, alignment="left")
 
 
+def handle(label, **style):
+    return Line2D([], [], label=label, **style)
+
+
 def method_key(figure, integrators):
     """Says under the panels whose line is whose, in METHOD_KEYS lines."""
-    handles = [Line2D([], [], label=each.name, **look(each)) for each in integrators]
+    handles = [handle(each.name, **look(each)) for each in integrators]
     key(figure, handles, METHOD_KEYS - 1, LINES_IN_WORDS)
 
 

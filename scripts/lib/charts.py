@@ -3,12 +3,10 @@
 import math
 import statistics
 
-from matplotlib.lines import Line2D
-
 from accuracy_claims import energy, growth, headline_problems, price, runs_at_table1_step, span
 from accuracy_lines import FAST, NEAR_ROUNDING, PUBLISHED, TABLE1_STEP
 from benchmark_json import FORMULATIONS
-from chart_panels import FAMILIES, draw_line, key, logarithmic, new_figure
+from chart_panels import FAMILIES, draw_line, handle, key, logarithmic, new_figure
 from integrator_names import FRAME, gauss_stages, in_frame, method_name
 from recommendation import KEPT, strongest_structure
 
@@ -33,10 +31,6 @@ GHOST = {"color": "0.72", "linewidth": 0.7, "linestyle": (0, (3, 2)), "zorder": 
 def title(claim, otherwise):
     """Returns what stands out of a claim, if the study has the data for it."""
     return claim[0] if claim else otherwise
-
-
-def handle(label, **style):
-    return Line2D([], [], label=label, **style)
 
 
 # ---- work–precision diagrams

@@ -1,7 +1,6 @@
 """What the scripts' command lines share: refusals of one line, and checked numbers."""
 
 import argparse
-import math
 import re
 
 from benchmark_json import one_line
@@ -35,12 +34,14 @@ def whole_number(least, most):
     return read
 
 
-def positive_number(text):
-    """Reads an argument that must be a finite number above 0; what only Python calls a number is refused."""
-    plain = re.fullmatch(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?", text)
-    if not plain or not 0 < float(text) < math.inf:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number above 0")
-    return float(text)
+def number(least, most):
+    """Returns a reader of arguments that must be numbers from `least` to `most`; what only Python calls one is refused."""
+    def read(text):
+        plain = re.fullmatch(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?", text)
+        if not plain or not least <= float(text) <= most:
+            raise argparse.ArgumentTypeError(f"{text!r} is not a number from {least:g} to {most:g}")
+        return float(text)
+    return read
 
 
 def joined_values(arguments, options):

@@ -14,11 +14,6 @@ def in_frame(name):
     return name.endswith(FRAME)
 
 
-def others(names):
-    """Returns the names beside those of Table 1."""
-    return [name for name in names if name not in TABLE1_CELLS]
-
-
 def gauss_stages(name):
     """Returns s of a formulation of the s-stage Gauss method, or None for any other integrator."""
     match = re.fullmatch(rf"(?:{'|'.join(FORMULATIONS)})([0-9]+)", name)

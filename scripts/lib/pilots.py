@@ -6,9 +6,9 @@ together until they agree; their distance is its uncertainty. Fast forms only, i
 has it: that is exact and costs nothing. Needs NumPy and isosyrk.
 """
 
-import csv
 import itertools
 import math
+import re
 import signal
 from dataclasses import replace
 
@@ -38,8 +38,8 @@ SHARP, SHARP_ENOUGH = 10, 4  # the uncertainty of the reference aims at, and has
 FLOOR = 1e-6  # below, two references that no longer come closer are at rounding
 TOO_DEAR = 8.0  # times the seconds of the cheapest good pilot over the part, where others are stopped
 MOST_KEPT = 6  # methods that go on to the next part
-# Growth of the error as a power of time, for methods that keep the spectrum and others. Short runs show too little of it.
-LEAST_GROWTH, LEAST_GROWTH_OF_OTHERS, MOST_GROWTH = 1.5, 4.0, 5.0
+# Least growth of the error as a power of time, for methods that keep the spectrum and others. Short runs show too little.
+LEAST_GROWTH, LEAST_GROWTH_OF_OTHERS = 1.5, 4.0
 LOOKS = 100  # at the energy and the cost of a pilot of many steps
 FIRST_SHARE = 1 / 3  # of the budget; after it, no further method is begun on the first part
 TOLERANCE = 1e-13  # of the iteration, for a state of norm 1
@@ -47,28 +47,38 @@ TOLERANCE = 1e-13  # of the iteration, for a state of norm 1
 
 # ---- the user's scene
 
+WHOLE, REAL = re.compile("[0-9]{1,9}"), re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
+KINDS = {"l": (int, WHOLE), "m": (int, WHOLE), "re": (float, REAL), "im": (float, REAL)}  # of a mode: type and form
+LEAST_ENERGY = 1e-200
+AT_REST = 1e-12  # ‖B(W)‖₂ over the largest entry of W: rounding of a state that does not move
+
 
 def read_modes(path):
     """Returns the modes in a CSV file with the header l,m,re,im. Throws UnusableFile."""
-    kinds, modes = {"l": int, "m": int, "re": float, "im": float}, []
-    rows = csv.DictReader(read_text(path).lstrip("\ufeff").replace(" ", "").splitlines())
-    if sorted(rows.fieldnames or ()) != sorted(kinds):
+    header, *lines = [[field.strip() for field in line.split(",")]
+                      for line in read_text(path).lstrip("\ufeff").splitlines() or [""]]
+    if sorted(header) != sorted(KINDS):
         raise UnusableFile("the header must name l,m,re,im and no other")
-    for row in rows:
-        try:
-            fields = {name: kinds[name](value) for name, value in row.items()}
-        except (KeyError, TypeError, ValueError):
-            raise UnusableFile(f"line {rows.line_num}: must be 4 numbers (l,m,re,im)") from None
-        modes.append(tuple(fields[name] for name in kinds))
+    modes = []
+    for number, fields in enumerate(lines, 2):
+        if fields == [""]:
+            continue
+        row = dict(zip(header, fields))
+        if len(fields) != len(KINDS) or not all(pattern.fullmatch(row[name]) for name, (_, pattern) in KINDS.items()):
+            raise UnusableFile(f"line {number}: must be 4 numbers (l,m,re,im)")
+        modes.append(tuple(kind(row[name]) for name, (kind, _) in KINDS.items()))
     return modes
 
 
 def read_state(path):
-    """Returns the array in a NumPy file. Throws UnusableFile."""
+    """Returns the matrix in a NumPy file, as the program `integrate` writes and reads it. Throws UnusableFile."""
     try:
-        return numpy.load(path, allow_pickle=False)
-    except (OSError, ValueError, EOFError):
+        W = numpy.load(path, allow_pickle=False)
+    except (OSError, ValueError, EOFError, MemoryError):
         raise UnusableFile("cannot be read as a NumPy .npy file") from None
+    if W.dtype != complex or not W.dtype.isnative or not W.flags.c_contiguous:
+        raise UnusableFile("must be complex128 in C order")
+    return W
 
 
 def scene_of(options):
@@ -76,8 +86,10 @@ def scene_of(options):
     try:
         data = {"initial": read_state(options.own)} if options.modes is None else {"modes": read_modes(options.own)}
         scene = isosyrk.scene(n=options.n, hbar=options.hbar, **data)
-        if not scene.generator_norms()[0] > 0:
+        if not scene.generator_norms()[0] > AT_REST * abs(scene.initial).max():
             raise UnusableFile("is at rest, as any method keeps it")
+        if not LEAST_ENERGY < scene.energy(scene.initial) < 1 / LEAST_ENERGY:
+            raise UnusableFile("its energy is too small or too large to be compared with; scale it")
     except (UnusableFile, ValueError, TypeError) as problem:
         name = "--state" if options.modes is None else "--modes"
         raise UnusableFile(f"{name} {one_line(options.own)}: {problem}") from None
@@ -119,6 +131,7 @@ class Search:
         self.trajectory = True  # whether errors are those of the trajectory, or of energy and spectrum
         self.reference, self.exact, self.uncertainty = None, (), math.inf  # pilot, its states at half time and at the end
         self.reference_step = FIRST_REFERENCE / self.setting.norm_B  # of the next part
+        self.unsettled = None  # the last two references over a part that do not agree, as one Outcome
         self.spent = False  # whether the budget ended before all pilots were made
         self.good = {}  # by integrator: the best pilot over the longest part that it did
         # Of the part that pilots go over.
@@ -169,14 +182,15 @@ class Search:
         if not self.trajectory:
             pilot.error = max(energy_error, errors["spectrum_error"])
         elif self.reference and self.reference.time == self.time:
-            pilot.error_at_half, error = map(isosyrk.relative_error, states, self.exact)
+            at_half, error = map(isosyrk.relative_error, states, self.exact)
             pilot.error = error + self.uncertainty
+            pilot.growth = math.log2(error / at_half) if error > 0 < at_half else None
         return pilot, states
 
     def refer(self, error):
         """Makes the reference solution of the part; if two do not agree, no trajectory is judged any more.
 
-        Throws Stop where they agree to less than what is asked for.
+        Throws Stop where rounding keeps them from agreeing to what is asked for.
         """
         second, before = self.references[1], math.inf
         steps = even(self.time / self.reference_step)
@@ -189,15 +203,16 @@ class Search:
             if found <= error / SHARP or (found > before / 2 and (before < FLOOR or tries > MOST_TRIES)):
                 break
             before = found
+            self.unsettled = replace(pair[1], error=found)
             steps = even(steps * refinement(2 * SHARP * found, error, second, 1.2, 3.0))
         for each in pair:
             each.error = found
-        self.reference, self.exact, self.uncertainty = pair[0], states[0], found
+        self.reference, self.exact, self.uncertainty, self.unsettled = pair[0], states[0], found, None
         self.reference_step = self.time / steps / refinement(2 * SHARP * found, error, second, 0.5, 1.0)
-        if self.uncertainty > PREDICTABLE:
+        if self.uncertainty > PREDICTABLE or self.uncertainty > max(FLOOR, self.question.error):
             self.trajectory, self.good = False, {}
         elif self.uncertainty > self.question.error:
-            raise below_reference(self.question.error, self.uncertainty)
+            raise below_reference(self.question.error, self.uncertainty, self.time)
         for each in pair if self.trajectory else ():
             if each.integrator in self.candidates:
                 self.good.setdefault(each.integrator, each)
@@ -227,9 +242,8 @@ class Search:
         """Returns how much larger the error of a pilot is expected to be over a longer time."""
         if not self.trajectory:
             return energy_growth(pilot.integrator, pilot.time, time)
-        seen = math.log2(pilot.error / pilot.error_at_half) if pilot.error_at_half else 0.0
         least = LEAST_GROWTH if pilot.integrator.isospectral else LEAST_GROWTH_OF_OTHERS
-        return (time / pilot.time) ** min(MOST_GROWTH, max(least, seen))
+        return (time / pilot.time) ** max(least, pilot.growth or 0.0)
 
     def expected(self, pilot, time, error):
         """Returns a pilot over this time as it is; from one over a shorter time, the Outcome with the error."""
@@ -246,7 +260,15 @@ class Search:
         """Returns the expected run of each good integrator over the whole time: the cheapest of the longest pilots first."""
         found = [(-each.time, replace(self.expected(each, self.question.time, self.question.error), evidence=self.pilots))
                  for each in self.good.values()]
-        return [each for _, each in sorted(found, key=lambda pair: (pair[0], pair[1].seconds))]
+        return [each for known, each in sorted(found, key=lambda pair: (pair[0], pair[1].seconds))
+                if not self.is_refuted(each, -known)]
+
+    def is_refuted(self, offer, known):
+        """Tells whether references over a longer time than the known one disagree by more than the error, with steps no
+        longer than those of an offer."""
+        tried = self.unsettled
+        return (self.trajectory and tried is not None and tried.time > known and tried.step <= offer.step
+                and tried.error > self.question.error)
 
     def nearest(self):
         """Returns the pilot with the smallest error over the longest part; None if no candidate has an error."""

@@ -7,9 +7,8 @@ import study_file
 from benchmark_json import FORMULATIONS, UnusableFile
 from comparison import MISSING, three_digits, time_with_spread
 from document import Column, Entry, Heading, Paragraph, Table, conditions
-from study_file import Schema, keyed, list_of, number, one_of, positive, text, whole
+from study_file import FAST, PUBLISHED, Schema, keyed, list_of, number, one_of, positive, text, whole
 
-PUBLISHED, FAST = "published", "fast"
 # A rung: the solver, and what its fast form goes without.
 RUNGS = {
     PUBLISHED: (PUBLISHED, ()),
@@ -72,14 +71,16 @@ def claims(path):
         return ", ".join(f"{mean:.2g} at n = {n}" for n, mean in means if mean)
 
     ideas = [rung for rung in RUNGS if rung not in (PUBLISHED, FAST)]
-    less = {(rung, n, form): gain(rung, n, cells[form]) for rung in ideas for n in sizes for form in FORMULATIONS}
-    (rung, n, form), least = min(((key, mean) for key, mean in less.items() if mean), key=lambda each: each[1])
-    return [("A step of the published form takes several times as long as one of the fast form",
-             f": {by_size(PUBLISHED)} (geometric mean over the cells of Table 1, smooth scene, first steps)."),
-            ("Each idea buys its share",
-             f". Times as long {'; '.join(f'{each}: {by_size(each)}' for each in ideas)}."),
-            (f"No form that leaves an idea out is more than {max(0.0, 1 / least - 1):.0%} faster",
-             f" at any n, in the mean over s. That one is {form} {rung}, n = {n}.")]
+    times = {(rung, n, form): gain(rung, n, cells[form]) for rung in ideas for n in sizes for form in FORMULATIONS}
+    found = [("Times of the published form over those of the fast form",
+              f": {by_size(PUBLISHED)} (a step, geometric mean over the cells of Table 1, smooth scene, first steps)."),
+             ("Times without an idea over those with all", f": {'; '.join(f'{each}, {by_size(each)}' for each in ideas)}.")]
+    cheaper = [(mean, key) for key, mean in times.items() if mean and mean < 1]
+    if cheaper:
+        least, (rung, n, form) = min(cheaper)
+        found.append((f"At most {1 / least - 1:.1%} faster is a form that leaves an idea out",
+                      f", in the mean over s, at any n: {form} {rung} at n = {n}."))
+    return found
 
 
 def sections(study):

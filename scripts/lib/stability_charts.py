@@ -5,12 +5,11 @@ In a map a cell is one trial, coloured by its outcome: the darker, the worse.
 
 import math
 
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from chart_panels import METHOD_KEYS, cross, draw_line, key, logarithmic, look, method_key, new_figure
+from chart_panels import METHOD_KEYS, cross, draw_line, handle, key, logarithmic, look, method_key, new_figure
 from stability_files import QUANTITIES, ROUNDING
 from study_file import SWEEP_CAP, UNSTABLE
 
@@ -54,7 +53,7 @@ def failure_map(study, scene, names, title):
         axes.set_ylabel("h‖B(W₀)‖₂")
     shades = {**{label: colour for label, (_, colour) in SWEEP_SHADES.items()}, **FAILURES}
     key(figure, [*(Patch(facecolor=colour, edgecolor="0.6", label=label) for label, colour in shades.items()),
-                 *(Line2D([], [], label=label, **style) for label, style in LEVELS.items())], 2)
+                 *(handle(label, **style) for label, style in LEVELS.items())], 2)
     return figure
 
 

@@ -8,11 +8,10 @@ from typing import Dict, NamedTuple, Tuple
 
 import study_file
 from benchmark_json import UnusableFile, quoted
-from study_file import (CONVERGED, Integrator, Schema, error_of_any_size, keyed, number, one_of, optional, positive,
+from study_file import (CONVERGED, FAST, PUBLISHED, SOLVERS, Integrator, Schema, error_of_any_size, keyed, number, one_of, optional, positive,
                         status, text, whole)
 
 SCENES = ("smooth", "rough")
-SOLVERS = PUBLISHED, FAST = ("published", "fast")
 ROUNDING = 1e-12  # what rounding leaves in 10⁴ steps, as a relative error
 
 

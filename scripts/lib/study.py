@@ -38,7 +38,7 @@ KEPT_CONDITIONS = ("commit", "dirty", "cpu", "blas_kernels")  # what results dep
 NOT_OF_THE_STUDY = ("out", "scheduler", "workers", "repetitions")  # options that leave results as they are
 MOST_LOSSES = 3  # of workers, without a job finished between
 LOST = "a worker was lost; its jobs are done again"
-ENOUGH_TIMED = 1.0  # CPU seconds of timed work on a point, after which it is repeated no more
+ENOUGH_TIMED = 0.6  # CPU seconds of timed work on a point, after which it is repeated no more
 LEAST_SECONDS = 0.01  # that a repetition fills with runs, so that clock and interruptions do not weigh
 BAD_ARGUMENTS, NO_ANSWER, INTERRUPTED, TERMINATED = 2, 3, 130, 143
 
@@ -54,13 +54,13 @@ class Stop(Exception):
 # ---- starting
 
 
-def require_module(program):
+def require_module(program, modules=("isosyrk", "numpy", "tqdm")):
     """Returns where isosyrk can be imported; otherwise starts this script again where it can, or exits with 2."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # NumPy's; the module's products take one thread anyway
     if os.path.isdir(MODULE):
         sys.path.insert(0, MODULE)
         os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (MODULE, os.environ.get("PYTHONPATH"))))
-    chart_python.require(program, ("isosyrk", "numpy", "tqdm"),
+    chart_python.require(program, modules,
                          "build it with scripts/reproduce accuracy, or install python3-numpy and python3-tqdm")
 
 

@@ -20,6 +20,7 @@ FORMAT = "isosyrk study 1"
 CONVERGED, SWEEP_CAP, UNSTABLE = "converged", "sweep cap", "unstable"
 STATUSES = (CONVERGED, "diverged", "stagnated", SWEEP_CAP, UNSTABLE)
 CASIMIRS = (2, 3, 4, 5)
+SOLVERS = PUBLISHED, FAST = ("published", "fast")
 # Errors, norms and step sizes that are not 0 lie far inside; others are damage, and quotients of them overflow.
 SMALLEST, LARGEST = 1e-30, LARGEST_COUNTER
 LONGEST_TEXT = 60  # of a name

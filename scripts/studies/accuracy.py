@@ -58,7 +58,6 @@ GOOD_ENOUGH = ((65, 1e-11), (math.inf, 1e-9))  # by the largest n
 ENOUGH_WORK = ((17, 4e9), (33, 12e9), (65, 12e9), (129, 20e9), (math.inf, 80e9))
 ENOUGH_TIMES = {(FAST, 5.0): 1, (FAST, 50.0): 2.5, (PUBLISHED, 5.0): 4}  # as many times that
 PATIENCE = 15
-ENOUGH_TIMED = 0.6  # CPU seconds: half of that is timed twice, all of it once
 NEAR_ORDER = 0.2  # by which observed order and order may differ
 LOOKS = 50  # at the energy in a run, at least while there are as many steps
 LOST_SPECTRUM = 0.1  # of the largest eigenvalue, which is 1: such a run has lost what it should keep, and is unstable
@@ -268,7 +267,7 @@ def main(arguments):
                journal.products(run.n) if run.solver == PUBLISHED else None, run.steps]
               for run in (*runs, *tolerance_runs) if run.usable]
     seconds = iter(study.in_turns(points, options.repetitions, lambda point: time_one(point, folder), journal,
-                                  "timings", ENOUGH_TIMED))
+                                  "timings"))
 
     def completed(runs):
         return [rounded(run._replace(cpu_seconds=next(seconds) if run.usable else ())) for run in runs]

@@ -33,7 +33,7 @@ INTEGRATORS = ("group8", "rkmk4")
 TOLERANCE = 1e-14
 LONGEST_STEP, SHORTEST_STEP = 0.05, 0.0001
 AIM = 0.05  # an estimated error of this share of the largest uncertainty is small enough, ...
-NEAR_ROUNDING = 1e-10  # ... and below this, an error that a doubling does not halve is rounding
+LEAST_HALVED = 1e-10  # ... and below this, an error that a doubling does not halve is rounding
 DEVELOPING_STEP = 0.1  # to DEVELOPED_TIME; half the step must lead to the same energies to six digits
 LARGEST_DIFFERENCE = problems.DIGITS / 10
 
@@ -54,7 +54,7 @@ def refine(scene, time, integrator, aim):
                 break
         else:
             change = isosyrk.relative_error(best[0], W) if best else math.inf
-            if best and change < NEAR_ROUNDING and change >= last_change / 2:
+            if best and change < LEAST_HALVED and change >= last_change / 2:
                 break
             best, last_change = (W, steps), change
             if change / (2**entry.order - 1) < aim:

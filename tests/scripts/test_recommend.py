@@ -129,11 +129,15 @@ class Between(RecommendTest):
                 each["energy_error"] = 1e-3 * each["step"]**4
         found = self.answer(17, 1e-3, time=25.0)
         self.assertEqual(found["judged"], "energy and spectrum")
-        self.assertIn("beyond predictability", found["statements"][0])
+        self.assertIn("beyond the recorded trajectories, which end at T = 5", found["statements"][0])
         offers = {offer["integrator"]: offer["steps"] for offer in (found, *found["runners_up"])}
         self.assertEqual(offers["rkmk4"], steps_for("rkmk4", 1e-3 / MARGIN / 25, 25))  # as the square of time
         self.assertEqual(offers["group2"], 25)
         self.assertNotIn("rk4", offers)
+        # Measured beyond the record: n = 33, h = 1, from T = 50.
+        rkmk4 = accuracy_of(self.document).integrators["rkmk4"]
+        for time, growth in ((100, 4.3), (200, 12.4), (400, 36)):
+            self.assertGreaterEqual(MARGIN * recommendation.energy_growth(rkmk4, 50.0, time), growth)
         self.document["references"][0]["uncertainty"] = 0.1  # no reference
         self.assertEqual(self.answer(17, 1e-3)["judged"], "energy and spectrum")
 
@@ -169,7 +173,7 @@ class Answers(RecommendTest):
                                    if each["scene"] == "smooth"]
         found = self.answer(17, 1e-3, scene="developed")
         self.assertIn("--initial developed_n17.npy", found["command"])
-        self.assertIn("--output developed_n17.npy", found["statements"][0])
+        self.assertRegex(found["command"], "--scene smooth .* --output developed_n17.npy && .* --initial developed_n17.npy ")
 
     def test_a_table_with_rows_by_structure_and_problem(self):
         text = as_text(recommendation.recommendation_tables(accuracy_of(self.document)))
@@ -196,8 +200,9 @@ class Refusals(RecommendTest):
         for arguments, *parts in (
                 *((arguments_of(n=value), "--n", f"'{value}'", "a whole number from 2 to 4096")
                   for value in ("1", "-17", "17.0", "4097", "")),
-                *((arguments_of(**{name: value}), f"--{name}", f"'{value}'", "above 0")
-                  for name in ("error", "time", "budget") for value in ("0", "-1e-6", "nan", "1e999", "x", "")),
+                *((arguments_of(**{name: value}), f"--{name}", f"'{value}'", "is not a number from")
+                  for name in ("error", "time", "budget") for value in ("0", "-1e-6", "1e-320", "nan", "1e300", "x", "")),
+                (arguments_of(raw=""), "No such file"),
                 *((arguments_of(**{name: None}), f"--{name}") for name in ("n", "time", "error")),
                 (arguments_of(keep="energy"), "--keep", "'energy'", "nothing", "spectrum", "poisson"),
                 (arguments_of(scene="calm"), "--scene", "'calm'", "smooth", "rough", "developed"),
@@ -248,6 +253,9 @@ class Pilots(FolderTest):
         self.assertEqual(result.returncode, 0, result.stderr)
         return numpy.load(self.path("W.npy"))
 
+    def state(self):
+        return self.executed(f"{program('integrate')} --n 9 --integrator rk4 --step 1 --time 0")
+
     def check(self, found, error, *scene):
         exact = self.executed(f"{program('integrate')} --integrator group5 --solver fast --step 0.1 --time 4", *scene)
         wrong = numpy.linalg.norm(self.executed(found["command"]) - exact) / numpy.linalg.norm(exact)
@@ -265,7 +273,7 @@ class Pilots(FolderTest):
                 self.check(found, error, *scene)
 
     def test_a_state_of_another_norm(self):
-        W, initial = self.executed(f"{program('integrate')} --n 9 --integrator rk4 --step 1 --time 0"), self.path("W0.npy")
+        W, initial = self.state(), self.path("W0.npy")
         numpy.save(initial, W / 8)
         found = self.answer("--state", initial, "--keep", "spectrum")
         self.assertIn("--tolerance", found["command"])  # of the iteration: it is absolute
@@ -283,12 +291,17 @@ class Pilots(FolderTest):
     def test_what_cannot_be_used_or_answered(self):
         modes = {"empty": "", "header": "l,m\n1,0\n", "fields": "l,m,re,im\n1,0,1\n", "more": "l,m,re,im\n2,1,1,0,0\n",
                  "number": "l,m,re,im\n2,1,x,0\n", "infinite": "l,m,re,im\n2,1,nan,0\n",
-                 "degree": "l,m,re,im\n9,1,1,0\n", "none": "l,m,re,im\n"}
+                 "degree": "l,m,re,im\n9,1,1,0\n", "none": "l,m,re,im\n", "underscore": "l,m,re,im\n2,1,1_0,0\n",
+                 "space": "l,m,re,im\n2,1,1 0,0\n", "quoted": 'l,m,re,im\n2,1,"1",0\n'}
         for name, text in modes.items():
             with self.subTest(name=name):
                 self.assert_refused(self.pilots("--n", "9", "--modes", self.write(name, text)), "--modes", name)
         self.assert_refused(self.pilots("--n", "9", "--modes", self.path("missing")), "--modes", "No such file")
         self.assert_refused(self.pilots("--state", self.MODES), "--state", "cannot be read")
+        for W, part in ((1j * numpy.eye(9), "at rest"), (1e-200 * self.state(), "energy"), (self.state().T, "C order"),
+                        (self.state().imag, "complex128")):
+            numpy.save(self.path("W0.npy"), W)
+            self.assert_refused(self.pilots("--state", self.path("W0.npy")), "--state", part)
         self.assert_refused(self.pilots("--n", "9", "--modes", self.MODES, error=1e-20), "uncertainty")
         result = self.pilots("--n", "9", "--modes", self.MODES, budget=1e-3)
         self.assertEqual((result.returncode, result.stdout), (UNANSWERABLE, ""))
