@@ -39,7 +39,8 @@ FLOOR = 1e-6  # below, two references that no longer come closer are at rounding
 TOO_DEAR = 8.0  # times the seconds of the cheapest good pilot over the part, where others are stopped
 MOST_KEPT = 6  # methods that go on to the next part
 # Least growth of the error as a power of time, for methods that keep the spectrum and others. Short runs show too little.
-LEAST_GROWTH, LEAST_GROWTH_OF_OTHERS = 1.5, 4.0
+# More than MOST_GROWTH is no power: trajectories part, and nothing is known of a longer time.
+LEAST_GROWTH, LEAST_GROWTH_OF_OTHERS, MOST_GROWTH = 1.5, 4.0, 5.0
 LOOKS = 100  # at the energy and the cost of a pilot of many steps
 FIRST_SHARE = 1 / 3  # of the budget; after it, no further method is begun on the first part
 TOLERANCE = 1e-13  # of the iteration, for a state of norm 1
@@ -258,17 +259,19 @@ class Search:
 
     def ranking(self):
         """Returns the expected run of each good integrator over the whole time: the cheapest of the longest pilots first."""
-        found = [(-each.time, replace(self.expected(each, self.question.time, self.question.error), evidence=self.pilots))
+        found = [(each, replace(self.expected(each, self.question.time, self.question.error), evidence=self.pilots))
                  for each in self.good.values()]
-        return [each for known, each in sorted(found, key=lambda pair: (pair[0], pair[1].seconds))
-                if not self.is_refuted(each, -known)]
+        return [offer for pilot, offer in sorted(found, key=lambda pair: (-pair[0].time, pair[1].seconds))
+                if not self.is_refuted(offer, pilot)]
 
-    def is_refuted(self, offer, known):
-        """Tells whether references over a longer time than the known one disagree by more than the error, with steps no
-        longer than those of an offer."""
+    def is_refuted(self, offer, pilot):
+        """Tells whether an offer cannot follow from a pilot over a shorter time: its error grew too fast, or references
+        over a longer time disagree by more than the error, with steps no longer than those offered."""
         tried = self.unsettled
-        return (self.trajectory and tried is not None and tried.time > known and tried.step <= offer.step
-                and tried.error > self.question.error)
+        return self.trajectory and pilot.time < offer.time and (
+            (pilot.growth or 0.0) > MOST_GROWTH
+            or (tried is not None and tried.time > pilot.time and tried.step <= offer.step
+                and tried.error > self.question.error))
 
     def nearest(self):
         """Returns the pilot with the smallest error over the longest part; None if no candidate has an error."""

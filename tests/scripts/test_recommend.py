@@ -13,10 +13,11 @@ import shlex
 import sys
 import time
 import unittest
+from dataclasses import replace
 from unittest import mock
 
 import numpy
-from programs import DATA, HAS_MODULE, ROOT, FolderTest, program, run, run_script, strict_json
+from programs import BUILD, DATA, HAS_MODULE, ROOT, FolderTest, program, run, run_script, strict_json
 from study_documents import INTEGRATORS, accuracy_of, run_of, study_document, write_study
 
 import recommendation
@@ -287,6 +288,20 @@ class Pilots(FolderTest):
         found = self.answer("--n", "65", "--modes", self.MODES, "--time", "400", budget=2)
         self.assertLess(time.monotonic() - started, 2.4 + 1)  # and the start of two Pythons
         self.assertIn("extrapolated", json.dumps(found["statements"]))
+
+    def test_what_does_not_follow_from_a_shorter_time(self):
+        sys.path.insert(0, os.path.join(BUILD, "python"))
+        import pilots
+        search = pilots.Search(pilots.isosyrk.scene("smooth", n=9), Question("smooth", 9, 8.0, 1e-6, "spectrum"))
+        (rkmk4,) = (each for each in search.candidates if each.name == "rkmk4_frame")
+        pilot, offer = (recommendation.Outcome(rkmk4, 9, time, 40, 1e-7, 1.0, growth=2.0) for time in (4.0, 8.0))
+        disagree = recommendation.Outcome(rkmk4, 9, 8.0, 80, 1e-3, 1.0)
+        for growth, unsettled, refuted in ((2.0, None, False), (9.0, None, True), (2.0, disagree, True),
+                                           (2.0, replace(disagree, steps=20), False),  # longer steps than those offered
+                                           (2.0, replace(disagree, time=4.0, steps=40), False)):
+            search.unsettled = unsettled
+            self.assertEqual(search.is_refuted(offer, replace(pilot, growth=growth)), refuted)
+        self.assertFalse(search.is_refuted(offer, replace(offer, growth=9.0)))  # over the whole time it was seen
 
     def test_what_cannot_be_used_or_answered(self):
         modes = {"empty": "", "header": "l,m\n1,0\n", "fields": "l,m,re,im\n1,0,1\n", "more": "l,m,re,im\n2,1,1,0,0\n",

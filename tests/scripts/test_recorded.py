@@ -51,7 +51,8 @@ class Recorded(unittest.TestCase):
     def test_lines_show_the_order_of_their_integrator(self):
         study = read_accuracy(raw("accuracy"))
         found = [(order - study.integrators[name].order, problem, name) for problem, name, solver in study.lines
-                 if (order := study.observed_order(problem, name, solver)) is not None and problem.time == 5]
+                 if (order := study.observed_order(problem, name, solver)) is not None
+                 and problem.time == 5 and problem.n <= 129]  # with the fine steps that show it
         self.assertGreater(len(found), 250)
         for difference, problem, name in found:
             with self.subTest(problem=str(problem), name=name):

@@ -56,15 +56,15 @@ def main(arguments):
     journal = study.Journal("squares", options, lambda: {"commit": "1"})
     jobs = [{"number": number, "deaths": options.deaths if number == 7 else 0} for number in range(12)]
     squares = study.untimed(jobs, square, journal, options, "squares")
-    seconds = study.in_turns([1, 3], 3, lambda point: point * 0.4, journal, "turns")
+    seconds = study.in_turns([1, 3], 3, lambda point: point * 0.25, journal, "turns")
     print(squares, seconds, journal.context["timed_on"])
     journal.remove()
 
 if __name__ == "__main__":
     study.run("squares", main, sys.argv[1:])
 """ % os.path.join(ROOT, "scripts", "lib")
-# 0.4 s are timed three times, 1.2 s are enough at once.
-RESULT = f"{[number**2 for number in range(12)]} {[[1 * 0.4] * 3, [3 * 0.4]]} core {max(os.sched_getaffinity(0))}\n"
+# 0.25 s are timed three times, 0.75 s are enough at once.
+RESULT = f"{[number**2 for number in range(12)]} {[[1 * 0.25] * 3, [3 * 0.25]]} core {max(os.sched_getaffinity(0))}\n"
 
 
 class RawFile(FolderTest):
