@@ -83,41 +83,6 @@ TEST_P(EachIntegrator, IteratesAndSaysSoIfAndOnlyIfItIsNotExplicit) {
   EXPECT_GT(report.poisson_solves, 0);
 }
 
-// The step as a map on the skew-Hermitian matrices, differentiated by central differences, against
-// the Poisson tensor Π(W)(α, β) = <W, [α, β]>.
-double poisson_map_defect(Integrator& integrator, const Matrix& W0, double h) {
-  const Index n = W0.rows(), size = n * n;
-  const auto basis = [n](Index a) {  // orthonormal
-    const Index i = a / n, j = a % n;
-    Matrix E = Matrix::Zero(n, n);
-    E(i, j) = i < j ? Complex(1.0) : Complex(0.0, 1.0);
-    E -= E.adjoint().eval();
-    return Matrix(E / E.norm());
-  };
-  const auto inner = [](const Matrix& A, const Matrix& B) {
-    return A.conjugate().cwiseProduct(B).sum().real();
-  };
-  const auto tensor = [&](const Matrix& W) {
-    return RealMatrix(RealMatrix::NullaryExpr(
-        size, size, [&](Index a, Index b) { return inner(W, commutator(basis(a), basis(b))); }));
-  };
-  // Fourth-order differences: error delta^4, rounding 1e-13 / delta.
-  const double delta = 1e-4;
-  RealMatrix derivative(size, size);
-  for (Index b = 0; b < size; ++b) {
-    const auto shifted = [&](double amount) {
-      return integrated(integrator, W0 + amount * delta * basis(b), h, 1);
-    };
-    const Matrix slope =
-        (8.0 * (shifted(1.0) - shifted(-1.0)) - (shifted(2.0) - shifted(-2.0))) / (12.0 * delta);
-    for (Index a = 0; a < size; ++a) derivative(a, b) = inner(basis(a), slope);
-  }
-  const RealMatrix before = tensor(W0), after = tensor(integrated(integrator, W0, h, 1));
-  return (derivative.lazyProduct(before).eval().lazyProduct(derivative.transpose()) - after)
-             .norm() /
-         after.norm();
-}
-
 // h is large enough for the controls to show; the generator takes the trace out before the solve
 // and gives none back, so it is a gradient on u(n), as the test needs.
 TEST_P(EachIntegrator, IsAPoissonMapIfAndOnlyIfItSaysSo) {
@@ -135,7 +100,8 @@ INSTANTIATE_TEST_SUITE_P(List, EachIntegrator, ::testing::ValuesIn(integrators()
 TEST(Composition, RefusesFractionsThatAreNotSymmetricOrDoNotSumToOne) {
   const Scene scene = smooth_scene(5);
   const auto composed = [&scene](const std::vector<double>& fractions) {
-    Composition(*scene.flow, {"tried", 2, fractions}, {}, ProductBackend::openblas);
+    Composition<Complex>(*scene.flow, {"tried", 2, fractions}, Formulation::algebra, {},
+                         ProductBackend::openblas);
   };
   EXPECT_NO_THROW(composed({0.25, 0.5, 0.25}));
   EXPECT_THROW(composed({0.25, 0.5, 0.5}), std::invalid_argument);
@@ -148,7 +114,7 @@ TEST(AdjointSeries, EqualsConjugationByTheExponential) {
   const Matrix W = random_skew_hermitian(8, 2);
   const QuadraticAlgebra algebra = QuadraticAlgebra::skew_hermitian(8);
   Products products(ProductBackend::openblas, 8);
-  AdjointSeries series(algebra);
+  AdjointSeries<Complex> series(algebra);
   Matrix out(8, 8);
   ASSERT_TRUE(series.conjugate(products, 0.5, Omega, W, out));
   const Matrix Q = exponential(0.5 * Omega);

@@ -9,10 +9,10 @@
 namespace isosyrk::testing {
 namespace {
 
-class Scripted final : public Integrator {
+class Scripted final : public IntegratorIn<Complex> {
  public:
   using Advance = std::function<StepReport(const Matrix& W0, Matrix& W1)>;
-  Scripted(const Flow& flow, Advance advance) : Integrator(flow), advance_(std::move(advance)) {}
+  Scripted(const Flow& flow, Advance advance) : IntegratorIn(flow), advance_(std::move(advance)) {}
 
  protected:
   StepReport advance(const Matrix& W0, double, Matrix& W1) override { return advance_(W0, W1); }

@@ -195,6 +195,66 @@ std::filesystem::path WithFolder::write(const std::filesystem::path& file,
   return folder_ / file;
 }
 
+namespace {
+
+// A basis of g, orthonormal in the Frobenius norm: the parts in g of all elementary matrices.
+std::vector<Matrix> basis_of(const QuadraticAlgebra& algebra, bool real) {
+  const Index n = algebra.size();
+  std::vector<Matrix> basis;
+  for (Index k = 0; k < (real ? 1 : 2) * n * n; ++k) {
+    Matrix E = Matrix::Zero(n, n);
+    E(k % (n * n) / n, k % n) = k < n * n ? Complex(1.0) : Complex(0.0, 1.0);
+    Matrix mirrored(n, n);
+    algebra.involution(E, mirrored);
+    E -= mirrored;
+    for (const Matrix& other : basis) {
+      E -= other.conjugate().cwiseProduct(E).sum().real() * other;
+    }
+    if (E.norm() > 1e-6) basis.push_back(E.normalized());
+  }
+  return basis;
+}
+
+}  // namespace
+
+double poisson_map_defect(Integrator& integrator, const Matrix& W0, double h) {
+  const Flow& flow = integrator.flow();
+  const bool real = dynamic_cast<const RealFlow*>(&flow) != nullptr;
+  const std::vector<Matrix> basis = basis_of(flow.algebra(), real);
+  const auto size = static_cast<Index>(basis.size());
+  const auto element = [&](Index a) -> const Matrix& { return basis[static_cast<std::size_t>(a)]; };
+  const auto pairing = [](const Matrix& A, const Matrix& B) {
+    return -A.cwiseProduct(B.transpose()).sum().real();
+  };
+  const RealMatrix gram = RealMatrix::NullaryExpr(
+      size, size, [&](Index a, Index b) { return pairing(element(a), element(b)); });
+  const RealMatrix to_coordinates = gram.inverse();
+  const auto tensor = [&](const Matrix& W) {
+    const RealMatrix lower = RealMatrix::NullaryExpr(size, size, [&](Index a, Index b) {
+      return pairing(W, commutator(element(a), element(b)));
+    });
+    return RealMatrix(
+        to_coordinates.lazyProduct(lower).eval().lazyProduct(to_coordinates.transpose()));
+  };
+  // Fourth-order differences: error delta^4, rounding 1e-13 / delta.
+  const double delta = 1e-4;
+  RealMatrix derivative(size, size);
+  for (Index b = 0; b < size; ++b) {
+    const auto shifted = [&](double amount) {
+      return integrated(integrator, W0 + amount * delta * element(b), h, 1);
+    };
+    const Matrix slope =
+        (8.0 * (shifted(1.0) - shifted(-1.0)) - (shifted(2.0) - shifted(-2.0))) / (12.0 * delta);
+    RealVector pairings(size);
+    for (Index a = 0; a < size; ++a) pairings(a) = pairing(element(a), slope);
+    derivative.col(b) = to_coordinates * pairings;
+  }
+  const RealMatrix before = tensor(W0), after = tensor(integrated(integrator, W0, h, 1));
+  return (derivative.lazyProduct(before).eval().lazyProduct(derivative.transpose()) - after)
+             .norm() /
+         after.norm();
+}
+
 // M + sign J⁻¹ M† J of a random M, of Frobenius norm 1.
 static Matrix random_part(const QuadraticAlgebra& algebra, double sign, unsigned seed) {
   const Matrix M = random_matrix(algebra.size(), seed);

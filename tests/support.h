@@ -136,6 +136,11 @@ Matrix symplectic_J(Index k);
 /// J = diag(1 (p times), -1 (q times)).
 Matrix indefinite_J(Index p, Index q);
 
+/// How far a step is from a Poisson map: ‖DΦ Π(W₀) DΦᵀ - Π(W₁)‖ / ‖Π(W₁)‖ for the step Φ as a map
+/// of g, differentiated by central differences, with the Poisson tensor Π(W)(α, β) = -tr(W [α, β])
+/// in a basis of g and the pairing -tr(AB).  In real matrices if the flow is real.
+double poisson_map_defect(Integrator& integrator, const Matrix& W0, double h);
+
 /// A flow with any B, and without a Hamiltonian.
 class FlowOf final : public Flow {
  public:

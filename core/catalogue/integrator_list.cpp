@@ -26,18 +26,18 @@ Make make_gauss(Formulation formulation, int s) {
   };
 }
 
-// Makes a method from a flow and its data: a tableau or a composition scheme.
-template <class Method, class Data>
-Make make_from(const Data& data) {
-  return [data](const Flow& flow, const SolverOptions& options, ProductBackend backend) {
-    return std::make_unique<Method>(flow, data, options, backend);
+// Makes a method from a flow and its data: a tableau, or a composition scheme and a formulation.
+template <template <class> class Method, class... Data>
+Make make_from(const Data&... data) {
+  return [=](const Flow& flow, const SolverOptions& options, ProductBackend backend) {
+    return make_in_arithmetic_of<Method>(flow, data..., options, backend);
   };
 }
 
-template <class Explicit>
+template <template <class> class Explicit>
 Make make_explicit() {
   return [](const Flow& flow, const SolverOptions&, ProductBackend backend) {
-    return std::make_unique<Explicit>(flow, backend);
+    return make_in_arithmetic_of<Explicit>(flow, backend);
   };
 }
 
@@ -79,6 +79,17 @@ std::function<double(const RealVector&)> composition_limit(const CompositionSche
 constexpr Properties isosyrk_properties = {
     .isospectral = true, .lie_poisson = true, .symmetric = true, .is_explicit = false};
 
+IntegratorEntry composition_entry(const CompositionScheme& scheme, Formulation formulation) {
+  const bool on_g = formulation == Formulation::algebra;
+  return {.name = on_g ? scheme.name : fmt::format("{}_{}", scheme.name, name(formulation)),
+          .stages = static_cast<int>(scheme.fractions.size()),
+          .order = scheme.order,
+          .keeps = isosyrk_properties,
+          .make = make_from<Composition>(scheme, formulation),
+          .linear_limit = composition_limit(scheme),
+          .bytes = bytes_of(3 + gauss_matrices(formulation, 1))};
+}
+
 std::vector<IntegratorEntry> make_list() {
   std::vector<IntegratorEntry> list;
   for (const Formulation formulation : formulations()) {
@@ -86,13 +97,7 @@ std::vector<IntegratorEntry> make_list() {
   }
   for (int s = 4; s <= 8; ++s) list.push_back(gauss_entry(Formulation::group, s));
   for (const CompositionScheme& scheme : {yoshida4(), suzuki4(), kahan_li6()}) {
-    list.push_back({.name = scheme.name,
-                    .stages = static_cast<int>(scheme.fractions.size()),
-                    .order = scheme.order,
-                    .keeps = isosyrk_properties,
-                    .make = make_from<Composition>(scheme),
-                    .linear_limit = composition_limit(scheme),
-                    .bytes = bytes_of(8)});
+    list.push_back(composition_entry(scheme, Formulation::algebra));
   }
   list.push_back({.name = "rkmk4",
                   .stages = 4,
@@ -137,6 +142,16 @@ std::vector<IntegratorEntry> make_list() {
   return list;
 }
 
+std::vector<IntegratorEntry> make_controls() {
+  std::vector<IntegratorEntry> controls = {two_products_entry(2), two_products_entry(3)};
+  for (const CompositionScheme& scheme : {yoshida4(), suzuki4(), kahan_li6()}) {
+    for (const Formulation formulation : {Formulation::group, Formulation::cotangent}) {
+      controls.push_back(composition_entry(scheme, formulation));
+    }
+  }
+  return controls;
+}
+
 }  // namespace
 
 IntegratorEntry gauss_entry(Formulation formulation, int s) {
@@ -163,7 +178,7 @@ IntegratorEntry frame_entry(const IntegratorEntry& method) {
     return std::make_unique<FrameIntegrator>(
         flow, [&](const Flow& inner) { return make(inner, options, backend); }, backend);
   };
-  entry.bytes = [method_bytes = method.bytes](Index n) { return method_bytes(n) + bytes_of(6)(n); };
+  entry.bytes = [method_bytes = method.bytes](Index n) { return method_bytes(n) + bytes_of(5)(n); };
   return entry;
 }
 
@@ -176,8 +191,8 @@ IntegratorEntry two_products_entry(int s) {
       .isospectral = false, .lie_poisson = false, .symmetric = true, .is_explicit = false};
   entry.make = [tableau = gauss_tableau(s)](const Flow& flow, const SolverOptions& options,
                                             ProductBackend backend) {
-    return std::make_unique<AlgebraForm>(flow, tableau, options, backend,
-                                         AlgebraUpdate::two_products);
+    return make_in_arithmetic_of<AlgebraForm>(flow, tableau, options, backend,
+                                              AlgebraUpdate::two_products);
   };
   return entry;
 }
@@ -193,7 +208,7 @@ const IntegratorEntry& integrator_entry(std::string_view wanted) {
     if (entry.name == wanted) return entry;
     names.push_back(entry.name);
   }
-  static const IntegratorEntry controls[] = {two_products_entry(2), two_products_entry(3)};
+  static const std::vector<IntegratorEntry> controls = make_controls();
   for (const IntegratorEntry& entry : controls) {
     if (entry.name == wanted) return entry;
   }

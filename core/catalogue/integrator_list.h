@@ -59,8 +59,10 @@ IntegratorEntry two_products_entry(int s);
 
 /// Returns the list of published integrators and controls.
 const std::vector<IntegratorEntry>& integrators();
-/// Returns the entry with this name: of the list, or two_products_entry(2 or 3).  Throws
-/// std::invalid_argument, naming the names of the list, for another.
+/// Returns the entry with this name: of the list, or of a control: two_products_entry(2 or 3), and
+/// the compositions with their substeps in another formulation, "yoshida4_group",
+/// "yoshida4_cotangent" and so on.  Throws std::invalid_argument, naming the names of the list, for
+/// another.
 const IntegratorEntry& integrator_entry(std::string_view name);
 
 }  // namespace isosyrk

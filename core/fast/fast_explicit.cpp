@@ -8,7 +8,7 @@
 namespace isosyrk {
 
 FastExplicit::FastExplicit(const Flow& flow, const FastOptions& options, bool truncates)
-    : Integrator(flow),
+    : IntegratorIn(flow),
       work_(flow, options.threads, truncates, 1, tuning.group_coupling),
       options_(options) {
   W0_ = W1_ = W_stage_ = product_ = work_.zeros(1);

@@ -9,7 +9,7 @@
 namespace isosyrk {
 
 /// What the explicit methods share: a step in split-complex storage, for J = I.
-class FastExplicit : public Integrator {
+class FastExplicit : public IntegratorIn<Complex> {
  protected:
   /// Throws std::invalid_argument for a flow without a generator in split-complex storage, and for
   /// threads out of range.

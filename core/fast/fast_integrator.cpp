@@ -17,7 +17,7 @@ std::vector<std::unique_ptr<StageSystem>> one(std::unique_ptr<StageSystem> syste
 
 FastIntegrator::FastIntegrator(const Flow& flow, std::vector<std::unique_ptr<StageSystem>> systems,
                                std::vector<double> fractions, const FastOptions& options)
-    : Integrator(flow),
+    : IntegratorIn(flow),
       threads_(options.threads),
       fractions_(std::move(fractions)),
       W_(split_stages(static_cast<Index>(fractions_.size()) + 1, flow.size())) {

@@ -12,7 +12,7 @@ namespace isosyrk {
 /// solver's tolerance.  A step is one substep, or several in a row: a composition.  Each substep
 /// predicts from the same substep of past steps, so their sizes need not be equal.  There is no
 /// prediction from a state other than the last W₁.
-class FastIntegrator final : public Integrator {
+class FastIntegrator final : public IntegratorIn<Complex> {
  public:
   /// Takes the systems of the substeps, made for this flow and for at least options.threads
   /// threads.  Substep k has size fractions[k] h.  Throws std::invalid_argument for options out of

@@ -18,19 +18,40 @@ class Flow {
   const QuadraticAlgebra& algebra() const { return algebra_; }
   Index size() const { return algebra_.size(); }
 
-  /// B = B(W), n x n.  Allocates nothing.  B is not W.  For Euler-Zeitlin this is one Poisson
-  /// solve.
+  /// B = B(W), both in the storage of the algebra: n x n if dense, otherwise diagonal blocks on top
+  /// of one another.  Allocates nothing.  B is not W.  For Euler-Zeitlin this is one Poisson solve.
   virtual void generator(const Matrix& W, Matrix& B) const = 0;
-  /// Returns H(W), which the exact flow conserves.
+  /// Returns H(W), which the exact flow conserves, for W in storage.
   virtual double hamiltonian(const Matrix& W) const = 0;
   /// Returns B in split-complex storage for the fast forms, or null if the flow has none.
   virtual std::unique_ptr<SplitGenerator> split_generator() const;
+
+  /// Returns B(W), n x n, for an n x n matrix W.  Throws as QuadraticAlgebra::pack.
+  Matrix dense_generator(const Matrix& W) const;
+  /// Returns H(W) for an n x n matrix W.  Throws as QuadraticAlgebra::pack.
+  double energy(const Matrix& W) const;
 
  protected:
   explicit Flow(QuadraticAlgebra algebra) : algebra_(std::move(algebra)) {}
 
  private:
   QuadraticAlgebra algebra_;
+};
+
+/// A flow of real matrices, which integrators keep real.
+class RealFlow : public Flow {
+ public:
+  /// B = B(W) and H(W), as above, for real matrices.
+  virtual void real_generator(const MatrixOf<double>& W, MatrixOf<double>& B) const = 0;
+  virtual double real_hamiltonian(const MatrixOf<double>& W) const = 0;
+
+  /// The same for complex matrices whose imaginary parts are 0.  Both allocate.
+  void generator(const Matrix& W, Matrix& B) const final;
+  double hamiltonian(const Matrix& W) const final;
+
+ protected:
+  /// Throws std::invalid_argument unless J is real.
+  explicit RealFlow(QuadraticAlgebra algebra);
 };
 
 }  // namespace isosyrk

@@ -4,33 +4,37 @@
 
 namespace isosyrk {
 
-AlgebraForm::AlgebraForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
-                         ProductBackend backend, AlgebraUpdate update)
-    : ImplicitForm(flow, options, backend),
+template <class Scalar>
+AlgebraForm<Scalar>::AlgebraForm(const FlowIn<Scalar>& flow, const Tableau& tableau,
+                                 const SolverOptions& options, ProductBackend backend,
+                                 AlgebraUpdate update)
+    : Form(flow, options, backend),
       tableau_(tableau),
       update_(update),
       s_(static_cast<std::size_t>(tableau.stages())) {
   require_consistent(tableau);
-  X_ = stage_matrices(tableau.stages(), flow.size());
+  X_ = zeros(tableau.stages());
   X_old_ = X_sum_ = W_stage_ = B_ = K_row_ = X_;
   K_.assign(s_, X_);
   input_ = X_[0];
   change_.resize(3);
-  if (!flow.algebra().is_skew_hermitian()) adjoint_ = X_[0];
+  adjoint_ = scratch_of_J();
 }
 
-void AlgebraForm::start(const Matrix& W0) {
+template <class Scalar>
+void AlgebraForm<Scalar>::start(const Stored& W0) {
   for (std::size_t i = 0; i < s_; ++i) {
     X_[i].setZero();
     X_sum_[i].setZero();
     W_stage_[i] = W0;
-    for (Matrix& K_ij : K_[i]) K_ij.setZero();
+    for (Stored& K_ij : K_[i]) K_ij.setZero();
   }
 }
 
 // Each sum over stages is formed just before the product that reads it, so that it stays in cache.
 // Only X and one row of K are stored twice.
-double AlgebraForm::sweep(const Matrix& W0, double h) {
+template <class Scalar>
+double AlgebraForm<Scalar>::sweep(const Stored& W0, double h) {
   std::swap(X_, X_old_);
   for (std::size_t i = 0; i < s_; ++i) generator(W_stage_[i], B_[i]);
   change_.setZero();
@@ -51,19 +55,21 @@ double AlgebraForm::sweep(const Matrix& W0, double h) {
 }
 
 // With Y_i = Σ_j a_ij X_j:  W̃_i = W₀ + Y_i - J⁻¹ Y_i† J + Σ_j a_ij K_ij.
-void AlgebraForm::update_stage_vorticities(const Matrix& W0) {
+template <class Scalar>
+void AlgebraForm<Scalar>::update_stage_vorticities(const Stored& W0) {
   for (std::size_t i = 0; i < s_; ++i) {
     const auto a_i = tableau_.a.row(static_cast<Index>(i));
-    Matrix& Y = X_sum_[i];
-    Matrix& S = input_;
+    Stored& Y = X_sum_[i];
+    Stored& S = input_;
     combine(a_i, X_, Y);
     combine(Y, a_i, K_[i], S);
-    const double change = update_stage_vorticity(flow().algebra(), W0, S, Y, adjoint_, W_stage_[i]);
+    const double change = update_stage_vorticity(algebra(), W0, S, Y, adjoint_, W_stage_[i]);
     change_(2) = larger(change_(2), change);
   }
 }
 
-void AlgebraForm::update(const Matrix& W0, double h, Matrix& W1) {
+template <class Scalar>
+void AlgebraForm<Scalar>::update(const Stored& W0, double h, Stored& W1) {
   if (update_ == AlgebraUpdate::two_products) return update_by_two_products(W0, h, W1);
   Stages& C = K_row_;
   for (std::size_t i = 0; i < s_; ++i) {
@@ -71,10 +77,11 @@ void AlgebraForm::update(const Matrix& W0, double h, Matrix& W1) {
     products_.multiply(B_[i], W_stage_[i], C[i]);
   }
   combine(h * tableau_.b, C, input_);
-  add_commutator(flow().algebra(), W0, input_, adjoint_, W1);
+  add_commutator(algebra(), W0, input_, adjoint_, W1);
 }
 
-void AlgebraForm::update_by_two_products(const Matrix& W0, double h, Matrix& W1) {
+template <class Scalar>
+void AlgebraForm<Scalar>::update_by_two_products(const Stored& W0, double h, Stored& W1) {
   W1 = W0;
   for (std::size_t i = 0; i < s_; ++i) {
     const double weight = h * tableau_.b(static_cast<Index>(i));
@@ -85,5 +92,8 @@ void AlgebraForm::update_by_two_products(const Matrix& W0, double h, Matrix& W1)
     W1 -= input_;
   }
 }
+
+template class AlgebraForm<double>;
+template class AlgebraForm<Complex>;
 
 }  // namespace isosyrk

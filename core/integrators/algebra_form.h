@@ -29,20 +29,24 @@ enum class AlgebraUpdate {
 /// out of g exponentially: the stage equations assume W₀† = -J W₀ J⁻¹ and pass the part of W₀
 /// outside g on to W̃.  For the midpoint tableau, IsospectralMidpoint takes
 /// the same step in one unknown.
-class AlgebraForm final : public ImplicitForm {
+template <class Scalar>
+class AlgebraForm final : public ImplicitForm<Scalar> {
+  using Form = ImplicitForm<Scalar>;
+  using Form::algebra, Form::generator, Form::products_, Form::zeros, Form::scratch_of_J;
+  using typename Form::Stages;
+  using typename Form::Stored;
+
  public:
   /// Throws std::invalid_argument for an inconsistent tableau.
-  AlgebraForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
+  AlgebraForm(const FlowIn<Scalar>& flow, const Tableau& tableau, const SolverOptions& options,
               ProductBackend backend, AlgebraUpdate update = AlgebraUpdate::one_product);
 
  private:
-  using Stages = std::vector<Matrix>;
-
-  void start(const Matrix& W0) override;
-  double sweep(const Matrix& W0, double h) override;
-  void update(const Matrix& W0, double h, Matrix& W1) override;
-  void update_stage_vorticities(const Matrix& W0);
-  void update_by_two_products(const Matrix& W0, double h, Matrix& W1);
+  void start(const Stored& W0) override;
+  double sweep(const Stored& W0, double h) override;
+  void update(const Stored& W0, double h, Stored& W1) override;
+  void update_stage_vorticities(const Stored& W0);
+  void update_by_two_products(const Stored& W0, double h, Stored& W1);
 
   Tableau tableau_;
   AlgebraUpdate update_;
@@ -54,8 +58,8 @@ class AlgebraForm final : public ImplicitForm {
   Stages K_row_;           // the new K_i1 .. K_is, while the old ones are needed
   Stages W_stage_;         // W̃_i
   Stages B_;               // B(W̃_i)
-  Matrix input_;           // the factor of the next product, or a sum
-  Matrix adjoint_;         // J⁻¹ Y† J; empty if J = I
+  Stored input_;           // the factor of the next product, or a sum
+  Stored adjoint_;         // J⁻¹ Y† J; empty if J = I
   RealVector change_;      // largest squared change of an X_i, of a K_ij and of a W̃_i
 };
 

@@ -2,14 +2,22 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <numeric>
 #include <stdexcept>
 
+#include "isosyrk/tableaux/gauss_tableau.h"
+
 namespace isosyrk {
 
-Composition::Composition(const Flow& flow, const CompositionScheme& scheme,
-                         const SolverOptions& options, ProductBackend backend)
-    : Integrator(flow), fractions_(scheme.fractions), midpoint_(flow, options, backend) {
+template <class Scalar>
+Composition<Scalar>::Composition(const FlowIn<Scalar>& flow, const CompositionScheme& scheme,
+                                 Formulation formulation, const SolverOptions& options,
+                                 ProductBackend backend)
+    : IntegratorIn<Scalar>(flow),
+      fractions_(scheme.fractions),
+      midpoint_(make_formulation_in<Scalar>(formulation, flow, gauss_tableau(1), options, backend)),
+      state_(flow.algebra().template zero<Scalar>()) {
   const double sum = std::accumulate(fractions_.begin(), fractions_.end(), 0.0);
   if (std::abs(sum - 1.0) > 1e-14 ||
       !std::equal(fractions_.begin(), fractions_.end(), fractions_.rbegin())) {
@@ -18,14 +26,19 @@ Composition::Composition(const Flow& flow, const CompositionScheme& scheme,
   }
 }
 
-StepReport Composition::advance(const Matrix& W0, double h, Matrix& W1) {
-  W1 = W0;
+template <class Scalar>
+StepReport Composition<Scalar>::advance(const Stored& W0, double h, Stored& W1) {
+  state_ = W0;
   StepReport total;
   for (const double fraction : fractions_) {
-    total.append(midpoint_.step(W1, fraction * h));
+    total.append(midpoint_->advance(state_, fraction * h, W1));
     if (total.status != Status::converged) break;
+    state_ = W1;
   }
   return total;
 }
+
+template class Composition<double>;
+template class Composition<Complex>;
 
 }  // namespace isosyrk

@@ -1,30 +1,34 @@
-// Symmetric compositions of the isospectral midpoint rule.  These are the isospectral symplectic
-// DIRK methods of the paper's footnote.
+// Symmetric compositions of the midpoint rule in one of the formulations.  These are the
+// isospectral symplectic DIRK methods of the paper's footnote.
 #pragma once
 
 #include <vector>
 
-#include "isosyrk/integrators/isospectral_midpoint.h"
+#include "isosyrk/integrators/formulation.h"
 #include "isosyrk/tableaux/composition_schemes.h"
 
 namespace isosyrk {
 
 /// step(h) = midpoint(γ_k h) ∘ ... ∘ midpoint(γ_1 h) with fractions γ_i of a CompositionScheme.
-/// Isospectral, Lie-Poisson and symmetric, like the midpoint rule.  The step fails if a substep
-/// fails.
+/// Midpoint is one of CotangentForm, GroupForm, which take the midpoint tableau, and
+/// IsospectralMidpoint.  Isospectral, Lie-Poisson and symmetric, like the midpoint rule.  The step
+/// fails if a substep fails.
 /// Products and Poisson solves: the sums over the midpoint substeps.
-class Composition final : public Integrator {
+template <class Scalar>
+class Composition final : public IntegratorIn<Scalar> {
  public:
-  /// Throws std::invalid_argument unless the fractions are symmetric and sum to 1.
-  Composition(const Flow& flow, const CompositionScheme& scheme, const SolverOptions& options,
-              ProductBackend backend);
+  using typename IntegratorIn<Scalar>::Stored;
 
- protected:
-  StepReport advance(const Matrix& W0, double h, Matrix& W1) override;
+  /// Throws std::invalid_argument unless the fractions are symmetric and sum to 1.
+  Composition(const FlowIn<Scalar>& flow, const CompositionScheme& scheme, Formulation formulation,
+              const SolverOptions& options, ProductBackend backend);
+
+  StepReport advance(const Stored& W0, double h, Stored& W1) override;
 
  private:
   std::vector<double> fractions_;
-  IsospectralMidpoint midpoint_;
+  std::unique_ptr<IntegratorIn<Scalar>> midpoint_;
+  Stored state_;
 };
 
 }  // namespace isosyrk

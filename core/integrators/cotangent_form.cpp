@@ -2,20 +2,21 @@
 
 namespace isosyrk {
 
-CotangentForm::CotangentForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
-                             ProductBackend backend)
-    : ImplicitForm(flow, options, backend), tableau_(tableau) {
+template <class Scalar>
+CotangentForm<Scalar>::CotangentForm(const FlowIn<Scalar>& flow, const Tableau& tableau,
+                                     const SolverOptions& options, ProductBackend backend)
+    : Form(flow, options, backend), tableau_(tableau) {
   require_consistent(tableau);
-  const Index n = flow.size();
-  Q_ = stage_matrices(tableau.stages(), n);
+  Q_ = zeros(tableau.stages());
   P_ = QB_ = PB_ = Q_;
-  W_stage_ = B_ = Q_next_ = P_next_ = Matrix::Zero(n, n);
-  identity_ = Matrix::Identity(n, n);
+  W_stage_ = B_ = Q_next_ = P_next_ = zero();
+  identity_ = identity();
   change_.resize(2 * tableau.stages());
 }
 
 // QB_j = Q_j B(W̃_j)† and PB_j = P_j B(W̃_j) from the current Q_j and P_j.
-void CotangentForm::evaluate_stages() {
+template <class Scalar>
+void CotangentForm<Scalar>::evaluate_stages() {
   for (std::size_t j = 0; j < Q_.size(); ++j) {
     products_.multiply_adjoint_left(Q_[j], P_[j], W_stage_);
     generator(W_stage_, B_);
@@ -24,7 +25,8 @@ void CotangentForm::evaluate_stages() {
   }
 }
 
-double CotangentForm::sweep(const Matrix& W0, double h) {
+template <class Scalar>
+double CotangentForm<Scalar>::sweep(const Stored& W0, double h) {
   evaluate_stages();
   const Index s = tableau_.stages();
   update_unknowns(identity_, h, tableau_.a, QB_, Q_, change_.data());
@@ -32,16 +34,21 @@ double CotangentForm::sweep(const Matrix& W0, double h) {
   return largest_change(change_);
 }
 
-void CotangentForm::start(const Matrix& W0) {
-  for (Matrix& Q : Q_) Q.setIdentity();
-  for (Matrix& P : P_) P = W0;
+template <class Scalar>
+void CotangentForm<Scalar>::start(const Stored& W0) {
+  for (Stored& Q : Q_) Q = identity_;
+  for (Stored& P : P_) P = W0;
 }
 
-void CotangentForm::update(const Matrix& W0, double h, Matrix& W1) {
+template <class Scalar>
+void CotangentForm<Scalar>::update(const Stored& W0, double h, Stored& W1) {
   evaluate_stages();
   combine(identity_, h * tableau_.b, QB_, Q_next_);
   combine(W0, -h * tableau_.b, PB_, P_next_);
   products_.multiply_adjoint_left(Q_next_, P_next_, W1);
 }
+
+template class CotangentForm<double>;
+template class CotangentForm<Complex>;
 
 }  // namespace isosyrk

@@ -16,28 +16,34 @@ namespace isosyrk {
 ///
 /// Products: 3s a sweep, 3s + 1 for the update.  Poisson solves: s a sweep, s for the update.
 /// Source: the paper's theorem, item 1.  J does not appear, since it acts through B alone.
-class CotangentForm final : public ImplicitForm {
+template <class Scalar>
+class CotangentForm final : public ImplicitForm<Scalar> {
+  using Form = ImplicitForm<Scalar>;
+  using Form::generator, Form::products_, Form::zero, Form::zeros, Form::identity;
+  using typename Form::Stages;
+  using typename Form::Stored;
+
  public:
   /// Throws std::invalid_argument for an inconsistent tableau.
-  CotangentForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
+  CotangentForm(const FlowIn<Scalar>& flow, const Tableau& tableau, const SolverOptions& options,
                 ProductBackend backend);
 
  private:
-  void start(const Matrix& W0) override;
-  double sweep(const Matrix& W0, double h) override;
-  void update(const Matrix& W0, double h, Matrix& W1) override;
+  void start(const Stored& W0) override;
+  double sweep(const Stored& W0, double h) override;
+  void update(const Stored& W0, double h, Stored& W1) override;
   void evaluate_stages();
 
   Tableau tableau_;
-  std::vector<Matrix> Q_;
-  std::vector<Matrix> P_;
-  std::vector<Matrix> QB_;  // Q_j B_j†
-  std::vector<Matrix> PB_;  // P_j B_j
-  Matrix W_stage_;
-  Matrix B_;
-  Matrix Q_next_;
-  Matrix P_next_;
-  Matrix identity_;
+  Stages Q_;
+  Stages P_;
+  Stages QB_;  // Q_j B_j†
+  Stages PB_;  // P_j B_j
+  Stored W_stage_;
+  Stored B_;
+  Stored Q_next_;
+  Stored P_next_;
+  Stored identity_;
   RealVector change_;  // squared changes of the Q_i, then of the P_i
 };
 

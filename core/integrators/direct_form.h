@@ -15,28 +15,35 @@ namespace isosyrk {
 /// Products: s a sweep, s for the update.  Poisson solves: s a sweep, s for the update.
 /// Not isospectral: symplectic tableaux keep the quadratic Casimir tr W² and lose tr W³.  W stays
 /// in g.  The three formulations are compared against this control.
-class DirectForm final : public ImplicitForm {
+template <class Scalar>
+class DirectForm final : public ImplicitForm<Scalar> {
+  using Form = ImplicitForm<Scalar>;
+  using Form::algebra, Form::generator, Form::products_, Form::zero, Form::zeros,
+      Form::scratch_of_J;
+  using typename Form::Stages;
+  using typename Form::Stored;
+
  public:
   /// Throws std::invalid_argument for an inconsistent tableau.
-  DirectForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
+  DirectForm(const FlowIn<Scalar>& flow, const Tableau& tableau, const SolverOptions& options,
              ProductBackend backend);
 
  private:
-  void start(const Matrix& W0) override;
-  double sweep(const Matrix& W0, double h) override;
-  void update(const Matrix& W0, double h, Matrix& W1) override;
+  void start(const Stored& W0) override;
+  double sweep(const Stored& W0, double h) override;
+  void update(const Stored& W0, double h, Stored& W1) override;
   void evaluate_stages();
   template <class Weights>
-  void add_increment(const Matrix& W0, const Weights& weights, Matrix& out);
+  void add_increment(const Stored& W0, const Weights& weights, Stored& out);
 
   Tableau tableau_;
-  std::vector<Matrix> W_stage_;
-  std::vector<Matrix> C_;  // B_i W̃_i
-  Matrix B_;
-  Matrix sum_;    // Σ_j weights_j C_j
-  Matrix fresh_;  // the new W̃_i
+  Stages W_stage_;
+  Stages C_;  // B_i W̃_i
+  Stored B_;
+  Stored sum_;    // Σ_j weights_j C_j
+  Stored fresh_;  // the new W̃_i
   RealVector change_;
-  Matrix scratch_;  // J⁻¹ C† J; empty if J = I
+  Stored scratch_;  // J⁻¹ C† J; empty if J = I
 };
 
 }  // namespace isosyrk

@@ -2,15 +2,17 @@
 
 namespace isosyrk {
 
-MuntheKaas4::MuntheKaas4(const Flow& flow, ProductBackend backend)
-    : PublishedForm(flow, backend), series_(flow.algebra()) {
-  commutator_ = Omega_ = W_stage_ = Matrix::Zero(flow.size(), flow.size());
+template <class Scalar>
+MuntheKaas4<Scalar>::MuntheKaas4(const FlowIn<Scalar>& flow, ProductBackend backend)
+    : Form(flow, backend), series_(flow.algebra()) {
+  commutator_ = Omega_ = W_stage_ = zero();
   k_.fill(commutator_);
 }
 
-StepReport MuntheKaas4::take_step(const Matrix& W0, double h, Matrix& W1) {
+template <class Scalar>
+StepReport MuntheKaas4<Scalar>::take_step(const Stored& W0, double h, Stored& W1) {
   bool summed = true;
-  const auto stage = [&](double scale, const Matrix& exponent, Matrix& k) {
+  const auto stage = [&](double scale, const Stored& exponent, Stored& k) {
     summed = series_.conjugate(products_, scale, exponent, W0, W_stage_) && summed;
     generator(W_stage_, k);
     k *= h;
@@ -28,18 +30,22 @@ StepReport MuntheKaas4::take_step(const Matrix& W0, double h, Matrix& W1) {
   return {.status = summed ? Status::converged : Status::diverged};
 }
 
-ClassicalRungeKutta4::ClassicalRungeKutta4(const Flow& flow, ProductBackend backend)
-    : PublishedForm(flow, backend), series_(flow.algebra()) {
-  B_ = W_stage_ = Matrix::Zero(flow.size(), flow.size());
+template <class Scalar>
+ClassicalRungeKutta4<Scalar>::ClassicalRungeKutta4(const FlowIn<Scalar>& flow,
+                                                   ProductBackend backend)
+    : Form(flow, backend), series_(flow.algebra()) {
+  B_ = W_stage_ = zero();
   k_.fill(B_);
 }
 
-void ClassicalRungeKutta4::slope(const Matrix& W, Matrix& out) {
+template <class Scalar>
+void ClassicalRungeKutta4<Scalar>::slope(const Stored& W, Stored& out) {
   generator(W, B_);
   series_.commutator(products_, B_, W, out);
 }
 
-StepReport ClassicalRungeKutta4::take_step(const Matrix& W0, double h, Matrix& W1) {
+template <class Scalar>
+StepReport ClassicalRungeKutta4<Scalar>::take_step(const Stored& W0, double h, Stored& W1) {
   slope(W0, k_[0]);
   W_stage_ = W0 + (0.5 * h) * k_[0];
   slope(W_stage_, k_[1]);
@@ -50,5 +56,10 @@ StepReport ClassicalRungeKutta4::take_step(const Matrix& W0, double h, Matrix& W
   W1 = W0 + (h / 6.0) * (k_[0] + 2.0 * k_[1] + 2.0 * k_[2] + k_[3]);
   return {};
 }
+
+template class MuntheKaas4<double>;
+template class MuntheKaas4<Complex>;
+template class ClassicalRungeKutta4<double>;
+template class ClassicalRungeKutta4<Complex>;
 
 }  // namespace isosyrk

@@ -19,35 +19,45 @@ namespace isosyrk {
 /// A step diverges if a series does not converge.
 /// Products: 2, and 1 for each term of the 4 series.  Poisson solves: 4.
 /// Source: Munthe-Kaas 1999; Casas and Owren 2003.
-class MuntheKaas4 final : public PublishedForm {
+template <class Scalar>
+class MuntheKaas4 final : public PublishedForm<Scalar> {
+  using Form = PublishedForm<Scalar>;
+  using Form::algebra, Form::generator, Form::products_, Form::zero;
+  using typename Form::Stored;
+
  public:
-  MuntheKaas4(const Flow& flow, ProductBackend backend);
+  MuntheKaas4(const FlowIn<Scalar>& flow, ProductBackend backend);
 
  private:
-  StepReport take_step(const Matrix& W0, double h, Matrix& W1) override;
+  StepReport take_step(const Stored& W0, double h, Stored& W1) override;
 
-  AdjointSeries series_;
-  std::array<Matrix, 4> k_;
-  Matrix commutator_;
-  Matrix Omega_;
-  Matrix W_stage_;
+  AdjointSeries<Scalar> series_;
+  std::array<Stored, 4> k_;
+  Stored commutator_;
+  Stored Omega_;
+  Stored W_stage_;
 };
 
 /// Control: the classical Runge-Kutta method of order 4 applied to W' = [B(W), W].  Neither
 /// isospectral nor symmetric.  Unstable for h ‖ad_B‖₂ > 2√2.
 /// Products: 4.  Poisson solves: 4.
-class ClassicalRungeKutta4 final : public PublishedForm {
+template <class Scalar>
+class ClassicalRungeKutta4 final : public PublishedForm<Scalar> {
+  using Form = PublishedForm<Scalar>;
+  using Form::algebra, Form::generator, Form::products_, Form::zero;
+  using typename Form::Stored;
+
  public:
-  ClassicalRungeKutta4(const Flow& flow, ProductBackend backend);
+  ClassicalRungeKutta4(const FlowIn<Scalar>& flow, ProductBackend backend);
 
  private:
-  StepReport take_step(const Matrix& W0, double h, Matrix& W1) override;
-  void slope(const Matrix& W, Matrix& out);
+  StepReport take_step(const Stored& W0, double h, Stored& W1) override;
+  void slope(const Stored& W, Stored& out);
 
-  AdjointSeries series_;
-  std::array<Matrix, 4> k_;
-  Matrix B_;
-  Matrix W_stage_;
+  AdjointSeries<Scalar> series_;
+  std::array<Stored, 4> k_;
+  Stored B_;
+  Stored W_stage_;
 };
 
 }  // namespace isosyrk

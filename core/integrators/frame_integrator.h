@@ -19,17 +19,21 @@ class FrameIntegrator final : public Integrator {
   /// is EulerZeitlin.
   FrameIntegrator(const Flow& flow, const Make& make, ProductBackend backend);
 
-  StepReport advance(const Matrix& V0, double h, Matrix& V1) override {
-    return method_->advance(V0, h, V1);
-  }
-
- protected:
-  void enter(const Matrix& W0) override { frame_.set(W0); }
-  void leave(double t, const Matrix& V, MatrixView W) override { frame_.leave(t, V, W); }
+  /// H is the same for W and V.
+  double energy() override;
 
  private:
+  void load(const MatrixView& W) override;
+  StepReport advance_state(double h) override;
+  void store(MatrixView W) override;
+
   CoRotatingFrame frame_;
   std::unique_ptr<Integrator> method_;
+  Matrix V_;
+  // Time since the state was set: `past_` and then as many steps of one size.
+  double past_ = 0.0;
+  double h_ = 0.0;
+  long steps_ = 0;
 };
 
 }  // namespace isosyrk

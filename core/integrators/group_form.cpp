@@ -2,33 +2,34 @@
 
 namespace isosyrk {
 
-GroupForm::GroupForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
-                     ProductBackend backend)
-    : ImplicitForm(flow, options, backend), tableau_(tableau) {
+template <class Scalar>
+GroupForm<Scalar>::GroupForm(const FlowIn<Scalar>& flow, const Tableau& tableau,
+                             const SolverOptions& options, ProductBackend backend)
+    : Form(flow, options, backend), tableau_(tableau) {
   require_consistent(tableau);
-  const Index n = flow.size();
-  Q_ = stage_matrices(tableau.stages(), n);
+  Q_ = zeros(tableau.stages());
   QB_ = Q_;
-  W_stage_ = B_ = W0Q_ = Q_next_ = Matrix::Zero(n, n);
-  if (!flow.algebra().is_skew_hermitian()) JQ_ = Matrix::Zero(n, n);
-  identity_ = Matrix::Identity(n, n);
+  W_stage_ = B_ = W0Q_ = Q_next_ = zero();
+  JQ_ = scratch_of_J();
+  identity_ = identity();
   change_.resize(tableau.stages());
 }
 
 // W = Q† W₀ J Q J⁻¹
-void GroupForm::transport(const Matrix& W0, const Matrix& Q, Matrix& W) {
-  const QuadraticAlgebra& algebra = flow().algebra();
-  if (algebra.is_skew_hermitian()) {
+template <class Scalar>
+void GroupForm<Scalar>::transport(const Stored& W0, const Stored& Q, Stored& W) {
+  if (algebra().is_skew_hermitian()) {
     products_.multiply(W0, Q, W0Q_);
   } else {
-    algebra.conjugate_by_J(Q, JQ_);
+    algebra().conjugate_by_J(Q, JQ_);
     products_.multiply(W0, JQ_, W0Q_);
   }
   products_.multiply_adjoint_left(Q, W0Q_, W);
 }
 
 // QB_j = Q_j B(W̃_j)† from the current Q_j.
-void GroupForm::evaluate_stages(const Matrix& W0) {
+template <class Scalar>
+void GroupForm<Scalar>::evaluate_stages(const Stored& W0) {
   for (std::size_t j = 0; j < Q_.size(); ++j) {
     transport(W0, Q_[j], W_stage_);
     generator(W_stage_, B_);
@@ -36,20 +37,26 @@ void GroupForm::evaluate_stages(const Matrix& W0) {
   }
 }
 
-double GroupForm::sweep(const Matrix& W0, double h) {
+template <class Scalar>
+double GroupForm<Scalar>::sweep(const Stored& W0, double h) {
   evaluate_stages(W0);
   update_unknowns(identity_, h, tableau_.a, QB_, Q_, change_.data());
   return largest_change(change_);
 }
 
-void GroupForm::start(const Matrix&) {
-  for (Matrix& Q : Q_) Q.setIdentity();
+template <class Scalar>
+void GroupForm<Scalar>::start(const Stored&) {
+  for (Stored& Q : Q_) Q = identity_;
 }
 
-void GroupForm::update(const Matrix& W0, double h, Matrix& W1) {
+template <class Scalar>
+void GroupForm<Scalar>::update(const Stored& W0, double h, Stored& W1) {
   evaluate_stages(W0);
   combine(identity_, h * tableau_.b, QB_, Q_next_);
   transport(W0, Q_next_, W1);
 }
+
+template class GroupForm<double>;
+template class GroupForm<Complex>;
 
 }  // namespace isosyrk

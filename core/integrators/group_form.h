@@ -16,28 +16,35 @@ namespace isosyrk {
 ///
 /// Products: 3s a sweep, 3s + 2 for the update.  Poisson solves: s a sweep, s for the update.
 /// Source: the paper's theorem, item 3, with Q_k† for the printed Q_k.
-class GroupForm final : public ImplicitForm {
+template <class Scalar>
+class GroupForm final : public ImplicitForm<Scalar> {
+  using Form = ImplicitForm<Scalar>;
+  using Form::algebra, Form::generator, Form::products_, Form::zero, Form::zeros, Form::identity,
+      Form::scratch_of_J;
+  using typename Form::Stages;
+  using typename Form::Stored;
+
  public:
   /// Throws std::invalid_argument for an inconsistent tableau.
-  GroupForm(const Flow& flow, const Tableau& tableau, const SolverOptions& options,
+  GroupForm(const FlowIn<Scalar>& flow, const Tableau& tableau, const SolverOptions& options,
             ProductBackend backend);
 
  private:
-  void start(const Matrix& W0) override;
-  double sweep(const Matrix& W0, double h) override;
-  void update(const Matrix& W0, double h, Matrix& W1) override;
-  void transport(const Matrix& W0, const Matrix& Q, Matrix& W);
-  void evaluate_stages(const Matrix& W0);
+  void start(const Stored& W0) override;
+  double sweep(const Stored& W0, double h) override;
+  void update(const Stored& W0, double h, Stored& W1) override;
+  void transport(const Stored& W0, const Stored& Q, Stored& W);
+  void evaluate_stages(const Stored& W0);
 
   Tableau tableau_;
-  std::vector<Matrix> Q_;
-  std::vector<Matrix> QB_;  // Q_j B_j†
-  Matrix W_stage_;
-  Matrix B_;
-  Matrix W0Q_;     // W₀ J Q J⁻¹
-  Matrix JQ_;      // J Q J⁻¹; empty if J = I
-  Matrix Q_next_;  // Q₁ of the update
-  Matrix identity_;
+  Stages Q_;
+  Stages QB_;  // Q_j B_j†
+  Stored W_stage_;
+  Stored B_;
+  Stored W0Q_;     // W₀ J Q J⁻¹
+  Stored JQ_;      // J Q J⁻¹; empty if J = I
+  Stored Q_next_;  // Q₁ of the update
+  Stored identity_;
   RealVector change_;  // squared changes of the Q_i
 };
 

@@ -23,43 +23,20 @@ void StepReport::set_work(const StepReport& before, const StepReport& after) {
   equivalent_products = after.equivalent_products - before.equivalent_products;
 }
 
-Integrator::Integrator(const Flow& flow)
-    : flow_(flow), state_(flow.size(), flow.size()), next_(flow.size(), flow.size()) {}
-
-void Integrator::enter(const Matrix&) {}
-
-void Integrator::leave(double, const Matrix& V, MatrixView W) { W = V; }
-
 void Integrator::set_state(const MatrixView& W) {
   const Index n = flow_.size();
   if (W.rows() != n || W.cols() != n) {
     throw std::invalid_argument(
         fmt::format("step: W is {} x {}, must be {} x {}", W.rows(), W.cols(), n, n));
   }
-  state_ = W;
-  past_ = h_ = 0.0;
-  steps_ = 0;
-  enter(state_);
+  load(W);
 }
 
 StepReport Integrator::step(double h) {
   if (!std::isfinite(h))
     throw std::invalid_argument(fmt::format("step: h = {}, must be finite", h));
-  StepReport report = advance(state_, h, next_);
-  // Stages can converge and the update still overflow.
-  if (report.status == Status::converged && !next_.allFinite()) report.status = Status::diverged;
-  if (report.status != Status::converged) return report;
-  state_.swap(next_);
-  if (h != h_) {
-    past_ += h_ * static_cast<double>(steps_);
-    h_ = h;
-    steps_ = 0;
-  }
-  ++steps_;
-  return report;
+  return advance_state(h);
 }
-
-void Integrator::state(MatrixView W) { leave(past_ + h_ * static_cast<double>(steps_), state_, W); }
 
 StepReport Integrator::step(MatrixView W, double h) {
   set_state(W);
@@ -67,5 +44,42 @@ StepReport Integrator::step(MatrixView W, double h) {
   if (report.status == Status::converged) state(W);
   return report;
 }
+
+template <class Scalar>
+IntegratorIn<Scalar>::IntegratorIn(const FlowIn<Scalar>& flow)
+    : Integrator(flow),
+      flow_(flow),
+      state_(flow.algebra().template zero<Scalar>()),
+      next_(state_) {}
+
+template <class Scalar>
+void IntegratorIn<Scalar>::evaluate(const Stored& W, Stored& B) const {
+  if constexpr (std::is_same_v<Scalar, double>) {
+    flow_.real_generator(W, B);
+  } else {
+    flow_.generator(W, B);
+  }
+}
+
+template <class Scalar>
+double IntegratorIn<Scalar>::energy() {
+  if constexpr (std::is_same_v<Scalar, double>) {
+    return flow_.real_hamiltonian(state_);
+  } else {
+    return flow_.hamiltonian(state_);
+  }
+}
+
+template <class Scalar>
+StepReport IntegratorIn<Scalar>::advance_state(double h) {
+  StepReport report = advance(state_, h, next_);
+  // Stages can converge and the update still overflow.
+  if (report.status == Status::converged && !next_.allFinite()) report.status = Status::diverged;
+  if (report.status == Status::converged) state_.swap(next_);
+  return report;
+}
+
+template class IntegratorIn<double>;
+template class IntegratorIn<Complex>;
 
 }  // namespace isosyrk

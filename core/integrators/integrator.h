@@ -1,6 +1,9 @@
 // The contract of a one-step method.
 #pragma once
 
+#include <memory>
+#include <type_traits>
+
 #include "isosyrk/flows/flow.h"
 #include "isosyrk/iteration/status.h"
 
@@ -35,41 +38,78 @@ class Integrator {
 
   /// Advances W, n x n, in place by a step h, which may be negative, and reports the work.  W is
   /// unchanged unless the status is `converged`.  Allocates nothing.  Throws std::invalid_argument
-  /// unless W is n x n and h finite.
+  /// unless W is n x n and h finite, and as QuadraticAlgebra::pack.
   StepReport step(MatrixView W, double h);
 
   // A run keeps its state in the integrator: set_state(W₀), then step(h) as often as wanted, then
   // state(W).
-  /// Sets the state to W, n x n.  Throws std::invalid_argument for another size.
+  /// Sets the state to W, n x n.  Throws std::invalid_argument for another size, and as
+  /// QuadraticAlgebra::pack.
   void set_state(const MatrixView& W);
   /// Advances the state, which stays as it is unless the status is `converged`.  Otherwise as
   /// above.
   StepReport step(double h);
   /// Copies the state to W, n x n.
-  void state(MatrixView W);
+  void state(MatrixView W) { store(W); }
+  /// Returns H of the state.
+  virtual double energy() = 0;
 
   const Flow& flow() const { return flow_; }
 
-  /// Computes W1 from W0, both n x n, without the state.  W1 is read only if the status is
-  /// `converged`.
-  virtual StepReport advance(const Matrix& W0, double h, Matrix& W1) = 0;
-
  protected:
-  explicit Integrator(const Flow& flow);
-
-  /// Called by set_state for a state W0.
-  virtual void enter(const Matrix& W0);
-  /// Computes W from the state V that is reached a time t after `enter`.  By default W = V.
-  virtual void leave(double t, const Matrix& V, MatrixView W);
+  explicit Integrator(const Flow& flow) : flow_(flow) {}
 
  private:
+  /// Takes W, n x n, as the state.
+  virtual void load(const MatrixView& W) = 0;
+  /// Advances the state by a step h, or leaves it if the status is not `converged`.
+  virtual StepReport advance_state(double h) = 0;
+  /// Copies the state to W, n x n.
+  virtual void store(MatrixView W) = 0;
+
   const Flow& flow_;
-  Matrix state_;
-  Matrix next_;
-  // Time since set_state: `past_` and then as many steps of one size.
-  double past_ = 0.0;
-  double h_ = 0.0;
-  long steps_ = 0;
 };
+
+/// The flow that an integrator in real or complex arithmetic is made for.
+template <class Scalar>
+using FlowIn = std::conditional_t<std::is_same_v<Scalar, double>, RealFlow, Flow>;
+
+/// An integrator whose state is a matrix in storage (linalg/quadratic_algebra.h), of real or
+/// complex numbers.
+template <class Scalar>
+class IntegratorIn : public Integrator {
+ public:
+  using Stored = MatrixOf<Scalar>;
+
+  /// Computes W1 from W0, both in storage, without the state.  W1 is read only if the status is
+  /// `converged`.
+  virtual StepReport advance(const Stored& W0, double h, Stored& W1) = 0;
+
+  double energy() final;
+
+ protected:
+  explicit IntegratorIn(const FlowIn<Scalar>& flow);
+
+  /// B = B(W), as Flow::generator.
+  void evaluate(const Stored& W, Stored& B) const;
+
+ private:
+  void load(const MatrixView& W) final { flow().algebra().pack(W, state_); }
+  StepReport advance_state(double h) final;
+  void store(MatrixView W) final { flow().algebra().unpack(state_, W); }
+
+  const FlowIn<Scalar>& flow_;
+  Stored state_;
+  Stored next_;
+};
+
+/// Makes Method<double> for a RealFlow, and Method<Complex> for another flow.
+template <template <class> class Method, class... Arguments>
+std::unique_ptr<Integrator> make_in_arithmetic_of(const Flow& flow, const Arguments&... arguments) {
+  if (const auto* real_flow = dynamic_cast<const RealFlow*>(&flow)) {
+    return std::make_unique<Method<double>>(*real_flow, arguments...);
+  }
+  return std::make_unique<Method<Complex>>(flow, arguments...);
+}
 
 }  // namespace isosyrk

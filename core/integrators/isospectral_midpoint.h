@@ -13,20 +13,26 @@ namespace isosyrk {
 /// [B, W̃] = M - J⁻¹ M† J with M = B W̃.
 /// Products: 2 a sweep (M and M B), 1 for the update.  Poisson solves: 1 a sweep, 1 for the update.
 /// Source: the paper's ISOSYRK equations at s = 1 with X and K eliminated.
-class IsospectralMidpoint final : public ImplicitForm {
+template <class Scalar>
+class IsospectralMidpoint final : public ImplicitForm<Scalar> {
+  using Form = ImplicitForm<Scalar>;
+  using Form::algebra, Form::generator, Form::products_, Form::zero, Form::scratch_of_J;
+  using typename Form::Stored;
+
  public:
-  IsospectralMidpoint(const Flow& flow, const SolverOptions& options, ProductBackend backend);
+  IsospectralMidpoint(const FlowIn<Scalar>& flow, const SolverOptions& options,
+                      ProductBackend backend);
 
  private:
-  void start(const Matrix& W0) override;
-  double sweep(const Matrix& W0, double h) override;
-  void update(const Matrix& W0, double h, Matrix& W1) override;
+  void start(const Stored& W0) override;
+  double sweep(const Stored& W0, double h) override;
+  void update(const Stored& W0, double h, Stored& W1) override;
 
-  Matrix W_stage_;  // W̃
-  Matrix B_;
-  Matrix M_;        // B W̃
-  Matrix MB_;       // B W̃ B
-  Matrix adjoint_;  // J⁻¹ M† J; empty if J = I
+  Stored W_stage_;  // W̃
+  Stored B_;
+  Stored M_;        // B W̃
+  Stored MB_;       // B W̃ B
+  Stored adjoint_;  // J⁻¹ M† J; empty if J = I
 };
 
 }  // namespace isosyrk

@@ -1,6 +1,8 @@
 // What the published forms share: products, evaluations of B, the count of both, and the iteration.
 #pragma once
 
+#include <vector>
+
 #include "isosyrk/integrators/integrator.h"
 #include "isosyrk/iteration/picard.h"
 #include "isosyrk/linalg/operations.h"
@@ -8,25 +10,39 @@
 
 namespace isosyrk {
 
-/// An integrator that reports the products and the evaluations of B of each step.
-class PublishedForm : public Integrator {
+/// An integrator that reports the products and the evaluations of B of each step.  Written once for
+/// real and complex, dense and block diagonal matrices: it sees them in storage only.
+template <class Scalar>
+class PublishedForm : public IntegratorIn<Scalar> {
+ public:
+  using Stored = MatrixOf<Scalar>;
+  using Stages = std::vector<Stored>;
+
  protected:
-  PublishedForm(const Flow& flow, ProductBackend backend)
-      : Integrator(flow), products_(backend, flow.size()) {}
+  PublishedForm(const FlowIn<Scalar>& flow, ProductBackend backend)
+      : IntegratorIn<Scalar>(flow), products_(backend, flow.size(), flow.algebra().block()) {}
 
   /// Computes W1 from W0.  The report has all but the work.
-  virtual StepReport take_step(const Matrix& W0, double h, Matrix& W1) = 0;
+  virtual StepReport take_step(const Stored& W0, double h, Stored& W1) = 0;
 
-  /// B = B(W), as Flow::generator; counted.
-  void generator(const Matrix& W, Matrix& B) {
-    flow().generator(W, B);
+  /// B = B(W), counted.
+  void generator(const Stored& W, Stored& B) {
+    this->evaluate(W, B);
     ++poisson_solves_;
   }
 
-  Products products_;
+  const QuadraticAlgebra& algebra() const { return this->flow().algebra(); }
+  /// Returns the zero matrix, s of them, or the identity, in storage.
+  Stored zero() const { return algebra().template zero<Scalar>(); }
+  Stages zeros(Index s) const { return Stages(static_cast<std::size_t>(s), zero()); }
+  Stored identity() const { return algebra().template identity<Scalar>(); }
+  /// Returns scratch for what J does to a matrix; empty if J = I.
+  Stored scratch_of_J() const { return algebra().is_skew_hermitian() ? Stored() : zero(); }
+
+  ProductsOf<Scalar> products_;
 
  private:
-  StepReport advance(const Matrix& W0, double h, Matrix& W1) final {
+  StepReport advance(const Stored& W0, double h, Stored& W1) final {
     const long products_before = products_.count();
     const long solves_before = poisson_solves_;
     StepReport report = take_step(W0, h, W1);
@@ -40,20 +56,24 @@ class PublishedForm : public Integrator {
 };
 
 /// A published form with unknowns: Picard sweeps from a cold start, then the update.
-class ImplicitForm : public PublishedForm {
+template <class Scalar>
+class ImplicitForm : public PublishedForm<Scalar> {
+ public:
+  using typename PublishedForm<Scalar>::Stored;
+
  protected:
-  ImplicitForm(const Flow& flow, const SolverOptions& options, ProductBackend backend)
-      : PublishedForm(flow, backend), options_(options) {}
+  ImplicitForm(const FlowIn<Scalar>& flow, const SolverOptions& options, ProductBackend backend)
+      : PublishedForm<Scalar>(flow, backend), options_(options) {}
 
   /// Sets the unknowns to those of a cold start.
-  virtual void start(const Matrix& W0) = 0;
+  virtual void start(const Stored& W0) = 0;
   /// Makes a Picard sweep, as in solve_fixed_point.
-  virtual double sweep(const Matrix& W0, double h) = 0;
+  virtual double sweep(const Stored& W0, double h) = 0;
   /// Computes W1 from the accepted unknowns.
-  virtual void update(const Matrix& W0, double h, Matrix& W1) = 0;
+  virtual void update(const Stored& W0, double h, Stored& W1) = 0;
 
  private:
-  StepReport take_step(const Matrix& W0, double h, Matrix& W1) final {
+  StepReport take_step(const Stored& W0, double h, Stored& W1) final {
     start(W0);
     const SolveReport solve = solve_fixed_point(options_, [&] { return sweep(W0, h); });
     if (solve.status == Status::converged) update(W0, h, W1);

@@ -4,18 +4,22 @@
 
 namespace isosyrk {
 
-AdjointSeries::AdjointSeries(const QuadraticAlgebra& algebra) : algebra_(algebra) {
-  term_ = next_ = product_ = Matrix::Zero(algebra.size(), algebra.size());
+template <class Scalar>
+AdjointSeries<Scalar>::AdjointSeries(const QuadraticAlgebra& algebra) : algebra_(algebra) {
+  term_ = next_ = product_ = algebra.zero<Scalar>();
   if (!algebra.is_skew_hermitian()) adjoint_ = term_;
 }
 
-void AdjointSeries::commutator(Products& products, const Matrix& A, const Matrix& B, Matrix& out) {
+template <class Scalar>
+void AdjointSeries<Scalar>::commutator(ProductsOf<Scalar>& products, const Stored& A,
+                                       const Stored& B, Stored& out) {
   products.multiply(A, B, product_);
   commutator_of_product(algebra_, product_, adjoint_, out);
 }
 
-bool AdjointSeries::conjugate(Products& products, double scale, const Matrix& Omega,
-                              const Matrix& W, Matrix& out) {
+template <class Scalar>
+bool AdjointSeries<Scalar>::conjugate(ProductsOf<Scalar>& products, double scale,
+                                      const Stored& Omega, const Stored& W, Stored& out) {
   constexpr int most_terms = 200;
   constexpr double rounding = 1e-17;  // relative to W, in the Frobenius norm
   const double bound = rounding * W.norm();
@@ -32,5 +36,8 @@ bool AdjointSeries::conjugate(Products& products, double scale, const Matrix& Om
   }
   return false;
 }
+
+template class AdjointSeries<double>;
+template class AdjointSeries<Complex>;
 
 }  // namespace isosyrk

@@ -12,9 +12,11 @@ namespace isosyrk {
 using Complex = std::complex<double>;
 using Index = Eigen::Index;
 
-/// Complex matrix, stored by rows.  Columns i..n-1 of row i are then entry i of every diagonal
-/// (i, i+m), m >= 0, contiguous in memory.  The Poisson solve runs over these.
-using Matrix = Eigen::Matrix<Complex, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+/// Matrix of real or complex numbers, stored by rows.  Columns i..n-1 of row i are then entry i of
+/// every diagonal (i, i+m), m >= 0, contiguous in memory.  The Poisson solve runs over these.
+template <class Scalar>
+using MatrixOf = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Matrix = MatrixOf<Complex>;
 /// View of the caller's complex numbers, stored by rows: a Matrix, a block of a Matrix, or a Map of
 /// any memory.  A matrix stored by columns does not convert to a MatrixView.
 using MatrixView = Eigen::Ref<Matrix>;

@@ -1,4 +1,5 @@
-// Products of interleaved complex matrices.  All published forms multiply here, and are counted.
+// Products of real and of interleaved complex matrices.  All published forms multiply here, and are
+// counted.
 #pragma once
 
 #include <memory>
@@ -11,23 +12,29 @@ namespace isosyrk {
 /// Returns the floating point operations of one complex n x n product, counted as 8 n³.
 double product_flops(Index n);
 
-/// Products of n x n complex matrices with one backend.  Only the constructor allocates.  Not for
-/// use by two threads at a time.
-class Products {
+/// Products of n x n matrices with one backend.  Block diagonal matrices are stored as their b x b
+/// blocks on top of one another, n x b (QuadraticAlgebra); their blocks are small, and multiplied
+/// without a backend.  Only the constructor allocates.  Not for use by two threads at a time.
+template <class Scalar>
+class ProductsOf {
  public:
-  /// Throws std::invalid_argument for n < 1.
-  Products(ProductBackend backend, Index n);
-  ~Products();
-  Products(const Products&) = delete;
-  Products& operator=(const Products&) = delete;
+  using Stored = MatrixOf<Scalar>;
 
-  /// C = scale A B.  Here and below, throws std::invalid_argument unless A, B and C are n x n and C
+  /// For dense matrices.  Throws std::invalid_argument for n < 1.
+  ProductsOf(ProductBackend backend, Index n) : ProductsOf(backend, n, n) {}
+  /// For matrices with blocks of size b.  Throws std::invalid_argument unless b divides n >= 1.
+  ProductsOf(ProductBackend backend, Index n, Index b);
+  ~ProductsOf();
+  ProductsOf(const ProductsOf&) = delete;
+  ProductsOf& operator=(const ProductsOf&) = delete;
+
+  /// C = scale A B.  Here and below, throws std::invalid_argument unless A, B and C are n x b and C
   /// is neither A nor B.
-  void multiply(const Matrix& A, const Matrix& B, Matrix& C, double scale = 1.0);
+  void multiply(const Stored& A, const Stored& B, Stored& C, double scale = 1.0);
   /// C = A† B.
-  void multiply_adjoint_left(const Matrix& A, const Matrix& B, Matrix& C);
+  void multiply_adjoint_left(const Stored& A, const Stored& B, Stored& C);
   /// C = A B†.
-  void multiply_adjoint_right(const Matrix& A, const Matrix& B, Matrix& C);
+  void multiply_adjoint_right(const Stored& A, const Stored& B, Stored& C);
 
   /// Returns the number of products since construction.
   long count() const { return count_; }
@@ -35,12 +42,18 @@ class Products {
  private:
   struct EigenWorkspace;
   enum class Adjoint { none, left, right };
-  void multiply(Adjoint adjoint, const Matrix& A, const Matrix& B, Matrix& C, double scale);
+  void multiply(Adjoint adjoint, const Stored& A, const Stored& B, Stored& C, double scale);
+  void multiply_dense(Adjoint adjoint, const Stored& A, const Stored& B, Stored& C, double scale);
+  template <int Size>
+  void multiply_blocks(Adjoint adjoint, const Stored& A, const Stored& B, Stored& C, double scale);
 
   ProductBackend backend_;
   Index n_;
+  Index block_;
   long count_ = 0;
   std::unique_ptr<EigenWorkspace> workspace_;
 };
+
+using Products = ProductsOf<Complex>;
 
 }  // namespace isosyrk

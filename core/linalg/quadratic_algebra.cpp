@@ -2,16 +2,24 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <stdexcept>
+#include <type_traits>
 
 namespace isosyrk {
 
-QuadraticAlgebra QuadraticAlgebra::skew_hermitian(Index n) {
+QuadraticAlgebra::QuadraticAlgebra(Index n, Index b) : n_(n), block_(b) {}
+
+QuadraticAlgebra QuadraticAlgebra::skew_hermitian(Index n, Index b) {
   if (n < 1) throw std::invalid_argument(fmt::format("algebra: n = {}, must be at least 1", n));
-  return QuadraticAlgebra(n);
+  if (b < 1 || n % b != 0) {
+    throw std::invalid_argument(
+        fmt::format("algebra: blocks of size {}, must divide n = {}", b, n));
+  }
+  return QuadraticAlgebra(n, b);
 }
 
-QuadraticAlgebra::QuadraticAlgebra(const Matrix& J) : n_(J.rows()) {
+QuadraticAlgebra::QuadraticAlgebra(const Matrix& J) : n_(J.rows()), block_(J.rows()) {
   if (n_ < 1 || J.cols() != n_ || !J.allFinite()) {
     throw std::invalid_argument(
         fmt::format("algebra: J is {} x {}; must be square and finite", J.rows(), J.cols()));
@@ -22,40 +30,107 @@ QuadraticAlgebra::QuadraticAlgebra(const Matrix& J) : n_(J.rows()) {
   if (alpha_ == 0.0 || defect > 1e-14 * std::abs(alpha_)) {
     throw std::invalid_argument("algebra: J must satisfy J^2 = alpha I with alpha != 0");
   }
+  if (J == Matrix::Identity(n_, n_)) return;
   for (Index i = 0; i < n_; ++i) {
     for (Index j = 0; j < n_; ++j) {
       if (J(i, j) != 0.0) entries_.push_back({i, j, J(i, j)});
     }
   }
-  if (J == Matrix::Identity(n_, n_)) entries_.clear();
+  // A factor of modulus 1 is left out if J is real without it.
+  const Complex first = entries_.front().value;
+  const Complex phase = first / std::abs(first);
+  const auto is_real = [&](const Entry& entry) { return (entry.value / phase).imag() == 0.0; };
+  real_ = std::all_of(entries_.begin(), entries_.end(), is_real);
+  if (!real_) return;
+  alpha_ /= phase * phase;
+  for (Entry& entry : entries_) entry.value /= phase;
 }
 
-void QuadraticAlgebra::involution(const Matrix& X, Matrix& out) const {
-  if (is_skew_hermitian()) {
-    out = X.adjoint();
-    return;
+template <class Scalar>
+void QuadraticAlgebra::pack(const Eigen::Ref<const Matrix>& W, MatrixOf<Scalar>& stored) const {
+  if constexpr (std::is_same_v<Scalar, Complex>) {
+    if (is_dense()) {
+      stored = W;
+      return;
+    }
   }
-  // (J⁻¹ X† J)_ab = sum over entries (a, c) and (d, b) of J_ac conj(X_dc) J_db / alpha.
-  out.setZero();
-  for (const Entry& left : entries_) {
-    for (const Entry& right : entries_) {
-      out(left.row, right.column) +=
-          left.value * std::conj(X(right.row, left.column)) * right.value / alpha_;
+  for (Index r = 0; r < n_; ++r) {
+    const Index first = r - r % block_;
+    for (Index c = 0; c < n_; ++c) {
+      const Complex value = W(r, c);
+      const bool inside = c >= first && c < first + block_;
+      if (!inside && value != 0.0) {
+        throw std::invalid_argument(fmt::format(
+            "W: entry ({}, {}) is {}{:+}i, must be 0 outside the diagonal blocks of size {}", r, c,
+            value.real(), value.imag(), block_));
+      }
+      if (!inside) continue;
+      if constexpr (std::is_same_v<Scalar, double>) {
+        if (value.imag() != 0.0) {
+          throw std::invalid_argument(fmt::format("W: entry ({}, {}) is {}{:+}i, must be real", r,
+                                                  c, value.real(), value.imag()));
+        }
+        stored(r, c - first) = value.real();
+      } else {
+        stored(r, c - first) = value;
+      }
     }
   }
 }
 
-void QuadraticAlgebra::conjugate_by_J(const Matrix& Q, Matrix& out) const {
+template <class Scalar>
+void QuadraticAlgebra::unpack(const MatrixOf<Scalar>& stored, MatrixView W) const {
+  if (!is_dense()) W.setZero();
+  for (Index first = 0; first < n_; first += block_) {
+    W.block(first, first, block_, block_) =
+        stored.middleRows(first, block_).template cast<Complex>();
+  }
+}
+
+// Sets out(a, b) = Σ term(entry with row a, entry with column b) / alpha over pairs of entries of
+// J.
+template <class Scalar, class Term>
+void QuadraticAlgebra::sum_over_entries(MatrixOf<Scalar>& out, const Term& term) const {
+  out.setZero();
+  const auto sum = [&](const auto& value) {
+    for (const Entry& left : entries_) {
+      const auto factor = value(left.value) / value(alpha_);
+      for (const Entry& right : entries_) {
+        out(left.row, right.column) += factor * value(right.value) * term(left, right);
+      }
+    }
+  };
+  const auto real = [](const Complex& value) { return value.real(); };
+  if constexpr (std::is_same_v<Scalar, double>) {
+    sum(real);
+  } else if (real_) {
+    sum(real);
+  } else {
+    sum([](const Complex& value) { return value; });
+  }
+}
+
+template <class Scalar>
+void QuadraticAlgebra::involution(const MatrixOf<Scalar>& X, MatrixOf<Scalar>& out) const {
+  if (is_skew_hermitian()) {
+    for (Index first = 0; first < n_; first += block_) {
+      out.middleRows(first, block_) = X.middleRows(first, block_).adjoint();
+    }
+    return;
+  }
+  sum_over_entries(out, [&](const Entry& left, const Entry& right) {
+    return Eigen::numext::conj(X(right.row, left.column));
+  });
+}
+
+template <class Scalar>
+void QuadraticAlgebra::conjugate_by_J(const MatrixOf<Scalar>& Q, MatrixOf<Scalar>& out) const {
   if (is_skew_hermitian()) {
     out = Q;
     return;
   }
-  out.setZero();
-  for (const Entry& left : entries_) {
-    for (const Entry& right : entries_) {
-      out(left.row, right.column) += left.value * Q(left.column, right.row) * right.value / alpha_;
-    }
-  }
+  sum_over_entries(
+      out, [&](const Entry& left, const Entry& right) { return Q(left.column, right.row); });
 }
 
 Matrix QuadraticAlgebra::dense_J() const {
@@ -76,5 +151,14 @@ double QuadraticAlgebra::group_defect(const Matrix& Q) const {
   const Matrix JQ = J.lazyProduct(Q);
   return (Q.adjoint().lazyProduct(JQ) - J).cwiseAbs().maxCoeff();
 }
+
+template void QuadraticAlgebra::pack(const Eigen::Ref<const Matrix>&, MatrixOf<double>&) const;
+template void QuadraticAlgebra::pack(const Eigen::Ref<const Matrix>&, Matrix&) const;
+template void QuadraticAlgebra::unpack(const MatrixOf<double>&, MatrixView) const;
+template void QuadraticAlgebra::unpack(const Matrix&, MatrixView) const;
+template void QuadraticAlgebra::involution(const MatrixOf<double>&, MatrixOf<double>&) const;
+template void QuadraticAlgebra::involution(const Matrix&, Matrix&) const;
+template void QuadraticAlgebra::conjugate_by_J(const MatrixOf<double>&, MatrixOf<double>&) const;
+template void QuadraticAlgebra::conjugate_by_J(const Matrix&, Matrix&) const;
 
 }  // namespace isosyrk

@@ -1,7 +1,8 @@
-// Spectra, norms and Casimirs of skew-Hermitian matrices.
+// Spectra, norms and Casimirs.
 #pragma once
 
 #include "isosyrk/linalg/matrix.h"
+#include "isosyrk/linalg/quadratic_algebra.h"
 
 namespace isosyrk {
 
@@ -13,8 +14,16 @@ RealVector spectrum(const Matrix& W);
 /// Returns the largest |λ_k(W) - λ_k(V)| of the sorted spectra.  Throws as spectrum().
 double spectrum_error(const Matrix& W, const Matrix& V);
 
+/// Returns the distance of the spectra of two n x n matrices of an algebra.  For J = I this is
+/// spectrum_error(), computed for each diagonal block.  Otherwise, it is the largest distance of
+/// eigenvalues that are paired, each eigenvalue of V with the nearest one of W that is left.
+/// Throws as spectrum().
+double spectrum_error(const QuadraticAlgebra& algebra, const Matrix& W, const Matrix& V);
+
 /// Returns the spectral norm of a skew-Hermitian W.  Throws as spectrum().
 double spectral_norm(const Matrix& W);
+/// Returns the spectral norm of any square matrix.  Throws as spectrum().
+double operator_norm(const Matrix& B);
 
 /// Returns the Casimir tr(W^k), by k - 1 products.  Throws std::invalid_argument for k < 1.
 Complex casimir(const Matrix& W, int k);

@@ -1,20 +1,22 @@
 #include "isosyrk/simulation/conservation.h"
 
+#include <stdexcept>
+
 #include "isosyrk/flows/co_rotating_frame.h"
 #include "isosyrk/flows/invariants.h"
 
 namespace isosyrk {
 
 ConservationWatch::ConservationWatch(const Scene& scene)
-    : scene_(scene), initial_energy_(scene.flow->hamiltonian(scene.initial)) {}
+    : scene_(scene), initial_energy_(scene.flow->energy(scene.initial)) {}
 
-void ConservationWatch::observe(const Matrix& W) {
-  const double error = std::abs(scene_.flow->hamiltonian(W) / initial_energy_ - 1.0);
-  energy_error_ = larger(energy_error_, error);
+void ConservationWatch::observe(double energy) {
+  energy_error_ = larger(energy_error_, std::abs(energy / initial_energy_ - 1.0));
 }
 
 Conservation ConservationWatch::report(const Matrix& W) const {
-  return {spectrum_error(W, scene_.initial), skew_defect(W), energy_error_};
+  const QuadraticAlgebra& algebra = scene_.flow->algebra();
+  return {spectrum_error(algebra, W, scene_.initial), algebra.algebra_defect(W), energy_error_};
 }
 
 std::array<double, 4> casimir_errors(const Matrix& W, const Matrix& W0) {
@@ -37,10 +39,17 @@ double angular_momentum_error(const Matrix& W, const Matrix& W0) {
 }
 
 RealVector generator_frequencies(const Scene& scene, bool co_rotating) {
-  Matrix B(scene.initial.rows(), scene.initial.cols());
-  scene.flow->generator(scene.initial, B);
+  if (!scene.flow->algebra().is_skew_hermitian()) {
+    throw std::invalid_argument("frequencies of B: for J = I only");
+  }
+  Matrix B = scene.flow->dense_generator(scene.initial);
   if (co_rotating) subtract_rotation(B);
   return spectrum(B);
+}
+
+double generator_norm(const Scene& scene) {
+  if (scene.flow->algebra().is_skew_hermitian()) return generator_norms(scene).B;
+  return operator_norm(scene.flow->dense_generator(scene.initial));
 }
 
 GeneratorNorms generator_norms(const Scene& scene) {

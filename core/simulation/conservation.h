@@ -7,10 +7,10 @@
 
 namespace isosyrk {
 
-/// Errors of a vorticity matrix W against the initial data of its scene.
+/// Errors of a matrix W against the initial data of its scene.
 struct Conservation {
   double spectrum_error = 0.0;  ///< largest |λ_k(W) - λ_k(W₀)|
-  double skew_defect = 0.0;     ///< largest entry of |W + W†|
+  double skew_defect = 0.0;     ///< largest entry of |W + W†|, or of |W†J + JW|
   double energy_error = 0.0;    ///< largest |H(W)/H(W₀) - 1| over the steps observed
 };
 
@@ -19,8 +19,10 @@ class ConservationWatch {
  public:
   explicit ConservationWatch(const Scene& scene);
 
-  /// Records the energy error of W; to be called after every step.
-  void observe(const Matrix& W);
+  /// Records the energy error of W, n x n, or of a state whose energy is known; to be called after
+  /// every step.
+  void observe(const Matrix& W) { observe(scene_.flow->energy(W)); }
+  void observe(double energy);
 
   /// Returns the errors of W and the largest energy error observed.  Throws std::invalid_argument
   /// unless W is finite.
@@ -41,7 +43,8 @@ std::array<double, 4> casimir_errors(const Matrix& W, const Matrix& W0);
 double angular_momentum_error(const Matrix& W, const Matrix& W0);
 
 /// Returns the eigenvalues of -iB(W₀), ascending, for the scene's initial data W₀; with
-/// `co_rotating` those of the generator B' of the co-rotating frame, for Euler-Zeitlin only.
+/// `co_rotating` those of the generator B' of the co-rotating frame, for Euler-Zeitlin only. Throws
+/// std::invalid_argument unless J = I, where B is skew-Hermitian.
 RealVector generator_frequencies(const Scene& scene, bool co_rotating = false);
 
 /// Norms of the generator B = B(W) and of ad_B = [B, ·].  They decide whether a step is small.
@@ -51,7 +54,9 @@ struct GeneratorNorms {
 };
 /// Returns the norms from the eigenvalues of -iB.
 GeneratorNorms generator_norms(const RealVector& frequencies);
-/// Returns the norms at the scene's initial data.
+/// Returns the norms at the scene's initial data.  Throws as generator_frequencies.
 GeneratorNorms generator_norms(const Scene& scene);
+/// Returns ‖B(W₀)‖₂ at the initial data of any scene.
+double generator_norm(const Scene& scene);
 
 }  // namespace isosyrk
