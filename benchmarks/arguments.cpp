@@ -78,7 +78,7 @@ int thread_count(const char* program, const std::string& text) {
 void require_scene(const std::string& option, const std::string& text) {
   const std::vector<std::string>& names = scene_names();
   if (std::find(names.begin(), names.end(), text) == names.end()) {
-    throw BadArgument(fmt::format("{} '{}': must be {}", option, text, fmt::join(names, " or ")));
+    throw BadArgument(fmt::format("{} '{}': must be {}", option, text, fmt::join(names, ", ")));
   }
 }
 

@@ -33,19 +33,33 @@ struct Start {
   nlohmann::ordered_json modes_hash;  // null where there are no modes
 };
 
+// Files are read first, so that what is wrong with them is said before anything is computed.
 Start start_of(const IntegrateRequest& request) {
-  if (request.initial_file) {
-    const std::string& path = *request.initial_file;
-    try {
-      return {euler_zeitlin_scene(request.scene, request.hbar, read_npy(path, request.n)), nullptr};
-    } catch (const std::invalid_argument& error) {
-      throw BadArgument(fmt::format("--initial {}: {}", path, error.what()));
-    }
+  const HbarConvention hbar = request.hbar.value_or(HbarConvention::paper);
+  if (request.modes_file) {
+    const std::vector<Mode> modes = read_modes_file(*request.modes_file, request.n);
+    return {euler_zeitlin_scene(request.scene, request.n, hbar, modes), hash_of(modes)};
   }
-  const std::vector<Mode> modes = request.modes_file
-                                      ? read_modes_file(*request.modes_file, request.n)
-                                      : initial_modes(request.scene, request.n);
-  return {euler_zeitlin_scene(request.scene, request.n, request.hbar, modes), hash_of(modes)};
+  const bool has_modes = is_euler_zeitlin(request.scene);
+  const auto named = [&] {
+    return scene_by_name(request.scene, {request.n, request.hbar, request.signature});
+  };
+  if (!request.initial_file) {
+    Scene scene = named();
+    if (!has_modes) return {std::move(scene), nullptr};
+    return {std::move(scene), hash_of(initial_modes(request.scene, request.n))};
+  }
+  const std::string& path = *request.initial_file;
+  try {
+    Matrix W0 = read_npy(path, request.n);
+    if (request.scene == "initial") return {euler_zeitlin_scene("initial", hbar, W0), nullptr};
+    Scene scene = named();
+    require_initial_data(*scene.flow, W0);
+    scene.initial = std::move(W0);
+    return {std::move(scene), nullptr};
+  } catch (const std::invalid_argument& error) {
+    throw BadArgument(fmt::format("--initial {}: {}", path, error.what()));
+  }
 }
 
 // Before a long run, not after it.
@@ -62,18 +76,16 @@ Outcome integrate(const IntegrateRequest& request, const Scene& scene, ProductBa
   const auto integrator = request.integrator.make(*scene.flow, request.solver, backend);
   Outcome outcome;
   outcome.W = scene.initial;
-  outcome.h_norm_B = request.step * generator_norms(scene).B;
-  // The trials were of published forms.  Fast forms work with longer steps, and have no limit yet.
-  if (request.method == "published") {
+  outcome.h_norm_B = request.step * generator_norm(scene);
+  // The trials were of published forms of Euler-Zeitlin.  Fast forms work with longer steps.
+  if (request.method == "published" && request.is_euler_zeitlin()) {
     warn_beyond_limit(request.integrator.name, outcome.h_norm_B);
   }
   ConservationWatch watch(scene);
-  Matrix observed = scene.initial;
   double watching = 0.0;
   const auto look = [&](const RunReport&) {
     const double before = cpu_seconds();
-    integrator->state(observed);  // a co-rotating frame is left only to be looked at
-    watch.observe(observed);
+    watch.observe(integrator->energy());
     watching += cpu_seconds() - before;
     return true;
   };
@@ -102,7 +114,9 @@ nlohmann::ordered_json as_json(const IntegrateRequest& request,
       {"time", request.time},
       {"tolerance", request.solver.tolerance},
       {"max_sweeps", request.solver.max_sweeps},
-      {"hbar", name(request.hbar)},
+      {"hbar", request.is_euler_zeitlin()
+                   ? nlohmann::ordered_json(name(request.hbar.value_or(HbarConvention::paper)))
+                   : nlohmann::ordered_json(nullptr)},
       {"modes_hash", modes_hash},
       {"product_backend", request.method == "fast"
                               ? fmt::format("split {}", gemm_kernels().front().name)

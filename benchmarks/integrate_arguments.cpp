@@ -1,9 +1,10 @@
 #include "benchmarks/integrate_arguments.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "benchmarks/command_line.h"
 #include "isosyrk/catalogue/fast_forms.h"
+#include "isosyrk/flows/scene.h"
 
 namespace isosyrk {
 namespace {
@@ -13,12 +14,12 @@ struct Text {
   std::string n, stages, formulation, integrator, step, time;
   std::string tolerance = "1e-13";
   std::string max_sweeps = "1000";
-  std::string hbar = "paper";
+  std::string hbar;
   std::string products = "fastest";
   std::string solver = "published";
   std::string threads = "1";
   std::string scene = "smooth";
-  std::string modes, initial;
+  std::string modes, initial, signature;
   std::string output;
   bool json = false;
 };
@@ -61,23 +62,41 @@ void choose_integrator(const Text& text, const CLI::App& line, IntegrateRequest&
            : gauss_entry(*request.formulation, stages);
 }
 
+// P,Q of --signature.
+std::pair<Index, Index> signature_of(const std::string& text) {
+  const auto comma = text.find(',');
+  if (comma == std::string::npos) {
+    throw BadArgument(fmt::format("--signature '{}': must be P,Q", text));
+  }
+  return {whole_number("--signature", text.substr(0, comma), 1, 4095),
+          whole_number("--signature", text.substr(comma + 1), 1, 4095)};
+}
+
 // --scene, --modes or --initial.
 void choose_scene(const Text& text, const CLI::App& line, IntegrateRequest& request) {
-  if (given(line, "--scene") + given(line, "--modes") + given(line, "--initial") > 1) {
+  require_scene("--scene", text.scene);
+  request.scene = text.scene;
+  // Other scenes have no modes, and take --initial for their own flow.
+  const bool own_flow = !is_euler_zeitlin(text.scene);
+  if (own_flow && given(line, "--modes")) {
+    throw BadArgument(fmt::format("--modes {}: goes with Euler-Zeitlin, not with --scene {}",
+                                  text.modes, text.scene));
+  }
+  const bool scene_has_data = given(line, "--scene") && !own_flow;
+  if (scene_has_data + given(line, "--modes") + given(line, "--initial") > 1) {
     throw BadArgument("--scene, --modes, --initial: each has initial data; must be one of them");
   }
+  if (given(line, "--signature")) request.signature = signature_of(text.signature);
   if (given(line, "--modes")) {
     request.scene = "modes";
     request.modes_file = text.modes;
     return;
   }
   if (given(line, "--initial")) {
-    request.scene = "initial";
+    if (!own_flow) request.scene = "initial";
     request.initial_file = text.initial;
     return;
   }
-  require_scene("--scene", text.scene);
-  request.scene = text.scene;
   if (request.scene == "smooth" && request.n < 5) {
     throw BadArgument(fmt::format(
         "--n {}: the default modes (l <= 4) need n >= 5; smaller n needs --modes or --initial",
@@ -96,9 +115,13 @@ IntegrateRequest parse(const Text& text, const CLI::App& line) {
       real_number("--tolerance", text.tolerance, "at least 1e-15, and finite", 1e-15);
   request.solver.max_sweeps =
       static_cast<int>(whole_number("--max-sweeps", text.max_sweeps, 1, 1000000));
-  request.hbar = hbar_convention_from_name(text.hbar);
+  if (given(line, "--hbar")) request.hbar = hbar_convention_from_name(text.hbar);
   request.products = backend_choice_from_name(text.products);
   choose_scene(text, line, request);
+  if (given(line, "--hbar") && !request.is_euler_zeitlin()) {
+    throw BadArgument(fmt::format("--hbar {}: goes with Euler-Zeitlin, not with --scene {}",
+                                  text.hbar, text.scene));
+  }
   if (given(line, "--output")) request.output_file = text.output;
   request.json = text.json;
   return request;
@@ -108,7 +131,7 @@ IntegrateRequest parse(const Text& text, const CLI::App& line) {
 
 std::variant<IntegrateRequest, int> read_integrate_arguments(int argc, char** argv) {
   CLI::App line{
-      "Integrates the Euler-Zeitlin equations with one formulation of an isospectral "
+      "Integrates a scene, Euler-Zeitlin by default, with one formulation of an isospectral "
       "symplectic Runge-Kutta (Gauss) method, or with any listed integrator."};
   Text text;
   line.add_option("--n", text.n, "matrix size, 2 to 4096")->required();
@@ -125,7 +148,9 @@ std::variant<IntegrateRequest, int> read_integrate_arguments(int argc, char** ar
   line.add_option("--solver", text.solver,
                   "published (default), or fast: the same answer to the tolerance, sooner");
   line.add_option("--threads", text.threads, "of --solver fast, 1 (default) to 64");
-  line.add_option("--scene", text.scene, "smooth (default) or rough");
+  line.add_option("--scene", text.scene,
+                  fmt::format("one of {} (default smooth)", fmt::join(scene_names(), ", ")));
+  line.add_option("--signature", text.signature, "P,Q with P + Q = n, of pseudo_unitary");
   line.add_option("--modes", text.modes, "initial modes, CSV with the header l,m,re,im");
   line.add_option("--initial", text.initial, "W at time 0, NumPy .npy as --output writes it");
   line.add_option("--output", text.output, "write W(T) as NumPy .npy, complex128");

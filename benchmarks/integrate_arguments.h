@@ -3,10 +3,12 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 
 #include "benchmarks/arguments.h"
 #include "isosyrk/catalogue/integrator_list.h"
+#include "isosyrk/flows/scene.h"
 
 namespace isosyrk {
 
@@ -21,13 +23,18 @@ struct IntegrateRequest {
   double time;
   long steps;
   SolverOptions solver;
-  HbarConvention hbar;
+  std::optional<HbarConvention> hbar;                ///< of Euler-Zeitlin; none: paper
+  std::optional<std::pair<Index, Index>> signature;  ///< of pseudo_unitary
   BackendChoice products;
   std::string scene;                        ///< "modes" or "initial" where a file has them
   std::optional<std::string> modes_file;    ///< none: those of the named scene
   std::optional<std::string> initial_file;  ///< W at time 0, in place of modes
   std::optional<std::string> output_file;
   bool json;
+
+  bool is_euler_zeitlin() const {
+    return isosyrk::is_euler_zeitlin(scene) || scene == "modes" || scene == "initial";
+  }
 };
 
 /// Reads the command line; an exit code if that was all, as for --help.  Throws BadArgument for

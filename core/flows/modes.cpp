@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <numbers>
-#include <optional>
-#include <random>
 #include <set>
 #include <stdexcept>
 #include <utility>
 
+#include "isosyrk/flows/normal_numbers.h"
 #include "isosyrk/linalg/spectrum.h"
 
 namespace isosyrk {
@@ -23,29 +22,6 @@ const std::vector<Mode>& default_modes() {
   };
   return modes;
 }
-
-namespace {
-
-// Standard normal numbers by the method of Box and Muller.  They are the same with every standard
-// library, while the algorithm of std::normal_distribution is unspecified.
-class NormalNumbers {
- public:
-  double next() {
-    if (spare_) return *std::exchange(spare_, std::nullopt);
-    const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
-    const double angle = 2.0 * std::numbers::pi * uniform();
-    spare_ = radius * std::sin(angle);
-    return radius * std::cos(angle);
-  }
-
- private:
-  double uniform() { return static_cast<double>(bits_() >> 11U) * 0x1p-53; }
-
-  std::mt19937_64 bits_{20260101};
-  std::optional<double> spare_;
-};
-
-}  // namespace
 
 std::vector<Mode> rough_modes(Index n) {
   if (n < 2) throw std::invalid_argument(fmt::format("rough_modes: n = {}, must be at least 2", n));

@@ -1,6 +1,6 @@
 #include "isosyrk/flows/scene.h"
 
-#include <fmt/ranges.h>
+#include <fmt/format.h>
 
 #include <cmath>
 #include <stdexcept>
@@ -13,11 +13,15 @@ Scene euler_zeitlin_scene(std::string_view name, Index n, HbarConvention convent
           vorticity_from_modes(modes, n), 5.0};
 }
 
-void require_initial_data(const Matrix& W0, Index n) {
+namespace {
+
+[[noreturn]] void refuse(const std::string& why) {
+  throw std::invalid_argument("initial data: " + why);
+}
+
+void require_in(const QuadraticAlgebra& algebra, const Matrix& W0) {
   constexpr double largest_defect = 1e-10;
-  const auto refuse = [](const std::string& why) {
-    throw std::invalid_argument("initial data: " + why);
-  };
+  const Index n = algebra.size();
   if (W0.rows() != n || W0.cols() != n) {
     refuse(fmt::format("{} x {}; must be {} x {}", W0.rows(), W0.cols(), n, n));
   }
@@ -31,12 +35,35 @@ void require_initial_data(const Matrix& W0, Index n) {
   }
   const double largest = W0.cwiseAbs().maxCoeff();
   if (largest == 0.0) refuse("all entries are 0; some must be nonzero");
-  const double defect = (W0 + W0.adjoint()).cwiseAbs().maxCoeff() / largest;
+  const double defect = algebra.algebra_defect(W0) / largest;
   if (!(defect <= largest_defect)) {
     refuse(
-        fmt::format("the largest entry of |W + W†| is {:.3g} of the largest of |W|; must be at "
-                    "most {:.0e} (skew-Hermitian)",
-                    defect, largest_defect));
+        fmt::format("the largest entry of |{}| is {:.3g} of the largest of |W|; must be at most "
+                    "{:.0e} ({})",
+                    algebra.is_skew_hermitian() ? "W + W†" : "W†J + JW", defect, largest_defect,
+                    algebra.is_skew_hermitian() ? "skew-Hermitian" : "in the algebra of J"));
+  }
+}
+
+}  // namespace
+
+void require_initial_data(const Matrix& W0, Index n) {
+  require_in(QuadraticAlgebra::skew_hermitian(n), W0);
+}
+
+void require_initial_data(const Flow& flow, const Matrix& W0) {
+  const QuadraticAlgebra& algebra = flow.algebra();
+  require_in(algebra, W0);
+  try {
+    if (dynamic_cast<const RealFlow*>(&flow) != nullptr) {
+      MatrixOf<double> stored = algebra.zero<double>();
+      algebra.pack(W0, stored);
+    } else {
+      Matrix stored = algebra.zero<Complex>();
+      algebra.pack(W0, stored);
+    }
+  } catch (const std::invalid_argument& error) {
+    refuse(error.what());
   }
 }
 
@@ -55,20 +82,22 @@ Scene rough_scene(Index n, HbarConvention convention) {
   return euler_zeitlin_scene("rough", n, convention, rough_modes(n));
 }
 
-const std::vector<std::string>& scene_names() {
-  static const std::vector<std::string> names = {"smooth", "rough"};
-  return names;
-}
-
 std::vector<Mode> initial_modes(std::string_view scene, Index n) {
   if (scene == "smooth") return default_modes();
   if (scene == "rough") return rough_modes(n);
-  throw std::invalid_argument(
-      fmt::format("scene '{}': must be one of {}", scene, fmt::join(scene_names(), ", ")));
+  throw std::invalid_argument(fmt::format("scene '{}': has no modes", scene));
 }
 
-Scene scene_by_name(std::string_view name, Index n, HbarConvention convention) {
-  return euler_zeitlin_scene(name, n, convention, initial_modes(name, n));
+namespace scenes {
+
+// Euler-Zeitlin from smooth and from rough initial data.
+Scene smooth(const SceneParameters& parameters) {
+  return smooth_scene(parameters.n, parameters.hbar.value_or(HbarConvention::paper));
 }
+Scene rough(const SceneParameters& parameters) {
+  return rough_scene(parameters.n, parameters.hbar.value_or(HbarConvention::paper));
+}
+
+}  // namespace scenes
 
 }  // namespace isosyrk

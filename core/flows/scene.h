@@ -2,8 +2,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "isosyrk/flows/euler_zeitlin.h"
@@ -28,6 +30,9 @@ Scene euler_zeitlin_scene(std::string_view name, Index n, HbarConvention convent
 /// entry of |W₀ + W₀†| at most 1e-10 of the largest of |W₀|, so that the end of a run may be the
 /// start of the next.  The message has the figure found.  n >= 1.
 void require_initial_data(const Matrix& W0, Index n);
+/// As above for the algebra of a flow: |W₀†J + JW₀| in place of |W₀ + W₀†|, and real or block
+/// diagonal where the flow is.
+void require_initial_data(const Flow& flow, const Matrix& W0);
 /// Returns the Euler-Zeitlin scene with the initial data W₀ as they are, T = 5.  Throws
 /// std::invalid_argument for n < 2 and as require_initial_data.
 Scene euler_zeitlin_scene(std::string_view name, HbarConvention convention, const Matrix& W0);
@@ -40,13 +45,27 @@ Scene smooth_scene(Index n, HbarConvention convention = HbarConvention::paper,
 /// Returns Euler-Zeitlin from rough_modes(n), T = 5.  Throws std::invalid_argument for n < 2.
 Scene rough_scene(Index n, HbarConvention convention = HbarConvention::paper);
 
-/// Returns "smooth" and "rough".
-const std::vector<std::string>& scene_names();
-/// Returns the initial modes of the scene with this name.  Throws std::invalid_argument, naming all
-/// scenes, for another name, and as rough_modes(n).
+/// Returns the initial modes of the scene "smooth" or "rough".  Throws std::invalid_argument for
+/// another name, and as rough_modes(n).
 std::vector<Mode> initial_modes(std::string_view scene, Index n);
-/// Returns the scene with this name.  Throws as initial_modes and euler_zeitlin_scene.
-Scene scene_by_name(std::string_view name, Index n,
-                    HbarConvention convention = HbarConvention::paper);
+
+/// What a scene of the list is made of, beside its name.
+struct SceneParameters {
+  Index n;                                                ///< size of its matrices
+  std::optional<HbarConvention> hbar = {};                ///< Euler-Zeitlin only; "paper" if none
+  std::optional<std::pair<Index, Index>> signature = {};  ///< pseudo_unitary only: p, q
+};
+
+/// Returns the names of all scenes; those of Euler-Zeitlin come first.
+const std::vector<std::string>& scene_names();
+/// Tells whether this is a scene of Euler-Zeitlin: "smooth" or "rough".
+bool is_euler_zeitlin(std::string_view scene);
+/// Returns the scene with this name.  Throws std::invalid_argument, naming all scenes, for another
+/// name, and for parameters that the scene does not have or that are out of its range.
+Scene scene_by_name(std::string_view name, const SceneParameters& parameters);
+/// Returns a scene that has no parameters but n.
+inline Scene scene_by_name(std::string_view name, Index n) {
+  return scene_by_name(name, SceneParameters{.n = n});
+}
 
 }  // namespace isosyrk

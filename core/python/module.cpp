@@ -84,12 +84,19 @@ void bind_scenes(py::module_& module) {
                                return view;
                              })
       .def("energy",
-           [](const Scene& scene, const Array& W) { return scene.flow->hamiltonian(matrix_of(W)); })
+           [](const Scene& scene, const Array& W) { return scene.flow->energy(matrix_of(W)); })
       .def("generator",
            [](const Scene& scene, const Array& W) {
-             Matrix B(W.shape(0), W.shape(1));
-             scene.flow->generator(matrix_of(W), B);
-             return copy_of(B);
+             return copy_of(scene.flow->dense_generator(matrix_of(W)));
+           })
+      .def("require_initial_data",
+           [](const Scene& scene, const Array& W) {
+             require_initial_data(*scene.flow, matrix_of(W));
+           })
+      .def("starting_at",
+           [](const Scene& scene, const Array& W) {
+             require_initial_data(*scene.flow, matrix_of(W));
+             return Scene{scene.name, scene.flow, matrix_of(W), scene.time};
            })
       .def(
           "generator_norms",
@@ -100,10 +107,15 @@ void bind_scenes(py::module_& module) {
           Aside());
   module.def(
       "scene_by_name",
-      [](const std::string& name, Index n, const std::string& hbar) {
-        return scene_by_name(name, n, hbar_convention_from_name(hbar));
+      [](const std::string& name, Index n, const std::optional<std::string>& hbar,
+         const std::optional<std::pair<Index, Index>>& signature) {
+        SceneParameters parameters{.n = n, .signature = signature};
+        if (hbar) parameters.hbar = hbar_convention_from_name(*hbar);
+        return scene_by_name(name, parameters);
       },
       Aside());
+  module.def("scene_names", &scene_names);
+  module.def("is_euler_zeitlin", &is_euler_zeitlin);
   module.def(
       "scene_of_modes",
       [](const std::string& name, const std::vector<ModeTuple>& modes, Index n,

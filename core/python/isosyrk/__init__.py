@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core
 
 __all__ = ["Integrator", "IntegratorRecord", "Report", "Scene", "SolverError", "angular_momentum_error", "casimir_errors",
-           "conditions", "integrator", "integrators", "product_rate", "relative_error", "scene", "skew_defect", "spectrum", "spectrum_error"]
+           "conditions", "integrator", "integrators", "product_rate", "relative_error", "scene", "scenes", "skew_defect", "spectrum", "spectrum_error"]
 
 __version__ = _core.version
 
@@ -114,12 +114,12 @@ class Scene:
         return self._core.generator(_square(W, self.n))
 
     def generator_norms(self, co_rotating: bool = False) -> Tuple[float, float]:
-        """Returns the 2-norms of B and of ad_B = [B, .] at the initial data.
+        """Returns the 2-norms of B and of ad_B = [B, .] at the initial data. Raises ValueError unless J = I.
 
         co_rotating: of the generator in the co-rotating frame, which is B without its l = 1 part; for Euler-Zeitlin only.
         """
-        if co_rotating and self._generator is not None:
-            raise ValueError("co_rotating: not for a generator of your own")
+        if co_rotating and self.hbar is None:
+            raise ValueError("co_rotating: for Euler-Zeitlin only")
         return self._core.generator_norms(bool(co_rotating))
 
     def __repr__(self):
@@ -128,15 +128,25 @@ class Scene:
 
 def scene(name: Optional[str] = None, n: Optional[int] = None, hbar: Optional[str] = None, *,
           modes: Optional[Iterable[Mode]] = None, initial: Optional[ArrayLike] = None,
+          signature: Optional[Tuple[int, int]] = None,
           generator: Optional[Callable[[Matrix], ArrayLike]] = None,
           hamiltonian: Optional[Callable[[Matrix], float]] = None) -> Scene:
     """Returns a scene: the Euler-Zeitlin equations W' = [B(W), W], B = inverse Laplacian of W over hbar, with initial data.
 
     One of these says what the initial data are:
-      name     "smooth" (the paper's Table 1; n >= 5) or "rough"; needs n. Beside modes or initial it is a label only.
+      name     "smooth" (the paper's Table 1; n >= 5) or "rough"; needs n. Beside modes or initial these names, and any that
+               is not in scenes(), are a label only.
       modes    coefficients (l, m, re, im) with 1 <= l < n, 0 <= m <= l, im = 0 where m = 0; needs n. W is scaled to norm 1.
       initial  W itself, complex128, shape (n, n), skew-Hermitian to 1e-10 relative; taken as it is.
     hbar is "paper" (the default, 2/sqrt(n(n-1))) or "standard" (2/sqrt(n^2-1), as quflow has it).
+
+    Other names of scenes() have equations of their own; n is always the size of W:
+      "euler_top"       so(3), n = 3           "rigid_body"  so(n), Manakov's inertia, n >= 3
+      "spin_chain"      Heisenberg's ring of N spins on su(2)^N, n = 2 N, N >= 3
+      "symplectic"      a rigid body on sp(n), n even, real
+      "pseudo_unitary"  a rigid body on su(p, q), p + q = n, with signature=(p, q)
+    They have no hbar and no modes; `initial` replaces their initial data. Published forms integrate them, in real
+    arithmetic and on blocks where the scene is real or block diagonal.
 
     With `initial`, `generator` makes a flow of your own: a function that takes W (a complex128 array of shape (n, n), a
     copy) and returns B(W), skew-Hermitian. Published forms integrate it. `hamiltonian` maps W to a number.
@@ -148,10 +158,14 @@ def scene(name: Optional[str] = None, n: Optional[int] = None, hbar: Optional[st
         raise ValueError("scene: must have a name, modes or initial")
     if generator is None and hamiltonian is not None:
         raise ValueError("hamiltonian: goes with a generator")
+    if signature is not None and (generator is not None or name is None):
+        raise ValueError("signature: goes with the scene pseudo_unitary")
     if generator is not None:
         return _own_scene(name, initial, n, hbar, generator, hamiltonian)
-    hbar = "paper" if hbar is None else _text(hbar, "hbar")
     label = None if name is None else _text(name, "scene")
+    if signature is not None or (label in scenes() and not _core.is_euler_zeitlin(label)):
+        return _named_scene(label, n, hbar, modes, initial, signature)
+    hbar = "paper" if hbar is None else _text(hbar, "hbar")
     if initial is not None:
         return Scene(_core.scene_of_initial(label or "initial", _initial(initial, n), hbar), hbar, None)
     if n is None:
@@ -162,7 +176,33 @@ def scene(name: Optional[str] = None, n: Optional[int] = None, hbar: Optional[st
         return Scene(_core.scene_of_modes(label or "modes", modes, n, hbar), hbar, _core.hash_of_modes(modes))
     if label == "smooth" and n < 5:
         raise ValueError(f"n = {n}: the default modes (l <= 4) need n >= 5; smaller n needs modes")
-    return Scene(_core.scene_by_name(label, n, hbar), hbar, _core.hash_of_scene(label, n))
+    return Scene(_core.scene_by_name(label, n, hbar, None), hbar, _core.hash_of_scene(label, n))
+
+
+def scenes() -> List[str]:
+    """Returns the names of all scenes; those of Euler-Zeitlin come first."""
+    return _core.scene_names()
+
+
+def _named_scene(name, n, hbar, modes, initial, signature):
+    """Returns a scene whose equations are not those of Euler-Zeitlin."""
+    if modes is not None:
+        raise ValueError(f"modes: go with Euler-Zeitlin, not with {name}")
+    if hbar is not None:
+        raise ValueError(f"hbar: goes with Euler-Zeitlin, not with {name}")
+    if initial is not None:
+        initial = _square(initial, None if n is None else _whole(n, "n", 2, LARGEST_N))
+        n = len(initial)
+    if n is None:
+        raise ValueError("scene: n is missing")
+    if signature is not None:
+        try:
+            p, q = signature
+        except (TypeError, ValueError):
+            raise ValueError(f"signature {signature!r}: must be (p, q)") from None
+        signature = _whole(p, "p", 1, LARGEST_N), _whole(q, "q", 1, LARGEST_N)
+    core = _core.scene_by_name(name, _whole(n, "n", 2, LARGEST_N), None, signature)
+    return Scene(core if initial is None else core.starting_at(initial), None, None)
 
 
 def _own_scene(name, initial, n, hbar, generator, hamiltonian):
@@ -219,7 +259,7 @@ class Integrator:
         state after the last completed step.
         Raises SolverError if a step does not converge.
         """
-        state = _state(W, self.scene.n)
+        state = _state(W, self.scene)
         h, steps, every = _real(h, "h"), _whole(steps, "steps", 0), _whole(every, "every", 1)
         if observe is not None and not callable(observe):
             raise TypeError(f"observe: is a {type(observe).__name__}, must be a function of step, W and report")
@@ -236,7 +276,7 @@ class Integrator:
         Each repetition begins at W with `warmup` untimed steps, then times `steps` steps. Raises SolverError.
         """
         self._require_threads()
-        W = _state(W, self.scene.n)
+        W = _state(W, self.scene)
         state = np.empty_like(W)
         outcome, times = self._core.timed_run(W, state, _real(h, "h"), _whole(steps, "steps", 1),
                                               _whole(repetitions, "repetitions", 1), _whole(warmup, "warmup", 0))
@@ -252,7 +292,9 @@ class Integrator:
             _used_threads = True
 
     def linear_limit(self) -> Optional[float]:
-        """Returns the largest h*norm(B) that linear theory allows at the scene's initial data (2-norm); None if it sets none."""
+        """Returns the largest h*norm(B) that linear theory allows at the scene's initial data (2-norm); None if it sets none.
+        Raises ValueError unless J = I.
+        """
         return self._entry.linear_limit(self.scene._core)
 
     def __repr__(self):
@@ -270,7 +312,8 @@ def integrator(scene: Scene, name: str, solver: str = "published", tolerance: fl
                max_sweeps: int = 1000, products: str = "openblas", without: Sequence[str] = ()) -> Integrator:
     """Returns the integrator with this name of integrators(), for the flow of a scene.
 
-    Beside the list there are two controls, "algebra2_two_products" and "algebra3_two_products", as published forms only.
+    Beside the list there are controls, as published forms only: "algebra2_two_products" and "algebra3_two_products", and
+    compositions with their substeps on the group or on T*G, as "yoshida4_group" and "yoshida4_cotangent".
 
     solver     "published": the paper's equations, solved by Picard sweeps. "fast": the same answer to the tolerance,
                several times sooner; for Euler-Zeitlin, otherwise ValueError.
@@ -393,10 +436,10 @@ def _square(W, n=None):
     return np.require(array, np.complex128, ("C", "A"))
 
 
-def _state(W, n):
+def _state(W, scene):
     """Returns a matrix that a step can begin with; its figures are in the message if it cannot."""
-    array = _square(W, n)
-    _core.require_initial_data(array)
+    array = _square(W, scene.n)
+    scene._core.require_initial_data(array)
     return array
 
 
