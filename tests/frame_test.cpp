@@ -68,19 +68,6 @@ TEST(CoRotatingFrame, LeavesByTheExponentialOfTheRotation) {
   }
 }
 
-// Both are at rounding of the exact flow: 64 steps of order 12, of size 1/40.
-TEST(CoRotatingFrame, CommutesWithTheExactFlow) {
-  const Scene scene = smooth_scene(n);
-  const Matrix fixed = integrated(*named("group6", scene), scene.initial, 0.025, 64);
-  const Matrix turned = integrated(*named("group6_frame", scene), scene.initial, 0.025, 64);
-  EXPECT_LE(largest_difference(fixed, turned), 1e-12);
-
-  // Without the turn at the end it is another matrix.
-  CoRotatingFrame frame(dynamic_cast<const EulerZeitlin&>(*scene.flow), backend);
-  const auto inner = made(integrator_entry("group6"), frame.flow());
-  EXPECT_GE(largest_difference(fixed, integrated(*inner, scene.initial, 0.025, 64)), 1e-2);
-}
-
 // W with l = 1 alone commutes with its generator: it is turned to itself.  The steps are twice as
 // long as those at which RK4 without the frame lets rounding grow (h‖ad_B‖ = 6.4).
 TEST(CoRotatingFrame, AStateOfRotationAloneTurnsRigidlyAtAnyStep) {

@@ -32,8 +32,7 @@ class Known final : public FixedPointSystem {
   double residual(Unknowns& x, double, Corrections& R) override {
     ++residuals;
     at = x[0][0].interleaved();
-    Matrix change = G(at) - at;
-    if (loses_residual == residuals) change(1, 1) = not_a_number;
+    const Matrix change = G(at) - at;
     R[0][0].load(change);
     return change.norm();
   }
@@ -45,18 +44,14 @@ class Known final : public FixedPointSystem {
     ++frozen_sweeps;
     const Matrix before = delta[0][0].interleaved();
     const Matrix right = rhs[0][0].interleaved();
-    Matrix after = before;
-    for (int k = 0; k < sweeps_a_call; ++k) {
-      after = (right + sign_of_T * product({T, after})).eval();
-    }
+    Matrix after = right + product({T, before});
     if (loses_sweeps) after(0, 0) = not_a_number;
     delta[0][0].load(after);
     return (after - before).norm();
   }
-  bool solves_frozen() const override { return sweeps_a_call > 1; }
   void couple(const Corrections& delta, Corrections& coupled) override {
     ++couplings;
-    Matrix result = sign_of_K * K_of(delta[0][0].interleaved());
+    Matrix result = K_of(delta[0][0].interleaved());
     if (loses_couplings) result(0, 0) = not_a_number;
     coupled[0][0].load(result);
   }
@@ -70,10 +65,7 @@ class Known final : public FixedPointSystem {
   double square;
   Matrix solution = random_matrix(n, 3).normalized();
   Matrix c = Matrix::Zero(n, n);
-  Matrix at = Matrix::Zero(n, n);           // of the last residual
-  double sign_of_T = 1.0, sign_of_K = 1.0;  // in what the solver is told
-  int sweeps_a_call = 1;                    // of frozen sweeps: 80 are a solution
-  int loses_residual = 0;                   // the call in which a number is lost
+  Matrix at = Matrix::Zero(n, n);  // of the last residual
   bool loses_sweeps = false, loses_couplings = false;
   int residuals = 0, linearisations = 0, frozen_sweeps = 0, couplings = 0;
   double accuracy_asked = 0.0;
@@ -141,14 +133,6 @@ TEST(InexactNewton, AFrozenSweepMakesPicardSooner) {
   EXPECT_EQ(once.couplings, 0);
 }
 
-TEST(InexactNewton, AWrongSignOfAPartOfTheJacobianCostsSweeps) {
-  Known right({0.3, 0.2}), wrong_T({0.3, 0.2}), wrong_K({0.3, 0.2});
-  wrong_T.sign_of_T = wrong_K.sign_of_K = -1.0;
-  const int sweeps = newton(right).sweeps;
-  EXPECT_GT(newton(wrong_T).sweeps, sweeps + 3);
-  EXPECT_GT(newton(wrong_K).sweeps, sweeps + 3);
-}
-
 // δ - R - T δ - K δ is left at the forcing term: single precision's 1e-6 of R, 0.3 of the
 // tolerance, or 0.1 |R|².  The estimate that ends it, of the error of δ, may be out by a small
 // factor: 3 here, and 1 + 0.6 from the error to what is left.
@@ -181,28 +165,6 @@ TEST(InexactNewton, SolvesForACorrectionToTheForcingTerm) {
   EXPECT_LT(loose.frozen_sweeps, fine.frozen_sweeps);
 }
 
-TEST(InexactNewton, SolvesWhereFrozenSweepsAreSolutions) {
-  Known solved({0.6, 0.1}), swept({0.6, 0.1});
-  solved.sweeps_a_call = 80;
-  EXPECT_EQ(newton(solved).status, Status::converged);
-  EXPECT_LE(solved.error, 1e-13 / 0.3);
-  newton(swept);
-  EXPECT_LT(solved.frozen_sweeps, swept.frozen_sweeps);
-}
-
-TEST(InexactNewton, ComputesNoCorrectionForAChangeThatIsTooLarge) {
-  Known system({0.3, 0.1});
-  const Matrix far = beside_the_solution(system, 100.0);
-  EXPECT_EQ(newton(system, far).status, Status::converged);
-  // 100 √3 (1 + 0.4) at most at first; sweeps of 0.4 until it is 0.3.
-  EXPECT_GT(system.linearisations, 0);
-  EXPECT_GE(system.residuals - system.linearisations, 4);
-  Known never({0.3, 0.1});
-  Unknowns x = start_at(far);
-  InexactNewton(x).newton(never, {.tolerance = 1e-13, .max_sweeps = 4}, x);
-  EXPECT_EQ(never.linearisations, 0);
-}
-
 // One Picard sweep contracts by 0.1 unless it was seen to do otherwise.
 TEST(InexactNewton, ComputesNoCorrectionWhereThreePicardSweepsWillDoAtSmallN) {
   constexpr double tolerance = 1e-6;
@@ -222,24 +184,6 @@ TEST(InexactNewton, ComputesNoCorrectionWhereThreePicardSweepsWillDoAtSmallN) {
   EXPECT_EQ(work(slow, 2.0).second, 1) << "the first sweep tells";
 }
 
-TEST(InexactNewton, RemembersTheContractionUntilItForgets) {
-  constexpr double tolerance = 1e-6;
-  Known system({-0.85, 0.03});
-  const Matrix near = beside_the_solution(system, 2.0 * tolerance / std::sqrt(3.0));
-  InexactNewton solver(start_at(near));
-  const auto linearisations = [&] {
-    system.linearisations = system.residuals = 0;
-    Unknowns x = start_at(near);
-    EXPECT_EQ(solver.newton(system, {.tolerance = tolerance}, x).status, Status::converged);
-    return std::pair(system.linearisations, system.residuals);
-  };
-  const auto first = linearisations();
-  const auto second = linearisations();
-  EXPECT_LT(second.second, first.second) << "no sweep is lost to find out";
-  solver.forget();
-  EXPECT_EQ(linearisations(), first);
-}
-
 // Whichever part it is that grows, and whether by much or little.
 TEST(InexactNewton, TakesPicardSweepsWherePartsDoNotContract) {
   for (const Known::Sizes& sizes :
@@ -257,16 +201,6 @@ TEST(InexactNewton, TakesPicardSweepsWherePartsDoNotContract) {
   }
 }
 
-// G(x) = c + U x with a rotation U: changes keep their size, and no correction can be had.
-TEST(InexactNewton, EndsStagnatedWhereNeitherContracts) {
-  Known turning({1.0, 0.0});
-  turning.loses_sweeps = true;
-  const SolveReport report = newton(turning, beside_the_solution(turning));
-  EXPECT_EQ(report.status, Status::stagnated);
-  EXPECT_LE(report.sweeps, 150);
-  EXPECT_GT(turning.linearisations, 0);
-}
-
 TEST(InexactNewton, ANumberLostInACorrectionCostsTheCorrectionOnly) {
   for (const bool in_couplings : {false, true}) {
     Known system({0.5, 0.1});
@@ -277,17 +211,6 @@ TEST(InexactNewton, ANumberLostInACorrectionCostsTheCorrectionOnly) {
     EXPECT_GT(system.linearisations, 0);
     Known plain({0.5, 0.1});
     EXPECT_NEAR(report.sweeps, picard(plain).sweeps, 2);
-  }
-}
-
-TEST(InexactNewton, ANumberLostInAResidualDiverges) {
-  for (const int at : {1, 2, 3}) {
-    Known system({0.5, 0.1});
-    system.loses_residual = at;
-    const SolveReport report = newton(system, beside_the_solution(system));
-    EXPECT_EQ(report.status, Status::diverged) << at;
-    EXPECT_EQ(report.sweeps, at);
-    EXPECT_EQ(system.linearisations, at - 1) << "none of what is not a number";
   }
 }
 
