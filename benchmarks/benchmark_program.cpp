@@ -72,61 +72,54 @@ void fail_row(benchmark::State& state, const std::string& why) {
   state.SkipWithError(why.c_str());
 }
 
-BenchmarkArguments::BenchmarkArguments(const std::vector<std::string>& given,
-                                       const std::vector<std::string>& names) {
+bool BenchmarkArguments::selects_any(const std::vector<std::string>& names) const {
+  return filter.empty() || matches_any(filter, names);
+}
+
+BenchmarkArguments read_benchmark_arguments(const std::vector<std::string>& given,
+                                            const std::vector<std::string>& names) {
   const std::string prefix = "--benchmark_";
+  BenchmarkArguments read;
   for (const std::string& argument : given) {
-    if (!argument.starts_with(prefix)) {
+    const auto equals = argument.find('=');
+    const std::string option = argument.substr(0, equals);
+    const std::string value = equals == std::string::npos ? "true" : argument.substr(equals + 1);
+    const auto is = [&](const std::string& flag) { return option == prefix + flag; };
+    if (is("out")) {
+      read.output.emplace(option, value);
+      read.passed_on.push_back(fmt::format("{}={}", option, read.output->temporary_path()));
+      continue;
+    }
+    if (is("filter")) {
+      if (!matches_any(value, names)) {
+        throw BadArgument(fmt::format("{}={}: matches no benchmark; names are like {}", option,
+                                      value, names.front()));
+      }
+      read.filter = value;
+    } else if (is("repetitions")) {
+      read.repetitions = whole_number(option, value, 1, 1000);
+    } else if (is("min_time")) {
+      real_number(option, value, "positive seconds, at most 3600", positive, 3600.0);
+    } else if (is("enable_random_interleaving") || is("report_aggregates_only") ||
+               is("display_aggregates_only") || is("counters_tabular") || is("list_tests")) {
+      if (value != "true" && value != "false") {
+        throw BadArgument(fmt::format("{} '{}': must be true or false", option, value));
+      }
+    } else {
       throw BadArgument(
           fmt::format("'{}': not an argument of this program (see --help)", argument));
     }
-    const auto equals = argument.find('=');
-    const std::string flag = argument.substr(prefix.size(), equals - prefix.size());
-    take(flag, equals == std::string::npos ? "true" : argument.substr(equals + 1), names);
+    read.passed_on.push_back(fmt::format("{}={}", option, value));
   }
+  return read;
 }
 
-bool BenchmarkArguments::selects_any(const std::vector<std::string>& names) const {
-  return filter_.empty() || matches_any(filter_, names);
-}
-
-void BenchmarkArguments::take(const std::string& flag, const std::string& value,
-                              const std::vector<std::string>& names) {
-  const std::string option = "--benchmark_" + flag;
-  if (flag == "out") {
-    output_.emplace(option, value);
-    passed_on_.push_back(fmt::format("{}={}", option, output_->temporary_path()));
-    return;
-  }
-  if (flag == "filter") {
-    if (!matches_any(value, names)) {
-      throw BadArgument(fmt::format("{}={}: matches no benchmark; names are like {}", option, value,
-                                    names.front()));
-    }
-    filter_ = value;
-  } else if (flag == "repetitions") {
-    repetitions_ = whole_number(option, value, 1, 1000);
-  } else if (flag == "min_time") {
-    real_number(option, value, "positive seconds, at most 3600", positive, 3600.0);
-  } else if (flag == "enable_random_interleaving" || flag == "report_aggregates_only" ||
-             flag == "display_aggregates_only" || flag == "counters_tabular" ||
-             flag == "list_tests") {
-    if (value != "true" && value != "false") {
-      throw BadArgument(fmt::format("{} '{}': must be true or false", option, value));
-    }
-  } else {
-    throw BadArgument(
-        fmt::format("'{}={}': not an argument of this program (see --help)", option, value));
-  }
-  passed_on_.push_back(fmt::format("{}={}", option, value));
-}
-
-int run_benchmarks(const std::string& program, BenchmarkArguments arguments,
+int run_benchmarks(const std::string& program, const BenchmarkArguments& arguments,
                    const Conditions& conditions) {
   clear_environment();
-  const std::optional<OutputFile>& output = arguments.output_;
+  const std::optional<OutputFile>& output = arguments.output;
   std::vector<std::string> passed_on = {program, "--benchmark_out_format=json"};
-  passed_on.insert(passed_on.end(), arguments.passed_on_.begin(), arguments.passed_on_.end());
+  passed_on.insert(passed_on.end(), arguments.passed_on.begin(), arguments.passed_on.end());
   std::vector<char*> argv;
   for (std::string& argument : passed_on) argv.push_back(argument.data());
   int argc = static_cast<int>(argv.size());

@@ -92,16 +92,6 @@ std::string chosen_text(BackendChoice choice, const std::vector<BackendRates>& r
 
 }  // namespace
 
-void set(Conditions& conditions, const std::string& name, const std::string& value) {
-  for (auto& [known, text] : conditions) {
-    if (known == name) {
-      text = value;
-      return;
-    }
-  }
-  conditions.emplace_back(name, value);
-}
-
 std::string notice() {
   std::vector<std::string> remarks;
   const char* core_type = std::getenv("OPENBLAS_CORETYPE");

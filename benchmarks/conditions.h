@@ -1,8 +1,8 @@
 // The conditions of a measurement, recorded with every raw file.
 #pragma once
 
+#include <map>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "benchmarks/product_rate.h"
@@ -11,8 +11,8 @@
 
 namespace isosyrk {
 
-/// Named facts, in the order in which they are reported.
-using Conditions = std::vector<std::pair<std::string, std::string>>;
+/// Facts by their names.
+using Conditions = std::map<std::string, std::string>;
 
 /// What holds for any program: commit, compiler, processor, BLAS and the kernels it really picked,
 /// environment, measured peak and the product rates given.
@@ -22,9 +22,6 @@ Conditions machine_conditions(const std::string& program, BackendChoice choice,
 /// How the equations were solved: tolerance, norm, start, order of updates, ħ, modes.
 Conditions solver_conditions(const SolverOptions& options, HbarConvention convention,
                              const std::vector<Mode>& modes);
-
-/// Gives a condition another value, or adds it.
-void set(Conditions& conditions, const std::string& name, const std::string& value);
 
 /// Why the timings may not be what this machine can do (kernels below its vector units, an
 /// inherited OPENBLAS_CORETYPE, an unoptimised build), or empty.

@@ -28,10 +28,11 @@ const std::vector<Index> sizes = {17, 33, 65, 129};
 template <class Real = double>
 double product_error(const Matrix& A, const Matrix& B, const Matrix& C) {
   using Extended = Eigen::Matrix<std::complex<long double>, Eigen::Dynamic, Eigen::Dynamic>;
-  const Extended exact = Extended(A.cast<std::complex<long double>>())
-                             .lazyProduct(Extended(B.cast<std::complex<long double>>()));
-  const auto error =
-      static_cast<double>((exact - Extended(C.cast<std::complex<long double>>())).norm());
+  const auto extended = [](const Matrix& X) {
+    return Extended(X.cast<std::complex<long double>>());
+  };
+  const Extended exact = extended(A).lazyProduct(extended(B));
+  const auto error = static_cast<double>((exact - extended(C)).norm());
   constexpr double unit_roundoff = 0.5 * std::numeric_limits<Real>::epsilon();
   return error / (A.norm() * B.norm() * unit_roundoff);
 }
@@ -202,7 +203,7 @@ int main_program(int argc, char** argv) {
   const std::vector<Row> rows = all_rows();
   std::vector<std::string> names;
   for (const Row& row : rows) names.push_back(row.name);
-  const BenchmarkArguments arguments(line.remaining(), names);
+  const BenchmarkArguments arguments = read_benchmark_arguments(line.remaining(), names);
   for (const Row& row : rows) {
     benchmark::RegisterBenchmark(row.name.c_str(), row.time)->Unit(benchmark::kMicrosecond);
   }

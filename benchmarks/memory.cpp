@@ -8,7 +8,6 @@
 #include <fstream>
 #include <limits>
 #include <optional>
-#include <sstream>
 
 #include "benchmarks/program.h"
 
@@ -19,25 +18,16 @@ namespace fs = std::filesystem;
 
 constexpr double unlimited = std::numeric_limits<double>::infinity();
 
-// The number that a file holds; "max" and a file that is not there are no number.
-std::optional<double> number_in(const fs::path& file) {
+// The number behind a key in a file of words, or without a key the number that the file holds.
+// None for "max" and for a file that is not there.
+std::optional<double> number_in(const fs::path& file, const std::string& key = "") {
   std::ifstream input(file);
+  std::string word;
+  while (word != key && input >> word) {
+  }
   double number = 0.0;
   if (input >> number) return number;
   return {};
-}
-
-// The number behind a key in a file of lines "key number".
-double number_of(const fs::path& file, const std::string& key, double otherwise) {
-  std::ifstream input(file);
-  std::string line;
-  while (std::getline(input, line)) {
-    std::istringstream words(line);
-    std::string word;
-    double number = 0.0;
-    if (words >> word >> number && word == key) return number;
-  }
-  return otherwise;
 }
 
 // How the two versions of cgroups name their files.
@@ -57,7 +47,7 @@ double available_in(const fs::path& cgroup, const CgroupFiles& files) {
   if (!limit || !usage) return unlimited;
   double pages = 0.0;
   for (const char* kind : {"active_file", "inactive_file"}) {
-    pages += number_of(cgroup / "memory.stat", std::string(files.pages) + kind, 0.0);
+    pages += number_in(cgroup / "memory.stat", std::string(files.pages) + kind).value_or(0.0);
   }
   return std::max(0.0, *limit - std::max(0.0, *usage - pages));
 }
@@ -97,8 +87,8 @@ double available_to_process(const fs::path& root) {
 
 MemoryLimit available_memory(const fs::path& root) {
   constexpr double kilobyte = 1024.0;
-  MemoryLimit least = {kilobyte * number_of(root / "proc/meminfo", "MemAvailable:", unlimited),
-                       "the machine"};
+  const auto of_machine = number_in(root / "proc/meminfo", "MemAvailable:");
+  MemoryLimit least = {kilobyte * of_machine.value_or(unlimited), "the machine"};
   const MemoryLimit others[] = {
       {available_in_cgroups(root), "the cgroup"},
       {available_to_process(root), "the limit of this process (ulimit -v)"}};

@@ -39,73 +39,53 @@ bool parse(std::string_view text, Number& value) {
   return error == std::errc() && stop == end;
 }
 
-// A quote of the user's text that cannot spoil the one line of an error message.
-std::string quoted(std::string_view text) {
-  std::string shown;
-  for (const char c : text.substr(0, 40)) shown += c >= ' ' && c <= '~' ? c : '?';
-  return fmt::format("'{}{}'", shown, text.size() > 40 ? "..." : "");
-}
-
 constexpr std::array<std::string_view, 4> column_names = {"l", "m", "re", "im"};
 
 }  // namespace
 
 std::vector<Mode> read_modes(std::istream& input, const std::string& source) {
-  int line_number = 0;
+  std::string place = source;
   const auto fail = [&](const std::string& why) {
-    throw std::invalid_argument(fmt::format("{}, line {}: {}", source, line_number, why));
+    throw std::invalid_argument(fmt::format("{}: {}", place, why));
   };
-
-  std::string line;
   std::vector<Mode> modes;
-  std::array<std::size_t, 4> column{};
-  bool header_read = false;
-  while (std::getline(input, line)) {
-    ++line_number;
-    std::string_view text = line;
-    if (line_number == 1 && text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-    if (trimmed(text).empty()) continue;
-    const std::vector<std::string_view> fields = fields_of(text);
-    if (!header_read) {
-      for (std::size_t k = 0; k < column_names.size(); ++k) {
-        const auto at = std::find(fields.begin(), fields.end(), column_names[k]);
-        if (at == fields.end()) {
-          fail(
-              fmt::format("column {} is missing; the header must name l,m,re,im", column_names[k]));
-        }
-        column[k] = static_cast<std::size_t>(at - fields.begin());
+  std::vector<std::string> columns;  // in the order of the header
+  std::string line;
+  for (int number = 1; std::getline(input, line); ++number) {
+    place = fmt::format("{}, line {}", source, number);
+    if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
+    if (trimmed(line).empty()) continue;
+    const std::vector<std::string_view> fields = fields_of(line);
+    if (columns.empty()) {
+      columns.assign(fields.begin(), fields.end());
+      if (!std::ranges::is_permutation(columns, column_names)) {
+        fail("the header must name l,m,re,im and no other");
       }
-      if (fields.size() != column_names.size()) {
-        fail(fmt::format("{} columns; the header must name l,m,re,im and no other", fields.size()));
-      }
-      header_read = true;
       continue;
     }
-    if (fields.size() != column_names.size()) {
+    if (fields.size() != columns.size()) {
       fail(fmt::format("{} fields; must be 4 (l,m,re,im)", fields.size()));
     }
     Mode mode{};
     double re = 0.0;
     double im = 0.0;
-    const auto read = [&](std::size_t k, auto& value, const char* kind) {
-      const std::string_view field = fields[column[k]];
-      if (parse(field, value)) return;
-      fail(fmt::format("{} = {} is not a {}", column_names[k], quoted(field), kind));
-    };
-    read(0, mode.l, "whole number");
-    read(1, mode.m, "whole number");
-    read(2, re, "number");
-    read(3, im, "number");
+    for (std::size_t k = 0; k < fields.size(); ++k) {
+      const std::string& column = columns[k];
+      const bool is_whole = column == "l" || column == "m";
+      const bool is_parsed = is_whole ? parse(fields[k], column == "l" ? mode.l : mode.m)
+                                      : parse(fields[k], column == "re" ? re : im);
+      if (!is_parsed) {
+        fail(fmt::format("{} = '{:.40}' is not a {}", column, fields[k],
+                         is_whole ? "whole number" : "number"));
+      }
+    }
     mode.value = {re, im};
     modes.push_back(mode);
   }
-  if (input.bad()) throw std::invalid_argument(fmt::format("{}: cannot be read", source));
-  if (!header_read) {
-    throw std::invalid_argument(fmt::format("{}: empty; must have the header l,m,re,im", source));
-  }
-  if (modes.empty()) {
-    throw std::invalid_argument(fmt::format("{}: no modes; must have at least one line", source));
-  }
+  place = source;
+  if (input.bad()) fail("cannot be read");
+  if (columns.empty()) fail("empty; must have the header l,m,re,im");
+  if (modes.empty()) fail("no modes; must have at least one line");
   return modes;
 }
 

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <fstream>
 #include <limits>
+#include <regex>
 #include <stdexcept>
 #include <string_view>
 
@@ -25,18 +26,9 @@ std::string read_bytes(std::istream& input, std::size_t count) {
   return bytes;
 }
 
-// What stands before `mark`, and goes from `text` with it.
-std::string take(std::string& text, std::string_view mark) {
-  const auto end = text.find(mark);
-  if (end == std::string::npos) refuse("has a broken .npy header");
-  std::string taken = text.substr(0, end);
-  text.erase(0, end + mark.size());
-  return taken;
-}
-
 // The header without its blanks, which are padding.
 std::string read_header(std::istream& input) {
-  constexpr std::size_t most = 65536;  // that of an array of plain numbers has 118
+  constexpr std::size_t most = 4096;  // that of an array of plain numbers has 118
   const std::string start = read_bytes(input, magic.size() + 2);
   if (!start.starts_with(magic) || start.size() < magic.size() + 2) refuse("is not a .npy file");
   const int version = static_cast<unsigned char>(start[magic.size()]);
@@ -75,15 +67,12 @@ std::string npy(const Matrix& W) {
 Matrix read_npy(const std::string& path, Index n) {
   std::ifstream input(path, std::ios::binary);
   if (!input || input.peek() == EOF) refuse("cannot be read, or is empty");
-  std::string header = read_header(input);
-  const std::string before = take(header, "{'descr':");
-  const std::string dtype = take(header, ",'fortran_order':");
-  const std::string fortran_order = take(header, ",'shape':(");
-  const std::string shape = take(header, ")");
-  if (!before.empty() || (fortran_order != "True" && fortran_order != "False") ||
-      (header != ",}" && header != "}")) {
-    refuse("has a broken .npy header");
-  }
+  const std::string header = read_header(input);
+  static const std::regex dictionary(
+      R"(\{'descr':(.*),'fortran_order':(True|False),'shape':\((.*)\),?\})");
+  std::smatch values;
+  if (!std::regex_match(header, values, dictionary)) refuse("has a broken .npy header");
+  const std::string dtype = values[1], fortran_order = values[2], shape = values[3];
   if (dtype != "'<c16'") {
     refuse(fmt::format("is of dtype {:.40}; must be '<c16' (complex128)", dtype));
   }

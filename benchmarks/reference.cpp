@@ -33,10 +33,7 @@ Reference read_reference(const std::string& option, const std::string& folder, c
     }
     for (const auto& entry : json.at("references")) {
       if (entry.at("n") != n) continue;
-      Reference reference{{},
-                          entry.at("uncertainty"),
-                          {entry.at("first").at("integrator"), entry.at("first").at("steps")},
-                          {entry.at("second").at("integrator"), entry.at("second").at("steps")}};
+      Reference reference{{}, entry.at("uncertainty")};
       path = fmt::format("{}/{}", folder, entry.at("file").get<std::string>());
       reference.W = read_npy(path, n);
       require_initial_data(reference.W, n);  // as every state of the flow is

@@ -7,18 +7,10 @@
 
 namespace isosyrk {
 
-/// How one integrator came to its answer.
-struct ReferenceRun {
-  std::string integrator;
-  long steps = 0;
-};
-
 /// W(T) from two integrators of different kinds.
 struct Reference {
-  Matrix W;                  ///< from `first`
-  double uncertainty = 0.0;  ///< ‖W - W of `second`‖_F / ‖W‖_F
-  ReferenceRun first;
-  ReferenceRun second;
+  Matrix W;                  ///< from the first
+  double uncertainty = 0.0;  ///< ‖W - W of the second‖_F / ‖W‖_F
 };
 
 /// ‖W - reference‖_F / ‖reference‖_F

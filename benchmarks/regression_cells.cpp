@@ -11,6 +11,7 @@
 #include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <sstream>
 #include <tuple>
 
@@ -33,7 +34,6 @@ constexpr long step_total = 50;
 // One backend for all, so that counts can be compared with those recorded elsewhere.
 constexpr ProductBackend backend = ProductBackend::openblas;
 constexpr Index largest_listed = 17;  // answers of larger n are not written out
-constexpr std::string_view fast_prefix = "fast_";
 
 struct Cell {
   std::string name;
@@ -44,17 +44,14 @@ struct Cell {
 };
 
 Cell read_cell(const std::string& name) {
-  const auto n_at = name.find("/n:");
-  const auto s_at = name.find("/s:");
-  if (n_at == std::string::npos || s_at == std::string::npos || s_at < n_at) {
+  std::smatch parts;
+  if (!std::regex_match(name, parts, std::regex("(fast_)?(.*)/n:(.*)/s:(.*)"))) {
     throw BadArgument(fmt::format("cell '{}': must be like group/n:17/s:2", name));
   }
   const std::string what = fmt::format("cell '{}':", name);
-  const bool fast = name.starts_with(fast_prefix);
-  const std::size_t begin = fast ? fast_prefix.size() : 0;
-  return {name, formulation_from_name(name.substr(begin, n_at - begin)),
-          whole_number(what + " n", name.substr(n_at + 3, s_at - n_at - 3), 5, 4096),
-          static_cast<int>(whole_number(what + " s", name.substr(s_at + 3), 1, max_stages)), fast};
+  return {
+      name, formulation_from_name(parts.str(2)), whole_number(what + " n", parts.str(3), 5, 4096),
+      static_cast<int>(whole_number(what + " s", parts.str(4), 1, max_stages)), parts[1].matched};
 }
 
 using Scenes = std::map<Index, Scene>;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -22,7 +21,6 @@
 #include "isosyrk/simulation/run.h"
 #include "isosyrk/solver/tuning.h"
 #include "isosyrk/split/split_products.h"
-#include "isosyrk/tableaux/gauss_tableau.h"
 
 namespace isosyrk {
 namespace {
@@ -37,12 +35,13 @@ struct Table {
   std::string name;  // "table1"; cells are named table1/group/n:17/s:2
   std::string description;
   Forms forms;
-  int threads;  // cells of 2 threads are named table2/group/n:17/s:2/threads:2
-  std::function<std::unique_ptr<Integrator>(Formulation, int stages, const Flow&,
-                                            const SolverOptions&, ProductBackend)>
-      make;
-  Conditions conditions;  // in place of those of the same name
+  int threads = 1;             // cells of 2 threads are named table2/group/n:17/s:2/threads:2
+  Conditions conditions = {};  // in place of those of the same name
 
+  IntegratorEntry entry(Formulation formulation, int stages) const {
+    return forms == Forms::fast ? fast_gauss_entry(formulation, stages, {.threads = threads})
+                                : gauss_entry(formulation, stages);
+  }
   // Products per second: what product_share is a share of.
   double product_rate(ProductBackend backend, Index n) const {
     constexpr double seconds = 0.03;
@@ -56,14 +55,7 @@ Table published_table() {
           .description =
               "Times 50 steps of each formulation at n = 17, 33, 65, 129 and s = 1, 2, 3 (the "
               "paper's Table 1).",
-          .forms = Forms::published,
-          .threads = 1,
-          .make =
-              [](Formulation formulation, int stages, const Flow& flow,
-                 const SolverOptions& options, ProductBackend backend) {
-                return make_formulation(formulation, flow, gauss_tableau(stages), options, backend);
-              },
-          .conditions = {}};
+          .forms = Forms::published};
 }
 
 Table fast_table(int threads) {
@@ -74,12 +66,6 @@ Table fast_table(int threads) {
           "s = 1, 2, 3: the answers of Table 1, sooner.",
       .forms = Forms::fast,
       .threads = threads,
-      .make =
-          [threads](Formulation formulation, int stages, const Flow& flow,
-                    const SolverOptions& options, ProductBackend) {
-            return make_fast_gauss(formulation, stages, flow,
-                                   {.solver = options, .threads = threads});
-          },
       .conditions = {
           {"products", fmt::format("split, {} kernels", gemm_kernels().front().name)},
           {"start",
@@ -172,32 +158,20 @@ class CellProgress {
 };
 
 /// One cell of the table.  One timed iteration is the whole run of 50 steps.
-class Cell : public benchmark::Fixture {
+class Cell {
  public:
   Cell(const CellId& id, const SolverOptions& options, ProductBackend backend,
-       const std::optional<Reference>* reference, bool counts_cores, CellProgress* progress)
+       const std::optional<Reference>& reference, bool counts_cores, CellProgress& progress)
       : table_(*id.table),
         id_(id),
-        name_(id.name()),
         options_(options),
         backend_(backend),
-        reference_(*reference),
+        reference_(reference),
         counts_cores_(counts_cores),
-        progress_(progress) {
-    SetName(name_.c_str());
-    Unit(benchmark::kMillisecond);
-  }
+        progress_(progress) {}
 
-  using benchmark::Fixture::SetUp;
-  void SetUp(benchmark::State&) override {
-    if (integrator_) return;  // repetitions share one cell
-    scene_ = smooth_scene(id_.n);
-    integrator_ = table_.make(id_.formulation, id_.s, *scene_.flow, options_, backend_);
-    quality_ = measure_quality(scene_, *integrator_, reference_);
-  }
-
- protected:
-  void BenchmarkCase(benchmark::State& state) override {
+  void time(benchmark::State& state) {
+    set_up();
     const double wall_start = wall_seconds();
     if (!quality_.run.converged()) {
       fail_row(state,
@@ -248,18 +222,24 @@ class Cell : public benchmark::Fixture {
     if (table_.forms == Forms::fast) {
       state.counters["equivalent_products"] = timed.equivalent_products;
     }
-    progress_->finished(name_, seconds, wall_seconds() - wall_start);
+    progress_.finished(id_.name(), seconds, wall_seconds() - wall_start);
   }
 
  private:
+  void set_up() {
+    if (integrator_) return;  // repetitions share one cell
+    scene_ = smooth_scene(id_.n);
+    integrator_ = table_.entry(id_.formulation, id_.s).make(*scene_.flow, options_, backend_);
+    quality_ = measure_quality(scene_, *integrator_, reference_);
+  }
+
   const Table& table_;
   CellId id_;
-  std::string name_;
   SolverOptions options_;
   ProductBackend backend_;
   const std::optional<Reference>& reference_;
   bool counts_cores_;
-  CellProgress* progress_;
+  CellProgress& progress_;
   Scene scene_;
   std::unique_ptr<Integrator> integrator_;
   Quality quality_;
@@ -315,8 +295,8 @@ int time_table(Forms forms, int argc, char** argv) {
     }
     for (std::string& name : names_of(cells[n])) names.push_back(std::move(name));
   }
-  const BenchmarkArguments arguments(line.remaining(), names);
-  CellProgress progress(names.size(), arguments.repetitions());
+  const BenchmarkArguments arguments = read_benchmark_arguments(line.remaining(), names);
+  CellProgress progress(names.size(), arguments.repetitions);
 
   std::vector<BackendRates> rates;
   std::map<Index, std::optional<Reference>> reference;  // of each n that the filter leaves in
@@ -327,14 +307,16 @@ int time_table(Forms forms, int argc, char** argv) {
     }
     rates.push_back(choose_backend(choice, n));
     for (const CellId& cell : cells[n]) {
-      benchmark::internal::RegisterBenchmarkInternal(new Cell(
-          cell, options, rates.back().chosen, &reference[n], threaded.has_value(), &progress));
+      const auto timed = std::make_shared<Cell>(cell, options, rates.back().chosen, reference[n],
+                                                threaded.has_value(), progress);
+      benchmark::RegisterBenchmark(cell.name().c_str(), [timed](benchmark::State& state) {
+        timed->time(state);
+      })->Unit(benchmark::kMillisecond);
     }
   }
-  Conditions conditions = machine_conditions(table.name, choice, rates);
-  const Conditions solver = solver_conditions(options, HbarConvention::paper, default_modes());
-  conditions.insert(conditions.end(), solver.begin(), solver.end());
-  for (const auto& [condition, value] : table.conditions) set(conditions, condition, value);
+  Conditions conditions = table.conditions;  // of those with one name the first stays
+  conditions.merge(solver_conditions(options, HbarConvention::paper, default_modes()));
+  conditions.merge(machine_conditions(table.name, choice, rates));
   if (const std::string remark = notice(); !remark.empty()) {
     print_error(table.name.c_str(), "note: " + remark);
   }

@@ -1,5 +1,5 @@
-// Command lines as they are read, and the ends of programs.  Which values are refused is tested
-// from outside; see tests/scripts/test_integrate.py.
+// Counts of steps, messages, and the ends of programs.  Which values are refused is tested from
+// outside; see tests/scripts/test_integrate.py.
 #include "benchmarks/arguments.h"
 
 #include <new>
@@ -42,12 +42,8 @@ TEST(BackendChoice, TakesTheFasterByMeasurementUnlessAsked) {
   EXPECT_EQ(choose_backend(ProductBackend::openblas, 4096).n, 257);
 }
 
-template <class Error>
-int ends_with_two_lines(int, char**) {
-  throw Error("some\nreason");
-}
+int fails(int, char**) { throw SolverFailed("some\nreason"); }
 int ends_without_memory(int, char**) { throw std::bad_alloc(); }
-int ends_with_3(int, char**) { return exit_solver_failed; }
 
 // What a program that ends so prints and returns.
 void expect_end(MainProgram& main_program, int exit_code, const std::string& printed) {
@@ -56,15 +52,12 @@ void expect_end(MainProgram& main_program, int exit_code, const std::string& pri
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), printed);
 }
 
-TEST(Program, ExitCodeTellsWhetherTheSolverFailedOrAnythingElse) {
-  const std::string line = "some_program: some reason\n";
-  expect_end(ends_with_two_lines<SolverFailed>, exit_solver_failed, line);
-  expect_end(ends_with_two_lines<BadArgument>, exit_bad_arguments, line);
-  expect_end(ends_with_two_lines<std::invalid_argument>, exit_bad_arguments, line);
+// Other ends are tested from outside.
+TEST(Program, EndsWithOneLineWhereTheSolverOrTheMemoryFailed) {
+  expect_end(fails, exit_solver_failed, "some_program: some reason\n");
   expect_end(ends_without_memory, exit_bad_arguments,
              "some_program: not enough memory for matrices of this size; n or stages must be "
              "smaller\n");
-  expect_end(ends_with_3, exit_solver_failed, "");
 }
 
 }  // namespace

@@ -81,9 +81,12 @@ class Scripted final : public StageSystem {
 class Fallback : public ::testing::Test {
  protected:
   explicit Fallback(const FastOptions& options = {}) {
-    auto owned = std::make_unique<Scripted>();
-    system = owned.get();
-    integrator = std::make_unique<FastIntegrator>(*scene.flow, std::move(owned), options);
+    const auto make_system = [this] {
+      auto owned = std::make_unique<Scripted>();
+      system = owned.get();
+      return owned;
+    };
+    integrator = std::make_unique<FastIntegrator>(*scene.flow, make_system, options);
   }
 
   StepReport step(const Script& script) {

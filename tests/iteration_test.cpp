@@ -132,16 +132,8 @@ TEST(Anderson, ConvergesWherePlainIterationDoesNot) {
   EXPECT_LT(accelerated.sweeps(true), 200);
 }
 
-TEST(Anderson, TheFirstSweepIsPlainAndSoIsOneThatChangesNothing) {
-  Iteration iteration;
-  Anderson anderson(iteration.x);
-  anderson.begin(iteration.x);
-  iteration.sweep();
-  const Matrix g = iteration.x[0][0].interleaved();
-  anderson.mix(iteration.x);
-  // What is added to x is rounded to single precision: x is 0 here.
-  EXPECT_LE(largest_difference(iteration.x[0][0].interleaved(), g), 1e-7);
-  // At a fixed point every difference is 0, and so is its square.
+// At a fixed point every difference is 0, and so is its square.
+TEST(Anderson, StaysAtAFixedPoint) {
   Unknowns fixed = {{SplitMatrix(3)}};
   Anderson at_rest(fixed);
   at_rest.begin(fixed);

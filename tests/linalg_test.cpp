@@ -94,20 +94,6 @@ TEST_P(StageSums, UpdateUnknownsIsTheStageEquationAndItsChangeAndSeesNan) {
   EXPECT_TRUE(std::isnan(largest_change(squares)));
 }
 
-TEST_P(StageSums, CombineIsTheWeightedSum) {
-  const auto [n, s] = GetParam();
-  const RealVector b = gauss_tableau(s).b;
-  const Matrix base = Matrix::Random(n, n);
-  const std::vector<Matrix> Y = random_stages();
-  Matrix expected = Matrix::Zero(n, n);
-  for (int j = 0; j < s; ++j) expected += b(j) * Y[static_cast<std::size_t>(j)];
-  Matrix sum(n, n);
-  combine(b, Y, sum);
-  EXPECT_LE((sum - expected).cwiseAbs().maxCoeff(), 1e-15 * s);
-  combine(base, b, Y, sum);
-  EXPECT_LE((sum - (base + expected)).cwiseAbs().maxCoeff(), 1e-15 * (s + 1));
-}
-
 INSTANTIATE_TEST_SUITE_P(SizesAndStages, StageSums,
                          ::testing::ValuesIn(std::vector<std::pair<Index, int>>{
                              {2, 1}, {3, 2}, {5, 3}, {6, 4}, {17, 3}, {17, 7}, {4, max_stages}}));

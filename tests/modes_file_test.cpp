@@ -44,10 +44,10 @@ TEST(ModesFile, ThatIsBrokenIsRefusedWithItsLine) {
   refused("", ": empty; must have the header l,m,re,im");
   refused("\n\n", ": empty; must have the header l,m,re,im");
   refused("l,m,re,im\n", ": no modes; must have at least one line");
-  refused("l,m,re\n1,0,1\n", ", line 1: column im is missing; the header must name l,m,re,im");
-  refused("l,m,re,im,x\n1,0,1,0,5\n",
-          ", line 1: 5 columns; the header must name l,m,re,im and no other");
-  refused("1,0,1,0\n", ", line 1: column l is missing; the header must name l,m,re,im");
+  for (const char* header : {"l,m,re", "l,m,re,im,x", "l,m,re,re", "1,0,1,0"}) {
+    refused(std::string(header) + "\n1,0,1,0\n",
+            ", line 1: the header must name l,m,re,im and no other");
+  }
   // Lines after the header.
   const auto refused_line = [&](const std::string& line, const std::string& message) {
     refused("l,m,re,im\n" + line + "\n", ", line 2: " + message);
@@ -60,7 +60,6 @@ TEST(ModesFile, ThatIsBrokenIsRefusedWithItsLine) {
   refused_line("1,0,1,0x1", "im = '0x1' is not a number");
   refused_line("1,0,+-1,0", "re = '+-1' is not a number");
   refused_line("+-1,0,1,0", "l = '+-1' is not a whole number");
-  refused_line("1,0,1,\x01\xff", "im = '?\?' is not a number");
   refused_line("99999999999,0,1,0", "l = '99999999999' is not a whole number");
 }
 

@@ -27,8 +27,6 @@ TEST(Reference, AgreesWithAThirdIntegrator) {
   const Reference reference = read(recorded);
   EXPECT_LE(relative_error(W, reference.W), 5e-13);
   EXPECT_LE(reference.uncertainty, 5e-13);
-  EXPECT_EQ(reference.first.integrator, "group5");
-  EXPECT_EQ(reference.second.integrator, "rkmk4");
 }
 
 class ReferenceFolder : public WithFolder {
@@ -38,6 +36,7 @@ class ReferenceFolder : public WithFolder {
     std::ifstream(folder_ / "references.json") >> good_;
     // Of the four the one that is read, so that every change is seen.
     good_["references"] = {good_["references"][0]};
+    for (const char* unread : {"first", "second"}) good_["references"][0].erase(unread);
   }
 
   void refuses(const std::string& list, const std::string& part = "references.json") const {
@@ -82,7 +81,6 @@ TEST_F(ReferenceFolder, BrokenIsRefused) {
   };
   without_each_field(good_);
   without_each_field(good_["references"][0]);
-  without_each_field(good_["references"][0]["first"]);
   const auto solution = write("smooth_n17.npy", npy(Matrix::Identity(n, n)));
   refuses(whole, "smooth_n17.npy");
   std::filesystem::remove(solution);

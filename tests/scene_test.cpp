@@ -1,6 +1,5 @@
 // Modes, the vorticity matrices made of them, and scenes: the rough one is reproducible, the same
-// for every n and of the spectrum that is promised; a user's initial data are taken as they are, or
-// refused.
+// for every n and of the spectrum that is promised.
 #include <cmath>
 
 #include "isosyrk/flows/invariants.h"
@@ -61,12 +60,6 @@ TEST(Harmonic, IsAUnitEigenvectorToRoundingAtAllSizes) {
     EXPECT_LE(residual.norm(), 1e-15 * n * n) << n << " " << l << " " << m;
     EXPECT_NEAR(T.norm(), 1.0, 1e-15);
   }
-}
-
-TEST(Harmonic, RefusesIndicesOutOfRange) {
-  EXPECT_THROW(harmonic(5, 5, 0), std::invalid_argument);
-  EXPECT_THROW(harmonic(5, 2, 3), std::invalid_argument);
-  EXPECT_THROW(harmonic(5, 2, -1), std::invalid_argument);
 }
 
 TEST(InitialVorticity, IsSkewHermitianTraceFreeAndOfNorm1) {
@@ -133,40 +126,6 @@ TEST(RoughModes, EnergyFallsAsTheThirdPower) {
     mean += std::pow(l, 3) * energy[static_cast<std::size_t>(l)] / (end - first);
   }
   EXPECT_NEAR(mean, 1.0, 0.1);
-}
-
-TEST(SceneByName, FindsEachAndNamesWhatIsAllowed) {
-  for (const std::string& name : scene_names()) {
-    EXPECT_EQ(scene_by_name(name, name == "euler_top" ? 3 : 6).name, name);
-  }
-  EXPECT_EQ(scene_by_name("smooth", 9).initial, smooth_scene(9).initial);
-  EXPECT_EQ(scene_by_name("rough", 9).initial, rough_scene(9).initial);
-  expect_refused([] { scene_by_name("calm", 9); }, "rough");
-}
-
-TEST(InitialData, AreTakenAsTheyAre) {
-  const Index n = 5;
-  Matrix W0 = 3.0 * smooth_scene(n).initial;
-  W0(0, 1) *= 1.0 + 5e-11;  // what rounding leaves of a run is less
-  const Scene scene = euler_zeitlin_scene("initial", HbarConvention::standard, W0);
-  EXPECT_EQ(scene.initial, W0);
-  EXPECT_EQ(scene.name, "initial");
-  EXPECT_EQ(scene.flow->size(), n);
-}
-
-// What else is refused is tested from outside, as for modes.
-TEST(InitialData, ThatAreNoneAreRefusedWithTheFigure) {
-  const Matrix good = smooth_scene(5).initial;
-  const auto refused = [](const Matrix& W0, Index n, const std::string& part) {
-    expect_refused([&] { require_initial_data(W0, n); }, part);
-  };
-  EXPECT_NO_THROW(require_initial_data(good, 5));
-  refused(good, 6, "5 x 5; must be 6 x 6");
-  refused(good.leftCols(4), 5, "5 x 4; must be 5 x 5");
-  refused(good + 1e-3 * good.cwiseAbs().maxCoeff() * Matrix::Identity(5, 5), 5, "is 0.002 of");
-  EXPECT_THROW(
-      euler_zeitlin_scene("initial", HbarConvention::paper, Matrix::Constant(1, 1, Complex(0, 1))),
-      std::invalid_argument);
 }
 
 }  // namespace

@@ -10,13 +10,8 @@
 #include <random>
 #include <unsupported/Eigen/MatrixFunctions>
 
-#include "isosyrk/fast/algebra_system.h"
-#include "isosyrk/fast/cotangent_system.h"
-#include "isosyrk/fast/group_system.h"
-#include "isosyrk/fast/midpoint_system.h"
 #include "isosyrk/flows/invariants.h"
 #include "isosyrk/flows/spin.h"
-#include "isosyrk/tableaux/gauss_tableau.h"
 
 namespace isosyrk::testing {
 
@@ -103,19 +98,6 @@ std::vector<Method> methods(int most_stages) {
     for (int s = 1; s <= most_stages; ++s) all.push_back({formulation, s});
   }
   return all;
-}
-
-std::unique_ptr<StageSystem> stage_system(const Method& method, const Flow& flow, int threads,
-                                          bool bands) {
-  const Tableau tableau = gauss_tableau(method.s);
-  if (method.formulation == Formulation::cotangent) {
-    return std::make_unique<CotangentSystem>(flow, tableau, threads, bands);
-  }
-  if (method.formulation == Formulation::group) {
-    return std::make_unique<GroupSystem>(flow, tableau, threads, bands);
-  }
-  if (method.s == 1) return std::make_unique<MidpointSystem>(flow, threads, bands);
-  return std::make_unique<AlgebraSystem>(flow, tableau, threads, bands);
 }
 
 double observed_order(const std::vector<double>& h, const std::vector<double>& errors) {

@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "isosyrk/catalogue/integrator_list.h"
-#include "isosyrk/fast/stage_system.h"
 #include "isosyrk/flows/flow.h"
 #include "isosyrk/flows/scene.h"
 #include "isosyrk/integrators/integrator.h"
@@ -82,10 +81,6 @@ void PrintTo(const Method& method, std::ostream* out);
 
 /// Every formulation with 1 to `most_stages` stages.
 std::vector<Method> methods(int most_stages);
-
-/// The stage system of a fast form, with threads and bands at any size.
-std::unique_ptr<StageSystem> stage_system(const Method& method, const Flow& flow, int threads,
-                                          bool bands);
 
 /// Least-squares slope of log(error) against log(h) over the last five points, which show it best.
 double observed_order(const std::vector<double>& h, const std::vector<double>& errors);

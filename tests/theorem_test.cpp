@@ -329,6 +329,7 @@ TEST(SceneByName, RefusesWhatAParameterDoesNotAllow) {
   const auto refused = [](const char* name, const SceneParameters& parameters, const char* part) {
     expect_refused([&] { scene_by_name(name, parameters); }, part);
   };
+  refused("calm", {9}, "must be one of smooth, rough, ");
   refused("euler_top", {4}, "euler_top has n = 3");
   refused("rigid_body", {2}, "n >= 3");
   refused("spin_chain", {7}, "n = 2 N");

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <optional>
 #include <stdexcept>
-#include <utility>
-#include <vector>
 
 #include "isosyrk/fast/algebra_system.h"
 #include "isosyrk/fast/cotangent_system.h"
@@ -19,8 +17,6 @@
 #include "isosyrk/tableaux/gauss_tableau.h"
 
 namespace isosyrk {
-namespace {
-
 std::unique_ptr<StageSystem> gauss_system(Formulation formulation, int s, const Flow& flow,
                                           int threads, bool truncates) {
   const Tableau tableau = gauss_tableau(s);
@@ -36,13 +32,16 @@ std::unique_ptr<StageSystem> gauss_system(Formulation formulation, int s, const 
   return std::make_unique<AlgebraSystem>(flow, tableau, threads, truncates);
 }
 
-// Returns the options with one thread below what pays, and whether bands are truncated.
-std::pair<FastOptions, bool> chosen_for(const Flow& flow, int s, const FastOptions& options) {
+namespace {
+
+// Returns the options with one thread below what pays, and bands as they are then truncated.
+FastOptions chosen_for(const Flow& flow, int s, const FastOptions& options) {
   ThreadScope::checked(options.threads);
   const Index n = flow.size();
   FastOptions chosen = options;
   if (n < tuning.smallest_parallel(s)) chosen.threads = 1;
-  return {chosen, options.bands.value_or(n >= tuning.smallest_banded)};
+  chosen.bands = options.bands.value_or(n >= tuning.smallest_banded);
+  return chosen;
 }
 
 // A fast form: how it is made, and the numbers of n x n matrices that it holds: unknowns, workspace
@@ -101,34 +100,32 @@ FastForm composition_form(const CompositionScheme& scheme) {
   FastForm form = gauss_form(Formulation::algebra, 1);
   form.substeps = scheme.fractions.size();
   form.make = [=](const Flow& flow, const FastOptions& options) {
-    const auto [chosen, truncates] = chosen_for(flow, 1, options);
-    std::vector<std::unique_ptr<StageSystem>> systems;
-    for (std::size_t k = 0; k < scheme.fractions.size(); ++k) {
-      systems.push_back(std::make_unique<MidpointSystem>(flow, chosen.threads, truncates));
-    }
-    return std::make_unique<FastIntegrator>(flow, std::move(systems), scheme.fractions, chosen);
+    const FastOptions chosen = chosen_for(flow, 1, options);
+    const auto system = [&] {
+      return std::make_unique<MidpointSystem>(flow, chosen.threads, *chosen.bands);
+    };
+    return std::make_unique<FastIntegrator>(flow, system, chosen, scheme.fractions);
   };
   return form;
 }
 
 FastForm direct_form(int s) {
-  return {[=](const Flow& flow, const FastOptions& options) -> std::unique_ptr<Integrator> {
-            const auto [chosen, truncates] = chosen_for(flow, s, options);
-            return std::make_unique<FastIntegrator>(
-                flow,
-                std::make_unique<DirectSystem>(flow, gauss_tableau(s), chosen.threads, truncates),
-                chosen);
-          },
-          1.0 * s, 3.0 * s, 5.0 * s};
+  const auto make = [=](const Flow& flow, const FastOptions& options) {
+    const FastOptions chosen = chosen_for(flow, s, options);
+    const auto system = [&] {
+      return std::make_unique<DirectSystem>(flow, gauss_tableau(s), chosen.threads, *chosen.bands);
+    };
+    return std::make_unique<FastIntegrator>(flow, system, chosen);
+  };
+  return {make, 1.0 * s, 3.0 * s, 5.0 * s};
 }
 
 template <class Method>
 FastForm explicit_form(double doubles, double singles) {
-  return {[](const Flow& flow, const FastOptions& options) -> std::unique_ptr<Integrator> {
-            const auto [chosen, truncates] = chosen_for(flow, 1, options);
-            return std::make_unique<Method>(flow, chosen, truncates);
-          },
-          0.0, doubles, singles};
+  const auto make = [](const Flow& flow, const FastOptions& options) {
+    return std::make_unique<Method>(flow, chosen_for(flow, 1, options));
+  };
+  return {make, 0.0, doubles, singles};
 }
 
 // Returns the fast form of a listed integrator.
@@ -161,9 +158,11 @@ IntegratorEntry entry_of(IntegratorEntry entry, const FastForm& form, const Fast
 
 std::unique_ptr<Integrator> make_fast_gauss(Formulation formulation, int s, const Flow& flow,
                                             const FastOptions& options) {
-  const auto [chosen, truncates] = chosen_for(flow, s, options);
-  return std::make_unique<FastIntegrator>(
-      flow, gauss_system(formulation, s, flow, chosen.threads, truncates), chosen);
+  const FastOptions chosen = chosen_for(flow, s, options);
+  const auto system = [&] {
+    return gauss_system(formulation, s, flow, chosen.threads, *chosen.bands);
+  };
+  return std::make_unique<FastIntegrator>(flow, system, chosen);
 }
 
 IntegratorEntry fast_gauss_entry(Formulation formulation, int s, const FastOptions& options) {

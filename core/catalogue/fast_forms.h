@@ -6,6 +6,7 @@
 
 #include "isosyrk/catalogue/integrator_list.h"
 #include "isosyrk/fast/fast_options.h"
+#include "isosyrk/fast/stage_system.h"
 
 namespace isosyrk {
 
@@ -15,6 +16,11 @@ namespace isosyrk {
 /// without a generator in split-complex storage.
 std::unique_ptr<Integrator> make_fast_gauss(Formulation formulation, int s, const Flow& flow,
                                             const FastOptions& options = {});
+
+/// Returns the stage equations of that method, for up to `threads` threads and with band truncation
+/// or without, whether they pay or not.
+std::unique_ptr<StageSystem> gauss_system(Formulation formulation, int s, const Flow& flow,
+                                          int threads, bool truncates);
 
 /// Returns the list entry of that fast form, named fast_group2 and so on.  Its integrators have
 /// these options, except options.solver, which `make` replaces.  Throws std::invalid_argument

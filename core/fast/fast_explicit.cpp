@@ -7,9 +7,9 @@
 
 namespace isosyrk {
 
-FastExplicit::FastExplicit(const Flow& flow, const FastOptions& options, bool truncates)
+FastExplicit::FastExplicit(const Flow& flow, const FastOptions& options)
     : IntegratorIn(flow),
-      work_(flow, options.threads, truncates, 1, tuning.group_coupling),
+      work_(flow, options.threads, options.bands.value_or(false), 1, tuning.group_coupling),
       options_(options) {
   W0_ = W1_ = W_stage_ = product_ = work_.zeros(1);
 }
@@ -37,20 +37,20 @@ void FastExplicit::generate(SplitStages& W, SplitStages& B) {
   work_.generate(W, B);
 }
 
-FastRungeKutta4::FastRungeKutta4(const Flow& flow, const FastOptions& options, bool truncates)
-    : FastExplicit(flow, options, truncates), B_(work_.zeros(1)) {
+FastRungeKutta4::FastRungeKutta4(const Flow& flow, const FastOptions& options)
+    : FastExplicit(flow, options), B_(work_.zeros(1)) {
   k_.fill(B_);
 }
 
 bool FastRungeKutta4::take_step(double h) {
   const auto stage = [&](double scale, const SplitStages& slope) {
-    assign(W_stage_, [&](std::size_t) { return sum_of(1.0, W0_[0]).add(scale, slope[0]); });
+    assign(W_stage_[0], sum_of(1.0, W0_[0]).add(scale, slope[0]));
   };
   const auto slope = [&](SplitStages& k) {
     generate(W_stage_, B_);
     commutator(B_[0], W_stage_[0], 1.0, k);
   };
-  assign(W_stage_, [&](std::size_t) { return sum_of(1.0, W0_[0]); });
+  assign(W_stage_[0], sum_of(1.0, W0_[0]));
   slope(k_[0]);
   stage(0.5 * h, k_[0]);
   slope(k_[1]);
@@ -58,18 +58,16 @@ bool FastRungeKutta4::take_step(double h) {
   slope(k_[2]);
   stage(h, k_[2]);
   slope(k_[3]);
-  assign(W1_, [&](std::size_t) {
-    return sum_of(1.0, W0_[0])
-        .add(h / 6.0, k_[0][0])
-        .add(h / 3.0, k_[1][0])
-        .add(h / 3.0, k_[2][0])
-        .add(h / 6.0, k_[3][0]);
-  });
+  assign(W1_[0], sum_of(1.0, W0_[0])
+                     .add(h / 6.0, k_[0][0])
+                     .add(h / 3.0, k_[1][0])
+                     .add(h / 3.0, k_[2][0])
+                     .add(h / 6.0, k_[3][0]));
   return true;
 }
 
-FastMuntheKaas4::FastMuntheKaas4(const Flow& flow, const FastOptions& options, bool truncates)
-    : FastExplicit(flow, options, truncates) {
+FastMuntheKaas4::FastMuntheKaas4(const Flow& flow, const FastOptions& options)
+    : FastExplicit(flow, options) {
   Omega_ = commutator_ = term_ = next_ = work_.zeros(1);
   k_.fill(Omega_);
   Omega_single_ = term_single_ = next_single_ = product_single_ = work_.singles(1);
@@ -80,8 +78,8 @@ bool FastMuntheKaas4::conjugate(double scale, const SplitStages& Omega, const Sp
   constexpr int most_terms = 200;
   constexpr double rounding = 1e-17;  // relative to W, in the Frobenius norm
   const double size_of_W = largest_norm(W);
-  assign(out, [&](std::size_t) { return sum_of(1.0, W[0]); });
-  assign(term_, [&](std::size_t) { return sum_of(1.0, W[0]); });
+  assign(out[0], sum_of(1.0, W[0]));
+  assign(term_[0], sum_of(1.0, W[0]));
   bool in_single = false;
   for (int k = 1; k <= most_terms; ++k) {
     const double factor = scale / static_cast<double>(k);
@@ -95,7 +93,7 @@ bool FastMuntheKaas4::conjugate(double scale, const SplitStages& Omega, const Sp
     } else {
       work_.bands.truncate(work_.left_out(), term_);
       commutator(Omega[0], term_[0], factor, next_);
-      assign(out, [&](std::size_t) { return sum_of(1.0, out[0]).add(1.0, next_[0]); });
+      assign(out[0], sum_of(1.0, out[0]).add(1.0, next_[0]));
       std::swap(term_, next_);
       size = largest_norm(term_);
     }
@@ -114,27 +112,25 @@ bool FastMuntheKaas4::take_step(double h) {
   bool summed = true;
   const auto generate_at = [&](SplitStages& W, SplitStages& k) {
     generate(W, k);
-    assign(k, [&](std::size_t) { return sum_of(h, k[0]); });
+    assign(k[0], sum_of(h, k[0]));
   };
   const auto stage = [&](double scale, const SplitStages& exponent, SplitStages& k) {
     summed = conjugate(scale, exponent, W0_, W_stage_) && summed;
     generate_at(W_stage_, k);
   };
-  assign(W_stage_, [&](std::size_t) { return sum_of(1.0, W0_[0]); });
+  assign(W_stage_[0], sum_of(1.0, W0_[0]));
   generate_at(W_stage_, k_[0]);
   stage(0.5, k_[0], k_[1]);
   commutator(k_[0][0], k_[1][0], -0.125, commutator_);
-  assign(Omega_, [&](std::size_t) { return sum_of(0.5, k_[1][0]).add(1.0, commutator_[0]); });
+  assign(Omega_[0], sum_of(0.5, k_[1][0]).add(1.0, commutator_[0]));
   stage(1.0, Omega_, k_[2]);
   stage(1.0, k_[2], k_[3]);
   commutator(k_[0][0], k_[3][0], -1.0 / 12.0, commutator_);
-  assign(Omega_, [&](std::size_t) {
-    return sum_of(1.0 / 6.0, k_[0][0])
-        .add(1.0 / 3.0, k_[1][0])
-        .add(1.0 / 3.0, k_[2][0])
-        .add(1.0 / 6.0, k_[3][0])
-        .add(1.0, commutator_[0]);
-  });
+  assign(Omega_[0], sum_of(1.0 / 6.0, k_[0][0])
+                        .add(1.0 / 3.0, k_[1][0])
+                        .add(1.0 / 3.0, k_[2][0])
+                        .add(1.0 / 6.0, k_[3][0])
+                        .add(1.0, commutator_[0]));
   return conjugate(1.0, Omega_, W0_, W1_) && summed;
 }
 

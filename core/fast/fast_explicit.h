@@ -12,8 +12,8 @@ namespace isosyrk {
 class FastExplicit : public IntegratorIn<Complex> {
  protected:
   /// Throws std::invalid_argument for a flow without a generator in split-complex storage, and for
-  /// threads out of range.
-  FastExplicit(const Flow& flow, const FastOptions& options, bool truncates);
+  /// threads out of range.  Bands are truncated if options.bands is true.
+  FastExplicit(const Flow& flow, const FastOptions& options);
 
   StepReport advance(const Matrix& W0, double h, Matrix& W1) final;
 
@@ -36,7 +36,7 @@ class FastExplicit : public IntegratorIn<Complex> {
 /// ClassicalRungeKutta4 to rounding.  Products: 4.  Poisson solves: 4.
 class FastRungeKutta4 final : public FastExplicit {
  public:
-  FastRungeKutta4(const Flow& flow, const FastOptions& options, bool truncates);
+  FastRungeKutta4(const Flow& flow, const FastOptions& options);
 
  private:
   bool take_step(double h) override;
@@ -49,7 +49,7 @@ class FastRungeKutta4 final : public FastExplicit {
 /// precision.  Products: 2, and 1 for each term of the 4 series.  Poisson solves: 4.
 class FastMuntheKaas4 final : public FastExplicit {
  public:
-  FastMuntheKaas4(const Flow& flow, const FastOptions& options, bool truncates);
+  FastMuntheKaas4(const Flow& flow, const FastOptions& options);
 
  private:
   bool take_step(double h) override;

@@ -1,35 +1,18 @@
 #include "isosyrk/fast/fast_integrator.h"
 
-#include <stdexcept>
-
 #include "isosyrk/split/parallel.h"
 
 namespace isosyrk {
-namespace {
 
-std::vector<std::unique_ptr<StageSystem>> one(std::unique_ptr<StageSystem> system) {
-  std::vector<std::unique_ptr<StageSystem>> systems;
-  systems.push_back(std::move(system));
-  return systems;
-}
-
-}  // namespace
-
-FastIntegrator::FastIntegrator(const Flow& flow, std::vector<std::unique_ptr<StageSystem>> systems,
-                               std::vector<double> fractions, const FastOptions& options)
+FastIntegrator::FastIntegrator(const Flow& flow, const MakeSystem& make_system,
+                               const FastOptions& options, std::vector<double> fractions)
     : IntegratorIn(flow),
-      threads_(options.threads),
+      threads_(ThreadScope::checked(options.threads)),
       fractions_(std::move(fractions)),
       W_(split_stages(static_cast<Index>(fractions_.size()) + 1, flow.size())) {
-  ThreadScope::checked(options.threads);
-  if (systems.empty() || systems.size() != fractions_.size())
-    throw std::invalid_argument("fast integrator: must have a system for each of its substeps");
-  for (auto& system : systems) substeps_.emplace_back(std::move(system), options);
+  for (std::size_t k = 0; k < fractions_.size(); ++k)
+    substeps_.emplace_back(make_system(), options);
 }
-
-FastIntegrator::FastIntegrator(const Flow& flow, std::unique_ptr<StageSystem> system,
-                               const FastOptions& options)
-    : FastIntegrator(flow, one(std::move(system)), {1.0}, options) {}
 
 double FastIntegrator::change_of_one_more_sweep() {
   const ThreadScope scope(threads_);

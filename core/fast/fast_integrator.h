@@ -1,6 +1,7 @@
 // The integrator of the fast forms.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -14,13 +15,13 @@ namespace isosyrk {
 /// prediction from a state other than the last W₁.
 class FastIntegrator final : public IntegratorIn<Complex> {
  public:
-  /// Takes the systems of the substeps, made for this flow and for at least options.threads
-  /// threads.  Substep k has size fractions[k] h.  Throws std::invalid_argument for options out of
-  /// range, and unless there are as many fractions as systems, at least one.
-  FastIntegrator(const Flow& flow, std::vector<std::unique_ptr<StageSystem>> systems,
-                 std::vector<double> fractions, const FastOptions& options);
-  /// Takes the system of a method without substeps.
-  FastIntegrator(const Flow& flow, std::unique_ptr<StageSystem> system, const FastOptions& options);
+  using MakeSystem = std::function<std::unique_ptr<StageSystem>()>;
+
+  /// Takes what makes the system of a substep, for this flow and for at least options.threads
+  /// threads.  Substep k has size fractions[k] h; a method without substeps has one.  Throws
+  /// std::invalid_argument for options out of range.
+  FastIntegrator(const Flow& flow, const MakeSystem& make_system, const FastOptions& options,
+                 std::vector<double> fractions = {1.0});
 
   /// Returns the change of one more Picard sweep of the last substep, without band truncation, from
   /// the unknowns of the last step, which must have converged.  Checks the tolerance independently

@@ -16,7 +16,7 @@ GroupSystem::GroupSystem(const Flow& flow, const Tableau& tableau, int threads, 
 
 void GroupSystem::bind(const SplitMatrix& W0, double h, double tolerance) {
   SplitSystem::bind(W0, h, tolerance);
-  assign(W0_cut_, [&](std::size_t) { return sum_of(1.0, W0); });
+  assign(W0_cut_[0], sum_of(1.0, W0));
   work_.bands.truncate(work_.left_out() / (std::abs(h) * work_.generator_bound()), W0_cut_);
 }
 

@@ -19,7 +19,7 @@ void MidpointSystem::cold_start(Unknowns& x) {
 }
 
 double MidpointSystem::residual(Unknowns& x, double, Corrections& R) {
-  assign(W_stage_, [&](std::size_t) { return sum_of(1.0, *W0_).add(1.0, x[0][0]); });
+  assign(W_stage_[0], sum_of(1.0, *W0_).add(1.0, x[0][0]));
   work_.generate(W_stage_, B_);
   work_.products.form(times(B_[0], W_stage_[0], M_[0]));
   work_.products.form(times(M_[0], B_[0], MB_[0], 0.25 * h_ * h_).upper_triangle());
@@ -32,14 +32,14 @@ double MidpointSystem::residual(Unknowns& x, double, Corrections& R) {
 void MidpointSystem::linearise(double accuracy) {
   work_.round_generators(accuracy, B_, B_single_);
   round_to_single(W_stage_, W_single_);
-  assign(K_right_, [&](std::size_t) { return sum_of(0.25 * h_ * h_, B_single_[0]); });
+  assign(K_right_[0], sum_of(0.25 * h_ * h_, B_single_[0]));
   add_identity(static_cast<float>(0.5 * h_), K_right_);
   invert(accuracy);
 }
 
 void MidpointSystem::invert(double accuracy) {
   const auto set_to_one_plus = [&](double scale, SingleStages& Y) {
-    assign(Y, [&](std::size_t) { return sum_of(scale, B_single_[0]); });
+    assign(Y[0], sum_of(scale, B_single_[0]));
     add_identity(1.0f, Y);
   };
   set_to_one_plus(-0.5 * h_, X_);
@@ -54,7 +54,7 @@ void MidpointSystem::invert(double accuracy) {
       continue;
     }
     work_.single_products.form(times(V_[0], product_[0], other_[0]));
-    assign(V_, [&](std::size_t) { return sum_of(1.0, V_[0]).add(1.0, other_[0]); });
+    assign(V_[0], sum_of(1.0, V_[0]).add(1.0, other_[0]));
     work_.bands.truncate(tuning.of_inverse * accuracy, V_);
     if (error * error < accuracy) break;
   }

@@ -20,40 +20,32 @@ auto squares_in_row(const SplitMatrixOf<Real>& W, Index row, Index first, Index 
   return of(W.re()) + of(W.im());
 }
 
-// squares(m) = Σ |W(r, c)|² over |r - c| = m, for the diagonals m of a share.
+// squares(m) = Σ |W(r, c)|² over |r - c| = m, for the diagonals m of a share.  Of a skew-Hermitian
+// matrix only the upper triangle is read, and counts twice.
 template <class Real>
-void diagonal_squares(const SplitMatrixOf<Real>& W, RealVector& squares, Share share) {
+void diagonal_squares(const SplitMatrixOf<Real>& W, bool is_skew, RealVector& squares,
+                      Share share) {
   const Index n = W.size();
   const auto [first, end] = parallel::rows_of_share(n, share);
+  const double weight = is_skew ? 2.0 : 1.0;
   squares.segment(first, end - first).setZero();
   for (Index i = 0; i < n; ++i) {
     const Index above = std::min(end, n - i);
     if (first < above) {
       squares.segment(first, above - first).array() +=
-          squares_in_row(W, i, i + first, above - first);
+          weight * squares_in_row(W, i, i + first, above - first);
     }
     const Index nearest = std::max<Index>(first, 1);
     const Index below = std::min(end, i + 1);
-    if (nearest < below) {
+    if (!is_skew && nearest < below) {
       squares.segment(nearest, below - nearest).array() +=
           squares_in_row(W, i, i - below + 1, below - nearest).reverse();
     }
   }
 }
 
-// As diagonal_squares, for a skew-Hermitian matrix.  Reads its upper triangle only.
-void diagonal_squares_of_skew(const SplitMatrix& W, RealVector& squares, Share share) {
-  const Index n = W.size();
-  const auto [first, end] = parallel::rows_of_share(n, share);
-  squares.segment(first, end - first).setZero();
-  for (Index i = 0; i + first < n; ++i) {
-    const Index count = std::min(n - i, end) - first;
-    squares.segment(first, count).array() += 2.0 * squares_in_row(W, i, i + first, count);
-  }
-}
-
-}  // namespace
-
+// Returns the smallest band outside which a matrix has Frobenius norm at most `tail`.  squares(m)
+// is the sum of squares over |r - c| = m, m = 0 ... n - 1.  A NaN at m gives a band of at least m.
 Index smallest_band(const RealVector& squares, double tail) {
   double outside = 0.0;
   for (Index band = squares.size() - 1; band > 0; --band) {
@@ -62,6 +54,8 @@ Index smallest_band(const RealVector& squares, double tail) {
   }
   return 0;
 }
+
+}  // namespace
 
 template <class Real>
 void cut_to_band(Index band, SplitMatrixOf<Real>& W, Share share) {
@@ -88,7 +82,7 @@ void BandTruncation::truncate(double tail, SplitStagesOf<Real>& X) {
     return;
   }
   parallel::for_shares_of(
-      X, [&](std::size_t k, Share share) { diagonal_squares(X[k], squares_[k], share); });
+      X, [&](std::size_t k, Share share) { diagonal_squares(X[k], false, squares_[k], share); });
   parallel::for_shares_of(X, [&](std::size_t k, Share share) {
     cut_to_band(smallest_band(squares_[k], tail), X[k], share);
   });
@@ -97,7 +91,7 @@ void BandTruncation::truncate(double tail, SplitStagesOf<Real>& X) {
 void BandTruncation::truncate_skew(double tail, SplitStages& B) {
   if (enabled_) {
     parallel::for_shares_of(B, [&](std::size_t k, Share share) {
-      diagonal_squares_of_skew(B[k], skew_squares_[k], share);
+      diagonal_squares(B[k], true, skew_squares_[k], share);
     });
   }
   parallel::for_shares_of(B, [&](std::size_t k, Share share) {

@@ -9,10 +9,6 @@
 
 namespace isosyrk {
 
-/// Returns the smallest band outside which a matrix has Frobenius norm at most `tail`.  squares(m)
-/// is the sum of squares over |r - c| = m, m = 0 ... n - 1.  A NaN at m gives a band of at least m.
-Index smallest_band(const RealVector& squares, double tail);
-
 /// Sets the entries of W outside a band to 0, in the rows of the share.
 template <class Real>
 void cut_to_band(Index band, SplitMatrixOf<Real>& W, Share share = {});

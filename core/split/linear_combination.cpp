@@ -3,7 +3,6 @@
 #include <algorithm>
 
 namespace isosyrk {
-namespace linear_combination {
 namespace {
 
 // Rows of both precisions consist of whole pieces of 128 bytes, since the real and the imaginary
@@ -18,47 +17,30 @@ auto view(const Real* at) {
   return Eigen::Map<const Eigen::Array<Real, length, 1>>(at);
 }
 
-// A sum of `count` terms, with `count` a constant.  The terms are copied, so that the compiler
-// knows that no store changes them and unrolls the sum.
-template <std::size_t count, class Real>
-struct Unrolled {
-  explicit Unrolled(const LinearCombination<Real>& sum) {
-    for (std::size_t t = 0; t < count; ++t) {
+// The terms of a sum, copied so that the compiler knows that no store changes them.  If their count
+// is a constant, `fixed`, it unrolls the sum; if `fixed` is 0, it forms any sum in a loop.
+template <std::size_t fixed, class Real>
+struct Terms {
+  explicit Terms(const LinearCombination<Real>& sum) : any_count(sum.count()) {
+    for (std::size_t t = 0; t < count(); ++t) {
       weights[t] = sum.weight(t);
       numbers[t] = sum.term(t).entries().data();
     }
   }
+  std::size_t count() const { return fixed > 0 ? fixed : any_count; }
   template <int length>
   Eigen::Array<Real, length, 1> at(Index i) const {
     Eigen::Array<Real, length, 1> sum = weights[0] * view<length>(numbers[0] + i);
+    const std::size_t end = count();
 #pragma GCC unroll 6
-    for (std::size_t t = 1; t < count; ++t) sum += weights[t] * view<length>(numbers[t] + i);
+    for (std::size_t t = 1; t < end; ++t) sum += weights[t] * view<length>(numbers[t] + i);
     return sum;
   }
 
-  std::array<Real, count> weights;
-  std::array<const Real*, count> numbers;
-};
-
-// A sum of any number of terms, formed in a loop.
-template <class Real>
-struct Looped {
-  explicit Looped(const LinearCombination<Real>& sum) : count(sum.count()) {
-    for (std::size_t t = 0; t < count; ++t) {
-      weights[t] = sum.weight(t);
-      numbers[t] = sum.term(t).entries().data();
-    }
-  }
-  template <int length>
-  Eigen::Array<Real, length, 1> at(Index i) const {
-    Eigen::Array<Real, length, 1> sum = weights[0] * view<length>(numbers[0] + i);
-    for (std::size_t t = 1; t < count; ++t) sum += weights[t] * view<length>(numbers[t] + i);
-    return sum;
-  }
-
-  std::size_t count;
-  std::array<Real, LinearCombination<Real>::most> weights;  // the first `count`
-  std::array<const Real*, LinearCombination<Real>::most> numbers;
+  static constexpr std::size_t most = fixed > 0 ? fixed : LinearCombination<Real>::most;
+  std::size_t any_count;
+  std::array<Real, most> weights;  // the first count()
+  std::array<const Real*, most> numbers;
 };
 
 // Calls use(terms), unrolled for up to six terms: enough for three stages.
@@ -66,25 +48,27 @@ template <class Real, class Use>
 auto with_terms(const LinearCombination<Real>& sum, Use&& use) {
   switch (sum.count()) {
     case 1:
-      return use(Unrolled<1, Real>(sum));
+      return use(Terms<1, Real>(sum));
     case 2:
-      return use(Unrolled<2, Real>(sum));
+      return use(Terms<2, Real>(sum));
     case 3:
-      return use(Unrolled<3, Real>(sum));
+      return use(Terms<3, Real>(sum));
     case 4:
-      return use(Unrolled<4, Real>(sum));
+      return use(Terms<4, Real>(sum));
     case 5:
-      return use(Unrolled<5, Real>(sum));
+      return use(Terms<5, Real>(sum));
     case 6:
-      return use(Unrolled<6, Real>(sum));
+      return use(Terms<6, Real>(sum));
     default:
-      return use(Looped<Real>(sum));
+      return use(Terms<0, Real>(sum));
   }
 }
 
 // Calls body(i, k) for each piece of eight consecutive numbers in the rows: at i in double, at k in
 // single precision.  Rows of the two precisions are padded differently.
 constexpr int mixed_length = 8;
+using Singles = Eigen::Array<float, mixed_length, 1>;
+using Doubles = Eigen::Array<double, mixed_length, 1>;
 template <class Body>
 void for_mixed_pieces(Index n, parallel::Rows rows, Body&& body) {
   const Index row = split_row<double>(n);
@@ -97,6 +81,8 @@ void for_mixed_pieces(Index n, parallel::Rows rows, Body&& body) {
 
 }  // namespace
 
+namespace linear_combination {
+
 template <class Real>
 void assign_rows(const LinearCombination<Real>& sum, parallel::Rows rows,
                  SplitMatrixOf<Real>& out) {
@@ -105,7 +91,7 @@ void assign_rows(const LinearCombination<Real>& sum, parallel::Rows rows,
     Real* const to = out.entries().data();
     const Index end = out.stride() * rows.end;
     for (Index i = out.stride() * rows.begin; i < end; i += length) {
-      Eigen::Map<Piece<Real>>(to + i) = terms.template at<length>(i);
+      Piece<Real>::Map(to + i) = terms.template at<length>(i);
     }
   });
   if (rows.begin == 0) out.set_band(sum.band());
@@ -122,7 +108,7 @@ double change_rows(const LinearCombination<Real>& sum, parallel::Rows rows,
     for (Index i = out.stride() * rows.begin; i < end; i += length) {
       const Piece<Real> fresh = terms.template at<length>(i);
       total += (fresh - view<length>(to + i)).square();
-      Eigen::Map<Piece<Real>>(to + i) = fresh;
+      Piece<Real>::Map(to + i) = fresh;
     }
     return static_cast<double>(total.sum());
   });
@@ -134,14 +120,13 @@ double residual_rows(const LinearCombination<double>& sum, const SplitMatrix& X,
                      parallel::Rows rows, SingleMatrix& R) {
   if (rows.begin == 0) R.set_band(std::max(sum.band(), X.band()));
   return with_terms(sum, [&](const auto& terms) {
-    using Doubles = Eigen::Array<double, mixed_length, 1>;
     Doubles total = Doubles::Zero();
     const double* const from = X.entries().data();
     float* const to = R.entries().data();
     for_mixed_pieces(X.size(), rows, [&](Index i, Index k) {
       const Doubles change = terms.template at<mixed_length>(i) - view<mixed_length>(from + i);
       total += change.square();
-      Eigen::Map<Eigen::Array<float, mixed_length, 1>>(to + k) = change.template cast<float>();
+      Singles::Map(to + k) = change.cast<float>();
     });
     return total.sum();
   });
@@ -152,22 +137,6 @@ double squares_of_rows(const SplitMatrixOf<Real>& X, parallel::Rows rows) {
   const Index begin = X.stride() * rows.begin;
   return static_cast<double>(
       X.entries().segment(begin, X.stride() * rows.end - begin).squaredNorm());
-}
-
-void round_rows(const SplitMatrix& X, parallel::Rows rows, SingleMatrix& S) {
-  for_mixed_pieces(X.size(), rows, [&](Index i, Index k) {
-    Eigen::Map<Eigen::Array<float, mixed_length, 1>>(S.entries().data() + k) =
-        view<mixed_length>(X.entries().data() + i).cast<float>();
-  });
-  if (rows.begin == 0) S.set_band(X.band());
-}
-
-void add_rows(const SingleMatrix& S, parallel::Rows rows, SplitMatrix& X) {
-  for_mixed_pieces(X.size(), rows, [&](Index i, Index k) {
-    Eigen::Map<Eigen::Array<double, mixed_length, 1>>(X.entries().data() + i) +=
-        view<mixed_length>(S.entries().data() + k).cast<double>();
-  });
-  if (rows.begin == 0) X.set_band(std::max(X.band(), S.band()));
 }
 
 template void assign_rows(const LinearCombination<double>&, parallel::Rows, SplitMatrix&);
@@ -182,14 +151,22 @@ template double squares_of_rows(const SingleMatrix&, parallel::Rows);
 void round_to_single(const SplitStages& X, SingleStages& S) {
   if (X.empty()) return;
   parallel::for_each_block(X.size(), X[0].size(), [&](std::size_t i, parallel::Rows rows, Index) {
-    linear_combination::round_rows(X[i], rows, S[i]);
+    for_mixed_pieces(X[i].size(), rows, [&](Index at, Index single_at) {
+      Singles::Map(S[i].entries().data() + single_at) =
+          view<mixed_length>(X[i].entries().data() + at).cast<float>();
+    });
+    if (rows.begin == 0) S[i].set_band(X[i].band());
   });
 }
 
 void add(const SingleStages& S, SplitStages& X) {
   if (X.empty()) return;
   parallel::for_each_block(X.size(), X[0].size(), [&](std::size_t i, parallel::Rows rows, Index) {
-    linear_combination::add_rows(S[i], rows, X[i]);
+    for_mixed_pieces(X[i].size(), rows, [&](Index at, Index single_at) {
+      Doubles::Map(X[i].entries().data() + at) +=
+          view<mixed_length>(S[i].entries().data() + single_at).cast<double>();
+    });
+    if (rows.begin == 0) X[i].set_band(std::max(X[i].band(), S[i].band()));
   });
 }
 

@@ -88,8 +88,6 @@ double residual_rows(const LinearCombination<double>& sum, const SplitMatrix& X,
                      parallel::Rows rows, SingleMatrix& R);
 template <class Real>
 double squares_of_rows(const SplitMatrixOf<Real>& X, parallel::Rows rows);
-void round_rows(const SplitMatrix& X, parallel::Rows rows, SingleMatrix& S);
-void add_rows(const SingleMatrix& S, parallel::Rows rows, SplitMatrix& X);
 
 // Returns the largest over the items of sqrt(Σ f(item, rows)), summed over blocks in their order.
 // NaN if any sum is NaN.

@@ -23,14 +23,14 @@ ThreadScope::~ThreadScope() { parallel::current_threads = before_; }
 
 namespace parallel {
 
-void run_region(void (*body)(void* context, int thread, int threads), void* context) {
+void run_region(const std::function<void(int thread, int threads)>& body) {
   // OpenMP creates threads here.  They inherit the mode of this thread and keep it after the
   // region, so the mode is reset first.
   const DenormalMode as_numbers(false);
 #pragma omp parallel num_threads(current_threads)
   {
     const DenormalMode flushed(true);
-    body(context, omp_get_thread_num(), omp_get_num_threads());
+    body(omp_get_thread_num(), omp_get_num_threads());
   }
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 
 #include "isosyrk/linalg/matrix.h"
 #include "isosyrk/split/flush_denormals.h"
@@ -63,9 +64,9 @@ inline Rows rows_of_share(Index n, Share share) {
   return {n * share.first / share.parts, n * share.end / share.parts};
 }
 
-// Calls body(context, thread, threads) on each thread of a parallel region, with current_threads
-// threads or fewer if OpenMP has no more.  Returns when all are done.
-void run_region(void (*body)(void* context, int thread, int threads), void* context);
+// Calls body(thread, threads) on each thread of a parallel region, with current_threads threads or
+// fewer if OpenMP has no more.  Returns when all are done.  A std::ref as body allocates nothing.
+void run_region(const std::function<void(int thread, int threads)>& body);
 
 /// Calls f(item, share, thread) for shares that together cover every item 0 ... items - 1, and
 /// returns when all calls are done.  Item i takes weight(i) >= 1 units of work.  Every thread has
@@ -93,9 +94,7 @@ void for_each_share(Index items, Weight&& weight, F&& f) {
       before += parts;
     }
   };
-  run_region([](void* context, int thread,
-                int threads) { (*static_cast<decltype(of_thread)*>(context))(thread, threads); },
-             &of_thread);
+  run_region(std::ref(of_thread));
 }
 /// As above, with weight 1 for every item.
 template <class F>
@@ -132,9 +131,7 @@ void for_each_block(std::size_t items, Index n, F&& f) {
       call(k / blocks, k % blocks);
     }
   };
-  run_region([](void* context, int thread,
-                int threads) { (*static_cast<decltype(of_thread)*>(context))(thread, threads); },
-             &of_thread);
+  run_region(std::ref(of_thread));
 }
 
 }  // namespace parallel

@@ -51,6 +51,19 @@ void for_pairs(const SplitMatrixOf<Real>& C, Index band, Share share, OnBlock&& 
   for (Index i = begin; i < end; ++i) on_diagonal(i * stride + i);
 }
 
+// Stores the transpose of a 4 x 4 block, or its negative.
+template <class Real>
+inline __attribute__((always_inline)) void turn(const Real* from, Real* to, Index stride,
+                                                bool negative) {
+  Block<Real> block;
+  block.load(from, stride);
+  if (negative) {
+    for (Four<Real>& row : block.row) row = -row;
+  }
+  block.transpose();
+  block.store(to, stride);
+}
+
 template <class Real>
 void mirror(Index band, SplitMatrixOf<Real>& C, Share share) {
   const Index stride = C.stride();
@@ -59,14 +72,8 @@ void mirror(Index band, SplitMatrixOf<Real>& C, Share share) {
   for_pairs(
       C, band, share,
       [=](Index upper, Index lower) {
-        Block<Real> block;
-        block.load(re + upper, stride);
-        for (Four<Real>& row : block.row) row = -row;
-        block.transpose();
-        block.store(re + lower, stride);
-        block.load(im + upper, stride);
-        block.transpose();
-        block.store(im + lower, stride);
+        turn(re + upper, re + lower, stride, true);
+        turn(im + upper, im + lower, stride, false);
       },
       [=](Index upper, Index lower) {
         re[lower] = -re[upper];
@@ -84,29 +91,25 @@ void form_skew_part(Index band, const SplitMatrixOf<Real>& C, Real scale, SplitM
   const Real* im = C.im();
   Real* out_re = out.re();
   Real* out_im = out.im();
+  // Of the real parts scale (X - Xᵀ), of the imaginary ones scale (X + Xᵀ), in two blocks.
+  const auto form = [=](const Real* from, Real* to, Index upper, Index lower, Real sign) {
+    Block<Real> sum, other;
+    sum.load(from + upper, stride);
+    other.load(from + lower, stride);
+    other.transpose();
+    for (int r = 0; r < 4; ++r) sum.row[r] = scale * (sum.row[r] + sign * other.row[r]);
+    sum.store(to + upper, stride);
+    if constexpr (below) {
+      for (Four<Real>& row : sum.row) row = sign * row;
+      sum.transpose();
+      sum.store(to + lower, stride);
+    }
+  };
   for_pairs(
       C, band, share,
       [=](Index upper, Index lower) {
-        Block<Real> sum, other;
-        sum.load(re + upper, stride);
-        other.load(re + lower, stride);
-        other.transpose();
-        for (int r = 0; r < 4; ++r) sum.row[r] = scale * (sum.row[r] - other.row[r]);
-        sum.store(out_re + upper, stride);
-        if constexpr (below) {
-          for (Four<Real>& row : sum.row) row = -row;
-          sum.transpose();
-          sum.store(out_re + lower, stride);
-        }
-        sum.load(im + upper, stride);
-        other.load(im + lower, stride);
-        other.transpose();
-        for (int r = 0; r < 4; ++r) sum.row[r] = scale * (sum.row[r] + other.row[r]);
-        sum.store(out_im + upper, stride);
-        if constexpr (below) {
-          sum.transpose();
-          sum.store(out_im + lower, stride);
-        }
+        form(re, out_re, upper, lower, Real{-1});
+        form(im, out_im, upper, lower, Real{1});
       },
       [=](Index upper, Index lower) {
         const Real real = scale * (re[upper] - re[lower]);
@@ -132,22 +135,13 @@ void minus_adjoint(const SplitMatrixOf<Real>& C, SplitMatrixOf<Real>& out, Share
   const Real* im = C.im();
   Real* out_re = out.re();
   Real* out_im = out.im();
-  const auto turn = [stride](const Real* from, Real* to, bool negative) {
-    Block<Real> block;
-    block.load(from, stride);
-    if (negative) {
-      for (Four<Real>& row : block.row) row = -row;
-    }
-    block.transpose();
-    block.store(to, stride);
-  };
   for_pairs(
       C, C.size() - 1, share,
       [=](Index upper, Index lower) {
-        turn(re + lower, out_re + upper, true);
-        turn(re + upper, out_re + lower, true);
-        turn(im + lower, out_im + upper, false);
-        turn(im + upper, out_im + lower, false);
+        turn(re + lower, out_re + upper, stride, true);
+        turn(re + upper, out_re + lower, stride, true);
+        turn(im + lower, out_im + upper, stride, false);
+        turn(im + upper, out_im + lower, stride, false);
       },
       [=](Index upper, Index lower) {
         out_re[upper] = -re[lower];
