@@ -10,10 +10,9 @@ import statistics
 from typing import Dict, List, NamedTuple, Optional
 
 import study_file
-from benchmark_json import UnusableFile, quoted
+from checked_json import UnusableFile, keyed, list_of, number, one_of, optional, positive, text, truth, whole
 from integrator_names import gauss_stages
-from study_file import (CASIMIRS, CONVERGED, FAST, PUBLISHED, SOLVERS, Integrator, Schema, keyed, list_of, number, one_of, optional, positive,
-                        status, text, truth, whole)
+from study_file import CASIMIRS, CONVERGED, FAST, PUBLISHED, SOLVERS, Integrator, Schema, status
 
 SCENES = ("smooth", "rough", "developed")
 TABLE1_STEP = 0.1  # the step size of Table 1, where the tolerances were varied too
@@ -246,8 +245,6 @@ def accuracy(study):
 
 
 def check(run, result):
-    if run.integrator not in result.integrators:
-        raise UnusableFile(f"has a run of an integrator it does not list, {quoted(run.integrator)}")
     if run.problem not in result.references:
         raise UnusableFile(f"has a run of {run.problem}, for which it has no reference")
     if not math.isclose(run.steps * run.step, run.time, rel_tol=1e-9):

@@ -3,7 +3,7 @@
 import argparse
 import re
 
-from benchmark_json import one_line
+from checked_json import one_line
 
 
 class OneLineParser(argparse.ArgumentParser):

@@ -9,8 +9,8 @@ import math
 from dataclasses import dataclass
 from typing import Dict, Tuple
 
-from benchmark_json import (LONGEST_SECONDS, SHORTEST_SECONDS, CellKey, Run, UnusableFile, one_line, quoted,
-                            read_text)
+from benchmark_json import CellKey, Run
+from checked_json import SMALLEST, UnusableFile, is_number, one_line, quoted, read_text
 from document import Column, Entry, Heading, Items, Paragraph, Table, plain_table
 from statistics_of_repetitions import (FASTER, FEWEST_REPETITIONS, LEVEL, compare, half_interquartile_range,
                                        median)
@@ -77,7 +77,7 @@ def read_published(path):
         raise UnusableFile(f"{one_line(path)}: {problem}") from None
     except (KeyError, TypeError, ValueError, csv.Error) as problem:
         raise UnusableFile(f"{one_line(path)}: is no table of published times ({quoted(str(problem))})") from None
-    if not published or not all(SHORTEST_SECONDS <= time <= LONGEST_SECONDS for time in published.values()):
+    if not published or not all(is_number(time, SMALLEST) for time in published.values()):
         raise UnusableFile(f"{one_line(path)}: has no published times, or one that is no time")
     return published
 

@@ -5,11 +5,11 @@ import re
 from dataclasses import dataclass
 from typing import Dict
 
-from benchmark_json import UnusableFile
+from checked_json import UnusableFile, Wrong, an_object, checked, list_of, read_json, require, text
 from document import replace_file
 from gate_cells import SIZES, cells_of, is_fast, json_text, read_counts
 from gate_layers import Layer
-from study_file import CONVERGED, Wrong, an_object, checked, list_of, read_json, require, text
+from study_file import CONVERGED
 
 FORMAT = "isosyrk baseline 2"
 # Sweeps of a run that other kernels, which round otherwise, may take more or less: an iteration that ends just under

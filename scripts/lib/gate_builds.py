@@ -5,7 +5,7 @@ import shutil
 import subprocess
 import sys
 
-from benchmark_json import one_line
+from checked_json import one_line
 from gate_cells import CannotRun
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))

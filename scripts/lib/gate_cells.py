@@ -5,9 +5,10 @@ import subprocess
 from dataclasses import dataclass
 from typing import Dict, List, Optional
 
-from benchmark_json import FORMULATIONS, UnusableFile, one_line, parse_json, printable_context
-from study_file import (CONVERGED, Wrong, an_object, checked, keyed, list_of, number, positive, require, status, text,
-                        whole)
+from benchmark_json import FORMULATIONS
+from checked_json import (UnusableFile, Wrong, an_object, checked, keyed, list_of, number, one_line, parse_json,
+                          positive, printable_context, require, text, whole)
+from study_file import CONVERGED, status
 
 SIZES = (17, 33, 65, 129)
 QUICK_SIZES = (17, 33)

@@ -4,7 +4,7 @@ import dataclasses
 from dataclasses import dataclass, field
 from typing import List, Optional
 
-from benchmark_json import one_line
+from checked_json import one_line
 from document import Column, Entry, Heading, Items, Paragraph, Table
 
 PASSED, REGRESSION, COULD_NOT_RUN, NOT_JUDGED = 0, 1, 2, 3  # exit codes

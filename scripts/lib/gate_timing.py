@@ -15,7 +15,7 @@ import subprocess
 from dataclasses import dataclass
 from typing import Tuple
 
-from benchmark_json import one_line
+from checked_json import one_line
 from gate_cells import CannotRun, is_fast, with_fast
 from gate_layers import Layer
 

@@ -2,7 +2,7 @@
 
 import sys
 
-from benchmark_json import UnusableFile
+from checked_json import UnusableFile
 from document import replace_file
 
 

@@ -13,8 +13,7 @@ import isosyrk
 import numpy
 import study
 from accuracy_lines import Problem
-from benchmark_json import UnusableFile, one_line
-from study_file import list_of, number, object_of, positive, read_json, require, text, whole
+from checked_json import UnusableFile, list_of, number, object_of, one_line, positive, read_json, require, text, whole
 
 FORMAT = "isosyrk references 1"
 SIZES, QUICK_SIZES, LARGEST_SIZE = (17, 33, 65, 129), (17, 33), 257

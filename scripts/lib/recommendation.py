@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import NamedTuple, Optional, Sequence
 
 from accuracy_lines import FAST, NEAR_ROUNDING, SCENES, Problem, interpolated
-from benchmark_json import one_line
+from checked_json import one_line
 from comparison import MISSING, three_digits
 from document import Column, Items, Paragraph, plain_table
 from study import MODULE, NO_ANSWER, Stop

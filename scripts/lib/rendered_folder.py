@@ -4,8 +4,8 @@ import os
 import sys
 import tempfile
 
-from benchmark_json import UnusableFile, one_line
 from chart_python import require_matplotlib
+from checked_json import UnusableFile, one_line
 from command_line import raw_file_parser
 from document import as_markdown, as_text, replace_file
 

@@ -25,7 +25,7 @@ import threading
 from functools import partial
 
 import chart_python
-from benchmark_json import UnusableFile, one_line
+from checked_json import UnusableFile, one_line
 from command_line import OneLineParser, whole_number
 from document import replace_file
 from integrator_names import in_frame

@@ -3,7 +3,7 @@
 import os
 import sys
 
-from benchmark_json import UnusableFile, one_line
+from checked_json import UnusableFile, one_line
 from command_line import raw_file_parser
 from document import WRITERS, replace_file, write_standard_output
 

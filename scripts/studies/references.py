@@ -25,7 +25,7 @@ import numpy
 import isosyrk
 import problems
 from accuracy_lines import FAST, Problem
-from benchmark_json import UnusableFile
+from checked_json import UnusableFile
 from document import replace_file
 from rendered_folder import output_folder
 

@@ -10,7 +10,7 @@ from study_documents import (INTEGRATORS, ROUGH, SLOWER, SMOOTH, STEPS, accuracy
 
 from accuracy_lines import FAST, PUBLISHED, SCHEMA, read_accuracy
 from accuracy_report import accuracy_sections
-from benchmark_json import UnusableFile
+from checked_json import UnusableFile
 from document import as_text
 
 

@@ -10,7 +10,7 @@ import unittest
 
 from programs import DATA, ROOT, FolderTest, text_of
 
-from benchmark_json import UnusableFile
+from checked_json import UnusableFile
 from gate_accuracy import accuracy_layer
 from gate_baseline import baseline_of, exact_layer, read_baseline, write_baseline
 from gate_cells import FAST, SIZES, CannotRun, cells_of, json_text, read_build, report_of

@@ -396,7 +396,7 @@ class FailedRuns(ReproduceTest):
         for job in ("table1", "accuracy", "stability"):
             self.ends(job, BAD_ARGUMENTS, "is not whole JSON", BENCHMARK="scribble")
         self.prepare("table1", {"context": {}, "benchmarks": []})
-        self.ends("table1", BAD_ARGUMENTS, "raw.json: was not written by table1")
+        self.ends("table1", BAD_ARGUMENTS, "raw.json: is no raw file of table1")
 
     @unittest.skipIf(CORES < 2, "needs two cores")
     def test_rounds_of_two_threads_that_cannot_be_put_together_are_reported(self):
