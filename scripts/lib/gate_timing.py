@@ -12,18 +12,17 @@ import os
 import shutil
 import statistics
 import subprocess
-from dataclasses import dataclass
-from typing import Tuple
+from typing import NamedTuple, Tuple
 
 from checked_json import one_line
-from gate_cells import CannotRun, is_fast, with_fast
+from command_line import Stop
+from gate_cells import is_fast, with_fast
 from gate_layers import Layer
 
 MEDIAN_LIMIT, QUARTILE_LIMIT = 1.03, 1.01
 
 
-@dataclass(frozen=True)
-class Plan:
+class Plan(NamedTuple):
     """What is timed, and how often."""
 
     cells: Tuple[str, ...]
@@ -71,7 +70,7 @@ class Server:
                                             stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8",
                                             errors="replace")
         except OSError as problem:
-            raise CannotRun(f"{self.what}: cannot be run: {problem.strerror}") from None
+            raise Stop(f"{self.what}: cannot be run: {problem.strerror}") from None
         self.cells = {name: place for place, name in enumerate(cells)}
         try:
             self.answer(is_ready)
@@ -87,7 +86,7 @@ class Server:
         except ValueError:
             self.process.kill()
             _, problem = self.process.communicate()
-            raise CannotRun(f"{self.what}: said {one_line(repr(line))} where {read.__doc__} was expected"
+            raise Stop(f"{self.what}: said {one_line(repr(line))} where {read.__doc__} was expected"
                             f" {one_line(problem)}".rstrip()) from None
 
     def seconds(self, cell, runs):
@@ -106,8 +105,7 @@ class Server:
         self.process.stderr.close()
 
 
-@dataclass(frozen=True)
-class Timing:
+class Timing(NamedTuple):
     """The pairs of one cell: head over base."""
 
     ratios: Tuple[float, ...]
@@ -131,7 +129,7 @@ def pinned(program):
 
 
 def time_cells(base, head, cells, plan):
-    """Returns the Timing of each cell; `base` and `head` start a Server of the cells. Throws CannotRun."""
+    """Returns the Timing of each cell; `base` and `head` start a Server of the cells. Throws Stop."""
     pairs = {cell: [] for cell in cells}
     runs = {}
     for launch in range(plan.launches):

@@ -11,9 +11,9 @@ import os
 
 import isosyrk
 import numpy
-import study
 from accuracy_lines import Problem
 from checked_json import UnusableFile, list_of, number, object_of, one_line, positive, read_json, require, text, whole
+from command_line import Stop
 
 FORMAT = "isosyrk references 1"
 SIZES, QUICK_SIZES, LARGEST_SIZE = (17, 33, 65, 129), (17, 33), 257
@@ -47,7 +47,7 @@ def asked_for(options):
              and not (options.quick and (scene == DEVELOPED or time > 5))
              and scene in (options.scene or (scene,)) and time in (options.time or (time,))]
     if not found:
-        raise study.Stop("no problem has this scene, time and n")
+        raise Stop("no problem has this scene, time and n")
     return found
 
 

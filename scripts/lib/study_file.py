@@ -13,7 +13,7 @@ from typing import Any, Dict, NamedTuple
 
 from checked_json import (UnusableFile, an_object, anything, checked, list_of, number, one_of, optional, printable_context,
                           quoted, read_json, require, text, truth, whole)
-from document import replace_file
+from output import replace_file
 
 FORMAT = "isosyrk study 1"
 CONVERGED, SWEEP_CAP, UNSTABLE = "converged", "sweep cap", "unstable"

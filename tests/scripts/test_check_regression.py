@@ -135,7 +135,7 @@ class Verdicts(GateTest):
     def test_a_report_that_cannot_be_printed_is_no_success(self):
         done = run_on_full_disk(self.line("check_regression", "--quick", "--no-timing"), env=self.settings())
         self.assertEqual(done.returncode, BAD_ARGUMENTS)
-        self.assertIn("standard output: No space left", done.stderr)
+        self.assertIn("standard output: cannot be written: No space left", done.stderr)
 
     def test_ctrl_c_ends_it_and_what_it_started(self):
         process = start(self.line("check_regression", "--quick"), env=self.settings(SLEEP="60"), cwd=self.folder,

@@ -51,7 +51,7 @@ def square(job):
     return job["number"]**2
 
 def main(arguments):
-    parser = study.command_line("squares", "Squares.")
+    parser = study.parser("squares", "Squares.")
     parser.add_argument("--deaths", type=int, default=0)
     options = parser.parse_args(arguments)
     journal = study.Journal("squares", options, lambda: {"commit": "1"})
