@@ -43,12 +43,25 @@ class Measurement:
         return {name: statistics.median(values) for name, values in self.repeated.items()}
 
 
-@dataclass(frozen=True)
-class Run:
+class Run(NamedTuple):
     """One raw file: the measurement conditions as text, and the cells."""
 
     context: Dict[str, str]
     measurements: Dict[CellKey, Measurement]
+
+    def cell(self, formulation, n, stages):
+        """Returns a Measurement, or None."""
+        return self.measurements.get(CellKey(formulation, n, stages))
+
+    def times(self, n, stages):
+        """Returns the repetitions of the rows of a block that finished, by formulation."""
+        cells = {name: self.cell(name, n, stages) for name in FORMULATIONS}
+        return {name: cell.times for name, cell in cells.items() if cell and not cell.failure}
+
+    def failures(self):
+        """Returns the failed cells in the order of the table; a cell's place here is its footnote number."""
+        return sorted((key for key, cell in self.measurements.items() if cell.failure),
+                      key=lambda key: (key.n, FORMULATIONS.index(key.formulation), key.stages))
 
 
 def read_run(path, program, counters, optional=(), table=None, threads=1, time="cpu_time"):

@@ -358,7 +358,7 @@ class Numbers(FolderTest):
         return read_published(self.write("published.csv", f"n,formulation,stages,seconds\n17,group,1,{seconds}\n"))
 
     def test_published_times(self):
-        self.assertEqual(self.read("0.5"), {("group", 17, 1): 0.5})
+        self.assertEqual(self.read("0.5").times(17, 1), {"group": (0.5,)})
         for seconds in ("0", "nan", "1e300", "1e-300", "fast", ""):
             with self.subTest(seconds=seconds), self.assertRaisesRegex(UnusableFile, "published times"):
                 self.read(seconds)
