@@ -1,4 +1,4 @@
-"""Where results go: files and folders of which nobody ever sees half, and standard output."""
+"""Where results go: whole files and folders, standard output, and files that a script keeps up to date."""
 
 import os
 import tempfile
@@ -45,3 +45,31 @@ def write_standard_output(data):
     view = memoryview(data)
     while view:
         view = view[os.write(1, view):]
+
+
+# ---- files that a script keeps up to date
+
+
+def keep(arguments, path, wanted, complaint):
+    """Brings the file at `path` up to date: `wanted` returns the text that it should have, given the one it has.
+
+    With --check nothing is written, and another text throws Stop with status 1 and `complaint`.
+    """
+    if arguments not in ([], ["--check"]):
+        raise Stop("takes no argument but --check")
+    with open(path, encoding="utf-8") as file:
+        found = file.read()
+    updated = wanted(found)
+    if updated != found and arguments:
+        raise Stop(complaint, 1)
+    if updated != found:
+        replace_file(path, updated.encode("utf-8"))
+
+
+def between(text, begin, end, what, inside):
+    """Returns `text` with what stands between two markers replaced. Throws Stop without them."""
+    before, found_begin, rest = text.partition(begin)
+    _, found_end, after = rest.partition(end)
+    if not found_begin or not found_end:
+        raise Stop(f"{what} markers are missing")
+    return before + begin + inside + end + after
