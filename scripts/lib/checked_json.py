@@ -106,11 +106,6 @@ def list_of(kind, length=None):
     return kind_of_list
 
 
-def object_of(what, **kinds):
-    """The kind of an object that has fields of these kinds; another is refused, named `what`."""
-    return lambda value: checked(an_object(value), kinds, what)
-
-
 # ---- records
 
 

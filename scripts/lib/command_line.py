@@ -62,14 +62,3 @@ def number(least, most):
             raise argparse.ArgumentTypeError(f"{text!r} is not a number from {least:g} to {most:g}")
         return float(text)
     return read
-
-
-def joined_values(arguments, options):
-    """Joins each of these options with its value, so that argparse takes -1e-6 for a value, not for an option."""
-    joined = []
-    for argument in arguments:
-        if joined and joined[-1] in options and not argument.startswith("--"):
-            joined[-1] += "=" + argument
-        else:
-            joined.append(argument)
-    return joined

@@ -12,7 +12,7 @@ import os
 import isosyrk
 import numpy
 from accuracy_lines import Problem
-from checked_json import UnusableFile, list_of, number, object_of, one_line, positive, read_json, require, text, whole
+from checked_json import UnusableFile, one_line, read_json, require
 from command_line import Stop
 
 FORMAT = "isosyrk references 1"
@@ -22,9 +22,6 @@ DEVELOPED, DEVELOPED_TIME = "developed", 100.0
 # Scene and time, with the largest uncertainty of a solution at any n, some four times the largest found when first made.
 # Flow and rounding allow no less: rounding errors grow with the number of steps, and with the norm of B.
 UNCERTAINTIES = {("smooth", 5.0): 1e-12, ("smooth", 50.0): 1e-11, ("rough", 5.0): 1e-12, (DEVELOPED, 5.0): 1e-12}
-RUN = object_of("a run of a reference", integrator=text, steps=whole(1))
-REFERENCE = {"n": whole(2), "file": text, "uncertainty": positive, "first": RUN, "second": RUN}
-INITIAL = object_of("initial data", file=text, energy=positive, energy_by_degree=list_of(number))
 DIGITS = 1e-6  # to which the listed energies of initial data are those of the matrix
 
 
@@ -98,8 +95,7 @@ def read_records(problem, folder):
     def records(document):
         for name, wanted in head(problem).items():
             require(document, "list of reference solutions of this scene", name, wanted)
-        reference = object_of("a reference", **REFERENCE, **({"initial": INITIAL} if problem.scene == DEVELOPED else {}))
-        return {each["n"]: each for each in object_of("it", references=list_of(reference))(document)["references"]}
+        return {each["n"]: each for each in document["references"]}
 
     return read_json(os.path.join(folder_of(problem, folder), "references.json"), records)
 

@@ -197,9 +197,6 @@ def failure_map(study, solver):
     if not edges or edges.keys() != trials.keys():
         raise UnusableFile("has no maps, a map without trials, or trials of no map")
     settings = keyed(study.tables["settings"], "scene", "n")
-    for scene, n, _ in edges:
-        if (scene, n) not in settings:
-            raise UnusableFile(f"has a map in a setting it does not list, {scene} at n = {n}")
     return FailureMap(study.context, study.settings.max_sweeps, keyed(study.tables["integrators"], "name"), settings,
                       {key: Map(edge, tuple(trials[key])) for key, edge in edges.items()})
 
@@ -210,8 +207,6 @@ def long_runs(study):
         raise UnusableFile("has no runs")
     samples = [[] for _ in rows]
     for sample in study.tables["samples"]:
-        if sample.run >= len(rows):
-            raise UnusableFile(f"has a sample of run {sample.run}, which it does not list")
         samples[sample.run].append(sample)
     return LongRuns(study.settings.steps, keyed(study.tables["integrators"], "name"),
                     {key: LongRun(row, tuple(found)) for (key, row), found in zip(rows.items(), samples)})

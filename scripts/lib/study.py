@@ -151,12 +151,8 @@ class Journal:
             say(f"{one_line(self.path)}: belongs to something else, begun anew")
         self.context = begun["context"] if goes_on else now
         self.found = dict(results) if goes_on else {}
-        self.head = {**head, "context": self.context}
-        if self.found:
-            self._rewrite()  # without a last line that was cut
-
-    def _rewrite(self):
-        lines = (json.dumps(each) + "\n" for each in (self.head, *self.found.items()))
+        # Anew, without a last line that was cut.
+        lines = (json.dumps(each) + "\n" for each in ({**head, "context": self.context}, *self.found.items()))
         replace_file(self.path, "".join(lines).encode("utf-8"))
 
     def _lines(self):
@@ -167,17 +163,14 @@ class Journal:
         return lines if lines and isinstance(lines[0], dict) else []
 
     def add(self, key, result):
-        """Keeps a result. The first one makes the file."""
+        """Keeps a result."""
         line = json.dumps([key, result], allow_nan=False)
-        if not self.found:
-            self._rewrite()
         with open(self.path, "a", encoding="utf-8") as file:
             file.write(line + "\n")
         self.found[key] = json.loads(line)[1]
 
     def remove(self):
-        if self.found:
-            os.unlink(self.path)
+        os.unlink(self.path)
 
     def products(self, n):
         """Returns the product backend that was the faster at n as the study began. Beyond 257 it is the same."""

@@ -25,10 +25,8 @@ class RawFiles(unittest.TestCase):
             return failure_map(study, PUBLISHED)
 
         for make, read, table, change, words in (
-                (map_study, as_map, "settings", lambda rows: rows[1:], "smooth at n = 17"),
                 (map_study, as_map, "maps", lambda rows: rows[1:], "trials of no map"),
                 (map_study, as_map, "maps", lambda rows: [*rows, rows[0]._replace()], "twice"),
-                (long_study, long_runs, "runs", lambda rows: rows[:-1], "does not list"),
                 (long_study, long_runs, "runs", lambda rows: [], "no runs")):
             with self.subTest(table=table, words=words):
                 study = make()
