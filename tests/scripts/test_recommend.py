@@ -17,7 +17,8 @@ from dataclasses import replace
 from unittest import mock
 
 import numpy
-from programs import BUILD, DATA, HAS_MODULE, ROOT, FolderTest, program, run, run_script, strict_json
+from programs import (BUILD, DATA, HAS_MODULE, ROOT, FolderTest, program, run, run_on_full_disk, run_script,
+                      strict_json)
 from study_documents import INTEGRATORS, accuracy_of, run_of, study_document, write_study
 
 import recommendation
@@ -231,8 +232,7 @@ class Refusals(RecommendTest):
         result = run(command, stdout=writer)
         os.close(writer)
         self.assertEqual((result.returncode, result.stderr), (1, ""))  # its reader has seen enough
-        with open("/dev/full", "wb") as full:
-            result = run(command, stdout=full)
+        result = run_on_full_disk(command)
         self.assertEqual(result.returncode, 2)
         self.assert_one_line(result.stderr, "recommend: standard output: cannot be written")
 

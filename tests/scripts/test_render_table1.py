@@ -10,7 +10,7 @@ import runpy
 import sys
 import unittest
 
-from programs import DONE, FORMULATIONS, ROOT, FolderTest, environment, run, run_on_full_disk, run_script, text_of
+from programs import DONE, FORMULATIONS, ROOT, FolderTest, environment, run, run_script, text_of
 
 import document
 from checked_json import UnusableFile
@@ -330,11 +330,6 @@ class Refusals(TableTest):
         run_script(SCRIPT, self.path("raw.json"), "--output", output)
         self.assertEqual(text_of(output), expected)
         self.assertEqual(sorted(os.listdir(self.folder)), ["raw.json", "table.txt"])
-
-    def test_full_standard_output(self):
-        done = run_on_full_disk([sys.executable, SCRIPT, self.put(raw())])
-        self.assertEqual(done.returncode, 2)
-        self.assert_one_line(done.stderr, "render_table1: standard output: cannot be written: ")
 
 
 class Statistics(unittest.TestCase):
