@@ -1,4 +1,4 @@
-"""A run of a table beside the published one: who is fastest in each block, ratios, failures; and the sections that show it.
+"""A run of a table beside the published one: winners, ratios and failures, and the sections that show them.
 
 A block is what is compared: the formulations at one n and one number of stages.
 """
@@ -114,7 +114,7 @@ def ratios_section(comparison):
 
 
 def both_sides(comparison, show):
-    """Lays out the published table's shape twice, our entries and then the published ones: show(times of a block, row)."""
+    """Lays out the published table's shape twice, ours and then theirs; an entry is show(times of a block, row)."""
     columns = [Column("n"), Column("formulation", align="left")]
     columns += [Column(f"s = {stages}", side) for side in ("this run", "paper") for stages in STAGES]
     blocks = [[[Entry(str(n) if name == FORMULATIONS[0] else ""), Entry(name),
@@ -195,8 +195,8 @@ PACKAGED = ("library build type: of Google Benchmark as the distribution package
 # A file says more: whose machine it was is nobody's business.
 CONDITIONS = ("date", "commit", "dirty", "build_type", "compiler", "flags", "cpu", "num_cpus", "mhz_per_cpu",
               "vector_units", "load_average", "blas_library", "blas_kernels", "blas_threads", "environment", "products",
-              "product_rate", "peak_gflops", "tolerance", "norm", "start", "update_order", "hbar", "modes_hash", "notice",
-              "library_build_type")
+              "product_rate", "peak_gflops", "tolerance", "norm", "start", "update_order", "hbar", "modes_hash",
+              "notice", "library_build_type")
 
 
 def conditions_section(context):

@@ -77,5 +77,5 @@ def as_document(layers, head, base):
 def as_json(layers, head, base, conditions):
     """Returns every check, as data."""
     return {"format": FORMAT, "exit_code": exit_code(layers), "head": head, "base": base, "conditions": conditions,
-            "layers": [{**vars(layer), "checks": [check._asdict() for check in layer.checks], "verdict": layer.verdict()}
-                       for layer in layers]}
+            "layers": [{**vars(layer), "verdict": layer.verdict(),
+                        "checks": [check._asdict() for check in layer.checks]} for layer in layers]}

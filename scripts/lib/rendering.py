@@ -35,7 +35,7 @@ def render_table(program, description, wrote, table, **others):
         data = WRITERS[options.format](table(*raw_files)).encode("utf-8")
         if options.output is None:
             write_standard_output(data)
-        elif os.path.exists(options.output) and any(os.path.samefile(each, options.output) for each in raw_files if each):
+        elif os.path.realpath(options.output) in [os.path.realpath(each) for each in raw_files if each]:
             raise OSError(0, "is the raw file itself", options.output)
         else:
             replace_file(options.output, data)

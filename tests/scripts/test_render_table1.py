@@ -309,8 +309,9 @@ class Refusals(TableTest):
             data["benchmarks"][2]["run_name"] = name
             self.refuses(data, *words)
         for field, value, *words in (
-                ("run_type", None), ("error_occurred", "yes"), ("error_message", 7), ("products", None, "has no products"),
-                ("spectrum_error", math.nan, "spectrum_error NaN"), ("products", "many", 'products "many"'),
+                ("run_type", None), ("error_occurred", "yes"), ("error_message", 7),
+                ("products", None, "has no products"), ("products", "many", 'products "many"'),
+                ("spectrum_error", math.nan, "spectrum_error NaN"),
                 ("relative_error", math.nan), ("time_unit", "h", 'time_unit "h"'), ("cpu_time", 0), ("cpu_time", None)):
             self.refuses(changed(self.CELL, **{field: value}), field, *words)
 
