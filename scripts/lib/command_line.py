@@ -27,8 +27,8 @@ def run(program, main, arguments):
     except BrokenPipeError:
         sys.exit(1)  # The reader of a pipe, such as head, has seen enough.
     except OSError as problem:
-        where = one_line(problem.filename or "standard output")
-        say(f"{program}: {where}: cannot be written: {problem.strerror or one_line(problem)}")
+        where = f"{one_line(problem.filename)}: cannot be written: " if problem.filename else ""
+        say(f"{program}: {where}{problem.strerror or one_line(problem)}")
         sys.exit(BAD_ARGUMENTS)
     except KeyboardInterrupt:
         sys.exit(INTERRUPTED)

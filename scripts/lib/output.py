@@ -43,8 +43,12 @@ def make_folder(option, folder):
 def write_standard_output(data):
     """Writes past Python's buffer, which would report a full disk only after the exit status is settled."""
     view = memoryview(data)
-    while view:
-        view = view[os.write(1, view):]
+    try:
+        while view:
+            view = view[os.write(1, view):]
+    except OSError as problem:
+        problem.filename = "standard output"
+        raise
 
 
 # ---- files that a script keeps up to date
