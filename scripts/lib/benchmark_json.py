@@ -1,7 +1,6 @@
 """Reads the JSON that a Google Benchmark 1.7.1 program of this project wrote.
 
-Everything is checked before anything is used, so that a table or chart is either made from a sound file or
-not at all. What the format leaves to trap a reader:
+What the format leaves to trap a reader:
 
 - `name` and `run_name` grow suffixes such as `/min_time:0.5/repeats:7`; only the leading part is ours.
 - Rows of run_type "aggregate" repeat what the "iteration" rows say, and their coefficient of variation is a
@@ -9,25 +8,17 @@ not at all. What the format leaves to trap a reader:
 - A row that failed has no counters and a time of 0.
 """
 
-import json
 import re
 import statistics
-import unicodedata
 from dataclasses import dataclass, field
 from typing import Dict, NamedTuple, Optional, Tuple
 
+from checked_json import (UnusableFile, an_object, any_text, checked, list_of, number, one_line, one_of, positive,
+                          printable_context, quoted, read_json, require, shortened, truth, whole)
+
 FORMAT = "1"
 FORMULATIONS = ("cotangent", "group", "algebra")  # in the order of the paper's table
-RUN_TYPES = ("iteration", "aggregate")
 SECONDS_PER_UNIT = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
-# No run takes less than a nanosecond or more than thirty years; such a time is damage, not a measurement.
-SHORTEST_SECONDS, LONGEST_SECONDS = 1e-9, 1e9
-# Counts, shares, norms and errors of a run that converged are far below this.
-LARGEST_COUNTER = 1e18
-
-
-class UnusableFile(Exception):
-    """A file that cannot be used; the message is one line naming the file and what is wrong."""
 
 
 class CellKey(NamedTuple):
@@ -52,12 +43,25 @@ class Measurement:
         return {name: statistics.median(values) for name, values in self.repeated.items()}
 
 
-@dataclass(frozen=True)
-class Run:
+class Run(NamedTuple):
     """One raw file: the measurement conditions as text, and the cells."""
 
     context: Dict[str, str]
     measurements: Dict[CellKey, Measurement]
+
+    def cell(self, formulation, n, stages):
+        """Returns a Measurement, or None."""
+        return self.measurements.get(CellKey(formulation, n, stages))
+
+    def times(self, n, stages):
+        """Returns the repetitions of the rows of a block that finished, by formulation."""
+        cells = {name: self.cell(name, n, stages) for name in FORMULATIONS}
+        return {name: cell.times for name, cell in cells.items() if cell and not cell.failure}
+
+    def failures(self):
+        """Returns the failed cells in the order of the table; a cell's place here is its footnote number."""
+        return sorted((key for key, cell in self.measurements.items() if cell.failure),
+                      key=lambda key: (key.n, FORMULATIONS.index(key.formulation), key.stages))
 
 
 def read_run(path, program, counters, optional=(), table=None, threads=1, time="cpu_time"):
@@ -67,94 +71,42 @@ def read_run(path, program, counters, optional=(), table=None, threads=1, time="
     is not the program. Of rows timed by several threads, named .../threads:2, only those of `threads` are read; for
     their comparison `time` is "real_time".
     """
-    try:
-        document = parse_json(read_text(path))
-        context, rows = context_and_rows(document, program)
-        return Run(context, measurements(rows, table or program, threads, counters, optional, time))
-    except UnusableFile as problem:
-        raise UnusableFile(f"{one_line(path)}: {problem}") from None
+    def run_of(document):
+        context = document.get("context") if isinstance(document, dict) else None
+        for name, wanted in (("isosyrk_program", program), ("isosyrk_format", FORMAT)):
+            require(context, f"raw file of {program}", name, wanted)
+        rows = checked(document, {"benchmarks": list_of(an_object)}, "it")["benchmarks"]
+        return Run(printable_context(context), {key: measurement(cell, counters, optional, time) for key, cell
+                                                in rows_by_cell(rows, table or program, threads).items()})
+
+    return read_json(path, run_of)
 
 
-def read_text(path):
-    """Returns the text of a file, or says in one line why there is none."""
-    try:
-        with open(path, "rb") as stream:
-            return stream.read().decode("utf-8")
-    except OSError as problem:
-        raise UnusableFile(f"cannot be read: {problem.strerror}") from None
-    except UnicodeDecodeError as problem:
-        raise UnusableFile(f"is not UTF-8 text (byte {problem.start})") from None
-
-
-def parse_json(text):
-    """Parses JSON, bare NaN allowed: it stands in aggregate rows, and is refused where it would be used."""
-    if not text.strip():
-        raise UnusableFile("is empty")
-    try:
-        return json.loads(text)
-    except json.JSONDecodeError as problem:
-        raise UnusableFile(f"is not whole JSON (line {problem.lineno}: {problem.msg})") from None
-    except (ValueError, RecursionError) as problem:
-        raise UnusableFile(f"is not usable JSON ({one_line(problem)})") from None
-
-
-def context_and_rows(document, program):
-    """Returns the context as text and the list of rows, having checked that `program` wrote the file."""
-    if not isinstance(document, dict):
-        raise UnusableFile("is not a Google Benchmark file (no JSON object at the top)")
-    context, rows = document.get("context"), document.get("benchmarks")
-    if not isinstance(context, dict) or not isinstance(rows, list):
-        raise UnusableFile("is not a Google Benchmark file (no context, or no list of benchmarks)")
-    require_field(context, "isosyrk_program", program)
-    require_field(context, "isosyrk_format", FORMAT)
-    return printable_context(context), rows
-
-
-def require_field(context, field, expected):
-    """Refuses a file of another program, or of a later format whose meaning this reader cannot know."""
-    found = context.get(field)
-    if found is None:
-        raise UnusableFile(f"was not written by {expected if field == 'isosyrk_program' else 'this project'}"
-                           f" (its context has no {field})")
-    if found != expected:
-        raise UnusableFile(f"has {field} {quoted(found)} where {quoted(expected)} is needed")
-
-
-def printable_context(context):
-    """Returns the texts and numbers of a context as text, each in one line; the list of caches has no place in one."""
-    return {key: one_line(value) for key, value in context.items() if isinstance(value, (str, int, float))}
-
-
-def measurements(rows, table, threads, counters, optional, time):
-    """Gathers the repetitions of each cell, by their index so that a doubled one is noticed."""
+def rows_by_cell(rows, table, threads):
+    """Returns the repetitions of each cell, in the order of their index, by which a doubled one is noticed."""
     cells = {}
     for row in rows:
         key = cell_key(row, table, threads)
         if key is None:
             continue
-        index = number(row, "repetition_index")
+        index = checked(row, {"repetition_index": whole()}, row_name(row))["repetition_index"]
         if index in cells.setdefault(key, {}):
-            raise UnusableFile(f"{row_name(row)}: repetition {index:g} stands twice")
+            raise UnusableFile(f"{row_name(row)}: repetition {index} stands twice")
         cells[key][index] = row
     if not cells:
         raise UnusableFile(f"has no measured row named {table}/… (run_type \"iteration\")")
-    return {key: measurement([cell[index] for index in sorted(cell)], counters, optional, time)
-            for key, cell in cells.items()}
+    return {key: [cell[index] for index in sorted(cell)] for key, cell in cells.items()}
 
 
-def cell_key(row, program, threads=1):
+def cell_key(row, table, threads):
     """Returns the cell a row belongs to, or None for an aggregate, a row of something else or of other threads."""
-    if not isinstance(row, dict):
-        raise UnusableFile(f"has a benchmark row that is no object but {quoted(row)}")
-    run_type, run_name = row.get("run_type"), row.get("run_name")
-    if run_type not in RUN_TYPES or not isinstance(run_name, str):
-        raise UnusableFile(f"has a row whose run_name is {quoted(run_name)} and run_type {quoted(run_type)}")
-    if run_type == "aggregate" or not run_name.startswith(program + "/"):
+    named = checked(row, {"run_name": any_text, "run_type": one_of("iteration", "aggregate")}, "a row")
+    if named["run_type"] == "aggregate" or not named["run_name"].startswith(table + "/"):
         return None
     match = re.match(r"([a-z0-9_]+)/n:([0-9]{1,6})/s:([0-9]{1,3})(?:/threads:([0-9]{1,3}))?(?=/|$)",
-                     run_name[len(program) + 1:])
+                     named["run_name"][len(table) + 1:])
     if not match:
-        raise UnusableFile(f"has a row named {quoted(run_name)}, not {program}/<formulation>/n:…/s:…")
+        raise UnusableFile(f"has a row named {quoted(named['run_name'])}, not {table}/<formulation>/n:…/s:…")
     return CellKey(match[1], int(match[2]), int(match[3])) if int(match[4] or 1) == threads else None
 
 
@@ -165,54 +117,18 @@ def measurement(rows, counters, optional, time):
         some = f" ({len(failures)} of {len(rows)} repetitions)" if len(failures) < len(rows) else ""
         return Measurement(failure=failures[0] + some)
     names = [*counters, *(name for name in optional if all(name in row for row in rows))]
-    return Measurement(tuple(seconds(row, time) for row in rows),
-                       {name: tuple(number(row, name) for row in rows) for name in names})
+    kinds = {"time_unit": one_of(*SECONDS_PER_UNIT), time: positive, **dict.fromkeys(names, number)}
+    found = [checked(row, kinds, row_name(row)) for row in rows]
+    return Measurement(tuple(SECONDS_PER_UNIT[row["time_unit"]] * row[time] for row in found),
+                       {name: tuple(row[name] for row in found) for name in names})
 
 
 def failure(row):
     """Returns why a row failed, or None."""
-    failed, message = row.get("error_occurred", False), row.get("error_message", "")
-    if not isinstance(failed, bool) or not isinstance(message, str):
-        raise UnusableFile(f"{row_name(row)}: error_occurred is {quoted(failed)}, error_message {quoted(message)}")
-    return (one_line(message) or "no reason recorded") if failed else None
-
-
-def seconds(row, field):
-    """Returns the CPU time of a row in seconds, or the time that passed."""
-    unit = row.get("time_unit")
-    if not isinstance(unit, str) or unit not in SECONDS_PER_UNIT:
-        raise UnusableFile(f"{row_name(row)}: time_unit {quoted(unit)} is none of {', '.join(SECONDS_PER_UNIT)}")
-    factor = SECONDS_PER_UNIT[unit]
-    return factor * number(row, field, SHORTEST_SECONDS / factor, LONGEST_SECONDS / factor)
-
-
-def number(row, field, least=0.0, most=LARGEST_COUNTER):
-    """Returns a field that is a count, share, norm, error or time, none of which is negative."""
-    if field not in row:
-        raise UnusableFile(f"{row_name(row)}: has no {field}")
-    value = row[field]
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not least <= value <= most:  # nor NaN
-        raise UnusableFile(f"{row_name(row)}: {field} is {quoted(value)}, not a number in {least:g} … {most:g}")
-    return float(value)
+    found = checked({"error_occurred": False, "error_message": "", **row},
+                    {"error_occurred": truth, "error_message": any_text}, row_name(row))
+    return (one_line(found["error_message"]) or "no reason recorded") if found["error_occurred"] else None
 
 
 def row_name(row):
-    return f"row {shortened(one_line(row['run_name']))}"
-
-
-def quoted(value):
-    """Shows a foreign value in a message, cut so that the message stays one short line."""
-    if isinstance(value, (list, dict)):
-        return "a JSON list" if isinstance(value, list) else "a JSON object"
-    return shortened(one_line(json.dumps(value, ensure_ascii=False)))
-
-
-def shortened(text):
-    return text if len(text) <= 60 else text[:57] + "..."
-
-
-def one_line(value):
-    """Makes foreign text safe to print: no line breaks, control codes or lone surrogates."""
-    visible = ("\ufffd" if "\ud800" <= c <= "\udfff" else " " if unicodedata.category(c)[0] == "C" else c
-               for c in str(value))
-    return " ".join("".join(visible).split())
+    return f"row {shortened(row['run_name'])}"

@@ -1,7 +1,6 @@
 """Finds a Python that has what a script needs: it may be the system's own while another stands first on PATH."""
 
 import importlib
-import importlib.util
 import os
 import platform
 import shutil
@@ -69,8 +68,6 @@ def settle_arithmetic():
 
 
 def can_import(modules):
-    if any(importlib.util.find_spec(each) is None for each in modules):
-        return False
     try:
         for each in modules:
             importlib.import_module(each)

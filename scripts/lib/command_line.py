@@ -1,28 +1,48 @@
-"""What the scripts' command lines share: refusals of one line, and checked numbers."""
+"""What the scripts' command lines share: how they end, refusals of one line, and checked numbers."""
 
 import argparse
 import re
+import sys
 
-from benchmark_json import one_line
+from checked_json import UnusableFile, one_line
+
+BAD_ARGUMENTS, NO_ANSWER, INTERRUPTED, TERMINATED = 2, 3, 130, 143  # exit statuses
+
+
+class Stop(Exception):
+    """Ends a script with one line and an exit status."""
+
+    def __init__(self, message, status=BAD_ARGUMENTS):
+        super().__init__(message)
+        self.status = status
+
+
+def run(program, main, arguments):
+    """Exits with what main(arguments) returns, None for success. What the user can mend is told in one line."""
+    try:
+        sys.exit(main(arguments))
+    except (Stop, UnusableFile) as problem:
+        say(f"{program}: {one_line(problem)}")
+        sys.exit(getattr(problem, "status", BAD_ARGUMENTS))
+    except BrokenPipeError:
+        sys.exit(1)  # The reader of a pipe, such as head, has seen enough.
+    except OSError as problem:
+        where = f"{one_line(problem.filename)}: cannot be written: " if problem.filename else ""
+        say(f"{program}: {where}{problem.strerror or one_line(problem)}")
+        sys.exit(BAD_ARGUMENTS)
+    except KeyboardInterrupt:
+        sys.exit(INTERRUPTED)
+
+
+def say(line):
+    print(line, file=sys.stderr, flush=True)
 
 
 class OneLineParser(argparse.ArgumentParser):
     """Reports a wrong argument in one line, as everything else here does."""
 
     def error(self, message):
-        self.exit(2, f"{self.prog}: {one_line(message)} (see --help)\n")
-
-
-def raw_file_parser(program, description, wrote, others):
-    """Returns the parser of a script that renders what `wrote` wrote.
-
-    `others` are options that name further raw files, with their help.
-    """
-    parser = OneLineParser(prog=program, description=description)
-    parser.add_argument("raw", metavar="RAW.json", help=f"what {wrote} wrote")
-    for name, wrote_it in others.items():
-        parser.add_argument(f"--{name}", metavar=f"{name.upper()}.json", help=wrote_it)
-    return parser
+        self.exit(BAD_ARGUMENTS, f"{self.prog}: {one_line(message)} (see --help)\n")
 
 
 def whole_number(least, most):
@@ -42,14 +62,3 @@ def number(least, most):
             raise argparse.ArgumentTypeError(f"{text!r} is not a number from {least:g} to {most:g}")
         return float(text)
     return read
-
-
-def joined_values(arguments, options):
-    """Joins each of these options with its value, so that argparse takes -1e-6 for a value, not for an option."""
-    joined = []
-    for argument in arguments:
-        if joined and joined[-1] in options and not argument.startswith("--"):
-            joined[-1] += "=" + argument
-        else:
-            joined.append(argument)
-    return joined

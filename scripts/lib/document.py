@@ -4,7 +4,6 @@ Tables and verdicts are built once as data; only the writers know a format, and 
 """
 
 import itertools
-import os
 import re
 import textwrap
 from typing import List, NamedTuple, Tuple
@@ -247,29 +246,3 @@ def latex_groups(table):
 
 
 WRITERS = {"text": as_text, "markdown": as_markdown, "latex": as_latex}
-
-
-# ---- output
-
-
-def replace_file(path, data):
-    """Writes to a temporary neighbour and renames it, so that nobody ever sees half a file."""
-    target = os.path.realpath(path)
-    if os.path.exists(target) and not os.path.isfile(target):
-        raise OSError(0, "is a directory or a device, not a file")
-    temporary = f"{target}.{os.getpid()}.partial"
-    try:
-        with open(temporary, "xb") as stream:
-            stream.write(data)
-        os.replace(temporary, target)
-    except BaseException:
-        if os.path.exists(temporary):
-            os.unlink(temporary)
-        raise
-
-
-def write_standard_output(data):
-    """Writes past Python's buffer, which would report a full disk only after the exit status is settled."""
-    view = memoryview(data)
-    while view:
-        view = view[os.write(1, view):]

@@ -17,7 +17,8 @@ import csv
 import math
 import os
 
-from gate_cells import FAST, CannotRun, compared, is_fast
+from command_line import Stop
+from gate_cells import FAST, compared, is_fast
 from gate_layers import Layer
 from study_file import CONVERGED
 
@@ -52,7 +53,7 @@ def skewness_bound(cell):
 
 
 def accuracy_layer(build, names, folder):
-    """Checks these cells; reference answers are in `folder`. Throws CannotRun if one of those cannot be read."""
+    """Checks these cells; reference answers are in `folder`. Throws Stop if one of those cannot be read."""
     layer = Layer("accuracy")
     for name in names:
         cell = build.cells.get(name)
@@ -100,4 +101,4 @@ def read_answer(path, n):
                        for row in csv.DictReader(file)}
         return [entries[i, j] for i in range(n) for j in range(n)]
     except (OSError, KeyError, TypeError, ValueError):
-        raise CannotRun(f"{path}: is no reference answer for n = {n}") from None
+        raise Stop(f"{path}: is no reference answer for n = {n}") from None

@@ -1,15 +1,13 @@
 """The recorded baseline of the regression gate, and its exact layer: counts of what a run did."""
 
 import os
-import re
-from dataclasses import dataclass
-from typing import Dict
+from typing import Dict, NamedTuple
 
-from benchmark_json import UnusableFile
-from document import replace_file
+from checked_json import UnusableFile, an_object, any_text, checked, list_of, read_json, require, text
 from gate_cells import SIZES, cells_of, is_fast, json_text, read_counts
 from gate_layers import Layer
-from study_file import CONVERGED, Wrong, an_object, checked, list_of, read_json, require, text
+from output import replace_file
+from study_file import CONVERGED
 
 FORMAT = "isosyrk baseline 2"
 # Sweeps of a run that other kernels, which round otherwise, may take more or less: an iteration that ends just under
@@ -25,8 +23,7 @@ ROUNDING_OF_SUMS = 1e-9
 SECTIONS = ("cells", "fast_cells")  # of Table 1 and of Table 2
 
 
-@dataclass(frozen=True)
-class Baseline:
+class Baseline(NamedTuple):
     commit: str
     kernels: str
     compiler: str
@@ -44,25 +41,13 @@ def read_baseline(path):
 
 def analyse(document):
     require(document, "baseline of this version", "format", FORMAT)
-    found = checked(document, {"commit": commit_hash, "kernels": any_text, "compiler": text,
+    found = checked(document, {"commit": text, "kernels": any_text, "compiler": text,
                                **dict.fromkeys(SECTIONS, list_of(an_object))}, "it")
     cells = [each for section in SECTIONS for each in found[section]]
     counts = {checked(each, {"name": text}, "a cell")["name"]: read_counts(each) for each in cells}
     if len(counts) != len(cells) or set(counts) != set(cells_of(SIZES)):
         raise UnusableFile("is a baseline of other cells than are watched now")
     return Baseline(found["commit"], found["kernels"], found["compiler"], counts)
-
-
-def any_text(value):
-    if not isinstance(value, str):
-        raise Wrong("a text")
-    return value
-
-
-def commit_hash(value):
-    if not re.fullmatch("[0-9a-f]{40}", any_text(value)):
-        raise Wrong("a commit as 40 hexadecimal digits")
-    return value
 
 
 def write_baseline(path, baseline):

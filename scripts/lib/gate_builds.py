@@ -5,8 +5,8 @@ import shutil
 import subprocess
 import sys
 
-from benchmark_json import one_line
-from gate_cells import CannotRun
+from checked_json import one_line
+from command_line import Stop
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 HEAD = os.path.join(ROOT, "build")  # where this tree is built
@@ -42,7 +42,7 @@ def is_dirty():
 
 
 def in_setup(commands, *arguments):
-    """Runs shell commands with the functions of setup.sh; what they print goes to stderr. Throws CannotRun."""
+    """Runs shell commands with the functions of setup.sh; what they print goes to stderr. Throws Stop."""
     script = f'set -euo pipefail; ROOT=$1; shift; . {SETUP!r}; {commands}'
     done = subprocess.run(["bash", "-c", script, "check_regression", *arguments], stdin=subprocess.DEVNULL,
                           stdout=sys.stderr, stderr=subprocess.PIPE, encoding="utf-8", errors="replace", check=False)
@@ -50,7 +50,7 @@ def in_setup(commands, *arguments):
     if done.returncode != 0:
         for line in lines[:-1]:
             print(line, file=sys.stderr)
-        raise CannotRun(one_line(lines[-1].partition(": ")[2] if lines else f"set-up failed with {done.returncode}"))
+        raise Stop(one_line(lines[-1].partition(": ")[2] if lines else f"set-up failed with {done.returncode}"))
     for line in lines:
         print(line, file=sys.stderr)
 
@@ -60,7 +60,7 @@ def install(allowed):
 
 
 def build(folder, target, source=ROOT):
-    """Configures and builds a target of the tree at `source` in `folder`. Throws CannotRun."""
+    """Configures and builds a target of the tree at `source` in `folder`. Throws Stop."""
     in_setup('build "$@"', source, folder, target, "-DCMAKE_BUILD_TYPE=Release")
 
 
@@ -76,7 +76,7 @@ def program_environment():
 
 
 def build_base(commit):
-    """Returns the folder of a commit's programs; kept, so that the next gate finds them. Throws CannotRun."""
+    """Returns the folder of a commit's programs; kept, so that the next gate finds them. Throws Stop."""
     home = os.path.join(ROOT, "build-base")
     place = os.path.join(home, commit)
     folder = os.path.join(place, "build")
@@ -88,6 +88,6 @@ def build_base(commit):
     try:
         in_setup('git -C "$ROOT" archive "$1" | tar -x -C "$2"', ROOT, commit, source)
         build(folder, "regression_cells", source)
-    except CannotRun as problem:
-        raise CannotRun(f"base {commit[:12]}: {problem}") from None
+    except Stop as problem:
+        raise Stop(f"base {commit[:12]}: {problem}") from None
     return folder

@@ -2,12 +2,13 @@
 
 import json
 import subprocess
-from dataclasses import dataclass
-from typing import Dict, List, Optional
+from typing import Dict, NamedTuple
 
-from benchmark_json import FORMULATIONS, UnusableFile, one_line, parse_json, printable_context
-from study_file import (CONVERGED, Wrong, an_object, checked, keyed, list_of, number, positive, require, status, text,
-                        whole)
+from benchmark_json import FORMULATIONS
+from checked_json import (UnusableFile, an_object, anything, checked, keyed, list_of, number, one_line, optional,
+                          parse_json, positive, printable_context, require, text, whole)
+from command_line import Stop
+from study_file import status
 
 SIZES = (17, 33, 65, 129)
 QUICK_SIZES = (17, 33)
@@ -16,10 +17,6 @@ FORMAT = "isosyrk regression_cells 2"
 FAST = "fast_"  # begins the name of a cell of Table 2
 COUNTS = ("sweeps", "products", "poisson_solves", "allocations")
 FAST_COUNTS = ("sweeps", "equivalent_products", "poisson_solves", "allocations")
-
-
-class CannotRun(Exception):
-    """The gate cannot judge; the message is one line."""
 
 
 def cells_of(sizes):
@@ -42,26 +39,24 @@ def compared(name):
     return name[len(FAST):] if is_fast(name) else "/".join(["group", *name.split("/")[1:]])
 
 
-@dataclass(frozen=True)
-class Cell:
-    """What a build did in one cell; errors are None where the run did not converge."""
+class Cell(NamedTuple):
+    """What a build did in one cell; what a run that did not converge has none of is None."""
 
-    name: str
-    n: int
-    status: str
-    steps: int
-    tolerance: float
-    norm: float
-    contraction: float
-    counts: Dict[str, float]
-    spectrum_error: Optional[float] = None
-    skew_defect: Optional[float] = None
-    distance: Optional[float] = None  # of a published form to group, of a fast one to its published form
-    W: Optional[List[complex]] = None
+    name: text
+    n: whole(2)
+    status: status
+    steps: whole(1)
+    tolerance: positive
+    norm: positive
+    contraction: number
+    spectrum_error: optional(number)
+    skew_defect: optional(number)
+    distance: optional(number)  # of a published form to group, of a fast one to its published form
+    W: anything  # its entries, row by row, where there is a reference answer
+    counts: anything
 
 
-@dataclass(frozen=True)
-class Build:
+class Build(NamedTuple):
     """A build's report: the commit, the kernels that rounded, and the cells by name."""
 
     context: Dict[str, str]
@@ -75,41 +70,32 @@ class Build:
 
 
 def report_of(program, names, environment=None):
-    """Runs a build's regression_cells. Throws CannotRun."""
+    """Runs a build's regression_cells. Throws Stop."""
     try:
         done = subprocess.run([program, *names], stdin=subprocess.DEVNULL, capture_output=True, env=environment,
                               encoding="utf-8", errors="replace", check=False)
     except OSError as problem:
-        raise CannotRun(f"{program}: cannot be run: {problem.strerror}") from None
+        raise Stop(f"{program}: cannot be run: {problem.strerror}") from None
     if done.returncode != 0:
-        raise CannotRun(f"{program} failed with {done.returncode}: {one_line(done.stderr)}")
+        raise Stop(f"{program} failed with {done.returncode}: {one_line(done.stderr)}")
     try:
         return read_build(parse_json(done.stdout))
     except UnusableFile as problem:
-        raise CannotRun(f"{program}: its report {problem}") from None
+        raise Stop(f"{program}: its report {problem}") from None
 
 
 def read_build(document):
     require(document, "document of regression_cells", "format", FORMAT)
     found = checked(document, {"context": an_object, "cells": list_of(an_object)}, "it")
-    cells = keyed(map(read_cell, found["cells"]), "name")
-    if not cells:
-        raise UnusableFile("names no cell")
-    return Build(printable_context(found["context"]), cells)
+    return Build(printable_context(found["context"]), keyed(map(read_cell, found["cells"]), "name"))
 
 
 def read_cell(values):
-    kinds = {"name": text, "n": whole(2), "status": status, "steps": whole(1), "tolerance": positive, "norm": positive,
-             "contraction": number}
-    known = checked(values, kinds, "a cell")
-    known["counts"] = read_counts(values)
-    if known["status"] == CONVERGED:
-        known.update(checked(values, {"spectrum_error": number, "skew_defect": number}, "a cell"))
-        distance = "distance_to_published" if is_fast(known["name"]) else "distance_to_group"
-        for field, name, kind in (("distance", distance, number), ("W", "W", entries_of(known["n"]))):
-            if name in values:
-                known[field] = checked(values, {name: kind}, "a cell")[name]
-    return Cell(**known)
+    distance = "distance_to_published" if is_fast(values["name"]) else "distance_to_group"
+    values = {**dict.fromkeys(Cell._fields), **values, "distance": values.get(distance), "counts": read_counts(values)}
+    if values["W"] is not None:
+        values["W"] = [complex(*entry) for entry in values["W"]]
+    return Cell(**checked(values, Cell.__annotations__, "a cell"))
 
 
 def read_counts(values):
@@ -117,18 +103,6 @@ def read_counts(values):
     counts = FAST_COUNTS if is_fast(values["name"]) else COUNTS
     kinds = {count: positive if count == "equivalent_products" else whole() for count in counts}
     return checked(values, kinds, "a cell")
-
-
-def entries_of(n):
-    def kind(entries):
-        try:
-            found = [complex(float(re), float(im)) for re, im in entries]
-        except (TypeError, ValueError, OverflowError):
-            found = []
-        if len(found) != n * n:
-            raise Wrong(f"a list of {n * n} pairs of numbers")
-        return found
-    return kind
 
 
 def json_text(document):

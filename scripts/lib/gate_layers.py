@@ -1,21 +1,18 @@
 """What the regression gate says: what was checked, by cell and figure, for readers and as JSON for programs."""
 
-import dataclasses
 from dataclasses import dataclass, field
-from typing import List, Optional
+from typing import List, NamedTuple, Optional
 
-from benchmark_json import one_line
+from checked_json import one_line
 from document import Column, Entry, Heading, Items, Paragraph, Table
 
-PASSED, REGRESSION, COULD_NOT_RUN, NOT_JUDGED = 0, 1, 2, 3  # exit codes
-INTERRUPTED = 130  # as a shell has it
+PASSED, REGRESSION, NOT_JUDGED = 0, 1, 3  # exit codes
 SUMMARY = {PASSED: "No regression.", REGRESSION: "Regression.",
            NOT_JUDGED: "No regression found, but not every layer was judged."}
 FORMAT = "isosyrk check_regression 1"
 
 
-@dataclass(frozen=True)
-class Check:
+class Check(NamedTuple):
     """One figure of one cell against what is allowed, both as text for a reader."""
 
     cell: str
@@ -58,8 +55,7 @@ class Layer:
         shown = self.checks if self.name == "timing" else self.failures()
         if shown:
             columns = tuple(Column(name, align="left") for name in ("cell", "quantity", "found", "allowed"))
-            rows = [[Entry(text, not check.passed) for text in (check.cell, check.quantity, check.found, check.allowed)]
-                    for check in shown]
+            rows = [[Entry(text, not passed) for text in texts] for *texts, passed in shown]
             parts.append(Table(columns, [rows]))
         if self.notes:
             parts.append(Items([("", one_line(note)) for note in self.notes]))
@@ -81,4 +77,5 @@ def as_document(layers, head, base):
 def as_json(layers, head, base, conditions):
     """Returns every check, as data."""
     return {"format": FORMAT, "exit_code": exit_code(layers), "head": head, "base": base, "conditions": conditions,
-            "layers": [{**dataclasses.asdict(layer), "verdict": layer.verdict()} for layer in layers]}
+            "layers": [{**vars(layer), "verdict": layer.verdict(),
+                        "checks": [check._asdict() for check in layer.checks]} for layer in layers]}

@@ -7,23 +7,22 @@ blocks of the one over the two of the other; a cell is judged by the median of i
 """
 
 import contextlib
-import math
 import os
+import re
 import shutil
 import statistics
 import subprocess
-from dataclasses import dataclass
-from typing import Tuple
+from typing import NamedTuple, Tuple
 
-from benchmark_json import one_line
-from gate_cells import CannotRun, is_fast, with_fast
+from checked_json import one_line
+from command_line import Stop
+from gate_cells import is_fast, with_fast
 from gate_layers import Layer
 
 MEDIAN_LIMIT, QUARTILE_LIMIT = 1.03, 1.01
 
 
-@dataclass(frozen=True)
-class Plan:
+class Plan(NamedTuple):
     """What is timed, and how often."""
 
     cells: Tuple[str, ...]
@@ -47,20 +46,6 @@ def steps_of(cell):
     return FAST_STEPS if is_fast(cell) else STEPS[int(cell.split("/")[1][2:])]
 
 
-def is_ready(line):
-    """ready"""
-    if line != "ready":
-        raise ValueError
-
-
-def positive_seconds(line):
-    """a time"""
-    seconds = float(line)
-    if not 0.0 < seconds < math.inf:
-        raise ValueError
-    return seconds
-
-
 class Server:
     """One build's regression_cells, kept running and asked for blocks of runs."""
 
@@ -71,43 +56,37 @@ class Server:
                                             stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8",
                                             errors="replace")
         except OSError as problem:
-            raise CannotRun(f"{self.what}: cannot be run: {problem.strerror}") from None
+            raise Stop(f"{self.what}: cannot be run: {problem.strerror}") from None
         self.cells = {name: place for place, name in enumerate(cells)}
         try:
-            self.answer(is_ready)
+            self.answer("ready", lambda line: line == "ready")
         except BaseException:
             self.close()
             raise
 
-    def answer(self, read):
-        """Returns what `read` makes of the next line; a server that died, or says something else, cannot be judged."""
+    def answer(self, expected, is_one):
+        """Returns the next line; a server that died, or says something else than expected, cannot be judged."""
         line = self.process.stdout.readline().strip()
-        try:
-            return read(line)
-        except ValueError:
-            self.process.kill()
-            _, problem = self.process.communicate()
-            raise CannotRun(f"{self.what}: said {one_line(repr(line))} where {read.__doc__} was expected"
-                            f" {one_line(problem)}".rstrip()) from None
+        if not is_one(line):
+            problem = self.close()
+            raise Stop(f"{self.what}: said {one_line(repr(line))} where {expected} was expected"
+                       f" {one_line(problem)}".rstrip())
+        return line
 
     def seconds(self, cell, runs):
         """Returns the CPU seconds of so many runs of a cell."""
         with contextlib.suppress(OSError):  # where it has died, the answer says of what
             self.process.stdin.write(f"{self.cells[cell]} {steps_of(cell)} {runs}\n")
             self.process.stdin.flush()
-        return self.answer(positive_seconds)
+        return float(self.answer("a time", re.compile(r"(?=.*[1-9])[0-9.]+(e[+-]?[0-9]+)?").fullmatch))
 
     def close(self):
-        with contextlib.suppress(OSError):
-            self.process.stdin.close()
+        """Ends it, and returns what it said of a problem."""
         self.process.kill()
-        self.process.wait()
-        self.process.stdout.close()
-        self.process.stderr.close()
+        return self.process.communicate()[1]
 
 
-@dataclass(frozen=True)
-class Timing:
+class Timing(NamedTuple):
     """The pairs of one cell: head over base."""
 
     ratios: Tuple[float, ...]
@@ -131,7 +110,7 @@ def pinned(program):
 
 
 def time_cells(base, head, cells, plan):
-    """Returns the Timing of each cell; `base` and `head` start a Server of the cells. Throws CannotRun."""
+    """Returns the Timing of each cell; `base` and `head` start a Server of the cells. Throws Stop."""
     pairs = {cell: [] for cell in cells}
     runs = {}
     for launch in range(plan.launches):

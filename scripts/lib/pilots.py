@@ -16,7 +16,7 @@ import isosyrk
 import numpy
 import study
 from accuracy_lines import FAST
-from benchmark_json import UnusableFile, one_line, read_text
+from checked_json import UnusableFile, one_line, read_text
 from integrator_names import FRAME
 from recommendation import (PREDICTABLE, SMALLEST_ERROR, Outcome, Question, answer_data, below_reference,
                             beyond_predictability, energy_growth)

@@ -11,10 +11,9 @@ import os
 
 import isosyrk
 import numpy
-import study
 from accuracy_lines import Problem
-from benchmark_json import UnusableFile, one_line
-from study_file import list_of, number, object_of, positive, read_json, require, text, whole
+from checked_json import UnusableFile, one_line, read_json, require
+from command_line import Stop
 
 FORMAT = "isosyrk references 1"
 SIZES, QUICK_SIZES, LARGEST_SIZE = (17, 33, 65, 129), (17, 33), 257
@@ -23,9 +22,6 @@ DEVELOPED, DEVELOPED_TIME = "developed", 100.0
 # Scene and time, with the largest uncertainty of a solution at any n, some four times the largest found when first made.
 # Flow and rounding allow no less: rounding errors grow with the number of steps, and with the norm of B.
 UNCERTAINTIES = {("smooth", 5.0): 1e-12, ("smooth", 50.0): 1e-11, ("rough", 5.0): 1e-12, (DEVELOPED, 5.0): 1e-12}
-RUN = object_of("a run of a reference", integrator=text, steps=whole(1))
-REFERENCE = {"n": whole(2), "file": text, "uncertainty": positive, "first": RUN, "second": RUN}
-INITIAL = object_of("initial data", file=text, energy=positive, energy_by_degree=list_of(number))
 DIGITS = 1e-6  # to which the listed energies of initial data are those of the matrix
 
 
@@ -48,7 +44,7 @@ def asked_for(options):
              and not (options.quick and (scene == DEVELOPED or time > 5))
              and scene in (options.scene or (scene,)) and time in (options.time or (time,))]
     if not found:
-        raise study.Stop("no problem has this scene, time and n")
+        raise Stop("no problem has this scene, time and n")
     return found
 
 
@@ -99,8 +95,7 @@ def read_records(problem, folder):
     def records(document):
         for name, wanted in head(problem).items():
             require(document, "list of reference solutions of this scene", name, wanted)
-        reference = object_of("a reference", **REFERENCE, **({"initial": INITIAL} if problem.scene == DEVELOPED else {}))
-        return {each["n"]: each for each in object_of("it", references=list_of(reference))(document)["references"]}
+        return {each["n"]: each for each in document["references"]}
 
     return read_json(os.path.join(folder_of(problem, folder), "references.json"), records)
 

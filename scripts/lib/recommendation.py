@@ -13,10 +13,11 @@ from dataclasses import dataclass
 from typing import NamedTuple, Optional, Sequence
 
 from accuracy_lines import FAST, NEAR_ROUNDING, SCENES, Problem, interpolated
-from benchmark_json import one_line
+from checked_json import one_line
+from command_line import NO_ANSWER, Stop
 from comparison import MISSING, three_digits
 from document import Column, Items, Paragraph, plain_table
-from study import MODULE, NO_ANSWER, Stop
+from study import MODULE
 from study_file import Integrator
 
 # What can be asked for, from the least to the most: a Lie–Poisson integrator keeps the spectrum too.

@@ -7,9 +7,8 @@ grid of h‖B‖₂, and the bracket that bisection left around the critical val
 from typing import Dict, NamedTuple, Tuple
 
 import study_file
-from benchmark_json import UnusableFile, quoted
-from study_file import (CONVERGED, FAST, PUBLISHED, SOLVERS, Integrator, Schema, error_of_any_size, keyed, number, one_of, optional, positive,
-                        status, text, whole)
+from checked_json import UnusableFile, keyed, number, one_of, optional, positive, text, whole
+from study_file import CONVERGED, FAST, PUBLISHED, SOLVERS, Integrator, Schema, status
 
 SCENES = ("smooth", "rough")
 ROUNDING = 1e-12  # what rounding leaves in 10⁴ steps, as a relative error
@@ -39,9 +38,9 @@ class Trial(NamedTuple):
     status: status
     steps: whole()  # completed
     sweeps_per_step: number
-    spectrum_error: error_of_any_size
-    skew_defect: error_of_any_size
-    energy_error: error_of_any_size
+    spectrum_error: optional(number)
+    skew_defect: optional(number)
+    energy_error: optional(number)
     failed_step: optional(whole(1))
 
     @property
@@ -85,10 +84,10 @@ class Sample(NamedTuple):
 
     run: whole()  # its row among the runs, from 0
     step: whole()
-    spectrum_error: error_of_any_size
-    casimir_error: error_of_any_size  # relative, largest of k = 2 … 5
-    energy_error: error_of_any_size  # relative, largest since the sample before
-    skew_defect: error_of_any_size
+    spectrum_error: optional(number)
+    casimir_error: optional(number)  # relative, largest of k = 2 … 5
+    energy_error: optional(number)  # relative, largest since the sample before
+    skew_defect: optional(number)
 
 
 # What a long run is watched for: errors of a Sample, and what each is.
@@ -198,10 +197,7 @@ def failure_map(study, solver):
     if not edges or edges.keys() != trials.keys():
         raise UnusableFile("has no maps, a map without trials, or trials of no map")
     settings = keyed(study.tables["settings"], "scene", "n")
-    for scene, n, _ in edges:
-        if (scene, n) not in settings:
-            raise UnusableFile(f"has a map in a setting it does not list, {scene} at n = {n}")
-    return FailureMap(study.context, study.settings.max_sweeps, integrators_of(study, "map"), settings,
+    return FailureMap(study.context, study.settings.max_sweeps, keyed(study.tables["integrators"], "name"), settings,
                       {key: Map(edge, tuple(trials[key])) for key, edge in edges.items()})
 
 
@@ -211,17 +207,6 @@ def long_runs(study):
         raise UnusableFile("has no runs")
     samples = [[] for _ in rows]
     for sample in study.tables["samples"]:
-        if sample.run >= len(rows):
-            raise UnusableFile(f"has a sample of run {sample.run}, which it does not list")
         samples[sample.run].append(sample)
-    return LongRuns(study.settings.steps, integrators_of(study, "run"),
+    return LongRuns(study.settings.steps, keyed(study.tables["integrators"], "name"),
                     {key: LongRun(row, tuple(found)) for (key, row), found in zip(rows.items(), samples)})
-
-
-def integrators_of(study, what):
-    """Returns the integrators of a study by name, having checked that it lists those of its table of maps or runs."""
-    known = keyed(study.tables["integrators"], "name")
-    for each in study.tables[f"{what}s"]:
-        if each.integrator not in known:
-            raise UnusableFile(f"has a {what} of an integrator it does not list, {quoted(each.integrator)}")
-    return known

@@ -25,10 +25,11 @@ import threading
 from functools import partial
 
 import chart_python
-from benchmark_json import UnusableFile, one_line
-from command_line import OneLineParser, whole_number
-from document import replace_file
+import command_line
+from checked_json import one_line
+from command_line import INTERRUPTED, NO_ANSWER, TERMINATED, OneLineParser, Stop, say, whole_number
 from integrator_names import in_frame
+from output import replace_file
 from study_file import Integrator
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
@@ -40,15 +41,6 @@ MOST_LOSSES = 3  # of workers, without a job finished between
 LOST = "a worker was lost; its jobs are done again"
 ENOUGH_TIMED = 0.6  # CPU seconds of timed work on a point, after which it is repeated no more
 LEAST_SECONDS = 0.01  # that a repetition fills with runs, so that clock and interruptions do not weigh
-BAD_ARGUMENTS, NO_ANSWER, INTERRUPTED, TERMINATED = 2, 3, 130, 143
-
-
-class Stop(Exception):
-    """Ends a study with one line and an exit status."""
-
-    def __init__(self, message, status=BAD_ARGUMENTS):
-        super().__init__(message)
-        self.status = status
 
 
 # ---- starting
@@ -64,19 +56,19 @@ def require_module(program, modules=("isosyrk", "numpy", "tqdm")):
                          "build it with scripts/reproduce accuracy, or install python3-numpy and python3-tqdm")
 
 
-def command_line(program, description, out="FILE"):
+def parser(program, description, out="FILE"):
     """Returns a parser with the options that all studies have. `out` is FILE or FOLDER."""
-    parser = OneLineParser(prog=program, description=description, allow_abbrev=False)
-    parser.add_argument("--out", metavar=out, required=True,
+    options = OneLineParser(prog=program, description=description, allow_abbrev=False)
+    options.add_argument("--out", metavar=out, required=True,
                         help="what to write; a journal beside it keeps what is done")
-    parser.add_argument("--quick", action="store_true", help="the smaller study")
-    parser.add_argument("--n", metavar="N", type=whole_number(5, 513), nargs="+", action="extend", help="matrix sizes")
-    parser.add_argument("--integrator", metavar="NAME", nargs="+", action="extend", help="integrators (default: all)")
-    parser.add_argument("--scheduler", metavar="tcp://HOST:PORT", type=address,
+    options.add_argument("--quick", action="store_true", help="the smaller study")
+    options.add_argument("--n", metavar="N", type=whole_number(5, 513), nargs="+", action="extend", help="matrix sizes")
+    options.add_argument("--integrator", metavar="NAME", nargs="+", action="extend", help="integrators (default: all)")
+    options.add_argument("--scheduler", metavar="tcp://HOST:PORT", type=address,
                         help="Dask scheduler that untimed work is given to")
-    parser.add_argument("--workers", metavar="K", type=whole_number(1, 1024), default=len(os.sched_getaffinity(0)),
+    options.add_argument("--workers", metavar="K", type=whole_number(1, 1024), default=len(os.sched_getaffinity(0)),
                         help="processes for untimed work without --scheduler (default: one for each core)")
-    return parser
+    return options
 
 
 def address(value):
@@ -117,22 +109,14 @@ def run(program, main, arguments):
     def terminate(*_):
         raise Stop("terminated", TERMINATED)
 
+    def resumable(arguments):
+        try:
+            main(arguments)
+        except KeyboardInterrupt:
+            raise Stop("interrupted; the same command goes on from here", INTERRUPTED) from None
+
     signal.signal(signal.SIGTERM, terminate)
-    try:
-        main(arguments)
-    except (Stop, UnusableFile) as problem:
-        say(f"{program}: {one_line(problem)}")
-        sys.exit(getattr(problem, "status", BAD_ARGUMENTS))
-    except OSError as problem:
-        say(f"{program}: {one_line(problem.filename or 'output')}: {problem.strerror or one_line(problem)}")
-        sys.exit(BAD_ARGUMENTS)
-    except KeyboardInterrupt:
-        say(f"{program}: interrupted; the same command goes on from here")
-        sys.exit(INTERRUPTED)
-
-
-def say(line):
-    print(line, file=sys.stderr, flush=True)
+    command_line.run(program, resumable, arguments)
 
 
 def progress(total, what):
@@ -167,12 +151,8 @@ class Journal:
             say(f"{one_line(self.path)}: belongs to something else, begun anew")
         self.context = begun["context"] if goes_on else now
         self.found = dict(results) if goes_on else {}
-        self.head = {**head, "context": self.context}
-        if self.found:
-            self._rewrite()  # without a last line that was cut
-
-    def _rewrite(self):
-        lines = (json.dumps(each) + "\n" for each in (self.head, *self.found.items()))
+        # Anew, without a last line that was cut.
+        lines = (json.dumps(each) + "\n" for each in ({**head, "context": self.context}, *self.found.items()))
         replace_file(self.path, "".join(lines).encode("utf-8"))
 
     def _lines(self):
@@ -183,17 +163,14 @@ class Journal:
         return lines if lines and isinstance(lines[0], dict) else []
 
     def add(self, key, result):
-        """Keeps a result. The first one makes the file."""
+        """Keeps a result."""
         line = json.dumps([key, result], allow_nan=False)
-        if not self.found:
-            self._rewrite()
         with open(self.path, "a", encoding="utf-8") as file:
             file.write(line + "\n")
         self.found[key] = json.loads(line)[1]
 
     def remove(self):
-        if self.found:
-            os.unlink(self.path)
+        os.unlink(self.path)
 
     def products(self, n):
         """Returns the product backend that was the faster at n as the study began. Beyond 257 it is the same."""

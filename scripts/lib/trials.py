@@ -9,7 +9,8 @@ import math
 import isosyrk
 import numpy
 import study
-from study_file import CONVERGED, LARGEST, UNSTABLE
+from checked_json import LARGEST
+from study_file import CONVERGED, UNSTABLE
 
 MAX_SWEEPS = 400  # tells a slow iteration from one that fails without the cost of Table 1's thousand
 GRID = [2.0 ** (k / 2) for k in range(-6, 8)]  # h‖B(W₀)‖₂ from 1/8 to 11.3
@@ -104,14 +105,14 @@ def trial_of(setting, name, solver):
     return trial
 
 
-def find_edge(setting, name, solver="published"):
+def find_edge(setting, name, solver="published", close=CLOSE):
     """Returns the trials of a listed integrator over the grid, and (works, fails) around the first failure above a
-    success, bisected to 2 %; None in its place if there is no such failure."""
+    success, bisected until they are close; None in its place if there is no such failure."""
     tried = trial_of(setting, name, solver)
     trials = [tried(h_norm_B) for h_norm_B in GRID]
     bracket = next(((first, second) for first, second in zip(trials, trials[1:]) if works(first) and not works(second)),
                    None)
-    return trials, bracket and narrowed(tried, *bracket, CLOSE)
+    return trials, bracket and narrowed(tried, *bracket, close)
 
 
 def narrowed(tried, inside, outside, close):
@@ -124,14 +125,10 @@ def narrowed(tried, inside, outside, close):
 
 def safe_step(setting, name, solver):
     """Returns the largest h‖B(W₀)‖₂ up to which all trials work, to NEAR; None if the first fails."""
-    tried = trial_of(setting, name, solver)
-    inside = None
-    for h_norm_B in GRID:
-        trial = tried(h_norm_B)
-        if not works(trial):
-            return inside and narrowed(tried, inside, trial, NEAR)[0]["h_norm_B"]
-        inside = trial
-    return inside["h_norm_B"]
+    trials, bracket = find_edge(setting, name, solver, NEAR)
+    if not works(trials[0]):
+        return None
+    return (bracket[0] if bracket else trials[-1])["h_norm_B"]
 
 
 def works(trial):

@@ -220,7 +220,7 @@ def rate_of(n, journal):
 
 
 def parse(arguments):
-    parser = study.command_line(PROGRAM, __doc__.splitlines()[0])
+    parser = study.parser(PROGRAM, __doc__.splitlines()[0])
     problems.add_filters(parser)
     parser.add_argument("--references", metavar="FOLDER", default=REFERENCES,
                         help="what scripts/studies/references.py wrote (default: the recorded ones)")

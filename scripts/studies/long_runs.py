@@ -79,7 +79,7 @@ def long_run(setting, integrator, h_norm_B, steps):
 
 
 def main(arguments):
-    parser = study.command_line(PROGRAM, __doc__.splitlines()[0])
+    parser = study.parser(PROGRAM, __doc__.splitlines()[0])
     parser.add_argument("--steps", type=whole_number(10, 1000000), help=f"of a run (default: {STEPS})")
     options = parser.parse_args(arguments)
     steps = options.steps or (QUICK_STEPS if options.quick else STEPS)

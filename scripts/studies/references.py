@@ -25,9 +25,9 @@ import numpy
 import isosyrk
 import problems
 from accuracy_lines import FAST, Problem
-from benchmark_json import UnusableFile
-from document import replace_file
-from rendered_folder import output_folder
+from checked_json import UnusableFile
+from command_line import NO_ANSWER, Stop, say
+from output import make_folder, replace_file
 
 INTEGRATORS = ("group8", "rkmk4")
 TOLERANCE = 1e-14
@@ -61,8 +61,8 @@ def refine(scene, time, integrator, aim):
                 break
         steps *= 2
     if best is None:
-        raise study.Stop(f"reference at n = {scene.n}: {integrator} did not converge at {steps // 2} steps",
-                         study.NO_ANSWER)
+        raise Stop(f"reference at n = {scene.n}: {integrator} did not converge at {steps // 2} steps",
+                         NO_ANSWER)
     return best
 
 
@@ -74,8 +74,8 @@ def develop(n):
     W, finer = (method.run(scene.initial, problems.DEVELOPED_TIME / each, each)[0] for each in (steps, 2 * steps))
     difference = isosyrk.relative_error(W, finer)
     if not difference < LARGEST_DIFFERENCE:
-        raise study.Stop(f"developed scene at n = {n}: half the step changes it by {difference:.2g}; must be below"
-                         f" {LARGEST_DIFFERENCE:g}", study.NO_ANSWER)
+        raise Stop(f"developed scene at n = {n}: half the step changes it by {difference:.2g}; must be below"
+                         f" {LARGEST_DIFFERENCE:g}", NO_ANSWER)
     return problems.unpacked(problems.packed(finer))
 
 
@@ -132,14 +132,14 @@ def write(problem, folder, solution):
 
 
 def main(arguments):
-    parser = study.command_line(PROGRAM, __doc__.splitlines()[0], out="FOLDER")
+    parser = study.parser(PROGRAM, __doc__.splitlines()[0], out="FOLDER")
     problems.add_filters(parser)
     options = parser.parse_args(arguments)
     if options.integrator:
-        raise study.Stop(f"--integrator: reference solutions are those of {' and '.join(INTEGRATORS)}")
+        raise Stop(f"--integrator: reference solutions are those of {' and '.join(INTEGRATORS)}")
     folder = options.out
     wanted = problems.asked_for(options)
-    output_folder(PROGRAM, "--out", folder)
+    make_folder("--out", folder)
     missing = sorted((problem for problem in wanted if not is_whole(problem, folder)),
                      key=lambda problem: (problem.n, problem.time))  # the longest last
     if missing:
@@ -150,14 +150,14 @@ def main(arguments):
         for problem, solution in zip(missing, solutions):
             found, most = solution["record"]["uncertainty"], problems.UNCERTAINTIES[problem.scene, problem.time]
             if not found < most:
-                raise study.Stop(f"reference of {problem}: {' and '.join(INTEGRATORS)} differ by {found:.2g}; must be"
-                                 f" below {most:g}", study.NO_ANSWER)
+                raise Stop(f"reference of {problem}: {' and '.join(INTEGRATORS)} differ by {found:.2g}; must be"
+                                 f" below {most:g}", NO_ANSWER)
             write(problem, folder, solution)
         journal.remove()
     for problem in wanted:
         record = problems.record_of(problem, folder)
         first, second = record["first"], record["second"]
-        study.say(f"reference {problem}: {'computed' if problem in missing else 'kept'}; {first['integrator']} with"
+        say(f"reference {problem}: {'computed' if problem in missing else 'kept'}; {first['integrator']} with"
                   f" {first['steps']} steps, {second['integrator']} with {second['steps']}; they differ by"
                   f" {record['uncertainty']:.2g}")
 

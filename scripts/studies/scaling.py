@@ -55,7 +55,7 @@ def rungs_of(entry):
 
 
 def main(arguments):
-    parser = study.command_line(PROGRAM, __doc__.splitlines()[0])
+    parser = study.parser(PROGRAM, __doc__.splitlines()[0])
     parser.add_argument("--repetitions", type=whole_number(1, 1000), default=REPETITIONS, help="(default: %(default)s)")
     options = parser.parse_args(arguments)
     sizes = sorted(set(options.n or (QUICK_SIZES if options.quick else SIZES)))

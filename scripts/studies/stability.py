@@ -45,7 +45,7 @@ def described(scene, n):
 
 
 def main(arguments):
-    parser = study.command_line(PROGRAM, __doc__.splitlines()[0])
+    parser = study.parser(PROGRAM, __doc__.splitlines()[0])
     parser.add_argument("--scene", choices=SCENES, nargs="+", action="extend", help="(default: both)")
     parser.add_argument("--solver", choices=SOLVERS, default=PUBLISHED, help="fast: the fast forms (by default those of Table 1)")
     options = parser.parse_args(arguments)

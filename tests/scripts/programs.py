@@ -2,9 +2,7 @@
 
 import contextlib
 import json
-import multiprocessing
 import os
-import runpy
 import shutil
 import signal
 import subprocess
@@ -73,28 +71,8 @@ def run(command, timeout=60, env=None, prepare=None, **streams):
 
 
 def run_script(script, *arguments):
-    """Runs one of the project's scripts to its end as run() does, in a copy of this process.
-
-    Starting a Python takes longer than most scripts take to run, and tests run them some hundred times.
-    """
-    with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as output, \
-            tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as errors:
-        child = multiprocessing.get_context("fork").Process(target=run_here, args=(script, arguments, output, errors))
-        child.start()
-        child.join()
-        for stream in (output, errors):
-            stream.seek(0)
-        return subprocess.CompletedProcess([script, *arguments], child.exitcode, output.read(), errors.read())
-
-
-def run_here(script, arguments, output, errors):
-    """Runs a script in this process, which is lost to it."""
-    os.dup2(output.fileno(), 1)
-    os.dup2(errors.fileno(), 2)
-    sys.stdout, sys.stderr = output, errors
-    os.environ.update(environment())
-    sys.argv = [script, *arguments]
-    runpy.run_path(script, run_name="__main__")
+    """Runs one of the project's scripts to its end, as run() does, in the Python that runs the tests."""
+    return run([sys.executable, "-B", script, *arguments])
 
 
 def run_on_full_disk(command, **options):

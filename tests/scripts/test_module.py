@@ -328,11 +328,6 @@ class Refusals(unittest.TestCase):
             self.refused(error, message, isosyrk.integrator, SMOOTH, **arguments)
         self.refused(TypeError, "^scene: is a str", isosyrk.integrator, "smooth", "group2")
 
-    @unittest.skipIf(SANITIZED, "a sanitised process has no limit of its own")
-    def test_memory(self):
-        scene = isosyrk.scene(modes=[(1, 0, 1.0, 0.0)], n=4096)
-        self.refused(ValueError, "needs .* GB of memory", isosyrk.integrator, scene, "algebra3", solver="fast", threads=64)
-
     def test_steps(self):
         method = isosyrk.integrator(SMOOTH, "group2")
         W = SMOOTH.initial

@@ -10,10 +10,10 @@ import runpy
 import sys
 import unittest
 
-from programs import DONE, FORMULATIONS, ROOT, FolderTest, environment, run, run_on_full_disk, run_script, text_of
+from programs import DONE, FORMULATIONS, ROOT, FolderTest, environment, run, run_script, text_of
 
 import document
-from benchmark_json import UnusableFile
+from checked_json import UnusableFile
 from comparison import read_published, three_digits
 from statistics_of_repetitions import rank_test
 from test_reproduce import HOST_NAME, raw_file
@@ -292,10 +292,9 @@ class Refusals(TableTest):
         aggregates["benchmarks"] = [row for row in aggregates["benchmarks"] if row["run_type"] == "aggregate"]
         for data, *words in (
                 ("", "is empty"), (json.dumps(raw())[:-100], "is not whole JSON"), ("[" * 200000, "is not usable JSON"),
-                ([raw()], "no JSON object at the top"), ({"context": raw()["context"]}, "no list of benchmarks"),
-                ({**raw(), "benchmarks": [7]}, "row that is no object but 7"),
-                (raw(isosyrk_program="stability"), "stability", "table1"),
-                (raw(isosyrk_program=None), "no isosyrk_program"), (raw(isosyrk_format="2"), "isosyrk_format"),
+                ([raw()], "no raw file of table1"), ({"context": raw()["context"]}, "no benchmarks"),
+                ({**raw(), "benchmarks": [7]}, "each of it an object"),
+                (raw(isosyrk_program="stability"), "stability", "table1"), (raw(isosyrk_format="2"), "isosyrk_format"),
                 (aggregates, "no measured row")):
             self.refuses(data, *words)
 
@@ -310,14 +309,11 @@ class Refusals(TableTest):
             data["benchmarks"][2]["run_name"] = name
             self.refuses(data, *words)
         for field, value, *words in (
-                ("run_type", None), ("error_occurred", "yes"), ("products", None, "has no products"),
-                ("spectrum_error", math.nan, "spectrum_error is NaN"), ("products", "many", 'products is "many"'),
-                ("products", True, "products is true"), ("skew_defect", -1e-16, "skew_defect is -1e-16"),
-                ("products", 10**400, "products is 1000000"), ("relative_error", math.nan),
-                ("time_unit", "h", 'time_unit "h"'),
-                *(("cpu_time", time) for time in (0, -1.0, 1e300, 1e-300, math.nan, "fast", None))):
+                ("run_type", None), ("error_occurred", "yes"), ("error_message", 7),
+                ("products", None, "has no products"), ("products", "many", 'products "many"'),
+                ("spectrum_error", math.nan, "spectrum_error NaN"),
+                ("relative_error", math.nan), ("time_unit", "h", 'time_unit "h"'), ("cpu_time", 0), ("cpu_time", None)):
             self.refuses(changed(self.CELL, **{field: value}), field, *words)
-        self.refuses(changed(self.CELL, error_occurred=True, error_message=7), name_of(*self.CELL), "error_message")
 
     def test_arguments_and_where_nothing_can_be_written(self):
         path = self.put(raw())
@@ -335,11 +331,6 @@ class Refusals(TableTest):
         run_script(SCRIPT, self.path("raw.json"), "--output", output)
         self.assertEqual(text_of(output), expected)
         self.assertEqual(sorted(os.listdir(self.folder)), ["raw.json", "table.txt"])
-
-    def test_full_standard_output(self):
-        done = run_on_full_disk([sys.executable, SCRIPT, self.put(raw())])
-        self.assertEqual(done.returncode, 2)
-        self.assert_one_line(done.stderr, "render_table1: standard output: cannot be written: ")
 
 
 class Statistics(unittest.TestCase):
@@ -363,7 +354,7 @@ class Numbers(FolderTest):
         return read_published(self.write("published.csv", f"n,formulation,stages,seconds\n17,group,1,{seconds}\n"))
 
     def test_published_times(self):
-        self.assertEqual(self.read("0.5"), {("group", 17, 1): 0.5})
+        self.assertEqual(self.read("0.5").times(17, 1), {"group": (0.5,)})
         for seconds in ("0", "nan", "1e300", "1e-300", "fast", ""):
             with self.subTest(seconds=seconds), self.assertRaisesRegex(UnusableFile, "published times"):
                 self.read(seconds)

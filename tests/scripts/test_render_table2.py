@@ -4,7 +4,7 @@ import json
 import os
 import runpy
 
-from programs import DONE, ROOT, FolderTest, run_script
+from programs import ROOT, FolderTest, run_script
 from document import as_text
 from test_reproduce import raw_file
 
@@ -96,14 +96,10 @@ class RenderTable2(FolderTest):
         self.raw["benchmarks"] += raw_file(tables=("table2",), threads=(2,))["benchmarks"]
         self.assertEqual(self.text(), alone)
 
-    def test_every_format_is_written_and_foreign_files_are_refused(self):
+    def test_foreign_files_are_refused(self):
         raw, two = self.put("raw.json", self.raw), self.put("two.json", self.two)
         one = self.put("one.json", raw_file(tables=("table2",)))
         table1 = self.put("table1.json", raw_file())
-        for form, mark in (("markdown", "| --:"), ("latex", "\\toprule"), ("text", "One thread over two")):
-            done = run_script(SCRIPT, raw, "--threads", two, "--format", form)
-            self.assertEqual((done.returncode, done.stderr), (DONE, ""))
-            self.assertIn(mark, done.stdout)
         for arguments, *parts in (((raw, "--threads", one), "one.json", "table2/"),
                                   ((raw, "--threads", two, "--output", two), "is the raw file itself"),
                                   ((one,), "one.json", "table1/"), ((table1,), "table1.json", "table1", "table2")):

@@ -15,10 +15,11 @@ from types import SimpleNamespace
 from programs import BUILD, DONE, HAS_MODULE, ROOT, FolderTest, end, environment, run, start, strict_json, text_of
 from study_documents import raw, study_document
 
+import checked_json
 import scaling_table
 import study_file
 from accuracy_lines import FAST, PUBLISHED, SCHEMA, Problem, Settings, read_accuracy
-from benchmark_json import UnusableFile
+from checked_json import UnusableFile
 from stability_files import read_long_runs, read_map
 
 if HAS_MODULE:
@@ -50,7 +51,7 @@ def square(job):
     return job["number"]**2
 
 def main(arguments):
-    parser = study.command_line("squares", "Squares.")
+    parser = study.parser("squares", "Squares.")
     parser.add_argument("--deaths", type=int, default=0)
     options = parser.parse_args(arguments)
     journal = study.Journal("squares", options, lambda: {"commit": "1"})
@@ -89,23 +90,17 @@ class RawFile(FolderTest):
         no_numbers = (None, True, "1", [], {}, math.nan, math.inf, -math.inf, -1, -1e-30, 1e300, 10**400)
         no_counts = (*no_numbers, 1.5, 1.0, 10**15)
         for kind, wrong in (
-                (study_file.text, (None, True, 7, [], {}, "", "two\nlines", "x" * 61)),
-                (study_file.truth, (None, 0, 1, "true", [], {}, math.nan)),
-                (study_file.number, no_numbers), (study_file.positive, (*no_numbers, 0, 5e-324, 1e-300)),
-                (study_file.optional(study_file.number), no_numbers[1:]),
-                (study_file.error_of_any_size, (True, "1", [], {}, math.nan, math.inf, -1, 10**400)),
-                (study_file.whole(), no_counts), (study_file.whole(1), (*no_counts, 0)),
-                (study_file.list_of(study_file.number, 4), (None, True, 1, "1", {}, [], [0] * 3, [0] * 5,
-                                                            *([0, 0, 0, each] for each in no_numbers))),
-                (study_file.an_object, (None, True, 1, "group5", []))):
+                (checked_json.text, (None, True, 7, [], {}, "", "two\nlines", "x" * 61)),
+                (checked_json.truth, (None, 0, 1, "true", [], {}, math.nan)),
+                (checked_json.number, no_numbers), (checked_json.positive, (*no_numbers, 0, 5e-324, 1e-300)),
+                (checked_json.optional(checked_json.number), no_numbers[1:]),
+                (checked_json.whole(), no_counts), (checked_json.whole(1), (*no_counts, 0)),
+                (checked_json.list_of(checked_json.number, 4), (None, True, 1, "1", {}, [], [0] * 3, [0] * 5,
+                                                                *([0, 0, 0, each] for each in no_numbers))),
+                (checked_json.an_object, (None, True, 1, "group5", []))):
             for value in wrong:
                 with self.subTest(value=str(value)[:9]), self.assertRaisesRegex(UnusableFile, "a thing has x"):
-                    study_file.checked({"x": value}, {"x": kind}, "a thing")
-            with self.assertRaisesRegex(UnusableFile, "a thing has no x"):
-                study_file.checked({}, {"x": kind}, "a thing")
-
-    def test_an_error_beyond_all_bounds_is_none(self):
-        self.assertEqual(list(map(study_file.error_of_any_size, (None, 1e30, 0))), [None, None, 0.0])
+                    checked_json.checked({"x": value}, {"x": kind}, "a thing")
 
     def test_damage(self):
         def without(parts, name):
@@ -115,11 +110,11 @@ class RawFile(FolderTest):
             return {**sound, "tables": {**sound["tables"], "runs": {**runs, **changes}}}
 
         sound = raw(study_document())
-        runs, whole = sound["tables"]["runs"], json.dumps(sound)
+        runs = sound["tables"]["runs"]
         columns, rows = runs["columns"], runs["rows"]
         at = columns.index("error")
         for damaged, *words in (
-                (" \n", "is empty"), *((whole[:length], "is not whole JSON") for length in (1, 100, len(whole) - 1)),
+                (json.dumps(sound)[:-1], "is not whole JSON"),
                 *((value, "is no raw file of the study accuracy") for value in (7, None, [], {}, '"text"')),
                 *(({**sound, name: value}, name) for name in ("format", "study") for value in (None, 1, "scaling")),
                 *((without(sound, name), name) for name in sound),

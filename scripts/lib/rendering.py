@@ -1,0 +1,72 @@
+"""What the scripts that render raw files share: one table in a format, or a folder of charts and a report."""
+
+import os
+import sys
+
+from chart_python import require_matplotlib
+from command_line import OneLineParser, run
+from document import WRITERS, as_markdown, as_text
+from output import replace_file, write_folder, write_standard_output
+
+RECORDED = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__)))), "results",
+                        "recorded")
+
+
+def raw_file_parser(program, description, wrote, others):
+    """Returns the parser of a script that renders what `wrote` wrote.
+
+    `others` are options that name further raw files, with their help.
+    """
+    parser = OneLineParser(prog=program, description=description)
+    parser.add_argument("raw", metavar="RAW.json", help=f"what {wrote} wrote")
+    for name, wrote_it in others.items():
+        parser.add_argument(f"--{name}", metavar=f"{name.upper()}.json", help=wrote_it)
+    return parser
+
+
+def render_table(program, description, wrote, table, **others):
+    """Runs a script that renders the document `table(raw file, *further ones)` in a format, to where that is wanted."""
+    def main(arguments):
+        parser = raw_file_parser(program, description, wrote, others)
+        parser.add_argument("--format", choices=tuple(WRITERS), default="text")
+        parser.add_argument("--output", metavar="FILE", help="write here instead of to standard output")
+        options = parser.parse_args(arguments)
+        raw_files = [options.raw, *(getattr(options, name) for name in others)]
+        data = WRITERS[options.format](table(*raw_files)).encode("utf-8")
+        if options.output is None:
+            write_standard_output(data)
+        elif os.path.realpath(options.output) in [os.path.realpath(each) for each in raw_files if each]:
+            raise OSError(0, "is the raw file itself", options.output)
+        else:
+            replace_file(options.output, data)
+
+    run(program, main, sys.argv[1:])
+
+
+def render_study(program, description, wrote, drawn, **others):
+    """Runs a script that renders a study into a folder; all of it is made before any is written.
+
+    `drawn(raw file, *further ones)` returns figures by name (None: there is nothing to draw) and a function from the
+    names of those that there are to the report.
+    """
+    def main(arguments):
+        parser = raw_file_parser(program, description, wrote, others)
+        parser.add_argument("--out", metavar="DIR", required=True, help="folder for charts and report; made if missing."
+                            " In results/recorded: SVG and Markdown only")
+        options = parser.parse_args(arguments)
+        require_matplotlib(program)
+        from chart_panels import encode, own_style  # only now: it needs matplotlib
+
+        recorded = os.path.realpath(options.out).startswith(os.path.realpath(RECORDED) + os.sep)
+        with own_style():
+            figures, report = drawn(options.raw, *(getattr(options, name) for name in others))
+            figures = {name: figure for name, figure in figures.items() if figure}
+            contents = {f"{name}.{kind}": encode(figure, kind) for name, figure in figures.items()
+                        for kind in (("svg",) if recorded else ("svg", "png"))}
+        document = report(set(figures))
+        contents["report.md"] = as_markdown(document).encode("utf-8")
+        if not recorded:
+            contents["report.txt"] = as_text(document).encode("utf-8")
+        write_folder(options.out, contents)
+
+    run(program, main, sys.argv[1:])
