@@ -8,8 +8,8 @@ has it: that is exact and costs nothing. Needs NumPy and isosyrk.
 
 import itertools
 import math
-import re
 import signal
+from argparse import ArgumentTypeError
 from dataclasses import replace
 
 import isosyrk
@@ -17,11 +17,12 @@ import numpy
 import study
 from accuracy_lines import FAST
 from checked_json import UnusableFile, one_line, read_text
+from command_line import number, whole_number
 from integrator_names import FRAME
 from recommendation import (PREDICTABLE, SMALLEST_ERROR, Outcome, Question, answer_data, below_reference,
                             beyond_predictability, energy_growth)
 from study_file import CONVERGED, UNSTABLE
-from trials import Setting, invariants_lost, larger
+from trials import Setting, invariants_lost
 
 REFERENCES = ("group6", "group5")
 CANDIDATES = ("rk4", "group3", "group4", "rkmk4", "group5", "group2", "group6", "kahan_li6", "yoshida4", "direct2",
@@ -48,8 +49,8 @@ TOLERANCE = 1e-13  # of the iteration, for a state of norm 1
 
 # ---- the user's scene
 
-WHOLE, REAL = re.compile("[0-9]{1,9}"), re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
-KINDS = {"l": (int, WHOLE), "m": (int, WHOLE), "re": (float, REAL), "im": (float, REAL)}  # of a mode: type and form
+WHOLE, REAL = whole_number(0, 10**9), number(-math.inf, math.inf)
+FIELDS = {"l": WHOLE, "m": WHOLE, "re": REAL, "im": REAL}  # of a mode, with their readers
 LEAST_ENERGY = 1e-200
 AT_REST = 1e-12  # ‖B(W)‖₂ over the largest entry of W: rounding of a state that does not move
 
@@ -58,16 +59,17 @@ def read_modes(path):
     """Returns the modes in a CSV file with the header l,m,re,im. Throws UnusableFile."""
     header, *lines = [[field.strip() for field in line.split(",")]
                       for line in read_text(path).lstrip("\ufeff").splitlines() or [""]]
-    if sorted(header) != sorted(KINDS):
+    if sorted(header) != sorted(FIELDS):
         raise UnusableFile("the header must name l,m,re,im and no other")
     modes = []
-    for number, fields in enumerate(lines, 2):
+    for place, fields in enumerate(lines, 2):
         if fields == [""]:
             continue
-        row = dict(zip(header, fields))
-        if len(fields) != len(KINDS) or not all(pattern.fullmatch(row[name]) for name, (_, pattern) in KINDS.items()):
-            raise UnusableFile(f"line {number}: must be 4 numbers (l,m,re,im)")
-        modes.append(tuple(kind(row[name]) for name, (kind, _) in KINDS.items()))
+        try:
+            row = dict(zip(header, fields, strict=True))
+            modes.append(tuple(read(row[name]) for name, read in FIELDS.items()))
+        except (ValueError, ArgumentTypeError):
+            raise UnusableFile(f"line {place}: must be 4 numbers (l,m,re,im)") from None
     return modes
 
 
@@ -153,26 +155,20 @@ class Search:
 
         The pilot has an error if there is a reference. There are no states if it did not come to a usable end.
         """
-        scene = self.setting.scene
-        pilot = Outcome(integrator, scene.n, self.time, steps, None, 0.0, STOPPED)
+        pilot = Outcome(integrator, self.setting.scene.n, self.time, steps, None, 0.0, STOPPED)
         self.pilots.append(pilot)
-        states, energy_error = [], 0.0
+        states = []
 
         def look(step, W, report):
-            nonlocal energy_error
-            energy_error = larger(energy_error, self.setting.energy_error(W))
             if step in (steps // 2, steps):
                 states.append(W.copy())
             return report.seconds > most_seconds
 
         every = next(each for each in range(max(1, steps // LOOKS), 0, -1) if steps // 2 % each == 0)
-        try:
-            W, report = self.method(integrator).run(scene.initial, pilot.step, steps, observe=look, every=every)
-        except isosyrk.SolverError as failure:
-            pilot.status, pilot.seconds = failure.status, failure.report.seconds
-            return pilot, ()
+        W, report, status, _, energy_error = self.setting.run(self.method(integrator), pilot.step, steps, every, look)
         pilot.seconds = report.seconds
-        if report.steps < steps:
+        if status != CONVERGED or report.steps < steps:
+            pilot.status = STOPPED if status == CONVERGED else status
             return pilot, ()
         errors = {name: error / self.size for name, error in self.setting.errors(W).items()}
         errors["energy_error"] = energy_error
