@@ -300,8 +300,8 @@ int time_table(Forms forms, int argc, char** argv) {
     }
     rates.push_back(choose_backend(choice, n));
     for (const CellId& cell : cells[n]) {
-      const auto timed = std::make_shared<Cell>(cell, options, rates.back().chosen, reference[n],
-                                                progress);
+      const auto timed =
+          std::make_shared<Cell>(cell, options, rates.back().chosen, reference[n], progress);
       benchmark::RegisterBenchmark(cell.name().c_str(), [timed](benchmark::State& state) {
         timed->time(state);
       })->Unit(benchmark::kMillisecond);

@@ -6,7 +6,6 @@ import platform
 import resource
 import shutil
 import signal
-import stat
 import subprocess
 import tempfile
 import threading
@@ -256,12 +255,9 @@ class OutputFile(FolderTest):
             self.refuses("table1", [ONE_ROW[0], argument], *argument.split("="), timeout=5)
 
     def test_outputs_that_cannot_be_written(self):
-        missing = self.path("nowhere", "raw.json")
-        for name, path, *parts in (*((name, missing) for name in PROGRAMS), ("table1", self.folder, "file"),
-                                   ("table1", "", "value"), ("table1", os.path.join(self.output, "raw.json")),
-                                   ("table1", "/dev/null", "file")):
+        # Others are refused where the file is opened: tests/scripts/test_integrate.py.
+        for name, path, *parts in (*((name, self.path("nowhere", "raw.json")) for name in PROGRAMS), ("table1", "", "value")):
             self.refuses(name, BRIEF, "--benchmark_out", path, *parts, path=path)
-        self.assertTrue(stat.S_ISCHR(os.stat("/dev/null").st_mode))
 
     def test_help_is_no_error(self):
         for name in PROGRAMS:

@@ -419,18 +419,14 @@ class FailedRuns(ReproduceTest):
 
 
 class TestScript(CopyTest):
-    def test_the_suite_runs_in_the_ordinary_build_and_its_status_is_passed_on(self):
-        for failing, status in (("none", DONE), ("ctest", 1)):
-            self.assertEqual(self.script("test", FAILING=failing).returncode, status)
-        self.assertIn(f"--test-dir {self.path('root', 'build')} ", self.calls("ctest")[0])
-        self.assertNotIn("SANITIZE=ON", self.calls("cmake")[0])
-
-    def test_sanitize_builds_and_runs_in_a_folder_of_its_own(self):
-        self.script("test", "--sanitize")
-        folder = self.path("root", "build-sanitize")
-        self.assertIn(f"-B {folder} ", self.calls("cmake")[0])
-        self.assertIn("-DISOSYRK_SANITIZE=ON", self.calls("cmake")[0])
-        self.assertIn(f"--test-dir {folder} ", self.calls("ctest")[0])
+    def test_the_suite_runs_in_the_ordinary_build_or_a_sanitized_one_beside_it_and_its_status_is_passed_on(self):
+        for arguments, folder, failing, status in (((), "build", "none", DONE), ((), "build", "ctest", 1),
+                                                   (("--sanitize",), "build-sanitize", "none", DONE)):
+            self.write("calls", "")
+            self.assertEqual(self.script("test", *arguments, FAILING=failing).returncode, status)
+            self.assertIn(f"-B {self.path('root', folder)} ", self.calls("cmake")[0])
+            self.assertEqual("-DISOSYRK_SANITIZE=ON" in self.calls("cmake")[0], bool(arguments))
+            self.assertIn(f"--test-dir {self.path('root', folder)} ", self.calls("ctest")[0])
 
     def test_a_failed_build_runs_no_tests(self):
         done = self.script("test", FAILING="cmake")
