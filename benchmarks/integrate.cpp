@@ -96,9 +96,8 @@ Outcome integrate(const IntegrateRequest& request, const Scene& scene, ProductBa
   return outcome;
 }
 
-nlohmann::ordered_json as_json(const IntegrateRequest& request,
-                               const nlohmann::ordered_json& modes_hash, const Outcome& outcome,
-                               ProductBackend backend) {
+nlohmann::ordered_json as_json(const IntegrateRequest& request, const Start& start,
+                               const Outcome& outcome, ProductBackend backend) {
   const RunReport& run = outcome.run;
   nlohmann::ordered_json json = {
       {"scene", request.scene},
@@ -117,10 +116,11 @@ nlohmann::ordered_json as_json(const IntegrateRequest& request,
       {"hbar", request.is_euler_zeitlin()
                    ? nlohmann::ordered_json(name(request.hbar.value_or(HbarConvention::paper)))
                    : nlohmann::ordered_json(nullptr)},
-      {"modes_hash", modes_hash},
+      {"modes_hash", start.modes_hash},
       {"product_backend", request.method == "fast"
                               ? fmt::format("split {}", gemm_kernels().front().name)
-                              : std::string(name(backend))},
+                          : start.scene.flow->algebra().is_dense() ? std::string(name(backend))
+                                                                   : "blocks"},
       {"converged", run.converged()},
       {"status", name(run.status)},
       {"sweeps_total", run.sweeps},
@@ -160,7 +160,7 @@ int main_program(int argc, char** argv) {
   const ProductBackend backend = choose_backend(request.products, request.n).chosen;
   const Outcome outcome = integrate(request, start.scene, backend);
 
-  const nlohmann::ordered_json result = as_json(request, start.modes_hash, outcome, backend);
+  const nlohmann::ordered_json result = as_json(request, start, outcome, backend);
   if (outcome.run.converged() && output) output->write(npy(outcome.W));
   if (request.json) {
     fmt::print("{}\n", result.dump());

@@ -22,15 +22,9 @@ RealVector spectrum(const Matrix& W) {
   RealVector eigenvalues(W.rows());
   // Read by columns, the array is the transpose, which has the same eigenvalues.  The lower
   // triangle is used because of a bug in OpenBLAS 0.3.21: with the upper one, its zgemv kernel for
-  // AVX2, called by zhetrd, reads past the end of the array.  The workspace is Eigen's, always
-  // aligned alike: LAPACKE's own is not, and kernels round differently with alignment.
-  constexpr lapack_int block = 64;
-  Eigen::VectorXcd work((block + 1) * n);
-  RealVector real_work(n);
-  lapack_int integer_work = 0;
-  const lapack_int info = LAPACKE_zheevd_work(
-      LAPACK_COL_MAJOR, 'N', 'L', n, hermitian.data(), n, eigenvalues.data(), work.data(),
-      static_cast<lapack_int>(work.size()), real_work.data(), n, &integer_work, 1);
+  // AVX2, called by zhetrd, reads past the end of the array.
+  const lapack_int info =
+      LAPACKE_zheevd(LAPACK_COL_MAJOR, 'N', 'L', n, hermitian.data(), n, eigenvalues.data());
   if (info != 0) throw std::runtime_error(fmt::format("spectrum: zheevd failed ({})", info));
   return eigenvalues;
 }

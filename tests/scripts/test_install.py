@@ -28,8 +28,16 @@ class InstalledLibrary(FolderTest):
         cls.addClassCleanup(shutil.rmtree, folder)
         cls.prefix = os.path.join(folder, "prefix")
         cls.build = os.path.join(folder, "build")
+        scene = os.path.join(folder, "scene")
+        os.mkdir(scene)
+        _, after = text_of(ROOT, "core", "README.md").split(BEGIN.replace("example", "bloch_iserles"))
+        last = "SCENE(pseudo_unitary)"
+        with_line = text_of(ROOT, "core", "flows", "scene_list.cpp").replace(last, f"{last} SCENE(bloch_iserles)")
+        for name, text in {"bloch_iserles": after.split("```\n")[0], "scene_list": with_line}.items():
+            with open(os.path.join(scene, f"{name}.cpp"), "w", encoding="utf-8") as file:
+                file.write(text)
         cls.done("cmake", "--install", BUILD, "--prefix", cls.prefix)
-        cls.done("cmake", "-S", USER, "-B", cls.build, f"-DCMAKE_PREFIX_PATH={cls.prefix}",
+        cls.done("cmake", "-S", USER, "-B", cls.build, f"-DCMAKE_PREFIX_PATH={cls.prefix}", f"-DSCENE={scene}",
                  "-DCMAKE_BUILD_TYPE=", "-DCMAKE_CXX_FLAGS=-O0")
         cls.done("cmake", "--build", cls.build)
 
@@ -70,6 +78,9 @@ class InstalledLibrary(FolderTest):
 
     def test_a_flow_of_the_user_is_integrated(self):
         self.assertEqual(self.run_user("own_flow"), "kept\n")
+
+    def test_a_scene_is_one_file_and_one_line(self):
+        self.assertEqual(self.run_user("own_scene"), "coincide\n")
 
     def test_internals_are_not_installed(self):
         rooms = os.path.join(self.prefix, "include", "isosyrk")
