@@ -40,8 +40,10 @@ FLOOR = 1e-6  # below, two references that no longer come closer are at rounding
 TOO_DEAR = 8.0  # times the seconds of the cheapest good pilot over the part, where others are stopped
 MOST_KEPT = 6  # methods that go on to the next part
 # Least growth of the error as a power of time, for methods that keep the spectrum and others. Short runs show too little.
-# More than MOST_GROWTH is no power: trajectories part, and nothing is known of a longer time.
-LEAST_GROWTH, LEAST_GROWTH_OF_OTHERS, MOST_GROWTH = 1.5, 4.0, 5.0
+# Where trajectories part, errors grow exponentially, which a power fitted to one pilot does not show. So none is trusted
+# that grew faster than MOST_GROWTH, and none over more than FARTHEST times the time of its pilot. (A scene of n = 48, all
+# of l <= 6: two references to T = 1000 part, while pilots to T = 125 show a power of 2.6.)
+LEAST_GROWTH, LEAST_GROWTH_OF_OTHERS, MOST_GROWTH, FARTHEST = 1.5, 4.0, 3.0, 2.0
 LOOKS = 100  # at the energy and the cost of a pilot of many steps
 FIRST_SHARE = 1 / 3  # of the budget; after it, no further method is begun on the first part
 TOLERANCE = 1e-13  # of the iteration, for a state of norm 1
@@ -131,7 +133,7 @@ class Search:
         self.candidates = [each for each in candidates if each.keeps(question.keep)]
         self.limits = {each: (self.method(each).linear_limit() or math.inf) / self.setting.norm_B for each in self.candidates}
         self.pilots = []
-        self.trajectory = True  # whether errors are those of the trajectory, or of energy and spectrum
+        self.trajectory, self.why = True, ""  # whether errors are those of the trajectory; if of energy and spectrum, why
         self.reference, self.exact, self.uncertainty = None, (), math.inf  # pilot, its states at half time and at the end
         self.reference_step = FIRST_REFERENCE / self.setting.norm_B  # of the next part
         self.unsettled = None  # the last two references over a part that do not agree, as one Outcome
@@ -172,12 +174,13 @@ class Search:
             return pilot, ()
         errors = {name: error / self.size for name, error in self.setting.errors(W).items()}
         errors["energy_error"] = energy_error
+        pilot.kept = max(energy_error, errors["spectrum_error"]) if integrator.isospectral else None
         if invariants_lost(errors, integrator.isospectral):
             pilot.status = UNSTABLE
             return pilot, ()
         pilot.status = CONVERGED
         if not self.trajectory:
-            pilot.error = max(energy_error, errors["spectrum_error"])
+            pilot.error = pilot.kept
         elif self.reference and self.reference.time == self.time:
             at_half, error = map(isosyrk.relative_error, states, self.exact)
             pilot.error = error + self.uncertainty
@@ -208,6 +211,7 @@ class Search:
         self.reference_step = self.time / steps / refinement(2 * SHARP * found, error, second, 0.5, 1.0)
         if self.uncertainty > PREDICTABLE or self.uncertainty > max(FLOOR, self.question.error):
             self.trajectory, self.good = False, {}
+            self.why = f"two reference solutions differ by {self.uncertainty:.2g}"
         elif self.uncertainty > self.question.error:
             raise below_reference(self.question.error, self.uncertainty, self.time)
         for each in pair if self.trajectory else ():
@@ -217,7 +221,7 @@ class Search:
     def search(self, integrator, error, most_seconds):
         """Returns the pilot with the longest step that has an error over the part; None if none has."""
         if integrator in self.good:
-            steps = self.expected(self.good[integrator], self.time, error).steps
+            steps = self.expected(self.good[integrator], self.time, error, cautious=False).steps
         else:
             steps = even(self.time * self.setting.norm_B * max(1.0, error ** (-1 / integrator.order) / FIRST_STEP))
         best, wanted = None, steps
@@ -235,18 +239,24 @@ class Search:
                 break
         return best
 
-    def growth(self, pilot, time):
-        """Returns how much larger the error of a pilot is expected to be over a longer time."""
+    def growth(self, pilot, time, cautious=True):
+        """Returns how much larger the error of a pilot is expected to be over a longer time.
+
+        If cautious: as the power of time or the exponential that the two halves of the pilot show, whichever grows more.
+        """
         if not self.trajectory:
             return energy_growth(pilot.integrator, pilot.time, time)
+        seen = max(1.0, pilot.growth or 0.0)
+        if not cautious:
+            return (time / pilot.time) ** min(seen, MOST_GROWTH)
         least = LEAST_GROWTH if pilot.integrator.isospectral else LEAST_GROWTH_OF_OTHERS
-        return (time / pilot.time) ** max(least, pilot.growth or 0.0)
+        return max((time / pilot.time) ** max(least, seen), 2 ** (2 * seen * (time / pilot.time - 1)))
 
-    def expected(self, pilot, time, error):
+    def expected(self, pilot, time, error, cautious=True):
         """Returns a pilot over this time as it is; from one over a shorter time, the Outcome with the error."""
         if pilot.time == time:
             return pilot
-        at_time = max(pilot.error, SMALLEST_ERROR) * self.growth(pilot, time)
+        at_time = max(pilot.error, SMALLEST_ERROR) * self.growth(pilot, time, cautious)
         steps = even(time / pilot.step * refinement(at_time * AIM, error, pilot.integrator, 0.5))
         longest = min(MOST_UNTRIED / self.setting.norm_B, self.longest_step(pilot.integrator))
         steps = max(steps, even(time / longest))
@@ -261,13 +271,36 @@ class Search:
                 if not self.is_refuted(offer, pilot)]
 
     def is_refuted(self, offer, pilot):
-        """Tells whether an offer cannot follow from a pilot over a shorter time: its error grew too fast, or references
-        over a longer time disagree by more than the error, with steps no longer than those offered."""
+        """Tells whether an offer cannot follow from a pilot over a shorter time: that is too short, its error grew too fast,
+        or references over a longer time disagree by more than the error, with steps no longer than those offered."""
         tried = self.unsettled
         return self.trajectory and pilot.time < offer.time and (
-            (pilot.growth or 0.0) > MOST_GROWTH
+            offer.time > FARTHEST * pilot.time or (pilot.growth or 0.0) > MOST_GROWTH
             or (tried is not None and tried.time > pilot.time and tried.step <= offer.step
                 and tried.error > self.question.error))
+
+    def most_promising(self):
+        """Returns the integrators that go on to a longer part: those that are cheapest over the whole time as it looks."""
+        found = [self.expected(each, self.question.time, self.question.error, cautious=False) for each in self.good.values()]
+        return [each.integrator for each in sorted(found, key=lambda each: each.seconds)[:MOST_KEPT]]
+
+    def settle(self):
+        """Judges energy and spectrum if no trajectory can be offered, by the longest finished pilot of each integrator."""
+        if not self.trajectory or self.ranking():
+            return
+        finished = [each for each in self.pilots if each.status == CONVERGED and each.kept is not None]
+        if not finished:
+            return
+        self.why = (f"what pilots show of trajectories: they end at T = {max(each.time for each in finished):g}, and errors"
+                    f" that grow fast, or over more than {FARTHEST:g} times that, are not extrapolated")
+        self.trajectory, self.good = False, {}
+        for integrator in self.candidates:
+            longest = max((each.time for each in finished if each.integrator == integrator), default=None)
+            error = longest and self.question.error / energy_growth(integrator, longest, self.question.time)
+            good = [replace(each, error=each.kept) for each in finished
+                    if each.integrator == integrator and each.time == longest and each.kept <= error]
+            if good:
+                self.good[integrator] = min(good, key=lambda each: each.seconds)
 
     def nearest(self):
         """Returns the pilot with the smallest error over the longest part; None if no candidate has an error."""
@@ -282,7 +315,7 @@ class Search:
             said.append(f"reference solution: {reference.integrator.name} with {reference.steps} steps to T ="
                         f" {reference.time:g}, with an uncertainty of {self.uncertainty:.2g}")
         if not self.trajectory:
-            said.append(beyond_predictability(whole, f"two reference solutions differ by {self.uncertainty:.2g}"))
+            said.append(beyond_predictability(whole, self.why))
         best = self.good[self.ranking()[0].integrator]
         if best.time < whole:
             said.append(f"the pilots of the answer end at T = {best.time:g}: its error and seconds are extrapolated, the error"
@@ -300,7 +333,7 @@ class Search:
             fits = seconds_left() / (before - seconds_left())  # how often the budget has room for such a part
             if self.time == self.question.time or fits < 1:
                 return
-            integrators, spared = [each.integrator for each in self.ranking()[:MOST_KEPT]] or integrators, 0.0
+            integrators, spared = self.most_promising() or integrators, 0.0
             # At least twice the time: of a part that is not finished, the cheapest methods are.
             self.time = min(self.question.time, self.time * 2 ** max(1, math.floor(math.log2(fits))))
 
@@ -344,6 +377,7 @@ def answer(options):
     except TimeoutError:
         search.spent = True
     signal.setitimer(signal.ITIMER_REAL, 0)
+    search.settle()
     arguments = ["--initial" if options.modes is None else "--modes", options.own]
     if options.hbar == "standard":
         arguments += ["--hbar", options.hbar]
