@@ -24,7 +24,7 @@ HOST_NAME = "a-host-to-keep-private"
 RESULTS = {"raw.json", "table.txt", "table.md", "table.tex"}
 RAW_FILES = {"accuracy": {"raw.json"}, "stability": {"map.json", "fast_map.json", "long_runs.json"}}
 PROGRAMS = (*(f"build/benchmarks/{name}" for name in ("table1", "table2")),
-            *(f"scripts/studies/{name}.py" for name in ("accuracy", "stability", "long_runs", "scaling")))
+            *(f"scripts/studies/{name}.py" for name in ("accuracy", "stability", "long_runs", "scaling", "theorem")))
 CORES = len(os.sched_getaffinity(0))
 
 STAND_INS = {
@@ -73,10 +73,11 @@ esac
 exit "${BENCHMARK_STATUS:-0}"
 """
 
-# A script that draws: leaves a report of one word in the folder that it is told last.
+# A script that renders: leaves one word in the file that it is told last, or in the report in a folder.
 RENDERER = """#!/bin/sh
 for out; do :; done
-echo drawn >"$out/report.txt"
+[ ! -d "$out" ] || out=$out/report.txt
+echo drawn >"$out"
 """
 
 
@@ -146,6 +147,7 @@ class ReproduceTest(CopyTest):
                             ("fast_map", map_study(SETTINGS[:1], ("group1",), "fast"))):
             write(self.folder, study, f"{name}.json")
         shutil.copy(os.path.join(ROOT, "results", "recorded", "scaling", "raw.json"), self.path("scaling.json"))
+        self.write("theorem.json", "{}")
 
     def prepare(self, program, raw):
         self.write(f"{program}.json", json.dumps(raw, indent=2))  # line by line, as the program does
@@ -293,12 +295,13 @@ class EndToEnd(ReproduceTest):
         for row in raw["benchmarks"]:
             row.update(relative_error=1e-3, reference_uncertainty=1e-14)
         self.prepare("table2", raw)
-        # Drawing takes seconds, and other tests see it.
-        self.write("root/scripts/render_stability", RENDERER, executable=True)
+        # Other tests see what these render; drawing takes seconds.
+        for name in ("stability", "theorem"):
+            self.write(f"root/scripts/render_{name}", RENDERER, executable=True)
         self.reproduced("all")
         found = {job: set(os.listdir(self.path("out", job))) for job in os.listdir(self.out)}
         self.assertLessEqual({"raw.json", "report.txt", "table1_accuracy.svg"}, found.pop("accuracy"))
-        self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS, "scaling": RESULTS,
+        self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS, "scaling": RESULTS, "theorem": RESULTS,
                                  "stability": {"report.txt", *RAW_FILES["stability"]}})
         (call,) = self.calls("table2")
         self.assertIn("--published", call)
