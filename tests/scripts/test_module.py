@@ -41,24 +41,6 @@ def spin(n):
     return (up + up.T) / 2, (up - up.T) / 2j, np.diag(m)
 
 
-def independent_midpoint(W, h, steps, hbar):
-    """Integrates Euler-Zeitlin with the isospectral midpoint rule, from a dense Laplacian and plain iteration."""
-    n = len(W)
-    matrices = [np.kron(S, np.eye(n)) - np.kron(np.eye(n), S.T) for S in spin(n)]  # [S, .] on W.ravel()
-    minus_laplacian = sum(M @ M for M in matrices)
-    inverse = -np.linalg.pinv(minus_laplacian, rcond=1e-10, hermitian=True)
-    for _ in range(steps):
-        middle = W
-        for _ in range(200):
-            B = (inverse @ middle.ravel()).reshape(n, n) / hbar
-            last, middle = middle, W + h / 2 * (B @ middle - middle @ B) + h**2 / 4 * B @ middle @ B
-            if np.linalg.norm(middle - last) < 1e-15:
-                break
-        B = (inverse @ middle.ravel()).reshape(n, n) / hbar
-        W = W + h * (B @ middle - middle @ B)
-    return W
-
-
 def state(n=9, seed=1):
     """Returns some state that is no mode of the project's: skew-Hermitian, without trace, norm about 1."""
     entries = np.random.default_rng(seed).normal(size=(2, n, n)) / n
@@ -89,14 +71,14 @@ class Answers(unittest.TestCase):
             self.assertEqual(report.steps, 20)
             self.assertGreater(report.equivalent_products, 0)
 
-    def test_midpoint_is_that_of_an_independent_implementation_with_standard_hbar(self):
-        n, W0 = 9, state(9)
-        wanted = independent_midpoint(W0, 0.1, 10, 2 / np.sqrt(n**2 - 1))
-        for solver in ("published", "fast"):
-            W, _ = ran(isosyrk.scene(initial=W0, hbar="standard"), "algebra1", 10, solver=solver)
-            self.assertLess(np.abs(W - wanted).max(), 1e-11)
-        W, _ = ran(isosyrk.scene(initial=W0, hbar="paper"), "algebra1", 10)
-        self.assertGreater(np.abs(W - wanted).max(), 1e-4)
+    def test_generator_solves_the_poisson_equation_in_both_conventions_of_hbar(self):
+        n, W = 9, state(9)
+        for hbar, value in (("paper", 2 / np.sqrt(n * (n - 1))), ("standard", 2 / np.sqrt(n**2 - 1))):
+            P = value * isosyrk.scene(initial=W, hbar=hbar).generator(W)
+            # The Laplacian is minus the double commutator with the spin matrices.
+            commutators = [S @ P - P @ S for S in spin(n)]
+            laplacian = -sum(S @ C - C @ S for S, C in zip(spin(n), commutators))
+            self.assertLess(np.abs(laplacian - W).max(), 1e-13)
 
     def test_switches_and_threads_do_not_move_the_answer(self):
         scene = isosyrk.scene("smooth", n=65)  # large enough for bands and for two threads
@@ -111,9 +93,8 @@ class Answers(unittest.TestCase):
         W0, W = SMOOTH.initial, state(9)
         self.assertLess(np.abs(isosyrk.spectrum(W) - np.linalg.eigvalsh(-1j * W)).max(), 1e-13)
         self.assertAlmostEqual(isosyrk.spectrum_error(2 * W, W), np.abs(np.linalg.eigvalsh(-1j * W)).max(), 12)
-        self.assertEqual(isosyrk.skew_defect(W), 0.0)
+        self.assertEqual((isosyrk.skew_defect(W), isosyrk.skew_defect(1j * W) > 0), (0.0, True))
         self.assertAlmostEqual(isosyrk.relative_error(1.5 * W, W), 0.5)
-        self.assertLess(max(isosyrk.casimir_errors(W0, W0)), 1e-15)
         self.assertAlmostEqual(isosyrk.casimir_errors(2 * W0, W0)[0], 3.0, 10)
         momentum = [np.trace(S @ W0).imag for S in spin(9)]
         self.assertAlmostEqual(isosyrk.angular_momentum_error(3 * W0, W0),
@@ -135,7 +116,6 @@ class Answers(unittest.TestCase):
         W = SMOOTH.initial.copy()
         times = method.timed_run(W, h=0.1, steps=50, repetitions=3, warmup=5)
         self.assertEqual(len(times), 3)
-        self.assertTrue(all(0 < seconds < 60 for seconds in times))
         self.assertTrue(np.array_equal(W, SMOOTH.initial))
 
 
@@ -151,7 +131,7 @@ class Arrays(unittest.TestCase):
         spread[...] = W0
         read_only = W0.copy()
         read_only.flags.writeable = False
-        for W in (np.asfortranarray(W0), spread, read_only, W0.tolist(), W0.T.copy().T, W0.astype(">c16")):
+        for W in (np.asfortranarray(W0), spread, read_only, W0.tolist(), W0.astype(">c16")):
             self.assertTrue(np.array_equal(self.method.run(W, 0.1, 5)[0], self.wanted))
             self.assertTrue(np.array_equal(W, W0))
 
@@ -188,36 +168,21 @@ class Arrays(unittest.TestCase):
             with self.assertRaises(ValueError):
                 W[0, 0] = 0
             seen.append((step, W.copy()))
-            return step == 4
+            return np.float64(step) == 4  # an np.bool_
 
         W, report = self.method.run(self.scene.initial, 0.1, 9, observe=observe, every=2)
         self.assertEqual([step for step, _ in seen], [2, 4])
         self.assertEqual(report.steps, 4)
         self.assertTrue(np.array_equal(W, seen[-1][1]))
-        class Recorder(list):
-            def __call__(self, step, W, report):
-                self.append(step)
-                return np.float64(step) > 2  # an np.bool_
-
-        recorder = Recorder()
-        self.method.run(self.scene.initial, 0.1, 9, observe=recorder)
-        self.assertEqual(recorder, [1, 2, 3])
         self.method.run(self.scene.initial, 0.1, 5, observe=lambda step, *_: seen.append((step, None)), every=2)
         self.assertEqual([step for step, _ in seen[2:]], [2, 4, 5])
-
-    def test_output_of_a_run_is_input_again(self):
-        W, _ = ran(self.scene, "cotangent1", 50)
-        self.assertGreater(isosyrk.skew_defect(W), 0.0)
-        isosyrk.scene(initial=W)
-        self.method.run(W, 0.1, 1)
 
 
 class OwnFlow(unittest.TestCase):
     def test_a_generator_in_python_gives_the_same(self):
         W0 = SMOOTH.initial
         own = isosyrk.scene(initial=W0, generator=SMOOTH.generator, hamiltonian=SMOOTH.energy)
-        for name in ("group2", "rkmk4", "rk4", "algebra1"):
-            self.assertTrue(np.array_equal(ran(own, name, 5)[0], ran(SMOOTH, name, 5)[0]), name)
+        self.assertTrue(np.array_equal(ran(own, "group2", 5)[0], ran(SMOOTH, "group2", 5)[0]))
         self.assertEqual(own.energy(W0), SMOOTH.energy(W0))
         self.assertTrue(np.isnan(isosyrk.scene(initial=W0, generator=SMOOTH.generator).energy(W0)))
         with self.assertRaisesRegex(ValueError, "^solver 'fast': not for a generator of your own"):
@@ -228,8 +193,8 @@ class OwnFlow(unittest.TestCase):
             raise KeyError("mine")
 
         for generator, error, message in ((raises, KeyError, "mine"), (lambda W: W[:3], ValueError, r"shape \(3, 9\)"),
-                                          (lambda W: 1.0, ValueError, r"shape \(\)"), (lambda W: "B", TypeError, "returned a str"),
-                                          (lambda W: None, Exception, "generator: returned"),
+                                          (lambda W: "B", TypeError, "returned a str"),
+                                          (lambda W: 1j * SMOOTH.generator(W), ValueError, r"\|B \+ B†\| is 2 of"),
                                           (lambda W: W * np.nan, isosyrk.SolverError, "diverged at step 1")):
             scene = isosyrk.scene(initial=state(), generator=generator)
             W = scene.initial.copy()
@@ -237,16 +202,10 @@ class OwnFlow(unittest.TestCase):
                 isosyrk.integrator(scene, "group2").run(W, 0.1, 3, out=W)
             self.assertTrue(np.array_equal(W, scene.initial))
 
-    def test_a_generator_that_leaves_the_algebra_is_refused(self):
-        own = isosyrk.scene(initial=SMOOTH.initial, generator=lambda W: 1j * SMOOTH.generator(W))
-        with self.assertRaisesRegex(ValueError, r"^generator: the largest entry of \|B \+ B†\| is 2 of"):
-            isosyrk.integrator(own, "cotangent2").step(own.initial, 0.1)
-
     def test_a_hamiltonian_that_is_no_number_is_refused(self):
-        for value in (None, "1", np.ones(2), 1j):
-            scene = isosyrk.scene(initial=state(), generator=lambda W: W, hamiltonian=lambda W: value)
-            with self.assertRaisesRegex(TypeError, "^hamiltonian: its result"):
-                scene.energy(scene.initial)
+        scene = isosyrk.scene(initial=state(), generator=lambda W: W, hamiltonian=lambda W: 1j)
+        with self.assertRaisesRegex(TypeError, "^hamiltonian: its result"):
+            scene.energy(scene.initial)
 
     def test_a_model_that_holds_its_scene_is_freed(self):
         class Model:
@@ -283,14 +242,13 @@ class Refusals(unittest.TestCase):
         nearly[0, 1] *= 1 + 1e-12
         broken[0, 1] *= 1 + 1e-6
         spoiled[2, 3] = np.nan
-        isosyrk.scene(initial=nearly)
+        isosyrk.scene(initial=nearly)  # as skew as what a run leaves
         for error, message, arguments in (
                 (ValueError, "^scene 'calm': must be one of smooth, rough\\b", dict(name="calm", n=9)),
                 (ValueError, "^scene: must have a name", dict(n=9)),
                 (ValueError, "^n = 1: must be 2 to 4096$", dict(name="rough", n=1)),
                 (ValueError, "needs modes$", dict(name="smooth", n=4)),
                 (ValueError, "^scene: n is missing$", dict(name="smooth")),
-                (TypeError, "^n: is a str", dict(name="smooth", n="9")),
                 (TypeError, "^n: is a float", dict(name="smooth", n=9.0)),
                 (ValueError, "^hbar 'plank': must be paper or standard$", dict(name="smooth", n=9, hbar="plank")),
                 (ValueError, "^scene: has modes and initial", dict(modes=[(1, 0, 1, 0)], initial=W)),
@@ -298,10 +256,8 @@ class Refusals(unittest.TestCase):
                 (ValueError, "^mode 5: must be", dict(modes=[5], n=9)),
                 (TypeError, "^re: is a str", dict(modes=[(1, 0, "1", 0.0)], n=9)),
                 (ValueError, "dtype is complex64", dict(initial=W.astype(np.complex64))),
-                (ValueError, "dtype is float64", dict(initial=W.real)),
                 (TypeError, "masked", dict(initial=np.ma.array(W))),
-                (ValueError, r"shape is \(1, 9, 9\), must be \(n, n\)", dict(initial=W[None])),
-                (ValueError, r"shape is \(9, 8\)", dict(initial=W[:, :8])),
+                (ValueError, r"shape is \(9, 8\), must be \(n, n\)", dict(initial=W[:, :8])),
                 (ValueError, r"shape is \(9, 9\), must be \(8, 8\)", dict(initial=W, n=8)),
                 (ValueError, "1e-10", dict(initial=broken)),
                 (ValueError, "finite|nan", dict(initial=spoiled)),
@@ -316,7 +272,6 @@ class Refusals(unittest.TestCase):
                 (ValueError, "^integrator 'group99': must be one of cotangent1", dict(name="group99")),
                 (ValueError, "^solver 'quick': must be published or fast$", dict(name="group2", solver="quick")),
                 (ValueError, "^threads = 0: must be 1 to 64$", dict(name="group2", solver="fast", threads=0)),
-                (TypeError, "^threads: is a str", dict(name="group2", solver="fast", threads="2")),
                 (ValueError, "^threads: goes with", dict(name="group2", threads=2)),
                 (ValueError, "^without: goes with", dict(name="group2", without=("bands",))),
                 (ValueError, "^without 'magic'", dict(name="group2", solver="fast", without=("magic",))),
@@ -334,8 +289,7 @@ class Refusals(unittest.TestCase):
         W = SMOOTH.initial
         for error, message, arguments in (
                 (TypeError, "^h: is a ndarray", (W, np.array("0.1"), 5)), (ValueError, "^h: is too large", (W, 10**400, 5)),
-                (TypeError, "^h: is a str", (W, "0.1", 5)), (ValueError, "^h = nan", (W, float("nan"), 5)),
-                (TypeError, "^steps: is a float", (W, 0.1, 5.0)), (ValueError, "^steps = -1: must be 0 to", (W, 0.1, -1)),
+                (ValueError, "^h = nan", (W, float("nan"), 5)), (ValueError, "^steps = -1: must be 0 to", (W, 0.1, -1)),
                 (ValueError, r"shape is \(8, 8\)", (W[:8, :8], 0.1, 5)), (ValueError, "dtype", ("W", 0.1, 5)),
                 (ValueError, "1e-10", (W + np.eye(9), 0.1, 5)), (TypeError, "^observe: is a int", (W, 0.1, 5, 3)),
                 (ValueError, "^every = 0", (W, 0.1, 5, None, 0))):
@@ -364,8 +318,7 @@ class Refusals(unittest.TestCase):
 
     def test_empty_matrices(self):
         empty = np.zeros((0, 0), complex)
-        for call in (isosyrk.skew_defect, isosyrk.spectrum, lambda W: isosyrk.casimir_errors(W, W)):
-            self.refused(ValueError, r"shape is \(0, 0\)", call, empty)
+        self.refused(ValueError, r"shape is \(0, 0\)", isosyrk.spectrum, empty)
         self.refused(ValueError, "n >= 2", isosyrk.angular_momentum_error, np.ones((1, 1), complex), np.ones((1, 1), complex))
 
 
@@ -382,29 +335,20 @@ class Beside(unittest.TestCase):
     def test_a_second_call_is_refused(self):
         scene = isosyrk.scene("smooth", n=17)
         method = isosyrk.integrator(scene, "group2")
-        refused = []
+        untouched, _ = method.run(scene.initial, 0.1, 5)
+        shared = np.empty_like(untouched)
 
-        def again(*_):
-            try:
-                method.step(scene.initial, 0.1)
-            except RuntimeError as error:
-                refused.append(str(error))
+        def again():
+            with self.assertRaisesRegex(RuntimeError, "^integrator: is in use by another call$"):
+                method.step(scene.initial, 0.1, out=shared)
 
         def observe(*_):
             again()
-            other = threading.Thread(target=again)
-            other.start()
-            other.join()
-            return True
+            with concurrent.futures.ThreadPoolExecutor() as pool:
+                pool.submit(again).result()
 
-        untouched, _ = method.run(scene.initial, 0.1, 5)
-        shared = np.empty_like(untouched)
-        method.run(scene.initial, 0.1, 5, out=shared, observe=lambda *_: self.assertRaises(
-            RuntimeError, method.step, scene.initial, 0.1, out=shared) and None)
+        method.run(scene.initial, 0.1, 5, out=shared, observe=observe)
         self.assertTrue(np.array_equal(shared, untouched))
-        method.run(scene.initial, 0.1, 5, observe=observe)
-        self.assertEqual(refused, ["integrator: is in use by another call"] * 2)
-        method.step(scene.initial, 0.1)
 
     def test_other_threads_go_on_while_one_steps(self):
         scene = isosyrk.scene("smooth", n=33)

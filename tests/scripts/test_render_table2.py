@@ -4,7 +4,7 @@ import json
 import os
 import runpy
 
-from programs import ROOT, FolderTest, run_script
+from programs import FORMULATIONS, ROOT, FolderTest, run_script
 from document import as_text
 from test_reproduce import raw_file
 
@@ -16,6 +16,10 @@ class RenderTable2(FolderTest):
     def setUp(self):
         super().setUp()
         self.raw = raw_file(tables=("table2", "table1"))
+        for row in self.raw["benchmarks"]:
+            table, formulation, _, stages = row["run_name"].split("/")
+            milliseconds = 2.0 * int(stages[-1]) + FORMULATIONS.index(formulation) + 0.01 * row["repetition_index"]
+            row["cpu_time"] = milliseconds / (2 if table == "table2" else 1)
 
     def put(self, name, raw):
         return self.write(name, json.dumps(raw))
@@ -56,7 +60,7 @@ class RenderTable2(FolderTest):
     def test_rows_of_two_threads_do_not_enter_the_table(self):
         alone = self.text()
         self.raw["benchmarks"] += [{**row, "run_name": f"{row['run_name']}/threads:2", "cpu_time": 2 * row["cpu_time"]}
-                                   for row in raw_file(tables=("table2",))["benchmarks"]]
+                                   for row in self.raw["benchmarks"]]
         self.assertEqual(self.text(), alone)
 
     def test_foreign_files_are_refused(self):
