@@ -18,7 +18,7 @@ from study_documents import raw, study_document
 import checked_json
 import scaling_table
 import study_file
-from accuracy_lines import FAST, PUBLISHED, SCHEMA, Problem, Settings, read_accuracy
+from accuracy_lines import FAST, PUBLISHED, SCHEMA, Problem, read_accuracy
 from checked_json import UnusableFile
 from stability_files import read_long_runs, read_map
 
@@ -87,17 +87,13 @@ class RawFile(FolderTest):
         self.assertEqual((os.stat(path).st_mtime_ns, os.listdir(self.folder)), (before, ["raw.json"]))
 
     def test_kinds(self):
-        no_numbers = (None, True, "1", [], {}, math.nan, math.inf, -math.inf, -1, -1e-30, 1e300, 10**400)
-        no_counts = (*no_numbers, 1.5, 1.0, 10**15)
+        no_numbers = (True, "1", math.nan, math.inf, -1, 1e300, 10**400)
         for kind, wrong in (
-                (checked_json.text, (None, True, 7, [], {}, "", "two\nlines", "x" * 61)),
-                (checked_json.truth, (None, 0, 1, "true", [], {}, math.nan)),
-                (checked_json.number, no_numbers), (checked_json.positive, (*no_numbers, 0, 5e-324, 1e-300)),
-                (checked_json.optional(checked_json.number), no_numbers[1:]),
-                (checked_json.whole(), no_counts), (checked_json.whole(1), (*no_counts, 0)),
-                (checked_json.list_of(checked_json.number, 4), (None, True, 1, "1", {}, [], [0] * 3, [0] * 5,
-                                                                *([0, 0, 0, each] for each in no_numbers))),
-                (checked_json.an_object, (None, True, 1, "group5", []))):
+                (checked_json.text, (7, "", "two\nlines", "x" * 61)), (checked_json.truth, (0, "true")),
+                (checked_json.number, (None, *no_numbers)), (checked_json.positive, (0, 5e-324)),
+                (checked_json.optional(checked_json.number), no_numbers), (checked_json.whole(1), (1.0, 0, 10**15)),
+                (checked_json.list_of(checked_json.number, 2), ({}, [0], [0] * 3, [0, "1"])),
+                (checked_json.an_object, (None, []))):
             for value in wrong:
                 with self.subTest(value=str(value)[:9]), self.assertRaisesRegex(UnusableFile, "a thing has x"):
                     checked_json.checked({"x": value}, {"x": kind}, "a thing")
@@ -115,16 +111,13 @@ class RawFile(FolderTest):
         at = columns.index("error")
         for damaged, *words in (
                 (json.dumps(sound)[:-1], "is not whole JSON"),
-                *((value, "is no raw file of the study accuracy") for value in (7, None, [], {}, '"text"')),
-                *(({**sound, name: value}, name) for name in ("format", "study") for value in (None, 1, "scaling")),
+                ([], "is no raw file of the study accuracy"), ({**sound, "study": "scaling"}, "study"),
                 *((without(sound, name), name) for name in sound),
                 *(({**sound, name: []}, name) for name in ("context", "settings", "tables")),
-                *(({**sound, "settings": without(sound["settings"], name)}, name) for name in Settings._fields),
-                *(({**sound, "tables": without(sound["tables"], name)}, name) for name in SCHEMA.tables),
-                *((with_table(columns=value), "runs") for value in (None, [1], columns[:-1], columns + ["more"])),
-                *((with_table(rows=value), "runs") for value in (None, {}, [7], [rows[0][:-1]], [rows[0] + [1]])),
-                *((with_table(rows=[rows[0][:at] + [value] + rows[0][at + 1:]]), "a row of runs has error")
-                  for value in ("1", -1, 10**400, True))):
+                ({**sound, "settings": {}}, "quick"), ({**sound, "tables": without(sound["tables"], "runs")}, "runs"),
+                *((with_table(columns=value), "runs") for value in (None, columns[:-1], columns + ["more"])),
+                *((with_table(rows=value), "runs") for value in ({}, [7], [rows[0][:-1]])),
+                (with_table(rows=[rows[0][:at] + [-1] + rows[0][at + 1:]]), "a row of runs has error")):
             with self.subTest(words=words):
                 self.assert_unusable(damaged, *words)
 
@@ -159,8 +152,8 @@ class Work(SquaresTest):
         self.assertRegex(done.stderr, r"squares: +[1-9][0-9]%.*\[[0-9:]+<[0-9:]+,")
 
     def test_an_interrupted_study_goes_on_and_leaves_no_process(self):
-        for sent, status, told in ((signal.SIGINT, INTERRUPTED, "interrupted"),
-                                   (signal.SIGTERM, TERMINATED, "terminated")):
+        for sent, status, told, commit in ((signal.SIGINT, INTERRUPTED, "interrupted", "1"),
+                                           (signal.SIGTERM, TERMINATED, "terminated", "of another program")):
             with self.subTest(signal=sent):
                 process = start(self.command(), env=environment(LOG=self.log), stderr=-1)
                 try:
@@ -173,41 +166,28 @@ class Work(SquaresTest):
                     self.assert_one_line(errors.rpartition("it/s]")[2].lstrip("\n"), f"squares: {told}")
                 finally:
                     end(process)
-                finished = len(self.journal()) - 1
-                self.assertLess(finished, 12)
+                begun, *finished = self.journal()
+                self.assertLess(len(finished), 12)
                 os.unlink(self.log)
+                # A last line that was cut does no harm.
+                lines = [begun.replace('"commit": "1"', f'"commit": "{commit}"'), *finished, '["squa']
+                self.write("raw.json.journal", "\n".join(lines))
                 done = self.squares()
                 self.assert_result(done)
-                self.assertIn(f"going on after {finished} results", done.stderr)
-                self.assertEqual(len(self.begun()), 12 - finished)
+                kept = len(finished) if commit == "1" else 0
+                self.assertIn(f"going on after {kept} results" if kept else "belongs to something else", done.stderr)
+                self.assertEqual(len(self.begun()), 12 - kept)
 
     def journal(self):
         path = self.path("raw.json.journal")
         return text_of(path).splitlines() if os.path.exists(path) else []
 
-    def test_a_journal_that_was_cut_or_belongs_to_something_else(self):
-        def journal(lines):
-            self.write("raw.json.journal", "\n".join(lines))
-
-        head = {"format": "isosyrk journal 1", "study": "squares", "arguments": {"quick": False, "n": None,
-                "integrator": None, "deaths": 0}, "conditions": {"commit": "1", "dirty": None, "cpu": None,
-                "blas_kernels": None}, "context": {"commit": "1"}}
-        key = json.dumps(["squares", {"deaths": 0, "number": 5}])
-        for first, told in ((head, "going on after 1 results"), ({**head, "study": "cubes"}, "begun anew"),
-                            ({**head, "conditions": {"commit": "2"}}, "begun anew")):
-            journal([json.dumps(first), json.dumps([key, 25]), '["squa'])
-            done = self.squares()
-            self.assert_result(done)
-            self.assertIn(told, done.stderr)
-
-    def test_a_lost_worker_is_told_and_its_jobs_are_done_again(self):
+    def test_a_lost_worker_is_told_and_its_jobs_are_done_again_for_some_time(self):
         done = self.squares("--deaths", "1")
         self.assert_result(done)
         self.assertIn("a worker was lost; its jobs are done again", done.stderr)
         self.assertEqual(self.begun()["7"], 2)
-
-    def test_a_job_that_loses_every_worker_ends_the_study(self):
-        done = self.squares("--deaths", "100")
+        done = self.squares("--deaths", "100")  # one that loses every worker
         self.assertEqual((done.returncode, done.stdout), (NO_ANSWER, ""), done.stderr)
         self.assertIn("squares: a worker was lost", done.stderr)
 
@@ -316,12 +296,10 @@ class Refusals(StudyTest):
         for name, arguments, *parts in (
                 ("scaling", ("--n", "4"), "--n", "5 to 513"), ("scaling", ("--workers", "0"), "--workers"),
                 ("scaling", ("--scheduler", "here"), "--scheduler", "'here'"), ("scaling", ("--scale",), "--scale"),
-                ("scaling", ("--out", self.path("none", "raw.json")), "--out", "none/raw.json"),
                 ("scaling", ("--out", self.folder), "--out", self.folder),
-                ("stability", ("--solver", "slow"), "--solver", "slow"),
                 ("stability", ("--scene", "calm"), "calm", "smooth"),
                 ("long_runs", ("--solver", "fast"), "--solver"),
-                *(("long_runs", ("--steps", steps), "--steps", steps) for steps in ("9", "x", "1000001")),
+                ("long_runs", ("--steps", "9"), "--steps", "9"),
                 ("accuracy", ("--integrator", "euler"), "'euler'", "rkmk4"),
                 ("references", ("--integrator", "rk4"), "--integrator"),
                 ("references", ("--n", "21", "--scene", "rough"), "no problem")):
@@ -341,7 +319,6 @@ class Accuracy(StudyTest):
         found, recorded = self.study("raw.json"), read_accuracy(RECORDED)
         self.assertEqual((list(found.integrators), found.problems()), (["group2", "rk4"], [self.PROBLEM]))
         lines = [(name, solver) for name in ("group2", "rk4") for solver in (PUBLISHED, FAST)]
-        self.assertEqual({(name, solver) for _, name, solver in found.lines}, set(lines))
         for name, solver in lines:
             self.assertEqual(found.integrators[name], recorded.integrators[name])
             if solver == FAST:
@@ -366,9 +343,7 @@ class Accuracy(StudyTest):
                 if there.usable and there.error > 1e-10:
                     self.assertLess(abs(here.error / there.error - 1), 1e-3)
                 self.assertIn(len(here.cpu_seconds), (1, 2) if here.usable else (0,))
-        for field in ("commit", "compiler", "flags", "cpu", "blas_kernels", "environment", "products", "timed_on"):
-            self.assertIn(field, found.context)
-        self.assertIn("n=17", found.context["product_rate"])
+        self.assertLessEqual({"commit", "cpu", "product_rate", "timed_on"}, set(found.context))
 
     @unittest.skipUnless(HAS_DASK, "this Python has no distributed (python3-distributed)")
     def test_a_cluster_gives_what_this_machine_gives(self):
