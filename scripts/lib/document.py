@@ -189,14 +189,13 @@ LATEX_CHARACTERS = {
 
 
 def as_latex(document):
-    """Writes a fragment to \\input: whole tabular environments, ASCII only."""
+    """Writes a fragment to \\input: whole tabular environments, ASCII only. No document with figures is written in it."""
     commands = {1: "section", 2: "subsection"}
     return "% A fragment to \\input; needs \\usepackage{booktabs}.\n\n" + written(document, {
         Heading: lambda part: rf"\{commands.get(part.level, 'subsubsection')}*{{{latex_escape(part.text)}}}",
         Paragraph: lambda part: latex_escape(part.text),
         Items: latex_items,
-        Table: latex_table,
-        Figure: lambda part: f"% {latex_escape(part.path)}: {latex_escape(part.caption)}"})
+        Table: latex_table})
 
 
 def latex_escape(text):

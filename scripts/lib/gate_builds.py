@@ -54,7 +54,6 @@ def in_setup(commands, *arguments):
         raise Stop(one_line(reason) or f"set-up failed with {done.returncode}")
 
 
-
 def install(allowed):
     in_setup('install_packages "$1"', ROOT, "yes" if allowed else "no")
 

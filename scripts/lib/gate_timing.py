@@ -41,12 +41,8 @@ class Server:
 
     def __init__(self, command, environment, cells):
         self.what = command[-1]
-        try:
-            self.process = subprocess.Popen([*command, "--serve", *cells], env=environment, stdin=subprocess.PIPE,
-                                            stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8",
-                                            errors="replace")
-        except OSError as problem:
-            raise Stop(f"{self.what}: cannot be run: {problem.strerror}") from None
+        self.process = subprocess.Popen([*command, "--serve", *cells], env=environment, stdin=subprocess.PIPE,
+                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8", errors="replace")
         self.cells = {name: place for place, name in enumerate(cells)}
         try:
             self.answer("ready", lambda line: line == "ready")
@@ -89,8 +85,8 @@ def is_slower(ratios):
 
 def pinned(program):
     """Returns the command that runs a program on the last core where that is possible."""
-    last = max(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else None
-    return [program] if last is None or not shutil.which("taskset") else ["taskset", "-c", str(last), program]
+    last = str(max(os.sched_getaffinity(0)))
+    return ["taskset", "-c", last, program] if shutil.which("taskset") else [program]
 
 
 def time_cells(base, head, cells, launches=LAUNCHES, pairs_of_each=PAIRS):

@@ -40,10 +40,8 @@ def closing_sections(comparison, counters):
     columns = [(heading, counter, show) for counter, (heading, show) in COUNTER_COLUMNS.items() if counter in counters
                and (counter not in OPTIONAL_COUNTERS or comparison.has_counter(counter))]
     return [
-        *errors_section(comparison, "Error at T = 5",
-                        "Relative error of W(5) in the Frobenius norm against reference solutions, the largest of the"
-                        " three formulations, which coincide: what the times above buy.", *OPTIONAL_COUNTERS),
-        *counters_section(comparison, "What the time went into, and how good the answer is", columns),
+        *errors_section(comparison),
+        *counters_section(comparison, columns),
         *claims_section(comparison),
         *conditions_section(comparison.run.context),
     ]

@@ -1,7 +1,7 @@
 """Statistics of repeated timings, and the three-way decision between two sets of them.
 
-Timings are few, skewed and sometimes tied, so nothing here assumes a distribution: medians, quartiles, and an
-exact rank test.
+Timings are few, skewed and sometimes tied, so nothing here assumes a distribution: medians, and an exact
+rank test.
 """
 
 import functools
@@ -16,14 +16,6 @@ FEWEST_REPETITIONS = 5
 FASTER, SLOWER, UNDECIDED = "faster", "slower", "undecided"
 
 median = statistics.median
-
-
-def half_interquartile_range(values):
-    """Returns half the distance of the quartiles (linear between order statistics); 0 for one value."""
-    if len(values) < 2:
-        return 0.0
-    lower, _, upper = statistics.quantiles(values, n=4, method="inclusive")
-    return (upper - lower) / 2
 
 
 @functools.lru_cache(maxsize=None)

@@ -26,7 +26,7 @@ def cell_document(name):
                     skew_defect=0.0 if formulation == "algebra" else 1e-15,
                     distance_to_group=0.0 if formulation == "group" else 1e-14)
     if n == 17:
-        answer = read_answer(os.path.join(DATA, f"W_t5_h0.1_n17_s{stages}.csv"), n)
+        answer = read_answer(os.path.join(DATA, f"W_t5_h0.1_n17_s{stages}.csv"))
         cell["W"] = [[entry.real, entry.imag] for entry in answer]
     return cell
 

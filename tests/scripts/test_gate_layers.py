@@ -46,10 +46,8 @@ class Exact(LayerTest):
         document["context"].update(context)
         return change(document, name, **{count: cell_of(document, name)[count] + step})
 
-    def test_the_same_counts_pass(self):
+    def test_the_same_counts_pass_and_each_that_moves_is_named_with_its_cell(self):
         self.assertEqual(self.failures(build_document()), [])
-
-    def test_each_count_that_moves_is_named_with_its_cell(self):
         for name, products in ((CELL, "products"), (FAST_CELL, "equivalent_products")):
             for count, step in itertools.product(("sweeps", products, "poisson_solves"), (-1, 1)):
                 self.assert_caught(self.moved(name, count, step), name, count)
@@ -79,10 +77,9 @@ class Accuracy(LayerTest):
     def layer(self, build):
         return accuracy_layer(build, NAMES, DATA)
 
-    def test_small_errors_pass(self):
+    def test_small_errors_pass_and_each_beyond_its_bound_is_named_with_its_cell(self):
         self.assertEqual(self.failures(build_document()), [])
 
-    def test_each_error_beyond_its_bound_is_named_with_its_cell(self):
         def off_the_reference(name):
             W = copy.deepcopy(cell_of(build_document(), name)["W"])
             W[200][1] += 1e-11
@@ -90,13 +87,12 @@ class Accuracy(LayerTest):
 
         for cell, quantity, value in (
                 ("group/n:33/s:2", "spectrum_error", 1e-11), (CELL, "spectrum_error", 2e-13),
-                ("cotangent/n:33/s:2", "skew_defect", 1e-12),
+                ("cotangent/n:33/s:2", "skew_defect", 1e-12), (FAST_CELL, "spectrum_error", 2e-13),
                 *(("cotangent/n:65/s:1", "distance_to_group", value) for value in (1e-11, None)),
-                (FAST + "group/n:33/s:2", "spectrum_error", 1e-11), (FAST_CELL, "spectrum_error", 2e-13),
                 *((FAST_CELL, "distance_to_published", value) for value in (1e-9, None)),
                 # Exactly zero for algebra and for fast forms.
                 ("algebra/n:17/s:3", "skew_defect", 1e-25), (FAST + "cotangent/n:17/s:3", "skew_defect", 1e-25),
-                *((name, "W", W) for name in ("group/n:17/s:1", "group/n:17/s:3", "fast_group/n:17/s:2")
+                *((name, "W", W) for name in ("group/n:17/s:3", "fast_group/n:17/s:2")
                   for W in (off_the_reference(name), None))):
             (failure,) = self.failures(change(build_document(), cell, **{quantity: value}))
             shown = "error against the reference answer" if quantity == "W" else quantity.replace("_", " ")
@@ -114,10 +110,6 @@ class Accuracy(LayerTest):
             document = change(build_document(), CELL, contraction=0.99)
             change(document, FAST_CELL, contraction=0.99, distance_to_published=distance)
             self.assertEqual(self.failures(document) == [], passes)
-
-    def test_a_missing_reference_cannot_be_judged(self):
-        with self.assertRaisesRegex(Stop, "W_t5_h0.1_n17_s1.csv"):
-            accuracy_layer(read_build(build_document()), NAMES, ROOT)
 
 
 class Servers:
@@ -171,13 +163,10 @@ class Times(FolderTest):
 
     def test_a_build_that_gives_no_times_cannot_be_judged(self):
         for script, part in (("echo no such cell >&2", "no such cell"),
-                             *((f"echo ready; read line; echo {answer}", "a time was expected")
-                               for answer in ("soon", "0", "nan", "-1", ""))):
+                             *((f"echo ready; read line; echo {answer}", "a time was expected") for answer in ("0", "nan"))):
             path = self.write("regression_cells", "#!/bin/sh\n" + script, executable=True)
             with self.subTest(script), self.assertRaisesRegex(Stop, f"regression_cells: said .*{part}"):
                 judge_times(Servers(1.0), functools.partial(Server, [path], None), self.CELLS)
-        with self.assertRaisesRegex(Stop, "cannot be run"):
-            Server([self.path("none")], None, QUICK)
 
     def test_all_cells_exist_and_fast_ones_are_timed_over_the_whole_run(self):
         self.assertTrue(set(QUICK) <= set(cells_of((17, 33))))

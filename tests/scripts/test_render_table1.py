@@ -12,8 +12,7 @@ import unittest
 from programs import DONE, FORMULATIONS, ROOT, FolderTest, environment, run, run_script, text_of
 
 import document
-from checked_json import UnusableFile
-from comparison import read_published, three_digits
+from comparison import three_digits
 from statistics_of_repetitions import rank_test
 from test_reproduce import HOST_NAME, raw_file
 
@@ -330,16 +329,7 @@ class Statistics(unittest.TestCase):
         self.assertEqual(rank_test([1] * 9, [1] * 9), 1.0)
 
 
-class Numbers(FolderTest):
-    def read(self, seconds):
-        return read_published(self.write("published.csv", f"n,formulation,stages,seconds\n17,group,1,{seconds}\n"))
-
-    def test_published_times(self):
-        self.assertEqual(self.read("0.5").times(17, 1), {"group": (0.5,)})
-        for seconds in ("0", "nan", "fast"):
-            with self.subTest(seconds=seconds), self.assertRaisesRegex(UnusableFile, "published times"):
-                self.read(seconds)
-
+class Numbers(unittest.TestCase):
     def test_three_digits(self):
         for value, text in ((0, "0"), (0.0031234, "0.00312"), (0.0999999, "0.100"), (9.995, "9.99"), (9.996, "10.0"),
                             (108.42, "108"), (12345, "12300"), (1.2345e-14, "1.23e-14"), (1e7, "1.00e+07")):

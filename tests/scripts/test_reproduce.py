@@ -11,9 +11,8 @@ import shutil
 import signal
 import subprocess
 import time
-import unittest
 
-from programs import (BAD_ARGUMENTS, DONE, FORMULATIONS, ROOT, SOLVER_FAILED, FolderTest, end, environment, run,
+from programs import (BAD_ARGUMENTS, DONE, ROOT, SOLVER_FAILED, FolderTest, end, environment, run,
                       snapshot, start, text_of)
 from stability_documents import SETTINGS, long_study, map_study, write
 from study_documents import small_study, write_study
