@@ -1,7 +1,6 @@
 """The failure maps and the long runs as a document: charts, critical values, the largest errors."""
 
 import itertools
-from typing import NamedTuple, Tuple
 
 from accuracy_claims import scientific
 from comparison import MISSING, three_digits
@@ -19,28 +18,24 @@ HOW_CHARTS_READ = (
     " before; what is exactly 0 has no place on the axis.")
 
 
-class Chart(NamedTuple):
-    name: str
-    caption: str
-    draw: str  # its function in stability_charts, ...
-    arguments: Tuple  # ... and what that takes
-
-
 def charts_of(failures, fast=None, runs=None):
-    """Returns the charts of a failure map, and of a map of the fast forms and of long runs where there are any."""
+    """Returns the charts of a failure map, and of a map of the fast forms and of long runs where there are any.
+
+    Of each its name, its caption, its function in stability_charts, and what that takes.
+    """
     found, others = [], [name for name in failures.integrators if name not in TABLE1_CELLS]
     for study, kinds in ((failures, (("", TABLE1_CELLS, "Where the formulations of Table 1 fail"),
                                      ("_others", others, "Where the other integrators fail"))),
                          (fast, (("_fast", TABLE1_CELLS, "Where the fast forms of Table 1 fail"),))):
         for scene, (kind, names, title) in itertools.product(study.scenes() if study else (), kinds):
             if mapped := study.mapped(scene, names):
-                found.append(Chart(f"failure_map{kind}_{scene}", f"{title}, {scene} scene.", "failure_map",
-                                   (study, scene, mapped, title)))
+                found.append((f"failure_map{kind}_{scene}", f"{title}, {scene} scene.", "failure_map",
+                              (study, scene, mapped, title)))
     for scene, n in runs.settings() if runs else ():
         where = f"long_runs_n{n}" if scene == "smooth" else f"long_runs_{scene}_n{n}"
         for name, isospectral, which in ((where, True, "keep"), (f"{where}_controls", False, "lose")):
-            found.append(Chart(name, f"Errors of long runs at n = {n}, {scene} scene: integrators that {which} the"
-                               " spectrum.", "long_runs", (runs, scene, n, isospectral)))
+            found.append((name, f"Errors of long runs at n = {n}, {scene} scene: integrators that {which} the"
+                          " spectrum.", "long_runs", (runs, scene, n, isospectral)))
     return found
 
 
@@ -52,7 +47,7 @@ def stability_sections(failures, runs, charts, fast=None):
     return [
         Heading("Stability", 1),
         *map(Paragraph, HOW_CHARTS_READ),
-        *shown([(each.name, each.caption) for each in charts_of(failures, fast, runs)], charts),
+        *shown([each[:2] for each in charts_of(failures, fast, runs)], charts),
         *critical_section("Critical h‖B(W₀)‖₂", failures),
         *(critical_section("Critical h‖B(W₀)‖₂ of the fast forms", fast) if fast else []),
         *(long_runs_section(runs) if runs else []),

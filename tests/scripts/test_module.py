@@ -17,7 +17,7 @@ import tracemalloc
 import unittest
 import weakref
 
-from programs import BUILD, ROOT, SANITIZED, program
+from programs import BUILD, ROOT, SANITIZED, environment, program, run, start
 
 sys.path.insert(0, os.path.join(BUILD, "python"))
 import numpy as np
@@ -49,12 +49,9 @@ def state(n=9, seed=1):
     return W - np.trace(W) / n * np.eye(n)
 
 
-def python(code, **options):
-    """Starts Python with the module on its path; its stdout and stderr are text."""
-    environment = {**os.environ, "PYTHONPATH": os.path.join(BUILD, "python")}
-    environment.pop("OPENBLAS_NUM_THREADS", None)
-    return subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                            env=environment, **options)
+def python(code, how=run, **options):
+    """Runs, or starts, Python with the module on its path."""
+    return how([sys.executable, "-c", code], env=environment(PYTHONPATH=os.path.join(BUILD, "python")), **options)
 
 
 class Answers(unittest.TestCase):
@@ -238,19 +235,15 @@ class Refusals(unittest.TestCase):
 
     def test_scenes(self):
         W = state()
-        nearly, broken, spoiled = W.copy(), W.copy(), W.copy()
+        # What core refuses in the same words as integrate does is tested there, but for one of each function.
+        nearly, broken = W.copy(), W.copy()
         nearly[0, 1] *= 1 + 1e-12
         broken[0, 1] *= 1 + 1e-6
-        spoiled[2, 3] = np.nan
         isosyrk.scene(initial=nearly)  # as skew as what a run leaves
         for error, message, arguments in (
-                (ValueError, "^scene 'calm': must be one of smooth, rough\\b", dict(name="calm", n=9)),
                 (ValueError, "^scene: must have a name", dict(n=9)),
-                (ValueError, "^n = 1: must be 2 to 4096$", dict(name="rough", n=1)),
-                (ValueError, "needs modes$", dict(name="smooth", n=4)),
                 (ValueError, "^scene: n is missing$", dict(name="smooth")),
                 (TypeError, "^n: is a float", dict(name="smooth", n=9.0)),
-                (ValueError, "^hbar 'plank': must be paper or standard$", dict(name="smooth", n=9, hbar="plank")),
                 (ValueError, "^scene: has modes and initial", dict(modes=[(1, 0, 1, 0)], initial=W)),
                 (ValueError, "^mode l=9, m=0: l must be", dict(modes=[(9, 0, 1.0, 0.0)], n=9)),
                 (ValueError, "^mode 5: must be", dict(modes=[5], n=9)),
@@ -260,8 +253,6 @@ class Refusals(unittest.TestCase):
                 (ValueError, r"shape is \(9, 8\), must be \(n, n\)", dict(initial=W[:, :8])),
                 (ValueError, r"shape is \(9, 9\), must be \(8, 8\)", dict(initial=W, n=8)),
                 (ValueError, "1e-10", dict(initial=broken)),
-                (ValueError, "finite|nan", dict(initial=spoiled)),
-                (ValueError, "zero|all 0", dict(initial=0 * W)),
                 (ValueError, "^hamiltonian: goes with", dict(initial=W, hamiltonian=abs)),
                 (TypeError, "^generator: is a int", dict(initial=W, generator=5)),
                 (ValueError, "^generator: needs initial", dict(name="smooth", n=9, generator=abs))):
@@ -270,17 +261,12 @@ class Refusals(unittest.TestCase):
     def test_integrators(self):
         for error, message, arguments in (
                 (ValueError, "^integrator 'group99': must be one of cotangent1", dict(name="group99")),
-                (ValueError, "^solver 'quick': must be published or fast$", dict(name="group2", solver="quick")),
-                (ValueError, "^threads = 0: must be 1 to 64$", dict(name="group2", solver="fast", threads=0)),
                 (ValueError, "^threads: goes with", dict(name="group2", threads=2)),
                 (ValueError, "^without: goes with", dict(name="group2", without=("bands",))),
                 (ValueError, "^without 'magic'", dict(name="group2", solver="fast", without=("magic",))),
-                (ValueError, "^tolerance 1e-16: must be at least 1e-15", dict(name="group2", tolerance=1e-16)),
                 (TypeError, "^tolerance: is a str", dict(name="group2", tolerance="1e-13")),
-                (ValueError, "^products 'mkl'", dict(name="group2", products="mkl")),
                 (ValueError, "must be printable$", dict(name="a\0b")),
-                (ValueError, "^products: goes with", dict(name="group2", solver="fast", products="eigen")),
-                (ValueError, "has no fast form", dict(name="algebra2_two_products", solver="fast"))):
+                (ValueError, "^products: goes with", dict(name="group2", solver="fast", products="eigen"))):
             self.refused(error, message, isosyrk.integrator, SMOOTH, **arguments)
         self.refused(TypeError, "^scene: is a str", isosyrk.integrator, "smooth", "group2")
 
@@ -327,10 +313,9 @@ class Beside(unittest.TestCase):
 
     def printed(self, code):
         """Returns what Python printed in the end, having said nothing on stderr."""
-        process = python(code)
-        printed, errors = process.communicate(timeout=60)
-        self.assertEqual((process.returncode, errors), (0, ""))
-        return printed
+        done = python(code)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        return done.stdout
 
     def test_a_second_call_is_refused(self):
         scene = isosyrk.scene("smooth", n=17)
@@ -375,7 +360,7 @@ class Beside(unittest.TestCase):
                 "    print('ended', isosyrk.spectrum_error(W, scene.initial), np.array_equal(W, scene.initial), flush=True)\n"
                 "    isosyrk.integrator(scene, 'rk4').step(W, 0.001)\n"
                 "    print('and works', flush=True)\n")
-        process = python(code, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler))
+        process = python(code, start, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         self.assertEqual(process.stdout.readline(), "begins\n", process)
         threading.Event().wait(0.5)
         process.send_signal(signal.SIGINT)
@@ -456,6 +441,5 @@ class Package(unittest.TestCase):
         self.assertEqual(len(examples), 2)
         for example in examples:
             with tempfile.TemporaryDirectory() as folder:
-                process = python(f"import matplotlib; matplotlib.use('Agg')\n{example}", cwd=folder)
-                _, errors = process.communicate(timeout=120)
-                self.assertEqual(process.returncode, 0, errors)
+                done = python(f"import matplotlib; matplotlib.use('Agg')\n{example}", timeout=120, cwd=folder)
+                self.assertEqual(done.returncode, 0, done.stderr)

@@ -7,7 +7,6 @@ from drawing import DrawingTest, finite_points, lines_of
 from stability_documents import CONTROL, SETTINGS, long_study, map_study, write
 
 from checked_json import UnusableFile
-from comparison import three_digits
 from document import as_text
 from integrator_names import TABLE1_CELLS
 from stability_files import FAST, PUBLISHED, Sample, failure_map, long_runs
@@ -45,14 +44,6 @@ class Report(unittest.TestCase):
         lines = report.split(f"\n{heading}", 1)[1].splitlines()
         line = next(line for line in lines if line.startswith(name + " "))
         return [cell.strip() for cell in line.split("  ") if cell.strip()]
-
-    def test_critical_values(self):
-        maps = failure_map(self.map, PUBLISHED)
-        self.assertEqual(self.row("rk4", "Smooth scene")[:3],
-                         ["rk4", *(three_digits(maps.maps["smooth", n, "rk4"].edge.works) for n in (17, 129))])
-        setting = maps.settings["smooth", 129]
-        self.assertEqual(self.row("smooth  129", "Critical h‖B(W₀)‖₂")[-2:],
-                         [str(setting.implicit_steps), str(setting.explicit_steps)])
 
     def test_methods_that_always_or_never_work(self):
         tables = self.map.tables
