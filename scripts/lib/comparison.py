@@ -60,7 +60,7 @@ def fastest_rows(times):
     best = min(times, key=lambda name: median(times[name]))
     if min(map(len, times.values())) < FEWEST_REPETITIONS:
         return {best}
-    return {name for name in times if name == best or compare(times[best], times[name]).outcome != FASTER}
+    return {name for name in times if name == best or compare(times[best], times[name])[0] != FASTER}
 
 
 # ---- numbers

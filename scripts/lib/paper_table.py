@@ -101,9 +101,9 @@ def verdict(claim, comparison, n, stages):
         return Verdict(n, stages, UNJUDGED)
     evidence, found = [], set()
     for faster, slower in claim.pairs(times):
-        decision = compare([claim.factor * time for time in times[faster]], times[slower])
-        evidence.append((faster, slower, median(times[slower]) / median(times[faster]), decision.p))
-        found.add(decision.outcome)
+        outcome, p = compare([claim.factor * time for time in times[faster]], times[slower])
+        evidence.append((faster, slower, median(times[slower]) / median(times[faster]), p))
+        found.add(outcome)
     outcome = FAILS if SLOWER in found else HOLDS if found == {FASTER} else OPEN
     return Verdict(n, stages, outcome, tuple(evidence))
 

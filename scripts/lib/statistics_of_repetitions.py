@@ -7,7 +7,6 @@ rank test.
 import functools
 import math
 import statistics
-from typing import NamedTuple
 
 LEVEL = 0.01
 # Four repetitions a side cannot reach the level: 1/C(8,4) = 0.014; five can: 1/C(10,5) = 0.004.
@@ -40,20 +39,13 @@ def rank_test(smaller, larger):
     return as_good / math.comb(len(smaller) + len(larger), len(smaller))
 
 
-class Decision(NamedTuple):
-    """What the repetitions say of one row against another, and the p it rests on."""
-
-    outcome: str
-    p: float
-
-
 def compare(first, second):
-    """Decides whether `first` is faster or slower than `second`, or that the repetitions do not tell.
+    """Returns FASTER or SLOWER, as `first` is against `second`, or UNDECIDED where the repetitions do not tell, and p.
 
-    The p returned is that of the direction in which the ranks lean.
+    It is the p of the direction in which the ranks lean.
     """
     p_faster, p_slower = rank_test(first, second), rank_test(second, first)
     p = min(p_faster, p_slower)
     if p > LEVEL or min(len(first), len(second)) < FEWEST_REPETITIONS:
-        return Decision(UNDECIDED, p)
-    return Decision(FASTER if p_faster < p_slower else SLOWER, p)
+        return UNDECIDED, p
+    return (FASTER if p_faster < p_slower else SLOWER), p

