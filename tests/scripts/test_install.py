@@ -48,9 +48,6 @@ class InstalledLibrary(FolderTest):
             raise AssertionError(f"{' '.join(line)}: exit {code}\n{printed}")
         return printed
 
-    def run_user(self, name):
-        return self.done(os.path.join(self.build, name))
-
     def test_module_is_installed(self):
         (package,) = glob.glob(os.path.join(self.prefix, "lib", "**", "isosyrk", "__init__.py"), recursive=True)
         python = re.search(r"^_?Python_EXECUTABLE:\w+=(.*)$", text_of(BUILD, "CMakeCache.txt"), re.M).group(1)
@@ -65,22 +62,16 @@ class InstalledLibrary(FolderTest):
                             "-B", self.path("build"))
         self.assertRegex(printed, r"-- NumPy module: built for /usr/bin/python3 \(Python 3")
 
-    def test_example_runs(self):
-        printed = self.run_user("example")
-        self.assertRegex(printed, r"^[0-9]+ sweeps, spectrum error [0-9.]+e-1[2-9]\n$")
+    def test_a_user_s_programs_run(self):
+        for name, printed in (("example", "[0-9]+ sweeps, spectrum error [0-9.]+e-1[2-9]"),
+                              ("memory", "sound"),  # goes to and fro
+                              ("own_flow", "kept"), ("own_scene", "coincide")):  # a scene is one file and one line
+            with self.subTest(name):
+                self.assertRegex(self.done(os.path.join(self.build, name)), f"^{printed}\n$")
 
     def test_example_is_the_one_of_the_readme(self):
         _, after = text_of(ROOT, "README.md").split(BEGIN)
         self.assertEqual(after.split(END)[0], text_of(USER, "example.cpp"))
-
-    def test_memory_goes_to_and_fro(self):
-        self.assertEqual(self.run_user("memory"), "sound\n")
-
-    def test_a_flow_of_the_user_is_integrated(self):
-        self.assertEqual(self.run_user("own_flow"), "kept\n")
-
-    def test_a_scene_is_one_file_and_one_line(self):
-        self.assertEqual(self.run_user("own_scene"), "coincide\n")
 
     def test_internals_are_not_installed(self):
         rooms = os.path.join(self.prefix, "include", "isosyrk")

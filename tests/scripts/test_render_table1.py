@@ -106,8 +106,7 @@ class TableTest(FolderTest):
 class WhatIsShown(TableTest):
     def test_a_time_is_the_median_with_half_its_interquartile_range(self):
         # Seven equidistant times, ± 10 % in all: the quartiles are halfway between the median and the ends.
-        for times, shown in ((repeated(0.003, spread=0.10), "0.00300 ±5.0 %"), ([0.003], "0.00300"),
-                             (repeated(0.003)[:-1] + [0.5], "0.00300 ±0.5 %")):
+        for times, shown in ((repeated(0.003, spread=0.10), "0.00300 ±5.0 %"), ([0.003], "0.00300")):
             found = entries(self.times(raw(cells={("group", 17, 1): times})), 17, "group")[0]
             self.assertEqual(found.rstrip("*"), shown)
 
@@ -156,7 +155,6 @@ class WhatIsShown(TableTest):
         data = raw()
         rows_of(data, ("group", 17, 1))[3].update(error_occurred=True, error_message=why)  # fails the cell
         self.assertIn(f"failed: {why} (1 of 7 repetitions)", " ".join(self.render(data).split()))
-        self.assertIn("failed (9)", self.render(raw(sizes=(17,), cells={(name, 17, s): why for name, s in SECONDS})))
 
     def test_counters_are_medians_with_three_digits(self):
         data = raw()

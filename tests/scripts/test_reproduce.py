@@ -292,11 +292,6 @@ class EndToEnd(ReproduceTest):
         studies = [name for name in os.listdir(folder) if name.endswith(".py")]
         self.assertEqual([name for name in studies if not os.access(os.path.join(folder, name), os.X_OK)], [])
 
-    def test_quick_is_passed_on(self):
-        self.reproduce("stability", "--quick", FAILING="long_runs")
-        for program in ("stability", "long_runs"):
-            self.assertIn("--quick", self.calls(program + "[")[0])
-
     def test_sizes_and_interleaved_repetitions_enough_for_a_verdict(self):
         for arguments, sizes in (((), [17, 33, 65, 129]), (("--quick",), [17, 33])):
             self.reproduce(*arguments, FAILING="table1")
@@ -305,6 +300,9 @@ class EndToEnd(ReproduceTest):
             self.assertEqual([n for n in (17, 33, 65, 129) if re.search(pattern, f"table1/group/n:{n}/s:1")], sizes)
             self.assertGreaterEqual(int(re.search(r"--benchmark_repetitions=(\d+)", call)[1]), 5)
             self.assertIn("--benchmark_enable_random_interleaving=true", call)
+        self.reproduce("stability", "--quick", FAILING="long_runs")
+        for program in ("stability", "long_runs"):
+            self.assertIn("--quick", self.calls(program + "[")[0])
 
 
 class FailedRuns(ReproduceTest):

@@ -71,15 +71,12 @@ class Files(DrawingTest):
     def raw_long(self):
         return write(self.folder, long_study((*FEW, CONTROL)), "long.json")
 
-    def assert_files(self, files, charts):
-        self.assertEqual(set(files), {"report.md", "report.txt",
-                                      *(f"{chart}.{kind}" for chart in charts for kind in ("svg", "png"))})
-
     def test_every_chart_is_whole_and_shown(self):
         arguments = (self.raw(), "--long", self.raw_long(), "--fast", self.raw(FAST, FEW[:1]))
         files = self.rendered("plain", *arguments)
         charts = (*MAPS, *FAST_MAPS, *LONG_RUNS)
-        self.assert_files(files, charts)
+        self.assertEqual(set(files), {"report.md", "report.txt",
+                                      *(f"{chart}.{kind}" for chart in charts for kind in ("svg", "png"))})
         for chart in charts:
             self.assert_whole(files, chart)
             self.assertIn(f"({chart}.svg)".encode(), files["report.md"])
@@ -87,7 +84,7 @@ class Files(DrawingTest):
 
     def test_long_runs_and_fast_forms_may_be_left_out(self):
         files = self.rendered("maps", self.raw())
-        self.assert_files(files, MAPS)
+        self.assertEqual({name[:-4] for name in files if name.endswith(".svg")}, set(MAPS))
         self.assertNotIn(b"Largest errors", files["report.txt"])
 
     def test_one_file_is_not_taken_for_another(self):
