@@ -96,13 +96,20 @@ Outcome integrate(const IntegrateRequest& request, const Scene& scene, ProductBa
   return outcome;
 }
 
+// The name in the list of integrators: that of a fast form has a prefix.
+std::string listed_name(const IntegratorEntry& integrator) {
+  constexpr std::string_view prefix = "fast_";
+  const std::string& name = integrator.name;
+  return name.starts_with(prefix) ? name.substr(prefix.size()) : name;
+}
+
 nlohmann::ordered_json as_json(const IntegrateRequest& request, const Start& start,
                                const Outcome& outcome, ProductBackend backend) {
   const RunReport& run = outcome.run;
   nlohmann::ordered_json json = {
       {"scene", request.scene},
       {"n", request.n},
-      {"integrator", request.integrator.name},
+      {"integrator", listed_name(request.integrator)},
       {"stages", request.integrator.stages},
       {"formulation", request.formulation ? nlohmann::ordered_json(name(*request.formulation))
                                           : nlohmann::ordered_json(nullptr)},

@@ -1,13 +1,8 @@
 #include "benchmarks/peak.h"
 
 #include <algorithm>
-#include <atomic>
-#include <thread>
-#include <utility>
-#include <vector>
 
 #include "benchmarks/clocks.h"
-#include "benchmarks/median.h"
 
 namespace isosyrk {
 namespace {
@@ -31,9 +26,6 @@ Vector splat(double value) {
   return v;
 }
 
-// Floating point operations of run_chains.
-constexpr double flops(long rounds) { return 2.0 * width * chains * static_cast<double>(rounds); }
-
 // `chains` independent dependent chains keep both multiply-add units busy.
 void run_chains(long rounds) {
   Vector sum[chains];
@@ -52,31 +44,7 @@ void run_chains(long rounds) {
 double flops_per_second(long rounds) {
   const double start = cpu_seconds();
   run_chains(rounds);
-  return flops(rounds) / (cpu_seconds() - start);
-}
-
-void wait_for(const std::atomic<bool>& event) {
-  while (!event.load()) std::this_thread::yield();
-}
-
-// Runs the chains here and in a second thread, awake by then; returns the seconds until both are
-// done.
-double seconds_of_two(long rounds) {
-  std::atomic<bool> awake{false}, begins{false}, done{false};
-  std::thread second([&] {
-    awake.store(true);
-    wait_for(begins);
-    run_chains(rounds);
-    done.store(true);
-  });
-  wait_for(awake);
-  const double start = wall_seconds();
-  begins.store(true);
-  run_chains(rounds);
-  wait_for(done);
-  const double seconds = wall_seconds() - start;
-  second.join();
-  return seconds;
+  return 2.0 * width * chains * static_cast<double>(rounds) / (cpu_seconds() - start);
 }
 
 }  // namespace
@@ -88,18 +56,6 @@ double measured_peak_flops() {
 }
 
 double peak_flops_now() { return flops_per_second(50000); }
-
-double cores_at_once() {
-  constexpr long rounds = 100000;
-  std::vector<double> cores(5);
-  for (double& each : cores) {
-    const double start = wall_seconds();
-    run_chains(rounds);
-    const double alone = wall_seconds() - start;
-    each = 2.0 * alone / seconds_of_two(rounds);
-  }
-  return median(std::move(cores));
-}
 
 const char* compiled_vector_units() {
 #if defined(__AVX512F__)

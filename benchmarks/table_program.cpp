@@ -12,7 +12,6 @@
 #include "benchmarks/benchmark_program.h"
 #include "benchmarks/clocks.h"
 #include "benchmarks/command_line.h"
-#include "benchmarks/peak.h"
 #include "benchmarks/product_rate.h"
 #include "benchmarks/reference.h"
 #include "benchmarks/stolen_time.h"
@@ -161,13 +160,12 @@ class CellProgress {
 class Cell {
  public:
   Cell(const CellId& id, const SolverOptions& options, ProductBackend backend,
-       const std::optional<Reference>& reference, bool counts_cores, CellProgress& progress)
+       const std::optional<Reference>& reference, CellProgress& progress)
       : table_(*id.table),
         id_(id),
         options_(options),
         backend_(backend),
         reference_(reference),
-        counts_cores_(counts_cores),
         progress_(progress) {}
 
   void time(benchmark::State& state) {
@@ -181,7 +179,6 @@ class Cell {
     }
     // The product rate of the moment, on both sides of what it is compared with.
     const double rate_before = table_.product_rate(backend_, id_.n);
-    const double cores_before = counts_cores_ ? cores_at_once() : 0.0;
     Matrix W = scene_.initial;
     RunReport timed;
     const auto processors_before = processor_times();
@@ -216,9 +213,6 @@ class Cell {
     }
     state.counters["product_share"] = timed.equivalent_products / rate / seconds / table_.threads;
     state.counters["stolen"] = stolen / elapsed / table_.threads;
-    if (counts_cores_) {
-      state.counters["cores_at_once"] = std::min(cores_before, cores_at_once());
-    }
     if (table_.forms == Forms::fast) {
       state.counters["equivalent_products"] = timed.equivalent_products;
     }
@@ -238,7 +232,6 @@ class Cell {
   SolverOptions options_;
   ProductBackend backend_;
   const std::optional<Reference>& reference_;
-  bool counts_cores_;
   CellProgress& progress_;
   Scene scene_;
   std::unique_ptr<Integrator> integrator_;
@@ -307,8 +300,8 @@ int time_table(Forms forms, int argc, char** argv) {
     }
     rates.push_back(choose_backend(choice, n));
     for (const CellId& cell : cells[n]) {
-      const auto timed = std::make_shared<Cell>(cell, options, rates.back().chosen, reference[n],
-                                                threaded.has_value(), progress);
+      const auto timed =
+          std::make_shared<Cell>(cell, options, rates.back().chosen, reference[n], progress);
       benchmark::RegisterBenchmark(cell.name().c_str(), [timed](benchmark::State& state) {
         timed->time(state);
       })->Unit(benchmark::kMillisecond);

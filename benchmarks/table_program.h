@@ -5,8 +5,7 @@ namespace isosyrk {
 
 /// Which forms a table times.  That of the fast ones takes the published ones too, by --published,
 /// and its own cells again with several threads, by --threads N.  All are timed in turns if Google
-/// Benchmark is asked to interleave.  With several threads every row has cores_at_once, the least
-/// of before and after its run.
+/// Benchmark is asked to interleave.
 enum class Forms { published, fast };
 
 /// The program: times 50 steps of each cell, n = 17, 33, 65, 129, s = 1, 2, 3, and returns its exit

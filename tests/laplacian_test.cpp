@@ -67,7 +67,10 @@ TEST(SplitLaplacian, SolvesAsThePlainOneAndInSinglePrecisionToSomeDigits) {
     laplacian.solve_skew_hermitian(W, 1.7, expected);
     const Matrix found = solved(laplacian, W, 1.7), single = solved<float>(laplacian, W, 1.7);
     EXPECT_LE(largest_difference(found, expected), 1e-14 * expected.norm()) << n;
-    EXPECT_LE(std::abs(found.trace()), 1e-14 * expected.norm()) << n;
+    // The sum of n entries, each rounded; other kernels of BLAS, by which W is scaled, reach a
+    // third of this bound.  A trace that is left in W gives 0.1 and more.
+    const double rounding = static_cast<double>(n) * std::numeric_limits<double>::epsilon();
+    EXPECT_LE(std::abs(found.trace()), rounding * expected.norm()) << n;
     EXPECT_LE((single - found).norm(), 1e-3 * found.norm()) << n;
     EXPECT_GT((single - found).norm(), 1e-9 * found.norm()) << n;  // it is single precision
     for (const Matrix& each : {found, single}) EXPECT_EQ(skew_defect(each), 0.0) << n;

@@ -1,14 +1,11 @@
-// What a program is told of its machine: memory, stolen time, cores at once; and the median.
-#include <sched.h>
+// What a program is told of its machine: memory and stolen time; and the median.
 #include <sys/resource.h>
 
-#include <algorithm>
 #include <cmath>
 #include <sstream>
 
 #include "benchmarks/median.h"
 #include "benchmarks/memory.h"
-#include "benchmarks/peak.h"
 #include "benchmarks/stolen_time.h"
 #include "tests/support.h"
 
@@ -97,19 +94,6 @@ TEST(StolenTime, IsThatOfTheProcessorsThatWorked) {
   EXPECT_EQ(stolen_seconds(before, after, 1), 0.25);
   EXPECT_EQ(stolen_seconds(before, after, 2), 0.75);
   EXPECT_EQ(stolen_seconds(before, after, 9), 1.75);
-}
-
-TEST(CoresAtOnce, AreOneForTwoThreadsOnOneProcessor) {
-  cpu_set_t all, one;
-  ASSERT_EQ(sched_getaffinity(0, sizeof all, &all), 0);
-  CPU_ZERO(&one);
-  CPU_SET(static_cast<std::size_t>(sched_getcpu()), &one);
-  ASSERT_EQ(sched_setaffinity(0, sizeof one, &one), 0);
-  double least = cores_at_once();
-  for (int again = 0; again < 2; ++again) least = std::min(least, cores_at_once());
-  ASSERT_EQ(sched_setaffinity(0, sizeof all, &all), 0);
-  EXPECT_GT(least, 0.0);
-  EXPECT_LT(least, 1.3);  // others may have work here too
 }
 
 TEST(Median, IsTheMiddleOneOrTheUpperOfTwo) {

@@ -94,11 +94,11 @@ void QuadraticAlgebra::sum_over_entries(MatrixOf<Scalar>& out, const Term& term)
   out.setZero();
   const auto sum = [&](const auto& value) {
     for (const Entry& left : entries_) {
-      const auto factor = value(left.value) / value(alpha_);
       for (const Entry& right : entries_) {
-        out(left.row, right.column) += factor * value(right.value) * term(left, right);
+        out(left.row, right.column) += value(left.value) * term(left, right) * value(right.value);
       }
     }
+    out /= value(alpha_);
   };
   const auto real = [](const Complex& value) { return value.real(); };
   if constexpr (std::is_same_v<Scalar, double>) {

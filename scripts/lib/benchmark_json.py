@@ -31,16 +31,11 @@ class CellKey(NamedTuple):
 
 @dataclass(frozen=True)
 class Measurement:
-    """One cell: CPU seconds and counters of each repetition, in the same order, or why it failed."""
+    """One cell: CPU seconds of each repetition and the median of each counter, or why it failed."""
 
     times: Tuple[float, ...] = ()
-    repeated: Dict[str, Tuple[float, ...]] = field(default_factory=dict)
+    counters: Dict[str, float] = field(default_factory=dict)
     failure: Optional[str] = None
-
-    @property
-    def counters(self):
-        """The median of each counter."""
-        return {name: statistics.median(values) for name, values in self.repeated.items()}
 
 
 class Run(NamedTuple):
@@ -64,29 +59,28 @@ class Run(NamedTuple):
                       key=lambda key: (key.n, FORMULATIONS.index(key.formulation), key.stages))
 
 
-def read_run(path, program, counters, optional=(), table=None, threads=1, time="cpu_time"):
+def read_run(path, program, counters, optional=(), table=None):
     """Returns the Run in `path`, written by `program`, whose every good row must have all `counters`.
 
     A cell has an optional counter if each of its repetitions has it. `table` is what the rows are named by, where that
-    is not the program. Of rows timed by several threads, named .../threads:2, only those of `threads` are read; for
-    their comparison `time` is "real_time".
+    is not the program. Rows timed by several threads, named .../threads:2, are passed over.
     """
     def run_of(document):
         context = document.get("context") if isinstance(document, dict) else None
         for name, wanted in (("isosyrk_program", program), ("isosyrk_format", FORMAT)):
             require(context, f"raw file of {program}", name, wanted)
         rows = checked(document, {"benchmarks": list_of(an_object)}, "it")["benchmarks"]
-        return Run(printable_context(context), {key: measurement(cell, counters, optional, time) for key, cell
-                                                in rows_by_cell(rows, table or program, threads).items()})
+        return Run(printable_context(context), {key: measurement(cell, counters, optional) for key, cell
+                                                in rows_by_cell(rows, table or program).items()})
 
     return read_json(path, run_of)
 
 
-def rows_by_cell(rows, table, threads):
+def rows_by_cell(rows, table):
     """Returns the repetitions of each cell, in the order of their index, by which a doubled one is noticed."""
     cells = {}
     for row in rows:
-        key = cell_key(row, table, threads)
+        key = cell_key(row, table)
         if key is None:
             continue
         index = checked(row, {"repetition_index": whole()}, row_name(row))["repetition_index"]
@@ -98,29 +92,29 @@ def rows_by_cell(rows, table, threads):
     return {key: [cell[index] for index in sorted(cell)] for key, cell in cells.items()}
 
 
-def cell_key(row, table, threads):
-    """Returns the cell a row belongs to, or None for an aggregate, a row of something else or of other threads."""
+def cell_key(row, table):
+    """Returns the cell a row belongs to, or None for an aggregate, a row of something else or of several threads."""
     named = checked(row, {"run_name": any_text, "run_type": one_of("iteration", "aggregate")}, "a row")
     if named["run_type"] == "aggregate" or not named["run_name"].startswith(table + "/"):
         return None
-    match = re.match(r"([a-z0-9_]+)/n:([0-9]{1,6})/s:([0-9]{1,3})(?:/threads:([0-9]{1,3}))?(?=/|$)",
+    match = re.match(r"([a-z0-9_]+)/n:([0-9]{1,6})/s:([0-9]{1,3})(/threads:[0-9]{1,3})?(?=/|$)",
                      named["run_name"][len(table) + 1:])
     if not match:
         raise UnusableFile(f"has a row named {quoted(named['run_name'])}, not {table}/<formulation>/n:…/s:…")
-    return CellKey(match[1], int(match[2]), int(match[3])) if int(match[4] or 1) == threads else None
+    return None if match[4] else CellKey(match[1], int(match[2]), int(match[3]))
 
 
-def measurement(rows, counters, optional, time):
+def measurement(rows, counters, optional):
     """Joins the repetitions of a cell; one that failed fails the cell, for its time would be a biased choice."""
     failures = [why for why in map(failure, rows) if why]
     if failures:
         some = f" ({len(failures)} of {len(rows)} repetitions)" if len(failures) < len(rows) else ""
         return Measurement(failure=failures[0] + some)
     names = [*counters, *(name for name in optional if all(name in row for row in rows))]
-    kinds = {"time_unit": one_of(*SECONDS_PER_UNIT), time: positive, **dict.fromkeys(names, number)}
+    kinds = {"time_unit": one_of(*SECONDS_PER_UNIT), "cpu_time": positive, **dict.fromkeys(names, number)}
     found = [checked(row, kinds, row_name(row)) for row in rows]
-    return Measurement(tuple(SECONDS_PER_UNIT[row["time_unit"]] * row[time] for row in found),
-                       {name: tuple(row[name] for row in found) for name in names})
+    return Measurement(tuple(SECONDS_PER_UNIT[row["time_unit"]] * row["cpu_time"] for row in found),
+                       {name: statistics.median(row[name] for row in found) for name in names})
 
 
 def failure(row):

@@ -6,7 +6,7 @@ import subprocess
 import sys
 
 from checked_json import one_line
-from command_line import Stop
+from command_line import Stop, say
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 HEAD = os.path.join(ROOT, "build")  # where this tree is built
@@ -47,12 +47,12 @@ def in_setup(commands, *arguments):
     done = subprocess.run(["bash", "-c", script, "check_regression", *arguments], stdin=subprocess.DEVNULL,
                           stdout=sys.stderr, stderr=subprocess.PIPE, encoding="utf-8", errors="replace", check=False)
     lines = done.stderr.splitlines()
-    if done.returncode != 0:
-        for line in lines[:-1]:
-            print(line, file=sys.stderr)
-        raise Stop(one_line(lines[-1].partition(": ")[2] if lines else f"set-up failed with {done.returncode}"))
+    reason = lines.pop().partition(": ")[2] if done.returncode and lines else ""
     for line in lines:
-        print(line, file=sys.stderr)
+        say(line)
+    if done.returncode:
+        raise Stop(one_line(reason) or f"set-up failed with {done.returncode}")
+
 
 
 def install(allowed):

@@ -1,19 +1,21 @@
-"""The cells that the regression gate watches, and what a build reports of them."""
+"""The cells that the regression gate watches, what a build reports of them, and the baseline recorded of their counts."""
 
 import json
+import os
 import subprocess
 from typing import Dict, NamedTuple
 
 from benchmark_json import FORMULATIONS
-from checked_json import (UnusableFile, an_object, anything, checked, keyed, list_of, number, one_line, optional,
-                          parse_json, positive, printable_context, require, text, whole)
+from checked_json import (UnusableFile, an_object, any_text, anything, checked, keyed, list_of, number, one_line,
+                          optional, parse_json, positive, printable_context, read_json, require, text, whole)
 from command_line import Stop
+from output import replace_file
 from study_file import status
 
 SIZES = (17, 33, 65, 129)
 QUICK_SIZES = (17, 33)
 STAGES = (1, 2, 3)
-FORMAT = "isosyrk regression_cells 2"
+FORMAT, BASELINE_FORMAT = "isosyrk regression_cells 2", "isosyrk baseline 2"
 FAST = "fast_"  # begins the name of a cell of Table 2
 COUNTS = ("sweeps", "products", "poisson_solves", "allocations")
 FAST_COUNTS = ("sweeps", "equivalent_products", "poisson_solves", "allocations")
@@ -39,6 +41,9 @@ def compared(name):
     return name[len(FAST):] if is_fast(name) else "/".join(["group", *name.split("/")[1:]])
 
 
+# ---- the report of a build
+
+
 class Cell(NamedTuple):
     """What a build did in one cell; what a run that did not converge has none of is None."""
 
@@ -57,16 +62,12 @@ class Cell(NamedTuple):
 
 
 class Build(NamedTuple):
-    """A build's report: the commit, the kernels that rounded, and the cells by name."""
+    """A build's report: its conditions, the kernels that rounded, the compiler, and the cells by name."""
 
     context: Dict[str, str]
+    kernels: str
+    compiler: str
     cells: Dict[str, Cell]
-
-    def kernels(self):
-        return "; ".join(self.context.get(field, "unknown") for field in ("blas_kernels", "vector_units"))
-
-    def compiler(self):
-        return self.context.get("compiler", "unknown")
 
 
 def report_of(program, names, environment=None):
@@ -87,7 +88,9 @@ def report_of(program, names, environment=None):
 def read_build(document):
     require(document, "document of regression_cells", "format", FORMAT)
     found = checked(document, {"context": an_object, "cells": list_of(an_object)}, "it")
-    return Build(printable_context(found["context"]), keyed(map(read_cell, found["cells"]), "name"))
+    context = printable_context(found["context"])
+    kernels = "; ".join(context.get(field, "unknown") for field in ("blas_kernels", "vector_units"))
+    return Build(context, kernels, context.get("compiler", "unknown"), keyed(map(read_cell, found["cells"]), "name"))
 
 
 def read_cell(values):
@@ -103,6 +106,43 @@ def read_counts(values):
     counts = FAST_COUNTS if is_fast(values["name"]) else COUNTS
     kinds = {count: positive if count == "equivalent_products" else whole() for count in counts}
     return checked(values, kinds, "a cell")
+
+
+# ---- the baseline
+
+
+class Baseline(NamedTuple):
+    commit: str
+    kernels: str
+    compiler: str
+    counts: Dict[str, Dict[str, float]]  # by cell
+
+
+def baseline_of(build, commit):
+    return Baseline(commit, build.kernels, build.compiler, {name: cell.counts for name, cell in build.cells.items()})
+
+
+def read_baseline(path):
+    """Returns the baseline in `path`. Throws UnusableFile, also where it is one of other cells."""
+    def baseline(document):
+        require(document, "baseline of this version", "format", BASELINE_FORMAT)
+        found = checked(document, {"commit": text, "kernels": any_text, "compiler": text,
+                                   **dict.fromkeys(("cells", "fast_cells"), list_of(an_object))}, "it")
+        cells = [*found.pop("cells"), *found.pop("fast_cells")]
+        counts = {checked(each, {"name": text}, "a cell")["name"]: read_counts(each) for each in cells}
+        if len(counts) != len(cells) or set(counts) != set(cells_of(SIZES)):
+            raise UnusableFile("is a baseline of other cells than are watched now")
+        return Baseline(**found, counts=counts)
+
+    return read_json(path, baseline)
+
+
+def write_baseline(path, baseline):
+    document = {"format": BASELINE_FORMAT, **baseline._asdict(), "cells": [], "fast_cells": []}
+    for name, counts in document.pop("counts").items():
+        document["fast_cells" if is_fast(name) else "cells"].append({"name": name, **counts})
+    os.makedirs(os.path.dirname(path), exist_ok=True)
+    replace_file(path, json_text(document).encode("utf-8"))
 
 
 def json_text(document):

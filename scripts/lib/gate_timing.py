@@ -12,7 +12,6 @@ import re
 import shutil
 import statistics
 import subprocess
-from typing import NamedTuple, Tuple
 
 from checked_json import one_line
 from command_line import Stop
@@ -20,26 +19,17 @@ from gate_cells import is_fast, with_fast
 from gate_layers import Layer
 
 MEDIAN_LIMIT, QUARTILE_LIMIT = 1.03, 1.01
-
-
-class Plan(NamedTuple):
-    """What is timed, and how often."""
-
-    cells: Tuple[str, ...]
-    launches: int = 6
-    pairs: int = 3  # of each cell, a launch
-    block_seconds: float = 0.02
-
-
+LAUNCHES, PAIRS = 6, 3  # of both builds; of each cell, a launch
+BLOCK_SECONDS = 0.02
 STEPS = {17: 50, 33: 20, 65: 5, 129: 1}  # of a published form's run, by n
 FAST_STEPS = 50  # of a fast one's: it starts cold, and costs less as soon as it can predict
-QUICK = Plan(tuple(with_fast(["cotangent/n:17/s:2", "group/n:17/s:2", "algebra/n:17/s:2",
-                              "cotangent/n:33/s:3", "group/n:33/s:3", "algebra/n:33/s:1"])))
-FULL = Plan((*QUICK.cells,
-             "group/n:65/s:2", "algebra/n:65/s:1", "algebra/n:65/s:3",
-             "cotangent/n:129/s:3", "group/n:129/s:1", "algebra/n:129/s:2",
-             "fast_cotangent/n:65/s:2", "fast_group/n:65/s:3", "fast_algebra/n:65/s:2",
-             "fast_cotangent/n:129/s:1", "fast_group/n:129/s:2", "fast_algebra/n:129/s:1"))
+QUICK = with_fast(["cotangent/n:17/s:2", "group/n:17/s:2", "algebra/n:17/s:2",
+                   "cotangent/n:33/s:3", "group/n:33/s:3", "algebra/n:33/s:1"])
+FULL = [*QUICK,
+        "group/n:65/s:2", "algebra/n:65/s:1", "algebra/n:65/s:3",
+        "cotangent/n:129/s:3", "group/n:129/s:1", "algebra/n:129/s:2",
+        "fast_cotangent/n:65/s:2", "fast_group/n:65/s:3", "fast_algebra/n:65/s:2",
+        "fast_cotangent/n:129/s:1", "fast_group/n:129/s:2", "fast_algebra/n:129/s:1"]
 
 
 def steps_of(cell):
@@ -86,21 +76,15 @@ class Server:
         return self.process.communicate()[1]
 
 
-class Timing(NamedTuple):
-    """The pairs of one cell: head over base."""
+def quartiles(ratios):
+    """Returns the lower quartile and the median."""
+    return statistics.quantiles(ratios, n=4, method="inclusive")[:2]
 
-    ratios: Tuple[float, ...]
 
-    @property
-    def median(self):
-        return statistics.median(self.ratios)
-
-    @property
-    def lower_quartile(self):
-        return statistics.quantiles(self.ratios, n=4, method="inclusive")[0]
-
-    def is_slower(self):
-        return self.median > MEDIAN_LIMIT and self.lower_quartile > QUARTILE_LIMIT
+def is_slower(ratios):
+    """Tells whether the pairs of a cell, head over base, show head slower: by their median and their lower quartile."""
+    lower, middle = quartiles(ratios)
+    return middle > MEDIAN_LIMIT and lower > QUARTILE_LIMIT
 
 
 def pinned(program):
@@ -109,42 +93,43 @@ def pinned(program):
     return [program] if last is None or not shutil.which("taskset") else ["taskset", "-c", str(last), program]
 
 
-def time_cells(base, head, cells, plan):
-    """Returns the Timing of each cell; `base` and `head` start a Server of the cells. Throws Stop."""
+def time_cells(base, head, cells, launches=LAUNCHES, pairs_of_each=PAIRS):
+    """Returns the ratios of the pairs of each cell; `base` and `head` start a Server of the cells. Throws Stop."""
     pairs = {cell: [] for cell in cells}
     runs = {}
-    for launch in range(plan.launches):
+    for launch in range(launches):
         with contextlib.ExitStack() as running:
             servers = {}
             for start in (base, head) if launch % 2 == 0 else (head, base):
                 servers[start] = running.enter_context(contextlib.closing(start(cells)))
-            for pair in range(plan.pairs):
+            for pair in range(pairs_of_each):
                 for cell in cells:
                     if cell not in runs:
-                        runs[cell] = runs_in_a_block(servers[base], cell, plan.block_seconds)
+                        runs[cell] = runs_in_a_block(servers[base], cell)
                     turns = (base, head, head, base) if (launch + pair) % 2 == 0 else (head, base, base, head)
                     seconds = {base: 0.0, head: 0.0}
                     for turn in turns:
                         seconds[turn] += servers[turn].seconds(cell, runs[cell])
                     pairs[cell].append(seconds[head] / seconds[base])
-    return {cell: Timing(tuple(found)) for cell, found in pairs.items()}
+    return pairs
 
 
-def runs_in_a_block(server, cell, block_seconds):
+def runs_in_a_block(server, cell):
     server.seconds(cell, 1)  # the first is slower
-    return max(1, round(block_seconds / server.seconds(cell, 1)))
+    return max(1, round(BLOCK_SECONDS / server.seconds(cell, 1)))
 
 
-def judge_times(base, head, plan):
-    """Times the cells of the plan, and those that seem slower once more: a cell is slower if it was both times."""
+def judge_times(base, head, cells):
+    """Times these cells, and those that seem slower once more: a cell is slower if it was both times."""
     layer = Layer("timing")
-    first = time_cells(base, head, plan.cells, plan)
-    suspects = tuple(cell for cell in plan.cells if first[cell].is_slower())
-    again = time_cells(base, head, suspects, plan) if suspects else {}
-    for cell, timing in {**first, **again}.items():
-        layer.add(cell, "CPU time, head over base", f"{timing.median:.3f} (lower quartile {timing.lower_quartile:.3f})",
-                  f"{MEDIAN_LIMIT} ({QUARTILE_LIMIT})", not timing.is_slower())
+    first = time_cells(base, head, cells)
+    suspects = [cell for cell in cells if is_slower(first[cell])]
+    again = time_cells(base, head, suspects) if suspects else {}
+    for cell, ratios in {**first, **again}.items():
+        lower, middle = quartiles(ratios)
+        layer.add(cell, "CPU time, head over base", f"{middle:.3f} (lower quartile {lower:.3f})",
+                  f"{MEDIAN_LIMIT} ({QUARTILE_LIMIT})", not is_slower(ratios))
     if suspects:
-        layer.notes.append("measured twice: " + ", ".join(f"{cell} (first {first[cell].median:.3f})"
+        layer.notes.append("measured twice: " + ", ".join(f"{cell} (first {quartiles(first[cell])[1]:.3f})"
                                                           for cell in suspects))
     return layer

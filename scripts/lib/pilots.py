@@ -8,8 +8,8 @@ has it: that is exact and costs nothing. Needs NumPy and isosyrk.
 
 import itertools
 import math
-import re
 import signal
+from argparse import ArgumentTypeError
 from dataclasses import replace
 
 import isosyrk
@@ -17,11 +17,12 @@ import numpy
 import study
 from accuracy_lines import FAST
 from checked_json import UnusableFile, one_line, read_text
+from command_line import number, whole_number
 from integrator_names import FRAME
 from recommendation import (PREDICTABLE, SMALLEST_ERROR, Outcome, Question, answer_data, below_reference,
                             beyond_predictability, energy_growth)
 from study_file import CONVERGED, UNSTABLE
-from trials import Setting, invariants_lost, larger
+from trials import Setting, invariants_lost
 
 REFERENCES = ("group6", "group5")
 CANDIDATES = ("rk4", "group3", "group4", "rkmk4", "group5", "group2", "group6", "kahan_li6", "yoshida4", "direct2",
@@ -39,8 +40,10 @@ FLOOR = 1e-6  # below, two references that no longer come closer are at rounding
 TOO_DEAR = 8.0  # times the seconds of the cheapest good pilot over the part, where others are stopped
 MOST_KEPT = 6  # methods that go on to the next part
 # Least growth of the error as a power of time, for methods that keep the spectrum and others. Short runs show too little.
-# More than MOST_GROWTH is no power: trajectories part, and nothing is known of a longer time.
-LEAST_GROWTH, LEAST_GROWTH_OF_OTHERS, MOST_GROWTH = 1.5, 4.0, 5.0
+# Where trajectories part, errors grow exponentially, which a power fitted to one pilot does not show. So none is trusted
+# that grew faster than MOST_GROWTH, and none over more than FARTHEST times the time of its pilot. (A scene of n = 48, all
+# of l <= 6: two references to T = 1000 part, while pilots to T = 125 show a power of 2.6.)
+LEAST_GROWTH, LEAST_GROWTH_OF_OTHERS, MOST_GROWTH, FARTHEST = 1.5, 4.0, 3.0, 2.0
 LOOKS = 100  # at the energy and the cost of a pilot of many steps
 FIRST_SHARE = 1 / 3  # of the budget; after it, no further method is begun on the first part
 TOLERANCE = 1e-13  # of the iteration, for a state of norm 1
@@ -48,8 +51,8 @@ TOLERANCE = 1e-13  # of the iteration, for a state of norm 1
 
 # ---- the user's scene
 
-WHOLE, REAL = re.compile("[0-9]{1,9}"), re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
-KINDS = {"l": (int, WHOLE), "m": (int, WHOLE), "re": (float, REAL), "im": (float, REAL)}  # of a mode: type and form
+WHOLE, REAL = whole_number(0, 10**9), number(-math.inf, math.inf)
+FIELDS = {"l": WHOLE, "m": WHOLE, "re": REAL, "im": REAL}  # of a mode, with their readers
 LEAST_ENERGY = 1e-200
 AT_REST = 1e-12  # ‖B(W)‖₂ over the largest entry of W: rounding of a state that does not move
 
@@ -58,16 +61,17 @@ def read_modes(path):
     """Returns the modes in a CSV file with the header l,m,re,im. Throws UnusableFile."""
     header, *lines = [[field.strip() for field in line.split(",")]
                       for line in read_text(path).lstrip("\ufeff").splitlines() or [""]]
-    if sorted(header) != sorted(KINDS):
+    if sorted(header) != sorted(FIELDS):
         raise UnusableFile("the header must name l,m,re,im and no other")
     modes = []
-    for number, fields in enumerate(lines, 2):
+    for place, fields in enumerate(lines, 2):
         if fields == [""]:
             continue
-        row = dict(zip(header, fields))
-        if len(fields) != len(KINDS) or not all(pattern.fullmatch(row[name]) for name, (_, pattern) in KINDS.items()):
-            raise UnusableFile(f"line {number}: must be 4 numbers (l,m,re,im)")
-        modes.append(tuple(kind(row[name]) for name, (kind, _) in KINDS.items()))
+        try:
+            row = dict(zip(header, fields, strict=True))
+            modes.append(tuple(read(row[name]) for name, read in FIELDS.items()))
+        except (ValueError, ArgumentTypeError):
+            raise UnusableFile(f"line {place}: must be 4 numbers (l,m,re,im)") from None
     return modes
 
 
@@ -129,7 +133,7 @@ class Search:
         self.candidates = [each for each in candidates if each.keeps(question.keep)]
         self.limits = {each: (self.method(each).linear_limit() or math.inf) / self.setting.norm_B for each in self.candidates}
         self.pilots = []
-        self.trajectory = True  # whether errors are those of the trajectory, or of energy and spectrum
+        self.trajectory, self.why = True, ""  # whether errors are those of the trajectory; if of energy and spectrum, why
         self.reference, self.exact, self.uncertainty = None, (), math.inf  # pilot, its states at half time and at the end
         self.reference_step = FIRST_REFERENCE / self.setting.norm_B  # of the next part
         self.unsettled = None  # the last two references over a part that do not agree, as one Outcome
@@ -153,35 +157,30 @@ class Search:
 
         The pilot has an error if there is a reference. There are no states if it did not come to a usable end.
         """
-        scene = self.setting.scene
-        pilot = Outcome(integrator, scene.n, self.time, steps, None, 0.0, STOPPED)
+        pilot = Outcome(integrator, self.setting.scene.n, self.time, steps, None, 0.0, STOPPED)
         self.pilots.append(pilot)
-        states, energy_error = [], 0.0
+        states = []
 
         def look(step, W, report):
-            nonlocal energy_error
-            energy_error = larger(energy_error, self.setting.energy_error(W))
             if step in (steps // 2, steps):
                 states.append(W.copy())
             return report.seconds > most_seconds
 
         every = next(each for each in range(max(1, steps // LOOKS), 0, -1) if steps // 2 % each == 0)
-        try:
-            W, report = self.method(integrator).run(scene.initial, pilot.step, steps, observe=look, every=every)
-        except isosyrk.SolverError as failure:
-            pilot.status, pilot.seconds = failure.status, failure.report.seconds
-            return pilot, ()
+        W, report, status, _, energy_error = self.setting.run(self.method(integrator), pilot.step, steps, every, look)
         pilot.seconds = report.seconds
-        if report.steps < steps:
+        if status != CONVERGED or report.steps < steps:
+            pilot.status = STOPPED if status == CONVERGED else status
             return pilot, ()
         errors = {name: error / self.size for name, error in self.setting.errors(W).items()}
         errors["energy_error"] = energy_error
+        pilot.kept = max(energy_error, errors["spectrum_error"]) if integrator.isospectral else None
         if invariants_lost(errors, integrator.isospectral):
             pilot.status = UNSTABLE
             return pilot, ()
         pilot.status = CONVERGED
         if not self.trajectory:
-            pilot.error = max(energy_error, errors["spectrum_error"])
+            pilot.error = pilot.kept
         elif self.reference and self.reference.time == self.time:
             at_half, error = map(isosyrk.relative_error, states, self.exact)
             pilot.error = error + self.uncertainty
@@ -212,6 +211,7 @@ class Search:
         self.reference_step = self.time / steps / refinement(2 * SHARP * found, error, second, 0.5, 1.0)
         if self.uncertainty > PREDICTABLE or self.uncertainty > max(FLOOR, self.question.error):
             self.trajectory, self.good = False, {}
+            self.why = f"two reference solutions differ by {self.uncertainty:.2g}"
         elif self.uncertainty > self.question.error:
             raise below_reference(self.question.error, self.uncertainty, self.time)
         for each in pair if self.trajectory else ():
@@ -221,7 +221,7 @@ class Search:
     def search(self, integrator, error, most_seconds):
         """Returns the pilot with the longest step that has an error over the part; None if none has."""
         if integrator in self.good:
-            steps = self.expected(self.good[integrator], self.time, error).steps
+            steps = self.expected(self.good[integrator], self.time, error, cautious=False).steps
         else:
             steps = even(self.time * self.setting.norm_B * max(1.0, error ** (-1 / integrator.order) / FIRST_STEP))
         best, wanted = None, steps
@@ -239,18 +239,24 @@ class Search:
                 break
         return best
 
-    def growth(self, pilot, time):
-        """Returns how much larger the error of a pilot is expected to be over a longer time."""
+    def growth(self, pilot, time, cautious=True):
+        """Returns how much larger the error of a pilot is expected to be over a longer time.
+
+        If cautious: as the power of time or the exponential that the two halves of the pilot show, whichever grows more.
+        """
         if not self.trajectory:
             return energy_growth(pilot.integrator, pilot.time, time)
+        seen = max(1.0, pilot.growth or 0.0)
+        if not cautious:
+            return (time / pilot.time) ** min(seen, MOST_GROWTH)
         least = LEAST_GROWTH if pilot.integrator.isospectral else LEAST_GROWTH_OF_OTHERS
-        return (time / pilot.time) ** max(least, pilot.growth or 0.0)
+        return max((time / pilot.time) ** max(least, seen), 2 ** (2 * seen * (time / pilot.time - 1)))
 
-    def expected(self, pilot, time, error):
+    def expected(self, pilot, time, error, cautious=True):
         """Returns a pilot over this time as it is; from one over a shorter time, the Outcome with the error."""
         if pilot.time == time:
             return pilot
-        at_time = max(pilot.error, SMALLEST_ERROR) * self.growth(pilot, time)
+        at_time = max(pilot.error, SMALLEST_ERROR) * self.growth(pilot, time, cautious)
         steps = even(time / pilot.step * refinement(at_time * AIM, error, pilot.integrator, 0.5))
         longest = min(MOST_UNTRIED / self.setting.norm_B, self.longest_step(pilot.integrator))
         steps = max(steps, even(time / longest))
@@ -265,13 +271,36 @@ class Search:
                 if not self.is_refuted(offer, pilot)]
 
     def is_refuted(self, offer, pilot):
-        """Tells whether an offer cannot follow from a pilot over a shorter time: its error grew too fast, or references
-        over a longer time disagree by more than the error, with steps no longer than those offered."""
+        """Tells whether an offer cannot follow from a pilot over a shorter time: that is too short, its error grew too fast,
+        or references over a longer time disagree by more than the error, with steps no longer than those offered."""
         tried = self.unsettled
         return self.trajectory and pilot.time < offer.time and (
-            (pilot.growth or 0.0) > MOST_GROWTH
+            offer.time > FARTHEST * pilot.time or (pilot.growth or 0.0) > MOST_GROWTH
             or (tried is not None and tried.time > pilot.time and tried.step <= offer.step
                 and tried.error > self.question.error))
+
+    def most_promising(self):
+        """Returns the integrators that go on to a longer part: those that are cheapest over the whole time as it looks."""
+        found = [self.expected(each, self.question.time, self.question.error, cautious=False) for each in self.good.values()]
+        return [each.integrator for each in sorted(found, key=lambda each: each.seconds)[:MOST_KEPT]]
+
+    def settle(self):
+        """Judges energy and spectrum if no trajectory can be offered, by the longest finished pilot of each integrator."""
+        if not self.trajectory or self.ranking():
+            return
+        finished = [each for each in self.pilots if each.status == CONVERGED and each.kept is not None]
+        if not finished:
+            return
+        self.why = (f"what pilots show of trajectories: they end at T = {max(each.time for each in finished):g}, and errors"
+                    f" that grow fast, or over more than {FARTHEST:g} times that, are not extrapolated")
+        self.trajectory, self.good = False, {}
+        for integrator in self.candidates:
+            longest = max((each.time for each in finished if each.integrator == integrator), default=None)
+            error = longest and self.question.error / energy_growth(integrator, longest, self.question.time)
+            good = [replace(each, error=each.kept) for each in finished
+                    if each.integrator == integrator and each.time == longest and each.kept <= error]
+            if good:
+                self.good[integrator] = min(good, key=lambda each: each.seconds)
 
     def nearest(self):
         """Returns the pilot with the smallest error over the longest part; None if no candidate has an error."""
@@ -286,7 +315,7 @@ class Search:
             said.append(f"reference solution: {reference.integrator.name} with {reference.steps} steps to T ="
                         f" {reference.time:g}, with an uncertainty of {self.uncertainty:.2g}")
         if not self.trajectory:
-            said.append(beyond_predictability(whole, f"two reference solutions differ by {self.uncertainty:.2g}"))
+            said.append(beyond_predictability(whole, self.why))
         best = self.good[self.ranking()[0].integrator]
         if best.time < whole:
             said.append(f"the pilots of the answer end at T = {best.time:g}: its error and seconds are extrapolated, the error"
@@ -304,7 +333,7 @@ class Search:
             fits = seconds_left() / (before - seconds_left())  # how often the budget has room for such a part
             if self.time == self.question.time or fits < 1:
                 return
-            integrators, spared = [each.integrator for each in self.ranking()[:MOST_KEPT]] or integrators, 0.0
+            integrators, spared = self.most_promising() or integrators, 0.0
             # At least twice the time: of a part that is not finished, the cheapest methods are.
             self.time = min(self.question.time, self.time * 2 ** max(1, math.floor(math.log2(fits))))
 
@@ -348,6 +377,7 @@ def answer(options):
     except TimeoutError:
         search.spent = True
     signal.setitimer(signal.ITIMER_REAL, 0)
+    search.settle()
     arguments = ["--initial" if options.modes is None else "--modes", options.own]
     if options.hbar == "standard":
         arguments += ["--hbar", options.hbar]

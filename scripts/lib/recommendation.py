@@ -59,6 +59,7 @@ class Outcome:
     seconds: float
     status: str = "expected"
     growth: Optional[float] = None  # power of time with which the error of a trajectory grew in its second half
+    kept: Optional[float] = None  # the error of energy and spectrum, the larger one, of a pilot that keeps the spectrum
     evidence: Sequence["Outcome"] = ()  # for an expected run: the runs made that it follows from
 
     @property
@@ -155,7 +156,7 @@ class Recorded:
                 f"the recorded trajectories, which end at T = {self.longest:g}, good to {uncertainty:.1g}; --modes or"
                 " --state tries whether it is predictable")))
         elif question.error < uncertainty:
-            raise below_reference(question.error, uncertainty, self.longest)
+            raise below_reference(question.error, uncertainty, max(problem.time for problem in self.weights))
         else:
             self.interpolate("T", question.time, around, MARGIN_OF_TIME)
         self.lines = {name: [self.safe_runs(problem, name) for problem in self.weights]
@@ -228,12 +229,12 @@ class Recorded:
         return self.outcome(min(found, key=lambda run: run.error)) if found else None
 
 
-def answer(study, question, path, rate_here=lambda n: None):
-    """Returns the answer as answer_data() does. `rate_here(n)` returns products per second here, or None."""
+def answer(study, question, path, rates_here=lambda sizes: None):
+    """Returns the answer as answer_data() does. `rates_here` returns products per second here for each n, or None."""
     recorded = Recorded(study, question)
-    here = rate_here(question.n) if study.rates else None
-    around = neighbours(study.rates, question.n) if here else {}
-    speedup = here and here / blend(around.values(), [study.rates[n].fast for n in around])
+    around = neighbours(study.rates, question.n) if study.rates else {}
+    here = rates_here(around) if around else None
+    speedup = here and blend(around.values(), [rate / study.rates[n].fast for rate, n in zip(here, around)])
     scene, first = ["--scene", question.scene], ""
     if question.scene == SCENES[2]:
         scene = ["--initial", f"developed_n{question.n}.npy"]
@@ -263,14 +264,15 @@ def answer_data(search, how, scene_arguments, source, speedup=None, first=""):
     if not offers or offers[0].error > question.error:
         best = search.nearest()
         found = (f"the best there is has {best.error:.3g}, by {best.integrator.name} with h = {best.step:.4g} at n ="
-                 f" {best.n} to T = {best.time:g}" if best else "no run worked")
+                 f" {best.n} to T = {best.time:g}" if best else "no run that is to be trusted was finished")
         raise Stop(f"no methods{that_keeps(question.keep)} are known to reach the error {question.error:g}{how}; {found}",
                    NO_ANSWER)
 
     def offered(offer):
         row = offer.row()
         del row["status"]
-        return {**row, "solver": FAST, "expected_error": row.pop("error"), "seconds": offer.seconds / (speedup or 1.0),
+        expected = row.pop("error")
+        return {**row, "solver": FAST, "expected_error": expected, "seconds": offer.seconds / (speedup or 1.0),
                 "seconds_recorded": offer.seconds,
                 "command": f"{first}{integrate()} --n {offer.n} {shlex.join(scene_arguments)} --integrator {offer.integrator.name}"
                            f" --solver {FAST} --step {offer.step!r} --time {offer.time!r}"}

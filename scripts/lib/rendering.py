@@ -12,30 +12,24 @@ RECORDED = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.
                         "recorded")
 
 
-def raw_file_parser(program, description, wrote, others):
-    """Returns the parser of a script that renders what `wrote` wrote.
-
-    `others` are options that name further raw files, with their help.
-    """
+def raw_file_parser(program, description, wrote):
+    """Returns the parser of a script that renders what `wrote` wrote."""
     parser = OneLineParser(prog=program, description=description)
     parser.add_argument("raw", metavar="RAW.json", help=f"what {wrote} wrote")
-    for name, wrote_it in others.items():
-        parser.add_argument(f"--{name}", metavar=f"{name.upper()}.json", help=wrote_it)
     return parser
 
 
-def render_table(program, description, wrote, table, **others):
-    """Runs a script that renders the document `table(raw file, *further ones)` in a format, to where that is wanted."""
+def render_table(program, description, wrote, table):
+    """Runs a script that renders the document `table(raw file)` in a format, to where that is wanted."""
     def main(arguments):
-        parser = raw_file_parser(program, description, wrote, others)
+        parser = raw_file_parser(program, description, wrote)
         parser.add_argument("--format", choices=tuple(WRITERS), default="text")
         parser.add_argument("--output", metavar="FILE", help="write here instead of to standard output")
         options = parser.parse_args(arguments)
-        raw_files = [options.raw, *(getattr(options, name) for name in others)]
-        data = WRITERS[options.format](table(*raw_files)).encode("utf-8")
+        data = WRITERS[options.format](table(options.raw)).encode("utf-8")
         if options.output is None:
             write_standard_output(data)
-        elif os.path.realpath(options.output) in [os.path.realpath(each) for each in raw_files if each]:
+        elif os.path.realpath(options.output) == os.path.realpath(options.raw):
             raise OSError(0, "is the raw file itself", options.output)
         else:
             replace_file(options.output, data)
@@ -47,10 +41,12 @@ def render_study(program, description, wrote, drawn, **others):
     """Runs a script that renders a study into a folder; all of it is made before any is written.
 
     `drawn(raw file, *further ones)` returns figures by name (None: there is nothing to draw) and a function from the
-    names of those that there are to the report.
+    names of those that there are to the report. `others` are options that name the further files, with their help.
     """
     def main(arguments):
-        parser = raw_file_parser(program, description, wrote, others)
+        parser = raw_file_parser(program, description, wrote)
+        for name, wrote_it in others.items():
+            parser.add_argument(f"--{name}", metavar=f"{name.upper()}.json", help=wrote_it)
         parser.add_argument("--out", metavar="DIR", required=True, help="folder for charts and report; made if missing."
                             " In results/recorded: SVG and Markdown only")
         options = parser.parse_args(arguments)

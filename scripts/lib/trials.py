@@ -41,13 +41,17 @@ class Setting:
         """Returns the errors of a state against the initial data, as columns of a table."""
         return {"spectrum_error": isosyrk.spectrum_error(W, self.scene.initial), "skew_defect": isosyrk.skew_defect(W)}
 
-    def run(self, integrator, h, steps, every=1):
-        """Runs from the initial data, and returns what run() does, and the largest energy error after `every` steps."""
+    def run(self, integrator, h, steps, every=1, look=lambda *_: False):
+        """Runs from the initial data, and returns what run() does, and the largest energy error after `every` steps.
+
+        After those `look` is called, as an observer of the module's run() is; it may end the run.
+        """
         energy_error = 0.0
 
-        def watch(_step, W, _report):
+        def watch(step, W, report):
             nonlocal energy_error
             energy_error = larger(energy_error, self.energy_error(W))
+            return look(step, W, report)
 
         return (*run(integrator, self.scene.initial, h, steps, watch, every), energy_error)
 
@@ -107,20 +111,16 @@ def trial_of(setting, name, solver):
 
 def find_edge(setting, name, solver="published", close=CLOSE):
     """Returns the trials of a listed integrator over the grid, and (works, fails) around the first failure above a
-    success, bisected until they are close; None in its place if there is no such failure."""
+    success, bisected until they differ by the factor `close` at most; None in its place if there is no such failure."""
     tried = trial_of(setting, name, solver)
     trials = [tried(h_norm_B) for h_norm_B in GRID]
     bracket = next(((first, second) for first, second in zip(trials, trials[1:]) if works(first) and not works(second)),
                    None)
-    return trials, bracket and narrowed(tried, *bracket, close)
-
-
-def narrowed(tried, inside, outside, close):
-    """Returns the trials that work and fail, bisected until the steps differ by the factor `close` at most."""
-    while outside["h_norm_B"] > close * inside["h_norm_B"]:
+    while bracket and bracket[1]["h_norm_B"] > close * bracket[0]["h_norm_B"]:
+        inside, outside = bracket
         middle = tried(math.sqrt(inside["h_norm_B"] * outside["h_norm_B"]))
-        inside, outside = (middle, outside) if works(middle) else (inside, middle)
-    return inside, outside
+        bracket = (middle, outside) if works(middle) else (inside, middle)
+    return trials, bracket
 
 
 def safe_step(setting, name, solver):

@@ -10,13 +10,12 @@ import unittest
 from programs import DATA, ROOT, FolderTest, text_of
 
 from checked_json import UnusableFile
-from gate_accuracy import accuracy_layer
-from gate_baseline import baseline_of, exact_layer, read_baseline, write_baseline
 from command_line import Stop
-from gate_cells import FAST, SIZES, cells_of, json_text, read_build, report_of
+from gate_cells import (FAST, SIZES, baseline_of, cells_of, json_text, read_baseline, read_build, report_of,
+                        write_baseline)
 from gate_documents import build_document, cell_of, change
-from gate_layers import NOT_JUDGED, PASSED, REGRESSION, Layer, exit_code
-from gate_timing import FULL, QUICK, Plan, Server, Timing, judge_times, steps_of, time_cells
+from gate_layers import NOT_JUDGED, PASSED, REGRESSION, Layer, accuracy_layer, exact_layer, exit_code
+from gate_timing import FULL, QUICK, Server, is_slower, judge_times, steps_of, time_cells
 
 NAMES = cells_of(SIZES)
 CELL = "algebra/n:33/s:2"
@@ -141,32 +140,32 @@ class Servers:
 
 
 class Times(FolderTest):
-    PLAN = Plan(("group/n:17/s:2", FAST_CELL), launches=4)
+    CELLS = ["group/n:17/s:2", FAST_CELL]
 
     def test_a_build_not_slower_by_more_than_the_limit_passes_at_once(self):
         for factor in (0.5, 1.0, 1.02):
-            layer = judge_times(Servers(1.0), Servers(factor), self.PLAN)
+            layer = judge_times(Servers(1.0), Servers(factor), self.CELLS)
             self.assertEqual((layer.verdict(), layer.notes), ("passed", []))
 
     def test_a_slower_build_is_named_by_cell_and_ratio_after_a_second_measurement(self):
-        layer = judge_times(Servers(1.0), Servers(1.031), self.PLAN)
-        self.assertEqual([check.cell for check in layer.failures()], list(self.PLAN.cells))
+        layer = judge_times(Servers(1.0), Servers(1.031), self.CELLS)
+        self.assertEqual([check.cell for check in layer.failures()], self.CELLS)
         self.assertIn("1.031", layer.failures()[0].found)
-        self.assertEqual(layer.notes, ["measured twice: " + ", ".join(f"{cell} (first 1.031)" for cell in self.PLAN.cells)])
+        self.assertEqual(layer.notes, ["measured twice: " + ", ".join(f"{cell} (first 1.031)" for cell in self.CELLS)])
 
     def test_what_was_slower_only_once_passes(self):
-        layer = judge_times(Servers(1.0), Servers(*[1.2] * 4, *[1.0] * 4), self.PLAN)
+        layer = judge_times(Servers(1.0), Servers(*[1.2] * 6, *[1.0] * 6), self.CELLS)
         self.assertEqual((layer.verdict(), len(layer.notes)), ("passed", 1))
 
     def test_half_of_the_pairs_slower_is_scatter_and_passes(self):
-        self.assertTrue(Timing((1.1,) * 8).is_slower())
-        self.assertFalse(Timing((1.1,) * 5 + (0.99,) * 3).is_slower())
-        self.assertFalse(Timing((1.029,) * 8).is_slower())
+        self.assertTrue(is_slower([1.1] * 8))
+        self.assertFalse(is_slower([1.1] * 5 + [0.99] * 3))
+        self.assertFalse(is_slower([1.029] * 8))
 
     def test_turns_alternate(self):
         asked = []
-        time_cells(*(Servers(1.0, name=name, asked=asked) for name in ("base", "head")), self.PLAN.cells[:1],
-                   Plan((), launches=1, pairs=2))
+        time_cells(*(Servers(1.0, name=name, asked=asked) for name in ("base", "head")), self.CELLS[:1],
+                   launches=1, pairs_of_each=2)
         # After two runs of base to see how long one takes.
         self.assertEqual(asked[2:], ["base", "head", "head", "base", "head", "base", "base", "head"])
 
@@ -176,27 +175,23 @@ class Times(FolderTest):
                                for answer in ("soon", "0", "nan", "-1", ""))):
             path = self.write("regression_cells", "#!/bin/sh\n" + script, executable=True)
             with self.subTest(script), self.assertRaisesRegex(Stop, f"regression_cells: said .*{part}"):
-                judge_times(Servers(1.0), functools.partial(Server, [path], None), self.PLAN)
+                judge_times(Servers(1.0), functools.partial(Server, [path], None), self.CELLS)
         with self.assertRaisesRegex(Stop, "cannot be run"):
-            Server([self.path("none")], None, QUICK.cells)
+            Server([self.path("none")], None, QUICK)
 
     def test_all_cells_exist_and_fast_ones_are_timed_over_the_whole_run(self):
-        self.assertTrue(set(QUICK.cells) <= set(cells_of((17, 33))))
-        self.assertTrue(set(FULL.cells) <= set(NAMES))
+        self.assertTrue(set(QUICK) <= set(cells_of((17, 33))))
+        self.assertTrue(set(FULL) <= set(NAMES))
         self.assertEqual((steps_of("group/n:129/s:1"), steps_of(FAST + "group/n:129/s:1")), (1, 50))
 
 
 class ExitCodes(unittest.TestCase):
-    def layer(self, passed=True, not_judged=None):
-        layer = Layer("some", not_judged=not_judged)
-        if not not_judged:
-            layer.add("cell", "quantity", 1, 1, passed)
-        return layer
-
     def test_a_regression_outweighs_what_was_not_judged(self):
-        self.assertEqual(exit_code([self.layer(), self.layer()]), PASSED)
-        self.assertEqual(exit_code([self.layer(), self.layer(not_judged="why")]), NOT_JUDGED)
-        self.assertEqual(exit_code([self.layer(False), self.layer(not_judged="why")]), REGRESSION)
+        good, bad, not_judged = Layer("good"), Layer("bad"), Layer("timing", not_judged="why")
+        good.add("cell", "quantity", 1, 1, True)
+        bad.add("cell", "quantity", 2, 1, False)
+        for layers, code in (([good], PASSED), ([good, not_judged], NOT_JUDGED), ([bad, not_judged], REGRESSION)):
+            self.assertEqual(exit_code(layers), code)
 
 
 class BaselineFile(FolderTest):

@@ -3,6 +3,7 @@
 Run with: python3 -m unittest test_module (in tests/scripts; the module is that of ISOSYRK_BUILD, or of build/)
 """
 
+import concurrent.futures
 import gc
 import os
 import pickle
@@ -67,7 +68,7 @@ def state(n=9, seed=1):
 
 
 def python(code, **options):
-    """Starts Python with the module on its path."""
+    """Starts Python with the module on its path; its stdout and stderr are text."""
     environment = {**os.environ, "PYTHONPATH": os.path.join(BUILD, "python")}
     environment.pop("OPENBLAS_NUM_THREADS", None)
     return subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
@@ -284,7 +285,7 @@ class Refusals(unittest.TestCase):
         spoiled[2, 3] = np.nan
         isosyrk.scene(initial=nearly)
         for error, message, arguments in (
-                (ValueError, "^scene 'calm': must be one of smooth, rough$", dict(name="calm", n=9)),
+                (ValueError, "^scene 'calm': must be one of smooth, rough\\b", dict(name="calm", n=9)),
                 (ValueError, "^scene: must have a name", dict(n=9)),
                 (ValueError, "^n = 1: must be 2 to 4096$", dict(name="rough", n=1)),
                 (ValueError, "needs modes$", dict(name="smooth", n=4)),
@@ -371,6 +372,13 @@ class Refusals(unittest.TestCase):
 class Beside(unittest.TestCase):
     """What goes on beside a run: other threads, signals, NumPy's own arithmetic."""
 
+    def printed(self, code):
+        """Returns what Python printed in the end, having said nothing on stderr."""
+        process = python(code)
+        printed, errors = process.communicate(timeout=60)
+        self.assertEqual((process.returncode, errors), (0, ""))
+        return printed
+
     def test_a_second_call_is_refused(self):
         scene = isosyrk.scene("smooth", n=17)
         method = isosyrk.integrator(scene, "group2")
@@ -400,23 +408,15 @@ class Beside(unittest.TestCase):
 
     def test_other_threads_go_on_while_one_steps(self):
         scene = isosyrk.scene("smooth", n=33)
-        methods = [isosyrk.integrator(scene, "group3") for _ in range(2)]
-        wanted, _ = methods[0].run(scene.initial, 0.1, 20)
-        results = [None, None]
+        wanted, _ = ran(scene, "group3", 20)
         turns = 0
-
-        def work(k):
-            results[k] = methods[k].run(scene.initial, 0.1, 20)[0]
-
-        threads = [threading.Thread(target=work, args=(k,)) for k in range(2)]
-        for thread in threads:
-            thread.start()
-        while any(thread.is_alive() for thread in threads):
-            turns += 1
-            threads[0].join(0.001)
+        with concurrent.futures.ThreadPoolExecutor() as pool:
+            runs = [pool.submit(ran, scene, "group3", 20) for _ in range(2)]
+            while concurrent.futures.wait(runs, 0.001).not_done:
+                turns += 1
         self.assertGreater(turns, 3)
-        for W in results:
-            self.assertTrue(np.array_equal(W, wanted))
+        for run in runs:
+            self.assertTrue(np.array_equal(run.result()[0], wanted))
 
     def interrupted(self, n, solver, steps):
         """Interrupts a run after half a second; returns what its process printed and the seconds it took to end."""
@@ -455,14 +455,12 @@ class Beside(unittest.TestCase):
 
     def test_the_interpreter_ends_while_a_daemon_thread_runs(self):
         for solver, observe in (("published", None), ("fast", "lambda *_: None")):
-            process = python("import isosyrk, threading, time\n"
-                             "scene = isosyrk.scene('smooth', n=17)\n"
-                             f"method = isosyrk.integrator(scene, 'group2', solver='{solver}')\n"
-                             f"run = lambda: method.run(scene.initial, 0.1, 10**9, observe={observe})\n"
-                             "threading.Thread(target=run, daemon=True).start()\n"
-                             "time.sleep(0.3)\n")
-            _, errors = process.communicate(timeout=60)
-            self.assertEqual((process.returncode, errors), (0, ""))
+            self.printed("import isosyrk, threading, time\n"
+                         "scene = isosyrk.scene('smooth', n=17)\n"
+                         f"method = isosyrk.integrator(scene, 'group2', solver='{solver}')\n"
+                         f"run = lambda: method.run(scene.initial, 0.1, 10**9, observe={observe})\n"
+                         "threading.Thread(target=run, daemon=True).start()\n"
+                         "time.sleep(0.3)\n")
 
     def test_threads_in_a_forked_process_are_refused(self):
         code = ("import isosyrk, os, sys\n"
@@ -478,9 +476,7 @@ class Beside(unittest.TestCase):
                 "    os._exit(0)\n"
                 "os.wait()\n")
         for parent, printed in (("", "done"), ("method.step(scene.initial, 0.1)", "threads = 2: hang in a process forked")):
-            process = python(code.replace("PARENT", parent))
-            output, errors = process.communicate(timeout=60)
-            self.assertTrue(output.startswith(printed), output + errors)
+            self.assertTrue(self.printed(code.replace("PARENT", parent)).startswith(printed))
 
     def test_numpy_is_left_as_it_was(self):
         code = ("import ctypes, ctypes.util\n"
@@ -500,9 +496,7 @@ class Beside(unittest.TestCase):
                 "assert flushed == [False], flushed\n"
                 "least = np.float64(2.0)**-1074\n"
                 "print(blas.openblas_get_num_threads(), set(seen), least * 1 > 0, np.float64(2.0)**-1060 / 2 > 0)\n")
-        process = python(code)
-        printed, errors = process.communicate(timeout=60)
-        self.assertEqual(printed, "2 {1} True True\n", errors)
+        self.assertEqual(self.printed(code), "2 {1} True True\n")
 
 
 class Package(unittest.TestCase):

@@ -148,7 +148,7 @@ class Answers(RecommendTest):
     def test_seconds_are_told_for_this_machine_and_as_recorded(self):
         rate = 2e9 / 17**3
         for here, factor in ((2 * rate, 0.5), (None, 1.0)):
-            found = self.answer(17, 1e-3, "spectrum", rate_here=lambda n: here)
+            found = self.answer(17, 1e-3, "spectrum", rates_here=lambda sizes: here and [here] * len(sizes))
             self.assertAlmostEqual(found["seconds"], factor * 1e-3 * found["steps"])
             self.assertAlmostEqual(found["seconds_recorded"], 1e-3 * found["steps"])
 
@@ -297,12 +297,24 @@ class Pilots(FolderTest):
         (rkmk4,) = (each for each in search.candidates if each.name == "rkmk4_frame")
         pilot, offer = (recommendation.Outcome(rkmk4, 9, time, 40, 1e-7, 1.0, growth=2.0) for time in (4.0, 8.0))
         disagree = recommendation.Outcome(rkmk4, 9, 8.0, 80, 1e-3, 1.0)
-        for growth, unsettled, refuted in ((2.0, None, False), (9.0, None, True), (2.0, disagree, True),
+        for growth, unsettled, refuted in ((2.0, None, False), (3.5, None, True), (2.0, disagree, True),
                                            (2.0, replace(disagree, steps=20), False),  # longer steps than those offered
                                            (2.0, replace(disagree, time=4.0, steps=40), False)):
             search.unsettled = unsettled
             self.assertEqual(search.is_refuted(offer, replace(pilot, growth=growth)), refuted)
         self.assertFalse(search.is_refuted(offer, replace(offer, growth=9.0)))  # over the whole time it was seen
+        self.assertTrue(search.is_refuted(offer, replace(pilot, time=3.0, growth=2.0)))  # too short
+        # An exponential that doubles the error as the halves of the pilot show grows more than a power.
+        self.assertEqual(search.growth(pilot, 8.0), 2.0**4)
+        self.assertEqual(search.growth(pilot, 8.0, cautious=False), 2.0**2)
+        # Then energy and spectrum are judged, by what the pilots kept of them.
+        search.unsettled, search.good = None, {rkmk4: replace(pilot, time=2.0)}
+        search.pilots = [replace(pilot, time=2.0, status=CONVERGED, kept=kept, seconds=seconds)
+                         for kept, seconds in ((1e-4, 1.0), (1e-8, 2.0))]
+        search.settle()
+        self.assertFalse(search.trajectory)
+        self.assertEqual((search.good[rkmk4].error, search.good[rkmk4].seconds), (1e-8, 2.0))
+        self.assertIn("they end at T = 2", search.why)
 
     def test_what_cannot_be_used_or_answered(self):
         modes = {"empty": "", "header": "l,m\n1,0\n", "fields": "l,m,re,im\n1,0,1\n", "more": "l,m,re,im\n2,1,1,0,0\n",

@@ -24,7 +24,7 @@ HOST_NAME = "a-host-to-keep-private"
 RESULTS = {"raw.json", "table.txt", "table.md", "table.tex"}
 RAW_FILES = {"accuracy": {"raw.json"}, "stability": {"map.json", "fast_map.json", "long_runs.json"}}
 PROGRAMS = (*(f"build/benchmarks/{name}" for name in ("table1", "table2")),
-            *(f"scripts/studies/{name}.py" for name in ("accuracy", "stability", "long_runs", "scaling")))
+            *(f"scripts/studies/{name}.py" for name in ("accuracy", "stability", "long_runs", "scaling", "theorem")))
 CORES = len(os.sched_getaffinity(0))
 
 STAND_INS = {
@@ -57,7 +57,7 @@ PROGRAM = """#!/bin/sh
 program=$(basename "$0" .py)
 echo "$program[${OPENBLAS_CORETYPE-none}] $* on $(nproc) cores" >>"$CALLS"
 file=$program
-case "$*" in *"--threads 2"*) file=threads ;; *"--solver fast"*) file=fast_map ;; esac
+case "$*" in *"--solver fast"*) file=fast_map ;; esac
 while [ $# -gt 0 ]; do
   case $1 in --benchmark_out=*) out=${1#*=} ;; --out) out=$2 ;; esac
   shift
@@ -73,26 +73,24 @@ esac
 exit "${BENCHMARK_STATUS:-0}"
 """
 
-# A script that draws: leaves a report of one word in the folder that it is told last.
+# A script that renders: leaves one word in the file that it is told last, or in the report in a folder.
 RENDERER = """#!/bin/sh
 for out; do :; done
-echo drawn >"$out/report.txt"
+[ ! -d "$out" ] || out=$out/report.txt
+echo drawn >"$out"
 """
 
 
-def raw_file(failed=False, tables=("table1",), threads=(1,), sizes=(17,)):
-    """Returns a raw file of the first of the tables, with the algebra rows failed or not.
-
-    Table 2 is twice as fast, and two threads take five eighths of the time that passes with one.
-    """
+def raw_file(failed=False, tables=("table1",), sizes=(17,)):
+    """Returns a raw file of the first of the tables, with the algebra rows failed or not; Table 2 is twice as fast."""
     context = {**{field: f"some {field}" for field in CONDITIONS}, "host_name": HOST_NAME, "num_cpus": 2,
                "mhz_per_cpu": 3000, "library_build_type": "debug", "isosyrk_program": tables[0], "isosyrk_format": "1"}
     counters = {"sweeps_per_step": 11.0, "products": 3700, "poisson_solves": 1200, "spectrum_error": 1e-15,
                 "skew_defect": 0.0, "energy_error": 1e-8, "h_norm_B": 0.14, "product_share": 0.8}
     rows = []
-    cells = itertools.product(tables, threads, enumerate(FORMULATIONS), sizes, (1, 2, 3), range(7))
-    for table, number, (place, formulation), n, s, repetition in cells:
-        name = f"{table}/{formulation}/n:{n}/s:{s}" + (f"/threads:{number}" if number > 1 else "")
+    cells = itertools.product(tables, enumerate(FORMULATIONS), sizes, (1, 2, 3), range(7))
+    for table, (place, formulation), n, s, repetition in cells:
+        name = f"{table}/{formulation}/n:{n}/s:{s}"
         row = {"name": name, "run_name": name, "run_type": "iteration", "repetitions": 7,
                "repetition_index": repetition, "threads": 1, "iterations": 20, "time_unit": "ms"}
         if failed and formulation == "algebra":
@@ -102,7 +100,7 @@ def raw_file(failed=False, tables=("table1",), threads=(1,), sizes=(17,)):
             if table == "table2":
                 milliseconds /= 2
                 row["equivalent_products"] = 2900.0
-            row.update(real_time=milliseconds * (1 if number == 1 else 0.625), cpu_time=milliseconds, **counters)
+            row.update(real_time=milliseconds, cpu_time=milliseconds, **counters)
         rows.append(row)
     return {"context": context, "benchmarks": rows}
 
@@ -144,14 +142,12 @@ class ReproduceTest(CopyTest):
             self.write(f"root/{program}", PROGRAM, executable=True)
         self.prepare("table1", raw_file())
         self.prepare("table2", raw_file(tables=("table2", "table1")))
-        two = raw_file(tables=("table2",), threads=(1, 2))
-        two["benchmarks"] = [row for row in two["benchmarks"] if row["repetition_index"] == 0]  # of one round
-        self.prepare("threads", two)
         write_study(self.folder, small_study(), name="accuracy.json")
         for name, study in (("stability", map_study(SETTINGS[:1], ("group1",))), ("long_runs", long_study(("group1",))),
                             ("fast_map", map_study(SETTINGS[:1], ("group1",), "fast"))):
             write(self.folder, study, f"{name}.json")
         shutil.copy(os.path.join(ROOT, "results", "recorded", "scaling", "raw.json"), self.path("scaling.json"))
+        self.write("theorem.json", "{}")
 
     def prepare(self, program, raw):
         self.write(f"{program}.json", json.dumps(raw, indent=2))  # line by line, as the program does
@@ -299,17 +295,16 @@ class EndToEnd(ReproduceTest):
         for row in raw["benchmarks"]:
             row.update(relative_error=1e-3, reference_uncertainty=1e-14)
         self.prepare("table2", raw)
-        # Drawing takes seconds, and other tests see it.
-        self.write("root/scripts/render_stability", RENDERER, executable=True)
+        # Other tests see what these render; drawing takes seconds.
+        for name in ("stability", "theorem"):
+            self.write(f"root/scripts/render_{name}", RENDERER, executable=True)
         self.reproduced("all")
-        threads = {"threads.json"} if CORES > 1 else set()
         found = {job: set(os.listdir(self.path("out", job))) for job in os.listdir(self.out)}
         self.assertLessEqual({"raw.json", "report.txt", "table1_accuracy.svg"}, found.pop("accuracy"))
-        self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS | threads, "scaling": RESULTS,
+        self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS, "scaling": RESULTS, "theorem": RESULTS,
                                  "stability": {"report.txt", *RAW_FILES["stability"]}})
-        self.assertIn("--published", self.calls("table2")[0])
-        self.assertEqual(["--threads 2" in call for call in self.calls("table2")],
-                         [False] + [True] * (15 if threads else 0))
+        (call,) = self.calls("table2")
+        self.assertIn("--published", call)
 
     def test_a_study_measures_and_ends_with_its_report(self):
         for study, part in (("accuracy", "Error at h = 0.1"), ("stability", "Largest errors of long runs")):
@@ -345,18 +340,6 @@ class EndToEnd(ReproduceTest):
             self.assertEqual([n for n in (17, 33, 65, 129) if re.search(pattern, f"table1/group/n:{n}/s:1")], sizes)
             self.assertGreaterEqual(int(re.search(r"--benchmark_repetitions=(\d+)", call)[1]), 5)
             self.assertIn("--benchmark_enable_random_interleaving=true", call)
-
-    @unittest.skipIf(CORES < 2, "needs two cores")
-    def test_two_threads_are_measured_in_rounds_that_keep_neighbours_together(self):
-        self.reproduced("table2")
-        rounds = [call for call in self.calls("table2") if "--threads 2" in call]
-        self.assertFalse(any("interleaving" in call or "repetitions" in call for call in rounds))
-        joined = json.loads(text_of(self.out, "threads.json"))
-        one_round = len(raw_file(tables=("table2",), threads=(1, 2))["benchmarks"]) // 7
-        self.assertEqual([row["repetition_index"] for row in joined["benchmarks"]],
-                         [index for index in range(15) for _ in range(one_round)])
-        self.assertEqual({row["repetitions"] for row in joined["benchmarks"]}, {15})
-        self.assertNotIn("host_name", joined["context"])
 
 
 class FailedRuns(ReproduceTest):
@@ -396,11 +379,6 @@ class FailedRuns(ReproduceTest):
             self.ends(job, BAD_ARGUMENTS, "is not whole JSON", BENCHMARK="scribble")
         self.prepare("table1", {"context": {}, "benchmarks": []})
         self.ends("table1", BAD_ARGUMENTS, "raw.json: is no raw file of table1")
-
-    @unittest.skipIf(CORES < 2, "needs two cores")
-    def test_rounds_of_two_threads_that_cannot_be_put_together_are_reported(self):
-        self.write("threads.json", '{"context": {')
-        self.ends("table2", BAD_ARGUMENTS, "threads.json: cannot be put together")
 
     def test_what_a_study_has_finished_at_this_commit_is_not_done_again(self):
         for commit, runs in (("0123456789ab", 1), ("ba9876543210", 2)):  # the files are of the first
@@ -444,18 +422,14 @@ class FailedRuns(ReproduceTest):
 
 
 class TestScript(CopyTest):
-    def test_the_suite_runs_in_the_ordinary_build_and_its_status_is_passed_on(self):
-        for failing, status in (("none", DONE), ("ctest", 1)):
-            self.assertEqual(self.script("test", FAILING=failing).returncode, status)
-        self.assertIn(f"--test-dir {self.path('root', 'build')} ", self.calls("ctest")[0])
-        self.assertNotIn("SANITIZE=ON", self.calls("cmake")[0])
-
-    def test_sanitize_builds_and_runs_in_a_folder_of_its_own(self):
-        self.script("test", "--sanitize")
-        folder = self.path("root", "build-sanitize")
-        self.assertIn(f"-B {folder} ", self.calls("cmake")[0])
-        self.assertIn("-DISOSYRK_SANITIZE=ON", self.calls("cmake")[0])
-        self.assertIn(f"--test-dir {folder} ", self.calls("ctest")[0])
+    def test_the_suite_runs_in_the_ordinary_build_or_a_sanitized_one_beside_it_and_its_status_is_passed_on(self):
+        for arguments, folder, failing, status in (((), "build", "none", DONE), ((), "build", "ctest", 1),
+                                                   (("--sanitize",), "build-sanitize", "none", DONE)):
+            self.write("calls", "")
+            self.assertEqual(self.script("test", *arguments, FAILING=failing).returncode, status)
+            self.assertIn(f"-B {self.path('root', folder)} ", self.calls("cmake")[0])
+            self.assertEqual("-DISOSYRK_SANITIZE=ON" in self.calls("cmake")[0], bool(arguments))
+            self.assertIn(f"--test-dir {self.path('root', folder)} ", self.calls("ctest")[0])
 
     def test_a_failed_build_runs_no_tests(self):
         done = self.script("test", FAILING="cmake")
