@@ -149,7 +149,7 @@ class Answers(RecommendTest):
         rate = 2e9 / 17**3
         for here, factor in ((2 * rate, 0.5), (None, 1.0)):
             found = self.answer(17, 1e-3, "spectrum", rates_here=lambda sizes: here and [here] * len(sizes))
-            self.assertAlmostEqual(found["seconds"], factor * 1e-3 * found["steps"])
+            self.assertAlmostEqual(found["seconds"], factor * 1e-3 * found["steps"] + recommendation.COLD)
             self.assertAlmostEqual(found["seconds_recorded"], 1e-3 * found["steps"])
 
     def test_json_and_text(self):
