@@ -1,7 +1,8 @@
 """Compares methods at equal error, and says what a study of accuracy shows, every figure from its raw file.
 
-Costs are interpolated along the lines of the study. A ratio comes with its spread: from fastest over slowest
-repetitions to slowest over fastest. Best forms are compared, with the co-rotating frame wherever it is the cheaper. A
+The cost of an error is that of the cheapest run with this error or a smaller one, interpolated along the lines of the
+study. A ratio comes with its spread, from fastest over slowest repetitions to slowest over fastest, unless a side was
+timed once. Best forms are compared, with the co-rotating frame wherever it is the cheaper. A
 claim is what stands out, which is also the title of the chart that shows it, and the rest; or None without its data.
 """
 
@@ -10,13 +11,13 @@ import math
 import statistics
 from typing import NamedTuple
 
-from accuracy_lines import FAST, TABLE1_STEP
+from accuracy_lines import PUBLISHED, TABLE1_STEP, interpolated
 from benchmark_json import FORMULATIONS
 from comparison import three_digits
-from integrator_names import frameless, gauss_stages, in_frame
+from integrator_names import frameless, gauss_stages, in_frame, method_name
 from recommendation import TABLE_EXPONENTS
 
-# Geometric means are over these errors. Larger ones are often those of the longest step that works.
+# Geometric means are over these errors.
 MEAN_EXPONENTS = range(-4, -9, -1)
 HEADLINE = ("smooth", 5.0)  # the scene and time of the headline figures
 # The tolerance does no harm where what it adds is at most this share of the error that the step size makes.
@@ -49,9 +50,16 @@ class Ratio(NamedTuple):
     value: float
     least: float
     most: float
+    repeated: bool  # all was timed more than once, so that there is a spread
 
     def __str__(self):
-        return f"{self.value:.2g} ({self.least:.2g}–{self.most:.2g})"
+        return f"{self.value:.2g} ({self.least:.2g}–{self.most:.2g})" if self.repeated else f"{self.value:.2g}"
+
+
+def ratio(dear, cheap):
+    """Returns the Ratio of two Costs."""
+    once = any(len(run.cpu_seconds) == 1 for cost in (dear, cheap) for run in (cost.coarse, cost.fine))
+    return Ratio(dear.seconds / cheap.seconds, dear.least / cheap.most, dear.most / cheap.least, not once)
 
 
 def forms_of(study, method):
@@ -64,29 +72,33 @@ def headline_problems(study):
     return [problem for problem in study.problems() if (problem.scene, problem.time) == HEADLINE]
 
 
-def cheapest(study, problem, error, names, solver=FAST):
-    """Returns (name, Cost) of the integrator that has this error at the least cost, or None."""
-    found = [(name, cost) for name in names if (cost := study.cost(problem, name, error, solver))]
+def cheapest(study, problem, error, names):
+    """Returns (name, Cost) of the integrator that has this error or a smaller one at the least cost, or None."""
+    found = [(name, cost) for name in names if (cost := study.cost(problem, name, error))]
     return min(found, key=lambda each: each[1].seconds, default=None)
 
 
-def ratios(study, problems, first, second, solvers=(FAST, FAST)):
+def ratios(study, problems, first, second):
     """Returns the Ratio of the cheapest of `first` to that of `second`, by (problem, exponent) that both have."""
     found = {}
     for problem in problems:
         for exponent in MEAN_EXPONENTS:
-            sides = [cheapest(study, problem, 10.0**exponent, names, solver)
-                     for names, solver in zip((first, second), solvers)]
+            sides = [cheapest(study, problem, 10.0**exponent, names) for names in (first, second)]
             if all(sides):
-                (_, dear), (_, cheap) = sides
-                found[problem, exponent] = Ratio(dear.seconds / cheap.seconds, dear.least / cheap.most,
-                                                 dear.most / cheap.least)
+                found[problem, exponent] = ratio(*(cost for _, cost in sides))
     return found
+
+
+def published_over_fast(study, problem, name):
+    """Returns the Ratios of the forms of an integrator at equal steps, where their errors are equal too."""
+    pairs = [(run, study.at_step(problem, name, run.step)) for run in study.line(problem, name, PUBLISHED) if run.usable]
+    return [ratio(*(interpolated(run, run, run.error) for run in pair)) for pair in pairs if pair[1] and pair[1].usable]
 
 
 def mean(found):
     """Returns the geometric mean of some Ratios."""
-    return Ratio(*map(statistics.geometric_mean, zip(*found)))
+    *figures, repeated = zip(*found)
+    return Ratio(*map(statistics.geometric_mean, figures), all(repeated))
 
 
 def means_by_problem(found):
@@ -112,37 +124,39 @@ def frame_gains(study, problems):
 def claims(study):
     """Returns the claims that the study has data for, as sentences in two parts."""
     headline = headline_problems(study)
-    found = (price(study, headline), exponential(study), order_pays(study), energy(study), frame(study, headline),
-             growth(study), needed_tolerance(study), quality(study))
+    found = (price(study, headline), exponential(study, study.problems(), "all problems"), order_pays(study),
+             energy(study), frame(study, headline), growth(study), needed_tolerance(study), quality(study))
     return [(f"{each[0]}.", f" {each[1]}") for each in found if each]
 
 
 def price(study, problems):
-    """Tells what the Lie–Poisson structure costs, as geometric means for each problem and over all of them."""
+    """Tells what the Lie–Poisson structure costs on problems of rising n, at 1e-6 and as geometric means."""
     found = {other: one for other, one in prices(study, problems).items() if one}
     if not found:
         return None
-    titles = [f"{span([each.value for each in means_by_problem(one).values()])} × {NAMES[other]}'s time"
-              for other, one in found.items()]
-    means = [f"{mean(one.values())} times {NAMES[other]}'s over {len(one)} comparisons" for other, one in found.items()]
-    at_1e6 = [f"{ratio} at n = {problem.n}" for (problem, exponent), ratio in found.get("rkmk4", {}).items()
-              if exponent == -6]
-    where = " and ".join(dict.fromkeys(f"{problem.scene} scene to T = {problem.time:g}" for problem in problems))
-    return (f"At equal error the best Gauss form takes {' and '.join(titles)} ({where})",
-            f"Best forms, means over n and the errors {MEAN_OVER}: {'; '.join(means)}. For 1e-6"
-            f" alone, over RKMK4's: {', '.join(at_1e6) or 'none'}.")
+    trends, means = [], []
+    for other, one in found.items():
+        at_1e6 = sorted((each.value, problem.n) for (problem, exponent), each in one.items() if exponent == -6)
+        ends = dict.fromkeys(f"{value:.2g} (n = {n})" for value, n in at_1e6[:1] + at_1e6[-1:])
+        trends += [f"{' to '.join(ends)} times {NAMES[other]}'s time"] if ends else []
+        by_n = [f"{each} at n = {problem.n}" for problem, each in means_by_problem(one).items()]
+        means.append(f"over {NAMES[other]}'s time: {', '.join(by_n)}; {mean(one.values())} over all {len(one)}"
+                     " comparisons")
+    return (f"At 1e-6 the best Gauss form takes {' and '.join(trends) or 'times that are not known'}",
+            f"{problems[0].scene.capitalize()} scene to T = {problems[0].time:g}. Means over the errors {MEAN_OVER},"
+            f" {'. The same '.join(means)}.")
 
 
-def exponential(study):
-    found = prices(study, study.problems())["rkmk4"].values()
+def exponential(study, problems, where):
+    found = prices(study, problems)["rkmk4"].values()
     if not found:
         return None
-    told = [each for each in found if each.least < each.most]  # timed more than once
-    cheaper, dearer = sum(each.least > 1 for each in told), sum(each.most < 1 for each in told)
-    return (f"With an exponential, RKMK4 is cheaper than the best Gauss form in {cheaper} of {len(found)} comparisons on"
-            " all problems",
-            f"It is dearer in {dearer}; in the others the spreads overlap, or both were timed once. It is explicit: implicit methods with an"
-            " exponential, which the paper calls inefficient, are untested.")
+    gauss, rkmk4 = sum(each.value < 1 for each in found), sum(each.value > 1 for each in found)
+    close = sum(each.repeated and each.least <= 1 <= each.most for each in found)
+    return (f"The best Gauss form is cheaper than RKMK4 in {gauss} of {len(found)} comparisons on {where}, RKMK4 in"
+            f" {rkmk4}",
+            f"In {close} the spreads overlap; in {sum(not each.repeated for each in found)} a side was timed once. RKMK4"
+            " is explicit: implicit methods with an exponential, which the paper calls inefficient, are untested.")
 
 
 def order_pays(study):
@@ -153,24 +167,41 @@ def order_pays(study):
         found = [2 * gauss_stages(frameless(each[0])) for each in best if each]
         if found:
             parts.append(f"{span(found, str)} at 1e{exponent} (median {statistics.median(found):g})")
-    return parts and ("Which order pays depends on the error", f"Of the cheapest Gauss form on each problem, {', '.join(parts)}.")
+    return parts and ("Which order pays depends on the error", "Order of the cheapest Gauss form over"
+                      f" {len(study.problems())} problems: {', '.join(parts)}.")
 
 
 def energy(study):
-    """Compares energy errors where all err by 1e-6 in W, in the longest run of the smooth scene at its largest n."""
-    smooth = [problem for problem in study.problems() if problem.scene == "smooth"]
-    best = {name: cheapest(study, problem, 1e-6, forms_of(study, method))
-            for problem in smooth[-1:] for method, name in NAMES.items()}
-    parts = [f"{scientific(each[1].energy_error)} by {name}" for name, each in best.items() if each]
-    return parts and (f"Where W errs by 1e-6 ({smooth[-1]}), the energy errs by {', '.join(parts)}",
-                      "Each in the cheapest of its forms.")
+    """Tells whose energy error is the least for its time, in the longest run of the smooth scene at its largest n."""
+    problem = [each for each in study.problems() if each.scene == "smooth"][-1]
+    names = {form: name for each, name in NAMES.items() for form in forms_of(study, each)}
+    runs = [run for form in names for stretch in study.stretches(problem, form) for run in stretch]
+    least = {names[run.integrator]: run.energy_error for run in sorted(runs, key=lambda run: -run.energy_error)}
+    best = []
+    for run in sorted(runs, key=lambda run: run.seconds):
+        if not best or run.energy_error < best[-1].energy_error:
+            best.append(run)
+    parts = []
+    for name, group in itertools.groupby(best, lambda run: names[run.integrator]):
+        first, *_, last = [*group] * 2
+        parts.append(f"{name}'s" + f" from {two_digits(first.seconds)} s on" * (first != best[0])
+                     + f" down to {scientific(last.energy_error)}" * (last != best[-1])
+                     + ", where its runs end" * (last != best[-1] and last.energy_error == least[name]))
+    found = {name: cheapest(study, problem, 1e-6, forms_of(study, each)) for each, name in NAMES.items()}
+    at_1e6 = [f"{scientific(each[1].energy_error)} by {name}" for name, each in found.items() if each]
+    return parts and (f"At T = {problem.time:g}, n = {problem.n} the least energy error for its time is"
+                      f" {', then '.join(parts)}",
+                      f"Of {', '.join(NAMES.values())}; direct Gauss keeps the energy, which is quadratic, to rounding."
+                      f" Where W errs by 1e-6 at most, the energy errs by {', '.join(at_1e6) or 'what is not known'}. Over longer"
+                      " times: the long runs of the study of stability.")
 
 
 def frame(study, problems):
     """Tells by how much the co-rotating frame divides the times of Gauss methods."""
-    gains = [ratio for name, each in frame_gains(study, problems).items() if gauss_stages(name) for ratio in each.values()]
+    gains = [each for name, found in frame_gains(study, problems).items() if gauss_stages(name)
+             for each in found.values()]
     return gains and (f"The co-rotating frame divides the time of Gauss methods at equal error by {mean(gains)}",
-                      f"Mean over n, s and the errors {MEAN_OVER}, smooth, T = 5.")
+                      f"Mean of {len(gains)} comparisons over n, s and the errors {MEAN_OVER}, smooth, T = 5.")
 
 
 def runs_at_table1_step(study, name):
@@ -184,7 +215,8 @@ def growth(study):
     sizes = [problem.n for problem in headline_problems(study)]
     lines = {name: runs_at_table1_step(study, name)
              for name in ("group3", "group3_frame", "group1", "group2", "rkmk4", "rk4")}
-    parts = [f"{scientific(runs[0].error)} to {scientific(runs[-1].error)} ({name})"
+    parts = [f"{scientific(runs[0].error)} to {scientific(runs[-1].error)}"
+             f" ({NAMES.get(name) or method_name(study.integrators[name])}{', in the co-rotating frame' * in_frame(name)})"
              for name, runs in lines.items() if runs]
     return parts and (f"From n = {sizes[0]} to {sizes[-1]} the error at h = {TABLE1_STEP} goes from"
                       f" {' and from '.join(parts[:2])}", "One step size is not one accuracy. Others, to the last n that"
@@ -207,18 +239,25 @@ def tolerances(study):
     return found
 
 
+def written_tolerance(study, loosest):
+    """Writes the loosest tolerance of a cell that does no harm: at least that, if it is the loosest that was tried."""
+    tried = max(run.tolerance for run in study.tolerance_runs)
+    return "at least " * (loosest.tolerance == tried) + f"{loosest.tolerance:.0e}".replace("e-0", "e-")
+
+
 def needed_tolerance(study):
     found = tolerances(study)
     if not found:
         return None
-    needed = [f"{scientific(loosest.tolerance)} at s = {loosest.stages}" for loosest, _ in found
+    needed = [f"{written_tolerance(study, loosest)} at s = {loosest.stages}" for loosest, _ in found
               if (loosest.n, loosest.formulation) == (found[-1][0].n, "group")]
     times = statistics.geometric_mean(usual.seconds / loosest.seconds for loosest, usual in found)
     worst, tight = (scientific(max(run.spectrum_error for run in runs)) for runs in zip(*found))
-    return ("What the tolerance 1e-13 buys is the spectrum, not the trajectory",
-            f"At h = {TABLE1_STEP}, n = {found[-1][0].n}, looser ones add less than a tenth to group's error:"
-            f" {', '.join(needed)}. The spectrum errs by up to {worst} at such tolerances of all cells, and by {tight} at"
-            f" 1e-13, for {two_digits(times)} times the time (geometric mean).")
+    return ("What the tolerance 1e-13 buys is the spectrum, not the trajectory (published forms)",
+            "The loosest tolerance that adds less than a tenth to the error which the step size makes is, for group at"
+            f" h = {TABLE1_STEP}, n = {found[-1][0].n}, {', '.join(needed)}. With the loosest such tolerance of each cell"
+            f" the spectrum errs by up to {worst}, at 1e-13 by up to {tight}, for {two_digits(times)} times the time"
+            " (geometric mean).")
 
 
 def quality(study):

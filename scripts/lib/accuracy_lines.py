@@ -124,14 +124,14 @@ SCHEMA = Schema("accuracy", Settings, {"references": Reference, "rates": Rate, "
 
 
 class Cost(NamedTuple):
-    """What an error costs on a line, interpolated in log error between two neighbouring runs."""
+    """What an error costs on a line: the cost of a run, or interpolated in log error between two neighbouring ones."""
 
     seconds: float  # interpolated medians
     least: float  # interpolated fastest repetitions
     most: float  # interpolated slowest repetitions
     step: float
     energy_error: float
-    coarse: Run  # the run before, with an error above the one asked for
+    coarse: Run  # the run before, with an error above the one asked for; the same as `fine` if not interpolated
     fine: Run
 
 
@@ -175,10 +175,12 @@ class Accuracy(NamedTuple):
         return [list(runs) for good, runs in found if good]
 
     def cost(self, problem, integrator, error, solver=FAST) -> Optional[Cost]:
-        """Returns the least cost of an error on a line, or None where no two neighbouring runs enclose it."""
-        costs = [interpolated(coarse, fine, error)
-                 for stretch in self.stretches(problem, integrator, solver)
-                 for coarse, fine in zip(stretch, stretch[1:]) if coarse.error >= error >= fine.error]
+        """Returns the least cost of this error or a smaller one on a line; None where the line does not reach it."""
+        costs = []
+        for stretch in self.stretches(problem, integrator, solver):
+            costs += [interpolated(run, run, error) for run in stretch if run.error <= error]
+            costs += [interpolated(coarse, fine, error) for coarse, fine in zip(stretch, stretch[1:])
+                      if coarse.error >= error >= fine.error]
         return min(costs, key=lambda cost: cost.seconds, default=None)
 
     def observed_order(self, problem, integrator, solver=FAST):

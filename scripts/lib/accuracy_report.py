@@ -1,14 +1,15 @@
 """A study of accuracy against cost as a document: what it says, charts and tables."""
 
+import itertools
 import math
 
-from accuracy_claims import (MEAN_OVER, claims, frame_gains, headline_problems, mean, means_by_problem, prices, ratios,
-                             scientific, tolerances)
-from accuracy_lines import FAST, FLOOR_MARGIN, PUBLISHED, TABLE1_STEP
-from benchmark_json import FORMULATIONS
+from accuracy_claims import (MEAN_OVER, NAMES, claims, frame_gains, headline_problems, mean, means_by_problem, prices,
+                             published_over_fast, scientific, span, tolerances, written_tolerance)
+from accuracy_lines import FLOOR_MARGIN, TABLE1_STEP
 from comparison import MISSING, percentage, three_digits
 from document import Column, Heading, Items, Paragraph, conditions, plain_table, shown
 from recommendation import KEPT, recommendation_tables, strongest_structure
+from study_file import SWEEP_CAP, UNSTABLE
 
 CARE_ERROR, CARE_FACTOR = 1e-6, 10  # near which, within what factor, equal care is shown, ...
 CARE_SIZE = 65  # ... at the largest n up to this
@@ -20,37 +21,39 @@ CHARTS = (
      " long, and breaks at failures and limits. Thick: of those with the same strongest structure, the cheapest with"
      " this error or a smaller one, upright above the longest step that ran. All panels have equal decades."),
     ("error_against_time_others", "The same for the two largest n of every other scene and time."),
-    ("energy_against_time", "The same for the energy error, the largest over the steps, in the smooth scene."),
+    ("energy_against_time", "The same for the energy error, the largest over the steps, in the smooth scene. Direct Gauss"
+     " lies below the panels: it keeps the energy to rounding."),
     ("error_against_n", f"Error at h = {TABLE1_STEP}, the step of Table 1, against n, and of every step, not in the frame,"
-     " against h‖B(W₀)‖₂, smooth scene, T = 5. Lines of all n that coincide say that h‖B‖₂ decides, not n."),
+     " against h‖B(W₀)‖₂, smooth scene, T = 5. Where the lines of all n coincide, as for Gauss, h‖B‖₂ decides, not n;"
+     " those of RKMK4 and RK4 do not coincide."),
     ("table1_accuracy", "Tables 1 and 2 with their accuracy, timed in turns. Dotted lines join the forms with one answer."),
 )
-# What was tried and paid, by what the name of an integrator begins with.
-CARE = {
-    **dict.fromkeys(FORMULATIONS, "predictor, inexact Newton in single precision, triangles, bands"),
-    **dict.fromkeys(("yoshida", "suzuki", "kahan_li"), "a predictor for each substep, inexact Newton, bands"),
-    "direct": "predictor, inexact Newton in single precision, bands",
-    "rkmk": "late terms of the series in single precision, bands",
-    "rk": "one product a stage in split-complex storage, bands",
-}
+BEYOND_LIMIT = "beyond its stability limit"
+LETTERS = {SWEEP_CAP: "c", "stagnated": "s", "diverged": "d", UNSTABLE: "u", BEYOND_LIMIT: "l"}  # of ends of a run
+CARE = (  # what was tried and paid
+    ("Formulations of the Gauss method", ": predictor, inexact Newton in single precision, triangles, bands"),
+    ("Direct Gauss", ": predictor, inexact Newton in single precision, bands"),
+    ("Yoshida, Suzuki, Kahan–Li", ": a predictor for each substep, inexact Newton, bands"),
+    ("RKMK4", ": late terms of the series in single precision, bands"),
+    ("RK4", ": one product a stage in split-complex storage, bands"),
+)
 
 
 def accuracy_sections(study, charts):
     """Returns the document; `charts` are the names of the charts beside it."""
     return [
         Heading("Accuracy against cost", 1),
-        Paragraph("Every integrator over step sizes on every problem; errors are relative, in the Frobenius norm, and"
-                  " costs at an error are interpolated between two neighbouring runs that worked. Ratios: geometric"
-                  " mean (from fastest over slowest repetitions to slowest over fastest)."),
+        Paragraph("Every integrator over step sizes on every problem; errors are relative, in the Frobenius norm. The"
+                  " cost of an error is that of the cheapest run with this error or a smaller one, interpolated between"
+                  " neighbouring runs that worked. Ratios: geometric mean (from fastest over slowest repetitions to"
+                  " slowest over fastest); without brackets: timed once, on one side at least."),
         Items(claims(study)),
         *shown(CHARTS, charts),
         Heading("Reference solutions"),
         Items([(str(problem), f": {each.integrators[0]} in {each.steps[0]} and {each.integrators[1]} in {each.steps[1]}"
                 f" steps, which differ by {scientific(each.uncertainty)}") for problem, each in study.references.items()]),
-        *ratios_section(study, "The price of structure", prices, "{}",
-                        "Time of the best Gauss form over that of the other method's best form"),
-        *ratios_section(study, "What the co-rotating frame buys", frame_gains, "{0.value:.2g}",
-                        "Time without the frame over time in it"),
+        *price_section(study),
+        *frame_section(study),
         *care_section(study),
         *integrators_section(study),
         *tolerance_section(study),
@@ -61,27 +64,36 @@ def accuracy_sections(study, charts):
     ]
 
 
-def by_problem(study, heading, text, entry, columns=()):
-    """Returns a section with a row for each integrator and a column for each problem, after some (heading, text).
-
-    Without such columns, integrators without any entry are left out.
-    """
-    rows = []
-    for name, integrator in study.integrators.items():
-        entries = [entry(problem, name) for problem in study.problems()]
-        if columns or set(entries) != {MISSING}:
-            rows.append([name, *(show(integrator) for _, show in columns), *entries])
-    heads = (Column("integrator", align="left"), *(Column(name) for name, _ in columns),
-             *(Column(f"n = {problem.n}", f"{problem.scene}, T = {problem.time:g}") for problem in study.problems()))
-    return [Heading(heading), Paragraph(text), plain_table(heads, rows)] if rows else []
+def by_size(study, heading, text, entry):
+    """Returns a section with a table for each scene and time: a column for each n, a row for each integrator."""
+    tables = []
+    for (scene, time), group in itertools.groupby(study.problems(), lambda problem: problem[:2]):
+        problems = list(group)
+        rows = [[name, *entries] for name in study.integrators
+                if set(entries := [entry(problem, name) for problem in problems]) != {MISSING}]
+        columns = (Column("integrator", align="left"), *(Column(f"n = {problem.n}") for problem in problems))
+        tables += [Heading(f"{scene}, T = {time:g}", 3), plain_table(columns, rows)] if rows else []
+    return [Heading(heading), Paragraph(text), *tables] if tables else []
 
 
-def ratios_section(study, heading, compare, written, text):
-    """Shows the geometric mean of an integrator's ratios on each problem, where there are any, written in a format."""
-    found = {name: means_by_problem(each) for name, each in compare(study, study.problems()).items()}
-    return by_problem(study, heading, f"{text}, at equal error, {MEAN_OVER}, where both have it.",
-                      lambda problem, name: written.format(found[name][problem]) if problem in found.get(name, ())
-                      else MISSING)
+def price_section(study):
+    found = {other: ratios for other, ratios in prices(study, study.problems()).items() if ratios}
+    means = {other: means_by_problem(ratios) for other, ratios in found.items()}
+    rows = [[str(problem), *itertools.chain.from_iterable(
+        (str(means[other].get(problem, MISSING)), str(sum(where == problem for where, _ in ratios)))
+        for other, ratios in found.items())] for problem in study.problems()]
+    columns = [Column(head) for other in found for head in (f"over {NAMES[other]}", "comparisons")]
+    return [Heading("The price of structure"),
+            Paragraph("Time of the best Gauss form over that of the other method's best form, at equal error,"
+                      f" {MEAN_OVER}, where both reach it."),
+            plain_table((Column("problem", align="left"), *columns), rows)] if found else []
+
+
+def frame_section(study):
+    found = {name: means_by_problem(each) for name, each in frame_gains(study, study.problems()).items()}
+    return by_size(study, "What the co-rotating frame buys",
+                   f"Time without the frame over time in it, at equal error, {MEAN_OVER}, where both reach it.",
+                   lambda problem, name: str(found.get(name, {}).get(problem, MISSING)))
 
 
 def care_section(study):
@@ -95,39 +107,42 @@ def care_section(study):
         if not runs:
             continue
         run = min(runs, key=lambda each: abs(math.log(each.error / CARE_ERROR)))
-        gains = ratios(study, [problem], [name], [name], (PUBLISHED, FAST)).values()
-        family = max((each for each in CARE if name.startswith(each)), key=len, default=None)
+        gains = published_over_fast(study, problem, name)
         rows.append([name, three_digits(run.step), scientific(run.error), three_digits(run.seconds),
                      f"{run.equivalent_products:.0f}", percentage(run.equivalent_products / rate.fast / run.seconds),
-                     str(mean(gains)) if gains else MISSING, CARE.get(family, MISSING)])
+                     str(mean(gains)) if gains else MISSING])
     columns = (Column("integrator", align="left"), *map(Column, (
-        "step", "error", "CPU seconds", "equivalent products", "product share", "published over fast")),
-               Column("what makes it fast", align="left"))
+        "step", "error", "CPU seconds", "equivalent products", "product share", "published over fast")))
     return [Heading("Equal care"),
             Paragraph(f"{problem}, the run nearest to {CARE_ERROR:g}, within a factor of {CARE_FACTOR}. Product share: the time of its products, at the"
                       " rate of products alone, over all its time; bands and triangles count as the part that they are."
-                      f" Published over fast: at equal error, {MEAN_OVER}."),
-            plain_table(columns, rows)] if rows else []
+                      " Published over fast: at equal steps, which have equal errors."),
+            plain_table(columns, rows), Paragraph("What makes them fast:"), Items(CARE)] if rows else []
 
 
 # ---- each integrator
 
 
 def integrators_section(study):
-    def order(problem, name):
-        observed = study.observed_order(problem, name)
-        return f"{observed:.2f}" if observed else MISSING
+    scenes = list(dict.fromkeys(problem[:2] for problem in study.problems()))
 
-    return by_problem(
-        study, "What each integrator is, and its observed order",
-        "The order is fitted on the last points above the floor; – where fewer than three are.", order,
-        (("order", lambda each: str(each.order)), ("keeps", lambda each: KEPT[strongest_structure(each)])))
+    def orders(name, scene):
+        found = [study.observed_order(problem, name) for problem in study.problems() if problem[:2] == scene]
+        return span(list(filter(None, found)), "{:.2f}".format) if any(found) else MISSING
+
+    rows = [[name, str(each.order), KEPT[strongest_structure(each)], *(orders(name, scene) for scene in scenes)]
+            for name, each in study.integrators.items()]
+    columns = (Column("integrator", align="left"), Column("order"), Column("keeps", align="left"),
+               *(Column(f"{scene}, T = {time:g}") for scene, time in scenes))
+    return [Heading("What each integrator is, and its observed order"),
+            Paragraph("The order is fitted on the last three points above the floor, at each n that has as many: the least"
+                      " and the largest."), plain_table(columns, rows)]
 
 
 def tolerance_section(study):
     """Shows for each cell the loosest tolerance that hardly adds to its error, and what it saves."""
     rows = [[str(loosest.n), loosest.formulation, str(loosest.stages), scientific(usual.error),
-             f"{loosest.tolerance:.0e}", three_digits(loosest.seconds / usual.seconds),
+             written_tolerance(study, loosest), three_digits(loosest.seconds / usual.seconds),
              scientific(loosest.spectrum_error), scientific(usual.spectrum_error)]
             for loosest, usual in tolerances(study)]
     if not rows:
@@ -137,7 +152,8 @@ def tolerance_section(study):
     failed = sum(not run.usable for run in study.tolerance_runs)
     return [Heading("Which tolerance an accuracy needs"),
             Paragraph("The loosest tolerance of the fixed point that adds less than a tenth to the error which the step"
-                      f" size makes, and so do all tighter ones, published forms. {failed} of"
+                      " size makes, and so do all tighter ones, published forms. At least: none looser was tried."
+                      f" {failed} of"
                       f" {len(study.tolerance_runs)} runs did not converge."),
             plain_table(columns, rows)]
 
@@ -147,10 +163,11 @@ def failures_section(study):
 
     def failed(problem, name):
         bad = [run for run in study.line(problem, name) if not run.usable or run.beyond_limit]
-        how = dict.fromkeys("beyond its limit" if run.usable else run.status for run in reversed(bad))
-        return f"{three_digits(bad[-1].step)} {', '.join(how)}" if bad else MISSING
+        how = bad and (BEYOND_LIMIT if bad[-1].usable else bad[-1].status)
+        return f"{three_digits(bad[-1].step)} {LETTERS[how]}" if bad else MISSING
 
-    return by_problem(study, "Runs that failed",
-                      f"{sum(not run.usable for run in study.runs)} of {len(study.runs)} runs. Of each fast form the"
-                      " smallest step that failed, and how this and longer ones did. A step beyond the stability limit"
-                      " may come to an end because T is short; such a run is never recommended.", failed)
+    letters = ", ".join(f"{letter} {how}" for how, letter in LETTERS.items())
+    return by_size(study, "Runs that failed",
+                   f"{sum(not run.usable for run in study.runs)} of {len(study.runs)} runs. Of each fast form the"
+                   f" smallest step that failed, and how: {letters}. A step beyond the stability limit may come to an end"
+                   " because T is short; such a run is never recommended.", failed)

@@ -3,7 +3,7 @@
 import math
 import statistics
 
-from accuracy_claims import energy, growth, headline_problems, price, runs_at_table1_step, span
+from accuracy_claims import energy, exponential, growth, headline_problems, price, runs_at_table1_step, span
 from accuracy_lines import FAST, NEAR_ROUNDING, PUBLISHED, TABLE1_STEP
 from benchmark_json import FORMULATIONS
 from chart_panels import FAMILIES, draw_line, handle, key, logarithmic, new_figure
@@ -16,15 +16,16 @@ LEAST_ERROR, LEAST_ENERGY_ERROR = 1e-12, 1e-14  # where the axes end
 SHOWN_AGAINST_N = ("group1", "group2", "group3", "group4", "rkmk4", "rk4")
 LEAP = 1.6  # in seconds, from one level of an envelope to the next: a line of order 2 rises by 10^(1/8)
 
-# One colour for each method, and a letter or number at the end of its line.
+# One colour for each method, none of them a formulation's (chart_panels), and a letter or number at the end of its line.
 METHODS = {**{f"Gauss, order {2 * s}": (colour, str(2 * s)) for s, colour in enumerate(
-    ("#8fd3e8", "#58b4dd", "#2f93cf", "#2271b8", "#24519f", "#332f86", "#4f2275", "#6e1564"), 1)},
-    "Yoshida, order 4": ("#d8a03c", "Y"), "Suzuki, order 4": ("#c06a28", "S"), "Kahan–Li, order 6": ("#8a3b12", "K"),
+    ("#8fd3e8", "#58b4dd", "#2f93cf", "#2271b8", "#1f5a99", "#1b477b", "#16355d", "#102440"), 1)},
+    "Yoshida, order 4": ("#b9b42d", "Y"), "Suzuki, order 4": ("#8f8a1c", "S"), "Kahan–Li, order 6": ("#5f5c10", "K"),
     "RKMK, order 4": ("#0b8a67", "RKMK4"), "Runge–Kutta, order 4": ("#000000", "RK4"),
     **{f"direct Gauss, order {order}": (colour, f"d{order}")
        for order, colour in ((2, "#e3a5c7"), (4, "#cf6aa3"), (6, "#a83a7c"))}}
 ENVELOPES = {structure: {"color": colour, "linewidth": 5, "alpha": 0.4, "solid_capstyle": "round", "zorder": 3}
              for structure, colour in (("poisson", "#2f93cf"), ("spectrum", "#0b8a67"), ("nothing", "#444444"))}
+PALE = {"linewidth": 0.6, "alpha": 0.45}  # a line not in the frame
 GHOST = {"color": "0.72", "linewidth": 0.7, "linestyle": (0, (3, 2)), "zorder": 1}
 
 
@@ -47,13 +48,16 @@ def error_against_time_others(study):
     others = [problem for problem in study.problems() if problem not in headline_problems(study)]
     problems = [problem for problem in others
                 if sum(each[:2] == problem[:2] and each.n > problem.n for each in others) < 2]
-    return work_precision(study, problems, "error", price(study, problems)) if problems else None
+    claim = exponential(study, problems, "these problems")
+    return work_precision(study, problems, "error", claim) if problems else None
 
 
 def energy_against_time(study):
     """Draws the energy error of the smooth scene at the largest n of each time."""
     largest = {problem.time: problem for problem in study.problems() if problem.scene == "smooth"}
-    return work_precision(study, list(largest.values()), "energy_error", energy(study))
+    claim = energy(study)
+    return work_precision(study, list(largest.values()), "energy_error",
+                          claim and [f"{claim[0]} (longer times: the long runs of the study of stability)"])
 
 
 def work_precision(study, problems, quantity, claim, ghosts=False):
@@ -65,7 +69,7 @@ def work_precision(study, problems, quantity, claim, ghosts=False):
     rows = -(-len(problems) // columns)
     label, least = (ERROR_LABEL, LEAST_ERROR) if quantity == "error" else ("energy error", LEAST_ENERGY_ERROR)
     figure, panels = new_figure(title(claim, f"{label} against CPU time"), rows, columns, 5.2, keys=6, sharey=True)
-    spans, ends = [], []
+    spans, marks, shown = [], [], set()
     for axes, problem in zip(panels.flat, problems):
         logarithmic(axes)
         axes.set(title=str(problem), xlabel=SECONDS_LABEL, ylabel=label, ylim=(least, 2))
@@ -73,29 +77,35 @@ def work_precision(study, problems, quantity, claim, ghosts=False):
         for name in study.integrators if ghosts else ():
             for stretch in study.stretches(problem, name, PUBLISHED) if gauss_stages(name) else ():
                 draw_line(axes, f"{name}, published", [(run.seconds, run.error) for run in stretch], **GHOST)
+                shown.add(PUBLISHED)
         for structure, style in ENVELOPES.items():
             points = envelope([line for each, lines in drawn if strongest_structure(each) == structure
                                for line in lines], least)
-            draw_line(axes, structure, points, **style)
-        seconds = [math.log10(x) for _, lines in drawn for line in lines for x, y in line if y >= least] or [0]
+            shown.update([structure] if draw_line(axes, structure, points, **style) else [])
+        ends = {}
+        for each, lines in sorted(drawn, key=lambda line: in_frame(line[0].name)):  # a mark stands at the last, in it
+            points = [at for line in lines for at in line if at[1] >= least]
+            shown.update([method_name(each), in_frame(each.name)] if points else [])
+            ends.setdefault(method_name(each), []).extend(points)
+        marks.append(ends)
+        seconds = [math.log10(x) for points in ends.values() for x, _ in points] or [0]
         spans.append((min(seconds), max(seconds)))
-        drawn.sort(key=lambda line: in_frame(line[0].name))  # a name stands once, at the line in the frame
-        ends.append({METHODS.get(method_name(each), ("0.5", each.name)): [at for at in lines[-1] if at[1] >= least]
-                     for each, lines in drawn if lines})
     decades = max(high - low for low, high in spans) + 0.4
-    for axes, (low, high), marks in zip(panels.flat, spans, ends):
+    for axes, (low, high), ends in zip(panels.flat, spans, marks):
         axes.set_xlim(*(10 ** ((low + high + sign * decades) / 2) for sign in (-1, 1)))
-        mark_lines(axes, marks)
+        mark_lines(axes, ends)
     for axes in panels.flat[len(problems):]:
         axes.remove()
-    known = {method_name(each) for each in study.integrators.values()}
-    key(figure, [*(handle(f"best that keeps {KEPT[structure]}", **style) for structure, style in ENVELOPES.items()),
-                 handle("in the co-rotating frame", color="0.3", linewidth=1, marker="o", markersize=3),
-                 handle("not in it", color="0.3", linewidth=0.6),
-                 *([handle("Gauss, published forms", **GHOST)] * ghosts),
-                 *(handle(f"{mark}: {name}", color=colour) for name, (colour, mark) in METHODS.items()
-                   if name in known)], 6)
+    handles = {**{each: handle(f"best that keeps {KEPT[each]}", **style) for each, style in ENVELOPES.items()},
+               True: handle("in the co-rotating frame", color="0.3", linewidth=1, marker="o", markersize=3),
+               False: handle("not in it (pale)", color="0.3", **PALE), PUBLISHED: handle("Gauss, published forms", **GHOST),
+               **method_handles()}
+    key(figure, [each for what, each in handles.items() if what in shown], 6)
     return figure
+
+
+def method_handles():
+    return {name: handle(f"{mark}: {name}", color=colour) for name, (colour, mark) in METHODS.items()}
 
 
 def draw_method(axes, study, problem, integrator, quantity):
@@ -103,21 +113,23 @@ def draw_method(axes, study, problem, integrator, quantity):
     colour, _ = METHODS.get(method_name(integrator), ("0.5", None))
     framed = in_frame(integrator.name)
     lines = [draw_line(axes, integrator.name, [(run.seconds, getattr(run, quantity)) for run in stretch], color=colour,
-                       linewidth=1 if framed else 0.6, markersize=2.2,
-                       marker="o" if framed or len(stretch) == 1 else None)
+                       marker="o" if framed or len(stretch) == 1 else None, markersize=2.2,
+                       **({"linewidth": 1} if framed else PALE))
              for stretch in study.stretches(problem, integrator.name)]
     return integrator, list(filter(None, lines))
 
 
 def mark_lines(axes, marks):
-    """Writes a mark beside each line, at the lowest of its points where no other mark stands."""
+    """Writes the mark of each method beside its line, at the last of its points where no other mark stands."""
     taken = []
     to_share = axes.transAxes.inverted().transform
-    for (colour, mark), points in marks.items():
+    for method, points in marks.items():
+        colour, mark = METHODS.get(method, ("0.5", method))
         for point in reversed(points):
             x, y = to_share(axes.transData.transform(point))
-            if all(abs(x - at_x) > 0.02 * (1 + len(mark)) or abs(y - at_y) > 0.035 for at_x, at_y in taken):
-                taken.append((x, y))
+            if all(abs(x - at_x) > 0.02 * (1 + max(len(mark), len(other))) or abs(y - at_y) > 0.035
+                   for at_x, at_y, other in taken):
+                taken.append((x, y, mark))
                 axes.annotate(mark, point, xytext=(3, 1), textcoords="offset points", color=colour, zorder=6)
                 break
 
@@ -169,15 +181,16 @@ def error_against_n(study):
         if name not in study.integrators:
             continue
         method = method_name(study.integrators[name])
-        methods[method] = colour = METHODS[method][0]
-        framed = in_frame(name)
-        draw_line(at_step, name, [(run.n, run.error) for run in runs_at_table1_step(study, name)], marker="o",
-                  color=colour, linestyle="-" if framed else "--")
+        colour, framed = METHODS[method][0], in_frame(name)
+        points = draw_line(at_step, name, [(run.n, run.error) for run in runs_at_table1_step(study, name)], marker="o",
+                           color=colour, linestyle="-" if framed else "--")
+        methods.setdefault(method, []).extend(points)
         for index, problem in enumerate([] if framed else problems):
             for stretch in study.stretches(problem, name):
                 draw_line(at_norm, f"{name}, n = {problem.n}", [(run.h_norm_B, run.error) for run in stretch],
                           linewidth=0.5 + 0.4 * index, color=colour)
-    key(figure, [*(handle(method, color=colour) for method, colour in methods.items()),
+    mark_lines(at_step, methods)
+    key(figure, [*(each for method, each in method_handles().items() if method in methods),
                  handle("not in the frame", color="0.3", linestyle="--"),
                  handle("in the frame", color="0.3")], 2)
     return figure
@@ -217,6 +230,6 @@ def table1_accuracy(published, fast):
         axes.annotate(f"n = {n}, s = {s}", max(points), xytext=(10, -4), textcoords="offset points")
     dot = {"color": "0.3", "marker": "o", "linestyle": "none"}
     key(figure, [*(handle(each, color=FAMILIES[each][0], marker="o", markersize=FAMILIES[each][1],
-                          markerfacecolor="none") for each in FORMULATIONS),
+                          markerfacecolor="none", linestyle="none") for each in FORMULATIONS),
                  handle("published form", markerfacecolor="none", **dot), handle("fast form", **dot)])
     return figure

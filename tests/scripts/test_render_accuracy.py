@@ -101,6 +101,15 @@ class WhatIsDrawn(AccuracyTest):
         self.assertTrue(all(any(x <= 1.0001 * seconds and error <= 1.0001 * y <= 1.79 * error
                                 for x, y in lines["poisson"]) for seconds, error in best if error < 0.5 and seconds < 80))
 
+    def test_the_legend_lists_what_is_drawn(self):
+        document = study_document()
+        for run in document["runs"]:
+            run.update(energy_error=1e-15 if run["integrator"].startswith("group") else 1e-6)  # below the panel, and in it
+        (panel,) = self.panels("charts", "energy_against_time", accuracy_of(document))["smooth, T = 5, n = 33"]
+        self.assertEqual({text.get_text() for text in panel.figure.legends[0].get_texts()}, {
+            "best that keeps the spectrum", "best that keeps nothing", "best that keeps the Lie–Poisson structure",
+            "not in it (pale)", "RKMK4: RKMK, order 4", "RK4: Runge–Kutta, order 4"})
+
     def test_other_problems_energy_and_size(self):
         study = accuracy_of(study_document())
         self.assertEqual(list(self.panels("charts", "error_against_time_others", study)), ["rough, T = 5, n = 17"])
