@@ -47,7 +47,7 @@ TEST(EachSceneOfTheList, IsTestedHere) {
 
 TEST_P(EachScene, IsOneMapInAllFormulationsAndStaysOnItsOrbit) {
   constexpr long steps = 10;
-  for (int s = 1; s <= 4; ++s) {
+  for (const int s : {1, 2, 3, 4, 8}) {
     for (const double h_norm_B : {0.05, 0.2, 0.5}) {
       Matrix first;
       for (const Formulation formulation : formulations()) {
