@@ -2,7 +2,6 @@
 #include "isosyrk/catalogue/fast_forms.h"
 #include "isosyrk/flows/invariants.h"
 #include "isosyrk/integrators/composition.h"
-#include "isosyrk/linalg/adjoint_series.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -107,20 +106,6 @@ TEST(Composition, RefusesFractionsThatAreNotSymmetricOrDoNotSumToOne) {
   EXPECT_THROW(composed({0.25, 0.5, 0.5}), std::invalid_argument);
   EXPECT_THROW(composed({0.2, 0.5, 0.3}), std::invalid_argument);
   EXPECT_THROW(composed({}), std::invalid_argument);
-}
-
-TEST(AdjointSeries, EqualsConjugationByTheExponential) {
-  const Matrix Omega = 1.5 * random_skew_hermitian(8, 1);
-  const Matrix W = random_skew_hermitian(8, 2);
-  const QuadraticAlgebra algebra = QuadraticAlgebra::skew_hermitian(8);
-  Products products(ProductBackend::openblas, 8);
-  AdjointSeries<Complex> series(algebra);
-  Matrix out(8, 8);
-  ASSERT_TRUE(series.conjugate(products, 0.5, Omega, W, out));
-  const Matrix Q = exponential(0.5 * Omega);
-  EXPECT_LE(largest_difference(out, product({Q, W, Q.adjoint()})), 1e-14);
-  // Terms of a long Ω grow beyond all bounds before they fall: that is said.
-  EXPECT_FALSE(series.conjugate(products, 1e6, Omega, W, out));
 }
 
 }  // namespace
