@@ -100,7 +100,17 @@ std::vector<Method> methods(int most_stages) {
   return all;
 }
 
-double observed_order(const std::vector<double>& h, const std::vector<double>& errors) {
+double observed_order(double time, const std::vector<long>& counts,
+                      const std::function<double(double h, long count)>& error,
+                      const std::function<double(long count)>& plateau, std::size_t least) {
+  std::vector<double> h, errors;
+  for (const long count : counts) {
+    const double step = time / static_cast<double>(count), found = error(step, count);
+    if (found < plateau(count)) break;
+    h.push_back(step);
+    errors.push_back(found);
+  }
+  EXPECT_GE(errors.size(), least);
   const auto logarithms_about_their_mean = [](const std::vector<double>& values) {
     const Eigen::Map<const Eigen::ArrayXd> all(values.data(), static_cast<Index>(values.size()));
     const Eigen::ArrayXd logarithms = all.tail(std::min<Index>(5, all.size())).log();
