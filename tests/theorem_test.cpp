@@ -18,6 +18,14 @@ struct SceneCase {
 
 void PrintTo(const SceneCase& scene, std::ostream* out) { *out << scene.name; }
 
+const std::vector<SceneCase> tested_scenes = {{"smooth", {9}},
+                                              {"rough", {9}},
+                                              {"euler_top", {3}},
+                                              {"rigid_body", {7}},
+                                              {"spin_chain", {10}},
+                                              {"symplectic", {6}},
+                                              {"pseudo_unitary", {5, {}, {{3, 2}}}}};
+
 class EachScene : public ::testing::TestWithParam<SceneCase> {
  protected:
   const Scene scene = scene_by_name(GetParam().name, GetParam().parameters);
@@ -27,21 +35,12 @@ class EachScene : public ::testing::TestWithParam<SceneCase> {
   double step(double h_norm_B) const { return h_norm_B / generator_norm(scene); }
 };
 
-INSTANTIATE_TEST_SUITE_P(List, EachScene,
-                         ::testing::Values(SceneCase{"smooth", {9}}, SceneCase{"rough", {9}},
-                                           SceneCase{"euler_top", {3}},
-                                           SceneCase{"rigid_body", {7}},
-                                           SceneCase{"spin_chain", {10}},
-                                           SceneCase{"symplectic", {6}},
-                                           SceneCase{"pseudo_unitary", {5, {}, {{3, 2}}}}),
+INSTANTIATE_TEST_SUITE_P(List, EachScene, ::testing::ValuesIn(tested_scenes),
                          ::testing::PrintToStringParamName());
 
 TEST(EachSceneOfTheList, IsTestedHere) {
   std::vector<std::string> tested;
-  for (const char* name : {"smooth", "rough", "euler_top", "rigid_body", "spin_chain", "symplectic",
-                           "pseudo_unitary"}) {
-    tested.push_back(name);
-  }
+  for (const SceneCase& scene : tested_scenes) tested.push_back(scene.name);
   EXPECT_EQ(scene_names(), tested);
 }
 
@@ -294,14 +293,14 @@ TEST(PoissonMap, OnSmallAlgebrasForPublishedAndFastForms) {
   struct Case {
     const Flow& flow;
     Matrix W0;
-    double h;
   };
-  const std::vector<Case> cases = {{*top.flow, top.initial, 1.0},
-                                   {*fluid.flow, fluid.initial, 1.0},
-                                   {sp2, sp2.element(5), 1.0},
-                                   {su11, su11.element(6), 1.0}};
+  const double h = 1.0;
+  const std::vector<Case> cases = {{*top.flow, top.initial},
+                                   {*fluid.flow, fluid.initial},
+                                   {sp2, sp2.element(5)},
+                                   {su11, su11.element(6)}};
   for (std::size_t c = 0; c < cases.size(); ++c) {
-    const auto& [flow, W0, h] = cases[c];
+    const auto& [flow, W0] = cases[c];
     for (const auto& [formulation, s] : methods(3)) {
       EXPECT_LE(poisson_map_defect(*gauss(formulation, flow, s, 1e-15), W0, h), 1e-10)
           << c << name(formulation) << s;
