@@ -29,8 +29,6 @@ double oscillations(double t, double phase) {
   return std::cos(9.0 * t + phase) + 0.5 * std::sin(5.0 * t + phase * phase);
 }
 
-double cubic(double t, double phase) { return phase * t * t * t - t * t + phase; }
-
 // The largest difference of an unknown in the Frobenius norm.
 double difference(const Unknowns& x, const Unknowns& y) {
   double largest = 0.0;
@@ -66,6 +64,7 @@ auto polynomial_of(int degree) {
     return sum;
   };
 }
+const auto cubic = polynomial_of(3);
 
 // Weights of the polynomial through K values are binomials, 2^K in all; so much is made of the
 // rounding of the values, K roundoffs each (K terms of size K at most), in n² complex entries.
