@@ -315,21 +315,5 @@ TEST(PoissonMap, OnSmallAlgebrasForPublishedAndFastForms) {
   }
 }
 
-TEST(SceneByName, RefusesWhatAParameterDoesNotAllow) {
-  const auto refused = [](const char* name, const SceneParameters& parameters, const char* part) {
-    expect_refused([&] { scene_by_name(name, parameters); }, part);
-  };
-  refused("calm", {9}, "must be one of smooth, rough, ");
-  refused("euler_top", {4}, "euler_top has n = 3");
-  refused("rigid_body", {2}, "n >= 3");
-  refused("spin_chain", {7}, "n = 2 N");
-  refused("spin_chain", {4}, "N >= 3");
-  refused("symplectic", {5}, "even n");
-  refused("pseudo_unitary", {4, {}, {{4, 0}}}, "P + Q = n = 4");
-  refused("pseudo_unitary", {4, {}, {{3, 2}}}, "P + Q = n = 4");
-  refused("rigid_body", {4, HbarConvention::paper}, "hbar: goes with Euler-Zeitlin");
-  refused("rigid_body", {4, {}, {{2, 2}}}, "signature: goes with pseudo_unitary");
-}
-
 }  // namespace
 }  // namespace isosyrk::testing
