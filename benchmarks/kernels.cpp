@@ -27,12 +27,9 @@ const std::vector<Index> sizes = {17, 33, 65, 129};
 // ‖C - AB‖_F / (‖A‖_F ‖B‖_F u), the error of a product in units of Real's roundoff.
 template <class Real = double>
 double product_error(const Matrix& A, const Matrix& B, const Matrix& C) {
-  using Extended = Eigen::Matrix<std::complex<long double>, Eigen::Dynamic, Eigen::Dynamic>;
-  const auto extended = [](const Matrix& X) {
-    return Extended(X.cast<std::complex<long double>>());
-  };
-  const Extended exact = extended(A).lazyProduct(extended(B));
-  const auto error = static_cast<double>((exact - extended(C)).norm());
+  using Extended = std::complex<long double>;
+  const auto exact = A.cast<Extended>().lazyProduct(B.cast<Extended>());
+  const auto error = static_cast<double>((exact - C.cast<Extended>()).norm());
   constexpr double unit_roundoff = 0.5 * std::numeric_limits<Real>::epsilon();
   return error / (A.norm() * B.norm() * unit_roundoff);
 }

@@ -89,7 +89,7 @@ TEST_P(EachFastForm, TakesAsManySweepsAfterALargeNumberOfSteps) {
   if (GetParam().s == 2) expect_as_many_in(smooth_scene(65));
 }
 
-TEST_P(EachFastForm, StartsColdAfterAnotherStepSizeAnotherStateAndAFailure) {
+TEST_P(EachFastForm, StartsColdAfterAnotherStepSizeAndAnotherState) {
   for (const Index n : {17, 49}) {  // without and with bands
     SCOPED_TRACE(n);
     const Scene scene = smooth_scene(n);
@@ -106,10 +106,6 @@ TEST_P(EachFastForm, StartsColdAfterAnotherStepSizeAnotherStateAndAFailure) {
     run(*tried, W, 0.1, 30);
     expect_cold(W, 0.05, "another step size");
     expect_cold(scene.initial, 0.05, "another state");
-    W = scene.initial;
-    EXPECT_NE(tried->step(W, 50.0).status, Status::converged);
-    EXPECT_EQ(W, scene.initial);
-    expect_cold(scene.initial, 0.1, "a failed step");
   }
 }
 
@@ -260,19 +256,20 @@ TEST_P(EachListedFastForm, GivesTheAnswerOfThePublishedForm) {
 }
 
 // What a failed step leaves in the workspace, NaN too, does not enter the next one.
-TEST_P(EachListedFastForm, WorksAsANewOneAfterAFailure) {
+TEST_P(EachListedFastForm, WorksAsANewOneAfterAFailureAndSoDoesThePublishedForm) {
   const Scene scene = smooth_scene(17);
-  const auto make = [&] { return made(fast_entry(GetParam().name), *scene.flow); };
-  Matrix expected = scene.initial;
-  EXPECT_EQ(make()->step(expected, 0.1).status, Status::converged);
   const Matrix not_finite = Matrix::Constant(17, 17, std::nan(""));
-  for (const auto& [state, h] : {std::pair{scene.initial, 1e200}, std::pair{not_finite, 0.1}}) {
-    const auto integrator = make();
-    Matrix W = state;
-    EXPECT_NE(integrator->step(W, h).status, Status::converged);
-    W = scene.initial;
-    EXPECT_EQ(integrator->step(W, 0.1).status, Status::converged);
-    EXPECT_EQ(W, expected);
+  for (const IntegratorEntry& entry : {fast_entry(GetParam().name), GetParam()}) {
+    Matrix expected = scene.initial;
+    EXPECT_EQ(made(entry, *scene.flow)->step(expected, 0.1).status, Status::converged);
+    for (const auto& [state, h] : {std::pair{scene.initial, 1e200}, std::pair{not_finite, 0.1}}) {
+      const auto integrator = made(entry, *scene.flow);
+      Matrix W = state;
+      EXPECT_NE(integrator->step(W, h).status, Status::converged);
+      W = scene.initial;
+      EXPECT_EQ(integrator->step(W, 0.1).status, Status::converged);
+      EXPECT_EQ(W, expected);
+    }
   }
 }
 

@@ -46,9 +46,7 @@ class Known final : public FixedPointSystem {
     const Matrix before = delta[0][0].interleaved();
     const Matrix right = rhs[0][0].interleaved();
     Matrix after = before;
-    for (int k = 0; k < sweeps_a_call; ++k) {
-      after = (right + sign_of_T * product({T, after})).eval();
-    }
+    for (int k = 0; k < sweeps_a_call; ++k) after = right + sign_of_T * product({T, after});
     if (loses_sweeps) after(0, 0) = not_a_number;
     delta[0][0].load(after);
     return (after - before).norm();
@@ -190,19 +188,6 @@ TEST(InexactNewton, SolvesWhereFrozenSweepsAreSolutions) {
   EXPECT_LT(solved.frozen_sweeps, swept.frozen_sweeps);
 }
 
-TEST(InexactNewton, ComputesNoCorrectionForAChangeThatIsTooLarge) {
-  Known system({0.3, 0.1});
-  const Matrix far = beside_the_solution(system, 100.0);
-  EXPECT_EQ(newton(system, far).status, Status::converged);
-  // 100 √3 (1 + 0.4) at most at first; sweeps of 0.4 until it is 0.3.
-  EXPECT_GT(system.linearisations, 0);
-  EXPECT_GE(system.residuals - system.linearisations, 4);
-  Known never({0.3, 0.1});
-  Unknowns x = start_at(far);
-  InexactNewton(x).newton(never, {.tolerance = 1e-13, .max_sweeps = 4}, x);
-  EXPECT_EQ(never.linearisations, 0);
-}
-
 // One Picard sweep contracts by 0.1 unless it was seen to do otherwise.
 TEST(InexactNewton, ComputesNoCorrectionWhereThreePicardSweepsWillDoAtSmallN) {
   constexpr double tolerance = 1e-6;
@@ -225,19 +210,16 @@ TEST(InexactNewton, ComputesNoCorrectionWhereThreePicardSweepsWillDoAtSmallN) {
 TEST(InexactNewton, RemembersTheContractionUntilItForgets) {
   constexpr double tolerance = 1e-6;
   Known system({-0.85, 0.03});
-  const Matrix near = beside_the_solution(system, 2.0 * tolerance / std::sqrt(3.0));
-  InexactNewton solver(start_at(near));
-  const auto linearisations = [&] {
-    system.linearisations = system.residuals = 0;
-    Unknowns x = start_at(near);
-    EXPECT_EQ(solver.newton(system, {.tolerance = tolerance}, x).status, Status::converged);
-    return std::pair(system.linearisations, system.residuals);
+  const Unknowns near = start_at(beside_the_solution(system, 2.0 * tolerance / std::sqrt(3.0)));
+  InexactNewton solver(near);
+  const auto sweeps = [&] {
+    Unknowns x = near;
+    return solver.newton(system, {.tolerance = tolerance}, x).sweeps;
   };
-  const auto first = linearisations();
-  const auto second = linearisations();
-  EXPECT_LT(second.second, first.second) << "no sweep is lost to find out";
+  const int first = sweeps();
+  EXPECT_LT(sweeps(), first) << "no sweep is lost to find out";
   solver.forget();
-  EXPECT_EQ(linearisations(), first);
+  EXPECT_EQ(sweeps(), first);
 }
 
 // Whichever part it is that grows, and whether by much or little.

@@ -66,8 +66,9 @@ void PrintTo(const NamedSystem& system, std::ostream* out) { *out << system.name
 std::vector<NamedSystem> systems() {
   std::vector<NamedSystem> all;
   for (const Method& method : methods(4)) {
-    all.push_back({::testing::PrintToString(method),
-                   [method](const Flow& flow) { return gauss_system(method.formulation, method.s, flow, 1, false); }});
+    all.push_back({::testing::PrintToString(method), [method](const Flow& flow) {
+                     return gauss_system(method.formulation, method.s, flow, 1, false);
+                   }});
   }
   for (int s = 1; s <= 4; ++s) {
     all.push_back({"direct" + std::to_string(s), [s](const Flow& flow) {

@@ -3,7 +3,6 @@
 
 #include <limits>
 
-#include "isosyrk/split/bands.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -66,64 +65,6 @@ TEST(LinearCombinations, OfAnyNumberOfTermsAreTheirSum) {
   expect_sums<float>();
 }
 
-TEST(LinearCombinations, MayReplaceOneOfTheirTerms) {
-  for (const Index n : sizes) {
-    for (const std::size_t count : counts) {
-      const auto X = random_stages<double>(count, n, 1);
-      SplitMatrix beside(n);
-      assign(beside, weighted(X));
-      for (const std::size_t at : {std::size_t{0}, count / 2, count - 1}) {
-        SCOPED_TRACE(::testing::Message() << n << " " << count << " " << at);
-        auto assigned = X;
-        assign(assigned[at], weighted(assigned));
-        EXPECT_EQ(assigned[at].entries(), beside.entries());
-
-        SplitStages replaced = {X[at]};
-        const double change = replace(replaced, [&](std::size_t) {
-          LinearCombination<double> sum;
-          for (std::size_t t = 0; t < count; ++t) {
-            sum.add(weight_of(t), t == at ? replaced[0] : X[t]);
-          }
-          return sum;
-        });
-        EXPECT_EQ(replaced[0].entries(), beside.entries());
-        const double expected = (beside.entries() - X[at].entries()).norm();
-        EXPECT_NEAR(change, expected, 1e-14 * expected);
-      }
-    }
-  }
-}
-
-TEST(LinearCombinations, HaveTheWidestBandOfATerm) {
-  constexpr Index n = 33;
-  auto X = random_stages<double>(3, n, 1);
-  for (std::size_t t = 0; t < 3; ++t) cut_to_band(3 * static_cast<Index>(t) + 1, X[t]);
-  SplitStages out = split_stages(1, n);
-  for (std::size_t count = 1; count <= 3; ++count) {
-    const SplitStages terms(X.begin(), X.begin() + static_cast<std::ptrdiff_t>(count));
-    const Index widest = 3 * static_cast<Index>(count) - 2;
-    const auto sum = [&](std::size_t) { return weighted(terms); };
-    EXPECT_EQ(sum(0).band(), widest);
-    out[0].set_band(n - 1);
-    assign(out, sum);
-    EXPECT_EQ(out[0].band(), widest);
-    SplitStages replaced = random_stages<double>(1, n, 7);
-    replace(replaced, sum);
-    EXPECT_EQ(replaced[0].band(), widest);
-    SingleStages R = split_stages<float>(1, n);
-    residual({X[0]}, sum, R);
-    EXPECT_EQ(R[0].band(), widest);
-    residual({X[2]}, sum, R);
-    EXPECT_EQ(R[0].band(), 7);  // of the matrix that is taken off
-    SingleStages rounded = split_stages<float>(1, n);
-    round_to_single({X[count - 1]}, rounded);
-    EXPECT_EQ(rounded[0].band(), widest);
-    SplitStages added = {X[0]};
-    add(rounded, added);
-    EXPECT_EQ(added[0].band(), widest);
-  }
-}
-
 // Formed in double, then rounded: half a unit of the last digit of a float.  Close to the solution
 // the leading digits cancel, and rounding first would leave 1e-1 of R.
 TEST(Residuals, AreTheChangesOfDoublePrecisionRounded) {
@@ -146,25 +87,6 @@ TEST(Residuals, AreTheChangesOfDoublePrecisionRounded) {
           EXPECT_TRUE(fill_is_zero(R[i])) << n;
         }
       }
-    }
-  }
-}
-
-TEST(MixedPrecision, RoundsAndAddsEntryByEntry) {
-  for (const Index n : sizes) {
-    const auto X = random_stages<double>(2, n, 1);
-    SingleStages S = split_stages<float>(2, n);
-    round_to_single(X, S);
-    for (std::size_t i = 0; i < 2; ++i) {
-      EXPECT_EQ(S[i].entries(), SingleMatrix(X[i].interleaved()).entries()) << n;
-      EXPECT_TRUE(fill_is_zero(S[i])) << n;
-    }
-    auto sums = random_stages<double>(2, n, 3);
-    const auto before = sums;
-    add(S, sums);
-    for (std::size_t i = 0; i < 2; ++i) {
-      EXPECT_EQ(sums[i].interleaved(), Matrix(before[i].interleaved() + S[i].interleaved())) << n;
-      EXPECT_TRUE(fill_is_zero(sums[i])) << n;
     }
   }
 }

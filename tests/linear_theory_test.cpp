@@ -3,7 +3,6 @@
 #include "isosyrk/integrators/step_limits.h"
 
 #include "isosyrk/flows/invariants.h"
-#include "isosyrk/tableaux/gauss_tableau.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -12,12 +11,6 @@ namespace {
 // W' = [B, W] with a constant B.
 FlowOf frozen_flow(const Matrix& B) {
   return {QuadraticAlgebra::skew_hermitian(B.rows()), [B](const Matrix&, Matrix& out) { out = B; }};
-}
-
-TEST(SpectralRadius, OfGaussTableaux) {
-  EXPECT_NEAR(spectral_radius(gauss_tableau(1)), 0.5, 1e-15);
-  // A of two stages has the characteristic polynomial z² - z/2 + 1/12.
-  EXPECT_NEAR(spectral_radius(gauss_tableau(2)), std::sqrt(1.0 / 12.0), 1e-15);
 }
 
 class LinearLimit : public ::testing::TestWithParam<IntegratorEntry> {

@@ -85,35 +85,6 @@ TEST(ThreadScope, NestsRestoresAndIsOfTheThreadThatMadeIt) {
   EXPECT_NO_THROW(ThreadScope{64});
 }
 
-// Each of so many threads waits for all to have begun: fewer would never end.
-TEST(ThreadScope, HasAsManyThreadsAsItSays) {
-  for (const int threads : {2, 3, 8}) {
-    const ThreadScope scope(threads);
-    std::atomic<int> begun{0};
-    std::set<std::thread::id> ids;
-    std::mutex mutex;
-    for_each_share(threads, [&](Index, Share, int) {
-      ++begun;
-      while (begun.load() < threads) std::this_thread::yield();
-      const std::lock_guard lock(mutex);
-      ids.insert(std::this_thread::get_id());
-    });
-    EXPECT_EQ(ids.size(), static_cast<std::size_t>(threads));
-    EXPECT_EQ(ids.count(std::this_thread::get_id()), 1u);
-  }
-}
-
-TEST(ThreadScope, HasDoneEverythingWhenARegionEnds) {
-  const ThreadScope scope(2);
-  std::array<long, 2> sums{};  // not atomic: each round must see what the one before wrote
-  for (long round = 0; round < 500; ++round) {
-    for_each_share(2,
-                   [&](Index item, Share, int) { sums[static_cast<std::size_t>(item)] += round; });
-    std::swap(sums[0], sums[1]);
-    ASSERT_EQ(sums[0], sums[1]);
-  }
-}
-
 // Which threads of a region of the test's own, those of the library, keep denormals.
 constexpr int looked_at = 4;
 std::array<bool, looked_at> threads_that_keep_denormals() {

@@ -1,6 +1,5 @@
-// Bands of split matrices: finding them, and what products and the Laplacian make of them.
-// Skew-Hermitian parts and mirrored triangles, whole and within bands.  Threads share all of this:
-// see fast_forms_test.cpp.
+// Bands of split matrices: finding them, and what counts and the Laplacian make of them.
+// Skew-Hermitian parts.  Threads share all of this: see fast_forms_test.cpp.
 #include <array>
 #include <cmath>
 
@@ -81,25 +80,6 @@ TEST(Bands, OfASkewHermitianMatrixAreTakenFromTheUpperTriangle) {
   }
 }
 
-TEST(Bands, AreTheWholeWhereTruncationIsOff) {
-  constexpr Index n = 17;
-  const Matrix W = falling_off(n, 3.0, 1);
-  BandTruncation truncation(false, 1, n);
-  SplitStages X = {SplitMatrix(W)};
-  X[0].set_band(3);
-  truncation.truncate(1.0, X);
-  EXPECT_EQ(X[0].interleaved(), W);
-  EXPECT_EQ(X[0].band(), n - 1);
-  truncation.truncate_skew(1.0, X);
-  EXPECT_EQ(X[0].band(), n - 1);
-  SingleStages S = split_stages<float>(1, n);
-  truncation.round_skew(1.0, X, S);
-  EXPECT_EQ(S[0].band(), n - 1);
-  truncation.enable(true);
-  truncation.truncate(1.0, X);
-  EXPECT_LT(X[0].band(), n - 1);
-}
-
 // What is rounded to single precision is cut by another tail, from what truncate_skew measured.
 TEST(Bands, OfTheRoundedAreThoseOfALooserTail) {
   constexpr Index n = 33;
@@ -120,47 +100,6 @@ TEST(Bands, HoldWhatIsNotANumber) {
   W(2, 14) = std::nan("");
   EXPECT_GE(truncated(W, 1e-3).band(), 12);
   EXPECT_GE(truncated_skew(W, 1e-3).band(), 12);
-}
-
-TEST(Bands, CutWhatLiesOutsideAndNothingElse) {
-  for (const Index n : {1, 5, 17, 33}) {
-    const Matrix W = random_matrix(n, 1);
-    for (Index band = 0; band <= n + 1; ++band) {
-      SplitMatrix found(W);
-      cut_to_band(band, found);
-      EXPECT_EQ(found.band(), std::min(band, n - 1));
-      EXPECT_EQ(found.interleaved(), cut(W, band));
-    }
-  }
-}
-
-// A†B with bands given for A, B and, in the second, for the result.  What the kernels make of bands
-// is tested in split_products_test.cpp.
-TEST(Bands, AreThoseOfTheFactorsAndOfTheResultOfAProduct) {
-  constexpr Index n = 65, narrow = 16;
-  SplitProducts products(n);
-  SplitMatrix A(random_matrix(n, 1)), B(random_matrix(n, 2));
-  SplitMatrix whole(n), C(n), within(Matrix(Matrix::Constant(n, n, 7.0)));
-  products.form(adjoint_times(A, B, whole));
-  products.form(adjoint_times(A, B, within).upper_triangle().within(narrow));
-  const auto is_wanted = [](Index r, Index c) { return r <= c && c - r <= narrow; };
-  EXPECT_EQ(entries_of(within.interleaved(), is_wanted),
-            entries_of(whole.interleaved(), is_wanted));
-  EXPECT_EQ(within.interleaved()(n - 1, 0), 7.0) << "far from the band nothing is formed";
-  const auto difference = [&] {
-    products.form(adjoint_times(A, B, C));
-    return (C.entries() - whole.entries()).norm();
-  };
-  A.set_band(20);
-  EXPECT_GT(difference(), 1.0) << "a band that is wrong";
-  EXPECT_EQ(C.band(), n - 1);
-  cut_to_band(20, A);
-  cut_to_band(7, B);
-  difference();
-  EXPECT_EQ(C.band(), 27);
-  SplitMatrix full_A(A.interleaved()), full_B(B.interleaved());
-  products.form(adjoint_times(full_A, full_B, whole));
-  EXPECT_EQ(C.entries(), whole.entries());
 }
 
 TEST(Bands, CountTheMultiplicationsWithinThem) {
@@ -225,42 +164,6 @@ void expect_skew_parts_of_the_definition(double bound) {
 TEST(SkewParts, AreThoseOfTheDefinition) {
   expect_skew_parts_of_the_definition<double>(1e-15);
   expect_skew_parts_of_the_definition<float>(1e-6);
-}
-
-TEST(SkewParts, AreFormedInTheUpperTriangleWithinABandAlone) {
-  for (const Index n : {1, 2, 5, 8, 17, 34}) {
-    const SingleStages X = {SingleMatrix(random_matrix(n, 1))};
-    const SingleMatrix start(random_matrix(n, 2));
-    SingleStages skew = split_stages<float>(1, n);
-    skew_part(X, 1.0f, skew);
-    for (Index band = 0; band < n; ++band) {
-      SingleStages out = {start};
-      upper_skew_part_within(band, X, out);
-      const auto is_formed = [band](Index r, Index c) { return r <= c && c - r <= band; };
-      const auto is_kept = [&](Index r, Index c) { return !is_formed(r, c); };
-      EXPECT_EQ(out[0].interleaved(), entries_of(skew[0].interleaved(), is_formed) +
-                                          entries_of(start.interleaved(), is_kept))
-          << n << " " << band;
-    }
-  }
-}
-
-TEST(Mirrors, AreTheUpperTriangleWithinABand) {
-  for (const Index n : {1, 2, 5, 8, 17, 34}) {
-    const Matrix start = random_matrix(n, 1);
-    const Matrix above = entries_of(start, [](Index r, Index c) { return r < c; });
-    const Matrix diagonal = Complex(0.0, 1.0) * Matrix(start.diagonal().imag().asDiagonal());
-    const Matrix expected = above - above.adjoint() + diagonal;
-    SplitMatrix whole(start);
-    mirror_skew(whole);
-    EXPECT_EQ(whole.interleaved(), expected) << n;
-    for (Index band = 0; band < n; ++band) {
-      SplitMatrix within(start);
-      mirror_skew_within(band, within);
-      EXPECT_EQ(within.interleaved(), cut(expected, band)) << n << " " << band;
-      EXPECT_EQ(within.band(), band);
-    }
-  }
 }
 
 }  // namespace

@@ -14,6 +14,44 @@
 #include "isosyrk/flows/spin.h"
 
 namespace isosyrk::testing {
+namespace {
+
+// In how many of two ways denormal numbers are kept: half the least normal number, formed here and
+// now, and the least denormal one, read and scaled up.
+template <class Real>
+int ways_to_keep_denormals() {
+  volatile Real least = std::numeric_limits<Real>::min();
+  volatile Real denormal = std::numeric_limits<Real>::denorm_min();
+  return (least * Real{0.5} != 0) + (denormal * (1 / std::numeric_limits<Real>::epsilon()) != 0);
+}
+
+// A basis of g, orthonormal in the Frobenius norm: the parts in g of all elementary matrices.
+std::vector<Matrix> basis_of(const QuadraticAlgebra& algebra, bool real) {
+  const Index n = algebra.size();
+  std::vector<Matrix> basis;
+  for (Index k = 0; k < (real ? 1 : 2) * n * n; ++k) {
+    Matrix E = Matrix::Zero(n, n);
+    E(k % (n * n) / n, k % n) = k < n * n ? Complex(1.0) : Complex(0.0, 1.0);
+    Matrix mirrored(n, n);
+    algebra.involution(E, mirrored);
+    E -= mirrored;
+    for (const Matrix& other : basis) {
+      E -= other.conjugate().cwiseProduct(E).sum().real() * other;
+    }
+    if (E.norm() > 1e-6) basis.push_back(E.normalized());
+  }
+  return basis;
+}
+
+// M + sign J⁻¹ M† J of a random M, of Frobenius norm 1.
+Matrix random_part(const QuadraticAlgebra& algebra, double sign, unsigned seed) {
+  const Matrix M = random_matrix(algebra.size(), seed);
+  Matrix mirrored(algebra.size(), algebra.size());
+  algebra.involution(M, mirrored);
+  return (M + sign * mirrored).normalized();
+}
+
+}  // namespace
 
 double largest_difference(const Matrix& A, const Matrix& B) {
   return (A - B).cwiseAbs().maxCoeff();
@@ -100,7 +138,17 @@ std::vector<Method> methods(int most_stages) {
   return all;
 }
 
-double observed_order(const std::vector<double>& h, const std::vector<double>& errors) {
+double observed_order(double time, const std::vector<long>& counts,
+                      const std::function<double(double h, long count)>& error,
+                      const std::function<double(long count)>& plateau, std::size_t least) {
+  std::vector<double> h, errors;
+  for (const long count : counts) {
+    const double step = time / static_cast<double>(count), found = error(step, count);
+    if (found < plateau(count)) break;
+    h.push_back(step);
+    errors.push_back(found);
+  }
+  EXPECT_GE(errors.size(), least);
   const auto logarithms_about_their_mean = [](const std::vector<double>& values) {
     const Eigen::Map<const Eigen::ArrayXd> all(values.data(), static_cast<Index>(values.size()));
     const Eigen::ArrayXd logarithms = all.tail(std::min<Index>(5, all.size())).log();
@@ -142,19 +190,6 @@ Matrix indefinite_J(Index p, Index q) {
   return J;
 }
 
-namespace {
-
-// In how many of two ways denormal numbers are kept: half the least normal number, formed here and
-// now, and the least denormal one, read and scaled up.
-template <class Real>
-int ways_to_keep_denormals() {
-  volatile Real least = std::numeric_limits<Real>::min();
-  volatile Real denormal = std::numeric_limits<Real>::denorm_min();
-  return (least * Real{0.5} != 0) + (denormal * (1 / std::numeric_limits<Real>::epsilon()) != 0);
-}
-
-}  // namespace
-
 bool keeps_denormals() {
   return ways_to_keep_denormals<float>() == 2 && ways_to_keep_denormals<double>() == 2;
 }
@@ -176,28 +211,6 @@ std::filesystem::path WithFolder::write(const std::filesystem::path& file,
   std::ofstream(folder_ / file, std::ios::binary) << contents;
   return folder_ / file;
 }
-
-namespace {
-
-// A basis of g, orthonormal in the Frobenius norm: the parts in g of all elementary matrices.
-std::vector<Matrix> basis_of(const QuadraticAlgebra& algebra, bool real) {
-  const Index n = algebra.size();
-  std::vector<Matrix> basis;
-  for (Index k = 0; k < (real ? 1 : 2) * n * n; ++k) {
-    Matrix E = Matrix::Zero(n, n);
-    E(k % (n * n) / n, k % n) = k < n * n ? Complex(1.0) : Complex(0.0, 1.0);
-    Matrix mirrored(n, n);
-    algebra.involution(E, mirrored);
-    E -= mirrored;
-    for (const Matrix& other : basis) {
-      E -= other.conjugate().cwiseProduct(E).sum().real() * other;
-    }
-    if (E.norm() > 1e-6) basis.push_back(E.normalized());
-  }
-  return basis;
-}
-
-}  // namespace
 
 double poisson_map_defect(Integrator& integrator, const Matrix& W0, double h) {
   const Flow& flow = integrator.flow();
@@ -235,14 +248,6 @@ double poisson_map_defect(Integrator& integrator, const Matrix& W0, double h) {
   return (derivative.lazyProduct(before).eval().lazyProduct(derivative.transpose()) - after)
              .norm() /
          after.norm();
-}
-
-// M + sign J⁻¹ M† J of a random M, of Frobenius norm 1.
-static Matrix random_part(const QuadraticAlgebra& algebra, double sign, unsigned seed) {
-  const Matrix M = random_matrix(algebra.size(), seed);
-  Matrix mirrored(algebra.size(), algebra.size());
-  algebra.involution(M, mirrored);
-  return (M + sign * mirrored).normalized();
 }
 
 ConjugationFlow::ConjugationFlow(const QuadraticAlgebra& algebra, unsigned seed)

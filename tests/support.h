@@ -82,8 +82,13 @@ void PrintTo(const Method& method, std::ostream* out);
 /// Every formulation with 1 to `most_stages` stages.
 std::vector<Method> methods(int most_stages);
 
-/// Least-squares slope of log(error) against log(h) over the last five points, which show it best.
-double observed_order(const std::vector<double>& h, const std::vector<double>& errors);
+/// The order seen in runs over `time` in these numbers of steps that end with errors error(h,
+/// count): the least-squares slope of log(error) against log(h) over the last five points, which
+/// show it best.  The first error below plateau(count) and those after it are left out; `least`
+/// points or more must be left.
+double observed_order(double time, const std::vector<long>& counts,
+                      const std::function<double(double h, long count)>& error,
+                      const std::function<double(long count)>& plateau, std::size_t least = 3);
 
 /// Radau IIA with two stages, order 3: not symplectic.
 Tableau radau_iia();

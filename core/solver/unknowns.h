@@ -16,8 +16,8 @@ using Corrections = std::vector<SingleStages>;
 inline Corrections corrections_like(const Unknowns& x) {
   Corrections zero;
   for (const SplitStages& kind : x) {
-    zero.push_back(split_stages<float>(static_cast<Index>(kind.size()),
-                                       kind.empty() ? 0 : kind[0].size()));
+    zero.push_back(
+        split_stages<float>(static_cast<Index>(kind.size()), kind.empty() ? 0 : kind[0].size()));
   }
   return zero;
 }
