@@ -173,7 +173,8 @@ class InitialData(IntegrateTest):
                 (npy_bytes(W[:-1]), "(16,17)", "(17,17)"), (npy_bytes(W.ravel()), "(289,)"),
                 (good[:-1], "4623 bytes", "4624"), (good + b"\0", "4625 bytes", "4624"),
                 # More matrices that are none: tests/scene_test.cpp.
-                (npy_bytes(0 * W), "all entries are 0"), (npy_bytes(1j * W), "skew-Hermitian", "is 2 of")):
+                (npy_bytes(0 * W), "all entries are 0"), (npy_bytes(W * numpy.nan), "finite"),
+                (npy_bytes(1j * W), "skew-Hermitian", "is 2 of")):
             path = self.write("W0.npy", contents)
             self.refuses({"initial": path}, "--initial", path, *parts)
         self.refuses({"initial": self.path("nowhere.npy")}, "--initial", "cannot be read")
