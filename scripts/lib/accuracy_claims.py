@@ -11,11 +11,11 @@ import math
 import statistics
 from typing import NamedTuple
 
-from accuracy_lines import PUBLISHED, TABLE1_STEP, interpolated
-from benchmark_json import FORMULATIONS
-from comparison import three_digits
-from integrator_names import frameless, gauss_stages, in_frame, method_name
-from recommendation import TABLE_EXPONENTS
+from lib.accuracy_lines import PUBLISHED, TABLE1_STEP, interpolated
+from lib.benchmark_json import FORMULATIONS
+from lib.comparison import three_digits
+from lib.integrator_names import frameless, gauss_stages, in_frame, method_name
+from lib.recommendation import TABLE_EXPONENTS
 
 # Geometric means are over these errors.
 MEAN_EXPONENTS = range(-4, -9, -1)

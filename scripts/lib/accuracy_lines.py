@@ -9,10 +9,10 @@ import math
 import statistics
 from typing import Dict, List, NamedTuple, Optional
 
-import study_file
-from checked_json import UnusableFile, keyed, list_of, number, one_of, optional, positive, text, truth, whole
-from integrator_names import gauss_stages
-from study_file import CASIMIRS, CONVERGED, FAST, PUBLISHED, SOLVERS, Integrator, Schema, status
+from lib import study_file
+from lib.checked_json import UnusableFile, keyed, list_of, number, one_of, optional, positive, text, truth, whole
+from lib.integrator_names import gauss_stages
+from lib.study_file import CASIMIRS, CONVERGED, FAST, PUBLISHED, SOLVERS, Integrator, Schema, status
 
 SCENES = ("smooth", "rough", "developed")
 TABLE1_STEP = 0.1  # the step size of Table 1, where the tolerances were varied too

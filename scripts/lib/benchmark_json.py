@@ -13,7 +13,7 @@ import statistics
 from dataclasses import dataclass, field
 from typing import Dict, NamedTuple, Optional, Tuple
 
-from checked_json import (UnusableFile, an_object, any_text, checked, list_of, number, one_line, one_of, positive,
+from lib.checked_json import (UnusableFile, an_object, any_text, checked, list_of, number, one_line, one_of, positive,
                           printable_context, quoted, read_json, require, shortened, truth, whole)
 
 FORMAT = "1"

@@ -8,10 +8,10 @@ import math
 import statistics
 from typing import NamedTuple
 
-from benchmark_json import FORMULATIONS, CellKey, Measurement, Run
-from checked_json import UnusableFile, one_line
-from document import Column, Entry, Heading, Items, Paragraph, Table, plain_table
-from statistics_of_repetitions import FASTER, FEWEST_REPETITIONS, LEVEL, compare, median
+from lib.benchmark_json import FORMULATIONS, CellKey, Measurement, Run
+from lib.checked_json import UnusableFile, one_line
+from lib.document import Column, Entry, Heading, Items, Paragraph, Table, plain_table
+from lib.statistics_of_repetitions import FASTER, FEWEST_REPETITIONS, LEVEL, compare, median
 
 MISSING = "–"
 STAGES = (1, 2, 3)  # of the table's columns

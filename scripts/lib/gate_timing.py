@@ -13,10 +13,10 @@ import shutil
 import statistics
 import subprocess
 
-from checked_json import one_line
-from command_line import Stop
-from gate_cells import is_fast, with_fast
-from gate_layers import Layer
+from lib.checked_json import one_line
+from lib.command_line import Stop
+from lib.gate_cells import is_fast, with_fast
+from lib.gate_layers import Layer
 
 MEDIAN_LIMIT, QUARTILE_LIMIT = 1.03, 1.01
 LAUNCHES, PAIRS = 6, 3  # of both builds; of each cell, a launch

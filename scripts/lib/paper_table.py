@@ -6,11 +6,11 @@ A claim holds or does not hold only where the exact rank test separates our repe
 import os
 from typing import Callable, NamedTuple, Tuple
 
-from benchmark_json import FORMULATIONS, read_run
-from comparison import (MISSING, Comparison, check_layout, conditions_section, counters_section, errors_section,
+from lib.benchmark_json import FORMULATIONS, read_run
+from lib.comparison import (MISSING, Comparison, check_layout, conditions_section, counters_section, errors_section,
                         percentage, read_published, three_digits)
-from document import Column, Heading, Paragraph, plain_table
-from statistics_of_repetitions import FASTER, FEWEST_REPETITIONS, LEVEL, SLOWER, compare, median
+from lib.document import Column, Heading, Paragraph, plain_table
+from lib.statistics_of_repetitions import FASTER, FEWEST_REPETITIONS, LEVEL, SLOWER, compare, median
 
 PUBLISHED = os.path.join(os.path.dirname(os.path.realpath(__file__)), os.pardir, os.pardir, "results", "paper",
                          "table1.csv")

@@ -14,15 +14,15 @@ from dataclasses import replace
 
 import isosyrk
 import numpy
-import study
-from accuracy_lines import FAST
-from checked_json import UnusableFile, one_line, read_text
-from command_line import number, whole_number
-from integrator_names import FRAME
-from recommendation import (PREDICTABLE, SMALLEST_ERROR, Outcome, Question, answer_data, below_reference,
+from lib import study
+from lib.accuracy_lines import FAST
+from lib.checked_json import UnusableFile, one_line, read_text
+from lib.command_line import number, whole_number
+from lib.integrator_names import FRAME
+from lib.recommendation import (PREDICTABLE, SMALLEST_ERROR, Outcome, Question, answer_data, below_reference,
                             beyond_predictability, energy_growth)
-from study_file import CONVERGED, UNSTABLE
-from trials import Setting, invariants_lost
+from lib.study_file import CONVERGED, UNSTABLE
+from lib.trials import Setting, invariants_lost
 
 REFERENCES = ("group6", "group5")
 CANDIDATES = ("rk4", "group3", "group4", "rkmk4", "group5", "group2", "group6", "kahan_li6", "yoshida4", "direct2",

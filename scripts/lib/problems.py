@@ -11,9 +11,9 @@ import os
 
 import isosyrk
 import numpy
-from accuracy_lines import Problem
-from checked_json import UnusableFile, one_line, read_json, require
-from command_line import Stop
+from lib.accuracy_lines import Problem
+from lib.checked_json import UnusableFile, one_line, read_json, require
+from lib.command_line import Stop
 
 FORMAT = "isosyrk references 1"
 SIZES, QUICK_SIZES, LARGEST_SIZE = (17, 33, 65, 129), (17, 33), 257

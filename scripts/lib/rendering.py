@@ -3,10 +3,10 @@
 import os
 import sys
 
-from chart_python import require_matplotlib
-from command_line import OneLineParser, run
-from document import WRITERS, as_markdown, as_text
-from output import replace_file, write_folder, write_standard_output
+from lib.chart_python import require_matplotlib
+from lib.command_line import OneLineParser, run
+from lib.document import WRITERS, as_markdown, as_text
+from lib.output import replace_file, write_folder, write_standard_output
 
 RECORDED = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__)))), "results",
                         "recorded")
@@ -51,7 +51,7 @@ def render_study(program, description, wrote, drawn, **others):
                             " In results/recorded: SVG and Markdown only")
         options = parser.parse_args(arguments)
         require_matplotlib(program)
-        from chart_panels import encode, own_style  # only now: it needs matplotlib
+        from lib.chart_panels import encode, own_style  # only now: it needs matplotlib
 
         recorded = os.path.realpath(options.out).startswith(os.path.realpath(RECORDED) + os.sep)
         with own_style():

@@ -3,12 +3,12 @@
 import statistics
 from typing import NamedTuple
 
-import study_file
-from benchmark_json import FORMULATIONS
-from checked_json import UnusableFile, keyed, list_of, number, one_of, positive, text, whole
-from comparison import MISSING, three_digits, time_with_spread
-from document import Column, Entry, Heading, Paragraph, Table, conditions
-from study_file import FAST, PUBLISHED, Schema
+from lib import study_file
+from lib.benchmark_json import FORMULATIONS
+from lib.checked_json import UnusableFile, keyed, list_of, number, one_of, positive, text, whole
+from lib.comparison import MISSING, three_digits, time_with_spread
+from lib.document import Column, Entry, Heading, Paragraph, Table, conditions
+from lib.study_file import FAST, PUBLISHED, Schema
 
 # A rung: the solver, and what its fast form goes without.
 RUNGS = {

@@ -6,9 +6,9 @@ grid of h‖B‖₂, and the bracket that bisection left around the critical val
 
 from typing import Dict, NamedTuple, Tuple
 
-import study_file
-from checked_json import UnusableFile, keyed, number, one_of, optional, positive, text, whole
-from study_file import CONVERGED, FAST, PUBLISHED, SOLVERS, Integrator, Schema, status
+from lib import study_file
+from lib.checked_json import UnusableFile, keyed, number, one_of, optional, positive, text, whole
+from lib.study_file import CONVERGED, FAST, PUBLISHED, SOLVERS, Integrator, Schema, status
 
 SCENES = ("smooth", "rough")
 ROUNDING = 1e-12  # what rounding leaves in 10⁴ steps, as a relative error

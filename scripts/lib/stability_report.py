@@ -2,11 +2,11 @@
 
 import itertools
 
-from accuracy_claims import scientific
-from comparison import MISSING, three_digits
-from document import Column, Heading, Paragraph, conditions, plain_table, shown
-from integrator_names import TABLE1_CELLS
-from stability_files import QUANTITIES
+from lib.accuracy_claims import scientific
+from lib.comparison import MISSING, three_digits
+from lib.document import Column, Heading, Paragraph, conditions, plain_table, shown
+from lib.integrator_names import TABLE1_CELLS
+from lib.stability_files import QUANTITIES
 
 HOW_CHARTS_READ = (
     "Failure maps: a cell is one trial. Measured critical: the largest h‖B(W₀)‖₂ that works below the first that fails."

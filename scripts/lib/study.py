@@ -24,13 +24,13 @@ import sys
 import threading
 from functools import partial
 
-import chart_python
-import command_line
-from checked_json import one_line
-from command_line import INTERRUPTED, NO_ANSWER, TERMINATED, OneLineParser, Stop, say, whole_number
-from integrator_names import in_frame
-from output import replace_file
-from study_file import Integrator
+from lib import chart_python
+from lib import command_line
+from lib.checked_json import one_line
+from lib.command_line import INTERRUPTED, NO_ANSWER, TERMINATED, OneLineParser, Stop, say, whole_number
+from lib.integrator_names import in_frame
+from lib.output import replace_file
+from lib.study_file import Integrator
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 MODULE = os.path.join(os.environ.get("ISOSYRK_BUILD") or os.path.join(ROOT, "build"), "python")
@@ -231,7 +231,7 @@ def importable(work):
 
 
 def executor(options, work):
-    folders = (MODULE, os.path.dirname(os.path.realpath(__file__)), os.path.dirname(inspect.getfile(work)))
+    folders = (MODULE, os.path.join(ROOT, "scripts"), os.path.dirname(inspect.getfile(work)))
     return dask(options.scheduler, folders) if options.scheduler else processes(options.workers)
 
 

@@ -11,9 +11,9 @@ import json
 from dataclasses import dataclass
 from typing import Any, Dict, NamedTuple
 
-from checked_json import (UnusableFile, an_object, anything, checked, list_of, number, one_of, optional,
+from lib.checked_json import (UnusableFile, an_object, anything, checked, list_of, number, one_of, optional,
                           printable_context, quoted, read_json, require, text, truth, whole)
-from output import replace_file
+from lib.output import replace_file
 
 FORMAT = "isosyrk study 1"
 CONVERGED, SWEEP_CAP, UNSTABLE = "converged", "sweep cap", "unstable"

@@ -4,13 +4,13 @@ import math
 import statistics
 from typing import NamedTuple
 
-import study_file
-from accuracy_claims import scientific, span
-from benchmark_json import FORMULATIONS
-from checked_json import UnusableFile, keyed, list_of, number, one_of, optional, positive, text, whole
-from comparison import MISSING, fastest_rows, three_digits, time_with_spread
-from document import Column, Entry, Heading, Items, Paragraph, Table, conditions, plain_table
-from study_file import Schema
+from lib import study_file
+from lib.accuracy_claims import scientific, span
+from lib.benchmark_json import FORMULATIONS
+from lib.checked_json import UnusableFile, keyed, list_of, number, one_of, optional, positive, text, whole
+from lib.comparison import MISSING, fastest_rows, three_digits, time_with_spread
+from lib.document import Column, Entry, Heading, Items, Paragraph, Table, conditions, plain_table
+from lib.study_file import Schema
 
 PAIRS = ("cotangent–group", "group–algebra", "cotangent–algebra")
 SCENES = {  # the algebra, and the arithmetic of its steps

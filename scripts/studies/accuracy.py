@@ -16,23 +16,23 @@ import re
 import statistics
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.dirname(os.path.realpath(__file__))), "lib"))
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 
-import study
+from lib import study
 
 PROGRAM = "accuracy"
 if __name__ == "__main__":
     study.require_module(PROGRAM)
 
 import isosyrk
-import problems
-import study_file
-import trials
-from accuracy_lines import (FAST, FLOOR_MARGIN, PUBLISHED, SCHEMA, TABLE1_STEP, Limit, Problem, Rate, Reference, Run,
+from lib import problems
+from lib import study_file
+from lib import trials
+from lib.accuracy_lines import (FAST, FLOOR_MARGIN, PUBLISHED, SCHEMA, TABLE1_STEP, Limit, Problem, Rate, Reference, Run,
                             Settings, fitted_order, is_rounding)
-from command_line import whole_number
-from integrator_names import TABLE1_CELLS, in_frame
-from study_file import CONVERGED, UNSTABLE
+from lib.command_line import whole_number
+from lib.integrator_names import TABLE1_CELLS, in_frame
+from lib.study_file import CONVERGED, UNSTABLE
 
 REFERENCES = os.path.join(study.ROOT, "results", "recorded", "references")
 

@@ -9,20 +9,20 @@ import os
 import sys
 from functools import partial
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.dirname(os.path.realpath(__file__))), "lib"))
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 
-import study
+from lib import study
 
 PROGRAM = "long_runs"
 if __name__ == "__main__":
     study.require_module(PROGRAM)
 
 import isosyrk
-import study_file
-import trials
-from command_line import whole_number
-from stability_files import LONG_RUNS_SCHEMA, LongRunSettings, RunRow, Sample
-from study_file import UNSTABLE
+from lib import study_file
+from lib import trials
+from lib.command_line import whole_number
+from lib.stability_files import LONG_RUNS_SCHEMA, LongRunSettings, RunRow, Sample
+from lib.study_file import UNSTABLE
 
 SCENE = "smooth"
 SIZES, QUICK_SIZES = (17, 33), (17,)

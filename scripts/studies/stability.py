@@ -9,19 +9,19 @@ import os
 import sys
 from functools import partial
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.dirname(os.path.realpath(__file__))), "lib"))
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 
-import study
+from lib import study
 
 PROGRAM = "stability"
 if __name__ == "__main__":
     study.require_module(PROGRAM)
 
 import isosyrk
-import study_file
-import trials
-from integrator_names import TABLE1_CELLS
-from stability_files import FAST, MAP_SCHEMA, PUBLISHED, SCENES, SOLVERS, Edge, MapSettings, Setting, Trial
+from lib import study_file
+from lib import trials
+from lib.integrator_names import TABLE1_CELLS
+from lib.stability_files import FAST, MAP_SCHEMA, PUBLISHED, SCENES, SOLVERS, Edge, MapSettings, Setting, Trial
 
 SIZES, QUICK_SIZES = (9, 17, 33, 65, 129, 257), (9, 17, 33)
 

@@ -11,9 +11,9 @@ import os
 import sys
 from functools import lru_cache, partial
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.dirname(os.path.realpath(__file__))), "lib"))
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 
-import study
+from lib import study
 
 PROGRAM = "theorem"
 if __name__ == "__main__":
@@ -21,14 +21,14 @@ if __name__ == "__main__":
 
 import isosyrk
 import numpy as np
-import plain_forms
-import study_file
-from benchmark_json import FORMULATIONS
-from checked_json import one_line
-from command_line import Stop, whole_number
-from integrator_names import TABLE1_CELLS
-from plain_forms import LOBATTO_IIIA, LOBATTO_IIIB, LOBATTO_IIIC, RADAU_IIA, dagger, gauss
-from theorem_table import NOTHING, PRINTED_K, PRINTED_W, SCENES, SCHEMA, Coincidence, End, Settings, Timed
+from lib import plain_forms
+from lib import study_file
+from lib.benchmark_json import FORMULATIONS
+from lib.checked_json import one_line
+from lib.command_line import Stop, whole_number
+from lib.integrator_names import TABLE1_CELLS
+from lib.plain_forms import LOBATTO_IIIA, LOBATTO_IIIB, LOBATTO_IIIC, RADAU_IIA, dagger, gauss
+from lib.theorem_table import NOTHING, PRINTED_K, PRINTED_W, SCENES, SCHEMA, Coincidence, End, Settings, Timed
 
 SMALL = {"smooth": 9, "rough": 9, "euler_top": 3, "rigid_body": 6, "spin_chain": 10, "symplectic": 6,
          "pseudo_unitary": 5}  # n of the runs in which the formulations are compared

@@ -5,8 +5,8 @@ import re
 
 from programs import DATA
 
-from gate_cells import SIZES, cells_of, is_fast
-from gate_layers import read_answer
+from lib.gate_cells import SIZES, cells_of, is_fast
+from lib.gate_layers import read_answer
 
 CONTEXT = {"commit": "0123456789ab", "dirty": "no", "blas_kernels": "Zen", "vector_units": "avx2",
            "compiler": "GNU 12.2.0"}

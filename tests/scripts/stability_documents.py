@@ -4,9 +4,9 @@ import os
 
 from programs import ROOT  # which finds the modules of scripts/lib
 
-import study_file
-from integrator_names import TABLE1_CELLS
-from stability_files import LONG_RUNS_SCHEMA, MAP_SCHEMA
+from lib import study_file
+from lib.integrator_names import TABLE1_CELLS
+from lib.stability_files import LONG_RUNS_SCHEMA, MAP_SCHEMA
 
 RECORDED = os.path.join(ROOT, "results", "recorded", "stability")
 SETTINGS = (("smooth", 17), ("smooth", 129), ("rough", 17))

@@ -8,10 +8,10 @@ from programs import FolderTest
 from study_documents import (INTEGRATORS, ROUGH, SLOWER, SMOOTH, STEPS, accuracy_of, run_of, small_study,
                              study_document, write_study)
 
-from accuracy_lines import FAST, PUBLISHED, read_accuracy
-from accuracy_report import accuracy_sections
-from checked_json import UnusableFile
-from document import as_text
+from lib.accuracy_lines import FAST, PUBLISHED, read_accuracy
+from lib.accuracy_report import accuracy_sections
+from lib.checked_json import UnusableFile
+from lib.document import as_text
 
 
 class RefusalTest(FolderTest):

@@ -9,13 +9,13 @@ import unittest
 
 from programs import DATA, ROOT, FolderTest, text_of
 
-from checked_json import UnusableFile
-from command_line import Stop
-from gate_cells import (FAST, SIZES, baseline_of, cells_of, json_text, read_baseline, read_build, report_of,
+from lib.checked_json import UnusableFile
+from lib.command_line import Stop
+from lib.gate_cells import (FAST, SIZES, baseline_of, cells_of, json_text, read_baseline, read_build, report_of,
                         write_baseline)
 from gate_documents import build_document, cell_of, change
-from gate_layers import NOT_JUDGED, PASSED, REGRESSION, Layer, accuracy_layer, exact_layer, exit_code
-from gate_timing import FULL, QUICK, Server, is_slower, judge_times, steps_of, time_cells
+from lib.gate_layers import NOT_JUDGED, PASSED, REGRESSION, Layer, accuracy_layer, exact_layer, exit_code
+from lib.gate_timing import FULL, QUICK, Server, is_slower, judge_times, steps_of, time_cells
 
 NAMES = cells_of(SIZES)
 CELL = "algebra/n:33/s:2"

@@ -21,11 +21,11 @@ from programs import (BUILD, DATA, HAS_MODULE, ROOT, FolderTest, program, run, r
                       strict_json)
 from study_documents import INTEGRATORS, accuracy_of, run_of, study_document, write_study
 
-import recommendation
-import study
-from document import as_text
-from recommendation import MARGIN, MARGIN_OF_N, MARGIN_OF_TIME, Question, Recorded
-from study_file import CONVERGED, STATUSES
+from lib import recommendation
+from lib import study
+from lib.document import as_text
+from lib.recommendation import MARGIN, MARGIN_OF_N, MARGIN_OF_TIME, Question, Recorded
+from lib.study_file import CONVERGED, STATUSES
 
 SCRIPT = os.path.join(ROOT, "scripts", "recommend")
 UNANSWERABLE = 3
@@ -292,7 +292,7 @@ class Pilots(FolderTest):
 
     def test_what_does_not_follow_from_a_shorter_time(self):
         sys.path.insert(0, os.path.join(BUILD, "python"))
-        import pilots
+        from lib import pilots
         search = pilots.Search(pilots.isosyrk.scene("smooth", n=9), Question("smooth", 9, 8.0, 1e-6, "spectrum"))
         (rkmk4,) = (each for each in search.candidates if each.name == "rkmk4_frame")
         pilot, offer = (recommendation.Outcome(rkmk4, 9, time, 40, 1e-7, 1.0, growth=2.0) for time in (4.0, 8.0))

@@ -8,12 +8,12 @@ import unittest
 
 from programs import ROOT
 
-import scaling_table
-from accuracy_lines import read_accuracy
-from accuracy_report import accuracy_sections
-from document import as_markdown
-from stability_files import FAST, read_long_runs, read_map
-from stability_report import stability_sections
+from lib import scaling_table
+from lib.accuracy_lines import read_accuracy
+from lib.accuracy_report import accuracy_sections
+from lib.document import as_markdown
+from lib.stability_files import FAST, read_long_runs, read_map
+from lib.stability_report import stability_sections
 
 RECORDED = os.path.join(ROOT, "results", "recorded")
 MOST_BYTES = 8_000_000

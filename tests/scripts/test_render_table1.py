@@ -11,9 +11,9 @@ import unittest
 
 from programs import DONE, FORMULATIONS, ROOT, FolderTest, environment, run, run_script, text_of
 
-import document
-from comparison import three_digits
-from statistics_of_repetitions import rank_test
+from lib import document
+from lib.comparison import three_digits
+from lib.statistics_of_repetitions import rank_test
 from test_reproduce import HOST_NAME, raw_file
 
 SCRIPT = os.path.join(ROOT, "scripts", "render_table1")

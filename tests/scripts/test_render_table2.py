@@ -5,7 +5,7 @@ import os
 import runpy
 
 from programs import FORMULATIONS, ROOT, FolderTest, run_script
-from document import as_text
+from lib.document import as_text
 from test_reproduce import raw_file
 
 SCRIPT = os.path.join(ROOT, "scripts", "render_table2")

@@ -4,9 +4,9 @@ import os
 
 from programs import DONE, ROOT, FolderTest, run_script
 
-import scaling_table
-import study_file
-from scaling_table import RUNGS, SCHEMA, Point, Settings
+from lib import scaling_table
+from lib import study_file
+from lib.scaling_table import RUNGS, SCHEMA, Point, Settings
 
 RENDER = os.path.join(ROOT, "scripts", "render_scaling")
 TIMES_AS_FAST = {"published": 1.0, "fast": 5.0}

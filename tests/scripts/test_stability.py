@@ -6,11 +6,11 @@ import unittest
 from drawing import DrawingTest, finite_points, lines_of
 from stability_documents import CONTROL, SETTINGS, long_study, map_study, write
 
-from checked_json import UnusableFile
-from document import as_text
-from integrator_names import TABLE1_CELLS
-from stability_files import FAST, PUBLISHED, Sample, failure_map, long_runs
-from stability_report import stability_sections
+from lib.checked_json import UnusableFile
+from lib.document import as_text
+from lib.integrator_names import TABLE1_CELLS
+from lib.stability_files import FAST, PUBLISHED, Sample, failure_map, long_runs
+from lib.stability_report import stability_sections
 
 MAPS = tuple(f"failure_map{kind}_{scene}" for kind in ("", "_others") for scene in ("smooth", "rough"))
 FAST_MAPS = ("failure_map_fast_smooth", "failure_map_fast_rough")

@@ -16,17 +16,17 @@ from types import SimpleNamespace
 from programs import BUILD, DONE, HAS_MODULE, ROOT, FolderTest, end, environment, run, start, strict_json, text_of
 from study_documents import raw, study_document
 
-import checked_json
-import scaling_table
-import study_file
-from accuracy_lines import FAST, PUBLISHED, SCHEMA, Problem, read_accuracy
-from checked_json import UnusableFile
-from stability_files import read_long_runs, read_map
+from lib import checked_json
+from lib import scaling_table
+from lib import study_file
+from lib.accuracy_lines import FAST, PUBLISHED, SCHEMA, Problem, read_accuracy
+from lib.checked_json import UnusableFile
+from lib.stability_files import read_long_runs, read_map
 
 if HAS_MODULE:
     sys.path.insert(0, os.path.join(BUILD, "python"))
     import isosyrk
-    import problems
+    from lib import problems
 
 STUDIES = os.path.join(ROOT, "scripts", "studies")
 RECORDED = os.path.join(ROOT, "results", "recorded", "accuracy", "raw.json")
@@ -38,7 +38,7 @@ NO_ANSWER, INTERRUPTED, TERMINATED = 3, 130, 143
 SQUARES = """
 import os, sys, time
 sys.path.insert(0, %r)
-import study
+from lib import study
 
 def square(job):
     with open(os.environ["LOG"], "a") as log:
@@ -64,7 +64,7 @@ def main(arguments):
 
 if __name__ == "__main__":
     study.run("squares", main, sys.argv[1:])
-""" % os.path.join(ROOT, "scripts", "lib")
+""" % os.path.join(ROOT, "scripts")
 # 0.25 s are timed three times, 0.75 s are enough at once.
 RESULT = f"{[number**2 for number in range(12)]} {[[1 * 0.25] * 3, [3 * 0.25]]} core {max(os.sched_getaffinity(0))}\n"
 

@@ -13,11 +13,11 @@ sys.path[:0] = [os.path.join(BUILD, "python"), os.path.join(ROOT, "scripts", "st
 import numpy as np
 
 import isosyrk
-import plain_forms
-import study_file
+from lib import plain_forms
+from lib import study_file
 import theorem
-from plain_forms import dagger, gauss
-from theorem_table import NOTHING, PAIRS, PRINTED_K, PRINTED_W, SCHEMA
+from lib.plain_forms import dagger, gauss
+from lib.theorem_table import NOTHING, PAIRS, PRINTED_K, PRINTED_W, SCHEMA
 
 RENDER = os.path.join(ROOT, "scripts", "render_theorem")
 ROUNDING = 1e-13  # of one step with entries of about 1, and of its iteration
