@@ -12,7 +12,7 @@ import statistics
 from typing import NamedTuple
 
 from lib.accuracy_lines import PUBLISHED, TABLE1_STEP, interpolated
-from lib.benchmark_json import FORMULATIONS
+from lib.formats import FORMULATIONS
 from lib.comparison import three_digits
 from lib.integrator_names import frameless, gauss_stages, in_frame, method_name
 from lib.recommendation import TABLE_EXPONENTS

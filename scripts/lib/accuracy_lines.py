@@ -9,10 +9,11 @@ import math
 import statistics
 from typing import Dict, List, NamedTuple, Optional
 
-from lib import study_file
-from lib.checked_json import UnusableFile, keyed, list_of, number, one_of, optional, positive, text, truth, whole
+from lib import formats
+from lib.formats import (CASIMIRS, CONVERGED, FAST, PUBLISHED, SOLVERS, Integrator, Schema, keyed, list_of, number,
+                         one_of, optional, positive, status, text, truth, whole)
+from lib.messages import UnusableFile
 from lib.integrator_names import gauss_stages
-from lib.study_file import CASIMIRS, CONVERGED, FAST, PUBLISHED, SOLVERS, Integrator, Schema, status
 
 SCENES = ("smooth", "rough", "developed")
 TABLE1_STEP = 0.1  # the step size of Table 1, where the tolerances were varied too
@@ -222,7 +223,7 @@ def interpolated(coarse, fine, error):
 
 def read_accuracy(path):
     """Returns the Accuracy in `path`. Throws UnusableFile with one line that names the file and what is wrong."""
-    return study_file.read(path, SCHEMA, accuracy)
+    return formats.read_study(path, SCHEMA, accuracy)
 
 
 def accuracy(study):

@@ -9,7 +9,7 @@ from lib.accuracy_lines import FLOOR_MARGIN, TABLE1_STEP
 from lib.comparison import MISSING, percentage, three_digits
 from lib.document import Column, Heading, Items, Paragraph, conditions, plain_table, shown
 from lib.recommendation import KEPT, recommendation_tables, strongest_structure
-from lib.study_file import SWEEP_CAP, UNSTABLE
+from lib.formats import SWEEP_CAP, UNSTABLE
 
 CARE_ERROR, CARE_FACTOR = 1e-6, 10  # near which, within what factor, equal care is shown, ...
 CARE_SIZE = 65  # ... at the largest n up to this

@@ -5,7 +5,7 @@ import statistics
 
 from lib.accuracy_claims import energy, exponential, growth, headline_problems, price, runs_at_table1_step, span
 from lib.accuracy_lines import FAST, NEAR_ROUNDING, PUBLISHED, TABLE1_STEP
-from lib.benchmark_json import FORMULATIONS
+from lib.formats import FORMULATIONS
 from lib.chart_panels import FAMILIES, draw_line, handle, key, logarithmic, new_figure
 from lib.integrator_names import FRAME, gauss_stages, in_frame, method_name
 from lib.recommendation import KEPT, strongest_structure

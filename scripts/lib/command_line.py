@@ -4,7 +4,7 @@ import argparse
 import re
 import sys
 
-from lib.checked_json import UnusableFile, one_line
+from lib.messages import UnusableFile, one_line
 
 BAD_ARGUMENTS, NO_ANSWER, INTERRUPTED, TERMINATED = 2, 3, 130, 143  # exit statuses
 

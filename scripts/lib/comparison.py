@@ -8,8 +8,8 @@ import math
 import statistics
 from typing import NamedTuple
 
-from lib.benchmark_json import FORMULATIONS, CellKey, Measurement, Run
-from lib.checked_json import UnusableFile, one_line
+from lib.formats import FORMULATIONS, CellKey, Measurement, Run
+from lib.messages import UnusableFile, one_line
 from lib.document import Column, Entry, Heading, Items, Paragraph, Table, plain_table
 from lib.statistics_of_repetitions import FASTER, FEWEST_REPETITIONS, LEVEL, compare, median
 

@@ -5,7 +5,7 @@ import shutil
 import subprocess
 import sys
 
-from lib.checked_json import one_line
+from lib.messages import one_line
 from lib.command_line import Stop, say
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))

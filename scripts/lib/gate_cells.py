@@ -5,12 +5,11 @@ import os
 import subprocess
 from typing import Dict, NamedTuple
 
-from lib.benchmark_json import FORMULATIONS
-from lib.checked_json import (UnusableFile, an_object, any_text, anything, checked, keyed, list_of, number, one_line,
-                          optional, parse_json, positive, printable_context, read_json, require, text, whole)
+from lib.formats import (FORMULATIONS, an_object, any_text, anything, checked, keyed, list_of, number, optional,
+                         parse_json, positive, printable_context, read_json, require, status, text, whole)
+from lib.messages import UnusableFile, one_line
 from lib.command_line import Stop
 from lib.output import replace_file
-from lib.study_file import status
 
 SIZES = (17, 33, 65, 129)
 QUICK_SIZES = (17, 33)

@@ -22,10 +22,10 @@ import os
 from dataclasses import dataclass, field
 from typing import List, NamedTuple, Optional
 
-from lib.checked_json import one_line
+from lib.formats import CONVERGED
+from lib.messages import one_line
 from lib.document import Column, Entry, Heading, Items, Paragraph, Table
 from lib.gate_cells import FAST, compared, is_fast
-from lib.study_file import CONVERGED
 
 PASSED, REGRESSION, NOT_JUDGED = 0, 1, 3  # exit codes
 SUMMARY = {PASSED: "No regression.", REGRESSION: "Regression.",

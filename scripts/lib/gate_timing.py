@@ -13,7 +13,7 @@ import shutil
 import statistics
 import subprocess
 
-from lib.checked_json import one_line
+from lib.messages import one_line
 from lib.command_line import Stop
 from lib.gate_cells import is_fast, with_fast
 from lib.gate_layers import Layer

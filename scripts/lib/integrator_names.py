@@ -2,7 +2,7 @@
 
 import re
 
-from lib.benchmark_json import FORMULATIONS
+from lib.formats import FORMULATIONS
 
 # A row for each s, a column for each formulation.
 TABLE1_CELLS = tuple(f"{formulation}{s}" for s in (1, 2, 3) for formulation in FORMULATIONS)

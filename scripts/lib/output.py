@@ -3,7 +3,7 @@
 import os
 import tempfile
 
-from lib.checked_json import one_line
+from lib.messages import one_line
 from lib.command_line import Stop
 
 

@@ -6,7 +6,7 @@ A claim holds or does not hold only where the exact rank test separates our repe
 import os
 from typing import Callable, NamedTuple, Tuple
 
-from lib.benchmark_json import FORMULATIONS, read_run
+from lib.formats import FORMULATIONS, read_run
 from lib.comparison import (MISSING, Comparison, check_layout, conditions_section, counters_section, errors_section,
                         percentage, read_published, three_digits)
 from lib.document import Column, Heading, Paragraph, plain_table

@@ -16,12 +16,12 @@ import isosyrk
 import numpy
 from lib import study
 from lib.accuracy_lines import FAST
-from lib.checked_json import UnusableFile, one_line, read_text
+from lib.formats import CONVERGED, UNSTABLE, read_text
+from lib.messages import UnusableFile, one_line
 from lib.command_line import number, whole_number
 from lib.integrator_names import FRAME
 from lib.recommendation import (PREDICTABLE, SMALLEST_ERROR, Outcome, Question, answer_data, below_reference,
                             beyond_predictability, energy_growth)
-from lib.study_file import CONVERGED, UNSTABLE
 from lib.trials import Setting, invariants_lost
 
 REFERENCES = ("group6", "group5")

@@ -12,7 +12,8 @@ import os
 import isosyrk
 import numpy
 from lib.accuracy_lines import Problem
-from lib.checked_json import UnusableFile, one_line, read_json, require
+from lib.formats import read_json, require
+from lib.messages import UnusableFile, one_line
 from lib.command_line import Stop
 
 FORMAT = "isosyrk references 1"

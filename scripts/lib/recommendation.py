@@ -13,12 +13,12 @@ from dataclasses import dataclass
 from typing import NamedTuple, Optional, Sequence
 
 from lib.accuracy_lines import FAST, NEAR_ROUNDING, SCENES, Problem, interpolated
-from lib.checked_json import one_line
+from lib.formats import Integrator
+from lib.messages import one_line
 from lib.command_line import NO_ANSWER, Stop
 from lib.comparison import MISSING, three_digits
 from lib.document import Column, Items, Paragraph, plain_table
 from lib.study import MODULE
-from lib.study_file import Integrator
 
 # What can be asked for, from the least to the most: a Lie–Poisson integrator keeps the spectrum too.
 KEPT = {"nothing": "nothing", "spectrum": "the spectrum", "poisson": "the Lie–Poisson structure"}

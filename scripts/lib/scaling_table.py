@@ -3,12 +3,11 @@
 import statistics
 from typing import NamedTuple
 
-from lib import study_file
-from lib.benchmark_json import FORMULATIONS
-from lib.checked_json import UnusableFile, keyed, list_of, number, one_of, positive, text, whole
+from lib import formats
+from lib.formats import FAST, FORMULATIONS, PUBLISHED, Schema, keyed, list_of, number, one_of, positive, text, whole
+from lib.messages import UnusableFile
 from lib.comparison import MISSING, three_digits, time_with_spread
 from lib.document import Column, Entry, Heading, Paragraph, Table, conditions
-from lib.study_file import FAST, PUBLISHED, Schema
 
 # A rung: the solver, and what its fast form goes without.
 RUNGS = {
@@ -45,7 +44,7 @@ SCHEMA = Schema("scaling", Settings, {"points": Point})
 
 def document(path):
     """Returns the document of a raw file. Throws UnusableFile with one line that names the file and what is wrong."""
-    return study_file.read(path, SCHEMA, sections)
+    return formats.read_study(path, SCHEMA, sections)
 
 
 def points_of(study):
@@ -58,7 +57,7 @@ def points_of(study):
 
 def claims(path):
     """Returns what a raw file says, as Items. Throws UnusableFile."""
-    points = study_file.read(path, SCHEMA, points_of)
+    points = formats.read_study(path, SCHEMA, points_of)
     sizes = list(dict.fromkeys(n for _, n, _ in points))
     cells = {form: [f"{form}{s}" for s in STAGES] for form in FORMULATIONS}
 

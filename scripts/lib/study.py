@@ -26,11 +26,11 @@ from functools import partial
 
 from lib import chart_python
 from lib import command_line
-from lib.checked_json import one_line
+from lib.formats import Integrator
+from lib.messages import one_line
 from lib.command_line import INTERRUPTED, NO_ANSWER, TERMINATED, OneLineParser, Stop, say, whole_number
 from lib.integrator_names import in_frame
 from lib.output import replace_file
-from lib.study_file import Integrator
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 MODULE = os.path.join(os.environ.get("ISOSYRK_BUILD") or os.path.join(ROOT, "build"), "python")

@@ -4,13 +4,12 @@ import math
 import statistics
 from typing import NamedTuple
 
-from lib import study_file
+from lib import formats
+from lib.formats import FORMULATIONS, Schema, keyed, list_of, number, one_of, optional, positive, text, whole
+from lib.messages import UnusableFile
 from lib.accuracy_claims import scientific, span
-from lib.benchmark_json import FORMULATIONS
-from lib.checked_json import UnusableFile, keyed, list_of, number, one_of, optional, positive, text, whole
 from lib.comparison import MISSING, fastest_rows, three_digits, time_with_spread
 from lib.document import Column, Entry, Heading, Items, Paragraph, Table, conditions, plain_table
-from lib.study_file import Schema
 
 PAIRS = ("cotangent–group", "group–algebra", "cotangent–algebra")
 SCENES = {  # the algebra, and the arithmetic of its steps
@@ -77,12 +76,12 @@ SCHEMA = Schema("theorem", Settings, {"coincidence": Coincidence, "ends": End, "
 
 def document(path):
     """Returns the document of a raw file. Throws UnusableFile with one line that names the file and what is wrong."""
-    return study_file.read(path, SCHEMA, sections)
+    return formats.read_study(path, SCHEMA, sections)
 
 
 def claims(path):
     """Returns what a raw file says, as Items. Throws UnusableFile."""
-    return study_file.read(path, SCHEMA, verdicts)
+    return formats.read_study(path, SCHEMA, verdicts)
 
 
 def sections(study):

@@ -17,7 +17,7 @@ if __name__ == "__main__":
     study.require_module(PROGRAM)
 
 import isosyrk
-from lib import study_file
+from lib import formats
 from lib.command_line import whole_number
 from lib.scaling_table import NEEDS_ITERATION, RUNGS, SCHEMA, Point, Settings
 
@@ -69,7 +69,7 @@ def main(arguments):
     seconds = study.in_turns([point for point, _ in done], options.repetitions, time_one, journal, "timing")
     rows = [Point(point["integrator"], point["n"], point["rung"], **found, seconds=[each / STEPS for each in times])
             for (point, found), times in zip(done, seconds)]
-    study_file.write(options.out, SCHEMA, journal.context, Settings(SCENE, STEP, STEPS), {"points": rows})
+    formats.write_study(options.out, SCHEMA, journal.context, Settings(SCENE, STEP, STEPS), {"points": rows})
     journal.remove()
 
 

@@ -18,7 +18,7 @@ if __name__ == "__main__":
     study.require_module(PROGRAM)
 
 import isosyrk
-from lib import study_file
+from lib import formats
 from lib import trials
 from lib.integrator_names import TABLE1_CELLS
 from lib.stability_files import FAST, MAP_SCHEMA, PUBLISHED, SCENES, SOLVERS, Edge, MapSettings, Setting, Trial
@@ -57,7 +57,7 @@ def main(arguments):
     jobs = [{"scene": scene, "n": n, "integrator": entry.name, "solver": options.solver}
             for n in sizes for scene in scenes for entry in entries]
     maps = study.untimed(jobs, draw, journal, options, "stability maps")
-    study_file.write(options.out, MAP_SCHEMA, journal.context, MapSettings(options.solver, trials.MAX_SWEEPS), {
+    formats.write_study(options.out, MAP_SCHEMA, journal.context, MapSettings(options.solver, trials.MAX_SWEEPS), {
         "integrators": list(map(study.record_of, entries)),
         "settings": [described(scene, n) for n in sizes for scene in scenes],
         "maps": [Edge(**each["edge"]) for each in maps],

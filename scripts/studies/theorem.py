@@ -22,9 +22,9 @@ if __name__ == "__main__":
 import isosyrk
 import numpy as np
 from lib import plain_forms
-from lib import study_file
-from lib.benchmark_json import FORMULATIONS
-from lib.checked_json import one_line
+from lib import formats
+from lib.formats import FORMULATIONS
+from lib.messages import one_line
 from lib.command_line import Stop, whole_number
 from lib.integrator_names import TABLE1_CELLS
 from lib.plain_forms import LOBATTO_IIIA, LOBATTO_IIIB, LOBATTO_IIIC, RADAU_IIA, dagger, gauss
@@ -195,7 +195,7 @@ def main(arguments):
         tables[table] = [Timed(*(point[name] for name in Timed._fields[:4]), **found, seconds=seconds)
                          for (point, found), seconds in zip(done, times)]
     settings = Settings(STEPS, TOLERANCE, H_NORM_B, ENDS_N, ENDS_STEP)
-    study_file.write(options.out, SCHEMA, journal.context, settings, tables)
+    formats.write_study(options.out, SCHEMA, journal.context, settings, tables)
     journal.remove()
 
 

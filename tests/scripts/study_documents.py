@@ -11,7 +11,7 @@ import os
 import programs  # finds the modules of scripts/lib
 
 from lib.accuracy_lines import FAST, NEEDED, PUBLISHED, SCHEMA, SOLVERS, Problem, accuracy
-from lib.study_file import FORMAT, Integrator, study_of
+from lib.formats import FORMAT, Integrator, study_of
 
 STEPS = (5, 10, 20, 50, 100, 200)
 SMOOTH = tuple(Problem("smooth", 5.0, n) for n in (17, 33))

@@ -10,7 +10,7 @@ from study_documents import (INTEGRATORS, ROUGH, SLOWER, SMOOTH, STEPS, accuracy
 
 from lib.accuracy_lines import FAST, PUBLISHED, read_accuracy
 from lib.accuracy_report import accuracy_sections
-from lib.checked_json import UnusableFile
+from lib.messages import UnusableFile
 from lib.document import as_text
 
 

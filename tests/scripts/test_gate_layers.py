@@ -9,7 +9,7 @@ import unittest
 
 from programs import DATA, ROOT, FolderTest, text_of
 
-from lib.checked_json import UnusableFile
+from lib.messages import UnusableFile
 from lib.command_line import Stop
 from lib.gate_cells import (FAST, SIZES, baseline_of, cells_of, json_text, read_baseline, read_build, report_of,
                         write_baseline)

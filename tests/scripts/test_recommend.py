@@ -25,7 +25,7 @@ from lib import recommendation
 from lib import study
 from lib.document import as_text
 from lib.recommendation import MARGIN, MARGIN_OF_N, MARGIN_OF_TIME, Question, Recorded
-from lib.study_file import CONVERGED, STATUSES
+from lib.formats import CONVERGED, STATUSES
 
 SCRIPT = os.path.join(ROOT, "scripts", "recommend")
 UNANSWERABLE = 3

@@ -13,7 +13,7 @@ from programs import snapshot
 from study_documents import INTEGRATORS, accuracy_of, run_of, small_study, study_document, write_study
 from test_reproduce import raw_file
 
-from lib.benchmark_json import read_run
+from lib.formats import read_run
 
 CHARTS = ("error_against_time", "energy_against_time", "error_against_n", "table1_accuracy")
 

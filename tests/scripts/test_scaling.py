@@ -5,7 +5,7 @@ import os
 from programs import DONE, ROOT, FolderTest, run_script
 
 from lib import scaling_table
-from lib import study_file
+from lib import formats
 from lib.scaling_table import RUNGS, SCHEMA, Point, Settings
 
 RENDER = os.path.join(ROOT, "scripts", "render_scaling")
@@ -21,7 +21,7 @@ def write_scaling(folder, rungs=tuple(RUNGS)):
     path = os.path.join(folder, "raw.json")
     points = [Point("group2", 17, rung, 12.0, 100.0 / TIMES_AS_FAST.get(rung, 2.0),
                     [noise * 17e-6 / TIMES_AS_FAST.get(rung, 2.0) for noise in (1.0, 1.1, 1.3)]) for rung in rungs]
-    study_file.write(path, SCHEMA, {"cpu": "a processor"}, Settings("smooth", 0.1, 20), {"points": points})
+    formats.write_study(path, SCHEMA, {"cpu": "a processor"}, Settings("smooth", 0.1, 20), {"points": points})
     return path
 
 

@@ -6,7 +6,7 @@ import unittest
 from drawing import DrawingTest, finite_points, lines_of
 from stability_documents import CONTROL, SETTINGS, long_study, map_study, write
 
-from lib.checked_json import UnusableFile
+from lib.messages import UnusableFile
 from lib.document import as_text
 from lib.integrator_names import TABLE1_CELLS
 from lib.stability_files import FAST, PUBLISHED, Sample, failure_map, long_runs

@@ -16,11 +16,10 @@ from types import SimpleNamespace
 from programs import BUILD, DONE, HAS_MODULE, ROOT, FolderTest, end, environment, run, start, strict_json, text_of
 from study_documents import raw, study_document
 
-from lib import checked_json
+from lib import formats
+from lib.messages import UnusableFile
 from lib import scaling_table
-from lib import study_file
 from lib.accuracy_lines import FAST, PUBLISHED, SCHEMA, Problem, read_accuracy
-from lib.checked_json import UnusableFile
 from lib.stability_files import read_long_runs, read_map
 
 if HAS_MODULE:
@@ -73,31 +72,31 @@ class RawFile(FolderTest):
     def assert_unusable(self, contents, *words):
         path = self.write("raw.json", contents if isinstance(contents, str) else json.dumps(contents))
         with self.assertRaises(UnusableFile) as caught:
-            study_file.read(path, SCHEMA)
+            formats.read_study(path, SCHEMA)
         self.assert_one_line(f"{caught.exception}\n", path, *words)
 
     def test_what_was_written_is_read(self):
-        study = study_file.study_of(raw(study_document()), SCHEMA)
+        study = formats.study_of(raw(study_document()), SCHEMA)
         path = self.path("raw.json")
-        study_file.write(path, SCHEMA, study.context, study.settings, study.tables)
-        self.assertEqual(study_file.read(path, SCHEMA), study)
+        formats.write_study(path, SCHEMA, study.context, study.settings, study.tables)
+        self.assertEqual(formats.read_study(path, SCHEMA), study)
         before = os.stat(path).st_mtime_ns
         broken = {**study.tables, "runs": [study.tables["runs"][0]._replace(error=float("nan"))]}
         with self.assertRaises((ValueError, UnusableFile)):
-            study_file.write(path, SCHEMA, study.context, study.settings, broken)
+            formats.write_study(path, SCHEMA, study.context, study.settings, broken)
         self.assertEqual((os.stat(path).st_mtime_ns, os.listdir(self.folder)), (before, ["raw.json"]))
 
     def test_kinds(self):
         no_numbers = (True, "1", math.nan, math.inf, -1, 1e300, 10**400)
         for kind, wrong in (
-                (checked_json.text, (7, "", "two\nlines", "x" * 61)), (checked_json.truth, (0, "true")),
-                (checked_json.number, (None, *no_numbers)), (checked_json.positive, (0, 5e-324)),
-                (checked_json.optional(checked_json.number), no_numbers), (checked_json.whole(1), (1.0, 0, 10**15)),
-                (checked_json.list_of(checked_json.number, 2), ({}, [0], [0] * 3, [0, "1"])),
-                (checked_json.an_object, (None, []))):
+                (formats.text, (7, "", "two\nlines", "x" * 61)), (formats.truth, (0, "true")),
+                (formats.number, (None, *no_numbers)), (formats.positive, (0, 5e-324)),
+                (formats.optional(formats.number), no_numbers), (formats.whole(1), (1.0, 0, 10**15)),
+                (formats.list_of(formats.number, 2), ({}, [0], [0] * 3, [0, "1"])),
+                (formats.an_object, (None, []))):
             for value in wrong:
                 with self.subTest(value=str(value)[:9]), self.assertRaisesRegex(UnusableFile, "a thing has x"):
-                    checked_json.checked({"x": value}, {"x": kind}, "a thing")
+                    formats.checked({"x": value}, {"x": kind}, "a thing")
 
     def test_damage(self):
         def without(parts, name):
@@ -282,7 +281,7 @@ class Stability(StudyTest):
 
 class Scaling(StudyTest):
     def test_every_rung_on_the_same_stretch(self):
-        found = study_file.read(self.made("scaling", "--n", "9", "--integrator", "group1", "--repetitions", "2"),
+        found = formats.read_study(self.made("scaling", "--n", "9", "--integrator", "group1", "--repetitions", "2"),
                                 scaling_table.SCHEMA)
         self.assertEqual([(point.integrator, point.n, point.rung, len(point.seconds)) for point in found.tables["points"]],
                          [("group1", 9, rung, 2) for rung in scaling_table.RUNGS])

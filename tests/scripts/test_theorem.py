@@ -14,7 +14,7 @@ import numpy as np
 
 import isosyrk
 from lib import plain_forms
-from lib import study_file
+from lib import formats
 import theorem
 from lib.plain_forms import dagger, gauss
 from lib.theorem_table import NOTHING, PAIRS, PRINTED_K, PRINTED_W, SCHEMA
@@ -117,7 +117,7 @@ class Study(FolderTest):
         path = self.path("raw.json")
         done = self.script("--out", path, *self.ARGUMENTS)
         self.assertEqual((done.returncode, done.stdout, os.listdir(self.folder)), (DONE, "", ["raw.json"]), done.stderr)
-        tables = study_file.read(path, SCHEMA).tables
+        tables = formats.read_study(path, SCHEMA).tables
         self.assertEqual({(row.scene, row.n, row.method, row.formulation) for row in tables["cost"]}, {
             (scene, n, "s = 2", form) for scene, n in (("rigid_body", 9), ("rigid_body", 17), ("spin_chain", 64),
                                                        ("spin_chain", 128)) for form in ("group", "algebra")})
