@@ -11,7 +11,7 @@ import os
 import programs  # finds the modules of scripts/lib
 
 from lib.accuracy_lines import FAST, NEEDED, PUBLISHED, SCHEMA, SOLVERS, Problem, accuracy
-from lib.formats import FORMAT, Integrator, study_of
+from lib.formats import STUDY_FORMAT, Integrator, study_of
 
 STEPS = (5, 10, 20, 50, 100, 200)
 SMOOTH = tuple(Problem("smooth", 5.0, n) for n in (17, 33))
@@ -94,7 +94,7 @@ def raw(document):
         return {"columns": list(record._fields), "rows": [[row[column] for column in record._fields]
                                                           for row in document[name]]}
 
-    return {"format": FORMAT, "study": SCHEMA.study, "context": document["context"], "settings": document["settings"],
+    return {"format": STUDY_FORMAT, "study": SCHEMA.study, "context": document["context"], "settings": document["settings"],
             "tables": {name: table(name, record) for name, record in SCHEMA.tables.items()}}
 
 
