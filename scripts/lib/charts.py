@@ -207,7 +207,7 @@ def table1_accuracy(published, fast):
     sides = {which: {key: cell for key, cell in run.measurements.items()
                      if cell.failure is None and cell.counters.get("relative_error", 0) > 0}
              for which, run in ((PUBLISHED, published), (FAST, fast))}
-    gains = [statistics.median(cell.times) / statistics.median(sides[FAST][key].times)
+    gains = [cell.seconds / sides[FAST][key].seconds
              for key, cell in sides[PUBLISHED].items() if key in sides[FAST]]
     if not gains:
         return None
@@ -220,7 +220,7 @@ def table1_accuracy(published, fast):
     for which, cells in sides.items():
         for cell_key, cell in sorted(cells.items()):
             colour, size = FAMILIES[cell_key.formulation]
-            seconds, error = statistics.median(cell.times), cell.counters["relative_error"]
+            seconds, error = cell.seconds, cell.counters["relative_error"]
             axes.plot(seconds, error, marker="o", color=colour, markersize=size + 2,
                       markerfacecolor=colour if which == FAST else "none", linestyle="none",
                       label=f"{cell_key.formulation}{cell_key.stages}, n = {cell_key.n}, {which}")

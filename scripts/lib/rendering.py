@@ -1,5 +1,6 @@
 """What the scripts that render raw files share: one table in a format, or a folder of charts and a report."""
 
+import json
 import os
 import sys
 
@@ -19,13 +20,29 @@ def raw_file_parser(program, description, wrote):
     return parser
 
 
-def render_table(program, description, wrote, table):
-    """Runs a script that renders the document `table(raw file)` in a format, to where that is wanted."""
+EXTENSIONS = {"text": "txt", "markdown": "md", "latex": "tex"}
+
+
+def render_table(program, description, wrote, table, verdicts=None):
+    """Runs a script that renders the document `table(raw file)` in a format, to where that is wanted.
+
+    With --out every format goes into a folder, and verdicts.json, with `verdicts(raw file)`, beside it.
+    """
     def main(arguments):
         parser = raw_file_parser(program, description, wrote)
         parser.add_argument("--format", choices=tuple(WRITERS), default="text")
-        parser.add_argument("--output", metavar="FILE", help="write here instead of to standard output")
+        where = parser.add_mutually_exclusive_group()
+        where.add_argument("--output", metavar="FILE", help="write here instead of to standard output")
+        where.add_argument("--out", metavar="DIR", help="write the table in every format here"
+                           + (", and verdicts.json" if verdicts else ""))
         options = parser.parse_args(arguments)
+        if options.out is not None:
+            document = table(options.raw)
+            files = {f"table.{EXTENSIONS[each]}": write(document).encode("utf-8") for each, write in WRITERS.items()}
+            if verdicts:
+                files["verdicts.json"] = verdicts_text(verdicts(options.raw)).encode("utf-8")
+            write_folder(options.out, files)
+            return
         data = WRITERS[options.format](table(options.raw)).encode("utf-8")
         if options.output is None:
             write_standard_output(data)
@@ -35,6 +52,12 @@ def render_table(program, description, wrote, table):
             replace_file(options.output, data)
 
     run(program, main, sys.argv[1:])
+
+
+def verdicts_text(data):
+    """Returns verdicts.json, an object a line."""
+    lists = (f'"{name}": [\n' + ",\n".join(json.dumps(each) for each in found) + "\n]" for name, found in data.items())
+    return "{\n" + ",\n".join(lists) + "\n}\n"
 
 
 def render_study(program, description, wrote, drawn, **others):

@@ -238,7 +238,6 @@ class OutputFile(FolderTest):
             self.refuses("table1", [option], option)
             self.refuses("table1", [option, value], option, value, *allowed)
         self.refuses("table1", ["--references", self.folder], "--references", "references.json")
-        self.refuses("table2", ["--products", "eigen"], "--products")  # they are its own
         for argument in ("--benchmark_repetitions=0", "--benchmark_min_time=nan", "--benchmark_time_unit=parsec"):
             self.refuses("table1", [ONE_ROW[0], argument], *argument.split("="), timeout=5)
 

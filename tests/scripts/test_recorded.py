@@ -4,6 +4,7 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
 import unittest
 
 from programs import ROOT
@@ -42,11 +43,13 @@ class Recorded(unittest.TestCase):
             with self.subTest(study=study):
                 self.assertTrue(text(RECORDED, study, "report.md") == as_markdown(report), "render it again")
 
-    def test_tables_are_what_the_raw_files_give(self):
-        for name in ("table1", "table2"):
-            done = subprocess.run([sys.executable, os.path.join(ROOT, "scripts", f"render_{name}"), raw(name),
-                                   "--format", "markdown"], capture_output=True, encoding="utf-8", check=True)
-            self.assertTrue(text(RECORDED, name, "table.md") == done.stdout, f"render {name} again")
+    def test_tables_and_verdicts_are_what_the_raw_file_gives(self):
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run([sys.executable, os.path.join(ROOT, "scripts", "render_tables"), raw("tables"), "--out", folder],
+                           capture_output=True, encoding="utf-8", check=True)
+            self.assertEqual(sorted([*os.listdir(folder), "raw.json"]), sorted(os.listdir(os.path.join(RECORDED, "tables"))))
+            for name in os.listdir(folder):
+                self.assertTrue(text(RECORDED, "tables", name) == text(folder, name), f"render {name} again")
 
     def test_lines_show_the_order_of_their_integrator(self):
         study = read_accuracy(raw("accuracy"))

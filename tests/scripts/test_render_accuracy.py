@@ -123,7 +123,7 @@ class WhatIsDrawn(AccuracyTest):
 
     def test_tables_1_and_2(self):
         def lines(failed=False):
-            runs = [read_run(self.table2(failed=failed), "table2", (), ("relative_error",), table)
+            runs = [read_run(self.table2(failed=failed), ("table2",), (), ("relative_error",), table)
                     for table in ("table1", "table2")]
             return lines_of(self.panels("charts", "table1_accuracy", *runs)[""][0])
 
