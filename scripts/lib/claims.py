@@ -8,7 +8,7 @@ import math
 from typing import Callable, NamedTuple, Tuple
 
 from lib.formats import FORMULATIONS
-from lib.verdicts import Ratio, claim_of_fastest, claim_of_multiple, ratio_of, verdict
+from lib.verdicts import Ratio, claim_of_fastest, claim_of_multiple, fastest, ratio_of, verdict
 
 # The paper calls algebra "really poor" at 2.5 to 3.9 times the fastest row; twice is the mildest fair reading.
 POOR = 2.0
@@ -100,3 +100,32 @@ def interval(found):
     """Returns a Ratio as JSON holds it; where there is no interval, its ends are null."""
     return {"ratio": found.ratio, "low": found.low if found.low > 0 else None,
             "high": found.high if math.isfinite(found.high) else None, "processes": found.processes}
+
+
+def figures(runs):
+    """Returns figures by key of some runs, a dict by code: ratios of rows at each s and n, and their range over n.
+
+    Keys are such as plain.s3.algebra_over_group.n129, and .least and .most over n in place of n129. There are also the
+    ratios of the fastest rows, gain.s3.n129: the time of plain code over that of optimised code.
+    """
+    found = {}
+    for code, run in runs.items():
+        for stages in stage_counts(run):
+            for row, other in itertools.permutations(FORMULATIONS, 2):
+                times = {n: run.times(n, stages) for n in sizes(run)}
+                ratios = {f"n{n}": ratio_of(block[row], block[other]).ratio for n, block in times.items()
+                          if {row, other} <= block.keys()}
+                if ratios:
+                    ratios |= {"least": min(ratios.values()), "most": max(ratios.values())}
+                found |= {f"{code}.s{stages}.{row}_over_{other}.{at}": ratio for at, ratio in ratios.items()}
+    found |= {f"gain.s{stages}.{at}": ratio for stages in stage_counts(runs["plain"])
+              for at, ratio in gains(runs["plain"], runs["optimised"], stages).items()}
+    return found
+
+
+def gains(plain, optimised, stages):
+    """Returns the time of the fastest plain row over that of the fastest optimised one, by n, and its range."""
+    blocks = ((n, plain.times(n, stages), optimised.times(n, stages)) for n in sizes(plain))
+    found = {f"n{n}": ratio_of(slow[fastest(slow)], quick[fastest(quick)]).ratio for n, slow, quick in blocks
+             if slow and quick}
+    return found | ({"least": min(found.values()), "most": max(found.values())} if found else {})

@@ -3,14 +3,13 @@
 import json
 import os
 import re
-import runpy
 
 from programs import FORMULATIONS, ROOT, FolderTest, run_script, text_of
 from lib.document import as_text
+from lib.tables import table2
 from test_reproduce import raw_file
 
 SCRIPT = os.path.join(ROOT, "scripts", "render_table2")
-table2 = runpy.run_path(SCRIPT)["table2"]
 
 
 class RenderTable2(FolderTest):
