@@ -12,18 +12,16 @@ import shlex
 from dataclasses import dataclass
 from typing import NamedTuple, Optional, Sequence
 
-from lib.accuracy_lines import FAST, NEAR_ROUNDING, SCENES, Problem, interpolated
+from lib.accuracy_lines import FAST, NEAR_ROUNDING, SCENES, TABLE_EXPONENTS, Problem, interpolated
 from lib.formats import Integrator
+from lib.integrator_names import KEPT, strongest_structure
 from lib.messages import one_line
 from lib.command_line import NO_ANSWER, Stop
 from lib.comparison import MISSING, three_digits
 from lib.document import Column, Items, Paragraph, plain_table
 from lib.study import MODULE
 
-# What can be asked for, from the least to the most: a Lie–Poisson integrator keeps the spectrum too.
-KEPT = {"nothing": "nothing", "spectrum": "the spectrum", "poisson": "the Lie–Poisson structure"}
 MOST_OFFERED = 5  # the answer and its runners-up
-TABLE_EXPONENTS = (-2, -4, -6, -8)
 
 # The steps offered are for the error over MARGIN, for interpolation along a line. Between recorded n, and away from a
 # recorded time, they are for a smaller one still: at T = 20, the errors of rk4 in the smooth scene at n = 33 are 1.8
@@ -74,11 +72,6 @@ class Outcome:
         return {"integrator": self.integrator.name, "order": self.integrator.order,
                 "keeps": strongest_structure(self.integrator), "n": self.n, "time": self.time, "steps": self.steps,
                 "step": self.step, "error": self.error, "seconds": self.seconds, "status": self.status}
-
-
-def strongest_structure(integrator):
-    """Returns the strongest structure that an integrator keeps."""
-    return next(structure for structure in reversed(KEPT) if integrator.keeps(structure))
 
 
 def that_keeps(structure):

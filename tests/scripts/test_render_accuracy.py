@@ -3,9 +3,10 @@
 import json
 import math
 import os
+import shutil
 import sys
-import tempfile
 import unittest
+from unittest import mock
 
 import programs
 from drawing import PYTHON, DrawingTest, lines_of
@@ -42,8 +43,8 @@ class Files(AccuracyTest):
     def test_whole_and_the_same_by_a_chosen_python_under_a_user_s_own_settings_on_other_kernels(self):
         arguments = (self.small(), "--table2", self.table2())
         files = self.rendered("plain", *arguments)
-        self.assertEqual(set(files), {"report.md", "report.txt", *(f"{chart}.{kind}" for chart in CHARTS
-                                                                   for kind in ("svg", "png"))})
+        self.assertEqual(set(files), {"report.md", "figures.json", *(f"{chart}.{kind}" for chart in CHARTS
+                                                                     for kind in ("svg", "png"))})
         for chart in CHARTS:
             self.assert_whole(files, chart)
         for name, contents in files.items():
@@ -58,10 +59,11 @@ class Files(AccuracyTest):
         self.assertTrue(again == files)  # some megabytes
 
     def test_what_is_recorded_is_svg_and_markdown_only(self):
-        recorded = os.path.join(programs.ROOT, "results", "recorded")
-        with tempfile.TemporaryDirectory(dir=recorded) as folder:
-            self.assertEqual(self.render(self.small(), "--out", folder).returncode, 0)
-            self.assertEqual(set(os.listdir(folder)), {"report.md", *(f"{chart}.svg" for chart in CHARTS[:-1])})
+        shutil.copytree(os.path.join(programs.ROOT, "scripts"), self.path("root", "scripts"))  # whose results/ this is
+        out = self.path("root", "results", "recorded", "study")
+        with mock.patch.object(programs, "ROOT", self.path("root")):
+            self.assertEqual(self.render(self.small(), "--out", out).returncode, 0)
+        self.assertEqual(set(os.listdir(out)), {"report.md", "figures.json", *(f"{chart}.svg" for chart in CHARTS[:-1])})
 
     def test_without_errors_table_1_is_left_out_and_said_so(self):
         table2 = self.table2(lambda s: {})

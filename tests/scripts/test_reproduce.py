@@ -73,7 +73,7 @@ exit "${BENCHMARK_STATUS:-0}"
 # A script that renders: leaves one word in the file that it is told last, or in the report in a folder.
 RENDERER = """#!/bin/sh
 for out; do :; done
-[ ! -d "$out" ] || out=$out/report.txt
+[ ! -d "$out" ] || out=$out/report.md
 echo drawn >"$out"
 """
 
@@ -268,9 +268,10 @@ class EndToEnd(ReproduceTest):
             self.write(f"root/scripts/render_{name}", RENDERER, executable=True)
         self.reproduced("all")
         found = {job: set(os.listdir(self.path("out", job))) for job in os.listdir(self.out)}
-        self.assertLessEqual({"raw.json", "report.txt", "table1_accuracy.svg"}, found.pop("accuracy"))
-        self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS, "scaling": RESULTS, "theorem": RESULTS,
-                                 "stability": {"report.txt", *STABILITY}})
+        self.assertLessEqual({"raw.json", "report.md", "figures.json", "table1_accuracy.svg"}, found.pop("accuracy"))
+        self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS, "theorem": RESULTS,
+                                 "scaling": {"raw.json", "report.md", "figures.json"},
+                                 "stability": {"report.md", *STABILITY}})
         (call,) = self.calls("table2")
         self.assertIn("--published", call)
 
@@ -279,8 +280,8 @@ class EndToEnd(ReproduceTest):
         found = snapshot(self.out)
         charts = {name for name in found if name.endswith((".svg", ".png"))}
         self.assertGreater(len(charts), 2)
-        self.assertEqual(set(found) - charts, {"report.md", "report.txt", *STABILITY})
-        self.assertEqual(done.stdout, found["report.txt"].decode())
+        self.assertEqual(set(found) - charts, {"report.md", *STABILITY})
+        self.assertEqual(done.stdout, found["report.md"].decode())
         self.assertIn("Largest errors of long runs", done.stdout)
         self.assertIn("--solver fast", self.calls("stability[")[1])
         untimed = [*self.calls("stability["), *self.calls("long_runs[")]
