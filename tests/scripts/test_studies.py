@@ -12,6 +12,7 @@ import sys
 import time
 import unittest
 from types import SimpleNamespace
+from unittest import mock
 
 from programs import BUILD, DONE, HAS_MODULE, ROOT, FolderTest, end, environment, run, start, strict_json, text_of
 from study_documents import raw, study_document
@@ -25,7 +26,7 @@ from lib.stability_files import read_long_runs, read_map
 if HAS_MODULE:
     sys.path.insert(0, os.path.join(BUILD, "python"))
     import isosyrk
-    from lib import problems
+    from lib import problems, trials
 
 STUDIES = os.path.join(ROOT, "scripts", "studies")
 RECORDED = os.path.join(ROOT, "results", "recorded", "accuracy", "raw.json")
@@ -372,6 +373,32 @@ class Accuracy(StudyTest):
         shutil.copy(os.path.join(folder, "developed_t5", "developed_n17.npy"),
                     os.path.join(folder, "developed_t5", "initial_n17.npy"))
         refused("initial_n17.npy", "energies")
+
+
+@unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")
+class Trials(unittest.TestCase):
+    # A loss that a trial does not survive, and one that it does, of each invariant.
+    LOSSES = {"spectrum_error": (1.1e-8, 9e-9), "skew_defect": (1.1e-8, 9e-9), "energy_error": (1.1, 0.9)}
+
+    def test_each_invariant_that_is_lost_ends_a_trial(self):
+        for name, (lost, kept) in self.LOSSES.items():
+            for loss, fails in ((lost, True), (kept, False), (math.nan, True)):
+                with self.subTest(name=name, loss=loss):
+                    errors = {**dict.fromkeys(self.LOSSES, 0.0), name: loss}
+                    self.assertEqual(trials.invariants_lost(errors, isospectral=True), fails)
+        # Others than isospectral methods may lose a tenth of the spectrum.
+        for loss, fails in ((0.09, False), (0.11, True)):
+            errors = {**dict.fromkeys(self.LOSSES, 0.0), "spectrum_error": loss}
+            self.assertEqual(trials.invariants_lost(errors, isospectral=False), fails)
+
+    def test_a_run_that_converges_and_loses_energy_alone_is_unstable(self):
+        setting = trials.Setting(isosyrk.scene("smooth", n=9))
+        tried = trials.trial_of(setting, "group1", PUBLISHED)
+        for error, status in ((1.1, "unstable"), (0.9, "converged")):
+            with self.subTest(error=error), mock.patch.object(setting, "energy_error", return_value=error):
+                found = tried(0.25)
+                self.assertEqual((found["status"], found["energy_error"]), (status, error))
+                self.assertLess(max(found["spectrum_error"], found["skew_defect"]), 1e-10)
 
 
 @unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")
