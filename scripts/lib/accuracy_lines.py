@@ -10,7 +10,7 @@ import statistics
 from typing import Dict, List, NamedTuple, Optional
 
 from lib import formats
-from lib.formats import (CASIMIRS, CONVERGED, FAST, PUBLISHED, SOLVERS, Integrator, Schema, keyed, list_of, number,
+from lib.formats import (CASIMIRS, CONVERGED, FAST, SOLVERS, Integrator, Schema, keyed, list_of, number,
                          one_of, optional, positive, status, text, truth, whole)
 from lib.messages import UnusableFile
 from lib.integrator_names import gauss_stages
@@ -232,7 +232,8 @@ def accuracy(study):
     for run in sorted(tables["runs"], key=lambda run: run.steps):
         lines.setdefault((run.problem, run.integrator, run.solver), []).append(run)
     result = Accuracy(study.context, references, keyed(tables["rates"], "n"),
-                      keyed(tables["integrators"], "name"), keyed(tables["limits"], "scene", "n", "integrator", "solver"),
+                      keyed(tables["integrators"], "name"),
+                      keyed(tables["limits"], "scene", "n", "integrator", "solver"),
                       tables["runs"], tables["tolerance_runs"], lines)
     if not result.references or not result.integrators:
         raise UnusableFile("has no references or no integrators")

@@ -18,15 +18,16 @@ CARE_ERROR, CARE_FACTOR = 1e-6, 10  # near which, within what factor, equal care
 CARE_SIZE = 65  # ... at the largest n up to this
 
 CHARTS = (
-    ("error_against_time", "Error against CPU time, smooth scene, T = 5. Thin: an integrator in its fast form, with dots in"
-     " the co-rotating frame, of a Gauss method the formulation whose step is cheapest. A line ends at"
+    ("error_against_time", "Error against CPU time, smooth scene, T = 5. Thin: an integrator in its fast form, with"
+     " dots in the co-rotating frame, of a Gauss method the formulation whose step is cheapest. A line ends at"
      f" {FLOOR_MARGIN} times the uncertainty of the reference, where the error stops falling, or where runs take too"
-     " long. It breaks at failures and limits. Thick: the cheapest method of each class. All panels have equal decades."),
+     " long. It breaks at failures and limits. Thick: the cheapest method of each class. Panels have equal decades."),
     ("error_against_time_others", "Error against CPU time for the two largest n of every other scene and time."),
-    ("energy_against_time", "Energy error, the largest over the steps, against CPU time, smooth scene. Direct Gauss lies"
-     " below the panels: it keeps the energy to rounding."),
-    ("error_against_n", f"Left: error at h = {TABLE1_STEP}, the step of Table 1, against n. Right: error at every step, not"
-     " in the frame, against h‖B(W₀)‖₂. Smooth scene, T = 5. Lines of all n coincide for Gauss, and not for RKMK4 and RK4."),
+    ("energy_against_time", "Energy error, the largest over the steps, against CPU time, smooth scene. Direct Gauss"
+     " lies below the panels: it keeps the energy to rounding."),
+    ("error_against_n", f"Left: error at h = {TABLE1_STEP}, the step of Table 1, against n. Right: error at every"
+     " step, not in the frame, against h‖B(W₀)‖₂. Smooth scene, T = 5. Lines of all n coincide for Gauss, and not for"
+     " RKMK4 and RK4."),
     ("table1_accuracy", "Tables 1 and 2 with their accuracy. Dotted lines join the forms with one answer."),
 )
 BEYOND_LIMIT = "beyond its stability limit"
@@ -51,7 +52,8 @@ def accuracy_sections(study, charts):
         *shown(CHARTS, charts),
         Heading("Reference solutions"),
         Items([(str(problem), f": {each.integrators[0]} in {each.steps[0]} and {each.integrators[1]} in {each.steps[1]}"
-                f" steps, which differ by {scientific(each.uncertainty)}") for problem, each in study.references.items()]),
+                f" steps, which differ by {scientific(each.uncertainty)}")
+               for problem, each in study.references.items()]),
         *price_section(study),
         *frame_section(study),
         *step_section(study),
@@ -109,7 +111,8 @@ def step_section(study):
         errors = {run.n: scientific(run.error) for run in runs_at_table1_step(study, name)}
         rows += [[name, *(errors.get(n, MISSING) for n in sizes)]] if errors else []
     columns = (Column("integrator", align="left"), *(Column(f"n = {n}") for n in sizes))
-    return [Heading(f"Error at h = {TABLE1_STEP}"), Paragraph(f"Smooth scene, T = 5. {MISSING}: the step does not work."),
+    return [Heading(f"Error at h = {TABLE1_STEP}"),
+            Paragraph(f"Smooth scene, T = 5. {MISSING}: the step does not work."),
             plain_table(columns, rows)] if rows else []
 
 
@@ -131,9 +134,9 @@ def care_section(study):
     columns = (Column("integrator", align="left"), *map(Column, (
         "step", "error", "CPU seconds", "equivalent products", "product share", "published over fast")))
     return [Heading("Equal care"),
-            Paragraph(f"{problem}, the run nearest to {CARE_ERROR:g}, within a factor of {CARE_FACTOR}. Product share: the time of its products, at the"
-                      " rate of products alone, over all its time; bands and triangles count as the part that they are."
-                      " Published over fast: at equal steps, which have equal errors."),
+            Paragraph(f"{problem}, the run nearest to {CARE_ERROR:g}, within a factor of {CARE_FACTOR}. Product share:"
+                      " the time of its products, at the rate of products alone, over all its time; bands and triangles"
+                      " count as the part that they are. Published over fast: at equal steps, where errors are equal."),
             plain_table(columns, rows), Paragraph("What makes them fast:"), Items(CARE)] if rows else []
 
 
@@ -152,8 +155,8 @@ def integrators_section(study):
     columns = (Column("integrator", align="left"), Column("order"), Column("keeps", align="left"),
                *(Column(f"{scene}, T = {time:g}") for scene, time in scenes))
     return [Heading("What each integrator is, and its observed order"),
-            Paragraph("The order is fitted on the last three points above the floor, at each n that has as many: the least"
-                      " and the largest."), plain_table(columns, rows)]
+            Paragraph("The order is fitted on the last three points above the floor, at each n that has as many: the"
+                      " least and the largest."), plain_table(columns, rows)]
 
 
 def tolerance_section(study):
@@ -170,8 +173,7 @@ def tolerance_section(study):
     return [Heading("Which tolerance an accuracy needs"),
             Paragraph("The loosest tolerance of the fixed point that adds less than a tenth to the error which the step"
                       " size makes, and so do all tighter ones, published forms. At least: none looser was tried."
-                      f" {failed} of"
-                      f" {len(study.tolerance_runs)} runs did not converge."),
+                      f" {failed} of {len(study.tolerance_runs)} runs did not converge."),
             plain_table(columns, rows)]
 
 
@@ -186,5 +188,5 @@ def failures_section(study):
     letters = ", ".join(f"{letter} {how}" for how, letter in LETTERS.items())
     return by_size(study, "Runs that failed",
                    f"{sum(not run.usable for run in study.runs)} of {len(study.runs)} runs. Of each fast form the"
-                   f" smallest step that failed, and how: {letters}. A step beyond the stability limit may come to an end"
-                   " because T is short; such a run is never recommended.", failed)
+                   f" smallest step that failed, and how: {letters}. A step beyond the stability limit may come to an"
+                   " end because T is short; such a run is never recommended.", failed)

@@ -4,10 +4,10 @@ import math
 import statistics
 
 from lib.accuracy_figures import AGAINST_N
-from lib.accuracy_lines import FAST, NEAR_ROUNDING, PUBLISHED, TABLE1_STEP
+from lib.accuracy_lines import NEAR_ROUNDING, TABLE1_STEP
 from lib.chart_panels import FAMILIES, draw_line, handle, key, logarithmic, new_figure
 from lib.equal_error import headline_problems, runs_at_table1_step
-from lib.formats import FORMULATIONS
+from lib.formats import FAST, FORMULATIONS, PUBLISHED
 from lib.integrator_names import FRAME, KEPT, gauss_stages, in_frame, method_name, strongest_structure
 
 ERROR_LABEL = "relative error of W(T)"
@@ -15,7 +15,7 @@ SECONDS_LABEL = "CPU seconds"
 LEAST_ERROR, LEAST_ENERGY_ERROR = 1e-12, 1e-14  # where the axes end
 LEAP = 1.6  # in seconds, from one level of an envelope to the next: a line of order 2 rises by 10^(1/8)
 
-# One colour for each method, none of them a formulation's (chart_panels), and a letter or number at the end of its line.
+# One colour for each method, none of them a formulation's (chart_panels), and a mark at the end of its line.
 METHODS = {**{f"Gauss, order {2 * s}": (colour, str(2 * s)) for s, colour in enumerate(
     ("#8fd3e8", "#58b4dd", "#2f93cf", "#2271b8", "#1f5a99", "#1b477b", "#16355d", "#102440"), 1)},
     "Yoshida, order 4": ("#b9b42d", "Y"), "Suzuki, order 4": ("#8f8a1c", "S"), "Kahan–Li, order 6": ("#5f5c10", "K"),
@@ -34,7 +34,8 @@ GHOST = {"color": "0.72", "linewidth": 0.7, "linestyle": (0, (3, 2)), "zorder": 
 def error_against_time(study):
     """Draws a panel for each n of the smooth scene to T = 5, published forms as ghosts."""
     problems = headline_problems(study)
-    return work_precision(study, problems, "error", "Error of W(T) against CPU time, smooth scene to T = 5", ghosts=True)
+    return work_precision(study, problems, "error", "Error of W(T) against CPU time, smooth scene to T = 5",
+                          ghosts=True)
 
 
 def error_against_time_others(study):
@@ -90,7 +91,8 @@ def work_precision(study, problems, quantity, title, ghosts=False):
         axes.remove()
     handles = {**{each: handle(f"best that keeps {KEPT[each]}", **style) for each, style in ENVELOPES.items()},
                True: handle("in the co-rotating frame", color="0.3", linewidth=1, marker="o", markersize=3),
-               False: handle("not in it (pale)", color="0.3", **PALE), PUBLISHED: handle("Gauss, published forms", **GHOST),
+               False: handle("not in it (pale)", color="0.3", **PALE),
+               PUBLISHED: handle("Gauss, published forms", **GHOST),
                **method_handles()}
     key(figure, [each for what, each in handles.items() if what in shown], 6)
     return figure
@@ -160,8 +162,8 @@ def envelope(lines, least, in_a_decade=4):
 def error_against_n(study):
     """Draws the error at Table 1's step against n, and those of all steps, not in the frame, against h‖B(W₀)‖₂."""
     problems = headline_problems(study)
-    figure, ((at_step, at_norm),) = new_figure("One step size is not one accuracy: error of W(5), smooth scene", 1, 2, 5.2,
-                                               keys=2, sharey=True)
+    figure, ((at_step, at_norm),) = new_figure("One step size is not one accuracy: error of W(5), smooth scene", 1, 2,
+                                               5.2, keys=2, sharey=True)
     for axes in (at_step, at_norm):
         logarithmic(axes)
         axes.set_ylim(LEAST_ERROR, 2)

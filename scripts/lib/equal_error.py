@@ -10,8 +10,8 @@ import math
 import statistics
 from typing import NamedTuple
 
-from lib.accuracy_lines import PUBLISHED, TABLE1_STEP, interpolated
-from lib.formats import FORMULATIONS
+from lib.accuracy_lines import TABLE1_STEP, interpolated
+from lib.formats import FORMULATIONS, PUBLISHED
 from lib.integrator_names import frameless, gauss_stages, in_frame
 
 # Geometric means are over these errors.
@@ -72,7 +72,8 @@ def ratios(study, problems, first, second):
 
 def published_over_fast(study, problem, name):
     """Returns the Ratios of the forms of an integrator at equal steps, where their errors are equal too."""
-    pairs = [(run, study.at_step(problem, name, run.step)) for run in study.line(problem, name, PUBLISHED) if run.usable]
+    pairs = [(run, study.at_step(problem, name, run.step)) for run in study.line(problem, name, PUBLISHED)
+             if run.usable]
     return [ratio(*(interpolated(run, run, run.error) for run in pair)) for pair in pairs if pair[1] and pair[1].usable]
 
 
@@ -90,7 +91,8 @@ def means_by_problem(found):
 
 def prices(study, problems):
     """Returns the Ratios of the best Gauss form to the best form of RKMK4 and of RK4."""
-    return {other: ratios(study, problems, forms_of(study, "gauss"), forms_of(study, other)) for other in ("rkmk4", "rk4")}
+    return {other: ratios(study, problems, forms_of(study, "gauss"), forms_of(study, other))
+            for other in ("rkmk4", "rk4")}
 
 
 def frame_gains(study, problems):

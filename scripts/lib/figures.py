@@ -46,9 +46,11 @@ EXCEPTED = tuple(re.compile(pattern, re.MULTILINE) for pattern in (
     r"^\s*[0-9]+\. ",  # numbers of lists
     r"[A-Za-z]{1,2}\([0-9]+(?:,\s*[0-9]+)*\)|\b[A-Za-z]+-[0-9]+|[0-9]+(?:st|nd|rd|th)\b",  # W(5), so(3), AVX-512, 5th
     rf"(?<!\w)[nslmkNpq]{RELATION}[0-9]+(?:{SEPARATOR}[0-9]+{ENDS})*",  # n = 17, 33 and 65; s ≥ 2
-    rf"(?<!\w)(?:[hT]|h‖B(?:\(W₀\))?‖₂?){RELATION}{VALUE}(?:\s+(?:and|or|to)\s+{VALUE}{ENDS})*",  # h = 0.1, T = 5 and 50
+    # h = 0.1, T = 5 and 50, h‖B‖₂ up to 0.6
+    rf"(?<!\w)(?:[hT]|h‖B(?:\(W₀\))?‖₂?){RELATION}{VALUE}(?:\s+(?:and|or|to)\s+{VALUE}{ENDS})*",
     rf"\b[Tt]olerance(?:\s+of)?\s+{VALUE}",
-    rf"\b[Aa]t\s+(?:(?:an?\s+|equal\s+)?errors?\s+(?:of\s+)?)?{POWERS}(?:{SEPARATOR}{POWERS})*",  # the errors compared at
+    # the errors compared at
+    rf"\b[Aa]t\s+(?:(?:an?\s+|equal\s+)?errors?\s+(?:of\s+)?)?{POWERS}(?:{SEPARATOR}{POWERS})*",
     rf"\b[Oo]rders?\s+[0-9]+(?:{SEPARATOR}[0-9]+{ENDS})*",
     rf"[0-9]{{1,2}}\s+(?:{MONTHS})\s+[0-9]{{4}}|(?:{MONTHS})\s+[0-9]{{4}}|[0-9]{{4}}-[0-9]{{2}}-[0-9]{{2}}",
     r"\bcommit\s+[0-9a-f]{7,40}\b|\b(?=[0-9a-f]*[a-f])(?=[0-9a-f]*[0-9])[0-9a-f]{7,40}\b",
@@ -160,7 +162,7 @@ def masked(match):
 
 
 def checked_part(page, whole):
-    """Returns a page with all that is not to be checked made blank. Throws ValueError for a marker without its other."""
+    """Returns a page with all that is not to be checked made blank. Throws ValueError for a lone marker."""
     kept, inside, at = [], None, 0
 
     def keep(end):

@@ -52,11 +52,11 @@ def render_study(program, description, wrote, drawn, **others):
     """Runs a script that renders a study with charts; all of it is made before any is written.
 
     `drawn(raw file, *further ones)` returns charts by name (None: there is nothing to draw), a function from the names
-    of those that there are to the report, and the figures or None. `others` are options that name the further files, with
-    their help.
+    of those that there are to the report, and the figures or None. `others` are options that name the further files,
+    with their help.
     """
     def main(arguments):
-        parser = folder_parser(program, description, wrote, "charts, report and figures; in results/recorded without PNG")
+        parser = folder_parser(program, description, wrote, "charts, report and figures, no PNG in results/recorded")
         for name, wrote_it in others.items():
             parser.add_argument(f"--{name}", metavar=f"{name.upper()}.json", help=wrote_it)
         options = parser.parse_args(arguments)

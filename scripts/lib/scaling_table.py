@@ -63,7 +63,7 @@ def sizes_of(points):
 
 
 def gain(points, rung, n, forms=FORMULATIONS):
-    """Returns the geometric mean, over s and over formulations, of a rung's time over that of the fast form; or None."""
+    """Returns the geometric mean, over s and over formulations, of a rung's time over the fast form's, or None."""
     found = [ratios(points, f"{form}{s}", n, rung) for form in forms for s in STAGES]
     times = [statistics.median(each) for each in found if each]
     return statistics.geometric_mean(times) if times else None
@@ -91,22 +91,23 @@ def means_table(points):
 def sections(study):
     points, settings = points_of(study), study.settings
     columns = (Column("n"), Column("integrator", align="left"), Column("sweeps"), Column("equivalent products"),
-               Column("CPU seconds"), *(Column(rung, "time over that of the fast form") for rung in RUNGS if rung != FAST))
+               Column("CPU seconds"),
+               *(Column(rung, "time over that of the fast form") for rung in RUNGS if rung != FAST))
     return [
         Heading("What a step costs, and what each idea buys", 1),
         Paragraph(f"The first {settings.steps} steps from the initial data of the {settings.scene} scene, h ="
                   f" {settings.step:g}, the same stretch everywhere."),
         Heading("Time over that of the fast form"),
-        Paragraph("Geometric means over the cells of Table 1. Published: the published form. Without newton: plain Picard"
-                  " sweeps. Without predictor: a cold start each step. Without bands: full products. Without any:"
-                  " split-complex storage, its products, triangles and single precision of late terms are left. Below 1"
-                  " an idea does not pay in these steps."),
+        Paragraph("Geometric means over the cells of Table 1. Published: the published form. Without newton: plain"
+                  " Picard sweeps. Without predictor: a cold start each step. Without bands: full products. Without"
+                  " any: split-complex storage, its products, triangles and single precision of late terms are left."
+                  " Below 1 an idea does not pay in these steps."),
         means_table(points),
         Heading("Every integrator"),
-        Paragraph("All figures are those of a step; sweeps, products and CPU seconds are those of the fast form. Equivalent"
-                  " products: multiplications in units of one full complex product. Medians ± half the interquartile"
-                  " range of repetitions in turns; ratios are within the same round. No range: single timing."
-                  f" {MISSING}: steps that fail, and ideas that an explicit method has no use for."),
+        Paragraph("All figures are those of a step; sweeps, products and CPU seconds are those of the fast form."
+                  " Equivalent products: multiplications in units of one full complex product. Medians ± half the"
+                  " interquartile range of repetitions in turns; ratios are within the same round. No range: single"
+                  f" timing. {MISSING}: steps that fail, and ideas that an explicit method has no use for."),
         Table(columns, [[row(points, name, n) for name in dict.fromkeys(name for name, size, _ in points if size == n)]
                         for n in sizes_of(points)]),
         conditions(study.context),

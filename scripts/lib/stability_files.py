@@ -7,7 +7,7 @@ grid of h‖B‖₂, and the bracket that bisection left around the critical val
 from typing import Dict, NamedTuple, Tuple
 
 from lib import formats
-from lib.formats import (CONVERGED, FAST, PUBLISHED, SOLVERS, Integrator, Schema, keyed, number, one_of, optional,
+from lib.formats import (CONVERGED, PUBLISHED, SOLVERS, Integrator, Schema, keyed, number, one_of, optional,
                          positive, status, text, whole)
 from lib.messages import UnusableFile
 

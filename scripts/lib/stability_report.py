@@ -92,7 +92,8 @@ def critical_text(each):
 def long_runs_section(runs):
     parts = [Heading("Largest errors of long runs"), Paragraph(
         f"The largest over all samples of {runs.steps} steps; of a run that failed, up to there."
-        f' "{MISSING}": no sample with a finite value. A run that converged may have lost its energy, as the first table'
+        f' "{MISSING}": no sample with a finite value. A run that converged may have lost its energy, as the first'
+        f' table'
         " shows of the runs that came through, by what their integrators keep."), energy_table(runs)]
     for scene, n in runs.settings():
         columns = [Column("integrator", align="left")]

@@ -1,17 +1,17 @@
 """A small study of accuracy, made up, whose every answer can be worked out by hand.
 
 Errors are exactly C·h^order down to a floor, products and times exactly proportional to the number of steps. A document
-is the context, the settings, and each table as a list of dicts, which tests change. Every integrator's fast form runs on
-every problem: the smooth scene at two n, and the rough scene, whose errors are ten times as large.
+is the context, the settings, and each table as a list of dicts, which tests change. Every integrator's fast form runs
+on every problem: the smooth scene at two n, and the rough scene, whose errors are ten times as large.
 """
 
 import json
 import os
 
-import programs  # finds the modules of scripts/lib
+import programs  # noqa: F401 (finds the modules of scripts/lib)
 
-from lib.accuracy_lines import FAST, PUBLISHED, SCHEMA, SOLVERS, Problem, accuracy
-from lib.formats import STUDY_FORMAT, Integrator, study_of
+from lib.accuracy_lines import SCHEMA, Problem, accuracy
+from lib.formats import FAST, PUBLISHED, SOLVERS, STUDY_FORMAT, Integrator, study_of
 
 STEPS = (5, 10, 20, 50, 100, 200)
 SMOOTH = tuple(Problem("smooth", 5.0, n) for n in (17, 33))
@@ -97,7 +97,8 @@ def raw(document):
         return {"columns": list(record._fields), "rows": [[row[column] for column in record._fields]
                                                           for row in document[name]]}
 
-    return {"format": STUDY_FORMAT, "study": SCHEMA.study, "context": document["context"], "settings": document["settings"],
+    return {"format": STUDY_FORMAT, "study": SCHEMA.study, "context": document["context"],
+            "settings": document["settings"],
             "tables": {name: table(name, record) for name, record in SCHEMA.tables.items()}}
 
 

@@ -1,4 +1,4 @@
-"""Tests of the check of pages: a figure is printed as it was found, with its key, and figures.json is what was found."""
+"""Tests of the check of pages: a figure is printed as it was found, with its key, and is in figures.json."""
 
 import unittest
 
@@ -34,7 +34,8 @@ class Page(unittest.TestCase):
                            ("3e-13<!-- study:error -->", "2.28e-13"), ("2e-12<!-- study:error -->", "2e-12"),
                            ("2.2e-13<!-- study:error -->", "2.2e-13"), ("6.5 %<!-- study:share -->", "6.43 %"),
                            ("6.4<!-- study:share -->", "0.0643"), ("0.25<!-- study:drift -->", "-0.25"),
-                           ("75 of 47<!-- study:cases study:all -->", "75 is", "47 is"), ("48<!-- study:cases -->", "48")):
+                           ("75 of 47<!-- study:cases study:all -->", "75 is", "47 is"),
+                            ("48<!-- study:cases -->", "48")):
             with self.subTest(page=page):
                 self.assert_faults(page, *told)
         self.assert_faults("a\nb\n1.8 and\n1.9<!-- study:ratio study:other -->", "line 4: 1.9")
@@ -56,7 +57,8 @@ class Page(unittest.TestCase):
     def test_what_needs_no_key(self):
         for page in ("at n = 17, 33 and 65.", "n = 17 to 257, s ≥ 2, s = 1, 2, 3;", "h = 0.1 to T = 5", "T = 5 and 50,",
                      "h‖B(W₀)‖₂ = 0.25", "h‖B‖₂ up to 0.6", "tolerance 1e-13", "tolerance of 1e-13", "At 1e-6 the",
-                     "at an error of 1e-6", "at errors 1e-4 … 1e-8", "order 4", "orders 4 and 6,", "on 23 November 2026", "2026-11-23",
+                     "at an error of 1e-6", "at errors 1e-4 … 1e-8", "order 4", "orders 4 and 6,",
+                     "on 23 November 2026", "2026-11-23",
                      "commit 0f714c93e0c6", "51d0c50e6a43", "1. first\n2. second", "Table 1", "Tables 1 and 2",
                      "`--n 17`", "```sh\nrun 17\n```", "[a](b/17.md)", "group6, RKMK4, AVX-512, AVX2", "W(5), so(3)",
                      "GNU 12.2.0, Debian 12, C++20", "2 × 2 blocks", "| n | s |\n| --: | --: |\n| 17 | 1 |",
@@ -85,7 +87,8 @@ class File(FolderTest):
                 as_json({"a": value})
 
     def test_what_is_no_file_of_figures(self):
-        for text, part in (("", "is empty"), ("[]", "no object"), ('{"a": "1"}', "it has a"), ('{"a": NaN}', "it has a"),
+        for text, part in (("", "is empty"), ("[]", "no object"), ('{"a": "1"}', "it has a"),
+                           ('{"a": NaN}', "it has a"),
                            ('{"a": 1', "whole JSON")):
             path = self.write("figures.json", text)
             with self.subTest(text=text), self.assertRaises(UnusableFile) as caught:

@@ -46,7 +46,8 @@ class Layers(unittest.TestCase):
         self.assertGreater(sum(len(imported(source)) for source in sources.values()), 80)
         # Controls: each way to write an import that goes up.
         for line in ("from lib.charts import AGAINST_N", "from lib import charts", "import lib.charts",
-                     "from . import charts", "from .charts import AGAINST_N", "def later():\n    from lib import charts"):
+                     "from . import charts", "from .charts import AGAINST_N",
+                     "def later():\n    from lib import charts"):
             with self.subTest(line=line):
                 wrong = {**sources, "formats": f"{sources['formats']}\n{line}\n"}
                 self.assertEqual(upward(order, wrong), [("formats", "charts")])

@@ -58,7 +58,8 @@ class RecommendTest(FolderTest):
         return run_script(SCRIPT, "--raw", write_study(self.folder, self.document), *arguments)
 
     def answer(self, n, error, keep="nothing", time=5.0, scene="smooth", **options):
-        return recommendation.answer(accuracy_of(self.document), Question(scene, n, time, error, keep), "raw", **options)
+        return recommendation.answer(accuracy_of(self.document), Question(scene, n, time, error, keep), "raw",
+                                     **options)
 
     def steps(self, name, n, error):
         """Returns the steps that are offered with one integrator to T = 5, or None."""
@@ -175,7 +176,8 @@ class Answers(RecommendTest):
                                    if each["scene"] == "smooth"]
         found = self.answer(17, 1e-3, scene="developed")
         self.assertIn("--initial developed_n17.npy", found["command"])
-        self.assertRegex(found["command"], "--scene smooth .* --output developed_n17.npy && .* --initial developed_n17.npy ")
+        self.assertRegex(found["command"], "--scene smooth .* --output developed_n17.npy && "
+                                           ".* --initial developed_n17.npy ")
 
     def test_a_table_with_rows_by_structure_and_problem(self):
         text = as_text(recommendation.recommendation_tables(accuracy_of(self.document)))
@@ -213,7 +215,8 @@ class Refusals(RecommendTest):
                 (arguments_of(modes="m.csv"), "--raw"), (arguments_of(modes="m.csv", hbar="old"), "'old'", "standard"),
                 *((arguments_of(**{name: value}), f"--{name}", "--modes")
                   for name, value in (("budget", "5"), ("hbar", "standard"))),
-                ([*arguments_of(), "17"], "17"), (arguments_of(err="1"), "--err"), ([*arguments_of(), "two\nlines"], "two"),
+                ([*arguments_of(), "17"], "17"), (arguments_of(err="1"), "--err"),
+                ([*arguments_of(), "two\nlines"], "two"),
                 (arguments_of(error="9e-15"), "uncertainty", "1e-14"),
                 (arguments_of(error="9e-13", scene="rough"), "uncertainty", "1e-12"),
                 (arguments_of(raw=self.path("two\nlines.json")), "two lines.json", "No such file"),
@@ -228,7 +231,8 @@ class Refusals(RecommendTest):
         self.assertEqual(os.path.realpath(found["source"]["raw"]), os.path.realpath(path))
         self.assertLessEqual(found["expected_error"], 1e-4)
         # Control: the made-up study answers otherwise.
-        self.assertNotEqual(found["command"], strict_json(self.recommend(*arguments_of(error="1e-4"), "--json").stdout)["command"])
+        made_up = strict_json(self.recommend(*arguments_of(error="1e-4"), "--json").stdout)
+        self.assertNotEqual(found["command"], made_up["command"])
 
     def test_output_that_is_closed_or_full(self):
         command = [sys.executable, "-B", SCRIPT, "--raw", write_study(self.folder, self.document), *arguments_of()]
@@ -247,7 +251,8 @@ class Pilots(FolderTest):
     MODES = os.path.join(DATA, "initial_modes.csv")
 
     def pilots(self, *arguments, error=1e-6, budget=5):
-        return run([sys.executable, "-B", SCRIPT, "--time", "4", "--error", str(error), "--budget", str(budget), *arguments])
+        return run([sys.executable, "-B", SCRIPT, "--time", "4", "--error", str(error), "--budget", str(budget),
+                    *arguments])
 
     def answer(self, *arguments, **options):
         result = self.pilots(*arguments, "--json", **options)

@@ -27,7 +27,7 @@ class Answers(FolderTest):
         return strict_json(done.stdout)
 
     def state(self, found, integrator, step):
-        """Returns the last state of an answer's command line by another integrator and step; None if the solver fails."""
+        """Returns the last state of an answer's command line by another integrator and step, or None."""
         *before, line = found["command"].split(" && ")  # before it a scene is developed
         words = shlex.split(line)
         for option, value in (("--integrator", integrator), ("--step", repr(step))):

@@ -158,7 +158,8 @@ class Arguments(CopyTest):
     def test_what_is_wrong_and_what_is_allowed_are_named(self):
         # Found before it is told that CMake is missing.
         for argument in ("table3", "--quik", "--quick=yes", ""):
-            self.refuses("reproduce", ["--quick", argument], argument, "table1", "table2", "accuracy", "stability", "scaling",
+            self.refuses("reproduce", ["--quick", argument], argument, "table1", "table2", "accuracy", "stability",
+                         "scaling",
                          "--quick", "--out", "--no-install", MISSING="cmake")
         path = self.write("plain", "a file")
         for arguments, *parts in ((["table1", "all"], "all"), (["--out"], "--out"), (["--out", ""], "--out"),
@@ -200,7 +201,8 @@ class MissingPackages(CopyTest):
             self.assertEqual((len(self.calls("cmake")), len(self.calls("sudo"))), (1, through))
             update, install = (call.split() for call in self.calls("apt-get[noninteractive]"))
             self.assertIn("update", update)
-            self.assertEqual([word for word in install[1:] if not word.startswith("-")], ["install", "git", "libfmt-dev"])
+            self.assertEqual([word for word in install[1:] if not word.startswith("-")],
+                             ["install", "git", "libfmt-dev"])
         self.write("calls", "")
         self.install()
         self.assertEqual((len(self.calls("cmake")), self.calls("apt-get")), (1, []))

@@ -8,8 +8,9 @@ from stability_documents import CONTROL, SETTINGS, long_study, map_study, write
 
 from lib.messages import UnusableFile
 from lib.document import as_markdown
+from lib.formats import FAST, PUBLISHED
 from lib.integrator_names import TABLE1_CELLS
-from lib.stability_files import FAST, PUBLISHED, Sample, failure_map, long_runs
+from lib.stability_files import Sample, failure_map, long_runs
 from lib.stability_report import stability_sections
 
 MAPS = tuple(f"failure_map{kind}_{scene}" for kind in ("", "_others") for scene in ("smooth", "rough"))
@@ -52,7 +53,8 @@ class Report(unittest.TestCase):
         samples = [Sample(1, 1, 1e-15, 2e-15, 1e-3, 0.0), Sample(1, 2, 4e-15, None, 1e-4, 0.0)]
         self.long.tables["samples"] = samples  # the first run has none
         self.assertEqual(self.row(first.integrator, "Largest errors of long runs")[1:],
-                         ["unstable", "7", *"––––", "converged", str(second.steps), "4.0e-15", "0", "2.0e-15", "1.0e-3"])
+                         ["unstable", "7", *"––––", "converged", str(second.steps), "4.0e-15", "0",
+                          "2.0e-15", "1.0e-3"])
 
     def test_energy_of_the_runs_that_came_through(self):
         self.long.tables["runs"] = [run._replace(status="converged" if run.integrator == "group1" else "unstable")
@@ -108,7 +110,8 @@ class Charts(DrawingTest):
         edges[:] = [each if each.integrator != "rkmk4" else each._replace(works=None) for each in edges]
         failures = failure_map(study, PUBLISHED)
         smooth, rest = (self.panels("stability_charts", "failure_map", failures, "smooth", names, "Map")
-                        for names in (TABLE1_CELLS, [name for name in failures.integrators if name not in TABLE1_CELLS]))
+                        for names in (TABLE1_CELLS, [name for name in failures.integrators
+                                                     if name not in TABLE1_CELLS]))
         self.assertEqual((list(smooth), list(rest)), (list(TABLE1_CELLS), ["yoshida4", "rkmk4", "rk4"]))
         (panel,) = smooth["group2"]
         maps = failures.line("smooth", "group2")

@@ -20,7 +20,8 @@ from study_documents import raw, study_document
 from lib import formats
 from lib.messages import UnusableFile
 from lib import scaling_table
-from lib.accuracy_lines import FAST, PUBLISHED, SCHEMA, Problem, read_accuracy
+from lib.formats import FAST, PUBLISHED
+from lib.accuracy_lines import SCHEMA, Problem, read_accuracy
 from lib.stability_files import read_long_runs, read_map
 
 if HAS_MODULE:
@@ -197,7 +198,8 @@ def start_cluster(test, **settings):
     """Returns the address of a Dask scheduler with two workers, each a process of this machine, until a test ends."""
     import distributed
     cluster = distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0",
-                                       silence_logs="CRITICAL", local_directory=test.folder, env=environment(**settings))
+                                       silence_logs="CRITICAL", local_directory=test.folder,
+                                       env=environment(**settings))
     test.addCleanup(cluster.close)
     return cluster.scheduler_address
 
@@ -258,8 +260,8 @@ class Stability(StudyTest):
 
     def test_fast_forms_under_the_names_of_the_published_ones(self):
         arguments = ("--n", "17", "--scene", "smooth", "--integrator", "group2", "--solver")
-        fast, published = (read_map(self.made("stability", *arguments, solver), solver).maps["smooth", 17, "group2"].edge
-                           for solver in (FAST, PUBLISHED))
+        maps = (read_map(self.made("stability", *arguments, solver), solver).maps for solver in (FAST, PUBLISHED))
+        fast, published = (found["smooth", 17, "group2"].edge for found in maps)
         self.assertGreater(fast.works, 1.1 * published.works)  # what fails is tried again with acceleration
         self.assert_as_close(fast.works, self.CRITICAL_FAST)
 
@@ -268,9 +270,9 @@ class Stability(StudyTest):
         names = ["group1", "algebra2_two_products", "algebra3_two_products"]
         self.assertEqual(list(runs.integrators), names)
         self.assertEqual(list(runs.runs), [("smooth", 9, name, share) for name in names for share in (0.9, 0.3)])
-        for run in runs.runs.values():
-            self.assertAlmostEqual(run.row.h_norm_B, run.row.share * run.row.critical)
-            steps = [sample.step for sample in run.samples]
+        for each in runs.runs.values():
+            self.assertAlmostEqual(each.row.h_norm_B, each.row.share * each.row.critical)
+            steps = [sample.step for sample in each.samples]
             self.assertEqual((steps[0], steps), (1, sorted(set(steps))))
         kept, lost = (runs.runs["smooth", 9, name, 0.3] for name in names[:2])
         self.assertEqual((kept.survived, kept.samples[-1].step), (True, 300))
@@ -284,7 +286,8 @@ class Scaling(StudyTest):
     def test_every_rung_on_the_same_stretch(self):
         found = formats.read_study(self.made("scaling", "--n", "9", "--integrator", "group1", "--repetitions", "2"),
                                 scaling_table.SCHEMA)
-        self.assertEqual([(point.integrator, point.n, point.rung, len(point.seconds)) for point in found.tables["points"]],
+        self.assertEqual([(point.integrator, point.n, point.rung, len(point.seconds))
+                          for point in found.tables["points"]],
                          [("group1", 9, rung, 2) for rung in scaling_table.RUNGS])
         self.assertIn("timed_on", found.context)
         sweeps = {point.rung: point.sweeps for point in found.tables["points"]}
@@ -326,7 +329,8 @@ class Accuracy(StudyTest):
             self.assertLessEqual(abs(len(here) - len(there)), 1)  # rounding decides where a line is at its floor
             pairs += zip(here, there)
         for here, there in pairs:
-            with self.subTest(integrator=here.integrator, solver=here.solver, steps=here.steps, tolerance=here.tolerance):
+            with self.subTest(integrator=here.integrator, solver=here.solver, steps=here.steps,
+                              tolerance=here.tolerance):
                 self.assertEqual(*((run.steps, run.tolerance, run.status, run.beyond_limit) for run in (here, there)))
                 # Other kernels round otherwise, and an iteration may end a sweep later in a step or two; at tolerances
                 # near rounding in more of them.
@@ -358,7 +362,8 @@ class Accuracy(StudyTest):
             return self.script("references", "--out", folder, *asked, "17").stderr
 
         def refused(*parts, n="17"):
-            self.assert_refused(self.script("accuracy", "--references", folder, "--out", self.path("raw.json"), *asked, n),
+            self.assert_refused(self.script("accuracy", "--references", folder, "--out", self.path("raw.json"), *asked,
+                                            n),
                                 *parts)
 
         self.assertEqual(again().count("n = 17: kept"), 2)
