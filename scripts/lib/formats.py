@@ -20,6 +20,7 @@ read as a record of its class, which may have properties.
 """
 
 import json
+import operator
 import re
 import statistics
 from dataclasses import dataclass, field
@@ -146,13 +147,8 @@ def checked(values, kinds, what):
 
 
 def keyed(records, *names):
-    """Returns records by the value of one field, or by the tuple of several. Throws UnusableFile for two of one key."""
-    found = {}
-    for record in records:
-        key = tuple(getattr(record, name) for name in names)
-        if found.setdefault(key if len(key) > 1 else key[0], record) is not record:
-            raise UnusableFile(f"has {', '.join(f'{name} {value}' for name, value in zip(names, key))} twice")
-    return found
+    """Returns records by the value of one field, or by the tuple of several."""
+    return {operator.attrgetter(*names)(record): record for record in records}
 
 
 # ---- foreign text
@@ -219,11 +215,6 @@ def study_of(document, schema):
     parts = checked(document, dict.fromkeys(("context", "settings", "tables"), an_object), "it")
     found = checked(parts["tables"], dict.fromkeys(schema.tables, an_object), "tables")
     tables = {name: records(found[name], record, name) for name, record in schema.tables.items()}
-    listed = {each.name for each in tables.get("integrators", ())}
-    for name, rows in tables.items() if listed else ():
-        for row in rows:
-            if getattr(row, "integrator", None) not in (None, *listed):
-                raise UnusableFile(f"has {name} of an integrator it does not list, {quoted(row.integrator)}")
     return Study(printable_context(parts["context"]),
                  schema.settings(**checked(parts["settings"], schema.settings.__annotations__, "settings")), tables)
 

@@ -7,8 +7,8 @@ from typing import NamedTuple
 from lib import formats
 from lib.formats import FORMULATIONS, Schema, keyed, list_of, number, one_of, optional, positive, text, whole
 from lib.messages import UnusableFile
-from lib.accuracy_claims import scientific, span
 from lib.comparison import MISSING, fastest_rows, three_digits, time_with_spread
+from lib.numbers import scientific, span
 from lib.document import Column, Entry, Heading, Items, Paragraph, Table, conditions, plain_table
 
 PAIRS = ("cotangent–group", "group–algebra", "cotangent–algebra")

@@ -20,7 +20,6 @@ class RenderTable2(FolderTest):
             table, formulation, _, stages = row["run_name"].split("/")
             milliseconds = 2.0 * int(stages[-1]) + FORMULATIONS.index(formulation)
             row["cpu_time"] = milliseconds / (2 if table == "table2" else 1)
-            row.update(process=row["repetition_index"], repetition_index=0)
 
     def put(self, name, raw):
         return self.write(name, json.dumps(raw))

@@ -103,8 +103,8 @@ sys.exit(int(os.environ.get("BENCHMARK_STATUS", "0")))
 RENDERER = """#!/bin/sh
 for out; do :; done
 case $0 in
-  *stability) echo drawn >"$out/report.txt" ;;
-  *) for kind in txt md tex; do echo drawn >"$out/table.$kind"; done ;;
+  *theorem) for kind in txt md tex; do echo drawn >"$out/table.$kind"; done ;;
+  *) echo drawn >"$out/report.md" ;;
 esac
 """
 
@@ -200,7 +200,8 @@ class Arguments(CopyTest):
     def test_what_is_wrong_and_what_is_allowed_are_named(self):
         # Found before it is told that CMake is missing.
         for argument in ("table3", "--quik", "--quick=yes", ""):
-            self.refuses("reproduce", ["--quick", argument], argument, "table1", "table2", "accuracy", "stability", "scaling",
+            self.refuses("reproduce", ["--quick", argument], argument, "table1", "table2", "accuracy", "stability",
+                         "scaling",
                          "--quick", "--out", "--no-install", MISSING="cmake")
         path = self.write("plain", "a file")
         for arguments, *parts in ((["table1", "all"], "all"), (["--out"], "--out"), (["--out", ""], "--out"),
@@ -242,7 +243,8 @@ class MissingPackages(CopyTest):
             self.assertEqual((len(self.calls("cmake")), len(self.calls("sudo"))), (1, through))
             update, install = (call.split() for call in self.calls("apt-get[noninteractive]"))
             self.assertIn("update", update)
-            self.assertEqual([word for word in install[1:] if not word.startswith("-")], ["install", "git", "libfmt-dev"])
+            self.assertEqual([word for word in install[1:] if not word.startswith("-")],
+                             ["install", "git", "libfmt-dev"])
         self.write("calls", "")
         self.install()
         self.assertEqual((len(self.calls("cmake")), self.calls("apt-get")), (1, []))
@@ -313,9 +315,10 @@ class EndToEnd(ReproduceTest):
             self.write(f"root/scripts/render_{name}", RENDERER, executable=True)
         self.reproduced("all")
         found = {job: set(os.listdir(self.path("out", job))) for job in os.listdir(self.out)}
-        self.assertLessEqual({"raw.json", "report.txt", "table1_accuracy.svg"}, found.pop("accuracy"))
-        self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS, "scaling": STUDY_RESULTS, "theorem": STUDY_RESULTS,
-                                 "stability": {"report.txt", *STABILITY}})
+        self.assertLessEqual({"raw.json", "report.md", "figures.json", "table1_accuracy.svg"}, found.pop("accuracy"))
+        self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS, "theorem": STUDY_RESULTS,
+                                 "scaling": {"raw.json", "report.md", "figures.json"},
+                                 "stability": {"report.md", *STABILITY}})
         self.assertTrue(all("--published" in call for call in self.calls("table2")))
 
     def test_a_study_measures_and_ends_with_its_report(self):
@@ -323,8 +326,8 @@ class EndToEnd(ReproduceTest):
         found = snapshot(self.out)
         charts = {name for name in found if name.endswith((".svg", ".png"))}
         self.assertGreater(len(charts), 2)
-        self.assertEqual(set(found) - charts, {"report.md", "report.txt", *STABILITY})
-        self.assertEqual(done.stdout, found["report.txt"].decode())
+        self.assertEqual(set(found) - charts, {"report.md", *STABILITY})
+        self.assertEqual(done.stdout, found["report.md"].decode())
         self.assertIn("Largest errors of long runs", done.stdout)
         self.assertIn("--solver fast", self.calls("stability[")[1])
         untimed = [*self.calls("stability["), *self.calls("long_runs[")]
