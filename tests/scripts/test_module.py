@@ -335,17 +335,51 @@ class Beside(unittest.TestCase):
         method.run(scene.initial, 0.1, 5, out=shared, observe=observe)
         self.assertTrue(np.array_equal(shared, untouched))
 
+    def test_an_integrator_is_free_again_after_an_exception(self):
+        raising = False
+
+        def generator(W):
+            if raising:
+                raise KeyError("mine")
+            return SMOOTH.generator(W)
+
+        def observe(*_):
+            raise KeyError("mine")
+
+        method = isosyrk.integrator(isosyrk.scene(initial=SMOOTH.initial, generator=generator), "group2")
+        wanted, _ = method.run(SMOOTH.initial, 0.1, 5)
+        for call, options in ((method.run, {}), (method.timed_run, {}), (method.step, {}),
+                              (method.run, {"observe": observe})):
+            steps = () if call == method.step else (5,)
+            raising = not options
+            with self.assertRaisesRegex(KeyError, "mine"):
+                call(SMOOTH.initial, 0.1, *steps, **options)
+            raising = False
+            self.assertTrue(np.array_equal(method.run(SMOOTH.initial, 0.1, 5)[0], wanted))
+
+    def turns_beside(self, *calls):
+        """Returns how many times this thread had a turn while others made the calls, and the answers."""
+        turns = 0
+        with concurrent.futures.ThreadPoolExecutor() as pool:
+            runs = [pool.submit(*call) for call in calls]
+            while concurrent.futures.wait(runs, 0.001).not_done:
+                turns += 1
+        return turns, [run.result() for run in runs]
+
     def test_other_threads_go_on_while_one_steps(self):
         scene = isosyrk.scene("smooth", n=33)
         wanted, _ = ran(scene, "group3", 20)
-        turns = 0
-        with concurrent.futures.ThreadPoolExecutor() as pool:
-            runs = [pool.submit(ran, scene, "group3", 20) for _ in range(2)]
-            while concurrent.futures.wait(runs, 0.001).not_done:
-                turns += 1
+        turns, answers = self.turns_beside(*[(ran, scene, "group3", 20)] * 2)
         self.assertGreater(turns, 3)
-        for run in runs:
-            self.assertTrue(np.array_equal(run.result()[0], wanted))
+        for W, _ in answers:
+            self.assertTrue(np.array_equal(W, wanted))
+
+    def test_other_threads_go_on_while_one_is_timed(self):
+        scene = isosyrk.scene("smooth", n=33)
+        method = isosyrk.integrator(scene, "group3")
+        turns, [times] = self.turns_beside((method.timed_run, scene.initial, 0.1, 20, 2))
+        self.assertEqual(len(times), 2)
+        self.assertGreater(turns, 3)
 
     def interrupted(self, n, solver, steps):
         """Interrupts a run after half a second; returns what its process printed and the seconds it took to end."""
