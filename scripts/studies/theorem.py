@@ -48,6 +48,7 @@ SIZES, QUICK_SIZES = (65, 129), (33,)
 CHAIN = 4  # times as large is n of the spin chain, and as long are its runs, so that packing W does not weigh
 TIMED_NORMS = (0.05, 0.1, 0.25, 0.5)  # h‖B(W₀)‖₂ of timed runs
 FEW_NORMS = (0.1, 0.5)  # the same with --quick, and beyond SMALL_N
+QUICK_PROCESSES = 8  # at most
 SMALL_N = 65  # up to it a process has a warm run and repeats; beyond it a run is so long that neither shows
 STEPS, TIMED_STEPS, TOLERANCE, REPETITIONS = 10, 5, 1e-13, 3
 LEAST_SECONDS = 0.004  # of CPU time that a repetition fills with runs: 1e5 readings of the clock
@@ -244,12 +245,13 @@ def command(block, process):
 def main(arguments):
     parser = study.parser(PROGRAM, __doc__.splitlines()[0])
     parser.add_argument("--scene", choices=SCENES, nargs="+", action="extend", help="scenes (default: all)")
-    parser.add_argument("--processes", type=whole_number(1, 100), default=verdicts.MOST,
-                        help="that time a row at most; with fewer than six all is undecided (default: %(default)s)")
+    parser.add_argument("--processes", type=whole_number(1, 100), help="that time a row at most; with fewer than"
+                        f" {verdicts.FEWEST} all is undecided (default: {verdicts.MOST}, quick {QUICK_PROCESSES})")
     options = parser.parse_args(arguments)
     sizes = sorted(set(options.n or (QUICK_SIZES if options.quick else SIZES)))
     known = (*TABLE1_CELLS, *SCHEMES)
     scenes, names = options.scene or list(SCENES), options.integrator or known
+    most = options.processes or (QUICK_PROCESSES if options.quick else verdicts.MOST)
     for name in {*names} - {*known}:
         raise Stop(f"--integrator {one_line(name)!r}: must be one of {', '.join(known)}")
 
@@ -264,7 +266,7 @@ def main(arguments):
     counts = [{row: next(counts) for row in block["rows"]} for block in blocks]
     converging = [{**block, "rows": [row for row in block["rows"] if costs[row]["sweeps"]]}
                   for block, costs in zip(blocks, counts)]
-    times = study.by_processes(converging, command, partial(further_processes, options.processes), journal, "timing")
+    times = study.by_processes(converging, command, partial(further_processes, most), journal, "timing")
     for block, costs, seconds in zip(blocks, counts, times):
         for row in block["rows"]:
             cell = CELLS[row]
