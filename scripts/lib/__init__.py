@@ -1,1 +1,1 @@
-"""What the scripts share. An import goes down the list of layers in scripts/README.md, never up."""
+"""What the scripts share. A module imports only what stands above it in the list of modules in scripts/README.md."""

@@ -55,7 +55,7 @@ def whole_number(least, most):
 
 
 def number(least, most):
-    """Returns a reader of arguments that must be numbers from `least` to `most`; what only Python calls one is refused."""
+    """Returns a reader of arguments that must be decimal numbers from `least` to `most`."""
     def read(text):
         plain = re.fullmatch(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?", text)
         if not plain or not least <= float(text) <= most:

@@ -20,10 +20,11 @@ read as a record of its class, which may have properties.
 """
 
 import json
+import operator
 import re
 import statistics
 from dataclasses import dataclass, field
-from typing import Any, Dict, NamedTuple, Optional, Tuple
+from typing import Any, Dict, NamedTuple, Optional
 
 from lib.messages import LONGEST_TEXT, UnusableFile, one_line, quoted, shortened
 from lib.output import replace_file
@@ -146,13 +147,8 @@ def checked(values, kinds, what):
 
 
 def keyed(records, *names):
-    """Returns records by the value of one field, or by the tuple of several. Throws UnusableFile for two of one key."""
-    found = {}
-    for record in records:
-        key = tuple(getattr(record, name) for name in names)
-        if found.setdefault(key if len(key) > 1 else key[0], record) is not record:
-            raise UnusableFile(f"has {', '.join(f'{name} {value}' for name, value in zip(names, key))} twice")
-    return found
+    """Returns records by the value of one field, or by the tuple of several."""
+    return {operator.attrgetter(*names)(record): record for record in records}
 
 
 # ---- foreign text
@@ -219,11 +215,6 @@ def study_of(document, schema):
     parts = checked(document, dict.fromkeys(("context", "settings", "tables"), an_object), "it")
     found = checked(parts["tables"], dict.fromkeys(schema.tables, an_object), "tables")
     tables = {name: records(found[name], record, name) for name, record in schema.tables.items()}
-    listed = {each.name for each in tables.get("integrators", ())}
-    for name, rows in tables.items() if listed else ():
-        for row in rows:
-            if getattr(row, "integrator", None) not in (None, *listed):
-                raise UnusableFile(f"has {name} of an integrator it does not list, {quoted(row.integrator)}")
     return Study(printable_context(parts["context"]),
                  schema.settings(**checked(parts["settings"], schema.settings.__annotations__, "settings")), tables)
 
@@ -276,11 +267,16 @@ class CellKey(NamedTuple):
 
 @dataclass(frozen=True)
 class Measurement:
-    """One cell: CPU seconds of each repetition and the median of each counter, or why it failed."""
+    """One cell: CPU seconds by process, in each the median of its repetitions, and counters, or why it failed."""
 
-    times: Tuple[float, ...] = ()
+    times: Dict[int, float] = field(default_factory=dict)
     counters: Dict[str, float] = field(default_factory=dict)
     failure: Optional[str] = None
+
+    @property
+    def seconds(self):
+        """Returns the geometric mean over the processes."""
+        return statistics.geometric_mean(self.times.values())
 
 
 class Run(NamedTuple):
@@ -294,9 +290,11 @@ class Run(NamedTuple):
         return self.measurements.get(CellKey(formulation, n, stages))
 
     def times(self, n, stages):
-        """Returns the repetitions of the rows of a block that finished, by formulation."""
+        """Returns the times of the rows of a block that finished, by formulation: lists over the same processes."""
         cells = {name: self.cell(name, n, stages) for name in FORMULATIONS}
-        return {name: cell.times for name, cell in cells.items() if cell and not cell.failure}
+        times = {name: cell.times for name, cell in cells.items() if cell and not cell.failure}
+        common = sorted(set.intersection(*map(set, times.values()))) if times else []
+        return {name: [found[process] for process in common] for name, found in times.items() if common}
 
     def failures(self):
         """Returns the failed cells in the order of the table; a cell's place here is its footnote number."""
@@ -304,33 +302,41 @@ class Run(NamedTuple):
                       key=lambda key: (key.n, FORMULATIONS.index(key.formulation), key.stages))
 
 
-def read_run(path, program, counters, optional=(), table=None):
-    """Returns the Run in `path`, written by `program`, whose every good row must have all `counters`.
+def read_run(path, programs, counters, optional, table):
+    """Returns the Run of a table in the raw file at `path`, whose every good row must have all `counters`.
 
-    A cell has an optional counter if each of its repetitions has it. `table` is what the rows are named by, where that
-    is not the program. Rows timed by several threads, named .../threads:2, are passed over.
+    `programs` are those that write such rows, named by `table`. A cell has an optional counter if each of its
+    repetitions has it. Rows timed by several threads, named .../threads:2, are passed over.
     """
-    def run_of(document):
-        context = document.get("context") if isinstance(document, dict) else None
-        for name, wanted in (("isosyrk_program", program), ("isosyrk_format", BENCHMARK_FORMAT)):
-            require(context, f"raw file of {program}", name, wanted)
-        rows = checked(document, {"benchmarks": list_of(an_object)}, "it")["benchmarks"]
-        return Run(printable_context(context), {key: measurement(cell, counters, optional) for key, cell
-                                                in rows_by_cell(rows, table or program).items()})
+    return read_json(path, lambda document: run_of(document, programs, counters, optional, table))
 
-    return read_json(path, run_of)
+
+def run_of(document, programs, counters, optional, table):
+    """Returns the Run in a document of JSON, as read_run does. Throws UnusableFile."""
+    context = document.get("context") if isinstance(document, dict) else None
+    what = f"raw file of {' or '.join(programs)}"
+    if not isinstance(context, dict) or context.get("isosyrk_program") not in programs:
+        require(context, what, "isosyrk_program", programs[0])
+    require(context, what, "isosyrk_format", BENCHMARK_FORMAT)
+    rows = checked(document, {"benchmarks": list_of(an_object)}, "it")["benchmarks"]
+    return Run(printable_context(context), {key: measurement(cell, counters, optional) for key, cell
+                                            in rows_by_cell(rows, table).items()})
 
 
 def rows_by_cell(rows, table):
-    """Returns the repetitions of each cell, in the order of their index, by which a doubled one is noticed."""
+    """Returns the rows of each cell, in the order of process and repetition, by which a doubled one is noticed.
+
+    What the program itself wrote has no processes: it is one, number 0.
+    """
     cells = {}
     for row in rows:
         key = cell_key(row, table)
         if key is None:
             continue
-        index = checked(row, {"repetition_index": whole()}, row_name(row))["repetition_index"]
+        found = checked({"process": 0, **row}, {"process": whole(), "repetition_index": whole()}, row_name(row))
+        index = found["process"], found["repetition_index"]
         if index in cells.setdefault(key, {}):
-            raise UnusableFile(f"{row_name(row)}: repetition {index} stands twice")
+            raise UnusableFile(f"{row_name(row)}: repetition {index[1]} of process {index[0]} stands twice")
         cells[key][index] = row
     if not cells:
         raise UnusableFile(f"has no measured row named {table}/… (run_type \"iteration\")")
@@ -358,7 +364,10 @@ def measurement(rows, counters, optional):
     names = [*counters, *(name for name in optional if all(name in row for row in rows))]
     kinds = {"time_unit": one_of(*SECONDS_PER_UNIT), "cpu_time": positive, **dict.fromkeys(names, number)}
     found = [checked(row, kinds, row_name(row)) for row in rows]
-    return Measurement(tuple(SECONDS_PER_UNIT[row["time_unit"]] * row["cpu_time"] for row in found),
+    times = {}
+    for row, values in zip(rows, found):
+        times.setdefault(row.get("process", 0), []).append(SECONDS_PER_UNIT[values["time_unit"]] * values["cpu_time"])
+    return Measurement({process: statistics.median(seconds) for process, seconds in times.items()},
                        {name: statistics.median(row[name] for row in found) for name in names})
 
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 # second another program took the core. Quiet machines show less than a third of either, one with a busy neighbour on
 # the same core more than ten times as much.
 MOST_STOLEN, MOST_SWITCHES = 0.02, 30.0
-MOST_TRIES = 3  # of one process; the least disturbed is kept then, and said to be disturbed
+MOST_TRIES = 2  # of one process, since a busy machine may stay busy; the less disturbed is kept then, and that is told
 
 
 class Disturbance(NamedTuple):
@@ -50,7 +50,7 @@ def undisturbed(measure, say):
         if not disturbance:
             return tries[-1]
         say(f"disturbed ({disturbance}): " + ("measured again" if len(tries) < MOST_TRIES else
-                                              f"the least disturbed of {MOST_TRIES} tries is kept"))
+                                              f"the least disturbed of {MOST_TRIES} is kept"))
     return min(tries, key=lambda each: each[1].size)
 
 

@@ -1,4 +1,4 @@
-"""The cells that the regression gate watches, what a build reports of them, and the baseline recorded of their counts."""
+"""The cells that the regression gate watches, what a build reports of them, and the recorded baseline."""
 
 import json
 import os

@@ -137,7 +137,8 @@ def exact_layer(baseline, build, names):
         status = build.cells[name].status if name in build.cells else "missing"
         layer.add(name, "status", status, CONVERGED, status == CONVERGED)
         if status == CONVERGED:
-            check_counts(layer, build.cells[name], baseline.counts[name], same_rounding if is_fast(name) else same_kernels)
+            check_counts(layer, build.cells[name], baseline.counts[name],
+                         same_rounding if is_fast(name) else same_kernels)
     return layer
 
 

@@ -42,7 +42,8 @@ class Server:
     def __init__(self, command, environment, cells):
         self.what = command[-1]
         self.process = subprocess.Popen([*command, "--serve", *cells], env=environment, stdin=subprocess.PIPE,
-                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8", errors="replace")
+                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8",
+                                        errors="replace")
         self.cells = {name: place for place, name in enumerate(cells)}
         try:
             self.answer("ready", lambda line: line == "ready")

@@ -1,4 +1,5 @@
-"""The raw file of scripts/studies/theorem.py, and its report: where the formulations coincide, and what they cost."""
+"""The raw file of scripts/studies/theorem.py, its report and its figures: where the formulations coincide, which is the
+fastest, what they cost, and where the theorem ends."""
 
 import itertools
 import math
@@ -6,12 +7,12 @@ import statistics
 from typing import NamedTuple
 
 from lib import formats
-from lib.formats import FORMULATIONS, Schema, keyed, list_of, number, one_of, optional, positive, text, whole
+from lib.formats import FORMULATIONS, Schema, list_of, number, one_of, optional, positive, text, whole
 from lib.messages import UnusableFile
-from lib.accuracy_claims import scientific
-from lib.comparison import MISSING, three_digits
+from lib.comparison import MISSING, UNDECIDED_MARK, marks, spread_text, three_digits
 from lib.document import Column, Entry, Heading, Paragraph, Table, conditions, plain_table
-from lib.verdicts import FEWEST, HOLDS, MARGIN, UNDECIDED, claim_of_fastest, level_rows, ratio_of
+from lib.numbers import scientific
+from lib.verdicts import FEWEST, HOLDS, MARGIN, UNDECIDED, claim_of_fastest, ratio_of
 
 PAIRS = ("cotangent–group", "group–algebra", "cotangent–algebra")
 SCENES = {  # the algebra, and the arithmetic of its steps
@@ -27,7 +28,7 @@ AT_ROUNDING = 1e-12  # differences of one step that are below stem from rounding
 CLAIMS = (  # name, the table and the methods it is about, and the formulation that is said to be fastest
     ("(a)", "cost", ("s = 1",), "algebra"), ("(b)", "cost", ("s = 2", "s = 3"), "group"),
     ("footnote", "dirk", ("yoshida4", "suzuki4", "kahan_li6"), "algebra"))
-NO_STEP, DAGGER = "no step", "†"
+NO_STEP = "no step"  # shown for a row whose Picard sweeps fail
 CHAIN = "spin_chain"
 
 
@@ -87,9 +88,9 @@ class Timed(NamedTuple):
 SCHEMA = Schema("theorem", Settings, {"coincidence": Coincidence, "ends": End, "cost": Timed, "dirk": Timed})
 
 
-def document(path):
-    """Returns the document of a raw file. Throws UnusableFile with one line that names the file and what is wrong."""
-    return formats.read_study(path, SCHEMA, lambda study: sections(checked(study)))
+def rendered(path):
+    """Returns the document of a raw file and its figures. Throws UnusableFile with one line that names the file."""
+    return formats.read_study(path, SCHEMA, lambda study: (sections(checked(study)), figures(study)))
 
 
 def checked(study):
@@ -98,7 +99,6 @@ def checked(study):
         if not study.tables[name]:
             raise UnusableFile(f"has no rows of {name}")
     for name in ("cost", "dirk"):
-        keyed(study.tables[name], "scene", "n", "h_norm_B", "method", "formulation")
         for row in study.tables[name]:
             if (row.sweeps is None) == bool(row.seconds):
                 raise UnusableFile(f"has a row of {name} with sweeps and no time, or with times and no sweeps")
@@ -119,7 +119,7 @@ def sections(study):
                   " DIRK methods are fastest on g (algebra). The ratio is the time of the fastest other formulation"
                   " over that of the claimed one. A claim holds if its formulation is faster than both others (the"
                   f" whole 95 % interval of the ratio lies beyond {MARGIN:g}), fails if it is slower than one, and is a"
-                  f" tie if it ties with one. Bold, in text a star: it holds. {DAGGER}: undecided after"
+                  f" tie if it ties with one. Bold, in text a star: it holds. {UNDECIDED_MARK}: undecided after"
                   f' {number_of_processes(study)} processes. "{NO_STEP}": its Picard sweeps fail.'),
         claims_table(tables),
         Heading("Where the formulations coincide"),
@@ -132,7 +132,7 @@ def sections(study):
         Paragraph(f"Gauss: CPU milliseconds a step, over {settings.timed_steps} steps from the initial data; the time"
                   " over that of group, both geometric means over processes, ± half the 95 % interval; Picard sweeps."
                   " Bold, in text a star: the fastest of the three, and every one that ties with it;"
-                  f" {DAGGER}: not decided against the fastest. Cotangent multiplies by no J."),
+                  f" {UNDECIDED_MARK}: not decided against the fastest. Cotangent multiplies by no J."),
         cost_table(tables["cost"]),
         Heading("DIRK methods"),
         Paragraph("The isospectral DIRK methods of the paper's footnote are compositions of midpoint steps. Each"
@@ -220,7 +220,7 @@ def claim_entry(wanted, block):
         return Entry(MISSING)
     result, ratio = claim_of_fastest(wanted, times)
     digits = three_digits(ratio.ratio)
-    return Entry(f"{digits} {DAGGER}" if result == UNDECIDED else f"{result} {digits}", result == HOLDS)
+    return Entry(f"{digits} {UNDECIDED_MARK}" if result == UNDECIDED else f"{result} {digits}", result == HOLDS)
 
 
 def cost_table(rows):
@@ -228,7 +228,7 @@ def cost_table(rows):
     methods, blocks = [method for method, in by(rows, "method")], []
     for (scene, n, norm), found in by(rows, "scene", "n", "h_norm_B").items():
         cells = {(row.method, row.formulation): row for row in found}
-        level = {method: level_rows(times_of(block)) for (method,), block in by(found, "method").items()}
+        level = {method: marks(times_of(block)) for (method,), block in by(found, "method").items()}
         blocks.append([[Entry(scene), Entry(str(n)), Entry(f"{norm:g}"), Entry(form), *(
             show(cells, method, form, *level.get(method, (set(), set())))
             for show in (time_entry, ratio_entry, sweeps_entry) for method in methods)] for form in FORMULATIONS])
@@ -244,7 +244,7 @@ def time_entry(cells, method, form, best, undecided):
     if not cell.seconds:
         return Entry(NO_STEP)
     milliseconds = three_digits(1e3 * statistics.geometric_mean(cell.seconds))
-    return Entry(f"{milliseconds} {DAGGER}" if form in undecided else milliseconds, form in best)
+    return Entry(f"{milliseconds} {UNDECIDED_MARK}" if form in undecided else milliseconds, form in best)
 
 
 def ratio_entry(cells, method, form, *_):
@@ -254,7 +254,7 @@ def ratio_entry(cells, method, form, *_):
     ratio = ratio_of(cell.seconds, group.seconds)
     if ratio.processes < FEWEST:
         return Entry(three_digits(ratio.ratio))
-    return Entry(f"{three_digits(ratio.ratio)} ±{100 * (math.sqrt(ratio.high / ratio.low) - 1):.2g} %")
+    return Entry(spread_text(three_digits(ratio.ratio), 100 * (ratio.high / ratio.ratio - 1)))
 
 
 def sweeps_entry(cells, method, form, *_):
@@ -288,9 +288,9 @@ def misprints_table(rows):
 def figures(study):
     """Returns the figures that results/README.md may quote, by key.
 
-    cost.SCENE.N.H.METHOD.FORM/OTHER (and dirk.…) is the ratio of two formulations' times; METHOD is s1 or yoshida4. In
-    place of SCENE.N.H, the least and most over all n stand under SCENE.H, over all h too under SCENE, and over all
-    scenes but the spin chain under others.H and others.
+    cost.SCENE.N.H.METHOD.FORM-over-OTHER (and dirk.…) is the ratio of two formulations' times; METHOD is s1 or
+    yoshida4. In place of SCENE.N.H, the least and most over all n stand under SCENE.H, over all h too under SCENE, and
+    over all scenes but the spin chain under others.H and others.
     """
     tables = study.tables
     rows, found = tables["coincidence"], {}
@@ -301,7 +301,7 @@ def figures(study):
         found[f"coincidence.{field}"] = max(getattr(row, field) for row in rows)
     for row in tables["ends"]:
         key = f"ends.{key_part(row.case)}"
-        found.update({f"{key}.{pair}": value for pair, value in zip(PAIRS, row.differences)})
+        found.update({f"{key}.{pair.replace('–', '-')}": value for pair, value in zip(PAIRS, row.differences)})
         found.update({f"{key}.casimirs.{form}": value for form, value in zip(FORMULATIONS, row.casimir_errors)})
         found[f"{key}.from_g"] = row.algebra_defect
         if row.order:
@@ -314,8 +314,8 @@ def figures(study):
 
 
 def key_part(name):
-    """Writes a name as part of a key: small letters and digits, all else an underscore or left out."""
-    plain = "".join(c if c.isalnum() else " " for c in name.replace("s = ", "s").lower())
+    """Writes a name as part of a key: small ASCII letters and digits, and an underscore for all else between them."""
+    plain = "".join(c if c.isascii() and c.isalnum() else " " for c in name.replace("s = ", "s").lower())
     return "_".join(plain.split())
 
 
@@ -324,7 +324,7 @@ def ratio_figures(name, rows):
     for (scene, n, norm, method), block in comparisons(rows).items():
         times, method = times_of(block), key_part(method)
         for form, other in itertools.permutations(times, 2):
-            pair, ratio = f"{method}.{form}/{other}", ratio_of(times[form], times[other]).ratio
+            pair, ratio = f"{method}.{form}-over-{other}", ratio_of(times[form], times[other]).ratio
             found[f"{name}.{scene}.{n}.{norm:g}.{pair}"] = ratio
             for where in (scene, *(("others",) if scene != CHAIN else ())):
                 for over in (f"{where}.{norm:g}", where):

@@ -27,10 +27,10 @@ if __name__ == "__main__":
 import isosyrk
 from lib import problems
 from lib import formats
-from lib.formats import CONVERGED, UNSTABLE
+from lib.formats import CONVERGED, FAST, PUBLISHED, UNSTABLE
 from lib import trials
-from lib.accuracy_lines import (FAST, FLOOR_MARGIN, PUBLISHED, SCHEMA, TABLE1_STEP, Limit, Problem, Rate, Reference, Run,
-                            Settings, fitted_order, is_rounding)
+from lib.accuracy_lines import (FLOOR_MARGIN, SCHEMA, TABLE1_STEP, Limit, Problem, Rate, Reference, Run, Settings,
+                                fitted_order, is_rounding)
 from lib.command_line import whole_number
 from lib.integrator_names import TABLE1_CELLS, in_frame
 

@@ -24,7 +24,8 @@ import numpy
 
 import isosyrk
 from lib import problems
-from lib.accuracy_lines import FAST, Problem
+from lib.accuracy_lines import Problem
+from lib.formats import FAST
 from lib.messages import UnusableFile
 from lib.command_line import NO_ANSWER, Stop, say
 from lib.output import make_folder, replace_file

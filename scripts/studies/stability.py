@@ -21,7 +21,8 @@ import isosyrk
 from lib import formats
 from lib import trials
 from lib.integrator_names import TABLE1_CELLS
-from lib.stability_files import FAST, MAP_SCHEMA, PUBLISHED, SCENES, SOLVERS, Edge, MapSettings, Setting, Trial
+from lib.formats import FAST, PUBLISHED, SOLVERS
+from lib.stability_files import MAP_SCHEMA, SCENES, Edge, MapSettings, Setting, Trial
 
 SIZES, QUICK_SIZES = (9, 17, 33, 65, 129, 257), (9, 17, 33)
 
@@ -47,7 +48,8 @@ def described(scene, n):
 def main(arguments):
     parser = study.parser(PROGRAM, __doc__.splitlines()[0])
     parser.add_argument("--scene", choices=SCENES, nargs="+", action="extend", help="(default: both)")
-    parser.add_argument("--solver", choices=SOLVERS, default=PUBLISHED, help="fast: the fast forms (by default those of Table 1)")
+    parser.add_argument("--solver", choices=SOLVERS, default=PUBLISHED, help="fast: the fast forms (by default those"
+                                                                             " of Table 1)")
     options = parser.parse_args(arguments)
     sizes = sorted(set(options.n or (QUICK_SIZES if options.quick else SIZES)))
     scenes = [scene for scene in SCENES if scene in (options.scene or SCENES)]

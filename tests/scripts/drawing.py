@@ -1,4 +1,5 @@
-"""What the tests of the scripts that draw share. The Python that draws may be another than the one that runs the tests."""
+"""What the tests of the scripts that draw share. The Python that draws may be another than the one that runs the
+tests."""
 
 import importlib
 import os

@@ -48,7 +48,8 @@ def environment(**changes):
     result["LC_ALL"] = "C"
     # Scripts run in the Python that runs the tests: what a version manager puts on PATH in its place takes longer to
     # start than most of them take to run.
-    result["PATH"] = os.pathsep.join((os.path.dirname(os.path.realpath(sys.executable)), result.get("PATH", os.defpath)))
+    result["PATH"] = os.pathsep.join((os.path.dirname(os.path.realpath(sys.executable)),
+                                      result.get("PATH", os.defpath)))
     for name, value in changes.items():
         if value is None:
             result.pop(name, None)

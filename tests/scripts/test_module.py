@@ -60,7 +60,8 @@ class Answers(unittest.TestCase):
             with tempfile.TemporaryDirectory() as folder:
                 path = os.path.join(folder, "W.npy")
                 products = () if solver == "fast" else ("--products", "openblas")
-                subprocess.run([program("integrate"), "--n", "17", "--integrator", "group2", "--step", "0.1", "--time", "2",
+                subprocess.run([program("integrate"), "--n", "17", "--integrator", "group2", "--step", "0.1", "--time",
+                                "2",
                                 "--solver", solver, "--output", path, *products], check=True, stdout=subprocess.DEVNULL)
                 wanted = np.load(path)
             W, report = ran(isosyrk.scene("smooth", n=17), "group2", 20, solver=solver)
@@ -274,7 +275,8 @@ class Refusals(unittest.TestCase):
         method = isosyrk.integrator(SMOOTH, "group2")
         W = SMOOTH.initial
         for error, message, arguments in (
-                (TypeError, "^h: is a ndarray", (W, np.array("0.1"), 5)), (ValueError, "^h: is too large", (W, 10**400, 5)),
+                (TypeError, "^h: is a ndarray", (W, np.array("0.1"), 5)),
+                (ValueError, "^h: is too large", (W, 10**400, 5)),
                 (ValueError, "^h = nan", (W, float("nan"), 5)), (ValueError, "^steps = -1: must be 0 to", (W, 0.1, -1)),
                 (ValueError, r"shape is \(8, 8\)", (W[:8, :8], 0.1, 5)), (ValueError, "dtype", ("W", 0.1, 5)),
                 (ValueError, "1e-10", (W + np.eye(9), 0.1, 5)), (TypeError, "^observe: is a int", (W, 0.1, 5, 3)),
@@ -305,7 +307,8 @@ class Refusals(unittest.TestCase):
     def test_empty_matrices(self):
         empty = np.zeros((0, 0), complex)
         self.refused(ValueError, r"shape is \(0, 0\)", isosyrk.spectrum, empty)
-        self.refused(ValueError, "n >= 2", isosyrk.angular_momentum_error, np.ones((1, 1), complex), np.ones((1, 1), complex))
+        self.refused(ValueError, "n >= 2", isosyrk.angular_momentum_error, np.ones((1, 1), complex),
+                     np.ones((1, 1), complex))
 
 
 class Beside(unittest.TestCase):
@@ -344,8 +347,8 @@ class Beside(unittest.TestCase):
             while concurrent.futures.wait(runs, 0.001).not_done:
                 turns += 1
         self.assertGreater(turns, 3)
-        for run in runs:
-            self.assertTrue(np.array_equal(run.result()[0], wanted))
+        for each in runs:
+            self.assertTrue(np.array_equal(each.result()[0], wanted))
 
     def interrupted(self, n, solver, steps):
         """Interrupts a run after half a second; returns what its process printed and the seconds it took to end."""
@@ -357,7 +360,8 @@ class Beside(unittest.TestCase):
                 "try:\n"
                 f"    method.run(W, 0.02, {steps}, out=W)\n"
                 "except KeyboardInterrupt:\n"
-                "    print('ended', isosyrk.spectrum_error(W, scene.initial), np.array_equal(W, scene.initial), flush=True)\n"
+                "    print('ended', isosyrk.spectrum_error(W, scene.initial), np.array_equal(W, scene.initial),"
+                " flush=True)\n"
                 "    isosyrk.integrator(scene, 'rk4').step(W, 0.001)\n"
                 "    print('and works', flush=True)\n")
         process = python(code, start, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
@@ -404,7 +408,8 @@ class Beside(unittest.TestCase):
                 "        os.write(1, str(error).encode())\n"
                 "    os._exit(0)\n"
                 "os.wait()\n")
-        for parent, printed in (("", "done"), ("method.step(scene.initial, 0.1)", "threads = 2: hang in a process forked")):
+        for parent, printed in (("", "done"),
+                                ("method.step(scene.initial, 0.1)", "threads = 2: hang in a process forked")):
             self.assertTrue(self.printed(code.replace("PARENT", parent)).startswith(printed))
 
     def test_numpy_is_left_as_it_was(self):

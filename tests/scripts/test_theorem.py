@@ -14,7 +14,7 @@ import types
 import unittest
 from unittest import mock
 
-from programs import BUILD, DONE, FORMULATIONS, ROOT, FolderTest, end, environment, run, run_script, start
+from programs import BUILD, DONE, FORMULATIONS, ROOT, FolderTest, end, environment, run, run_script, snapshot, start
 
 sys.path[:0] = [os.path.join(BUILD, "python"), os.path.join(ROOT, "scripts", "studies")]
 import numpy as np
@@ -23,7 +23,8 @@ import isosyrk
 from lib import plain_forms
 from lib import formats, study, theorem_table
 import theorem
-from lib.document import Table, as_text
+from lib.document import Table, as_markdown
+from lib.figures import KEYS
 from lib.fresh_process import MOST_SWITCHES, MOST_TRIES, Disturbance
 from lib.messages import UnusableFile
 from lib.plain_forms import dagger, gauss
@@ -316,7 +317,7 @@ class Report(FolderTest):
         path = self.path("raw.json")
         self.study = made_up(self.ROWS)
         formats.write_study(path, SCHEMA, self.study.context, self.study.settings, self.study.tables)
-        self.document = theorem_table.document(path)
+        self.document, self.figures = theorem_table.rendered(path)
 
     def rows(self, heading):
         """Returns the rows of the first table after a heading, as lists of text with a star for what is marked."""
@@ -332,34 +333,39 @@ class Report(FolderTest):
             ["spin_chain", "256", "(a), s = 1", "algebra", "fails 0.500", "–"],
             ["spin_chain", "512", "(a), s = 1", "algebra", "fails 0.500", "–"],
             ["spin_chain", "512", "footnote, yoshida4", "algebra", "–", "no step"]])
-        self.assertIn("undecided after 6 processes", " ".join(as_text(self.document).split()))
+        self.assertIn("undecided after 6 processes", " ".join(as_markdown(self.document).split()))
 
     def test_costs(self):
         rows = self.rows("What they cost")
         self.assertEqual(rows[:6], [
-            ["rigid_body", "65", "0.1", "cotangent", "3100", "1010*", "–", "1.03 ±0 %", "1.01 ±0.79 %", "–",
+            ["rigid_body", "65", "0.1", "cotangent", "3100", "1010*", "–", "1.03 ±0.0 %", "1.01 ±0.8 %", "–",
              "8.00", "8.00", "–"],
             ["rigid_body", "65", "0.1", "group", "3000", "1000*", "–", "–", "–", "–", "8.00", "8.00", "–"],
-            ["rigid_body", "65", "0.1", "algebra", "1000*", "1500", "–", "0.333 ±0.79 %", "1.50 ±0.79 %", "–",
+            ["rigid_body", "65", "0.1", "algebra", "1000*", "1500", "–", "0.333 ±0.8 %", "1.50 ±0.8 %", "–",
              "8.00", "8.00", "–"],
-            ["rigid_body", "65", "0.5", "cotangent", "–", "2000", "1000*", "–", "2.00 ±0.79 %", "0.800 ±0.79 %",
+            ["rigid_body", "65", "0.5", "cotangent", "–", "2000", "1000*", "–", "2.00 ±0.8 %", "0.800 ±0.8 %",
              "–", "8.00", "8.00"],
             ["rigid_body", "65", "0.5", "group", "–", "1000*", "1250", "–", "–", "–", "–", "8.00", "8.00"],
-            ["rigid_body", "65", "0.5", "algebra", "–", "1050 †", "2000", "–", "1.05 ±4 %", "1.60 ±0 %", "–",
+            ["rigid_body", "65", "0.5", "algebra", "–", "1050 †", "2000", "–", "1.05 ±4.0 %", "1.60 ±0.0 %", "–",
              "8.00", "8.00"]])
         self.assertEqual([row[4:] for row in self.rows("DIRK methods")],
-                         [["1000*", "1.00 ±0 %", "8.00"], ["1000*", "–", "8.00"], ["no step", "–", "–"]])
+                         [["1000*", "1.00 ±0.0 %", "8.00"], ["1000*", "–", "8.00"], ["no step", "–", "–"]])
 
     def test_figures(self):
-        found = theorem_table.figures(self.study)
+        found = self.figures
         for key, value in {
-                "cost.rigid_body.65.0.1.s1.group/algebra": 3, "cost.rigid_body.65.0.1.s1.algebra/group": 1 / 3,
-                "cost.rigid_body.s2.cotangent/group.least": 1.01, "cost.rigid_body.s2.cotangent/group.most": 2,
-                "cost.rigid_body.0.5.s2.cotangent/group.least": 2, "cost.others.s1.group/algebra.least": 3,
-                "cost.spin_chain.s1.algebra/group.most": 2, "dirk.spin_chain.512.0.5.yoshida4.cotangent/group": 1,
+                "cost.rigid_body.65.0.1.s1.group-over-algebra": 3,
+                "cost.rigid_body.65.0.1.s1.algebra-over-group": 1 / 3,
+                "cost.rigid_body.s2.cotangent-over-group.least": 1.01,
+                "cost.rigid_body.s2.cotangent-over-group.most": 2,
+                "cost.rigid_body.0.5.s2.cotangent-over-group.least": 2,
+                "cost.others.s1.group-over-algebra.least": 3,
+                "cost.spin_chain.s1.algebra-over-group.most": 2,
+                "dirk.spin_chain.512.0.5.yoshida4.cotangent-over-group": 1,
                 "coincidence.settings": 1, "coincidence.within": 1, "coincidence.failed": 1,
                 "coincidence.difference": 1e-14, "ends.iiia_iiib_iiia_s2.from_g": 1.9e-6,
-                "ends.k_as_printed_s2.order": 3,
+                "ends.k_as_printed_s2.order": 3, "ends.j_no_multiple_of_i_s2.group-algebra": 7.6e-2,
+                "ends.b_outside_g_s2.casimirs.group": 9.7e-4,
                 "claims.a.spin_chain.fails": 2, "claims.a.spin_chain.of": 2, "claims.b.rigid_body.tie": 1,
                 "claims.b.rigid_body.undecided": 1, "claims.b.rigid_body.fails": 1, "claims.b.rigid_body.of": 3,
                 "claims.footnote.spin_chain.none": 1, "chain.smallest": 128, "chain.largest": 256,
@@ -378,13 +384,12 @@ class Report(FolderTest):
         for tables, message in (
                 (changed(0, seconds=()), "with sweeps and no time"), (changed(0, sweeps=None), "times and no sweeps"),
                 (changed(0, seconds=cost[0].seconds[:-1]), "not timed by the same processes"),
-                (changed(1, formulation="cotangent"), "formulation cotangent twice"),
                 ({"ends": []}, "no rows of ends"), ({"coincidence": []}, "no rows of coincidence")):
             with self.subTest(message=message):
                 path = self.path("raw.json")
                 formats.write_study(path, SCHEMA, {}, self.study.settings, {**self.study.tables, **tables})
                 with self.assertRaisesRegex(UnusableFile, message) as caught:
-                    theorem_table.document(path)
+                    theorem_table.rendered(path)
                 self.assert_one_line(f"{caught.exception}\n", path)
 
 
@@ -424,12 +429,17 @@ class Study(FolderTest):
             self.assertLess(row.difference, row.bound)
         failed = [(row.scene, row.stages, row.h_norm_B) for row in tables["coincidence"] if None in row.sweeps]
         self.assertEqual((len(tables["coincidence"]), failed), (18, [("spin_chain", 1, 0.6)]))
-        for format in ("text", "markdown", "latex"):
-            shown = run_script(RENDER, path, "--format", format)
-            self.assertEqual((shown.returncode, shown.stderr), (DONE, ""))
-            for part in ("undecided after 1 processes", "no step", "ISOSYRK, K", "one of order 1",
-                         "footnote, yoshida4"):
-                self.assertIn(part, " ".join(shown.stdout.replace("\\", "").replace("{[}", "[").split()))
+        shown = run_script(RENDER, path, "--out", self.path("report"))
+        self.assertEqual((shown.returncode, shown.stdout, shown.stderr), (DONE, "", ""))
+        files = snapshot(self.path("report"))
+        self.assertEqual(set(files), {"report.md", "figures.json"})
+        report = files["report.md"].decode("utf-8")
+        for part in ("undecided after 1 processes", "no step", "ISOSYRK, K", "one of order 1", "footnote, yoshida4"):
+            self.assertIn(part, report)
+        found = json.loads(files["figures.json"])
+        self.assertTrue(found)
+        for key in found:  # so that a page can name it
+            self.assertRegex(f"<!-- theorem:{key} -->", f"^{KEYS.pattern}$")
 
     def test_an_interrupted_study_goes_on_with_the_processes_it_has(self):
         path = self.path("raw.json")
@@ -473,8 +483,10 @@ class Study(FolderTest):
                 self.assert_refused(self.script("--out", self.path("raw.json"), *arguments), *parts)
         self.assertEqual(os.listdir(self.folder), [])
         scaling = os.path.join(ROOT, "results", "recorded", "scaling", "raw.json")
-        self.assert_refused(run_script(RENDER, scaling), "scaling/raw.json", "is no raw file of the study theorem")
-        self.assert_refused(run_script(RENDER, self.path("none.json")), "none.json", "cannot be read")
+        self.assert_refused(run_script(RENDER, scaling, "--out", self.path("report")),
+                            "scaling/raw.json", "is no raw file of the study theorem")
+        self.assert_refused(run_script(RENDER, self.path("none.json"), "--out", self.path("report")),
+                            "none.json", "cannot be read")
 
 
 if __name__ == "__main__":
