@@ -72,7 +72,7 @@ esac
 exit "${BENCHMARK_STATUS:-0}"
 """
 
-# A benchmark program: the same, but of what is prepared it writes the rows that its filter leaves in, as of one process.
+# A benchmark program: the same, but of what is prepared it writes the rows that its filter leaves in.
 TABLE_PROGRAM = """#!%s
 import json, os, re, signal, sys, time
 
@@ -86,7 +86,8 @@ if program == os.environ.get("FAILING"):
     sys.exit(7)
 with open(os.path.join(os.environ["PREPARED"], program + ".json")) as file:
     found = json.load(file)
-found["benchmarks"] = [row for row in found["benchmarks"] if re.search(options["--benchmark_filter"], row["run_name"] + "/")]
+found["benchmarks"] = [row for row in found["benchmarks"]
+                       if re.search(options["--benchmark_filter"], row["run_name"] + "/")]
 what = os.environ["BENCHMARK"]
 with open(options["--benchmark_out"] + ("" if what in ("finish", "scribble") else ".1.partial"), "w") as file:
     file.write(json.dumps(found) if what == "finish" else '{"context": {')
