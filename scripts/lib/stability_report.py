@@ -31,7 +31,9 @@ def charts_of(failures, fast=None, runs=None):
             if mapped := study.mapped(scene, names):
                 found.append((f"failure_map{kind}_{scene}", f"{title}, {scene} scene.", "failure_map",
                               (study, scene, mapped, title)))
-    for scene, n in runs.settings() if runs else ():
+    # One n shows what all do: the largest of each scene.
+    largest = dict(sorted(runs.settings())) if runs else {}
+    for scene, n in largest.items():
         where = f"long_runs_n{n}" if scene == "smooth" else f"long_runs_{scene}_n{n}"
         for name, isospectral, which in ((where, True, "keep"), (f"{where}_controls", False, "lose")):
             found.append((name, f"Errors of long runs at n = {n}, {scene} scene: integrators that {which} the"

@@ -20,7 +20,7 @@ from lib.output import replace_file
 from lib.verdicts import FEWEST, MOST, more_processes
 
 COLD_FROM = 129  # from this n on a process times one run, without a warm one before
-KEPT_FIELDS = ("run_name", "run_type", "repetitions", "repetition_index", "threads", "iterations",
+KEPT_FIELDS = ("run_name", "run_type", "repetition_index", "iterations",
                "real_time", "cpu_time", "time_unit", "error_occurred", "error_message")  # of a row, beside its counters
 CONDITIONS = ("commit", "dirty", "flags", "cpu", "blas_kernels")  # which all processes must share
 

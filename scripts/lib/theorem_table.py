@@ -288,9 +288,9 @@ def misprints_table(rows):
 def figures(study):
     """Returns the figures that results/README.md may quote, by key.
 
-    cost.SCENE.N.H.METHOD.FORM-over-OTHER (and dirk.…) is the ratio of two formulations' times; METHOD is s1 or
-    yoshida4. In place of SCENE.N.H, the least and most over all n stand under SCENE.H, over all h too under SCENE, and
-    over all scenes but the spin chain under others.H and others.
+    cost.SCENE.H.METHOD.FORM-over-OTHER.least and .most (and dirk.…) are the ratio of two formulations' times, over all
+    n; METHOD is s1 or yoshida4. Over all h too they stand under SCENE, and over all scenes but the spin chain under
+    others.H and others.
     """
     tables = study.tables
     rows, found = tables["coincidence"], {}
@@ -320,16 +320,15 @@ def key_part(name):
 
 
 def ratio_figures(name, rows):
-    found, spans = {}, {}
-    for (scene, n, norm, method), block in comparisons(rows).items():
+    spans = {}
+    for (scene, _, norm, method), block in comparisons(rows).items():
         times, method = times_of(block), key_part(method)
         for form, other in itertools.permutations(times, 2):
             pair, ratio = f"{method}.{form}-over-{other}", ratio_of(times[form], times[other]).ratio
-            found[f"{name}.{scene}.{n}.{norm:g}.{pair}"] = ratio
             for where in (scene, *(("others",) if scene != CHAIN else ())):
                 for over in (f"{where}.{norm:g}", where):
                     spans.setdefault(f"{name}.{over}.{pair}", []).append(ratio)
-    found.update({f"{key}.least": min(values) for key, values in spans.items()})
+    found = {f"{key}.least": min(values) for key, values in spans.items()}
     found.update({f"{key}.most": max(values) for key, values in spans.items()})
     return found
 

@@ -354,14 +354,14 @@ class Report(FolderTest):
     def test_figures(self):
         found = self.figures
         for key, value in {
-                "cost.rigid_body.65.0.1.s1.group-over-algebra": 3,
-                "cost.rigid_body.65.0.1.s1.algebra-over-group": 1 / 3,
+                "cost.rigid_body.0.1.s1.group-over-algebra.least": 3,
+                "cost.rigid_body.0.1.s1.algebra-over-group.most": 1 / 3,
                 "cost.rigid_body.s2.cotangent-over-group.least": 1.01,
                 "cost.rigid_body.s2.cotangent-over-group.most": 2,
                 "cost.rigid_body.0.5.s2.cotangent-over-group.least": 2,
                 "cost.others.s1.group-over-algebra.least": 3,
                 "cost.spin_chain.s1.algebra-over-group.most": 2,
-                "dirk.spin_chain.512.0.5.yoshida4.cotangent-over-group": 1,
+                "dirk.spin_chain.0.5.yoshida4.cotangent-over-group.most": 1,
                 "coincidence.settings": 1, "coincidence.within": 1, "coincidence.failed": 1,
                 "coincidence.difference": 1e-14, "ends.iiia_iiib_iiia_s2.from_g": 1.9e-6,
                 "ends.k_as_printed_s2.order": 3, "ends.j_no_multiple_of_i_s2.group-algebra": 7.6e-2,
