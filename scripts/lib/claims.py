@@ -112,8 +112,9 @@ def figures(runs):
     ratios of the fastest rows, gain.s3.n129, the time of plain code over that of optimised code, and what a run took,
     such as plain.s3.group.products.n129.
     """
-    found = {f"{code}.s{key.stages}.{key.formulation}.{name}.n{key.n}": cell.counters[name] for code, run in runs.items()
-             for key, cell in run.measurements.items() for name in COUNTED if name in cell.counters}
+    found = {f"{code}.s{key.stages}.{key.formulation}.{name}.n{key.n}": cell.counters[name]
+             for code, run in runs.items() for key, cell in run.measurements.items() for name in COUNTED
+             if name in cell.counters}
     for code, run in runs.items():
         for stages in stage_counts(run):
             for row, other in itertools.permutations(FORMULATIONS, 2):
