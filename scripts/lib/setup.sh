@@ -44,18 +44,64 @@ install_packages() {
     die 2 "apt-get install failed for: ${missing[*]}"
 }
 
-# build FOLDER TARGET [CMAKE_ARGUMENT ...]: configures and builds; the log is shown only on failure.
+# begin_lock FILE_OR_FOLDER: takes its lock, which ends with the process, however that ends. Status 1 if another has it.
+# Where a file system knows no locks there is none.
+LOCKS=()
+begin_lock() {
+  local lock busy=0
+  exec {lock}<"$1"
+  flock --nonblock --conflict-exit-code 75 "$lock" 2>/dev/null || busy=$?
+  LOCKS+=("$lock")
+  [ $busy -ne 75 ]
+}
+
+# followed LOG COMMAND ...: runs a command of a build with what it says in LOG, and shows how far it is: on a terminal by
+# a line that is rewritten, elsewhere by one every 20 seconds. If this script is killed, nobody reads what the command
+# says, and it ends.
+followed() {
+  local log=$1 output line percent next=$((SECONDS + 20)) terminal=no status=0
+  shift
+  [ ! -t 2 ] || terminal=yes
+  exec {output}< <(for lock in "${LOCKS[@]}"; do exec {lock}<&-; done; exec "$@" 2>&1)
+  child=$!
+  while IFS= read -r line <&"$output"; do
+    printf '%s\n' "$line" >>"$log"
+    [[ $line =~ ^\[\ *([0-9]+)(%|/([0-9]+))\] ]] || continue  # of make or of Ninja
+    percent=$((BASH_REMATCH[3] ? 100 * BASH_REMATCH[1] / BASH_REMATCH[3] : BASH_REMATCH[1]))
+    if [ $terminal = yes ]; then
+      printf '\r\033[K%s' "${line:0:79}" >&2
+    elif [ $SECONDS -ge $next ]; then
+      say "  $percent % built"
+      next=$((SECONDS + 20))
+    fi
+  done
+  exec {output}<&-
+  [ $terminal = no ] || printf '\r\033[K' >&2
+  wait "$child" || status=$?
+  child=
+  return $status
+}
+
+# build FOLDER TARGET [CMAKE_ARGUMENT ...]: configures and builds; the log, FOLDER/build.log, is shown only on failure.
+# Waits for another build in the same folder.
+child=  # what a script waits for, to be ended with it
 build() {
-  local folder=$1 target=$2 log
+  local folder=$1 target=$2 log=$1/build.log
   shift 2
-  log=$(mktemp)
-  say "Building in ${folder#"$ROOT"/} ..."
-  if ! { cmake -S "$ROOT" -B "$folder" "$@" &&
-         cmake --build "$folder" --target "$target" --parallel "$(nproc)"; } >"$log" 2>&1; then
-    tail -n 40 "$log" >&2
-    rm -f "$log"
-    die 2 "the build in $folder failed"
+  mkdir -p "$folder" 2>/dev/null || die 2 "$folder: cannot be written"
+  if ! begin_lock "$folder"; then
+    say "Another build in ${folder#"$ROOT"/} is going on: waiting for its end ..."
+    flock "${LOCKS[-1]}"
   fi
+  local lock=${LOCKS[-1]}
+  say "Building in ${folder#"$ROOT"/} ..."
+  { : >"$log"; } 2>/dev/null || die 2 "$log: cannot be written"
+  if ! { followed "$log" cmake -S "$ROOT" -B "$folder" "$@" &&
+         followed "$log" cmake --build "$folder" --target "$target" --parallel "$(nproc)"; }; then
+    tail -n 40 "$log" >&2
+    die 2 "the build in $folder failed; all that it said is in $log"
+  fi
+  exec {lock}<&-
+  unset 'LOCKS[-1]'
   sed -n 's/^-- \(NumPy module: .*\)/\1/p' "$log" >&2
-  rm -f "$log"
 }
