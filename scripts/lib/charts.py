@@ -1,7 +1,6 @@
 """Draws a study of accuracy, and Tables 1 and 2, as charts."""
 
 import math
-import statistics
 
 from lib.accuracy_figures import AGAINST_N
 from lib.accuracy_lines import NEAR_ROUNDING, TABLE1_STEP

@@ -183,8 +183,8 @@ def counters_section(comparison, columns):
                 for stages in STAGES for name in FORMULATIONS]
         blocks.append([[Entry(text) for text in (str(n) if not index else "", *row)] for index, row in enumerate(rows)])
     return [Heading("What the time went into, and how good the answer is"),
-            Table((Column("n"), Column("s"), Column("formulation", align="left"), *(Column(name) for name, _, _ in columns)),
-                  blocks)]
+            Table((Column("n"), Column("s"), Column("formulation", align="left"),
+                   *(Column(name) for name, _, _ in columns)), blocks)]
 
 
 def counter_texts(run, name, n, stages, columns):
@@ -211,8 +211,8 @@ def errors_section(comparison):
              largest(n, STAGES, "reference_uncertainty", 1)] for n in comparison.sizes()]
     columns = (Column("n"), *(Column(f"s = {stages}") for stages in STAGES), Column("reference good to"))
     return [Heading("Error at T = 5"),
-            Paragraph("Relative error of W(5) in the Frobenius norm against reference solutions, the largest of the three"
-                      " formulations, which coincide: what the times above buy."), plain_table(columns, rows)]
+            Paragraph("Relative error of W(5) in the Frobenius norm against reference solutions, the largest of the"
+                      " three formulations, which coincide: what the times above buy."), plain_table(columns, rows)]
 
 
 # ---- measurement conditions

@@ -65,8 +65,8 @@ def claims_section(comparison):
 
 def pairs_section(comparison):
     """Shows every pair of rows of a block."""
-    rows = [[str(n), str(each.stages), each.row, each.other, ratio_text(each.ratio), str(each.ratio.processes), each.verdict]
-            for n in comparison.sizes() for each in pairs(comparison.run, n)]
+    rows = [[str(n), str(each.stages), each.row, each.other, ratio_text(each.ratio), str(each.ratio.processes),
+             each.verdict] for n in comparison.sizes() for each in pairs(comparison.run, n)]
     columns = (Column("n"), Column("s"), Column("row", align="left"), Column("against", align="left"), Column("ratio"),
                Column("processes"), Column("verdict", align="left"))
     return [Heading("Every pair of rows"), Paragraph("Ratio: the time of the first row over that of the second."),

@@ -1,4 +1,4 @@
-# Sourced by scripts/reproduce and scripts/test: packages, configuration, build.
+# Sourced by scripts/reproduce, scripts/test and scripts/lint: packages, configuration, build.
 #
 # Packages are those of Debian 12 (bookworm) or newer and of Ubuntu 22.04 or newer.
 
@@ -8,6 +8,8 @@ PACKAGES=(build-essential cmake git libeigen3-dev libopenblas-pthread-dev liblap
 STUDY_PACKAGES=(python3-dev pybind11-dev python3-numpy python3-matplotlib python3-tqdm python3-distributed)
 # What looking for data races needs besides.
 CLANG_PACKAGES=(clang libomp-dev)
+# What scripts/lint needs besides; formatting differs from version to version.
+LINT_PACKAGES=(clang-format-14 clang-tidy-14 flake8)
 
 say() { printf '%s\n' "$*" >&2; }
 
@@ -43,6 +45,8 @@ install_packages() {
   "${as_root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >&2 ||
     die 2 "apt-get install failed for: ${missing[*]}"
 }
+
+child=  # what a script waits for, to be ended with it
 
 # begin_lock FILE_OR_FOLDER: takes its lock, which ends with the process, however that ends. Status 1 if another has it.
 # Where a file system knows no locks there is none.
@@ -82,26 +86,38 @@ followed() {
   return $status
 }
 
-# build FOLDER TARGET [CMAKE_ARGUMENT ...]: configures and builds; the log, FOLDER/build.log, is shown only on failure.
-# Waits for another build in the same folder.
-child=  # what a script waits for, to be ended with it
-build() {
-  local folder=$1 target=$2 log=$1/build.log
-  shift 2
+# logged FOLDER COMMAND ...: runs a command of the build in a folder; its log, FOLDER/build.log, is shown only on failure.
+logged() {
+  local folder=$1 log=$1/build.log
+  shift
+  if ! followed "$log" "$@"; then
+    tail -n 40 "$log" >&2
+    die 2 "the build in $folder failed; all that it said is in $log"
+  fi
+}
+
+# configure FOLDER [CMAKE_ARGUMENT ...]: waits for another build in the same folder.
+configure() {
+  local folder=$1
+  shift
   mkdir -p "$folder" 2>/dev/null || die 2 "$folder: cannot be written"
   if ! begin_lock "$folder"; then
     say "Another build in ${folder#"$ROOT"/} is going on: waiting for its end ..."
     flock "${LOCKS[-1]}"
   fi
-  local lock=${LOCKS[-1]}
+  { : >"$folder/build.log"; } 2>/dev/null || die 2 "$folder/build.log: cannot be written"
+  logged "$folder" cmake -S "$ROOT" -B "$folder" "$@"
+}
+
+# build FOLDER TARGET [CMAKE_ARGUMENT ...]: configures and builds.
+build() {
+  local folder=$1 target=$2 lock
+  shift 2
   say "Building in ${folder#"$ROOT"/} ..."
-  { : >"$log"; } 2>/dev/null || die 2 "$log: cannot be written"
-  if ! { followed "$log" cmake -S "$ROOT" -B "$folder" "$@" &&
-         followed "$log" cmake --build "$folder" --target "$target" --parallel "$(nproc)"; }; then
-    tail -n 40 "$log" >&2
-    die 2 "the build in $folder failed; all that it said is in $log"
-  fi
+  configure "$folder" "$@"
+  logged "$folder" cmake --build "$folder" --target "$target" --parallel "$(nproc)"
+  sed -n 's/^-- \(NumPy module: .*\)/\1/p' "$folder/build.log" >&2
+  lock=${LOCKS[-1]}
   exec {lock}<&-
   unset 'LOCKS[-1]'
-  sed -n 's/^-- \(NumPy module: .*\)/\1/p' "$log" >&2
 }

@@ -6,8 +6,8 @@ from lib.formats import FORMULATIONS
 from lib.paper_table import COUNTERS, beside_the_paper, closing_sections
 from lib.verdicts import fastest, ratio_of
 
-SHOWN_OF_TABLE1 = ("sweeps_per_step", "relative_error", "spectrum_error", "product_share", "skew_defect", "energy_error",
-                   "h_norm_B")
+SHOWN_OF_TABLE1 = ("sweeps_per_step", "relative_error", "spectrum_error", "product_share", "skew_defect",
+                   "energy_error", "h_norm_B")
 SHOWN_OF_TABLE2 = ("sweeps_per_step", "equivalent_products", "relative_error", "spectrum_error", "product_share",
                    "energy_error")
 TABLES = {"published": "table1", "fast": "table2"}  # whose rows are of which implementation
@@ -46,7 +46,8 @@ def table2(path):
 def gains_section(fast, published):
     """How often each cell's published time holds its fast time, and each block's fastest row the fastest fast one."""
     def block(n):
-        rows = [*((name, [Entry(gain(published, fast, n, stages, name)) for stages in STAGES]) for name in FORMULATIONS),
+        rows = [*((name, [Entry(gain(published, fast, n, stages, name)) for stages in STAGES])
+                  for name in FORMULATIONS),
                 ("fastest row", [marked(gain(published, fast, n, stages)) for stages in STAGES])]
         return [[Entry("" if index else str(n)), Entry(name), *entries] for index, (name, entries) in enumerate(rows)]
 

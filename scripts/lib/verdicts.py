@@ -1,4 +1,4 @@
-"""Verdicts on who is faster, from processes: the unit of repetition, because what a process is given stays for its life.
+"""Verdicts on who is faster, from processes. They are the unit of repetition: what one is given stays for its life.
 
 Memory placement moves the ratio of two rows by some percent from one process to the next, and by a tenth of that within
 one. So each process gives one ratio of two rows that it timed in turns. The figure is the geometric mean of these
@@ -38,7 +38,7 @@ def ratio_of(times, others):
 
 
 def verdict(found):
-    """Says of the Ratio of a row's time to another's whether the row is FASTER or SLOWER, or it is a TIE, or UNDECIDED."""
+    """Says of the Ratio of a row's time to another's if the row is FASTER or SLOWER, if it is a TIE, or UNDECIDED."""
     if found.processes < FEWEST:
         return UNDECIDED
     if found.high < 1 / MARGIN:

@@ -1,5 +1,5 @@
-// Matrices of the user's go through every kind of integrator and back, and are freed by whoever holds
-// them: the library was compiled for another vector unit than this program.
+// Matrices of the user's go through every kind of integrator and back, and are freed by whoever
+// holds them: the library was compiled for another vector unit than this program.
 #include <isosyrk/catalogue/integrator_list.h>
 #include <isosyrk/catalogue/make_integrator.h>
 #include <isosyrk/flows/scene.h>

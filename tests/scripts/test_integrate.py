@@ -90,8 +90,7 @@ class RefusedArguments(IntegrateTest):
 
     def test_what_is_missing_twice_or_unknown_is_named(self):
         for flags, part in ((("--tolerance",), "--tolerance"), (("--n", "33"), "--n"), (("--jso",), "--jso"),
-                            (("-x",), "-x"),
-                            (("--stepsize=3",), "--stepsize"), (("perhaps",), "perhaps")):
+                            (("-x",), "-x"), (("--stepsize=3",), "--stepsize"), (("perhaps",), "perhaps")):
             self.refuses({}, part, flags=flags)
         for argument in SHORT:
             self.refuses({argument: None}, f"--{argument} ")
@@ -115,7 +114,8 @@ class RefusedArguments(IntegrateTest):
     def test_modes(self):
         self.refuses({"modes": self.path("nowhere.csv")}, "--modes", "nowhere.csv", "cannot be read")
         # More lines and modes that are none: tests/modes_file_test.cpp and tests/scene_test.cpp.
-        for row, *parts in (("2,0,1", "line 2"), ("2147483647,0,1,0", "l=2147483647", "1 to n-1")):
+        for row, *parts in (("2,0,1", "line 2"), ("2147483647,0,1,0", "line 2", "l=2147483647", "1 to n-1"),
+                            ("2,-1,1,0", "line 2", "m=-1", "0 to l")):
             modes = self.write("modes.csv", f"l,m,re,im\n{row}\n")
             self.refuses({"modes": modes}, "--modes", modes, *parts)
 

@@ -114,7 +114,8 @@ class Processes(MeasureTest):
         for call in others:
             self.assertIn("--products=eigen", call)
         for call in (first, *others):
-            for part in ("--references here", "--benchmark_repetitions=3", "--benchmark_enable_random_interleaving=true"):
+            for part in ("--references here", "--benchmark_repetitions=3",
+                         "--benchmark_enable_random_interleaving=true"):
                 self.assertIn(part, call)
             self.assertNotIn("--no-warm-run", call)
 
@@ -172,8 +173,8 @@ def state_of(number):
 
 class Disturbances(unittest.TestCase):
     def test_the_rule_sees_stolen_time_and_switches_alone(self):
-        for stolen, switches, disturbed in ((0, 0, False), (MOST_STOLEN * 1.01, 0, True), (0, MOST_SWITCHES * 1.01, True),
-                                            (MOST_STOLEN, MOST_SWITCHES, False)):
+        for stolen, switches, disturbed in ((0, 0, False), (MOST_STOLEN * 1.01, 0, True),
+                                            (0, MOST_SWITCHES * 1.01, True), (MOST_STOLEN, MOST_SWITCHES, False)):
             self.assertEqual(bool(Disturbance(stolen, switches)), disturbed)
 
     def test_the_first_undisturbed_try_is_taken_or_else_the_least_disturbed(self):
@@ -187,7 +188,8 @@ class Disturbances(unittest.TestCase):
 
     def test_a_busy_neighbour_on_the_core_is_noticed(self):
         core = fresh_process.last_core()
-        spin = [sys.executable, "-c", "import time; end = time.process_time() + 0.4\nwhile time.process_time() < end: pass"]
+        spin = [sys.executable, "-c", "import time\nend = time.process_time() + 0.4\n"
+                "while time.process_time() < end: pass"]
         neighbour = subprocess.Popen([sys.executable, "-c", "while True: pass"],
                                      preexec_fn=lambda: os.sched_setaffinity(0, {core}))
         try:

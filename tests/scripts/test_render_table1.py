@@ -25,7 +25,7 @@ COUNTERS = "What the time went into, and how good the answer is"
 
 
 def repeated(seconds, processes=6, spread=0.0):
-    """Returns the times of processes with the geometric mean `seconds`, every other one off it by `spread` up or down."""
+    """Returns the times of processes with the geometric mean `seconds`, in turn off it by `spread` down and up."""
     return [seconds * math.exp(spread if process % 2 else -spread) for process in range(processes)]
 
 
@@ -38,7 +38,7 @@ def rows_of(data, cell):
 
 
 def raw(sizes=(17, 33, 65, 129), processes=6, cells=None, **context):
-    """Returns a raw file; `cells` maps (formulation, n, s) to seconds by process, to why it failed, or to None: missing.
+    """Returns a raw file; `cells` maps (formulation, n, s) to seconds by process, to why it failed, or to None.
 
     Every cell ends with an aggregate, as Google Benchmark writes it: with a NaN, which is not JSON.
     """
@@ -317,7 +317,8 @@ class Refusals(TableTest):
         aggregates["benchmarks"] = [row for row in aggregates["benchmarks"] if row["run_type"] == "aggregate"]
         for data, *words in (
                 ("", "is empty"), (json.dumps(raw())[:-100], "is not whole JSON"), ("[" * 200000, "is not usable JSON"),
-                ({"context": raw()["context"]}, "no benchmarks"), ({**raw(), "benchmarks": [7]}, "each of it an object"),
+                ({"context": raw()["context"]}, "no benchmarks"),
+                ({**raw(), "benchmarks": [7]}, "each of it an object"),
                 (raw(isosyrk_program="stability"), "stability", "table1"), (aggregates, "no measured row")):
             self.refuses(data, *words)
 

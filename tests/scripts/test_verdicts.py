@@ -9,8 +9,8 @@ import programs  # finds the package lib
 
 from lib.claims import CLAIMS
 from lib.verdicts import (FAILS, FASTER, FEWEST, HOLDS, MARGIN, MOST, SLOWER, TIE, UNDECIDED, Ratio, claim_of_fastest,
-                          claim_of_multiple, compared, fastest, level_rows, more_processes, ratio_of, student_t, verdict,
-                          within)
+                          claim_of_multiple, compared, fastest, level_rows, more_processes, ratio_of, student_t,
+                          verdict, within)
 
 DRAWS = 1000
 
@@ -47,8 +47,8 @@ class HowOftenVerdictsAreRight(unittest.TestCase):
             self.assertEqual(found[FASTER], 0)
 
     def test_off_the_margin_verdicts_are_right(self):
-        for ratio, spread, said, least in ((1.02, 0.02, TIE, 0.98), (1.08, 0.02, SLOWER, 0.98), (1.12, 0.04, SLOWER, 0.99),
-                                           (1 / 1.08, 0.02, FASTER, 0.98)):
+        for ratio, spread, said, least in ((1.02, 0.02, TIE, 0.98), (1.08, 0.02, SLOWER, 0.98),
+                                           (1.12, 0.04, SLOWER, 0.99), (1 / 1.08, 0.02, FASTER, 0.98)):
             self.assertGreaterEqual(shares(ratio, spread)[said], least, ratio)
 
     def test_repetitions_of_one_process_are_not_independent(self):
@@ -66,7 +66,8 @@ class HowOftenVerdictsAreRight(unittest.TestCase):
 class Rules(unittest.TestCase):
     def test_intervals_have_the_quantiles_of_student(self):
         # Source: Abramowitz and Stegun, table 26.10.
-        for freedom, quantile in ((1, 12.706), (2, 4.303), (5, 2.571), (6, 2.447), (7, 2.365), (11, 2.201), (30, 2.042)):
+        for freedom, quantile in ((1, 12.706), (2, 4.303), (5, 2.571), (6, 2.447), (7, 2.365), (11, 2.201),
+                                  (30, 2.042)):
             self.assertAlmostEqual(student_t(0.95, freedom), quantile, delta=5e-4)
         self.assertAlmostEqual(within(1.0, 10**6), math.erf(1 / math.sqrt(2)), places=6)  # tends to the normal
 
@@ -77,13 +78,15 @@ class Rules(unittest.TestCase):
         logarithms = [0.01, 0.03]
         found = ratio_of([math.exp(each) for each in logarithms], [1.0, 1.0])
         self.assertAlmostEqual(math.log(found.ratio), 0.02)
-        self.assertAlmostEqual(math.log(found.high), 0.02 + 12.7062 * statistics.stdev(logarithms) / math.sqrt(2), places=5)
+        half = 12.7062 * statistics.stdev(logarithms) / math.sqrt(2)
+        self.assertAlmostEqual(math.log(found.high), 0.02 + half, places=5)
         self.assertAlmostEqual(found.low * found.high, found.ratio**2)
         self.assertRaises(ValueError, ratio_of, [1.0], [1.0, 2.0])
 
     def test_verdicts_need_the_whole_interval(self):
-        for low, high, said in ((1.051, 1.2, SLOWER), (0.8, 0.952, FASTER), (0.953, 1.049, TIE), (1.0, 1.051, UNDECIDED),
-                                (1.049, 1.3, UNDECIDED), (0.951, 1.0, UNDECIDED), (0.5, 2.0, UNDECIDED)):
+        for low, high, said in ((1.051, 1.2, SLOWER), (0.8, 0.952, FASTER), (0.953, 1.049, TIE),
+                                (1.0, 1.051, UNDECIDED), (1.049, 1.3, UNDECIDED), (0.951, 1.0, UNDECIDED),
+                                (0.5, 2.0, UNDECIDED)):
             self.assertEqual(verdict(Ratio(1.0, low, high, FEWEST)), said)
             self.assertEqual(verdict(Ratio(1.0, low, high, FEWEST - 1)), UNDECIDED)
 
@@ -105,15 +108,17 @@ class Rules(unittest.TestCase):
 class ClaimsTest(unittest.TestCase):
     def test_who_is_fastest(self):
         for cotangent, algebra, result, ratio in (
-                ([1.2] * 6, [1.3] * 6, HOLDS, 1.2), ([1.02] * 6, [1.3] * 6, TIE, 1.02), ([0.9] * 6, [1.02] * 6, FAILS, 0.9),
-                ([1.02, 1.08] * 3, [1.3] * 6, UNDECIDED, math.sqrt(1.02 * 1.08)), ([1.2] * 5, [1.3] * 5, UNDECIDED, 1.2)):
-            found, of = claim_of_fastest("group", {"group": [1.0] * len(algebra), "cotangent": cotangent, "algebra": algebra})
+                ([1.2] * 6, [1.3] * 6, HOLDS, 1.2), ([1.02] * 6, [1.3] * 6, TIE, 1.02),
+                ([0.9] * 6, [1.02] * 6, FAILS, 0.9), ([1.02, 1.08] * 3, [1.3] * 6, UNDECIDED, math.sqrt(1.02 * 1.08)),
+                ([1.2] * 5, [1.3] * 5, UNDECIDED, 1.2)):
+            times = {"group": [1.0] * len(algebra), "cotangent": cotangent, "algebra": algebra}
+            found, of = claim_of_fastest("group", times)
             self.assertEqual(found, result)
             self.assertAlmostEqual(of.ratio, ratio)
 
     def test_who_takes_a_multiple(self):
-        for algebra, result in (([2.1] * 6, HOLDS), ([1.9] * 6, FAILS), ([1.9, 2.1] * 3, UNDECIDED), ([3.0] * 5, UNDECIDED),
-                                ([0.5] * 6, FAILS)):
+        for algebra, result in (([2.1] * 6, HOLDS), ([1.9] * 6, FAILS), ([1.9, 2.1] * 3, UNDECIDED),
+                                ([3.0] * 5, UNDECIDED), ([0.5] * 6, FAILS)):
             times = {"group": [1.0] * len(algebra), "cotangent": [1.5] * len(algebra), "algebra": algebra}
             found, of = claim_of_multiple("algebra", 2.0, times)
             self.assertEqual(found, result)
