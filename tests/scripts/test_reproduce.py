@@ -507,6 +507,7 @@ class OneAtATime(ReproduceTest):
             process = start(self.line("reproduce", "--out", self.out), env=self.surroundings(), stderr=subprocess.PIPE,
                             stdout=subprocess.DEVNULL)
             self.addCleanup(end, process)
+            self.assertIn("Building", process.stderr.readline())
             self.assertIn("waiting for its end", process.stderr.readline())
             self.assertEqual(self.calls("cmake"), [])
             os.killpg(holder.pid, signal.SIGKILL)
