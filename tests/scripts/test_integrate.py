@@ -4,7 +4,6 @@ import io
 import math
 import os
 import pty
-import re
 import signal
 import stat
 import subprocess
