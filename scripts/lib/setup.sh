@@ -59,9 +59,9 @@ begin_lock() {
   [ $busy -ne 75 ]
 }
 
-# followed LOG COMMAND ...: runs a command of a build with what it says in LOG, and shows how far it is: on a terminal by
-# a line that is rewritten, elsewhere by one every 20 seconds. If this script is killed, nobody reads what the command
-# says, and it ends.
+# followed LOG COMMAND ...: runs a command of a build with what it says in LOG, and shows how far it is: on a terminal
+# by a line that is rewritten, elsewhere by one every 20 seconds. If this script is killed, nobody reads what the
+# command says, and it ends.
 followed() {
   local log=$1 output line percent next=$((SECONDS + 20)) terminal=no status=0
   shift
@@ -86,7 +86,8 @@ followed() {
   return $status
 }
 
-# logged FOLDER COMMAND ...: runs a command of the build in a folder; its log, FOLDER/build.log, is shown only on failure.
+# logged FOLDER COMMAND ...: runs a command of the build in a folder; its log, FOLDER/build.log, is shown only on
+# failure.
 logged() {
   local folder=$1 log=$1/build.log
   shift

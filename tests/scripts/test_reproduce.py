@@ -555,8 +555,8 @@ echo "[3/12] Building CXX object of Ninja"
         self.assertEqual(done.returncode, BAD_ARGUMENTS)
         log = self.path("root", "build", "build.log")
         self.assertEqual(text_of(log).split(), [str(number) for number in range(1, 1001)])
-        self.assertEqual(done.stderr.splitlines()[-2:], ["1000", f"reproduce: the build in {self.path('root', 'build')} failed;"
-                                                                 f" all that it said is in {log}"])
+        failed = f"reproduce: the build in {self.path('root', 'build')} failed; all that it said is in {log}"
+        self.assertEqual(done.stderr.splitlines()[-2:], ["1000", failed])
 
 
 class SymbolicLinks(CopyTest):
