@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 #include <regex.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "benchmarks/arguments.h"
 
@@ -31,6 +33,32 @@ class StrictJsonReporter final : public benchmark::JSONReporter {
       }
     }
     JSONReporter::ReportRuns(finite);
+  }
+};
+
+// Without a warning that says how the distribution built Google Benchmark, and nothing of what is
+// measured: benchmarks/README.md explains it.
+class Screen final : public benchmark::ConsoleReporter {
+ public:
+  explicit Screen(bool tabular) : ConsoleReporter(options(tabular)) {}
+
+  bool ReportContext(const Context& context) override {
+    std::ostream& screen = GetErrorStream();
+    std::stringstream said;
+    SetErrorStream(&said);
+    const bool goes_on = ConsoleReporter::ReportContext(context);
+    SetErrorStream(&screen);
+    for (std::string line; std::getline(said, line);) {
+      if (line.find("Library was built as DEBUG") == std::string::npos) screen << line << '\n';
+    }
+    screen.flush();
+    return goes_on;
+  }
+
+ private:
+  static OutputOptions options(bool tabular) {
+    const int color = isatty(STDOUT_FILENO) != 0 ? OO_Color : OO_None;
+    return static_cast<OutputOptions>(color | (tabular ? OO_Tabular : OO_None));
   }
 };
 
@@ -126,15 +154,16 @@ int run_benchmarks(const std::string& program, const BenchmarkArguments& argumen
   benchmark::Initialize(&argc, argv.data());
 
   for (const auto& [key, value] : conditions) benchmark::AddCustomContext(key, value);
-  StrictJsonReporter json;
-  // Without --benchmark_out Google Benchmark refuses a reporter for the file.
-  benchmark::RunSpecifiedBenchmarks(nullptr, output ? &json : nullptr);
-  benchmark::Shutdown();
-  const auto listed = [](const std::string& argument) {
-    return argument == "--benchmark_list_tests=true";
+  const auto is_given = [&](const std::string& argument) {
+    return std::find(passed_on.begin(), passed_on.end(), argument) != passed_on.end();
   };
+  StrictJsonReporter json;
+  Screen screen(is_given("--benchmark_counters_tabular=true"));
+  // Without --benchmark_out Google Benchmark refuses a reporter for the file.
+  benchmark::RunSpecifiedBenchmarks(&screen, output ? &json : nullptr);
+  benchmark::Shutdown();
   if (output) {
-    if (std::any_of(passed_on.begin(), passed_on.end(), listed)) {
+    if (is_given("--benchmark_list_tests=true")) {
       output->discard();
     } else if (!is_whole_json(output->temporary_path())) {
       output->discard();

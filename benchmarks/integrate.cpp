@@ -1,16 +1,20 @@
 // Runs one scene with one integrator, and prints what it cost and what it kept.
 #include <fmt/format.h>
 
+#include <unistd.h>
+
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "benchmarks/clocks.h"
 #include "benchmarks/integrate_arguments.h"
+#include "benchmarks/interruption.h"
 #include "benchmarks/memory.h"
 #include "benchmarks/modes_file.h"
 #include "benchmarks/npy_file.h"
 #include "benchmarks/output_file.h"
+#include "benchmarks/progress_line.h"
 #include "isosyrk/catalogue/measured_limits.h"
 #include "isosyrk/flows/scene.h"
 #include "isosyrk/simulation/conservation.h"
@@ -22,10 +26,18 @@ namespace {
 
 struct Outcome {
   RunReport run;
-  double seconds = 0.0;  // CPU time of the steps, without what the watch takes
+  double seconds = 0.0;      // CPU time of the steps, without what the watch takes
+  bool interrupted = false;  // by a signal, after run.steps
   Conservation kept;
   double h_norm_B = 0.0;
-  Matrix W;
+  Matrix W;  // the last good state
+
+  bool finished() const { return run.converged() && !interrupted; }
+};
+
+// Where results go: the file that --output names, and one beside it for an interrupted run.
+struct Outputs {
+  OutputFile finished, interrupted;
 };
 
 struct Start {
@@ -72,8 +84,25 @@ void warn_beyond_limit(const std::string& integrator, double h_norm_B) {
                           h_norm_B, *limit, integrator));
 }
 
-Outcome integrate(const IntegrateRequest& request, const Scene& scene, ProductBackend backend) {
-  const auto integrator = request.integrator.make(*scene.flow, request.solver, backend);
+// W.interrupted.npy beside W.npy.
+std::string interrupted_path(const std::string& path) {
+  constexpr std::string_view suffix = ".npy";
+  const std::size_t kept = path.ends_with(suffix) ? path.size() - suffix.size() : path.size();
+  return fmt::format("{}.interrupted{}", path.substr(0, kept), suffix);
+}
+
+std::optional<Outputs> outputs_of(const IntegrateRequest& request) {
+  if (!request.output_file) return std::nullopt;
+  const std::string& path = *request.output_file;
+  return Outputs{{"--output", path}, {"--output", interrupted_path(path)}};
+}
+
+// A run that a signal ends keeps its last good state, which is written at once.
+Outcome integrate(const IntegrateRequest& request, const Scene& scene, ProductBackend backend,
+                  const std::optional<Outputs>& outputs) {
+  SolverOptions solver = request.solver;
+  solver.after_sweep = end_if_interrupted;
+  const auto integrator = request.integrator.make(*scene.flow, solver, backend);
   Outcome outcome;
   outcome.W = scene.initial;
   outcome.h_norm_B = request.step * generator_norm(scene);
@@ -83,15 +112,27 @@ Outcome integrate(const IntegrateRequest& request, const Scene& scene, ProductBa
   }
   ConservationWatch watch(scene);
   double watching = 0.0;
-  const auto look = [&](const RunReport&) {
+  watch_signals();
+  // Not beside a --json that another program reads.
+  ProgressLine progress(request.steps, request.step, !request.json || isatty(STDOUT_FILENO) != 0);
+  const auto look = [&](const RunReport& run) {
     const double before = cpu_seconds();
     watch.observe(integrator->energy());
+    progress.show(run.steps);
+    outcome.run = run;  // what is known of a run that ends within the next step
     watching += cpu_seconds() - before;
-    return true;
+    return caught_signal() == 0;
   };
   const double start = cpu_seconds();
-  outcome.run = run_while(*integrator, outcome.W, request.step, request.steps, look);
+  try {
+    outcome.run = run_while(*integrator, outcome.W, request.step, request.steps, look);
+  } catch (const Interrupted&) {
+    outcome.interrupted = true;
+  }
   outcome.seconds = cpu_seconds() - start - watching;
+  outcome.interrupted |= outcome.run.converged() && outcome.run.steps < request.steps;
+  progress.clear();
+  if (outcome.interrupted && outputs) outputs->interrupted.write(npy(outcome.W));
   outcome.kept = watch.report(outcome.W);
   return outcome;
 }
@@ -128,8 +169,8 @@ nlohmann::ordered_json as_json(const IntegrateRequest& request, const Start& sta
                               ? fmt::format("split {}", gemm_kernels().front().name)
                           : start.scene.flow->algebra().is_dense() ? std::string(name(backend))
                                                                    : "blocks"},
-      {"converged", run.converged()},
-      {"status", name(run.status)},
+      {"converged", outcome.finished()},
+      {"status", outcome.interrupted ? "interrupted" : name(run.status)},
       {"sweeps_total", run.sweeps},
       {"products", run.products},
       {"equivalent_products", run.equivalent_products},
@@ -142,7 +183,23 @@ nlohmann::ordered_json as_json(const IntegrateRequest& request, const Start& sta
       {"last_change", run.last_change},
   };
   if (!run.converged()) json["failed_step"] = run.failed_step;
+  if (outcome.interrupted) {
+    json["steps_done"] = run.steps;
+    json["time_done"] = static_cast<double>(run.steps) * request.step;
+  }
   return json;
+}
+
+// How far an interrupted run came, and how to go on.
+std::string interruption(const IntegrateRequest& request, const Outcome& outcome,
+                         const std::optional<Outputs>& outputs) {
+  const long done = outcome.run.steps;
+  const std::string came = fmt::format("interrupted after step {} of {}, t = {:.10g}", done,
+                                       request.steps, static_cast<double>(done) * request.step);
+  if (!outputs) return came + "; nothing written, for want of --output";
+  return fmt::format("{}; W(t) is in {}: --initial takes it, --time {:.10g} is left", came,
+                     outputs->interrupted.path(),
+                     static_cast<double>(request.steps - done) * request.step);
 }
 
 void print_text(const nlohmann::ordered_json& result) {
@@ -161,21 +218,24 @@ int main_program(int argc, char** argv) {
   require_memory(fmt::format("--n {} with {}", request.n, request.integrator.name),
                  request.integrator, request.n);
   use_one_blas_thread();
-  std::optional<OutputFile> output;
-  if (request.output_file) output.emplace("--output", *request.output_file);
+  const std::optional<Outputs> outputs = outputs_of(request);
   const Start start = start_of(request);
   const ProductBackend backend = choose_backend(request.products, request.n).chosen;
-  const Outcome outcome = integrate(request, start.scene, backend);
+  const Outcome outcome = integrate(request, start.scene, backend, outputs);
 
   const nlohmann::ordered_json result = as_json(request, start, outcome, backend);
-  if (outcome.run.converged() && output) output->write(npy(outcome.W));
+  if (outcome.finished() && outputs) outputs->finished.write(npy(outcome.W));
   if (request.json) {
     fmt::print("{}\n", result.dump());
   } else {
     print_text(result);
   }
   require_printed();
-  if (outcome.run.converged()) return exit_done;
+  if (outcome.finished()) return exit_done;
+  if (outcome.interrupted) {
+    print_error("integrate", interruption(request, outcome, outputs));
+    return exit_by_signal + caught_signal();
+  }
   print_error("integrate",
               fmt::format("{} at step {} of {} after {} sweeps in all, last change {:.3g}; no "
                           "output written",

@@ -8,6 +8,8 @@ namespace isosyrk {
 
 /// Exit codes of every program of the project.
 enum ExitCode : int { exit_done = 0, exit_bad_arguments = 2, exit_solver_failed = 3 };
+/// Plus the number of the signal that ended a program, as shells have it.
+constexpr int exit_by_signal = 128;
 
 /// A command line that cannot be used; what() is the line to print.
 class BadArgument : public std::runtime_error {

@@ -4,6 +4,7 @@ Whether a process was disturbed is told by the operating system, and never by wh
 ratios would choose among them.
 """
 
+import ctypes
 import os
 import signal
 import subprocess
@@ -14,6 +15,7 @@ from typing import NamedTuple
 # second another program took the core. Quiet machines show less than a third of either, one with a busy neighbour on
 # the same core more than ten times as much.
 MOST_STOLEN, MOST_SWITCHES = 0.02, 30.0
+PR_SET_PDEATHSIG = 1  # prctl(2): the signal that a process gets when the one that started it ends
 MOST_TRIES = 2  # of one process, since a busy machine may stay busy; the less disturbed is kept then, and that is told
 
 
@@ -57,11 +59,18 @@ def undisturbed(measure, say):
 def run_on(core, command, **streams):
     """Runs a command on one core. Returns its exit status, negative for a signal, and the Disturbance meanwhile.
 
-    The process ends with this one if a signal ends the wait.
+    The process ends with this one, however it ends.
     """
+    parent, prctl = os.getpid(), ctypes.CDLL(None).prctl  # loaded before the fork
+
+    def prepare():
+        os.sched_setaffinity(0, {core})
+        prctl(PR_SET_PDEATHSIG, int(signal.SIGKILL))
+        if os.getppid() != parent:  # it had ended already
+            os.kill(os.getpid(), signal.SIGKILL)
+
     before, begun = stolen_seconds(core), time.monotonic()
-    process = subprocess.Popen(command, stdin=subprocess.DEVNULL, preexec_fn=lambda: os.sched_setaffinity(0, {core}),
-                               **streams)
+    process = subprocess.Popen(command, stdin=subprocess.DEVNULL, preexec_fn=prepare, **streams)
     try:
         _, status, used = os.wait4(process.pid, 0)
     except BaseException:

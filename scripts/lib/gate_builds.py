@@ -8,6 +8,7 @@ import sys
 from lib.messages import one_line
 from lib.command_line import Stop, say
 
+PROGRAM = "check_regression"
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 HEAD = os.path.join(ROOT, "build")  # where this tree is built
 ANSWERS = os.path.join(ROOT, "tests", "data")  # reference answers
@@ -42,16 +43,18 @@ def is_dirty():
 
 
 def in_setup(commands, *arguments):
-    """Runs shell commands with the functions of setup.sh; what they print goes to stderr. Throws Stop."""
+    """Runs shell commands with the functions of setup.sh; what they print goes to stderr, at once. Throws Stop."""
     script = f'set -euo pipefail; ROOT=$1; shift; . {SETUP!r}; {commands}'
-    done = subprocess.run(["bash", "-c", script, "check_regression", *arguments], stdin=subprocess.DEVNULL,
-                          stdout=sys.stderr, stderr=subprocess.PIPE, encoding="utf-8", errors="replace", check=False)
-    lines = done.stderr.splitlines()
-    reason = lines.pop().partition(": ")[2] if done.returncode and lines else ""
-    for line in lines:
-        say(line)
-    if done.returncode:
-        raise Stop(one_line(reason) or f"set-up failed with {done.returncode}")
+    reason = ""
+    with subprocess.Popen(["bash", "-c", script, PROGRAM, *arguments], stdin=subprocess.DEVNULL, stdout=sys.stderr,
+                          stderr=subprocess.PIPE, encoding="utf-8", errors="replace") as process:
+        for line in process.stderr:
+            if line.startswith(f"{PROGRAM}: "):  # why it ends, which is for Stop
+                reason = line.partition(": ")[2]
+            else:
+                say(line.rstrip("\n"))
+    if process.returncode:
+        raise Stop(one_line(reason) or f"set-up failed with {process.returncode}")
 
 
 def install(allowed):

@@ -46,32 +46,79 @@ install_packages() {
     die 2 "apt-get install failed for: ${missing[*]}"
 }
 
-# logged WHAT COMMAND ...: runs it; its log is shown only on failure, but for what it says of the module.
-logged() {
-  local what=$1 log
-  shift
-  log=$(mktemp)
-  if ! "$@" >"$log" 2>&1; then
-    tail -n 40 "$log" >&2
-    rm -f "$log"
-    die 2 "$what failed"
-  fi
-  sed -n 's/^-- \(NumPy module: .*\)/\1/p' "$log" >&2
-  rm -f "$log"
+child=  # what a script waits for, to be ended with it
+
+# begin_lock FILE_OR_FOLDER: takes its lock, which ends with the process, however that ends. Status 1 if another has it.
+# Where a file system knows no locks there is none.
+LOCKS=()
+begin_lock() {
+  local lock busy=0
+  exec {lock}<"$1"
+  flock --nonblock --conflict-exit-code 75 "$lock" 2>/dev/null || busy=$?
+  LOCKS+=("$lock")
+  [ $busy -ne 75 ]
 }
 
-# configure FOLDER [CMAKE_ARGUMENT ...]
+# followed LOG COMMAND ...: runs a command of a build with what it says in LOG, and shows how far it is: on a terminal
+# by a line that is rewritten, elsewhere by one every 20 seconds. If this script is killed, nobody reads what the
+# command says, and it ends.
+followed() {
+  local log=$1 output line percent next=$((SECONDS + 20)) terminal=no status=0
+  shift
+  [ ! -t 2 ] || terminal=yes
+  exec {output}< <(for lock in "${LOCKS[@]}"; do exec {lock}<&-; done; exec "$@" 2>&1)
+  child=$!
+  while IFS= read -r line <&"$output"; do
+    printf '%s\n' "$line" >>"$log"
+    [[ $line =~ ^\[\ *([0-9]+)(%|/([0-9]+))\] ]] || continue  # of make or of Ninja
+    percent=$((BASH_REMATCH[3] ? 100 * BASH_REMATCH[1] / BASH_REMATCH[3] : BASH_REMATCH[1]))
+    if [ $terminal = yes ]; then
+      printf '\r\033[K%s' "${line:0:79}" >&2
+    elif [ $SECONDS -ge $next ]; then
+      say "  $percent % built"
+      next=$((SECONDS + 20))
+    fi
+  done
+  exec {output}<&-
+  [ $terminal = no ] || printf '\r\033[K' >&2
+  wait "$child" || status=$?
+  child=
+  return $status
+}
+
+# logged FOLDER COMMAND ...: runs a command of the build in a folder; its log, FOLDER/build.log, is shown only on
+# failure.
+logged() {
+  local folder=$1 log=$1/build.log
+  shift
+  if ! followed "$log" "$@"; then
+    tail -n 40 "$log" >&2
+    die 2 "the build in $folder failed; all that it said is in $log"
+  fi
+}
+
+# configure FOLDER [CMAKE_ARGUMENT ...]: waits for another build in the same folder.
 configure() {
   local folder=$1
   shift
-  logged "the build in $folder" cmake -S "$ROOT" -B "$folder" "$@"
+  mkdir -p "$folder" 2>/dev/null || die 2 "$folder: cannot be written"
+  if ! begin_lock "$folder"; then
+    say "Another build in ${folder#"$ROOT"/} is going on: waiting for its end ..."
+    flock "${LOCKS[-1]}"
+  fi
+  { : >"$folder/build.log"; } 2>/dev/null || die 2 "$folder/build.log: cannot be written"
+  logged "$folder" cmake -S "$ROOT" -B "$folder" "$@"
 }
 
 # build FOLDER TARGET [CMAKE_ARGUMENT ...]: configures and builds.
 build() {
-  local folder=$1 target=$2
+  local folder=$1 target=$2 lock
   shift 2
   say "Building in ${folder#"$ROOT"/} ..."
   configure "$folder" "$@"
-  logged "the build in $folder" cmake --build "$folder" --target "$target" --parallel "$(nproc)"
+  logged "$folder" cmake --build "$folder" --target "$target" --parallel "$(nproc)"
+  sed -n 's/^-- \(NumPy module: .*\)/\1/p' "$folder/build.log" >&2
+  lock=${LOCKS[-1]}
+  exec {lock}<&-
+  unset 'LOCKS[-1]'
 }

@@ -201,6 +201,9 @@ class Progress:
 
 
 def log_end(path, lines=5):
-    """Returns the last lines of what a program said, to be told before its end."""
+    """Returns the last lines of what a program said, to be told before its end.
+
+    Without Google Benchmark's warning of how its package was built: benchmarks/README.md.
+    """
     with open(path, encoding="utf-8", errors="replace") as file:
-        return "".join(file.readlines()[-lines:])
+        return "".join([line for line in file if "Library was built as DEBUG" not in line][-lines:])

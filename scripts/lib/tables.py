@@ -50,7 +50,7 @@ def gains_section(fast, published):
     def block(n):
         rows = [*((name, [Entry(gain(published, fast, n, stages, name)) for stages in STAGES])
                   for name in FORMULATIONS),
-                ("fastest row", [Entry(gain(published, fast, n, stages), True) for stages in STAGES])]
+                ("fastest row", [marked(gain(published, fast, n, stages)) for stages in STAGES])]
         return [[Entry("" if index else str(n)), Entry(name), *entries] for index, (name, entries) in enumerate(rows)]
 
     columns = (Column("n"), Column("formulation", align="left"), *(Column(f"s = {stages}") for stages in STAGES))
@@ -59,6 +59,11 @@ def gains_section(fast, published):
                       " measured in turns: geometric means over processes with their interval. The last row of a block:"
                       " the fastest published row over the fastest fast one."),
             Table(columns, list(map(block, fast.sizes())))]
+
+
+def marked(text):
+    """Returns an entry that is marked where there is something to mark."""
+    return Entry(text, text != MISSING)
 
 
 def gain(published, fast, n, stages, name=None):

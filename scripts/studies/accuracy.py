@@ -40,6 +40,12 @@ REFERENCES = os.path.join(study.ROOT, "results", "recorded", "references")
 # on the main problem only, the one of Table 1.
 MAIN_ONLY = re.compile(r"(cotangent[0-9]+|algebra[23]|group[178]|direct1|suzuki4)(_frame)?")
 
+# All that the quick study has: the cells of Table 1 and one or two of each other kind, two of them in the co-rotating
+# frame. With steps a factor of 2 apart and two timings of each run it takes a third of the time that all take at its n.
+QUICK_INTEGRATORS = (*TABLE1_CELLS, "group5", "direct2", "yoshida4", "kahan_li6", "rk4", "rkmk4", "group2_frame",
+                     "rkmk4_frame")
+REPETITIONS, QUICK_REPETITIONS = 3, 2
+
 # Published forms that run too, on the main problem.
 PUBLISHED_TOO = (*TABLE1_CELLS, "rkmk4", "rk4")
 
@@ -48,7 +54,7 @@ UNIT = 5.0
 STEPS = (2, 3, 5, 7, 10, 14, 20, 28, 35, 50, 70, 100, 140, 200, 280, 400, 560, 800, 1120, 1600, 2240, 3200, 4480,
          6400)
 # Where a line takes long, at n = 257 and to T = 50, a factor of 2 must do; so it must for published forms, which are
-# compared with and not chosen.
+# compared with and not chosen, and in the quick study.
 COARSE_STEPS = (3, 6, 12, 25, 50, 100, 200, 400, 800, 1600, 3200)
 
 # A line ends with an error that is good enough, but has Table 1's step too, or with the first run, of that step or a
@@ -98,7 +104,7 @@ def grid(job):
     """Returns the steps to T = 5 of the line of a job."""
     if job["solver"] == PUBLISHED:
         return COARSE_STEPS[COARSE_STEPS.index(25):]
-    return COARSE_STEPS if takes_long(job) else STEPS
+    return COARSE_STEPS if takes_long(job) or job["quick"] else STEPS
 
 
 def takes_long(job):
@@ -224,9 +230,12 @@ def parse(arguments):
     problems.add_filters(parser)
     parser.add_argument("--references", metavar="FOLDER", default=REFERENCES,
                         help="what scripts/studies/references.py wrote (default: the recorded ones)")
-    parser.add_argument("--repetitions", metavar="K", type=whole_number(1, 1000), default=3,
-                        help="timings of each run (default 3)")
-    return parser.parse_args(arguments)
+    parser.add_argument("--repetitions", metavar="K", type=whole_number(1, 1000),
+                        help=f"timings of each run (default {REPETITIONS}, with --quick {QUICK_REPETITIONS})")
+    options = parser.parse_args(arguments)
+    if options.repetitions is None:
+        options.repetitions = QUICK_REPETITIONS if options.quick else REPETITIONS
+    return options
 
 
 def is_main(problem):
@@ -241,7 +250,7 @@ def lines_of(problem, names, all_of_them):
 
 def main(arguments):
     options = parse(arguments)
-    chosen = study.entries(options.integrator, frames=True)
+    chosen = study.entries(options.integrator or (QUICK_INTEGRATORS if options.quick else None), frames=True)
     wanted = problems.asked_for(options)
     references = [reference_row(problem, problems.reference_of(problem, options.references)[1]) for problem in wanted]
     for problem in wanted:
@@ -251,7 +260,7 @@ def main(arguments):
     rates = [rate_of(n, journal) for n in sizes]
 
     folder = os.path.realpath(options.references)
-    jobs = [{**problem._asdict(), "integrator": name, "solver": solver, "references": folder}
+    jobs = [{**problem._asdict(), "integrator": name, "solver": solver, "references": folder, "quick": options.quick}
             for problem in sorted(wanted, key=lambda problem: (problem.n, problem.time))  # the longest last
             for name, solver in lines_of(problem, [entry.name for entry in chosen], options.integrator is not None)]
     by_scene = {(job["scene"], job["n"], job["integrator"]): job for job in reversed(jobs)

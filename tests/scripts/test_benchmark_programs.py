@@ -74,6 +74,8 @@ class Table1(MeasuredTest):
 
     def test_a_complete_run_ends_with_0_and_leaves_nothing_but_the_raw_file(self):
         self.assertEqual(self.done.returncode, DONE, self.done.stderr)
+        self.assertRegex(self.done.stderr, r"(?m)^Run on ")  # what Google Benchmark says of the machine
+        self.assertNotIn("built as DEBUG", self.done.stdout + self.done.stderr)  # but not how it was packaged
         self.assertEqual(os.listdir(self.folder), ["raw.json"])
         self.assert_conditions(*MACHINE_CONTEXT, *SOLVER_CONTEXT)
 

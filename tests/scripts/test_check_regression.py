@@ -99,7 +99,9 @@ class GateTest(CopyTest):
 class Verdicts(GateTest):
     def test_quick_leaves_larger_n_out(self):
         self.report(change(build_document(), "group/n:129/s:2", sweeps=1))
-        self.assertEqual(self.check("--quick").returncode, DONE)
+        quick = self.check("--quick")
+        self.assertEqual(quick.returncode, DONE)
+        self.assertIn("timed: 12 of 36 cells", quick.stdout)
         self.assertEqual(self.check().returncode, REGRESSION)
 
     def test_each_layer_names_a_regression_by_cell_and_figure_as_text_markdown_and_json(self):

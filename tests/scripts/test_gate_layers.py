@@ -5,6 +5,7 @@ import functools
 import itertools
 import json
 import os
+import re
 import unittest
 
 from programs import DATA, ROOT, FolderTest, text_of
@@ -172,6 +173,12 @@ class Times(FolderTest):
     def test_all_cells_exist_and_fast_ones_are_timed_over_the_whole_run(self):
         self.assertTrue(set(QUICK) <= set(cells_of((17, 33))))
         self.assertTrue(set(FULL) <= set(NAMES))
+        for cells, sizes in ((QUICK, ("17", "33")), (FULL, ("17", "33", "65", "129"))):  # what --help says of them
+            timed = [re.fullmatch(r"((?:fast_)?[a-z]+)/n:(\d+)/s:(\d)", cell).groups() for cell in cells]
+            for found, all_of_them in zip(map(set, zip(*timed)), ({name.split("/")[0] for name in NAMES}, set(sizes),
+                                                                  set("123"))):
+                self.assertEqual(found, all_of_them)
+            self.assertEqual(3 * len(set(cells)), 18 * len(sizes))
         self.assertEqual((steps_of("group/n:129/s:1"), steps_of(FAST + "group/n:129/s:1")), (1, 50))
 
 

@@ -3,13 +3,17 @@
 import io
 import math
 import os
+import pty
+import signal
 import stat
+import subprocess
+import time
 import unittest
 
 import numpy
 
-from programs import (DATA, DONE, FORMULATIONS, SANITIZED, SOLVER_FAILED, FolderTest, program, run, run_on_full_disk,
-                      strict_json)
+from programs import (DATA, DONE, FORMULATIONS, SANITIZED, SOLVER_FAILED, FolderTest, default_signals, end, program,
+                      run, run_on_full_disk, start, strict_json)
 
 # The project's answers must agree with the references to 1e-11; see tests/data.
 TOLERANCE = 1e-11
@@ -128,6 +132,9 @@ class RefusedArguments(IntegrateTest):
             # Were the run begun before the output is looked at, the test would time out.
             self.refuses({"output": path, "time": "100000000"}, "--output", path, *parts, timeout=20)
         self.assertTrue(stat.S_ISCHR(os.stat("/dev/null").st_mode))
+        # The file for an interrupted run is looked at before the run, too.
+        os.mkdir(self.path("out", "W.interrupted.npy"))
+        self.refuses({"output": self.output}, "--output", self.path("out", "W.interrupted.npy"), "file")
 
     @unittest.skipIf(SANITIZED, "a sanitizer reserves terabytes of address space")
     def test_a_run_that_needs_more_memory_than_there_is(self):
@@ -336,3 +343,135 @@ class FailedRuns(IntegrateTest):
             result = self.assert_fails("sweep cap", formulation=formulation, max_sweeps="3")
             self.assertEqual(result["sweeps_total"], 3)
         self.assertIn("failed_step", run(command(SHORT, max_sweeps="3")).stdout)  # as text too
+
+
+def has_handler(process, number):
+    """Tells whether a process handles a signal by now."""
+    with open(f"/proc/{process.pid}/status", encoding="ascii") as status:
+        handled = next(line for line in status if line.startswith("SigCgt:"))
+    return bool(int(handled.split()[1], 16) >> (number - 1) & 1)
+
+
+def wait_for(condition, what, seconds=30):
+    deadline = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > deadline:
+            raise AssertionError(f"{what}: not in {seconds} seconds")
+        time.sleep(0.005)
+
+
+class Interrupted(IntegrateTest):
+    """A run that a signal ends says how far it came, and keeps its last state where there is an --output."""
+
+    LONG = {**SAME_PRODUCTS, "time": "100000"}  # hours
+    KEPT = "W.interrupted.npy"
+
+    def interrupted(self, number, *flags, pause=0.2, **changes):
+        """Returns exit status, stdout and stderr of a run that gets a signal once it has begun."""
+        process = start(command(self.LONG, *flags, **changes), stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.addCleanup(end, process)
+        wait_for(lambda: has_handler(process, number), "the run")
+        time.sleep(pause)
+        process.send_signal(number)
+        output, errors = process.communicate(timeout=20)
+        return process.returncode, output, errors
+
+    def test_the_last_state_is_that_of_the_steps_done(self):
+        for number, solver in ((signal.SIGINT, {}), (signal.SIGTERM, {"solver": "fast", "products": None})):
+            with self.subTest(signal=number):
+                status, output, errors = self.interrupted(number, "--json", "--output", self.output, **solver)
+                self.assertEqual(status, 128 + number, errors)
+                result = strict_json(output)
+                done = result["steps_done"]
+                self.assertEqual((result["converged"], result["status"], result["steps"]),
+                                 (False, "interrupted", 1000000))
+                self.assertNotIn("failed_step", result)
+                self.assertTrue(0 < done < 1000000)
+                self.assertAlmostEqual(result["time_done"], 0.1 * done, delta=1e-9 * done)
+                kept = self.path("out", self.KEPT)
+                self.assert_one_line(errors, f"after step {done} of 1000000, t = {done / 10:g}", kept,
+                                     f"--time {(1000000 - done) / 10:.10g} is left")
+                self.assertEqual(set(os.listdir(self.path("out"))), {"W.npy", self.KEPT})
+                with open(self.output, encoding="utf-8") as file:
+                    self.assertEqual(file.read(), EARLIER)
+                _, W = self.result(self.LONG, time=f"{done / 10:.1f}", **solver)
+                self.assert_same(numpy.load(kept), W)
+                # What is left begins from there.
+                self.result(NAMED, integrator="group2", initial=kept)
+                os.unlink(kept)
+
+    @unittest.skipIf(SANITIZED, "n > 33 takes too long")
+    def test_a_long_step_ends_at_its_next_sweep(self):
+        one_step = {"n": "513", "stages": "3", "step": "0.02", "time": "0.02", "tolerance": "1e-15"}
+        status, output, errors = self.interrupted(signal.SIGINT, "--json", "--output", self.path("W"), pause=0,
+                                                  **one_step)
+        self.assertEqual((status, strict_json(output)["steps_done"]), (130, 0), errors)
+        self.assert_one_line(errors, "after step 0 of 1", "t = 0;", self.path(self.KEPT))
+        _, initial = self.result(self.LONG, **{**one_step, "time": "0"})
+        self.assert_same(numpy.load(self.path(self.KEPT)), initial)
+
+    def test_without_an_output_nothing_is_written(self):
+        with self.unchanged():
+            status, output, errors = self.interrupted(signal.SIGTERM)
+        self.assertEqual(status, 143)
+        self.assertRegex(output, r"\nstatus +interrupted\n")
+        self.assert_one_line(errors, "interrupted after step", "nothing written", "--output")
+
+    def test_what_was_ignored_at_the_start_stays_ignored(self):
+        def in_background():
+            default_signals()
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+        with subprocess.Popen(command(self.LONG), preexec_fn=in_background, stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE) as process:
+            wait_for(lambda: has_handler(process, signal.SIGTERM), "the run")
+            process.send_signal(signal.SIGINT)
+            time.sleep(0.2)
+            self.assertIsNone(process.poll())
+            process.send_signal(signal.SIGTERM)
+            self.assertEqual(process.wait(timeout=20), 143)
+
+
+class Terminal(IntegrateTest):
+    """Progress on stderr where that is a terminal."""
+
+    LINE = r"step [0-9]+ of 1000000 \([0-9]+ %\), t = [0-9.e+]+, about [0-9a-z ]+ left"
+
+    def seen(self, *flags, seconds=1.0, **streams):
+        """Returns what a terminal shows of a run that gets Ctrl-C after some seconds."""
+        terminal, stderr = pty.openpty()
+        process = start(command(Interrupted.LONG, *flags), stderr=stderr, **streams)
+        self.addCleanup(end, process)
+        os.close(stderr)
+        wait_for(lambda: has_handler(process, signal.SIGINT), "the run")
+        time.sleep(seconds)
+        process.send_signal(signal.SIGINT)
+        shown = b""
+        while True:
+            try:
+                shown += os.read(terminal, 4096)
+            except OSError:  # the other end is closed
+                break
+        os.close(terminal)
+        self.assertEqual(process.wait(timeout=20), 130)
+        return shown.decode()
+
+    def test_a_line_is_rewritten_a_few_times_a_second_and_gone_at_the_end(self):
+        begun = time.monotonic()
+        shown = self.seen(stdout=subprocess.DEVNULL)
+        first, *lines = shown.split("\r\x1b[K")
+        self.assertEqual(first, "")
+        self.assertEqual(lines[0], "step 0 of 1000000 (0 %), t = 0")
+        self.assertGreaterEqual(len(lines), 3)
+        self.assertLessEqual(len(lines), 4 * (time.monotonic() - begun) + 3)
+        for line in lines[1:-1]:
+            self.assertRegex(line, rf"^{self.LINE}$")
+        self.assertRegex(lines[-1], r"^integrate: interrupted [^\r\n]*\r\n$")
+
+    def test_nothing_beside_an_object_for_another_program(self):
+        shown = self.seen("--json", seconds=0.5, stdout=subprocess.DEVNULL)
+        self.assertRegex(shown, r"^integrate: interrupted [^\r\n]*\r\n$")
+
+
+if __name__ == "__main__":
+    unittest.main()

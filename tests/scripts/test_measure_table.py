@@ -36,6 +36,7 @@ n = re.findall("[0-9]+", options["--benchmark_filter"])[0]
 if plan.get("wait") == len(earlier) - 1:
     time.sleep(60)
 if plan.get("die") == len(earlier) - 1:
+    print("***WARNING*** Library was built as DEBUG. Timings may be affected.")
     print("some reason")
     sys.exit(7)
 rows, status = [], 0
@@ -81,8 +82,11 @@ class MeasureTest(FolderTest):
     def measured(self, *sizes, **plan):
         """Returns the document, the exit status, and the rows."""
         with mock.patch.dict(os.environ, CALLS=self.calls_path, PLAN=self.path("plan.json")), \
-                mock.patch("lib.table_processes.say"):
-            document, status = measure(self.plan(*sizes, **plan))
+                mock.patch("lib.table_processes.say") as said:
+            try:
+                document, status = measure(self.plan(*sizes, **plan))
+            finally:
+                self.told = [call.args[0] for call in said.call_args_list if not call.args[0].startswith(("[", "n = "))]
         return document, status, document["benchmarks"]
 
     def calls(self, n):
@@ -135,6 +139,7 @@ class Processes(MeasureTest):
             self.measured(17, times={"17": DECIDED}, die=3)
         self.assertEqual(raised.exception.status, 7)
         self.assertIn("exit status 7", str(raised.exception))
+        self.assertEqual(self.told, ["some reason\n"])  # not how Google Benchmark was packaged
         self.measured(17, times={"17": DECIDED})
         self.assertEqual(len(self.calls(17)), FEWEST + 1)  # the one that died, again
 
@@ -155,6 +160,15 @@ class Processes(MeasureTest):
             document, _, _ = self.measured(17, times={"17": DECIDED})
         self.assertEqual(len(seen), FEWEST + 2)  # the second process stays disturbed
         self.assertEqual(document["context"]["disturbed_processes"], "n=17 process 1")
+
+
+def state_of(number):
+    """Returns the state of a process as proc(5) has it: Z once it ended and nobody has asked how."""
+    try:
+        with open(f"/proc/{number}/stat", encoding="ascii") as file:
+            return file.read().rpartition(")")[2].split()[0]
+    except OSError:
+        return "Z"
 
 
 class Disturbances(unittest.TestCase):
@@ -185,6 +199,23 @@ class Disturbances(unittest.TestCase):
             neighbour.wait()
         self.assertEqual(status, 0)
         self.assertGreater(disturbance.switches, MOST_SWITCHES)
+
+    def test_a_process_ends_with_the_one_that_started_it_even_if_that_is_killed(self):
+        # The inner one writes down its number, and would wait for a minute.
+        outer = f"""
+import sys
+sys.path.insert(0, {os.path.join(ROOT, 'scripts')!r})
+from lib.fresh_process import run_on
+run_on({fresh_process.last_core()}, ["sh", "-c", "echo $$; exec sleep 60"])
+"""
+        with subprocess.Popen([sys.executable, "-B", "-c", outer], stdout=subprocess.PIPE, encoding="ascii") as process:
+            inner = int(process.stdout.readline())
+            os.kill(inner, 0)
+            process.kill()
+        deadline = time.monotonic() + 10
+        while os.path.exists(f"/proc/{inner}") and "Z" not in state_of(inner):
+            self.assertLess(time.monotonic(), deadline, "it went on")
+            time.sleep(0.02)
 
     def test_exit_statuses_and_signals_are_returned(self):
         self.assertEqual(run_on(0, ["sh", "-c", "exit 5"])[0], 5)

@@ -50,6 +50,12 @@ class RenderTable2(FolderTest):
             row.update(error_occurred=True, error_message="diverged at step 3")
         self.assertEqual(self.gains()["group"], ["2.00", "–", "2.00"])
 
+    def test_what_is_not_measured_is_not_marked(self):
+        text = self.text()  # the rows of n = 33 and more
+        self.assertRegex(text, r"fastest row .*\*\n")
+        self.assertRegex(text, r"fastest row +– +– +–\n")
+        self.assertNotIn("–*", text)
+
     def test_claims_are_judged_on_the_fast_forms(self):
         for stages in (1, 2, 3):
             for row in self.rows(f"table2/algebra/n:17/s:{stages}"):

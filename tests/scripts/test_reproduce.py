@@ -4,8 +4,10 @@ The copy has the real scripts; package tools, CMake, CTest and the benchmark pro
 write down how they were called.
 """
 
+import contextlib
 import json
 import os
+import pty
 import re
 import shutil
 import signal
@@ -185,6 +187,24 @@ class ReproduceTest(CopyTest):
     def reproduce(self, *arguments, **changes):
         return self.script("reproduce", "--out", self.out, *arguments, **changes)
 
+    def waiting(self, job):
+        """Starts the script, and returns it once something that it started waits."""
+        process = start(self.line("reproduce", job, "--out", self.out), env=self.surroundings(BENCHMARK="wait"),
+                        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        self.addCleanup(end, process)
+        deadline = time.monotonic() + 60
+        while "started" not in self.calls():
+            self.assertLess(time.monotonic(), deadline, "nothing was started")
+            time.sleep(0.02)
+        return process
+
+    def assert_all_end(self, process):
+        """All that a script started has ended soon after it."""
+        with self.assertRaises(ProcessLookupError, msg="something went on"):
+            for _ in range(100):
+                os.killpg(process.pid, 0)
+                time.sleep(0.1)
+
     def reproduced(self, *arguments):
         done = self.reproduce(*arguments)
         self.assertEqual(done.returncode, DONE, done.stderr)
@@ -294,7 +314,11 @@ class EndToEnd(ReproduceTest):
         self.assertEqual(done.stdout, results["table.txt"])
         self.assertIn(self.out, done.stderr.splitlines()[-1])
         self.assertEqual(os.listdir(self.path("tmp")), [])
-        configure, build = self.calls("cmake")
+        # On one screen: the table, then where it is.
+        screen = run(self.line("reproduce", "--out", self.out), env=self.surroundings(), cwd=self.folder,
+                     stderr=subprocess.STDOUT).stdout
+        self.assertTrue(screen.endswith(f"{results['table.txt'].splitlines()[-1]}\nResults are in {self.out}\n"))
+        configure, build = self.calls("cmake")[:2]
         for part in (f"-S {self.path('root')}", "-DCMAKE_BUILD_TYPE=Release"):
             self.assertIn(part, configure)
         self.assertIn(f"--build {self.path('root', 'build')}", build)
@@ -312,7 +336,9 @@ class EndToEnd(ReproduceTest):
         # Drawing takes seconds.
         for name in ("stability", "theorem"):
             self.write(f"root/scripts/render_{name}", RENDERER, executable=True)
-        self.reproduced("all")
+        told = self.reproduced("all").stderr.splitlines()
+        self.assertIn("Job 2 of 6: table2", told)
+        self.assertEqual(told[-1], f"All results are in {self.out}")
         found = {job: set(os.listdir(self.path("out", job))) for job in os.listdir(self.out)}
         self.assertLessEqual({"raw.json", "report.md", "figures.json", "table1_accuracy.svg"}, found.pop("accuracy"))
         self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS, "theorem": STUDY_RESULTS,
@@ -405,16 +431,13 @@ class FailedRuns(ReproduceTest):
 
     def interrupted(self, send, number):
         """Starts, sends a signal by `send(process, number)` while the program runs, and returns the ended process."""
-        process = start(self.line("reproduce", "--out", self.out), env=self.surroundings(BENCHMARK="wait"),
-                        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
-        self.addCleanup(end, process)
-        deadline = time.monotonic() + 30
-        while "started" not in self.calls():
-            self.assertLess(time.monotonic(), deadline, "the benchmark did not start")
-            time.sleep(0.02)
+        process = self.waiting("table1")
         send(process, number)
-        self.assertEqual(process.wait(timeout=5), 128 + number)
-        self.assertEqual(process.stdout.read(), "")
+        _, errors = process.communicate(timeout=10)
+        self.assertEqual(process.returncode, 128 + number)
+        last = errors.splitlines()[-1]
+        self.assertRegex(last, "^reproduce: (interrupted|terminated); .*the same command goes on: ")
+        self.assertIn(f"reproduce table1 --out {self.out}", last)
         self.assert_earlier_results()
         return process
 
@@ -422,11 +445,134 @@ class FailedRuns(ReproduceTest):
         self.interrupted(lambda process, number: os.killpg(process.pid, number), signal.SIGINT)
 
     def test_a_termination_of_the_script_alone_ends_the_benchmark_with_it(self):
-        process = self.interrupted(subprocess.Popen.send_signal, signal.SIGTERM)
-        with self.assertRaises(ProcessLookupError, msg="the benchmark went on"):
-            for _ in range(50):
-                os.killpg(process.pid, 0)
-                time.sleep(0.1)
+        self.assert_all_end(self.interrupted(subprocess.Popen.send_signal, signal.SIGTERM))
+
+
+class KilledRuns(ReproduceTest):
+    """kill -9 of the script alone, which can do nothing any more."""
+
+    def test_what_it_started_ends_and_the_same_command_goes_on(self):
+        for job, expected in (("table1", RESULTS), ("stability", STABILITY | {"report.md"})):
+            with self.subTest(job=job):
+                self.out = self.path("out", job)
+                self.write("calls", "")
+                process = self.waiting(job)
+                process.kill()
+                process.wait()
+                self.assert_all_end(process)
+                left = [name for name in os.listdir(self.out) if name.startswith(".unfinished")]
+                self.assertEqual(len(left), 1)
+                done = self.reproduced(job)
+                self.assertNotIn("unbound variable", done.stderr)
+                found = set(os.listdir(self.out))
+                self.assertEqual({name for name in found if not name.endswith((".svg", ".png"))}, expected)
+
+    def test_what_was_finished_but_not_drawn(self):
+        # Killed between the last study and the end: no study is left that could set a status.
+        self.write("tools/git", "#!/bin/sh\necho 0123456789ab\n", executable=True)
+        for name, body in (("first", "exit 1\n"), ("then", RENDERER)):
+            self.write("root/scripts/render_stability", "#!/bin/sh\n" + body, executable=True)
+            done = self.reproduce("stability")
+        self.assertEqual((done.returncode, done.stdout), (DONE, "drawn\n"), done.stderr)
+        self.assertEqual((len(self.calls("stability[")), len(self.calls("long_runs["))), (2, 1))
+
+    def test_a_build_ends_too(self):
+        self.write("tools/cmake", """#!/bin/sh
+while :; do
+  echo "[ 12%] Building CXX object part.o"
+  grep -q started "$CALLS" || echo started >>"$CALLS"
+  sleep 0.1
+done
+""", executable=True)
+        process = self.waiting("table1")
+        process.kill()
+        process.wait()
+        self.assert_all_end(process)
+
+
+class OneAtATime(ReproduceTest):
+    def test_a_second_run_into_the_same_folder_is_refused(self):
+        process = self.waiting("table1")
+        for job in ("table1", "stability"):
+            with self.subTest(job=job), self.unchanged():
+                self.assert_refused(self.reproduce(job), "--out", self.out, "another run")
+        other = self.script("reproduce", "--out", self.path("elsewhere"))  # beside it another may run
+        self.assertEqual(other.returncode, DONE, other.stderr)
+        end(process)  # with all that it started: kill -9
+        self.reproduced()
+
+    def test_a_second_build_in_the_same_folder_waits(self):
+        os.makedirs(self.path("root", "build"), exist_ok=True)
+        with subprocess.Popen(["flock", self.path("root", "build"), "sleep", "60"], start_new_session=True) as holder:
+            process = start(self.line("reproduce", "--out", self.out), env=self.surroundings(), stderr=subprocess.PIPE,
+                            stdout=subprocess.DEVNULL)
+            self.addCleanup(end, process)
+            self.assertIn("Building", process.stderr.readline())
+            self.assertIn("waiting for its end", process.stderr.readline())
+            self.assertEqual(self.calls("cmake"), [])
+            os.killpg(holder.pid, signal.SIGKILL)
+        _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, DONE, errors)
+
+
+class Build(ReproduceTest):
+    """How far a build is, is seen."""
+
+    def setUp(self):
+        super().setUp()
+        self.write("tools/cmake", """#!/bin/sh
+echo "-- NumPy module: built"
+for percent in 7 50 100; do echo "[$(printf %3d $percent)%] Building CXX object $percent.o"; done
+echo "[3/12] Building CXX object of Ninja"
+""", executable=True)
+
+    def test_on_a_terminal_by_one_line(self):
+        terminal, stderr = pty.openpty()
+        process = start(self.line("reproduce", "--out", self.out), env=self.surroundings(FAILING="table1"),
+                        stdout=subprocess.DEVNULL, stderr=stderr)
+        self.addCleanup(end, process)
+        os.close(stderr)
+        shown = b""
+        with contextlib.suppress(OSError):  # the other end is closed
+            while read := os.read(terminal, 4096):
+                shown += read
+        os.close(terminal)
+        self.assertIn("\r\x1b[K[ 50%] Building CXX object 50.o\r\x1b[K[100%] Building", shown.decode())
+        self.assertIn("Ninja\r\x1b[K", shown.decode())
+
+    def test_elsewhere_now_and_then(self):
+        done = self.reproduce(FAILING="table1")
+        self.assertNotIn("% built", done.stderr)  # it took no 20 seconds
+        setup = self.path("root", "scripts", "lib", "setup.sh")
+        self.write(setup, text_of(setup).replace("SECONDS + 20", "SECONDS + 0"))
+        done = self.reproduce(FAILING="table1")
+        self.assertIn("\n  7 % built\n  50 % built\n  100 % built\n  25 % built\n", done.stderr)
+        self.assertIn("NumPy module: built", done.stderr)
+
+    def test_all_that_it_said_is_kept(self):
+        self.write("tools/cmake", "#!/bin/sh\nseq 1000\nexit 1\n", executable=True)
+        done = self.reproduce()
+        self.assertEqual(done.returncode, BAD_ARGUMENTS)
+        log = self.path("root", "build", "build.log")
+        self.assertEqual(text_of(log).split(), [str(number) for number in range(1, 1001)])
+        failed = f"reproduce: the build in {self.path('root', 'build')} failed; all that it said is in {log}"
+        self.assertEqual(done.stderr.splitlines()[-2:], ["1000", failed])
+
+
+class SymbolicLinks(CopyTest):
+    def test_every_script_finds_its_modules_through_one(self):
+        os.mkdir(self.path("bin"))
+        folder = self.path("root", "scripts")
+        scripts = [name for name in sorted(os.listdir(folder)) if os.access(os.path.join(folder, name), os.X_OK)
+                   and os.path.isfile(os.path.join(folder, name))]
+        self.assertGreater(len(scripts), 10)
+        for name in scripts:
+            with self.subTest(script=name):
+                os.symlink(os.path.join(folder, name), self.path("bin", name))
+                done = run([self.path("bin", name), "--help"], env=self.surroundings(), cwd=self.folder)
+                # Two of them have no option but --check, and say so.
+                self.assertEqual(done.returncode, BAD_ARGUMENTS if name.startswith("update_") else DONE, done.stderr)
+                self.assertNotIn("Traceback", done.stderr)
 
 
 class TestScript(CopyTest):

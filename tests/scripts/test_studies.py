@@ -6,6 +6,7 @@ import itertools
 import json
 import math
 import os
+import re
 import shutil
 import signal
 import sys
@@ -343,6 +344,36 @@ class Accuracy(StudyTest):
         limits = [study.limits["smooth", 17, "group2", FAST].h_norm_B for study in (found, recorded)]
         self.assertLess(abs(limits[0] / limits[1] - 1), 0.1)  # as closely as trials look
         self.assertLessEqual({"commit", "cpu", "product_rate", "timed_on"}, set(found.context))
+
+    def test_the_quick_study_has_some_of_every_kind(self):
+        sys.path.insert(0, STUDIES)
+        self.addCleanup(sys.path.remove, STUDIES)
+        import accuracy
+        known = {each.name: each for each in isosyrk.integrators()}
+        quick = [known[name] for name in accuracy.QUICK_INTEGRATORS]
+
+        def kinds(entries):
+            return {(each.isospectral, each.lie_poisson, each.symmetric, each.explicit) for each in entries}
+
+        def families(entries):
+            return {re.match("[a-z_]*[a-z]", each.name)[0] for each in entries}
+
+        self.assertEqual(kinds(quick), kinds(known.values()))
+        # Of the two compositions of order 4 one is enough; products written twice are a control of long runs.
+        self.assertEqual(families(known.values()) - families(quick), {"suzuki"})
+        self.assertLess(2 * len(quick), len(known))
+        arguments = ("--quick", "--n", "17", "--scene", "rough")
+        path = self.made("accuracy", *arguments)
+        self.assertEqual(strict_json(text_of(path))["settings"], {"quick": True})
+        found = read_accuracy(path)
+        self.assertEqual(found.problems(), [Problem("rough", 5.0, 17)])
+        self.assertEqual(list(found.integrators), list(accuracy.QUICK_INTEGRATORS))
+        drawn = {run.integrator for run in found.runs}
+        self.assertEqual(drawn, {each for each in found.integrators if not accuracy.MAIN_ONLY.fullmatch(each)})
+        self.assertLessEqual({run.steps for run in found.runs}, set(accuracy.COARSE_STEPS))
+        self.assertEqual(max(len(run.cpu_seconds) for run in found.runs), accuracy.QUICK_REPETITIONS)
+        for name in drawn:
+            self.assertGreaterEqual(len(found.line(Problem("rough", 5.0, 17), name, FAST)), 4)
 
     @unittest.skipUnless(HAS_DASK, "this Python has no distributed (python3-distributed)")
     def test_a_cluster_gives_what_this_machine_gives(self):
