@@ -73,7 +73,7 @@ void warn_beyond_limit(const std::string& integrator, double h_norm_B) {
 }
 
 Outcome integrate(const IntegrateRequest& request, const Scene& scene, ProductBackend backend) {
-  const auto integrator = request.integrator.make(*scene.flow, request.solver, backend);
+  const auto integrator = request.integrator.make(scene.flow, request.solver, backend);
   Outcome outcome;
   outcome.W = scene.initial;
   outcome.h_norm_B = request.step * generator_norm(scene);

@@ -223,7 +223,7 @@ class Cell {
   void set_up() {
     if (integrator_) return;  // repetitions share one cell
     scene_ = smooth_scene(id_.n);
-    integrator_ = table_.entry(id_.formulation, id_.s).make(*scene_.flow, options_, backend_);
+    integrator_ = table_.entry(id_.formulation, id_.s).make(scene_.flow, options_, backend_);
     quality_ = measure_quality(scene_, *integrator_, reference_);
   }
 

@@ -116,9 +116,18 @@ Matrix integrated(Integrator& integrator, const Matrix& W0, double h, long steps
   return W;
 }
 
+StepReport continued(Integrator& integrator, Matrix& W, double h) {
+  integrator.set_state(W);
+  const StepReport report = integrator.step(h);
+  integrator.state(W);
+  return report;
+}
+
+SharedFlow lent(const Flow& flow) { return {SharedFlow(), &flow}; }
+
 std::unique_ptr<Integrator> made(const IntegratorEntry& entry, const Flow& flow,
                                  const SolverOptions& options) {
-  return entry.make(flow, options, ProductBackend::openblas);
+  return entry.make(lent(flow), options, ProductBackend::openblas);
 }
 
 std::unique_ptr<Integrator> gauss(Formulation formulation, const Flow& flow, int s,

@@ -64,11 +64,19 @@ Matrix read_reference(const std::string& file, Index n);
 /// A one-step method applied until T = steps * h, which must converge throughout.
 Matrix integrated(Integrator& integrator, const Matrix& W0, double h, long steps);
 
-/// The integrator of an entry, with OpenBLAS products.
+/// A flow that outlives its integrators, as one on the stack of a test does.
+SharedFlow lent(const Flow& flow);
+
+/// A step of a run from W, which past steps predict if they ended at W.  W is advanced if the step
+/// converged.
+StepReport continued(Integrator& integrator, Matrix& W, double h);
+
+/// The integrator of an entry, with OpenBLAS products.  The flow must outlive it.
 std::unique_ptr<Integrator> made(const IntegratorEntry& entry, const Flow& flow,
                                  const SolverOptions& options = {});
 
-/// The formulation with the Gauss tableau of s stages, OpenBLAS products, tolerance 1e-13.
+/// The formulation with the Gauss tableau of s stages, OpenBLAS products, tolerance 1e-13.  The
+/// flow must outlive it.
 std::unique_ptr<Integrator> gauss(Formulation formulation, const Flow& flow, int s,
                                   double tolerance = 1e-13);
 

@@ -35,9 +35,9 @@ std::unique_ptr<StageSystem> gauss_system(Formulation formulation, int s, const 
 namespace {
 
 // Returns the options with one thread below what pays, and bands as they are then truncated.
-FastOptions chosen_for(const Flow& flow, int s, const FastOptions& options) {
+FastOptions chosen_for(const SharedFlow& flow, int s, const FastOptions& options) {
   ThreadScope::checked(options.threads);
-  const Index n = flow.size();
+  const Index n = flow->size();
   FastOptions chosen = options;
   if (n < tuning.smallest_parallel(s)) chosen.threads = 1;
   chosen.bands = options.bands.value_or(n >= tuning.smallest_banded);
@@ -47,7 +47,7 @@ FastOptions chosen_for(const Flow& flow, int s, const FastOptions& options) {
 // A fast form: how it is made, and the numbers of n x n matrices that it holds: unknowns, workspace
 // in double and in single precision.  A composition holds them once for each substep.
 struct FastForm {
-  std::function<std::unique_ptr<Integrator>(const Flow&, const FastOptions&)> make;
+  std::function<std::unique_ptr<Integrator>(const SharedFlow&, const FastOptions&)> make;
   double unknowns;
   double doubles;
   double singles;
@@ -78,7 +78,7 @@ double bytes_of(const FastForm& form, Index n, const FastOptions& options) {
 }
 
 FastForm gauss_form(Formulation formulation, int stages) {
-  const auto make = [=](const Flow& flow, const FastOptions& options) {
+  const auto make = [=](const SharedFlow& flow, const FastOptions& options) {
     return make_fast_gauss(formulation, stages, flow, options);
   };
   const double s = stages;
@@ -99,10 +99,10 @@ FastForm gauss_form(Formulation formulation, int stages) {
 FastForm composition_form(const CompositionScheme& scheme) {
   FastForm form = gauss_form(Formulation::algebra, 1);
   form.substeps = scheme.fractions.size();
-  form.make = [=](const Flow& flow, const FastOptions& options) {
+  form.make = [=](const SharedFlow& flow, const FastOptions& options) {
     const FastOptions chosen = chosen_for(flow, 1, options);
     const auto system = [&] {
-      return std::make_unique<MidpointSystem>(flow, chosen.threads, *chosen.bands);
+      return std::make_unique<MidpointSystem>(*flow, chosen.threads, *chosen.bands);
     };
     return std::make_unique<FastIntegrator>(flow, system, chosen, scheme.fractions);
   };
@@ -110,10 +110,10 @@ FastForm composition_form(const CompositionScheme& scheme) {
 }
 
 FastForm direct_form(int s) {
-  const auto make = [=](const Flow& flow, const FastOptions& options) {
+  const auto make = [=](const SharedFlow& flow, const FastOptions& options) {
     const FastOptions chosen = chosen_for(flow, s, options);
     const auto system = [&] {
-      return std::make_unique<DirectSystem>(flow, gauss_tableau(s), chosen.threads, *chosen.bands);
+      return std::make_unique<DirectSystem>(*flow, gauss_tableau(s), chosen.threads, *chosen.bands);
     };
     return std::make_unique<FastIntegrator>(flow, system, chosen);
   };
@@ -122,7 +122,7 @@ FastForm direct_form(int s) {
 
 template <class Method>
 FastForm explicit_form(double doubles, double singles) {
-  const auto make = [](const Flow& flow, const FastOptions& options) {
+  const auto make = [](const SharedFlow& flow, const FastOptions& options) {
     return std::make_unique<Method>(flow, chosen_for(flow, 1, options));
   };
   return {make, 0.0, doubles, singles};
@@ -145,7 +145,8 @@ std::optional<FastForm> form_of(const IntegratorEntry& entry) {
 
 IntegratorEntry entry_of(IntegratorEntry entry, const FastForm& form, const FastOptions& options) {
   entry.name = fmt::format("fast_{}", entry.name);
-  entry.make = [form, options](const Flow& flow, const SolverOptions& solver, ProductBackend) {
+  entry.make = [form, options](const SharedFlow& flow, const SolverOptions& solver,
+                               ProductBackend) {
     FastOptions chosen = options;
     chosen.solver = solver;
     return form.make(flow, chosen);
@@ -156,11 +157,11 @@ IntegratorEntry entry_of(IntegratorEntry entry, const FastForm& form, const Fast
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_fast_gauss(Formulation formulation, int s, const Flow& flow,
+std::unique_ptr<Integrator> make_fast_gauss(Formulation formulation, int s, const SharedFlow& flow,
                                             const FastOptions& options) {
   const FastOptions chosen = chosen_for(flow, s, options);
   const auto system = [&] {
-    return gauss_system(formulation, s, flow, chosen.threads, *chosen.bands);
+    return gauss_system(formulation, s, *flow, chosen.threads, *chosen.bands);
   };
   return std::make_unique<FastIntegrator>(flow, system, chosen);
 }

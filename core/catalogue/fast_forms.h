@@ -11,10 +11,10 @@
 namespace isosyrk {
 
 /// Returns the Gauss method with s stages in the fast form of a formulation.  `algebra` with one
-/// stage is the isospectral midpoint.  The flow must outlive the integrator.  Throws
+/// stage is the isospectral midpoint.  Throws
 /// std::invalid_argument unless 1 <= s <= max_stages and the options are in range, and for a flow
 /// without a generator in split-complex storage.
-std::unique_ptr<Integrator> make_fast_gauss(Formulation formulation, int s, const Flow& flow,
+std::unique_ptr<Integrator> make_fast_gauss(Formulation formulation, int s, const SharedFlow& flow,
                                             const FastOptions& options = {});
 
 /// Returns the stage equations of that method, for up to `threads` threads and with band truncation

@@ -16,12 +16,12 @@ namespace isosyrk {
 
 namespace {
 
-using Make =
-    std::function<std::unique_ptr<Integrator>(const Flow&, const SolverOptions&, ProductBackend)>;
+using Make = std::function<std::unique_ptr<Integrator>(const SharedFlow&, const SolverOptions&,
+                                                       ProductBackend)>;
 
 Make make_gauss(Formulation formulation, int s) {
-  return [formulation, tableau = gauss_tableau(s)](const Flow& flow, const SolverOptions& options,
-                                                   ProductBackend backend) {
+  return [formulation, tableau = gauss_tableau(s)](
+             const SharedFlow& flow, const SolverOptions& options, ProductBackend backend) {
     return make_formulation(formulation, flow, tableau, options, backend);
   };
 }
@@ -29,14 +29,14 @@ Make make_gauss(Formulation formulation, int s) {
 // Makes a method from a flow and its data: a tableau, or a composition scheme and a formulation.
 template <template <class> class Method, class... Data>
 Make make_from(const Data&... data) {
-  return [=](const Flow& flow, const SolverOptions& options, ProductBackend backend) {
+  return [=](const SharedFlow& flow, const SolverOptions& options, ProductBackend backend) {
     return make_in_arithmetic_of<Method>(flow, data..., options, backend);
   };
 }
 
 template <template <class> class Explicit>
 Make make_explicit() {
-  return [](const Flow& flow, const SolverOptions&, ProductBackend backend) {
+  return [](const SharedFlow& flow, const SolverOptions&, ProductBackend backend) {
     return make_in_arithmetic_of<Explicit>(flow, backend);
   };
 }
@@ -173,10 +173,10 @@ IntegratorEntry frame_entry(const IntegratorEntry& method) {
   IntegratorEntry entry = method;
   entry.name += frame_suffix;
   entry.co_rotating = true;
-  entry.make = [make = method.make](const Flow& flow, const SolverOptions& options,
+  entry.make = [make = method.make](const SharedFlow& flow, const SolverOptions& options,
                                     ProductBackend backend) {
     return std::make_unique<FrameIntegrator>(
-        flow, [&](const Flow& inner) { return make(inner, options, backend); }, backend);
+        flow, [&](const SharedFlow& inner) { return make(inner, options, backend); }, backend);
   };
   entry.bytes = [method_bytes = method.bytes](Index n) { return method_bytes(n) + bytes_of(5)(n); };
   return entry;
@@ -189,7 +189,7 @@ IntegratorEntry two_products_entry(int s) {
   entry.name += "_two_products";
   entry.keeps = {
       .isospectral = false, .lie_poisson = false, .symmetric = true, .is_explicit = false};
-  entry.make = [tableau = gauss_tableau(s)](const Flow& flow, const SolverOptions& options,
+  entry.make = [tableau = gauss_tableau(s)](const SharedFlow& flow, const SolverOptions& options,
                                             ProductBackend backend) {
     return make_in_arithmetic_of<AlgebraForm>(flow, tableau, options, backend,
                                               AlgebraUpdate::two_products);

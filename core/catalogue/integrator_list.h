@@ -27,7 +27,8 @@ struct IntegratorEntry {
   int stages;
   int order;
   Properties keeps;
-  std::function<std::unique_ptr<Integrator>(const Flow&, const SolverOptions&, ProductBackend)>
+  std::function<std::unique_ptr<Integrator>(const SharedFlow&, const SolverOptions&,
+                                            ProductBackend)>
       make;
   /// Largest h‖ad_B‖₂ at which the step is stable for a constant generator.  In a longer step
   /// perturbations grow, whatever the tolerance.

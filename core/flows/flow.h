@@ -38,6 +38,9 @@ class Flow {
   QuadraticAlgebra algebra_;
 };
 
+/// A flow that is shared: an integrator keeps its flow alive.
+using SharedFlow = std::shared_ptr<const Flow>;
+
 /// A flow of real matrices, which integrators keep real.
 class RealFlow : public Flow {
  public:

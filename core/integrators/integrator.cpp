@@ -23,34 +23,75 @@ void StepReport::set_work(const StepReport& before, const StepReport& after) {
   equivalent_products = after.equivalent_products - before.equivalent_products;
 }
 
-void Integrator::set_state(const MatrixView& W) {
-  const Index n = flow_.size();
+namespace {
+
+void require_size(const ConstMatrixView& W, Index n) {
   if (W.rows() != n || W.cols() != n) {
     throw std::invalid_argument(
         fmt::format("step: W is {} x {}, must be {} x {}", W.rows(), W.cols(), n, n));
   }
+}
+
+void require_finite(double h) {
+  if (!std::isfinite(h))
+    throw std::invalid_argument(fmt::format("step: h = {}, must be finite", h));
+}
+
+}  // namespace
+
+Integrator::Integrator(SharedFlow flow) : flow_(std::move(flow)) {
+  if (flow_ == nullptr) throw std::invalid_argument("integrator: flow is null");
+}
+
+void Integrator::set_state(const ConstMatrixView& W) {
+  require_size(W, flow_->size());
   load(W);
 }
 
 StepReport Integrator::step(double h) {
-  if (!std::isfinite(h))
-    throw std::invalid_argument(fmt::format("step: h = {}, must be finite", h));
+  require_finite(h);
   return advance_state(h);
 }
 
+Matrix Integrator::state() const {
+  Matrix W(flow_->size(), flow_->size());
+  store(W);
+  return W;
+}
+
 StepReport Integrator::step(MatrixView W, double h) {
-  set_state(W);
-  const StepReport report = step(h);
-  if (report.status == Status::converged) state(W);
-  return report;
+  require_size(W, flow_->size());
+  require_finite(h);
+  return step_alone(W, h);
 }
 
 template <class Scalar>
-IntegratorIn<Scalar>::IntegratorIn(const FlowIn<Scalar>& flow)
+IntegratorIn<Scalar>::IntegratorIn(SharedFlowIn<Scalar> flow)
     : Integrator(flow),
-      flow_(flow),
-      state_(flow.algebra().template zero<Scalar>()),
+      flow_(*flow),
+      state_(flow->algebra().template zero<Scalar>()),
       next_(state_) {}
+
+template <class Scalar>
+void IntegratorIn<Scalar>::load(const ConstMatrixView& W) {
+  flow_.algebra().pack(W, next_);  // may throw halfway
+  state_.swap(next_);
+}
+
+// Exchanges the state with W.
+template <class Scalar>
+void IntegratorIn<Scalar>::exchange(MatrixView W) {
+  flow_.algebra().pack(W, next_);
+  flow_.algebra().unpack(state_, W);
+  state_.swap(next_);
+}
+
+// W keeps the state of a run meanwhile, so that no workspace is needed for it.
+template <class Scalar>
+StepReport IntegratorIn<Scalar>::step_alone(MatrixView W, double h) {
+  const Exchanged exchanged([&] { exchange(W); });
+  return advance_state(h);
+}
 
 template <class Scalar>
 void IntegratorIn<Scalar>::evaluate(const Stored& W, Stored& B) const {
@@ -62,7 +103,7 @@ void IntegratorIn<Scalar>::evaluate(const Stored& W, Stored& B) const {
 }
 
 template <class Scalar>
-double IntegratorIn<Scalar>::energy() {
+double IntegratorIn<Scalar>::energy() const {
   if constexpr (std::is_same_v<Scalar, double>) {
     return flow_.real_hamiltonian(state_);
   } else {

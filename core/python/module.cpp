@@ -56,7 +56,7 @@ std::unique_ptr<Stepper> make_stepper(const Scene& scene, const std::string& nam
   const ProductBackend backend =
       fast || choice ? choice.value_or(ProductBackend::openblas) : choose_backend({}, n).chosen;
   const SolverOptions options = {tolerance, max_sweeps, &handle_signals};
-  return std::make_unique<Stepper>(scene.flow, entry.make(*scene.flow, options, backend));
+  return std::make_unique<Stepper>(entry.make(scene.flow, options, backend));
 }
 
 std::map<std::string, std::string> conditions(const std::string& products,

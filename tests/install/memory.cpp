@@ -1,5 +1,5 @@
-// Matrices of the user's go through every kind of integrator and back, and are freed by whoever holds
-// them: the library was compiled for another vector unit than this program.
+// Matrices of the user's go through every kind of integrator and back, and are freed by whoever
+// holds them: the library was compiled for another vector unit than this program.
 #include <isosyrk/catalogue/integrator_list.h>
 #include <isosyrk/catalogue/make_integrator.h>
 #include <isosyrk/flows/scene.h>
@@ -17,7 +17,7 @@ namespace {
 bool advances_any_memory(const std::string& name, isosyrk::Solver solver) {
   for (const isosyrk::Index n : {5, 8, 17}) {
     isosyrk::Scene scene = isosyrk::smooth_scene(n);
-    const auto integrator = isosyrk::make_integrator(*scene.flow, name, {.solver = solver});
+    const auto integrator = isosyrk::make_integrator(scene.flow, name, {.solver = solver});
 
     Matrix W = scene.initial;
     if (!isosyrk::run(*integrator, W, 0.05, 3).converged()) return false;
@@ -25,7 +25,7 @@ bool advances_any_memory(const std::string& name, isosyrk::Solver solver) {
     std::vector<isosyrk::Complex> numbers(static_cast<std::size_t>(n * n) + 1);
     Eigen::Map<Matrix> mapped(numbers.data() + 1, n, n);
     mapped = scene.initial;
-    const auto another = isosyrk::make_integrator(*scene.flow, name, {.solver = solver});
+    const auto another = isosyrk::make_integrator(scene.flow, name, {.solver = solver});
     if (!isosyrk::run(*another, mapped, 0.05, 3).converged()) return false;
     if (mapped != W) return false;
 
