@@ -153,8 +153,9 @@ double poisson_map_defect(Integrator& integrator, const Matrix& W0, double h);
 class FlowOf final : public Flow {
  public:
   using Generator = std::function<void(const Matrix& W, Matrix& B)>;
-  FlowOf(const QuadraticAlgebra& algebra, Generator generator)
-      : Flow(algebra), generator_(std::move(generator)) {}
+  FlowOf(const QuadraticAlgebra& algebra, Generator generator,
+         isosyrk::Generator kind = isosyrk::Generator::of_algebra)
+      : Flow(algebra, kind), generator_(std::move(generator)) {}
   void generator(const Matrix& W, Matrix& B) const override { generator_(W, B); }
   double hamiltonian(const Matrix&) const override { return 0.0; }
 

@@ -15,15 +15,35 @@ bool is_finite(const SplitMatrix& W) { return (W.entries() - W.entries()).sum() 
 SplitIntegrator::SplitIntegrator(const SharedFlow& flow, int threads)
     : Integrator(flow),
       threads_(ThreadScope::checked(threads)),
+      finder_(flow->size()),
       state_(split_stages(1, flow->size())),
       next_(state_) {}
+
+// Takes the W in next_ as the state.
+void SplitIntegrator::take(const StateScale& found) {
+  scale_ = found;
+  if (scale_.value != 1.0) next_[0].entries() *= 1.0 / scale_.value;
+  state_.swap(next_);
+}
 
 // Past steps predict only a step that continues from where they ended.
 void SplitIntegrator::load(const ConstMatrixView& W) {
   next_[0].load(W);
-  if (next_[0].entries() == state_[0].entries()) return;
+  if (next_[0].entries() == scale_.value * state_[0].entries()) return;
   forget();
-  state_.swap(next_);
+  take(finder_.find(W));
+}
+
+void SplitIntegrator::amend(const ConstMatrixView& W) {
+  next_[0].load(W);
+  if (!ScaleFinder::changed_twofold(scale_, W)) return take(scale_);
+  forget();  // past steps are of another scale
+  take(finder_.find(W));
+}
+
+void SplitIntegrator::store(MatrixView W) const {
+  state_[0].store(W);
+  if (scale_.value != 1.0) W *= scale_.value;
 }
 
 StepReport SplitIntegrator::advance(double h, Past past) {
@@ -31,7 +51,7 @@ StepReport SplitIntegrator::advance(double h, Past past) {
   const StepReport before = work();
   StepReport report;
   try {
-    report = take_step(state_, h, past, next_);
+    report = take_step(state_, scale_.value * h, past, next_);
   } catch (...) {  // of SolverOptions::after_sweep
     if (past == Past::used) forget();
     throw;
@@ -49,15 +69,20 @@ StepReport SplitIntegrator::advance(double h, Past past) {
 }
 
 // Exchanges the state with W.
-void SplitIntegrator::exchange(MatrixView W) {
+void SplitIntegrator::exchange(MatrixView W, const StateScale& of_W) {
   next_[0].load(W);
-  state_[0].store(W);
-  state_.swap(next_);
+  store(W);
+  take(of_W);
 }
 
 // W keeps the state of a run meanwhile, as in IntegratorIn.
 StepReport SplitIntegrator::step_alone(MatrixView W, double h) {
-  const Exchanged exchanged([&] { exchange(W); });
+  StateScale other = finder_.find(W);
+  const Exchanged exchanged([&] {
+    const StateScale mine = scale_;
+    exchange(W, other);
+    other = mine;
+  });
   return advance(h, Past::left_out);
 }
 

@@ -7,8 +7,12 @@
 
 namespace isosyrk {
 
-/// An integrator whose state stays in split-complex storage through a run.  W is converted where
-/// the state is set or asked for, and compared with the state where it is set, not at every step.
+/// An integrator whose state V = W / scale stays in split-complex storage through a run, with a
+/// power of two for the scale (StateScale).  W is converted where the state is set or asked for,
+/// and compared with the state where it is set, not at every step.
+///
+/// B is linear (SplitGenerator), so that V' = [B(V), V] in the time scale t: a step of size h for W
+/// is one of size scale h for V.
 class SplitIntegrator : public Integrator {
  public:
   double energy() const final { return flow().energy(state()); }
@@ -24,27 +28,31 @@ class SplitIntegrator : public Integrator {
   /// Throws std::invalid_argument for a null flow, and for threads out of range.
   SplitIntegrator(const SharedFlow& flow, int threads);
 
-  /// Computes W1 from W0.  The report has all but the work.
-  virtual StepReport take_step(const SplitStages& W0, double h, Past past, SplitStages& W1) = 0;
+  /// Computes V1 from V0 by a step of size h.  The report has all but the work.
+  virtual StepReport take_step(const SplitStages& V0, double h, Past past, SplitStages& V1) = 0;
   /// Returns products, Poisson solves and equivalent products since construction.
   virtual StepReport work() const = 0;
   /// Forgets all past steps, after which the next one starts cold.
   virtual void forget() {}
 
-  /// Returns the W0 of the last step of a run.
+  /// Returns the V0 of the last step of a run.
   const SplitMatrix& before_last_step() const { return next_[0]; }
 
  private:
   void load(const ConstMatrixView& W) final;
+  void amend(const ConstMatrixView& W) final;
   StepReport advance_state(double h) final { return advance(h, Past::used); }
-  void store(MatrixView W) const final { state_[0].store(W); }
+  void store(MatrixView W) const final;
   StepReport step_alone(MatrixView W, double h) final;
   StepReport advance(double h, Past past);
-  void exchange(MatrixView W);
+  void take(const StateScale& found);
+  void exchange(MatrixView W, const StateScale& of_W);
 
   int threads_;
+  ScaleFinder finder_;
+  StateScale scale_;
   SplitStages state_;  // a single matrix
-  SplitStages next_;   // W1 of the step, and then the state before it
+  SplitStages next_;   // V1 of the step, and then the state before it
 };
 
 }  // namespace isosyrk

@@ -17,7 +17,7 @@ namespace {
 class CoRotatingFlow final : public Flow {
  public:
   explicit CoRotatingFlow(std::shared_ptr<const EulerZeitlin> flow)
-      : Flow(flow->algebra()), flow_(std::move(flow)) {}
+      : Flow(flow->algebra(), Generator::linear), flow_(std::move(flow)) {}
 
   void generator(const Matrix& V, Matrix& B) const override {
     flow_->generator(V, B);

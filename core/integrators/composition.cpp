@@ -38,6 +38,12 @@ StepReport Composition<Scalar>::advance(const Stored& W0, double h, Stored& W1) 
   return total;
 }
 
+template <class Scalar>
+void Composition<Scalar>::set_scale(double scale) {
+  IntegratorIn<Scalar>::set_scale(scale);
+  midpoint_->set_scale(scale);
+}
+
 template class Composition<double>;
 template class Composition<Complex>;
 

@@ -24,6 +24,7 @@ class Composition final : public IntegratorIn<Scalar> {
               const SolverOptions& options, ProductBackend backend);
 
   StepReport advance(const Stored& W0, double h, Stored& W1) override;
+  void set_scale(double scale) override;
 
  private:
   std::vector<double> fractions_;

@@ -24,6 +24,7 @@ class FrameIntegrator final : public Integrator {
 
  private:
   void load(const ConstMatrixView& W) override;
+  void amend(const ConstMatrixView& W) override { load(W); }  // W begins a new frame
   StepReport advance_state(double h) override;
   void store(MatrixView W) const override;
   StepReport step_alone(MatrixView W, double h) override;

@@ -48,6 +48,11 @@ void Integrator::set_state(const ConstMatrixView& W) {
   load(W);
 }
 
+void Integrator::amend_state(const ConstMatrixView& W) {
+  require_size(W, flow_->size());
+  amend(W);
+}
+
 StepReport Integrator::step(double h) {
   require_finite(h);
   return advance_state(h);
@@ -69,32 +74,61 @@ template <class Scalar>
 IntegratorIn<Scalar>::IntegratorIn(SharedFlowIn<Scalar> flow)
     : Integrator(flow),
       flow_(*flow),
+      finder_(flow->size()),
       state_(flow->algebra().template zero<Scalar>()),
-      next_(state_) {}
+      next_(state_) {
+  if (flow_.kind() != Generator::linear) argument_ = state_;
+}
+
+// Takes the W in next_ as the state.
+template <class Scalar>
+void IntegratorIn<Scalar>::take(const StateScale& found) {
+  found_ = found;
+  set_scale(found.value);
+  if (scale_ != 1.0) next_ *= 1.0 / scale_;
+  state_.swap(next_);
+}
 
 template <class Scalar>
 void IntegratorIn<Scalar>::load(const ConstMatrixView& W) {
   flow_.algebra().pack(W, next_);  // may throw halfway
-  state_.swap(next_);
+  take(finder_.find(W));
+}
+
+template <class Scalar>
+void IntegratorIn<Scalar>::amend(const ConstMatrixView& W) {
+  flow_.algebra().pack(W, next_);
+  take(ScaleFinder::changed_twofold(found_, W) ? finder_.find(W) : found_);
+}
+
+template <class Scalar>
+void IntegratorIn<Scalar>::store(MatrixView W) const {
+  flow_.algebra().unpack(state_, W);
+  if (scale_ != 1.0) W *= scale_;
 }
 
 // Exchanges the state with W.
 template <class Scalar>
-void IntegratorIn<Scalar>::exchange(MatrixView W) {
+void IntegratorIn<Scalar>::exchange(MatrixView W, const StateScale& of_W) {
   flow_.algebra().pack(W, next_);
-  flow_.algebra().unpack(state_, W);
-  state_.swap(next_);
+  store(W);
+  take(of_W);
 }
 
 // W keeps the state of a run meanwhile, so that no workspace is needed for it.
 template <class Scalar>
 StepReport IntegratorIn<Scalar>::step_alone(MatrixView W, double h) {
-  const Exchanged exchanged([&] { exchange(W); });
+  StateScale other = finder_.find(W);
+  const Exchanged exchanged([&] {
+    const StateScale mine = found_;
+    exchange(W, other);
+    other = mine;
+  });
   return advance_state(h);
 }
 
 template <class Scalar>
-void IntegratorIn<Scalar>::evaluate(const Stored& W, Stored& B) const {
+void IntegratorIn<Scalar>::generate(const Stored& W, Stored& B) const {
   if constexpr (std::is_same_v<Scalar, double>) {
     flow_.real_generator(W, B);
   } else {
@@ -103,11 +137,26 @@ void IntegratorIn<Scalar>::evaluate(const Stored& W, Stored& B) const {
 }
 
 template <class Scalar>
-double IntegratorIn<Scalar>::energy() const {
-  if constexpr (std::is_same_v<Scalar, double>) {
-    return flow_.real_hamiltonian(state_);
+void IntegratorIn<Scalar>::evaluate(const Stored& V, Stored& B) {
+  if (scale_ == 1.0) {
+    generate(flow_.argument(V, argument_), B);
+  } else if (flow_.kind() == Generator::linear) {
+    generate(V, B);
+    B *= scale_;
   } else {
-    return flow_.hamiltonian(state_);
+    flow_.argument(V, argument_);
+    argument_ *= scale_;
+    generate(argument_, B);
+  }
+}
+
+template <class Scalar>
+double IntegratorIn<Scalar>::energy() const {
+  const Stored W = scale_ * state_;
+  if constexpr (std::is_same_v<Scalar, double>) {
+    return flow_.real_hamiltonian(W);
+  } else {
+    return flow_.hamiltonian(W);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "isosyrk/flows/flow.h"
+#include "isosyrk/integrators/state_scale.h"
 #include "isosyrk/iteration/status.h"
 
 namespace isosyrk {
@@ -43,6 +44,10 @@ class Integrator {
   /// Throws std::invalid_argument for another size, and as QuadraticAlgebra::pack; the state is
   /// then unchanged.  Allocates nothing.
   void set_state(const ConstMatrixView& W);
+  /// Sets the state to W, as a run changes it between two of its steps.  Past steps go on
+  /// predicting the next one, for its start values only.  The scale is found again only if ‖W‖_F
+  /// has changed twofold since it was found.  Throws as set_state.
+  void amend_state(const ConstMatrixView& W);
   /// Advances the state by a step h, which may be negative, and reports the work.  The state is
   /// unchanged unless the status is `converged`.  Allocates nothing.  Throws std::invalid_argument
   /// unless h is finite.
@@ -69,6 +74,8 @@ class Integrator {
  private:
   /// Takes W, n x n, as the state.  If it throws, the state is unchanged.
   virtual void load(const ConstMatrixView& W) = 0;
+  /// Implements amend_state.
+  virtual void amend(const ConstMatrixView& W) = 0;
   /// Advances the state by a step h, or leaves it if the status is not `converged`.
   virtual StepReport advance_state(double h) = 0;
   /// Copies the state to W, n x n.
@@ -98,35 +105,45 @@ using FlowIn = std::conditional_t<std::is_same_v<Scalar, double>, RealFlow, Flow
 template <class Scalar>
 using SharedFlowIn = std::shared_ptr<const FlowIn<Scalar>>;
 
-/// An integrator whose state is a matrix in storage (linalg/quadratic_algebra.h), of real or
-/// complex numbers.
+/// An integrator whose state is a matrix V = W / scale in storage (linalg/quadratic_algebra.h), of
+/// real or complex numbers, with a power of two for the scale (StateScale).  B is called with W.
 template <class Scalar>
 class IntegratorIn : public Integrator {
  public:
   using Stored = MatrixOf<Scalar>;
 
-  /// Computes W1 from W0, both in storage, without the state.  W1 is read only if the status is
-  /// `converged`.
+  /// Computes W1 from W0, both in storage and in units of the scale, without the state.  W1 is read
+  /// only if the status is `converged`.
   virtual StepReport advance(const Stored& W0, double h, Stored& W1) = 0;
+
+  /// Sets the scale, a power of two, for advance().
+  virtual void set_scale(double scale) { scale_ = scale; }
 
   double energy() const final;
 
  protected:
   explicit IntegratorIn(SharedFlowIn<Scalar> flow);
 
-  /// B = B(W), as Flow::generator.
-  void evaluate(const Stored& W, Stored& B) const;
+  /// B = B(scale V), of V projected onto g unless B is linear.
+  void evaluate(const Stored& V, Stored& B);
 
  private:
   void load(const ConstMatrixView& W) final;
+  void amend(const ConstMatrixView& W) final;
   StepReport advance_state(double h) final;
-  void store(MatrixView W) const final { flow().algebra().unpack(state_, W); }
+  void store(MatrixView W) const final;
   StepReport step_alone(MatrixView W, double h) final;
-  void exchange(MatrixView W);
+  void take(const StateScale& found);
+  void exchange(MatrixView W, const StateScale& of_W);
+  void generate(const Stored& W, Stored& B) const;
 
   const FlowIn<Scalar>& flow_;  // owned by Integrator
+  ScaleFinder finder_;
+  StateScale found_;
+  double scale_ = 1.0;  // found_.value, or that of the integrator of which this is a substep
   Stored state_;
   Stored next_;
+  Stored argument_;  // of a B that is not linear; empty otherwise
 };
 
 /// Makes Method<double> for a RealFlow, and Method<Complex> for another flow.
