@@ -141,7 +141,7 @@ std::variant<IntegrateRequest, int> read_integrate_arguments(int argc, char** ar
                   "name of a listed integrator, in place of --formulation and --stages");
   line.add_option("--step", text.step, "step size h > 0")->required();
   line.add_option("--time", text.time, "end time T >= 0, a whole number of steps")->required();
-  line.add_option("--tolerance", text.tolerance, "of the fixed point, >= 1e-15 (default 1e-13)");
+  line.add_option("--tolerance", text.tolerance, "of the fixed point, relative to W, >= 1e-15 (default 1e-13)");
   line.add_option("--max-sweeps", text.max_sweeps, "sweeps allowed in a step (default 1000)");
   line.add_option("--hbar", text.hbar, "paper: 2/sqrt(n(n-1)) (default); standard: 2/sqrt(n^2-1)");
   line.add_option("--products", text.products, "fastest (default), openblas or eigen");
