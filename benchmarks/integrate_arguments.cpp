@@ -47,9 +47,10 @@ void choose_integrator(const Text& text, const CLI::App& line, IntegrateRequest&
   }
   request.threads = thread_count("integrate", text.threads);
   request.method = text.solver;
+  const FastOptions options = with_defaults({.threads = request.threads}, request.n);
   if (given(line, "--integrator")) {
-    request.integrator = fast ? fast_entry(text.integrator, {.threads = request.threads})
-                              : integrator_entry(text.integrator);
+    request.integrator =
+        fast ? fast_entry(text.integrator, options) : integrator_entry(text.integrator);
     return;
   }
   if (!given(line, "--stages")) throw BadArgument("--stages is required, or --integrator");
@@ -57,9 +58,8 @@ void choose_integrator(const Text& text, const CLI::App& line, IntegrateRequest&
     throw BadArgument("--formulation is required, or --integrator");
   const int stages = static_cast<int>(whole_number("--stages", text.stages, 1, max_stages));
   request.formulation = formulation_from_name(text.formulation);
-  request.integrator =
-      fast ? fast_gauss_entry(*request.formulation, stages, {.threads = request.threads})
-           : gauss_entry(*request.formulation, stages);
+  request.integrator = fast ? fast_gauss_entry(*request.formulation, stages, options)
+                            : gauss_entry(*request.formulation, stages);
 }
 
 // P,Q of --signature.

@@ -238,7 +238,7 @@ class EachListedFastForm : public ::testing::TestWithParam<IntegratorEntry> {};
 // steps add up; explicit forms differ by the rounding of some hundred products.
 TEST_P(EachListedFastForm, GivesTheAnswerOfThePublishedForm) {
   const IntegratorEntry& published = GetParam();
-  const IntegratorEntry fast = fast_entry(published.name);
+  const IntegratorEntry fast = fast_entry(published);
   const double bound = published.keeps.is_explicit ? 1e-14 : 20.0 * SolverOptions{}.tolerance;
   for (const char* scene_name : {"smooth", "rough"}) {
     for (const Index n : {5, 17, 49}) {  // with bands from 48 on
@@ -259,7 +259,7 @@ TEST_P(EachListedFastForm, GivesTheAnswerOfThePublishedForm) {
 TEST_P(EachListedFastForm, WorksAsANewOneAfterAFailureAndSoDoesThePublishedForm) {
   const Scene scene = smooth_scene(17);
   const Matrix not_finite = Matrix::Constant(17, 17, std::nan(""));
-  for (const IntegratorEntry& entry : {fast_entry(GetParam().name), GetParam()}) {
+  for (const IntegratorEntry& entry : {fast_entry(GetParam()), GetParam()}) {
     Matrix expected = scene.initial;
     EXPECT_EQ(made(entry, *scene.flow)->step(expected, 0.1).status, Status::converged);
     for (const auto& [state, h] : {std::pair{scene.initial, 1e200}, std::pair{not_finite, 0.1}}) {
@@ -273,8 +273,21 @@ TEST_P(EachListedFastForm, WorksAsANewOneAfterAFailureAndSoDoesThePublishedForm)
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, EachListedFastForm, ::testing::ValuesIn(integrators()),
+INSTANTIATE_TEST_SUITE_P(All, EachListedFastForm, ::testing::ValuesIn(fast_integrators()),
                          [](const auto& tested) { return tested.param.name; });
+
+TEST(FastForms, EveryRecordedIntegratorHasOne) {
+  for (const std::string& name : recorded_integrators()) {
+    EXPECT_TRUE(integrator_entry(name).has_fast_form()) << name;
+  }
+}
+
+TEST(FastForms, AreRefusedWhereThereIsOnlyAPublishedForm) {
+  for (const char* control : {"algebra2_two_products", "yoshida4_group"}) {
+    EXPECT_FALSE(integrator_entry(control).has_fast_form());
+    expect_refused([&] { fast_entry(control); }, "has no fast form");
+  }
+}
 
 // With up to 7 past steps the prediction is the polynomial through them, which predicts a solution
 // worse that grows finer, and plain sweeps make up for it one by one: what the bound of a tenth

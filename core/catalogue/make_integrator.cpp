@@ -20,7 +20,7 @@ std::unique_ptr<Integrator> make_integrator(const Flow& flow, std::string_view w
     }
     return entry.make(flow, options.iteration, backend);
   }
-  return fast_entry(wanted, {.threads = options.threads}).make(flow, options.iteration, backend);
+  return fast_entry(entry, {.threads = options.threads}).make(flow, options.iteration, backend);
 }
 
 }  // namespace isosyrk

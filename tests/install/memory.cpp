@@ -1,5 +1,5 @@
-// Matrices of the user's go through every kind of integrator and back, and are freed by whoever holds
-// them: the library was compiled for another vector unit than this program.
+// Matrices of the user's go through every kind of integrator and back, and are freed by whoever
+// holds them: the library was compiled for another vector unit than this program.
 #include <isosyrk/catalogue/integrator_list.h>
 #include <isosyrk/catalogue/make_integrator.h>
 #include <isosyrk/flows/scene.h>
@@ -47,6 +47,7 @@ bool advances_any_memory(const std::string& name, isosyrk::Solver solver) {
 int main() {
   for (const isosyrk::IntegratorEntry& entry : isosyrk::integrators()) {
     for (const isosyrk::Solver solver : {isosyrk::Solver::published, isosyrk::Solver::fast}) {
+      if (solver == isosyrk::Solver::fast && !entry.has_fast_form()) continue;
       if (!advances_any_memory(entry.name, solver)) {
         std::printf("%s failed\n", entry.name.c_str());
         return 1;

@@ -49,9 +49,10 @@ def state(n=9, seed=1):
     return W - np.trace(W) / n * np.eye(n)
 
 
-def python(code, how=run, **options):
+def python(code, how=run, OMP_DISPLAY_ENV=None, **options):
     """Runs, or starts, Python with the module on its path."""
-    return how([sys.executable, "-c", code], env=environment(PYTHONPATH=os.path.join(BUILD, "python")), **options)
+    settings = environment(PYTHONPATH=os.path.join(BUILD, "python"), OMP_DISPLAY_ENV=OMP_DISPLAY_ENV)
+    return how([sys.executable, "-c", code], env=settings, **options)
 
 
 class Answers(unittest.TestCase):
@@ -429,6 +430,28 @@ class Beside(unittest.TestCase):
 
 
 class Package(unittest.TestCase):
+    def test_version_is_that_of_the_project_and_of_every_measurement(self):
+        with open(os.path.join(ROOT, "CMakeLists.txt"), encoding="utf-8") as file:
+            self.assertIn(f"project(isosyrk VERSION {isosyrk.__version__} ", file.read())
+        self.assertEqual(isosyrk.conditions()["version"], isosyrk.__version__)
+
+    def test_every_record_says_whether_there_is_a_fast_form(self):
+        self.assertEqual({entry.has_fast_form for entry in isosyrk.integrators()}, {True})
+        with self.assertRaisesRegex(ValueError, "no fast form"):  # of a control
+            isosyrk.integrator(isosyrk.scene("smooth", n=9), "yoshida4_group", solver="fast")
+
+    def test_threads_sleep_after_a_short_spin_unless_told_otherwise(self):
+        code = "import isosyrk, os; print(os.environ.get('GOMP_SPINCOUNT'), os.environ.get('OMP_WAIT_POLICY'))"
+        for settings, spins, left in (({}, "1000", "None None"), ({"GOMP_SPINCOUNT": "70"}, "70", "70 None"),
+                                      ({"OMP_WAIT_POLICY": "passive"}, "0", "None passive")):
+            with self.subTest(settings):
+                done = python(f"import os; os.environ.update({settings}); {code}", OMP_DISPLAY_ENV="verbose")
+                # libgomp tells what it was loaded with; no other has such a setting.
+                if "GOMP_SPINCOUNT" not in done.stderr:
+                    self.skipTest("this OpenMP is not libgomp")
+                self.assertIn(f"GOMP_SPINCOUNT = '{spins}'", done.stderr)
+                self.assertEqual(done.stdout, left + "\n")
+
     def test_stub_names_what_is_there(self):
         from isosyrk import _core
         with open(os.path.join(ROOT, "core", "python", "isosyrk", "_core.pyi"), encoding="utf-8") as stub:

@@ -21,7 +21,14 @@ from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Sequenc
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+# OpenMP reads this when it is loaded, with _core: threads then sleep after a short spin at a barrier, not after
+# milliseconds, which on a busy machine are another program's (as benchmarks/thread_settings.h). It is no one else's affair.
+_waits_as_asked = "GOMP_SPINCOUNT" in os.environ or "OMP_WAIT_POLICY" in os.environ
+if not _waits_as_asked:
+    os.environ["GOMP_SPINCOUNT"] = "1000"
 from . import _core
+if not _waits_as_asked:
+    del os.environ["GOMP_SPINCOUNT"]
 
 __all__ = ["Integrator", "IntegratorRecord", "Report", "Scene", "SolverError", "angular_momentum_error", "casimir_errors",
            "conditions", "integrator", "integrators", "product_rate", "relative_error", "scene", "scenes", "skew_defect", "spectrum", "spectrum_error"]
@@ -82,6 +89,7 @@ class IntegratorRecord(NamedTuple):
     explicit: bool  # no iteration
     stability_limit: float  # largest stable h*norm(ad_B) for a constant generator; inf if there is none
     measured_limit: Optional[float]  # h*norm(B), 2-norm, up to which every recorded trial of the published form worked
+    has_fast_form: bool  # for solver "fast"
 
 
 class Scene:
