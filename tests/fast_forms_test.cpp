@@ -349,5 +349,35 @@ TEST_P(LargeStep, WorksInEveryFastFormWherePublishedFormsFail) {
 
 INSTANTIATE_TEST_SUITE_P(Stages, LargeStep, ::testing::Values(1, 2, 3));
 
+// Steps so long that many predictions fail (h‖B‖ = 1.5 to 2.4).  The control forgets: it goes on by
+// a new integrator after each prediction that failed.
+TEST(LongSteps, TakeFewerSweepsSincePastStepsOutlastPredictionsThatFail) {
+  const Scene scene = rough_scene(17);
+  const auto sweeps = [&](const Method& method, double h, bool forgets) {
+    long total = 0;
+    Matrix W = scene.initial;
+    auto integrator = fast(method, *scene.flow);
+    bool is_new = true;
+    for (int k = 0; k < 60; ++k) {
+      const StepReport report = integrator->step(W, h);
+      EXPECT_EQ(report.status, Status::converged) << k;
+      total += report.sweeps;
+      const bool failed = report.attempt.start == Start::cold && !is_new;
+      is_new = forgets && failed;
+      if (is_new) integrator = fast(method, *scene.flow);
+    }
+    return total;
+  };
+  long keeping = 0;
+  long forgetting = 0;
+  for (const auto& [method, h] : {std::pair{Method{Formulation::group, 1}, 1.6},
+                                  {Method{Formulation::group, 2}, 1.45},
+                                  {Method{Formulation::algebra, 1}, 1.0}}) {
+    keeping += sweeps(method, h, false);
+    forgetting += sweeps(method, h, true);
+  }
+  EXPECT_LT(static_cast<double>(keeping), 0.8 * static_cast<double>(forgetting));
+}
+
 }  // namespace
 }  // namespace isosyrk::testing

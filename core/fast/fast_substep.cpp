@@ -51,10 +51,7 @@ StepReport FastSubstep::solve(double h) {
     return report.status == Status::converged;
   };
   const Iteration first = options_.newton ? Iteration::newton : Iteration::picard;
-  if (predictor_.predict(h, x_)) {
-    if (converges({Start::predicted, first})) return report;
-    predictor_.forget();
-  }
+  if (predictor_.predict(h, x_) && converges({Start::predicted, first})) return report;
   solver_.forget();
   for (const Iteration iteration : {first, Iteration::frozen_picard, Iteration::anderson}) {
     if (iteration == Iteration::frozen_picard && !options_.newton) continue;  // T is part of Newton

@@ -16,23 +16,23 @@ import re
 import statistics
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.dirname(os.path.realpath(__file__))), "lib"))
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 
-import study
+from lib import study
 
 PROGRAM = "accuracy"
 if __name__ == "__main__":
     study.require_module(PROGRAM)
 
 import isosyrk
-import problems
-import study_file
-import trials
-from accuracy_lines import (FAST, FLOOR_MARGIN, PUBLISHED, SCHEMA, TABLE1_STEP, Limit, Problem, Rate, Reference, Run,
-                            Settings, fitted_order, is_rounding)
-from command_line import whole_number
-from integrator_names import TABLE1_CELLS, in_frame
-from study_file import CONVERGED, UNSTABLE
+from lib import problems
+from lib import formats
+from lib.formats import CONVERGED, FAST, PUBLISHED, UNSTABLE
+from lib import trials
+from lib.accuracy_lines import (FLOOR_MARGIN, SCHEMA, TABLE1_STEP, Limit, Problem, Rate, Reference, Run, Settings,
+                                fitted_order, is_rounding)
+from lib.command_line import whole_number
+from lib.integrator_names import TABLE1_CELLS, in_frame
 
 REFERENCES = os.path.join(study.ROOT, "results", "recorded", "references")
 
@@ -272,7 +272,7 @@ def main(arguments):
     def completed(runs):
         return [rounded(run._replace(cpu_seconds=next(seconds) if run.usable else ())) for run in runs]
 
-    study_file.write(options.out, SCHEMA, journal.context, Settings(options.quick), {
+    formats.write_study(options.out, SCHEMA, journal.context, Settings(options.quick), {
         "references": references, "rates": rates, "integrators": list(map(study.record_of, chosen)), "limits": limits,
         "runs": completed(runs), "tolerance_runs": completed(tolerance_runs)})
     journal.remove()

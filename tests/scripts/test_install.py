@@ -66,7 +66,8 @@ class InstalledLibrary(FolderTest):
     def test_module_is_built_for_the_python_that_has_numpy(self):
         # Without packages, and so without NumPy.
         self.write("python3", f"#!/bin/sh\nexec {sys.executable} -S \"$@\"\n", executable=True)
-        printed = self.done("env", "-u", "ISOSYRK_PYTHON", f"PATH={self.folder}:{os.environ['PATH']}", "cmake", "-S", ROOT,
+        printed = self.done("env", "-u", "ISOSYRK_PYTHON", f"PATH={self.folder}:{os.environ['PATH']}", "cmake", "-S",
+                            ROOT,
                             "-B", self.path("build"))
         self.assertRegex(printed, r"-- NumPy module: built for /usr/bin/python3 \(Python 3")
 

@@ -79,7 +79,8 @@ class RefusedArguments(IntegrateTest):
         ("time", ("0.55", "0.5001"), "whole number"), ("time", ("1e+300",), "at most"),
         ("tolerance", ("0", "nan", "inf", "9.99e-16", "x"), "at least 1e-15"),
         ("max_sweeps", ("0", "2.5", "9" * 30), "1 to "), ("formulation", ("quotient", "Group", ""), *FORMULATIONS),
-        ("hbar", ("planck", "Paper"), "paper", "standard"), ("products", ("abacus", "Eigen"), "fastest", "openblas", "eigen"),
+        ("hbar", ("planck", "Paper"), "paper", "standard"),
+        ("products", ("abacus", "Eigen"), "fastest", "openblas", "eigen"),
         ("scene", ("calm", "", "Smooth"), "rough"), ("solver", ("quick", "", "Fast"), "published", "fast"),
     )
 
@@ -91,8 +92,8 @@ class RefusedArguments(IntegrateTest):
             self.refuses({"solver": "fast", "threads": value}, "--threads", value, "1 to 64")
 
     def test_what_is_missing_twice_or_unknown_is_named(self):
-        for flags, part in ((("--tolerance",), "--tolerance"), (("--n", "33"), "--n"), (("--jso",), "--jso"), (("-x",), "-x"),
-                            (("--stepsize=3",), "--stepsize"), (("perhaps",), "perhaps")):
+        for flags, part in ((("--tolerance",), "--tolerance"), (("--n", "33"), "--n"), (("--jso",), "--jso"),
+                            (("-x",), "-x"), (("--stepsize=3",), "--stepsize"), (("perhaps",), "perhaps")):
             self.refuses({}, part, flags=flags)
         for argument in SHORT:
             self.refuses({argument: None}, f"--{argument} ")
@@ -107,7 +108,8 @@ class RefusedArguments(IntegrateTest):
                 ({**NAMED, "integrator": "euler"}, "--integrator 'euler'", "rkmk4", "group2"),
                 *(({**NAMED, "integrator": "rk4", other: SHORT[other]}, "--integrator", "must stand alone")
                   for other in ("stages", "formulation")),
-                ({**NAMED, "solver": "fast", "integrator": "algebra2_two_products"}, "algebra2_two_products", "no fast form"),
+                ({**NAMED, "solver": "fast", "integrator": "algebra2_two_products"}, "algebra2_two_products",
+                 "no fast form"),
                 ({"solver": "fast", "products": "eigen"}, "--solver fast", "--products eigen"),
                 ({"threads": "2"}, "--threads 2", "--solver fast")):
             self.refuses(changes, *parts)
@@ -115,7 +117,8 @@ class RefusedArguments(IntegrateTest):
     def test_modes(self):
         self.refuses({"modes": self.path("nowhere.csv")}, "--modes", "nowhere.csv", "cannot be read")
         # More lines and modes that are none: tests/modes_file_test.cpp and tests/scene_test.cpp.
-        for row, *parts in (("2,0,1", "line 2"), ("2147483647,0,1,0", "l=2147483647", "1 to n-1")):
+        for row, *parts in (("2,0,1", "line 2"), ("2147483647,0,1,0", "line 2", "l=2147483647", "1 to n-1"),
+                            ("2,-1,1,0", "line 2", "m=-1", "0 to l")):
             modes = self.write("modes.csv", f"l,m,re,im\n{row}\n")
             self.refuses({"modes": modes}, "--modes", modes, *parts)
 
@@ -195,7 +198,8 @@ class InitialData(IntegrateTest):
                 (npy_bytes(W, (3, 0)), "format 3"), (good.replace(b"False", b"Maybe"), "header"), (good[:60], "header"),
                 (good.replace(b"'fortran_order': False, ", b"'spare_order__': False, "), "header"),
                 (good.replace(b", }    ", b",'a':1}"), "header"), (good.replace(b"(17, 17)", b"(17, 17,"), "header"),
-                (npy_bytes(W.astype(">c16")), "'>c16'", "'<c16'"), (npy_bytes(W.view([("W", "<c16")])), "[('W','<c16')]"),
+                (npy_bytes(W.astype(">c16")), "'>c16'", "'<c16'"),
+                (npy_bytes(W.view([("W", "<c16")])), "[('W','<c16')]"),
                 (npy_bytes(W[:-1]), "(16,17)", "(17,17)"), (npy_bytes(W.ravel()), "(289,)"),
                 (good[:-1], "4623 bytes", "4624"), (good + b"\0", "4625 bytes", "4624"),
                 # More matrices that are none: tests/scene_test.cpp.
@@ -259,10 +263,12 @@ class GoodRuns(IntegrateTest):
     def test_other_scenes_give_other_answers_and_the_default_one_by_its_name_or_from_a_file_the_same(self):
         smooth, W = self.result(SAME_PRODUCTS)
         modes = self.write("modes.csv", MODES)
-        for changes, scene in (({"hbar": "standard"}, "smooth"), ({"modes": modes}, "modes"), ({"scene": "rough"}, "rough")):
+        for changes, scene in (({"hbar": "standard"}, "smooth"), ({"modes": modes}, "modes"),
+                               ({"scene": "rough"}, "rough")):
             result, other = self.result(SAME_PRODUCTS, **changes)
             self.assertGreater(numpy.abs(other - W).max(), 1e-6)
-            self.assertEqual((result["scene"], result["modes_hash"] == smooth["modes_hash"]), (scene, scene == "smooth"))
+            self.assertEqual((result["scene"], result["modes_hash"] == smooth["modes_hash"]),
+                             (scene, scene == "smooth"))
             self.assertLess(result["spectrum_error"], 1e-11)
         for changes in ({"scene": "smooth"}, {"modes": os.path.join(DATA, "initial_modes.csv")}):
             result, same = self.result(SAME_PRODUCTS, **changes)
@@ -299,6 +305,7 @@ class GoodRuns(IntegrateTest):
 
     def test_an_answer_that_could_not_be_printed_is_no_success(self):
         self.assertNotEqual(run_on_full_disk(command(SHORT, "--json")).returncode, DONE)
+
 
 class Notes(IntegrateTest):
     """A line before the run, which goes on."""

@@ -61,8 +61,9 @@ class Answers(unittest.TestCase):
             with tempfile.TemporaryDirectory() as folder:
                 path = os.path.join(folder, "W.npy")
                 products = () if solver == "fast" else ("--products", "openblas")
-                subprocess.run([program("integrate"), "--n", "17", "--integrator", "group2", "--step", "0.1", "--time", "2",
-                                "--solver", solver, "--output", path, *products], check=True, stdout=subprocess.DEVNULL)
+                subprocess.run([program("integrate"), "--n", "17", "--integrator", "group2", "--step", "0.1",
+                                "--time", "2", "--solver", solver, "--output", path, *products],
+                               check=True, stdout=subprocess.DEVNULL)
                 wanted = np.load(path)
             W, report = ran(isosyrk.scene("smooth", n=17), "group2", 20, solver=solver)
             self.assertTrue(np.array_equal(W, wanted), solver)
@@ -275,7 +276,8 @@ class Refusals(unittest.TestCase):
         method = isosyrk.integrator(SMOOTH, "group2")
         W = SMOOTH.initial
         for error, message, arguments in (
-                (TypeError, "^h: is a ndarray", (W, np.array("0.1"), 5)), (ValueError, "^h: is too large", (W, 10**400, 5)),
+                (TypeError, "^h: is a ndarray", (W, np.array("0.1"), 5)),
+                (ValueError, "^h: is too large", (W, 10**400, 5)),
                 (ValueError, "^h = nan", (W, float("nan"), 5)), (ValueError, "^steps = -1: must be 0 to", (W, 0.1, -1)),
                 (ValueError, r"shape is \(8, 8\)", (W[:8, :8], 0.1, 5)), (ValueError, "dtype", ("W", 0.1, 5)),
                 (ValueError, "1e-10", (W + np.eye(9), 0.1, 5)), (TypeError, "^observe: is a int", (W, 0.1, 5, 3)),
@@ -306,7 +308,8 @@ class Refusals(unittest.TestCase):
     def test_empty_matrices(self):
         empty = np.zeros((0, 0), complex)
         self.refused(ValueError, r"shape is \(0, 0\)", isosyrk.spectrum, empty)
-        self.refused(ValueError, "n >= 2", isosyrk.angular_momentum_error, np.ones((1, 1), complex), np.ones((1, 1), complex))
+        one = np.ones((1, 1), complex)
+        self.refused(ValueError, "n >= 2", isosyrk.angular_momentum_error, one, one)
 
 
 class Beside(unittest.TestCase):
@@ -336,17 +339,51 @@ class Beside(unittest.TestCase):
         method.run(scene.initial, 0.1, 5, out=shared, observe=observe)
         self.assertTrue(np.array_equal(shared, untouched))
 
+    def test_an_integrator_is_free_again_after_an_exception(self):
+        raising = False
+
+        def generator(W):
+            if raising:
+                raise KeyError("mine")
+            return SMOOTH.generator(W)
+
+        def observe(*_):
+            raise KeyError("mine")
+
+        method = isosyrk.integrator(isosyrk.scene(initial=SMOOTH.initial, generator=generator), "group2")
+        wanted, _ = method.run(SMOOTH.initial, 0.1, 5)
+        for call, options in ((method.run, {}), (method.timed_run, {}), (method.step, {}),
+                              (method.run, {"observe": observe})):
+            steps = () if call == method.step else (5,)
+            raising = not options
+            with self.assertRaisesRegex(KeyError, "mine"):
+                call(SMOOTH.initial, 0.1, *steps, **options)
+            raising = False
+            self.assertTrue(np.array_equal(method.run(SMOOTH.initial, 0.1, 5)[0], wanted))
+
+    def turns_beside(self, *calls):
+        """Returns how many times this thread had a turn while others made the calls, and the answers."""
+        turns = 0
+        with concurrent.futures.ThreadPoolExecutor() as pool:
+            runs = [pool.submit(*call) for call in calls]
+            while concurrent.futures.wait(runs, 0.001).not_done:
+                turns += 1
+        return turns, [run.result() for run in runs]
+
     def test_other_threads_go_on_while_one_steps(self):
         scene = isosyrk.scene("smooth", n=33)
         wanted, _ = ran(scene, "group3", 20)
-        turns = 0
-        with concurrent.futures.ThreadPoolExecutor() as pool:
-            runs = [pool.submit(ran, scene, "group3", 20) for _ in range(2)]
-            while concurrent.futures.wait(runs, 0.001).not_done:
-                turns += 1
+        turns, answers = self.turns_beside(*[(ran, scene, "group3", 20)] * 2)
         self.assertGreater(turns, 3)
-        for run in runs:
-            self.assertTrue(np.array_equal(run.result()[0], wanted))
+        for W, _ in answers:
+            self.assertTrue(np.array_equal(W, wanted))
+
+    def test_other_threads_go_on_while_one_is_timed(self):
+        scene = isosyrk.scene("smooth", n=33)
+        method = isosyrk.integrator(scene, "group3")
+        turns, [times] = self.turns_beside((method.timed_run, scene.initial, 0.1, 20, 2))
+        self.assertEqual(len(times), 2)
+        self.assertGreater(turns, 3)
 
     def interrupted(self, n, solver, steps):
         """Interrupts a run after half a second; returns what its process printed and the seconds it took to end."""
@@ -358,7 +395,8 @@ class Beside(unittest.TestCase):
                 "try:\n"
                 f"    method.run(W, 0.02, {steps}, out=W)\n"
                 "except KeyboardInterrupt:\n"
-                "    print('ended', isosyrk.spectrum_error(W, scene.initial), np.array_equal(W, scene.initial), flush=True)\n"
+                "    unmoved = np.array_equal(W, scene.initial)\n"
+                "    print('ended', isosyrk.spectrum_error(W, scene.initial), unmoved, flush=True)\n"
                 "    isosyrk.integrator(scene, 'rk4').step(W, 0.001)\n"
                 "    print('and works', flush=True)\n")
         process = python(code, start, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
@@ -405,7 +443,8 @@ class Beside(unittest.TestCase):
                 "        os.write(1, str(error).encode())\n"
                 "    os._exit(0)\n"
                 "os.wait()\n")
-        for parent, printed in (("", "done"), ("method.step(scene.initial, 0.1)", "threads = 2: hang in a process forked")):
+        for parent, printed in (("", "done"),
+                                ("method.step(scene.initial, 0.1)", "threads = 2: hang in a process forked")):
             self.assertTrue(self.printed(code.replace("PARENT", parent)).startswith(printed))
 
     def test_numpy_is_left_as_it_was(self):
