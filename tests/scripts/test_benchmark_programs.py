@@ -23,9 +23,9 @@ BRIEF = ("--benchmark_filter=n:17", "--benchmark_min_time=0.01")
 ONE_ROW = ("--benchmark_filter=table1/group/n:17/s:1", "--benchmark_min_time=0.01")
 COUNTERS = ("sweeps_per_step", "products", "poisson_solves", "spectrum_error", "skew_defect", "energy_error",
             "h_norm_B", "product_share", "stolen")
-MACHINE_CONTEXT = ("isosyrk_program", "isosyrk_format", "version", "commit", "dirty", "compiler", "flags", "build_type", "cpu",
-                   "vector_units", "load_average", "blas_library", "blas_kernels", "blas_threads", "environment",
-                   "products", "product_rate", "peak_gflops", "notice")
+MACHINE_CONTEXT = ("isosyrk_program", "isosyrk_format", "version", "commit", "dirty", "compiler", "flags",
+                   "build_type", "cpu", "vector_units", "load_average", "blas_library", "blas_kernels",
+                   "blas_threads", "environment", "products", "product_rate", "peak_gflops", "notice")
 SOLVER_CONTEXT = ("tolerance", "norm", "start", "update_order", "hbar", "modes_hash")
 VERSION = re.search(r"project\(isosyrk VERSION ([0-9.]+) ", text_of(ROOT, "CMakeLists.txt")).group(1)
 REFERENCES = os.path.join(ROOT, "results", "recorded", "references")

@@ -144,7 +144,7 @@ class OwnMethod(FolderTest):
         self.assertLess(result["spectrum_error"], 1e-11)
         self.assert_refused(run([*integrate, "--solver", "fast"]), f"integrator '{self.NAME}': has no fast form")
 
-    @unittest.skipUnless(HAS_MODULE and not SANITIZED, "without the module, or with one that needs a sanitizer's libraries")
+    @unittest.skipUnless(HAS_MODULE and not SANITIZED, "without the module, or with a sanitizer's libraries")
     def test_module_and_study(self):
         python = re.search(r"^_?Python_EXECUTABLE:\w+=(.*)$", text_of(BUILD, "CMakeCache.txt"), re.M).group(1)
         code = f"""if True:
@@ -161,3 +161,16 @@ class OwnMethod(FolderTest):
             """
         done = run([python, "-c", code], env=environment(PYTHONPATH=os.path.join(OWN_METHOD, "python")))
         self.assertEqual((done.stdout, done.stderr), (f"integrator '{self.NAME}': has no fast form\n", ""))
+
+        raw = self.path("accuracy.json")
+        done = run([python, "-B", os.path.join(ROOT, "scripts", "studies", "accuracy.py"), "--quick", "--n", "17",
+                    "--integrator", self.NAME, "--repetitions", "1", "--out", raw], timeout=300,
+                   env=environment(ISOSYRK_BUILD=OWN_METHOD))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        table = strict_json(text_of(raw))["tables"]["runs"]
+        runs = [dict(zip(table["columns"], row)) for row in table["rows"]]
+        self.assertEqual({run["solver"] for run in runs}, {"published"})
+        # Of order 2: it ends at ever smaller steps with ever smaller errors.
+        errors = [run["error"] for run in runs if run["status"] == "converged" and run["scene"] == "smooth"]
+        self.assertGreater(len(errors), 4)
+        self.assertEqual(errors, sorted(errors, reverse=True))

@@ -144,7 +144,6 @@ class RefusedArguments(IntegrateTest):
             with self.subTest(changes=changes):
                 self.assert_refused(run(["bash", "-c", script, "bash", *command({**huge, **changes})]), *parts)
 
-
     @unittest.skipIf(SANITIZED, "a sanitizer reserves terabytes of address space")
     def test_an_address_space_too_small_for_openblas(self):
         # OpenBLAS tries for ever to get its 128 MB: a run that got that far would time out.
@@ -346,8 +345,8 @@ class Threads(IntegrateTest):
 
     def seconds(self, threads, **settings):
         """Returns the CPU time of the steps of a run."""
-        line = command({**NAMED, "n": "129", "step": "0.1", "time": "1", "integrator": "group2", "solver": "fast"}, "--json",
-                       threads=threads)
+        line = command({**NAMED, "n": "129", "step": "0.1", "time": "1", "integrator": "group2"}, "--json",
+                       solver="fast", threads=threads)
         done = run(line, env=environment(**settings), timeout=120)
         self.assertEqual((done.returncode, done.stderr), (DONE, ""))
         return strict_json(done.stdout)["seconds"]

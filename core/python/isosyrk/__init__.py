@@ -23,11 +23,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 # OpenMP reads this when it is loaded, with _core: threads then sleep after a short spin at a barrier, not after
-# milliseconds, which on a busy machine are another program's (as benchmarks/thread_settings.h). It is no one else's affair.
+# milliseconds, which on a busy machine are another program's (see benchmarks/thread_settings.h). It is kept from the
+# processes that this one starts.
 _waits_as_asked = "GOMP_SPINCOUNT" in os.environ or "OMP_WAIT_POLICY" in os.environ
 if not _waits_as_asked:
     os.environ["GOMP_SPINCOUNT"] = "1000"
-from . import _core
+from . import _core  # noqa: E402
 if not _waits_as_asked:
     del os.environ["GOMP_SPINCOUNT"]
 
