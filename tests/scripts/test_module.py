@@ -481,7 +481,7 @@ class Package(unittest.TestCase):
 
     def test_threads_sleep_after_a_short_spin_unless_told_otherwise(self):
         code = "import isosyrk, os; print(os.environ.get('GOMP_SPINCOUNT'), os.environ.get('OMP_WAIT_POLICY'))"
-        for settings, spins, left in (({}, "1000", "None None"), ({"GOMP_SPINCOUNT": "70"}, "70", "70 None"),
+        for settings, spins, left in (({}, "1500", "None None"), ({"GOMP_SPINCOUNT": "70"}, "70", "70 None"),
                                       ({"OMP_WAIT_POLICY": "passive"}, "0", "None passive")):
             with self.subTest(settings):
                 done = python(f"import os; os.environ.update({settings}); {code}", OMP_DISPLAY_ENV="verbose")

@@ -27,7 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 # processes that this one starts.
 _waits_as_asked = "GOMP_SPINCOUNT" in os.environ or "OMP_WAIT_POLICY" in os.environ
 if not _waits_as_asked:
-    os.environ["GOMP_SPINCOUNT"] = "1000"
+    os.environ["GOMP_SPINCOUNT"] = "1500"
 from . import _core  # noqa: E402
 if not _waits_as_asked:
     del os.environ["GOMP_SPINCOUNT"]
