@@ -55,7 +55,8 @@ def claims_section(comparison):
             for n in comparison.sizes()]
     columns = (Column("n"), *(Column(f"({claim.label}), s = {stages}", align="left") for claim, stages in cases))
     return [Heading("The paper's claims"),
-            Items([(f"({claim.label})", f" {claim.statement}.") for claim in CLAIMS]),
+            Items([(f"({claim.label})", f" s = {', '.join(map(str, claim.stages))}: {claim.statement}.")
+                   for claim in CLAIMS]),
             Paragraph("Ratio: for (a) and (b) the time of the fastest other row over that of the row that is said to be"
                       " fastest; for (c) the time of algebra over that of the fastest other row. (a) and (b) hold if"
                       " that row is faster than both others, are a tie if it ties with one and is slower than none, and"

@@ -1,4 +1,4 @@
-"""The chart of Tables 1 and 2 beside the paper: for each s the time of each formulation over that of group, against n."""
+"""The chart of Tables 1 and 2 beside the paper: for each s the time of each formulation over that of group."""
 
 from math import log
 

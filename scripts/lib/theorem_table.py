@@ -119,8 +119,8 @@ def sections(study):
                   " DIRK methods are fastest on g (algebra). The ratio is the time of the fastest other formulation"
                   " over that of the claimed one. A claim holds if its formulation is faster than both others (the"
                   f" whole 95 % interval of the ratio lies beyond {MARGIN:g}), fails if it is slower than one, and is a"
-                  f" tie if it ties with one. Bold, in text a star: it holds. {UNDECIDED_MARK}: undecided after"
-                  f' {number_of_processes(study)} processes. "{NO_STEP}": its Picard sweeps fail.'),
+                  f" tie if it ties with one. Bold, in text a star: it holds. {UNDECIDED_MARK}: undecided. Each"
+                  f' row was timed in {number_of_processes(study)} processes. "{NO_STEP}": its Picard sweeps fail.'),
         claims_table(tables),
         Heading("Where the formulations coincide"),
         Paragraph(f"Gauss with s = 1, 2, 3 in every formulation: {settings.steps} steps at each h‖B(W₀)‖₂, tolerance"
@@ -208,7 +208,7 @@ def claims_table(tables):
                     blocks[-1].append([Entry(scene), Entry(str(n)), Entry(f"{claim}, {method}"), Entry(wanted),
                                        *(claim_entry(wanted, block) for block in there)])
     return Table((*lefts("scene"), Column("n"), *lefts("claim", "fastest is"), *(
-        Column(f"{norm:g}", "h‖B‖ =") for norm in norms)), blocks)
+        Column(f"h‖B‖ = {norm:g}") for norm in norms)), blocks)
 
 
 def claim_entry(wanted, block):

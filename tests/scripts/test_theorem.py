@@ -333,7 +333,7 @@ class Report(FolderTest):
             ["spin_chain", "256", "(a), s = 1", "algebra", "fails 0.500", "–"],
             ["spin_chain", "512", "(a), s = 1", "algebra", "fails 0.500", "–"],
             ["spin_chain", "512", "footnote, yoshida4", "algebra", "–", "no step"]])
-        self.assertIn("undecided after 6 processes", " ".join(as_markdown(self.document).split()))
+        self.assertIn("Each row was timed in 6 processes.", " ".join(as_markdown(self.document).split()))
 
     def test_costs(self):
         rows = self.rows("What they cost")
@@ -434,7 +434,7 @@ class Study(FolderTest):
         files = snapshot(self.path("report"))
         self.assertEqual(set(files), {"report.md", "figures.json"})
         report = files["report.md"].decode("utf-8")
-        for part in ("undecided after 1 processes", "no step", "ISOSYRK, K", "one of order 1", "footnote, yoshida4"):
+        for part in ("timed in 1 processes", "no step", "ISOSYRK, K", "one of order 1", "footnote, yoshida4"):
             self.assertIn(part, report)
         found = json.loads(files["figures.json"])
         self.assertTrue(found)
