@@ -43,7 +43,7 @@ constexpr std::array<std::string_view, 4> column_names = {"l", "m", "re", "im"};
 
 }  // namespace
 
-std::vector<Mode> read_modes(std::istream& input, const std::string& source) {
+std::vector<Mode> read_modes(std::istream& input, const std::string& source, Index n) {
   std::string place = source;
   const auto fail = [&](const std::string& why) {
     throw std::invalid_argument(fmt::format("{}: {}", place, why));
@@ -80,6 +80,11 @@ std::vector<Mode> read_modes(std::istream& input, const std::string& source) {
       }
     }
     mode.value = {re, im};
+    try {
+      require_valid_mode(mode, n);
+    } catch (const std::invalid_argument& error) {
+      fail(error.what());
+    }
     modes.push_back(mode);
   }
   place = source;
@@ -96,7 +101,7 @@ std::vector<Mode> read_modes_file(const std::string& path, Index n) {
   std::ifstream input(path);
   if (!input) throw std::invalid_argument(fmt::format("--modes {}: cannot be read", path));
   const std::string source = fmt::format("--modes {}", path);
-  std::vector<Mode> modes = read_modes(input, source);
+  std::vector<Mode> modes = read_modes(input, source, n);
   try {
     require_valid(modes, n);
   } catch (const std::invalid_argument& error) {

@@ -10,11 +10,11 @@
 namespace isosyrk {
 
 /// Reads modes from CSV: a header line naming the columns l, m, re and im, in any order, then a
-/// line a mode.  Checks form only; what (l, m) may be is core's require_valid.  Throws
+/// line a mode.  Each mode must be valid by core's require_valid_mode.  Throws
 /// std::invalid_argument naming `source` and the line.
-std::vector<Mode> read_modes(std::istream& input, const std::string& source);
+std::vector<Mode> read_modes(std::istream& input, const std::string& source, Index n);
 
-/// Reads the file at `path`, and checks it for size n.  Throws std::invalid_argument.
+/// Reads the file at `path`; its modes must be valid together, too.  Throws std::invalid_argument.
 std::vector<Mode> read_modes_file(const std::string& path, Index n);
 
 /// A hash of the modes (FNV-1a, 64 bits, of the lines "l,m,re,im" in the order given), as 16 hex

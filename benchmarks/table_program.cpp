@@ -96,26 +96,26 @@ std::vector<std::string> names_of(const std::vector<CellId>& cells) {
   return names;
 }
 
-// What a run does besides taking time: measured once per cell, in an untimed run.
-struct Quality {
-  RunReport run;
-  Conservation kept;
-  double h_norm_B = 0.0;
-  std::optional<double> relative_error;  // where there is a reference solution
+// The warm run of a cell: the 50 steps, untimed, in which the energy is watched.
+struct WarmRun {
+  RunReport report;
+  double energy_error = 0.0;  // where it converged
 };
 
-Quality measure_quality(const Scene& scene, Integrator& integrator,
-                        const std::optional<Reference>& reference) {
-  Quality quality;
-  quality.h_norm_B = step_size * generator_norms(scene).B;
+WarmRun warm_run(const Scene& scene, Integrator& integrator) {
   ConservationWatch watch(scene);
   Matrix W = scene.initial;
-  quality.run = run(integrator, W, step_size, step_total,
+  WarmRun warm;
+  warm.report = run(integrator, W, step_size, step_total,
                     [&](long, const Matrix& V, const StepReport&) { watch.observe(V); });
-  if (!quality.run.converged()) return quality;
-  quality.kept = watch.report(W);
-  if (reference) quality.relative_error = relative_error(W, reference->W);
-  return quality;
+  if (warm.report.converged()) warm.energy_error = watch.report(W).energy_error;
+  return warm;
+}
+
+// Touches the integrator's memory and no more, where there is no warm run.
+void warm_step(const Scene& scene, Integrator& integrator) {
+  Matrix W = scene.initial;
+  integrator.step(W, step_size);
 }
 
 // Progress over interleaved repetitions, during which Google Benchmark prints nothing.
@@ -159,24 +159,20 @@ class CellProgress {
 /// One cell of the table.  One timed iteration is the whole run of 50 steps.
 class Cell {
  public:
-  Cell(const CellId& id, const SolverOptions& options, ProductBackend backend,
+  Cell(const CellId& id, const SolverOptions& options, ProductBackend backend, bool warm,
        const std::optional<Reference>& reference, CellProgress& progress)
       : table_(*id.table),
         id_(id),
         options_(options),
         backend_(backend),
+        warm_(warm),
         reference_(reference),
         progress_(progress) {}
 
   void time(benchmark::State& state) {
     set_up();
     const double wall_start = wall_seconds();
-    if (!quality_.run.converged()) {
-      fail_row(state,
-               fmt::format("{} at step {} (last change {:.2g})", isosyrk::name(quality_.run.status),
-                           quality_.run.failed_step, quality_.run.last_change));
-      return;
-    }
+    if (warm_run_ && fails(state, warm_run_->report)) return;
     // The product rate of the moment, on both sides of what it is compared with.
     const double rate_before = table_.product_rate(backend_, id_.n);
     Matrix W = scene_.initial;
@@ -195,20 +191,22 @@ class Cell {
     const double seconds = (table_.threads == 1 ? cpu_seconds() - start : elapsed) /
                            static_cast<double>(state.iterations());
     const double rate = 0.5 * (rate_before + table_.product_rate(backend_, id_.n));
-    if (timed.sweeps != quality_.run.sweeps) {
+    if (fails(state, timed)) return;
+    if (warm_run_ && timed.sweeps != warm_run_->report.sweeps) {
       fail_row(state, fmt::format("{} sweeps where the run before took {}", timed.sweeps,
-                                  quality_.run.sweeps));
+                                  warm_run_->report.sweeps));
       return;
     }
+    const Conservation kept = ConservationWatch(scene_).report(W);
     state.counters["sweeps_per_step"] = timed.sweeps_per_step();
     state.counters["products"] = static_cast<double>(timed.products);
     state.counters["poisson_solves"] = static_cast<double>(timed.poisson_solves);
-    state.counters["spectrum_error"] = quality_.kept.spectrum_error;
-    state.counters["skew_defect"] = quality_.kept.skew_defect;
-    state.counters["energy_error"] = quality_.kept.energy_error;
-    state.counters["h_norm_B"] = quality_.h_norm_B;
-    if (quality_.relative_error) {
-      state.counters["relative_error"] = *quality_.relative_error;
+    state.counters["spectrum_error"] = kept.spectrum_error;
+    state.counters["skew_defect"] = kept.skew_defect;
+    if (warm_run_) state.counters["energy_error"] = warm_run_->energy_error;
+    state.counters["h_norm_B"] = h_norm_B_;
+    if (reference_) {
+      state.counters["relative_error"] = relative_error(W, reference_->W);
       state.counters["reference_uncertainty"] = reference_->uncertainty;
     }
     state.counters["product_share"] = timed.equivalent_products / rate / seconds / table_.threads;
@@ -223,19 +221,34 @@ class Cell {
   void set_up() {
     if (integrator_) return;  // repetitions share one cell
     scene_ = smooth_scene(id_.n);
+    h_norm_B_ = step_size * generator_norms(scene_).B;
     integrator_ = table_.entry(id_.formulation, id_.s).make(scene_.flow, options_, backend_);
-    quality_ = measure_quality(scene_, *integrator_, reference_);
+    if (warm_) {
+      warm_run_ = warm_run(scene_, *integrator_);
+    } else {
+      warm_step(scene_, *integrator_);
+    }
+  }
+
+  // Makes the row an error row if a run failed.
+  static bool fails(benchmark::State& state, const RunReport& report) {
+    if (report.converged()) return false;
+    fail_row(state, fmt::format("{} at step {} (last change {:.2g})", isosyrk::name(report.status),
+                                report.failed_step, report.last_change));
+    return true;
   }
 
   const Table& table_;
   CellId id_;
   SolverOptions options_;
   ProductBackend backend_;
+  bool warm_;
   const std::optional<Reference>& reference_;
   CellProgress& progress_;
   Scene scene_;
+  double h_norm_B_ = 0.0;
   std::unique_ptr<Integrator> integrator_;
-  Quality quality_;
+  std::optional<WarmRun> warm_run_;
 };
 
 }  // namespace
@@ -248,9 +261,13 @@ int time_table(Forms forms, int argc, char** argv) {
                 "  Takes Google Benchmark's arguments as well, such as "
                 "--benchmark_filter=n:17/ and --benchmark_out=FILE."};
   std::string products = "fastest";
-  if (!fast) {
-    line.add_option("--products", products, "fastest (default), openblas or eigen");
-  }
+  line.add_option("--products", products,
+                  "of published forms: fastest (default), openblas or eigen");
+  bool no_warm_run = false;
+  line.add_flag("--no-warm-run", no_warm_run,
+                "one untimed step in place of an untimed run before the timed ones; rows then have "
+                "no energy_error")
+      ->disable_flag_override();
   bool with_published = false;
   std::string threads = "1";
   if (fast) {
@@ -300,8 +317,8 @@ int time_table(Forms forms, int argc, char** argv) {
     }
     rates.push_back(choose_backend(choice, n));
     for (const CellId& cell : cells[n]) {
-      const auto timed =
-          std::make_shared<Cell>(cell, options, rates.back().chosen, reference[n], progress);
+      const auto timed = std::make_shared<Cell>(cell, options, rates.back().chosen, !no_warm_run,
+                                                reference[n], progress);
       benchmark::RegisterBenchmark(cell.name().c_str(), [timed](benchmark::State& state) {
         timed->time(state);
       })->Unit(benchmark::kMillisecond);
@@ -309,7 +326,9 @@ int time_table(Forms forms, int argc, char** argv) {
   }
   Conditions conditions = table.conditions;  // of those with one name the first stays
   conditions.merge(solver_conditions(options, HbarConvention::paper, default_modes()));
-  conditions.merge(machine_conditions(table.name, choice, rates));
+  Conditions machine = machine_conditions(table.name, choice, rates);
+  if (with_published) conditions["published_products"] = machine["products"];
+  conditions.merge(machine);
   if (const std::string remark = notice(); !remark.empty()) {
     print_error(table.name.c_str(), "note: " + remark);
   }

@@ -19,6 +19,7 @@ struct Script {
   float K = 0.1f;
   int cold_starts_until_finite = 0;  // residuals before are not numbers
   bool has_solution = true;          // else G(x) = x + 1
+  double drift = 0.0;                // W₁ = x + drift in every entry
 };
 
 // x = G(x) for one unknown, of which x = W₀ is the solution.
@@ -68,7 +69,7 @@ class Scripted final : public StageSystem {
   }
   void update(const Unknowns& x, SplitMatrix& W1) override {
     ++calls.updates;
-    W1.entries() = x[0][0].entries();
+    W1.load(x[0][0].interleaved() + Matrix::Constant(n, n, script.drift));
   }
   bool truncates() const override { return false; }
   void truncate(bool) override {}
@@ -168,6 +169,24 @@ TEST_F(Fallback, WhereAllFailTheStepHasFailedAndTheNextStartsCold) {
   expect_success_of("predicted Newton", {});
   expect_failure(3, {.has_solution = false});
   expect_success_of("cold Newton", {});
+}
+
+// Solutions that lie on a line are predicted to rounding by two past steps, and by one with an
+// error of the drift.  A failed attempt leaves those before it to the next step.
+TEST_F(Fallback, PastStepsAreKeptWhereAPredictedAttemptFails) {
+  const Script drifting = {.drift = 1e-3};
+  const auto sweeps_of_prediction = [&] {
+    const StepReport report = step(drifting);
+    EXPECT_EQ(name(report.attempt), "predicted Newton");
+    return report.sweeps;
+  };
+  step(drifting);
+  const long of_one_step = sweeps_of_prediction();
+  const long of_two_steps = sweeps_of_prediction();
+  EXPECT_LT(of_two_steps, of_one_step);
+  const StepReport failed = step({.cold_starts_until_finite = 1, .drift = drifting.drift});
+  EXPECT_EQ(name(failed.attempt), "cold Newton");
+  EXPECT_EQ(sweeps_of_prediction(), of_two_steps);
 }
 
 // Whether a step works or fails.

@@ -238,7 +238,7 @@ class EachListedFastForm : public ::testing::TestWithParam<IntegratorEntry> {};
 // steps add up; explicit forms differ by the rounding of some hundred products.
 TEST_P(EachListedFastForm, GivesTheAnswerOfThePublishedForm) {
   const IntegratorEntry& published = GetParam();
-  const IntegratorEntry fast = fast_entry(published.name);
+  const IntegratorEntry fast = fast_entry(published);
   const double bound = published.keeps.is_explicit ? 1e-14 : 20.0 * SolverOptions{}.tolerance;
   for (const char* scene_name : {"smooth", "rough"}) {
     for (const Index n : {5, 17, 49}) {  // with bands from 48 on
@@ -259,7 +259,7 @@ TEST_P(EachListedFastForm, GivesTheAnswerOfThePublishedForm) {
 TEST_P(EachListedFastForm, WorksAsANewOneAfterAFailureAndSoDoesThePublishedForm) {
   const Scene scene = smooth_scene(17);
   const Matrix not_finite = Matrix::Constant(17, 17, std::nan(""));
-  for (const IntegratorEntry& entry : {fast_entry(GetParam().name), GetParam()}) {
+  for (const IntegratorEntry& entry : {fast_entry(GetParam()), GetParam()}) {
     Matrix expected = scene.initial;
     EXPECT_EQ(made(entry, *scene.flow)->step(expected, 0.1).status, Status::converged);
     for (const auto& [state, h] : {std::pair{scene.initial, 1e200}, std::pair{not_finite, 0.1}}) {
@@ -273,8 +273,21 @@ TEST_P(EachListedFastForm, WorksAsANewOneAfterAFailureAndSoDoesThePublishedForm)
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, EachListedFastForm, ::testing::ValuesIn(integrators()),
+INSTANTIATE_TEST_SUITE_P(All, EachListedFastForm, ::testing::ValuesIn(fast_integrators()),
                          [](const auto& tested) { return tested.param.name; });
+
+TEST(FastForms, EveryRecordedIntegratorHasOne) {
+  for (const std::string& name : recorded_integrators()) {
+    EXPECT_TRUE(integrator_entry(name).has_fast_form()) << name;
+  }
+}
+
+TEST(FastForms, AreRefusedWhereThereIsOnlyAPublishedForm) {
+  for (const char* control : {"algebra2_two_products", "yoshida4_group"}) {
+    EXPECT_FALSE(integrator_entry(control).has_fast_form());
+    expect_refused([&] { fast_entry(control); }, "has no fast form");
+  }
+}
 
 // With up to 7 past steps the prediction is the polynomial through them, which predicts a solution
 // worse that grows finer, and plain sweeps make up for it one by one: what the bound of a tenth
@@ -335,6 +348,36 @@ TEST_P(LargeStep, WorksInEveryFastFormWherePublishedFormsFail) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Stages, LargeStep, ::testing::Values(1, 2, 3));
+
+// Steps so long that many predictions fail (h‖B‖ = 1.5 to 2.4).  The control forgets: it goes on by
+// a new integrator after each prediction that failed.
+TEST(LongSteps, TakeFewerSweepsSincePastStepsOutlastPredictionsThatFail) {
+  const Scene scene = rough_scene(17);
+  const auto sweeps = [&](const Method& method, double h, bool forgets) {
+    long total = 0;
+    Matrix W = scene.initial;
+    auto integrator = fast(method, *scene.flow);
+    bool is_new = true;
+    for (int k = 0; k < 60; ++k) {
+      const StepReport report = continued(*integrator, W, h);
+      EXPECT_EQ(report.status, Status::converged) << k;
+      total += report.sweeps;
+      const bool failed = report.attempt.start == Start::cold && !is_new;
+      is_new = forgets && failed;
+      if (is_new) integrator = fast(method, *scene.flow);
+    }
+    return total;
+  };
+  long keeping = 0;
+  long forgetting = 0;
+  for (const auto& [method, h] : {std::pair{Method{Formulation::group, 1}, 1.6},
+                                  {Method{Formulation::group, 2}, 1.45},
+                                  {Method{Formulation::algebra, 1}, 1.0}}) {
+    keeping += sweeps(method, h, false);
+    forgetting += sweeps(method, h, true);
+  }
+  EXPECT_LT(static_cast<double>(keeping), 0.8 * static_cast<double>(forgetting));
+}
 
 }  // namespace
 }  // namespace isosyrk::testing

@@ -138,6 +138,29 @@ TEST_P(InTheFrame, StepsAreThoseOfARunAndWatchingChangesNothing) {
   }
 }
 
+// The frame has turned by the time of all steps, whatever their sizes.
+TEST_P(InTheFrame, StepsOfSeveralSizesAreThoseOfStepsOneByOne) {
+  const Scene scene = smooth_scene(n);
+  const std::vector<double> sizes = {0.1, 0.05, 0.05, 0.1};
+  const auto together = made(GetParam(), *scene.flow);
+  const auto stepping = made(GetParam(), *scene.flow);
+  Matrix one_by_one = scene.initial, W = scene.initial;
+  together->set_state(W);
+  for (const double h : sizes) {
+    ASSERT_EQ(together->step(h).status, Status::converged);
+    ASSERT_EQ(stepping->step(one_by_one, h).status, Status::converged);
+    together->state(W);
+    EXPECT_LE(largest_difference(W, one_by_one), keeps_rotation() ? 1e-12 : 1e-9) << h;
+  }
+
+  // Turned by the last step alone, it would lag by 0.2.
+  CoRotatingFrame frame(std::dynamic_pointer_cast<const EulerZeitlin>(scene.flow), backend);
+  const CoRotatingFrame::Rate rate = frame.rate(scene.initial);
+  Matrix lagging(n, n);
+  frame.leave(rate, -0.2, W, lagging);
+  EXPECT_GE(largest_difference(lagging, one_by_one), 1e-2);
+}
+
 std::vector<IntegratorEntry> frames() {
   std::vector<IntegratorEntry> found;
   for (const IntegratorEntry& entry : integrators()) {

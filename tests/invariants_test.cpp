@@ -25,6 +25,24 @@ TEST(Spectrum, RefusesWhatHasNone) {
   EXPECT_THROW(spectrum(W), std::invalid_argument);
 }
 
+// Each eigenvalue is paired once: i, i against i, -i lie 2 apart, though each of the former is one
+// of the latter.
+TEST(Spectrum, OfAnotherAlgebraIsComparedInPairs) {
+  const QuadraticAlgebra algebra(indefinite_J(1, 1));
+  const auto diagonal = [](double first, double second) {
+    Matrix W = Matrix::Zero(2, 2);
+    W.diagonal() << Complex(0.0, first), Complex(0.0, second);
+    return W;
+  };
+  const auto error = [&](const Matrix& W, const Matrix& V) {
+    return spectrum_error(algebra, W, V);
+  };
+  EXPECT_EQ(error(diagonal(1.0, -1.0), diagonal(1.0, 1.0)), 2.0);
+  EXPECT_EQ(error(diagonal(1.0, 1.0), diagonal(1.0, -1.0)), 2.0);
+  EXPECT_EQ(error(diagonal(1.0, -1.0), diagonal(-1.0, 1.0)), 0.0) << "whatever their order";
+  EXPECT_EQ(error(diagonal(1.0, 1.0), diagonal(1.0, 1.25)), 0.25);
+}
+
 TEST(Casimir, IsTheTraceOfThePower) {
   const Matrix W = random_matrix(5, 1);
   EXPECT_LE(std::abs(casimir(W, 1) - W.trace()), 1e-15);

@@ -68,6 +68,31 @@ INSTANTIATE_TEST_SUITE_P(All, IterationLimit, ::testing::ValuesIn(limited(false)
 INSTANTIATE_TEST_SUITE_P(All, StepLimit, ::testing::ValuesIn(limited(true)),
                          ::testing::PrintToStringParamName());
 
+// The largest (x_p - x_q)² + (x_p x_q)² over the entries, x = hβ/2: the squared spectral radius of
+// the midpoint's sweep.  Random numbers of both signs, where the first term is largest, and
+// frequencies close to one another, where the second is.
+TEST(MidpointLimit, IsWhereTheSpectralRadiusIsOne) {
+  const auto squared_radius = [](double h, const RealVector& frequencies) {
+    double largest = 0.0;
+    for (const double p : frequencies) {
+      for (const double q : frequencies) {
+        const double x = h * p / 2.0, y = h * q / 2.0;
+        largest = std::max(largest, (x - y) * (x - y) + x * x * y * y);
+      }
+    }
+    return largest;
+  };
+  for (const RealVector& frequencies :
+       {spectrum(random_skew_hermitian(7, 1)), spectrum(random_skew_hermitian(17, 2)),
+        RealVector(RealVector::LinSpaced(5, -1.0, 3.0)),
+        RealVector(RealVector::LinSpaced(5, 1.0, 1.1)), RealVector(RealVector::Constant(1, 0.7))}) {
+    const double limit = midpoint_iteration_limit(frequencies);
+    EXPECT_NEAR(squared_radius(limit, frequencies), 1.0, 1e-12);
+    EXPECT_GT(squared_radius(1.001 * limit, frequencies), 1.001);
+    EXPECT_LT(squared_radius(0.999 * limit, frequencies), 0.999);
+  }
+}
+
 // Each entry (p, q) of a Hermitian part takes an Euler step with the frequency β_p - β_q.  Rounding
 // starts all of them; after many steps only the fastest, of frequency ‖ad_B‖₂, is seen.
 TEST(TwoProductsUpdate, LetsTheHermitianPartGrowAsTheEulerMethodDoes) {
@@ -95,9 +120,9 @@ TEST(TwoProductsUpdate, LetsTheHermitianPartGrowAsTheEulerMethodDoes) {
 }
 
 TEST(LinearLimits, OnlyTheExponentialHasNone) {
-  for (const IntegratorEntry& entry : integrators()) {
-    EXPECT_EQ(static_cast<bool>(entry.linear_limit), !entry.name.starts_with("rkmk4"))
-        << entry.name;
+  for (const std::string& name : recorded_integrators()) {
+    EXPECT_EQ(static_cast<bool>(integrator_entry(name).linear_limit), !name.starts_with("rkmk4"))
+        << name;
   }
 }
 

@@ -2,14 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <sstream>
+
+#include "tests/support.h"
 
 namespace isosyrk::testing {
 namespace {
 
 std::vector<Mode> read(const std::string& text) {
   std::istringstream input(text);
-  return read_modes(input, "modes.csv");
+  return read_modes(input, "modes.csv", 5);
 }
 
 TEST(ModesFile, IsReadWhateverTheOrderOfItsColumnsAndItsLineEnds) {
@@ -61,6 +64,35 @@ TEST(ModesFile, ThatIsBrokenIsRefusedWithItsLine) {
   refused_line("1,0,+-1,0", "re = '+-1' is not a number");
   refused_line("+-1,0,1,0", "l = '+-1' is not a whole number");
   refused_line("99999999999,0,1,0", "l = '99999999999' is not a whole number");
+  refused_line("0,0,1,0", "mode l=0, m=0: l must be 1 to n-1 = 4");
+  refused_line("5,0,1,0", "mode l=5, m=0: l must be 1 to n-1 = 4");
+  refused_line("2,-1,1,0", "mode l=2, m=-1: m must be 0 to l");
+  refused_line("2,3,1,0", "mode l=2, m=3: m must be 0 to l");
+  refused_line("2,1,inf,0", "mode l=2, m=1: value inf + 0i must be finite");
+  refused_line("2,1,0,nan", "mode l=2, m=1: value 0 + nani must be finite");
+  refused_line("2,0,1,0.5", "mode l=2, m=0: im = 0.5 must be 0 where m = 0");
+}
+
+TEST(ModesFile, MayHaveModesAtTheEndsOfTheRanges) {
+  for (const char* text :
+       {"l,m,re,im\n1,0,1,0\n", "l,m,re,im\n4,0,1,0\n", "l,m,re,im\n4,4,1,1\n"}) {
+    EXPECT_EQ(read(text).size(), 1U) << text;
+  }
+}
+
+using ModesFileOnDisk = WithFolder;
+
+// Files whose lines are right, each by itself.
+TEST_F(ModesFileOnDisk, WhoseModesDoNotFitTogetherIsNamedWithTheMode) {
+  const auto refused = [&](const std::string& lines, const std::string& message) {
+    const std::string path = write("modes.csv", "l,m,re,im\n" + lines).string();
+    expect_refused([&] { read_modes_file(path, 5); }, "--modes " + path + ": " + message);
+  };
+  refused("2,1,1,0\n2,0,1,0\n2,1,0,1\n", "mode l=2, m=1: given twice, allowed once");
+  refused("2,1,0,0\n2,0,0,0\n", "modes: at least one must be nonzero");
+  const std::string path = write("modes.csv", "l,m,re,im\n2,1,1,0\n2,-1,1,0\n").string();
+  expect_refused([&] { read_modes_file(path, 5); },
+                 "--modes " + path + ", line 3: mode l=2, m=-1: m must be 0 to l");
 }
 
 TEST(ModesFile, ThatCannotBeReadIsNamed) {

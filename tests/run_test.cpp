@@ -63,6 +63,26 @@ TEST(Run, StopsAtTheFirstStepThatFailsAndKeepsTheLastGoodState) {
   EXPECT_EQ(W, 4.0 * scene.initial);
 }
 
+TEST(Run, ReportsTheLargestContractionOfItsSteps) {
+  const Scene scene = smooth_scene(5);
+  const std::vector<double> contractions = {0.2, 0.7, 0.3, 0.9};
+  std::size_t next = 0;
+  Scripted integrator(scene.flow, [&](const Matrix& W0, Matrix& W1) -> StepReport {
+    W1 = W0;
+    const double contraction = contractions[next++];
+    return {.status = contraction < 0.8 ? Status::converged : Status::stagnated,
+            .contraction = contraction};
+  });
+  const auto largest = [&](long steps) {
+    next = 0;
+    Matrix W = scene.initial;
+    return run(integrator, W, 0.1, steps).contraction;
+  };
+  EXPECT_EQ(largest(1), 0.2);
+  EXPECT_EQ(largest(3), 0.7);
+  EXPECT_EQ(largest(4), 0.9) << "that of a step that failed, too";
+}
+
 TEST(Step, IsDivergedWhenTheUpdateOverflowsAfterItsStagesConverged) {
   const Scene scene = smooth_scene(5);
   Scripted integrator(scene.flow, [](const Matrix& W0, Matrix& W1) -> StepReport {

@@ -75,8 +75,14 @@ StepReport continued(Integrator& integrator, Matrix& W, double h);
 std::unique_ptr<Integrator> made(const IntegratorEntry& entry, const Flow& flow,
                                  const SolverOptions& options = {});
 
-/// The formulation with the Gauss tableau of s stages, OpenBLAS products, tolerance 1e-13.  The
-/// flow must outlive it.
+/// The names of integrators() that the recorded studies are about.  These have all that an entry
+/// can have; a method that is added to the list need not.
+std::vector<std::string> recorded_integrators();
+
+/// The entries of integrators() that have a fast form.
+std::vector<IntegratorEntry> fast_integrators();
+
+/// The formulation with the Gauss tableau of s stages, OpenBLAS products, tolerance 1e-13.
 std::unique_ptr<Integrator> gauss(Formulation formulation, const Flow& flow, int s,
                                   double tolerance = 1e-13);
 

@@ -21,7 +21,7 @@ std::unique_ptr<Integrator> make_integrator(const SharedFlow& flow, std::string_
     }
     return entry.make(flow, options.iteration, backend);
   }
-  return fast_entry(wanted, {.threads = options.threads}).make(flow, options.iteration, backend);
+  return fast_entry(entry, {.threads = options.threads}).make(flow, options.iteration, backend);
 }
 
 }  // namespace isosyrk

@@ -64,7 +64,6 @@ StepReport FastSubstep::advance(const SplitMatrix& W0, double h, SplitMatrix& W1
   StepReport report;
   const bool predicted = predictor_.predict(h, x_);
   if (!predicted || !converges({Start::predicted, first_}, report)) {
-    predictor_.forget();
     solve_cold(report);
   }
   if (report.status == Status::converged) {

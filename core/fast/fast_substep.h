@@ -18,6 +18,11 @@ namespace isosyrk {
 /// predicted Newton, cold Newton, cold Picard with frozen sweeps, cold Anderson.  Without
 /// FastOptions::newton they are predicted Picard, cold Picard and cold Anderson.  There is no
 /// predicted attempt after a failed step, for another h, or after forget().
+///
+/// The predictor keeps its past steps where a predicted attempt fails and a cold one works.  In
+/// runs of 60 steps of h‖B‖ >= 1.5, where predictions fail (all forms with s <= 3; both scenes at n
+/// = 17, in part the smooth one at n = 33), this took 10 % fewer sweeps and 4 % fewer products than
+/// forgetting them, in the geometric mean.  Single cells go either way.
 class FastSubstep {
  public:
   FastSubstep(std::unique_ptr<StageSystem> system, const FastOptions& options);

@@ -39,22 +39,31 @@ std::vector<Mode> rough_modes(Index n) {
   return modes;
 }
 
+namespace {
+
+[[noreturn]] void fail(const Mode& mode, const std::string& why) {
+  throw std::invalid_argument(fmt::format("mode l={}, m={}: {}", mode.l, mode.m, why));
+}
+
+}  // namespace
+
+void require_valid_mode(const Mode& mode, Index n) {
+  if (mode.l < 1 || mode.l >= n) fail(mode, fmt::format("l must be 1 to n-1 = {}", n - 1));
+  if (mode.m < 0 || mode.m > mode.l) fail(mode, "m must be 0 to l");
+  const double re = mode.value.real();
+  const double im = mode.value.imag();
+  if (!std::isfinite(re) || !std::isfinite(im)) {
+    fail(mode, fmt::format("value {} + {}i must be finite", re, im));
+  }
+  if (mode.m == 0 && im != 0.0) fail(mode, fmt::format("im = {} must be 0 where m = 0", im));
+}
+
 void require_valid(const std::vector<Mode>& modes, Index n) {
   std::set<std::pair<int, int>> seen;
   bool all_zero = true;
   for (const Mode& mode : modes) {
-    const auto fail = [&mode](const std::string& why) {
-      throw std::invalid_argument(fmt::format("mode l={}, m={}: {}", mode.l, mode.m, why));
-    };
-    if (mode.l < 1 || mode.l >= n) fail(fmt::format("l must be 1 to n-1 = {}", n - 1));
-    if (mode.m < 0 || mode.m > mode.l) fail("m must be 0 to l");
-    if (!std::isfinite(mode.value.real()) || !std::isfinite(mode.value.imag())) {
-      fail(fmt::format("value {} + {}i must be finite", mode.value.real(), mode.value.imag()));
-    }
-    if (mode.m == 0 && mode.value.imag() != 0.0) {
-      fail(fmt::format("im = {} must be 0 where m = 0", mode.value.imag()));
-    }
-    if (!seen.emplace(mode.l, mode.m).second) fail("given twice, allowed once");
+    require_valid_mode(mode, n);
+    if (!seen.emplace(mode.l, mode.m).second) fail(mode, "given twice, allowed once");
     if (mode.value != 0.0) all_zero = false;
   }
   if (all_zero) throw std::invalid_argument("modes: at least one must be nonzero");

@@ -25,9 +25,12 @@ const std::vector<Mode>& default_modes();
 /// Throws std::invalid_argument for n < 2.
 std::vector<Mode> rough_modes(Index n);
 
-/// Throws std::invalid_argument unless every mode has 1 <= l < n and 0 <= m <= l and is finite, and
-/// real if m = 0.  Throws too if an (l, m) comes twice or all values are 0.  The message names the
-/// mode.
+/// Throws std::invalid_argument, naming the mode, unless 1 <= l < n and 0 <= m <= l and the value
+/// is finite, and real if m = 0.
+void require_valid_mode(const Mode& mode, Index n);
+
+/// Throws std::invalid_argument unless every mode is valid, each (l, m) comes once and one value at
+/// least is not 0.  The message names the mode.
 void require_valid(const std::vector<Mode>& modes, Index n);
 
 /// Returns T_lm of size n, m >= 0, as the n-m real entries on its diagonal (i, i+m).  They are the

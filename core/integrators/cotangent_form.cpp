@@ -11,7 +11,7 @@ CotangentForm<Scalar>::CotangentForm(SharedFlowIn<Scalar> flow, const Tableau& t
   P_ = QB_ = PB_ = Q_;
   W_stage_ = B_ = Q_next_ = P_next_ = zero();
   identity_ = identity();
-  change_.resize(2 * tableau.stages());
+  change_.resize(Index{2} * tableau.stages());
 }
 
 // QB_j = Q_j B(W̃_j)† and PB_j = P_j B(W̃_j) from the current Q_j and P_j.

@@ -36,7 +36,7 @@ std::string_view name(Status status) {
 }
 
 std::string name(Attempt attempt) {
-  const std::string iteration(name(attempt.iteration));
+  std::string iteration(name(attempt.iteration));
   if (attempt.iteration == Iteration::none) return iteration;
   return (attempt.start == Start::cold ? "cold " : "predicted ") + iteration;
 }

@@ -17,8 +17,9 @@ enum class Status {
 /// Returns "converged", "diverged", "stagnated" or "sweep cap".
 std::string_view name(Status status);
 
-/// Stopping rule of an iteration.  Changes of unknowns that scale with W (W̃, P, X, K) are in units of
-/// a power of two near ‖W‖₂ (integrators/state_scale.h), and so relative; those of Q are absolute.
+/// Stopping rule of an iteration.  Changes of unknowns that scale with W (W̃, P, X, K) are in units
+/// of a power of two near ‖W‖₂ (integrators/state_scale.h), and so relative; those of Q are
+/// absolute.
 struct SolverOptions {
   double tolerance = 1e-13;  ///< on the largest change of an unknown, Frobenius norm
   int max_sweeps = 1000;

@@ -1,32 +1,34 @@
-"""A study of accuracy against cost as a document: what it says, charts and tables."""
+"""A study of accuracy against cost as a document: charts and tables."""
 
 import itertools
 import math
 
-from accuracy_claims import (MEAN_OVER, NAMES, claims, frame_gains, headline_problems, mean, means_by_problem, prices,
-                             published_over_fast, scientific, span, tolerances, written_tolerance)
-from accuracy_lines import FLOOR_MARGIN, TABLE1_STEP
-from comparison import MISSING, percentage, three_digits
-from document import Column, Heading, Items, Paragraph, conditions, plain_table, shown
-from recommendation import KEPT, recommendation_tables, strongest_structure
-from study_file import SWEEP_CAP, UNSTABLE
+from lib.accuracy_figures import AGAINST_N
+from lib.accuracy_lines import FLOOR_MARGIN, TABLE1_STEP
+from lib.comparison import MISSING, percentage, three_digits
+from lib.document import Column, Heading, Items, Paragraph, conditions, plain_table, shown
+from lib.equal_error import (MEAN_OVER, NAMES, frame_gains, headline_problems, mean, means_by_problem, prices,
+                             published_over_fast, runs_at_table1_step, tolerances, written_tolerance)
+from lib.formats import SWEEP_CAP, UNSTABLE
+from lib.integrator_names import FRAME, KEPT, strongest_structure
+from lib.numbers import scientific, span
+from lib.recommendation import recommendation_tables
 
 CARE_ERROR, CARE_FACTOR = 1e-6, 10  # near which, within what factor, equal care is shown, ...
 CARE_SIZE = 65  # ... at the largest n up to this
 
 CHARTS = (
-    ("error_against_time", "Error against CPU time, smooth scene, T = 5. A thin line is one integrator in its fast form"
-     " (of a Gauss method the formulation whose step is cheapest), with dots in the co-rotating frame. It ends at"
+    ("error_against_time", "Error against CPU time, smooth scene, T = 5. Thin: an integrator in its fast form, with"
+     " dots in the co-rotating frame, of a Gauss method the formulation whose step is cheapest. A line ends at"
      f" {FLOOR_MARGIN} times the uncertainty of the reference, where the error stops falling, or where runs take too"
-     " long, and breaks at failures and limits. Thick: of those with the same strongest structure, the cheapest with"
-     " this error or a smaller one, upright above the longest step that ran. All panels have equal decades."),
-    ("error_against_time_others", "The same for the two largest n of every other scene and time."),
-    ("energy_against_time", "The same for the energy error, the largest over the steps, in the smooth scene. Direct Gauss"
+     " long. It breaks at failures and limits. Thick: the cheapest method of each class. Panels have equal decades."),
+    ("error_against_time_others", "Error against CPU time for the two largest n of every other scene and time."),
+    ("energy_against_time", "Energy error, the largest over the steps, against CPU time, smooth scene. Direct Gauss"
      " lies below the panels: it keeps the energy to rounding."),
-    ("error_against_n", f"Error at h = {TABLE1_STEP}, the step of Table 1, against n, and of every step, not in the frame,"
-     " against h‖B(W₀)‖₂, smooth scene, T = 5. Where the lines of all n coincide, as for Gauss, h‖B‖₂ decides, not n;"
-     " those of RKMK4 and RK4 do not coincide."),
-    ("table1_accuracy", "Tables 1 and 2 with their accuracy, timed in turns. Dotted lines join the forms with one answer."),
+    ("error_against_n", f"Left: error at h = {TABLE1_STEP}, the step of Table 1, against n. Right: error at every"
+     " step, not in the frame, against h‖B(W₀)‖₂. Smooth scene, T = 5. Lines of all n coincide for Gauss, and not for"
+     " RKMK4 and RK4."),
+    ("table1_accuracy", "Tables 1 and 2 with their accuracy. Dotted lines join the forms with one answer."),
 )
 BEYOND_LIMIT = "beyond its stability limit"
 LETTERS = {SWEEP_CAP: "c", "stagnated": "s", "diverged": "d", UNSTABLE: "u", BEYOND_LIMIT: "l"}  # of ends of a run
@@ -46,14 +48,15 @@ def accuracy_sections(study, charts):
         Paragraph("Every integrator over step sizes on every problem; errors are relative, in the Frobenius norm. The"
                   " cost of an error is that of the cheapest run with this error or a smaller one, interpolated between"
                   " neighbouring runs that worked. Ratios: geometric mean (from fastest over slowest repetitions to"
-                  " slowest over fastest); without brackets: timed once, on one side at least."),
-        Items(claims(study)),
+                  " slowest over fastest). No range: single timing, on one side at least."),
         *shown(CHARTS, charts),
         Heading("Reference solutions"),
         Items([(str(problem), f": {each.integrators[0]} in {each.steps[0]} and {each.integrators[1]} in {each.steps[1]}"
-                f" steps, which differ by {scientific(each.uncertainty)}") for problem, each in study.references.items()]),
+                f" steps, which differ by {scientific(each.uncertainty)}")
+               for problem, each in study.references.items()]),
         *price_section(study),
         *frame_section(study),
+        *step_section(study),
         *care_section(study),
         *integrators_section(study),
         *tolerance_section(study),
@@ -79,13 +82,17 @@ def by_size(study, heading, text, entry):
 def price_section(study):
     found = {other: ratios for other, ratios in prices(study, study.problems()).items() if ratios}
     means = {other: means_by_problem(ratios) for other, ratios in found.items()}
-    rows = [[str(problem), *itertools.chain.from_iterable(
-        (str(means[other].get(problem, MISSING)), str(sum(where == problem for where, _ in ratios)))
-        for other, ratios in found.items())] for problem in study.problems()]
-    columns = [Column(head) for other in found for head in (f"over {NAMES[other]}", "comparisons")]
+
+    def entries(other, problem):
+        here = [each for (where, _), each in found[other].items() if where == problem]
+        return [str(means[other].get(problem, MISSING)), f"{sum(each.value < 1 for each in here)} of {len(here)}"]
+
+    rows = [[str(problem), *itertools.chain.from_iterable(entries(other, problem) for other in found)]
+            for problem in study.problems()]
+    columns = [Column(head) for other in found for head in (f"over {NAMES[other]}", "cheaper in")]
     return [Heading("The price of structure"),
             Paragraph("Time of the best Gauss form over that of the other method's best form, at equal error,"
-                      f" {MEAN_OVER}, where both reach it."),
+                      f" {MEAN_OVER}, where both reach it, and in how many of these comparisons Gauss is cheaper."),
             plain_table((Column("problem", align="left"), *columns), rows)] if found else []
 
 
@@ -94,6 +101,19 @@ def frame_section(study):
     return by_size(study, "What the co-rotating frame buys",
                    f"Time without the frame over time in it, at equal error, {MEAN_OVER}, where both reach it.",
                    lambda problem, name: str(found.get(name, {}).get(problem, MISSING)))
+
+
+def step_section(study):
+    """Shows that one step size is not one accuracy."""
+    sizes = [problem.n for problem in headline_problems(study)]
+    rows = []
+    for name in (f"{each}{suffix}" for each in AGAINST_N for suffix in ("", FRAME)):
+        errors = {run.n: scientific(run.error) for run in runs_at_table1_step(study, name)}
+        rows += [[name, *(errors.get(n, MISSING) for n in sizes)]] if errors else []
+    columns = (Column("integrator", align="left"), *(Column(f"n = {n}") for n in sizes))
+    return [Heading(f"Error at h = {TABLE1_STEP}"),
+            Paragraph(f"Smooth scene, T = 5. {MISSING}: the step does not work."),
+            plain_table(columns, rows)] if rows else []
 
 
 def care_section(study):
@@ -114,9 +134,9 @@ def care_section(study):
     columns = (Column("integrator", align="left"), *map(Column, (
         "step", "error", "CPU seconds", "equivalent products", "product share", "published over fast")))
     return [Heading("Equal care"),
-            Paragraph(f"{problem}, the run nearest to {CARE_ERROR:g}, within a factor of {CARE_FACTOR}. Product share: the time of its products, at the"
-                      " rate of products alone, over all its time; bands and triangles count as the part that they are."
-                      " Published over fast: at equal steps, which have equal errors."),
+            Paragraph(f"{problem}, the run nearest to {CARE_ERROR:g}, within a factor of {CARE_FACTOR}. Product share:"
+                      " the time of its products, at the rate of products alone, over all its time; bands and triangles"
+                      " count as the part that they are. Published over fast: at equal steps, where errors are equal."),
             plain_table(columns, rows), Paragraph("What makes them fast:"), Items(CARE)] if rows else []
 
 
@@ -135,8 +155,8 @@ def integrators_section(study):
     columns = (Column("integrator", align="left"), Column("order"), Column("keeps", align="left"),
                *(Column(f"{scene}, T = {time:g}") for scene, time in scenes))
     return [Heading("What each integrator is, and its observed order"),
-            Paragraph("The order is fitted on the last three points above the floor, at each n that has as many: the least"
-                      " and the largest."), plain_table(columns, rows)]
+            Paragraph("The order is fitted on the last three points above the floor, at each n that has as many: the"
+                      " least and the largest."), plain_table(columns, rows)]
 
 
 def tolerance_section(study):
@@ -153,8 +173,7 @@ def tolerance_section(study):
     return [Heading("Which tolerance an accuracy needs"),
             Paragraph("The loosest tolerance of the fixed point that adds less than a tenth to the error which the step"
                       " size makes, and so do all tighter ones, published forms. At least: none looser was tried."
-                      f" {failed} of"
-                      f" {len(study.tolerance_runs)} runs did not converge."),
+                      f" {failed} of {len(study.tolerance_runs)} runs did not converge."),
             plain_table(columns, rows)]
 
 
@@ -169,5 +188,5 @@ def failures_section(study):
     letters = ", ".join(f"{letter} {how}" for how, letter in LETTERS.items())
     return by_size(study, "Runs that failed",
                    f"{sum(not run.usable for run in study.runs)} of {len(study.runs)} runs. Of each fast form the"
-                   f" smallest step that failed, and how: {letters}. A step beyond the stability limit may come to an end"
-                   " because T is short; such a run is never recommended.", failed)
+                   f" smallest step that failed, and how: {letters}. A step beyond the stability limit may come to an"
+                   " end because T is short; such a run is never recommended.", failed)

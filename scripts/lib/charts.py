@@ -1,22 +1,20 @@
-"""Draws a study of accuracy, and Tables 1 and 2, as charts. Titles are what the claims say (accuracy_claims)."""
+"""Draws a study of accuracy, and Tables 1 and 2, as charts."""
 
 import math
-import statistics
 
-from accuracy_claims import energy, exponential, growth, headline_problems, price, runs_at_table1_step, span
-from accuracy_lines import FAST, NEAR_ROUNDING, PUBLISHED, TABLE1_STEP
-from benchmark_json import FORMULATIONS
-from chart_panels import FAMILIES, draw_line, handle, key, logarithmic, new_figure
-from integrator_names import FRAME, gauss_stages, in_frame, method_name
-from recommendation import KEPT, strongest_structure
+from lib.accuracy_figures import AGAINST_N
+from lib.accuracy_lines import NEAR_ROUNDING, TABLE1_STEP
+from lib.chart_panels import FAMILIES, draw_line, handle, key, logarithmic, new_figure
+from lib.equal_error import headline_problems, runs_at_table1_step
+from lib.formats import FAST, FORMULATIONS, PUBLISHED
+from lib.integrator_names import FRAME, KEPT, gauss_stages, in_frame, method_name, strongest_structure
 
 ERROR_LABEL = "relative error of W(T)"
 SECONDS_LABEL = "CPU seconds"
 LEAST_ERROR, LEAST_ENERGY_ERROR = 1e-12, 1e-14  # where the axes end
-SHOWN_AGAINST_N = ("group1", "group2", "group3", "group4", "rkmk4", "rk4")
 LEAP = 1.6  # in seconds, from one level of an envelope to the next: a line of order 2 rises by 10^(1/8)
 
-# One colour for each method, none of them a formulation's (chart_panels), and a letter or number at the end of its line.
+# One colour for each method, none of them a formulation's (chart_panels), and a mark at the end of its line.
 METHODS = {**{f"Gauss, order {2 * s}": (colour, str(2 * s)) for s, colour in enumerate(
     ("#8fd3e8", "#58b4dd", "#2f93cf", "#2271b8", "#1f5a99", "#1b477b", "#16355d", "#102440"), 1)},
     "Yoshida, order 4": ("#b9b42d", "Y"), "Suzuki, order 4": ("#8f8a1c", "S"), "Kahan–Li, order 6": ("#5f5c10", "K"),
@@ -29,18 +27,14 @@ PALE = {"linewidth": 0.6, "alpha": 0.45}  # a line not in the frame
 GHOST = {"color": "0.72", "linewidth": 0.7, "linestyle": (0, (3, 2)), "zorder": 1}
 
 
-def title(claim, otherwise):
-    """Returns what stands out of a claim, if the study has the data for it."""
-    return claim[0] if claim else otherwise
-
-
 # ---- work–precision diagrams
 
 
 def error_against_time(study):
     """Draws a panel for each n of the smooth scene to T = 5, published forms as ghosts."""
     problems = headline_problems(study)
-    return work_precision(study, problems, "error", price(study, problems), ghosts=True)
+    return work_precision(study, problems, "error", "Error of W(T) against CPU time, smooth scene to T = 5",
+                          ghosts=True)
 
 
 def error_against_time_others(study):
@@ -48,19 +42,17 @@ def error_against_time_others(study):
     others = [problem for problem in study.problems() if problem not in headline_problems(study)]
     problems = [problem for problem in others
                 if sum(each[:2] == problem[:2] and each.n > problem.n for each in others) < 2]
-    claim = exponential(study, problems, "these problems")
-    return work_precision(study, problems, "error", claim) if problems else None
+    title = "Error of W(T) against CPU time, other scenes and times"
+    return work_precision(study, problems, "error", title) if problems else None
 
 
 def energy_against_time(study):
     """Draws the energy error of the smooth scene at the largest n of each time."""
     largest = {problem.time: problem for problem in study.problems() if problem.scene == "smooth"}
-    claim = energy(study)
-    return work_precision(study, list(largest.values()), "energy_error",
-                          claim and [f"{claim[0]} (longer times: the long runs of the study of stability)"])
+    return work_precision(study, list(largest.values()), "energy_error", "Energy error against CPU time, smooth scene")
 
 
-def work_precision(study, problems, quantity, claim, ghosts=False):
+def work_precision(study, problems, quantity, title, ghosts=False):
     """Draws a panel for each problem: lines of methods thin, the envelope of each structure thick.
 
     A line is drawn above the floor of its error, and broken at failures and limits. All panels have equal decades.
@@ -68,7 +60,7 @@ def work_precision(study, problems, quantity, claim, ghosts=False):
     columns = min(len(problems), 2)
     rows = -(-len(problems) // columns)
     label, least = (ERROR_LABEL, LEAST_ERROR) if quantity == "error" else ("energy error", LEAST_ENERGY_ERROR)
-    figure, panels = new_figure(title(claim, f"{label} against CPU time"), rows, columns, 5.2, keys=6, sharey=True)
+    figure, panels = new_figure(title, rows, columns, 5.2, keys=6, sharey=True)
     spans, marks, shown = [], [], set()
     for axes, problem in zip(panels.flat, problems):
         logarithmic(axes)
@@ -98,7 +90,8 @@ def work_precision(study, problems, quantity, claim, ghosts=False):
         axes.remove()
     handles = {**{each: handle(f"best that keeps {KEPT[each]}", **style) for each, style in ENVELOPES.items()},
                True: handle("in the co-rotating frame", color="0.3", linewidth=1, marker="o", markersize=3),
-               False: handle("not in it (pale)", color="0.3", **PALE), PUBLISHED: handle("Gauss, published forms", **GHOST),
+               False: handle("not in it (pale)", color="0.3", **PALE),
+               PUBLISHED: handle("Gauss, published forms", **GHOST),
                **method_handles()}
     key(figure, [each for what, each in handles.items() if what in shown], 6)
     return figure
@@ -168,8 +161,8 @@ def envelope(lines, least, in_a_decade=4):
 def error_against_n(study):
     """Draws the error at Table 1's step against n, and those of all steps, not in the frame, against h‖B(W₀)‖₂."""
     problems = headline_problems(study)
-    heading = title(growth(study), f"Error at h = {TABLE1_STEP} against n")
-    figure, ((at_step, at_norm),) = new_figure(heading, 1, 2, 5.2, keys=2, sharey=True)
+    figure, ((at_step, at_norm),) = new_figure("One step size is not one accuracy: error of W(5), smooth scene", 1, 2,
+                                               5.2, keys=2, sharey=True)
     for axes in (at_step, at_norm):
         logarithmic(axes)
         axes.set_ylim(LEAST_ERROR, 2)
@@ -177,7 +170,7 @@ def error_against_n(study):
     at_step.set_xticks([problem.n for problem in problems], [str(problem.n) for problem in problems])
     at_norm.set(title="every h, not in the frame; thicker: larger n", xlabel="h‖B(W₀)‖₂")
     methods = {}
-    for name in (f"{each}{suffix}" for each in SHOWN_AGAINST_N for suffix in ("", FRAME)):
+    for name in (f"{each}{suffix}" for each in AGAINST_N for suffix in ("", FRAME)):
         if name not in study.integrators:
             continue
         method = method_name(study.integrators[name])
@@ -207,12 +200,9 @@ def table1_accuracy(published, fast):
     sides = {which: {key: cell for key, cell in run.measurements.items()
                      if cell.failure is None and cell.counters.get("relative_error", 0) > 0}
              for which, run in ((PUBLISHED, published), (FAST, fast))}
-    gains = [statistics.median(cell.times) / statistics.median(sides[FAST][key].times)
-             for key, cell in sides[PUBLISHED].items() if key in sides[FAST]]
-    if not gains:
+    if not sides[PUBLISHED].keys() & sides[FAST].keys():
         return None
-    figure, ((axes,),) = new_figure("Table 1 with its accuracy: the fast forms give the same errors"
-                                    f" {span(gains)} times sooner", 1, 1, 6.5)
+    figure, ((axes,),) = new_figure("Table 1 with its accuracy: the fast forms give the same errors sooner", 1, 1, 6.5)
     logarithmic(axes)
     axes.set(xlabel=f"{SECONDS_LABEL} of 50 steps", ylabel="relative error of W(5)")
     axes.margins(x=0.12)
@@ -220,7 +210,7 @@ def table1_accuracy(published, fast):
     for which, cells in sides.items():
         for cell_key, cell in sorted(cells.items()):
             colour, size = FAMILIES[cell_key.formulation]
-            seconds, error = statistics.median(cell.times), cell.counters["relative_error"]
+            seconds, error = cell.seconds, cell.counters["relative_error"]
             axes.plot(seconds, error, marker="o", color=colour, markersize=size + 2,
                       markerfacecolor=colour if which == FAST else "none", linestyle="none",
                       label=f"{cell_key.formulation}{cell_key.stages}, n = {cell_key.n}, {which}")

@@ -4,7 +4,7 @@ import argparse
 import re
 import sys
 
-from checked_json import UnusableFile, one_line
+from lib.messages import UnusableFile, one_line
 
 BAD_ARGUMENTS, NO_ANSWER, INTERRUPTED, TERMINATED = 2, 3, 130, 143  # exit statuses
 
@@ -55,7 +55,7 @@ def whole_number(least, most):
 
 
 def number(least, most):
-    """Returns a reader of arguments that must be numbers from `least` to `most`; what only Python calls one is refused."""
+    """Returns a reader of arguments that must be decimal numbers from `least` to `most`."""
     def read(text):
         plain = re.fullmatch(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?", text)
         if not plain or not least <= float(text) <= most:

@@ -83,7 +83,8 @@ def shown(captions, charts):
 def conditions(context):
     """Says in a line what a study was measured with."""
     return Paragraph("Measured with " + ", ".join(f"{field} {context[field]}" for field in
-                                                  ("cpu", "blas_kernels", "compiler", "commit") if field in context) + ".")
+                                                  ("cpu", "blas_kernels", "compiler", "commit")
+                                                  if field in context) + ".")
 
 
 def written(document, writers):
@@ -189,7 +190,7 @@ LATEX_CHARACTERS = {
 
 
 def as_latex(document):
-    """Writes a fragment to \\input: whole tabular environments, ASCII only. No document with figures is written in it."""
+    """Writes a fragment to \\input: whole tabular environments, ASCII only. It knows no figures."""
     commands = {1: "section", 2: "subsection"}
     return "% A fragment to \\input; needs \\usepackage{booktabs}.\n\n" + written(document, {
         Heading: lambda part: rf"\{commands.get(part.level, 'subsubsection')}*{{{latex_escape(part.text)}}}",

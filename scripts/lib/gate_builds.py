@@ -5,8 +5,8 @@ import shutil
 import subprocess
 import sys
 
-from checked_json import one_line
-from command_line import Stop, say
+from lib.messages import one_line
+from lib.command_line import Stop, say
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 HEAD = os.path.join(ROOT, "build")  # where this tree is built

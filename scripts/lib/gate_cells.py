@@ -1,16 +1,15 @@
-"""The cells that the regression gate watches, what a build reports of them, and the baseline recorded of their counts."""
+"""The cells that the regression gate watches, what a build reports of them, and the recorded baseline."""
 
 import json
 import os
 import subprocess
 from typing import Dict, NamedTuple
 
-from benchmark_json import FORMULATIONS
-from checked_json import (UnusableFile, an_object, any_text, anything, checked, keyed, list_of, number, one_line,
-                          optional, parse_json, positive, printable_context, read_json, require, text, whole)
-from command_line import Stop
-from output import replace_file
-from study_file import status
+from lib.formats import (FORMULATIONS, an_object, any_text, anything, checked, keyed, list_of, number, optional,
+                         parse_json, positive, printable_context, read_json, require, status, text, whole)
+from lib.messages import UnusableFile, one_line
+from lib.command_line import Stop
+from lib.output import replace_file
 
 SIZES = (17, 33, 65, 129)
 QUICK_SIZES = (17, 33)

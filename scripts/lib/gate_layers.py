@@ -22,10 +22,10 @@ import os
 from dataclasses import dataclass, field
 from typing import List, NamedTuple, Optional
 
-from checked_json import one_line
-from document import Column, Entry, Heading, Items, Paragraph, Table
-from gate_cells import FAST, compared, is_fast
-from study_file import CONVERGED
+from lib.formats import CONVERGED
+from lib.messages import one_line
+from lib.document import Column, Entry, Heading, Items, Paragraph, Table
+from lib.gate_cells import FAST, compared, is_fast
 
 PASSED, REGRESSION, NOT_JUDGED = 0, 1, 3  # exit codes
 SUMMARY = {PASSED: "No regression.", REGRESSION: "Regression.",
@@ -137,7 +137,8 @@ def exact_layer(baseline, build, names):
         status = build.cells[name].status if name in build.cells else "missing"
         layer.add(name, "status", status, CONVERGED, status == CONVERGED)
         if status == CONVERGED:
-            check_counts(layer, build.cells[name], baseline.counts[name], same_rounding if is_fast(name) else same_kernels)
+            check_counts(layer, build.cells[name], baseline.counts[name],
+                         same_rounding if is_fast(name) else same_kernels)
     return layer
 
 

@@ -13,10 +13,10 @@ import shutil
 import statistics
 import subprocess
 
-from checked_json import one_line
-from command_line import Stop
-from gate_cells import is_fast, with_fast
-from gate_layers import Layer
+from lib.messages import one_line
+from lib.command_line import Stop
+from lib.gate_cells import is_fast, with_fast
+from lib.gate_layers import Layer
 
 MEDIAN_LIMIT, QUARTILE_LIMIT = 1.03, 1.01
 LAUNCHES, PAIRS = 6, 3  # of both builds; of each cell, a launch
@@ -42,7 +42,8 @@ class Server:
     def __init__(self, command, environment, cells):
         self.what = command[-1]
         self.process = subprocess.Popen([*command, "--serve", *cells], env=environment, stdin=subprocess.PIPE,
-                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8", errors="replace")
+                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8",
+                                        errors="replace")
         self.cells = {name: place for place, name in enumerate(cells)}
         try:
             self.answer("ready", lambda line: line == "ready")

@@ -1,11 +1,17 @@
-"""What the names of integrators say: which are forms of one Gauss method, and which run in the co-rotating frame."""
+"""What the names of integrators say: which are forms of one Gauss method, and which run in the co-rotating frame.
+
+And what integrators keep.
+"""
 
 import re
 
-from benchmark_json import FORMULATIONS
+from lib.formats import FORMULATIONS
 
 # A row for each s, a column for each formulation.
 TABLE1_CELLS = tuple(f"{formulation}{s}" for s in (1, 2, 3) for formulation in FORMULATIONS)
+
+# What can be asked for, from the least to the most: a Lie–Poisson integrator keeps the spectrum too.
+KEPT = {"nothing": "nothing", "spectrum": "the spectrum", "poisson": "the Lie–Poisson structure"}
 
 FRAME = "_frame"  # ends the name of an integrator in the co-rotating frame
 
@@ -31,3 +37,8 @@ def method_name(integrator):
     families = {**dict.fromkeys(FORMULATIONS, "Gauss"), "direct": "direct Gauss", "yoshida": "Yoshida",
                 "suzuki": "Suzuki", "kahan_li": "Kahan–Li", "rkmk": "RKMK", "rk": "Runge–Kutta"}
     return f"{families.get(family, family)}, order {integrator.order}"
+
+
+def strongest_structure(integrator):
+    """Returns the strongest structure that an integrator keeps."""
+    return next(structure for structure in reversed(KEPT) if integrator.keeps(structure))

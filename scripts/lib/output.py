@@ -3,8 +3,8 @@
 import os
 import tempfile
 
-from checked_json import one_line
-from command_line import Stop
+from lib.messages import one_line
+from lib.command_line import Stop
 
 
 def replace_file(path, data):

@@ -14,15 +14,14 @@ from dataclasses import replace
 
 import isosyrk
 import numpy
-import study
-from accuracy_lines import FAST
-from checked_json import UnusableFile, one_line, read_text
-from command_line import number, whole_number
-from integrator_names import FRAME
-from recommendation import (PREDICTABLE, SMALLEST_ERROR, Outcome, Question, answer_data, below_reference,
+from lib import study
+from lib.formats import CONVERGED, FAST, UNSTABLE, read_text
+from lib.messages import UnusableFile, one_line
+from lib.command_line import number, whole_number
+from lib.integrator_names import FRAME
+from lib.recommendation import (PREDICTABLE, SMALLEST_ERROR, Outcome, Question, answer_data, below_reference,
                             beyond_predictability, energy_growth)
-from study_file import CONVERGED, UNSTABLE
-from trials import Setting, invariants_lost
+from lib.trials import Setting, invariants_lost
 
 REFERENCES = ("group6", "group5")
 CANDIDATES = ("rk4", "group3", "group4", "rkmk4", "group5", "group2", "group6", "kahan_li6", "yoshida4", "direct2",
@@ -39,10 +38,10 @@ SHARP, SHARP_ENOUGH = 10, 4  # the uncertainty of the reference aims at, and has
 FLOOR = 1e-6  # below, two references that no longer come closer are at rounding
 TOO_DEAR = 8.0  # times the seconds of the cheapest good pilot over the part, where others are stopped
 MOST_KEPT = 6  # methods that go on to the next part
-# Least growth of the error as a power of time, for methods that keep the spectrum and others. Short runs show too little.
-# Where trajectories part, errors grow exponentially, which a power fitted to one pilot does not show. So none is trusted
-# that grew faster than MOST_GROWTH, and none over more than FARTHEST times the time of its pilot. (A scene of n = 48, all
-# of l <= 6: two references to T = 1000 part, while pilots to T = 125 show a power of 2.6.)
+# Least growth of the error as a power of time, for methods that keep the spectrum and others. Short runs show too
+# little. Where trajectories part, errors grow exponentially, which a power fitted to one pilot does not show. So none
+# is trusted that grew faster than MOST_GROWTH, and none over more than FARTHEST times the time of its pilot. (A scene
+# of n = 48, all of l <= 6: two references to T = 1000 part, while pilots to T = 125 show a power of 2.6.)
 LEAST_GROWTH, LEAST_GROWTH_OF_OTHERS, MOST_GROWTH, FARTHEST = 1.5, 4.0, 3.0, 2.0
 LOOKS = 100  # at the energy and the cost of a pilot of many steps
 FIRST_SHARE = 1 / 3  # of the budget; after it, no further method is begun on the first part
@@ -131,10 +130,13 @@ class Search:
         self.references, candidates = ([listed.get(name + FRAME, listed[name]) for name in names]
                                        for names in (REFERENCES, CANDIDATES))
         self.candidates = [each for each in candidates if each.keeps(question.keep)]
-        self.limits = {each: (self.method(each).linear_limit() or math.inf) / self.setting.norm_B for each in self.candidates}
+        self.limits = {each: (self.method(each).linear_limit() or math.inf) / self.setting.norm_B
+                       for each in self.candidates}
         self.pilots = []
-        self.trajectory, self.why = True, ""  # whether errors are those of the trajectory; if of energy and spectrum, why
-        self.reference, self.exact, self.uncertainty = None, (), math.inf  # pilot, its states at half time and at the end
+        # Whether errors are those of the trajectory; if of energy and spectrum, why.
+        self.trajectory, self.why = True, ""
+        # A pilot, its states at half time and at the end, and how far it is off.
+        self.reference, self.exact, self.uncertainty = None, (), math.inf
         self.reference_step = FIRST_REFERENCE / self.setting.norm_B  # of the next part
         self.unsettled = None  # the last two references over a part that do not agree, as one Outcome
         self.spent = False  # whether the budget ended before all pilots were made
@@ -235,14 +237,16 @@ class Search:
             if pilot.error <= error and (best is None or pilot.seconds < best.seconds):
                 best = pilot
             wanted = even(steps * refinement(pilot.error * AIM, error, integrator, 0.25, 4.0))
-            if error / ENOUGH < pilot.error <= error or wanted == steps or pilot.seconds * wanted / steps > most_seconds:
+            enough = error / ENOUGH < pilot.error <= error
+            if enough or wanted == steps or pilot.seconds * wanted / steps > most_seconds:
                 break
         return best
 
     def growth(self, pilot, time, cautious=True):
         """Returns how much larger the error of a pilot is expected to be over a longer time.
 
-        If cautious: as the power of time or the exponential that the two halves of the pilot show, whichever grows more.
+        If cautious: as the power of time or the exponential that the two halves of the pilot show, whichever grows
+        more.
         """
         if not self.trajectory:
             return energy_growth(pilot.integrator, pilot.time, time)
@@ -260,19 +264,21 @@ class Search:
         steps = even(time / pilot.step * refinement(at_time * AIM, error, pilot.integrator, 0.5))
         longest = min(MOST_UNTRIED / self.setting.norm_B, self.longest_step(pilot.integrator))
         steps = max(steps, even(time / longest))
-        return Outcome(pilot.integrator, pilot.n, time, steps, at_time * (time / steps / pilot.step) ** pilot.integrator.order,
+        return Outcome(pilot.integrator, pilot.n, time, steps,
+                       at_time * (time / steps / pilot.step) ** pilot.integrator.order,
                        pilot.seconds * steps / pilot.steps)
 
     def ranking(self):
-        """Returns the expected run of each good integrator over the whole time: the cheapest of the longest pilots first."""
+        """Returns the expected run of each good integrator over the whole time, the cheapest first."""
         found = [(each, replace(self.expected(each, self.question.time, self.question.error), evidence=self.pilots))
                  for each in self.good.values()]
         return [offer for pilot, offer in sorted(found, key=lambda pair: (-pair[0].time, pair[1].seconds))
                 if not self.is_refuted(offer, pilot)]
 
     def is_refuted(self, offer, pilot):
-        """Tells whether an offer cannot follow from a pilot over a shorter time: that is too short, its error grew too fast,
-        or references over a longer time disagree by more than the error, with steps no longer than those offered."""
+        """Tells whether an offer cannot follow from a pilot over a shorter time: that is too short, its error grew too
+        fast, or references over a longer time disagree by more than the error, with steps no longer than those
+        offered."""
         tried = self.unsettled
         return self.trajectory and pilot.time < offer.time and (
             offer.time > FARTHEST * pilot.time or (pilot.growth or 0.0) > MOST_GROWTH
@@ -280,19 +286,20 @@ class Search:
                 and tried.error > self.question.error))
 
     def most_promising(self):
-        """Returns the integrators that go on to a longer part: those that are cheapest over the whole time as it looks."""
-        found = [self.expected(each, self.question.time, self.question.error, cautious=False) for each in self.good.values()]
+        """Returns the integrators that go on to a longer part: those that seem cheapest over the whole time."""
+        found = [self.expected(each, self.question.time, self.question.error, cautious=False)
+                 for each in self.good.values()]
         return [each.integrator for each in sorted(found, key=lambda each: each.seconds)[:MOST_KEPT]]
 
     def settle(self):
-        """Judges energy and spectrum if no trajectory can be offered, by the longest finished pilot of each integrator."""
+        """Judges energy and spectrum if no trajectory can be offered, by each integrator's longest pilot."""
         if not self.trajectory or self.ranking():
             return
         finished = [each for each in self.pilots if each.status == CONVERGED and each.kept is not None]
         if not finished:
             return
-        self.why = (f"what pilots show of trajectories: they end at T = {max(each.time for each in finished):g}, and errors"
-                    f" that grow fast, or over more than {FARTHEST:g} times that, are not extrapolated")
+        self.why = (f"what pilots show of trajectories: they end at T = {max(each.time for each in finished):g}, and"
+                    f" errors that grow fast, or over more than {FARTHEST:g} times that, are not extrapolated")
         self.trajectory, self.good = False, {}
         for integrator in self.candidates:
             longest = max((each.time for each in finished if each.integrator == integrator), default=None)
@@ -318,8 +325,8 @@ class Search:
             said.append(beyond_predictability(whole, self.why))
         best = self.good[self.ranking()[0].integrator]
         if best.time < whole:
-            said.append(f"the pilots of the answer end at T = {best.time:g}: its error and seconds are extrapolated, the error"
-                        f" as growing by a factor of {self.growth(best, whole):.2g}")
+            said.append(f"the pilots of the answer end at T = {best.time:g}: its error and seconds are extrapolated,"
+                        f" the error as growing by a factor of {self.growth(best, whole):.2g}")
         if self.spent:
             said.append("the budget was spent before all pilots were made")
         return said

@@ -11,16 +11,17 @@ import os
 
 import isosyrk
 import numpy
-from accuracy_lines import Problem
-from checked_json import UnusableFile, one_line, read_json, require
-from command_line import Stop
+from lib.accuracy_lines import Problem
+from lib.formats import read_json, require
+from lib.messages import UnusableFile, one_line
+from lib.command_line import Stop
 
 FORMAT = "isosyrk references 1"
 SIZES, QUICK_SIZES, LARGEST_SIZE = (17, 33, 65, 129), (17, 33), 257
 LARGEST_UNPACKED = 129
 DEVELOPED, DEVELOPED_TIME = "developed", 100.0
-# Scene and time, with the largest uncertainty of a solution at any n, some four times the largest found when first made.
-# Flow and rounding allow no less: rounding errors grow with the number of steps, and with the norm of B.
+# Scene and time, with the largest uncertainty of a solution at any n, some four times the largest found when first
+# made. Flow and rounding allow no less: rounding errors grow with the number of steps, and with the norm of B.
 UNCERTAINTIES = {("smooth", 5.0): 1e-12, ("smooth", 50.0): 1e-11, ("rough", 5.0): 1e-12, (DEVELOPED, 5.0): 1e-12}
 DIGITS = 1e-6  # to which the listed energies of initial data are those of the matrix
 

@@ -1,8 +1,8 @@
 """Finds the cheapest run that reaches an error and keeps a structure, in what the study of accuracy measured.
 
 The step for an error is interpolated along a line, between two neighbouring runs that worked. Between recorded n and
-between recorded times, steps and seconds are interpolated too. All interpolation is linear in the logarithms. No step is
-offered beyond a failure, beyond a stability limit, or beyond the largest step that worked in trials.
+between recorded times, steps and seconds are interpolated too. All interpolation is linear in the logarithms. No step
+is offered beyond a failure, beyond a stability limit, or beyond the largest step that worked in trials.
 """
 
 import itertools
@@ -12,18 +12,16 @@ import shlex
 from dataclasses import dataclass
 from typing import NamedTuple, Optional, Sequence
 
-from accuracy_lines import FAST, NEAR_ROUNDING, SCENES, Problem, interpolated
-from checked_json import one_line
-from command_line import NO_ANSWER, Stop
-from comparison import MISSING, three_digits
-from document import Column, Items, Paragraph, plain_table
-from study import MODULE
-from study_file import Integrator
+from lib.accuracy_lines import NEAR_ROUNDING, SCENES, TABLE_EXPONENTS, Problem, interpolated
+from lib.formats import FAST, Integrator
+from lib.integrator_names import KEPT, strongest_structure
+from lib.messages import one_line
+from lib.command_line import NO_ANSWER, Stop
+from lib.comparison import MISSING, three_digits
+from lib.document import Column, Items, Paragraph, plain_table
+from lib.study import MODULE
 
-# What can be asked for, from the least to the most: a Lie–Poisson integrator keeps the spectrum too.
-KEPT = {"nothing": "nothing", "spectrum": "the spectrum", "poisson": "the Lie–Poisson structure"}
 MOST_OFFERED = 5  # the answer and its runners-up
-TABLE_EXPONENTS = (-2, -4, -6, -8)
 
 # The steps offered are for the error over MARGIN, for interpolation along a line. Between recorded n, and away from a
 # recorded time, they are for a smaller one still: at T = 20, the errors of rk4 in the smooth scene at n = 33 are 1.8
@@ -31,14 +29,14 @@ TABLE_EXPONENTS = (-2, -4, -6, -8)
 MARGIN, MARGIN_OF_N, MARGIN_OF_TIME = 1.2, 1.25, 1.6
 PREDICTABLE = 0.01  # largest uncertainty of a reference that trajectories are judged by
 SMALLEST_ERROR = 1e-17  # of energy and spectrum, which may be exactly 0
-# CPU seconds that the first run of a process takes longer than a later one, which is what was timed: memory and caches are
-# cold. At n = 17 and 24, rk4_frame and group4_frame: 0.15 to 0.25 ms on a processor with AVX-512.
+# CPU seconds that the first run of a process takes longer than a later one, which is what was timed: memory and caches
+# are cold. At n = 17 and 24, rk4_frame and group4_frame: 0.15 to 0.25 ms on a processor with AVX-512.
 COLD = 2e-4
 
-# Growth of the error of energy with time, about the most that was seen: n = 33 and 65, smooth and rough, to T = 400. The
-# error grows while a scene develops, up to SETTLED; then it doubles at most for Lie–Poisson methods, and goes on for
-# others (rkmk4_frame with h = 1, n = 33: 4, 12 and 36 times that at T = 50 at T = 100, 200 and 400). Methods that lose the
-# spectrum follow no such power over long times, and are not offered.
+# Growth of the error of energy with time, about the most that was seen: n = 33 and 65, smooth and rough, to T = 400.
+# The error grows while a scene develops, up to SETTLED; then it doubles at most for Lie–Poisson methods, and goes on
+# for others (rkmk4_frame with h = 1, n = 33: 4, 12 and 36 times that at T = 50 at T = 100, 200 and 400). Methods that
+# lose the spectrum follow no such power over long times, and are not offered.
 SETTLED, POWER, MOST_YOUNG, MOST_OLD = 50.0, 2.0, 40.0, 2.0
 
 
@@ -76,11 +74,6 @@ class Outcome:
                 "step": self.step, "error": self.error, "seconds": self.seconds, "status": self.status}
 
 
-def strongest_structure(integrator):
-    """Returns the strongest structure that an integrator keeps."""
-    return next(structure for structure in reversed(KEPT) if integrator.keeps(structure))
-
-
 def that_keeps(structure):
     return "" if structure == "nothing" else f" that keep {KEPT[structure]}"
 
@@ -92,8 +85,9 @@ def below_reference(error, uncertainty, time):
 
 
 def beyond_predictability(time, why):
-    return (f"T = {time:g} is beyond {why}: the error is that of energy and spectrum, the larger one, of methods that keep"
-            f" the spectrum; it is taken to grow as the square of time, for Lie–Poisson methods up to T = {SETTLED:g} only")
+    return (f"T = {time:g} is beyond {why}: the error is that of energy and spectrum, the larger one, of methods that"
+            f" keep the spectrum; it is taken to grow as the square of time, for Lie–Poisson methods up to T ="
+            f" {SETTLED:g} only")
 
 
 def energy_growth(integrator, known, time):
@@ -202,7 +196,8 @@ class Recorded:
         return found
 
     def outcome(self, run):
-        return Outcome(self.study.integrators[run.integrator], run.n, run.time, run.steps, run.error, run.seconds, run.status)
+        return Outcome(self.study.integrators[run.integrator], run.n, run.time, run.steps, run.error, run.seconds,
+                       run.status)
 
     def offer(self, name):
         """Returns the run of an integrator that is expected to have the error, or None."""
@@ -210,7 +205,8 @@ class Recorded:
         costs = [cost_of(line, error) for line in self.lines[name]]
         if None in costs:
             return None
-        known = [(cost.step, cost.fine.h_norm_B / cost.fine.step, cost.fine.error if cost.coarse is cost.fine else error,
+        known = [(cost.step, cost.fine.h_norm_B / cost.fine.step,
+                  cost.fine.error if cost.coarse is cost.fine else error,
                   cost.seconds / problem.time) for problem, cost in zip(self.weights, costs)]
         step, norm_B, expected, pace = (blend(self.weights.values(), values) for values in zip(*known))
         longest = min(self.longest_h_norm_B(problem, name) for problem in self.weights) / norm_B
@@ -241,8 +237,8 @@ def answer(study, question, path, rates_here=lambda sizes: None):
     scene, first = ["--scene", question.scene], ""
     if question.scene == SCENES[2]:
         scene = ["--initial", f"developed_n{question.n}.npy"]
-        first = (f"{integrate()} --n {question.n} --scene smooth --integrator group5 --solver fast --step 0.05 --time 100"
-                 f" --output {scene[1]} && ")
+        first = (f"{integrate()} --n {question.n} --scene smooth --integrator group5 --solver fast --step 0.05"
+                 f" --time 100 --output {scene[1]} && ")
     source = {"raw": one_line(path), **{name: study.context.get(name) for name in ("cpu", "commit", "dirty")}}
     return answer_data(recorded, f" with a margin of {recorded.margin:g}", scene, source, speedup, first)
 
@@ -260,15 +256,16 @@ def answer_data(search, how, scene_arguments, source, speedup=None, first=""):
     """Returns the answer for programs, as what JSON can hold: of a question, from recorded runs or from pilots.
 
     Throws Stop if nothing reaches the error; `how` says how it was to be reached. `scene_arguments` are those of the
-    program `integrate`, and `first` what is to be run before it. `speedup` is that of this machine against the one of the
-    seconds, None if not known.
+    program `integrate`, and `first` what is to be run before it. `speedup` is that of this machine against the one of
+    the seconds, None if not known.
     """
     question, offers = search.question, search.ranking()[:MOST_OFFERED]
     if not offers or offers[0].error > question.error:
         best = search.nearest()
         found = (f"the best there is has {best.error:.3g}, by {best.integrator.name} with h = {best.step:.4g} at n ="
                  f" {best.n} to T = {best.time:g}" if best else "no run that is to be trusted was finished")
-        raise Stop(f"no methods{that_keeps(question.keep)} are known to reach the error {question.error:g}{how}; {found}",
+        raise Stop(f"no methods{that_keeps(question.keep)} are known to reach the error {question.error:g}{how};"
+                   f" {found}",
                    NO_ANSWER)
 
     def offered(offer):
@@ -277,8 +274,8 @@ def answer_data(search, how, scene_arguments, source, speedup=None, first=""):
         expected = row.pop("error")
         return {**row, "solver": FAST, "expected_error": expected, "seconds": offer.seconds / (speedup or 1.0) + COLD,
                 "seconds_recorded": offer.seconds,
-                "command": f"{first}{integrate()} --n {offer.n} {shlex.join(scene_arguments)} --integrator {offer.integrator.name}"
-                           f" --solver {FAST} --step {offer.step!r} --time {offer.time!r}"}
+                "command": f"{first}{integrate()} --n {offer.n} {shlex.join(scene_arguments)} --integrator"
+                           f" {offer.integrator.name} --solver {FAST} --step {offer.step!r} --time {offer.time!r}"}
 
     winner, *others = offers
     return {**offered(winner), "question": question._asdict(),
@@ -301,9 +298,9 @@ def answer_document(data):
     question = Question(**data["question"])
     recorded = [] if data["speedup"] is None else ["seconds_recorded"]
     return [
-        Paragraph(f"The cheapest methods{that_keeps(question.keep)} for the scene {question.scene}, n = {question.n}, to"
-                  f" T = {question.time:g} with an error of {question.error:g} or less ({data['judged']}). The first row"
-                  " is the answer, the others are its runners-up:"),
+        Paragraph(f"The cheapest methods{that_keeps(question.keep)} for the scene {question.scene}, n = {question.n},"
+                  f" to T = {question.time:g} with an error of {question.error:g} or less ({data['judged']}). The first"
+                  " row is the answer, the others are its runners-up:"),
         outcomes_table([data, *data["runners_up"]], ["integrator", "solver", "order", "keeps", "step", "steps",
                                                      "expected_error", "seconds", *recorded]),
         *(Paragraph(f"Note: {each}.") for each in data["statements"]),
@@ -333,6 +330,6 @@ def recommendation_tables(study):
              *(entry(structure, problem, exponent) for exponent in TABLE_EXPONENTS)]
             for structure in KEPT for problem in study.problems()]
     return [plain_table(columns, rows), Paragraph(
-        "The cheapest method by its fast form, as scripts/recommend answers: method, step, CPU seconds, interpolated along"
-        f" the line for the column's error over {MARGIN}. A step is never longer than what worked in trials."
+        "The cheapest method by its fast form, as scripts/recommend answers: method, step, CPU seconds, interpolated"
+        f" along the line for the column's error over {MARGIN}. A step is never longer than what worked in trials."
         f' "{MISSING}": nothing recorded reaches the error.')]

@@ -1,14 +1,13 @@
-"""The raw file of scripts/studies/scaling.py, and its table: what a step costs, and what each idea buys."""
+"""The raw file of scripts/studies/scaling.py, its tables and figures: what a step costs, and what each idea buys."""
 
 import statistics
 from typing import NamedTuple
 
-import study_file
-from benchmark_json import FORMULATIONS
-from checked_json import UnusableFile, keyed, list_of, number, one_of, positive, text, whole
-from comparison import MISSING, three_digits, time_with_spread
-from document import Column, Entry, Heading, Paragraph, Table, conditions
-from study_file import FAST, PUBLISHED, Schema
+from lib import formats
+from lib.formats import FAST, FORMULATIONS, PUBLISHED, Schema, keyed, list_of, number, one_of, positive, text, whole
+from lib.messages import UnusableFile
+from lib.comparison import MISSING, three_digits, time_with_spread
+from lib.document import Column, Entry, Heading, Paragraph, Table, conditions, plain_table
 
 # A rung: the solver, and what its fast form goes without.
 RUNGS = {
@@ -37,71 +36,80 @@ class Point(NamedTuple):
     rung: one_of(*RUNGS)
     sweeps: number
     equivalent_products: number
-    seconds: list_of(positive)  # CPU time, one for each repetition
+    seconds: list_of(positive)  # CPU time, one for each repetition, at least one
 
 
 SCHEMA = Schema("scaling", Settings, {"points": Point})
 
 
-def document(path):
-    """Returns the document of a raw file. Throws UnusableFile with one line that names the file and what is wrong."""
-    return study_file.read(path, SCHEMA, sections)
+def rendered(path):
+    """Returns the document of a raw file and its figures. Throws UnusableFile with one line that names the file."""
+    return formats.read_study(path, SCHEMA, lambda study: (sections(study), figures(points_of(study))))
 
 
 def points_of(study):
     """Returns the points by (integrator, n, rung). Throws UnusableFile."""
     points = keyed(study.tables["points"], "integrator", "n", "rung")
-    if not points or not all(point.seconds for point in points.values()):
-        raise UnusableFile("has no points, or one without a time")
+    if not points:
+        raise UnusableFile("has no points")
     return points
 
 
-def claims(path):
-    """Returns what a raw file says, as Items. Throws UnusableFile."""
-    points = study_file.read(path, SCHEMA, points_of)
-    sizes = list(dict.fromkeys(n for _, n, _ in points))
-    cells = {form: [f"{form}{s}" for s in STAGES] for form in FORMULATIONS}
+# ---- means over the cells of Table 1
 
-    def gain(rung, n, names):
-        """Returns the geometric mean over integrators of a rung's time over that of the fast form; None without any."""
-        times = [statistics.median(ratios(points, name, n, rung)) for name in names if ratios(points, name, n, rung)]
-        return statistics.geometric_mean(times) if times else None
 
-    def by_size(rung):
-        means = [(n, gain(rung, n, sum(cells.values(), []))) for n in sizes]
-        return ", ".join(f"{mean:.2g} at n = {n}" for n, mean in means if mean)
+def sizes_of(points):
+    return list(dict.fromkeys(n for _, n, _ in points))
 
-    ideas = [rung for rung in RUNGS if rung not in (PUBLISHED, FAST)]
-    times = {(rung, n, form): gain(rung, n, cells[form]) for rung in ideas for n in sizes for form in FORMULATIONS}
-    found = [("Times of the published form over those of the fast form",
-              f": {by_size(PUBLISHED)} (a step, geometric mean over the cells of Table 1, smooth scene, first steps)."),
-             ("Times without an idea over those with all", f": {'; '.join(f'{each}, {by_size(each)}' for each in ideas)}.")]
-    cheaper = [(mean, key) for key, mean in times.items() if mean and mean < 1]
-    if cheaper:
-        least, (rung, n, form) = min(cheaper)
-        found.append((f"At most {1 / least - 1:.1%} faster is a form that leaves an idea out",
-                      f", in the mean over s, at any n: {form} {rung} at n = {n}."))
-    return found
+
+def gain(points, rung, n, forms=FORMULATIONS):
+    """Returns the geometric mean, over s and over formulations, of a rung's time over the fast form's, or None."""
+    found = [ratios(points, f"{form}{s}", n, rung) for form in forms for s in STAGES]
+    times = [statistics.median(each) for each in found if each]
+    return statistics.geometric_mean(times) if times else None
+
+
+def figures(points):
+    """Returns the means by key: over the formulations, of each, and what an idea costs that costs the most."""
+    found = {f"{rung.replace(' ', '_')}.n{n}{suffix}": gain(points, rung, n, forms)
+             for rung in RUNGS if rung != FAST for n in sizes_of(points)
+             for suffix, forms in (("", FORMULATIONS), *((f".{form}", (form,)) for form in FORMULATIONS))}
+    known = {key: mean for key, mean in found.items() if mean}
+    ideas = [mean for key, mean in known.items() if key.startswith("without") and key.endswith(FORMULATIONS)]
+    return {**known, **({"costliest_idea": max(0.0, 1 / min(ideas) - 1)} if ideas else {})}
+
+
+def means_table(points):
+    rows = [[rung, *(MISSING if mean is None else three_digits(mean) for mean in
+                     (gain(points, rung, n) for n in sizes_of(points)))] for rung in RUNGS if rung != FAST]
+    return plain_table((Column("form", align="left"), *(Column(f"n = {n}") for n in sizes_of(points))), rows)
+
+
+# ---- the document
 
 
 def sections(study):
-    points = points_of(study)
+    points, settings = points_of(study), study.settings
     columns = (Column("n"), Column("integrator", align="left"), Column("sweeps"), Column("equivalent products"),
-               Column("CPU seconds"), *(Column(rung, "time over that of the fast form") for rung in RUNGS if rung != FAST))
-    settings = study.settings
-    sizes = dict.fromkeys(n for _, n, _ in points)
+               Column("CPU seconds"),
+               *(Column(rung, "time over that of the fast form") for rung in RUNGS if rung != FAST))
     return [
         Heading("What a step costs, and what each idea buys", 1),
         Paragraph(f"The first {settings.steps} steps from the initial data of the {settings.scene} scene, h ="
-                  f" {settings.step:g}, the same stretch everywhere; all figures are those of a step, and sweeps, products"
-                  " and CPU seconds those of the fast form. Equivalent products: multiplications in units of one full"
-                  " complex product. Without newton: plain Picard sweeps. Without predictor: a cold start each step."
-                  " Without bands: full products. Without any: split-complex storage, its products, triangles and"
-                  " single precision of late terms are left. Below 1 an idea does not pay in these steps. Medians ± half"
-                  " the interquartile range of repetitions in turns, ratios within the same round. – stands for steps"
-                  " that fail, and for ideas that an explicit method has no use for."),
+                  f" {settings.step:g}, the same stretch everywhere."),
+        Heading("Time over that of the fast form"),
+        Paragraph("Geometric means over the cells of Table 1. Published: the published form. Without newton: plain"
+                  " Picard sweeps. Without predictor: a cold start each step. Without bands: full products. Without"
+                  " any: split-complex storage, its products, triangles and single precision of late terms are left."
+                  " Below 1 an idea does not pay in these steps."),
+        means_table(points),
+        Heading("Every integrator"),
+        Paragraph("All figures are those of a step; sweeps, products and CPU seconds are those of the fast form."
+                  " Equivalent products: multiplications in units of one full complex product. Medians ± half the"
+                  " interquartile range of repetitions in turns; ratios are within the same round. No range: single"
+                  f" timing. {MISSING}: steps that fail, and ideas that an explicit method has no use for."),
         Table(columns, [[row(points, name, n) for name in dict.fromkeys(name for name, size, _ in points if size == n)]
-                        for n in sizes]),
+                        for n in sizes_of(points)]),
         conditions(study.context),
     ]
 

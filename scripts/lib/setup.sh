@@ -1,4 +1,4 @@
-# Sourced by scripts/reproduce and scripts/test: packages, configuration, build.
+# Sourced by scripts/reproduce, scripts/test and scripts/lint: packages, configuration, build.
 #
 # Packages are those of Debian 12 (bookworm) or newer and of Ubuntu 22.04 or newer.
 
@@ -8,6 +8,8 @@ PACKAGES=(build-essential cmake git libeigen3-dev libopenblas-pthread-dev liblap
 STUDY_PACKAGES=(python3-dev pybind11-dev python3-numpy python3-matplotlib python3-tqdm python3-distributed)
 # What looking for data races needs besides.
 CLANG_PACKAGES=(clang libomp-dev)
+# What scripts/lint needs besides; formatting differs from version to version.
+LINT_PACKAGES=(clang-format-14 clang-tidy-14 flake8)
 
 say() { printf '%s\n' "$*" >&2; }
 
@@ -44,18 +46,32 @@ install_packages() {
     die 2 "apt-get install failed for: ${missing[*]}"
 }
 
-# build FOLDER TARGET [CMAKE_ARGUMENT ...]: configures and builds; the log is shown only on failure.
-build() {
-  local folder=$1 target=$2 log
-  shift 2
+# logged WHAT COMMAND ...: runs it; its log is shown only on failure, but for what it says of the module.
+logged() {
+  local what=$1 log
+  shift
   log=$(mktemp)
-  say "Building in ${folder#"$ROOT"/} ..."
-  if ! { cmake -S "$ROOT" -B "$folder" "$@" &&
-         cmake --build "$folder" --target "$target" --parallel "$(nproc)"; } >"$log" 2>&1; then
+  if ! "$@" >"$log" 2>&1; then
     tail -n 40 "$log" >&2
     rm -f "$log"
-    die 2 "the build in $folder failed"
+    die 2 "$what failed"
   fi
   sed -n 's/^-- \(NumPy module: .*\)/\1/p' "$log" >&2
   rm -f "$log"
+}
+
+# configure FOLDER [CMAKE_ARGUMENT ...]
+configure() {
+  local folder=$1
+  shift
+  logged "the build in $folder" cmake -S "$ROOT" -B "$folder" "$@"
+}
+
+# build FOLDER TARGET [CMAKE_ARGUMENT ...]: configures and builds.
+build() {
+  local folder=$1 target=$2
+  shift 2
+  say "Building in ${folder#"$ROOT"/} ..."
+  configure "$folder" "$@"
+  logged "the build in $folder" cmake --build "$folder" --target "$target" --parallel "$(nproc)"
 }

@@ -9,9 +9,9 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from chart_panels import METHOD_KEYS, cross, draw_line, handle, key, logarithmic, look, method_key, new_figure
-from stability_files import QUANTITIES, ROUNDING
-from study_file import SWEEP_CAP, UNSTABLE
+from lib.chart_panels import METHOD_KEYS, cross, draw_line, handle, key, logarithmic, look, method_key, new_figure
+from lib.stability_files import QUANTITIES, ROUNDING
+from lib.formats import SWEEP_CAP, UNSTABLE
 
 SWEEP_SHADES = {"≤ 20 sweeps": (20, "#f4f8fc"), "≤ 50 sweeps": (50, "#d3e4f3"), "more sweeps": (math.inf, "#a9cae6")}
 FAILURES = {SWEEP_CAP: "#eda63a", "stagnated": "#cc6a36", "diverged": "#8f2f2f", UNSTABLE: "#33184a"}

@@ -2,11 +2,11 @@
 
 import itertools
 
-from accuracy_claims import scientific
-from comparison import MISSING, three_digits
-from document import Column, Heading, Paragraph, conditions, plain_table, shown
-from integrator_names import TABLE1_CELLS
-from stability_files import QUANTITIES
+from lib.comparison import MISSING, three_digits
+from lib.document import Column, Heading, Paragraph, conditions, plain_table, shown
+from lib.integrator_names import KEPT, TABLE1_CELLS, strongest_structure
+from lib.numbers import scientific
+from lib.stability_files import QUANTITIES
 
 HOW_CHARTS_READ = (
     "Failure maps: a cell is one trial. Measured critical: the largest h‖B(W₀)‖₂ that works below the first that fails."
@@ -92,7 +92,9 @@ def critical_text(each):
 def long_runs_section(runs):
     parts = [Heading("Largest errors of long runs"), Paragraph(
         f"The largest over all samples of {runs.steps} steps; of a run that failed, up to there."
-        f' "{MISSING}": no sample with a finite value. {energy_sentence(runs)}')]
+        f' "{MISSING}": no sample with a finite value. A run that converged may have lost its energy, as the first'
+        f' table'
+        " shows of the runs that came through, by what their integrators keep."), energy_table(runs)]
     for scene, n in runs.settings():
         columns = [Column("integrator", align="left")]
         for share in runs.shares():
@@ -105,18 +107,15 @@ def long_runs_section(runs):
     return parts
 
 
-def energy_sentence(runs):
-    """Says how far the energy of runs that came through is off, by what their integrators keep."""
+def energy_table(runs):
+    """Shows how far the energy of runs that came through is off, by what their integrators keep."""
     found = {}
     for (_, _, name, _), run in runs.runs.items():
-        each = runs.integrators[name]
         if run.survived:
-            kept = ("the Lie–Poisson structure" if each.lie_poisson else
-                    "the spectrum only" if each.isospectral else None)
-            found.setdefault(kept, []).append(run.largest("energy_error") or 0.0)
-    parts = [f"{scientific(min(worst))} to {scientific(max(worst))} for methods that keep {kept}"
-             for kept, worst in found.items() if kept]
-    return (f"A run that converged may have lost its energy: the energy error is {', '.join(parts)}." if parts else "")
+            found.setdefault(strongest_structure(runs.integrators[name]), []).append(run.largest("energy_error") or 0.0)
+    rows = [[KEPT[structure], str(len(found[structure])), scientific(min(found[structure])),
+             scientific(max(found[structure]))] for structure in reversed(KEPT) if structure in found]
+    return plain_table((Column("keeps", align="left"), *map(Column, ("runs", "least energy error", "largest"))), rows)
 
 
 def run_texts(run):

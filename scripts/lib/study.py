@@ -1,4 +1,4 @@
-"""What the studies of scripts/studies share: command line, untimed work on all cores, timed work in turns on one.
+"""What the studies of scripts/studies share: command line, untimed work on all cores, timed work on one.
 
 Untimed work goes to an executor: processes of this machine, or with --scheduler a Dask cluster, whose workers need a
 Python with the module isosyrk. It may not depend on the clock, so that both give the same raw file. What is finished
@@ -21,22 +21,24 @@ import signal
 import site
 import statistics
 import sys
+import tempfile
 import threading
 from functools import partial
 
-import chart_python
-import command_line
-from checked_json import one_line
-from command_line import INTERRUPTED, NO_ANSWER, TERMINATED, OneLineParser, Stop, say, whole_number
-from integrator_names import in_frame
-from output import replace_file
-from study_file import Integrator
+from lib import chart_python
+from lib import command_line
+from lib import fresh_process
+from lib.formats import Integrator
+from lib.messages import one_line
+from lib.command_line import INTERRUPTED, NO_ANSWER, TERMINATED, OneLineParser, Stop, say, whole_number
+from lib.integrator_names import in_frame
+from lib.output import replace_file
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 MODULE = os.path.join(os.environ.get("ISOSYRK_BUILD") or os.path.join(ROOT, "build"), "python")
 JOURNAL = "isosyrk journal 1"
 KEPT_CONDITIONS = ("commit", "dirty", "cpu", "blas_kernels")  # what results depend on
-NOT_OF_THE_STUDY = ("out", "scheduler", "workers", "repetitions")  # options that leave results as they are
+NOT_OF_THE_STUDY = ("out", "scheduler", "workers", "repetitions", "processes")  # options that leave results as they are
 MOST_LOSSES = 3  # of workers, without a job finished between
 LOST = "a worker was lost; its jobs are done again"
 ENOUGH_TIMED = 0.6  # CPU seconds of timed work on a point, after which it is repeated no more
@@ -231,7 +233,7 @@ def importable(work):
 
 
 def executor(options, work):
-    folders = (MODULE, os.path.dirname(os.path.realpath(__file__)), os.path.dirname(inspect.getfile(work)))
+    folders = (MODULE, os.path.join(ROOT, "scripts"), os.path.dirname(inspect.getfile(work)))
     return dask(options.scheduler, folders) if options.scheduler else processes(options.workers)
 
 
@@ -328,3 +330,59 @@ def in_turns(points, repetitions, time_one, journal, what, enough=ENOUGH_TIMED):
     finally:
         os.sched_setaffinity(0, cores)
     return seconds
+
+
+def by_processes(blocks, command, further, journal, what):
+    """Returns the CPU seconds of the rows of each block, as dicts from a row to a list with an entry for each process.
+
+    A block is an object of JSON whose "rows" are names. `command(block, process)` is a command that times the rows of a
+    block in turns and prints their seconds, a list of JSON; `process` counts from 0. `further(seconds)` returns, given
+    the dict of a block so far, how many further processes each row wants; it is asked again when these are done. Every
+    block gets its first process, then every block its second, on the last core: a slow minute of the machine falls on
+    all alike. A disturbed process is repeated; those that stayed disturbed are counted in the journal's context.
+    """
+    core = fresh_process.last_core()
+    seconds = [{row: [] for row in block["rows"]} for block in blocks]
+    wanted = [further(found) for found in seconds]
+    disturbed = done = process = 0
+    with progress(sum(most(each) for each in wanted), what) as bar:
+        while any(map(most, wanted)):
+            for block, found, each in zip(blocks, seconds, wanted):
+                part = {**block, "rows": [row for row in block["rows"] if each[row] > 0]}
+                if not part["rows"]:
+                    continue
+                key = key_of(f"{what}, process {process}", part)
+                if key not in journal.found:
+                    times, disturbance = fresh_process.undisturbed(
+                        partial(printed, core, command(part, process), len(part["rows"]), what),
+                        partial(bar.write, file=sys.stderr))
+                    journal.add(key, {"seconds": times, "disturbed": bool(disturbance)})
+                disturbed += journal.found[key]["disturbed"]
+                for row, passed in zip(part["rows"], journal.found[key]["seconds"]):
+                    found[row].append(passed)
+                    each[row] -= 1
+                done += 1
+                bar.update()
+            process += 1
+            wanted = [each if most(each) else further(found) for found, each in zip(seconds, wanted)]
+            bar.total = done + sum(map(most, wanted))
+    journal.context.update(timed_on=f"core {core}", disturbed_processes=f"{disturbed} of {done}")
+    return seconds
+
+
+def most(counts):
+    return max(counts.values(), default=0)
+
+
+def printed(core, command, count, what):
+    """Runs a command on a core. Returns the list of `count` numbers that it printed, and the Disturbance meanwhile."""
+    with tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as errors:
+        status, disturbance = fresh_process.run_on(core, command, stdout=output, stderr=errors)
+        output.seek(0)
+        errors.seek(0)
+        *_, last = [""] + errors.read().decode("utf-8", "replace").split("\n")[:-1]
+        with contextlib.suppress(ValueError, TypeError):
+            found = json.loads(output.read())
+            if status == 0 and len(found) == count:
+                return found, disturbance
+    raise Stop(f"{what}: a process ended with status {status} and without its times: {one_line(last)}", NO_ANSWER)

@@ -1,16 +1,18 @@
-"""The raw file of scripts/studies/theorem.py, and its report: where the formulations coincide, and what they cost."""
+"""The raw file of scripts/studies/theorem.py, its report and its figures: where the formulations coincide, which is the
+fastest, what they cost, and where the theorem ends."""
 
+import itertools
 import math
 import statistics
 from typing import NamedTuple
 
-import study_file
-from accuracy_claims import scientific, span
-from benchmark_json import FORMULATIONS
-from checked_json import UnusableFile, keyed, list_of, number, one_of, optional, positive, text, whole
-from comparison import MISSING, fastest_rows, three_digits, time_with_spread
-from document import Column, Entry, Heading, Items, Paragraph, Table, conditions, plain_table
-from study_file import Schema
+from lib import formats
+from lib.formats import FORMULATIONS, Schema, list_of, number, one_of, optional, positive, text, whole
+from lib.messages import UnusableFile
+from lib.comparison import MISSING, UNDECIDED_MARK, marks, spread_text, three_digits
+from lib.document import Column, Entry, Heading, Paragraph, Table, conditions, plain_table
+from lib.numbers import scientific
+from lib.verdicts import FEWEST, HOLDS, MARGIN, UNDECIDED, claim_of_fastest, ratio_of
 
 PAIRS = ("cotangent–group", "group–algebra", "cotangent–algebra")
 SCENES = {  # the algebra, and the arithmetic of its steps
@@ -23,12 +25,17 @@ MISPRINTS = (  # what is changed, in which formulation; where, as printed, right
     (PRINTED_W, "group", "theorem, item 3", "Q W₀ J Q J⁻¹", "Q† W₀ J Q J⁻¹"),
     (None, None, "introduction, g", "W ∈ GL(n,ℂ)", "W ∈ M(n,ℂ)"))
 AT_ROUNDING = 1e-12  # differences of one step that are below stem from rounding
+CLAIMS = (  # name, the table and the methods it is about, and the formulation that is said to be fastest
+    ("(a)", "cost", ("s = 1",), "algebra"), ("(b)", "cost", ("s = 2", "s = 3"), "group"),
+    ("footnote", "dirk", ("yoshida4", "suzuki4", "kahan_li6"), "algebra"))
+NO_STEP = "no step"  # shown for a row whose Picard sweeps fail
+CHAIN = "spin_chain"
 
 
 class Settings(NamedTuple):
-    steps: whole(1)  # of a run
+    steps: whole(1)  # of a run in which the formulations are compared
+    timed_steps: whole(1)  # of a timed run; the spin chain's are longer
     tolerance: positive
-    h_norm_B: positive  # h‖B(W₀)‖₂ of what is timed
     ends_n: whole(2)  # of the rigid body on which the theorem ends
     ends_step: positive
 
@@ -60,36 +67,61 @@ class End(NamedTuple):
 
 
 class Timed(NamedTuple):
-    """A method, "s = 2" of Gauss or a composition of midpoint steps, in one formulation; costs are those of a step."""
+    """A method, "s = 2" of Gauss or a composition of midpoint steps, in one formulation; costs are those of a step.
+
+    Where the Picard sweeps of a step fail, there are no costs and no times.
+    """
 
     scene: text
     n: whole(2)
+    h_norm_B: positive  # h‖B(W₀)‖₂
     method: text
     formulation: one_of(*FORMULATIONS)
-    sweeps: number
-    products: number
-    difference: number  # from the answer on g: largest entry
-    seconds: list_of(positive)  # CPU time, one for each repetition
+    sweeps: optional(number)
+    products: optional(number)
+    difference: optional(number)  # from the answer on g: largest entry; None where either fails
+    # CPU seconds, one entry a process: the median of its repetitions. The processes of the formulations of one method
+    # are the same, in the same order.
+    seconds: list_of(positive)
 
 
 SCHEMA = Schema("theorem", Settings, {"coincidence": Coincidence, "ends": End, "cost": Timed, "dirk": Timed})
 
 
-def document(path):
-    """Returns the document of a raw file. Throws UnusableFile with one line that names the file and what is wrong."""
-    return study_file.read(path, SCHEMA, sections)
+def rendered(path):
+    """Returns the document of a raw file and its figures. Throws UnusableFile with one line that names the file."""
+    return formats.read_study(path, SCHEMA, lambda study: (sections(checked(study)), figures(study)))
 
 
-def claims(path):
-    """Returns what a raw file says, as Items. Throws UnusableFile."""
-    return study_file.read(path, SCHEMA, verdicts)
+def checked(study):
+    """Returns a study. Throws UnusableFile for one without rows, or with times that are not of the same processes."""
+    for name in ("coincidence", "ends"):
+        if not study.tables[name]:
+            raise UnusableFile(f"has no rows of {name}")
+    for name in ("cost", "dirk"):
+        for row in study.tables[name]:
+            if (row.sweeps is None) == bool(row.seconds):
+                raise UnusableFile(f"has a row of {name} with sweeps and no time, or with times and no sweeps")
+        for block in comparisons(study.tables[name]).values():
+            if len({len(row.seconds) for row in block if row.seconds}) > 1:
+                raise UnusableFile(f"has formulations of {name} that were not timed by the same processes")
+    return study
 
 
 def sections(study):
     settings, tables = study.settings, study.tables
     return [
         Heading("The theorem on every quadratic algebra, and where it ends", 1),
-        Items(verdicts(study)),
+        Paragraph("Which formulation is fastest on each algebra; whether all three give the same answers; one step"
+                  " with one thing changed, for which they do not. What it means is said in results/README.md."),
+        Heading("Which formulation is fastest"),
+        Paragraph("Claim (a): algebra is fastest at s = 1; (b): group is fastest at s ≥ 2; the footnote: isospectral"
+                  " DIRK methods are fastest on g (algebra). The ratio is the time of the fastest other formulation"
+                  " over that of the claimed one. A claim holds if its formulation is faster than both others (the"
+                  f" whole 95 % interval of the ratio lies beyond {MARGIN:g}), fails if it is slower than one, and is a"
+                  f" tie if it ties with one. Bold, in text a star: it holds. {UNDECIDED_MARK}: undecided. Each"
+                  f' row was timed in {number_of_processes(study)} processes. "{NO_STEP}": its Picard sweeps fail.'),
+        claims_table(tables),
         Heading("Where the formulations coincide"),
         Paragraph(f"Gauss with s = 1, 2, 3 in every formulation: {settings.steps} steps at each h‖B(W₀)‖₂, tolerance"
                   f" {settings.tolerance:g}; the largest over s and h. Difference: entries of W between two forms."
@@ -97,9 +129,10 @@ def sections(study):
                   " k = 2 … 5, relative to Σ|λ|ᵏ."),
         coincidence_table(tables["coincidence"]),
         Heading("What they cost"),
-        Paragraph(f"Gauss at h‖B(W₀)‖₂ = {settings.h_norm_B:g}: CPU milliseconds a step, medians ± half the"
-                  " interquartile range of repetitions in turns, and Picard sweeps a step. Bold, in text a star: the"
-                  " fastest of the three, and what repetitions do not tell from it. Cotangent multiplies by no J."),
+        Paragraph(f"Gauss: CPU milliseconds a step, over {settings.timed_steps} steps from the initial data; the time"
+                  " over that of group, both geometric means over processes, ± half the 95 % interval; Picard sweeps."
+                  " Bold, in text a star: the fastest of the three, and every one that ties with it;"
+                  f" {UNDECIDED_MARK}: not decided against the fastest. Cotangent multiplies by no J."),
         cost_table(tables["cost"]),
         Heading("DIRK methods"),
         Paragraph("The isospectral DIRK methods of the paper's footnote are compositions of midpoint steps. Each"
@@ -147,25 +180,86 @@ def coincidence_table(rows):
          largest(found, "casimir_error")] for (scene, n), found in by(rows, "scene", "n").items()])
 
 
+def comparisons(rows):
+    """Returns the rows that are compared with one another, by scene, n, h‖B‖ and method."""
+    return by(rows, "scene", "n", "h_norm_B", "method")
+
+
 def times_of(block):
-    return {row.formulation: row.seconds for row in block}
+    """Returns the seconds of the formulations that converge, by formulation."""
+    return {row.formulation: row.seconds for row in block if row.seconds}
+
+
+def number_of_processes(study):
+    counts = {len(row.seconds) for name in ("cost", "dirk") for row in study.tables[name] if row.seconds}
+    return f"{min(counts)} to {max(counts)}" if len(counts) > 1 else str(*counts or (0,))
+
+
+def claims_table(tables):
+    """Returns a row for each scene, n and claim, and a column for each h‖B‖: the result and its ratio."""
+    norms, blocks = sorted({row.h_norm_B for name in ("cost", "dirk") for row in tables[name]}), []
+    found = {name: comparisons(tables[name]) for name in ("cost", "dirk")}
+    for scene, n in dict.fromkeys((row.scene, row.n) for row in tables["cost"] + tables["dirk"]):
+        blocks.append([])
+        for claim, name, methods, wanted in CLAIMS:
+            for method in methods:
+                there = [found[name].get((scene, n, norm, method), ()) for norm in norms]
+                if any(there):
+                    blocks[-1].append([Entry(scene), Entry(str(n)), Entry(f"{claim}, {method}"), Entry(wanted),
+                                       *(claim_entry(wanted, block) for block in there)])
+    return Table((*lefts("scene"), Column("n"), *lefts("claim", "fastest is"), *(
+        Column(f"h‖B‖ = {norm:g}") for norm in norms)), blocks)
+
+
+def claim_entry(wanted, block):
+    """Shows whether `wanted` is fastest in a block, and the ratio."""
+    times = times_of(block)
+    if any(row.formulation == wanted and not row.seconds for row in block):
+        return Entry(NO_STEP)
+    if wanted not in times or len(times) < 2:
+        return Entry(MISSING)
+    result, ratio = claim_of_fastest(wanted, times)
+    digits = three_digits(ratio.ratio)
+    return Entry(f"{digits} {UNDECIDED_MARK}" if result == UNDECIDED else f"{result} {digits}", result == HOLDS)
 
 
 def cost_table(rows):
-    """Returns a block for each scene and n, a row for each formulation and a column for each method."""
+    """Returns a block for each scene, n and h‖B‖, a row for each formulation and columns for each method."""
     methods, blocks = [method for method, in by(rows, "method")], []
-    for (scene, n), found in by(rows, "scene", "n").items():
-        best = {method: fastest_rows(times_of(block)) for (method,), block in by(found, "method").items()}
-        for form in FORMULATIONS:
-            cells = {row.method: row for row in found if row.formulation == form}
-            times = [Entry(time_with_spread([1e3 * each for each in cells[method].seconds]), form in best[method])
-                     if method in cells else Entry(MISSING) for method in methods]
-            sweeps = [Entry(three_digits(cells[method].sweeps) if method in cells else MISSING) for method in methods]
-            if form == FORMULATIONS[0]:
-                blocks.append([])
-            blocks[-1].append([Entry(scene), Entry(str(n)), Entry(form), *times, *sweeps])
-    return Table((*lefts("scene"), Column("n"), *lefts("formulation"), *(
-        Column(method, group) for group in ("ms a step", "sweeps") for method in methods)), blocks)
+    for (scene, n, norm), found in by(rows, "scene", "n", "h_norm_B").items():
+        cells = {(row.method, row.formulation): row for row in found}
+        level = {method: marks(times_of(block)) for (method,), block in by(found, "method").items()}
+        blocks.append([[Entry(scene), Entry(str(n)), Entry(f"{norm:g}"), Entry(form), *(
+            show(cells, method, form, *level.get(method, (set(), set())))
+            for show in (time_entry, ratio_entry, sweeps_entry) for method in methods)] for form in FORMULATIONS])
+    return Table((*lefts("scene"), Column("n"), Column("h‖B‖"), *lefts("formulation"), *(
+        Column(method, group) for group in ("ms a step", "over group's", "sweeps") for method in methods)), blocks)
+
+
+def time_entry(cells, method, form, best, undecided):
+    """Shows the milliseconds of a cell, marked where it is among the fastest; `cells` are rows by method and form."""
+    cell = cells.get((method, form))
+    if not cell:
+        return Entry(MISSING)
+    if not cell.seconds:
+        return Entry(NO_STEP)
+    milliseconds = three_digits(1e3 * statistics.geometric_mean(cell.seconds))
+    return Entry(f"{milliseconds} {UNDECIDED_MARK}" if form in undecided else milliseconds, form in best)
+
+
+def ratio_entry(cells, method, form, *_):
+    cell, group = cells.get((method, form)), cells.get((method, "group"))
+    if form == "group" or not (cell and group and cell.seconds and group.seconds):
+        return Entry(MISSING)
+    ratio = ratio_of(cell.seconds, group.seconds)
+    if ratio.processes < FEWEST:
+        return Entry(three_digits(ratio.ratio))
+    return Entry(spread_text(three_digits(ratio.ratio), 100 * (ratio.high / ratio.ratio - 1)))
+
+
+def sweeps_entry(cells, method, form, *_):
+    cell = cells.get((method, form))
+    return Entry(three_digits(cell.sweeps) if cell and cell.seconds else MISSING)
 
 
 def ends_table(rows):
@@ -188,63 +282,77 @@ def misprints_table(rows):
     return plain_table((*lefts("where", "printed", "right"), *map(Column, headings)), found)
 
 
-# ---- verdicts
+# ---- figures
 
 
-def verdicts(study):
-    """Returns a line for each question, as Items. Throws UnusableFile for a study without a row to answer it."""
+def figures(study):
+    """Returns the figures that results/README.md may quote, by key.
+
+    cost.SCENE.N.H.METHOD.FORM-over-OTHER (and dirk.…) is the ratio of two formulations' times; METHOD is s1 or
+    yoshida4. In place of SCENE.N.H, the least and most over all n stand under SCENE.H, over all h too under SCENE, and
+    over all scenes but the spin chain under others.H and others.
+    """
     tables = study.tables
-    for name, rows in tables.items():
-        if not rows and name in ("coincidence", "ends") or not all(getattr(row, "seconds", True) for row in rows):
-            raise UnusableFile(f"has no rows of {name}, or one without a time")
+    rows, found = tables["coincidence"], {}
+    found.update({"coincidence.settings": len(rows),
+                  "coincidence.within": sum(row.difference <= row.bound for row in rows),
+                  "coincidence.failed": sum(sweeps is None for row in rows for sweeps in row.sweeps)})
+    for field in ("difference", "algebra_defect", "casimir_error"):
+        found[f"coincidence.{field}"] = max(getattr(row, field) for row in rows)
+    for row in tables["ends"]:
+        key = f"ends.{key_part(row.case)}"
+        found.update({f"{key}.{pair.replace('–', '-')}": value for pair, value in zip(PAIRS, row.differences)})
+        found.update({f"{key}.casimirs.{form}": value for form, value in zip(FORMULATIONS, row.casimir_errors)})
+        found[f"{key}.from_g"] = row.algebra_defect
+        if row.order:
+            found[f"{key}.order"] = row.order
     for name in ("cost", "dirk"):
-        keyed(tables[name], "scene", "n", "method", "formulation")
-    cost, rows = tables["cost"], tables["coincidence"]
-    failed = [f"{form} of {row.scene} at s = {row.stages}, h‖B(W₀)‖₂ = {row.h_norm_B:g}" for row in rows
-              for form, sweeps in zip(FORMULATIONS, row.sweeps) if sweeps is None]
-    return [
-        ("The three formulations coincide", f" within the bound of their iterations in"
-         f" {sum(row.difference <= row.bound for row in rows)} of {len(rows)} settings of scene, s and h, to"
-         f" {largest(rows, 'difference')}; W stays in g to {largest(rows, 'algebra_defect')}, Casimirs to"
-         f" {largest(rows, 'casimir_error')}. Left out, since Picard sweeps fail: {', '.join(failed) or 'nothing'}."),
-        fastest("Claim (a), algebra is fastest at s = 1", [row for row in cost if row.method == "s = 1"], "algebra"),
-        fastest("Claim (b), group is fastest at s ≥ 2", [row for row in cost if row.method != "s = 1"], "group"),
-        *linear([row for row in cost if row.scene == "spin_chain"]),
-        fastest("The footnote, isospectral DIRK is fastest on g", tables["dirk"], "algebra"),
-        ("Where the theorem ends", ", by what is changed: " + "; ".join(
-            f"{changed}: {zero(PAIRS, [row.differences for row in found])} coincide, spectrum kept by"
-            f" {zero(FORMULATIONS, [row.casimir_errors for row in found])}"
-            for (changed,), found in by(tables["ends"], "changed").items()) + ".")]
+        found.update(ratio_figures(name, tables[name]))
+    for claim, name, methods, wanted in CLAIMS:
+        found.update(claim_figures(claim.strip("()"), comparisons(tables[name]), methods, wanted))
+    return {**found, **chain_power([row for row in tables["cost"] if row.scene == CHAIN and row.seconds])}
 
 
-def zero(names, rows):
-    """Returns the names of the columns that are zero in all rows, up to rounding."""
-    found = [name for name, values in zip(names, zip(*rows)) if max(values) < AT_ROUNDING]
-    return "all" if len(found) == len(names) else ", ".join(found) or "none"
+def key_part(name):
+    """Writes a name as part of a key: small ASCII letters and digits, and an underscore for all else between them."""
+    plain = "".join(c if c.isascii() and c.isalnum() else " " for c in name.replace("s = ", "s").lower())
+    return "_".join(plain.split())
 
 
-def fastest(claim, rows, wanted):
-    """Says of each scene in how many blocks of one n and method a formulation is fastest, and by how much."""
-    told = []
-    for (scene,), here in by(rows, "scene").items():
-        blocks = [times_of(block) for block in by(here, "n", "method").values()]
-        blocks = [times for times in blocks if wanted in times and len(times) > 1]
-        winners = [fastest_rows(times) for times in blocks]
-        alone, level = winners.count({wanted}), sum(wanted in each and len(each) > 1 for each in winners)
-        ratios = {rival: [statistics.median(a / b for a, b in zip(times[rival], times[wanted]))
-                          for times in blocks if rival in times] for rival in FORMULATIONS if rival != wanted}
-        if blocks:
-            told.append(f"{scene} won {alone}, tied {level} of {len(blocks)} ("
-                        + ", ".join(f"{rival} {span(found)}" for rival, found in ratios.items() if found) + ")")
-    return claim, ": " + ("; ".join(told) or "too little was timed") + f". In brackets: time over that of {wanted}."
+def ratio_figures(name, rows):
+    found, spans = {}, {}
+    for (scene, n, norm, method), block in comparisons(rows).items():
+        times, method = times_of(block), key_part(method)
+        for form, other in itertools.permutations(times, 2):
+            pair, ratio = f"{method}.{form}-over-{other}", ratio_of(times[form], times[other]).ratio
+            found[f"{name}.{scene}.{n}.{norm:g}.{pair}"] = ratio
+            for where in (scene, *(("others",) if scene != CHAIN else ())):
+                for over in (f"{where}.{norm:g}", where):
+                    spans.setdefault(f"{name}.{over}.{pair}", []).append(ratio)
+    found.update({f"{key}.least": min(values) for key, values in spans.items()})
+    found.update({f"{key}.most": max(values) for key, values in spans.items()})
+    return found
 
 
-def linear(rows):
-    """Says how the time of a sweep grows with n, if there are two sizes."""
-    cost = {n: statistics.geometric_mean(statistics.median(row.seconds) / row.sweeps for row in found)
+def claim_figures(claim, blocks, methods, wanted):
+    """Returns in how many of the blocks a claim comes out how, by scene; `none` where it could not be judged."""
+    found = {}
+    for (scene, _, _, method), block in blocks.items():
+        if method in methods:
+            times = times_of(block)
+            result = claim_of_fastest(wanted, times)[0] if wanted in times and len(times) > 1 else "none"
+            for each in (result, "of"):
+                key = f"claims.{claim}.{scene}.{each}"
+                found[key] = found.get(key, 0) + 1
+    return found
+
+
+def chain_power(rows):
+    """Returns the power of N with which the time of a sweep grows on the chain, if there are two sizes."""
+    cost = {n: statistics.geometric_mean(second / row.sweeps for row in found for second in row.seconds)
             for (n,), found in sorted(by(rows, "n").items())}
     if len(cost) < 2:
-        return []
+        return {}
     (small, first), *_, (large, last) = cost.items()
-    return [("A sweep on a chain of N spins costs O(N)", f": from N = {small // 2} to {large // 2} its time grows as N"
-             f" to the power {math.log(last / first, large / small):.2f}.")]
+    return {"chain.smallest": small // 2, "chain.largest": large // 2,
+            "chain.power": math.log(last / first, large / small)}

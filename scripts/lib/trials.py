@@ -8,9 +8,8 @@ import math
 
 import isosyrk
 import numpy
-import study
-from checked_json import LARGEST
-from study_file import CONVERGED, UNSTABLE
+from lib import study
+from lib.formats import CONVERGED, LARGEST, UNSTABLE
 
 MAX_SWEEPS = 400  # tells a slow iteration from one that fails without the cost of Table 1's thousand
 GRID = [2.0 ** (k / 2) for k in range(-6, 8)]  # h‖B(W₀)‖₂ from 1/8 to 11.3

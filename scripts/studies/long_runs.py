@@ -9,20 +9,20 @@ import os
 import sys
 from functools import partial
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.dirname(os.path.realpath(__file__))), "lib"))
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 
-import study
+from lib import study
 
 PROGRAM = "long_runs"
 if __name__ == "__main__":
     study.require_module(PROGRAM)
 
 import isosyrk
-import study_file
-import trials
-from command_line import whole_number
-from stability_files import LONG_RUNS_SCHEMA, LongRunSettings, RunRow, Sample
-from study_file import UNSTABLE
+from lib import formats
+from lib.formats import UNSTABLE
+from lib import trials
+from lib.command_line import whole_number
+from lib.stability_files import LONG_RUNS_SCHEMA, LongRunSettings, RunRow, Sample
 
 SCENE = "smooth"
 SIZES, QUICK_SIZES = (17, 33), (17,)
@@ -92,7 +92,7 @@ def main(arguments):
     jobs = [{"n": n, "integrator": row.name, "steps": steps} for n in sizes for row in rows]
     runs = [run for found in study.untimed(jobs, carry_out, journal, options, "long runs") for run in found]
     samples = [Sample(run=number, **sample) for number, run in enumerate(runs) for sample in run.pop("samples")]
-    study_file.write(options.out, LONG_RUNS_SCHEMA, journal.context, LongRunSettings(steps, trials.MAX_SWEEPS),
+    formats.write_study(options.out, LONG_RUNS_SCHEMA, journal.context, LongRunSettings(steps, trials.MAX_SWEEPS),
                      {"integrators": rows, "runs": [RunRow(**run) for run in runs], "samples": samples})
     journal.remove()
 

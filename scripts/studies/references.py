@@ -12,9 +12,9 @@ import math
 import os
 import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.dirname(os.path.realpath(__file__))), "lib"))
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 
-import study
+from lib import study
 
 PROGRAM = "references"
 if __name__ == "__main__":
@@ -23,11 +23,12 @@ if __name__ == "__main__":
 import numpy
 
 import isosyrk
-import problems
-from accuracy_lines import FAST, Problem
-from checked_json import UnusableFile
-from command_line import NO_ANSWER, Stop, say
-from output import make_folder, replace_file
+from lib import problems
+from lib.accuracy_lines import Problem
+from lib.formats import FAST
+from lib.messages import UnusableFile
+from lib.command_line import NO_ANSWER, Stop, say
+from lib.output import make_folder, replace_file
 
 INTEGRATORS = ("group8", "rkmk4")
 TOLERANCE = 1e-14

@@ -8,18 +8,18 @@ import os
 import sys
 from functools import partial
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.dirname(os.path.realpath(__file__))), "lib"))
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 
-import study
+from lib import study
 
 PROGRAM = "scaling"
 if __name__ == "__main__":
     study.require_module(PROGRAM)
 
 import isosyrk
-import study_file
-from command_line import whole_number
-from scaling_table import NEEDS_ITERATION, RUNGS, SCHEMA, Point, Settings
+from lib import formats
+from lib.command_line import whole_number
+from lib.scaling_table import NEEDS_ITERATION, RUNGS, SCHEMA, Point, Settings
 
 SIZES, QUICK_SIZES = (17, 33, 65, 129), (17, 33)
 QUICK_INTEGRATORS = ("cotangent2", "group2", "algebra2", "kahan_li6", "rkmk4", "rk4")
@@ -51,7 +51,9 @@ def time_one(point):
 
 
 def rungs_of(entry):
-    return [rung for rung, (_, without) in RUNGS.items() if not (entry.explicit and NEEDS_ITERATION & {*without})]
+    """Returns the rungs that there are for an integrator."""
+    return [rung for rung, (solver, without) in RUNGS.items()
+            if not (entry.explicit and NEEDS_ITERATION & {*without}) and (solver != "fast" or entry.has_fast_form)]
 
 
 def main(arguments):
@@ -69,7 +71,7 @@ def main(arguments):
     seconds = study.in_turns([point for point, _ in done], options.repetitions, time_one, journal, "timing")
     rows = [Point(point["integrator"], point["n"], point["rung"], **found, seconds=[each / STEPS for each in times])
             for (point, found), times in zip(done, seconds)]
-    study_file.write(options.out, SCHEMA, journal.context, Settings(SCENE, STEP, STEPS), {"points": rows})
+    formats.write_study(options.out, SCHEMA, journal.context, Settings(SCENE, STEP, STEPS), {"points": rows})
     journal.remove()
 
 

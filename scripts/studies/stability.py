@@ -9,19 +9,21 @@ import os
 import sys
 from functools import partial
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.dirname(os.path.realpath(__file__))), "lib"))
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 
-import study
+from lib import study
 
 PROGRAM = "stability"
 if __name__ == "__main__":
     study.require_module(PROGRAM)
 
 import isosyrk
-import study_file
-import trials
-from integrator_names import TABLE1_CELLS
-from stability_files import FAST, MAP_SCHEMA, PUBLISHED, SCENES, SOLVERS, Edge, MapSettings, Setting, Trial
+from lib import formats
+from lib import trials
+from lib.command_line import Stop
+from lib.integrator_names import TABLE1_CELLS
+from lib.formats import FAST, PUBLISHED, SOLVERS
+from lib.stability_files import MAP_SCHEMA, SCENES, Edge, MapSettings, Setting, Trial
 
 SIZES, QUICK_SIZES = (9, 17, 33, 65, 129, 257), (9, 17, 33)
 
@@ -47,17 +49,21 @@ def described(scene, n):
 def main(arguments):
     parser = study.parser(PROGRAM, __doc__.splitlines()[0])
     parser.add_argument("--scene", choices=SCENES, nargs="+", action="extend", help="(default: both)")
-    parser.add_argument("--solver", choices=SOLVERS, default=PUBLISHED, help="fast: the fast forms (by default those of Table 1)")
+    parser.add_argument("--solver", choices=SOLVERS, default=PUBLISHED, help="fast: the fast forms (by default those"
+                                                                             " of Table 1)")
     options = parser.parse_args(arguments)
     sizes = sorted(set(options.n or (QUICK_SIZES if options.quick else SIZES)))
     scenes = [scene for scene in SCENES if scene in (options.scene or SCENES)]
     entries = study.entries(options.integrator or (TABLE1_CELLS if options.solver == FAST else None))
+    for entry in entries:
+        if options.solver == FAST and not entry.has_fast_form:
+            raise Stop(f"--solver fast: {entry.name} has no fast form")
 
     journal = study.Journal(PROGRAM, options, partial(isosyrk.conditions, products="openblas", sizes=sizes))
     jobs = [{"scene": scene, "n": n, "integrator": entry.name, "solver": options.solver}
             for n in sizes for scene in scenes for entry in entries]
     maps = study.untimed(jobs, draw, journal, options, "stability maps")
-    study_file.write(options.out, MAP_SCHEMA, journal.context, MapSettings(options.solver, trials.MAX_SWEEPS), {
+    formats.write_study(options.out, MAP_SCHEMA, journal.context, MapSettings(options.solver, trials.MAX_SWEEPS), {
         "integrators": list(map(study.record_of, entries)),
         "settings": [described(scene, n) for n in sizes for scene in scenes],
         "maps": [Edge(**each["edge"]) for each in maps],

@@ -2,18 +2,24 @@
 """Tests the paper's theorem on every scene, times its formulations there, and goes where the theorem ends.
 
 Runs on small matrices compare the formulations of the module; single steps of lib/plain_forms.py, each with one thing
-changed, show what the theorem needs; what is timed begins at the initial data of each scene, in turns on one core.
+changed, show what the theorem needs. Timed runs begin at the initial data of each scene. Each process on one core times
+all formulations of one scene, n and h in turns; lib/verdicts.py says how many processes tell which is faster.
 """
 
 import contextlib
 import itertools
+import json
+import math
 import os
+import random
+import statistics
 import sys
 from functools import lru_cache, partial
+from typing import NamedTuple
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.dirname(os.path.realpath(__file__))), "lib"))
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 
-import study
+from lib import study
 
 PROGRAM = "theorem"
 if __name__ == "__main__":
@@ -21,14 +27,14 @@ if __name__ == "__main__":
 
 import isosyrk
 import numpy as np
-import plain_forms
-import study_file
-from benchmark_json import FORMULATIONS
-from checked_json import one_line
-from command_line import Stop, whole_number
-from integrator_names import TABLE1_CELLS
-from plain_forms import LOBATTO_IIIA, LOBATTO_IIIB, LOBATTO_IIIC, RADAU_IIA, dagger, gauss
-from theorem_table import NOTHING, PRINTED_K, PRINTED_W, SCENES, SCHEMA, Coincidence, End, Settings, Timed
+from lib import plain_forms
+from lib import formats, verdicts
+from lib.formats import FORMULATIONS
+from lib.messages import one_line
+from lib.command_line import Stop, whole_number
+from lib.integrator_names import TABLE1_CELLS
+from lib.plain_forms import LOBATTO_IIIA, LOBATTO_IIIB, LOBATTO_IIIC, RADAU_IIA, dagger, gauss
+from lib.theorem_table import NOTHING, PRINTED_K, PRINTED_W, SCENES, SCHEMA, Coincidence, End, Settings, Timed
 
 SMALL = {"smooth": 9, "rough": 9, "euler_top": 3, "rigid_body": 6, "spin_chain": 10, "symplectic": 6,
          "pseudo_unitary": 5}  # n of the runs in which the formulations are compared
@@ -36,12 +42,17 @@ STAGES, NORMS = (1, 2, 3), (0.1, 0.3, 0.6)  # of these runs; the norms are h‖B
 TIMED = {  # scenes, and n for a given size: some must be even, and a step of the chain costs little
     "smooth": int, "rigid_body": int, "symplectic": lambda n: n - n % 2, "pseudo_unitary": int,
     "spin_chain": lambda n: CHAIN * (n - n % 2)}
-TIMED_DIRK = ("smooth", "rigid_body")
+TIMED_DIRK = ("smooth", "rigid_body", "spin_chain")
 SCHEMES = ("yoshida4", "suzuki4", "kahan_li6")
-SIZES, QUICK_SIZES = (65, 129), (17, 33)
-CHAIN = 8  # times as large is n of the spin chain, and as long are its runs, so that packing W does not weigh
-STEPS, TOLERANCE, H_NORM_B, REPETITIONS = 10, 1e-13, 0.5, 7
-ENOUGH = 5.0  # CPU seconds on a point, so that most are repeated as often as a rank test needs
+SIZES, QUICK_SIZES = (65, 129), (33,)
+CHAIN = 4  # times as large is n of the spin chain, and as long are its runs, so that packing W does not weigh
+TIMED_NORMS = (0.05, 0.1, 0.25, 0.5)  # h‖B(W₀)‖₂ of timed runs
+FEW_NORMS = (0.1, 0.5)  # the same with --quick, and beyond SMALL_N
+QUICK_PROCESSES = 8  # at most
+SMALL_N = 65  # up to it a process has a warm run and repeats; beyond it a run is so long that neither shows
+STEPS, TIMED_STEPS, TOLERANCE, REPETITIONS = 10, 5, 1e-13, 3
+LEAST_SECONDS = 0.004  # of CPU time that a repetition fills with runs: 1e5 readings of the clock
+PROCESS = "--process"  # the hidden mode: what follows is one block to time
 ENDS_N, ENDS_STEP = 6, 0.3
 
 
@@ -121,7 +132,7 @@ def ends():
         *(row(NOTHING, "Gauss", gauss(s), order(s)) for s in (2, 3)),
         *(row("a tableau that is not symplectic", case, tableau) for case, tableau in (
             ("Radau IIA", RADAU_IIA), ("Lobatto IIIC", LOBATTO_IIIC[2]), ("Lobatto IIIC", LOBATTO_IIIC[3]),
-            ("one of no order", (np.array([[0.3, -0.2], [0.5, 0.1]]), np.array([0.4, 0.6]))))),
+            ("one of order 1", (np.array([[0.3, -0.2], [0.5, 0.1]]), np.array([0.4, 0.6]))))),
         *(row("a partitioned pair on T*G", f"IIIA–IIIB, {name}", LOBATTO_IIIA[s], P=LOBATTO_IIIB[s], named=named[s])
           for s in (2, 3) for name, named in (("IIIA", LOBATTO_IIIA), ("IIIB", LOBATTO_IIIB))),
         row("J² no multiple of I", "J² no multiple of I", gauss(2), W0=np.linalg.solve(J, W0), J=J),
@@ -133,47 +144,114 @@ def ends():
 # ---- what is timed
 
 
+class Cell(NamedTuple):
+    """What an integrator is in the tables; `on_g` names the same method on g."""
+
+    table: str
+    method: str
+    formulation: str
+    on_g: str
+
+
+CELLS = {**{f"{form}{s}": Cell("cost", f"s = {s}", form, f"algebra{s}") for s in STAGES for form in FORMULATIONS},
+         **{name if form == "algebra" else f"{name}_{form}": Cell("dirk", name, form, name)
+            for name in SCHEMES for form in FORMULATIONS}}
+
+
+def blocks_of(scenes, sizes, names, quick, products):
+    """Returns what is timed together: scene, n, h‖B(W₀)‖₂, number of steps and repetitions, and integrators as rows."""
+    found = []
+    for scene, size in itertools.product(scenes, sizes):
+        if scene not in TIMED:
+            continue
+        chain = scene == "spin_chain"
+        n, small = TIMED[scene](size), chain or size <= SMALL_N
+        rows = [name for name, cell in CELLS.items() if cell.method in names or name in names
+                if cell.table == "cost" or scene in TIMED_DIRK]
+        found += [{"scene": scene, "n": n, "h_norm_B": norm, "products": products(size),
+                   "steps": TIMED_STEPS * (CHAIN if chain else 1), "repetitions": REPETITIONS if small else 1,
+                   "warm": small, "rows": rows} for norm in (TIMED_NORMS if small and not quick else FEW_NORMS)]
+    return found
+
+
 @lru_cache(maxsize=None)
-def start(name, n):
-    """Returns a scene and the step at which h‖B(W₀)‖₂ = H_NORM_B."""
+def scene_and_norm(name, n):
+    """Returns a scene and ‖B(W₀)‖₂."""
     scene = isosyrk.scene(name, n=n)
-    return scene, H_NORM_B / np.linalg.norm(scene.generator(scene.initial), 2)
+    return scene, np.linalg.norm(scene.generator(scene.initial), 2)
 
 
-def begun(point, integrator):
-    """Returns the integrator as new, initial data, h and number of steps of a point."""
-    scene, h = start(point["scene"], point["n"])
-    made = isosyrk.integrator(scene, integrator, tolerance=TOLERANCE, products=point["products"])
-    return made, scene.initial, h, STEPS * (CHAIN if scene.name == "spin_chain" else 1)
+def begun(block, integrator):
+    """Returns the integrator as new, initial data, h and number of steps of a block."""
+    scene, norm = scene_and_norm(block["scene"], block["n"])
+    made = isosyrk.integrator(scene, integrator, tolerance=TOLERANCE, products=block["products"])
+    return made, scene.initial, block["h_norm_B"] / norm, block["steps"]
 
 
-def count(point):
-    """Returns the costs of a step that are not times, and the difference from the answer on g; None if a step fails."""
-    integrator, W0, h, steps = begun(point, point["integrator"])
-    try:
-        W, report = integrator.run(W0, h, steps)
-        on_g, _ = begun(point, point["on_g"])[0].run(W0, h, steps)
-    except isosyrk.SolverError:
-        return None
-    return {"sweeps": report.sweeps / steps, "products": report.products / steps,
-            "difference": float(abs(W - on_g).max())}
+def count(job):
+    """Returns the costs of a step that are not times, and the difference from the answer on g; None where a run fails.
+
+    A job is a block with one `integrator` in place of its rows.
+    """
+    steps, ends, costs = job["steps"], [], {"sweeps": None, "products": None}
+    for name in (job["integrator"], CELLS[job["integrator"]].on_g):
+        integrator, *start = begun(job, name)
+        with contextlib.suppress(isosyrk.SolverError):
+            W, report = integrator.run(*start)
+            ends.append(W)
+            if name == job["integrator"]:
+                costs = {"sweeps": report.sweeps / steps, "products": report.products / steps}
+    return {**costs, "difference": float(abs(ends[0] - ends[1]).max()) if len(ends) == 2 else None}
 
 
-def time_one(point):
-    """Returns the CPU seconds of a step."""
-    integrator, W0, h, steps = begun(point, point["integrator"])
-    return study.seconds_of(integrator, W0, h, steps) / steps
+def time_block(block):
+    """Returns the CPU seconds of a step of each row, the median of repetitions in turns, in changing order.
+
+    `process` of the block tells the orders of one process from those of another.
+    """
+    rows = [begun(block, name) for name in block["rows"]]
+    shuffled, runs = random.Random(block["process"]), [1] * len(rows)
+    if block["warm"]:
+        runs = [math.ceil(LEAST_SECONDS / max(integrator.timed_run(*start, repetitions=1)[0], 1e-6))
+                for integrator, *start in rows]
+    found = [[] for _ in rows]
+    for _ in range(block["repetitions"]):
+        for index in shuffled.sample(range(len(rows)), len(rows)):
+            integrator, *start = rows[index]
+            found[index].append(statistics.fmean(integrator.timed_run(*start, repetitions=runs[index])))
+    return [statistics.median(each) / block["steps"] for each in found]
+
+
+def further_processes(most, seconds):
+    """Returns how many further processes each row of a block wants, given its seconds by process so far.
+
+    The rows of one method are compared with one another, and stop together.
+    """
+    wanted = {}
+    for _, rows in itertools.groupby(seconds, lambda name: CELLS[name].method):
+        rows = list(rows)
+        done = len(seconds[rows[0]])
+        said = [] if done < verdicts.FEWEST else [verdicts.compared(seconds[row], seconds[other])
+                                                  for row, other in itertools.combinations(rows, 2)]
+        wanted.update(dict.fromkeys(rows, max(0, min(most - done, verdicts.more_processes(done, said)))))
+    return wanted
+
+
+def command(block, process):
+    """Returns the command that times a block in a fresh process."""
+    return [sys.executable, "-B", os.path.realpath(__file__), PROCESS, json.dumps({**block, "process": process})]
 
 
 def main(arguments):
     parser = study.parser(PROGRAM, __doc__.splitlines()[0])
     parser.add_argument("--scene", choices=SCENES, nargs="+", action="extend", help="scenes (default: all)")
-    parser.add_argument("--repetitions", type=whole_number(1, 1000), help=f"(default: {REPETITIONS}, quick 2)")
+    parser.add_argument("--processes", type=whole_number(1, 100), help="that time a row at most; with fewer than"
+                        f" {verdicts.FEWEST} all is undecided (default: {verdicts.MOST}, quick {QUICK_PROCESSES})")
     options = parser.parse_args(arguments)
     sizes = sorted(set(options.n or (QUICK_SIZES if options.quick else SIZES)))
     known = (*TABLE1_CELLS, *SCHEMES)
     scenes, names = options.scene or list(SCENES), options.integrator or known
-    repetitions = options.repetitions or (2 if options.quick else REPETITIONS)
+    most = options.processes or (QUICK_PROCESSES if options.quick else verdicts.MOST)
     for name in {*names} - {*known}:
         raise Stop(f"--integrator {one_line(name)!r}: must be one of {', '.join(known)}")
 
@@ -181,23 +259,26 @@ def main(arguments):
     jobs = [{"scene": scene, "n": SMALL[scene], "stages": s, "h_norm_B": norm}
             for scene in scenes for s in STAGES for norm in NORMS]
     found = study.untimed(jobs, compare, journal, options, "comparing")
-    tables = {"coincidence": [Coincidence(**row) for row in found], "ends": ends()}
-    cells = [{"method": f"s = {s}", "formulation": form, "integrator": f"{form}{s}", "on_g": f"algebra{s}"}
-             for s in STAGES for form in FORMULATIONS if f"{form}{s}" in names]
-    schemes = [{"method": name, "formulation": form, "integrator": name if form == "algebra" else f"{name}_{form}",
-                "on_g": name} for name in SCHEMES for form in FORMULATIONS if name in names]
-    for table, timed, methods in (("cost", TIMED, cells), ("dirk", TIMED_DIRK, schemes)):
-        points = [{"scene": scene, "n": TIMED[scene](n), "products": journal.products(n), **method}
-                  for scene in timed if scene in scenes for n in sizes for method in methods]
-        counts = study.untimed(points, count, journal, options, f"counting {table}")
-        done = [(point, found) for point, found in zip(points, counts) if found]
-        times = study.in_turns([point for point, _ in done], repetitions, time_one, journal, f"timing {table}", ENOUGH)
-        tables[table] = [Timed(*(point[name] for name in Timed._fields[:4]), **found, seconds=seconds)
-                         for (point, found), seconds in zip(done, times)]
-    settings = Settings(STEPS, TOLERANCE, H_NORM_B, ENDS_N, ENDS_STEP)
-    study_file.write(options.out, SCHEMA, journal.context, settings, tables)
+    tables = {"coincidence": [Coincidence(**row) for row in found], "ends": ends(), "cost": [], "dirk": []}
+    blocks = blocks_of(scenes, sizes, names, options.quick, journal.products)
+    jobs = [{**block, "rows": None, "integrator": row} for block in blocks for row in block["rows"]]
+    counts = iter(study.untimed(jobs, count, journal, options, "counting"))
+    counts = [{row: next(counts) for row in block["rows"]} for block in blocks]
+    converging = [{**block, "rows": [row for row in block["rows"] if costs[row]["sweeps"]]}
+                  for block, costs in zip(blocks, counts)]
+    times = study.by_processes(converging, command, partial(further_processes, most), journal, "timing")
+    for block, costs, seconds in zip(blocks, counts, times):
+        for row in block["rows"]:
+            cell = CELLS[row]
+            tables[cell.table].append(Timed(block["scene"], block["n"], block["h_norm_B"], cell.method,
+                                            cell.formulation, **costs[row], seconds=seconds.get(row, [])))
+    settings = Settings(STEPS, TIMED_STEPS, TOLERANCE, ENDS_N, ENDS_STEP)
+    formats.write_study(options.out, SCHEMA, journal.context, settings, tables)
     journal.remove()
 
 
 if __name__ == "__main__":
-    study.run(PROGRAM, main, sys.argv[1:])
+    if sys.argv[1:2] == [PROCESS]:
+        print(json.dumps(time_block(json.loads(sys.argv[2]))))
+    else:
+        study.run(PROGRAM, main, sys.argv[1:])

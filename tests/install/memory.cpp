@@ -47,6 +47,7 @@ bool advances_any_memory(const std::string& name, isosyrk::Solver solver) {
 int main() {
   for (const isosyrk::IntegratorEntry& entry : isosyrk::integrators()) {
     for (const isosyrk::Solver solver : {isosyrk::Solver::published, isosyrk::Solver::fast}) {
+      if (solver == isosyrk::Solver::fast && !entry.has_fast_form()) continue;
       if (!advances_any_memory(entry.name, solver)) {
         std::printf("%s failed\n", entry.name.c_str());
         return 1;

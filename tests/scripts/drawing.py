@@ -1,4 +1,5 @@
-"""What the tests of the scripts that draw share. The Python that draws may be another than the one that runs the tests."""
+"""What the tests of the scripts that draw share. The Python that draws may be another than the one that runs the
+tests."""
 
 import importlib
 import os
@@ -9,7 +10,7 @@ import xml.etree.ElementTree
 import programs
 from programs import FolderTest, environment, run, snapshot
 
-import chart_python
+from lib import chart_python
 
 FOUND = chart_python.find()
 PYTHON = FOUND or sys.executable  # the one that draws, so that a script need not look for it
@@ -44,8 +45,8 @@ class DrawingTest(FolderTest):
         if os.path.realpath(FOUND) != os.path.realpath(sys.executable):
             self.skipTest(f"to be run by {FOUND}, which has matplotlib")
         os.environ.setdefault("MPLCONFIGDIR", self.path("matplotlib"))
-        with importlib.import_module("chart_panels").own_style():
-            figure = getattr(importlib.import_module(module), chart)(*arguments)
+        with importlib.import_module("lib.chart_panels").own_style():
+            figure = getattr(importlib.import_module(f"lib.{module}"), chart)(*arguments)
         found = {}
         for axes in figure.axes:
             found.setdefault(axes.get_title(loc="left"), []).append(axes)

@@ -5,24 +5,26 @@ import re
 
 from programs import DATA
 
-from gate_cells import SIZES, cells_of, is_fast
-from gate_layers import read_answer
+from lib.gate_cells import SIZES, cells_of, is_fast
+from lib.gate_layers import read_answer
 
 CONTEXT = {"commit": "0123456789ab", "dirty": "no", "blas_kernels": "Zen", "vector_units": "avx2",
            "compiler": "GNU 12.2.0"}
 
 
 def cell_document(name):
-    """Returns what a sound build reports of a cell; sweeps of a fast one take 8 equivalent products and 4 solves each."""
+    """Returns what a sound build reports of a cell; sweeps of a fast one take 8 equivalent products, 4 solves."""
     formulation, n, stages = re.fullmatch("(?:fast_)?(.*)/n:(.*)/s:(.*)", name).groups()
     n, stages = int(n), int(stages)
     cell = {"name": name, "n": n, "status": "converged", "steps": 50, "tolerance": 1e-13, "norm": 2.0,
             "contraction": 0.1, "allocations": 0, "spectrum_error": 1e-15}
     if is_fast(name):
-        cell.update(sweeps=100, equivalent_products=800.0, poisson_solves=400, skew_defect=0.0, distance_to_published=1e-14)
+        cell.update(sweeps=100, equivalent_products=800.0, poisson_solves=400, skew_defect=0.0,
+                    distance_to_published=1e-14)
     else:
         sweeps, products = 500 + n, stages * (stages + 1) if formulation == "algebra" else 3 * stages
-        cell.update(sweeps=sweeps, products=products * sweeps + 50 * (products + 1), poisson_solves=stages * (sweeps + 50),
+        cell.update(sweeps=sweeps, products=products * sweeps + 50 * (products + 1),
+                    poisson_solves=stages * (sweeps + 50),
                     skew_defect=0.0 if formulation == "algebra" else 1e-15,
                     distance_to_group=0.0 if formulation == "group" else 1e-14)
     if n == 17:

@@ -14,7 +14,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 BUILD = os.environ.get("ISOSYRK_BUILD") or os.path.join(ROOT, "build")
 DATA = os.path.join(ROOT, "tests", "data")
 sys.dont_write_bytecode = True
-sys.path.insert(0, os.path.join(ROOT, "scripts", "lib"))  # its modules are tested from inside, too
+sys.path.insert(0, os.path.join(ROOT, "scripts"))  # its modules are tested from inside, too
 
 DONE, BAD_ARGUMENTS, SOLVER_FAILED = 0, 2, 3
 FORMULATIONS = ("cotangent", "group", "algebra")
@@ -48,7 +48,8 @@ def environment(**changes):
     result["LC_ALL"] = "C"
     # Scripts run in the Python that runs the tests: what a version manager puts on PATH in its place takes longer to
     # start than most of them take to run.
-    result["PATH"] = os.pathsep.join((os.path.dirname(os.path.realpath(sys.executable)), result.get("PATH", os.defpath)))
+    result["PATH"] = os.pathsep.join((os.path.dirname(os.path.realpath(sys.executable)),
+                                      result.get("PATH", os.defpath)))
     for name, value in changes.items():
         if value is None:
             result.pop(name, None)

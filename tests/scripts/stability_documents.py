@@ -4,9 +4,9 @@ import os
 
 from programs import ROOT  # which finds the modules of scripts/lib
 
-import study_file
-from integrator_names import TABLE1_CELLS
-from stability_files import LONG_RUNS_SCHEMA, MAP_SCHEMA
+from lib import formats
+from lib.integrator_names import TABLE1_CELLS
+from lib.stability_files import LONG_RUNS_SCHEMA, MAP_SCHEMA
 
 RECORDED = os.path.join(ROOT, "results", "recorded", "stability")
 SETTINGS = (("smooth", 17), ("smooth", 129), ("rough", 17))
@@ -15,7 +15,7 @@ CONTROL = "algebra2_two_products"
 
 def part(name, schema, names):
     """Returns a recorded Study with only some of its integrators, as if of a commit without changes."""
-    study = study_file.read(os.path.join(RECORDED, name), schema)
+    study = formats.read_study(os.path.join(RECORDED, name), schema)
     study.context.update(commit="0123456789ab", dirty="no")
     study.tables["integrators"] = [each for each in study.tables["integrators"] if each.name in names]
     return study
@@ -44,5 +44,5 @@ def write(folder, study, name):
     """Writes a study's raw file and returns its path."""
     path = os.path.join(folder, name)
     schema = MAP_SCHEMA if "maps" in study.tables else LONG_RUNS_SCHEMA
-    study_file.write(path, schema, study.context, study.settings, study.tables)
+    formats.write_study(path, schema, study.context, study.settings, study.tables)
     return path

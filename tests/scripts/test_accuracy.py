@@ -1,6 +1,6 @@
-"""Tests of the study of accuracy on a made-up one: what is refused, floors, orders and costs of lines, the report."""
+"""Tests of the study of accuracy on a made-up one: what is refused, floors, orders and costs of lines, figures, the
+report."""
 
-import copy
 import random
 import unittest
 
@@ -8,30 +8,24 @@ from programs import FolderTest
 from study_documents import (INTEGRATORS, ROUGH, SLOWER, SMOOTH, STEPS, accuracy_of, run_of, small_study,
                              study_document, write_study)
 
-from accuracy_lines import FAST, PUBLISHED, read_accuracy
-from accuracy_report import accuracy_sections
-from checked_json import UnusableFile
-from document import as_text
+from lib.accuracy_figures import figures
+from lib.accuracy_lines import read_accuracy
+from lib.accuracy_report import accuracy_sections
+from lib.messages import UnusableFile
+from lib.document import as_markdown
+from lib.formats import FAST, PUBLISHED
 
 
 class RefusalTest(FolderTest):
-    def test_tables_that_do_not_belong_together(self):
+    def test_values_of_another_kind_and_empty_tables(self):
         def with_first(name, **values):
             return lambda document: document[name][0].update(values)
-
-        def doubled(name):
-            return lambda document: document[name].append(copy.deepcopy(document[name][0]))
 
         for change, *words in (
                 *((lambda document, name=name: document[name].clear(), "no references or no integrators")
                   for name in ("references", "integrators")),
-                *((with_first("runs", cpu_seconds=value), "cpu_seconds") for value in ([], [0.0])),
-                *((with_first("runs", **{name: None}), f"no value of {name}") for name in ("error", "skew_defect")),
-                (with_first("runs", integrator="magic"), "magic"),
-                *((with_first(name, n=65), "n = 65", "no reference") for name in ("runs", "tolerance_runs")),
-                (with_first("runs", scene="developed"), "developed, T = 5, n = 17", "no reference"),
-                (with_first("limits", h_norm_B=0.0), "limits has h_norm_B"),
-                *((doubled(name), "twice") for name in ("references", "rates", "integrators", "limits"))):
+                (with_first("runs", cpu_seconds=[0.0]), "cpu_seconds"), (with_first("runs", scene="calm"), "calm"),
+                (with_first("limits", h_norm_B=0.0), "limits has h_norm_B")):
             document = study_document()
             change(document)
             with self.subTest(words=words), self.assertRaises(UnusableFile) as caught:
@@ -81,7 +75,8 @@ class LineTest(FolderTest):
             with self.subTest(uncertainty=uncertainty, errors=errors):
                 self.document["references"][0]["uncertainty"] = uncertainty
                 self.set_errors(errors)
-                self.assertEqual([run.steps for run in self.study().above_floor(SMOOTH[0], "rkmk4")], list(STEPS[:kept]))
+                self.assertEqual([run.steps for run in self.study().above_floor(SMOOTH[0], "rkmk4")],
+                                 list(STEPS[:kept]))
                 if order != "no power":
                     found = self.study().observed_order(SMOOTH[0], "rkmk4")
                     self.assertEqual(found and round(found, 12), order)
@@ -105,7 +100,8 @@ class LineTest(FolderTest):
         for change in ({"beyond_limit": True},
                        {"beyond_limit": False, "status": "diverged", "error": None, "cpu_seconds": []}):
             run_of(self.document, "rkmk4", 17, 20).update(change)
-            self.assertEqual((steps(), cost(0.2).coarse.steps, cost(0.09).coarse.steps), ([[5, 10], [50, 100, 200]], 50, 50))
+            self.assertEqual((steps(), cost(0.2).coarse.steps, cost(0.09).coarse.steps),
+                             ([[5, 10], [50, 100, 200]], 50, 50))
         run_of(self.document, "rkmk4", 17, 5)["beyond_limit"] = True
         self.document["references"][0]["uncertainty"] = 1e-9  # the error at 100 steps is 6.25e-9
         self.assertEqual(steps(), [[10], [50]])
@@ -138,7 +134,11 @@ class LineTest(FolderTest):
 
 
 def report(document):
-    return as_text(accuracy_sections(accuracy_of(document), ()))
+    return as_markdown(accuracy_sections(accuracy_of(document), ()))
+
+
+def figures_of(document):
+    return figures(accuracy_of(document))
 
 
 def timed_once(document):
@@ -154,49 +154,74 @@ def rkmk4_dearer(document):
             run["cpu_seconds"] = [100 * time for time in run["cpu_seconds"]]
 
 
-def algebra_at_the_usual_tolerance(document):
-    """Gives algebra1 a run at 1e-13, with a better spectrum than group1's, which is worse at other tolerances."""
-    group = next(run for run in document["tolerance_runs"] if run["tolerance"] == 1e-13)
-    document["integrators"].append({**document["integrators"][1], "name": "algebra1"})
-    document["tolerance_runs"].append({**group, "integrator": "algebra1", "spectrum_error": 1e-16})
+def a_sloppy_spectrum(document):
+    """Has the spectrum of group1 suffer from loose tolerances."""
     for run in document["tolerance_runs"]:
         if run["integrator"] == "group1":
-            run["spectrum_error"] = run["tolerance"] * (5 if run["tolerance"] == 1e-13 else 1e5)
+            run["spectrum_error"] = run["tolerance"] * 5
+
+
+class Figures(unittest.TestCase):
+    def test_they_can_be_worked_out_by_hand(self):
+        found = figures_of(study_document())
+        # C h^4 in S/h seconds: group2_frame costs 4e-3 (1e-2)^(1/4) / (1e-3 (1e-3)^(1/4)) = 7.1 times rkmk4.
+        over_rkmk4 = 4 * 10**0.25
+        for key, wanted in {
+                "problems": 3, "gauss_over_rkmk4.n17": over_rkmk4, "gauss_over_rkmk4.n33.at_1e-6": over_rkmk4,
+                "gauss_over_rkmk4.mean": over_rkmk4, "gauss_over_rk4.n17": 40, "gauss_over_rkmk4.below_1": 0,
+                "gauss_over_rkmk4.comparisons": 14, "gauss_over_rkmk4.timed_once": 0,
+                "frame_gain": 10**0.25, "frame_gain.comparisons": 8,  # group2 itself ends above 1e-8
+                "gauss_order.at_1e-2.least": 4, "gauss_order.at_1e-8.largest": 4,
+                "error.group2.n17": 1e-5, "error.group2_frame.n33": 1e-6,
+                # Errors 0.01 (s = 1) and 1e-5 (s = 2); a solver error is a tenth of the tolerance, 1e-4 at most.
+                "tolerance.group1.n17": 1e-4, "tolerance.group2.n33": 1e-5, "tolerance.time": 1,
+                "tolerance.spectrum_error": 1e-15, "spectrum_error.group1.n33": 1e-15}.items():
+            with self.subTest(key=key):
+                self.assertAlmostEqual(found[key], wanted, delta=1e-9 * wanted)
+
+    def test_a_change_of_a_run_changes_them(self):
+        before = figures_of(study_document())
+        for change, changed in (
+                (timed_once, {"gauss_over_rkmk4.timed_once": 5, "gauss_over_rk4.timed_once": 5}),
+                (lambda document: run_of(document, "rkmk4", 17, 50).update(error=3.3e-3), {"error.rkmk4.n17": 3.3e-3}),
+                (rkmk4_dearer, {"gauss_over_rkmk4.below_1": 14, "gauss_over_rkmk4.n17": 0.04 * 10**0.25}),
+                (a_sloppy_spectrum, {"tolerance.spectrum_error": 5e-4, "tolerance.spectrum_error.at_1e-13": 5e-13,
+                                     "spectrum_error.group1.n17": 5e-13})):
+            document = study_document()
+            change(document)
+            after = figures_of(document)
+            for key, wanted in changed.items():
+                with self.subTest(key=key):
+                    self.assertNotAlmostEqual(before[key], wanted, delta=1e-9 * wanted)
+                    self.assertAlmostEqual(after[key], wanted, delta=1e-9 * wanted)
 
 
 class Report(unittest.TestCase):
     def test_figures_can_be_worked_out_by_hand(self):
         text = report(study_document())
         for pattern in (
-                # C h^4 in S/h seconds: group2_frame costs 4e-3 (1e-2)^(1/4) / (1e-3 (1e-3)^(1/4)) = 7.1 times rkmk4.
-                r"takes 7\.1 \(n = 17\) to 7\.1 \(n = 33\) times RKMK4's time and 40 \(n = 17\)\s+to 40",
-                r"; 7\.1 \(6\.9–7\.3\) over all 10\s+comp",
-                r"The price of structure[^*]*\nrough, T = 5, n = 17 +7\.1 \(6\.9–7\.3\) +4 +40 \(39–41\) +4\n",
-                r"co-rotating frame buys[^*]*group2 +1\.8 \(1\.7–1\.8\) +1\.8 \(1\.7–1\.8\)\n",  # (1e-1 / 1e-2)^(1/4)
-                r"cheaper than RKMK4 in 0 of 14 comparisons on all problems, RKMK4 in 14",
-                r"T = 5, n = 33 the least energy error for its time is RK4's\.",  # all have the same
-                # Errors 0.01 (s = 1) and 1e-5 (s = 2); a solver error is a tenth of the tolerance, 1e-4 at most.
-                r"17  group +1 +1\.0e-2 +at least 1e-4 ", r"17  group +2 +1\.0e-5 +1e-5 ",
-                # 100 steps of group2: an error of 6.3e-7, 400 equivalent products, 0.4 s; the rate is 2e9 / 33^3 = 55,653.
-                r"group2 +0\.0500 +6\.3e-7 +0\.400 +400 +1\.80 % +4 \(3\.9–4\.1\)\n"):
+                r"## The price of structure\n[^#]*\n\| rough, T = 5, n = 17 +\| 7\.1 \(6\.9–7\.3\) +\| +0 of 4 +\|"
+                r" 40 \(39–41\)",
+                # (1e-1 / 1e-2)^(1/4)
+                r"co-rotating frame buys\n[^*]*\| group2 +\| 1\.8 \(1\.7–1\.8\) +\| 1\.8 \(1\.7–1\.8\) \|\n",
+                r"## Error at h = 0\.1\n[^#]*\| group2 +\| 1\.0e-5 +\| 1\.0e-5 +\|\n",
+                r"\| +17 \| group +\| +1 \| +1\.0e-2 \| +at least 1e-4 \|",
+                r"\| +17 \| group +\| +2 \| +1\.0e-5 \| +1e-5 \|",
+                # 100 steps of group2: an error of 6.3e-7, 400 equivalent products, 0.4 s; the rate 2e9 / 33^3.
+                r"\| group2 +\| 0\.0500 +\| 6\.3e-7 \| +0\.400 +\| +400 \| +1\.80 % \| +4 \(3\.9–4\.1\) \|\n"):
             with self.subTest(pattern=pattern):
                 self.assertRegex(text, pattern)
 
     def test_a_change_of_a_run_changes_them(self):
         for change, after in (
                 (lambda document: run_of(document, "rk4", 17, 5).update(beyond_limit=True),
-                 r"\nrk4 +1\.00 l +1\.00 l\n"),
+                 r"\| rk4 +\| 1\.00 l \| 1\.00 l \|\n"),
                 (lambda document: run_of(document, "rk4", 33, 5).update(status="unstable", cpu_seconds=[]),
-                 r"\nrk4 +– +1\.00 u\n"),
-                *((timed_once, after) for after in (
-                    r"7\.1 at n = 17, 7\.1 \(6\.9–7\.3\) at n = 33; 7\.1 over", r"in 5 a side was\s+timed once",
-                    r"group2 +1\.8 +1\.8 \(")),
-                (lambda document: run_of(document, "group2", 33, 50).update(energy_error=1e-16),
-                 r"RK4's down to 1\.0e-15,\s+where its runs end,\s+then Gauss's from 0\.2 s on"),
-                (lambda document: run_of(document, "rkmk4", 17, 50).update(error=3.3e-3),
-                 r" 3\.3e-3 to\s+1\.0e-7\s+\(RKMK4\)"),
-                (rkmk4_dearer, r"takes 0\.071 \(n = 17\)"), (rkmk4_dearer, r"RKMK4 in 14 of 14"),
-                (algebra_at_the_usual_tolerance, r"algebra's spectrum errs up to 5000 times less")):
+                 r"\| rk4 +\| +– \| 1\.00 u \|\n"),
+                (timed_once, r"\| group2 +\| +1\.8 \| 1\.8 \("), (rkmk4_dearer, r"n = 17 +\| 0\.071 \("),
+                (rkmk4_dearer, r"\| +5 of 5 \|"),
+                (lambda document: run_of(document, "group2", 33, 50).update(beyond_limit=True),
+                 r"\| group2 +\| 1\.0e-5 \| +– \|")):
             with self.subTest(after=after):
                 document = study_document()
                 self.assertNotRegex(report(document), after)
@@ -207,6 +232,7 @@ class Report(unittest.TestCase):
         document = small_study()
         document["tolerance_runs"] = document["limits"] = document["rates"] = []
         self.assertIn("Runs that failed", report(document))
+        self.assertEqual(figures_of(document)["problems"], 1)
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ import time
 from programs import BAD_ARGUMENTS, DATA, DONE, end, run, snapshot, start, strict_json, text_of
 from test_reproduce import CopyTest
 
-from gate_cells import baseline_of, read_build, write_baseline
+from lib.gate_cells import baseline_of, read_build, write_baseline
 from gate_documents import build_document, change
 
 REGRESSION, NOT_JUDGED = 1, 3
@@ -81,7 +81,8 @@ class GateTest(CopyTest):
         return self.surroundings(**{"REPORT": self.path("report.json"), "PROGRAM": self.program, **changes})
 
     def check(self, *arguments, **changes):
-        return run(self.line("check_regression", *arguments), env=self.settings(**changes), cwd=self.folder, timeout=120)
+        return run(self.line("check_regression", *arguments), env=self.settings(**changes), cwd=self.folder,
+                   timeout=120)
 
     def refuses(self, arguments, *parts, **changes):
         with self.subTest(arguments=arguments, changes=changes):
@@ -152,7 +153,8 @@ class Base(GateTest):
         shallow = self.path("shallow")
         subprocess.run(["git", "clone", "-q", "--depth", "1", "file://" + self.root, shallow], check=True)
         shutil.move(os.path.join(self.root, ".git"), self.path("whole.git"))
-        for why in ("this tree is no git repository", f"the baseline's revision {self.first[:12]} is not in this clone"):
+        for why in ("this tree is no git repository",
+                    f"the baseline's revision {self.first[:12]} is not in this clone"):
             done = self.check("--quick")
             self.assertEqual(done.returncode, NOT_JUDGED, done.stderr)
             for text in (f"timing not judged: {why}", "exact: passed", "not every layer was judged"):

@@ -9,13 +9,13 @@ import unittest
 
 from programs import DATA, ROOT, FolderTest, text_of
 
-from checked_json import UnusableFile
-from command_line import Stop
-from gate_cells import (FAST, SIZES, baseline_of, cells_of, json_text, read_baseline, read_build, report_of,
+from lib.messages import UnusableFile
+from lib.command_line import Stop
+from lib.gate_cells import (FAST, SIZES, baseline_of, cells_of, json_text, read_baseline, read_build, report_of,
                         write_baseline)
 from gate_documents import build_document, cell_of, change
-from gate_layers import NOT_JUDGED, PASSED, REGRESSION, Layer, accuracy_layer, exact_layer, exit_code
-from gate_timing import FULL, QUICK, Server, is_slower, judge_times, steps_of, time_cells
+from lib.gate_layers import NOT_JUDGED, PASSED, REGRESSION, Layer, accuracy_layer, exact_layer, exit_code
+from lib.gate_timing import FULL, QUICK, Server, is_slower, judge_times, steps_of, time_cells
 
 NAMES = cells_of(SIZES)
 CELL = "algebra/n:33/s:2"
@@ -163,7 +163,8 @@ class Times(FolderTest):
 
     def test_a_build_that_gives_no_times_cannot_be_judged(self):
         for script, part in (("echo no such cell >&2", "no such cell"),
-                             *((f"echo ready; read line; echo {answer}", "a time was expected") for answer in ("0", "nan"))):
+                             *((f"echo ready; read line; echo {answer}", "a time was expected")
+                               for answer in ("0", "nan"))):
             path = self.write("regression_cells", "#!/bin/sh\n" + script, executable=True)
             with self.subTest(script), self.assertRaisesRegex(Stop, f"regression_cells: said .*{part}"):
                 judge_times(Servers(1.0), functools.partial(Server, [path], None), self.CELLS)
@@ -191,7 +192,8 @@ class BaselineFile(FolderTest):
 
     def test_is_read_as_written_and_the_recorded_one_is_of_this_version(self):
         self.assertEqual(read_baseline(self.file), baseline())
-        self.assertEqual(set(read_baseline(os.path.join(ROOT, "results", "baseline", "baseline.json")).counts), set(NAMES))
+        self.assertEqual(set(read_baseline(os.path.join(ROOT, "results", "baseline", "baseline.json")).counts),
+                         set(NAMES))
 
     def test_damaged_of_another_version_or_of_other_cells_is_refused(self):
         good = json.loads(text_of(self.file))

@@ -49,9 +49,10 @@ def state(n=9, seed=1):
     return W - np.trace(W) / n * np.eye(n)
 
 
-def python(code, how=run, **options):
+def python(code, how=run, OMP_DISPLAY_ENV=None, **options):
     """Runs, or starts, Python with the module on its path."""
-    return how([sys.executable, "-c", code], env=environment(PYTHONPATH=os.path.join(BUILD, "python")), **options)
+    settings = environment(PYTHONPATH=os.path.join(BUILD, "python"), OMP_DISPLAY_ENV=OMP_DISPLAY_ENV)
+    return how([sys.executable, "-c", code], env=settings, **options)
 
 
 class Answers(unittest.TestCase):
@@ -60,8 +61,9 @@ class Answers(unittest.TestCase):
             with tempfile.TemporaryDirectory() as folder:
                 path = os.path.join(folder, "W.npy")
                 products = () if solver == "fast" else ("--products", "openblas")
-                subprocess.run([program("integrate"), "--n", "17", "--integrator", "group2", "--step", "0.1", "--time", "2",
-                                "--solver", solver, "--output", path, *products], check=True, stdout=subprocess.DEVNULL)
+                subprocess.run([program("integrate"), "--n", "17", "--integrator", "group2", "--step", "0.1",
+                                "--time", "2", "--solver", solver, "--output", path, *products],
+                               check=True, stdout=subprocess.DEVNULL)
                 wanted = np.load(path)
             W, report = ran(isosyrk.scene("smooth", n=17), "group2", 20, solver=solver)
             self.assertTrue(np.array_equal(W, wanted), solver)
@@ -97,7 +99,8 @@ class Answers(unittest.TestCase):
             broken[0, 1] *= 1 + 1e-6
             isosyrk.spectrum(nearly)
             for refused in (broken, np.ones((3, 3), complex), np.ones((3, 3))):
-                with self.assertRaisesRegex(ValueError, r"^W: the largest entry of \|W \+ W†\| is .* \(skew-Hermitian\)$"):
+                with self.assertRaisesRegex(ValueError,
+                                            r"^W: the largest entry of \|W \+ W†\| is .* \(skew-Hermitian\)$"):
                     isosyrk.spectrum(refused)
         self.assertAlmostEqual(isosyrk.relative_error(1.5 * W, W), 0.5)
         self.assertAlmostEqual(isosyrk.casimir_errors(2 * W0, W0)[0], 3.0, 10)
@@ -123,10 +126,10 @@ class Answers(unittest.TestCase):
         self.assertEqual(len(times), 3)
         self.assertTrue(np.array_equal(W, SMOOTH.initial))
 
-
     def test_states_of_any_norm_have_the_relative_errors_of_norm_one(self):
         for solver in isosyrk.SOLVERS:
-            for name in ("cotangent1", "cotangent2", "group1", "group2", "algebra1", "algebra2", "algebra3", "yoshida4"):
+            for name in ("cotangent1", "cotangent2", "group1", "group2", "algebra1", "algebra2", "algebra3",
+                         "yoshida4"):
                 method = isosyrk.integrator(SMOOTH, name, solver=solver)
                 wanted, _ = method.run(SMOOTH.initial, 0.1, 5)
                 for factor in (1e-8, 1e-5, 1e3, 1e6):
@@ -397,7 +400,8 @@ class Refusals(unittest.TestCase):
         method = isosyrk.integrator(SMOOTH, "group2")
         W = SMOOTH.initial
         for error, message, arguments in (
-                (TypeError, "^h: is a ndarray", (W, np.array("0.1"), 5)), (ValueError, "^h: is too large", (W, 10**400, 5)),
+                (TypeError, "^h: is a ndarray", (W, np.array("0.1"), 5)),
+                (ValueError, "^h: is too large", (W, 10**400, 5)),
                 (ValueError, "^h = nan", (W, float("nan"), 5)), (ValueError, "^steps = -1: must be 0 to", (W, 0.1, -1)),
                 (ValueError, r"shape is \(8, 8\)", (W[:8, :8], 0.1, 5)), (ValueError, "dtype", ("W", 0.1, 5)),
                 (ValueError, "1e-10", (W + np.eye(9), 0.1, 5)), (TypeError, "^observe: is a int", (W, 0.1, 5, 3)),
@@ -428,7 +432,8 @@ class Refusals(unittest.TestCase):
     def test_empty_matrices(self):
         empty = np.zeros((0, 0), complex)
         self.refused(ValueError, r"shape is \(0, 0\)", isosyrk.spectrum, empty)
-        self.refused(ValueError, "n >= 2", isosyrk.angular_momentum_error, np.ones((1, 1), complex), np.ones((1, 1), complex))
+        one = np.ones((1, 1), complex)
+        self.refused(ValueError, "n >= 2", isosyrk.angular_momentum_error, one, one)
 
 
 class Beside(unittest.TestCase):
@@ -458,17 +463,51 @@ class Beside(unittest.TestCase):
         method.run(scene.initial, 0.1, 5, out=shared, observe=observe)
         self.assertTrue(np.array_equal(shared, untouched))
 
+    def test_an_integrator_is_free_again_after_an_exception(self):
+        raising = False
+
+        def generator(W):
+            if raising:
+                raise KeyError("mine")
+            return SMOOTH.generator(W)
+
+        def observe(*_):
+            raise KeyError("mine")
+
+        method = isosyrk.integrator(isosyrk.scene(initial=SMOOTH.initial, generator=generator), "group2")
+        wanted, _ = method.run(SMOOTH.initial, 0.1, 5)
+        for call, options in ((method.run, {}), (method.timed_run, {}), (method.step, {}),
+                              (method.run, {"observe": observe})):
+            steps = () if call == method.step else (5,)
+            raising = not options
+            with self.assertRaisesRegex(KeyError, "mine"):
+                call(SMOOTH.initial, 0.1, *steps, **options)
+            raising = False
+            self.assertTrue(np.array_equal(method.run(SMOOTH.initial, 0.1, 5)[0], wanted))
+
+    def turns_beside(self, *calls):
+        """Returns how many times this thread had a turn while others made the calls, and the answers."""
+        turns = 0
+        with concurrent.futures.ThreadPoolExecutor() as pool:
+            runs = [pool.submit(*call) for call in calls]
+            while concurrent.futures.wait(runs, 0.001).not_done:
+                turns += 1
+        return turns, [run.result() for run in runs]
+
     def test_other_threads_go_on_while_one_steps(self):
         scene = isosyrk.scene("smooth", n=33)
         wanted, _ = ran(scene, "group3", 20)
-        turns = 0
-        with concurrent.futures.ThreadPoolExecutor() as pool:
-            runs = [pool.submit(ran, scene, "group3", 20) for _ in range(2)]
-            while concurrent.futures.wait(runs, 0.001).not_done:
-                turns += 1
+        turns, answers = self.turns_beside(*[(ran, scene, "group3", 20)] * 2)
         self.assertGreater(turns, 3)
-        for run in runs:
-            self.assertTrue(np.array_equal(run.result()[0], wanted))
+        for W, _ in answers:
+            self.assertTrue(np.array_equal(W, wanted))
+
+    def test_other_threads_go_on_while_one_is_timed(self):
+        scene = isosyrk.scene("smooth", n=33)
+        method = isosyrk.integrator(scene, "group3")
+        turns, [times] = self.turns_beside((method.timed_run, scene.initial, 0.1, 20, 2))
+        self.assertEqual(len(times), 2)
+        self.assertGreater(turns, 3)
 
     def interrupted(self, n, solver, steps):
         """Interrupts a run after half a second; returns what its process printed and the seconds it took to end."""
@@ -480,7 +519,8 @@ class Beside(unittest.TestCase):
                 "try:\n"
                 f"    method.run(W, 0.02, {steps}, out=W)\n"
                 "except KeyboardInterrupt:\n"
-                "    print('ended', isosyrk.spectrum_error(W, scene.initial), np.array_equal(W, scene.initial), flush=True)\n"
+                "    unmoved = np.array_equal(W, scene.initial)\n"
+                "    print('ended', isosyrk.spectrum_error(W, scene.initial), unmoved, flush=True)\n"
                 "    isosyrk.integrator(scene, 'rk4').step(W, 0.001)\n"
                 "    print('and works', flush=True)\n")
         process = python(code, start, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
@@ -527,7 +567,8 @@ class Beside(unittest.TestCase):
                 "        os.write(1, str(error).encode())\n"
                 "    os._exit(0)\n"
                 "os.wait()\n")
-        for parent, printed in (("", "done"), ("method.step(scene.initial, 0.1)", "threads = 2: hang in a process forked")):
+        for parent, printed in (("", "done"),
+                                ("method.step(scene.initial, 0.1)", "threads = 2: hang in a process forked")):
             self.assertTrue(self.printed(code.replace("PARENT", parent)).startswith(printed))
 
     def test_numpy_is_left_as_it_was(self):
@@ -552,6 +593,28 @@ class Beside(unittest.TestCase):
 
 
 class Package(unittest.TestCase):
+    def test_version_is_that_of_the_project_and_of_every_measurement(self):
+        with open(os.path.join(ROOT, "CMakeLists.txt"), encoding="utf-8") as file:
+            self.assertIn(f"project(isosyrk VERSION {isosyrk.__version__} ", file.read())
+        self.assertEqual(isosyrk.conditions()["version"], isosyrk.__version__)
+
+    def test_every_record_says_whether_there_is_a_fast_form(self):
+        self.assertEqual({entry.has_fast_form for entry in isosyrk.integrators()}, {True})
+        with self.assertRaisesRegex(ValueError, "no fast form"):  # of a control
+            isosyrk.integrator(isosyrk.scene("smooth", n=9), "yoshida4_group", solver="fast")
+
+    def test_threads_sleep_after_a_short_spin_unless_told_otherwise(self):
+        code = "import isosyrk, os; print(os.environ.get('GOMP_SPINCOUNT'), os.environ.get('OMP_WAIT_POLICY'))"
+        for settings, spins, left in (({}, "1500", "None None"), ({"GOMP_SPINCOUNT": "70"}, "70", "70 None"),
+                                      ({"OMP_WAIT_POLICY": "passive"}, "0", "None passive")):
+            with self.subTest(settings):
+                done = python(f"import os; os.environ.update({settings}); {code}", OMP_DISPLAY_ENV="verbose")
+                # libgomp tells what it was loaded with; no other has such a setting.
+                if "GOMP_SPINCOUNT" not in done.stderr:
+                    self.skipTest("this OpenMP is not libgomp")
+                self.assertIn(f"GOMP_SPINCOUNT = '{spins}'", done.stderr)
+                self.assertEqual(done.stdout, left + "\n")
+
     def test_stub_names_what_is_there(self):
         from isosyrk import _core
         with open(os.path.join(ROOT, "core", "python", "isosyrk", "_core.pyi"), encoding="utf-8") as stub:

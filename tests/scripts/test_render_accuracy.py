@@ -3,9 +3,10 @@
 import json
 import math
 import os
+import shutil
 import sys
-import tempfile
 import unittest
+from unittest import mock
 
 import programs
 from drawing import PYTHON, DrawingTest, lines_of
@@ -13,7 +14,7 @@ from programs import snapshot
 from study_documents import INTEGRATORS, accuracy_of, run_of, small_study, study_document, write_study
 from test_reproduce import raw_file
 
-from benchmark_json import read_run
+from lib.formats import read_run
 
 CHARTS = ("error_against_time", "energy_against_time", "error_against_n", "table1_accuracy")
 
@@ -42,8 +43,8 @@ class Files(AccuracyTest):
     def test_whole_and_the_same_by_a_chosen_python_under_a_user_s_own_settings_on_other_kernels(self):
         arguments = (self.small(), "--table2", self.table2())
         files = self.rendered("plain", *arguments)
-        self.assertEqual(set(files), {"report.md", "report.txt", *(f"{chart}.{kind}" for chart in CHARTS
-                                                                   for kind in ("svg", "png"))})
+        self.assertEqual(set(files), {"report.md", "figures.json", *(f"{chart}.{kind}" for chart in CHARTS
+                                                                     for kind in ("svg", "png"))})
         for chart in CHARTS:
             self.assert_whole(files, chart)
         for name, contents in files.items():
@@ -58,10 +59,12 @@ class Files(AccuracyTest):
         self.assertTrue(again == files)  # some megabytes
 
     def test_what_is_recorded_is_svg_and_markdown_only(self):
-        recorded = os.path.join(programs.ROOT, "results", "recorded")
-        with tempfile.TemporaryDirectory(dir=recorded) as folder:
-            self.assertEqual(self.render(self.small(), "--out", folder).returncode, 0)
-            self.assertEqual(set(os.listdir(folder)), {"report.md", *(f"{chart}.svg" for chart in CHARTS[:-1])})
+        shutil.copytree(os.path.join(programs.ROOT, "scripts"), self.path("root", "scripts"))  # whose results/ this is
+        out = self.path("root", "results", "recorded", "study")
+        with mock.patch.object(programs, "ROOT", self.path("root")):
+            self.assertEqual(self.render(self.small(), "--out", out).returncode, 0)
+        self.assertEqual(set(os.listdir(out)), {"report.md", "figures.json",
+                                                *(f"{chart}.svg" for chart in CHARTS[:-1])})
 
     def test_without_errors_table_1_is_left_out_and_said_so(self):
         table2 = self.table2(lambda s: {})
@@ -99,12 +102,14 @@ class WhatIsDrawn(AccuracyTest):
         best = [line for name in ("group1", "group2", "group2_frame") for line in lines[name]]
         # Its levels are 4 a decade: within a factor 1.78 above each point there is one that is no dearer.
         self.assertTrue(all(any(x <= 1.0001 * seconds and error <= 1.0001 * y <= 1.79 * error
-                                for x, y in lines["poisson"]) for seconds, error in best if error < 0.5 and seconds < 80))
+                                for x, y in lines["poisson"])
+                            for seconds, error in best if error < 0.5 and seconds < 80))
 
     def test_the_legend_lists_what_is_drawn(self):
         document = study_document()
         for run in document["runs"]:
-            run.update(energy_error=1e-15 if run["integrator"].startswith("group") else 1e-6)  # below the panel, and in it
+            # Below the panel, and in it.
+            run.update(energy_error=1e-15 if run["integrator"].startswith("group") else 1e-6)
         (panel,) = self.panels("charts", "energy_against_time", accuracy_of(document))["smooth, T = 5, n = 33"]
         self.assertEqual({text.get_text() for text in panel.figure.legends[0].get_texts()}, {
             "best that keeps the spectrum", "best that keeps nothing", "best that keeps the Lie–Poisson structure",
@@ -119,11 +124,12 @@ class WhatIsDrawn(AccuracyTest):
         self.assertEqual([n for n, _ in at_step["group2_frame"]], [17, 33])
         self.assertAlmostEqual(at_step["group2"][0][1] / at_step["group2_frame"][0][1], 10)
         against_norm = lines_of(panels["every h, not in the frame; thicker: larger n"][0])
-        self.assertEqual({line for line in against_norm if line.startswith("group2")}, {"group2, n = 17", "group2, n = 33"})
+        self.assertEqual({line for line in against_norm if line.startswith("group2")},
+                         {"group2, n = 17", "group2, n = 33"})
 
     def test_tables_1_and_2(self):
         def lines(failed=False):
-            runs = [read_run(self.table2(failed=failed), "table2", (), ("relative_error",), table)
+            runs = [read_run(self.table2(failed=failed), ("table2",), (), ("relative_error",), table)
                     for table in ("table1", "table2")]
             return lines_of(self.panels("charts", "table1_accuracy", *runs)[""][0])
 
@@ -147,7 +153,8 @@ class Refusals(AccuracyTest):
                 ((write_study(self.folder, damaged), *folder), {}, "error"),
                 ((self.small(), "--out", self.write("taken", "kept")), {}, "taken", "cannot be written"),
                 ((self.small(),), {}, "--out"), ((self.small(), *folder, "--colour"), {}, "--colour"),
-                ((self.small(), *folder), nowhere, "no Python with matplotlib found", sys.executable, "/usr/bin/python3",
+                ((self.small(), *folder), nowhere, "no Python with matplotlib found", sys.executable,
+                 "/usr/bin/python3",
                  "install python3-matplotlib")):
             with self.subTest(words=words):
                 self.assert_refused(self.render(*arguments, **changes), *words)

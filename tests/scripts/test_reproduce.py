@@ -10,6 +10,7 @@ import re
 import shutil
 import signal
 import subprocess
+import sys
 import time
 
 from programs import (BAD_ARGUMENTS, DONE, ROOT, SOLVER_FAILED, FolderTest, end, environment, run,
@@ -18,7 +19,8 @@ from stability_documents import SETTINGS, long_study, map_study, write
 from study_documents import small_study, write_study
 
 HOST_NAME = "a-host-to-keep-private"
-RESULTS = {"raw.json", "table.txt", "table.md", "table.tex"}
+RESULTS = {"raw.json", "table.txt", "table.md", "table.tex", "verdicts.json"}
+STUDY_RESULTS = {"raw.json", "report.md", "figures.json"}
 STABILITY = {"map.json", "fast_map.json", "long_runs.json"}
 PROGRAMS = (*(f"build/benchmarks/{name}" for name in ("table1", "table2")),
             *(f"scripts/studies/{name}.py" for name in ("accuracy", "stability", "long_runs", "scaling", "theorem")))
@@ -48,15 +50,15 @@ echo "chatter of $tool"
 """),
 }
 
-# A program that measures: writes down how it was called, then does what $BENCHMARK says, and fails if it is $FAILING.
-# What it measured is prepared under its name.
+# A study: writes down how it was called, then does what $BENCHMARK says, and fails if it is $FAILING. What it measured
+# is prepared under its name.
 PROGRAM = """#!/bin/sh
 program=$(basename "$0" .py)
 echo "$program[${OPENBLAS_CORETYPE-none}] $* on $(nproc) cores" >>"$CALLS"
 file=$program
 case "$*" in *"--solver fast"*) file=fast_map ;; esac
 while [ $# -gt 0 ]; do
-  case $1 in --benchmark_out=*) out=${1#*=} ;; --out) out=$2 ;; esac
+  case $1 in --out) out=$2 ;; esac
   shift
 done
 echo "chatter of $program"
@@ -70,27 +72,66 @@ esac
 exit "${BENCHMARK_STATUS:-0}"
 """
 
-# A script that renders: leaves one word in the file that it is told last, or in the report in a folder.
+# A benchmark program: the same, but of what is prepared it writes the rows that its filter leaves in.
+TABLE_PROGRAM = """#!%s
+import json, os, re, signal, sys, time
+
+program, options = os.path.basename(sys.argv[0]), dict(each.partition("=")[::2] for each in sys.argv[1:])
+told = os.environ.get("OPENBLAS_CORETYPE", "none"), " ".join(sys.argv[1:]), len(os.sched_getaffinity(0))
+with open(os.environ["CALLS"], "a") as calls:
+    calls.write("%%s[%%s] %%s on %%d cores\\n" %% (program, *told))
+print("chatter of", program)
+if program == os.environ.get("FAILING"):
+    print("some reason")
+    sys.exit(7)
+with open(os.path.join(os.environ["PREPARED"], program + ".json")) as file:
+    found = json.load(file)
+found["benchmarks"] = [row for row in found["benchmarks"]
+                       if re.search(options["--benchmark_filter"], row["run_name"] + "/")]
+what = os.environ["BENCHMARK"]
+with open(options["--benchmark_out"] + ("" if what in ("finish", "scribble") else ".1.partial"), "w") as file:
+    file.write(json.dumps(found) if what == "finish" else '{"context": {')
+if what == "die":
+    os.kill(os.getpid(), signal.SIGKILL)
+if what == "wait":
+    with open(os.environ["CALLS"], "a") as calls:
+        calls.write("started\\n")
+    time.sleep(60)
+sys.exit(int(os.environ.get("BENCHMARK_STATUS", "0")))
+""" % sys.executable
+
+# A script that renders: leaves one word in each file of the folder that it is told last.
 RENDERER = """#!/bin/sh
 for out; do :; done
-[ ! -d "$out" ] || out=$out/report.txt
-echo drawn >"$out"
+echo drawn >"$out/report.md"
+case $0 in *theorem) echo drawn >"$out/figures.json" ;; esac
 """
 
 
 def raw_file(failed=False, tables=("table1",), sizes=(17,)):
-    """Returns the rows of tables at some n in the recorded raw file of the first of them.
+    """Returns the rows of tables at some n in the recorded raw file, as the first of them would have written it.
 
     As if made on a host with a name and without reference solutions, with the algebra rows failed or not.
     """
-    raw = json.loads(text_of(ROOT, "results", "recorded", tables[0], "raw.json"))
-    raw["context"] = {"host_name": HOST_NAME, **raw["context"]}
+    raw = json.loads(text_of(ROOT, "results", "recorded", "tables", "raw.json"))
+    raw["context"] = {"host_name": HOST_NAME, **raw["context"], "isosyrk_program": tables[0]}
+    if tables[0] == "table1":
+        raw["context"]["products"] = raw["context"].pop("published_products")
     raw["benchmarks"] = [row for row in raw["benchmarks"] if re.fullmatch(
         rf"({'|'.join(tables)})/.*/n:({'|'.join(map(str, sizes))})/.*", row["run_name"])]
     for row in raw["benchmarks"]:
         del row["relative_error"], row["reference_uncertainty"]
         if failed and "/algebra/" in row["run_name"]:
             row.update(error_occurred=True, error_message="sweep cap at step 1", cpu_time=0)
+    return raw
+
+
+def one_process(failed=False, tables=("table1",)):
+    """Returns the rows of one process at every n, as a program writes them."""
+    raw = raw_file(failed, tables, (17, 33, 65, 129))
+    raw["benchmarks"] = [row for row in raw["benchmarks"] if row["process"] == 0]
+    for row in raw["benchmarks"]:
+        del row["process"]
     return raw
 
 
@@ -128,9 +169,9 @@ class ReproduceTest(CopyTest):
     def setUp(self):
         super().setUp()
         for program in PROGRAMS:
-            self.write(f"root/{program}", PROGRAM, executable=True)
-        self.prepare("table1", raw_file())
-        self.prepare("table2", raw_file(tables=("table2", "table1")))
+            self.write(f"root/{program}", PROGRAM if program.startswith("scripts") else TABLE_PROGRAM, executable=True)
+        self.prepare("table1", one_process())
+        self.prepare("table2", one_process(tables=("table2", "table1")))
         write_study(self.folder, small_study(), name="accuracy.json")
         for name, study in (("stability", map_study(SETTINGS[:1], ("group1",))), ("long_runs", long_study(("group1",))),
                             ("fast_map", map_study(SETTINGS[:1], ("group1",), "fast"))):
@@ -139,7 +180,7 @@ class ReproduceTest(CopyTest):
         self.write("theorem.json", "{}")
 
     def prepare(self, program, raw):
-        self.write(f"{program}.json", json.dumps(raw, indent=2))  # line by line, as the program does
+        self.write(f"{program}.json", json.dumps(raw))
 
     def reproduce(self, *arguments, **changes):
         return self.script("reproduce", "--out", self.out, *arguments, **changes)
@@ -158,7 +199,8 @@ class Arguments(CopyTest):
     def test_what_is_wrong_and_what_is_allowed_are_named(self):
         # Found before it is told that CMake is missing.
         for argument in ("table3", "--quik", "--quick=yes", ""):
-            self.refuses("reproduce", ["--quick", argument], argument, "table1", "table2", "accuracy", "stability", "scaling",
+            self.refuses("reproduce", ["--quick", argument], argument, "table1", "table2", "accuracy", "stability",
+                         "scaling",
                          "--quick", "--out", "--no-install", MISSING="cmake")
         path = self.write("plain", "a file")
         for arguments, *parts in ((["table1", "all"], "all"), (["--out"], "--out"), (["--out", ""], "--out"),
@@ -200,7 +242,8 @@ class MissingPackages(CopyTest):
             self.assertEqual((len(self.calls("cmake")), len(self.calls("sudo"))), (1, through))
             update, install = (call.split() for call in self.calls("apt-get[noninteractive]"))
             self.assertIn("update", update)
-            self.assertEqual([word for word in install[1:] if not word.startswith("-")], ["install", "git", "libfmt-dev"])
+            self.assertEqual([word for word in install[1:] if not word.startswith("-")],
+                             ["install", "git", "libfmt-dev"])
         self.write("calls", "")
         self.install()
         self.assertEqual((len(self.calls("cmake")), self.calls("apt-get")), (1, []))
@@ -227,7 +270,7 @@ class EndToEnd(ReproduceTest):
                                            (("--keep-coretype",), "Nehalem", "(?i)OPENBLAS_CORETYPE=Nehalem.*kept")):
             self.write("calls", "")
             done = self.reproduce(*arguments, FAILING="table1", OPENBLAS_CORETYPE="Nehalem")
-            (call,) = self.calls("table1")
+            call = self.calls("table1")[0]
             self.assertTrue(call.startswith(f"table1[{asked_for}]"), call)
             self.assertRegex(done.stderr, said)
         self.assertNotIn("OPENBLAS_CORETYPE", self.reproduce(FAILING="table1").stderr)
@@ -240,7 +283,10 @@ class EndToEnd(ReproduceTest):
         results = {name: text.decode() for name, text in snapshot(self.out).items()}
         self.assertEqual(results.pop("notes"), "earlier notes")
         self.assertEqual(set(results), RESULTS)
-        self.assertEqual(json.loads(results["raw.json"])["benchmarks"], raw_file()["benchmarks"])
+        rows = json.loads(results["raw.json"])["benchmarks"]
+        self.assertEqual({row["process"] for row in rows}, set(range(6)))
+        self.assertEqual(len(rows), 6 * len(one_process()["benchmarks"]))
+        self.assertEqual(len(json.loads(results["verdicts.json"])["claims"]), 16)
         for name, text in results.items():
             self.assertNotIn(HOST_NAME, text, name)
         for name, start_of_it in (("txt", "Table 1"), ("md", "# Table 1"), ("tex", "% A fragment")):
@@ -259,7 +305,7 @@ class EndToEnd(ReproduceTest):
             self.assertEqual(set(os.listdir(self.path("root", "results", "latest", name))), RESULTS)
 
     def test_all_makes_a_folder_for_each_job_and_draws_table_1_with_its_accuracy(self):
-        raw = raw_file(tables=("table2", "table1"))
+        raw = one_process(tables=("table2", "table1"))
         for row in raw["benchmarks"]:
             row.update(relative_error=1e-3, reference_uncertainty=1e-14)
         self.prepare("table2", raw)
@@ -268,19 +314,19 @@ class EndToEnd(ReproduceTest):
             self.write(f"root/scripts/render_{name}", RENDERER, executable=True)
         self.reproduced("all")
         found = {job: set(os.listdir(self.path("out", job))) for job in os.listdir(self.out)}
-        self.assertLessEqual({"raw.json", "report.txt", "table1_accuracy.svg"}, found.pop("accuracy"))
-        self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS, "scaling": RESULTS, "theorem": RESULTS,
-                                 "stability": {"report.txt", *STABILITY}})
-        (call,) = self.calls("table2")
-        self.assertIn("--published", call)
+        self.assertLessEqual({"raw.json", "report.md", "figures.json", "table1_accuracy.svg"}, found.pop("accuracy"))
+        self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS, "theorem": STUDY_RESULTS,
+                                 "scaling": STUDY_RESULTS,
+                                 "stability": {"report.md", *STABILITY}})
+        self.assertTrue(all("--published" in call for call in self.calls("table2")))
 
     def test_a_study_measures_and_ends_with_its_report(self):
         done = self.reproduced("stability")
         found = snapshot(self.out)
         charts = {name for name in found if name.endswith((".svg", ".png"))}
         self.assertGreater(len(charts), 2)
-        self.assertEqual(set(found) - charts, {"report.md", "report.txt", *STABILITY})
-        self.assertEqual(done.stdout, found["report.txt"].decode())
+        self.assertEqual(set(found) - charts, {"report.md", *STABILITY})
+        self.assertEqual(done.stdout, found["report.md"].decode())
         self.assertIn("Largest errors of long runs", done.stdout)
         self.assertIn("--solver fast", self.calls("stability[")[1])
         untimed = [*self.calls("stability["), *self.calls("long_runs[")]
@@ -292,14 +338,14 @@ class EndToEnd(ReproduceTest):
         studies = [name for name in os.listdir(folder) if name.endswith(".py")]
         self.assertEqual([name for name in studies if not os.access(os.path.join(folder, name), os.X_OK)], [])
 
-    def test_sizes_and_interleaved_repetitions_enough_for_a_verdict(self):
-        for arguments, sizes in (((), [17, 33, 65, 129]), (("--quick",), [17, 33])):
-            self.reproduce(*arguments, FAILING="table1")
-            call = self.calls("table1")[-1]
-            pattern = re.search(r"--benchmark_filter=(\S+)", call)[1]
-            self.assertEqual([n for n in (17, 33, 65, 129) if re.search(pattern, f"table1/group/n:{n}/s:1")], sizes)
-            self.assertGreaterEqual(int(re.search(r"--benchmark_repetitions=(\d+)", call)[1]), 5)
-            self.assertIn("--benchmark_enable_random_interleaving=true", call)
+    def test_every_size_is_measured_in_enough_processes_on_one_core(self):
+        for arguments, sizes in (((), (17, 33, 65, 129)), (("--quick",), (17, 33))):
+            self.write("calls", "")
+            self.reproduced(*arguments)
+            filters = [re.search(r"--benchmark_filter=/n:(\d+)/", call)[1] for call in self.calls("table1")]
+            self.assertEqual(set(filters), set(map(str, sizes)))
+            self.assertGreaterEqual(min(map(filters.count, filters)), 6)
+            self.assertTrue(all(call.endswith(" on 1 cores") for call in self.calls("table1")))
         self.reproduce("stability", "--quick", FAILING="long_runs")
         for program in ("stability", "long_runs"):
             self.assertIn("--quick", self.calls(program + "[")[0])
@@ -340,7 +386,7 @@ class FailedRuns(ReproduceTest):
         for job in ("table1", "stability"):
             self.ends(job, BAD_ARGUMENTS, "is not whole JSON", BENCHMARK="scribble")
         self.prepare("table1", {"context": {}, "benchmarks": []})
-        self.ends("table1", BAD_ARGUMENTS, "raw.json: is no raw file of table1")
+        self.ends("table1", BAD_ARGUMENTS, "table1 wrote is no raw file of table1")
 
     def test_what_a_study_has_finished_at_this_commit_is_not_done_again(self):
         for commit, runs in (("0123456789ab", 1), ("ba9876543210", 2)):  # the files are of the first
@@ -351,7 +397,7 @@ class FailedRuns(ReproduceTest):
             self.assertEqual((len(self.calls("stability[")), len(self.calls("long_runs["))), (2 * runs, 2))
 
     def test_rows_that_did_not_converge_are_shown_and_end_with_3(self):
-        self.prepare("table1", raw_file(failed=True))
+        self.prepare("table1", one_process(failed=True))
         done = self.reproduce(BENCHMARK_STATUS="3")
         self.assertEqual(done.returncode, SOLVER_FAILED)
         self.assertIn("sweep cap at step 1", done.stdout)

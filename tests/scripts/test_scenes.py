@@ -72,7 +72,8 @@ class Integrate(FolderTest):
     def test_initial_data_outside_the_algebra_are_refused_with_the_figure(self):
         for name, wrong, part in (("rigid_body", 1j * np.eye(8), "must be real"),
                                   ("spin_chain", np.fliplr(np.eye(10)) * 1j, "outside the diagonal blocks of size 2"),
-                                  ("symplectic", np.eye(6), "W†J + JW"), ("pseudo_unitary", np.ones((5, 5)), "W†J + JW")):
+                                  ("symplectic", np.eye(6), "W†J + JW"),
+                                  ("pseudo_unitary", np.ones((5, 5)), "W†J + JW")):
             with self.subTest(name):
                 path = self.path("W.npy")
                 np.save(path, wrong.astype(complex))
@@ -88,7 +89,8 @@ class Module(unittest.TestCase):
                 scene = isosyrk.scene(name, **parameters)
                 method = isosyrk.integrator(scene, "algebra2")
                 W, report = method.run(scene.initial, 0.1, 20)
-                answer = strict_json(run([program("integrate"), *METHOD, *arguments(name), "--time", "2", "--json"]).stdout)
+                answer = strict_json(run([program("integrate"), *METHOD, *arguments(name), "--time", "2",
+                                          "--json"]).stdout)
                 self.assertEqual(scene.hbar, None)
                 self.assertEqual(report.steps, answer["steps"])
                 self.assertLess(abs(scene.energy(W) / scene.energy(scene.initial) - 1), 1e-5)
@@ -117,7 +119,8 @@ class Module(unittest.TestCase):
                 (lambda: isosyrk.integrator(body, "group2", solver="fast"), "no generator in split storage"),
                 (lambda: isosyrk.integrator(body, "group2_frame"), "for Euler-Zeitlin only"),
                 (lambda: isosyrk.integrator(body, "group2").step(1j * np.eye(4), 0.1), "must be real"),
-                (lambda: isosyrk.integrator(chain, "group2").step(1j * np.fliplr(np.eye(6)), 0.1), "outside the diagonal"),
+                (lambda: isosyrk.integrator(chain, "group2").step(1j * np.fliplr(np.eye(6)), 0.1),
+                 "outside the diagonal"),
                 (lambda: body.generator_norms(co_rotating=True), "for Euler-Zeitlin only"),
                 (lambda: isosyrk.scene("symplectic", n=4).generator_norms(), "J = I only")):
             with self.subTest(part), self.assertRaises(ValueError) as caught:

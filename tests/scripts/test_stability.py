@@ -6,11 +6,12 @@ import unittest
 from drawing import DrawingTest, finite_points, lines_of
 from stability_documents import CONTROL, SETTINGS, long_study, map_study, write
 
-from checked_json import UnusableFile
-from document import as_text
-from integrator_names import TABLE1_CELLS
-from stability_files import FAST, PUBLISHED, Sample, failure_map, long_runs
-from stability_report import stability_sections
+from lib.messages import UnusableFile
+from lib.document import as_markdown
+from lib.formats import FAST, PUBLISHED
+from lib.integrator_names import TABLE1_CELLS
+from lib.stability_files import Sample, failure_map, long_runs
+from lib.stability_report import stability_sections
 
 MAPS = tuple(f"failure_map{kind}_{scene}" for kind in ("", "_others") for scene in ("smooth", "rough"))
 FAST_MAPS = ("failure_map_fast_smooth", "failure_map_fast_rough")
@@ -19,19 +20,13 @@ FEW = ("group1", "rk4")  # where only the files matter, less is drawn faster
 
 
 class RawFiles(unittest.TestCase):
-    def test_tables_that_do_not_fit_together_are_refused(self):
-        def as_map(study):
-            return failure_map(study, PUBLISHED)
-
-        for make, read, table, change, words in (
-                (map_study, as_map, "maps", lambda rows: rows[1:], "trials of no map"),
-                (map_study, as_map, "maps", lambda rows: [*rows, rows[0]._replace()], "twice"),
-                (long_study, long_runs, "runs", lambda rows: [], "no runs")):
-            with self.subTest(table=table, words=words):
-                study = make()
-                study.tables[table] = change(study.tables[table])
-                with self.assertRaisesRegex(UnusableFile, words):
-                    read(study)
+    def test_files_without_content_are_refused(self):
+        for make, read, table in ((map_study, lambda study: failure_map(study, PUBLISHED), "maps"),
+                                  (long_study, long_runs, "runs")):
+            study = make()
+            study.tables[table] = []
+            with self.subTest(table=table), self.assertRaisesRegex(UnusableFile, f"no {table}"):
+                read(study)
 
 
 class Report(unittest.TestCase):
@@ -39,11 +34,11 @@ class Report(unittest.TestCase):
         self.map, self.long = map_study(SETTINGS, FEW), long_study()
 
     def row(self, name, heading):
-        """Returns the cells of an integrator in the first table after a heading; two blanks part cells."""
-        report = as_text(stability_sections(failure_map(self.map, PUBLISHED), long_runs(self.long), ()))
-        lines = report.split(f"\n{heading}", 1)[1].splitlines()
-        line = next(line for line in lines if line.startswith(name + " "))
-        return [cell.strip() for cell in line.split("  ") if cell.strip()]
+        """Returns the cells of an integrator in the first table after a heading that has it."""
+        report = as_markdown(stability_sections(failure_map(self.map, PUBLISHED), long_runs(self.long), ()))
+        lines = report.replace("\\", "").split(f"# {heading}", 1)[1].splitlines()
+        line = next(line for line in lines if line.startswith(f"| {name} "))
+        return [cell.strip() for cell in line.strip("|").split(" | ")]
 
     def test_methods_that_always_or_never_work(self):
         tables = self.map.tables
@@ -58,7 +53,17 @@ class Report(unittest.TestCase):
         samples = [Sample(1, 1, 1e-15, 2e-15, 1e-3, 0.0), Sample(1, 2, 4e-15, None, 1e-4, 0.0)]
         self.long.tables["samples"] = samples  # the first run has none
         self.assertEqual(self.row(first.integrator, "Largest errors of long runs")[1:],
-                         ["unstable", "7", *"––––", "converged", str(second.steps), "4.0e-15", "0", "2.0e-15", "1.0e-3"])
+                         ["unstable", "7", *"––––", "converged", str(second.steps), "4.0e-15", "0",
+                          "2.0e-15", "1.0e-3"])
+
+    def test_energy_of_the_runs_that_came_through(self):
+        self.long.tables["runs"] = [run._replace(status="converged" if run.integrator == "group1" else "unstable")
+                                    for run in self.long.tables["runs"]]
+        numbers = [number for number, run in enumerate(self.long.tables["runs"]) if run.integrator == "group1"]
+        self.long.tables["samples"] = [Sample(number, 1, 0.0, 0.0, 1e-3 * (place + 1), 0.0)
+                                       for place, number in enumerate(numbers)]
+        self.assertEqual(self.row("the Lie–Poisson structure", "Largest errors of long runs"),
+                         ["the Lie–Poisson structure", str(len(numbers)), "1.0e-3", f"{len(numbers)}.0e-3"])
 
 
 class Files(DrawingTest):
@@ -75,17 +80,16 @@ class Files(DrawingTest):
         arguments = (self.raw(), "--long", self.raw_long(), "--fast", self.raw(FAST, FEW[:1]))
         files = self.rendered("plain", *arguments)
         charts = (*MAPS, *FAST_MAPS, *LONG_RUNS)
-        self.assertEqual(set(files), {"report.md", "report.txt",
-                                      *(f"{chart}.{kind}" for chart in charts for kind in ("svg", "png"))})
+        self.assertEqual(set(files), {"report.md", *(f"{chart}.{kind}" for chart in charts for kind in ("svg", "png"))})
         for chart in charts:
             self.assert_whole(files, chart)
             self.assertIn(f"({chart}.svg)".encode(), files["report.md"])
-        self.assertIn("Critical h‖B(W₀)‖₂ of the fast forms\n", files["report.txt"].decode())
+        self.assertIn("# Critical h‖B(W₀)‖₂ of the fast forms\n", files["report.md"].decode())
 
     def test_long_runs_and_fast_forms_may_be_left_out(self):
         files = self.rendered("maps", self.raw())
         self.assertEqual({name[:-4] for name in files if name.endswith(".svg")}, set(MAPS))
-        self.assertNotIn(b"Largest errors", files["report.txt"])
+        self.assertNotIn(b"Largest errors", files["report.md"])
 
     def test_one_file_is_not_taken_for_another(self):
         for arguments, words in (([self.raw_long()], "no raw file of the study stability"),
@@ -106,7 +110,8 @@ class Charts(DrawingTest):
         edges[:] = [each if each.integrator != "rkmk4" else each._replace(works=None) for each in edges]
         failures = failure_map(study, PUBLISHED)
         smooth, rest = (self.panels("stability_charts", "failure_map", failures, "smooth", names, "Map")
-                        for names in (TABLE1_CELLS, [name for name in failures.integrators if name not in TABLE1_CELLS]))
+                        for names in (TABLE1_CELLS, [name for name in failures.integrators
+                                                     if name not in TABLE1_CELLS]))
         self.assertEqual((list(smooth), list(rest)), (list(TABLE1_CELLS), ["yoshida4", "rkmk4", "rk4"]))
         (panel,) = smooth["group2"]
         maps = failures.line("smooth", "group2")

@@ -12,21 +12,22 @@ import sys
 import time
 import unittest
 from types import SimpleNamespace
+from unittest import mock
 
 from programs import BUILD, DONE, HAS_MODULE, ROOT, FolderTest, end, environment, run, start, strict_json, text_of
 from study_documents import raw, study_document
 
-import checked_json
-import scaling_table
-import study_file
-from accuracy_lines import FAST, PUBLISHED, SCHEMA, Problem, read_accuracy
-from checked_json import UnusableFile
-from stability_files import read_long_runs, read_map
+from lib import formats
+from lib.messages import UnusableFile
+from lib import scaling_table
+from lib.formats import FAST, PUBLISHED
+from lib.accuracy_lines import SCHEMA, Problem, read_accuracy
+from lib.stability_files import read_long_runs, read_map
 
 if HAS_MODULE:
     sys.path.insert(0, os.path.join(BUILD, "python"))
     import isosyrk
-    import problems
+    from lib import problems, trials
 
 STUDIES = os.path.join(ROOT, "scripts", "studies")
 RECORDED = os.path.join(ROOT, "results", "recorded", "accuracy", "raw.json")
@@ -38,7 +39,7 @@ NO_ANSWER, INTERRUPTED, TERMINATED = 3, 130, 143
 SQUARES = """
 import os, sys, time
 sys.path.insert(0, %r)
-import study
+from lib import study
 
 def square(job):
     with open(os.environ["LOG"], "a") as log:
@@ -64,7 +65,7 @@ def main(arguments):
 
 if __name__ == "__main__":
     study.run("squares", main, sys.argv[1:])
-""" % os.path.join(ROOT, "scripts", "lib")
+""" % os.path.join(ROOT, "scripts")
 # 0.25 s are timed three times, 0.75 s are enough at once.
 RESULT = f"{[number**2 for number in range(12)]} {[[1 * 0.25] * 3, [3 * 0.25]]} core {max(os.sched_getaffinity(0))}\n"
 
@@ -73,31 +74,31 @@ class RawFile(FolderTest):
     def assert_unusable(self, contents, *words):
         path = self.write("raw.json", contents if isinstance(contents, str) else json.dumps(contents))
         with self.assertRaises(UnusableFile) as caught:
-            study_file.read(path, SCHEMA)
+            formats.read_study(path, SCHEMA)
         self.assert_one_line(f"{caught.exception}\n", path, *words)
 
     def test_what_was_written_is_read(self):
-        study = study_file.study_of(raw(study_document()), SCHEMA)
+        study = formats.study_of(raw(study_document()), SCHEMA)
         path = self.path("raw.json")
-        study_file.write(path, SCHEMA, study.context, study.settings, study.tables)
-        self.assertEqual(study_file.read(path, SCHEMA), study)
+        formats.write_study(path, SCHEMA, study.context, study.settings, study.tables)
+        self.assertEqual(formats.read_study(path, SCHEMA), study)
         before = os.stat(path).st_mtime_ns
         broken = {**study.tables, "runs": [study.tables["runs"][0]._replace(error=float("nan"))]}
         with self.assertRaises((ValueError, UnusableFile)):
-            study_file.write(path, SCHEMA, study.context, study.settings, broken)
+            formats.write_study(path, SCHEMA, study.context, study.settings, broken)
         self.assertEqual((os.stat(path).st_mtime_ns, os.listdir(self.folder)), (before, ["raw.json"]))
 
     def test_kinds(self):
         no_numbers = (True, "1", math.nan, math.inf, -1, 1e300, 10**400)
         for kind, wrong in (
-                (checked_json.text, (7, "", "two\nlines", "x" * 61)), (checked_json.truth, (0, "true")),
-                (checked_json.number, (None, *no_numbers)), (checked_json.positive, (0, 5e-324)),
-                (checked_json.optional(checked_json.number), no_numbers), (checked_json.whole(1), (1.0, 0, 10**15)),
-                (checked_json.list_of(checked_json.number, 2), ({}, [0], [0] * 3, [0, "1"])),
-                (checked_json.an_object, (None, []))):
+                (formats.text, (7, "", "two\nlines", "x" * 61)), (formats.truth, (0, "true")),
+                (formats.number, (None, *no_numbers)), (formats.positive, (0, 5e-324)),
+                (formats.optional(formats.number), no_numbers), (formats.whole(1), (1.0, 0, 10**15)),
+                (formats.list_of(formats.number, 2), ({}, [0], [0] * 3, [0, "1"])),
+                (formats.an_object, (None, []))):
             for value in wrong:
                 with self.subTest(value=str(value)[:9]), self.assertRaisesRegex(UnusableFile, "a thing has x"):
-                    checked_json.checked({"x": value}, {"x": kind}, "a thing")
+                    formats.checked({"x": value}, {"x": kind}, "a thing")
 
     def test_damage(self):
         def without(parts, name):
@@ -197,7 +198,8 @@ def start_cluster(test, **settings):
     """Returns the address of a Dask scheduler with two workers, each a process of this machine, until a test ends."""
     import distributed
     cluster = distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0",
-                                       silence_logs="CRITICAL", local_directory=test.folder, env=environment(**settings))
+                                       silence_logs="CRITICAL", local_directory=test.folder,
+                                       env=environment(**settings))
     test.addCleanup(cluster.close)
     return cluster.scheduler_address
 
@@ -258,8 +260,8 @@ class Stability(StudyTest):
 
     def test_fast_forms_under_the_names_of_the_published_ones(self):
         arguments = ("--n", "17", "--scene", "smooth", "--integrator", "group2", "--solver")
-        fast, published = (read_map(self.made("stability", *arguments, solver), solver).maps["smooth", 17, "group2"].edge
-                           for solver in (FAST, PUBLISHED))
+        maps = (read_map(self.made("stability", *arguments, solver), solver).maps for solver in (FAST, PUBLISHED))
+        fast, published = (found["smooth", 17, "group2"].edge for found in maps)
         self.assertGreater(fast.works, 1.1 * published.works)  # what fails is tried again with acceleration
         self.assert_as_close(fast.works, self.CRITICAL_FAST)
 
@@ -268,9 +270,9 @@ class Stability(StudyTest):
         names = ["group1", "algebra2_two_products", "algebra3_two_products"]
         self.assertEqual(list(runs.integrators), names)
         self.assertEqual(list(runs.runs), [("smooth", 9, name, share) for name in names for share in (0.9, 0.3)])
-        for run in runs.runs.values():
-            self.assertAlmostEqual(run.row.h_norm_B, run.row.share * run.row.critical)
-            steps = [sample.step for sample in run.samples]
+        for each in runs.runs.values():
+            self.assertAlmostEqual(each.row.h_norm_B, each.row.share * each.row.critical)
+            steps = [sample.step for sample in each.samples]
             self.assertEqual((steps[0], steps), (1, sorted(set(steps))))
         kept, lost = (runs.runs["smooth", 9, name, 0.3] for name in names[:2])
         self.assertEqual((kept.survived, kept.samples[-1].step), (True, 300))
@@ -282,9 +284,10 @@ class Stability(StudyTest):
 
 class Scaling(StudyTest):
     def test_every_rung_on_the_same_stretch(self):
-        found = study_file.read(self.made("scaling", "--n", "9", "--integrator", "group1", "--repetitions", "2"),
+        found = formats.read_study(self.made("scaling", "--n", "9", "--integrator", "group1", "--repetitions", "2"),
                                 scaling_table.SCHEMA)
-        self.assertEqual([(point.integrator, point.n, point.rung, len(point.seconds)) for point in found.tables["points"]],
+        self.assertEqual([(point.integrator, point.n, point.rung, len(point.seconds))
+                          for point in found.tables["points"]],
                          [("group1", 9, rung, 2) for rung in scaling_table.RUNGS])
         self.assertIn("timed_on", found.context)
         sweeps = {point.rung: point.sweeps for point in found.tables["points"]}
@@ -326,7 +329,8 @@ class Accuracy(StudyTest):
             self.assertLessEqual(abs(len(here) - len(there)), 1)  # rounding decides where a line is at its floor
             pairs += zip(here, there)
         for here, there in pairs:
-            with self.subTest(integrator=here.integrator, solver=here.solver, steps=here.steps, tolerance=here.tolerance):
+            with self.subTest(integrator=here.integrator, solver=here.solver, steps=here.steps,
+                              tolerance=here.tolerance):
                 self.assertEqual(*((run.steps, run.tolerance, run.status, run.beyond_limit) for run in (here, there)))
                 # Other kernels round otherwise, and an iteration may end a sweep later in a step or two; at tolerances
                 # near rounding in more of them.
@@ -358,7 +362,8 @@ class Accuracy(StudyTest):
             return self.script("references", "--out", folder, *asked, "17").stderr
 
         def refused(*parts, n="17"):
-            self.assert_refused(self.script("accuracy", "--references", folder, "--out", self.path("raw.json"), *asked, n),
+            self.assert_refused(self.script("accuracy", "--references", folder, "--out", self.path("raw.json"), *asked,
+                                            n),
                                 *parts)
 
         self.assertEqual(again().count("n = 17: kept"), 2)
@@ -373,6 +378,32 @@ class Accuracy(StudyTest):
         shutil.copy(os.path.join(folder, "developed_t5", "developed_n17.npy"),
                     os.path.join(folder, "developed_t5", "initial_n17.npy"))
         refused("initial_n17.npy", "energies")
+
+
+@unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")
+class Trials(unittest.TestCase):
+    # A loss that a trial does not survive, and one that it does, of each invariant.
+    LOSSES = {"spectrum_error": (1.1e-8, 9e-9), "skew_defect": (1.1e-8, 9e-9), "energy_error": (1.1, 0.9)}
+
+    def test_each_invariant_that_is_lost_ends_a_trial(self):
+        for name, (lost, kept) in self.LOSSES.items():
+            for loss, fails in ((lost, True), (kept, False), (math.nan, True)):
+                with self.subTest(name=name, loss=loss):
+                    errors = {**dict.fromkeys(self.LOSSES, 0.0), name: loss}
+                    self.assertEqual(trials.invariants_lost(errors, isospectral=True), fails)
+        # Others than isospectral methods may lose a tenth of the spectrum.
+        for loss, fails in ((0.09, False), (0.11, True)):
+            errors = {**dict.fromkeys(self.LOSSES, 0.0), "spectrum_error": loss}
+            self.assertEqual(trials.invariants_lost(errors, isospectral=False), fails)
+
+    def test_a_run_that_converges_and_loses_energy_alone_is_unstable(self):
+        setting = trials.Setting(isosyrk.scene("smooth", n=9))
+        tried = trials.trial_of(setting, "group1", PUBLISHED)
+        for error, status in ((1.1, "unstable"), (0.9, "converged")):
+            with self.subTest(error=error), mock.patch.object(setting, "energy_error", return_value=error):
+                found = tried(0.25)
+                self.assertEqual((found["status"], found["energy_error"]), (status, error))
+                self.assertLess(max(found["spectrum_error"], found["skew_defect"]), 1e-10)
 
 
 @unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")

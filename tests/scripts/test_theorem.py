@@ -3,21 +3,33 @@
 Run with: python3 -m unittest test_theorem (in tests/scripts; the module is that of ISOSYRK_BUILD, or of build/)
 """
 
+import itertools
+import json
 import os
+import signal
+import subprocess
 import sys
+import time
+import types
 import unittest
+from unittest import mock
 
-from programs import BUILD, DONE, FORMULATIONS, ROOT, FolderTest, environment, run, run_script
+from programs import BUILD, DONE, FORMULATIONS, ROOT, FolderTest, end, environment, run, run_script, snapshot, start
 
 sys.path[:0] = [os.path.join(BUILD, "python"), os.path.join(ROOT, "scripts", "studies")]
 import numpy as np
 
 import isosyrk
-import plain_forms
-import study_file
+from lib import plain_forms
+from lib import formats, study, theorem_table
 import theorem
-from plain_forms import dagger, gauss
-from theorem_table import NOTHING, PAIRS, PRINTED_K, PRINTED_W, SCHEMA
+from lib.document import Table, as_markdown
+from lib.figures import KEYS
+from lib.fresh_process import MOST_SWITCHES, MOST_TRIES, Disturbance
+from lib.messages import UnusableFile
+from lib.plain_forms import dagger, gauss
+from lib.theorem_table import NOTHING, PAIRS, PRINTED_K, PRINTED_W, SCHEMA, Coincidence, Settings, Timed
+from lib.verdicts import FEWEST, MORE, MOST
 
 RENDER = os.path.join(ROOT, "scripts", "render_theorem")
 ROUNDING = 1e-13  # of one step with entries of about 1, and of its iteration
@@ -105,46 +117,376 @@ class Ends(unittest.TestCase):
         self.assertGreater(errors[True, 10], 1.5 * errors[True, 5])
 
 
+# ---- timing by processes
+
+QUIET, BUSY = Disturbance(0.0, 0.0), Disturbance(0.0, 2 * MOST_SWITCHES)
+
+
+def noisy(ratio, spread, count=FEWEST):
+    """Returns times of so many processes; the logarithms of their ratios to 1 lie evenly about that of `ratio`."""
+    return [ratio * (1 + spread * (2 * k / (count - 1) - 1)) for k in range(count)]
+
+
+class FurtherProcesses(unittest.TestCase):
+    """Rows of one method stop together, and those of others go on without them."""
+
+    def further(self, most=MOST, **seconds):
+        return theorem.further_processes(most, seconds)
+
+    def test_decided_and_undecided(self):
+        level, close = noisy(1, 0), noisy(1.05, 0.05)
+        for others, wanted in ((noisy(1.01, 0), 0), (noisy(1.3, 0.02), 0), (close, MORE)):
+            with self.subTest(others=others):
+                self.assertEqual(self.further(group1=level, algebra1=others), {"group1": wanted, "algebra1": wanted})
+        self.assertEqual(self.further(group1=level, algebra1=close, group2=level, algebra2=level),
+                         {"group1": MORE, "algebra1": MORE, "group2": 0, "algebra2": 0})
+
+    def test_the_first_and_the_last(self):
+        self.assertEqual(self.further(group1=[], algebra1=[]), {"group1": FEWEST, "algebra1": FEWEST})
+        self.assertEqual(self.further(group1=[1.0] * 4), {"group1": FEWEST - 4})
+        self.assertEqual(self.further(group1=[1.0] * FEWEST), {"group1": 0})  # a lone row has nothing to decide
+        self.assertEqual(self.further(most=2, group1=[], algebra1=[]), {"group1": 2, "algebra1": 2})
+        close = noisy(1.05, 0.05, MOST)
+        self.assertEqual(self.further(group1=[1.0] * MOST, algebra1=close), {"group1": 0, "algebra1": 0})
+        self.assertEqual(self.further(most=MOST + 1, group1=[1.0] * FEWEST, algebra1=noisy(1.05, 0.05)),
+                         {"group1": MORE, "algebra1": MORE})
+        self.assertEqual(self.further(), {})
+
+
+class ByProcesses(FolderTest):
+    """study.by_processes with made-up processes: each row has its time, and each process adds its number to it."""
+
+    BLOCKS = ({"scene": "first", "rows": ["a", "b"]}, {"scene": "second", "rows": ["b"]})
+
+    def setUp(self):
+        super().setUp()
+        self.runs = []  # (scene, rows, process) of each run
+        self.enter(mock.patch.object(study, "progress", lambda total, what: mock.MagicMock(
+            __enter__=lambda bar: types.SimpleNamespace(n=0, total=total, write=self.told, update=lambda: None))))
+        self.enter(mock.patch.object(study, "say"))
+        self.told_lines = []
+
+    def enter(self, patch):
+        patch.start()
+        self.addCleanup(patch.stop)
+
+    def told(self, line, **_):
+        self.told_lines.append(line)
+
+    def by_processes(self, further, disturbances=(), fails=False):
+        """Returns the seconds and the journal's context. `disturbances` are those of the first runs."""
+        disturbances = iter(disturbances)
+
+        def run_on(core, told, stdout, stderr):
+            block, process = told
+            self.runs.append((block["scene"], tuple(block["rows"]), process))
+            if fails:
+                stderr.write(b"a long story\nno such scene\n")
+                return 1, QUIET
+            # A run that is repeated gives other times.
+            times = [{"a": 1.0, "b": 2.0}[row] + process + 100 * self.runs[:-1].count(self.runs[-1])
+                     for row in block["rows"]]
+            stdout.write(json.dumps(times).encode())
+            return 0, next(disturbances, QUIET)
+
+        options = types.SimpleNamespace(out=self.path("raw.json"))
+        journal = study.Journal("made up", options, lambda: {"commit": "1"})
+        with mock.patch("lib.fresh_process.run_on", run_on):
+            return study.by_processes(self.BLOCKS, lambda *told: told, further, journal, "timing"), journal.context
+
+    @staticmethod
+    def until(counts):
+        """Returns a `further` by which each row has so many processes, in one go."""
+        return lambda seconds: {row: counts[row] - len(found) for row, found in seconds.items()}
+
+    def test_every_block_gets_its_first_process_before_any_gets_its_second(self):
+        seconds, context = self.by_processes(self.until({"a": 1, "b": 2}))
+        self.assertEqual(seconds, [{"a": [1.0], "b": [2.0, 3.0]}, {"b": [2.0, 3.0]}])
+        self.assertEqual(self.runs, [("first", ("a", "b"), 0), ("second", ("b",), 0), ("first", ("b",), 1),
+                                     ("second", ("b",), 1)])
+        self.assertEqual(context["timed_on"], f"core {max(os.sched_getaffinity(0))}")
+
+    def test_further_processes_are_asked_for_only_when_the_last_ones_are_done(self):
+        asked = []
+
+        def further(seconds):
+            asked.append(len(seconds["b"]))
+            return {row: {0: 2, 2: 1}.get(len(found), 0) for row, found in seconds.items()}
+
+        seconds, _ = self.by_processes(further)
+        self.assertEqual([len(each["b"]) for each in seconds], [3, 3])
+        self.assertEqual(set(asked), {0, 2, 3})
+
+    def test_what_a_journal_has_is_not_run_again(self):
+        before, _ = self.by_processes(self.until({"a": 1, "b": 1}))
+        self.runs.clear()
+        after, _ = self.by_processes(self.until({"a": 3, "b": 3}))
+        self.assertEqual({process for *_, process in self.runs}, {1, 2})
+        for first, whole in zip(before, after):
+            for row, found in whole.items():
+                self.assertEqual((found[:1], len(found)), (first[row], 3))
+        again, _ = self.by_processes(self.until({"a": 3, "b": 3}))
+        self.assertEqual((again, len(self.runs)), (after, 4))
+
+    def test_a_disturbed_process_is_repeated(self):
+        seconds, context = self.by_processes(self.until({"a": 1, "b": 1}), [BUSY])
+        self.assertEqual(self.runs, [("first", ("a", "b"), 0)] * 2 + [("second", ("b",), 0)])
+        self.assertEqual((seconds[0], context["disturbed_processes"]), ({"a": [101.0], "b": [102.0]}, "0 of 2"))
+        self.assertRegex(self.told_lines.pop(), "disturbed .* measured again")
+        self.assertEqual(self.told_lines, [])
+
+    def test_one_that_stays_disturbed_is_kept_and_counted_also_after_an_interruption(self):
+        for _ in range(2):
+            _, context = self.by_processes(self.until({"a": 1, "b": 1}), [BUSY] * MOST_TRIES)
+            self.assertEqual((len(self.runs), context["disturbed_processes"]), (MOST_TRIES + 1, "1 of 2"))
+
+    def test_a_process_that_fails_ends_the_study(self):
+        with self.assertRaisesRegex(study.Stop, "timing: .*status 1.*: no such scene$") as caught:
+            self.by_processes(self.until({"a": 1, "b": 1}), fails=True)
+        self.assertEqual(caught.exception.status, study.NO_ANSWER)
+
+
+class TimedBlock(unittest.TestCase):
+    def test_rows_are_timed_in_turns_in_changing_order(self):
+        for small in (True, False):
+            with self.subTest(small=small):
+                timed, orders = [], []
+                block = {"scene": "rigid_body", "n": 6, "h_norm_B": 0.1, "products": "eigen", "steps": 5,
+                         "repetitions": 3 if small else 1, "warm": small, "rows": ["group1", "group2", "algebra2"]}
+
+                class Integrator:
+                    def __init__(self, name):
+                        self.name = name
+
+                    def timed_run(self, W, h, steps, repetitions):
+                        timed.append((self.name, repetitions))
+                        return [steps * {"group1": 1e-3, "group2": 2e-3, "algebra2": 4e-5}[self.name]] * repetitions
+
+                with mock.patch.object(isosyrk, "integrator", lambda scene, name, **_: Integrator(name)):
+                    for process in range(6):
+                        timed.clear()
+                        self.assertEqual([round(each, 9) for each in theorem.time_block({**block, "process": process})],
+                                         [1e-3, 2e-3, 4e-5])
+                        first, turns = timed[:3 * small], timed[3 * small:]
+                        self.assertEqual(first, [(name, 1) for name in block["rows"]][:len(first)])
+                        # 0.2 ms are run as often as fill 4 ms, where there was a warm run to tell.
+                        self.assertEqual(dict(turns), {"group1": 1, "group2": 1, "algebra2": 20 if small else 1})
+                        each = [tuple(name for name, _ in turns[k:k + 3]) for k in range(0, len(turns), 3)]
+                        self.assertEqual([sorted(order) for order in each],
+                                         [sorted(block["rows"])] * block["repetitions"])
+                        orders += each
+                self.assertGreater(len(set(orders)), 1)
+
+
+# ---- the report
+
+
+def made_up(rows):
+    """Returns a study whose timed rows are (table, scene, n, h‖B‖, method, times by formulation)."""
+    tables = {"coincidence": [Coincidence("rigid_body", 6, 1, 0.1, 1e-14, 1e-16, 1e-15, (9.0, 9.0, None), 1e-12)],
+              "ends": theorem.ends(), "cost": [], "dirk": []}
+    for name, scene, n, norm, method, times in rows:
+        tables[name] += [Timed(scene, n, norm, method, form, *((8.0, 16.0, 1e-15) if seconds else (None,) * 3),
+                               tuple(seconds)) for form, seconds in times.items()]
+    return formats.Study({"cpu": "made up"}, Settings(10, 5, 1e-13, 6, 0.3), tables)
+
+
+class Report(FolderTest):
+    """Made-up processes: the ratios to the formulation claimed are known, and so is what the tables must say."""
+
+    ROWS = (
+        # Claim (a): algebra is 3 times as fast; (b): group ties with cotangent; at 0.5 it is undecided, then slower.
+        ("cost", "rigid_body", 65, 0.1, "s = 1", {"cotangent": noisy(3.1, 0.01), "group": noisy(3.0, 0.01),
+                                                  "algebra": noisy(1.0, 0.0)}),
+        ("cost", "rigid_body", 65, 0.1, "s = 2", {"cotangent": noisy(1.01, 0.01), "group": noisy(1.0, 0.0),
+                                                  "algebra": noisy(1.5, 0.01)}),
+        ("cost", "rigid_body", 65, 0.5, "s = 2", {"cotangent": noisy(2.0, 0.01), "group": noisy(1.0, 0.0),
+                                                  "algebra": noisy(1.05, 0.05)}),
+        ("cost", "rigid_body", 65, 0.5, "s = 3", {"cotangent": noisy(1.0, 0.0), "group": noisy(1.25, 0.01),
+                                                  "algebra": noisy(2.0, 0.01)}),
+        # A size twice as large takes twice the time, and on g the sweeps of one method fail.
+        ("cost", "spin_chain", 256, 0.1, "s = 1", {"cotangent": noisy(1.0, 0), "group": noisy(1.0, 0),
+                                                   "algebra": noisy(2.0, 0)}),
+        ("cost", "spin_chain", 512, 0.1, "s = 1", {"cotangent": noisy(2.0, 0), "group": noisy(2.0, 0),
+                                                   "algebra": noisy(4.0, 0)}),
+        ("dirk", "spin_chain", 512, 0.5, "yoshida4", {"cotangent": noisy(1.0, 0), "group": noisy(1.0, 0),
+                                                      "algebra": ()}))
+
+    def setUp(self):
+        super().setUp()
+        path = self.path("raw.json")
+        self.study = made_up(self.ROWS)
+        formats.write_study(path, SCHEMA, self.study.context, self.study.settings, self.study.tables)
+        self.document, self.figures = theorem_table.rendered(path)
+
+    def rows(self, heading):
+        """Returns the rows of the first table after a heading, as lists of text with a star for what is marked."""
+        headings = [getattr(part, "text", None) for part in self.document]
+        table = next(part for part in self.document[headings.index(heading):] if isinstance(part, Table))
+        return [[entry.text + "*" * entry.marked for entry in row] for row in table.rows()]
+
+    def test_claims(self):
+        self.assertEqual(self.rows("Which formulation is fastest"), [
+            ["rigid_body", "65", "(a), s = 1", "algebra", "holds 3.00*", "–"],
+            ["rigid_body", "65", "(b), s = 2", "group", "tie 1.01", "1.05 †"],
+            ["rigid_body", "65", "(b), s = 3", "group", "–", "fails 0.800"],
+            ["spin_chain", "256", "(a), s = 1", "algebra", "fails 0.500", "–"],
+            ["spin_chain", "512", "(a), s = 1", "algebra", "fails 0.500", "–"],
+            ["spin_chain", "512", "footnote, yoshida4", "algebra", "–", "no step"]])
+        self.assertIn("Each row was timed in 6 processes.", " ".join(as_markdown(self.document).split()))
+
+    def test_costs(self):
+        rows = self.rows("What they cost")
+        self.assertEqual(rows[:6], [
+            ["rigid_body", "65", "0.1", "cotangent", "3100", "1010*", "–", "1.03 ±0.0 %", "1.01 ±0.8 %", "–",
+             "8.00", "8.00", "–"],
+            ["rigid_body", "65", "0.1", "group", "3000", "1000*", "–", "–", "–", "–", "8.00", "8.00", "–"],
+            ["rigid_body", "65", "0.1", "algebra", "1000*", "1500", "–", "0.333 ±0.8 %", "1.50 ±0.8 %", "–",
+             "8.00", "8.00", "–"],
+            ["rigid_body", "65", "0.5", "cotangent", "–", "2000", "1000*", "–", "2.00 ±0.8 %", "0.800 ±0.8 %",
+             "–", "8.00", "8.00"],
+            ["rigid_body", "65", "0.5", "group", "–", "1000*", "1250", "–", "–", "–", "–", "8.00", "8.00"],
+            ["rigid_body", "65", "0.5", "algebra", "–", "1050 †", "2000", "–", "1.05 ±4.0 %", "1.60 ±0.0 %", "–",
+             "8.00", "8.00"]])
+        self.assertEqual([row[4:] for row in self.rows("DIRK methods")],
+                         [["1000*", "1.00 ±0.0 %", "8.00"], ["1000*", "–", "8.00"], ["no step", "–", "–"]])
+
+    def test_figures(self):
+        found = self.figures
+        for key, value in {
+                "cost.rigid_body.65.0.1.s1.group-over-algebra": 3,
+                "cost.rigid_body.65.0.1.s1.algebra-over-group": 1 / 3,
+                "cost.rigid_body.s2.cotangent-over-group.least": 1.01,
+                "cost.rigid_body.s2.cotangent-over-group.most": 2,
+                "cost.rigid_body.0.5.s2.cotangent-over-group.least": 2,
+                "cost.others.s1.group-over-algebra.least": 3,
+                "cost.spin_chain.s1.algebra-over-group.most": 2,
+                "dirk.spin_chain.512.0.5.yoshida4.cotangent-over-group": 1,
+                "coincidence.settings": 1, "coincidence.within": 1, "coincidence.failed": 1,
+                "coincidence.difference": 1e-14, "ends.iiia_iiib_iiia_s2.from_g": 1.9e-6,
+                "ends.k_as_printed_s2.order": 3, "ends.j_no_multiple_of_i_s2.group-algebra": 7.6e-2,
+                "ends.b_outside_g_s2.casimirs.group": 9.7e-4,
+                "claims.a.spin_chain.fails": 2, "claims.a.spin_chain.of": 2, "claims.b.rigid_body.tie": 1,
+                "claims.b.rigid_body.undecided": 1, "claims.b.rigid_body.fails": 1, "claims.b.rigid_body.of": 3,
+                "claims.footnote.spin_chain.none": 1, "chain.smallest": 128, "chain.largest": 256,
+                "chain.power": 1}.items():
+            with self.subTest(key=key):
+                self.assertLess(abs(found[key] / value - 1), 0.02)
+        self.assertFalse([key for key in found if "yoshida4" in key and "algebra" in key])
+        for value in found.values():
+            self.assertTrue(np.isfinite(value))
+
+    def test_files_that_contradict_themselves_are_refused(self):
+        def changed(index, **changes):
+            return {"cost": [row._replace(**changes) if k == index else row for k, row in enumerate(cost)]}
+
+        cost = self.study.tables["cost"]
+        for tables, message in (
+                (changed(0, seconds=()), "with sweeps and no time"), (changed(0, sweeps=None), "times and no sweeps"),
+                (changed(0, seconds=cost[0].seconds[:-1]), "not timed by the same processes"),
+                ({"ends": []}, "no rows of ends"), ({"coincidence": []}, "no rows of coincidence")):
+            with self.subTest(message=message):
+                path = self.path("raw.json")
+                formats.write_study(path, SCHEMA, {}, self.study.settings, {**self.study.tables, **tables})
+                with self.assertRaisesRegex(UnusableFile, message) as caught:
+                    theorem_table.rendered(path)
+                self.assert_one_line(f"{caught.exception}\n", path)
+
+
 class Study(FolderTest):
-    ARGUMENTS = ("--quick", "--n", "9", "17", "--repetitions", "1", "--integrator", "group2", "algebra2", "yoshida4",
+    ARGUMENTS = ("--quick", "--n", "9", "17", "--processes", "1", "--integrator", "group2", "algebra2", "yoshida4",
                  "--scene", "rigid_body", "spin_chain")
 
+    def command(self, *arguments):
+        return [sys.executable, "-B", os.path.join(ROOT, "scripts", "studies", "theorem.py"), *arguments]
+
     def script(self, *arguments):
-        return run([sys.executable, "-B", os.path.join(ROOT, "scripts", "studies", "theorem.py"), *arguments],
-                   env=environment(ISOSYRK_BUILD=BUILD))
+        return run(self.command(*arguments), env=environment(ISOSYRK_BUILD=BUILD), timeout=240)
 
     def test_it_runs_and_is_rendered(self):
         path = self.path("raw.json")
         done = self.script("--out", path, *self.ARGUMENTS)
         self.assertEqual((done.returncode, done.stdout, os.listdir(self.folder)), (DONE, "", ["raw.json"]), done.stderr)
-        tables = study_file.read(path, SCHEMA).tables
-        self.assertEqual({(row.scene, row.n, row.method, row.formulation) for row in tables["cost"]}, {
-            (scene, n, "s = 2", form) for scene, n in (("rigid_body", 9), ("rigid_body", 17), ("spin_chain", 64),
-                                                       ("spin_chain", 128)) for form in ("group", "algebra")})
-        self.assertEqual({row.formulation for row in tables["dirk"]}, set(FORMULATIONS))
-        for row in (*tables["cost"], *tables["dirk"]):
-            self.assertLess(row.difference, 1e-11)
+        tables = formats.read_study(path, SCHEMA).tables
+        blocks = {(scene, n, norm) for scene, n in (("rigid_body", 9), ("rigid_body", 17), ("spin_chain", 32),
+                                                    ("spin_chain", 64)) for norm in (0.1, 0.5)}
+        for name, methods, forms in (("cost", ["s = 2"], ["group", "algebra"]), ("dirk", ["yoshida4"], FORMULATIONS)):
+            self.assertEqual({(row.scene, row.n, row.h_norm_B, row.method, row.formulation) for row in tables[name]},
+                             {(*block, *pair) for block in blocks for pair in itertools.product(methods, forms)})
+        # The substeps of Yoshida's scheme are longer than h: on the chain the midpoint's sweeps do not contract at 0.5.
+        diverging = [row for row in tables["dirk"] if (row.scene, row.h_norm_B) == ("spin_chain", 0.5)]
+        self.assertEqual({row[5:] for row in diverging}, {(None, None, None, ())})
+        for name in ("cost", "dirk"):
+            for block in theorem_table.comparisons([row for row in tables[name] if row not in diverging]).values():
+                rows = {row.formulation: row for row in block}
+                for form, row in rows.items():
+                    self.assertEqual((len(row.seconds), row.difference > 0), (1, form != "algebra"), row)
+                    self.assertLess(row.difference, 1e-11)
+                # What is compared with the form on g is another form: rounding and products tell.
+                self.assertEqual(len({row.difference for row in block}), len(block))
+                self.assertNotEqual(rows["group"].products, rows["algebra"].products)
         for row in tables["coincidence"]:
             self.assertLess(row.difference, row.bound)
         failed = [(row.scene, row.stages, row.h_norm_B) for row in tables["coincidence"] if None in row.sweeps]
         self.assertEqual((len(tables["coincidence"]), failed), (18, [("spin_chain", 1, 0.6)]))
-        for format in ("text", "markdown", "latex"):
-            shown = run_script(RENDER, path, "--format", format)
-            self.assertEqual((shown.returncode, shown.stderr), (DONE, ""))
-            for part in ("in 18 of 18 settings", "algebra of spin", "from N = 32 to 64", "ISOSYRK, K",
-                         "a tableau that is not symplectic:"):
-                self.assertIn(part, " ".join(shown.stdout.replace("\\", "").split()))
+        shown = run_script(RENDER, path, "--out", self.path("report"))
+        self.assertEqual((shown.returncode, shown.stdout, shown.stderr), (DONE, "", ""))
+        files = snapshot(self.path("report"))
+        self.assertEqual(set(files), {"report.md", "figures.json"})
+        report = files["report.md"].decode("utf-8")
+        for part in ("timed in 1 processes", "no step", "ISOSYRK, K", "one of order 1", "footnote, yoshida4"):
+            self.assertIn(part, report)
+        found = json.loads(files["figures.json"])
+        self.assertTrue(found)
+        for key in found:  # so that a page can name it
+            self.assertRegex(f"<!-- theorem:{key} -->", f"^{KEYS.pattern}$")
+
+    def test_an_interrupted_study_goes_on_with_the_processes_it_has(self):
+        path = self.path("raw.json")
+        arguments = ("--out", path, "--quick", "--n", "9", "--processes", "4", "--integrator", "group1", "algebra1",
+                     "--scene", "rigid_body")
+        started = start(self.command(*arguments), environment(ISOSYRK_BUILD=BUILD), stdout=subprocess.DEVNULL,
+                        stderr=subprocess.DEVNULL)
+        self.addCleanup(end, started)
+        timed = []
+        while len(timed) < 2 and started.poll() is None:
+            time.sleep(0.02)
+            timed = self.timed()
+        started.send_signal(signal.SIGTERM)
+        self.assertEqual(started.wait(20), 143)
+        self.assertEqual(os.listdir(self.folder), ["raw.json.journal"])
+        timed = self.timed()
+        self.assertLess(len(timed), 8)
+        done = self.script(*arguments)
+        self.assertEqual((done.returncode, os.listdir(self.folder)), (DONE, ["raw.json"]), done.stderr)
+        self.assertIn("going on after", done.stderr)
+        rows = formats.read_study(path, SCHEMA).tables["cost"]
+        self.assertEqual([len(row.seconds) for row in rows], [4] * 4)
+        times = {second for row in rows for second in row.seconds}
+        for seconds in timed:
+            self.assertLessEqual(set(seconds), times)
+
+    def timed(self):
+        """Returns the seconds of the processes in the journal."""
+        try:
+            with open(self.path("raw.json.journal"), encoding="utf-8") as file:
+                lines = [line for line in file if line.endswith("\n")][1:]
+        except FileNotFoundError:
+            return []
+        return [result["seconds"] for key, result in map(json.loads, lines) if json.loads(key)[0].startswith("timing")]
 
     def test_bad_arguments_and_foreign_files(self):
         for arguments, *parts in ((("--scene", "calm"), "'calm'", "spin_chain"), (("--n", "4"), "--n", "5 to 513"),
                                   (("--integrator", "rk4"), "--integrator 'rk4'", "kahan_li6"),
-                                  (("--repetitions", "0"), "--repetitions"), (("--out", self.folder), "--out")):
+                                  (("--processes", "0"), "--processes"), (("--out", self.folder), "--out")):
             with self.subTest(arguments=arguments):
                 self.assert_refused(self.script("--out", self.path("raw.json"), *arguments), *parts)
         self.assertEqual(os.listdir(self.folder), [])
         scaling = os.path.join(ROOT, "results", "recorded", "scaling", "raw.json")
-        self.assert_refused(run_script(RENDER, scaling), "scaling/raw.json", "is no raw file of the study theorem")
-        self.assert_refused(run_script(RENDER, self.path("none.json")), "none.json", "cannot be read")
+        self.assert_refused(run_script(RENDER, scaling, "--out", self.path("report")),
+                            "scaling/raw.json", "is no raw file of the study theorem")
+        self.assert_refused(run_script(RENDER, self.path("none.json"), "--out", self.path("report")),
+                            "none.json", "cannot be read")
 
 
 if __name__ == "__main__":

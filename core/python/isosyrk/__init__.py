@@ -9,9 +9,10 @@
 A vorticity matrix W is an array of shape (n, n), skew-Hermitian to 1e-10 relative, and comes back as complex128. Input
 may be real or complex of any precision that complex128 holds; it is converted once a run, read in any memory layout and
 never modified. Only `out` is written, and must be complex128, writable and in C order. W may be of any norm: the
-tolerance of an iteration is relative to it. Steps release the GIL. Ctrl-C ends
-a run after the sweep at hand (an explicit method: after the step at hand) or within a tenth of a second, whichever is
-later; making a scene and spectra cannot be interrupted. Bad values raise ValueError with one line that names the value and what is allowed, other types TypeError.
+tolerance of an iteration is relative to it. Steps release the GIL. Ctrl-C ends a run after the sweep at hand (an
+explicit method: after the step at hand) or within a tenth of a second, whichever is later; making a scene and spectra
+cannot be interrupted. Bad values raise ValueError with one line that names the value and what is allowed, other types
+TypeError.
 """
 
 import atexit
@@ -23,10 +24,19 @@ from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Sequenc
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _core
+# OpenMP reads this when it is loaded, with _core: threads then sleep after a short spin at a barrier, not after
+# milliseconds, which on a busy machine are another program's (see benchmarks/thread_settings.h). It is kept from the
+# processes that this one starts.
+_waits_as_asked = "GOMP_SPINCOUNT" in os.environ or "OMP_WAIT_POLICY" in os.environ
+if not _waits_as_asked:
+    os.environ["GOMP_SPINCOUNT"] = "1500"
+from . import _core  # noqa: E402
+if not _waits_as_asked:
+    del os.environ["GOMP_SPINCOUNT"]
 
-__all__ = ["Integrator", "IntegratorRecord", "Report", "Scene", "SolverError", "angular_momentum_error", "casimir_errors",
-           "conditions", "integrator", "integrators", "product_rate", "relative_error", "scene", "scenes", "skew_defect", "spectrum", "spectrum_error"]
+__all__ = ["Integrator", "IntegratorRecord", "Report", "Scene", "SolverError", "angular_momentum_error",
+           "casimir_errors", "conditions", "integrator", "integrators", "product_rate", "relative_error", "scene",
+           "scenes", "skew_defect", "spectrum", "spectrum_error"]
 
 __version__ = _core.version
 
@@ -57,8 +67,8 @@ class Report(NamedTuple):
 class SolverError(RuntimeError):
     """A step did not converge.
 
-    step: the step that failed, counted from 1.  status: "diverged", "stagnated" or "sweep cap".  last_change: of its last
-    sweep.  W: the state before it, complex128, shape (n, n) (`out`, if that was given).  report: the work so far.
+    step: the step that failed, counted from 1.  status: "diverged", "stagnated" or "sweep cap".  last_change: of its
+    last sweep.  W: the state before it, complex128, shape (n, n) (`out`, if that was given).  report: the work so far.
     """
 
     def __init__(self, step, status, last_change, W, report):
@@ -85,6 +95,7 @@ class IntegratorRecord(NamedTuple):
     explicit: bool  # no iteration
     stability_limit: float  # largest stable h*norm(ad_B) for a constant generator; inf if there is none
     measured_limit: Optional[float]  # h*norm(B), 2-norm, up to which every recorded trial of the published form worked
+    has_fast_form: bool  # for solver "fast"
 
 
 class Scene:
@@ -119,7 +130,8 @@ class Scene:
     def generator_norms(self, co_rotating: bool = False) -> Tuple[float, float]:
         """Returns the 2-norms of B and of ad_B = [B, .] at the initial data. Raises ValueError unless J = I.
 
-        co_rotating: of the generator in the co-rotating frame, which is B without its l = 1 part; for Euler-Zeitlin only.
+        co_rotating: of the generator in the co-rotating frame, which is B without its l = 1 part; for Euler-Zeitlin
+        only.
         """
         if co_rotating and self.hbar is None:
             raise ValueError("co_rotating: for Euler-Zeitlin only")
@@ -134,12 +146,13 @@ def scene(name: Optional[str] = None, n: Optional[int] = None, hbar: Optional[st
           signature: Optional[Tuple[int, int]] = None,
           generator: Optional[Callable[[Matrix], ArrayLike]] = None,
           hamiltonian: Optional[Callable[[Matrix], float]] = None) -> Scene:
-    """Returns a scene: the Euler-Zeitlin equations W' = [B(W), W], B = inverse Laplacian of W over hbar, with initial data.
+    """Returns the Euler-Zeitlin equations W' = [B(W), W], with B = inverse Laplacian of W over hbar, and initial data.
 
     One of these says what the initial data are:
-      name     "smooth" (the paper's Table 1; n >= 5) or "rough"; needs n. Beside modes or initial these names, and any that
-               is not in scenes(), are a label only.
-      modes    coefficients (l, m, re, im) with 1 <= l < n, 0 <= m <= l, im = 0 where m = 0; needs n. W is scaled to norm 1.
+      name     "smooth" (the paper's Table 1; n >= 5) or "rough"; needs n. Beside modes or initial these names, and any
+               that is not in scenes(), are a label only.
+      modes    coefficients (l, m, re, im) with 1 <= l < n, 0 <= m <= l, im = 0 where m = 0; needs n. W is scaled to
+               norm 1.
       initial  W itself, shape (n, n), skew-Hermitian to 1e-10 relative; taken as it is.
     hbar is "paper" (the default, 2/sqrt(n(n-1))) or "standard" (2/sqrt(n^2-1), as quflow has it).
 
@@ -152,7 +165,8 @@ def scene(name: Optional[str] = None, n: Optional[int] = None, hbar: Optional[st
     arithmetic and on blocks where the scene is real or block diagonal.
 
     With `initial`, `generator` makes a flow of your own: a function that takes W (a complex128 array of shape (n, n), a
-    copy, exactly skew-Hermitian) and returns B(W), skew-Hermitian. All published forms integrate it. `hamiltonian` maps W to a number.
+    copy, exactly skew-Hermitian) and returns B(W), skew-Hermitian. All published forms integrate it. `hamiltonian` maps
+    W to a number.
     Raises ValueError for values out of range.
     """
     if modes is not None and initial is not None:
@@ -235,7 +249,8 @@ os.register_at_fork(after_in_child=_after_fork)
 class Integrator:
     """A one-step method for the flow of a scene, with its workspace. Made by integrator().
 
-    A fast integrator predicts from its past steps, so that a run is cheaper than as many single steps from other states.
+    A fast integrator predicts from its past steps, so that a run is cheaper than as many single steps from other
+    states.
     One call at a time: a second one from another thread, or from `observe`, raises RuntimeError.
     """
 
@@ -256,10 +271,10 @@ class Integrator:
             every: int = 1, out: Optional[Matrix] = None) -> Tuple[Matrix, Report]:
         """Takes `steps` steps of size h from W; returns the last state, shape (n, n), and the work.
 
-        observe(step, W, report) is called after every `every` steps and after the last; W is then a read-only view, to be
-        copied if it is to be kept. The run ends where it returns True.
-        out: the array to work in and return, which may be W itself; otherwise a new one. After an exception it holds the
-        state after the last completed step.
+        observe(step, W, report) is called after every `every` steps and after the last; W is then a read-only view, to
+        be copied if it is to be kept. The run ends where it returns True.
+        out: the array to work in and return, which may be W itself; otherwise a new one. After an exception it holds
+        the state after the last completed step.
         Raises SolverError if a step does not converge.
         """
         state = _state(W, self.scene)
@@ -270,7 +285,8 @@ class Integrator:
         if out is None:
             out = np.empty((self.scene.n, self.scene.n), np.complex128)
         result = _output(out, self.scene.n)
-        outcome = self._core.run(state, result, h, steps, None if observe is None else _observer(observe, result), every)
+        observer = None if observe is None else _observer(observe, result)
+        outcome = self._core.run(state, result, h, steps, observer, every)
         return out, self._report(outcome, out)
 
     def timed_run(self, W: ArrayLike, h: float, steps: int, repetitions: int = 7, warmup: int = 0) -> List[float]:
@@ -291,11 +307,13 @@ class Integrator:
         global _used_threads
         if self.threads > 1:
             if _hangs:
-                raise RuntimeError(f"threads = {self.threads}: hang in a process forked after others ran; start it by spawn")
+                raise RuntimeError(f"threads = {self.threads}: hang in a process forked after others ran;"
+                                   " start it by spawn")
             _used_threads = True
 
     def linear_limit(self) -> Optional[float]:
-        """Returns the largest h*norm(B) that linear theory allows at the scene's initial data (2-norm); None if it sets none.
+        """Returns the largest h*norm(B) that linear theory allows at the scene's initial data (2-norm), or None.
+
         Raises ValueError unless J = I.
         """
         return self._entry.linear_limit(self.scene._core)
@@ -315,13 +333,14 @@ def integrator(scene: Scene, name: str, solver: str = "published", tolerance: fl
                max_sweeps: int = 1000, products: str = "openblas", without: Sequence[str] = ()) -> Integrator:
     """Returns the integrator with this name of integrators(), for the flow of a scene.
 
-    Beside the list there are controls, as published forms only: "algebra2_two_products" and "algebra3_two_products", and
-    compositions with their substeps on the group or on T*G, as "yoshida4_group" and "yoshida4_cotangent".
+    Beside the list there are controls, as published forms only: "algebra2_two_products" and "algebra3_two_products",
+    and compositions with their substeps on the group or on T*G, as "yoshida4_group" and "yoshida4_cotangent".
 
     solver     "published": the paper's equations, solved by Picard sweeps. "fast": the same answer to the tolerance,
                several times sooner; for Euler-Zeitlin, otherwise ValueError.
-    tolerance  of the iteration, at least 1e-15: the largest change of an unknown, Frobenius norm. Unknowns that scale with
-               W are measured in units of the power of two nearest to the 2-norm of W; those of the group are absolute.
+    tolerance  of the iteration, at least 1e-15: the largest change of an unknown, Frobenius norm. Unknowns that scale
+               with W are measured in units of the power of two nearest to the 2-norm of W; those of the group are
+               absolute.
     threads    of the fast solver, 1 to 64; the answer is bit for bit the same. A process forked after a run with
                several threads raises RuntimeError: OpenMP hangs there.
     max_sweeps of a step, 1 to 1000000.
@@ -347,8 +366,9 @@ def integrator(scene: Scene, name: str, solver: str = "published", tolerance: fl
         raise ValueError("solver 'fast': not for a generator of your own; must be published")
     if solver == "fast" and products != "openblas":
         raise ValueError("products: goes with solver 'published' only; fast forms have products of their own")
-    core = _core.Stepper(scene._core, entry.name, solver == "fast", tolerance, _whole(max_sweeps, "max_sweeps", 1, 10**6),
-                         threads, *(each not in without for each in SWITCHES), _text(products, "products"))
+    max_sweeps = _whole(max_sweeps, "max_sweeps", 1, 10**6)
+    core = _core.Stepper(scene._core, entry.name, solver == "fast", tolerance, max_sweeps, threads,
+                         *(each not in without for each in SWITCHES), _text(products, "products"))
     return Integrator(scene, entry, solver, threads, core)
 
 
@@ -378,8 +398,8 @@ def spectrum(W: ArrayLike) -> NDArray[np.float64]:
     W = _square(W)
     defect, largest = _core.skew_defect(W), np.abs(W).max()
     if defect > SKEW * largest:
-        raise ValueError(f"W: the largest entry of |W + W†| is {defect / largest:.3g} of the largest of |W|; must be at most "
-                         f"{SKEW:.0e} (skew-Hermitian)")
+        raise ValueError(f"W: the largest entry of |W + W†| is {defect / largest:.3g} of the largest of |W|; must be at"
+                         f" most {SKEW:.0e} (skew-Hermitian)")
     return _core.spectrum(W)
 
 
