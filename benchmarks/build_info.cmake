@@ -1,4 +1,4 @@
-# Writes OUTPUT, a header with the commit and the compiler, if its contents change.
+# Writes OUTPUT, a header with the version, the commit and the compiler, if its contents change.
 execute_process(COMMAND git -C ${SOURCE_DIR} rev-parse --short=12 HEAD
                 OUTPUT_VARIABLE COMMIT OUTPUT_STRIP_TRAILING_WHITESPACE
                 ERROR_QUIET RESULT_VARIABLE NO_GIT)
@@ -20,6 +20,7 @@ file(CONFIGURE OUTPUT ${OUTPUT} CONTENT [[// Written by build_info.cmake.
 #pragma once
 
 namespace isosyrk::build_info {
+inline constexpr const char* version = "@VERSION@";
 inline constexpr const char* commit = "@COMMIT@";
 inline constexpr const char* dirty = "@DIRTY@";
 inline constexpr const char* compiler = "@COMPILER@";

@@ -47,10 +47,12 @@ std::string relevant_environment() {
   std::vector<std::string> found;
   for (char** entry = environ; *entry != nullptr; ++entry) {
     const std::string_view text = *entry;
-    if (text.starts_with("OPENBLAS_") || text.starts_with("OMP_")) found.emplace_back(text);
+    for (const std::string_view prefix : {"OPENBLAS_", "OMP_", "GOMP_"}) {
+      if (text.starts_with(prefix)) found.emplace_back(text);
+    }
   }
   std::sort(found.begin(), found.end());
-  return found.empty() ? "no OPENBLAS_* or OMP_* variable set"
+  return found.empty() ? "no OPENBLAS_*, OMP_* or GOMP_* variable set"
                        : fmt::format("{}", fmt::join(found, " "));
 }
 
@@ -115,6 +117,7 @@ Conditions machine_conditions(const std::string& program, BackendChoice choice,
   return {
       {"isosyrk_program", program},
       {"isosyrk_format", "1"},
+      {"version", build_info::version},
       {"commit", build_info::commit},
       {"dirty", build_info::dirty},
       {"compiler", build_info::compiler},

@@ -14,8 +14,8 @@ namespace isosyrk {
 /// Facts by their names.
 using Conditions = std::map<std::string, std::string>;
 
-/// What holds for any program: commit, compiler, processor, BLAS and the kernels it really picked,
-/// environment, measured peak and the product rates given.
+/// What holds for any program: version, commit, compiler, processor, BLAS and the kernels it really
+/// picked, environment, measured peak and the product rates given.
 Conditions machine_conditions(const std::string& program, BackendChoice choice,
                               const std::vector<BackendRates>& rates);
 

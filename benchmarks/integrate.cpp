@@ -102,7 +102,7 @@ Outcome integrate(const IntegrateRequest& request, const Scene& scene, ProductBa
                   const std::optional<Outputs>& outputs) {
   SolverOptions solver = request.solver;
   solver.after_sweep = end_if_interrupted;
-  const auto integrator = request.integrator.make(*scene.flow, solver, backend);
+  const auto integrator = request.integrator.make(scene.flow, solver, backend);
   Outcome outcome;
   outcome.W = scene.initial;
   outcome.h_norm_B = request.step * generator_norm(scene);
@@ -180,7 +180,7 @@ nlohmann::ordered_json as_json(const IntegrateRequest& request, const Start& sta
       {"spectrum_error", outcome.kept.spectrum_error},
       {"skew_defect", outcome.kept.skew_defect},
       {"energy_error", outcome.kept.energy_error},
-      {"last_change", run.last_change},
+      {"last_change", run.last_change},  // null if it is not finite
   };
   if (!run.converged()) json["failed_step"] = run.failed_step;
   if (outcome.interrupted) {
@@ -188,6 +188,19 @@ nlohmann::ordered_json as_json(const IntegrateRequest& request, const Start& sta
     json["time_done"] = static_cast<double>(run.steps) * request.step;
   }
   return json;
+}
+
+// JSON has no number that is not finite, and the sign of a NaN says nothing.
+constexpr const char* not_finite = "not finite";
+
+std::string change_text(double change) {
+  return std::isfinite(change) ? fmt::format("{:.3g}", change) : not_finite;
+}
+
+std::string text_of(const nlohmann::ordered_json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_number_float() && !std::isfinite(value.get<double>())) return not_finite;
+  return value.dump();
 }
 
 // How far an interrupted run came, and how to go on.
@@ -205,7 +218,7 @@ std::string interruption(const IntegrateRequest& request, const Outcome& outcome
 void print_text(const nlohmann::ordered_json& result) {
   for (const auto& [key, value] : result.items()) {
     if (value.is_null()) continue;  // no formulation, or no modes
-    fmt::print("{:<16} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+    fmt::print("{:<16} {}\n", key, text_of(value));
   }
 }
 
@@ -237,10 +250,10 @@ int main_program(int argc, char** argv) {
     return exit_by_signal + caught_signal();
   }
   print_error("integrate",
-              fmt::format("{} at step {} of {} after {} sweeps in all, last change {:.3g}; no "
-                          "output written",
+              fmt::format("{} at step {} of {} after {} sweeps in all, last change {}; no output "
+                          "written",
                           name(outcome.run.status), outcome.run.failed_step, request.steps,
-                          outcome.run.sweeps, outcome.run.last_change));
+                          outcome.run.sweeps, change_text(outcome.run.last_change)));
   return exit_solver_failed;
 }
 

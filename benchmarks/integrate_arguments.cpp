@@ -47,9 +47,10 @@ void choose_integrator(const Text& text, const CLI::App& line, IntegrateRequest&
   }
   request.threads = thread_count("integrate", text.threads);
   request.method = text.solver;
+  const FastOptions options = with_defaults({.threads = request.threads}, request.n);
   if (given(line, "--integrator")) {
-    request.integrator = fast ? fast_entry(text.integrator, {.threads = request.threads})
-                              : integrator_entry(text.integrator);
+    request.integrator =
+        fast ? fast_entry(text.integrator, options) : integrator_entry(text.integrator);
     return;
   }
   if (!given(line, "--stages")) throw BadArgument("--stages is required, or --integrator");
@@ -57,9 +58,8 @@ void choose_integrator(const Text& text, const CLI::App& line, IntegrateRequest&
     throw BadArgument("--formulation is required, or --integrator");
   const int stages = static_cast<int>(whole_number("--stages", text.stages, 1, max_stages));
   request.formulation = formulation_from_name(text.formulation);
-  request.integrator =
-      fast ? fast_gauss_entry(*request.formulation, stages, {.threads = request.threads})
-           : gauss_entry(*request.formulation, stages);
+  request.integrator = fast ? fast_gauss_entry(*request.formulation, stages, options)
+                            : gauss_entry(*request.formulation, stages);
 }
 
 // P,Q of --signature.
@@ -141,7 +141,8 @@ std::variant<IntegrateRequest, int> read_integrate_arguments(int argc, char** ar
                   "name of a listed integrator, in place of --formulation and --stages");
   line.add_option("--step", text.step, "step size h > 0")->required();
   line.add_option("--time", text.time, "end time T >= 0, a whole number of steps")->required();
-  line.add_option("--tolerance", text.tolerance, "of the fixed point, >= 1e-15 (default 1e-13)");
+  line.add_option("--tolerance", text.tolerance,
+                  "of the fixed point, relative to W, >= 1e-15 (default 1e-13)");
   line.add_option("--max-sweeps", text.max_sweeps, "sweeps allowed in a step (default 1000)");
   line.add_option("--hbar", text.hbar, "paper: 2/sqrt(n(n-1)) (default); standard: 2/sqrt(n^2-1)");
   line.add_option("--products", text.products, "fastest (default), openblas or eigen");

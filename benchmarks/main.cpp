@@ -1,6 +1,7 @@
 // main() of every program. ISOSYRK_PROGRAM, set by CMakeLists.txt, is the program's name and the
 // namespace that holds its main_program(): so can several programs be compiled at a time.
 #include "benchmarks/program.h"
+#include "benchmarks/thread_settings.h"
 
 namespace isosyrk::ISOSYRK_PROGRAM {
 MainProgram main_program;
@@ -10,6 +11,7 @@ MainProgram main_program;
 #define ISOSYRK_NAME_OF(program) ISOSYRK_TEXT_OF(program)
 
 int main(int argc, char** argv) {
+  isosyrk::restart_with_thread_settings(argv);
   return isosyrk::run_program(ISOSYRK_NAME_OF(ISOSYRK_PROGRAM),
                               isosyrk::ISOSYRK_PROGRAM::main_program, argc, argv);
 }

@@ -46,6 +46,18 @@ std::string read_header(std::istream& input) {
   return header;
 }
 
+// Takes a key and its value out of a header, by a pattern whose first group is the value.  NumPy
+// reads the keys in any order.
+std::string take(std::string& header, const char* key_and_value) {
+  std::smatch found;
+  if (!std::regex_search(header, found, std::regex(key_and_value))) {
+    refuse("has a broken .npy header");
+  }
+  std::string value = found[1];
+  header = found.prefix().str() + found.suffix().str();
+  return value;
+}
+
 }  // namespace
 
 std::string npy(const Matrix& W) {
@@ -67,12 +79,11 @@ std::string npy(const Matrix& W) {
 Matrix read_npy(const std::string& path, Index n) {
   std::ifstream input(path, std::ios::binary);
   if (!input || input.peek() == EOF) refuse("cannot be read, or is empty");
-  const std::string header = read_header(input);
-  static const std::regex dictionary(
-      R"(\{'descr':(.*),'fortran_order':(True|False),'shape':\((.*)\),?\})");
-  std::smatch values;
-  if (!std::regex_match(header, values, dictionary)) refuse("has a broken .npy header");
-  const std::string dtype = values[1], fortran_order = values[2], shape = values[3];
+  std::string header = read_header(input);
+  const std::string dtype = take(header, R"('descr':('[^']*'|\[.*\]))");
+  const std::string fortran_order = take(header, "'fortran_order':(True|False)");
+  const std::string shape = take(header, R"('shape':\(([^)]*)\))");
+  if (header != "{,,}" && header != "{,,,}") refuse("has a broken .npy header");
   if (dtype != "'<c16'") {
     refuse(fmt::format("is of dtype {:.40}; must be '<c16' (complex128)", dtype));
   }

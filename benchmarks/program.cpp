@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <new>
 
+#include "benchmarks/memory.h"
+
 namespace isosyrk {
 
 void print_error(const char* program, std::string message) {
@@ -17,6 +19,7 @@ void print_error(const char* program, std::string message) {
 
 int run_program(const char* name, MainProgram& main_program, int argc, char** argv) {
   try {
+    require_memory_of_blas();
     return main_program(argc, argv);
   } catch (const std::bad_alloc&) {
     print_error(name, "not enough memory for matrices of this size; n or stages must be smaller");

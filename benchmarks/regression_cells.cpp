@@ -64,7 +64,7 @@ const Scene& scene_of(const Cell& cell, Scenes& scenes) {
 std::unique_ptr<Integrator> make(const Cell& cell, const Scene& scene) {
   const IntegratorEntry entry = cell.fast ? fast_gauss_entry(cell.formulation, cell.s)
                                           : gauss_entry(cell.formulation, cell.s);
-  return entry.make(*scene.flow, {}, backend);
+  return entry.make(scene.flow, {}, backend);
 }
 
 // ---- the report

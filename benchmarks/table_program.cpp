@@ -222,7 +222,7 @@ class Cell {
     if (integrator_) return;  // repetitions share one cell
     scene_ = smooth_scene(id_.n);
     h_norm_B_ = step_size * generator_norms(scene_).B;
-    integrator_ = table_.entry(id_.formulation, id_.s).make(*scene_.flow, options_, backend_);
+    integrator_ = table_.entry(id_.formulation, id_.s).make(scene_.flow, options_, backend_);
     if (warm_) {
       warm_run_ = warm_run(scene_, *integrator_);
     } else {

@@ -87,12 +87,12 @@ class Fallback : public ::testing::Test {
       system = owned.get();
       return owned;
     };
-    integrator = std::make_unique<FastIntegrator>(*scene.flow, make_system, options);
+    integrator = std::make_unique<FastIntegrator>(scene.flow, make_system, options);
   }
 
   StepReport step(const Script& script) {
     system->script = script;
-    return integrator->step(W, h);
+    return continued(*integrator, W, h);
   }
 
   // The one place that says which attempt succeeded, by what was called.

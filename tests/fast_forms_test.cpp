@@ -14,7 +14,7 @@ namespace {
 
 std::unique_ptr<FastIntegrator> fast(const Method& method, const Flow& flow,
                                      const FastOptions& options = {}) {
-  auto made = make_fast_gauss(method.formulation, method.s, flow, options);
+  auto made = make_fast_gauss(method.formulation, method.s, lent(flow), options);
   return std::unique_ptr<FastIntegrator>(&dynamic_cast<FastIntegrator&>(*made.release()));
 }
 
@@ -97,7 +97,7 @@ TEST_P(EachFastForm, StartsColdAfterAnotherStepSizeAndAnotherState) {
     const auto expect_cold = [&](const Matrix& from, double h, const char* after) {
       Matrix W = from, expected = from;
       const StepReport cold = form(scene)->step(expected, h);
-      const StepReport report = tried->step(W, h);
+      const StepReport report = continued(*tried, W, h);
       EXPECT_EQ(report.status, Status::converged) << after;
       EXPECT_EQ(W, expected) << after;  // bit for bit: nothing of what was before is left
       EXPECT_EQ(report.sweeps, cold.sweeps) << after;
@@ -169,7 +169,7 @@ TEST_P(EachFastForm, BandsFollowTheTolerance) {
       form(scene, {.solver = {.tolerance = loose}, .newton = false, .bands = true});
   Matrix W = scene.initial;
   for (int step = 0; step < 10; ++step) {
-    ASSERT_EQ(integrator->step(W, 0.1).status, Status::converged);
+    ASSERT_EQ(continued(*integrator, W, 0.1).status, Status::converged);
     const double change = integrator->change_of_one_more_sweep();
     EXPECT_LT(change, 1.5 * loose);
     EXPECT_GT(change, 1e-10);
@@ -196,7 +196,7 @@ void expect_the_same_bit_for_bit(const Method& method, Index n, int steps,
       return gauss_system(method.formulation, method.s, *scene.flow, threads,
                           n >= tuning.smallest_banded);
     };
-    FastIntegrator integrator(*scene.flow, system, {.solver = {}, .threads = threads});
+    FastIntegrator integrator(scene.flow, system, {.solver = {}, .threads = threads});
     EXPECT_EQ(integrator.threads(), threads);
     Matrix W = scene.initial;
     const RunReport report = run(integrator, W, 0.1, steps);
@@ -238,7 +238,7 @@ class EachListedFastForm : public ::testing::TestWithParam<IntegratorEntry> {};
 // steps add up; explicit forms differ by the rounding of some hundred products.
 TEST_P(EachListedFastForm, GivesTheAnswerOfThePublishedForm) {
   const IntegratorEntry& published = GetParam();
-  const IntegratorEntry fast = fast_entry(published.name);
+  const IntegratorEntry fast = fast_entry(published);
   const double bound = published.keeps.is_explicit ? 1e-14 : 20.0 * SolverOptions{}.tolerance;
   for (const char* scene_name : {"smooth", "rough"}) {
     for (const Index n : {5, 17, 49}) {  // with bands from 48 on
@@ -259,22 +259,35 @@ TEST_P(EachListedFastForm, GivesTheAnswerOfThePublishedForm) {
 TEST_P(EachListedFastForm, WorksAsANewOneAfterAFailureAndSoDoesThePublishedForm) {
   const Scene scene = smooth_scene(17);
   const Matrix not_finite = Matrix::Constant(17, 17, std::nan(""));
-  for (const IntegratorEntry& entry : {fast_entry(GetParam().name), GetParam()}) {
+  for (const IntegratorEntry& entry : {fast_entry(GetParam()), GetParam()}) {
     Matrix expected = scene.initial;
     EXPECT_EQ(made(entry, *scene.flow)->step(expected, 0.1).status, Status::converged);
     for (const auto& [state, h] : {std::pair{scene.initial, 1e200}, std::pair{not_finite, 0.1}}) {
       const auto integrator = made(entry, *scene.flow);
       Matrix W = state;
-      EXPECT_NE(integrator->step(W, h).status, Status::converged);
+      EXPECT_NE(continued(*integrator, W, h).status, Status::converged);
       W = scene.initial;
-      EXPECT_EQ(integrator->step(W, 0.1).status, Status::converged);
+      EXPECT_EQ(continued(*integrator, W, 0.1).status, Status::converged);
       EXPECT_EQ(W, expected);
     }
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, EachListedFastForm, ::testing::ValuesIn(integrators()),
+INSTANTIATE_TEST_SUITE_P(All, EachListedFastForm, ::testing::ValuesIn(fast_integrators()),
                          [](const auto& tested) { return tested.param.name; });
+
+TEST(FastForms, EveryRecordedIntegratorHasOne) {
+  for (const std::string& name : recorded_integrators()) {
+    EXPECT_TRUE(integrator_entry(name).has_fast_form()) << name;
+  }
+}
+
+TEST(FastForms, AreRefusedWhereThereIsOnlyAPublishedForm) {
+  for (const char* control : {"algebra2_two_products", "yoshida4_group"}) {
+    EXPECT_FALSE(integrator_entry(control).has_fast_form());
+    expect_refused([&] { fast_entry(control); }, "has no fast form");
+  }
+}
 
 // With up to 7 past steps the prediction is the polynomial through them, which predicts a solution
 // worse that grows finer, and plain sweeps make up for it one by one: what the bound of a tenth
@@ -346,7 +359,7 @@ TEST(LongSteps, TakeFewerSweepsSincePastStepsOutlastPredictionsThatFail) {
     auto integrator = fast(method, *scene.flow);
     bool is_new = true;
     for (int k = 0; k < 60; ++k) {
-      const StepReport report = integrator->step(W, h);
+      const StepReport report = continued(*integrator, W, h);
       EXPECT_EQ(report.status, Status::converged) << k;
       total += report.sweeps;
       const bool failed = report.attempt.start == Start::cold && !is_new;

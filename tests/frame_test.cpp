@@ -27,28 +27,31 @@ Matrix rotation_part(const Matrix& W) {
 }
 
 TEST(CoRotatingFrame, ItsGeneratorAndItsHamiltonianAreThoseOfWWithoutItsRotation) {
-  const EulerZeitlin flow(n);
-  CoRotatingFrame frame(flow, backend);
+  const auto shared = std::make_shared<const EulerZeitlin>(n);
+  const EulerZeitlin& flow = *shared;
+  CoRotatingFrame frame(shared, backend);
   const Matrix W = random_skew_hermitian(n, 1), rotation = rotation_part(W);
   Matrix B(n, n), expected(n, n);
-  frame.flow().generator(W, B);
+  frame.flow()->generator(W, B);
   flow.generator(W - rotation, expected);
   EXPECT_LE(largest_difference(B, expected), 1e-14);
   flow.generator(W, expected);
   EXPECT_GE(largest_difference(B, expected), 1e-3);
 
   SplitStages split = {SplitMatrix(W)}, upper = split_stages(1, n);
-  frame.flow().split_generator()->upper(split, upper);
+  frame.flow()->split_generator()->upper(split, upper);
   mirror_skew(upper);
   EXPECT_LE(largest_difference(upper[0].interleaved(), B), 1e-14);
 
-  EXPECT_NEAR(frame.flow().hamiltonian(W), flow.hamiltonian(W) - flow.hamiltonian(rotation), 1e-14);
+  EXPECT_NEAR(frame.flow()->hamiltonian(W), flow.hamiltonian(W) - flow.hamiltonian(rotation),
+              1e-14);
 }
 
 // e^{tR} with R written out, in rotations by all angles, about axes too and without a rotation.
 TEST(CoRotatingFrame, LeavesByTheExponentialOfTheRotation) {
-  const EulerZeitlin flow(n, HbarConvention::standard);
-  CoRotatingFrame frame(flow, backend);
+  const auto shared = std::make_shared<const EulerZeitlin>(n, HbarConvention::standard);
+  const EulerZeitlin& flow = *shared;
+  CoRotatingFrame frame(shared, backend);
   std::vector<Matrix> states = {Matrix::Zero(n, n)};
   for (const unsigned seed : {3u, 4u, 5u}) states.push_back(random_skew_hermitian(n, seed));
   for (const Matrix& S : spin_matrices(n)) {
@@ -58,9 +61,9 @@ TEST(CoRotatingFrame, LeavesByTheExponentialOfTheRotation) {
   for (const Matrix& W0 : states) {
     Matrix R(n, n), W(n, n);
     flow.generator(rotation_part(W0), R);
-    frame.set(W0);
+    const CoRotatingFrame::Rate rate = frame.rate(W0);
     for (const double t : {0.0, 0.3, 2.0, -7.0, 40.0}) {
-      frame.leave(t, V, W);
+      frame.leave(rate, t, V, W);
       EXPECT_LE(largest_difference(W, product({exponential(t * R), V, exponential(-t * R)})), 1e-12)
           << t;
       EXPECT_EQ(W, Matrix(-W.adjoint()));
@@ -76,8 +79,8 @@ TEST(CoRotatingFrame, CommutesWithTheExactFlow) {
   EXPECT_LE(largest_difference(fixed, turned), 1e-12);
 
   // Without the turn at the end it is another matrix.
-  CoRotatingFrame frame(dynamic_cast<const EulerZeitlin&>(*scene.flow), backend);
-  const auto inner = made(integrator_entry("group6"), frame.flow());
+  CoRotatingFrame frame(std::dynamic_pointer_cast<const EulerZeitlin>(scene.flow), backend);
+  const auto inner = made(integrator_entry("group6"), *frame.flow());
   EXPECT_GE(largest_difference(fixed, integrated(*inner, scene.initial, 0.025, 64)), 1e-2);
 }
 
@@ -151,10 +154,10 @@ TEST_P(InTheFrame, StepsOfSeveralSizesAreThoseOfStepsOneByOne) {
   }
 
   // Turned by the last step alone, it would lag by 0.2.
-  CoRotatingFrame frame(dynamic_cast<const EulerZeitlin&>(*scene.flow), backend);
-  frame.set(scene.initial);
+  CoRotatingFrame frame(std::dynamic_pointer_cast<const EulerZeitlin>(scene.flow), backend);
+  const CoRotatingFrame::Rate rate = frame.rate(scene.initial);
   Matrix lagging(n, n);
-  frame.leave(-0.2, W, lagging);
+  frame.leave(rate, -0.2, W, lagging);
   EXPECT_GE(largest_difference(lagging, one_by_one), 1e-2);
 }
 

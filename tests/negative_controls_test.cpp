@@ -15,7 +15,7 @@ TEST(NonSymplecticTableau, LosesTheSpectrumAndTheCoincidence) {
   std::vector<Matrix> answers;
   for (const Formulation formulation : formulations()) {
     const auto integrator =
-        make_formulation(formulation, *scene.flow, radau_iia(), {}, ProductBackend::openblas);
+        make_formulation(formulation, scene.flow, radau_iia(), {}, ProductBackend::openblas);
     answers.push_back(integrated(*integrator, scene.initial, 0.1, 50));
     EXPECT_GE(spectrum_error(answers.back(), scene.initial), 1e-7) << name(formulation);
   }

@@ -116,9 +116,38 @@ Matrix integrated(Integrator& integrator, const Matrix& W0, double h, long steps
   return W;
 }
 
+StepReport continued(Integrator& integrator, Matrix& W, double h) {
+  integrator.set_state(W);
+  const StepReport report = integrator.step(h);
+  integrator.state(W);
+  return report;
+}
+
+SharedFlow lent(const Flow& flow) { return {SharedFlow(), &flow}; }
+
 std::unique_ptr<Integrator> made(const IntegratorEntry& entry, const Flow& flow,
                                  const SolverOptions& options) {
-  return entry.make(flow, options, ProductBackend::openblas);
+  return entry.make(lent(flow), options, ProductBackend::openblas);
+}
+
+std::vector<std::string> recorded_integrators() {
+  std::vector<std::string> names = {"yoshida4", "suzuki4", "kahan_li6", "rkmk4", "rk4"};
+  for (const Formulation formulation : formulations()) {
+    for (int s = 1; s <= (formulation == Formulation::group ? 8 : 3); ++s) {
+      names.push_back(fmt::format("{}{}", name(formulation), s));
+    }
+  }
+  for (std::size_t k = names.size(); k > 0; --k) names.push_back(names[k - 1] + "_frame");
+  for (int s = 1; s <= 3; ++s) names.push_back(fmt::format("direct{}", s));
+  return names;
+}
+
+std::vector<IntegratorEntry> fast_integrators() {
+  std::vector<IntegratorEntry> found;
+  for (const IntegratorEntry& entry : integrators()) {
+    if (entry.has_fast_form()) found.push_back(entry);
+  }
+  return found;
 }
 
 std::unique_ptr<Integrator> gauss(Formulation formulation, const Flow& flow, int s,

@@ -64,9 +64,23 @@ Matrix read_reference(const std::string& file, Index n);
 /// A one-step method applied until T = steps * h, which must converge throughout.
 Matrix integrated(Integrator& integrator, const Matrix& W0, double h, long steps);
 
-/// The integrator of an entry, with OpenBLAS products.
+/// A flow that outlives its integrators, as one on the stack of a test does.
+SharedFlow lent(const Flow& flow);
+
+/// A step of a run from W, which past steps predict if they ended at W.  W is advanced if the step
+/// converged.
+StepReport continued(Integrator& integrator, Matrix& W, double h);
+
+/// The integrator of an entry, with OpenBLAS products.  The flow must outlive it.
 std::unique_ptr<Integrator> made(const IntegratorEntry& entry, const Flow& flow,
                                  const SolverOptions& options = {});
+
+/// The names of integrators() that the recorded studies are about.  These have all that an entry
+/// can have; a method that is added to the list need not.
+std::vector<std::string> recorded_integrators();
+
+/// The entries of integrators() that have a fast form.
+std::vector<IntegratorEntry> fast_integrators();
 
 /// The formulation with the Gauss tableau of s stages, OpenBLAS products, tolerance 1e-13.
 std::unique_ptr<Integrator> gauss(Formulation formulation, const Flow& flow, int s,
@@ -145,8 +159,9 @@ double poisson_map_defect(Integrator& integrator, const Matrix& W0, double h);
 class FlowOf final : public Flow {
  public:
   using Generator = std::function<void(const Matrix& W, Matrix& B)>;
-  FlowOf(const QuadraticAlgebra& algebra, Generator generator)
-      : Flow(algebra), generator_(std::move(generator)) {}
+  FlowOf(const QuadraticAlgebra& algebra, Generator generator,
+         isosyrk::Generator kind = isosyrk::Generator::of_algebra)
+      : Flow(algebra, kind), generator_(std::move(generator)) {}
   void generator(const Matrix& W, Matrix& B) const override { generator_(W, B); }
   double hamiltonian(const Matrix&) const override { return 0.0; }
 

@@ -7,14 +7,19 @@
 #include "isosyrk/catalogue/integrator_list.h"
 #include "isosyrk/fast/fast_options.h"
 #include "isosyrk/fast/stage_system.h"
+#include "isosyrk/tableaux/composition_schemes.h"
 
 namespace isosyrk {
 
+/// Returns the options with the past steps and the bands chosen that are the defaults for n x n
+/// matrices.
+FastOptions with_defaults(FastOptions options, Index n);
+
 /// Returns the Gauss method with s stages in the fast form of a formulation.  `algebra` with one
-/// stage is the isospectral midpoint.  The flow must outlive the integrator.  Throws
+/// stage is the isospectral midpoint.  Throws
 /// std::invalid_argument unless 1 <= s <= max_stages and the options are in range, and for a flow
 /// without a generator in split-complex storage.
-std::unique_ptr<Integrator> make_fast_gauss(Formulation formulation, int s, const Flow& flow,
+std::unique_ptr<Integrator> make_fast_gauss(Formulation formulation, int s, const SharedFlow& flow,
                                             const FastOptions& options = {});
 
 /// Returns the stage equations of that method, for up to `threads` threads and with band truncation
@@ -22,13 +27,22 @@ std::unique_ptr<Integrator> make_fast_gauss(Formulation formulation, int s, cons
 std::unique_ptr<StageSystem> gauss_system(Formulation formulation, int s, const Flow& flow,
                                           int threads, bool truncates);
 
-/// Returns the list entry of that fast form, named fast_group2 and so on.  Its integrators have
-/// these options, except options.solver, which `make` replaces.  Throws std::invalid_argument
-/// unless 1 <= s <= max_stages; making an integrator throws as make_fast_gauss.
-IntegratorEntry fast_gauss_entry(Formulation formulation, int s, const FastOptions& options = {});
+// The makers of the fast forms, for the list of integrators.  Each throws std::invalid_argument
+// unless 1 <= s <= max_stages; what it returns throws as make_fast_gauss.
+MakeFast fast_gauss(Formulation formulation, int s);
+/// Of midpoint steps on the algebra, with a predictor for each substep.
+MakeFast fast_composition(const CompositionScheme& scheme);
+MakeFast fast_direct(int s);
+MakeFast fast_munthe_kaas4();
+MakeFast fast_runge_kutta4();
 
-/// Returns the fast form of the integrator of integrators() with this name.  Throws
-/// std::invalid_argument for another name.
+/// Returns the entry with the fast form in place of the published one, and "fast_" before its name.
+/// Its integrators have these options, except options.solver, which `make` replaces.  Throws
+/// std::invalid_argument for an entry without a fast form.
+IntegratorEntry fast_entry(IntegratorEntry entry, const FastOptions& options = {});
+/// The same of integrator_entry(name).
 IntegratorEntry fast_entry(std::string_view name, const FastOptions& options = {});
+/// The same of gauss_entry(formulation, s).
+IntegratorEntry fast_gauss_entry(Formulation formulation, int s, const FastOptions& options = {});
 
 }  // namespace isosyrk

@@ -4,6 +4,7 @@
 
 #include <stdexcept>
 
+#include "isosyrk/catalogue/fast_forms.h"
 #include "isosyrk/integrators/algebra_form.h"
 #include "isosyrk/integrators/composition.h"
 #include "isosyrk/integrators/direct_form.h"
@@ -16,50 +17,26 @@ namespace isosyrk {
 
 namespace {
 
-using Make =
-    std::function<std::unique_ptr<Integrator>(const Flow&, const SolverOptions&, ProductBackend)>;
-
-Make make_gauss(Formulation formulation, int s) {
-  return [formulation, tableau = gauss_tableau(s)](const Flow& flow, const SolverOptions& options,
+MakePublished make_gauss(Formulation formulation, int s) {
+  return [formulation, tableau = gauss_tableau(s)](const auto& flow, const SolverOptions& options,
                                                    ProductBackend backend) {
     return make_formulation(formulation, flow, tableau, options, backend);
   };
 }
 
-// Makes a method from a flow and its data: a tableau, or a composition scheme and a formulation.
+// Makes an implicit method from a flow and the method's data, if it has any: a tableau, or a
+// composition scheme and a formulation.
 template <template <class> class Method, class... Data>
-Make make_from(const Data&... data) {
-  return [=](const Flow& flow, const SolverOptions& options, ProductBackend backend) {
+MakePublished make_implicit(const Data&... data) {
+  return [=](const auto& flow, const SolverOptions& options, ProductBackend backend) {
     return make_in_arithmetic_of<Method>(flow, data..., options, backend);
   };
 }
 
-template <template <class> class Explicit>
-Make make_explicit() {
-  return [](const Flow& flow, const SolverOptions&, ProductBackend backend) {
-    return make_in_arithmetic_of<Explicit>(flow, backend);
-  };
-}
-
-// Number of n x n complex matrices that the published form of a Gauss method holds if J = I, its
-// state included.  tests/allocation_test.cpp compares all these numbers with the memory.
-Index gauss_matrices(Formulation formulation, Index s) {
-  switch (formulation) {
-    case Formulation::cotangent:
-      return 4 * s + 7;
-    case Formulation::group:
-      return 2 * s + 7;
-    case Formulation::algebra:
-      break;
-  }
-  return s == 1 ? 6 : s * s + 6 * s + 3;
-}
-
-// Returns n -> bytes of `matrices` complex n x n matrices.
-std::function<double(Index)> bytes_of(Index matrices) {
-  return [matrices](Index n) {
-    return static_cast<double>(matrices) * static_cast<double>(n) * static_cast<double>(n) *
-           sizeof(Complex);
+template <template <class> class Method>
+MakePublished make_explicit() {
+  return [](const auto& flow, const SolverOptions&, ProductBackend backend) {
+    return make_in_arithmetic_of<Method>(flow, backend);
   };
 }
 
@@ -85,9 +62,41 @@ IntegratorEntry composition_entry(const CompositionScheme& scheme, Formulation f
           .stages = static_cast<int>(scheme.fractions.size()),
           .order = scheme.order,
           .keeps = isosyrk_properties,
-          .make = make_from<Composition>(scheme, formulation),
+          .make = make_implicit<Composition>(scheme, formulation),
+          .make_fast = on_g ? fast_composition(scheme) : MakeFast(),
           .linear_limit = composition_limit(scheme),
-          .bytes = bytes_of(3 + gauss_matrices(formulation, 1))};
+          .in_frame = on_g};
+}
+
+IntegratorEntry direct_entry(int s) {
+  return {.name = fmt::format("direct{}", s),
+          .stages = s,
+          .order = 2 * s,
+          .keeps = {.isospectral = false,
+                    .lie_poisson = false,
+                    .symmetric = true,
+                    .is_explicit = false},
+          .make = make_implicit<DirectForm>(gauss_tableau(s)),
+          .make_fast = fast_direct(s),
+          .linear_limit = [tableau = gauss_tableau(s)](const RealVector& frequencies) {
+            return direct_iteration_limit(tableau, frequencies);
+          }};
+}
+
+IntegratorEntry runge_kutta4_entry() {
+  return {.name = "rk4",
+          .stages = 4,
+          .order = 4,
+          .keeps = {.isospectral = false,
+                    .lie_poisson = false,
+                    .symmetric = false,
+                    .is_explicit = true},
+          .make = make_explicit<ClassicalRungeKutta4>(),
+          .make_fast = fast_runge_kutta4(),
+          .stability_limit = rk4_limit,
+          .linear_limit =
+              [](const RealVector& frequencies) { return adjoint_limit(rk4_limit, frequencies); },
+          .in_frame = true};
 }
 
 std::vector<IntegratorEntry> make_list() {
@@ -107,37 +116,15 @@ std::vector<IntegratorEntry> make_list() {
                             .symmetric = false,
                             .is_explicit = true},
                   .make = make_explicit<MuntheKaas4>(),
-                  .bytes = bytes_of(12)});
+                  .make_fast = fast_munthe_kaas4(),
+                  .in_frame = true});
   // Controls: methods that do not keep the structure.
-  for (int s = 1; s <= 3; ++s) {
-    list.push_back({.name = fmt::format("direct{}", s),
-                    .stages = s,
-                    .order = 2 * s,
-                    .keeps = {.isospectral = false,
-                              .lie_poisson = false,
-                              .symmetric = true,
-                              .is_explicit = false},
-                    .make = make_from<DirectForm>(gauss_tableau(s)),
-                    .linear_limit =
-                        [tableau = gauss_tableau(s)](const RealVector& frequencies) {
-                          return direct_iteration_limit(tableau, frequencies);
-                        },
-                    .bytes = bytes_of(2 * s + 5)});
-  }
-  list.push_back(
-      {.name = "rk4",
-       .stages = 4,
-       .order = 4,
-       .keeps =
-           {.isospectral = false, .lie_poisson = false, .symmetric = false, .is_explicit = true},
-       .make = make_explicit<ClassicalRungeKutta4>(),
-       .stability_limit = rk4_limit,
-       .linear_limit =
-           [](const RealVector& frequencies) { return adjoint_limit(rk4_limit, frequencies); },
-       .bytes = bytes_of(11)});
-  const std::size_t count = list.size();
-  for (std::size_t k = 0; k < count; ++k) {
-    if (!list[k].name.starts_with("direct")) list.push_back(frame_entry(list[k]));
+  for (int s = 1; s <= 3; ++s) list.push_back(direct_entry(s));
+  list.push_back(runge_kutta4_entry());
+  // A new method is one entry here.
+  const std::vector<IntegratorEntry> methods = list;
+  for (const IntegratorEntry& method : methods) {
+    if (method.in_frame) list.push_back(frame_entry(method));
   }
   return list;
 }
@@ -160,25 +147,31 @@ IntegratorEntry gauss_entry(Formulation formulation, int s) {
           .order = 2 * s,
           .keeps = isosyrk_properties,
           .make = make_gauss(formulation, s),
+          .make_fast = fast_gauss(formulation, s),
           .linear_limit =
               [formulation, tableau = gauss_tableau(s)](const RealVector& frequencies) {
                 return formulation == Formulation::algebra && tableau.stages() == 1
                            ? midpoint_iteration_limit(frequencies)
                            : stage_iteration_limit(tableau, frequencies);
               },
-          .bytes = bytes_of(gauss_matrices(formulation, s))};
+          .in_frame = true};
 }
 
 IntegratorEntry frame_entry(const IntegratorEntry& method) {
   IntegratorEntry entry = method;
   entry.name += frame_suffix;
   entry.co_rotating = true;
-  entry.make = [make = method.make](const Flow& flow, const SolverOptions& options,
+  entry.make = [make = method.make](const auto& flow, const SolverOptions& options,
                                     ProductBackend backend) {
     return std::make_unique<FrameIntegrator>(
-        flow, [&](const Flow& inner) { return make(inner, options, backend); }, backend);
+        flow, [&](const auto& inner) { return make(inner, options, backend); }, backend);
   };
-  entry.bytes = [method_bytes = method.bytes](Index n) { return method_bytes(n) + bytes_of(5)(n); };
+  if (method.has_fast_form()) {
+    entry.make_fast = [make = method.make_fast](const auto& flow, const FastOptions& options) {
+      return std::make_unique<FrameIntegrator>(
+          flow, [&](const auto& inner) { return make(inner, options); }, ProductBackend::openblas);
+    };
+  }
   return entry;
 }
 
@@ -189,11 +182,12 @@ IntegratorEntry two_products_entry(int s) {
   entry.name += "_two_products";
   entry.keeps = {
       .isospectral = false, .lie_poisson = false, .symmetric = true, .is_explicit = false};
-  entry.make = [tableau = gauss_tableau(s)](const Flow& flow, const SolverOptions& options,
+  entry.make = [tableau = gauss_tableau(s)](const auto& flow, const SolverOptions& options,
                                             ProductBackend backend) {
     return make_in_arithmetic_of<AlgebraForm>(flow, tableau, options, backend,
                                               AlgebraUpdate::two_products);
   };
+  entry.make_fast = {};
   return entry;
 }
 

@@ -21,26 +21,38 @@ struct Properties {
   bool is_explicit;  ///< no iteration
 };
 
-/// One entry of the list.
+struct FastOptions;  // fast/fast_options.h
+
+/// Makes the published form of an integrator for a flow.
+using MakePublished = std::function<std::unique_ptr<Integrator>(
+    const SharedFlow&, const SolverOptions&, ProductBackend)>;
+/// Makes its fast form.  Throws std::invalid_argument for a flow without B in split-complex storage
+/// and for options out of range.
+using MakeFast = std::function<std::unique_ptr<Integrator>(const SharedFlow&, const FastOptions&)>;
+
+/// One entry of the list.  A published form alone is enough; name, stages, order, `keeps` and
+/// `make` must be given.
 struct IntegratorEntry {
   std::string name;
   int stages;
   int order;
   Properties keeps;
-  std::function<std::unique_ptr<Integrator>(const Flow&, const SolverOptions&, ProductBackend)>
-      make;
+  MakePublished make;
+  MakeFast make_fast = {};  ///< empty if there is no fast form
   /// Largest h‖ad_B‖₂ at which the step is stable for a constant generator.  In a longer step
   /// perturbations grow, whatever the tolerance.
   double stability_limit = std::numeric_limits<double>::infinity();
   /// Largest h that linear theory allows (integrators/step_limits.h), from the eigenvalues of
   /// -iB(W₀).  Empty if linear theory sets no limit.
   std::function<double(const RealVector&)> linear_limit = {};
+  /// True if the list has it in the co-rotating frame too.  For methods that keep the angular
+  /// momentum, which turns the frame, or hardly change it.
+  bool in_frame = false;
   /// True if it solves in the co-rotating frame (flows/co_rotating_frame.h).  Both limits above are
   /// then about the generator B' of that frame.
   bool co_rotating = false;
-  /// Memory of the integrator in bytes, for n x n matrices and J = I, before it is made.  For fast
-  /// forms an upper bound.
-  std::function<double(Index)> bytes = {};
+
+  bool has_fast_form() const { return static_cast<bool>(make_fast); }
 };
 
 /// Returns the entry of the Gauss method with s stages in a formulation.  Throws
@@ -49,7 +61,8 @@ IntegratorEntry gauss_entry(Formulation formulation, int s);
 
 /// Ends the name of a method in the co-rotating frame.
 inline constexpr std::string_view frame_suffix = "_frame";
-/// Returns the entry of a method in the co-rotating frame, for Euler-Zeitlin, with this suffix.
+/// Returns the entry of a method in the co-rotating frame, for Euler-Zeitlin, with this suffix.  It
+/// has a fast form if the method has one.
 IntegratorEntry frame_entry(const IntegratorEntry& method);
 
 /// Returns the entry of a control that is not in the list: `algebra` with its update formed as

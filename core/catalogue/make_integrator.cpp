@@ -9,9 +9,10 @@
 
 namespace isosyrk {
 
-std::unique_ptr<Integrator> make_integrator(const Flow& flow, std::string_view wanted,
+std::unique_ptr<Integrator> make_integrator(const SharedFlow& flow, std::string_view wanted,
                                             const IntegratorOptions& options) {
   constexpr ProductBackend backend = ProductBackend::openblas;
+  if (flow == nullptr) throw std::invalid_argument("integrator: flow is null");
   const IntegratorEntry& entry = integrator_entry(wanted);
   if (options.solver == Solver::published) {
     if (options.threads != 1) {
@@ -20,7 +21,7 @@ std::unique_ptr<Integrator> make_integrator(const Flow& flow, std::string_view w
     }
     return entry.make(flow, options.iteration, backend);
   }
-  return fast_entry(wanted, {.threads = options.threads}).make(flow, options.iteration, backend);
+  return fast_entry(entry, {.threads = options.threads}).make(flow, options.iteration, backend);
 }
 
 }  // namespace isosyrk

@@ -22,10 +22,11 @@ struct IntegratorOptions {
 };
 
 /// Returns the integrator with this name of integrators(), such as "group2", or a published control
-/// (two_products_entry).  `flow` must outlive
-/// the integrator.  Throws std::invalid_argument for a name that is not in the list, for a fast
-/// form that the integrator or the flow does not have, and for a number of threads out of range.
-std::unique_ptr<Integrator> make_integrator(const Flow& flow, std::string_view name,
+/// (two_products_entry).  The integrator
+/// shares the flow.  Throws std::invalid_argument for a null flow, for a name that is not in the
+/// list, for a fast form that the integrator or the flow does not have, and for a number of threads
+/// out of range.
+std::unique_ptr<Integrator> make_integrator(const SharedFlow& flow, std::string_view name,
                                             const IntegratorOptions& options = {});
 
 }  // namespace isosyrk

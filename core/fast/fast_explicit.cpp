@@ -7,23 +7,16 @@
 
 namespace isosyrk {
 
-FastExplicit::FastExplicit(const Flow& flow, const FastOptions& options)
-    : IntegratorIn(flow),
-      work_(flow, options.threads, options.bands.value_or(false), 1, tuning.group_coupling),
-      options_(options) {
-  W0_ = W1_ = W_stage_ = product_ = work_.zeros(1);
+FastExplicit::FastExplicit(const SharedFlow& flow, const FastOptions& options)
+    : SplitIntegrator(flow, options.threads),
+      work_(*flow, options.threads, options.bands.value_or(false), 1, tuning.group_coupling),
+      tolerance_(options.solver.tolerance) {
+  W_stage_ = product_ = work_.zeros(1);
 }
 
-StepReport FastExplicit::advance(const Matrix& W0, double h, Matrix& W1) {
-  const ThreadScope scope(options_.threads);
-  const StepReport before = work_.work();
-  work_.begin_step(h, options_.solver.tolerance);
-  W0_[0].load(W0);
-  StepReport report;
-  report.status = take_step(h) ? Status::converged : Status::diverged;
-  W1_[0].store(W1);
-  report.set_work(before, work_.work());
-  return report;
+StepReport FastExplicit::take_step(const SplitStages& W0, double h, Past, SplitStages& W1) {
+  work_.begin_step(h, tolerance_);
+  return {.status = steps(W0, h, W1) ? Status::converged : Status::diverged};
 }
 
 void FastExplicit::commutator(const SplitMatrix& A, const SplitMatrix& X, double scale,
@@ -37,20 +30,20 @@ void FastExplicit::generate(SplitStages& W, SplitStages& B) {
   work_.generate(W, B);
 }
 
-FastRungeKutta4::FastRungeKutta4(const Flow& flow, const FastOptions& options)
+FastRungeKutta4::FastRungeKutta4(const SharedFlow& flow, const FastOptions& options)
     : FastExplicit(flow, options), B_(work_.zeros(1)) {
   k_.fill(B_);
 }
 
-bool FastRungeKutta4::take_step(double h) {
+bool FastRungeKutta4::steps(const SplitStages& W0, double h, SplitStages& W1) {
   const auto stage = [&](double scale, const SplitStages& slope) {
-    assign(W_stage_[0], sum_of(1.0, W0_[0]).add(scale, slope[0]));
+    assign(W_stage_[0], sum_of(1.0, W0[0]).add(scale, slope[0]));
   };
   const auto slope = [&](SplitStages& k) {
     generate(W_stage_, B_);
     commutator(B_[0], W_stage_[0], 1.0, k);
   };
-  assign(W_stage_[0], sum_of(1.0, W0_[0]));
+  assign(W_stage_[0], sum_of(1.0, W0[0]));
   slope(k_[0]);
   stage(0.5 * h, k_[0]);
   slope(k_[1]);
@@ -58,15 +51,15 @@ bool FastRungeKutta4::take_step(double h) {
   slope(k_[2]);
   stage(h, k_[2]);
   slope(k_[3]);
-  assign(W1_[0], sum_of(1.0, W0_[0])
-                     .add(h / 6.0, k_[0][0])
-                     .add(h / 3.0, k_[1][0])
-                     .add(h / 3.0, k_[2][0])
-                     .add(h / 6.0, k_[3][0]));
+  assign(W1[0], sum_of(1.0, W0[0])
+                    .add(h / 6.0, k_[0][0])
+                    .add(h / 3.0, k_[1][0])
+                    .add(h / 3.0, k_[2][0])
+                    .add(h / 6.0, k_[3][0]));
   return true;
 }
 
-FastMuntheKaas4::FastMuntheKaas4(const Flow& flow, const FastOptions& options)
+FastMuntheKaas4::FastMuntheKaas4(const SharedFlow& flow, const FastOptions& options)
     : FastExplicit(flow, options) {
   Omega_ = commutator_ = term_ = next_ = work_.zeros(1);
   k_.fill(Omega_);
@@ -108,17 +101,17 @@ bool FastMuntheKaas4::conjugate(double scale, const SplitStages& Omega, const Sp
   return false;
 }
 
-bool FastMuntheKaas4::take_step(double h) {
+bool FastMuntheKaas4::steps(const SplitStages& W0, double h, SplitStages& W1) {
   bool summed = true;
   const auto generate_at = [&](SplitStages& W, SplitStages& k) {
     generate(W, k);
     assign(k[0], sum_of(h, k[0]));
   };
   const auto stage = [&](double scale, const SplitStages& exponent, SplitStages& k) {
-    summed = conjugate(scale, exponent, W0_, W_stage_) && summed;
+    summed = conjugate(scale, exponent, W0, W_stage_) && summed;
     generate_at(W_stage_, k);
   };
-  assign(W_stage_[0], sum_of(1.0, W0_[0]));
+  assign(W_stage_[0], sum_of(1.0, W0[0]));
   generate_at(W_stage_, k_[0]);
   stage(0.5, k_[0], k_[1]);
   commutator(k_[0][0], k_[1][0], -0.125, commutator_);
@@ -131,7 +124,7 @@ bool FastMuntheKaas4::take_step(double h) {
                         .add(1.0 / 3.0, k_[2][0])
                         .add(1.0 / 6.0, k_[3][0])
                         .add(1.0, commutator_[0]));
-  return conjugate(1.0, Omega_, W0_, W1_) && summed;
+  return conjugate(1.0, Omega_, W0, W1) && summed;
 }
 
 }  // namespace isosyrk

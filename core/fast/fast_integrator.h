@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "isosyrk/fast/fast_substep.h"
+#include "isosyrk/fast/split_integrator.h"
 
 namespace isosyrk {
 
@@ -13,38 +14,33 @@ namespace isosyrk {
 /// solver's tolerance.  A step is one substep, or several in a row: a composition.  Each substep
 /// predicts from the same substep of past steps, so their sizes need not be equal.  There is no
 /// prediction from a state other than the last W₁.
-class FastIntegrator final : public IntegratorIn<Complex> {
+class FastIntegrator final : public SplitIntegrator {
  public:
   using MakeSystem = std::function<std::unique_ptr<StageSystem>()>;
 
   /// Takes what makes the system of a substep, for this flow and for at least options.threads
   /// threads.  Substep k has size fractions[k] h; a method without substeps has one.  Throws
   /// std::invalid_argument for options out of range.
-  FastIntegrator(const Flow& flow, const MakeSystem& make_system, const FastOptions& options,
+  FastIntegrator(const SharedFlow& flow, const MakeSystem& make_system, const FastOptions& options,
                  std::vector<double> fractions = {1.0});
 
   /// Returns the change of one more Picard sweep of the last substep, without band truncation, from
-  /// the unknowns of the last step, which must have converged.  Checks the tolerance independently
-  /// of the solver.
+  /// the unknowns of the last step of a run, which must have converged.  Checks the tolerance
+  /// independently of the solver.
   double change_of_one_more_sweep();
 
-  int threads() const { return threads_; }
   /// True if products skip entries outside bands.
   bool truncates() const { return substeps_[0].system().truncates(); }
 
- protected:
-  StepReport advance(const Matrix& W0, double h, Matrix& W1) override;
-
  private:
-  StepReport take_substeps(double h);
-  void forget();
-  StepReport work() const;
+  StepReport take_step(const SplitStages& W0, double h, Past past, SplitStages& W1) override;
+  StepReport work() const override;
+  void forget() override;
 
-  int threads_;
   std::vector<double> fractions_;
   std::vector<FastSubstep> substeps_;
-  SplitStages W_;   // before the first substep and after each
-  double h_ = 0.0;  // of the last step
+  SplitStages between_;  // after each substep but the last
+  double h_ = 0.0;       // of the last step
 };
 
 }  // namespace isosyrk

@@ -8,6 +8,7 @@ namespace isosyrk {
 FastSubstep::FastSubstep(std::unique_ptr<StageSystem> system, const FastOptions& options)
     : system_(std::move(system)),
       options_(options),
+      first_(options.newton ? Iteration::newton : Iteration::picard),
       x_(system_->unknowns()),
       solver_(x_),
       anderson_(x_),
@@ -39,35 +40,44 @@ SolveReport FastSubstep::solve(Iteration iteration) {
   return solver_.picard(*system_, options_.solver, 0, x_);
 }
 
-StepReport FastSubstep::solve(double h) {
-  StepReport report;
-  const auto converges = [&](Attempt attempt) {
-    const SolveReport solve_report = solve(attempt.iteration);
-    report.status = solve_report.status;
-    report.attempt = attempt;
-    report.sweeps += solve_report.sweeps;
-    report.last_change = solve_report.change;
-    report.contraction = solve_report.contraction;
-    return report.status == Status::converged;
-  };
-  const Iteration first = options_.newton ? Iteration::newton : Iteration::picard;
-  if (predictor_.predict(h, x_) && converges({Start::predicted, first})) return report;
+bool FastSubstep::converges(Attempt attempt, StepReport& report) {
+  const SolveReport solve_report = solve(attempt.iteration);
+  report.status = solve_report.status;
+  report.attempt = attempt;
+  report.sweeps += solve_report.sweeps;
+  report.last_change = solve_report.change;
+  report.contraction = solve_report.contraction;
+  return report.status == Status::converged;
+}
+
+void FastSubstep::solve_cold(StepReport& report) {
   solver_.forget();
-  for (const Iteration iteration : {first, Iteration::frozen_picard, Iteration::anderson}) {
+  for (const Iteration iteration : {first_, Iteration::frozen_picard, Iteration::anderson}) {
     if (iteration == Iteration::frozen_picard && !options_.newton) continue;  // T is part of Newton
     system_->cold_start(x_);
-    if (converges({Start::cold, iteration})) break;
+    if (converges({Start::cold, iteration}, report)) break;
   }
-  return report;
 }
 
 StepReport FastSubstep::advance(const SplitMatrix& W0, double h, SplitMatrix& W1) {
   system_->bind(W0, h, options_.solver.tolerance);
-  const StepReport report = solve(h);
+  StepReport report;
+  const bool predicted = predictor_.predict(h, x_);
+  if (!predicted || !converges({Start::predicted, first_}, report)) {
+    solve_cold(report);
+  }
   if (report.status == Status::converged) {
     system_->update(x_, W1);
     predictor_.accept(h, x_);
   }
+  return report;
+}
+
+StepReport FastSubstep::advance_alone(const SplitMatrix& W0, double h, SplitMatrix& W1) {
+  system_->bind(W0, h, options_.solver.tolerance);
+  StepReport report;
+  solve_cold(report);
+  if (report.status == Status::converged) system_->update(x_, W1);
   return report;
 }
 

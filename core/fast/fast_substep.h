@@ -30,6 +30,8 @@ class FastSubstep {
   /// Computes W₁ from W₀ by a step of size h.  The report has status, attempt and sweeps.  W₀ must
   /// be the W₁ of the call before, or forget() must be called first.
   StepReport advance(const SplitMatrix& W0, double h, SplitMatrix& W1);
+  /// The same from any W₀ by a cold start.  Past steps stay as they are.
+  StepReport advance_alone(const SplitMatrix& W0, double h, SplitMatrix& W1);
   /// Forgets all past steps.
   void forget() { predictor_.forget(); }
 
@@ -40,13 +42,16 @@ class FastSubstep {
   const StageSystem& system() const { return *system_; }
 
  private:
-  // Makes the attempts in order and returns the report of the last, with the sweeps of all.
-  StepReport solve(double h);
+  // Makes one attempt from x_, and adds it to the report.  True if it converged.
+  bool converges(Attempt attempt, StepReport& report);
+  // Makes the cold attempts in order until one converges.
+  void solve_cold(StepReport& report);
   SolveReport solve(Iteration iteration);
   SolveReport anderson();
 
   std::unique_ptr<StageSystem> system_;
   FastOptions options_;
+  Iteration first_;  // of an attempt, unless it is a fallback
   Unknowns x_;
   InexactNewton solver_;
   Anderson anderson_;

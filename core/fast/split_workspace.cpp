@@ -14,7 +14,10 @@ SplitWorkspace::SplitWorkspace(const Flow& flow, int threads, bool truncates, In
       bands(truncates, static_cast<std::size_t>(matrices), flow.size()),
       generator_(flow.split_generator()) {
   if (generator_ == nullptr) {
-    throw std::invalid_argument("fast form: the flow has no generator in split storage");
+    throw std::invalid_argument(
+        "solver fast: fast forms are for Euler-Zeitlin; this flow has no generator in split "
+        "storage "
+        "(published forms need none)");
   }
   const Index n = flow.size();
   least_coupling_band_ =

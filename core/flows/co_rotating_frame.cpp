@@ -16,26 +16,27 @@ namespace {
 // V' = [B'(V), V] with B'(V) = B(V - V_1).  B commutes with the projection.
 class CoRotatingFlow final : public Flow {
  public:
-  explicit CoRotatingFlow(const EulerZeitlin& flow) : Flow(flow.algebra()), flow_(flow) {}
+  explicit CoRotatingFlow(std::shared_ptr<const EulerZeitlin> flow)
+      : Flow(flow->algebra(), Generator::linear), flow_(std::move(flow)) {}
 
   void generator(const Matrix& V, Matrix& B) const override {
-    flow_.generator(V, B);
+    flow_->generator(V, B);
     subtract_rotation(B);
   }
 
   double hamiltonian(const Matrix& V) const override {
     Matrix B(size(), size());
     generator(V, B);
-    return -0.5 * hbar(flow_.convention(), size()) * V.conjugate().cwiseProduct(B).sum().real();
+    return -0.5 * hbar(flow_->convention(), size()) * V.conjugate().cwiseProduct(B).sum().real();
   }
 
   std::unique_ptr<SplitGenerator> split_generator() const override {
     return std::make_unique<SplitEulerZeitlin>(
-        flow_.laplacian(), 1.0 / hbar(flow_.convention(), size()), Rotation::left_out);
+        flow_->laplacian(), 1.0 / hbar(flow_->convention(), size()), Rotation::left_out);
   }
 
  private:
-  const EulerZeitlin& flow_;
+  std::shared_ptr<const EulerZeitlin> flow_;
 };
 
 // Column k is the eigenvector of S_x for the eigenvalue k - (n-1)/2.
@@ -70,27 +71,28 @@ void subtract_rotation(Matrix& B) {
   }
 }
 
-CoRotatingFrame::CoRotatingFrame(const EulerZeitlin& flow, ProductBackend backend)
-    : hbar_(hbar(flow.convention(), flow.size())),
-      flow_(std::make_unique<CoRotatingFlow>(flow)),
-      eigenvectors_(eigenvectors_of_S_x(flow.size())),
-      rotation_(flow.size(), flow.size()),
-      scratch_(flow.size(), flow.size()),
-      turned_(flow.size(), flow.size()),
-      products_(backend, flow.size()) {}
+CoRotatingFrame::CoRotatingFrame(std::shared_ptr<const EulerZeitlin> flow, ProductBackend backend)
+    : hbar_(hbar(flow->convention(), flow->size())),
+      flow_(std::make_shared<CoRotatingFlow>(flow)),
+      eigenvectors_(eigenvectors_of_S_x(flow->size())),
+      rotation_(flow->size(), flow->size()),
+      scratch_(flow->size(), flow->size()),
+      turned_(flow->size(), flow->size()),
+      products_(backend, flow->size()) {}
 
-void CoRotatingFrame::set(const Matrix& W0) {
+CoRotatingFrame::Rate CoRotatingFrame::rate(const Matrix& W0) const {
   // W_1 = i (c · S) with c_a = L_a / tr S_a², and Δ⁻¹ W_1 = -W_1 / 2.
-  rate_ = angular_momentum(W0);
-  for (double& rate : rate_) rate /= 2.0 * hbar_ * Spin(W0.rows()).squared_norm();
+  Rate rate = angular_momentum(W0);
+  for (double& component : rate) component /= 2.0 * hbar_ * Spin(W0.rows()).squared_norm();
+  return rate;
 }
 
 // e^{tR} = e^{-iαS_z} e^{-iβS_y} e^{-iγS_z}, with the angles of the same rotation of spin 1/2, and
 // e^{-iβS_y} = e^{-i(π/2)S_z} e^{-iβS_x} e^{i(π/2)S_z}.
-void CoRotatingFrame::set_rotation(double t) {
+void CoRotatingFrame::set_rotation(const Rate& rate_of, double t) {
   const Index n = rotation_.rows();
   const Spin spin(n);
-  const auto [x, y, z] = rate_;
+  const auto [x, y, z] = rate_of;
   const double rate = std::hypot(x, y, z);
   const double half = 0.5 * t * rate;
   const double sine = rate > 0.0 ? std::sin(half) / rate : 0.0;
@@ -115,12 +117,12 @@ void CoRotatingFrame::set_rotation(double t) {
   }
 }
 
-void CoRotatingFrame::leave(double t, const Matrix& V, MatrixView W) {
+void CoRotatingFrame::leave(const Rate& rate, double t, const Matrix& V, MatrixView W) {
   if (t == 0.0) {
     W = V;
     return;
   }
-  set_rotation(t);
+  set_rotation(rate, t);
   products_.multiply(rotation_, V, scratch_);
   products_.multiply_adjoint_right(scratch_, rotation_, turned_);
   W = 0.5 * (turned_ - turned_.adjoint());  // skew-Hermitian exactly, as V is

@@ -19,25 +19,27 @@ namespace isosyrk {
 /// The rotation e^{tR} and the flow of V for n x n matrices.
 class CoRotatingFrame {
  public:
-  /// Computes the eigenvectors of S_x, which rotations are made of.  `flow` must outlive the frame.
-  CoRotatingFrame(const EulerZeitlin& flow, ProductBackend backend);
+  /// The three numbers of R = -i (rate · S).
+  using Rate = std::array<double, 3>;
+
+  /// Computes the eigenvectors of S_x, which rotations are made of.
+  CoRotatingFrame(std::shared_ptr<const EulerZeitlin> flow, ProductBackend backend);
 
   /// Returns the flow V' = [B'(V), V].
-  const Flow& flow() const { return *flow_; }
+  const SharedFlow& flow() const { return flow_; }
 
-  /// Sets R from the angular momentum of W₀.
-  void set(const Matrix& W0);
+  /// Returns R for the angular momentum of W₀.
+  Rate rate(const Matrix& W0) const;
   /// W = e^{tR} V e^{-tR}, with three products.  Allocates nothing.  W is not V.
-  void leave(double t, const Matrix& V, MatrixView W);
+  void leave(const Rate& rate, double t, const Matrix& V, MatrixView W);
 
  private:
-  void set_rotation(double t);
+  void set_rotation(const Rate& rate, double t);
 
   double hbar_;
-  std::unique_ptr<Flow> flow_;
-  std::array<double, 3> rate_{};  // R = -i (rate · S)
-  Matrix eigenvectors_;           // of S_x: column k for the eigenvalue k - (n-1)/2
-  Matrix rotation_;               // e^{tR}
+  SharedFlow flow_;
+  Matrix eigenvectors_;  // of S_x: column k for the eigenvalue k - (n-1)/2
+  Matrix rotation_;      // e^{tR}
   Matrix scratch_;
   Matrix turned_;
   Products products_;

@@ -26,7 +26,7 @@ double hbar(HbarConvention convention, Index n) {
 }
 
 EulerZeitlin::EulerZeitlin(Index n, HbarConvention convention)
-    : Flow(QuadraticAlgebra::skew_hermitian(n)),
+    : Flow(QuadraticAlgebra::skew_hermitian(n), Generator::linear),
       laplacian_(n),
       convention_(convention),
       reciprocal_hbar_(1.0 / hbar(convention, n)) {}

@@ -24,7 +24,7 @@ HbarConvention hbar_convention_from_name(std::string_view name);
 double hbar(HbarConvention convention, Index n);
 
 /// The flow W' = (1/ħ) [Δ⁻¹W, W] on su(n), with B(W) = Δ⁻¹W / ħ.  H(W) = -½ <W, Δ⁻¹W> is the
-/// kinetic energy.
+/// kinetic energy.  B reads the upper triangle of W and the imaginary part of its diagonal.
 class EulerZeitlin final : public Flow {
  public:
   /// Throws std::invalid_argument for n < 2.

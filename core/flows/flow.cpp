@@ -12,7 +12,8 @@ Matrix Flow::dense_generator(const Matrix& W) const {
   Matrix stored = algebra_.zero<Complex>();
   Matrix B = stored;
   algebra_.pack(W, stored);
-  generator(stored, B);
+  Matrix projected = B;
+  generator(argument(stored, projected), B);
   Matrix dense(size(), size());
   algebra_.unpack(B, dense);
   return dense;
@@ -25,7 +26,7 @@ double Flow::energy(const Matrix& W) const {
   return hamiltonian(stored);
 }
 
-RealFlow::RealFlow(QuadraticAlgebra algebra) : Flow(std::move(algebra)) {
+RealFlow::RealFlow(QuadraticAlgebra algebra, Generator kind) : Flow(std::move(algebra), kind) {
   if (!this->algebra().has_real_J()) {
     throw std::invalid_argument("flow of real matrices: J must be real");
   }

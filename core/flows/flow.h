@@ -10,6 +10,15 @@ namespace isosyrk {
 
 class SplitGenerator;
 
+/// What may be assumed of B.
+enum class Generator {
+  /// B takes matrices of g.  A stage W̃ is in g only once its equations are solved: integrators
+  /// project it onto g before they call B.
+  of_algebra,
+  /// B takes every matrix in storage, and is linear in it.
+  linear,
+};
+
 /// An isospectral flow  W' = [B(W), W],  B : g -> g, with its algebra g and Hamiltonian.
 class Flow {
  public:
@@ -19,12 +28,23 @@ class Flow {
   Index size() const { return algebra_.size(); }
 
   /// B = B(W), both in the storage of the algebra: n x n if dense, otherwise diagonal blocks on top
-  /// of one another.  Allocates nothing.  B is not W.  For Euler-Zeitlin this is one Poisson solve.
+  /// of one another.  W is in g to rounding unless kind() is `linear`; the caller sees to that by
+  /// argument().  Allocates nothing.  B is not W.  For Euler-Zeitlin this is one Poisson solve.
   virtual void generator(const Matrix& W, Matrix& B) const = 0;
   /// Returns H(W), which the exact flow conserves, for W in storage.
   virtual double hamiltonian(const Matrix& W) const = 0;
   /// Returns B in split-complex storage for the fast forms, or null if the flow has none.
   virtual std::unique_ptr<SplitGenerator> split_generator() const;
+
+  Generator kind() const { return kind_; }
+  /// Returns the matrix that generator() takes for a W in storage: W itself if B is linear,
+  /// otherwise its projection onto g, in `projected`.
+  template <class Scalar>
+  const MatrixOf<Scalar>& argument(const MatrixOf<Scalar>& W, MatrixOf<Scalar>& projected) const {
+    if (kind_ == Generator::linear) return W;
+    algebra_.project(W, projected);
+    return projected;
+  }
 
   /// Returns B(W), n x n, for an n x n matrix W.  Throws as QuadraticAlgebra::pack.
   Matrix dense_generator(const Matrix& W) const;
@@ -32,11 +52,16 @@ class Flow {
   double energy(const Matrix& W) const;
 
  protected:
-  explicit Flow(QuadraticAlgebra algebra) : algebra_(std::move(algebra)) {}
+  explicit Flow(QuadraticAlgebra algebra, Generator kind = Generator::of_algebra)
+      : algebra_(std::move(algebra)), kind_(kind) {}
 
  private:
   QuadraticAlgebra algebra_;
+  Generator kind_;
 };
+
+/// A flow that is shared: an integrator keeps its flow alive.
+using SharedFlow = std::shared_ptr<const Flow>;
 
 /// A flow of real matrices, which integrators keep real.
 class RealFlow : public Flow {
@@ -51,7 +76,7 @@ class RealFlow : public Flow {
 
  protected:
   /// Throws std::invalid_argument unless J is real.
-  explicit RealFlow(QuadraticAlgebra algebra);
+  explicit RealFlow(QuadraticAlgebra algebra, Generator kind = Generator::of_algebra);
 };
 
 }  // namespace isosyrk

@@ -20,7 +20,7 @@ class RealRigidBody final : public RealFlow {
  public:
   /// c is n x n.
   RealRigidBody(QuadraticAlgebra algebra, MatrixOf<double> c)
-      : RealFlow(std::move(algebra)), c_(std::move(c)) {}
+      : RealFlow(std::move(algebra), Generator::linear), c_(std::move(c)) {}
 
   void real_generator(const MatrixOf<double>& W, MatrixOf<double>& B) const override {
     B = W.cwiseProduct(c_);
@@ -37,7 +37,7 @@ class RealRigidBody final : public RealFlow {
 class ComplexRigidBody final : public Flow {
  public:
   ComplexRigidBody(QuadraticAlgebra algebra, MatrixOf<double> c)
-      : Flow(std::move(algebra)), c_(std::move(c)) {}
+      : Flow(std::move(algebra), Generator::linear), c_(std::move(c)) {}
 
   void generator(const Matrix& W, Matrix& B) const override { B = W.cwiseProduct(c_); }
   double hamiltonian(const Matrix& W) const override {

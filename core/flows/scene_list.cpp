@@ -2,38 +2,38 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <functional>
 #include <stdexcept>
 
 #include "isosyrk/flows/scene.h"
 
 namespace isosyrk {
 
-// One line a scene: its name, which is also that of the function in isosyrk::scenes that makes it.
-// Each function has the signature  Scene NAME(const SceneParameters&).
-#define ISOSYRK_SCENES(SCENE) \
-  SCENE(smooth)               \
-  SCENE(rough)                \
-  SCENE(euler_top)            \
-  SCENE(rigid_body)           \
-  SCENE(spin_chain)           \
-  SCENE(symplectic)           \
-  SCENE(pseudo_unitary)
-
 namespace scenes {
-#define ISOSYRK_DECLARE(name) Scene name(const SceneParameters& parameters);
-ISOSYRK_SCENES(ISOSYRK_DECLARE)
+Scene smooth(const SceneParameters& parameters);
+Scene rough(const SceneParameters& parameters);
+Scene euler_top(const SceneParameters& parameters);
+Scene rigid_body(const SceneParameters& parameters);
+Scene spin_chain(const SceneParameters& parameters);
+Scene symplectic(const SceneParameters& parameters);
+Scene pseudo_unitary(const SceneParameters& parameters);
 }  // namespace scenes
 
 namespace {
 
 struct Entry {
-  std::string name;
+  const char* name;
   Scene (*make)(const SceneParameters& parameters);
 };
 
-#define ISOSYRK_ENTRY(name) {#name, &scenes::name},
-const Entry entries[] = {ISOSYRK_SCENES(ISOSYRK_ENTRY)};
+constexpr Entry entries[] = {
+    {"smooth", &scenes::smooth},
+    {"rough", &scenes::rough},
+    {"euler_top", &scenes::euler_top},
+    {"rigid_body", &scenes::rigid_body},
+    {"spin_chain", &scenes::spin_chain},
+    {"symplectic", &scenes::symplectic},
+    {"pseudo_unitary", &scenes::pseudo_unitary},
+};
 
 }  // namespace
 
@@ -50,7 +50,7 @@ bool is_euler_zeitlin(std::string_view scene) { return scene == "smooth" || scen
 
 Scene scene_by_name(std::string_view wanted, const SceneParameters& parameters) {
   const auto* entry = std::find_if(std::begin(entries), std::end(entries),
-                                   [&](const Entry& each) { return each.name == wanted; });
+                                   [&](const Entry& each) { return wanted == each.name; });
   if (entry == std::end(entries)) {
     throw std::invalid_argument(
         fmt::format("scene '{}': must be one of {}", wanted, fmt::join(scene_names(), ", ")));

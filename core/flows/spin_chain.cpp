@@ -19,7 +19,7 @@ namespace {
 /// blocks stand on top of one another, 2N x 2.
 class SpinChain final : public Flow {
  public:
-  explicit SpinChain(Index n) : Flow(QuadraticAlgebra::skew_hermitian(n, 2)) {}
+  explicit SpinChain(Index n) : Flow(QuadraticAlgebra::skew_hermitian(n, 2), Generator::linear) {}
 
   void generator(const Matrix& W, Matrix& B) const override {
     const Index n = size();

@@ -5,10 +5,10 @@
 namespace isosyrk {
 
 template <class Scalar>
-AlgebraForm<Scalar>::AlgebraForm(const FlowIn<Scalar>& flow, const Tableau& tableau,
+AlgebraForm<Scalar>::AlgebraForm(SharedFlowIn<Scalar> flow, const Tableau& tableau,
                                  const SolverOptions& options, ProductBackend backend,
                                  AlgebraUpdate update)
-    : Form(flow, options, backend),
+    : Form(std::move(flow), options, backend),
       tableau_(tableau),
       update_(update),
       s_(static_cast<std::size_t>(tableau.stages())) {

@@ -11,13 +11,13 @@
 namespace isosyrk {
 
 template <class Scalar>
-Composition<Scalar>::Composition(const FlowIn<Scalar>& flow, const CompositionScheme& scheme,
+Composition<Scalar>::Composition(SharedFlowIn<Scalar> flow, const CompositionScheme& scheme,
                                  Formulation formulation, const SolverOptions& options,
                                  ProductBackend backend)
     : IntegratorIn<Scalar>(flow),
       fractions_(scheme.fractions),
       midpoint_(make_formulation_in<Scalar>(formulation, flow, gauss_tableau(1), options, backend)),
-      state_(flow.algebra().template zero<Scalar>()) {
+      state_(flow->algebra().template zero<Scalar>()) {
   const double sum = std::accumulate(fractions_.begin(), fractions_.end(), 0.0);
   if (std::abs(sum - 1.0) > 1e-14 ||
       !std::equal(fractions_.begin(), fractions_.end(), fractions_.rbegin())) {
@@ -36,6 +36,12 @@ StepReport Composition<Scalar>::advance(const Stored& W0, double h, Stored& W1) 
     state_ = W1;
   }
   return total;
+}
+
+template <class Scalar>
+void Composition<Scalar>::set_scale(double scale) {
+  IntegratorIn<Scalar>::set_scale(scale);
+  midpoint_->set_scale(scale);
 }
 
 template class Composition<double>;

@@ -20,10 +20,11 @@ class Composition final : public IntegratorIn<Scalar> {
   using typename IntegratorIn<Scalar>::Stored;
 
   /// Throws std::invalid_argument unless the fractions are symmetric and sum to 1.
-  Composition(const FlowIn<Scalar>& flow, const CompositionScheme& scheme, Formulation formulation,
+  Composition(SharedFlowIn<Scalar> flow, const CompositionScheme& scheme, Formulation formulation,
               const SolverOptions& options, ProductBackend backend);
 
   StepReport advance(const Stored& W0, double h, Stored& W1) override;
+  void set_scale(double scale) override;
 
  private:
   std::vector<double> fractions_;

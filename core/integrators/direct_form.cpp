@@ -3,9 +3,9 @@
 namespace isosyrk {
 
 template <class Scalar>
-DirectForm<Scalar>::DirectForm(const FlowIn<Scalar>& flow, const Tableau& tableau,
+DirectForm<Scalar>::DirectForm(SharedFlowIn<Scalar> flow, const Tableau& tableau,
                                const SolverOptions& options, ProductBackend backend)
-    : Form(flow, options, backend), tableau_(tableau) {
+    : Form(std::move(flow), options, backend), tableau_(tableau) {
   require_consistent(tableau);
   W_stage_ = zeros(tableau.stages());
   C_ = W_stage_;

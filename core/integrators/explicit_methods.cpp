@@ -3,8 +3,8 @@
 namespace isosyrk {
 
 template <class Scalar>
-MuntheKaas4<Scalar>::MuntheKaas4(const FlowIn<Scalar>& flow, ProductBackend backend)
-    : Form(flow, backend), series_(flow.algebra()) {
+MuntheKaas4<Scalar>::MuntheKaas4(SharedFlowIn<Scalar> flow, ProductBackend backend)
+    : Form(std::move(flow), backend), series_(algebra()) {
   commutator_ = Omega_ = W_stage_ = zero();
   k_.fill(commutator_);
 }
@@ -31,9 +31,9 @@ StepReport MuntheKaas4<Scalar>::take_step(const Stored& W0, double h, Stored& W1
 }
 
 template <class Scalar>
-ClassicalRungeKutta4<Scalar>::ClassicalRungeKutta4(const FlowIn<Scalar>& flow,
+ClassicalRungeKutta4<Scalar>::ClassicalRungeKutta4(SharedFlowIn<Scalar> flow,
                                                    ProductBackend backend)
-    : Form(flow, backend), series_(flow.algebra()) {
+    : Form(std::move(flow), backend), series_(algebra()) {
   B_ = W_stage_ = zero();
   k_.fill(B_);
 }

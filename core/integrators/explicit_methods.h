@@ -26,7 +26,7 @@ class MuntheKaas4 final : public PublishedForm<Scalar> {
   using typename Form::Stored;
 
  public:
-  MuntheKaas4(const FlowIn<Scalar>& flow, ProductBackend backend);
+  MuntheKaas4(SharedFlowIn<Scalar> flow, ProductBackend backend);
 
  private:
   StepReport take_step(const Stored& W0, double h, Stored& W1) override;
@@ -48,7 +48,7 @@ class ClassicalRungeKutta4 final : public PublishedForm<Scalar> {
   using typename Form::Stored;
 
  public:
-  ClassicalRungeKutta4(const FlowIn<Scalar>& flow, ProductBackend backend);
+  ClassicalRungeKutta4(SharedFlowIn<Scalar> flow, ProductBackend backend);
 
  private:
   StepReport take_step(const Stored& W0, double h, Stored& W1) override;

@@ -39,35 +39,35 @@ Formulation formulation_from_name(std::string_view wanted) {
 
 template <class Scalar>
 std::unique_ptr<IntegratorIn<Scalar>> make_formulation_in(Formulation formulation,
-                                                          const FlowIn<Scalar>& flow,
+                                                          SharedFlowIn<Scalar> flow,
                                                           const Tableau& tableau,
                                                           const SolverOptions& options,
                                                           ProductBackend backend) {
   switch (formulation) {
     case Formulation::cotangent:
-      return std::make_unique<CotangentForm<Scalar>>(flow, tableau, options, backend);
+      return std::make_unique<CotangentForm<Scalar>>(std::move(flow), tableau, options, backend);
     case Formulation::group:
-      return std::make_unique<GroupForm<Scalar>>(flow, tableau, options, backend);
+      return std::make_unique<GroupForm<Scalar>>(std::move(flow), tableau, options, backend);
     case Formulation::algebra:
       require_consistent(tableau);
       if (tableau.stages() == 1 && tableau.a(0, 0) == 0.5 && tableau.b(0) == 1.0) {  // the midpoint
-        return std::make_unique<IsospectralMidpoint<Scalar>>(flow, options, backend);
+        return std::make_unique<IsospectralMidpoint<Scalar>>(std::move(flow), options, backend);
       }
-      return std::make_unique<AlgebraForm<Scalar>>(flow, tableau, options, backend);
+      return std::make_unique<AlgebraForm<Scalar>>(std::move(flow), tableau, options, backend);
   }
   throw std::invalid_argument("make_formulation: unknown formulation");
 }
 
 template std::unique_ptr<IntegratorIn<double>> make_formulation_in<double>(
-    Formulation, const RealFlow&, const Tableau&, const SolverOptions&, ProductBackend);
+    Formulation, SharedFlowIn<double>, const Tableau&, const SolverOptions&, ProductBackend);
 template std::unique_ptr<IntegratorIn<Complex>> make_formulation_in<Complex>(
-    Formulation, const Flow&, const Tableau&, const SolverOptions&, ProductBackend);
+    Formulation, SharedFlowIn<Complex>, const Tableau&, const SolverOptions&, ProductBackend);
 
-std::unique_ptr<Integrator> make_formulation(Formulation formulation, const Flow& flow,
+std::unique_ptr<Integrator> make_formulation(Formulation formulation, const SharedFlow& flow,
                                              const Tableau& tableau, const SolverOptions& options,
                                              ProductBackend backend) {
-  if (const auto* real_flow = dynamic_cast<const RealFlow*>(&flow)) {
-    return make_formulation_in<double>(formulation, *real_flow, tableau, options, backend);
+  if (const auto real_flow = std::dynamic_pointer_cast<const RealFlow>(flow)) {
+    return make_formulation_in<double>(formulation, real_flow, tableau, options, backend);
   }
   return make_formulation_in<Complex>(formulation, flow, tableau, options, backend);
 }

@@ -22,17 +22,16 @@ std::string_view name(Formulation formulation);
 /// another one.
 Formulation formulation_from_name(std::string_view name);
 
-/// Returns a Runge-Kutta method in one of the formulations, in the arithmetic of the flow.  The
-/// flow must outlive the integrator.  `algebra` with the one-stage Gauss tableau gives
-/// IsospectralMidpoint.
+/// Returns a Runge-Kutta method in one of the formulations, in the arithmetic of the flow.
+/// `algebra` with the one-stage Gauss tableau gives IsospectralMidpoint.
 /// Throws std::invalid_argument for an inconsistent tableau.
-std::unique_ptr<Integrator> make_formulation(Formulation formulation, const Flow& flow,
+std::unique_ptr<Integrator> make_formulation(Formulation formulation, const SharedFlow& flow,
                                              const Tableau& tableau, const SolverOptions& options,
                                              ProductBackend backend);
 /// As make_formulation, in this arithmetic.
 template <class Scalar>
 std::unique_ptr<IntegratorIn<Scalar>> make_formulation_in(Formulation formulation,
-                                                          const FlowIn<Scalar>& flow,
+                                                          SharedFlowIn<Scalar> flow,
                                                           const Tableau& tableau,
                                                           const SolverOptions& options,
                                                           ProductBackend backend);

@@ -5,28 +5,28 @@
 namespace isosyrk {
 namespace {
 
-const EulerZeitlin& euler_zeitlin(const Flow& flow) {
-  if (const auto* found = dynamic_cast<const EulerZeitlin*>(&flow)) return *found;
+std::shared_ptr<const EulerZeitlin> euler_zeitlin(const SharedFlow& flow) {
+  if (auto found = std::dynamic_pointer_cast<const EulerZeitlin>(flow)) return found;
   throw std::invalid_argument("co-rotating frame: for Euler-Zeitlin only");
 }
 
 }  // namespace
 
-FrameIntegrator::FrameIntegrator(const Flow& flow, const Make& make, ProductBackend backend)
+FrameIntegrator::FrameIntegrator(const SharedFlow& flow, const Make& make, ProductBackend backend)
     : Integrator(flow),
       frame_(euler_zeitlin(flow), backend),
-      method_(make(frame_.flow())),
-      V_(flow.size(), flow.size()) {}
+      V_(flow->size(), flow->size()),
+      method_(make(frame_.flow())) {}
 
-double FrameIntegrator::energy() {
+double FrameIntegrator::energy() const {
   method_->state(V_);
   return flow().energy(V_);
 }
 
-void FrameIntegrator::load(const MatrixView& W) {
+void FrameIntegrator::load(const ConstMatrixView& W) {
   method_->set_state(W);
   method_->state(V_);
-  frame_.set(V_);
+  rate_ = frame_.rate(V_);
   past_ = h_ = 0.0;
   steps_ = 0;
 }
@@ -43,9 +43,17 @@ StepReport FrameIntegrator::advance_state(double h) {
   return report;
 }
 
-void FrameIntegrator::store(MatrixView W) {
+void FrameIntegrator::store(MatrixView W) const {
   method_->state(V_);
-  frame_.leave(past_ + h_ * static_cast<double>(steps_), V_, W);
+  frame_.leave(rate_, past_ + h_ * static_cast<double>(steps_), V_, W);
+}
+
+StepReport FrameIntegrator::step_alone(MatrixView W, double h) {
+  V_ = W;
+  const CoRotatingFrame::Rate rate = frame_.rate(V_);
+  const StepReport report = method_->step(V_, h);
+  if (report.status == Status::converged) frame_.leave(rate, h, V_, W);
+  return report;
 }
 
 }  // namespace isosyrk

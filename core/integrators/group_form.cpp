@@ -3,9 +3,9 @@
 namespace isosyrk {
 
 template <class Scalar>
-GroupForm<Scalar>::GroupForm(const FlowIn<Scalar>& flow, const Tableau& tableau,
+GroupForm<Scalar>::GroupForm(SharedFlowIn<Scalar> flow, const Tableau& tableau,
                              const SolverOptions& options, ProductBackend backend)
-    : Form(flow, options, backend), tableau_(tableau) {
+    : Form(std::move(flow), options, backend), tableau_(tableau) {
   require_consistent(tableau);
   Q_ = zeros(tableau.stages());
   QB_ = Q_;

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "isosyrk/flows/flow.h"
+#include "isosyrk/integrators/state_scale.h"
 #include "isosyrk/iteration/status.h"
 
 namespace isosyrk {
@@ -29,85 +30,128 @@ struct StepReport {
   void set_work(const StepReport& before, const StepReport& after);
 };
 
-/// A one-step method W₀ -> W₁ with its workspace.  The flow must outlive the integrator.
+/// A one-step method W₀ -> W₁ with its workspace.  It shares the ownership of its flow.
+///
+/// A run keeps its state in the integrator: set_state(W₀), then step(h) as often as wanted, then
+/// state().  step(W, h) is a single step beside any run.
 class Integrator {
  public:
   virtual ~Integrator() = default;
   Integrator(const Integrator&) = delete;
   Integrator& operator=(const Integrator&) = delete;
 
-  /// Advances W, n x n, in place by a step h, which may be negative, and reports the work.  W is
+  /// Sets the state to W, n x n.  Past steps predict the next one only if W is the state already.
+  /// Throws std::invalid_argument for another size, and as QuadraticAlgebra::pack; the state is
+  /// then unchanged.  Allocates nothing.
+  void set_state(const ConstMatrixView& W);
+  /// Sets the state to W, as a run changes it between two of its steps.  Past steps go on
+  /// predicting the next one, for its start values only.  The scale is found again only if ‖W‖_F
+  /// has changed twofold since it was found.  Throws as set_state.
+  void amend_state(const ConstMatrixView& W);
+  /// Advances the state by a step h, which may be negative, and reports the work.  The state is
   /// unchanged unless the status is `converged`.  Allocates nothing.  Throws std::invalid_argument
-  /// unless W is n x n and h finite, and as QuadraticAlgebra::pack.
-  StepReport step(MatrixView W, double h);
-
-  // A run keeps its state in the integrator: set_state(W₀), then step(h) as often as wanted, then
-  // state(W).
-  /// Sets the state to W, n x n.  Throws std::invalid_argument for another size, and as
-  /// QuadraticAlgebra::pack.
-  void set_state(const MatrixView& W);
-  /// Advances the state, which stays as it is unless the status is `converged`.  Otherwise as
-  /// above.
+  /// unless h is finite.
   StepReport step(double h);
   /// Copies the state to W, n x n.
-  void state(MatrixView W) { store(W); }
+  void state(MatrixView W) const { store(W); }
+  /// Returns the state, n x n.
+  Matrix state() const;
   /// Returns H of the state.
-  virtual double energy() = 0;
+  virtual double energy() const = 0;
 
-  const Flow& flow() const { return flow_; }
+  /// Advances W, n x n, in place by a step h, and leaves the state and the past steps of a run as
+  /// they are.  No past steps predict it: for several steps keep the state in the integrator.  W is
+  /// unchanged unless the status is `converged`.  During the step W is workspace.  Allocates
+  /// nothing.  Throws as set_state and step.
+  StepReport step(MatrixView W, double h);
+
+  const Flow& flow() const { return *flow_; }
 
  protected:
-  explicit Integrator(const Flow& flow) : flow_(flow) {}
+  /// Throws std::invalid_argument for a null flow.
+  explicit Integrator(SharedFlow flow);
 
  private:
-  /// Takes W, n x n, as the state.
-  virtual void load(const MatrixView& W) = 0;
+  /// Takes W, n x n, as the state.  If it throws, the state is unchanged.
+  virtual void load(const ConstMatrixView& W) = 0;
+  /// Implements amend_state.
+  virtual void amend(const ConstMatrixView& W) = 0;
   /// Advances the state by a step h, or leaves it if the status is not `converged`.
   virtual StepReport advance_state(double h) = 0;
   /// Copies the state to W, n x n.
-  virtual void store(MatrixView W) = 0;
+  virtual void store(MatrixView W) const = 0;
+  /// Implements step(W, h), for W, n x n, and finite h.
+  virtual StepReport step_alone(MatrixView W, double h) = 0;
 
-  const Flow& flow_;
+  SharedFlow flow_;
+};
+
+/// Calls exchange() when it is made and when it ends, by an exception too.
+template <class Exchange>
+class Exchanged {
+ public:
+  explicit Exchanged(Exchange exchange) : exchange_(std::move(exchange)) { exchange_(); }
+  ~Exchanged() { exchange_(); }
+  Exchanged(const Exchanged&) = delete;
+  Exchanged& operator=(const Exchanged&) = delete;
+
+ private:
+  Exchange exchange_;
 };
 
 /// The flow that an integrator in real or complex arithmetic is made for.
 template <class Scalar>
 using FlowIn = std::conditional_t<std::is_same_v<Scalar, double>, RealFlow, Flow>;
+template <class Scalar>
+using SharedFlowIn = std::shared_ptr<const FlowIn<Scalar>>;
 
-/// An integrator whose state is a matrix in storage (linalg/quadratic_algebra.h), of real or
-/// complex numbers.
+/// An integrator whose state is a matrix V = W / scale in storage (linalg/quadratic_algebra.h), of
+/// real or complex numbers, with a power of two for the scale (StateScale).  B is called with W.
 template <class Scalar>
 class IntegratorIn : public Integrator {
  public:
   using Stored = MatrixOf<Scalar>;
 
-  /// Computes W1 from W0, both in storage, without the state.  W1 is read only if the status is
-  /// `converged`.
+  /// Computes W1 from W0, both in storage and in units of the scale, without the state.  W1 is read
+  /// only if the status is `converged`.
   virtual StepReport advance(const Stored& W0, double h, Stored& W1) = 0;
 
-  double energy() final;
+  /// Sets the scale, a power of two, for advance().
+  virtual void set_scale(double scale) { scale_ = scale; }
+
+  double energy() const final;
 
  protected:
-  explicit IntegratorIn(const FlowIn<Scalar>& flow);
+  explicit IntegratorIn(SharedFlowIn<Scalar> flow);
 
-  /// B = B(W), as Flow::generator.
-  void evaluate(const Stored& W, Stored& B) const;
+  /// B = B(scale V), of V projected onto g unless B is linear.
+  void evaluate(const Stored& V, Stored& B);
 
  private:
-  void load(const MatrixView& W) final { flow().algebra().pack(W, state_); }
+  void load(const ConstMatrixView& W) final;
+  void amend(const ConstMatrixView& W) final;
   StepReport advance_state(double h) final;
-  void store(MatrixView W) final { flow().algebra().unpack(state_, W); }
+  void store(MatrixView W) const final;
+  StepReport step_alone(MatrixView W, double h) final;
+  void take(const StateScale& found);
+  void exchange(MatrixView W, const StateScale& of_W);
+  void generate(const Stored& W, Stored& B) const;
 
-  const FlowIn<Scalar>& flow_;
+  const FlowIn<Scalar>& flow_;  // owned by Integrator
+  ScaleFinder finder_;
+  StateScale found_;
+  double scale_ = 1.0;  // found_.value, or that of the integrator of which this is a substep
   Stored state_;
   Stored next_;
+  Stored argument_;  // of a B that is not linear; empty otherwise
 };
 
 /// Makes Method<double> for a RealFlow, and Method<Complex> for another flow.
 template <template <class> class Method, class... Arguments>
-std::unique_ptr<Integrator> make_in_arithmetic_of(const Flow& flow, const Arguments&... arguments) {
-  if (const auto* real_flow = dynamic_cast<const RealFlow*>(&flow)) {
-    return std::make_unique<Method<double>>(*real_flow, arguments...);
+std::unique_ptr<Integrator> make_in_arithmetic_of(const SharedFlow& flow,
+                                                  const Arguments&... arguments) {
+  if (const auto real_flow = std::dynamic_pointer_cast<const RealFlow>(flow)) {
+    return std::make_unique<Method<double>>(real_flow, arguments...);
   }
   return std::make_unique<Method<Complex>>(flow, arguments...);
 }

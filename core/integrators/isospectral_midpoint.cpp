@@ -3,10 +3,10 @@
 namespace isosyrk {
 
 template <class Scalar>
-IsospectralMidpoint<Scalar>::IsospectralMidpoint(const FlowIn<Scalar>& flow,
+IsospectralMidpoint<Scalar>::IsospectralMidpoint(SharedFlowIn<Scalar> flow,
                                                  const SolverOptions& options,
                                                  ProductBackend backend)
-    : Form(flow, options, backend) {
+    : Form(std::move(flow), options, backend) {
   W_stage_ = B_ = M_ = MB_ = zero();
   adjoint_ = scratch_of_J();
 }

@@ -19,8 +19,9 @@ class PublishedForm : public IntegratorIn<Scalar> {
   using Stages = std::vector<Stored>;
 
  protected:
-  PublishedForm(const FlowIn<Scalar>& flow, ProductBackend backend)
-      : IntegratorIn<Scalar>(flow), products_(backend, flow.size(), flow.algebra().block()) {}
+  PublishedForm(SharedFlowIn<Scalar> flow, ProductBackend backend)
+      : IntegratorIn<Scalar>(std::move(flow)),
+        products_(backend, this->flow().size(), algebra().block()) {}
 
   /// Computes W1 from W0.  The report has all but the work.
   virtual StepReport take_step(const Stored& W0, double h, Stored& W1) = 0;
@@ -62,8 +63,8 @@ class ImplicitForm : public PublishedForm<Scalar> {
   using typename PublishedForm<Scalar>::Stored;
 
  protected:
-  ImplicitForm(const FlowIn<Scalar>& flow, const SolverOptions& options, ProductBackend backend)
-      : PublishedForm<Scalar>(flow, backend), options_(options) {}
+  ImplicitForm(SharedFlowIn<Scalar> flow, const SolverOptions& options, ProductBackend backend)
+      : PublishedForm<Scalar>(std::move(flow), backend), options_(options) {}
 
   /// Sets the unknowns to those of a cold start.
   virtual void start(const Stored& W0) = 0;

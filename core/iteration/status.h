@@ -9,7 +9,7 @@ namespace isosyrk {
 /// How a step ended.
 enum class Status {
   converged,
-  diverged,   ///< a change was above 1e6, or a change or W₁ was not finite
+  diverged,   ///< a change was above 1e6 (units as in SolverOptions), or it or W₁ was not finite
   stagnated,  ///< the best change so far was not improved in 50 sweeps
   sweep_cap,  ///< max_sweeps sweeps did not reach the tolerance
 };
@@ -17,9 +17,11 @@ enum class Status {
 /// Returns "converged", "diverged", "stagnated" or "sweep cap".
 std::string_view name(Status status);
 
-/// Stopping rule of an iteration.
+/// Stopping rule of an iteration.  Changes of unknowns that scale with W (W̃, P, X, K) are in units
+/// of a power of two near ‖W‖₂ (integrators/state_scale.h), and so relative; those of Q are
+/// absolute.
 struct SolverOptions {
-  double tolerance = 1e-13;  ///< absolute, on the largest change of an unknown
+  double tolerance = 1e-13;  ///< on the largest change of an unknown, Frobenius norm
   int max_sweeps = 1000;
   /// Called after every sweep, if set.  It may throw: the step then ends and leaves W unchanged.
   void (*after_sweep)() = nullptr;
@@ -33,7 +35,7 @@ struct SolverOptions {
 struct SolveReport {
   Status status = Status::converged;
   int sweeps = 0;
-  double change = 0.0;  ///< largest change of an unknown in the last sweep
+  double change = 0.0;  ///< largest change of an unknown in the last sweep, as in SolverOptions
   /// Ratio of the changes of two successive sweeps, as the geometric mean of the last five ratios
   /// or of as many as there are.  Below 1 if the iteration contracts; 0 after a single sweep.
   double contraction = 0.0;

@@ -20,6 +20,8 @@ using Matrix = MatrixOf<Complex>;
 /// View of the caller's complex numbers, stored by rows: a Matrix, a block of a Matrix, or a Map of
 /// any memory.  A matrix stored by columns does not convert to a MatrixView.
 using MatrixView = Eigen::Ref<Matrix>;
+/// The same to read from.  Other matrices of complex numbers are copied to one.
+using ConstMatrixView = Eigen::Ref<const Matrix>;
 using RealMatrix = Eigen::MatrixXd;
 using RealVector = Eigen::VectorXd;
 

@@ -124,6 +124,26 @@ void QuadraticAlgebra::involution(const MatrixOf<Scalar>& X, MatrixOf<Scalar>& o
 }
 
 template <class Scalar>
+void QuadraticAlgebra::project(const MatrixOf<Scalar>& X, MatrixOf<Scalar>& out) const {
+  if (!is_skew_hermitian()) {
+    involution(X, out);
+    out = 0.5 * (X - out);
+    return;
+  }
+  using Eigen::numext::conj;
+  for (Index first = 0; first < n_; first += block_) {
+    for (Index r = 0; r < block_; ++r) {
+      const Scalar diagonal = X(first + r, r);
+      out(first + r, r) = 0.5 * (diagonal - conj(diagonal));
+      for (Index c = r + 1; c < block_; ++c) {
+        out(first + r, c) = X(first + r, c);
+        out(first + c, r) = -conj(X(first + r, c));
+      }
+    }
+  }
+}
+
+template <class Scalar>
 void QuadraticAlgebra::conjugate_by_J(const MatrixOf<Scalar>& Q, MatrixOf<Scalar>& out) const {
   if (is_skew_hermitian()) {
     out = Q;
@@ -158,6 +178,8 @@ template void QuadraticAlgebra::unpack(const MatrixOf<double>&, MatrixView) cons
 template void QuadraticAlgebra::unpack(const Matrix&, MatrixView) const;
 template void QuadraticAlgebra::involution(const MatrixOf<double>&, MatrixOf<double>&) const;
 template void QuadraticAlgebra::involution(const Matrix&, Matrix&) const;
+template void QuadraticAlgebra::project(const MatrixOf<double>&, MatrixOf<double>&) const;
+template void QuadraticAlgebra::project(const Matrix&, Matrix&) const;
 template void QuadraticAlgebra::conjugate_by_J(const MatrixOf<double>&, MatrixOf<double>&) const;
 template void QuadraticAlgebra::conjugate_by_J(const Matrix&, Matrix&) const;
 

@@ -59,6 +59,11 @@ class QuadraticAlgebra {
   /// out = J⁻¹ X† J, the anti-automorphism with g = { W : W = -J⁻¹ W† J }.  out is not X.
   template <class Scalar>
   void involution(const MatrixOf<Scalar>& X, MatrixOf<Scalar>& out) const;
+  /// out = X projected onto g: X itself for X in g, otherwise ½ (X - J⁻¹ X† J).  For J = I it is
+  /// made of the upper triangle of X and the imaginary part of its diagonal, and in g exactly.  out
+  /// is not X.
+  template <class Scalar>
+  void project(const MatrixOf<Scalar>& X, MatrixOf<Scalar>& out) const;
   /// out = J Q J⁻¹.  out is not Q.
   template <class Scalar>
   void conjugate_by_J(const MatrixOf<Scalar>& Q, MatrixOf<Scalar>& out) const;

@@ -49,14 +49,15 @@ std::unique_ptr<Stepper> make_stepper(const Scene& scene, const std::string& nam
   if (!predictor) switches.past_steps = 0;
   if (!bands) switches.bands = false;
   const BackendChoice choice = backend_choice_from_name(products);
-  const IntegratorEntry entry = fast ? fast_entry(name, switches) : integrator_entry(name);
   const Index n = scene.initial.rows();
+  const IntegratorEntry entry =
+      fast ? fast_entry(name, with_defaults(switches, n)) : integrator_entry(name);
   require_memory(fmt::format("n = {} with {}", n, name), entry, n);
   const OneBlasThread one_blas_thread;
   const ProductBackend backend =
       fast || choice ? choice.value_or(ProductBackend::openblas) : choose_backend({}, n).chosen;
   const SolverOptions options = {tolerance, max_sweeps, &handle_signals};
-  return std::make_unique<Stepper>(scene.flow, entry.make(*scene.flow, options, backend));
+  return std::make_unique<Stepper>(entry.make(scene.flow, options, backend));
 }
 
 std::map<std::string, std::string> conditions(const std::string& products,
@@ -147,6 +148,7 @@ void bind_integrators(py::module_& module) {
       .def_readonly("stages", &IntegratorEntry::stages)
       .def_readonly("order", &IntegratorEntry::order)
       .def_readonly("stability_limit", &IntegratorEntry::stability_limit)
+      .def_property_readonly("has_fast_form", &IntegratorEntry::has_fast_form)
       .def_property_readonly("isospectral", keeps(&Properties::isospectral))
       .def_property_readonly("lie_poisson", keeps(&Properties::lie_poisson))
       .def_property_readonly("symmetric", keeps(&Properties::symmetric))

@@ -15,6 +15,7 @@ class PythonFlow final : public Flow {
   /// collector sees cycles.
   PythonFlow(Index n, pybind11::handle generator);
 
+  /// W is projected onto u(n) by the caller, as Flow::generator has it.
   /// Throws pybind11::error_already_set for an exception of the function, and TypeError or
   /// ValueError for a result that is not a skew-Hermitian array of shape (n, n), to 1e-10 relative.
   /// A result that is not finite is passed on: the iteration then diverges.

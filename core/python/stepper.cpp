@@ -24,13 +24,10 @@ class Stepper::InUse {
   std::atomic<bool>& flag_;
 };
 
-Stepper::Stepper(std::shared_ptr<const Flow> flow, std::unique_ptr<Integrator> integrator)
-    : flow_(std::move(flow)), integrator_(std::move(integrator)) {}
-
 Stepper::Outcome Stepper::run(const Array& W, Array state, double h, long steps,
                               const py::object& observe, long every) {
   const InUse in_use(in_use_);
-  const Index n = flow_->size();
+  const Index n = integrator_->flow().size();
   std::memmove(state.mutable_data(), W.data(), W.nbytes());
   Eigen::Map<Matrix> view(state.mutable_data(), n, n);
   const bool observed = !observe.is_none();
@@ -62,7 +59,7 @@ std::pair<Stepper::Outcome, std::vector<double>> Stepper::timed_run(const Array&
                                                                     double h, long steps,
                                                                     long repetitions, long warmup) {
   const InUse in_use(in_use_);
-  const Index n = flow_->size();
+  const Index n = integrator_->flow().size();
   Eigen::Map<Matrix> view(state.mutable_data(), n, n);
   const Eigen::Map<const Matrix> initial(W.data(), n, n);
 

@@ -11,12 +11,12 @@
 
 namespace isosyrk::python {
 
-/// An integrator with its flow.  Calls release the GIL while they step, keep OpenBLAS to one thread
+/// An integrator.  Calls release the GIL while they step, keep OpenBLAS to one thread
 /// meanwhile, and let Python handle signals about ten times a second.  A call while another one is
 /// stepping raises RuntimeError.
 class Stepper {
  public:
-  Stepper(std::shared_ptr<const Flow> flow, std::unique_ptr<Integrator> integrator);
+  explicit Stepper(std::unique_ptr<Integrator> integrator) : integrator_(std::move(integrator)) {}
 
   /// A run and its CPU time in seconds, without what `observe` took.
   struct Outcome {
@@ -37,7 +37,6 @@ class Stepper {
  private:
   class InUse;
 
-  std::shared_ptr<const Flow> flow_;
   std::unique_ptr<Integrator> integrator_;
   std::atomic<bool> in_use_ = false;
 };

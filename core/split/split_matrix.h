@@ -55,7 +55,8 @@ class SplitMatrixOf {
   const Entries& entries() const { return entries_; }
 
   /// Copies W and resets the band to n - 1.
-  void load(const Matrix& W) {
+  template <class Source>
+  void load(const Eigen::MatrixBase<Source>& W) {
     band_ = n_ - 1;
     for (Index r = 0; r < n_; ++r) {
       for (Index c = 0; c < n_; ++c) {
@@ -65,7 +66,8 @@ class SplitMatrixOf {
     }
   }
   /// Copies the entries to W, n x n.
-  void store(Matrix& W) const {
+  template <class Target>
+  void store(Target&& W) const {
     for (Index r = 0; r < n_; ++r) {
       for (Index c = 0; c < n_; ++c) W(r, c) = {re()[r * stride_ + c], im()[r * stride_ + c]};
     }

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Runs every integrator over step sizes, and the formulations over tolerances, and writes error and cost of each run.
 
-A line is one integrator on one problem: a scene, n and a time. Its runs take more and more steps (as many as in Table 1
-at least), until the error no longer falls, or a run took enough work. Every integrator runs by its fast form; the cells
-of Table 1 by their published forms too, to T = 5 of the smooth scene. First every run is made once and looked at; then
-all are timed, in turns, so that a slow minute of the machine falls on all alike. Counts and errors of published forms
-are those of OpenBLAS's products, times those of the backend that was the faster at the start: counts that followed the
-clock would differ from machine to machine.
+A line is one integrator on one problem: a scene, n and a time. Its runs take more and more steps (as many as in Table
+1 at least), until the error no longer falls, or a run took enough work. Every integrator runs by its fast form if it
+has one; the cells of Table 1 by their published forms too, to T = 5 of the smooth scene. First every run is made once
+and looked at; then all are timed, in turns, so that a slow minute of the machine falls on all alike. Counts and
+errors of published forms are those of OpenBLAS's products, times those of the backend that was the faster at the
+start: counts that followed the clock would differ from machine to machine.
 """
 
 import functools
@@ -62,7 +62,7 @@ COARSE_STEPS = (3, 6, 12, 25, 50, 100, 200, 400, 800, 1600, 3200)
 # goes on, unless it takes long, to PATIENCE times the work while errors do not yet fall as the order says.
 GOOD_ENOUGH = ((65, 1e-11), (math.inf, 1e-9))  # by the largest n
 ENOUGH_WORK = ((17, 4e9), (33, 12e9), (65, 12e9), (129, 20e9), (math.inf, 80e9))
-ENOUGH_TIMES = {(FAST, 5.0): 1, (FAST, 50.0): 2.5, (PUBLISHED, 5.0): 4}  # as many times that
+ENOUGH_TIMES = {(FAST, 5.0): 1, (FAST, 50.0): 2.5, (PUBLISHED, 5.0): 4, (PUBLISHED, 50.0): 10}  # as many times that
 PATIENCE = 15
 NEAR_ORDER = 0.2  # by which observed order and order may differ
 LOOKS = 50  # at the energy in a run, at least while there are as many steps
@@ -242,10 +242,12 @@ def is_main(problem):
     return (problem.scene, problem.time) == ("smooth", UNIT) and problem.n in problems.SIZES
 
 
-def lines_of(problem, names, all_of_them):
-    """Returns integrators and solvers of the lines of a problem."""
-    fast = [(name, FAST) for name in names if all_of_them or is_main(problem) or not MAIN_ONLY.fullmatch(name)]
-    return fast + [(name, PUBLISHED) for name in names if is_main(problem) and name in PUBLISHED_TOO]
+def lines_of(problem, entries, all_of_them):
+    """Returns integrators and solvers of the lines of a problem: the fast form, or the published one if it is alone."""
+    lines = [(entry.name, FAST if entry.has_fast_form else PUBLISHED) for entry in entries
+             if all_of_them or is_main(problem) or not MAIN_ONLY.fullmatch(entry.name)]
+    return lines + [(entry.name, PUBLISHED) for entry in entries
+                    if is_main(problem) and entry.name in PUBLISHED_TOO and entry.has_fast_form]
 
 
 def main(arguments):
@@ -262,7 +264,7 @@ def main(arguments):
     folder = os.path.realpath(options.references)
     jobs = [{**problem._asdict(), "integrator": name, "solver": solver, "references": folder, "quick": options.quick}
             for problem in sorted(wanted, key=lambda problem: (problem.n, problem.time))  # the longest last
-            for name, solver in lines_of(problem, [entry.name for entry in chosen], options.integrator is not None)]
+            for name, solver in lines_of(problem, chosen, options.integrator is not None)]
     by_scene = {(job["scene"], job["n"], job["integrator"]): job for job in reversed(jobs)
                 if job["solver"] == FAST and not MAIN_ONLY.fullmatch(job["integrator"])}  # what recommend may offer
     limits = [Limit(**found) for found in study.untimed(list(by_scene.values())[::-1], find_limit, journal, options,

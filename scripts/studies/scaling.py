@@ -51,7 +51,9 @@ def time_one(point):
 
 
 def rungs_of(entry):
-    return [rung for rung, (_, without) in RUNGS.items() if not (entry.explicit and NEEDS_ITERATION & {*without})]
+    """Returns the rungs that there are for an integrator."""
+    return [rung for rung, (solver, without) in RUNGS.items()
+            if not (entry.explicit and NEEDS_ITERATION & {*without}) and (solver != "fast" or entry.has_fast_form)]
 
 
 def main(arguments):

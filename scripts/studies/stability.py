@@ -20,6 +20,7 @@ if __name__ == "__main__":
 import isosyrk
 from lib import formats
 from lib import trials
+from lib.command_line import Stop
 from lib.integrator_names import TABLE1_CELLS
 from lib.formats import FAST, PUBLISHED, SOLVERS
 from lib.stability_files import MAP_SCHEMA, SCENES, Edge, MapSettings, Setting, Trial
@@ -54,6 +55,9 @@ def main(arguments):
     sizes = sorted(set(options.n or (QUICK_SIZES if options.quick else SIZES)))
     scenes = [scene for scene in SCENES if scene in (options.scene or SCENES)]
     entries = study.entries(options.integrator or (TABLE1_CELLS if options.solver == FAST else None))
+    for entry in entries:
+        if options.solver == FAST and not entry.has_fast_form:
+            raise Stop(f"--solver fast: {entry.name} has no fast form")
 
     journal = study.Journal(PROGRAM, options, partial(isosyrk.conditions, products="openblas", sizes=sizes))
     jobs = [{"scene": scene, "n": n, "integrator": entry.name, "solver": options.solver}

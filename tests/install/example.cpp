@@ -7,7 +7,7 @@
 int main() {
   const isosyrk::Scene scene = isosyrk::smooth_scene(33);
   const auto integrator =
-      isosyrk::make_integrator(*scene.flow, "group2", {.solver = isosyrk::Solver::fast});
+      isosyrk::make_integrator(scene.flow, "group2", {.solver = isosyrk::Solver::fast});
   isosyrk::Matrix W = scene.initial;
   const isosyrk::RunReport report = isosyrk::run(*integrator, W, 0.1, 50);
   if (!report.converged()) return 1;

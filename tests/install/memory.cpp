@@ -17,7 +17,7 @@ namespace {
 bool advances_any_memory(const std::string& name, isosyrk::Solver solver) {
   for (const isosyrk::Index n : {5, 8, 17}) {
     isosyrk::Scene scene = isosyrk::smooth_scene(n);
-    const auto integrator = isosyrk::make_integrator(*scene.flow, name, {.solver = solver});
+    const auto integrator = isosyrk::make_integrator(scene.flow, name, {.solver = solver});
 
     Matrix W = scene.initial;
     if (!isosyrk::run(*integrator, W, 0.05, 3).converged()) return false;
@@ -25,7 +25,7 @@ bool advances_any_memory(const std::string& name, isosyrk::Solver solver) {
     std::vector<isosyrk::Complex> numbers(static_cast<std::size_t>(n * n) + 1);
     Eigen::Map<Matrix> mapped(numbers.data() + 1, n, n);
     mapped = scene.initial;
-    const auto another = isosyrk::make_integrator(*scene.flow, name, {.solver = solver});
+    const auto another = isosyrk::make_integrator(scene.flow, name, {.solver = solver});
     if (!isosyrk::run(*another, mapped, 0.05, 3).converged()) return false;
     if (mapped != W) return false;
 
@@ -47,6 +47,7 @@ bool advances_any_memory(const std::string& name, isosyrk::Solver solver) {
 int main() {
   for (const isosyrk::IntegratorEntry& entry : isosyrk::integrators()) {
     for (const isosyrk::Solver solver : {isosyrk::Solver::published, isosyrk::Solver::fast}) {
+      if (solver == isosyrk::Solver::fast && !entry.has_fast_form()) continue;
       if (!advances_any_memory(entry.name, solver)) {
         std::printf("%s failed\n", entry.name.c_str());
         return 1;

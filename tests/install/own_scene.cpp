@@ -15,7 +15,7 @@ int main() {
   int which = 0;
   for (const char* name : {"cotangent2", "group2", "algebra2"}) {
     isosyrk::Matrix& W = answers[which++] = scene.initial;
-    const auto integrator = isosyrk::make_integrator(*scene.flow, name);
+    const auto integrator = isosyrk::make_integrator(scene.flow, name);
     if (!isosyrk::run(*integrator, W, 0.1, 50).converged()) return 1;
     energy_error = std::abs(scene.flow->energy(W) / scene.flow->energy(scene.initial) - 1.0);
   }

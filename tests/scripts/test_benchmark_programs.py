@@ -3,6 +3,7 @@
 import math
 import os
 import platform
+import re
 import resource
 import shutil
 import signal
@@ -22,10 +23,11 @@ BRIEF = ("--benchmark_filter=n:17", "--benchmark_min_time=0.01")
 ONE_ROW = ("--benchmark_filter=table1/group/n:17/s:1", "--benchmark_min_time=0.01")
 COUNTERS = ("sweeps_per_step", "products", "poisson_solves", "spectrum_error", "skew_defect", "energy_error",
             "h_norm_B", "product_share", "stolen")
-MACHINE_CONTEXT = ("isosyrk_program", "isosyrk_format", "commit", "dirty", "compiler", "flags", "build_type", "cpu",
-                   "vector_units", "load_average", "blas_library", "blas_kernels", "blas_threads", "environment",
-                   "products", "product_rate", "peak_gflops", "notice")
+MACHINE_CONTEXT = ("isosyrk_program", "isosyrk_format", "version", "commit", "dirty", "compiler", "flags",
+                   "build_type", "cpu", "vector_units", "load_average", "blas_library", "blas_kernels",
+                   "blas_threads", "environment", "products", "product_rate", "peak_gflops", "notice")
 SOLVER_CONTEXT = ("tolerance", "norm", "start", "update_order", "hbar", "modes_hash")
+VERSION = re.search(r"project\(isosyrk VERSION ([0-9.]+) ", text_of(ROOT, "CMakeLists.txt")).group(1)
 REFERENCES = os.path.join(ROOT, "results", "recorded", "references")
 EARLIER = "an earlier result"
 
@@ -56,7 +58,9 @@ class MeasuredTest(unittest.TestCase):
             self.assertTrue(self.context[field] or field == "notice", field)
         self.assertEqual((self.context["isosyrk_program"], self.context["isosyrk_format"]), (self.program, "1"))
         self.assertEqual(self.context["blas_threads"], "1")
-        self.assertNotIn("=", self.context["environment"])
+        # What programs set themselves, and nothing inherited.
+        self.assertEqual(self.context["environment"], "GOMP_SPINCOUNT=1500 OPENBLAS_NUM_THREADS=1")
+        self.assertEqual(self.context["version"], VERSION)
         self.assertIn(self.context["dirty"], ("yes", "no", "unknown"))
         for backend in BACKENDS:
             self.assertIn(backend, self.context["product_rate"])
@@ -174,7 +178,7 @@ class Choices(FolderTest):
         _, context, _ = self.measure(*ONE_ROW, OPENBLAS_CORETYPE="Abacus", OPENBLAS_NUM_THREADS="2")
         for text in ("OPENBLAS_CORETYPE=Abacus", context["blas_kernels"]):
             self.assertIn(text, context["notice"])
-        self.assertIn("OPENBLAS_NUM_THREADS=2", context["environment"])
+        self.assertIn("OPENBLAS_NUM_THREADS=1", context["environment"])  # more threads are none of the program's
         self.assertEqual(context["blas_threads"], "1")
 
         if " avx2 " in text_of("/proc/cpuinfo"):  # without it this processor may run Nehalem kernels by itself

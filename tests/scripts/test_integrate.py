@@ -6,14 +6,16 @@ import os
 import pty
 import signal
 import stat
+import statistics
 import subprocess
+import sys
 import time
 import unittest
 
 import numpy
 
-from programs import (DATA, DONE, FORMULATIONS, SANITIZED, SOLVER_FAILED, FolderTest, default_signals, end, program,
-                      run, run_on_full_disk, start, strict_json)
+from programs import (BAD_ARGUMENTS, DATA, DONE, FORMULATIONS, SANITIZED, SOLVER_FAILED, FolderTest, default_signals,
+                      end, environment, program, run, run_on_full_disk, start, strict_json)
 
 # The project's answers must agree with the references to 1e-11; see tests/data.
 TOLERANCE = 1e-11
@@ -148,6 +150,21 @@ class RefusedArguments(IntegrateTest):
             with self.subTest(changes=changes):
                 self.assert_refused(run(["bash", "-c", script, "bash", *command({**huge, **changes})]), *parts)
 
+    @unittest.skipIf(SANITIZED, "a sanitizer reserves terabytes of address space")
+    def test_an_address_space_too_small_for_openblas(self):
+        # OpenBLAS tries for ever to get its 128 MB: a run that got that far would time out.
+        codes = {}
+        for kilobytes in (120_000, 150_000, 180_000, 220_000, 250_000, 300_000, 400_000, 600_000):
+            for threads in ("", "OPENBLAS_NUM_THREADS=1", "OPENBLAS_NUM_THREADS=2"):
+                script = f'ulimit -v {kilobytes}; exec env {threads} "$@"'
+                line = command(SHORT, n="9", stages="1", formulation="algebra", time="0.2")
+                done = run(["bash", "-c", script, "bash", *line], timeout=20)
+                codes[kilobytes] = done.returncode
+                with self.subTest(kilobytes=kilobytes, threads=threads):
+                    if done.returncode != DONE:
+                        self.assert_refused(done, "OpenBLAS", "MB", "ulimit -v")
+        self.assertEqual((codes[120_000], codes[600_000]), (BAD_ARGUMENTS, DONE))
+
 
 def npy_bytes(W, version=(1, 0)):
     file = io.BytesIO()
@@ -172,6 +189,11 @@ class InitialData(IntegrateTest):
         W = reference("W0_n17.csv")
         for contents in (npy_bytes(W), npy_bytes(W, (2, 0)), npy_bytes(numpy.asfortranarray(W))):
             self.assert_same(self.result(SHORT, time="0", initial=self.write("W0.npy", contents))[1], W)
+        first, second, third = b"'descr': '<c16', ", b"'fortran_order': False, ", b"'shape': (17, 17), "
+        for keys in (third + first + second, second + third[:-2] + b", " + first, first + third + second[:-2] + b"  "):
+            contents = npy_bytes(W).replace(first + second + third, keys)
+            self.assertNotEqual(contents, npy_bytes(W))
+            self.assert_same(self.result(SHORT, time="0", initial=self.write("W0.npy", contents))[1], W)
 
     def test_what_is_refused(self):
         W = reference("W0_n17.csv")
@@ -179,6 +201,8 @@ class InitialData(IntegrateTest):
         for contents, *parts in (
                 (b"", "empty"), (b"l,m,re,im\n", "not a .npy file"), (good[:7], "not a .npy file"),
                 (npy_bytes(W, (3, 0)), "format 3"), (good.replace(b"False", b"Maybe"), "header"), (good[:60], "header"),
+                (good.replace(b"'fortran_order': False, ", b"'spare_order__': False, "), "header"),
+                (good.replace(b", }    ", b",'a':1}"), "header"), (good.replace(b"(17, 17)", b"(17, 17,"), "header"),
                 (npy_bytes(W.astype(">c16")), "'>c16'", "'<c16'"),
                 (npy_bytes(W.view([("W", "<c16")])), "[('W','<c16')]"),
                 (npy_bytes(W[:-1]), "(16,17)", "(17,17)"), (npy_bytes(W.ravel()), "(289,)"),
@@ -308,6 +332,40 @@ class Notes(IntegrateTest):
         self.assertRegex(done.stderr, r"^integrate: note: 2 threads on 1 core: [^\n]*\n$")
 
 
+@unittest.skipIf(SANITIZED, "sanitised threads take another time")
+class Threads(IntegrateTest):
+    """Threads that wait for work sleep, so that on a busy machine they take no more time than they work."""
+
+    MOST = 3.0  # CPU time of two threads over that of one, beside one busy process on each core
+    OLD_SPINS = "300000"  # what OpenMP does by default
+
+    def setUp(self):
+        super().setUp()
+        cores = os.sched_getaffinity(0)
+        if len(cores) < 2:
+            self.skipTest("on one core OpenMP does not spin")
+        for core in cores:
+            busy = start([sys.executable, "-c", f"import os\nos.sched_setaffinity(0, [{core}])\nwhile True: pass"],
+                         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            self.addCleanup(end, busy)
+
+    def seconds(self, threads, **settings):
+        """Returns the CPU time of the steps of a run."""
+        line = command({**NAMED, "n": "129", "step": "0.1", "time": "1", "integrator": "group2"}, "--json",
+                       solver="fast", threads=threads)
+        done = run(line, env=environment(**settings), timeout=120)
+        self.assertEqual((done.returncode, done.stderr), (DONE, ""))
+        return strict_json(done.stdout)["seconds"]
+
+    def test_two_threads_beside_busy_processes(self):
+        one, two = zip(*((self.seconds("1"), self.seconds("2")) for _ in range(5)))
+        most = self.MOST * statistics.median(one)
+        self.assertLess(statistics.median(two), most)
+        # The control is the setting without which this would not be so. What is asked for is done.
+        self.assertGreater(self.seconds("2", GOMP_SPINCOUNT=self.OLD_SPINS), most)
+        self.assertLess(self.seconds("2", OMP_WAIT_POLICY="passive"), most)
+
+
 class FailedRuns(IntegrateTest):
     """Exit 3, one line on stderr that says which step and how, one JSON object, and no output file.
 
@@ -337,6 +395,13 @@ class FailedRuns(IntegrateTest):
                     self.assert_fails("diverged", formulation=formulation, n="129", step="0.4", time="4")
         self.assertEqual(self.assert_fails("diverged", n="33", step="2", time="4", solver="fast")["failed_step"], 1)
         self.assert_fails("diverged", **{**NAMED, "n": "33", "step": "4", "time": "400"}, integrator="rk4")
+
+    def test_a_change_that_is_not_a_number_has_no_sign(self):
+        result = self.assert_fails("diverged", **{**SHORT, "step": "1e200", "time": "1e200"})
+        done = run(command({**SHORT, "step": "1e200", "time": "1e200"}))
+        self.assertIsNone(result["last_change"])
+        self.assertRegex(done.stdout, r"(?m)^last_change +not finite$")
+        self.assertIn("last change not finite;", done.stderr)
 
     def test_too_few_sweeps_end_as_sweep_cap(self):
         for formulation in FORMULATIONS:

@@ -49,9 +49,10 @@ def state(n=9, seed=1):
     return W - np.trace(W) / n * np.eye(n)
 
 
-def python(code, how=run, **options):
+def python(code, how=run, OMP_DISPLAY_ENV=None, **options):
     """Runs, or starts, Python with the module on its path."""
-    return how([sys.executable, "-c", code], env=environment(PYTHONPATH=os.path.join(BUILD, "python")), **options)
+    settings = environment(PYTHONPATH=os.path.join(BUILD, "python"), OMP_DISPLAY_ENV=OMP_DISPLAY_ENV)
+    return how([sys.executable, "-c", code], env=settings, **options)
 
 
 class Answers(unittest.TestCase):
@@ -92,6 +93,15 @@ class Answers(unittest.TestCase):
         self.assertLess(np.abs(isosyrk.spectrum(W) - np.linalg.eigvalsh(-1j * W)).max(), 1e-13)
         self.assertAlmostEqual(isosyrk.spectrum_error(2 * W, W), np.abs(np.linalg.eigvalsh(-1j * W)).max(), 12)
         self.assertEqual((isosyrk.skew_defect(W), isosyrk.skew_defect(1j * W) > 0), (0.0, True))
+        for factor in (1e-8, 1e6):
+            nearly, broken = factor * W, factor * W
+            nearly[0, 1] *= 1 + 1e-12
+            broken[0, 1] *= 1 + 1e-6
+            isosyrk.spectrum(nearly)
+            for refused in (broken, np.ones((3, 3), complex), np.ones((3, 3))):
+                with self.assertRaisesRegex(ValueError,
+                                            r"^W: the largest entry of \|W \+ W†\| is .* \(skew-Hermitian\)$"):
+                    isosyrk.spectrum(refused)
         self.assertAlmostEqual(isosyrk.relative_error(1.5 * W, W), 0.5)
         self.assertAlmostEqual(isosyrk.casimir_errors(2 * W0, W0)[0], 3.0, 10)
         momentum = [np.trace(S @ W0).imag for S in spin(9)]
@@ -116,6 +126,17 @@ class Answers(unittest.TestCase):
         self.assertEqual(len(times), 3)
         self.assertTrue(np.array_equal(W, SMOOTH.initial))
 
+    def test_states_of_any_norm_have_the_relative_errors_of_norm_one(self):
+        for solver in isosyrk.SOLVERS:
+            for name in ("cotangent1", "cotangent2", "group1", "group2", "algebra1", "algebra2", "algebra3",
+                         "yoshida4"):
+                method = isosyrk.integrator(SMOOTH, name, solver=solver)
+                wanted, _ = method.run(SMOOTH.initial, 0.1, 5)
+                for factor in (1e-8, 1e-5, 1e3, 1e6):
+                    W, _ = method.run(factor * SMOOTH.initial, 0.1 / factor, 5)
+                    # 5 steps, of the tolerance over 1 - 1/2 each.
+                    self.assertLess(isosyrk.relative_error(W / factor, wanted), 10 * TOLERANCE, (solver, name, factor))
+
 
 class Arrays(unittest.TestCase):
     def setUp(self):
@@ -132,6 +153,36 @@ class Arrays(unittest.TestCase):
         for W in (np.asfortranarray(W0), spread, read_only, W0.tolist(), W0.astype(">c16")):
             self.assertTrue(np.array_equal(self.method.run(W, 0.1, 5)[0], self.wanted))
             self.assertTrue(np.array_equal(W, W0))
+
+    def test_input_of_other_numbers_is_converted(self):
+        d = np.arange(1.0, 5.0)
+        W = np.triu(np.arange(16).reshape(4, 4), 1)
+        W = W - W.T
+        for scene in (isosyrk.scene("rigid_body", n=4), isosyrk.scene("rigid_body", initial=W / 8.0),
+                      isosyrk.scene(initial=W / 8.0, generator=lambda W: W / (d[:, None] + d[None, :]))):
+            method = isosyrk.integrator(scene, "algebra2")
+            wanted, _ = method.run(W.astype(complex) / 8, 0.1, 3)
+            for dtype in (np.float16, np.float32, np.float64, ">f8", np.complex64):
+                result, _ = method.run((W / 8).astype(dtype), 0.1, 3)
+                self.assertEqual(result.dtype, np.complex128)
+                self.assertTrue(np.array_equal(result, wanted), dtype)
+            self.assertTrue(np.array_equal(method.step(W, 0.01), method.step(W.astype(complex), 0.01)))
+
+    def test_input_is_converted_once_a_run(self):
+        converted = []
+
+        class Counted(np.ndarray):
+            def __array_finalize__(self, other):
+                converted.append(other)
+
+        W = np.ascontiguousarray(isosyrk.scene("rigid_body", n=17).initial.real).view(Counted)
+        method = isosyrk.integrator(isosyrk.scene("rigid_body", n=17), "group1")
+        counts = []
+        for steps in (1, 20):
+            converted.clear()
+            method.run(W, 0.1, steps)
+            counts.append(len(converted))
+        self.assertEqual(*counts)
 
     def test_out_is_written_and_may_be_the_input(self):
         W = self.scene.initial.copy()
@@ -176,7 +227,79 @@ class Arrays(unittest.TestCase):
         self.assertEqual([step for step, _ in seen[2:]], [2, 4, 5])
 
 
+def reference(B, W, time, steps=1000):
+    """Returns the end of the classical Runge-Kutta method for W' = [B(W), W]."""
+    def slope(W):
+        return B(W) @ W - W @ B(W)
+
+    h = time / steps
+    for _ in range(steps):
+        k1 = slope(W)
+        k2 = slope(W + h / 2 * k1)
+        k3 = slope(W + h / 2 * k2)
+        W = W + h / 6 * (k1 + 2 * k2 + 2 * k3 + slope(W + h * k3))
+    return W
+
+
+def rigid_body(n=8):
+    d = np.linspace(0.5, 2, n)
+    W = np.random.default_rng(1).normal(size=(n, n))
+    W -= W.T
+    return W / np.linalg.norm(W, 2), lambda W: W / (d[:, None] + d[None, :])
+
+
+def toda(n=6):
+    """W = iL, L tridiagonal; L' = [B, L] with B = L_+ - L_-."""
+    W = 1j * (np.diag(np.cos(np.arange(n))) + np.diag(np.full(n - 1, 0.4), 1) + np.diag(np.full(n - 1, 0.4), -1))
+    return W, lambda W: -1j * (np.triu(W, 1) - np.tril(W, -1))
+
+
+def vortices(count=3):
+    """Point vortices W_k = (i/2) x_k . sigma in diagonal blocks; B_k = 0.4 * sum of W_j / (1.1 - x_j . x_k), j != k."""
+    x = np.random.default_rng(2).normal(size=(count, 3))
+    x /= np.linalg.norm(x, axis=1)[:, None]
+    W = np.zeros((2 * count, 2 * count), complex)
+    for k, (a, b, c) in enumerate(x):
+        W[2 * k:2 * k + 2, 2 * k:2 * k + 2] = 0.5j * np.array([[c, a - 1j * b], [a + 1j * b, -c]])
+
+    def B(W):
+        blocks = [W[k:k + 2, k:k + 2] for k in range(0, 2 * count, 2)]
+        result = np.zeros_like(W)
+        for k, mine in enumerate(blocks):
+            result[2 * k:2 * k + 2, 2 * k:2 * k + 2] = sum(0.4 * other / (1.1 + 2 * np.trace(other @ mine))
+                                                           for j, other in enumerate(blocks) if j != k)
+        return result
+
+    return W, B
+
+
 class OwnFlow(unittest.TestCase):
+    def test_every_published_method_integrates_flows_of_ones_own(self):
+        controls = ["algebra2_two_products", "algebra3_two_products", "yoshida4_group", "yoshida4_cotangent"]
+        names = [entry.name for entry in isosyrk.integrators() if not entry.name.endswith("_frame")]
+        isospectral = {entry.name for entry in isosyrk.integrators() if entry.isospectral}
+        for flow in (rigid_body, toda, vortices):
+            W0, B = flow()
+            wanted = reference(B, W0, 1.0)
+            self.assertGreater(isosyrk.relative_error(wanted, W0), 0.01)
+            scene = isosyrk.scene(initial=W0, generator=B)
+            for name in names + controls:
+                with self.subTest(flow=flow.__name__, name=name):
+                    W, _ = isosyrk.integrator(scene, name).run(W0, 0.025, 40)
+                    order = 2 if name.endswith("1") else 4
+                    self.assertLess(isosyrk.relative_error(W, wanted), 3e-3 if order == 2 else 1e-5)
+                    self.assertLess(isosyrk.skew_defect(W), 1e-11)
+                    if name in isospectral:
+                        self.assertLess(isosyrk.spectrum_error(W, np.asarray(W0, complex)), 1e-11)
+
+    def test_a_generator_sees_skew_hermitian_matrices_only(self):
+        W0, B = rigid_body()
+        defects = []
+        scene = isosyrk.scene(initial=W0, generator=lambda W: defects.append(isosyrk.skew_defect(W)) or B(W))
+        for name in ("cotangent2", "group2", "algebra2", "algebra3", "direct2", "rkmk4"):
+            isosyrk.integrator(scene, name).run(W0, 0.01, 3)
+        self.assertEqual(max(defects), 0.0)
+
     def test_a_generator_in_python_gives_the_same(self):
         W0 = SMOOTH.initial
         own = isosyrk.scene(initial=W0, generator=SMOOTH.generator, hamiltonian=SMOOTH.energy)
@@ -249,7 +372,9 @@ class Refusals(unittest.TestCase):
                 (ValueError, "^mode l=9, m=0: l must be", dict(modes=[(9, 0, 1.0, 0.0)], n=9)),
                 (ValueError, "^mode 5: must be", dict(modes=[5], n=9)),
                 (TypeError, "^re: is a str", dict(modes=[(1, 0, "1", 0.0)], n=9)),
-                (ValueError, "dtype is complex64", dict(initial=W.astype(np.complex64))),
+                (ValueError, "dtype is complex256", dict(initial=W.astype(np.clongdouble))),
+                (ValueError, "dtype is bool", dict(initial=np.zeros((9, 9), bool))),
+                (ValueError, "dtype is object", dict(initial=W.astype(object))),
                 (TypeError, "masked", dict(initial=np.ma.array(W))),
                 (ValueError, r"shape is \(9, 8\), must be \(n, n\)", dict(initial=W[:, :8])),
                 (ValueError, r"shape is \(9, 9\), must be \(8, 8\)", dict(initial=W, n=8)),
@@ -468,6 +593,28 @@ class Beside(unittest.TestCase):
 
 
 class Package(unittest.TestCase):
+    def test_version_is_that_of_the_project_and_of_every_measurement(self):
+        with open(os.path.join(ROOT, "CMakeLists.txt"), encoding="utf-8") as file:
+            self.assertIn(f"project(isosyrk VERSION {isosyrk.__version__} ", file.read())
+        self.assertEqual(isosyrk.conditions()["version"], isosyrk.__version__)
+
+    def test_every_record_says_whether_there_is_a_fast_form(self):
+        self.assertEqual({entry.has_fast_form for entry in isosyrk.integrators()}, {True})
+        with self.assertRaisesRegex(ValueError, "no fast form"):  # of a control
+            isosyrk.integrator(isosyrk.scene("smooth", n=9), "yoshida4_group", solver="fast")
+
+    def test_threads_sleep_after_a_short_spin_unless_told_otherwise(self):
+        code = "import isosyrk, os; print(os.environ.get('GOMP_SPINCOUNT'), os.environ.get('OMP_WAIT_POLICY'))"
+        for settings, spins, left in (({}, "1500", "None None"), ({"GOMP_SPINCOUNT": "70"}, "70", "70 None"),
+                                      ({"OMP_WAIT_POLICY": "passive"}, "0", "None passive")):
+            with self.subTest(settings):
+                done = python(f"import os; os.environ.update({settings}); {code}", OMP_DISPLAY_ENV="verbose")
+                # libgomp tells what it was loaded with; no other has such a setting.
+                if "GOMP_SPINCOUNT" not in done.stderr:
+                    self.skipTest("this OpenMP is not libgomp")
+                self.assertIn(f"GOMP_SPINCOUNT = '{spins}'", done.stderr)
+                self.assertEqual(done.stdout, left + "\n")
+
     def test_stub_names_what_is_there(self):
         from isosyrk import _core
         with open(os.path.join(ROOT, "core", "python", "isosyrk", "_core.pyi"), encoding="utf-8") as stub:

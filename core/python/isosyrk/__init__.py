@@ -6,11 +6,13 @@
     method = isosyrk.integrator(scene, "group2", solver="fast")
     W, report = method.run(scene.initial, h=0.1, steps=50)
 
-A vorticity matrix W is a complex128 array of shape (n, n), skew-Hermitian to 1e-10 relative. Input is read in any
-memory layout and never modified; only `out` is written, and must be writable and in C order. Steps release the GIL.
-Ctrl-C ends a run after the sweep at hand (an explicit method: after the step at hand) or within a tenth of a second,
-whichever is later; making a scene and spectra cannot be interrupted. Bad values raise ValueError with one line that
-names the value and what is allowed, other types TypeError.
+A vorticity matrix W is an array of shape (n, n), skew-Hermitian to 1e-10 relative, and comes back as complex128. Input
+may be real or complex of any precision that complex128 holds; it is converted once a run, read in any memory layout and
+never modified. Only `out` is written, and must be complex128, writable and in C order. W may be of any norm: the
+tolerance of an iteration is relative to it. Steps release the GIL. Ctrl-C ends a run after the sweep at hand (an
+explicit method: after the step at hand) or within a tenth of a second, whichever is later; making a scene and spectra
+cannot be interrupted. Bad values raise ValueError with one line that names the value and what is allowed, other types
+TypeError.
 """
 
 import atexit
@@ -22,7 +24,15 @@ from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Sequenc
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _core
+# OpenMP reads this when it is loaded, with _core: threads then sleep after a short spin at a barrier, not after
+# milliseconds, which on a busy machine are another program's (see benchmarks/thread_settings.h). It is kept from the
+# processes that this one starts.
+_waits_as_asked = "GOMP_SPINCOUNT" in os.environ or "OMP_WAIT_POLICY" in os.environ
+if not _waits_as_asked:
+    os.environ["GOMP_SPINCOUNT"] = "1500"
+from . import _core  # noqa: E402
+if not _waits_as_asked:
+    del os.environ["GOMP_SPINCOUNT"]
 
 __all__ = ["Integrator", "IntegratorRecord", "Report", "Scene", "SolverError", "angular_momentum_error",
            "casimir_errors", "conditions", "integrator", "integrators", "product_rate", "relative_error", "scene",
@@ -36,6 +46,7 @@ Mode = Tuple[int, int, float, float]
 SOLVERS = ("published", "fast")
 SWITCHES = ("predictor", "newton", "bands")
 LARGEST_N = 4096
+SKEW = 1e-10  # a matrix may be so far from skew-Hermitian, relative to its largest entry
 
 atexit.register(_core.end_runs)
 
@@ -50,7 +61,7 @@ class Report(NamedTuple):
     poisson_solves: int  # evaluations of B
     seconds: float  # CPU time of this process, without `observe`
     contraction: float  # largest over all steps; 0 for explicit methods
-    last_change: float  # of the last sweep: largest change of an unknown, Frobenius norm
+    last_change: float  # of the last sweep: largest change of an unknown, as for the tolerance of integrator()
 
 
 class SolverError(RuntimeError):
@@ -84,6 +95,7 @@ class IntegratorRecord(NamedTuple):
     explicit: bool  # no iteration
     stability_limit: float  # largest stable h*norm(ad_B) for a constant generator; inf if there is none
     measured_limit: Optional[float]  # h*norm(B), 2-norm, up to which every recorded trial of the published form worked
+    has_fast_form: bool  # for solver "fast"
 
 
 class Scene:
@@ -141,7 +153,7 @@ def scene(name: Optional[str] = None, n: Optional[int] = None, hbar: Optional[st
                that is not in scenes(), are a label only.
       modes    coefficients (l, m, re, im) with 1 <= l < n, 0 <= m <= l, im = 0 where m = 0; needs n. W is scaled to
                norm 1.
-      initial  W itself, complex128, shape (n, n), skew-Hermitian to 1e-10 relative; taken as it is.
+      initial  W itself, shape (n, n), skew-Hermitian to 1e-10 relative; taken as it is.
     hbar is "paper" (the default, 2/sqrt(n(n-1))) or "standard" (2/sqrt(n^2-1), as quflow has it).
 
     Other names of scenes() have equations of their own; n is always the size of W:
@@ -153,7 +165,8 @@ def scene(name: Optional[str] = None, n: Optional[int] = None, hbar: Optional[st
     arithmetic and on blocks where the scene is real or block diagonal.
 
     With `initial`, `generator` makes a flow of your own: a function that takes W (a complex128 array of shape (n, n), a
-    copy) and returns B(W), skew-Hermitian. Published forms integrate it. `hamiltonian` maps W to a number.
+    copy, exactly skew-Hermitian) and returns B(W), skew-Hermitian. All published forms integrate it. `hamiltonian` maps
+    W to a number.
     Raises ValueError for values out of range.
     """
     if modes is not None and initial is not None:
@@ -325,8 +338,9 @@ def integrator(scene: Scene, name: str, solver: str = "published", tolerance: fl
 
     solver     "published": the paper's equations, solved by Picard sweeps. "fast": the same answer to the tolerance,
                several times sooner; for Euler-Zeitlin, otherwise ValueError.
-    tolerance  of the iteration, at least 1e-15: the largest change of an unknown, Frobenius norm, absolute. It suits
-               states of norm about 1; scale others, or the tolerance.
+    tolerance  of the iteration, at least 1e-15: the largest change of an unknown, Frobenius norm. Unknowns that scale
+               with W are measured in units of the power of two nearest to the 2-norm of W; those of the group are
+               absolute.
     threads    of the fast solver, 1 to 64; the answer is bit for bit the same. A process forked after a run with
                several threads raises RuntimeError: OpenMP hangs there.
     max_sweeps of a step, 1 to 1000000.
@@ -379,8 +393,14 @@ def product_rate(n: int, solver: str = "fast") -> float:
 
 
 def spectrum(W: ArrayLike) -> NDArray[np.float64]:
-    """Returns the eigenvalues of -iW, ascending, shape (n,), for a skew-Hermitian W of shape (n, n)."""
-    return _core.spectrum(_square(W))
+    """Returns the eigenvalues of -iW, ascending, shape (n,), for a W of shape (n, n) that is skew-Hermitian to 1e-10
+    relative. Raises ValueError for another W."""
+    W = _square(W)
+    defect, largest = _core.skew_defect(W), np.abs(W).max()
+    if defect > SKEW * largest:
+        raise ValueError(f"W: the largest entry of |W + W†| is {defect / largest:.3g} of the largest of |W|; must be at"
+                         f" most {SKEW:.0e} (skew-Hermitian)")
+    return _core.spectrum(W)
 
 
 def spectrum_error(W: ArrayLike, W0: ArrayLike) -> float:
@@ -433,12 +453,12 @@ def _report(outcome):
 
 
 def _square(W, n=None):
-    """Returns a matrix as a complex128 array in C order, of shape (n, n) if n is given."""
+    """Returns a matrix of numbers as a complex128 array in C order, of shape (n, n) if n is given."""
     if isinstance(W, np.ma.MaskedArray):
         raise TypeError("W: is a masked array, must have all its entries")
     array = np.asarray(W)
-    if array.dtype.newbyteorder("=") != np.complex128:
-        raise ValueError(f"W: its dtype is {array.dtype}, must be complex128")
+    if array.dtype.kind not in "iufc" or not np.can_cast(array.dtype, np.complex128):
+        raise ValueError(f"W: its dtype is {array.dtype}, must be real or complex, complex128 at most")
     size = n or (array.shape[0] if array.ndim == 2 else 0)
     if array.shape != (size, size) or not size:
         raise ValueError(f"W: its shape is {array.shape}, must be ({n or 'n'}, {n or 'n'})")

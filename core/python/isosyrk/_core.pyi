@@ -28,6 +28,7 @@ class Entry:
     symmetric: bool
     explicit: bool
     measured_limit: Optional[float]
+    has_fast_form: bool
     def linear_limit(self, scene: Scene) -> Optional[float]: ...
 
 class Outcome:

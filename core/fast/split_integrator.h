@@ -1,0 +1,58 @@
+// What the fast integrators share: their state, in split-complex storage.
+#pragma once
+
+#include "isosyrk/fast/fast_options.h"
+#include "isosyrk/integrators/integrator.h"
+#include "isosyrk/split/split_matrix.h"
+
+namespace isosyrk {
+
+/// An integrator whose state V = W / scale stays in split-complex storage through a run, with a
+/// power of two for the scale (StateScale).  W is converted where the state is set or asked for,
+/// and compared with the state where it is set, not at every step.
+///
+/// B is linear (SplitGenerator), so that V' = [B(V), V] in the time scale t: a step of size h for W
+/// is one of size scale h for V.
+class SplitIntegrator : public Integrator {
+ public:
+  double energy() const final { return flow().energy(state()); }
+  int threads() const { return threads_; }
+
+ protected:
+  /// What a step may use of past steps.
+  enum class Past {
+    used,      ///< past steps predict this one, and it joins them
+    left_out,  ///< the step is not of the run: it starts cold and is not remembered
+  };
+
+  /// Throws std::invalid_argument for a null flow, and for threads out of range.
+  SplitIntegrator(const SharedFlow& flow, int threads);
+
+  /// Computes V1 from V0 by a step of size h.  The report has all but the work.
+  virtual StepReport take_step(const SplitStages& V0, double h, Past past, SplitStages& V1) = 0;
+  /// Returns products, Poisson solves and equivalent products since construction.
+  virtual StepReport work() const = 0;
+  /// Forgets all past steps, after which the next one starts cold.
+  virtual void forget() {}
+
+  /// Returns the V0 of the last step of a run.
+  const SplitMatrix& before_last_step() const { return next_[0]; }
+
+ private:
+  void load(const ConstMatrixView& W) final;
+  void amend(const ConstMatrixView& W) final;
+  StepReport advance_state(double h) final { return advance(h, Past::used); }
+  void store(MatrixView W) const final;
+  StepReport step_alone(MatrixView W, double h) final;
+  StepReport advance(double h, Past past);
+  void take(const StateScale& found);
+  void exchange(MatrixView W, const StateScale& of_W);
+
+  int threads_;
+  ScaleFinder finder_;
+  StateScale scale_;
+  SplitStages state_;  // a single matrix
+  SplitStages next_;   // V1 of the step, and then the state before it
+};
+
+}  // namespace isosyrk
