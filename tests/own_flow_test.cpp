@@ -28,10 +28,10 @@ OwnFlow rigid_body() {
 // The Toda lattice L' = [B, L], L symmetric and tridiagonal, B = L_+ - L_-, with W = iL.
 OwnFlow toda() {
   const Index n = 6;
-  Matrix W = Matrix::Zero(n, n);
-  for (Index k = 0; k < n; ++k) W(k, k) = Complex(0.0, 0.2 * double(k * k % 5) - 0.3);
+  Matrix W0 = Matrix::Zero(n, n);
+  for (Index k = 0; k < n; ++k) W0(k, k) = Complex(0.0, 0.2 * double(k * k % 5) - 0.3);
   for (Index k = 0; k + 1 < n; ++k)
-    W(k, k + 1) = W(k + 1, k) = Complex(0.0, 0.3 + 0.05 * double(k));
+    W0(k, k + 1) = W0(k + 1, k) = Complex(0.0, 0.3 + 0.05 * double(k));
   return {"toda", QuadraticAlgebra::skew_hermitian(n),
           [](const Matrix& W, Matrix& B) {
             const Complex minus_i(0.0, -1.0);
@@ -39,18 +39,18 @@ OwnFlow toda() {
             B.triangularView<Eigen::StrictlyUpper>() = minus_i * W;
             B.triangularView<Eigen::StrictlyLower>() = -minus_i * W;
           },
-          W};
+          W0};
 }
 
 // Point vortices x_k on the sphere, W_k = (i/2) x_k · σ:  B_k = Σ_j Γ_j W_j / (1.1 - x_j · x_k), in
 // blocks on top of one another.  Not linear.
 OwnFlow vortices() {
   const Index count = 4;
-  Matrix W = Matrix::Zero(2 * count, 2 * count);
+  Matrix W0 = Matrix::Zero(2 * count, 2 * count);
   for (Index k = 0; k < count; ++k) {
     const Matrix block = random_skew_hermitian(2, 10 + static_cast<unsigned>(k));
     Matrix spin = block - 0.5 * block.trace() * Matrix::Identity(2, 2);
-    W.block(2 * k, 2 * k, 2, 2) = 0.5 * spin / spectral_norm(spin);
+    W0.block(2 * k, 2 * k, 2, 2) = 0.5 * spin / spectral_norm(spin);
   }
   return {"vortices", QuadraticAlgebra::skew_hermitian(2 * count, 2),
           [](const Matrix& W, Matrix& B) {
@@ -65,7 +65,7 @@ OwnFlow vortices() {
               }
             }
           },
-          W};
+          W0};
 }
 
 std::vector<OwnFlow> own_flows() { return {rigid_body(), toda(), vortices()}; }
