@@ -442,9 +442,9 @@ class Study(FolderTest):
             self.assertRegex(f"<!-- theorem:{key} -->", f"^{KEYS.pattern}$")
 
     def test_an_interrupted_study_goes_on_with_the_processes_it_has(self):
-        path = self.path("raw.json")
-        arguments = ("--out", path, "--quick", "--n", "9", "--processes", "4", "--integrator", "group1", "algebra1",
-                     "--scene", "rigid_body")
+        path, processes = self.path("raw.json"), 12  # of two blocks: enough to be interrupted in time
+        arguments = ("--out", path, "--quick", "--n", "9", "--processes", str(processes), "--integrator", "group1",
+                     "algebra1", "--scene", "rigid_body")
         started = start(self.command(*arguments), environment(ISOSYRK_BUILD=BUILD), stdout=subprocess.DEVNULL,
                         stderr=subprocess.DEVNULL)
         self.addCleanup(end, started)
@@ -456,12 +456,13 @@ class Study(FolderTest):
         self.assertEqual(started.wait(20), 143)
         self.assertEqual(os.listdir(self.folder), ["raw.json.journal"])
         timed = self.timed()
-        self.assertLess(len(timed), 8)
+        self.assertLess(len(timed), 2 * processes)
         done = self.script(*arguments)
         self.assertEqual((done.returncode, os.listdir(self.folder)), (DONE, ["raw.json"]), done.stderr)
         self.assertIn("going on after", done.stderr)
         rows = formats.read_study(path, SCHEMA).tables["cost"]
-        self.assertEqual([len(row.seconds) for row in rows], [4] * 4)
+        self.assertEqual(len(rows), 4)
+        self.assertTrue(all(FEWEST <= len(row.seconds) <= processes for row in rows))
         times = {second for row in rows for second in row.seconds}
         for seconds in timed:
             self.assertLessEqual(set(seconds), times)
