@@ -98,7 +98,7 @@ void split_product(benchmark::State& state, const GemmKernel& kernel, Index n) {
   SplitMatrixOf<Real> C(n);
   SplitProductsOf<Real> products(n, kernel);
   time_products<Real>(state, n, [&] {
-    products.form(adjoint ? adjoint_times(W, B, C) : times(W, B, C));
+    products.form(into(C, adjoint ? adjoint(W) * B : W * B));
     benchmark::DoNotOptimize(C.re());
   });
   const Matrix left = W.interleaved();
@@ -112,9 +112,9 @@ void split_triangle(benchmark::State& state, const GemmKernel& kernel, Index n) 
   const SplitMatrix W(given.W), B(given.B);
   SplitMatrix WB(n), C(n);
   SplitProducts products(n, kernel);
-  products.form(times(W, B, WB));
+  products.form(into(WB, W * B));
   time_products(state, n, [&] {
-    products.form(times(B, WB, C).upper_triangle());
+    products.form(into(C, B * WB).upper_triangle());
     mirror_skew(C);
     benchmark::DoNotOptimize(C.re());
   });

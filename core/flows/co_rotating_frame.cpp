@@ -122,9 +122,8 @@ void CoRotatingFrame::leave(const Rate& rate, double t, const Matrix& V, MatrixV
     W = V;
     return;
   }
-  set_rotation(rate, t);
-  products_.multiply(rotation_, V, scratch_);
-  products_.multiply_adjoint_right(scratch_, rotation_, turned_);
+  set_rotation(rate, -t);
+  products_.congruence(rotation_, V, rotation_, scratch_, turned_);
   W = 0.5 * (turned_ - turned_.adjoint());  // skew-Hermitian exactly, as V is
 }
 

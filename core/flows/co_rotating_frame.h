@@ -39,7 +39,7 @@ class CoRotatingFrame {
   double hbar_;
   SharedFlow flow_;
   Matrix eigenvectors_;  // of S_x: column k for the eigenvalue k - (n-1)/2
-  Matrix rotation_;      // e^{tR}
+  Matrix rotation_;      // e^{-tR}
   Matrix scratch_;
   Matrix turned_;
   Products products_;

@@ -169,14 +169,17 @@ void bind_integrators(py::module_& module) {
   const auto of_run = [](auto RunReport::*field) {
     return [field](const Stepper::Outcome& o) { return o.run.*field; };
   };
+  const auto of_work = [](auto Work::*field) {
+    return [field](const Stepper::Outcome& o) { return o.run.work.*field; };
+  };
   py::class_<Stepper::Outcome>(module, "Outcome")
       .def_property_readonly("status", [](const Stepper::Outcome& o) { return name(o.run.status); })
       .def_property_readonly("failed_step", of_run(&RunReport::failed_step))
       .def_property_readonly("steps", of_run(&RunReport::steps))
       .def_property_readonly("sweeps", of_run(&RunReport::sweeps))
-      .def_property_readonly("products", of_run(&RunReport::products))
-      .def_property_readonly("equivalent_products", of_run(&RunReport::equivalent_products))
-      .def_property_readonly("poisson_solves", of_run(&RunReport::poisson_solves))
+      .def_property_readonly("products", of_work(&Work::products))
+      .def_property_readonly("equivalent_products", of_work(&Work::equivalent_products))
+      .def_property_readonly("poisson_solves", of_work(&Work::poisson_solves))
       .def_property_readonly("contraction", of_run(&RunReport::contraction))
       .def_property_readonly("last_change", of_run(&RunReport::last_change))
       .def_readonly("seconds", &Stepper::Outcome::seconds);

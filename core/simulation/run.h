@@ -15,9 +15,7 @@ struct RunReport {
   double last_change = 0.0;  ///< of the last step
   double contraction = 0.0;  ///< largest over all steps, a failed one included
   long sweeps = 0;
-  long products = 0;
-  long poisson_solves = 0;
-  double equivalent_products = 0.0;  ///< as in StepReport
+  Work work = {};
 
   bool converged() const { return status == Status::converged; }
   double sweeps_per_step() const {

@@ -72,11 +72,11 @@ bool Predictor::predict(double h, Unknowns& x) {
   const int count = weigh();
   for (std::size_t kind = 0; kind < x.size(); ++kind) {
     assign(x[kind], [&](std::size_t i) {
-      LinearCombination<double> sum;
+      LinearCombination<double> predicted;
       for (int k = 0; k < count; ++k) {
-        sum.add(weights_[static_cast<std::size_t>(k)], past(k)[kind][i]);
+        predicted += weights_[static_cast<std::size_t>(k)] * past(k)[kind][i];
       }
-      return sum;
+      return predicted;
     });
   }
   return true;
@@ -89,7 +89,7 @@ void Predictor::accept(double h, const Unknowns& x) {
   newest_ = (newest_ + 1) % past_.size();
   known_ = std::min(known_ + 1, static_cast<int>(past_.size()));
   for (std::size_t kind = 0; kind < x.size(); ++kind) {
-    assign(past_[newest_][kind], [&](std::size_t i) { return sum_of(1.0, x[kind][i]); });
+    copy(past_[newest_][kind], x[kind]);
   }
   learn();
 }
