@@ -121,7 +121,7 @@ TEST(SplitProducts, RefuseAliasesOtherSizesAndThreads) {
   SplitMatrix A(5), B(5), C(5), other(6);
   for (const bool adjoint_left : {false, true}) {
     const auto form = [&](const SplitMatrix& left, const SplitMatrix& right, SplitMatrix& out) {
-      products.form(into(out, adjoint_left ? isosyrk::adjoint(left) * right : left * right));
+      products.form(into(out, adjoint_left ? adjoint(left) * right : left * right));
     };
     EXPECT_THROW(form(A, B, A), std::invalid_argument);
     EXPECT_THROW(form(A, B, B), std::invalid_argument);

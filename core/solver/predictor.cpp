@@ -48,7 +48,9 @@ Predictor::Predictor(int past_steps, const Unknowns& like)
     : past_(static_cast<std::size_t>(checked(past_steps)), like),
       of_differences_(numbers_sampled_of(like), std::max(0, past_steps - differences)) {}
 
-// Sets weights_ from the past steps and returns their number.
+// Sets weights_ from the past steps and returns their number.  With the fitted c_j,
+//     x_{m+1} = Σ_j c_j ∇^p x_{m+1-j} - (∇^p x_{m+1} - x_{m+1}),
+// where the bracket has past steps only.  Without a fit ∇^K x_{m+1} is taken as 0 for all K steps.
 int Predictor::weigh() {
   const bool fits = of_differences_.terms() >= tuning.fewest_weights;
   const LinearPrediction::Weights c =
