@@ -39,10 +39,11 @@ class FrozenEulerZeitlin final : public Flow {
   class Generator final : public SplitGenerator {
    public:
     explicit Generator(const Matrix& B) : B_(B) {}
-    void upper(const SplitStages&, SplitStages& B) const override {
+    void upper(std::span<const SplitMatrix>, std::span<SplitMatrix> B) const override {
       for (SplitMatrix& each : B) each = B_;
     }
-    void upper_within(Index, const SingleStages&, SingleStages& B) const override {
+    void upper_within(Index, std::span<const SingleMatrix>,
+                      std::span<SingleMatrix> B) const override {
       for (SingleMatrix& each : B) each.entries().setZero();
     }
     double norm_bound() const override { return EulerZeitlin(n).split_generator()->norm_bound(); }

@@ -127,7 +127,7 @@ TEST(Bands, OfALaplacianAreTheDiagonalsItSolves) {
     const SplitLaplacianOf<double> laplacian{Laplacian(n)};
     const Matrix W = random_skew_hermitian(n, 1);
     SplitStages all = split_stages(1, n);
-    laplacian.solve_upper({SplitMatrix(W)}, 1.0, n - 1, all);
+    laplacian.solve_upper(SplitStages{SplitMatrix(W)}, 1.0, n - 1, all);
     mirror_skew(all);
     for (const Index band : {Index{0}, Index{1}, n / 3, n - 2, n - 1}) {
       SCOPED_TRACE(::testing::Message() << "n = " << n << ", band " << band);
@@ -135,7 +135,7 @@ TEST(Bands, OfALaplacianAreTheDiagonalsItSolves) {
       Matrix read = entries_of(W, is_read, std::nan(""));
       const SplitMatrix start(random_matrix(n, 2));
       SplitStages P = {start};
-      laplacian.solve_upper({SplitMatrix(read)}, 1.0, band, P);
+      laplacian.solve_upper(SplitStages{SplitMatrix(read)}, 1.0, band, P);
       EXPECT_EQ(P[0].band(), band);
       // Nothing else is written, but to the end of a block of four.
       const auto is_kept = [band](Index r, Index c) { return r > c || c - r > band + 3; };
@@ -143,7 +143,7 @@ TEST(Bands, OfALaplacianAreTheDiagonalsItSolves) {
       mirror_skew_within(P, band);
       EXPECT_EQ(P[0].interleaved(), cut(all[0].interleaved(), band));
       read(0, band) = std::nan("");
-      laplacian.solve_upper({SplitMatrix(read)}, 1.0, band, P);
+      laplacian.solve_upper(SplitStages{SplitMatrix(read)}, 1.0, band, P);
       EXPECT_FALSE(P[0].entries().allFinite());
     }
   }

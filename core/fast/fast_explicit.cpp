@@ -32,9 +32,10 @@ void FastExplicit::generate(Generators& B, SplitStages& W) {
   generator_.generate(B, W, bands_, left_out_ / std::abs(h_));
 }
 
-bool FastExplicit::conjugate(SplitAdjointSeries& series, SplitStages& out, const SplitStages& Omega,
-                             const SplitStages& W) {
-  return series.conjugate(out, Omega, W, products_, single_products_, bands_, left_out_);
+GradedSeries FastExplicit::graded_series() {
+  GradedSeries series(products_, single_products_, flow().size());
+  series.truncate(bands_, left_out_);
+  return series;
 }
 
 FastRungeKutta4::FastRungeKutta4(const SharedFlow& flow, const FastOptions& options)
@@ -59,7 +60,7 @@ bool FastRungeKutta4::take_explicit_step(SplitStages& W1, const SplitStages& W0,
 FastMuntheKaas4::FastMuntheKaas4(const SharedFlow& flow, const FastOptions& options)
     : FastExplicit(flow, options),
       scheme_(munthe_kaas4()),
-      series_(flow->size()),
+      series_(graded_series()),
       Omega_(zeros(1)),
       commutator_(zeros(1)),
       W_stage_(zeros(1)),
@@ -80,18 +81,47 @@ void FastMuntheKaas4::form_exponent(std::size_t stage) {
 }
 
 bool FastMuntheKaas4::take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) {
+  const double error = tuning.conjugation_error * norm(W0[0]);
   for (std::size_t i = 0; i < k_.size(); ++i) {
     if (i == 0) {
       copy(W_stage_, W0);
     } else {
       form_exponent(i);
-      if (!conjugate(series_, W_stage_, Omega_, W0)) return false;
+      if (!series_.conjugate(W_stage_[0], Omega_[0], W0[0], error)) return false;
     }
     generate(B_, W_stage_);
     k_[i] = h * B_[0];
   }
   form_exponent(k_.size());
-  return conjugate(series_, W1, Omega_, W0);
+  return series_.conjugate(W1[0], Omega_[0], W0[0], error);
+}
+
+FastMagnus::FastMagnus(const SharedFlow& flow, int order, const FastOptions& options)
+    : FastExplicit(flow, options),
+      is_single_(options.solver.tolerance >= tuning.single_magnus),
+      lie_(products_, generator_),
+      single_lie_(single_products_, generator_),
+      exponential_(flow->size()),
+      Omega_(flow->size()),
+      Omega_single_(flow->size()),
+      W0_single_(flow->size()) {
+  if (is_single_) {
+    single_magnus_.emplace(single_lie_, order);
+  } else {
+    magnus_.emplace(lie_, order);
+  }
+}
+
+bool FastMagnus::take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) {
+  if (is_single_) {
+    round_to_single(W0_single_, W0[0]);
+    single_magnus_->form_exponent(Omega_single_, W0_single_, h);
+    Omega_.entries().setZero();
+    add(Omega_, Omega_single_);
+  } else {
+    magnus_->form_exponent(Omega_, W0[0], h);
+  }
+  return exponential_.conjugate(W1[0], Omega_, W0[0], products_);
 }
 
 }  // namespace isosyrk

@@ -1,10 +1,12 @@
 // Explicit methods in split-complex storage.
 #pragma once
 
-#include <vector>
+#include <optional>
 
-#include "isosyrk/fast/split_adjoint_series.h"
+#include "isosyrk/fast/graded_series.h"
+#include "isosyrk/fast/split_exponential.h"
 #include "isosyrk/fast/split_integrator.h"
+#include "isosyrk/fast/split_magnus.h"
 #include "isosyrk/fast/stage_generator.h"
 #include "isosyrk/tableaux/explicit_tableaux.h"
 
@@ -25,17 +27,17 @@ class FastExplicit : public SplitIntegrator {
   void commutator(SplitStages& out, const SplitMatrix& A, const SplitMatrix& X, double scale = 1.0);
   /// B = B(W).  W is cut to its band.
   void generate(Generators& B, SplitStages& W);
-  /// out = e^Ω W e^(-Ω); false if the series does not converge.
-  bool conjugate(SplitAdjointSeries& series, SplitStages& out, const SplitStages& Omega,
-                 const SplitStages& W);
+  /// Returns a series of these products that cuts its terms to bands.
+  GradedSeries graded_series();
+
+  SplitProducts products_;
+  SingleProducts single_products_;
+  StageGenerator generator_;
 
  private:
   StepReport take_step(SplitStages& W1, const SplitStages& W0, double h, Past past) final;
   Work work() const final { return work_of(products_, single_products_, generator_); }
 
-  SplitProducts products_;
-  SingleProducts single_products_;
-  StageGenerator generator_;
   BandTruncation bands_;
   double h_ = 0.0;
   double left_out_;      // Frobenius norm that may be cut from W
@@ -69,12 +71,33 @@ class FastMuntheKaas4 final : public FastExplicit {
   void form_exponent(std::size_t stage);
 
   MuntheKaasScheme scheme_;
-  SplitAdjointSeries series_;
+  GradedSeries series_;
   SplitStages Omega_;       // Ω_i, and at the end Ω
   SplitStages commutator_;  // of Ω_i
   SplitStages W_stage_;     // Ad(Ω_i) W₀
   Generators B_;            // B(Ad(Ω_i) W₀)
   SplitStages k_;           // k_1 ... k_4
+};
+
+/// The explicit Magnus methods of order 4 or 5: W₁ = e^Ω W₀ e^(-Ω) to rounding, with Ω to the
+/// tolerance, relative to ‖Ω‖: in single precision if that is enough.  So the spectrum does not
+/// depend on the tolerance.  Products: those of SplitMagnus and of SplitExponential.
+class FastMagnus final : public FastExplicit {
+ public:
+  FastMagnus(const SharedFlow& flow, int order, const FastOptions& options);
+
+ private:
+  bool take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) override;
+
+  bool is_single_;
+  SplitLie<double> lie_;
+  SplitLie<float> single_lie_;
+  // One of the two is made.
+  std::optional<SplitMagnus<double>> magnus_;
+  std::optional<SplitMagnus<float>> single_magnus_;
+  SplitExponential exponential_;
+  SplitMatrix Omega_;
+  SingleMatrix Omega_single_, W0_single_;
 };
 
 }  // namespace isosyrk

@@ -35,6 +35,20 @@ void StageGenerator::round(RoundedGenerators& S, const Generators& B, const Band
   for (const SingleMatrix& each : S.B) S.coupling_band = std::max(S.coupling_band, each.band());
 }
 
+void StageGenerator::generate_one(SplitMatrix& B, const SplitMatrix& W) {
+  generator_->upper({&W, 1}, {&B, 1});
+  ++solves_;
+  B.set_band(n_ - 1);
+  mirror_all_skew(B);
+}
+
+void StageGenerator::generate_one(SingleMatrix& B, const SingleMatrix& W) {
+  generator_->upper_within(n_ - 1, {&W, 1}, {&B, 1});
+  ++solves_;
+  B.set_band(n_ - 1);
+  mirror_all_skew(B);
+}
+
 void StageGenerator::generate_within(SingleStages& dB, Index band, const SingleStages& dW) {
   generator_->upper_within(band, dW, dB);
   solves_ += static_cast<long>(dW.size());

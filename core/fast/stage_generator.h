@@ -50,6 +50,9 @@ class StageGenerator {
   /// widest of these, at least least_band.
   static void round(RoundedGenerators& S, const Generators& B, const BandTruncation& bands,
                     double tail, Index least_band);
+  /// B = B(W) for one matrix, not cut to bands.  Reads the upper triangle of W.
+  void generate_one(SplitMatrix& B, const SplitMatrix& W);
+  void generate_one(SingleMatrix& B, const SingleMatrix& W);
   /// dB_i = B(dW_i) within a band.  Reads the upper triangles of dW_i.
   void generate_within(SingleStages& dB, Index band, const SingleStages& dW);
 

@@ -1,6 +1,8 @@
 // The generator of a flow in split-complex storage, for the fast forms.
 #pragma once
 
+#include <span>
+
 #include "isosyrk/split/split_matrix.h"
 
 namespace isosyrk {
@@ -12,10 +14,11 @@ class SplitGenerator {
 
   /// Sets the upper triangles, diagonal included, of B_i = B(W_i), from the upper triangles of W_i.
   /// B_i is not W_i.
-  virtual void upper(const SplitStages& W, SplitStages& B) const = 0;
+  virtual void upper(std::span<const SplitMatrix> W, std::span<SplitMatrix> B) const = 0;
   /// As upper(), in single precision, within a band.  Entries of B_i beyond the band are
   /// unspecified.
-  virtual void upper_within(Index band, const SingleStages& W, SingleStages& B) const = 0;
+  virtual void upper_within(Index band, std::span<const SingleMatrix> W,
+                            std::span<SingleMatrix> B) const = 0;
 
   /// Returns a c with ‖B(W)‖_F <= c ‖W‖_F.
   virtual double norm_bound() const = 0;

@@ -20,7 +20,7 @@ Index first_diagonal(Index n, Index band, Index part, Index parts) {
 
 // Subtracts from the upper triangles of B_i their parts with l = 1.
 template <class Real>
-void subtract_rotation(SplitStagesOf<Real>& B) {
+void subtract_rotation(std::span<SplitMatrixOf<Real>> B) {
   const Spin spin(B.front().size());
   for (SplitMatrixOf<Real>& Bi : B) {
     const Index next = Bi.stride() + 1;  // from an entry to the next of its diagonal
@@ -61,8 +61,8 @@ SplitLaplacianOf<Real>::SplitLaplacianOf(const Laplacian& laplacian)
 }
 
 template <class Real>
-void SplitLaplacianOf<Real>::solve_upper(const SplitStagesOf<Real>& W, Real scale, Index band,
-                                         SplitStagesOf<Real>& P) const {
+void SplitLaplacianOf<Real>::solve_upper(std::span<const SplitMatrixOf<Real>> W, Real scale,
+                                         Index band, std::span<SplitMatrixOf<Real>> P) const {
   parallel::for_shares_of(
       W, [&](std::size_t i, Share share) { solve_upper(W[i], scale, band, P[i], share); });
 }
@@ -156,12 +156,13 @@ SplitEulerZeitlin::SplitEulerZeitlin(const Laplacian& laplacian, double reciproc
       reciprocal_hbar_(reciprocal_hbar),
       rotation_(rotation) {}
 
-void SplitEulerZeitlin::upper(const SplitStages& W, SplitStages& B) const {
+void SplitEulerZeitlin::upper(std::span<const SplitMatrix> W, std::span<SplitMatrix> B) const {
   laplacian_.solve_upper(W, reciprocal_hbar_, n_ - 1, B);
   if (rotation_ == Rotation::left_out) subtract_rotation(B);
 }
 
-void SplitEulerZeitlin::upper_within(Index band, const SingleStages& W, SingleStages& B) const {
+void SplitEulerZeitlin::upper_within(Index band, std::span<const SingleMatrix> W,
+                                     std::span<SingleMatrix> B) const {
   single_laplacian_.solve_upper(W, static_cast<float>(reciprocal_hbar_), band, B);
   if (rotation_ == Rotation::left_out) subtract_rotation(B);
 }

@@ -17,8 +17,8 @@ class SplitLaplacianOf {
   /// Sets the upper triangles of P_i = scale Δ⁻¹ W_i within a band, trace-free.  Up to three
   /// entries of a row beyond the band become 0; other entries of P_i are unchanged.  P_i is not
   /// W_i.  Allocates nothing.
-  void solve_upper(const SplitStagesOf<Real>& W, Real scale, Index band,
-                   SplitStagesOf<Real>& P) const;
+  void solve_upper(std::span<const SplitMatrixOf<Real>> W, Real scale, Index band,
+                   std::span<SplitMatrixOf<Real>> P) const;
 
  private:
   using Reals = typename SplitMatrixOf<Real>::Entries;
@@ -44,8 +44,9 @@ class SplitEulerZeitlin final : public SplitGenerator {
   SplitEulerZeitlin(const Laplacian& laplacian, double reciprocal_hbar,
                     Rotation rotation = Rotation::kept);
 
-  void upper(const SplitStages& W, SplitStages& B) const override;
-  void upper_within(Index band, const SingleStages& W, SingleStages& B) const override;
+  void upper(std::span<const SplitMatrix> W, std::span<SplitMatrix> B) const override;
+  void upper_within(Index band, std::span<const SingleMatrix> W,
+                    std::span<SingleMatrix> B) const override;
   /// Returns 1/(l(l+1)ħ) for the least l that is left: 1 or 2.
   double norm_bound() const override {
     return reciprocal_hbar_ / (rotation_ == Rotation::kept ? 2.0 : 6.0);

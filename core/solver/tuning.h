@@ -81,10 +81,16 @@ struct Tuning {
   /// Frobenius norm that may be cut from the inverse, as a multiple of the accuracy.
   double of_inverse = 0.1;
 
-  // The adjoint series of FastMuntheKaas4.
-  /// Terms below this multiple of the sum are formed in single precision.  The
-  /// error is then 6e-17 of the sum.  Ten times this value shows in the spectrum of long runs.
-  double single_term = 1e-9;
+  // Series of commutators (GradedSeries).
+  /// A term is formed in single precision where this multiple of its norm is below the wanted error.
+  double single_roundoff = 6e-8;
+  /// A series ends with the first term below this multiple of the wanted error.
+  double series_end = 1.0 / 6.0;
+  /// Smallest tolerance at which the explicit Magnus methods form Ω in single precision.
+  double single_magnus = 1e-6;
+  /// Wanted error of a series that conjugates, as a multiple of ‖W‖.  Ten times this value shows in
+  /// the spectrum of long runs.
+  double conjugation_error = 6e-17;
 
   // Threads.
   /// Returns the smallest n at which several threads are faster than one.

@@ -148,26 +148,48 @@ template double squares_of_rows(const SingleMatrix&, parallel::Rows);
 
 }  // namespace linear_combination
 
+namespace {
+
+void round_rows(SingleMatrix& S, const SplitMatrix& X, parallel::Rows rows) {
+  for_mixed_pieces(X.size(), rows, [&](Index at, Index single_at) {
+    Singles::Map(S.entries().data() + single_at) =
+        view<mixed_length>(X.entries().data() + at).cast<float>();
+  });
+  if (rows.begin == 0) S.set_band(X.band());
+}
+
+void add_rows(SplitMatrix& X, const SingleMatrix& S, double weight, parallel::Rows rows) {
+  for_mixed_pieces(X.size(), rows, [&](Index at, Index single_at) {
+    Doubles::Map(X.entries().data() + at) +=
+        weight * view<mixed_length>(S.entries().data() + single_at).cast<double>();
+  });
+  if (rows.begin == 0) X.set_band(std::max(X.band(), S.band()));
+}
+
+}  // namespace
+
 void round_to_single(SingleStages& S, const SplitStages& X) {
   if (X.empty()) return;
   parallel::for_each_block(X.size(), X[0].size(), [&](std::size_t i, parallel::Rows rows, Index) {
-    for_mixed_pieces(X[i].size(), rows, [&](Index at, Index single_at) {
-      Singles::Map(S[i].entries().data() + single_at) =
-          view<mixed_length>(X[i].entries().data() + at).cast<float>();
-    });
-    if (rows.begin == 0) S[i].set_band(X[i].band());
+    round_rows(S[i], X[i], rows);
   });
+}
+
+void round_to_single(SingleMatrix& S, const SplitMatrix& X) {
+  parallel::for_each_block(
+      1, X.size(), [&](std::size_t, parallel::Rows rows, Index) { round_rows(S, X, rows); });
 }
 
 void add(SplitStages& X, const SingleStages& S) {
   if (X.empty()) return;
   parallel::for_each_block(X.size(), X[0].size(), [&](std::size_t i, parallel::Rows rows, Index) {
-    for_mixed_pieces(X[i].size(), rows, [&](Index at, Index single_at) {
-      Doubles::Map(X[i].entries().data() + at) +=
-          view<mixed_length>(S[i].entries().data() + single_at).cast<double>();
-    });
-    if (rows.begin == 0) X[i].set_band(std::max(X[i].band(), S[i].band()));
+    add_rows(X[i], S[i], 1.0, rows);
   });
+}
+
+void add(SplitMatrix& X, const SingleMatrix& S, double weight) {
+  parallel::for_each_block(
+      1, X.size(), [&](std::size_t, parallel::Rows rows, Index) { add_rows(X, S, weight, rows); });
 }
 
 void add_identity(SingleStages& X, float scale) {

@@ -258,11 +258,23 @@ double largest_norm(const SplitStagesOf<Real>& X) {
       });
 }
 
+/// Returns the Frobenius norm of X, NaN if it has a NaN.
+template <class Real>
+double norm(const SplitMatrixOf<Real>& X) {
+  return linear_combination::largest_norm_of(1, X.size(), [&](std::size_t, parallel::Rows rows) {
+    return linear_combination::squares_of_rows(X, rows);
+  });
+}
+
 /// S_i = X_i rounded to single precision, with the band of X_i.
 void round_to_single(SingleStages& S, const SplitStages& X);
+/// The same for one matrix.
+void round_to_single(SingleMatrix& S, const SplitMatrix& X);
 
 /// X_i += S_i.  The band of X_i becomes the wider of the two.
 void add(SplitStages& X, const SingleStages& S);
+/// X += weight S, formed in double.  The band of X becomes the wider of the two.
+void add(SplitMatrix& X, const SingleMatrix& S, double weight = 1.0);
 
 /// X_i += scale I.
 void add_identity(SingleStages& X, float scale);

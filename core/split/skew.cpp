@@ -64,6 +64,26 @@ inline __attribute__((always_inline)) void turn(const Real* from, Real* to, Inde
   block.store(to, stride);
 }
 
+// Fills the lower triangle of a Hermitian matrix, in a share.
+template <class Real>
+void mirror_hermitian(SplitMatrixOf<Real>& C, Share share) {
+  const Index stride = C.stride();
+  Real* re = C.re();
+  Real* im = C.im();
+  for_pairs(
+      C, C.size() - 1, share,
+      [=](Index upper, Index lower) {
+        turn(re + upper, re + lower, stride, false);
+        turn(im + upper, im + lower, stride, true);
+      },
+      [=](Index upper, Index lower) {
+        re[lower] = re[upper];
+        im[lower] = -im[upper];
+      },
+      [=](Index at) { im[at] = 0; });
+}
+
+// Fills the lower triangle of a skew-Hermitian matrix within a band, in a share.
 template <class Real>
 void mirror(SplitMatrixOf<Real>& C, Index band, Share share) {
   const Index stride = C.stride();
@@ -202,6 +222,29 @@ void minus_adjoint(SplitStagesOf<Real>& out, const SplitStagesOf<Real>& C) {
   });
 }
 
+template <class Real>
+void skew_part(SplitMatrixOf<Real>& out, const SplitMatrixOf<Real>& C, double scale) {
+  parallel::for_each_share(1, [&](Index, Share share, int) {
+    form_skew_part<true>(out, C.size() - 1, C, static_cast<Real>(scale), share);
+  });
+  out.set_band(C.band());
+}
+
+template <class Real>
+void mirror_all_skew(SplitMatrixOf<Real>& C) {
+  parallel::for_each_share(1, [&](Index, Share share, int) { mirror_skew(C, share); });
+}
+
+template <class Real>
+void mirror_all_hermitian(SplitMatrixOf<Real>& C) {
+  parallel::for_each_share(1, [&](Index, Share share, int) { mirror_hermitian(C, share); });
+}
+
+template void skew_part(SplitMatrix&, const SplitMatrix&, double);
+template void skew_part(SingleMatrix&, const SingleMatrix&, double);
+template void mirror_all_skew(SplitMatrix&);
+template void mirror_all_skew(SingleMatrix&);
+template void mirror_all_hermitian(SplitMatrix&);
 template void mirror_skew(SplitMatrix&, Share);
 template void mirror_skew(SingleMatrix&, Share);
 template void mirror_skew_within(SplitMatrix&, Index, Share);

@@ -32,4 +32,17 @@ void upper_skew_part_within(SplitStagesOf<Real>& out, Index band, const SplitSta
 template <class Real>
 void minus_adjoint(SplitStagesOf<Real>& out, const SplitStagesOf<Real>& C);
 
+// The same for one matrix, of which threads take a share each.
+
+/// out = scale (C - C†), exactly skew-Hermitian.  out is not C.
+template <class Real>
+void skew_part(SplitMatrixOf<Real>& out, const SplitMatrixOf<Real>& C, double scale = 1.0);
+/// mirror_skew of all of C.
+template <class Real>
+void mirror_all_skew(SplitMatrixOf<Real>& C);
+/// Fills the lower triangle of a Hermitian matrix from the upper one: C(r, c) = conj(C(c, r)).  The
+/// imaginary part of the diagonal becomes 0.
+template <class Real>
+void mirror_all_hermitian(SplitMatrixOf<Real>& C);
+
 }  // namespace isosyrk

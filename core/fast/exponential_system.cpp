@@ -1,0 +1,215 @@
+#include "isosyrk/fast/exponential_system.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "isosyrk/split/linear_combination.h"
+
+namespace isosyrk {
+namespace {
+
+// Gauss quadrature of ∫₀¹ f(s) s ds, with one node and with two.  Σ w = 1/2, Σ w s = 1/3.
+struct Node {
+  double s;
+  double weight;
+};
+const double root6 = std::sqrt(6.0);
+const std::array<Node, 3> nodes = {{{2.0 / 3.0, 0.5},
+                                    {(6.0 - root6) / 10.0, 0.25 - 1.0 / (6.0 * root6)},
+                                    {(6.0 + root6) / 10.0, 0.25 + 1.0 / (6.0 * root6)}}};
+
+// The error that one node makes in K δ is about this part of it; seen at h = 0.1 ... 0.5.
+constexpr double error_of_one_node = 0.02;
+// K contracts by about this factor.
+constexpr double contraction_of_K = 0.1;
+
+}  // namespace
+
+ExponentialSystem::ExponentialSystem(const Flow& flow, int order, int threads, bool truncates)
+    : n_(flow.size()),
+      order_(order),
+      products_(n_, threads),
+      single_products_(n_, threads),
+      generator_(flow),
+      bands_(truncates, 1, n_),
+      lie_(products_, generator_),
+      single_lie_(single_products_, generator_),
+      series_(products_, single_products_, n_),
+      gradient_(lie_, order == 6),
+      single_gradient_(single_lie_, order == 6),
+      magnus_(single_lie_, order == 6 ? 5 : 4),
+      exponential_(n_),
+      correction_({split_stages(1, n_)}),
+      W0_single_(n_),
+      mu_(n_),
+      v_(n_),
+      terms_(n_),
+      mu_single_(n_),
+      v_single_(n_),
+      terms_single_(n_),
+      Omega_single_(n_),
+      c_(n_),
+      next_c_(n_),
+      D_(n_) {
+  moved_.fill(SingleMatrix(n_));
+  inner_.fill(SingleMatrix(n_));
+}
+
+std::vector<Attempt> ExponentialSystem::attempts(bool newton) const {
+  const Iteration first = newton ? Iteration::newton : Iteration::picard;
+  return {{Start::stepped, first},
+          {Start::cold, first},
+          {Start::cold, Iteration::picard},
+          {Start::cold, Iteration::anderson}};
+}
+
+void ExponentialSystem::bind(const SplitMatrix& W0, double h, double tolerance) {
+  W0_ = &W0;
+  if (h != h_) share_of_terms_ = {1.0, 1.0};  // nothing is known
+  h_ = h;
+  tolerance_ = tolerance;
+  size_of_W0_ = norm(W0);
+  round_to_single(W0_single_, W0);
+}
+
+void ExponentialSystem::start(Unknowns& x, Start how) {
+  SplitMatrix& Omega = x[0][0];
+  if (how == Start::stepped) {
+    magnus_.form_exponent(Omega_single_, W0_single_, h_);
+    Omega.entries().setZero();
+    add(Omega, Omega_single_);
+    Omega.set_band(n_ - 1);
+  } else {
+    lie_.generate(Omega, *W0_);
+    Omega = h_ * Omega;
+  }
+}
+
+double ExponentialSystem::unit(const Unknowns& x) const {
+  const double size = norm(x[0][0]);
+  return size > 0.0 ? size : 1.0;
+}
+
+// Sets mu_ to φ₁(ad_Ω) W₀ with this error, and moved_ to e^{s ad_Ω} W₀ at all nodes.
+bool ExponentialSystem::form_average(const SplitMatrix& Omega, double error) {
+  mu_ = 1.0 * *W0_;
+  for (SingleMatrix& moved : moved_) moved = 1.0 * W0_single_;
+  series_.truncate(bands_, 0.1 * error);
+  series_.begin(Omega, *W0_, error);
+  bool goes_on = true;
+  while (goes_on) {
+    goes_on = series_.advance();
+    if (series_.failed()) return false;
+    const int k = series_.k();
+    series_.add_to(mu_, 1.0 / static_cast<double>(k + 1));
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      series_.add_to(moved_[i], std::pow(nodes[i].s, k));
+    }
+  }
+  return true;
+}
+
+template <class Real>
+void ExponentialSystem::add_gradient_terms(SplitModifiedGradient<Real>& gradient,
+                                           const SplitMatrixOf<Real>& mu,
+                                           const SplitMatrixOf<Real>& v, SplitMatrixOf<Real>& terms,
+                                           typename SplitModifiedGradient<Real>::Terms which) {
+  gradient.evaluate(terms, mu, v, h_, which);
+  const double share = norm(terms) / norm(v_);
+  if (which.second) {
+    share_of_terms_[0] = share;
+    if (which.fourth) share_of_terms_[1] = share * share;  // about that of h⁴ alone
+  } else {
+    share_of_terms_[1] = share;
+  }
+}
+
+// Sets v_ to B̃(mu_), to a relative accuracy.  The terms in h² and h⁴ are formed in single precision
+// where its rounding does not show, by their last sizes.
+void ExponentialSystem::form_gradient(double accuracy) {
+  lie_.generate(v_, mu_);
+  if (order_ == 2) return;
+  const auto may_be_single = [&](std::size_t term) {
+    return tuning.single_roundoff * share_of_terms_[term] <= 0.1 * accuracy;
+  };
+  const bool has_fourth = order_ == 6;
+  const bool second_in_single = may_be_single(0);
+  const bool fourth_in_single = has_fourth && may_be_single(1);
+  const bool any_in_single = second_in_single || fourth_in_single;
+  const SplitMatrix* in_double = nullptr;
+  if (any_in_single) {
+    round_to_single(mu_single_, mu_);
+    round_to_single(v_single_, v_);
+  }
+  if (!second_in_single) {
+    add_gradient_terms(gradient_, mu_, v_, terms_,
+                       {.second = true, .fourth = has_fourth && !fourth_in_single});
+    in_double = &terms_;
+  }
+  if (any_in_single) {
+    add_gradient_terms(single_gradient_, mu_single_, v_single_, terms_single_,
+                       {.second = second_in_single, .fourth = has_fourth});
+    add(v_, terms_single_);
+  }
+  if (in_double != nullptr) v_ = v_ + *in_double;
+}
+
+ResidualSize ExponentialSystem::residual(Corrections& R, Unknowns& x, double accuracy) {
+  SplitMatrix& Omega = x[0][0];
+  const double size = norm(Omega);
+  const double relative = size > 0.0 ? accuracy / size : accuracy;
+  bands_.truncate(x[0], 0.1 * accuracy);
+  if (!form_average(Omega, relative * size_of_W0_)) {
+    return {.change = std::numeric_limits<double>::quiet_NaN(), .neglected = 0.0};
+  }
+  form_gradient(relative);
+  const double change = form_residual(
+      R[0], [&](std::size_t) { return h_ * v_; }, x[0]);
+  return {.change = change, .neglected = 0.5 * accuracy};
+}
+
+Correction ExponentialSystem::correct(Corrections& delta, const Unknowns& x, const Corrections& R,
+                                      const CorrectionRequest& request,
+                                      const SolverOptions& options) {
+  round_to_single(Omega_single_, x[0][0]);
+  Correction correction = correction_.solve(delta, *this, R, request, options);
+  if (order_ > 2) {  // the derivative that K leaves out
+    correction.error += 2.0 * std::min(share_of_terms_[0], 1.0) * contraction_of_K * request.size;
+  }
+  return correction;
+}
+
+void ExponentialSystem::couple(Corrections& coupled, const Corrections& delta, double accuracy) {
+  const SingleMatrix& t = delta[0][0];
+  const double size = norm(t);
+  const bool one_node = error_of_one_node * contraction_of_K * size <= accuracy;
+  const std::size_t first = one_node ? 0 : 1;
+  const std::size_t count = one_node ? 1 : 2;
+  c_ = 1.0 * t;
+  for (std::size_t i = 0; i < count; ++i) inner_[i] = 1.0 * t;
+  constexpr int most_terms = 60;
+  for (int j = 1; j < most_terms; ++j) {
+    single_lie_.bracket(next_c_, Omega_single_, c_, 1.0 / static_cast<double>(j + 1));
+    std::swap(c_, next_c_);
+    for (std::size_t i = 0; i < count; ++i) {
+      inner_[i] = inner_[i] + std::pow(nodes[first + i].s, j) * c_;
+    }
+    if (!(contraction_of_K * norm(c_) > accuracy)) break;
+  }
+  single_lie_.bracket(D_, inner_[0], moved_[first], nodes[first].weight);
+  if (count == 2) {
+    single_lie_.add_bracket(D_, inner_[1], moved_[first + 1], nodes[first + 1].weight);
+  }
+  SingleMatrix& out = coupled[0][0];
+  single_lie_.generate(out, D_);
+  out = h_ * out;
+}
+
+void ExponentialSystem::update(SplitMatrix& W1, const Unknowns& x) {
+  if (!exponential_.conjugate(W1, x[0][0], *W0_, products_)) {
+    W1.re()[0] = std::numeric_limits<double>::quiet_NaN();  // the step diverges
+  }
+}
+
+}  // namespace isosyrk

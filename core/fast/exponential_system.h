@@ -1,0 +1,107 @@
+// The exponential Lie-Poisson methods in split-complex storage.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "isosyrk/fast/graded_series.h"
+#include "isosyrk/fast/split_exponential.h"
+#include "isosyrk/fast/split_magnus.h"
+#include "isosyrk/fast/split_modified_gradient.h"
+#include "isosyrk/fast/stage_system.h"
+#include "isosyrk/solver/neumann_correction.h"
+
+namespace isosyrk {
+
+/// ExponentialLiePoisson of order 2, 4 or 6 for J = I, with the unknown Ω:
+///
+///     Ω  = G(Ω) = h B̃(μ),   μ = φ₁(ad_Ω) W₀ = Σ_k T_k / (k+1),   W₁ = e^Ω W₀ e^(-Ω)
+///
+/// with T_k of GradedSeries and B̃ of SplitModifiedGradient.  Tolerance and accuracy are relative to
+/// ‖Ω‖_F.  A step is isospectral for any Ω, and Lie-Poisson to the tolerance.
+///
+/// The Jacobian is the coupling of B alone.  With c₀ = δ, c_j = [Ω, c_{j-1}] / (j+1), and
+/// e^{s ad_Ω} W₀ from the same series as μ,
+///
+///     K δ = h B(D),   D = ∫₀¹ [s Σ_j s^j c_j, e^{s ad_Ω} W₀] ds
+///
+/// by Gauss quadrature of weight s: one node, s = 2/3, or two, (6 ∓ √6)/10, where more digits are
+/// wanted.  The derivative of B̃ - B is left out; its size enters the estimated error.
+///
+/// Products of a residual: 1 for each T_k, in double precision only where it has to be, and those
+/// of B̃ - B.  Of the coupling, in single precision: 1 for each c_j, 1 for each node.  Of the
+/// update: those of SplitExponential.  Poisson solves: those of B̃, 1 for K.
+class ExponentialSystem final : public StageSystem, private Coupling {
+ public:
+  /// Throws std::invalid_argument for a flow without a generator in split-complex storage, and for
+  /// threads out of range.
+  ExponentialSystem(const Flow& flow, int order, int threads, bool truncates);
+
+  Unknowns unknowns() const override { return {split_stages(1, n_)}; }
+  /// Newton from an explicit step, then from a cold start; then Picard and Anderson.
+  std::vector<Attempt> attempts(bool newton) const override;
+  void bind(const SplitMatrix& W0, double h, double tolerance) override;
+  /// Explicit: Ω of magnus4, or of magnus5 for order 6.  Cold: Ω = h B(W₀).
+  void start(Unknowns& x, Start how) override;
+  ResidualSize residual(Corrections& R, Unknowns& x, double accuracy) override;
+  Correction correct(Corrections& delta, const Unknowns& x, const Corrections& R,
+                     const CorrectionRequest& request, const SolverOptions& options) override;
+  double unit(const Unknowns& x) const override;
+  Acceptance acceptance() const override { return {.by = Acceptance::By::error_estimate}; }
+  /// W1 is not finite where ‖Ω‖ is beyond SplitExponential.
+  void update(SplitMatrix& W1, const Unknowns& x) override;
+
+  bool truncates() const override { return bands_.enabled(); }
+  void truncate(bool enabled) override { bands_.enable(enabled); }
+  Work work() const override { return work_of(products_, single_products_, generator_); }
+
+ private:
+  static constexpr std::size_t most_nodes = 2;
+
+  void couple(Corrections& coupled, const Corrections& delta, double accuracy) override;
+  bool form_average(const SplitMatrix& Omega, double error);
+  void form_gradient(double accuracy);
+  template <class Real>
+  void add_gradient_terms(SplitModifiedGradient<Real>& gradient, const SplitMatrixOf<Real>& mu,
+                          const SplitMatrixOf<Real>& v, SplitMatrixOf<Real>& terms,
+                          typename SplitModifiedGradient<Real>::Terms which);
+
+  Index n_;
+  int order_;
+  SplitProducts products_;
+  SingleProducts single_products_;
+  StageGenerator generator_;
+  BandTruncation bands_;
+  SplitLie<double> lie_;
+  SplitLie<float> single_lie_;
+  GradedSeries series_;
+  SplitModifiedGradient<double> gradient_;
+  SplitModifiedGradient<float> single_gradient_;
+  SplitMagnus<float> magnus_;
+  SplitExponential exponential_;
+  NeumannCorrection correction_;
+
+  // Of the step.
+  const SplitMatrix* W0_ = nullptr;
+  double h_ = 0.0;
+  double tolerance_ = 0.0;
+  double size_of_W0_ = 0.0;
+  SingleMatrix W0_single_;
+
+  // Of the last residual.
+  SplitMatrix mu_;     // μ
+  SplitMatrix v_;      // B(μ), and then B̃(μ)
+  SplitMatrix terms_;  // B̃ - B in double precision
+  SingleMatrix mu_single_, v_single_, terms_single_;
+  std::array<SingleMatrix, 3> moved_;  // e^{s ad_Ω} W₀ at s = 2/3 and at the two nodes
+  std::array<double, 2> share_of_terms_ = {1.0,
+                                           1.0};  // ‖h² ∇F₂‖ / ‖v‖ and ‖h⁴ ∇F₄‖ / ‖v‖, last seen
+
+  // Of the coupling.
+  SingleMatrix Omega_single_;
+  SingleMatrix c_, next_c_;                     // c_j and c_{j+1}
+  std::array<SingleMatrix, most_nodes> inner_;  // Σ_j s^j c_j at the nodes
+  SingleMatrix D_;
+};
+
+}  // namespace isosyrk

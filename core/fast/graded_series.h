@@ -1,0 +1,66 @@
+// Series of nested commutators in split-complex storage, each term in the precision that it needs.
+#pragma once
+
+#include "isosyrk/split/bands.h"
+#include "isosyrk/split/linear_combination.h"
+#include "isosyrk/split/split_products.h"
+
+namespace isosyrk {
+
+/// The terms of e^Ω W e^(-Ω) = Σ_k T_k for skew-Hermitian Ω and W,
+///
+///     T₀ = W,    T_k = [Ω, T_{k-1}] / k,
+///
+/// from which also φ₁(ad_Ω) W = Σ_k T_k / (k+1) and e^{s ad_Ω} W = Σ_k s^k T_k follow.  Each term
+/// takes one product: [Ω, T] = M - M† with M = Ω T.  It is formed in single precision where the
+/// rounding of that is below the wanted error, and added to sums in double precision.
+///
+/// Usage: begin(); then, until advance() says that T_k is negligible, add_to() each sum.
+class GradedSeries {
+ public:
+  /// For n x n matrices.  Products must outlive it.  Only the constructor allocates.
+  GradedSeries(SplitProducts& products, SingleProducts& single_products, Index n);
+
+  /// Begins with T₀ = W.  The terms left out and the rounding of single precision have about the
+  /// Frobenius norm `error` each.
+  void begin(const SplitMatrix& Omega, const SplitMatrix& W, double error);
+  /// Forms the next term.  Returns false if it is negligible, or if the series has failed.
+  bool advance();
+  /// True if a term was not finite, or 200 did not suffice.
+  bool failed() const { return failed_; }
+  /// Returns the number k of the present term.
+  int k() const { return k_; }
+
+  /// sum += weight T_k.
+  void add_to(SplitMatrix& sum, double weight) const;
+  void add_to(SingleMatrix& sum, double weight);
+
+  /// Sets the norm that may be cut from a factor T_k in double precision.
+  void truncate(BandTruncation& bands, double tail) {
+    bands_ = &bands;
+    tail_ = tail;
+  }
+
+  /// out = e^Ω W e^(-Ω) with this error.  Returns false if the series fails.  out is not W.
+  bool conjugate(SplitMatrix& out, const SplitMatrix& Omega, const SplitMatrix& W, double error);
+
+ private:
+  SplitProducts& products_;
+  SingleProducts& single_products_;
+  BandTruncation* bands_ = nullptr;
+  double tail_ = 0.0;
+  const SplitMatrix* Omega_ = nullptr;
+  double error_ = 0.0;
+  int k_ = 0;
+  bool in_single_ = false;
+  bool failed_ = false;
+  SplitStages term_;     // T_k, a single matrix, where it is in double precision
+  SplitMatrix next_;     // T_{k+1}
+  SplitMatrix product_;  // Ω T_k
+  SingleMatrix Omega_single_;
+  SingleMatrix term_single_;  // T_k where it is in single precision
+  SingleMatrix next_single_, product_single_;
+  SingleMatrix rounded_;  // T_k rounded, for sums in single precision
+};
+
+}  // namespace isosyrk

@@ -1,0 +1,41 @@
+// The exponential of a skew-Hermitian matrix, and conjugation by it.
+#pragma once
+
+#include <vector>
+
+#include "isosyrk/split/split_products.h"
+
+namespace isosyrk {
+
+/// Computes W₁ = e^Ω W₀ e^(-Ω) to rounding by the Taylor series of e^Ω, cut after the terms that
+/// ‖Ω‖ needs.  With the Hermitian X = Ω²
+///
+///     e^Ω = C(X) + Ω S(X),   C(X) = Σ_j X^j / (2j)!,   S(X) = Σ_j X^j / (2j+1)!,   j <= m
+///
+/// and both polynomials by Paterson and Stockmeyer's scheme in blocks of q: powers X ... X^q, then
+/// Horner in X^q.  All powers and polynomials are Hermitian, ΩS and W₁ skew-Hermitian: a triangle
+/// each.  Equivalent products: 4 to 6.5, from m = 4 to 21.
+/// Source: M. S. Paterson, L. J. Stockmeyer, SIAM J. Comput. 2, 1973.
+class SplitExponential {
+ public:
+  explicit SplitExponential(Index n);
+
+  /// W1 = e^Ω W0 e^(-Ω), exactly skew-Hermitian, for skew-Hermitian Ω and W0.  Returns false if
+  /// ‖Ω‖ is beyond the longest series, about 6.7, or not finite; W1 is then unspecified.  Allocates
+  /// nothing.
+  bool conjugate(SplitMatrix& W1, const SplitMatrix& Omega, const SplitMatrix& W0,
+                 SplitProducts& products);
+
+ private:
+  // out = C(X) or, with odd = 1, S(X), of degree m, in blocks of q.
+  void form_polynomial(SplitMatrix& out, int odd, int m, int q, SplitProducts& products);
+
+  std::vector<SplitMatrix> powers_;  // X^1 ... X^7
+  SplitMatrix cosine_;               // C(X)
+  SplitMatrix sine_;                 // S(X)
+  SplitMatrix Omega_sine_;           // Ω S(X)
+  SplitMatrix adjoint_;              // e^(-Ω) = C - ΩS
+  SplitMatrix scratch_;
+};
+
+}  // namespace isosyrk

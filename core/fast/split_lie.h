@@ -1,0 +1,47 @@
+// Brackets and generators of single matrices in split-complex storage.
+#pragma once
+
+#include <type_traits>
+
+#include "isosyrk/fast/stage_generator.h"
+#include "isosyrk/split/linear_combination.h"
+#include "isosyrk/split/skew.h"
+
+namespace isosyrk {
+
+/// The bracket and B of a flow in one precision, counted: what an equation in a Lie algebra is
+/// written with.  Products, generator and bands must outlive it.  Only the constructor allocates.
+template <class Real>
+class SplitLie {
+ public:
+  using M = SplitMatrixOf<Real>;
+
+  SplitLie(SplitProductsOf<Real>& products, StageGenerator& generator)
+      : products_(products),
+        generator_(generator),
+        product_(products.size()),
+        term_(products.size()) {}
+
+  M zero() const { return M(products_.size()); }
+
+  /// out = scale [A, B] for skew-Hermitian A and B, by one product.
+  void bracket(M& out, const M& A, const M& B, double scale = 1.0) {
+    products_.form(into(product_, A * B));
+    skew_part(out, product_, scale);
+  }
+  /// out += scale [A, B].
+  void add_bracket(M& out, const M& A, const M& B, double scale = 1.0) {
+    bracket(term_, A, B, scale);
+    out = out + term_;
+  }
+  /// B = B(W), not cut to bands.
+  void generate(M& B, const M& W) { generator_.generate_one(B, W); }
+
+ private:
+  SplitProductsOf<Real>& products_;
+  StageGenerator& generator_;
+  M product_;  // A B
+  M term_;     // a bracket to be added
+};
+
+}  // namespace isosyrk
