@@ -15,12 +15,11 @@ Scene euler_zeitlin_scene(std::string_view name, Index n, HbarConvention convent
 
 namespace {
 
-[[noreturn]] void refuse(const std::string& why) {
-  throw std::invalid_argument("initial data: " + why);
-}
-
-void require_in(const QuadraticAlgebra& algebra, const Matrix& W0) {
+void require_in(const QuadraticAlgebra& algebra, const Matrix& W0, std::string_view what) {
   constexpr double largest_defect = 1e-10;
+  const auto refuse = [&](const std::string& why) {
+    throw std::invalid_argument(fmt::format("{}: {}", what, why));
+  };
   const Index n = algebra.size();
   if (W0.rows() != n || W0.cols() != n) {
     refuse(fmt::format("{} x {}; must be {} x {}", W0.rows(), W0.cols(), n, n));
@@ -48,12 +47,12 @@ void require_in(const QuadraticAlgebra& algebra, const Matrix& W0) {
 }  // namespace
 
 void require_initial_data(const Matrix& W0, Index n) {
-  require_in(QuadraticAlgebra::skew_hermitian(n), W0);
+  require_in(QuadraticAlgebra::skew_hermitian(n), W0, "initial data");
 }
 
-void require_initial_data(const Flow& flow, const Matrix& W0) {
+void require_initial_data(const Flow& flow, const Matrix& W0, std::string_view what) {
   const QuadraticAlgebra& algebra = flow.algebra();
-  require_in(algebra, W0);
+  require_in(algebra, W0, what);
   try {
     if (dynamic_cast<const RealFlow*>(&flow) != nullptr) {
       MatrixOf<double> stored = algebra.zero<double>();
@@ -63,7 +62,7 @@ void require_initial_data(const Flow& flow, const Matrix& W0) {
       algebra.pack(W0, stored);
     }
   } catch (const std::invalid_argument& error) {
-    refuse(error.what());
+    throw std::invalid_argument(fmt::format("{}: {}", what, error.what()));
   }
 }
 

@@ -31,8 +31,9 @@ Scene euler_zeitlin_scene(std::string_view name, Index n, HbarConvention convent
 /// start of the next.  The message has the figure found.  n >= 1.
 void require_initial_data(const Matrix& W0, Index n);
 /// As above for the algebra of a flow: |W₀†J + JW₀| in place of |W₀ + W₀†|, and real or block
-/// diagonal where the flow is.
-void require_initial_data(const Flow& flow, const Matrix& W0);
+/// diagonal where the flow is.  The message begins with `what`.
+void require_initial_data(const Flow& flow, const Matrix& W0,
+                          std::string_view what = "initial data");
 /// Returns the Euler-Zeitlin scene with the initial data W₀ as they are, T = 5.  Throws
 /// std::invalid_argument for n < 2 and as require_initial_data.
 Scene euler_zeitlin_scene(std::string_view name, HbarConvention convention, const Matrix& W0);

@@ -170,6 +170,7 @@ void bind_integrators(py::module_& module) {
     return [field](const Stepper::Outcome& o) { return o.run.*field; };
   };
   py::class_<Stepper::Outcome>(module, "Outcome")
+      .def(py::init<>())
       .def_property_readonly("status", [](const Stepper::Outcome& o) { return name(o.run.status); })
       .def_property_readonly("failed_step", of_run(&RunReport::failed_step))
       .def_property_readonly("steps", of_run(&RunReport::steps))
@@ -179,7 +180,10 @@ void bind_integrators(py::module_& module) {
       .def_property_readonly("poisson_solves", of_run(&RunReport::poisson_solves))
       .def_property_readonly("contraction", of_run(&RunReport::contraction))
       .def_property_readonly("last_change", of_run(&RunReport::last_change))
-      .def_readonly("seconds", &Stepper::Outcome::seconds);
+      .def_readonly("seconds", &Stepper::Outcome::seconds)
+      .def_readonly("begun", &Stepper::Outcome::begun);
+  py::class_<Stepper::Calls>(module, "Calls")
+      .def(py::init<py::object, py::object, long, py::object>());
   py::class_<Stepper>(module, "Stepper")
       .def(py::init(&make_stepper))
       .def("run", &Stepper::run)

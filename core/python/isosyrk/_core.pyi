@@ -32,6 +32,7 @@ class Entry:
     def linear_limit(self, scene: Scene) -> Optional[float]: ...
 
 class Outcome:
+    def __init__(self) -> None: ...
     status: str
     failed_step: int
     steps: int
@@ -42,12 +43,16 @@ class Outcome:
     contraction: float
     last_change: float
     seconds: float
+    begun: bool
+
+class Calls:
+    def __init__(self, between: Optional[Callable[[int], object]], observe: Optional[Callable[[Outcome], object]],
+                 every: int, progress: Optional[Callable[[int], object]]) -> None: ...
 
 class Stepper:
     def __init__(self, scene: Scene, name: str, fast: bool, tolerance: float, max_sweeps: int, threads: int,
                  predictor: bool, newton: bool, bands: bool, products: str) -> None: ...
-    def run(self, W: Matrix, state: Matrix, h: float, steps: int, observe: Optional[Callable[[Outcome], object]],
-            every: int) -> Outcome: ...
+    def run(self, W: Matrix, state: Matrix, h: float, steps: int, calls: Calls, outcome: Outcome) -> None: ...
     def timed_run(self, W: Matrix, state: Matrix, h: float, steps: int, repetitions: int,
                   warmup: int) -> Tuple[Outcome, List[float]]: ...
 
