@@ -4,6 +4,7 @@ import io
 import math
 import os
 import pty
+import select
 import signal
 import stat
 import statistics
@@ -358,12 +359,15 @@ class Threads(IntegrateTest):
         return strict_json(done.stdout)["seconds"]
 
     def test_two_threads_beside_busy_processes(self):
-        one, two = zip(*((self.seconds("1"), self.seconds("2")) for _ in range(5)))
-        most = self.MOST * statistics.median(one)
-        self.assertLess(statistics.median(two), most)
-        # The control is the setting without which this would not be so. What is asked for is done.
-        self.assertGreater(self.seconds("2", GOMP_SPINCOUNT=self.OLD_SPINS), most)
-        self.assertLess(self.seconds("2", OMP_WAIT_POLICY="passive"), most)
+        # In turns. The least of several is what a run takes when nobody disturbs it further; the control, the setting
+        # without which this would not be so, is disturbed as a rule.
+        one, two, passive, old = zip(*((self.seconds("1"), self.seconds("2"),
+                                        self.seconds("2", OMP_WAIT_POLICY="passive"),
+                                        self.seconds("2", GOMP_SPINCOUNT=self.OLD_SPINS)) for _ in range(5)))
+        most = self.MOST * min(one)
+        self.assertLess(min(two), most)
+        self.assertLess(min(passive), most)  # what is asked for is done
+        self.assertGreater(statistics.median(old), most)
 
 
 class FailedRuns(IntegrateTest):
@@ -502,16 +506,19 @@ class Terminal(IntegrateTest):
 
     LINE = r"step [0-9]+ of 1000000 \([0-9]+ %\), t = [0-9.e+]+, about [0-9a-z ]+ left"
 
-    def seen(self, *flags, seconds=1.0, **streams):
-        """Returns what a terminal shows of a run that gets Ctrl-C after some seconds."""
+    def seen(self, *flags, lines=0, **streams):
+        """Returns what a terminal shows of a run that gets Ctrl-C after so many lines, and after half a second."""
         terminal, stderr = pty.openpty()
         process = start(command(Interrupted.LONG, *flags), stderr=stderr, **streams)
         self.addCleanup(end, process)
         os.close(stderr)
         wait_for(lambda: has_handler(process, signal.SIGINT), "the run")
-        time.sleep(seconds)
-        process.send_signal(signal.SIGINT)
+        time.sleep(0.5)
         shown = b""
+        while shown.count(b"\r") < lines:
+            self.assertTrue(select.select([terminal], [], [], 60)[0], f"no line {lines}: {shown}")
+            shown += os.read(terminal, 4096)
+        process.send_signal(signal.SIGINT)
         while True:
             try:
                 shown += os.read(terminal, 4096)
@@ -523,18 +530,17 @@ class Terminal(IntegrateTest):
 
     def test_a_line_is_rewritten_a_few_times_a_second_and_gone_at_the_end(self):
         begun = time.monotonic()
-        shown = self.seen(stdout=subprocess.DEVNULL)
+        shown = self.seen(lines=4, stdout=subprocess.DEVNULL)
         first, *lines = shown.split("\r\x1b[K")
         self.assertEqual(first, "")
         self.assertEqual(lines[0], "step 0 of 1000000 (0 %), t = 0")
-        self.assertGreaterEqual(len(lines), 3)
         self.assertLessEqual(len(lines), 4 * (time.monotonic() - begun) + 3)
         for line in lines[1:-1]:
             self.assertRegex(line, rf"^{self.LINE}$")
         self.assertRegex(lines[-1], r"^integrate: interrupted [^\r\n]*\r\n$")
 
     def test_nothing_beside_an_object_for_another_program(self):
-        shown = self.seen("--json", seconds=0.5, stdout=subprocess.DEVNULL)
+        shown = self.seen("--json", stdout=subprocess.DEVNULL)
         self.assertRegex(shown, r"^integrate: interrupted [^\r\n]*\r\n$")
 
 
