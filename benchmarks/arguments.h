@@ -7,7 +7,7 @@
 
 #include "benchmarks/product_rate.h"
 #include "benchmarks/program.h"
-#include "isosyrk/flows/scene.h"
+#include "isosyrk/scenes/scene.h"
 
 namespace isosyrk {
 

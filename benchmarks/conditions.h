@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "benchmarks/product_rate.h"
-#include "isosyrk/flows/scene.h"
 #include "isosyrk/iteration/status.h"
+#include "isosyrk/scenes/scene.h"
 
 namespace isosyrk {
 

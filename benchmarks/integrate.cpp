@@ -16,7 +16,7 @@
 #include "benchmarks/output_file.h"
 #include "benchmarks/progress_line.h"
 #include "isosyrk/catalogue/measured_limits.h"
-#include "isosyrk/flows/scene.h"
+#include "isosyrk/scenes/scene.h"
 #include "isosyrk/simulation/conservation.h"
 #include "isosyrk/simulation/run.h"
 #include "isosyrk/split/split_products.h"

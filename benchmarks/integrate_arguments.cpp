@@ -4,7 +4,7 @@
 
 #include "benchmarks/command_line.h"
 #include "isosyrk/catalogue/fast_forms.h"
-#include "isosyrk/flows/scene.h"
+#include "isosyrk/scenes/scene.h"
 
 namespace isosyrk {
 namespace {

@@ -14,8 +14,8 @@
 #include "benchmarks/command_line.h"
 #include "benchmarks/median.h"
 #include "benchmarks/peak.h"
-#include "isosyrk/flows/scene.h"
 #include "isosyrk/flows/split_laplacian.h"
+#include "isosyrk/scenes/scene.h"
 #include "isosyrk/split/skew.h"
 #include "isosyrk/split/split_products.h"
 

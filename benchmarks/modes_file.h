@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "isosyrk/flows/modes.h"
+#include "isosyrk/scenes/modes.h"
 
 namespace isosyrk {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "isosyrk/flows/scene.h"
+#include "isosyrk/scenes/scene.h"
 
 namespace isosyrk {
 

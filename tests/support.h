@@ -15,8 +15,8 @@
 
 #include "isosyrk/catalogue/integrator_list.h"
 #include "isosyrk/flows/flow.h"
-#include "isosyrk/flows/scene.h"
 #include "isosyrk/integrators/integrator.h"
+#include "isosyrk/scenes/scene.h"
 #include "isosyrk/simulation/run.h"
 #include "isosyrk/split/parallel.h"
 #include "isosyrk/split/split_matrix.h"

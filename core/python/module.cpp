@@ -14,7 +14,7 @@
 #include "isosyrk/catalogue/integrator_list.h"
 #include "isosyrk/catalogue/measured_limits.h"
 #include "isosyrk/flows/invariants.h"
-#include "isosyrk/flows/scene.h"
+#include "isosyrk/scenes/scene.h"
 #include "isosyrk/simulation/conservation.h"
 #include "python_flow.h"
 #include "signals.h"

@@ -8,7 +8,7 @@
 
 #include "benchmarks/clocks.h"
 #include "blas_threads.h"
-#include "isosyrk/flows/scene.h"
+#include "isosyrk/scenes/scene.h"
 #include "signals.h"
 
 namespace isosyrk::python {

@@ -1,7 +1,7 @@
 // A method of the user's, that of core/README.md: its order, and that it keeps the spectrum, with
 // real and with complex matrices.
-#include <isosyrk/flows/scene.h>
 #include <isosyrk/linalg/spectrum.h>
+#include <isosyrk/scenes/scene.h>
 #include <isosyrk/simulation/run.h>
 
 #include <cmath>

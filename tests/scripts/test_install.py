@@ -34,7 +34,7 @@ class InstalledLibrary(FolderTest):
         scene = os.path.join(folder, "scene")
         os.mkdir(scene)
         _, after = text_of(ROOT, "core", "README.md").split(BEGIN.replace("example", "bloch_iserles"))
-        with_lines = text_of(ROOT, "core", "flows", "scene_list.cpp")
+        with_lines = text_of(ROOT, "core", "scenes", "scene_list.cpp")
         for last in ("Scene pseudo_unitary(const SceneParameters& parameters);\n",
                      "    {\"pseudo_unitary\", &scenes::pseudo_unitary},\n"):
             before, after_last = with_lines.split(last)

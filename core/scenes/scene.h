@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "isosyrk/flows/euler_zeitlin.h"
-#include "isosyrk/flows/modes.h"
+#include "isosyrk/scenes/modes.h"
 
 namespace isosyrk {
 

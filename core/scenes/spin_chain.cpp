@@ -3,8 +3,8 @@
 
 #include <stdexcept>
 
-#include "isosyrk/flows/normal_numbers.h"
-#include "isosyrk/flows/scene.h"
+#include "isosyrk/scenes/normal_numbers.h"
+#include "isosyrk/scenes/scene.h"
 
 namespace isosyrk {
 namespace {

@@ -4,10 +4,10 @@
 
 #include <stdexcept>
 
-#include "isosyrk/flows/normal_numbers.h"
 #include "isosyrk/flows/rigid_body.h"
-#include "isosyrk/flows/scene.h"
 #include "isosyrk/linalg/spectrum.h"
+#include "isosyrk/scenes/normal_numbers.h"
+#include "isosyrk/scenes/scene.h"
 
 namespace isosyrk::scenes {
 

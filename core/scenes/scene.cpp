@@ -1,4 +1,4 @@
-#include "isosyrk/flows/scene.h"
+#include "isosyrk/scenes/scene.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "isosyrk/flows/modes.h"
+#include "isosyrk/scenes/modes.h"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "isosyrk/flows/normal_numbers.h"
 #include "isosyrk/linalg/spectrum.h"
+#include "isosyrk/scenes/normal_numbers.h"
 
 namespace isosyrk {
 

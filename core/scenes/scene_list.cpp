@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "isosyrk/flows/scene.h"
+#include "isosyrk/scenes/scene.h"
 
 namespace isosyrk {
 
