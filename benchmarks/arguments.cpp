@@ -1,4 +1,5 @@
 #include "benchmarks/arguments.h"
+#include "isosyrk/scenes/scene_list.h"
 
 #include <fmt/format.h>
 #include <sched.h>

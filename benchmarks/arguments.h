@@ -7,7 +7,6 @@
 
 #include "benchmarks/product_rate.h"
 #include "benchmarks/program.h"
-#include "isosyrk/scenes/scene.h"
 
 namespace isosyrk {
 

@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "benchmarks/product_rate.h"
+#include "isosyrk/flows/euler_zeitlin.h"
 #include "isosyrk/iteration/status.h"
-#include "isosyrk/scenes/scene.h"
+#include "isosyrk/scenes/modes.h"
 
 namespace isosyrk {
 

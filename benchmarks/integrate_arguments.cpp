@@ -4,7 +4,7 @@
 
 #include "benchmarks/command_line.h"
 #include "isosyrk/catalogue/fast_forms.h"
-#include "isosyrk/scenes/scene.h"
+#include "isosyrk/scenes/scene_list.h"
 
 namespace isosyrk {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "benchmarks/arguments.h"
 #include "isosyrk/catalogue/integrator_list.h"
-#include "isosyrk/scenes/scene.h"
+#include "isosyrk/scenes/scene_list.h"
 
 namespace isosyrk {
 

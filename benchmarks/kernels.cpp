@@ -15,7 +15,7 @@
 #include "benchmarks/median.h"
 #include "benchmarks/peak.h"
 #include "isosyrk/flows/split_laplacian.h"
-#include "isosyrk/scenes/scene.h"
+#include "isosyrk/scenes/euler_zeitlin_scenes.h"
 #include "isosyrk/split/skew.h"
 #include "isosyrk/split/split_products.h"
 

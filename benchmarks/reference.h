@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "isosyrk/scenes/modes.h"
 #include "isosyrk/scenes/scene.h"
 
 namespace isosyrk {

@@ -21,6 +21,7 @@
 #include "benchmarks/command_line.h"
 #include "benchmarks/conditions.h"
 #include "isosyrk/catalogue/fast_forms.h"
+#include "isosyrk/scenes/euler_zeitlin_scenes.h"
 #include "isosyrk/simulation/conservation.h"
 #include "isosyrk/simulation/run.h"
 

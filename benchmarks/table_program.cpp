@@ -16,6 +16,7 @@
 #include "benchmarks/reference.h"
 #include "benchmarks/stolen_time.h"
 #include "isosyrk/catalogue/fast_forms.h"
+#include "isosyrk/scenes/euler_zeitlin_scenes.h"
 #include "isosyrk/simulation/conservation.h"
 #include "isosyrk/simulation/run.h"
 #include "isosyrk/solver/tuning.h"

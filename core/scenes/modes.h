@@ -1,4 +1,4 @@
-// Quantised spherical harmonics T_lm and vorticity matrices made of them.
+// Initial data by their modes: coefficients of quantised spherical harmonics (flows/harmonic.h).
 #pragma once
 
 #include <vector>
@@ -32,12 +32,6 @@ void require_valid_mode(const Mode& mode, Index n);
 /// Throws std::invalid_argument unless every mode is valid, each (l, m) comes once and one value at
 /// least is not 0.  The message names the mode.
 void require_valid(const std::vector<Mode>& modes, Index n);
-
-/// Returns T_lm of size n, m >= 0, as the n-m real entries on its diagonal (i, i+m).  They are the
-/// unit eigenvector of -Δ there for the eigenvalue l(l+1), with first entry of sign (-1)^m.  They
-/// equal sqrt(2l+1) (-1)^(j-m1) 3j(j l j; -m1 m m2).  T_{l,-m} = (-1)^m T_lm†.
-/// Throws std::invalid_argument unless 0 <= m <= l < n.
-RealVector harmonic(Index n, int l, int m);
 
 /// Returns W ∝ i Σ_l [ ω_l0 T_l0 + Σ_{m>0} (ω_lm T_lm + conj(ω_lm) T_lm†) ], n x n, exactly
 /// skew-Hermitian, scaled to spectral norm 1.  Throws as require_valid.

@@ -1,5 +1,5 @@
-// A rigid body on su(p, q), the complex trace-free matrices with W†J + JW = 0, J = diag(1 .., -1
-// ..).
+// A rigid body on su(p, q), the complex trace-free matrices with W†J + JW = 0 and
+// J = diag(1, …, 1, -1, …, -1).
 #include <fmt/format.h>
 
 #include <stdexcept>

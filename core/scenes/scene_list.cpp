@@ -1,10 +1,9 @@
-// The list of scenes.
+#include "isosyrk/scenes/scene_list.h"
+
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <stdexcept>
-
-#include "isosyrk/scenes/scene.h"
 
 namespace isosyrk {
 

@@ -1,47 +1,16 @@
-// The Heisenberg chain: N classical spins in a ring.
 #include <fmt/format.h>
 
+#include <cmath>
+#include <numbers>
 #include <stdexcept>
 
+#include "isosyrk/flows/spin_chain.h"
 #include "isosyrk/scenes/normal_numbers.h"
 #include "isosyrk/scenes/scene.h"
 
-namespace isosyrk {
-namespace {
+namespace isosyrk::scenes {
 
-/// W' = [B(W), W] on su(2)^N, n = 2N.  W is block diagonal; its blocks are the spins
-/// W_k = (i/2) Σ_a s_k^a σ_a, k = 0 .. N-1, and
-///
-///     B_k = W_{k-1} + W_{k+1}  (indices mod N),   H(W) = -Σ_k Re tr(W_k† W_{k+1}) = -½ Σ_k s_k ·
-///     s_{k+1},
-///
-/// so that s_k' = s_k × (s_{k-1} + s_{k+1}).  The total spin Σ_k W_k is conserved.  In storage the
-/// blocks stand on top of one another, 2N x 2.
-class SpinChain final : public Flow {
- public:
-  explicit SpinChain(Index n) : Flow(QuadraticAlgebra::skew_hermitian(n, 2), Generator::linear) {}
-
-  void generator(const Matrix& W, Matrix& B) const override {
-    const Index n = size();
-    B.middleRows(2, n - 4) = W.topRows(n - 4) + W.bottomRows(n - 4);
-    B.topRows(2) = W.bottomRows(2) + W.middleRows(2, 2);
-    B.bottomRows(2) = W.middleRows(n - 4, 2) + W.topRows(2);
-  }
-  double hamiltonian(const Matrix& W) const override {
-    const Index n = size();
-    const auto coupling = [](const auto& a, const auto& b) {
-      return a.conjugate().cwiseProduct(b).sum().real();
-    };
-    return -coupling(W.topRows(n - 2), W.bottomRows(n - 2)) -
-           coupling(W.bottomRows(2), W.topRows(2));
-  }
-};
-
-}  // namespace
-
-namespace scenes {
-
-/// N = n/2 >= 3 spins of length 1 on a smooth curve, with some noise.
+/// The Heisenberg chain of N = n/2 >= 3 spins of length 1 on a smooth curve, with some noise.
 Scene spin_chain(const SceneParameters& parameters) {
   const Index n = parameters.n;
   if (n < 6 || n % 2 != 0) {
@@ -64,5 +33,4 @@ Scene spin_chain(const SceneParameters& parameters) {
   return {"spin_chain", std::make_shared<SpinChain>(n), W, 5.0};
 }
 
-}  // namespace scenes
-}  // namespace isosyrk
+}  // namespace isosyrk::scenes

@@ -1,7 +1,8 @@
 // A method of the user's, that of core/README.md: its order, and that it keeps the spectrum, with
 // real and with complex matrices.
 #include <isosyrk/linalg/spectrum.h>
-#include <isosyrk/scenes/scene.h>
+#include <isosyrk/scenes/euler_zeitlin_scenes.h>
+#include <isosyrk/scenes/scene_list.h>
 #include <isosyrk/simulation/run.h>
 
 #include <cmath>
