@@ -11,9 +11,13 @@
 #include "isosyrk/fast/fast_integrator.h"
 #include "isosyrk/fast/group_system.h"
 #include "isosyrk/fast/midpoint_system.h"
+#include "isosyrk/split/linear_combination.h"
 #include "isosyrk/tableaux/gauss_tableau.h"
 
 namespace isosyrk {
+
+// The longest sum of a stage equation has X_j and M_jk, j <= k.
+static_assert(LinearCombination<double>::most == max_stages * (max_stages + 3) / 2);
 
 FastOptions with_defaults(FastOptions options, Index n) {
   options.past_steps = options.past_steps.value_or(tuning.past_steps(n));

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "isosyrk/integrators/integrator.h"
+#include "isosyrk/integrators/stage_equations.h"
 #include "isosyrk/iteration/picard.h"
 #include "isosyrk/linalg/operations.h"
 #include "isosyrk/linalg/products.h"

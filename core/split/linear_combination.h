@@ -20,9 +20,9 @@ namespace isosyrk {
 template <class Real>
 class LinearCombination {
  public:
-  /// Largest number of terms, enough for any stage equation: X_j and M_jk, j <= k, of max_stages
-  /// stages.  Not checked.
-  static constexpr std::size_t most = max_stages * (max_stages + 3) / 2;
+  /// Largest number of terms, enough for any stage equation: X_j and M_jk, j <= k, of 20 stages
+  /// (catalogue/fast_forms.cpp asserts it).  Not checked.
+  static constexpr std::size_t most = 230;
 
   // Initialises and copies only the terms in use, since the arrays have room for many.
   LinearCombination() {}  // NOLINT(modernize-use-equals-default): `= default` may zero the arrays
