@@ -1,5 +1,4 @@
 #include "benchmarks/arguments.h"
-#include "isosyrk/scenes/scene_list.h"
 
 #include <fmt/format.h>
 #include <sched.h>
@@ -9,6 +8,8 @@
 #include <cmath>
 #include <cstdio>
 #include <iostream>
+
+#include "isosyrk/scenes/scene_list.h"
 
 namespace isosyrk {
 

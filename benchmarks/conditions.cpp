@@ -137,7 +137,7 @@ Conditions machine_conditions(const std::string& program, BackendChoice choice,
   };
 }
 
-Conditions solver_conditions(const SolverOptions& options, HbarConvention convention,
+Conditions solver_conditions(const IterationOptions& options, HbarConvention convention,
                              const std::vector<Mode>& modes) {
   return {
       {"tolerance", fmt::format("{}", options.tolerance)},

@@ -101,7 +101,7 @@ std::optional<Outputs> outputs_of(const IntegrateRequest& request) {
 // A run that a signal ends keeps its last good state, which is written at once.
 Outcome integrate(const IntegrateRequest& request, const Scene& scene, ProductBackend backend,
                   const std::optional<Outputs>& outputs) {
-  SolverOptions solver = request.solver;
+  IterationOptions solver = request.solver;
   solver.after_sweep = end_if_interrupted;
   const auto integrator = request.integrator.make(scene.flow, solver, backend);
   Outcome outcome;

@@ -22,7 +22,7 @@ struct IntegrateRequest {
   double step;
   double time;
   long steps;
-  SolverOptions solver;
+  IterationOptions solver;
   std::optional<HbarConvention> hbar;                ///< of Euler-Zeitlin; none: paper
   std::optional<std::pair<Index, Index>> signature;  ///< of pseudo_unitary
   BackendChoice products;

@@ -16,7 +16,7 @@ void watch_signals();
 /// Returns the number of the signal that came since watch_signals(), or 0.
 int caught_signal();
 
-/// Throws Interrupted once a signal came; to be SolverOptions::after_sweep.
+/// Throws Interrupted once a signal came; to be IterationOptions::after_sweep.
 void end_if_interrupted();
 
 }  // namespace isosyrk

@@ -55,7 +55,7 @@ TEST(Step, AllocatesNothingInAFastFormColdOrWarm) {
     for (const IntegratorEntry& entry : fast_integrators()) {
       for (const int threads : {1, 3}) {
         const auto integrator =
-            made(fast_entry(entry, {.solver = {}, .threads = threads}), *scene.flow);
+            made(fast_entry(entry, {.iteration = {}, .threads = threads}), *scene.flow);
         Matrix W = scene.initial;
         StepReport report;
         const auto steps = [&] {

@@ -207,7 +207,7 @@ TEST_F(Fallback, DenormalsAreFlushedWhileAStepIsUnderWay) {
 
 class FallbackWithoutNewton : public Fallback {
  protected:
-  FallbackWithoutNewton() : Fallback({.solver = {}, .newton = false}) {
+  FallbackWithoutNewton() : Fallback({.iteration = {}, .newton = false}) {
     attempts = {"predicted Picard", "cold Picard", "cold Anderson"};
   }
 };

@@ -39,7 +39,7 @@ TEST_P(EachIntegrator, HasItsOrder) {
   const double tolerance = 1e-14;
   // The reference: order 10 or 16, at a step where its error is far below the plateau.
   const auto exact_method =
-      highest ? make_fast_gauss(Formulation::group, 8, slow_or_fast.flow, {.solver = {1e-15}})
+      highest ? make_fast_gauss(Formulation::group, 8, slow_or_fast.flow, {.iteration = {1e-15}})
               : gauss(Formulation::group, *slow_or_fast.flow, 5, 1e-15);
   const Matrix exact =
       integrated(*exact_method, slow_or_fast.initial, 0.05, std::lround(time / 0.05));

@@ -126,7 +126,7 @@ StepReport continued(Integrator& integrator, Matrix& W, double h) {
 SharedFlow lent(const Flow& flow) { return {SharedFlow(), &flow}; }
 
 std::unique_ptr<Integrator> made(const IntegratorEntry& entry, const Flow& flow,
-                                 const SolverOptions& options) {
+                                 const IterationOptions& options) {
   return entry.make(lent(flow), options, ProductBackend::openblas);
 }
 

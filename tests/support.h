@@ -74,7 +74,7 @@ StepReport continued(Integrator& integrator, Matrix& W, double h);
 
 /// The integrator of an entry, with OpenBLAS products.  The flow must outlive it.
 std::unique_ptr<Integrator> made(const IntegratorEntry& entry, const Flow& flow,
-                                 const SolverOptions& options = {});
+                                 const IterationOptions& options = {});
 
 /// The names of integrators() that the recorded studies are about.  These have all that an entry
 /// can have; a method that is added to the list need not.

@@ -18,8 +18,8 @@ namespace isosyrk {
 namespace {
 
 MakePublished make_gauss(Formulation formulation, int s) {
-  return [formulation, tableau = gauss_tableau(s)](const auto& flow, const SolverOptions& options,
-                                                   ProductBackend backend) {
+  return [formulation, tableau = gauss_tableau(s)](
+             const auto& flow, const IterationOptions& options, ProductBackend backend) {
     return make_formulation(formulation, flow, tableau, options, backend);
   };
 }
@@ -28,14 +28,14 @@ MakePublished make_gauss(Formulation formulation, int s) {
 // composition scheme and a formulation.
 template <template <class> class Method, class... Data>
 MakePublished make_implicit(const Data&... data) {
-  return [=](const auto& flow, const SolverOptions& options, ProductBackend backend) {
+  return [=](const auto& flow, const IterationOptions& options, ProductBackend backend) {
     return make_in_arithmetic_of<Method>(flow, data..., options, backend);
   };
 }
 
 template <template <class> class Method>
 MakePublished make_explicit() {
-  return [](const auto& flow, const SolverOptions&, ProductBackend backend) {
+  return [](const auto& flow, const IterationOptions&, ProductBackend backend) {
     return make_in_arithmetic_of<Method>(flow, backend);
   };
 }
@@ -161,7 +161,7 @@ IntegratorEntry frame_entry(const IntegratorEntry& method) {
   IntegratorEntry entry = method;
   entry.name += frame_suffix;
   entry.co_rotating = true;
-  entry.make = [make = method.make](const auto& flow, const SolverOptions& options,
+  entry.make = [make = method.make](const auto& flow, const IterationOptions& options,
                                     ProductBackend backend) {
     return std::make_unique<FrameIntegrator>(
         flow, [&](const auto& inner) { return make(inner, options, backend); }, backend);
@@ -182,7 +182,7 @@ IntegratorEntry two_products_entry(int s) {
   entry.name += "_two_products";
   entry.keeps = {
       .isospectral = false, .lie_poisson = false, .symmetric = true, .is_explicit = false};
-  entry.make = [tableau = gauss_tableau(s)](const auto& flow, const SolverOptions& options,
+  entry.make = [tableau = gauss_tableau(s)](const auto& flow, const IterationOptions& options,
                                             ProductBackend backend) {
     return make_in_arithmetic_of<AlgebraForm>(flow, tableau, options, backend,
                                               AlgebraUpdate::two_products);

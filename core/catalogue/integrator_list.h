@@ -25,7 +25,7 @@ struct FastOptions;  // fast/fast_options.h
 
 /// Makes the published form of an integrator for a flow.
 using MakePublished = std::function<std::unique_ptr<Integrator>(
-    const SharedFlow&, const SolverOptions&, ProductBackend)>;
+    const SharedFlow&, const IterationOptions&, ProductBackend)>;
 /// Makes its fast form.  Throws std::invalid_argument for a flow without B in split-complex storage
 /// and for options out of range.
 using MakeFast = std::function<std::unique_ptr<Integrator>(const SharedFlow&, const FastOptions&)>;

@@ -10,7 +10,7 @@ namespace isosyrk {
 FastExplicit::FastExplicit(const SharedFlow& flow, const FastOptions& options)
     : SplitIntegrator(flow, options.threads),
       work_(*flow, options.threads, options.bands.value_or(false), 1, tuning.group_coupling),
-      tolerance_(options.solver.tolerance) {
+      tolerance_(options.iteration.tolerance) {
   W_stage_ = product_ = work_.zeros(1);
 }
 

@@ -17,10 +17,10 @@ FastSubstep::FastSubstep(std::unique_ptr<StageSystem> system, const FastOptions&
 SolveReport FastSubstep::anderson() {
   Corrections& R = solver_.residual();
   anderson_.begin(x_);
-  return solve_fixed_point(options_.solver, [&] {
-    const double change = system_->residual(x_, options_.solver.tolerance, R);
+  return solve_fixed_point(options_.iteration, [&] {
+    const double change = system_->residual(x_, options_.iteration.tolerance, R);
     for (std::size_t kind = 0; kind < x_.size(); ++kind) add(R[kind], x_[kind]);
-    if (change >= options_.solver.tolerance) anderson_.mix(x_);
+    if (change >= options_.iteration.tolerance) anderson_.mix(x_);
     return change;
   });
 }
@@ -28,16 +28,16 @@ SolveReport FastSubstep::anderson() {
 SolveReport FastSubstep::solve(Iteration iteration) {
   switch (iteration) {
     case Iteration::newton:
-      return solver_.newton(*system_, options_.solver, x_);
+      return solver_.newton(*system_, options_.iteration, x_);
     case Iteration::frozen_picard:
-      return solver_.picard(*system_, options_.solver, tuning.frozen_sweeps, x_);
+      return solver_.picard(*system_, options_.iteration, tuning.frozen_sweeps, x_);
     case Iteration::anderson:
       return anderson();
     case Iteration::picard:
     case Iteration::none:
       break;
   }
-  return solver_.picard(*system_, options_.solver, 0, x_);
+  return solver_.picard(*system_, options_.iteration, 0, x_);
 }
 
 bool FastSubstep::converges(Attempt attempt, StepReport& report) {
@@ -60,7 +60,7 @@ void FastSubstep::solve_cold(StepReport& report) {
 }
 
 StepReport FastSubstep::advance(const SplitMatrix& W0, double h, SplitMatrix& W1) {
-  system_->bind(W0, h, options_.solver.tolerance);
+  system_->bind(W0, h, options_.iteration.tolerance);
   StepReport report;
   const bool predicted = predictor_.predict(h, x_);
   if (!predicted || !converges({Start::predicted, first_}, report)) {
@@ -74,7 +74,7 @@ StepReport FastSubstep::advance(const SplitMatrix& W0, double h, SplitMatrix& W1
 }
 
 StepReport FastSubstep::advance_alone(const SplitMatrix& W0, double h, SplitMatrix& W1) {
-  system_->bind(W0, h, options_.solver.tolerance);
+  system_->bind(W0, h, options_.iteration.tolerance);
   StepReport report;
   solve_cold(report);
   if (report.status == Status::converged) system_->update(x_, W1);
@@ -84,9 +84,10 @@ StepReport FastSubstep::advance_alone(const SplitMatrix& W0, double h, SplitMatr
 double FastSubstep::change_of_one_more_sweep(const SplitMatrix& W0, double h) {
   const bool truncates = system_->truncates();
   system_->truncate(false);
-  system_->bind(W0, h, options_.solver.tolerance);
+  system_->bind(W0, h, options_.iteration.tolerance);
   Unknowns accepted = x_;
-  const double change = system_->residual(accepted, options_.solver.tolerance, solver_.residual());
+  const double change =
+      system_->residual(accepted, options_.iteration.tolerance, solver_.residual());
   system_->truncate(truncates);
   return change;
 }

@@ -64,7 +64,7 @@ class ImplicitForm : public PublishedForm<Scalar> {
   using typename PublishedForm<Scalar>::Stored;
 
  protected:
-  ImplicitForm(SharedFlowIn<Scalar> flow, const SolverOptions& options, ProductBackend backend)
+  ImplicitForm(SharedFlowIn<Scalar> flow, const IterationOptions& options, ProductBackend backend)
       : PublishedForm<Scalar>(std::move(flow), backend), options_(options) {}
 
   /// Sets the unknowns to those of a cold start.
@@ -86,7 +86,7 @@ class ImplicitForm : public PublishedForm<Scalar> {
             .contraction = solve.contraction};
   }
 
-  SolverOptions options_;
+  IterationOptions options_;
 };
 
 }  // namespace isosyrk

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "isosyrk/iteration/iteration_options.h"
 #include "isosyrk/iteration/status.h"
 
 namespace isosyrk {
@@ -40,7 +41,7 @@ class LastChanges {
 /// Source: the paper states only the tolerance.  The other rules are listed in core/README.md,
 /// "What the paper leaves open".
 template <class Sweep>
-SolveReport solve_fixed_point(const SolverOptions& options, Sweep&& sweep) {
+SolveReport solve_fixed_point(const IterationOptions& options, Sweep&& sweep) {
   constexpr double divergence_bound = 1e6;
   constexpr int patience = 50;
 

@@ -57,7 +57,7 @@ std::unique_ptr<Stepper> make_stepper(const Scene& scene, const std::string& nam
   const OneBlasThread one_blas_thread;
   const ProductBackend backend =
       fast || choice ? choice.value_or(ProductBackend::openblas) : choose_backend({}, n).chosen;
-  const SolverOptions options = {tolerance, max_sweeps, &handle_signals};
+  const IterationOptions options = {tolerance, max_sweeps, &handle_signals};
   return std::make_unique<Stepper>(entry.make(scene.flow, options, backend));
 }
 
@@ -165,7 +165,8 @@ void bind_integrators(py::module_& module) {
           },
           Aside());
   module.def("integrators", &integrators);
-  module.def("integrator_entry", &integrator_entry);
+  module.def("integrator_entry",
+             [](const std::string& name) -> IntegratorEntry { return integrator_entry(name); });
 
   const auto of_run = [](auto RunReport::*field) {
     return [field](const Stepper::Outcome& o) { return o.run.*field; };

@@ -32,7 +32,7 @@ InexactNewton::InexactNewton(const Unknowns& like)
 
 void InexactNewton::forget() { contraction_ = tuning.likely_contraction; }
 
-SolveReport InexactNewton::newton(FixedPointSystem& system, const SolverOptions& options,
+SolveReport InexactNewton::newton(FixedPointSystem& system, const IterationOptions& options,
                                   Unknowns& x) {
   double uncorrected = 0.0;  // change of the last sweep if that was a Picard sweep, else 0
   return solve_fixed_point(options, [&] {
@@ -49,7 +49,7 @@ SolveReport InexactNewton::newton(FixedPointSystem& system, const SolverOptions&
   });
 }
 
-SolveReport InexactNewton::picard(FixedPointSystem& system, const SolverOptions& options,
+SolveReport InexactNewton::picard(FixedPointSystem& system, const IterationOptions& options,
                                   int frozen_sweeps, Unknowns& x) {
   return solve_fixed_point(options, [&] {
     const double change = system.residual(x, options.tolerance, R_);
@@ -69,7 +69,7 @@ SolveReport InexactNewton::picard(FixedPointSystem& system, const SolverOptions&
 }
 
 bool InexactNewton::correct(FixedPointSystem& system, const Corrections& R, double size,
-                            const SolverOptions& options) {
+                            const IterationOptions& options) {
   const double forcing_term =
       std::max({tuning.of_tolerance * options.tolerance, tuning.of_size * size,
                 tuning.of_size_squared * size * size});

@@ -1,6 +1,7 @@
 // Inexact Newton and Picard iterations for x = G(x).
 #pragma once
 
+#include "isosyrk/iteration/iteration_options.h"
 #include "isosyrk/iteration/status.h"
 #include "isosyrk/solver/fixed_point_system.h"
 
@@ -24,9 +25,9 @@ class InexactNewton {
   explicit InexactNewton(const Unknowns& like);
 
   /// Solves by inexact Newton from the given x, and returns how the iteration ended.
-  SolveReport newton(FixedPointSystem& system, const SolverOptions& options, Unknowns& x);
+  SolveReport newton(FixedPointSystem& system, const IterationOptions& options, Unknowns& x);
   /// Solves by Picard sweeps, each followed by `frozen_sweeps` frozen sweeps, from the given x.
-  SolveReport picard(FixedPointSystem& system, const SolverOptions& options, int frozen_sweeps,
+  SolveReport picard(FixedPointSystem& system, const IterationOptions& options, int frozen_sweeps,
                      Unknowns& x);
 
   /// Forgets the last observed contraction.
@@ -37,7 +38,7 @@ class InexactNewton {
   /// after Tuning::inner_sweeps.  Returns false, with delta unspecified, if the iteration does not
   /// contract.
   bool correct(FixedPointSystem& system, const Corrections& R, double size,
-               const SolverOptions& options);
+               const IterationOptions& options);
   /// Returns the delta of the last correct().
   const Corrections& correction() const { return delta_; }
 
