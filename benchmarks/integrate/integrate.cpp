@@ -8,13 +8,13 @@
 #include <optional>
 
 #include "benchmarks/clocks.h"
-#include "benchmarks/integrate_arguments.h"
-#include "benchmarks/interruption.h"
+#include "benchmarks/integrate/integrate_arguments.h"
+#include "benchmarks/integrate/interruption.h"
+#include "benchmarks/integrate/progress_line.h"
 #include "benchmarks/memory.h"
 #include "benchmarks/modes_file.h"
 #include "benchmarks/npy_file.h"
 #include "benchmarks/output_file.h"
-#include "benchmarks/progress_line.h"
 #include "isosyrk/catalogue/measured_limits.h"
 #include "isosyrk/scenes/euler_zeitlin_scenes.h"
 #include "isosyrk/scenes/scene_list.h"

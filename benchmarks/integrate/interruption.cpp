@@ -1,4 +1,4 @@
-#include "benchmarks/interruption.h"
+#include "benchmarks/integrate/interruption.h"
 
 #include <csignal>
 

@@ -1,4 +1,4 @@
-#include "benchmarks/progress_line.h"
+#include "benchmarks/integrate/progress_line.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

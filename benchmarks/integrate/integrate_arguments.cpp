@@ -1,4 +1,4 @@
-#include "benchmarks/integrate_arguments.h"
+#include "benchmarks/integrate/integrate_arguments.h"
 
 #include <fmt/ranges.h>
 
