@@ -260,39 +260,38 @@ int time_table(Solver solver, int argc, char** argv) {
   CLI::App line{table.description +
                 "  Takes Google Benchmark's arguments as well, such as "
                 "--benchmark_filter=n:17/ and --benchmark_out=FILE."};
-  std::string products = "fastest";
-  line.add_option("--products", products,
-                  "of published forms: fastest (default), openblas or eigen");
+  BackendChoice choice;
+  add_value(line, "--products", choice, Named{&backend_choice_from_name},
+            "of published forms: fastest (default), openblas or eigen");
   bool no_warm_run = false;
   line.add_flag("--no-warm-run", no_warm_run,
                 "one untimed step in place of an untimed run before the timed ones; rows then have "
                 "no energy_error")
       ->disable_flag_override();
   bool with_published = false;
-  std::string threads = "1";
+  int threads = 1;
   if (fast) {
     line.add_flag("--published", with_published, "times the cells of table1 too")
         ->disable_flag_override();
-    line.add_option("--threads", threads,
-                    "1 (default) to 64; N > 1 times the cells by N threads too");
+    add_value(line, "--threads", threads, thread_count,
+              "1 (default) to 64; N > 1 times the cells by N threads too");
   }
-  std::string max_sweeps = "1000";
-  line.add_option("--max-sweeps", max_sweeps, "sweeps allowed in a step (default 1000)");
+  IterationOptions options;
+  add_value(line, "--max-sweeps", options.max_sweeps, Whole<int>{1, 1000000},
+            "sweeps allowed in a step (default 1000)");
   std::string references;
   line.add_option("--references", references,
                   "folder of recorded reference solutions: adds relative_error");
   line.allow_extras();
   if (const auto exit_code = read_arguments(line, argc, argv)) return *exit_code;
   use_one_blas_thread();
-  const BackendChoice choice = of_option([&] { return backend_choice_from_name(products); });
-  IterationOptions options;
-  options.max_sweeps = static_cast<int>(whole_number("--max-sweeps", max_sweeps, 1, 1000000));
 
   std::vector<const Table*> tables = {&table};
   if (with_published) tables.push_back(&published);
   std::optional<Table> threaded;
-  if (const int count = thread_count(table.name.c_str(), threads); count > 1) {
-    threaded = fast_table(count);
+  note_more_threads_than_cores(table.name.c_str(), threads);
+  if (threads > 1) {
+    threaded = fast_table(threads);
     tables.push_back(&*threaded);
   }
   std::map<Index, std::vector<CellId>> cells;

@@ -101,14 +101,14 @@ std::optional<Outputs> outputs_of(const IntegrateRequest& request) {
 // A run that a signal ends keeps its last good state, which is written at once.
 Outcome integrate(const IntegrateRequest& request, const Scene& scene, ProductBackend backend,
                   const std::optional<Outputs>& outputs) {
-  IterationOptions solver = request.solver;
-  solver.after_sweep = end_if_interrupted;
-  const auto integrator = request.integrator.make(scene.flow, solver, backend);
+  IterationOptions iteration = request.iteration;
+  iteration.after_sweep = end_if_interrupted;
+  const auto integrator = request.integrator.make(scene.flow, iteration, backend);
   Outcome outcome;
   outcome.W = scene.initial;
   outcome.h_norm_B = request.step * generator_norm(scene);
   // The trials were of published forms of Euler-Zeitlin.  Fast forms work with longer steps.
-  if (request.method == "published" && request.is_euler_zeitlin()) {
+  if (request.solver == Solver::published && request.is_euler_zeitlin()) {
     warn_beyond_limit(request.integrator.name, outcome.h_norm_B);
   }
   ConservationWatch watch(scene);
@@ -145,6 +145,12 @@ std::string listed_name(const IntegratorEntry& integrator) {
   return name.starts_with(prefix) ? name.substr(prefix.size()) : name;
 }
 
+// What forms the products.
+std::string products_of(Solver solver, const Flow& flow, ProductBackend backend) {
+  if (solver == Solver::fast) return fmt::format("split {}", gemm_kernels().front().name);
+  return flow.algebra().is_dense() ? std::string(name(backend)) : "blocks";
+}
+
 nlohmann::ordered_json as_json(const IntegrateRequest& request, const Start& start,
                                const Outcome& outcome, ProductBackend backend) {
   const RunReport& run = outcome.run;
@@ -155,21 +161,18 @@ nlohmann::ordered_json as_json(const IntegrateRequest& request, const Start& sta
       {"stages", request.integrator.stages},
       {"formulation", request.formulation ? nlohmann::ordered_json(name(*request.formulation))
                                           : nlohmann::ordered_json(nullptr)},
-      {"solver", request.method},
+      {"solver", name(request.solver)},
       {"threads", request.threads},
       {"step", request.step},
       {"steps", request.steps},
       {"time", request.time},
-      {"tolerance", request.solver.tolerance},
-      {"max_sweeps", request.solver.max_sweeps},
+      {"tolerance", request.iteration.tolerance},
+      {"max_sweeps", request.iteration.max_sweeps},
       {"hbar", request.is_euler_zeitlin()
                    ? nlohmann::ordered_json(name(request.hbar.value_or(HbarConvention::paper)))
                    : nlohmann::ordered_json(nullptr)},
       {"modes_hash", start.modes_hash},
-      {"product_backend", request.method == "fast"
-                              ? fmt::format("split {}", gemm_kernels().front().name)
-                          : start.scene.flow->algebra().is_dense() ? std::string(name(backend))
-                                                                   : "blocks"},
+      {"product_backend", products_of(request.solver, *start.scene.flow, backend)},
       {"converged", outcome.finished()},
       {"status", outcome.interrupted ? "interrupted" : name(run.status)},
       {"sweeps_total", run.sweeps},

@@ -1,6 +1,7 @@
 #include "benchmarks/integrate/interruption.h"
 
 #include <csignal>
+#include <initializer_list>
 
 namespace isosyrk {
 namespace {
