@@ -240,7 +240,7 @@ class EachListedFastForm : public ::testing::TestWithParam<IntegratorEntry> {};
 TEST_P(EachListedFastForm, GivesTheAnswerOfThePublishedForm) {
   const IntegratorEntry& published = GetParam();
   const IntegratorEntry fast = fast_entry(published);
-  const double bound = published.keeps.is_explicit ? 1e-14 : 20.0 * IterationOptions{}.tolerance;
+  const double bound = published.is_explicit ? 1e-14 : 20.0 * IterationOptions{}.tolerance;
   for (const char* scene_name : {"smooth", "rough"}) {
     for (const Index n : {5, 17, 49}) {  // with bands from 48 on
       const Scene scene = scene_by_name(scene_name, n);

@@ -205,7 +205,7 @@ class BesideARun {
     EXPECT_EQ(integrator_->state(), before) << entry_.name;
     const StepReport expected = advance(*alone), report = advance(*integrator_);
     EXPECT_EQ(report.attempt, expected.attempt) << entry_.name;
-    const bool fast = entry_.name.starts_with("fast_") && !entry_.keeps.is_explicit;
+    const bool fast = entry_.name.starts_with("fast_") && !entry_.is_explicit;
     EXPECT_LE(largest_difference(integrator_->state(), alone->state()), fast ? 1e-12 : 0.0)
         << entry_.name;
   }

@@ -54,7 +54,7 @@ std::function<double(const RealVector&)> composition_limit(const CompositionSche
 }
 
 constexpr Properties isosyrk_properties = {
-    .isospectral = true, .lie_poisson = true, .symmetric = true, .is_explicit = false};
+    .isospectral = true, .lie_poisson = true, .symmetric = true};
 
 IntegratorEntry composition_entry(const CompositionScheme& scheme, Formulation formulation) {
   const bool on_g = formulation == Formulation::algebra;
@@ -72,10 +72,7 @@ IntegratorEntry direct_entry(int s) {
   return {.name = fmt::format("direct{}", s),
           .stages = s,
           .order = 2 * s,
-          .keeps = {.isospectral = false,
-                    .lie_poisson = false,
-                    .symmetric = true,
-                    .is_explicit = false},
+          .keeps = {.isospectral = false, .lie_poisson = false, .symmetric = true},
           .make = make_implicit<DirectForm>(gauss_tableau(s)),
           .make_fast = fast_direct(s),
           .linear_limit = [tableau = gauss_tableau(s)](const RealVector& frequencies) {
@@ -87,10 +84,8 @@ IntegratorEntry runge_kutta4_entry() {
   return {.name = "rk4",
           .stages = 4,
           .order = 4,
-          .keeps = {.isospectral = false,
-                    .lie_poisson = false,
-                    .symmetric = false,
-                    .is_explicit = true},
+          .keeps = {.isospectral = false, .lie_poisson = false, .symmetric = false},
+          .is_explicit = true,
           .make = make_explicit<ClassicalRungeKutta4>(),
           .make_fast = fast_runge_kutta4(),
           .stability_limit = rk4_limit,
@@ -111,10 +106,8 @@ std::vector<IntegratorEntry> make_list() {
   list.push_back({.name = "rkmk4",
                   .stages = 4,
                   .order = 4,
-                  .keeps = {.isospectral = true,
-                            .lie_poisson = false,
-                            .symmetric = false,
-                            .is_explicit = true},
+                  .keeps = {.isospectral = true, .lie_poisson = false, .symmetric = false},
+                  .is_explicit = true,
                   .make = make_explicit<MuntheKaas4>(),
                   .make_fast = fast_munthe_kaas4(),
                   .in_frame = true});
@@ -180,8 +173,7 @@ IntegratorEntry two_products_entry(int s) {
     throw std::invalid_argument(fmt::format("two_products_entry: s = {}, must be at least 2", s));
   IntegratorEntry entry = gauss_entry(Formulation::algebra, s);
   entry.name += "_two_products";
-  entry.keeps = {
-      .isospectral = false, .lie_poisson = false, .symmetric = true, .is_explicit = false};
+  entry.keeps = {.isospectral = false, .lie_poisson = false, .symmetric = true};
   entry.make = [tableau = gauss_tableau(s)](const auto& flow, const IterationOptions& options,
                                             ProductBackend backend) {
     return make_in_arithmetic_of<AlgebraForm>(flow, tableau, options, backend,

@@ -18,7 +18,6 @@ struct Properties {
   bool isospectral;  ///< keeps the spectrum of W
   bool lie_poisson;  ///< the step is a Poisson map
   bool symmetric;    ///< step(-h) inverts step(h)
-  bool is_explicit;  ///< no iteration
 };
 
 struct FastOptions;  // fast/fast_options.h
@@ -37,6 +36,7 @@ struct IntegratorEntry {
   int stages;
   int order;
   Properties keeps;
+  bool is_explicit = false;  ///< no iteration
   MakePublished make;
   MakeFast make_fast = {};  ///< empty if there is no fast form
   /// Largest h‖ad_B‖₂ at which the step is stable for a constant generator.  In a longer step

@@ -29,7 +29,8 @@ class Flow {
 
   /// B = B(W), both in the storage of the algebra: n x n if dense, otherwise diagonal blocks on top
   /// of one another.  W is in g to rounding unless kind() is `linear`; the caller sees to that by
-  /// argument().  Allocates nothing.  B is not W.  For Euler-Zeitlin this is one Poisson solve.
+  /// argument().  Allocates nothing, unless the flow is a RealFlow, of which integrators call
+  /// real_generator().  B is not W.  For Euler-Zeitlin this is one Poisson solve.
   virtual void generator(const Matrix& W, Matrix& B) const = 0;
   /// Returns H(W), which the exact flow conserves, for W in storage.
   virtual double hamiltonian(const Matrix& W) const = 0;

@@ -153,7 +153,7 @@ void bind_integrators(py::module_& module) {
       .def_property_readonly("isospectral", keeps(&Properties::isospectral))
       .def_property_readonly("lie_poisson", keeps(&Properties::lie_poisson))
       .def_property_readonly("symmetric", keeps(&Properties::symmetric))
-      .def_property_readonly("explicit", keeps(&Properties::is_explicit))
+      .def_readonly("explicit", &IntegratorEntry::is_explicit)
       .def_property_readonly("measured_limit",
                              [](const IntegratorEntry& e) { return measured_limit(e.name); })
       .def(
