@@ -10,7 +10,6 @@
 #include <string_view>
 
 #include "benchmarks/build_info.h"
-#include "benchmarks/modes_file.h"
 #include "benchmarks/peak.h"
 
 extern "C" char** environ;  // NOLINT(readability-redundant-declaration)

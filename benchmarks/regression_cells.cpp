@@ -17,10 +17,10 @@
 
 #include "benchmarks/allocation_count.h"
 #include "benchmarks/arguments.h"
-#include "benchmarks/clocks.h"
 #include "benchmarks/command_line.h"
 #include "benchmarks/conditions.h"
 #include "isosyrk/catalogue/fast_forms.h"
+#include "isosyrk/machine/clocks.h"
 #include "isosyrk/scenes/euler_zeitlin_scenes.h"
 #include "isosyrk/simulation/conservation.h"
 #include "isosyrk/simulation/run.h"

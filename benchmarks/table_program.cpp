@@ -10,12 +10,12 @@
 
 #include "benchmarks/arguments.h"
 #include "benchmarks/benchmark_program.h"
-#include "benchmarks/clocks.h"
 #include "benchmarks/command_line.h"
 #include "benchmarks/product_rate.h"
 #include "benchmarks/reference.h"
 #include "benchmarks/stolen_time.h"
 #include "isosyrk/catalogue/fast_forms.h"
+#include "isosyrk/machine/clocks.h"
 #include "isosyrk/scenes/euler_zeitlin_scenes.h"
 #include "isosyrk/simulation/conservation.h"
 #include "isosyrk/simulation/run.h"

@@ -1,8 +1,8 @@
 // Nothing allocates inside a step, and what an integrator holds is known before it is made.
 #include "benchmarks/allocation_count.h"
-#include "benchmarks/memory.h"
 #include "benchmarks/product_rate.h"
 #include "isosyrk/catalogue/fast_forms.h"
+#include "isosyrk/machine/memory.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {

@@ -5,8 +5,8 @@
 #include <sstream>
 
 #include "benchmarks/median.h"
-#include "benchmarks/memory.h"
 #include "benchmarks/stolen_time.h"
+#include "isosyrk/machine/memory.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {

@@ -7,15 +7,15 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "benchmarks/clocks.h"
 #include "benchmarks/integrate/integrate_arguments.h"
 #include "benchmarks/integrate/interruption.h"
 #include "benchmarks/integrate/progress_line.h"
-#include "benchmarks/memory.h"
 #include "benchmarks/modes_file.h"
 #include "benchmarks/npy_file.h"
 #include "benchmarks/output_file.h"
 #include "isosyrk/catalogue/measured_limits.h"
+#include "isosyrk/machine/clocks.h"
+#include "isosyrk/machine/memory.h"
 #include "isosyrk/scenes/euler_zeitlin_scenes.h"
 #include "isosyrk/scenes/scene_list.h"
 #include "isosyrk/simulation/conservation.h"

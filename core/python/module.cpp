@@ -6,14 +6,12 @@
 #include <pybind11/stl.h>
 
 #include "benchmarks/conditions.h"
-#include "benchmarks/memory.h"
-#include "benchmarks/modes_file.h"
-#include "benchmarks/program.h"
 #include "blas_threads.h"
 #include "isosyrk/catalogue/fast_forms.h"
 #include "isosyrk/catalogue/integrator_list.h"
 #include "isosyrk/catalogue/measured_limits.h"
 #include "isosyrk/flows/invariants.h"
+#include "isosyrk/machine/memory.h"
 #include "isosyrk/scenes/euler_zeitlin_scenes.h"
 #include "isosyrk/scenes/scene_list.h"
 #include "isosyrk/simulation/conservation.h"
@@ -221,14 +219,6 @@ void bind_measures(py::module_& module) {
 }  // namespace
 
 PYBIND11_MODULE(_core, module) {
-  // What the programs refuse with one line is a ValueError with that line.
-  py::register_exception_translator([](std::exception_ptr thrown) {
-    try {
-      if (thrown) std::rethrow_exception(thrown);
-    } catch (const BadArgument& error) {
-      PyErr_SetString(PyExc_ValueError, error.what());
-    }
-  });
   module.attr("version") = ISOSYRK_VERSION;
   module.def("end_runs", &end_runs);
   bind_scenes(module);

@@ -6,8 +6,8 @@
 #include <cstring>
 #include <optional>
 
-#include "benchmarks/clocks.h"
 #include "blas_threads.h"
+#include "isosyrk/machine/clocks.h"
 #include "isosyrk/scenes/scene.h"
 #include "signals.h"
 

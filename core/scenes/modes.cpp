@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <set>
 #include <stdexcept>
@@ -94,6 +96,19 @@ Matrix vorticity_from_modes(const std::vector<Mode>& modes, Index n) {
   }
   W /= spectral_norm(W);
   return W;
+}
+
+std::string hash_of(const std::vector<Mode>& modes) {
+  std::uint64_t hash = 0xcbf29ce484222325U;
+  for (const Mode& mode : modes) {
+    const std::string line =
+        fmt::format("{},{},{},{}\n", mode.l, mode.m, mode.value.real(), mode.value.imag());
+    for (const char c : line) {
+      hash ^= static_cast<unsigned char>(c);
+      hash *= 0x100000001b3U;
+    }
+  }
+  return fmt::format("{:016x}", hash);
 }
 
 }  // namespace isosyrk

@@ -1,6 +1,7 @@
 // Initial data by their modes: coefficients of quantised spherical harmonics (flows/harmonic.h).
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "isosyrk/linalg/matrix.h"
@@ -36,5 +37,9 @@ void require_valid(const std::vector<Mode>& modes, Index n);
 /// Returns W ∝ i Σ_l [ ω_l0 T_l0 + Σ_{m>0} (ω_lm T_lm + conj(ω_lm) T_lm†) ], n x n, exactly
 /// skew-Hermitian, scaled to spectral norm 1.  Throws as require_valid.
 Matrix vorticity_from_modes(const std::vector<Mode>& modes, Index n);
+
+/// Returns a hash of the modes (FNV-1a, 64 bits, of the lines "l,m,re,im" in the order given), as
+/// 16 hex digits: tells whether two results started from the same data.
+std::string hash_of(const std::vector<Mode>& modes);
 
 }  // namespace isosyrk

@@ -26,13 +26,14 @@ MemoryLimit available_memory(const std::filesystem::path& root = "/");
 /// depend on n (with_defaults).  What other threads allocate at that moment may count.
 double integrator_bytes(const IntegratorEntry& integrator, Index n);
 
-/// Throws BadArgument for a run with this integrator, of n x n matrices, that needs more memory
-/// than there is, for which the kernel would kill it.  The message begins with `what`.  Throws as
-/// require_memory_of_blas, too.
+/// Throws std::invalid_argument for a run with this integrator, of n x n matrices, that needs more
+/// memory than there is, for which the kernel would kill it.  The message begins with `what`.
+/// Throws as require_memory_of_blas, too.
 void require_memory(const std::string& what, const IntegratorEntry& integrator, Index n);
 
-/// Throws BadArgument if the limit of this process leaves no room for the buffer that OpenBLAS
-/// takes at its first product.  OpenBLAS does not fail without that room: it tries for ever.
+/// Throws std::invalid_argument if the limit of this process leaves no room for the buffer that
+/// OpenBLAS takes at its first product.  OpenBLAS does not fail without that room: it tries for
+/// ever.
 void require_memory_of_blas();
 
 }  // namespace isosyrk

@@ -1,4 +1,4 @@
-#include "benchmarks/memory.h"
+#include "isosyrk/machine/memory.h"
 
 #include <fmt/format.h>
 #include <malloc.h>
@@ -9,8 +9,8 @@
 #include <fstream>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 
-#include "benchmarks/program.h"
 #include "isosyrk/flows/euler_zeitlin.h"
 #include "isosyrk/split/split_matrix.h"
 
@@ -134,7 +134,7 @@ void require_memory(const std::string& what, const IntegratorEntry& integrator, 
       integrator_bytes(integrator, n) + other_matrices * size * size * sizeof(Complex);
   const MemoryLimit limit = available_memory();
   if (needed <= limit.bytes) return;
-  throw BadArgument(fmt::format(
+  throw std::invalid_argument(fmt::format(
       "{}: needs {:.3g} GB of memory, and {} has {:.3g} GB left; n or stages must be smaller", what,
       needed / gigabyte, limit.source, limit.bytes / gigabyte));
 }
@@ -144,7 +144,7 @@ void require_memory_of_blas() {
   constexpr double for_the_rest = 16.0 * megabyte;
   const double left = address_space_left("/");
   if (left >= blas_buffer + for_the_rest) return;
-  throw BadArgument(fmt::format(
+  throw std::invalid_argument(fmt::format(
       "OpenBLAS needs {:.0f} MB of address space for its buffer, and the limit of this process "
       "(ulimit -v) has {:.0f} MB left; it must be higher",
       (blas_buffer + for_the_rest) / megabyte, left / megabyte));

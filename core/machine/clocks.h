@@ -1,4 +1,4 @@
-// What time is measured by.
+// Clocks: CPU time and the time that passes.
 #pragma once
 
 #include <chrono>
