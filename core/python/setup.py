@@ -36,12 +36,12 @@ def run(*line, **changes):
 
 
 class CMakeBuild(build_ext):
-    """Compiles the one extension by CMake, and takes it from its build."""
+    """Compiles the extensions by CMake, and takes them from its build."""
 
-    def build_extension(self, ext):
+    def build_extensions(self):
         if shutil.which("cmake") is None:
             sys.exit("isosyrk: needs cmake, and what README.md names")
-        arguments = ["-DISOSYRK_TESTS=OFF", *shlex.split(os.environ.get("CMAKE_ARGS", ""))]
+        arguments = ["-DISOSYRK_TESTS=OFF", "-DISOSYRK_PROGRAMS=OFF", *shlex.split(os.environ.get("CMAKE_ARGS", ""))]
         try:
             import pybind11
             arguments.append(f"-Dpybind11_DIR={pybind11.get_cmake_dir()}")
@@ -50,12 +50,14 @@ class CMakeBuild(build_ext):
         run("cmake", "-S", ROOT, "-B", BUILD, *arguments, ISOSYRK_PYTHON=sys.executable)
         cores = os.environ.get("CMAKE_BUILD_PARALLEL_LEVEL") or str(len(os.sched_getaffinity(0)))
         run("cmake", "--build", BUILD, "--target", "isosyrk_python", "--parallel", cores)
-        target = self.get_ext_fullpath(ext.name)
-        os.makedirs(os.path.dirname(target), exist_ok=True)
-        shutil.copyfile(os.path.join(BUILD, "python", "isosyrk", os.path.basename(target)), target)
+        for ext in self.extensions:
+            target = self.get_ext_fullpath(ext.name)
+            os.makedirs(os.path.dirname(target), exist_ok=True)
+            shutil.copyfile(os.path.join(BUILD, "python", "isosyrk", os.path.basename(target)), target)
 
 
 packaging = os.path.join(BUILD, "setuptools")
 os.makedirs(packaging, exist_ok=True)
-setup(version=version(), ext_modules=[Extension("isosyrk._core", sources=[])], cmdclass={"build_ext": CMakeBuild},
+setup(version=version(), cmdclass={"build_ext": CMakeBuild},
+      ext_modules=[Extension(f"isosyrk.{name}", sources=[]) for name in ("_core", "_conditions")],
       options={"build": {"build_base": packaging}, "egg_info": {"egg_base": packaging}})

@@ -60,8 +60,9 @@ class InstalledLibrary(FolderTest):
         (package,) = glob.glob(os.path.join(self.prefix, "lib", "**", "isosyrk", "__init__.py"), recursive=True)
         python = re.search(r"^_?Python_EXECUTABLE:\w+=(.*)$", text_of(BUILD, "CMakeCache.txt"), re.M).group(1)
         printed = self.done("env", f"PYTHONPATH={os.path.dirname(os.path.dirname(package))}", python, "-c",
-                            "import isosyrk; print(isosyrk.__file__, isosyrk.scene('smooth', n=9).initial.shape)")
-        self.assertEqual(printed, f"{package} (9, 9)\n")
+                            "import isosyrk; print(isosyrk.__file__, isosyrk.scene('smooth', n=9).initial.shape,"
+                            " isosyrk.conditions()['version'])")
+        self.assertEqual(printed, f"{package} (9, 9) {VERSION}\n")
 
     def test_module_is_built_for_the_python_that_has_numpy(self):
         # Without packages, and so without NumPy.

@@ -95,6 +95,16 @@ class Rooms(unittest.TestCase):
                 self.assertEqual(cmake.count(line), 1)
                 self.assertNotEqual(list(told.items()), list(rooms_of_cmake(cmake.replace(line, wrong)).items()))
 
+    def test_nothing_in_core_includes_the_programs(self):
+        core = os.path.join(ROOT, "core")
+        sources = {os.path.join(folder, name): text_of(folder, name)
+                   for folder, _, names in os.walk(core) for name in names if name.endswith((".h", ".cpp"))}
+        include = re.compile(r'^ *# *include *["<](?:\.\./)*benchmarks/', re.MULTILINE)
+        self.assertGreater(len(sources), 150)
+        self.assertEqual([path for path, text in sources.items() if include.search(text)], [])
+        # Control: what includes them is seen.
+        self.assertTrue(include.search(text_of(ROOT, "benchmarks", "conditions_module.cpp")))
+
 
 if __name__ == "__main__":
     unittest.main()

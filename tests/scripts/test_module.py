@@ -631,7 +631,9 @@ class Refusals(unittest.TestCase):
                 (ValueError, "^without 'magic'", dict(name="group2", solver="fast", without=("magic",))),
                 (TypeError, "^tolerance: is a str", dict(name="group2", tolerance="1e-13")),
                 (ValueError, "must be printable$", dict(name="a\0b")),
-                (ValueError, "^products: goes with", dict(name="group2", solver="fast", products="eigen"))):
+                (ValueError, "^products: goes with", dict(name="group2", solver="fast", products="eigen")),
+                (ValueError, "^products 'abacus': must be fastest, openblas or eigen$",
+                 dict(name="group2", products="abacus"))):
             self.refused(error, message, isosyrk.integrator, SMOOTH, **arguments)
         self.refused(TypeError, "^scene: is a str", isosyrk.integrator, "smooth", "group2")
 
@@ -977,11 +979,12 @@ class Package(unittest.TestCase):
                 self.assertIn(f"GOMP_SPINCOUNT = '{spins}'", done.stderr)
                 self.assertEqual(done.stdout, left + "\n")
 
-    def test_stub_names_what_is_there(self):
-        from isosyrk import _core
-        with open(os.path.join(ROOT, "core", "python", "isosyrk", "_core.pyi"), encoding="utf-8") as stub:
-            named = set(re.findall(r"^(?:def |class |)(\w+)(?=[(:])", stub.read(), re.M))
-        self.assertEqual(named, {name for name in dir(_core) if not name.startswith("_")})
+    def test_stubs_name_what_is_there(self):
+        from isosyrk import _conditions, _core
+        for extension in (_core, _conditions):
+            stub = text_of(ROOT, "core", "python", "isosyrk", f"{extension.__name__.rpartition('.')[2]}.pyi")
+            named = set(re.findall(r"^(?:def |class |)(\w+)(?=[(:])", stub, re.M))
+            self.assertEqual(named, {name for name in dir(extension) if not name.startswith("_")})
 
     def test_examples_of_the_pages_run(self):
         pages = text_of(ROOT, "README.md") + text_of(ROOT, "core", "python", "README.md")

@@ -3,6 +3,7 @@
 Run with: python3 -m unittest test_pip (in tests/scripts; what is compiled is taken from ISOSYRK_BUILD, or from build/)
 """
 
+import glob
 import importlib.util
 import os
 import re
@@ -12,26 +13,13 @@ import sys
 import tempfile
 import unittest
 
-from programs import BUILD, HAS_MODULE, ROOT, FolderTest, environment, run, snapshot, text_of
+from compiled import launcher
+from programs import HAS_MODULE, ROOT, FolderTest, environment, run, snapshot, text_of
 
 PACKAGE = os.path.join(ROOT, "core", "python")
 VERSION = re.search(r"project\(isosyrk VERSION ([0-9.]+) ", text_of(ROOT, "CMakeLists.txt")).group(1)
 NEEDED = ("ensurepip", "pip", "setuptools", "wheel", "numpy")
 MISSING = [name for name in NEEDED if importlib.util.find_spec(name) is None]
-
-# In place of the compiler: an object that the build under test has already is not compiled once more.
-LAUNCHER = """#!/bin/sh
-previous=
-for argument; do
-  [ "$previous" = -o ] && output=$PWD/$argument
-  previous=$argument
-done
-found=$COMPILED/${output#"$ISOSYRK_PIP_BUILD"/}
-case $output in
-  *.o) [ -f "$found" ] && exec cp "$found" "$output" ;;
-esac
-exec "$@"
-"""
 
 
 @unittest.skipUnless(HAS_MODULE, "the module is not built")
@@ -46,21 +34,18 @@ class Pip(FolderTest):
                    timeout=300)
         if done.returncode != 0:
             raise AssertionError(done.stdout + done.stderr)
-        launcher = os.path.join(cls.root, "launcher")
-        with open(launcher, "w", encoding="ascii") as file:
-            file.write(LAUNCHER)
-        os.chmod(launcher, 0o755)
         cls.build = os.path.join(cls.root, "build")
+        copied, cls.settings = launcher(cls.root, cls.build)
         cls.before = snapshot(PACKAGE)
-        # As if there were no GoogleTest.
-        cls.installed = cls.pip("install", PACKAGE, CMAKE_ARGS=f"-DCMAKE_CXX_COMPILER_LAUNCHER={launcher}"
-                                " -DCMAKE_DISABLE_FIND_PACKAGE_GTest=ON")
+        # As if there were nothing that only tests and programs need.
+        hidden = ("GTest", "benchmark", "CLI11", "nlohmann_json")
+        options = [f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in hidden]
+        cls.installed = cls.pip("install", PACKAGE, CMAKE_ARGS=" ".join((copied, *options)))
 
     @classmethod
     def pip(cls, command, package, **settings):
         """Runs pip with what the distribution has, so without a network."""
-        settings = {"COMPILED": os.path.realpath(BUILD), "ISOSYRK_PIP_BUILD": cls.build,
-                    "PIP_DISABLE_PIP_VERSION_CHECK": "1", **settings}
+        settings = {**cls.settings, "ISOSYRK_PIP_BUILD": cls.build, "PIP_DISABLE_PIP_VERSION_CHECK": "1", **settings}
         return run([cls.python, "-m", "pip", command, "--no-build-isolation", "--no-deps", package], timeout=550,
                    env=environment(**settings), stderr=subprocess.STDOUT)
 
@@ -79,6 +64,32 @@ class Pip(FolderTest):
         self.assertEqual(found, [VERSION, VERSION, "5"])
         for name in ("__init__.py", "_core.pyi", "py.typed"):
             self.assertIn(f"'{name}'", files)
+
+    def test_the_extension_that_measures_is_there_or_its_absence_is_said(self):
+        code = ("import isosyrk\n"
+                "try:\n"
+                "    print(isosyrk.conditions()['isosyrk_program'], isosyrk.product_rate(9) > 0)\n"
+                "except RuntimeError as error:\n"
+                "    print(error)\n"
+                "scene = isosyrk.scene('smooth', n=9)\n"
+                "for products in ('openblas', 'fastest'):\n"
+                "    try:\n"
+                "        method = isosyrk.integrator(scene, 'group1', products=products)\n"
+                "        print(method.run(scene.initial, 0.1, 2)[1].steps)\n"
+                "    except RuntimeError as error:\n"
+                "        print(error)\n")
+
+        def printed():
+            done = run([self.python, "-B", "-c", code], cwd=self.folder)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            return done.stdout.splitlines()
+
+        self.assertEqual(printed(), ["python module True", "2", "2"])
+        (extension,) = glob.glob(os.path.join(self.root, "venv", "lib", "**", "_conditions.*.so"), recursive=True)
+        self.addCleanup(os.rename, extension + ".away", extension)
+        os.rename(extension, extension + ".away")
+        why = "isosyrk: was built without the extension that measures; its CMake target is isosyrk_conditions"
+        self.assertEqual(printed(), [why, "2", why])
 
     def test_the_folder_stays_as_it_was(self):
         self.assertEqual(snapshot(PACKAGE), self.before)

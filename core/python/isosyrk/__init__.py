@@ -18,6 +18,7 @@ is allowed, other types TypeError.
 
 import atexit
 import contextlib
+import importlib
 import math
 import operator
 import os
@@ -46,6 +47,7 @@ Matrix = NDArray[np.complex128]
 Mode = Tuple[int, int, float, float]
 
 SOLVERS = ("published", "fast")
+PRODUCTS = ("fastest", "openblas", "eigen")
 SWITCHES = ("predictor", "newton", "bands")
 LARGEST_N = 4096
 SKEW = 1e-10  # a matrix may be so far from skew-Hermitian, relative to its largest entry
@@ -390,8 +392,9 @@ def integrator(scene: Scene, name: str, solver: str = "published", tolerance: fl
     if solver == "fast" and products != "openblas":
         raise ValueError("products: goes with solver 'published' only; fast forms have products of their own")
     max_sweeps = _whole(max_sweeps, "max_sweeps", 1, 10**6)
-    core = _core.Stepper(scene._core, entry.name, solver == "fast", tolerance, max_sweeps, threads,
-                         *(each not in without for each in SWITCHES), _text(products, "products"))
+    core = _core.Stepper(scene._core, entry.name, solver=solver, tolerance=tolerance, max_sweeps=max_sweeps,
+                         threads=threads, products=_products(products, scene.n),
+                         **{each: each not in without for each in SWITCHES})
     return Integrator(scene, entry, solver, threads, core)
 
 
@@ -404,15 +407,16 @@ def integrators() -> List[IntegratorRecord]:
 def conditions(products: str = "fastest", sizes: Iterable[int] = ()) -> Dict[str, str]:
     """Returns the conditions of a measurement, as text: commit, compiler, processor, BLAS and its kernels, environment.
 
-    Product rates are measured at the given n, about half a second each.
+    Product rates are measured at the given n, about half a second each. Raises RuntimeError where the module was built
+    without its extension that measures.
     """
-    return _core.conditions(_text(products, "products"), [_whole(n, "n", 2, LARGEST_N) for n in sizes])
+    return _measuring().conditions(_text(products, "products"), [_whole(n, "n", 2, LARGEST_N) for n in sizes])
 
 
 def product_rate(n: int, solver: str = "fast") -> float:
     """Returns the products of n x n matrices per CPU second, as measured here in a twentieth of a second: of the fast
-    forms' products, or of published forms' with the faster backend."""
-    return _core.product_rate(_whole(n, "n", 2, LARGEST_N), _solver(solver) == "fast")
+    forms' products, or of published forms' with the faster backend. Raises RuntimeError as conditions()."""
+    return _measuring().product_rate(_whole(n, "n", 2, LARGEST_N), _solver(solver))
 
 
 def spectrum(W: ArrayLike) -> NDArray[np.float64]:
@@ -455,6 +459,15 @@ def relative_error(W: ArrayLike, reference: ArrayLike) -> float:
     """Returns the Frobenius norm of W - reference over that of the reference."""
     reference = _square(reference)
     return float(np.linalg.norm(_square(W, len(reference)) - reference) / np.linalg.norm(reference))
+
+
+def _measuring():
+    """Returns the extension that measures, built in benchmarks/ beside the programs that do."""
+    try:
+        return importlib.import_module("._conditions", __name__)
+    except ModuleNotFoundError:
+        raise RuntimeError("isosyrk: was built without the extension that measures; its CMake target is"
+                           " isosyrk_conditions") from None
 
 
 # ---- arguments
@@ -565,6 +578,13 @@ def _solver(value):
     if _text(value, "solver") not in SOLVERS:
         raise ValueError(f"solver '{value}': must be published or fast")
     return value
+
+
+def _products(value, n):
+    """Returns the backend of a choice of products for n x n matrices, measured if that is "fastest"."""
+    if _text(value, "products") not in PRODUCTS:
+        raise ValueError(f"products '{value}': must be fastest, openblas or eigen")
+    return _measuring().fastest_products(n) if value == "fastest" else value
 
 
 def _whole(value, what, least, most=10**15):
