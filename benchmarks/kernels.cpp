@@ -91,19 +91,19 @@ void product(benchmark::State& state, ProductBackend backend, Index n) {
 }
 
 // A B or A† B, in double or in single precision.
-template <class Real, bool adjoint = false>
+template <class Real, bool of_adjoint = false>
 void split_product(benchmark::State& state, const GemmKernel& kernel, Index n) {
   const Factors given(n);
   const SplitMatrixOf<Real> W(given.W), B(given.B);
   SplitMatrixOf<Real> C(n);
   SplitProductsOf<Real> products(n, kernel);
   time_products<Real>(state, n, [&] {
-    products.form(adjoint ? adjoint_times(W, B, C) : times(W, B, C));
+    products.form(into(C, of_adjoint ? adjoint(W) * B : W * B));
     benchmark::DoNotOptimize(C.re());
   });
   const Matrix left = W.interleaved();
   state.counters["error_in_roundoffs"] =
-      product_error<Real>(adjoint ? left.adjoint() : left, B.interleaved(), C.interleaved());
+      product_error<Real>(of_adjoint ? left.adjoint() : left, B.interleaved(), C.interleaved());
 }
 
 // B (W B), which is skew-Hermitian: its upper triangle and the mirror of that.
@@ -112,9 +112,9 @@ void split_triangle(benchmark::State& state, const GemmKernel& kernel, Index n) 
   const SplitMatrix W(given.W), B(given.B);
   SplitMatrix WB(n), C(n);
   SplitProducts products(n, kernel);
-  products.form(times(W, B, WB));
+  products.form(into(WB, W * B));
   time_products(state, n, [&] {
-    products.form(times(B, WB, C).upper_triangle());
+    products.form(into(C, B * WB).upper_triangle());
     mirror_skew(C);
     benchmark::DoNotOptimize(C.re());
   });

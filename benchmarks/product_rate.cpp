@@ -63,7 +63,7 @@ double split_product_rate(Index n, double seconds) {
   const SplitMatrix B(random_matrix(n, generator));
   SplitMatrix C(n);
   SplitProducts products(n);
-  return rate(n, seconds, [&] { products.form(times(A, B, C)); });
+  return rate(n, seconds, [&] { products.form(into(C, A * B)); });
 }
 
 BackendChoice backend_choice_from_name(std::string_view wanted) {

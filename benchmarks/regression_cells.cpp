@@ -101,12 +101,12 @@ Measured measure(const Cell& cell, const Scene& scene) {
                {"norm", scene.initial.norm()},
                {"contraction", step_size / entry.linear_limit(generator_frequencies(scene))},
                {"sweeps", report.sweeps},
-               {"poisson_solves", report.poisson_solves},
+               {"poisson_solves", report.work.poisson_solves},
                {"allocations", allocations}};
   if (cell.is_fast()) {  // whose sweeps take more or fewer products, as their corrections do
-    json["equivalent_products"] = report.equivalent_products;
+    json["equivalent_products"] = report.work.equivalent_products;
   } else {
-    json["products"] = report.products;
+    json["products"] = report.work.products;
   }
   if (report.converged()) {
     ConservationWatch watch(scene);

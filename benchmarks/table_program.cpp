@@ -199,8 +199,8 @@ class Cell {
     }
     const Conservation kept = ConservationWatch(scene_).report(W);
     state.counters["sweeps_per_step"] = timed.sweeps_per_step();
-    state.counters["products"] = static_cast<double>(timed.products);
-    state.counters["poisson_solves"] = static_cast<double>(timed.poisson_solves);
+    state.counters["products"] = static_cast<double>(timed.work.products);
+    state.counters["poisson_solves"] = static_cast<double>(timed.work.poisson_solves);
     state.counters["spectrum_error"] = kept.spectrum_error;
     state.counters["skew_defect"] = kept.skew_defect;
     if (warm_run_) state.counters["energy_error"] = warm_run_->energy_error;
@@ -209,10 +209,11 @@ class Cell {
       state.counters["relative_error"] = relative_error(W, reference_->W);
       state.counters["reference_uncertainty"] = reference_->uncertainty;
     }
-    state.counters["product_share"] = timed.equivalent_products / rate / seconds / table_.threads;
+    state.counters["product_share"] =
+        timed.work.equivalent_products / rate / seconds / table_.threads;
     state.counters["stolen"] = stolen / elapsed / table_.threads;
     if (table_.solver == Solver::fast) {
-      state.counters["equivalent_products"] = timed.equivalent_products;
+      state.counters["equivalent_products"] = timed.work.equivalent_products;
     }
     progress_.finished(id_.name(), seconds, wall_seconds() - wall_start);
   }

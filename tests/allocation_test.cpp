@@ -42,7 +42,7 @@ TEST(Step, AllocatesNothingForAnyIntegratorBackendAndSize) {
         StepReport report;
         EXPECT_EQ(allocations_during([&] { report = integrator->step(W, 1e-4); }), 0)
             << entry.name << " n = " << n << " " << name(backend);
-        EXPECT_GT(report.products, 0);
+        EXPECT_GT(report.work.products, 0);
       }
     }
   }

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "isosyrk/fast/fast_integrator.h"
+#include "isosyrk/solver/alternating_correction.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -23,7 +24,7 @@ struct Script {
 };
 
 // x = G(x) for one unknown, of which x = W₀ is the solution.
-class Scripted final : public StageSystem {
+class Scripted final : public StageSystem, public TwoPartJacobian {
  public:
   // Calls since the step began.
   struct Calls {
@@ -39,11 +40,11 @@ class Scripted final : public StageSystem {
     W0_ = &W0;
     calls = {};
   }
-  void cold_start(Unknowns& x) override {
+  void start(Unknowns& x, Start) override {
     ++calls.cold_starts;
     x[0][0].entries().setZero();
   }
-  double residual(Unknowns& x, double, Corrections& R) override {
+  ResidualSize residual(Corrections& R, Unknowns& x, double) override {
     ++calls.residuals;
     flushed = flushes_denormals();
     Matrix change = Matrix::Ones(n, n);
@@ -54,29 +55,34 @@ class Scripted final : public StageSystem {
       change.setConstant(std::numeric_limits<double>::quiet_NaN());
     }
     R[0][0].load(change);
-    return change.norm();
+    return {.change = change.norm(), .neglected = 0.0};
   }
-  void linearise(double) override { ++calls.linearisations; }
-  double frozen_sweep(const Corrections& rhs, Corrections& delta) override {
+  Correction correct(Corrections& delta, const Unknowns& x, const Corrections& R,
+                     const CorrectionRequest& request, const IterationOptions& options) override {
+    return correction_.solve(delta, *this, x, R, request, options);
+  }
+  void linearise(const Unknowns&, double) override { ++calls.linearisations; }
+  double frozen_sweep(Corrections& delta, const Corrections& rhs) override {
     ++calls.frozen_sweeps;
     const Eigen::VectorXf before = delta[0][0].entries();
     delta[0][0].entries() = rhs[0][0].entries() + script.T * before;
     return static_cast<double>((delta[0][0].entries() - before).norm());
   }
-  void couple(const Corrections& delta, Corrections& coupled) override {
+  void couple(Corrections& coupled, const Corrections& delta) override {
     ++calls.couplings;
     coupled[0][0].entries() = script.K * delta[0][0].entries();
   }
-  void update(const Unknowns& x, SplitMatrix& W1) override {
+  void update(SplitMatrix& W1, const Unknowns& x) override {
     ++calls.updates;
     W1.load(x[0][0].interleaved() + Matrix::Constant(n, n, script.drift));
   }
   bool truncates() const override { return false; }
   void truncate(bool) override {}
-  StepReport work() const override { return {}; }
+  Work work() const override { return {}; }
 
  private:
   const SplitMatrix* W0_ = nullptr;
+  AlternatingCorrection correction_{{split_stages(1, n)}};
 };
 
 class Fallback : public ::testing::Test {

@@ -51,7 +51,7 @@ TEST_P(EachFastForm, GivesTheAnswerOfThePublishedFormAsStrictlyInFewerSweeps) {
     const auto [W, report] = strict_run(scene, 50);
     EXPECT_LE(largest_difference(W, expected), coincidence);
     EXPECT_LT(report.sweeps, 0.8 * static_cast<double>(plain.sweeps));
-    EXPECT_LT(report.equivalent_products, 0.7 * plain.equivalent_products);
+    EXPECT_LT(report.work.equivalent_products, 0.7 * plain.work.equivalent_products);
   }
 }
 
@@ -139,11 +139,11 @@ TEST_P(EachFastForm, CorrectionsAndBandsChangeTheCostAndNotTheAnswer) {
     const RunReport plain = integrate(false, false);
     const RunReport corrected = integrate(true, false);
     EXPECT_LT(corrected.sweeps, 0.9 * static_cast<double>(plain.sweeps));
-    EXPECT_LE(integrate(false, true).equivalent_products,
-              (n == 33 ? 0.95 : 1.0) * plain.equivalent_products);
-    const double both = integrate(true, true).equivalent_products;
+    EXPECT_LE(integrate(false, true).work.equivalent_products,
+              (n == 33 ? 0.95 : 1.0) * plain.work.equivalent_products);
+    const double both = integrate(true, true).work.equivalent_products;
     if (n > 5) {  // which the modes, up to degree 4, fill
-      EXPECT_LT(both, corrected.equivalent_products);
+      EXPECT_LT(both, corrected.work.equivalent_products);
     }
   }
 }
@@ -202,8 +202,8 @@ void expect_the_same_bit_for_bit(const Method& method, Index n, int steps,
     Matrix W = scene.initial;
     const RunReport report = run(integrator, W, 0.1, steps);
     EXPECT_TRUE(report.converged());
-    return std::tuple(W, report.sweeps, report.products, report.equivalent_products,
-                      report.poisson_solves, integrator.change_of_one_more_sweep());
+    return std::tuple(W, report.sweeps, report.work.products, report.work.equivalent_products,
+                      report.work.poisson_solves, integrator.change_of_one_more_sweep());
   };
   const auto expected = result(1);
   for (const int threads : numbers_of_threads) {

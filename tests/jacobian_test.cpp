@@ -5,7 +5,7 @@
 #include "isosyrk/fast/direct_system.h"
 #include "isosyrk/flows/split_generator.h"
 #include "isosyrk/linalg/spectrum.h"
-#include "isosyrk/split/linear_combination.h"
+#include "isosyrk/solver/alternating_correction.h"
 #include "isosyrk/tableaux/gauss_tableau.h"
 #include "tests/support.h"
 
@@ -109,12 +109,12 @@ struct AtSolution {
     Matrix B(n, n);
     flow.generator(initial, B);
     system->bind(W0, (backwards ? -h_norm_B : h_norm_B) / spectral_norm(B), 1e-13);
-    system->cold_start(x);
+    system->start(x, Start::cold);
     Corrections R = zero;
     double change = 1.0;
     for (int k = 0; k < 100 && change > 1e-13; ++k) {
-      change = system->residual(x, 1e-13, R);
-      for (std::size_t each = 0; each < x.size(); ++each) add(R[each], x[each]);
+      change = system->residual(R, x, 1e-13).change;
+      add(x, R);
     }
     EXPECT_LE(change, 1e-13);
   }
@@ -139,20 +139,20 @@ struct AtSolution {
     const auto residual_at = [&](double step) {
       Unknowns moved = with_numbers(x, numbers_of(x) + step * d);
       Corrections R = zero;
-      system->residual(moved, 1e-13, R);
+      system->residual(R, moved, 1e-13);
       return numbers_of(R);
     };
     const RealVector change = residual_at(difference_step) - residual_at(-difference_step);
     Corrections R = zero;
-    system->residual(x, 1e-13, R);
-    system->linearise(1e-7);
+    system->residual(R, x, 1e-13);
+    jacobian().linearise(x, 1e-7);
     return d + 0.5 / difference_step * change;
   }
 
   // K d.
   RealVector coupled(const RealVector& d) {
     Corrections result = zero;
-    system->couple(rounded(d), result);
+    jacobian().couple(result, rounded(d));
     return numbers_of(result);
   }
 
@@ -160,9 +160,12 @@ struct AtSolution {
   // wrong sign to first order.
   RealVector swept(const RealVector& rhs, const RealVector& d, double sign_of_T) {
     Corrections delta = rounded(d);
-    system->frozen_sweep(rounded(rhs), delta);
+    jacobian().frozen_sweep(delta, rounded(rhs));
     return rhs + sign_of_T * (numbers_of(delta) - rhs);
   }
+
+  // The systems of Gauss methods have a Jacobian in two parts.
+  TwoPartJacobian& jacobian() { return dynamic_cast<TwoPartJacobian&>(*system); }
 
   std::unique_ptr<StageSystem> system;
   SplitMatrix W0;

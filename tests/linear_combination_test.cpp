@@ -33,7 +33,10 @@ SplitStagesOf<Real> random_stages(std::size_t count, Index n, unsigned seed) {
 
 template <class Real>
 LinearCombination<Real> weighted(const SplitStagesOf<Real>& X) {
-  return sum_of([](Index t) { return weight_of(static_cast<std::size_t>(t)); }, X);
+  static const RealVector weights =
+      RealVector::NullaryExpr(static_cast<Index>(LinearCombination<Real>::most),
+                              [](Index t) { return weight_of(static_cast<std::size_t>(t)); });
+  return sum(weights, X);
 }
 
 template <class Real>
@@ -44,10 +47,10 @@ void expect_sums() {
       const auto X = random_stages<Real>(count, n, 1);
       Matrix expected = Matrix::Zero(n, n);
       for (std::size_t t = 0; t < count; ++t) expected += weight_of(t) * X[t].interleaved();
-      SplitMatrixOf<Real> sum(n);
-      assign(sum, weighted(X));
-      EXPECT_EQ(sum.interleaved(), expected);
-      EXPECT_TRUE(fill_is_zero(sum));
+      SplitMatrixOf<Real> found_sum(n);
+      found_sum = weighted(X);
+      EXPECT_EQ(found_sum.interleaved(), expected);
+      EXPECT_TRUE(fill_is_zero(found_sum));
 
       auto replaced = random_stages<Real>(2, n, 100);
       const double change = std::max((replaced[0].interleaved() - expected).norm(),
@@ -55,7 +58,7 @@ void expect_sums() {
       const double found = replace(replaced, [&](std::size_t) { return weighted(X); });
       // The sum of 2 n² squares, in parts of some hundred each, errs by a few roundoffs relatively.
       EXPECT_NEAR(found, change, 64.0 * std::numeric_limits<Real>::epsilon() * change);
-      for (const auto& each : replaced) EXPECT_EQ(each.entries(), sum.entries());
+      for (const auto& each : replaced) EXPECT_EQ(each.entries(), found_sum.entries());
     }
   }
 }
@@ -74,12 +77,12 @@ TEST(Residuals, AreTheChangesOfDoublePrecisionRounded) {
         const auto terms = random_stages<double>(count, n, 1);
         const auto sum = [&](std::size_t) { return weighted(terms); };
         auto X = random_stages<double>(2, n, 50);
-        assign(X, [&](std::size_t i) { return weighted(terms).add(distance, X[i]); });
+        assign(X, [&](std::size_t i) { return weighted(terms) + distance * X[i]; });
         SplitStages updated = X;
         const double expected = replace(updated, sum);
         SingleStages R = split_stages<float>(2, n);
         const double bound = 1e-14 * static_cast<double>(n) * expected / distance;
-        EXPECT_NEAR(residual(X, sum, R), expected, bound) << n;
+        EXPECT_NEAR(form_residual(R, sum, X), expected, bound) << n;
         for (std::size_t i = 0; i < 2; ++i) {
           const Matrix change = updated[i].interleaved() - X[i].interleaved();
           const double largest = change.cwiseAbs().maxCoeff();
@@ -102,10 +105,10 @@ TEST(LinearCombinations, TheLargestChangeIsFoundAndOneThatIsNotANumberIsSeen) {
         const double expected = X[bad].interleaved().norm();
         EXPECT_NEAR(largest_norm(X), expected, 1e-14 * expected) << n;
         X[bad].im()[at * X[bad].stride() + (n - 1 - at)] = std::numeric_limits<double>::quiet_NaN();
-        const auto sum = [&](std::size_t i) { return sum_of(0.5, X[i]).add(1.0, Y[i]); };
+        const auto sum = [&](std::size_t i) { return 0.5 * X[i] + Y[i]; };
         SingleStages R = split_stages<float>(3, n);
         EXPECT_TRUE(std::isnan(largest_norm(X)));
-        EXPECT_TRUE(std::isnan(residual(Y, sum, R)));
+        EXPECT_TRUE(std::isnan(form_residual(R, sum, Y)));
         EXPECT_TRUE(std::isnan(largest_norm(R)));
         auto replaced = Y;
         EXPECT_TRUE(std::isnan(replace(replaced, sum)));

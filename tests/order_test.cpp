@@ -88,8 +88,8 @@ TEST_P(EachIntegrator, IteratesAndSaysSoIfAndOnlyIfItIsNotExplicit) {
   const StepReport report = integrator->step(W, 0.1);
   EXPECT_EQ(report.sweeps == 0, entry.is_explicit);
   EXPECT_EQ(name(report.attempt), entry.is_explicit ? "explicit" : "cold Picard");
-  EXPECT_GT(report.products, 0);
-  EXPECT_GT(report.poisson_solves, 0);
+  EXPECT_GT(report.work.products, 0);
+  EXPECT_GT(report.work.poisson_solves, 0);
 }
 
 // h is large enough for the controls to show; the generator takes the trace out before the solve

@@ -133,9 +133,9 @@ TEST_P(AtItsLimits, ProductsAndPoissonSolvesAreCounted) {
   Matrix W = scene.initial;
   const StepReport report = method(scene)->step(W, 0.1);
   const long s = GetParam().s, sweeps = report.sweeps;
-  EXPECT_EQ(report.poisson_solves, s * (sweeps + 1));
+  EXPECT_EQ(report.work.poisson_solves, s * (sweeps + 1));
   const long of_update = GetParam().formulation == Formulation::cotangent ? 1 : 2;
-  EXPECT_EQ(report.products,
+  EXPECT_EQ(report.work.products,
             is_algebra() ? (s * s + s) * sweeps + s : 3 * s * (sweeps + 1) + of_update);
 }
 

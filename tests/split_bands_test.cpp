@@ -37,13 +37,14 @@ template <class Real = double>
 SplitMatrixOf<Real> truncated(const Matrix& W, double tail) {
   const Index n = W.rows();
   SplitStagesOf<Real> X = {SplitMatrixOf<Real>(falling_off(n, 9.0, 5)), SplitMatrixOf<Real>(W)};
-  BandTruncation(true, 2, n).truncate(tail, X);
+  BandTruncation(true, 2, n).truncate(X, tail);
   return X[1];
 }
 
 SplitMatrix truncated_skew(const Matrix& W, double tail) {
   SplitStages X = {SplitMatrix(W)};
-  BandTruncation(true, 1, W.rows()).truncate_skew(tail, X);
+  DiagonalSquares squares = diagonal_squares(1, W.rows());
+  BandTruncation(true, 1, W.rows()).truncate_skew(X, squares, tail);
   return X[0];
 }
 
@@ -85,10 +86,11 @@ TEST(Bands, OfTheRoundedAreThoseOfALooserTail) {
   constexpr Index n = 33;
   const Matrix W = skew_falling_off(n, 0.7, 1);
   SplitStages B = {SplitMatrix(W)};
-  BandTruncation truncation(true, 1, n);
-  truncation.truncate_skew(1e-12, B);
+  const BandTruncation truncation(true, 1, n);
+  DiagonalSquares squares = diagonal_squares(1, n);
+  truncation.truncate_skew(B, squares, 1e-12);
   SingleStages S = split_stages<float>(1, n);
-  truncation.round_skew(1e-3, B, S);
+  truncation.round_skew(S, B, squares, 1e-3);
   EXPECT_EQ(S[0].band(), truncated(W, 1e-3).band());
   EXPECT_LT(S[0].band(), B[0].band());
   EXPECT_LE((S[0].interleaved() - cut(W, S[0].band())).norm(), 0x1p-24 * W.norm());
@@ -109,9 +111,9 @@ TEST(Bands, CountTheMultiplicationsWithinThem) {
   const auto taken = [&](Index A_band, Index B_band) {
     const double before = products.equivalents();
     SplitMatrix A(random_matrix(n, 1)), B = A;
-    cut_to_band(A_band, A);
-    cut_to_band(B_band, B);
-    products.form(times(A, B, C));
+    cut_to_band(A, A_band);
+    cut_to_band(B, B_band);
+    products.form(into(C, A * B));
     return std::lround((products.equivalents() - before) * static_cast<double>(n * n * n));
   };
   EXPECT_EQ(taken(n - 1, n - 1), n * n * n);
@@ -138,7 +140,7 @@ TEST(Bands, OfALaplacianAreTheDiagonalsItSolves) {
       // Nothing else is written, but to the end of a block of four.
       const auto is_kept = [band](Index r, Index c) { return r > c || c - r > band + 3; };
       EXPECT_EQ(entries_of(P[0].interleaved(), is_kept), entries_of(start.interleaved(), is_kept));
-      mirror_skew_within(band, P);
+      mirror_skew_within(P, band);
       EXPECT_EQ(P[0].interleaved(), cut(all[0].interleaved(), band));
       read(0, band) = std::nan("");
       laplacian.solve_upper({SplitMatrix(read)}, 1.0, band, P);
@@ -153,10 +155,10 @@ void expect_skew_parts_of_the_definition(double bound) {
     const SplitStagesOf<Real> X = {SplitMatrixOf<Real>(random_matrix(n, 1))};
     const Matrix W = X[0].interleaved();
     SplitStagesOf<Real> out = split_stages<Real>(1, n);
-    skew_part(X, static_cast<Real>(0.75), out);
+    skew_part(out, X, 0.75);
     EXPECT_LE(largest_difference(out[0].interleaved(), 0.75 * (W - W.adjoint())), bound) << n;
     EXPECT_EQ(skew_defect(out[0].interleaved()), 0.0) << n;
-    minus_adjoint(X, out);
+    minus_adjoint(out, X);
     EXPECT_EQ(out[0].interleaved(), Matrix(-W.adjoint())) << n;
   }
 }

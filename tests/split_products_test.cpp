@@ -65,19 +65,19 @@ void expect_right_to_rounding(const GemmKernel& kernel) {
       EXPECT_LE((C.interleaved() - expected).norm(), bound);
       EXPECT_TRUE(fill_is_zero(C));
     };
-    products.form(times(a, b, C, static_cast<Real>(-0.5)));
+    products.form(into(C, -0.5 * a * b));
     expect(-0.5 * exact_product(A, B), roundings * A.norm() * B.norm());
-    products.form(adjoint_times(a, b, C));
+    products.form(into(C, adjoint(a) * b));
     expect(exact_product(A.adjoint(), B), roundings * A.norm() * B.norm());
 
     const auto wa = split(exact_product(random_skew_hermitian(n, seed), A));
     const auto a_adjoint = split(A.adjoint());
     const Matrix WA = wa.interleaved(), expected = exact_product(A.adjoint(), WA);
-    products.form(adjoint_times(a, wa, C).upper_triangle());
+    products.form(into(C, adjoint(a) * wa).upper_triangle());
     mirror_skew(C);
     expect(expected, roundings * A.norm() * WA.norm());
     EXPECT_EQ(skew_defect(C.interleaved()), 0.0);
-    products.form(times(a_adjoint, wa, C, Real{2}).upper_triangle());
+    products.form(into(C, 2.0 * a_adjoint * wa).upper_triangle());
     mirror_skew(C);
     expect(2.0 * expected, 4.0 * roundings * A.norm() * WA.norm());
     EXPECT_EQ(products.count(), 4);
@@ -102,14 +102,14 @@ TEST_P(EachKernel, WhatIsNotFinitePassesAsInThePlainLoop) {
         B(0, at) = {0.0, bad};
         SplitMatrix C(n);
         const SplitMatrix a(A), b(B), third(random_matrix(n, 3)), fourth(random_matrix(n, 4));
-        products.form(times(a, b, C));
+        products.form(into(C, a * b));
         const Matrix found = C.interleaved(), ones = Matrix::Ones(n, n);
         const auto is_finite = [&](Index i, Index j) { return found.row(i).col(j).allFinite(); };
         const auto is_untouched = [at](Index i, Index j) { return i != at && j != at; };
         EXPECT_EQ(entries_of(ones, is_finite), entries_of(ones, is_untouched));
         EXPECT_TRUE(fill_is_zero(C));
-        products.form(times(b, third, C));
-        products.form(times(fourth, third, C));
+        products.form(into(C, b * third));
+        products.form(into(C, fourth * third));
         EXPECT_TRUE(C.entries().allFinite()) << "nothing of an earlier product stays";
       }
     }
@@ -119,9 +119,9 @@ TEST_P(EachKernel, WhatIsNotFinitePassesAsInThePlainLoop) {
 TEST(SplitProducts, RefuseAliasesOtherSizesAndThreads) {
   SplitProducts products(5);
   SplitMatrix A(5), B(5), C(5), other(6);
-  for (const bool adjoint : {false, true}) {
+  for (const bool adjoint_left : {false, true}) {
     const auto form = [&](const SplitMatrix& left, const SplitMatrix& right, SplitMatrix& out) {
-      products.form(adjoint ? adjoint_times(left, right, out) : times(left, right, out));
+      products.form(into(out, adjoint_left ? adjoint(left) * right : left * right));
     };
     EXPECT_THROW(form(A, B, A), std::invalid_argument);
     EXPECT_THROW(form(A, B, B), std::invalid_argument);
@@ -132,7 +132,7 @@ TEST(SplitProducts, RefuseAliasesOtherSizesAndThreads) {
   EXPECT_THROW(SplitProducts(0), std::invalid_argument);
   EXPECT_THROW(SplitProducts(5, 65), std::invalid_argument);
   const ThreadScope two(2);
-  EXPECT_THROW(products.form(times(A, B, C)), std::invalid_argument);
+  EXPECT_THROW(products.form(into(C, A * B)), std::invalid_argument);
   EXPECT_EQ(products.count(), 0);
 }
 
@@ -185,19 +185,26 @@ std::vector<Shape> shapes(Index n) {
 template <class Real>
 void expect_as_of_full_matrices(const GemmKernel& kernel, Index n, const Shape& shape) {
   SplitMatrixOf<Real> A(random_matrix(n, 1)), B(random_matrix(n, 2)), whole(n);
-  cut_to_band(shape.A_band, A);
-  cut_to_band(shape.B_band, B);
+  cut_to_band(A, shape.A_band);
+  cut_to_band(B, shape.B_band);
   const SplitMatrixOf<Real> full_A(A.interleaved()), full_B(B.interleaved());
   constexpr int most_threads = 7;
   SplitProductsOf<Real> products(n, kernel, most_threads);
   const auto scale = static_cast<Real>(-0.3);
-  products.form({&full_A, &full_B, &whole, scale, shape.adjoint});
+  products.form(
+      {.C = &whole, .A = &full_A, .B = &full_B, .scale = scale, .adjoint = shape.adjoint});
   const auto is_needed = [&](Index r, Index c) { return shape.needs(r, c); };
   const Matrix wanted = entries_of(whole.interleaved(), is_needed);
   for (const int threads : {1, 2, 3, most_threads}) {
     const ThreadScope scope(threads);
     SplitMatrixOf<Real> C(Matrix(Matrix::Constant(n, n, Complex(std::nan(""), std::nan("")))));
-    products.form({&A, &B, &C, scale, shape.adjoint, shape.upper, shape.C_band});
+    products.form({.C = &C,
+                   .A = &A,
+                   .B = &B,
+                   .scale = scale,
+                   .adjoint = shape.adjoint,
+                   .upper = shape.upper,
+                   .band = shape.C_band});
     EXPECT_EQ(entries_of(C.interleaved(), is_needed), wanted) << threads;
   }
 }

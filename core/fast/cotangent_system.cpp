@@ -4,88 +4,108 @@
 #include "isosyrk/split/skew.h"
 
 namespace isosyrk {
+namespace {
+
+// Forms of_Q(j) and of_P(j) for all stages j, side by side.
+template <class Products, class OfQ, class OfP>
+void form_pairs(Products& products, std::size_t stages, const OfQ& of_Q, const OfP& of_P) {
+  products.form(2 * stages, [&](std::size_t k) {
+    const std::size_t j = k / 2;
+    return k % 2 == 0 ? of_Q(j) : of_P(j);
+  });
+}
+
+}  // namespace
 
 CotangentSystem::CotangentSystem(const Flow& flow, const Tableau& tableau, int threads,
                                  bool truncates)
-    : SplitSystem(flow, tableau, threads, truncates, tuning.cotangent_coupling),
-      identity_(work_.identity()) {
-  Q1_ = P1_ = work_.zero();
-  W_stage_ = B_ = QB_ = PB_ = work_.zeros(s_);
-  Q_single_ = P_single_ = B_single_ = N_ = N_of_P_ = dB_ = Q_product_ = P_product_ =
-      work_.singles(s_);
+    : RungeKuttaSystem(flow, tableau, {tableau.stages(), tableau.stages()}, threads, truncates,
+                       tuning.cotangent_coupling),
+      identity_(split_identity(flow.size())),
+      W_stage_(zeros(s_)),
+      B_(generator_.generators(s_)),
+      QB_(zeros(s_)),
+      PB_(zeros(s_)),
+      Q_single_(singles(s_)),
+      P_single_(singles(s_)),
+      B_single_(generator_.rounded(s_)),
+      N_of_Q_(singles(s_)),
+      N_of_P_(singles(s_)),
+      N_(singles(s_)),
+      dB_(singles(s_)),
+      Q_product_(singles(s_)),
+      P_product_(singles(s_)),
+      Q1_(zero()),
+      P1_(zero()) {}
+
+void CotangentSystem::start(Unknowns& x, Start) {
+  for (SplitMatrix& each : x[Q]) each = identity_;
+  for (SplitMatrix& each : x[P]) each = *W0_;
 }
 
-void CotangentSystem::cold_start(Unknowns& x) {
-  for (SplitMatrix& Q : x[0]) Q = identity_;
-  for (SplitMatrix& P : x[1]) P = *W0_;
-}
-
-double CotangentSystem::residual(Unknowns& x, double, Corrections& R) {
-  x_ = &x;
-  SplitStages& Q = x[0];
-  SplitStages& P = x[1];
-  const std::size_t s = Q.size();
-  work_.bands.truncate(work_.left_out(), Q);
-  work_.bands.truncate(work_.left_out(), P);
-  work_.products.form(
-      s, [&](std::size_t j) { return adjoint_times(Q[j], P[j], W_stage_[j]).upper_triangle(); });
-  work_.generate(W_stage_, B_);
-  work_.products.form(2 * s, [&](std::size_t k) {
-    const std::size_t j = k / 2;
-    return k % 2 == 0 ? times(Q[j], B_[j], QB_[j]) : times(P[j], B_[j], PB_[j]);
+ResidualSize CotangentSystem::residual(Corrections& R, Unknowns& x, double) {
+  SplitStages& Qs = x[Q];
+  SplitStages& Ps = x[P];
+  bands_.truncate(Qs, left_out_);
+  bands_.truncate(Ps, left_out_);
+  products_.form(stages(), [&](std::size_t j) {
+    return into(W_stage_[j], adjoint(Qs[j]) * Ps[j]).upper_triangle();
   });
-  const double of_Q = isosyrk::residual(
-      Q, [&](std::size_t i) { return sum_of(1.0, identity_).add(-h_ * row(i), QB_); }, R[0]);
-  const double of_P = isosyrk::residual(
-      P, [&](std::size_t i) { return sum_of(1.0, *W0_).add(-h_ * row(i), PB_); }, R[1]);
+  generate(B_, W_stage_);
+  form_pairs(
+      products_, stages(), [&](std::size_t j) { return into(QB_[j], Qs[j] * B_[j]); },
+      [&](std::size_t j) { return into(PB_[j], Ps[j] * B_[j]); });
+  const double of_Q = form_residual(
+      R[Q], [&](std::size_t i) { return identity_ - h_ * sum(row(i), QB_); }, Qs);
+  const double of_P = form_residual(
+      R[P], [&](std::size_t i) { return *W0_ - h_ * sum(row(i), PB_); }, Ps);
+  return {.change = larger(of_Q, of_P), .neglected = left_out_};
+}
+
+void CotangentSystem::linearise(const Unknowns& x, double accuracy) {
+  round_generators(B_single_, B_, accuracy);
+  round_to_single(Q_single_, x[Q]);
+  round_to_single(P_single_, x[P]);
+}
+
+// δ_i <- rhs_i - h Σ_j a_ij δ_j B_j, and ε_i likewise.
+double CotangentSystem::frozen_sweep(Corrections& delta, const Corrections& rhs) {
+  form_pairs(
+      single_products_, stages(),
+      [&](std::size_t j) { return into(Q_product_[j], delta[Q][j] * B_single_[j]); },
+      [&](std::size_t j) { return into(P_product_[j], delta[P][j] * B_single_[j]); });
+  const double of_Q =
+      replace(delta[Q], [&](std::size_t i) { return rhs[Q][i] - h_ * sum(row(i), Q_product_); });
+  const double of_P =
+      replace(delta[P], [&](std::size_t i) { return rhs[P][i] - h_ * sum(row(i), P_product_); });
   return larger(of_Q, of_P);
 }
 
-void CotangentSystem::linearise(double accuracy) {
-  work_.round_generators(accuracy, B_, B_single_);
-  round_to_single((*x_)[0], Q_single_);
-  round_to_single((*x_)[1], P_single_);
+void CotangentSystem::couple(Corrections& coupled, const Corrections& delta) {
+  const Index band = B_single_.coupling_band;
+  form_pairs(
+      single_products_, stages(),
+      [&](std::size_t j) {
+        return into(N_of_Q_[j], adjoint(delta[Q][j]) * P_single_[j]).upper_triangle().within(band);
+      },
+      [&](std::size_t j) {
+        return into(N_of_P_[j], adjoint(Q_single_[j]) * delta[P][j]).upper_triangle().within(band);
+      });
+  assign(N_, [&](std::size_t j) { return N_of_Q_[j] + N_of_P_[j]; });
+  generator_.generate_within(dB_, band, N_);
+  form_pairs(
+      single_products_, stages(),
+      [&](std::size_t j) { return into(Q_product_[j], Q_single_[j] * dB_[j]); },
+      [&](std::size_t j) { return into(P_product_[j], P_single_[j] * dB_[j]); });
+  assign(coupled[Q], [&](std::size_t i) { return -h_ * sum(row(i), Q_product_); });
+  assign(coupled[P], [&](std::size_t i) { return -h_ * sum(row(i), P_product_); });
 }
 
-double CotangentSystem::frozen_sweep(const Corrections& rhs, Corrections& delta) {
-  work_.single_products.form(2 * Q_product_.size(), [&](std::size_t k) {
-    const std::size_t j = k / 2;
-    return k % 2 == 0 ? times(delta[0][j], B_single_[j], Q_product_[j])
-                      : times(delta[1][j], B_single_[j], P_product_[j]);
-  });
-  const double of_Q = replace(delta[0], [&](std::size_t i) {
-    return sum_of(1.0, rhs[0][i]).add(-h_ * row(i), Q_product_);
-  });
-  const double of_P = replace(delta[1], [&](std::size_t i) {
-    return sum_of(1.0, rhs[1][i]).add(-h_ * row(i), P_product_);
-  });
-  return larger(of_Q, of_P);
-}
-
-void CotangentSystem::couple(const Corrections& delta, Corrections& coupled) {
-  const Index band = work_.coupling_band();
-  work_.single_products.form(2 * N_.size(), [&](std::size_t k) {
-    const std::size_t j = k / 2;
-    const ProductOf<float> product = k % 2 == 0
-                                         ? adjoint_times(delta[0][j], P_single_[j], N_[j])
-                                         : adjoint_times(Q_single_[j], delta[1][j], N_of_P_[j]);
-    return product.upper_triangle().within(band);
-  });
-  assign(N_, [&](std::size_t j) { return sum_of(1.0, N_[j]).add(1.0, N_of_P_[j]); });
-  work_.generate_coupled(N_, dB_);
-  work_.single_products.form(2 * dB_.size(), [&](std::size_t k) {
-    const std::size_t j = k / 2;
-    return k % 2 == 0 ? times(Q_single_[j], dB_[j], Q_product_[j])
-                      : times(P_single_[j], dB_[j], P_product_[j]);
-  });
-  assign(coupled[0], [&](std::size_t i) { return sum_of(-h_ * row(i), Q_product_); });
-  assign(coupled[1], [&](std::size_t i) { return sum_of(-h_ * row(i), P_product_); });
-}
-
-void CotangentSystem::update(const Unknowns&, SplitMatrix& W1) {
-  assign(Q1_, sum_of(1.0, identity_).add(-h_ * tableau_.b, QB_));
-  assign(P1_, sum_of(1.0, *W0_).add(-h_ * tableau_.b, PB_));
-  work_.products.form(adjoint_times(Q1_, P1_, W1).upper_triangle());
+// Uses Q_j B_j and P_j B_j of the last residual.
+void CotangentSystem::update(SplitMatrix& W1, const Unknowns&) {
+  Q1_ = identity_ - h_ * sum(b(), QB_);
+  P1_ = *W0_ - h_ * sum(b(), PB_);
+  products_.form(into(W1, adjoint(Q1_) * P1_).upper_triangle());
   mirror_skew(W1);
 }
 

@@ -23,24 +23,36 @@ namespace isosyrk {
 /// Products in single precision, within bands: 2s for T; 2s and 2s triangles for K.
 /// Poisson solves: s a residual, none for the update, s for K.
 /// Source: CotangentForm.  With P_i = W₀ Q_i this is GroupSystem, with as many products a residual.
-class CotangentSystem final : public SplitSystem {
+class CotangentSystem final : public RungeKuttaSystem {
  public:
-  /// As SplitSystem.
+  /// As RungeKuttaSystem.
   CotangentSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates);
 
-  Unknowns unknowns() const override { return {work_.zeros(s_), work_.zeros(s_)}; }
-  void cold_start(Unknowns& x) override;
-  double residual(Unknowns& x, double accuracy, Corrections& R) override;
-  void linearise(double accuracy) override;
-  double frozen_sweep(const Corrections& rhs, Corrections& delta) override;
-  void couple(const Corrections& delta, Corrections& coupled) override;
-  void update(const Unknowns& x, SplitMatrix& W1) override;
+  // Kinds of unknowns.
+  static constexpr std::size_t Q = 0, P = 1;
+
+  void start(Unknowns& x, Start how) override;
+  ResidualSize residual(Corrections& R, Unknowns& x, double accuracy) override;
+  void linearise(const Unknowns& x, double accuracy) override;
+  double frozen_sweep(Corrections& delta, const Corrections& rhs) override;
+  void couple(Corrections& coupled, const Corrections& delta) override;
+  void update(SplitMatrix& W1, const Unknowns& x) override;
 
  private:
-  const Unknowns* x_ = nullptr;  // of the last residual
-  SplitMatrix identity_, Q1_, P1_;
-  SplitStages W_stage_, B_, QB_, PB_;
-  SingleStages Q_single_, P_single_, B_single_, N_, N_of_P_, dB_, Q_product_, P_product_;
+  SplitMatrix identity_;  // I
+  // Of the last residual.
+  SplitStages W_stage_;  // W̃_j, upper triangles
+  Generators B_;         // B_j
+  SplitStages QB_, PB_;  // Q_j B_j and P_j B_j
+  // Of the Jacobian, in single precision.
+  SingleStages Q_single_, P_single_;    // Q_j and P_j
+  RoundedGenerators B_single_;          // B_j
+  SingleStages N_of_Q_, N_of_P_;        // δ_j† P_j and Q_j† ε_j
+  SingleStages N_;                      // N_j, upper triangles
+  SingleStages dB_;                     // B(N_j)
+  SingleStages Q_product_, P_product_;  // δ_j B_j and ε_j B_j, or Q_j B(N_j) and P_j B(N_j)
+  // Of the update.
+  SplitMatrix Q1_, P1_;  // Q₁ and P₁
 };
 
 }  // namespace isosyrk

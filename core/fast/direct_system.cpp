@@ -6,51 +6,57 @@
 namespace isosyrk {
 
 DirectSystem::DirectSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates)
-    : SplitSystem(flow, tableau, threads, truncates, tuning.algebra_coupling) {
-  B_ = M_ = commutator_ = work_.zeros(s_);
-  W_single_ = B_single_ = dB_ = product_ = product_skew_ = work_.singles(s_);
-}
+    : RungeKuttaSystem(flow, tableau, {tableau.stages()}, threads, truncates,
+                       tuning.algebra_coupling),
+      B_(generator_.generators(s_)),
+      M_(zeros(s_)),
+      commutator_(zeros(s_)),
+      W_single_(singles(s_)),
+      B_single_(generator_.rounded(s_)),
+      dB_(singles(s_)),
+      product_(singles(s_)),
+      product_skew_(singles(s_)) {}
 
-void DirectSystem::cold_start(Unknowns& x) {
+void DirectSystem::start(Unknowns& x, Start) {
   for (SplitMatrix& W : x[0]) W = *W0_;
 }
 
-double DirectSystem::residual(Unknowns& x, double, Corrections& R) {
+ResidualSize DirectSystem::residual(Corrections& R, Unknowns& x, double) {
   SplitStages& W = x[0];
-  W_stage_ = &W;
-  work_.bands.truncate(work_.left_out(), W);
-  work_.generate(W, B_);
-  work_.products.form(W.size(), [&](std::size_t j) { return times(B_[j], W[j], M_[j]); });
-  skew_part(M_, 1.0, commutator_);
-  return isosyrk::residual(
-      W, [&](std::size_t i) { return sum_of(1.0, *W0_).add(h_ * row(i), commutator_); }, R[0]);
+  bands_.truncate(W, left_out_);
+  generate(B_, W);
+  products_.form(stages(), [&](std::size_t j) { return into(M_[j], B_[j] * W[j]); });
+  skew_part(commutator_, M_);
+  const double change = form_residual(
+      R[0], [&](std::size_t i) { return *W0_ + h_ * sum(row(i), commutator_); }, W);
+  return {.change = change, .neglected = left_out_};
 }
 
-void DirectSystem::linearise(double accuracy) {
-  work_.round_generators(accuracy, B_, B_single_);
-  round_to_single(*W_stage_, W_single_);
+void DirectSystem::linearise(const Unknowns& x, double accuracy) {
+  round_generators(B_single_, B_, accuracy);
+  round_to_single(W_single_, x[0]);
 }
 
-double DirectSystem::frozen_sweep(const Corrections& rhs, Corrections& delta) {
-  work_.single_products.form(product_.size(), [&](std::size_t j) {
-    return times(B_single_[j], delta[0][j], product_[j]);
-  });
-  skew_part(product_, 1.0f, product_skew_);
-  return replace(delta[0], [&](std::size_t i) {
-    return sum_of(1.0, rhs[0][i]).add(h_ * row(i), product_skew_);
-  });
+// δ_i <- rhs_i + h Σ_j a_ij [B_j, δ_j].
+double DirectSystem::frozen_sweep(Corrections& delta, const Corrections& rhs) {
+  single_products_.form(
+      stages(), [&](std::size_t j) { return into(product_[j], B_single_[j] * delta[0][j]); });
+  skew_part(product_skew_, product_);
+  return replace(delta[0],
+                 [&](std::size_t i) { return rhs[0][i] + h_ * sum(row(i), product_skew_); });
 }
 
-void DirectSystem::couple(const Corrections& delta, Corrections& coupled) {
-  work_.generate_coupled(delta[0], dB_);
-  work_.single_products.form(
-      product_.size(), [&](std::size_t j) { return times(dB_[j], W_single_[j], product_[j]); });
-  skew_part(product_, 1.0f, product_skew_);
-  assign(coupled[0], [&](std::size_t i) { return sum_of(h_ * row(i), product_skew_); });
+void DirectSystem::couple(Corrections& coupled, const Corrections& delta) {
+  generator_.generate_within(dB_, B_single_.coupling_band, delta[0]);
+  single_products_.form(stages(),
+                        [&](std::size_t j) { return into(product_[j], dB_[j] * W_single_[j]); });
+  skew_part(product_skew_, product_);
+  assign(coupled[0], [&](std::size_t i) { return h_ * sum(row(i), product_skew_); });
 }
 
-void DirectSystem::update(const Unknowns&, SplitMatrix& W1) {
-  assign(W1, sum_of(1.0, *W0_).add(h_ * tableau_.b, commutator_));
+// Uses M_j of the last residual.
+void DirectSystem::update(SplitMatrix& W1, const Unknowns&) {
+  W1 = *W0_ + h_ * sum(b(), commutator_);
 }
 
 }  // namespace isosyrk

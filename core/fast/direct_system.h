@@ -16,23 +16,29 @@ namespace isosyrk {
 /// The update uses M_j of the last residual.
 /// Products: s a residual in double, s a frozen sweep and s a coupling in single precision.
 /// Poisson solves: s a residual, s a coupling.
-class DirectSystem final : public SplitSystem {
+class DirectSystem final : public RungeKuttaSystem {
  public:
-  /// As SplitSystem.
+  /// As RungeKuttaSystem.
   DirectSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates);
 
-  Unknowns unknowns() const override { return {work_.zeros(s_)}; }
-  void cold_start(Unknowns& x) override;
-  double residual(Unknowns& x, double accuracy, Corrections& R) override;
-  void linearise(double accuracy) override;
-  double frozen_sweep(const Corrections& rhs, Corrections& delta) override;
-  void couple(const Corrections& delta, Corrections& coupled) override;
-  void update(const Unknowns& x, SplitMatrix& W1) override;
+  void start(Unknowns& x, Start how) override;
+  ResidualSize residual(Corrections& R, Unknowns& x, double accuracy) override;
+  void linearise(const Unknowns& x, double accuracy) override;
+  double frozen_sweep(Corrections& delta, const Corrections& rhs) override;
+  void couple(Corrections& coupled, const Corrections& delta) override;
+  void update(SplitMatrix& W1, const Unknowns& x) override;
 
  private:
-  const SplitStages* W_stage_ = nullptr;  // of the last residual
-  SplitStages B_, M_, commutator_;
-  SingleStages W_single_, B_single_, dB_, product_, product_skew_;
+  // Of the last residual.
+  Generators B_;            // B_j
+  SplitStages M_;           // M_j = B_j W̃_j
+  SplitStages commutator_;  // [B_j, W̃_j]
+  // Of the Jacobian, in single precision.
+  SingleStages W_single_;       // W̃_j
+  RoundedGenerators B_single_;  // B_j
+  SingleStages dB_;             // B(δ_j)
+  SingleStages product_;        // B_j δ_j or B(δ_j) W̃_j
+  SingleStages product_skew_;   // product_ - product_†
 };
 
 }  // namespace isosyrk

@@ -1,10 +1,12 @@
 // Explicit methods in split-complex storage.
 #pragma once
 
-#include <array>
+#include <vector>
 
+#include "isosyrk/fast/split_adjoint_series.h"
 #include "isosyrk/fast/split_integrator.h"
-#include "isosyrk/fast/split_workspace.h"
+#include "isosyrk/fast/stage_generator.h"
+#include "isosyrk/tableaux/explicit_tableaux.h"
 
 namespace isosyrk {
 
@@ -15,51 +17,64 @@ class FastExplicit : public SplitIntegrator {
   /// threads out of range.  Bands are truncated if options.bands is true.
   FastExplicit(const SharedFlow& flow, const FastOptions& options);
 
-  /// Computes W1 from W0.  Returns false if the step diverges.
-  virtual bool steps(const SplitStages& W0, double h, SplitStages& W1) = 0;
+  /// Computes W1 from W0, single matrices.  Returns false if the step diverges.
+  virtual bool take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) = 0;
 
+  SplitStages zeros(Index count) const { return split_stages(count, flow().size()); }
   /// out = scale [A, X] for skew-Hermitian A and X, by one product.
-  void commutator(const SplitMatrix& A, const SplitMatrix& X, double scale, SplitStages& out);
+  void commutator(SplitStages& out, const SplitMatrix& A, const SplitMatrix& X, double scale = 1.0);
   /// B = B(W).  W is cut to its band.
-  void generate(SplitStages& W, SplitStages& B);
-
-  SplitWorkspace work_;
-  SplitStages W_stage_;
+  void generate(Generators& B, SplitStages& W);
+  /// out = e^Ω W e^(-Ω); false if the series does not converge.
+  bool conjugate(SplitAdjointSeries& series, SplitStages& out, const SplitStages& Omega,
+                 const SplitStages& W);
 
  private:
-  StepReport take_step(const SplitStages& W0, double h, Past, SplitStages& W1) final;
-  StepReport work() const final { return work_.work(); }
+  StepReport take_step(SplitStages& W1, const SplitStages& W0, double h, Past past) final;
+  Work work() const final { return work_of(products_, single_products_, generator_); }
 
-  double tolerance_;
-  SplitStages product_;
+  SplitProducts products_;
+  SingleProducts single_products_;
+  StageGenerator generator_;
+  BandTruncation bands_;
+  double h_ = 0.0;
+  double left_out_;      // Frobenius norm that may be cut from W
+  SplitStages product_;  // A X
 };
 
-/// ClassicalRungeKutta4 to rounding.  Products: 4.  Poisson solves: 4.
+/// ClassicalRungeKutta4 to rounding: k_i = [B(W_i), W_i] with W_i = W₀ + h Σ_j a_ij k_j, and
+/// W₁ = W₀ + h Σ_i b_i k_i.  Products: 4.  Poisson solves: 4.
 class FastRungeKutta4 final : public FastExplicit {
  public:
   FastRungeKutta4(const SharedFlow& flow, const FastOptions& options);
 
  private:
-  bool steps(const SplitStages& W0, double h, SplitStages& W1) override;
+  bool take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) override;
 
-  SplitStages B_;
-  std::array<SplitStages, 4> k_;
+  Tableau tableau_;
+  SplitStages W_stage_;  // W_i
+  Generators B_;         // B(W_i)
+  SplitStages slope_;    // k_i
+  SplitStages k_;        // k_1 ... k_4
 };
 
-/// MuntheKaas4 to rounding.  Terms of a series below Tuning::single_term are summed in single
-/// precision.  Products: 2, and 1 for each term of the 4 series.  Poisson solves: 4.
+/// MuntheKaas4 to rounding, with the exponents of MuntheKaasScheme.  Products: 2, and 1 for each
+/// term of the 4 series.  Poisson solves: 4.
 class FastMuntheKaas4 final : public FastExplicit {
  public:
   FastMuntheKaas4(const SharedFlow& flow, const FastOptions& options);
 
  private:
-  bool steps(const SplitStages& W0, double h, SplitStages& W1) override;
-  // out = e^A W e^(-A) with A = scale Omega; false if the series does not converge.
-  bool conjugate(double scale, const SplitStages& Omega, const SplitStages& W, SplitStages& out);
+  bool take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) override;
+  void form_exponent(std::size_t stage);
 
-  std::array<SplitStages, 4> k_;
-  SplitStages Omega_, commutator_, term_, next_;
-  SingleStages Omega_single_, term_single_, next_single_, product_single_;
+  MuntheKaasScheme scheme_;
+  SplitAdjointSeries series_;
+  SplitStages Omega_;       // Ω_i, and at the end Ω
+  SplitStages commutator_;  // of Ω_i
+  SplitStages W_stage_;     // Ad(Ω_i) W₀
+  Generators B_;            // B(Ad(Ω_i) W₀)
+  SplitStages k_;           // k_1 ... k_4
 };
 
 }  // namespace isosyrk

@@ -23,20 +23,19 @@ void FastIntegrator::forget() {
   for (FastSubstep& substep : substeps_) substep.forget();
 }
 
-StepReport FastIntegrator::work() const {
-  StepReport total;
-  for (const FastSubstep& substep : substeps_) total.append(substep.system().work());
+Work FastIntegrator::work() const {
+  Work total;
+  for (const FastSubstep& substep : substeps_) total += substep.system().work();
   return total;
 }
 
-StepReport FastIntegrator::take_step(const SplitStages& W0, double h, Past past, SplitStages& W1) {
+StepReport FastIntegrator::take_step(SplitStages& W1, const SplitStages& W0, double h, Past past) {
   h_ = h;
   StepReport total;
   const SplitMatrix* from = &W0[0];
   for (std::size_t k = 0; k < substeps_.size(); ++k) {
     SplitMatrix& to = k < between_.size() ? between_[k] : W1[0];
-    total.append(past == Past::used ? substeps_[k].advance(*from, fractions_[k] * h, to)
-                                    : substeps_[k].advance_alone(*from, fractions_[k] * h, to));
+    total.append(substeps_[k].advance(to, *from, fractions_[k] * h, past));
     if (total.status != Status::converged) break;
     from = &to;
   }

@@ -11,8 +11,8 @@
 namespace isosyrk {
 
 /// A one-step method in split-complex storage.  It gives the answer of the published form to the
-/// solver's tolerance.  A step is one substep, or several in a row: a composition.  Each substep
-/// predicts from the same substep of past steps, so their sizes need not be equal.  There is no
+/// solver's tolerance.  A step is one substep, or several in a row: a composition.  Substep
+/// k is predicted from substep k of earlier steps; the fractions may differ.  There is no
 /// prediction from a state other than the last W₁.
 class FastIntegrator final : public SplitIntegrator {
  public:
@@ -33,8 +33,8 @@ class FastIntegrator final : public SplitIntegrator {
   bool truncates() const { return substeps_[0].system().truncates(); }
 
  private:
-  StepReport take_step(const SplitStages& W0, double h, Past past, SplitStages& W1) override;
-  StepReport work() const override;
+  StepReport take_step(SplitStages& W1, const SplitStages& W0, double h, Past past) override;
+  Work work() const override;
   void forget() override;
 
   std::vector<double> fractions_;

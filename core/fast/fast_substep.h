@@ -2,22 +2,23 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "isosyrk/fast/fast_options.h"
+#include "isosyrk/fast/past.h"
 #include "isosyrk/fast/stage_system.h"
-#include "isosyrk/solver/anderson.h"
-#include "isosyrk/solver/inexact_newton.h"
+#include "isosyrk/integrators/integrator.h"
+#include "isosyrk/solver/anderson_iteration.h"
+#include "isosyrk/solver/newton.h"
+#include "isosyrk/solver/picard_iteration.h"
 #include "isosyrk/solver/predictor.h"
 
 namespace isosyrk {
 
 /// Solves the stage equations of a step W₀ -> W₁ in split-complex storage.
 ///
-/// A step is accepted by the rule of solve_fixed_point, on the change of a Picard sweep in double
-/// precision, whatever the start values.  Attempts are made in this order until one converges:
-/// predicted Newton, cold Newton, cold Picard with frozen sweeps, cold Anderson.  Without
-/// FastOptions::newton they are predicted Picard, cold Picard and cold Anderson.  There is no
-/// predicted attempt after a failed step, for another h, or after forget().
+/// The attempts of the system (StageSystem::attempts) are made in order until one converges.  There
+/// is no predicted attempt after a failed step, for another h, or after forget().
 ///
 /// The predictor keeps its past steps where a predicted attempt fails and a cold one works.  In
 /// runs of 60 steps of h‖B‖ >= 1.5, where predictions fail (all forms with s <= 3; both scenes at n
@@ -27,11 +28,10 @@ class FastSubstep {
  public:
   FastSubstep(std::unique_ptr<StageSystem> system, const FastOptions& options);
 
-  /// Computes W₁ from W₀ by a step of size h.  The report has status, attempt and sweeps.  W₀ must
-  /// be the W₁ of the call before, or forget() must be called first.
-  StepReport advance(const SplitMatrix& W0, double h, SplitMatrix& W1);
-  /// The same from any W₀ by a cold start.  Past steps stay as they are.
-  StepReport advance_alone(const SplitMatrix& W0, double h, SplitMatrix& W1);
+  /// Computes W₁ from W₀ by a step of size h.  The report has all but the work.  Past steps, if
+  /// used, predict the step, and it joins them: W₀ must then be the W₁ of the call before, or
+  /// forget() must be called first.
+  StepReport advance(SplitMatrix& W1, const SplitMatrix& W0, double h, Past past);
   /// Forgets all past steps.
   void forget() { predictor_.forget(); }
 
@@ -42,19 +42,17 @@ class FastSubstep {
   const StageSystem& system() const { return *system_; }
 
  private:
-  // Makes one attempt from x_, and adds it to the report.  True if it converged.
-  bool converges(Attempt attempt, StepReport& report);
-  // Makes the cold attempts in order until one converges.
-  void solve_cold(StepReport& report);
+  // Sets x_ to the start values of an attempt; false if there are none.
+  bool starts(Start how, double h);
   SolveReport solve(Iteration iteration);
-  SolveReport anderson();
 
   std::unique_ptr<StageSystem> system_;
-  FastOptions options_;
-  Iteration first_;  // of an attempt, unless it is a fallback
+  IterationOptions options_;
+  std::vector<Attempt> attempts_;
   Unknowns x_;
-  InexactNewton solver_;
-  Anderson anderson_;
+  Newton newton_;
+  PicardIteration picard_;
+  AndersonIteration anderson_;
   Predictor predictor_;
 };
 

@@ -1,74 +1,84 @@
 #include "isosyrk/fast/group_system.h"
 
+#include <cmath>
+
+#include "isosyrk/split/congruence.h"
 #include "isosyrk/split/linear_combination.h"
-#include "isosyrk/split/skew.h"
 
 namespace isosyrk {
 
 GroupSystem::GroupSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates)
-    : SplitSystem(flow, tableau, threads, truncates, tuning.group_coupling),
-      identity_(work_.identity()) {
-  W0_cut_ = work_.zeros(1);
-  Q1_ = work_.zero();
-  W0Q_ = W_stage_ = B_ = QB_ = work_.zeros(s_);
-  Q_single_ = B_single_ = W0Q_single_ = N_ = dW_ = dB_ = product_ = work_.singles(s_);
-}
+    : RungeKuttaSystem(flow, tableau, {tableau.stages()}, threads, truncates,
+                       tuning.group_coupling),
+      identity_(split_identity(flow.size())),
+      W0_cut_(zeros(1)),
+      W0Q_(zeros(s_)),
+      W_stage_(zeros(s_)),
+      B_(generator_.generators(s_)),
+      QB_(zeros(s_)),
+      Q_single_(singles(s_)),
+      W0Q_single_(singles(s_)),
+      B_single_(generator_.rounded(s_)),
+      N_(singles(s_)),
+      dW_(singles(s_)),
+      dB_(singles(s_)),
+      product_(singles(s_)),
+      Q1_(zero()),
+      W0Q1_(zero()) {}
 
 void GroupSystem::bind(const SplitMatrix& W0, double h, double tolerance) {
-  SplitSystem::bind(W0, h, tolerance);
-  assign(W0_cut_[0], sum_of(1.0, W0));
-  work_.bands.truncate(work_.left_out() / (std::abs(h) * work_.generator_bound()), W0_cut_);
+  RungeKuttaSystem::bind(W0, h, tolerance);
+  W0_cut_[0] = 1.0 * W0;
+  bands_.truncate(W0_cut_, left_out_ / (std::abs(h) * generator_.norm_bound()));
 }
 
-void GroupSystem::cold_start(Unknowns& x) {
+void GroupSystem::start(Unknowns& x, Start) {
   for (SplitMatrix& Q : x[0]) Q = identity_;
 }
 
-double GroupSystem::residual(Unknowns& x, double, Corrections& R) {
+ResidualSize GroupSystem::residual(Corrections& R, Unknowns& x, double) {
   SplitStages& Q = x[0];
-  Q_ = &Q;
-  work_.bands.truncate(work_.left_out(), Q);
-  work_.products.form(Q.size(), [&](std::size_t j) { return times(W0_cut_[0], Q[j], W0Q_[j]); });
-  work_.products.form(Q.size(), [&](std::size_t j) {
-    return adjoint_times(Q[j], W0Q_[j], W_stage_[j]).upper_triangle();
+  bands_.truncate(Q, left_out_);
+  products_.form(stages(), [&](std::size_t j) { return into(W0Q_[j], W0_cut_[0] * Q[j]); });
+  products_.form(stages(), [&](std::size_t j) {
+    return into(W_stage_[j], adjoint(Q[j]) * W0Q_[j]).upper_triangle();
   });
-  work_.generate(W_stage_, B_);
-  work_.products.form(Q.size(), [&](std::size_t j) { return times(Q[j], B_[j], QB_[j]); });
-  return isosyrk::residual(
-      Q, [&](std::size_t i) { return sum_of(1.0, identity_).add(-h_ * row(i), QB_); }, R[0]);
+  generate(B_, W_stage_);
+  products_.form(stages(), [&](std::size_t j) { return into(QB_[j], Q[j] * B_[j]); });
+  const double change = form_residual(
+      R[0], [&](std::size_t i) { return identity_ - h_ * sum(row(i), QB_); }, Q);
+  return {.change = change, .neglected = left_out_};
 }
 
-void GroupSystem::linearise(double accuracy) {
-  work_.round_generators(accuracy, B_, B_single_);
-  round_to_single(*Q_, Q_single_);
-  round_to_single(W0Q_, W0Q_single_);
+void GroupSystem::linearise(const Unknowns& x, double accuracy) {
+  round_generators(B_single_, B_, accuracy);
+  round_to_single(Q_single_, x[0]);
+  round_to_single(W0Q_single_, W0Q_);
 }
 
-double GroupSystem::frozen_sweep(const Corrections& rhs, Corrections& delta) {
-  work_.single_products.form(product_.size(), [&](std::size_t j) {
-    return times(delta[0][j], B_single_[j], product_[j]);
+// δ_i <- rhs_i - h Σ_j a_ij δ_j B_j.
+double GroupSystem::frozen_sweep(Corrections& delta, const Corrections& rhs) {
+  single_products_.form(
+      stages(), [&](std::size_t j) { return into(product_[j], delta[0][j] * B_single_[j]); });
+  return replace(delta[0], [&](std::size_t i) { return rhs[0][i] - h_ * sum(row(i), product_); });
+}
+
+void GroupSystem::couple(Corrections& coupled, const Corrections& delta) {
+  const Index band = B_single_.coupling_band;
+  single_products_.form(stages(), [&](std::size_t j) {
+    return into(N_[j], adjoint(delta[0][j]) * W0Q_single_[j]).within(band);
   });
-  return replace(delta[0],
-                 [&](std::size_t i) { return sum_of(1.0, rhs[0][i]).add(-h_ * row(i), product_); });
+  upper_skew_part_within(dW_, band, N_);
+  generator_.generate_within(dB_, band, dW_);
+  single_products_.form(stages(),
+                        [&](std::size_t j) { return into(product_[j], Q_single_[j] * dB_[j]); });
+  assign(coupled[0], [&](std::size_t i) { return -h_ * sum(row(i), product_); });
 }
 
-void GroupSystem::couple(const Corrections& delta, Corrections& coupled) {
-  const Index band = work_.coupling_band();
-  work_.single_products.form(N_.size(), [&](std::size_t j) {
-    return adjoint_times(delta[0][j], W0Q_single_[j], N_[j]).within(band);
-  });
-  upper_skew_part_within(band, N_, dW_);
-  work_.generate_coupled(dW_, dB_);
-  work_.single_products.form(
-      product_.size(), [&](std::size_t j) { return times(Q_single_[j], dB_[j], product_[j]); });
-  assign(coupled[0], [&](std::size_t i) { return sum_of(-h_ * row(i), product_); });
-}
-
-void GroupSystem::update(const Unknowns&, SplitMatrix& W1) {
-  assign(Q1_, sum_of(1.0, identity_).add(-h_ * tableau_.b, QB_));
-  work_.products.form(times(*W0_, Q1_, W0Q_[0]));
-  work_.products.form(adjoint_times(Q1_, W0Q_[0], W1).upper_triangle());
-  mirror_skew(W1);
+// Uses Q_j B_j of the last residual.
+void GroupSystem::update(SplitMatrix& W1, const Unknowns&) {
+  Q1_ = identity_ - h_ * sum(b(), QB_);
+  congruence(W1, W0Q1_, products_, Q1_, *W0_);
 }
 
 }  // namespace isosyrk

@@ -20,25 +20,38 @@ namespace isosyrk {
 /// Products in single precision, within bands: s for T, 2s for K.
 /// Poisson solves: s a residual, none for the update, s for K.
 /// Source: GroupForm.
-class GroupSystem final : public SplitSystem {
+class GroupSystem final : public RungeKuttaSystem {
  public:
-  /// As SplitSystem.
+  /// As RungeKuttaSystem.
   GroupSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates);
 
-  Unknowns unknowns() const override { return {work_.zeros(s_)}; }
   void bind(const SplitMatrix& W0, double h, double tolerance) override;
-  void cold_start(Unknowns& x) override;
-  double residual(Unknowns& x, double accuracy, Corrections& R) override;
-  void linearise(double accuracy) override;
-  double frozen_sweep(const Corrections& rhs, Corrections& delta) override;
-  void couple(const Corrections& delta, Corrections& coupled) override;
-  void update(const Unknowns& x, SplitMatrix& W1) override;
+  void start(Unknowns& x, Start how) override;
+  ResidualSize residual(Corrections& R, Unknowns& x, double accuracy) override;
+  void linearise(const Unknowns& x, double accuracy) override;
+  double frozen_sweep(Corrections& delta, const Corrections& rhs) override;
+  void couple(Corrections& coupled, const Corrections& delta) override;
+  void update(SplitMatrix& W1, const Unknowns& x) override;
 
  private:
-  const SplitStages* Q_ = nullptr;  // of the last residual
-  SplitMatrix identity_, Q1_;
-  SplitStages W0_cut_, W0Q_, W_stage_, B_, QB_;
-  SingleStages Q_single_, B_single_, W0Q_single_, N_, dW_, dB_, product_;
+  SplitMatrix identity_;  // I
+  SplitStages W0_cut_;    // W₀, cut to its band: a single matrix
+  // Of the last residual.
+  SplitStages W0Q_;      // W₀ Q_j
+  SplitStages W_stage_;  // W̃_j, upper triangles
+  Generators B_;         // B_j
+  SplitStages QB_;       // Q_j B_j
+  // Of the Jacobian, in single precision.
+  SingleStages Q_single_;       // Q_j
+  SingleStages W0Q_single_;     // W₀ Q_j
+  RoundedGenerators B_single_;  // B_j
+  SingleStages N_;              // N_j = δ_j† W₀ Q_j
+  SingleStages dW_;             // δW̃_j = N_j - N_j†, upper triangles
+  SingleStages dB_;             // B(δW̃_j)
+  SingleStages product_;        // δ_j B_j or Q_j B(δW̃_j)
+  // Of the update.
+  SplitMatrix Q1_;    // Q₁
+  SplitMatrix W0Q1_;  // W₀ Q₁
 };
 
 }  // namespace isosyrk

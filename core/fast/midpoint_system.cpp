@@ -2,83 +2,93 @@
 
 #include "isosyrk/split/linear_combination.h"
 #include "isosyrk/split/skew.h"
-#include "isosyrk/tableaux/gauss_tableau.h"
 
 namespace isosyrk {
 
 MidpointSystem::MidpointSystem(const Flow& flow, int threads, bool truncates)
-    : SplitSystem(flow, gauss_tableau(1), threads, truncates, tuning.midpoint_coupling) {
-  W_stage_ = B_ = M_ = MB_ = commutator_ = work_.zeros(1);
-  W_single_ = B_single_ = K_right_ = dB_ = product_ = other_ = X_ = V_ = minus_V_adjoint_ =
-      work_.singles(1);
-}
+    : SplitSystem(flow, {1}, 1, threads, truncates, tuning.midpoint_coupling),
+      W_stage_(zeros(1)),
+      B_(generator_.generators(1)),
+      M_(zeros(1)),
+      MB_(zeros(1)),
+      commutator_(zeros(1)),
+      W_single_(singles(1)),
+      B_single_(generator_.rounded(1)),
+      X_(singles(1)),
+      V_(singles(1)),
+      minus_V_adjoint_(singles(1)),
+      K_right_(singles(1)),
+      dB_(singles(1)),
+      product_(singles(1)),
+      other_(singles(1)) {}
 
-void MidpointSystem::cold_start(Unknowns& x) {
+void MidpointSystem::start(Unknowns& x, Start) {
   x[0][0].entries().setZero();
   knows_V_ = false;
 }
 
-double MidpointSystem::residual(Unknowns& x, double, Corrections& R) {
-  assign(W_stage_[0], sum_of(1.0, *W0_).add(1.0, x[0][0]));
-  work_.generate(W_stage_, B_);
-  work_.products.form(times(B_[0], W_stage_[0], M_[0]));
-  work_.products.form(times(M_[0], B_[0], MB_[0], 0.25 * h_ * h_).upper_triangle());
+ResidualSize MidpointSystem::residual(Corrections& R, Unknowns& x, double) {
+  W_stage_[0] = *W0_ + x[0][0];
+  generate(B_, W_stage_);
+  products_.form(into(M_[0], B_[0] * W_stage_[0]));
+  products_.form(into(MB_[0], (0.25 * h_ * h_) * M_[0] * B_[0]).upper_triangle());
   mirror_skew(MB_);
-  skew_part(M_, 0.5 * h_, commutator_);
-  return isosyrk::residual(
-      x[0], [&](std::size_t) { return sum_of(1.0, commutator_[0]).add(1.0, MB_[0]); }, R[0]);
+  skew_part(commutator_, M_, 0.5 * h_);
+  const double change = form_residual(
+      R[0], [&](std::size_t) { return commutator_[0] + MB_[0]; }, x[0]);
+  return {.change = change, .neglected = left_out_};
 }
 
-void MidpointSystem::linearise(double accuracy) {
-  work_.round_generators(accuracy, B_, B_single_);
-  round_to_single(W_stage_, W_single_);
-  assign(K_right_[0], sum_of(0.25 * h_ * h_, B_single_[0]));
-  add_identity(static_cast<float>(0.5 * h_), K_right_);
+void MidpointSystem::linearise(const Unknowns&, double accuracy) {
+  round_generators(B_single_, B_, accuracy);
+  round_to_single(W_single_, W_stage_);
+  K_right_[0] = (0.25 * h_ * h_) * B_single_[0];
+  add_identity(K_right_, static_cast<float>(0.5 * h_));
   invert(accuracy);
 }
 
+// Newton-Schulz iteration for V.
 void MidpointSystem::invert(double accuracy) {
-  const auto set_to_one_plus = [&](double scale, SingleStages& Y) {
-    assign(Y[0], sum_of(scale, B_single_[0]));
-    add_identity(1.0f, Y);
+  const auto set_to_one_plus = [&](SingleStages& Y, double scale) {
+    Y[0] = scale * B_single_[0];
+    add_identity(Y, 1.0f);
   };
-  set_to_one_plus(-0.5 * h_, X_);
-  if (!knows_V_) set_to_one_plus(0.5 * h_, V_);
+  set_to_one_plus(X_, -0.5 * h_);
+  if (!knows_V_) set_to_one_plus(V_, 0.5 * h_);
   for (int k = 0; k < tuning.inverse_iterations; ++k) {
-    work_.single_products.form(times(X_[0], V_[0], product_[0], -1.0f));
-    add_identity(1.0f, product_);
+    single_products_.form(into(product_[0], -1.0 * X_[0] * V_[0]));
+    add_identity(product_, 1.0f);  // 1 - X V
     const double error = largest_norm(product_);
     if (!(error < 1.0) && knows_V_) {  // V_ belongs to another state or h
       knows_V_ = false;
-      set_to_one_plus(0.5 * h_, V_);
+      set_to_one_plus(V_, 0.5 * h_);
       continue;
     }
-    work_.single_products.form(times(V_[0], product_[0], other_[0]));
-    assign(V_[0], sum_of(1.0, V_[0]).add(1.0, other_[0]));
-    work_.bands.truncate(tuning.of_inverse * accuracy, V_);
+    single_products_.form(into(other_[0], V_[0] * product_[0]));
+    V_[0] = V_[0] + other_[0];
+    bands_.truncate(V_, tuning.of_inverse * accuracy);
     if (error * error < accuracy) break;
   }
   knows_V_ = true;
-  minus_adjoint(V_, minus_V_adjoint_);
+  minus_adjoint(minus_V_adjoint_, V_);
 }
 
-double MidpointSystem::frozen_sweep(const Corrections& rhs, Corrections& delta) {
-  work_.single_products.form(times(V_[0], rhs[0][0], product_[0]));
-  work_.single_products.form(
-      times(product_[0], minus_V_adjoint_[0], other_[0], -1.0f).upper_triangle());
+// δ = V rhs V†.
+double MidpointSystem::frozen_sweep(Corrections& delta, const Corrections& rhs) {
+  single_products_.form(into(product_[0], V_[0] * rhs[0][0]));
+  single_products_.form(into(other_[0], -1.0 * product_[0] * minus_V_adjoint_[0]).upper_triangle());
   mirror_skew(other_);
-  return replace(delta[0], [&](std::size_t) { return sum_of(1.0, other_[0]); });
+  return replace(delta[0], [&](std::size_t) { return 1.0 * other_[0]; });
 }
 
-void MidpointSystem::couple(const Corrections& delta, Corrections& coupled) {
-  work_.generate_coupled(delta[0], dB_);
-  work_.single_products.form(times(dB_[0], W_single_[0], product_[0]));
-  work_.single_products.form(times(product_[0], K_right_[0], other_[0]));
-  skew_part(other_, 1.0f, coupled[0]);
+void MidpointSystem::couple(Corrections& coupled, const Corrections& delta) {
+  generator_.generate_within(dB_, B_single_.coupling_band, delta[0]);
+  single_products_.form(into(product_[0], dB_[0] * W_single_[0]));
+  single_products_.form(into(other_[0], product_[0] * K_right_[0]));
+  skew_part(coupled[0], other_);
 }
 
-void MidpointSystem::update(const Unknowns&, SplitMatrix& W1) {
-  assign(W1, sum_of(1.0, *W0_).add(2.0, commutator_[0]));
-}
+// Uses M of the last residual.
+void MidpointSystem::update(SplitMatrix& W1, const Unknowns&) { W1 = *W0_ + 2.0 * commutator_[0]; }
 
 }  // namespace isosyrk

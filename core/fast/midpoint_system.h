@@ -26,22 +26,33 @@ class MidpointSystem final : public SplitSystem {
   /// As SplitSystem.
   MidpointSystem(const Flow& flow, int threads, bool truncates);
 
-  Unknowns unknowns() const override { return {work_.zeros(1)}; }
-  void cold_start(Unknowns& x) override;
-  double residual(Unknowns& x, double accuracy, Corrections& R) override;
-  void linearise(double accuracy) override;
-  double frozen_sweep(const Corrections& rhs, Corrections& delta) override;
+  void start(Unknowns& x, Start how) override;
+  ResidualSize residual(Corrections& R, Unknowns& x, double accuracy) override;
+  void linearise(const Unknowns& x, double accuracy) override;
+  double frozen_sweep(Corrections& delta, const Corrections& rhs) override;
   bool solves_frozen() const override { return true; }
-  void couple(const Corrections& delta, Corrections& coupled) override;
-  void update(const Unknowns& x, SplitMatrix& W1) override;
+  void couple(Corrections& coupled, const Corrections& delta) override;
+  void update(SplitMatrix& W1, const Unknowns& x) override;
 
  private:
   void invert(double accuracy);
 
-  SplitStages W_stage_, B_, M_, MB_, commutator_;
-  SingleStages W_single_, B_single_, K_right_, dB_, product_, other_;
-  SingleStages X_, V_, minus_V_adjoint_;  // X = 1 - (h/2) B
-  bool knows_V_ = false;                  // V_ holds the inverse of an earlier correction
+  // Of the last residual: single matrices.
+  SplitStages W_stage_;     // W̃
+  Generators B_;            // B
+  SplitStages M_;           // M = B W̃
+  SplitStages MB_;          // (h²/4) B W̃ B
+  SplitStages commutator_;  // (h/2) [B, W̃]
+  // Of the Jacobian, in single precision.
+  SingleStages W_single_;         // W̃
+  RoundedGenerators B_single_;    // B
+  SingleStages X_;                // X = 1 - (h/2) B
+  SingleStages V_;                // V = X⁻¹
+  SingleStages minus_V_adjoint_;  // -V†
+  SingleStages K_right_;          // h/2 + (h²/4) B
+  SingleStages dB_;               // B(δ)
+  SingleStages product_, other_;  // of a product and of the next one
+  bool knows_V_ = false;          // V_ holds the inverse of an earlier correction
 };
 
 }  // namespace isosyrk

@@ -48,10 +48,10 @@ void SplitIntegrator::store(MatrixView W) const {
 
 StepReport SplitIntegrator::advance(double h, Past past) {
   const ThreadScope scope(threads_);
-  const StepReport before = work();
+  const Work before = work();
   StepReport report;
   try {
-    report = take_step(state_, scale_.value * h, past, next_);
+    report = take_step(next_, state_, scale_.value * h, past);
   } catch (...) {  // of IterationOptions::after_sweep
     if (past == Past::used) forget();
     throw;
@@ -64,7 +64,7 @@ StepReport SplitIntegrator::advance(double h, Past past) {
   } else if (past == Past::used) {
     forget();
   }
-  report.set_work(before, work());
+  report.work = work() - before;
   return report;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "isosyrk/fast/fast_options.h"
+#include "isosyrk/fast/past.h"
 #include "isosyrk/integrators/integrator.h"
 #include "isosyrk/split/split_matrix.h"
 
@@ -19,19 +20,13 @@ class SplitIntegrator : public Integrator {
   int threads() const { return threads_; }
 
  protected:
-  /// What a step may use of past steps.
-  enum class Past {
-    used,      ///< past steps predict this one, and it joins them
-    left_out,  ///< the step is not of the run: it starts cold and is not remembered
-  };
-
   /// Throws std::invalid_argument for a null flow, and for threads out of range.
   SplitIntegrator(const SharedFlow& flow, int threads);
 
   /// Computes V1 from V0 by a step of size h.  The report has all but the work.
-  virtual StepReport take_step(const SplitStages& V0, double h, Past past, SplitStages& V1) = 0;
-  /// Returns products, Poisson solves and equivalent products since construction.
-  virtual StepReport work() const = 0;
+  virtual StepReport take_step(SplitStages& V1, const SplitStages& V0, double h, Past past) = 0;
+  /// Returns the work since construction.
+  virtual Work work() const = 0;
   /// Forgets all past steps, after which the next one starts cold.
   virtual void forget() {}
 

@@ -133,9 +133,8 @@ void CoRotatingFrame::turn(const SpinRotation& U, const Matrix& V, MatrixView W)
     W = V;
     return;
   }
-  set_rotation(U);
-  products_.multiply(rotation_, V, scratch_);
-  products_.multiply_adjoint_right(scratch_, rotation_, turned_);
+  set_rotation({std::conj(U.a), -U.b});
+  products_.congruence(rotation_, V, rotation_, scratch_, turned_);
   W = 0.5 * (turned_ - turned_.adjoint());  // skew-Hermitian exactly, as V is
 }
 

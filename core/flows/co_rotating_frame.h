@@ -58,7 +58,7 @@ class CoRotatingFrame {
   double hbar_;
   SharedFlow flow_;
   Matrix eigenvectors_;  // of S_x: column k for the eigenvalue k - (n-1)/2
-  Matrix rotation_;      // U
+  Matrix rotation_;      // U†
   Matrix scratch_;
   Matrix turned_;
   Products products_;

@@ -1,31 +1,56 @@
 #include "isosyrk/integrators/explicit_methods.h"
 
 namespace isosyrk {
+namespace {
+
+// out += Σ_j weights_j k_j, without terms of weight 0: their k_j may be of an earlier step.
+template <class Weights, class Stored>
+void add_slopes(const Weights& weights, const std::vector<Stored>& k, Stored& out) {
+  for (std::size_t j = 0; j < k.size(); ++j) {
+    const double weight = weights(static_cast<Index>(j));
+    if (weight != 0.0) out += weight * k[j];
+  }
+}
+
+}  // namespace
 
 template <class Scalar>
 MuntheKaas4<Scalar>::MuntheKaas4(SharedFlowIn<Scalar> flow, ProductBackend backend)
-    : Form(std::move(flow), backend), series_(algebra()) {
+    : Form(std::move(flow), backend), scheme_(munthe_kaas4()), series_(algebra()) {
+  k_ = zeros(scheme_.tableau.stages());
   commutator_ = Omega_ = W_stage_ = zero();
-  k_.fill(commutator_);
+}
+
+// Sets Omega_ to Ω_i of a stage, or to Ω for stage s.
+template <class Scalar>
+void MuntheKaas4<Scalar>::form_exponent(std::size_t stage) {
+  Omega_.setZero();
+  if (stage < k_.size()) {
+    add_slopes(scheme_.tableau.a.row(static_cast<Index>(stage)), k_, Omega_);
+  } else {
+    add_slopes(scheme_.tableau.b, k_, Omega_);
+  }
+  for (const auto& each : scheme_.commutators) {
+    if (each.stage != stage) continue;
+    series_.commutator(products_, k_[each.left], k_[each.right], commutator_);
+    Omega_ += each.weight * commutator_;
+  }
 }
 
 template <class Scalar>
 StepReport MuntheKaas4<Scalar>::take_step(const Stored& W0, double h, Stored& W1) {
   bool summed = true;
-  const auto stage = [&](double scale, const Stored& exponent, Stored& k) {
-    summed = series_.conjugate(products_, scale, exponent, W0, W_stage_) && summed;
-    generator(W_stage_, k);
-    k *= h;
-  };
-  generator(W0, k_[0]);
-  k_[0] *= h;
-  stage(0.5, k_[0], k_[1]);
-  series_.commutator(products_, k_[0], k_[1], commutator_);
-  Omega_ = 0.5 * k_[1] - 0.125 * commutator_;
-  stage(1.0, Omega_, k_[2]);
-  stage(1.0, k_[2], k_[3]);
-  series_.commutator(products_, k_[0], k_[3], commutator_);
-  Omega_ = (k_[0] + 2.0 * k_[1] + 2.0 * k_[2] + k_[3]) / 6.0 - commutator_ / 12.0;
+  for (std::size_t i = 0; i < k_.size(); ++i) {
+    if (i == 0) {
+      W_stage_ = W0;
+    } else {
+      form_exponent(i);
+      summed = series_.conjugate(products_, 1.0, Omega_, W0, W_stage_) && summed;
+    }
+    generator(W_stage_, k_[i]);
+    k_[i] *= h;
+  }
+  form_exponent(k_.size());
   summed = series_.conjugate(products_, 1.0, Omega_, W0, W1) && summed;
   return {.status = summed ? Status::converged : Status::diverged};
 }
@@ -33,27 +58,21 @@ StepReport MuntheKaas4<Scalar>::take_step(const Stored& W0, double h, Stored& W1
 template <class Scalar>
 ClassicalRungeKutta4<Scalar>::ClassicalRungeKutta4(SharedFlowIn<Scalar> flow,
                                                    ProductBackend backend)
-    : Form(std::move(flow), backend), series_(algebra()) {
+    : Form(std::move(flow), backend), tableau_(classical_runge_kutta4()), series_(algebra()) {
+  k_ = zeros(tableau_.stages());
   B_ = W_stage_ = zero();
-  k_.fill(B_);
-}
-
-template <class Scalar>
-void ClassicalRungeKutta4<Scalar>::slope(const Stored& W, Stored& out) {
-  generator(W, B_);
-  series_.commutator(products_, B_, W, out);
 }
 
 template <class Scalar>
 StepReport ClassicalRungeKutta4<Scalar>::take_step(const Stored& W0, double h, Stored& W1) {
-  slope(W0, k_[0]);
-  W_stage_ = W0 + (0.5 * h) * k_[0];
-  slope(W_stage_, k_[1]);
-  W_stage_ = W0 + (0.5 * h) * k_[1];
-  slope(W_stage_, k_[2]);
-  W_stage_ = W0 + h * k_[2];
-  slope(W_stage_, k_[3]);
-  W1 = W0 + (h / 6.0) * (k_[0] + 2.0 * k_[1] + 2.0 * k_[2] + k_[3]);
+  for (std::size_t i = 0; i < k_.size(); ++i) {
+    W_stage_ = W0;
+    add_slopes(h * tableau_.a.row(static_cast<Index>(i)), k_, W_stage_);
+    generator(W_stage_, B_);
+    series_.commutator(products_, B_, W_stage_, k_[i]);
+  }
+  W1 = W0;
+  add_slopes(h * tableau_.b, k_, W1);
   return {};
 }
 

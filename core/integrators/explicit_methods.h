@@ -2,10 +2,9 @@
 // classical Runge-Kutta method applied to W.
 #pragma once
 
-#include <array>
-
 #include "isosyrk/integrators/published_form.h"
 #include "isosyrk/linalg/adjoint_series.h"
+#include "isosyrk/tableaux/explicit_tableaux.h"
 
 namespace isosyrk {
 
@@ -22,7 +21,8 @@ namespace isosyrk {
 template <class Scalar>
 class MuntheKaas4 final : public PublishedForm<Scalar> {
   using Form = PublishedForm<Scalar>;
-  using Form::algebra, Form::generator, Form::products_, Form::zero;
+  using Form::algebra, Form::generator, Form::products_, Form::zero, Form::zeros;
+  using typename Form::Stages;
   using typename Form::Stored;
 
  public:
@@ -31,11 +31,14 @@ class MuntheKaas4 final : public PublishedForm<Scalar> {
  private:
   StepReport take_step(const Stored& W0, double h, Stored& W1) override;
 
+  void form_exponent(std::size_t stage);
+
+  MuntheKaasScheme scheme_;
   AdjointSeries<Scalar> series_;
-  std::array<Stored, 4> k_;
-  Stored commutator_;
-  Stored Omega_;
-  Stored W_stage_;
+  Stages k_;           // k_i = h B(Ad(Ω_i) W₀)
+  Stored Omega_;       // Ω_i, and at the end Ω
+  Stored commutator_;  // of Ω_i
+  Stored W_stage_;     // Ad(Ω_i) W₀
 };
 
 /// Control: the classical Runge-Kutta method of order 4 applied to W' = [B(W), W].  Neither
@@ -44,7 +47,8 @@ class MuntheKaas4 final : public PublishedForm<Scalar> {
 template <class Scalar>
 class ClassicalRungeKutta4 final : public PublishedForm<Scalar> {
   using Form = PublishedForm<Scalar>;
-  using Form::algebra, Form::generator, Form::products_, Form::zero;
+  using Form::algebra, Form::generator, Form::products_, Form::zero, Form::zeros;
+  using typename Form::Stages;
   using typename Form::Stored;
 
  public:
@@ -52,12 +56,11 @@ class ClassicalRungeKutta4 final : public PublishedForm<Scalar> {
 
  private:
   StepReport take_step(const Stored& W0, double h, Stored& W1) override;
-  void slope(const Stored& W, Stored& out);
-
-  AdjointSeries<Scalar> series_;
-  std::array<Stored, 4> k_;
-  Stored B_;
-  Stored W_stage_;
+  Tableau tableau_;
+  AdjointSeries<Scalar> series_;  // for commutators
+  Stages k_;                      // k_i = [B(W_i), W_i]
+  Stored B_;                      // B(W_i)
+  Stored W_stage_;                // W_i = W₀ + h Σ_j a_ij k_j
 };
 
 }  // namespace isosyrk

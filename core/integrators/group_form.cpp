@@ -19,12 +19,11 @@ GroupForm<Scalar>::GroupForm(SharedFlowIn<Scalar> flow, const Tableau& tableau,
 template <class Scalar>
 void GroupForm<Scalar>::transport(const Stored& W0, const Stored& Q, Stored& W) {
   if (algebra().is_skew_hermitian()) {
-    products_.multiply(W0, Q, W0Q_);
+    products_.congruence(Q, W0, Q, W0Q_, W);
   } else {
     algebra().conjugate_by_J(Q, JQ_);
-    products_.multiply(W0, JQ_, W0Q_);
+    products_.congruence(Q, W0, JQ_, W0Q_, W);
   }
-  products_.multiply_adjoint_left(Q, W0Q_, W);
 }
 
 // QB_j = Q_j B(W̃_j)† from the current Q_j.

@@ -12,15 +12,7 @@ void StepReport::append(const StepReport& substep) {
   sweeps += substep.sweeps;
   last_change = substep.last_change;
   contraction = larger(contraction, substep.contraction);
-  products += substep.products;
-  poisson_solves += substep.poisson_solves;
-  equivalent_products += substep.equivalent_products;
-}
-
-void StepReport::set_work(const StepReport& before, const StepReport& after) {
-  products = after.products - before.products;
-  poisson_solves = after.poisson_solves - before.poisson_solves;
-  equivalent_products = after.equivalent_products - before.equivalent_products;
+  work += substep.work;
 }
 
 namespace {

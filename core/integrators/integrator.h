@@ -8,6 +8,7 @@
 #include "isosyrk/integrators/state_scale.h"
 #include "isosyrk/iteration/attempt.h"
 #include "isosyrk/iteration/status.h"
+#include "isosyrk/iteration/work.h"
 
 namespace isosyrk {
 
@@ -18,17 +19,11 @@ struct StepReport {
   int sweeps = 0;            ///< Picard sweeps of all attempts; 0 for explicit methods
   double last_change = 0.0;  ///< of the last sweep, as SolveReport::change
   double contraction = 0.0;  ///< as in SolveReport; 0 for explicit methods
-  long products = 0;         ///< n x n complex matrix products
-  long poisson_solves = 0;   ///< evaluations of the generator B
-  /// Work of the products in full products in double precision.  A triangle or a product in single
-  /// precision counts half; a product of banded matrices counts its multiplications.
-  double equivalent_products = 0.0;
+  Work work = {};
 
   /// Adds a substep that follows: sums the work and the sweeps, takes the larger contraction, and
   /// the substep's status, attempt and last change.
   void append(const StepReport& substep);
-  /// Sets products, Poisson solves and equivalent products to `after` - `before`.
-  void set_work(const StepReport& before, const StepReport& after);
 };
 
 /// A one-step method W₀ -> W₁ with its workspace.  It shares the ownership of its flow.

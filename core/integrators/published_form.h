@@ -45,13 +45,18 @@ class PublishedForm : public IntegratorIn<Scalar> {
 
  private:
   StepReport advance(const Stored& W0, double h, Stored& W1) final {
-    const long products_before = products_.count();
-    const long solves_before = poisson_solves_;
+    const Work before = work();
     StepReport report = take_step(W0, h, W1);
-    report.products = products_.count() - products_before;
-    report.poisson_solves = poisson_solves_ - solves_before;
-    report.equivalent_products = static_cast<double>(report.products);
+    report.work = work() - before;
     return report;
+  }
+
+  // Since construction.
+  Work work() const {
+    const long products = products_.count();
+    return {.products = products,
+            .equivalent_products = static_cast<double>(products),
+            .poisson_solves = poisson_solves_};
   }
 
   long poisson_solves_ = 0;

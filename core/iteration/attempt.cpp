@@ -21,12 +21,24 @@ std::string_view name(Iteration iteration) {
   return "unknown";
 }
 
+std::string_view name(Start start) {
+  switch (start) {
+    case Start::cold:
+      return "cold";
+    case Start::predicted:
+      return "predicted";
+    case Start::stepped:
+      return "stepped";
+  }
+  return "unknown";
+}
+
 }  // namespace
 
 std::string name(Attempt attempt) {
   std::string iteration(name(attempt.iteration));
   if (attempt.iteration == Iteration::none) return iteration;
-  return (attempt.start == Start::cold ? "cold " : "predicted ") + iteration;
+  return std::string(name(attempt.start)) + " " + iteration;
 }
 
 }  // namespace isosyrk

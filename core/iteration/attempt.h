@@ -9,6 +9,7 @@ namespace isosyrk {
 enum class Start {
   cold,       ///< from the initial state of the step
   predicted,  ///< from past steps, by the predictor
+  stepped,    ///< from a step of an explicit method
 };
 
 /// Kind of iteration.

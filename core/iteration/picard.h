@@ -38,10 +38,11 @@ class LastChanges {
 /// Repeats Picard sweeps until one converges or the iteration fails, and returns how it ended.
 /// `sweep()` updates every unknown once, all new values from the old ones.  It returns the largest
 /// change of an unknown in the Frobenius norm, or NaN if any change is NaN.
+/// `accepts(change)` is called after each sweep and says if it was the last one.
 /// Source: the paper states only the tolerance.  The other rules are listed in core/README.md,
 /// "What the paper leaves open".
-template <class Sweep>
-SolveReport solve_fixed_point(const IterationOptions& options, Sweep&& sweep) {
+template <class Sweep, class Accepts>
+SolveReport solve_fixed_point(const IterationOptions& options, Sweep&& sweep, Accepts&& accepts) {
   constexpr double divergence_bound = 1e6;
   constexpr int patience = 50;
 
@@ -60,7 +61,7 @@ SolveReport solve_fixed_point(const IterationOptions& options, Sweep&& sweep) {
     options.swept();
     changes.add(report.change);
     if (!(report.change <= divergence_bound)) return ended(Status::diverged);  // NaN included
-    if (report.change < options.tolerance) return ended(Status::converged);
+    if (accepts(report.change)) return ended(Status::converged);
     if (report.change < best) {
       best = report.change;
       since_best = 0;
@@ -69,6 +70,13 @@ SolveReport solve_fixed_point(const IterationOptions& options, Sweep&& sweep) {
     }
   }
   return ended(Status::sweep_cap);
+}
+
+/// The same, accepted by the paper's rule: the change of a sweep is below the tolerance.
+template <class Sweep>
+SolveReport solve_fixed_point(const IterationOptions& options, Sweep&& sweep) {
+  return solve_fixed_point(options, sweep,
+                           [&](double change) { return change < options.tolerance; });
 }
 
 }  // namespace isosyrk

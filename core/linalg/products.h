@@ -36,6 +36,12 @@ class ProductsOf {
   /// C = A B†.
   void multiply_adjoint_right(const Stored& A, const Stored& B, Stored& C);
 
+  /// out = A† W B, by two products.  WB becomes W B.  A and B may be one matrix: a congruence.
+  void congruence(const Stored& A, const Stored& W, const Stored& B, Stored& WB, Stored& out) {
+    multiply(W, B, WB);
+    multiply_adjoint_left(A, WB, out);
+  }
+
   /// Returns the number of products since construction.
   long count() const { return count_; }
 

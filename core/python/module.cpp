@@ -67,6 +67,11 @@ template <auto field>
 auto of_run(const Stepper::Outcome& outcome) {
   return outcome.run.*field;
 }
+// The same of its work.
+template <auto field>
+auto of_work(const Stepper::Outcome& outcome) {
+  return outcome.run.work.*field;
+}
 
 void bind_scenes(py::module_& module) {
   py::class_<Scene>(module, "Scene")
@@ -166,9 +171,9 @@ void bind_integrators(py::module_& module) {
       .def_property_readonly("failed_step", &of_run<&RunReport::failed_step>)
       .def_property_readonly("steps", &of_run<&RunReport::steps>)
       .def_property_readonly("sweeps", &of_run<&RunReport::sweeps>)
-      .def_property_readonly("products", &of_run<&RunReport::products>)
-      .def_property_readonly("equivalent_products", &of_run<&RunReport::equivalent_products>)
-      .def_property_readonly("poisson_solves", &of_run<&RunReport::poisson_solves>)
+      .def_property_readonly("products", &of_work<&Work::products>)
+      .def_property_readonly("equivalent_products", &of_work<&Work::equivalent_products>)
+      .def_property_readonly("poisson_solves", &of_work<&Work::poisson_solves>)
       .def_property_readonly("contraction", &of_run<&RunReport::contraction>)
       .def_property_readonly("last_change", &of_run<&RunReport::last_change>)
       .def_readonly("seconds", &Stepper::Outcome::seconds)

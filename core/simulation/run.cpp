@@ -19,9 +19,7 @@ RunReport run_steps(Integrator& integrator, MatrixView W, double h, long steps, 
   for (long k = 1; k <= steps; ++k) {
     const StepReport step = integrator.step(h);
     total.sweeps += step.sweeps;
-    total.products += step.products;
-    total.poisson_solves += step.poisson_solves;
-    total.equivalent_products += step.equivalent_products;
+    total.work += step.work;
     total.last_change = step.last_change;
     total.contraction = larger(total.contraction, step.contraction);
     if (step.status != Status::converged) {

@@ -15,9 +15,7 @@ struct RunReport {
   double last_change = 0.0;  ///< of the last step
   double contraction = 0.0;  ///< largest over all steps, a failed one included
   long sweeps = 0;
-  long products = 0;
-  long poisson_solves = 0;
-  double equivalent_products = 0.0;  ///< as in StepReport
+  Work work = {};
 
   bool converged() const { return status == Status::converged; }
   double sweeps_per_step() const {
@@ -31,8 +29,8 @@ struct RunReport {
 RunReport run(Integrator& integrator, MatrixView W, double h, long steps);
 
 /// Advances W as above and calls `go_on(totals so far)` after every completed step.  Ends the run
-/// where that returns false.  Meanwhile the state is the integrator's, which `go_on` may amend; W is
-/// written at the end, by an exception of `go_on` too.
+/// where that returns false.  Meanwhile the state is the integrator's, which `go_on` may amend; W
+/// is written at the end, by an exception of `go_on` too.
 RunReport run_while(Integrator& integrator, MatrixView W, double h, long steps,
                     const std::function<bool(const RunReport&)>& go_on);
 

@@ -77,8 +77,11 @@ void Anderson::remember(const SplitMatrix& g, Unknown& u, std::size_t slot, bool
   }
   constexpr Index block = 64 * length;  // sums: in single precision in a block, then in double
   for (Index begin = 0; begin < u.x.size(); begin += block) {
-    Singles8 newest = Singles8::Zero(), mixed = newest, oldest = newest, f_newest = newest,
-             f_oldest = newest;
+    Singles8 newest = Singles8::Zero();    // (Δf_k)²
+    Singles8 mixed = Singles8::Zero();     // Δf_k Δf_{k-1}
+    Singles8 oldest = Singles8::Zero();    // (Δf_{k-1})²
+    Singles8 f_newest = Singles8::Zero();  // f_k Δf_k
+    Singles8 f_oldest = Singles8::Zero();  // f_k Δf_{k-1}
     for (Index i = begin; i < std::min(begin + block, u.x.size()); i += length) {
       const Singles8 f = (at(g.entries(), i) - at(u.x, i)).cast<float>();
       const Singles8 df = f - at(u.f, i);

@@ -1,34 +1,61 @@
 // The interface between solvers and equations x = G(x).
 #pragma once
 
+#include "isosyrk/iteration/iteration_options.h"
+#include "isosyrk/iteration/status.h"
+#include "isosyrk/solver/acceptance.h"
 #include "isosyrk/solver/unknowns.h"
 
 namespace isosyrk {
 
-/// A system x = G(x) with the Jacobian G' = T + K.  T is the Jacobian with B frozen, K the coupling
-/// through B.  G is evaluated Jacobi style: all of G(x) from x alone.
+/// Sizes of a residual R = G(x) - x.
+struct ResidualSize {
+  /// Change of a Picard sweep: the largest Frobenius norm over the unknowns, and over any further
+  /// quantity that the published form bounds.  NaN if any norm is NaN.
+  double change;
+  /// Bound on the terms of G(x) that were neglected, in the same norm.
+  double neglected;
+};
+
+/// The part of the Jacobian by which a correction improves on R.
+enum class JacobianPart {
+  whole,
+  frozen,  ///< with B frozen, without the coupling through B: a little of it
+};
+
+/// What is asked of a correction.
+struct CorrectionRequest {
+  double size;          ///< norm of R
+  double forcing_term;  ///< error allowed in the correction
+  JacobianPart part = JacobianPart::whole;
+};
+
+/// What became of a correction.
+struct Correction {
+  bool usable = false;  ///< false if it could not be computed; delta is then unspecified
+  double error = 0.0;   ///< estimated error of delta as solution of (1 - G') delta = R
+};
+
+/// A system x = G(x).  A solver knows no more of it than this.
 class FixedPointSystem {
  public:
   virtual ~FixedPointSystem() = default;
 
-  /// Sets R = G(x) - x, formed in double and rounded to single precision.  Returns the change of a
-  /// Picard sweep: the largest Frobenius norm over the unknowns and over any further quantity that
-  /// the published form bounds, or NaN if any norm is NaN.  May truncate x to its bands, and
-  /// neglect terms of G(x) below `accuracy`.  Stores the data of linearise().
-  virtual double residual(Unknowns& x, double accuracy, Corrections& R) = 0;
+  /// Sets R = G(x) - x, formed in double and rounded to single precision.  May truncate x to its
+  /// bands, and neglect terms of G(x) that are `accuracy` together.
+  virtual ResidualSize residual(Corrections& R, Unknowns& x, double accuracy) = 0;
 
-  /// Fixes T and K at the x of the last residual(), in single precision, to a relative accuracy.
-  virtual void linearise(double accuracy) = 0;
+  /// Sets delta to a solution of (1 - G'(x)) delta = R, where x and R are those of the last
+  /// residual().  The system chooses how: see AlternatingCorrection and NeumannCorrection.
+  /// options.after_sweep is called after each of its inner sweeps.
+  virtual Correction correct(Corrections& delta, const Unknowns& x, const Corrections& R,
+                             const CorrectionRequest& request, const IterationOptions& options) = 0;
 
-  /// Makes a sweep with B frozen, delta <- rhs + T delta.  If solves_frozen(), delta becomes the
-  /// solution of delta = rhs + T delta instead.  Returns the largest Frobenius norm of a change of
-  /// delta, or NaN if any norm is NaN.
-  virtual double frozen_sweep(const Corrections& rhs, Corrections& delta) = 0;
-  /// True if one frozen_sweep() solves the equation with B frozen.
-  virtual bool solves_frozen() const { return false; }
+  /// Returns the size of x to which the tolerance is relative.
+  virtual double unit(const Unknowns&) const { return 1.0; }
 
-  /// coupled = K delta.
-  virtual void couple(const Corrections& delta, Corrections& coupled) = 0;
+  /// Returns when a solver may accept x.
+  virtual Acceptance acceptance() const { return {}; }
 };
 
 }  // namespace isosyrk

@@ -48,7 +48,9 @@ Predictor::Predictor(int past_steps, const Unknowns& like)
     : past_(static_cast<std::size_t>(checked(past_steps)), like),
       of_differences_(numbers_sampled_of(like), std::max(0, past_steps - differences)) {}
 
-// Sets weights_ from the past steps and returns their number.
+// Sets weights_ from the past steps and returns their number.  With the fitted c_j,
+//     x_{m+1} = Σ_j c_j ∇^p x_{m+1-j} - (∇^p x_{m+1} - x_{m+1}),
+// where the bracket has past steps only.  Without a fit ∇^K x_{m+1} is taken as 0 for all K steps.
 int Predictor::weigh() {
   const bool fits = of_differences_.terms() >= tuning.fewest_weights;
   const LinearPrediction::Weights c =
@@ -72,11 +74,11 @@ bool Predictor::predict(double h, Unknowns& x) {
   const int count = weigh();
   for (std::size_t kind = 0; kind < x.size(); ++kind) {
     assign(x[kind], [&](std::size_t i) {
-      LinearCombination<double> sum;
+      LinearCombination<double> predicted;
       for (int k = 0; k < count; ++k) {
-        sum.add(weights_[static_cast<std::size_t>(k)], past(k)[kind][i]);
+        predicted += weights_[static_cast<std::size_t>(k)] * past(k)[kind][i];
       }
-      return sum;
+      return predicted;
     });
   }
   return true;
@@ -89,7 +91,7 @@ void Predictor::accept(double h, const Unknowns& x) {
   newest_ = (newest_ + 1) % past_.size();
   known_ = std::min(known_ + 1, static_cast<int>(past_.size()));
   for (std::size_t kind = 0; kind < x.size(); ++kind) {
-    assign(past_[newest_][kind], [&](std::size_t i) { return sum_of(1.0, x[kind][i]); });
+    copy(past_[newest_][kind], x[kind]);
   }
   learn();
 }

@@ -20,15 +20,20 @@ struct Tuning {
   /// Number of Picard sweeps that are taken in place of a correction where they converge.  At n =
   /// 17 three cost less than a correction; at n = 33 one does.
   int sweeps_for_a_correction(Index n) const { return n < 24 ? 3 : 1; }
-  /// The forcing term is the error allowed in a correction: the largest of these multiples of the
-  /// size of the residual, of the tolerance, and of the size squared.  The first is the limit of
-  /// single precision.  Half or twice the others changes the time of no cell by more than 3 %.
-  double of_size = 1e-6;
-  double of_tolerance = 0.3;
-  double of_size_squared = 0.1;
-  /// Relative accuracy of the Jacobian, as a multiple of the forcing term over the size of the
-  /// residual.
-  double of_forcing_term = 0.3;
+  /// The forcing term is the error allowed in a correction of a residual R: the largest of
+  /// forcing_relative ‖R‖, the limit of single precision, forcing_of_tolerance times the tolerance,
+  /// and forcing_quadratic ‖R‖².  Half or twice the last two changes the time of no cell by more
+  /// than 3 %.
+  double forcing_relative = 1e-6;
+  double forcing_of_tolerance = 0.3;
+  double forcing_quadratic = 0.1;
+  /// The Jacobian may have the relative error jacobian_share · forcing term / ‖R‖.
+  double jacobian_share = 0.3;
+  /// The accuracy of G is this part of the error that its sweep will leave: of the tolerance, if
+  /// the sweep may be accepted.
+  double accepting_accuracy = 0.1;
+  /// Accuracy of each term of a Neumann series, as a part of the forcing term.
+  double neumann_term = 0.1;
   /// Largest growth of the change from one frozen sweep to the next before T counts as not
   /// contracting.  T is not normal, so its norm may exceed 1.
   double growth = 4.0;

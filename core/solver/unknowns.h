@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "isosyrk/split/linear_combination.h"
 #include "isosyrk/split/split_matrix.h"
 
 namespace isosyrk {
@@ -20,6 +21,11 @@ inline Corrections corrections_like(const Unknowns& x) {
         split_stages<float>(static_cast<Index>(kind.size()), kind.empty() ? 0 : kind[0].size()));
   }
   return zero;
+}
+
+/// x += delta.
+inline void add(Unknowns& x, const Corrections& delta) {
+  for (std::size_t kind = 0; kind < x.size(); ++kind) add(x[kind], delta[kind]);
 }
 
 }  // namespace isosyrk

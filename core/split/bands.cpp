@@ -20,13 +20,14 @@ auto squares_in_row(const SplitMatrixOf<Real>& W, Index row, Index first, Index 
   return of(W.re()) + of(W.im());
 }
 
-// squares(m) = Σ |W(r, c)|² over |r - c| = m, for the diagonals m of a share.  Of a skew-Hermitian
-// matrix only the upper triangle is read, and counts twice.
+// squares(m) = Σ |W(r, c)|² over |r - c| = m, for a share of the diagonals m = 0 ... n - 1.  Of a
+// skew-Hermitian matrix only the upper triangle is read, and counts twice.
 template <class Real>
-void diagonal_squares(const SplitMatrixOf<Real>& W, bool is_skew, RealVector& squares,
-                      Share share) {
+void sum_over_diagonals(RealVector& squares, const SplitMatrixOf<Real>& W, bool is_skew,
+                        Share share) {
   const Index n = W.size();
-  const auto [first, end] = parallel::rows_of_share(n, share);
+  const Index first = n * share.first / share.parts;
+  const Index end = n * share.end / share.parts;
   const double weight = is_skew ? 2.0 : 1.0;
   squares.segment(first, end - first).setZero();
   for (Index i = 0; i < n; ++i) {
@@ -58,7 +59,7 @@ Index smallest_band(const RealVector& squares, double tail) {
 }  // namespace
 
 template <class Real>
-void cut_to_band(Index band, SplitMatrixOf<Real>& W, Share share) {
+void cut_to_band(SplitMatrixOf<Real>& W, Index band, Share share) {
   const Index n = W.size();
   if (share.is_first()) W.set_band(band);
   if (band >= n - 1) return;
@@ -72,45 +73,42 @@ void cut_to_band(Index band, SplitMatrixOf<Real>& W, Share share) {
   }
 }
 
-BandTruncation::BandTruncation(bool enabled, std::size_t matrices, Index n)
-    : enabled_(enabled), squares_(matrices, RealVector::Zero(n)), skew_squares_(squares_) {}
-
 template <class Real>
-void BandTruncation::truncate(double tail, SplitStagesOf<Real>& X) {
+void BandTruncation::truncate(SplitStagesOf<Real>& X, double tail) {
   if (!enabled_) {
     for (SplitMatrixOf<Real>& each : X) each.set_band(each.size() - 1);
     return;
   }
   parallel::for_shares_of(
-      X, [&](std::size_t k, Share share) { diagonal_squares(X[k], false, squares_[k], share); });
+      X, [&](std::size_t k, Share share) { sum_over_diagonals(squares_[k], X[k], false, share); });
   parallel::for_shares_of(X, [&](std::size_t k, Share share) {
-    cut_to_band(smallest_band(squares_[k], tail), X[k], share);
+    cut_to_band(X[k], smallest_band(squares_[k], tail), share);
   });
 }
 
-void BandTruncation::truncate_skew(double tail, SplitStages& B) {
+void BandTruncation::truncate_skew(SplitStages& B, DiagonalSquares& squares, double tail) const {
   if (enabled_) {
-    parallel::for_shares_of(B, [&](std::size_t k, Share share) {
-      diagonal_squares(B[k], true, skew_squares_[k], share);
-    });
+    parallel::for_shares_of(
+        B, [&](std::size_t k, Share share) { sum_over_diagonals(squares[k], B[k], true, share); });
   }
   parallel::for_shares_of(B, [&](std::size_t k, Share share) {
-    const Index band = enabled_ ? smallest_band(skew_squares_[k], tail) : B[k].size() - 1;
-    mirror_skew_within(band, B[k], share);
+    const Index band = enabled_ ? smallest_band(squares[k], tail) : B[k].size() - 1;
+    mirror_skew_within(B[k], band, share);
   });
 }
 
-void BandTruncation::round_skew(double tail, const SplitStages& B, SingleStages& S) const {
-  round_to_single(B, S);
+void BandTruncation::round_skew(SingleStages& S, const SplitStages& B,
+                                const DiagonalSquares& squares, double tail) const {
+  round_to_single(S, B);
   if (!enabled_) return;
   parallel::for_shares_of(B, [&](std::size_t k, Share share) {
-    cut_to_band(smallest_band(skew_squares_[k], tail), S[k], share);
+    cut_to_band(S[k], smallest_band(squares[k], tail), share);
   });
 }
 
-template void cut_to_band(Index, SplitMatrix&, Share);
-template void cut_to_band(Index, SingleMatrix&, Share);
-template void BandTruncation::truncate(double, SplitStages&);
-template void BandTruncation::truncate(double, SingleStages&);
+template void cut_to_band(SplitMatrix&, Index, Share);
+template void cut_to_band(SingleMatrix&, Index, Share);
+template void BandTruncation::truncate(SplitStages&, double);
+template void BandTruncation::truncate(SingleStages&, double);
 
 }  // namespace isosyrk

@@ -11,34 +11,44 @@ namespace isosyrk {
 
 /// Sets the entries of W outside a band to 0, in the rows of the share.
 template <class Real>
-void cut_to_band(Index band, SplitMatrixOf<Real>& W, Share share = {});
+void cut_to_band(SplitMatrixOf<Real>& W, Index band, Share share = {});
 
-/// Cuts each matrix to the smallest band outside which its Frobenius norm is at most a given tail.
+/// Sums of squares over each pair of diagonals |r - c| = m of some matrices, m = 0 ... n - 1: from
+/// these follows the band for any tail.
+using DiagonalSquares = std::vector<RealVector>;
+/// Returns zeros for `matrices` n x n matrices.
+inline DiagonalSquares diagonal_squares(Index matrices, Index n) {
+  return DiagonalSquares(static_cast<std::size_t>(matrices), RealVector::Zero(n));
+}
+
+/// Cuts matrices to the smallest band outside which their Frobenius norm is at most a given tail.
 /// The band |r - c| <= m holds all modes up to degree m.  In a smooth state bands are therefore
 /// narrow; in a rough one nothing is cut.  Only the constructor allocates.
 class BandTruncation {
  public:
   /// For up to `matrices` n x n matrices at a time.  If not enabled, nothing is cut.
-  BandTruncation(bool enabled, std::size_t matrices, Index n);
+  BandTruncation(bool enabled, Index matrices, Index n)
+      : enabled_(enabled), squares_(diagonal_squares(matrices, n)) {}
 
   bool enabled() const { return enabled_; }
   void enable(bool enabled) { enabled_ = enabled; }
 
   /// Cuts each X_i to its band and sets X_i.band().  If not enabled, sets the full band.
   template <class Real>
-  void truncate(double tail, SplitStagesOf<Real>& X);
+  void truncate(SplitStagesOf<Real>& X, double tail);
 
   /// Cuts each skew-Hermitian B_i, given by its upper triangle, to its band.  Fills the lower
-  /// triangle and sets B_i.band().
-  void truncate_skew(double tail, SplitStages& B);
-  /// S_i = B_i rounded to single precision and cut to the band of `tail`.  The B_i must be
-  /// unchanged since the last truncate_skew().
-  void round_skew(double tail, const SplitStages& B, SingleStages& S) const;
+  /// triangle and sets B_i.band().  Keeps the sums over the diagonals of the uncut B_i in
+  /// `squares`, if enabled.
+  void truncate_skew(SplitStages& B, DiagonalSquares& squares, double tail) const;
+  /// S_i = B_i rounded to single precision and cut to the band of `tail`, with the squares that
+  /// truncate_skew has kept for B.
+  void round_skew(SingleStages& S, const SplitStages& B, const DiagonalSquares& squares,
+                  double tail) const;
 
  private:
   bool enabled_;
-  std::vector<RealVector> squares_;       // diagonal_squares of each X_i in truncate()
-  std::vector<RealVector> skew_squares_;  // of each B_i in truncate_skew()
+  DiagonalSquares squares_;  // of X in truncate()
 };
 
 }  // namespace isosyrk

@@ -16,11 +16,11 @@ struct Range {
 
 // std::min and std::max are functions that the linker could merge.
 constexpr Index smaller(Index a, Index b) { return a < b ? a : b; }
-constexpr Index larger(Index a, Index b) { return a < b ? b : a; }
+constexpr Index greater(Index a, Index b) { return a < b ? b : a; }
 
 // The k within `band` of the indices first ... end - 1.
 constexpr Range within_band(Index n, Index first, Index end, Index band) {
-  return {larger(0, first - band), smaller(n, end + band)};
+  return {greater(0, first - band), smaller(n, end + band)};
 }
 
 // The k for which A(i, k) B(k, j) lies within the bands of both factors, for some row i and column
@@ -30,7 +30,7 @@ inline Range nonzero_terms(const SplitProduct<Real>& product, Index first_row, I
                            Index first_column, Index columns) {
   const Range of_A = within_band(product.n, first_row, first_row + rows, product.A_band);
   const Range of_B = within_band(product.n, first_column, first_column + columns, product.B_band);
-  return {larger(of_A.begin, of_B.begin), smaller(of_A.end, of_B.end)};
+  return {greater(of_A.begin, of_B.begin), smaller(of_A.end, of_B.end)};
 }
 
 // True if no entry of the given block of C is needed: all lie beyond C_band or below the upper

@@ -84,7 +84,7 @@ __attribute__((noinline)) void last_entries(const SplitProduct<Real>& product, I
   const RowSteps steps(product.stride);
   const Range of_A = within_band(product.n, i, i + rows, product.A_band);
   const Range of_B = rows_of_last_column(product);
-  const Index begin = larger(of_A.begin / half * half, of_B.begin);
+  const Index begin = greater(of_A.begin / half * half, of_B.begin);
   const Index end = smaller(of_A.end, of_B.end);
   const Real* A_re = product.A_re + i * product.stride + begin;
   const Real* A_im = product.A_im + i * product.stride + begin;
@@ -152,7 +152,7 @@ inline __attribute__((always_inline)) void last_entries_of_adjoint(
 // of A. Whole vectors are summed in the workspace; the padding of A allows it.
 template <class Real>
 inline void last_column_of_adjoint(const SplitProduct<Real>& product, Range rows) {
-  const Index first = larger(rows.begin, product.n - 1 - product.C_band);
+  const Index first = greater(rows.begin, product.n - 1 - product.C_band);
   const Index end = rows.end;
   Real* re = product.scratch;
   Real* im = product.scratch + product.stride / 2;

@@ -49,7 +49,7 @@ void multiply_in_place(const SplitProduct<Real>& product, Range rows, const Left
       if (column_follows) form_last_entries<adjoint>(height, product, i);
     });
     if (!column_follows) return;
-    for (Index i = larger(end, rows.begin); i < rows.end; ++i) {
+    for (Index i = greater(end, rows.begin); i < rows.end; ++i) {
       form_last_entries<adjoint>(1, product, i);
     }
   });

@@ -84,8 +84,8 @@ void for_mixed_pieces(Index n, parallel::Rows rows, Body&& body) {
 namespace linear_combination {
 
 template <class Real>
-void assign_rows(const LinearCombination<Real>& sum, parallel::Rows rows,
-                 SplitMatrixOf<Real>& out) {
+void assign_rows(SplitMatrixOf<Real>& out, const LinearCombination<Real>& sum,
+                 parallel::Rows rows) {
   constexpr int length = piece_length<Real>;
   with_terms(sum, [&](const auto& terms) {
     Real* const to = out.entries().data();
@@ -98,8 +98,8 @@ void assign_rows(const LinearCombination<Real>& sum, parallel::Rows rows,
 }
 
 template <class Real>
-double change_rows(const LinearCombination<Real>& sum, parallel::Rows rows,
-                   SplitMatrixOf<Real>& out) {
+double change_rows(SplitMatrixOf<Real>& out, const LinearCombination<Real>& sum,
+                   parallel::Rows rows) {
   constexpr int length = piece_length<Real>;
   const double squares = with_terms(sum, [&](const auto& terms) {
     Piece<Real> total = Piece<Real>::Zero();
@@ -116,8 +116,8 @@ double change_rows(const LinearCombination<Real>& sum, parallel::Rows rows,
   return squares;
 }
 
-double residual_rows(const LinearCombination<double>& sum, const SplitMatrix& X,
-                     parallel::Rows rows, SingleMatrix& R) {
+double residual_rows(SingleMatrix& R, const LinearCombination<double>& sum, const SplitMatrix& X,
+                     parallel::Rows rows) {
   if (rows.begin == 0) R.set_band(std::max(sum.band(), X.band()));
   return with_terms(sum, [&](const auto& terms) {
     Doubles total = Doubles::Zero();
@@ -139,16 +139,16 @@ double squares_of_rows(const SplitMatrixOf<Real>& X, parallel::Rows rows) {
       X.entries().segment(begin, X.stride() * rows.end - begin).squaredNorm());
 }
 
-template void assign_rows(const LinearCombination<double>&, parallel::Rows, SplitMatrix&);
-template void assign_rows(const LinearCombination<float>&, parallel::Rows, SingleMatrix&);
-template double change_rows(const LinearCombination<double>&, parallel::Rows, SplitMatrix&);
-template double change_rows(const LinearCombination<float>&, parallel::Rows, SingleMatrix&);
+template void assign_rows(SplitMatrix&, const LinearCombination<double>&, parallel::Rows);
+template void assign_rows(SingleMatrix&, const LinearCombination<float>&, parallel::Rows);
+template double change_rows(SplitMatrix&, const LinearCombination<double>&, parallel::Rows);
+template double change_rows(SingleMatrix&, const LinearCombination<float>&, parallel::Rows);
 template double squares_of_rows(const SplitMatrix&, parallel::Rows);
 template double squares_of_rows(const SingleMatrix&, parallel::Rows);
 
 }  // namespace linear_combination
 
-void round_to_single(const SplitStages& X, SingleStages& S) {
+void round_to_single(SingleStages& S, const SplitStages& X) {
   if (X.empty()) return;
   parallel::for_each_block(X.size(), X[0].size(), [&](std::size_t i, parallel::Rows rows, Index) {
     for_mixed_pieces(X[i].size(), rows, [&](Index at, Index single_at) {
@@ -159,7 +159,7 @@ void round_to_single(const SplitStages& X, SingleStages& S) {
   });
 }
 
-void add(const SingleStages& S, SplitStages& X) {
+void add(SplitStages& X, const SingleStages& S) {
   if (X.empty()) return;
   parallel::for_each_block(X.size(), X[0].size(), [&](std::size_t i, parallel::Rows rows, Index) {
     for_mixed_pieces(X[i].size(), rows, [&](Index at, Index single_at) {
@@ -170,7 +170,7 @@ void add(const SingleStages& S, SplitStages& X) {
   });
 }
 
-void add_identity(float scale, SingleStages& X) {
+void add_identity(SingleStages& X, float scale) {
   for (SingleMatrix& each : X) {
     for (Index i = 0; i < each.size(); ++i) each.re()[i * each.stride() + i] += scale;
   }

@@ -1,5 +1,9 @@
 // Linear combinations of split matrices: every sum over stages, past steps or corrections, in one
-// pass over memory.
+// pass over memory.  They read as in the paper, with the output first.  For
+// Q₁ = I - h Σ_j b_j QB_j, and for all W̃_i = W₀ + h Σ_j a_ij M_j:
+//
+//     Q1 = identity - h * sum(b, QB);
+//     assign(W, [&](std::size_t i) { return W0 + h * sum(row(i), M); });
 //
 // The sums cost O(s² n²) operations, products O(s n³).  At moderate n the sums still take a
 // noticeable part of a sweep, since they are limited by memory.  All weights are real, so a matrix
@@ -9,14 +13,32 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <type_traits>
 
 #include "isosyrk/split/parallel.h"
 #include "isosyrk/split/split_matrix.h"
 
 namespace isosyrk {
 
-/// The sum Σ_t weight_t X_t of 1 to `most` split matrices of one size.  Holds pointers: the
-/// matrices must outlive the sum.
+/// The term weight X of a linear combination.  Holds a pointer to X.
+template <class Real>
+struct Multiple {
+  double weight;
+  const SplitMatrixOf<Real>* X;
+};
+
+/// The term factor Σ_j w_j Y_j of a linear combination, with the weights w_j `stride` numbers
+/// apart.  Terms of weight 0 are left out.  Holds pointers to the weights and to Y.
+template <class Real>
+struct StageSum {
+  double factor;
+  const double* weights;
+  Index stride;
+  const SplitStagesOf<Real>* Y;
+};
+
+/// The sum Σ_t weight_t X_t of 1 to `most` split matrices of one size, made of terms by + and -.
+/// Holds pointers: the matrices must outlive the sum.
 template <class Real>
 class LinearCombination {
  public:
@@ -32,21 +54,32 @@ class LinearCombination {
   }
   LinearCombination& operator=(const LinearCombination&) = delete;
 
-  /// Adds weight X.
-  LinearCombination& add(double weight, const SplitMatrixOf<Real>& X) {
-    weights_[count_] = static_cast<Real>(weight);
+  /// A sum of one term.
+  LinearCombination(const SplitMatrixOf<Real>& X) { add(1.0, X); }
+  LinearCombination(const Multiple<Real>& term) { add(1.0, term); }
+  LinearCombination(const StageSum<Real>& term) { add(1.0, term); }
+
+  /// Adds `weight` times a term.
+  void add(double weight, const SplitMatrixOf<Real>& X) {
+    weights_[count_] = weight;
     terms_[count_++] = &X;
-    return *this;
   }
-  /// Adds Σ_j weights(j) Y_j.
-  template <class Weights>
-  LinearCombination& add(const Weights& weights, const SplitStagesOf<Real>& Y) {
-    for (std::size_t j = 0; j < Y.size(); ++j) add(weights(static_cast<Index>(j)), Y[j]);
+  void add(double weight, const Multiple<Real>& term) { add(weight * term.weight, *term.X); }
+  void add(double weight, const StageSum<Real>& term) {
+    const double* w = term.weights;
+    for (const SplitMatrixOf<Real>& each : *term.Y) {
+      if (*w != 0.0) add(weight * (term.factor * *w), each);
+      w += term.stride;
+    }
+  }
+  template <class Term>
+  LinearCombination& operator+=(const Term& term) {
+    add(1.0, term);
     return *this;
   }
 
   std::size_t count() const { return count_; }
-  Real weight(std::size_t t) const { return weights_[t]; }
+  Real weight(std::size_t t) const { return static_cast<Real>(weights_[t]); }
   const SplitMatrixOf<Real>& term(std::size_t t) const { return *terms_[t]; }
   /// Returns the widest band of a term.
   Index band() const {
@@ -59,19 +92,73 @@ class LinearCombination {
 
  private:
   std::size_t count_ = 0;
-  std::array<Real, most> weights_;  // the first `count_`
+  std::array<double, most> weights_;  // the first `count_`
   std::array<const SplitMatrixOf<Real>*, most> terms_;
 };
 
-/// Returns weight X.
+/// Returns the term weight X.
 template <class Real>
-LinearCombination<Real> sum_of(double weight, const SplitMatrixOf<Real>& X) {
-  return LinearCombination<Real>().add(weight, X);
+Multiple<Real> operator*(double weight, const SplitMatrixOf<Real>& X) {
+  return {weight, &X};
 }
-/// Returns Σ_j weights(j) Y_j.
+/// Returns the term Σ_j weights_j Y_j.  The weights are a vector, or a row of a matrix, that
+/// outlives the sum.
 template <class Weights, class Real>
-LinearCombination<Real> sum_of(const Weights& weights, const SplitStagesOf<Real>& Y) {
-  return LinearCombination<Real>().add(weights, Y);
+StageSum<Real> sum(const Weights& weights, const SplitStagesOf<Real>& Y) {
+  return {1.0, weights.data(), weights.innerStride(), &Y};
+}
+template <class Real>
+StageSum<Real> operator*(double factor, StageSum<Real> term) {
+  term.factor *= factor;
+  return term;
+}
+
+namespace linear_combination {
+
+// The precision of a term: a matrix, a multiple of one, or a sum over stages.
+template <class Term>
+struct PrecisionOf;
+template <class Real>
+struct PrecisionOf<SplitMatrixOf<Real>> {
+  using type = Real;
+};
+template <class Real>
+struct PrecisionOf<Multiple<Real>> {
+  using type = Real;
+};
+template <class Real>
+struct PrecisionOf<StageSum<Real>> {
+  using type = Real;
+};
+template <class First, class Second>
+using SumOfTerms = LinearCombination<std::enable_if_t<
+    std::is_same_v<typename PrecisionOf<First>::type, typename PrecisionOf<Second>::type>,
+    typename PrecisionOf<First>::type>>;
+
+}  // namespace linear_combination
+
+/// Returns the sum or the difference of two terms, or of a linear combination and a term.
+template <class First, class Second>
+linear_combination::SumOfTerms<First, Second> operator+(const First& first, const Second& second) {
+  linear_combination::SumOfTerms<First, Second> result(first);
+  result.add(1.0, second);
+  return result;
+}
+template <class First, class Second>
+linear_combination::SumOfTerms<First, Second> operator-(const First& first, const Second& second) {
+  linear_combination::SumOfTerms<First, Second> result(first);
+  result.add(-1.0, second);
+  return result;
+}
+template <class Real, class Term, class = typename linear_combination::PrecisionOf<Term>::type>
+LinearCombination<Real>&& operator+(LinearCombination<Real>&& combination, const Term& term) {
+  combination.add(1.0, term);
+  return std::move(combination);
+}
+template <class Real, class Term, class = typename linear_combination::PrecisionOf<Term>::type>
+LinearCombination<Real>&& operator-(LinearCombination<Real>&& combination, const Term& term) {
+  combination.add(-1.0, term);
+  return std::move(combination);
 }
 
 namespace linear_combination {
@@ -80,12 +167,13 @@ namespace linear_combination {
 // squares_of_rows return sums of squares: of the change, of R, of X.  `out` may be a term of the
 // sum.
 template <class Real>
-void assign_rows(const LinearCombination<Real>& sum, parallel::Rows rows, SplitMatrixOf<Real>& out);
+void assign_rows(SplitMatrixOf<Real>& out, const LinearCombination<Real>& combination,
+                 parallel::Rows rows);
 template <class Real>
-double change_rows(const LinearCombination<Real>& sum, parallel::Rows rows,
-                   SplitMatrixOf<Real>& out);
-double residual_rows(const LinearCombination<double>& sum, const SplitMatrix& X,
-                     parallel::Rows rows, SingleMatrix& R);
+double change_rows(SplitMatrixOf<Real>& out, const LinearCombination<Real>& combination,
+                   parallel::Rows rows);
+double residual_rows(SingleMatrix& R, const LinearCombination<double>& combination,
+                     const SplitMatrix& X, parallel::Rows rows);
 template <class Real>
 double squares_of_rows(const SplitMatrixOf<Real>& X, parallel::Rows rows);
 
@@ -112,44 +200,51 @@ double largest_norm_of(std::size_t items, Index n, F&& f) {
 
 }  // namespace linear_combination
 
-/// out_i = sum(i) for all i.  sum(i) is a LinearCombination.  out_i may be a term of sum(i), but of
-/// no other sum.
-template <class Real, class Sum>
-void assign(SplitStagesOf<Real>& out, Sum&& sum) {
+/// out_i = combination(i) for all i.  combination(i) is a linear combination or a term of one.
+/// out_i may be a term of combination(i), but of no other.
+template <class Real, class Combination>
+void assign(SplitStagesOf<Real>& out, Combination&& combination) {
   if (out.empty()) return;
   parallel::for_each_block(out.size(), out[0].size(),
                            [&](std::size_t i, parallel::Rows rows, Index) {
-                             linear_combination::assign_rows(sum(i), rows, out[i]);
+                             linear_combination::assign_rows<Real>(out[i], combination(i), rows);
                            });
 }
 
-/// out = sum.  out may be a term of the sum.
+/// out_i = X_i for all i.
 template <class Real>
-void assign(SplitMatrixOf<Real>& out, const LinearCombination<Real>& sum) {
-  parallel::for_each_block(1, out.size(), [&](std::size_t, parallel::Rows rows, Index) {
-    linear_combination::assign_rows(sum, rows, out);
-  });
+void copy(SplitStagesOf<Real>& out, const SplitStagesOf<Real>& X) {
+  assign(out, [&](std::size_t i) { return 1.0 * X[i]; });
 }
 
-/// Sets X_i = sum(i) for all i as assign does, and returns the largest Frobenius norm of a change
-/// of X_i.  NaN if any norm is NaN.
-template <class Real, class Sum>
-double replace(SplitStagesOf<Real>& X, Sum&& sum) {
+/// out = combination, in the storage of out.  out may be a term of the combination.
+template <class Real>
+SplitMatrixOf<Real>& SplitMatrixOf<Real>::operator=(const LinearCombination<Real>& combination) {
+  parallel::for_each_block(1, size(), [&](std::size_t, parallel::Rows rows, Index) {
+    linear_combination::assign_rows(*this, combination, rows);
+  });
+  return *this;
+}
+
+/// Sets X_i = combination(i) for all i as assign does, and returns the largest Frobenius norm of a
+/// change of X_i.  NaN if any norm is NaN.
+template <class Real, class Combination>
+double replace(SplitStagesOf<Real>& X, Combination&& combination) {
   if (X.empty()) return 0.0;
   return linear_combination::largest_norm_of(
       X.size(), X[0].size(), [&](std::size_t i, parallel::Rows rows) {
-        return linear_combination::change_rows(sum(i), rows, X[i]);
+        return linear_combination::change_rows<Real>(X[i], combination(i), rows);
       });
 }
 
-/// Sets R_i = sum(i) - X_i, formed in double and rounded to single precision.  Returns the largest
-/// Frobenius norm of sum(i) - X_i, or NaN if any norm is NaN.
-template <class Sum>
-double residual(const SplitStages& X, Sum&& sum, SingleStages& R) {
+/// Sets R_i = combination(i) - X_i, formed in double and rounded to single precision.  Returns the
+/// largest Frobenius norm of combination(i) - X_i, or NaN if any norm is NaN.
+template <class Combination>
+double form_residual(SingleStages& R, Combination&& combination, const SplitStages& X) {
   if (X.empty()) return 0.0;
   return linear_combination::largest_norm_of(
       X.size(), X[0].size(), [&](std::size_t i, parallel::Rows rows) {
-        return linear_combination::residual_rows(sum(i), X[i], rows, R[i]);
+        return linear_combination::residual_rows(R[i], combination(i), X[i], rows);
       });
 }
 
@@ -164,12 +259,12 @@ double largest_norm(const SplitStagesOf<Real>& X) {
 }
 
 /// S_i = X_i rounded to single precision, with the band of X_i.
-void round_to_single(const SplitStages& X, SingleStages& S);
+void round_to_single(SingleStages& S, const SplitStages& X);
 
 /// X_i += S_i.  The band of X_i becomes the wider of the two.
-void add(const SingleStages& S, SplitStages& X);
+void add(SplitStages& X, const SingleStages& S);
 
 /// X_i += scale I.
-void add_identity(float scale, SingleStages& X);
+void add_identity(SingleStages& X, float scale);
 
 }  // namespace isosyrk

@@ -65,7 +65,7 @@ inline __attribute__((always_inline)) void turn(const Real* from, Real* to, Inde
 }
 
 template <class Real>
-void mirror(Index band, SplitMatrixOf<Real>& C, Share share) {
+void mirror(SplitMatrixOf<Real>& C, Index band, Share share) {
   const Index stride = C.stride();
   Real* re = C.re();
   Real* im = C.im();
@@ -84,7 +84,7 @@ void mirror(Index band, SplitMatrixOf<Real>& C, Share share) {
 
 // out = scale (C - C†) within a band, in the upper triangle and, if `below`, in the lower one.
 template <bool below, class Real>
-void form_skew_part(Index band, const SplitMatrixOf<Real>& C, Real scale, SplitMatrixOf<Real>& out,
+void form_skew_part(SplitMatrixOf<Real>& out, Index band, const SplitMatrixOf<Real>& C, Real scale,
                     Share share) {
   const Index stride = C.stride();
   const Real* re = C.re();
@@ -129,7 +129,7 @@ void form_skew_part(Index band, const SplitMatrixOf<Real>& C, Real scale, SplitM
 
 // out = -C† in a share.
 template <class Real>
-void minus_adjoint(const SplitMatrixOf<Real>& C, SplitMatrixOf<Real>& out, Share share) {
+void minus_adjoint(SplitMatrixOf<Real>& out, const SplitMatrixOf<Real>& C, Share share) {
   const Index stride = C.stride();
   const Real* re = C.re();
   const Real* im = C.im();
@@ -159,13 +159,13 @@ void minus_adjoint(const SplitMatrixOf<Real>& C, SplitMatrixOf<Real>& out, Share
 
 template <class Real>
 void mirror_skew(SplitMatrixOf<Real>& C, Share share) {
-  mirror(C.size() - 1, C, share);
+  mirror(C, C.size() - 1, share);
 }
 
 template <class Real>
-void mirror_skew_within(Index band, SplitMatrixOf<Real>& C, Share share) {
-  mirror(band, C, share);
-  cut_to_band(band, C, share);
+void mirror_skew_within(SplitMatrixOf<Real>& C, Index band, Share share) {
+  mirror(C, band, share);
+  cut_to_band(C, band, share);
 }
 
 template <class Real>
@@ -174,47 +174,46 @@ void mirror_skew(SplitStagesOf<Real>& C) {
 }
 
 template <class Real>
-void mirror_skew_within(Index band, SplitStagesOf<Real>& C) {
+void mirror_skew_within(SplitStagesOf<Real>& C, Index band) {
   parallel::for_shares_of(
-      C, [&](std::size_t i, Share share) { mirror_skew_within(band, C[i], share); });
+      C, [&](std::size_t i, Share share) { mirror_skew_within(C[i], band, share); });
 }
 
 template <class Real>
-void skew_part(const SplitStagesOf<Real>& C, std::type_identity_t<Real> scale,
-               SplitStagesOf<Real>& out) {
+void skew_part(SplitStagesOf<Real>& out, const SplitStagesOf<Real>& C, double scale) {
   parallel::for_shares_of(C, [&](std::size_t i, Share share) {
-    form_skew_part<true>(C[i].size() - 1, C[i], scale, out[i], share);
+    form_skew_part<true>(out[i], C[i].size() - 1, C[i], static_cast<Real>(scale), share);
     if (share.is_first()) out[i].set_band(C[i].band());
   });
 }
 
 template <class Real>
-void upper_skew_part_within(Index band, const SplitStagesOf<Real>& C, SplitStagesOf<Real>& out) {
+void upper_skew_part_within(SplitStagesOf<Real>& out, Index band, const SplitStagesOf<Real>& C) {
   parallel::for_shares_of(C, [&](std::size_t i, Share share) {
-    form_skew_part<false>(band, C[i], Real{1}, out[i], share);
+    form_skew_part<false>(out[i], band, C[i], Real{1}, share);
   });
 }
 
 template <class Real>
-void minus_adjoint(const SplitStagesOf<Real>& C, SplitStagesOf<Real>& out) {
+void minus_adjoint(SplitStagesOf<Real>& out, const SplitStagesOf<Real>& C) {
   parallel::for_shares_of(C, [&](std::size_t i, Share share) {
-    minus_adjoint(C[i], out[i], share);
+    minus_adjoint(out[i], C[i], share);
     if (share.is_first()) out[i].set_band(C[i].band());
   });
 }
 
 template void mirror_skew(SplitMatrix&, Share);
 template void mirror_skew(SingleMatrix&, Share);
-template void mirror_skew_within(Index, SplitMatrix&, Share);
-template void mirror_skew_within(Index, SingleMatrix&, Share);
+template void mirror_skew_within(SplitMatrix&, Index, Share);
+template void mirror_skew_within(SingleMatrix&, Index, Share);
 template void mirror_skew(SplitStages&);
 template void mirror_skew(SingleStages&);
-template void mirror_skew_within(Index, SplitStages&);
-template void mirror_skew_within(Index, SingleStages&);
-template void skew_part(const SplitStages&, double, SplitStages&);
-template void skew_part(const SingleStages&, float, SingleStages&);
-template void upper_skew_part_within(Index, const SingleStages&, SingleStages&);
-template void minus_adjoint(const SplitStages&, SplitStages&);
-template void minus_adjoint(const SingleStages&, SingleStages&);
+template void mirror_skew_within(SplitStages&, Index);
+template void mirror_skew_within(SingleStages&, Index);
+template void skew_part(SplitStages&, const SplitStages&, double);
+template void skew_part(SingleStages&, const SingleStages&, double);
+template void upper_skew_part_within(SingleStages&, Index, const SingleStages&);
+template void minus_adjoint(SplitStages&, const SplitStages&);
+template void minus_adjoint(SingleStages&, const SingleStages&);
 
 }  // namespace isosyrk

@@ -1,8 +1,6 @@
 // Skew-Hermitian parts, mirrored triangles and adjoints of split matrices, in blocks of 4 x 4.
 #pragma once
 
-#include <type_traits>
-
 #include "isosyrk/split/parallel.h"
 #include "isosyrk/split/split_matrix.h"
 
@@ -14,25 +12,24 @@ template <class Real>
 void mirror_skew(SplitMatrixOf<Real>& C, Share share = {});
 /// As mirror_skew within a band.  Sets C to 0 outside the band, and C.band().
 template <class Real>
-void mirror_skew_within(Index band, SplitMatrixOf<Real>& C, Share share = {});
+void mirror_skew_within(SplitMatrixOf<Real>& C, Index band, Share share = {});
 /// mirror_skew of all C_i.
 template <class Real>
 void mirror_skew(SplitStagesOf<Real>& C);
 /// mirror_skew_within of all C_i.
 template <class Real>
-void mirror_skew_within(Index band, SplitStagesOf<Real>& C);
+void mirror_skew_within(SplitStagesOf<Real>& C, Index band);
 
 /// out_i = scale (C_i - C_i†), exactly skew-Hermitian.  out_i is not C_i.
 template <class Real>
-void skew_part(const SplitStagesOf<Real>& C, std::type_identity_t<Real> scale,
-               SplitStagesOf<Real>& out);
+void skew_part(SplitStagesOf<Real>& out, const SplitStagesOf<Real>& C, double scale = 1.0);
 
 /// out_i = C_i - C_i† in the upper triangle within a band.  Other entries of out_i are unchanged.
 template <class Real>
-void upper_skew_part_within(Index band, const SplitStagesOf<Real>& C, SplitStagesOf<Real>& out);
+void upper_skew_part_within(SplitStagesOf<Real>& out, Index band, const SplitStagesOf<Real>& C);
 
 /// out_i = -C_i†.  out_i is not C_i.
 template <class Real>
-void minus_adjoint(const SplitStagesOf<Real>& C, SplitStagesOf<Real>& out);
+void minus_adjoint(SplitStagesOf<Real>& out, const SplitStagesOf<Real>& C);
 
 }  // namespace isosyrk

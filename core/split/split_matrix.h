@@ -7,6 +7,9 @@
 
 namespace isosyrk {
 
+template <class Real>
+class LinearCombination;
+
 /// Returns the length, in numbers, of the real or imaginary part of a row with its padding.  It is
 /// at least n + 3, so that four numbers may be read from any column on, and a multiple of 64 bytes.
 /// The stride, twice this length, is never a multiple of 4 KiB, where all rows would share cache
@@ -35,6 +38,9 @@ class SplitMatrixOf {
         entries_(Entries::Zero(n * stride_)) {}
 
   explicit SplitMatrixOf(const Matrix& W) : SplitMatrixOf(W.rows()) { load(W); }
+
+  /// Forms a linear combination of matrices of this size (split/linear_combination.h).
+  SplitMatrixOf& operator=(const LinearCombination<Real>& combination);
 
   Index size() const { return n_; }
   /// Numbers from row to row.
@@ -95,6 +101,14 @@ template <class Real>
 using SplitStagesOf = std::vector<SplitMatrixOf<Real>>;
 using SplitStages = SplitStagesOf<double>;
 using SingleStages = SplitStagesOf<float>;
+
+/// Returns the n x n identity, of band 0.
+inline SplitMatrix split_identity(Index n) {
+  SplitMatrix identity(n);
+  for (Index i = 0; i < n; ++i) identity.re()[i * identity.stride() + i] = 1.0;
+  identity.set_band(0);
+  return identity;
+}
 
 /// Returns `count` zero matrices of size n x n.
 template <class Real = double>

@@ -67,7 +67,7 @@ const PackingLimits& SplitProductsOf<Real>::limits() const {
 }
 
 template <class Real>
-void SplitProductsOf<Real>::note(const ProductOf<Real>& product) {
+void SplitProductsOf<Real>::admit(const ProductOf<Real>& product) {
   if (product.A->size() != n_ || product.B->size() != n_ || product.C->size() != n_) {
     throw std::invalid_argument(fmt::format("product: every matrix must be {0} x {0}", n_));
   }
@@ -87,26 +87,28 @@ void SplitProductsOf<Real>::note(const ProductOf<Real>& product) {
 
 template <class Real>
 void SplitProductsOf<Real>::form_share(const ProductOf<Real>& product, Share share, int thread) {
-  const SplitProduct<Real> of_kernel = {n_,
-                                        product.A->stride(),
-                                        product.A->re(),
-                                        product.A->im(),
-                                        product.adjoint,
-                                        product.B->re(),
-                                        product.B->im(),
-                                        product.scale,
-                                        product.C->re(),
-                                        product.C->im(),
-                                        product.upper,
-                                        product.A->band(),
-                                        product.B->band(),
-                                        product.band < 0 ? n_ - 1 : product.band,
-                                        share.first,
-                                        share.end,
-                                        share.parts,
-                                        n_ > limits().B,
-                                        n_ > limits().adjoint_A,
-                                        scratch_[static_cast<std::size_t>(thread)].data()};
+  const SplitProduct<Real> of_kernel = {
+      .n = n_,
+      .stride = product.A->stride(),
+      .A_re = product.A->re(),
+      .A_im = product.A->im(),
+      .adjoint = product.adjoint,
+      .B_re = product.B->re(),
+      .B_im = product.B->im(),
+      .scale = product.scale,
+      .C_re = product.C->re(),
+      .C_im = product.C->im(),
+      .upper = product.upper,
+      .A_band = product.A->band(),
+      .B_band = product.B->band(),
+      .C_band = product.band < 0 ? n_ - 1 : product.band,
+      .first_part = share.first,
+      .end_part = share.end,
+      .parts = share.parts,
+      .packs_B = n_ > limits().B,
+      .packs_adjoint_A = n_ > limits().adjoint_A,
+      .scratch = scratch_[static_cast<std::size_t>(thread)].data(),
+  };
   if constexpr (std::is_same_v<Real, float>) {
     kernel_.multiply_singles(of_kernel);
   } else {

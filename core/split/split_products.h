@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "isosyrk/split/gemm_kernel.h"
+#include "isosyrk/split/linear_combination.h"
 #include "isosyrk/split/parallel.h"
 #include "isosyrk/split/split_matrix.h"
 
@@ -15,13 +16,51 @@ namespace isosyrk {
 /// unit first.
 const std::vector<GemmKernel>& gemm_kernels();
 
-/// A product C = scale A B or C = scale A† B of n x n matrices, C neither A nor B.  If only a part
-/// of C is formed, the entries outside that part are unspecified.
+/// The expression scale A B or scale A† B.  Holds pointers to the factors.
 template <class Real>
-struct ProductOf {
+struct Factors {
+  double scale;
   const SplitMatrixOf<Real>* A;
   const SplitMatrixOf<Real>* B;
+  bool adjoint;  ///< A† in place of A
+};
+
+/// A† as the left factor of a product.
+template <class Real>
+struct Adjoint {
+  const SplitMatrixOf<Real>* A;
+};
+template <class Real>
+Adjoint<Real> adjoint(const SplitMatrixOf<Real>& A) {
+  return {&A};
+}
+
+// A B, (scale A) B, A† B and scale (A B).
+template <class Real>
+Factors<Real> operator*(const SplitMatrixOf<Real>& A, const SplitMatrixOf<Real>& B) {
+  return {1.0, &A, &B, false};
+}
+template <class Real>
+Factors<Real> operator*(const Multiple<Real>& A, const SplitMatrixOf<Real>& B) {
+  return {A.weight, A.X, &B, false};
+}
+template <class Real>
+Factors<Real> operator*(const Adjoint<Real>& A, const SplitMatrixOf<Real>& B) {
+  return {1.0, A.A, &B, true};
+}
+template <class Real>
+Factors<Real> operator*(double scale, Factors<Real> product) {
+  product.scale *= scale;
+  return product;
+}
+
+/// The product C = scale A B or C = scale A† B of n x n matrices, C neither A nor B.  If only a
+/// part of C is formed, the entries outside that part are unspecified.
+template <class Real>
+struct ProductOf {
   SplitMatrixOf<Real>* C;
+  const SplitMatrixOf<Real>* A;
+  const SplitMatrixOf<Real>* B;
   Real scale = 1;
   bool adjoint = false;  ///< A† in place of A
   bool upper = false;    ///< only the upper triangle of C is formed
@@ -42,17 +81,14 @@ struct ProductOf {
   }
 };
 
-/// Returns the product C = scale A B.
+/// Returns the product that forms C = A B, for SplitProductsOf::form.
 template <class Real>
-ProductOf<Real> times(const SplitMatrixOf<Real>& A, const SplitMatrixOf<Real>& B,
-                      SplitMatrixOf<Real>& C, std::type_identity_t<Real> scale = 1) {
-  return {&A, &B, &C, scale};
-}
-/// Returns the product C = A† B.
-template <class Real>
-ProductOf<Real> adjoint_times(const SplitMatrixOf<Real>& A, const SplitMatrixOf<Real>& B,
-                              SplitMatrixOf<Real>& C) {
-  return {&A, &B, &C, 1, true};
+ProductOf<Real> into(SplitMatrixOf<Real>& C, const Factors<Real>& product) {
+  return {.C = &C,
+          .A = product.A,
+          .B = product.B,
+          .scale = static_cast<Real>(product.scale),
+          .adjoint = product.adjoint};
 }
 
 /// Forms products of n x n split matrices with the kernel of one vector unit, skipping entries
@@ -72,7 +108,7 @@ class SplitProductsOf {
   /// allowed.
   template <class Product>
   void form(std::size_t count, Product&& product) {
-    for (std::size_t i = 0; i < count; ++i) note(product(i));
+    for (std::size_t i = 0; i < count; ++i) admit(product(i));
     parallel::for_each_share(
         static_cast<Index>(count),
         [&](Index i) { return Index{product(static_cast<std::size_t>(i)).upper ? 1 : 2}; },
@@ -95,7 +131,8 @@ class SplitProductsOf {
 
  private:
   const PackingLimits& limits() const;
-  void note(const ProductOf<Real>& product);
+  // Refuses what cannot be formed, counts the product, and sets the band of C.
+  void admit(const ProductOf<Real>& product);
   void form_share(const ProductOf<Real>& product, Share share, int thread);
 
   Index n_;

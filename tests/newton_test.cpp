@@ -1,8 +1,12 @@
-// Inexact Newton on small systems of which the solution is known.
-#include "isosyrk/solver/inexact_newton.h"
+// Inexact Newton and Picard iterations on small systems of which the solution is known.
+#include "isosyrk/solver/newton.h"
 
 #include <limits>
+#include <vector>
 
+#include "isosyrk/solver/alternating_correction.h"
+#include "isosyrk/solver/neumann_correction.h"
+#include "isosyrk/solver/picard_iteration.h"
 #include "isosyrk/solver/tuning.h"
 #include "tests/support.h"
 
@@ -16,7 +20,7 @@ constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
 Matrix rotation(unsigned seed) { return exponential(random_skew_hermitian(n, seed)); }
 
 // x = G(x) = c + T x + x K + ε x², solved by x = X of norm 1.
-class Known final : public FixedPointSystem {
+class Known final : public FixedPointSystem, public TwoPartJacobian {
  public:
   struct Sizes {
     double T = 0.5;
@@ -29,19 +33,23 @@ class Known final : public FixedPointSystem {
     c = solution - G(solution);
   }
 
-  double residual(Unknowns& x, double, Corrections& R) override {
+  ResidualSize residual(Corrections& R, Unknowns& x, double) override {
     ++residuals;
     at = x[0][0].interleaved();
     Matrix change = G(at) - at;
     if (loses_residual == residuals) change(1, 1) = not_a_number;
     R[0][0].load(change);
-    return change.norm();
+    return {.change = change.norm(), .neglected = 0.0};
   }
-  void linearise(double accuracy) override {
+  Correction correct(Corrections& delta, const Unknowns& x, const Corrections& R,
+                     const CorrectionRequest& request, const IterationOptions& options) override {
+    return correction.solve(delta, *this, x, R, request, options);
+  }
+  void linearise(const Unknowns&, double accuracy) override {
     ++linearisations;
     accuracy_asked = accuracy;
   }
-  double frozen_sweep(const Corrections& rhs, Corrections& delta) override {
+  double frozen_sweep(Corrections& delta, const Corrections& rhs) override {
     ++frozen_sweeps;
     const Matrix before = delta[0][0].interleaved();
     const Matrix right = rhs[0][0].interleaved();
@@ -52,7 +60,7 @@ class Known final : public FixedPointSystem {
     return (after - before).norm();
   }
   bool solves_frozen() const override { return sweeps_a_call > 1; }
-  void couple(const Corrections& delta, Corrections& coupled) override {
+  void couple(Corrections& coupled, const Corrections& delta) override {
     ++couplings;
     Matrix result = sign_of_K * K_of(delta[0][0].interleaved());
     if (loses_couplings) result(0, 0) = not_a_number;
@@ -76,6 +84,7 @@ class Known final : public FixedPointSystem {
   int residuals = 0, linearisations = 0, frozen_sweeps = 0, couplings = 0;
   double accuracy_asked = 0.0;
   double error = 0.0;  // of what was found
+  AlternatingCorrection correction{{{SplitMatrix(n)}}};
 
  private:
   Matrix G(const Matrix& x) const {
@@ -92,14 +101,16 @@ Unknowns start_at(const Matrix& x) { return {{SplitMatrix(x)}}; }
 
 SolveReport newton(Known& system, const Matrix& start = nothing, double tolerance = 1e-13) {
   Unknowns x = start_at(start);
-  const SolveReport report = InexactNewton(x).newton(system, {.tolerance = tolerance}, x);
+  const SolveReport report = Newton(x).solve(system, {.tolerance = tolerance}, x);
   system.error = (x[0][0].interleaved() - system.solution).norm();
   return report;
 }
 
-SolveReport picard(Known& system, const Matrix& start = nothing, int frozen_sweeps = 0) {
+SolveReport picard(Known& system, const Matrix& start = nothing, bool with_frozen_sweeps = false) {
   Unknowns x = start_at(start);
-  const SolveReport report = InexactNewton(x).picard(system, {}, frozen_sweeps, x);
+  PicardIteration iteration(x);
+  const SolveReport report = with_frozen_sweeps ? iteration.solve_with_frozen_sweeps(system, {}, x)
+                                                : iteration.solve(system, {}, x);
   system.error = (x[0][0].interleaved() - system.solution).norm();
   return report;
 }
@@ -110,7 +121,7 @@ Matrix beside_the_solution(const Known& system, double distance = 0.01) {
 
 // A change below the tolerance leaves tolerance / (1 - contraction) of error, the contraction being
 // |T| + |K| + 2 ε |x|.
-TEST(InexactNewton, FindsTheKnownSolutionInFewerSweepsThanPicard) {
+TEST(Newton, FindsTheKnownSolutionInFewerSweepsThanPicard) {
   for (const Known::Sizes& sizes :
        {Known::Sizes{0.5, 0.1}, Known::Sizes{0.8, 0.05}, Known::Sizes{0.1, 0.3},
         Known::Sizes{0.4, 0.05, 0.1}, Known::Sizes{0.0, 0.0, 0.2}}) {
@@ -129,9 +140,9 @@ TEST(InexactNewton, FindsTheKnownSolutionInFewerSweepsThanPicard) {
   }
 }
 
-TEST(InexactNewton, AFrozenSweepMakesPicardSooner) {
+TEST(PicardIteration, ConvergesSoonerWithAFrozenSweep) {
   Known once({0.7, 0.01}), plain({0.7, 0.01});
-  const SolveReport with_sweep = picard(once, nothing, 1);
+  const SolveReport with_sweep = picard(once, nothing, true);
   EXPECT_EQ(with_sweep.status, Status::converged);
   EXPECT_LE(once.error, 1e-13 / (1.0 - 0.71));
   EXPECT_LT(with_sweep.sweeps, 0.65 * picard(plain).sweeps);
@@ -139,7 +150,7 @@ TEST(InexactNewton, AFrozenSweepMakesPicardSooner) {
   EXPECT_EQ(once.couplings, 0);
 }
 
-TEST(InexactNewton, AWrongSignOfAPartOfTheJacobianCostsSweeps) {
+TEST(Newton, AWrongSignOfAPartOfTheJacobianCostsSweeps) {
   Known right({0.3, 0.2}), wrong_T({0.3, 0.2}), wrong_K({0.3, 0.2});
   wrong_T.sign_of_T = wrong_K.sign_of_K = -1.0;
   const int sweeps = newton(right).sweeps;
@@ -147,26 +158,34 @@ TEST(InexactNewton, AWrongSignOfAPartOfTheJacobianCostsSweeps) {
   EXPECT_GT(newton(wrong_K).sweeps, sweeps + 3);
 }
 
+double forcing_term_of(double size, double tolerance) {
+  return std::max({tuning.forcing_of_tolerance * tolerance, tuning.forcing_relative * size,
+                   tuning.forcing_quadratic * size * size});
+}
+
 // δ - R - T δ - K δ is left at the forcing term: single precision's 1e-6 of R, 0.3 of the
 // tolerance, or 0.1 |R|².  The estimate that ends it, of the error of δ, may be out by a small
 // factor: 3 here, and 1 + 0.6 from the error to what is left.
-TEST(InexactNewton, SolvesForACorrectionToTheForcingTerm) {
+TEST(AlternatingCorrection, SolvesToTheForcingTerm) {
   const auto miss_of = [](double size, double tolerance, Known& system) {
-    Unknowns x = start_at(system.solution);
-    InexactNewton solver(x);
+    const Unknowns x = start_at(system.solution);
     const Corrections right = {{SingleMatrix(Matrix(size * random_matrix(n, 9).normalized()))}};
-    EXPECT_TRUE(solver.correct(system, right, size, {.tolerance = tolerance}));
-    return system.miss_of(solver.correction()[0][0].interleaved(), right[0][0].interleaved());
+    Corrections delta = corrections_like(x);
+    const double forcing_term = forcing_term_of(size, tolerance);
+    const Correction found = system.correct(
+        delta, x, right, {.size = size, .forcing_term = forcing_term}, {.tolerance = tolerance});
+    EXPECT_TRUE(found.usable);
+    EXPECT_LT(found.error, forcing_term);
+    return system.miss_of(delta[0][0].interleaved(), right[0][0].interleaved());
   };
   int last = 0;
   for (const double size : {0.3, 1e-2, 1e-4, 1e-7}) {
     constexpr double tolerance = 1e-13;
     Known system({0.5, 0.1});
-    const double forcing_term = std::max({tuning.of_tolerance * tolerance, tuning.of_size * size,
-                                          tuning.of_size_squared * size * size});
+    const double forcing_term = forcing_term_of(size, tolerance);
     EXPECT_LE(miss_of(size, tolerance, system), 3.0 * forcing_term * 1.6) << size;
     EXPECT_EQ(system.linearisations, 1);
-    EXPECT_DOUBLE_EQ(system.accuracy_asked, tuning.of_forcing_term * forcing_term / size);
+    EXPECT_DOUBLE_EQ(system.accuracy_asked, tuning.jacobian_share * forcing_term / size);
     EXPECT_GE(system.frozen_sweeps + system.couplings, last) << size;
     last = system.frozen_sweeps + system.couplings;
   }
@@ -179,7 +198,7 @@ TEST(InexactNewton, SolvesForACorrectionToTheForcingTerm) {
   EXPECT_LT(loose.frozen_sweeps, fine.frozen_sweeps);
 }
 
-TEST(InexactNewton, SolvesWhereFrozenSweepsAreSolutions) {
+TEST(Newton, SolvesWhereFrozenSweepsAreSolutions) {
   Known solved({0.6, 0.1}), swept({0.6, 0.1});
   solved.sweeps_a_call = 80;
   EXPECT_EQ(newton(solved).status, Status::converged);
@@ -189,7 +208,7 @@ TEST(InexactNewton, SolvesWhereFrozenSweepsAreSolutions) {
 }
 
 // One Picard sweep contracts by 0.1 unless it was seen to do otherwise.
-TEST(InexactNewton, ComputesNoCorrectionWhereThreePicardSweepsWillDoAtSmallN) {
+TEST(Newton, ComputesNoCorrectionWhereThreePicardSweepsWillDoAtSmallN) {
   constexpr double tolerance = 1e-6;
   // Started so many tolerances from the solution; returns sweeps and linearisations.
   const auto work = [](const Known::Sizes& sizes, double distance) {
@@ -207,14 +226,14 @@ TEST(InexactNewton, ComputesNoCorrectionWhereThreePicardSweepsWillDoAtSmallN) {
   EXPECT_EQ(work(slow, 2.0).second, 1) << "the first sweep tells";
 }
 
-TEST(InexactNewton, RemembersTheContractionUntilItForgets) {
+TEST(Newton, RemembersTheContractionUntilItForgets) {
   constexpr double tolerance = 1e-6;
   Known system({-0.85, 0.03});
   const Unknowns near = start_at(beside_the_solution(system, 2.0 * tolerance / std::sqrt(3.0)));
-  InexactNewton solver(near);
+  Newton solver(near);
   const auto sweeps = [&] {
     Unknowns x = near;
-    return solver.newton(system, {.tolerance = tolerance}, x).sweeps;
+    return solver.solve(system, {.tolerance = tolerance}, x).sweeps;
   };
   const int first = sweeps();
   EXPECT_LT(sweeps(), first) << "no sweep is lost to find out";
@@ -223,7 +242,7 @@ TEST(InexactNewton, RemembersTheContractionUntilItForgets) {
 }
 
 // Whichever part it is that grows, and whether by much or little.
-TEST(InexactNewton, TakesPicardSweepsWherePartsDoNotContract) {
+TEST(Newton, TakesPicardSweepsWherePartsDoNotContract) {
   for (const Known::Sizes& sizes :
        {Known::Sizes{40.0, 0.1}, Known::Sizes{5.0, 0.1}, Known::Sizes{1.5, 0.1},
         Known::Sizes{0.1, 1.5}, Known::Sizes{0.1, 5.0}}) {
@@ -240,7 +259,7 @@ TEST(InexactNewton, TakesPicardSweepsWherePartsDoNotContract) {
 }
 
 // G(x) = c + U x with a rotation U: changes keep their size, and no correction can be had.
-TEST(InexactNewton, EndsStagnatedWhereNeitherContracts) {
+TEST(Newton, EndsStagnatedWhereNeitherContracts) {
   Known turning({1.0, 0.0});
   turning.loses_sweeps = true;
   const SolveReport report = newton(turning, beside_the_solution(turning));
@@ -249,7 +268,7 @@ TEST(InexactNewton, EndsStagnatedWhereNeitherContracts) {
   EXPECT_GT(turning.linearisations, 0);
 }
 
-TEST(InexactNewton, ANumberLostInACorrectionCostsTheCorrectionOnly) {
+TEST(Newton, ANumberLostInACorrectionCostsTheCorrectionOnly) {
   for (const bool in_couplings : {false, true}) {
     Known system({0.5, 0.1});
     (in_couplings ? system.loses_couplings : system.loses_sweeps) = true;
@@ -262,7 +281,7 @@ TEST(InexactNewton, ANumberLostInACorrectionCostsTheCorrectionOnly) {
   }
 }
 
-TEST(InexactNewton, ANumberLostInAResidualDiverges) {
+TEST(Newton, ANumberLostInAResidualDiverges) {
   for (const int at : {1, 2, 3}) {
     Known system({0.5, 0.1});
     system.loses_residual = at;
@@ -271,6 +290,143 @@ TEST(InexactNewton, ANumberLostInAResidualDiverges) {
     EXPECT_EQ(report.sweeps, at);
     EXPECT_EQ(system.linearisations, at - 1) << "none of what is not a number";
   }
+}
+
+// x = G(x) = c + K(x - X) + ε (x - X)² around the solution X: four numbers on the diagonal of a 2 x
+// 2 matrix of each of two unknowns.  Nothing of it is frozen.  It starts from an explicit guess,
+// and its G has an error of half the accuracy that it is asked for.
+class Smoothing final : public FixedPointSystem, public Coupling {
+ public:
+  static constexpr Index size = 2;
+
+  explicit Smoothing(double K, Acceptance::By by) : K_(K) { rule_.by = by; }
+
+  Unknowns started(double distance) const {
+    Unknowns x = solution_;
+    for (SplitMatrix& each : x[0]) {
+      each.load(each.interleaved() + distance * Matrix::Identity(size, size));
+    }
+    return x;
+  }
+  double error_of(const Unknowns& x) const {
+    double largest = 0.0;
+    for (std::size_t i = 0; i < 2; ++i) {
+      largest = std::max(largest, (x[0][i].interleaved() - X(i)).norm());
+    }
+    return largest;
+  }
+
+  ResidualSize residual(Corrections& R, Unknowns& x, double accuracy) override {
+    accuracies.push_back(accuracy);
+    changes.push_back(0.0);
+    const Matrix neglected = (neglects * accuracy / std::sqrt(2.0)) * Matrix::Identity(size, size);
+    for (std::size_t i = 0; i < 2; ++i) {
+      const Matrix d = x[0][i].interleaved() - X(i);
+      const Matrix change = K_ * d + square_ * product({d, d}) - d + neglected;
+      changes.back() = std::max(changes.back(), change.norm());
+      R[0][i].load(change);
+    }
+    return {.change = changes.back(), .neglected = neglects * accuracy};
+  }
+  Correction correct(Corrections& delta, const Unknowns&, const Corrections& R,
+                     const CorrectionRequest& request, const IterationOptions& options) override {
+    forcing_terms.push_back(request.forcing_term);
+    return correction_.solve(delta, *this, R, request, options);
+  }
+  void couple(Corrections& coupled, const Corrections& delta, double accuracy) override {
+    ++couplings;
+    least_accuracy_of_a_term = std::min(least_accuracy_of_a_term, accuracy);
+    for (std::size_t i = 0; i < 2; ++i) {
+      coupled[0][i].load(sign_of_K_told * K_ * delta[0][i].interleaved());
+    }
+  }
+  Acceptance acceptance() const override { return rule_; }
+
+  double neglects = 0.5;        // of the accuracy asked
+  double sign_of_K_told = 1.0;  // -1: a wrong Jacobian
+  std::vector<double> accuracies, changes, forcing_terms;
+  int couplings = 0;
+  double least_accuracy_of_a_term = 1.0;
+
+ private:
+  Matrix X(std::size_t i) const { return solution_[0][i].interleaved(); }
+
+  double K_;
+  double square_ = 0.1;
+  Acceptance rule_;
+  Unknowns solution_ = {{SplitMatrix(Matrix(Matrix::Identity(size, size))),
+                         SplitMatrix(Matrix(-0.5 * Matrix::Identity(size, size)))}};
+  NeumannCorrection correction_{solution_};
+};
+
+constexpr double tolerance = 1e-12;
+
+// One more digit than the error that a sweep leaves is never asked of it, and of no sweep more than
+// a tenth of the tolerance: accepting_accuracy.
+TEST(NewtonWithNeumannCorrection, AsksOfNoResidualMoreAccuracyThanTheStepNeeds) {
+  for (const auto by : {Acceptance::By::change, Acceptance::By::error_estimate}) {
+    Smoothing system(0.1, by);
+    Newton solver(system.started(0.0));
+    const int steps = 3;  // the first tells how far off the start is
+    for (int step = 0; step < steps; ++step) {
+      system.accuracies.clear();
+      system.changes.clear();
+      system.forcing_terms.clear();
+      Unknowns x = system.started(1e-3);
+      const SolveReport report = solver.solve(system, {.tolerance = tolerance}, x);
+      EXPECT_EQ(report.status, Status::converged);
+      // What is accepted errs by the neglected, by what the correction leaves and, by the change of
+      // a sweep, by its contraction.
+      EXPECT_LE(system.error_of(x), 1.5 * tolerance);
+      const double accepting = tuning.accepting_accuracy * tolerance;
+      for (std::size_t k = 0; k < system.accuracies.size(); ++k) {
+        EXPECT_GE(system.accuracies[k], accepting) << k;
+        if (step == 0 && k == 0) continue;  // nothing is known of the start
+        // The change decides what its correction leaves; 10 if the prediction was of another size.
+        const double left = forcing_term_of(system.changes[k], tolerance);
+        EXPECT_GE(system.accuracies[k] * 10.0 + accepting, tuning.accepting_accuracy * left) << k;
+      }
+      EXPECT_LE(system.accuracies.back(), 1.001 * accepting) << "the accepting one is complete";
+    }
+    EXPECT_GT(system.couplings, 0);
+  }
+}
+
+TEST(NewtonWithNeumannCorrection, AsksEarlyResidualsForLessWhereItKnowsTheStart) {
+  Smoothing system(0.1, Acceptance::By::change);
+  Newton solver(system.started(0.0));
+  for (int step = 0; step < 2; ++step) {
+    system.accuracies.clear();
+    Unknowns x = system.started(1e-3);
+    solver.solve(system, {.tolerance = tolerance}, x);
+  }
+  EXPECT_GT(system.accuracies.front(), 1e3 * tolerance);
+}
+
+TEST(NewtonWithNeumannCorrection, IsAcceptedByEstimateInFewerSweepsButNotFarFromTheSolution) {
+  const auto sweeps = [](Acceptance::By by, double distance) {
+    Smoothing system(0.1, by);
+    Newton solver(system.started(0.0));
+    Unknowns x = system.started(distance);
+    const SolveReport report = solver.solve(system, {.tolerance = tolerance}, x);
+    EXPECT_EQ(report.status, Status::converged);
+    EXPECT_LE(system.error_of(x), 1.5 * tolerance);
+    return report.sweeps;
+  };
+  // At 1e-6 one correction leaves 0.1 · 1e-12 by its square and 1e-12 by single precision.
+  EXPECT_EQ(sweeps(Acceptance::By::error_estimate, 1e-7), 1);
+  EXPECT_EQ(sweeps(Acceptance::By::change, 1e-7), 2);
+  EXPECT_GE(sweeps(Acceptance::By::error_estimate, 0.1), 3) << "beyond the guard";
+}
+
+TEST(NewtonWithNeumannCorrection, ATermThatGrowsIsNoCorrection) {
+  Smoothing system(0.1, Acceptance::By::change);
+  system.sign_of_K_told = 12.0;  // K told is 1.2
+  Newton solver(system.started(0.0));
+  Unknowns x = system.started(1e-3);
+  EXPECT_EQ(solver.solve(system, {.tolerance = tolerance}, x).status, Status::converged);
+  EXPECT_GT(system.couplings, 0);
+  EXPECT_LE(system.error_of(x), 1.5 * tolerance) << "by Picard sweeps";
 }
 
 }  // namespace

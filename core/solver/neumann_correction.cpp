@@ -1,0 +1,44 @@
+#include "isosyrk/solver/neumann_correction.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "isosyrk/linalg/matrix.h"
+#include "isosyrk/solver/tuning.h"
+#include "isosyrk/split/linear_combination.h"
+
+namespace isosyrk {
+
+NeumannCorrection::NeumannCorrection(const Unknowns& like)
+    : term_(corrections_like(like)), next_(term_) {}
+
+Correction NeumannCorrection::solve(Corrections& delta, Coupling& coupling, const Corrections& R,
+                                    const CorrectionRequest& request,
+                                    const IterationOptions& options) {
+  for (std::size_t kind = 0; kind < R.size(); ++kind) {
+    copy(delta[kind], R[kind]);
+    copy(term_[kind], R[kind]);
+  }
+  if (request.part == JacobianPart::frozen) return {.usable = true, .error = request.size};
+  double size = request.size;  // of the last term
+  double contraction = tuning.likely_contraction;
+  // The terms not yet added sum to about size c / (1 - c).
+  const auto rest = [&] { return size * contraction / (1.0 - contraction); };
+  for (int k = 0; k < tuning.inner_sweeps && !(rest() < request.forcing_term); ++k) {
+    options.swept();
+    coupling.couple(next_, term_, tuning.neumann_term * request.forcing_term);
+    double now = 0.0;
+    for (std::size_t kind = 0; kind < delta.size(); ++kind) {
+      SingleStages& sum = delta[kind];
+      assign(sum, [&](std::size_t i) { return sum[i] + next_[kind][i]; });
+      now = larger(now, largest_norm(next_[kind]));
+    }
+    if (!(now < size)) return {};  // NaN included
+    contraction = std::min(std::max(0.5 * contraction, now / size), 0.9);
+    size = now;
+    std::swap(term_, next_);
+  }
+  return {.usable = rest() < request.size, .error = rest()};
+}
+
+}  // namespace isosyrk

@@ -1,0 +1,35 @@
+// Inexact Newton iteration for x = G(x).
+#pragma once
+
+#include "isosyrk/solver/fixed_point_system.h"
+
+namespace isosyrk {
+
+/// Inexact Newton: with R = G(x) - x, x moves by a correction delta that solves (1 - G') delta = R
+/// to a forcing term.  Corrections are computed in single precision.  They reduce the residual, and
+/// enter the acceptance test only where the system says so (Acceptance).
+///
+/// If the last observed contraction predicts that a few Picard sweeps
+/// (Tuning::sweeps_for_a_correction) will converge, no correction is computed.
+/// Source: R. S. Dembo, S. C. Eisenstat, T. Steihaug, SIAM J. Numer. Anal. 19, 1982.
+class Newton {
+ public:
+  /// For unknowns of these shapes.  Only the constructor allocates.
+  explicit Newton(const Unknowns& like);
+
+  /// Solves from the given x, and returns how the iteration ended.
+  SolveReport solve(FixedPointSystem& system, const IterationOptions& options, Unknowns& x);
+
+  /// Forgets what earlier iterations have shown: the contraction, and the error of start values.
+  void forget();
+
+ private:
+  bool sweeps_alone_converge(double change, double tolerance) const;
+
+  int sweeps_;  // Tuning::sweeps_for_a_correction
+  Corrections R_, delta_;
+  double contraction_ = 0.0;   // last observed, of a Picard sweep near the solution
+  double start_change_ = 0.0;  // of the first sweep of the last iteration; 0 if unknown
+};
+
+}  // namespace isosyrk
