@@ -21,7 +21,7 @@ import unittest
 import weakref
 from unittest import mock
 
-from programs import BUILD, ROOT, SANITIZED, environment, program, run, start, text_of
+from programs import BUILD, ROOT, SANITIZED, cpu_seconds_of, environment, program, run, start, text_of
 
 sys.path.insert(0, os.path.join(BUILD, "python"))
 import numpy as np
@@ -774,8 +774,7 @@ class Beside(unittest.TestCase):
         process = python(code, start, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         self.assertEqual(process.stdout.readline(), "begins\n", process)
         threading.Event().wait(0.5)
-        with open(f"/proc/{process.pid}/stat", encoding="ascii") as file:
-            used = sum(map(int, file.read().rpartition(")")[2].split()[11:13])) / os.sysconf("SC_CLK_TCK")
+        used = cpu_seconds_of(process)
         process.send_signal(signal.SIGINT)
         ended = process.stdout.readline()
         with process:
