@@ -10,6 +10,7 @@ NEEDED = {"ISOSYRK_TESTS": {"GTest": "libgtest-dev"},
           "ISOSYRK_PROGRAMS": {"benchmark": "libbenchmark-dev", "CLI11": "libcli11-dev",
                                "nlohmann_json": "nlohmann-json3-dev"}}
 OPTIONS = (*NEEDED, "ISOSYRK_MODULE")
+PACKAGES = [package for packages in NEEDED.values() for package in packages] + ["Python", "Python3", "pybind11"]
 
 
 class Options(FolderTest):
@@ -21,7 +22,8 @@ class Options(FolderTest):
     def configured(self, on, hidden):
         """Configures with only the options `on`, as if the packages `hidden` were not installed."""
         options = [f"-D{option}={'ON' if option in on else 'OFF'}" for option in OPTIONS]
-        options += [f"-DCMAKE_DISABLE_FIND_PACKAGE_{package}=ON" for package in hidden]
+        options += [f"-DCMAKE_DISABLE_FIND_PACKAGE_{package}={'ON' if package in hidden else 'OFF'}"
+                    for package in PACKAGES]
         return run(["cmake", "-S", ROOT, "-B", self.build, self.copied, "-DCMAKE_BUILD_TYPE=Release", *options],
                    env=environment(**self.settings), timeout=300)
 
@@ -29,8 +31,7 @@ class Options(FolderTest):
         return text_of(self.build, "compile_commands.json")
 
     def test_the_library_alone_needs_none_of_them(self):
-        hidden = [package for packages in NEEDED.values() for package in packages] + ["Python", "Python3", "pybind11"]
-        done = self.configured((), hidden)
+        done = self.configured((), PACKAGES)
         self.assertEqual(done.returncode, 0, done.stderr)
         for folder in ("benchmarks", "tests", "core/python"):
             self.assertNotIn(f"{ROOT}/{folder}/", self.compiled())
