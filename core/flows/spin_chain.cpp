@@ -35,6 +35,8 @@ class SpinChain final : public Flow {
     return -coupling(W.topRows(n - 2), W.bottomRows(n - 2)) -
            coupling(W.bottomRows(2), W.topRows(2));
   }
+  // The coupling of spins k and k + 1 is that of k + 1 and k.
+  bool has_self_adjoint_generator() const override { return true; }
 };
 
 }  // namespace

@@ -17,24 +17,43 @@ void AdjointSeries<Scalar>::commutator(ProductsOf<Scalar>& products, const Store
   commutator_of_product(algebra_, product_, adjoint_, out);
 }
 
+// out = Σ weight(k) T_k.
+template <class Scalar>
+template <class Weight>
+bool AdjointSeries<Scalar>::sum(ProductsOf<Scalar>& products, double scale, const Stored& Omega,
+                                const Stored& W, const Weight& weight, Stored& out) {
+  constexpr int most_terms = 200;
+  constexpr double rounding = 1e-17;  // relative to W, in the Frobenius norm
+  const double size_of_W = W.norm();
+  double largest = size_of_W;
+  bool summed = false;
+  out = W;
+  term_ = W;
+  for (int k = 1; k <= most_terms && !summed && std::isfinite(largest); ++k) {
+    commutator(products, Omega, term_, next_);
+    next_ *= scale / static_cast<double>(k);
+    out += weight(k) * next_;
+    term_.swap(next_);
+    const double size = term_.norm();
+    largest = larger(largest, size);
+    summed = size <= rounding * size_of_W;
+  }
+  cancellation_ = size_of_W == 0.0 ? 1.0 : largest / size_of_W;
+  return summed;
+}
+
 template <class Scalar>
 bool AdjointSeries<Scalar>::conjugate(ProductsOf<Scalar>& products, double scale,
                                       const Stored& Omega, const Stored& W, Stored& out) {
-  constexpr int most_terms = 200;
-  constexpr double rounding = 1e-17;  // relative to W, in the Frobenius norm
-  const double bound = rounding * W.norm();
-  out = W;
-  term_ = W;
-  for (int k = 1; k <= most_terms; ++k) {
-    commutator(products, Omega, term_, next_);
-    next_ *= scale / static_cast<double>(k);
-    out += next_;
-    term_.swap(next_);
-    const double size = term_.norm();
-    if (!std::isfinite(size)) return false;
-    if (size <= bound) return true;
-  }
-  return false;
+  return sum(
+      products, scale, Omega, W, [](int) { return 1.0; }, out);
+}
+
+template <class Scalar>
+bool AdjointSeries<Scalar>::average(ProductsOf<Scalar>& products, const Stored& Omega,
+                                    const Stored& W, Stored& out) {
+  return sum(
+      products, 1.0, Omega, W, [](int k) { return 1.0 / (k + 1.0); }, out);
 }
 
 template class AdjointSeries<double>;
