@@ -9,8 +9,7 @@ ExplicitMagnus<Scalar>::ExplicitMagnus(SharedFlowIn<Scalar> flow, std::string_vi
                                        ProductBackend backend)
     : Form(std::move(flow), backend),
       series_(algebra()),
-      is_linear_(this->flow().kind() == Generator::linear ||
-                 this->flow().has_self_adjoint_generator()) {
+      is_linear_(this->flow().kind() == Generator::linear) {
   require_identity_J(this->flow(), name);
   Omega_ = B_stage_ = W_stage_ = zero();
   k_.fill(Omega_);

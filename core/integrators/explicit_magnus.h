@@ -16,9 +16,8 @@ namespace isosyrk {
 /// summed by AdjointSeries to rounding.  Isospectral, not Lie-Poisson.  A step diverges if the
 /// series does not converge, or loses digits by cancellation.
 ///
-/// D_i is the derivative of B along the flow, B([B_i, W_i]) for a linear B.  For another it is
-/// formed by differences of B, in 4 evaluations.  Linear is a flow that says so by Flow::kind or
-/// Flow::has_self_adjoint_generator.
+/// D_i is the derivative of B along the flow.  It is B([B_i, W_i]) for a flow whose kind() says
+/// that B is linear.  For any other flow D_i is formed by differences of B, in 4 evaluations.
 /// Source: Calvo, Iserles and Zanna 1997; Casas and Iserles 2006.
 template <class Scalar>
 class ExplicitMagnus : public PublishedForm<Scalar> {
