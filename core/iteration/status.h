@@ -19,7 +19,7 @@ std::string_view name(Status status);
 
 /// Stopping rule of an iteration.  Changes of unknowns that scale with W (W̃, P, X, K) are in units
 /// of a power of two near ‖W‖₂ (integrators/state_scale.h), and so relative; those of Q are
-/// absolute.
+/// absolute; those of Ω of exponential methods are relative to ‖Ω‖_F.
 struct SolverOptions {
   double tolerance = 1e-13;  ///< on the largest change of an unknown, Frobenius norm
   int max_sweeps = 1000;
