@@ -379,9 +379,10 @@ class Accuracy(StudyTest):
 
     def test_methods_have_names_of_their_own(self):
         records = {each.name: study.record_of(each) for each in isosyrk.integrators()}
-        for name, expected in {"group2": "Gauss, order 4", "algebra2_frame": "Gauss, order 4",
-                               "rk4": "Runge–Kutta, order 4", "rk4_projected_frame": "projected Runge–Kutta, order 4",
-                               "elp6": "exponential Lie–Poisson, order 6", "magnus5": "explicit Magnus, order 5"}.items():
+        for name, expected in (("group2", "Gauss, order 4"), ("algebra2_frame", "Gauss, order 4"),
+                               ("rk4", "Runge–Kutta, order 4"),
+                               ("rk4_projected_frame", "projected Runge–Kutta, order 4"),
+                               ("elp6", "exponential Lie–Poisson, order 6"), ("magnus5", "explicit Magnus, order 5")):
             self.assertEqual(method_name(records[name]), expected)
 
     @unittest.skipUnless(HAS_DASK, "this Python has no distributed (python3-distributed)")
