@@ -5,7 +5,7 @@
 #include "isosyrk/catalogue/fast_forms.h"
 #include "isosyrk/catalogue/make_integrator.h"
 #include "isosyrk/flows/invariants.h"
-#include "isosyrk/linalg/adjoint_series.h"
+#include "isosyrk/linalg/adjoint_rotation.h"
 #include "isosyrk/linalg/spectral_projection.h"
 #include "isosyrk/linalg/spectrum.h"
 #include "isosyrk/simulation/conservation.h"
@@ -429,7 +429,7 @@ TEST(SpectralProjection, IsTheNearestMatrixWithTheSpectrum) {
   }
 }
 
-TEST(AdjointSeries, SumsTheExponentialAndItsMean) {
+TEST(AdjointRotation, IsTheExponentialAndItsMean) {
   constexpr Index n = 6;
   for (const QuadraticAlgebra& algebra :
        {QuadraticAlgebra::skew_hermitian(n), QuadraticAlgebra(symplectic_J(3)),
@@ -438,20 +438,21 @@ TEST(AdjointSeries, SumsTheExponentialAndItsMean) {
     const Matrix W = elements.element(2);
     Products products(ProductBackend::openblas, n);
     AdjointSeries<Complex> series(algebra);
-    for (const double size : {0.0, 1e-3, 1.0, 3.0}) {
+    AdjointRotation<Complex> rotation(algebra);
+    // From the third size on in several parts.
+    for (const double size : {0.0, 1e-3, 1.0, 3.0, 6.0}) {
       const Matrix Omega = size * elements.element(3);
-      Matrix rotated = W, mean = W;
-      ASSERT_TRUE(series.conjugate(products, 1.0, Omega, W, rotated));
-      ASSERT_TRUE(series.average(products, Omega, W, mean));
-      EXPECT_TRUE(series.keeps_digits());
-      const double bound = 1e-14 * std::exp(2.0 * size);
+      Matrix rotated = W, mean = W, expected = W;
+      ASSERT_TRUE(rotation.rotate(products, Omega, W, rotated, mean));
+      const double bound = 1e-14 * std::exp(2.0 * size);  // the group of J need not be compact
       EXPECT_LE(largest_difference(rotated, product({exponential(Omega), W, exponential(-Omega)})),
                 bound);
-      EXPECT_LE(largest_difference(rotated, W + commutator(Omega, mean)), bound);
       EXPECT_LE(algebra.algebra_defect(mean), bound);
+      ASSERT_TRUE(series.conjugate(products, 1.0, Omega, W, expected));
+      EXPECT_LE(largest_difference(rotated, expected), bound);
       // The mean over s by Gauss' rule with 20 nodes.
       const Tableau rule = gauss_tableau(20);
-      Matrix expected = Matrix::Zero(n, n);
+      expected.setZero();
       for (Index k = 0; k < 20; ++k) {
         const Matrix part = rule.c(k) * Omega;
         expected += rule.b(k) * product({exponential(part), W, exponential(-part)});
@@ -461,24 +462,29 @@ TEST(AdjointSeries, SumsTheExponentialAndItsMean) {
   }
 }
 
-TEST(AdjointSeries, SaysWhereItDoesNotEndAndWhereDigitsAreLost) {
+// The single series loses digits where its terms cancel, and does not say so.
+TEST(AdjointRotation, KeepsTheSpectrumToRoundingForAnyOmegaOrFails) {
   constexpr Index n = 6;
   const QuadraticAlgebra algebra = QuadraticAlgebra::skew_hermitian(n);
   Products products(ProductBackend::openblas, n);
   AdjointSeries<Complex> series(algebra);
+  AdjointRotation<Complex> rotation(algebra);
   const Matrix W = random_skew_hermitian(n, 1), unit = random_skew_hermitian(n, 2);
-  Matrix out = W;
-  const auto error = [&](double size) {
-    EXPECT_TRUE(series.conjugate(products, 1.0, size * unit, W, out));
-    return spectrum_error(out, W);
-  };
-  EXPECT_LE(error(3.0), 1e-13);
-  EXPECT_TRUE(series.keeps_digits());
-  EXPECT_GE(error(15.0), 1e-8);
-  EXPECT_FALSE(series.keeps_digits());
-  for (const double size : {60.0, 1e3, 1e200, std::nan("")}) {
+  Matrix out = W, mean = W;
+  for (const double size : {1.0, 4.0, 12.0}) {
+    const Matrix Omega = size * unit;
+    ASSERT_TRUE(rotation.rotate(products, Omega, W, out, mean)) << size;
+    EXPECT_LE(spectrum_error(out, W), 5e-14) << size;
+    EXPECT_LE(largest_difference(out, W + commutator(Omega, mean)), 1e-13 * size) << size;
+    EXPECT_LE(largest_difference(out, product({exponential(Omega), W, exponential(-Omega)})),
+              1e-13 * size);
+  }
+  ASSERT_TRUE(series.conjugate(products, 1.0, 12.0 * unit, W, out));
+  EXPECT_GE(spectrum_error(out, W), 1e-8);
+  EXPECT_FALSE(rotation.rotate(products, 60.0 * unit, W, out, mean));
+  for (const double size : {1e4, 1e200, std::nan("")}) {
+    EXPECT_FALSE(rotation.rotate(products, size * unit, W, out, mean)) << size;
     EXPECT_FALSE(series.conjugate(products, 1.0, size * unit, W, out)) << size;
-    EXPECT_FALSE(series.average(products, size * unit, W, out)) << size;
   }
 }
 

@@ -8,7 +8,7 @@ template <class Scalar>
 ExplicitMagnus<Scalar>::ExplicitMagnus(SharedFlowIn<Scalar> flow, std::string_view name,
                                        ProductBackend backend)
     : Form(std::move(flow), backend),
-      series_(algebra()),
+      rotation_(algebra()),
       is_linear_(this->flow().kind() == Generator::linear) {
   require_identity_J(this->flow(), name);
   Omega_ = B_stage_ = W_stage_ = zero();
@@ -18,7 +18,7 @@ ExplicitMagnus<Scalar>::ExplicitMagnus(SharedFlowIn<Scalar> flow, std::string_vi
 template <class Scalar>
 StepReport ExplicitMagnus<Scalar>::take_step(const Stored& W0, double h, Stored& W1) {
   form_Omega(W0, h);
-  const bool summed = series_.conjugate(products_, 1.0, Omega_, W0, W1) && series_.keeps_digits();
+  const bool summed = rotation_.rotate(products_, Omega_, W0, W1, W_stage_);
   return {.status = summed ? Status::converged : Status::diverged};
 }
 

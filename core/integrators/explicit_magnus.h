@@ -4,7 +4,7 @@
 #include <array>
 
 #include "isosyrk/integrators/published_form.h"
-#include "isosyrk/linalg/adjoint_series.h"
+#include "isosyrk/linalg/adjoint_rotation.h"
 
 namespace isosyrk {
 
@@ -13,8 +13,8 @@ namespace isosyrk {
 ///
 ///     W₁ = e^Ω W₀ e^(-Ω),
 ///
-/// summed by AdjointSeries to rounding.  Isospectral, not Lie-Poisson.  A step diverges if the
-/// series does not converge, or loses digits by cancellation.
+/// summed by AdjointRotation to rounding.  Isospectral, not Lie-Poisson.  A step diverges if that
+/// fails: Ω is far too long then.
 ///
 /// D_i is the derivative of B along the flow.  It is B([B_i, W_i]) for a flow whose kind() says
 /// that B is linear.  For any other flow D_i is formed by differences of B, in 4 evaluations.
@@ -43,7 +43,7 @@ class ExplicitMagnus : public PublishedForm<Scalar> {
   /// Sets W to that of the classical Runge-Kutta step of h from a point.
   void predict(const Point& from, double h, Stored& W);
   void bracket(const Stored& A, const Stored& B, Stored& out) {
-    series_.commutator(products_, A, B, out);
+    rotation_.commutator(products_, A, B, out);
   }
 
   Stored Omega_;
@@ -52,7 +52,7 @@ class ExplicitMagnus : public PublishedForm<Scalar> {
   StepReport take_step(const Stored& W0, double h, Stored& W1) final;
   void differentiate(Point& point);
 
-  AdjointSeries<Scalar> series_;
+  AdjointRotation<Scalar> rotation_;
   bool is_linear_;
   std::array<Stored, 3> k_;  // slopes of the Runge-Kutta step after the first
   Stored B_stage_, W_stage_;

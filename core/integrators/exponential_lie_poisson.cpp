@@ -25,16 +25,16 @@ ExponentialLiePoisson<Scalar>::ExponentialLiePoisson(SharedFlowIn<Scalar> flow, 
                                                      const SolverOptions& options,
                                                      ProductBackend backend)
     : Form(std::move(flow), options, backend),
-      series_(algebra()),
+      rotation_(algebra()),
       gradient_(order, algebra(),
                 {[this](const Stored& W, Stored& B) { generator(W, B); },
                  [this](const Stored& A, const Stored& B, Stored& bracket) {
-                   series_.commutator(products_, A, B, bracket);
+                   rotation_.commutator(products_, A, B, bracket);
                  }}) {
   const std::string name = fmt::format("elp{}", order);
   require_identity_J(this->flow(), name);
   if (order > 2) require_self_adjoint_generator(this->flow(), name);
-  Omega_ = Omega_next_ = mu_ = zero();
+  Omega_ = Omega_next_ = mu_ = rotated_ = zero();
 }
 
 template <class Scalar>
@@ -44,7 +44,7 @@ void ExponentialLiePoisson<Scalar>::start(const Stored&) {
 
 template <class Scalar>
 double ExponentialLiePoisson<Scalar>::sweep(const Stored& W0, double h) {
-  if (!series_.average(products_, Omega_, W0, mu_) || !series_.keeps_digits()) return not_a_number;
+  if (!rotation_.rotate(products_, Omega_, W0, rotated_, mu_)) return not_a_number;
   gradient_.evaluate(mu_, h, Omega_next_);
   Omega_next_ *= h;
   Omega_.swap(Omega_next_);
@@ -53,8 +53,8 @@ double ExponentialLiePoisson<Scalar>::sweep(const Stored& W0, double h) {
 
 template <class Scalar>
 void ExponentialLiePoisson<Scalar>::update(const Stored& W0, double, Stored& W1) {
-  const bool summed = series_.conjugate(products_, 1.0, Omega_, W0, W1);
-  if (!summed || !series_.keeps_digits()) W1.setConstant(not_a_number);  // the step diverges
+  const bool summed = rotation_.rotate(products_, Omega_, W0, W1, mu_);
+  if (!summed) W1.setConstant(not_a_number);  // the step diverges
 }
 
 template class ExponentialLiePoisson<double>;

@@ -3,7 +3,7 @@
 
 #include "isosyrk/integrators/modified_gradient.h"
 #include "isosyrk/integrators/published_form.h"
-#include "isosyrk/linalg/adjoint_series.h"
+#include "isosyrk/linalg/adjoint_rotation.h"
 
 namespace isosyrk {
 
@@ -16,13 +16,13 @@ namespace isosyrk {
 /// 2, and with terms in h² and h⁴ for orders 4 and 6.  The step is isospectral for any Ω, and
 /// Lie-Poisson for any F: the map that hF generates in exponential coordinates.
 ///
-/// A sweep is Ω ← h B̃(φ₁(ad_Ω) W₀) from Ω = 0.  The change of Ω is relative to ‖Ω‖_F.  Both series
-/// are summed by AdjointSeries to rounding, so that the spectrum does not depend on the tolerance.
-/// A step diverges if a series does not converge, or loses digits by cancellation: Ω is far too
-/// long then. Products: 0, 3, 12 for order 2, 4, 6 and 1 for each term of the series a sweep; 1 for
-/// each term for the update.  Poisson solves: 1, 3, 6 a sweep. Source: generating functions of Ge
-/// and Marsden 1988, in the coordinates of Channell and Scovel 1991
-/// (core/integrators/EXPONENTIAL.md).
+/// A sweep is Ω ← h B̃(φ₁(ad_Ω) W₀) from Ω = 0.  The change of Ω is relative to ‖Ω‖_F.
+/// AdjointRotation sums both series to rounding, so that the spectrum does not depend on the
+/// tolerance.  A step diverges if it fails: Ω is far too long then.
+/// Products: 0, 3, 12 for order 2, 4, 6 and 1 for each term of the series a sweep; 1 for each term
+/// for the update.  Poisson solves: 1, 3, 6 a sweep.
+/// Source: generating functions of Ge and Marsden 1988, in the coordinates of Channell and Scovel
+/// 1991 (core/integrators/EXPONENTIAL.md).
 template <class Scalar>
 class ExponentialLiePoisson final : public ImplicitForm<Scalar> {
   using Form = ImplicitForm<Scalar>;
@@ -41,11 +41,12 @@ class ExponentialLiePoisson final : public ImplicitForm<Scalar> {
   double sweep(const Stored& W0, double h) override;
   void update(const Stored& W0, double h, Stored& W1) override;
 
-  AdjointSeries<Scalar> series_;
+  AdjointRotation<Scalar> rotation_;
   ModifiedGradient<Scalar> gradient_;
   Stored Omega_;
   Stored Omega_next_;
   Stored mu_;
+  Stored rotated_;  // e^Ω W₀ e^(-Ω) of a sweep, which is not used
 };
 
 }  // namespace isosyrk

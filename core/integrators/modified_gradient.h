@@ -19,7 +19,7 @@
 namespace isosyrk {
 
 /// Coefficients of F₂ and F₄, named by their terms.  A test derives them
-/// (tests/scripts/modified_hamiltonian.py) and reads them here.
+/// (tests/scripts/derive_modified_hamiltonian.py) and reads them here.
 namespace modified_hamiltonian {
 inline constexpr double f_Bf = 1.0 / 24.0;
 inline constexpr double p_Bp = 1.0 / 1440.0;

@@ -13,8 +13,8 @@ namespace isosyrk {
 ///
 /// with the eigenvalues Λ₀ of the state that the run began with.  A state that is set or amended
 /// begins anew.  For flows with J = I.  Order 4, since the projection moves W by no more than twice
-/// the error of the step.  Isospectral, not Lie-Poisson: no step is linear in W any more, so that
-/// the angular momentum is kept to the order only.  Unstable where the Runge-Kutta method is.
+/// the error of the step.  Isospectral, not Lie-Poisson.  Unlike the Runge-Kutta step, the
+/// projection changes the angular momentum.  Unstable where the Runge-Kutta method is.
 /// Products: 7.  Poisson solves: 4.  Each step computes all eigenvectors of W, which costs some ten
 /// products more and is not counted.
 /// Source: projection methods in general, Hairer, Lubich and Wanner, Geometric Numerical

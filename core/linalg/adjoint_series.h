@@ -6,8 +6,15 @@
 
 namespace isosyrk {
 
-/// Computes e^Ω W e^(-Ω) and φ₁(ad_Ω) W, φ₁(z) = (e^z - 1)/z, for Ω and W in g, to rounding,
-/// without forming the exponential.  Both are sums over the same terms:
+/// How a sum of AdjointSeries ended.
+enum class SeriesEnd {
+  summed,
+  cancels,  ///< a term was larger than allowed: terms cancel, and the sum would lose digits
+  endless,  ///< 200 terms did not suffice, or a term was not finite
+};
+
+/// Computes e^Ω W e^(-Ω) and its mean φ₁(ad_Ω) W, φ₁(z) = (e^z - 1)/z, for Ω and W in g, to
+/// rounding, without forming the exponential.  Both are sums over the same terms:
 ///
 ///     T₀ = W,  T_k = [Ω, T_{k-1}] / k,    e^Ω W e^(-Ω) = Σ T_k,    φ₁(ad_Ω) W = Σ T_k / (k + 1)
 ///
@@ -20,29 +27,24 @@ class AdjointSeries {
 
   explicit AdjointSeries(const QuadraticAlgebra& algebra);
 
-  /// out = e^(scale Ω) W e^(-scale Ω).  Returns false if 200 terms do not suffice or a term is not
-  /// finite.  out is not W.
+  /// out = e^(scale Ω) W e^(-scale Ω).  Returns false if the sum is endless.  out is not W.
   bool conjugate(ProductsOf<Scalar>& products, double scale, const Stored& Omega, const Stored& W,
                  Stored& out);
 
-  /// out = φ₁(ad_Ω) W: the mean of e^(sΩ) W e^(-sΩ) over 0 <= s <= 1.  Returns as conjugate().  out
-  /// is not W.
-  bool average(ProductsOf<Scalar>& products, const Stored& Omega, const Stored& W, Stored& out);
-
-  /// Returns whether the terms of the last sum were at most 1e4 times W.  Larger ones cancel in the
-  /// sum, which then has as many times the rounding error of W.
-  bool keeps_digits() const { return cancellation_ <= 1e4; }
+  /// conjugated = e^(scale Ω) W e^(-scale Ω), mean = φ₁(scale ad_Ω) W.  Ends where ‖T_k‖_F is above
+  /// `largest` ‖W‖_F.  Neither is W.
+  SeriesEnd sum(ProductsOf<Scalar>& products, double scale, const Stored& Omega, const Stored& W,
+                double largest, Stored& conjugated, Stored& mean);
 
   /// out = [A, B] for A, B in g, by one product.  out is neither A nor B.
   void commutator(ProductsOf<Scalar>& products, const Stored& A, const Stored& B, Stored& out);
 
  private:
-  template <class Weight>
-  bool sum(ProductsOf<Scalar>& products, double scale, const Stored& Omega, const Stored& W,
-           const Weight& weight, Stored& out);
+  template <class Add>
+  SeriesEnd each_term(ProductsOf<Scalar>& products, double scale, const Stored& Omega,
+                      const Stored& W, double largest, const Add& add);
 
   const QuadraticAlgebra& algebra_;
-  double cancellation_ = 1.0;  // ‖T_k‖_F / ‖W‖_F of the largest term
   Stored term_;
   Stored next_;
   Stored product_;
