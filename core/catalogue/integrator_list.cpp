@@ -8,8 +8,11 @@
 #include "isosyrk/integrators/algebra_form.h"
 #include "isosyrk/integrators/composition.h"
 #include "isosyrk/integrators/direct_form.h"
+#include "isosyrk/integrators/explicit_magnus.h"
 #include "isosyrk/integrators/explicit_methods.h"
+#include "isosyrk/integrators/exponential_lie_poisson.h"
 #include "isosyrk/integrators/frame_integrator.h"
+#include "isosyrk/integrators/projected_runge_kutta.h"
 #include "isosyrk/integrators/step_limits.h"
 #include "isosyrk/tableaux/gauss_tableau.h"
 
@@ -80,6 +83,32 @@ IntegratorEntry direct_entry(int s) {
           }};
 }
 
+constexpr Properties explicit_isospectral_properties = {
+    .isospectral = true, .lie_poisson = false, .symmetric = false};
+
+IntegratorEntry exponential_entry(int order) {
+  return {.name = fmt::format("elp{}", order),
+          .stages = 1,
+          .order = order,
+          .keeps = isosyrk_properties,
+          .make = make_implicit<ExponentialLiePoisson>(order),
+          .in_frame = true};
+}
+
+IntegratorEntry projected_entry() {
+  return {.name = "rk4_projected",
+          .stages = 4,
+          .order = 4,
+          .keeps = explicit_isospectral_properties,
+          .is_explicit = true,
+          .make =
+              [](const auto& flow, const IterationOptions&, ProductBackend backend) {
+                return std::make_unique<ProjectedRungeKutta4>(flow, backend);
+              },
+          .stability_limit = rk4_limit,
+          .in_frame = true};
+}
+
 IntegratorEntry runge_kutta4_entry() {
   return {.name = "rk4",
           .stages = 4,
@@ -106,11 +135,27 @@ std::vector<IntegratorEntry> make_list() {
   list.push_back({.name = "rkmk4",
                   .stages = 4,
                   .order = 4,
-                  .keeps = {.isospectral = true, .lie_poisson = false, .symmetric = false},
+                  .keeps = explicit_isospectral_properties,
                   .is_explicit = true,
                   .make = make_explicit<MuntheKaas4>(),
                   .make_fast = fast_munthe_kaas4(),
                   .in_frame = true});
+  for (const int order : {2, 4, 6}) list.push_back(exponential_entry(order));
+  list.push_back({.name = "magnus4",
+                  .stages = 4,
+                  .order = 4,
+                  .keeps = explicit_isospectral_properties,
+                  .is_explicit = true,
+                  .make = make_explicit<ExplicitMagnus4>(),
+                  .in_frame = true});
+  list.push_back({.name = "magnus5",
+                  .stages = 8,
+                  .order = 5,
+                  .keeps = explicit_isospectral_properties,
+                  .is_explicit = true,
+                  .make = make_explicit<ExplicitMagnus5>(),
+                  .in_frame = true});
+  list.push_back(projected_entry());
   // Controls: methods that do not keep the structure.
   for (int s = 1; s <= 3; ++s) list.push_back(direct_entry(s));
   list.push_back(runge_kutta4_entry());

@@ -30,6 +30,9 @@ class CoRotatingFlow final : public Flow {
     return -0.5 * hbar(flow_->convention(), size()) * V.conjugate().cwiseProduct(B).sum().real();
   }
 
+  // So is B' = B (1 - P), since B commutes with the orthogonal projection P onto l = 1.
+  bool has_self_adjoint_generator() const override { return true; }
+
   std::unique_ptr<SplitGenerator> split_generator() const override {
     return std::make_unique<SplitEulerZeitlin>(
         flow_->laplacian(), 1.0 / hbar(flow_->convention(), size()), Rotation::left_out);

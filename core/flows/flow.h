@@ -34,6 +34,10 @@ class Flow {
   virtual void generator(const Matrix& W, Matrix& B) const = 0;
   /// Returns H(W), which the exact flow conserves, for W in storage.
   virtual double hamiltonian(const Matrix& W) const = 0;
+  /// Returns whether B is linear on g and self-adjoint in the pairing <A, B> = -tr(AB).  B is then
+  /// the gradient of the quadratic Hamiltonian ½ <W, B(W)>, of which hamiltonian() may be a
+  /// multiple.  Methods that differentiate B need this.  False unless the flow says so.
+  virtual bool has_self_adjoint_generator() const { return false; }
   /// Returns B in split-complex storage for the fast forms, or null if the flow has none.
   virtual std::unique_ptr<SplitGenerator> split_generator() const;
 

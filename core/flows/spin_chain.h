@@ -20,6 +20,8 @@ class SpinChain final : public Flow {
 
   void generator(const Matrix& W, Matrix& B) const override;
   double hamiltonian(const Matrix& W) const override;
+  /// The coupling of spins k and k + 1 is that of k + 1 and k.
+  bool has_self_adjoint_generator() const override { return true; }
 };
 
 }  // namespace isosyrk

@@ -36,8 +36,8 @@ std::vector<Mode> modes_of(const std::vector<ModeTuple>& tuples) {
 
 Scene scene_of_generator(const std::string& name, const Array& initial, py::handle generator) {
   Matrix W0 = matrix_of(initial);
-  const Index n = W0.rows();
-  return {name, std::make_shared<PythonFlow>(n, generator), std::move(W0), 5.0};
+  auto flow = std::make_shared<PythonFlow>(W0.rows(), W0.norm(), generator);
+  return {name, std::move(flow), std::move(W0), 5.0};
 }
 
 std::unique_ptr<Stepper> make_stepper(const Scene& scene, const std::string& name,

@@ -27,6 +27,7 @@ WHOLE = {**SHORT, "time": "5"}
 PROMISED_KEYS = {"n", "stages", "formulation", "step", "steps", "tolerance", "converged", "status", "sweeps_total",
                  "products", "seconds", "spectrum_error", "skew_defect", "energy_error"}
 EARLIER = "an earlier result"
+EXPONENTIAL = ("elp2", "elp4", "elp6", "magnus4", "magnus5", "rk4_projected")
 MODES = "l,m,re,im\n2,0,1,0\n2,1,0.5,0\n"
 
 
@@ -113,6 +114,11 @@ class RefusedArguments(IntegrateTest):
                   for other in ("stages", "formulation")),
                 ({**NAMED, "solver": "fast", "integrator": "algebra2_two_products"}, "algebra2_two_products",
                  "no fast form"),
+                *(({**NAMED, "integrator": name, "solver": "fast"}, f"'{name}'", "no fast form")
+                  for name in EXPONENTIAL),
+                *(({**NAMED, "integrator": name, "scene": "symplectic", "n": "6"}, f"{name}: ", "J = I")
+                  for name in EXPONENTIAL),
+                ({**NAMED, "integrator": "elp4_frame", "scene": "rigid_body"}, "Euler-Zeitlin only"),
                 ({"solver": "fast", "products": "eigen"}, "--solver fast", "--products eigen"),
                 ({"threads": "2"}, "--threads 2", "--solver fast")):
             self.refuses(changes, *parts)
@@ -302,6 +308,15 @@ class GoodRuns(IntegrateTest):
             self.assert_agrees(fast, W)
         self.assertEqual((published["sweeps_total"], published["formulation"]), (0, None))
 
+    def test_exponential_methods_and_projections_keep_the_spectrum_at_any_tolerance(self):
+        for name in EXPONENTIAL:
+            for scene in ("smooth", "rigid_body"):
+                with self.subTest(name=name, scene=scene):
+                    result, _ = self.result(NAMED, integrator=name, scene=scene, tolerance="1e-3")
+                    self.assertLess(result["spectrum_error"], 1e-13)
+                    self.assertEqual(result["sweeps_total"] > 0, name.startswith("elp"))
+        self.assertGreater(self.result(NAMED, integrator="group2", tolerance="1e-3")[0]["spectrum_error"], 1e-9)
+
     def test_help_explains_every_argument(self):
         done = run([program("integrate"), "--help"])
         self.assertEqual((done.returncode, done.stderr), (DONE, ""))
@@ -410,6 +425,8 @@ class FailedRuns(IntegrateTest):
                     self.assert_fails("diverged", formulation=formulation, n="129", step="0.4", time="4")
         self.assertEqual(self.assert_fails("diverged", n="33", step="2", time="4", solver="fast")["failed_step"], 1)
         self.assert_fails("diverged", **{**NAMED, "n": "33", "step": "4", "time": "400"}, integrator="rk4")
+        for name in ("elp2", "elp6", "magnus4", "magnus5"):
+            self.assert_fails("diverged", **{**NAMED, "step": "200", "time": "200"}, integrator=name)
 
     def test_a_change_that_is_not_a_number_has_no_sign(self):
         result = self.assert_fails("diverged", **{**SHORT, "step": "1e200", "time": "1e200"})
@@ -422,6 +439,7 @@ class FailedRuns(IntegrateTest):
         for formulation in FORMULATIONS:
             result = self.assert_fails("sweep cap", formulation=formulation, max_sweeps="3")
             self.assertEqual(result["sweeps_total"], 3)
+        self.assert_fails("sweep cap", **NAMED, integrator="elp4", max_sweeps="3")
         self.assertIn("failed_step", run(command(SHORT, max_sweeps="3")).stdout)  # as text too
 
 

@@ -515,21 +515,74 @@ def vortices(count=3):
 class OwnFlow(unittest.TestCase):
     def test_every_published_method_integrates_flows_of_ones_own(self):
         controls = ["algebra2_two_products", "algebra3_two_products", "yoshida4_group", "yoshida4_cotangent"]
-        names = [entry.name for entry in isosyrk.integrators() if not entry.name.endswith("_frame")]
+        orders = {entry.name: entry.order for entry in isosyrk.integrators() if not entry.name.endswith("_frame")}
         isospectral = {entry.name for entry in isosyrk.integrators() if entry.isospectral}
         for flow in (rigid_body, toda, vortices):
             W0, B = flow()
             wanted = reference(B, W0, 1.0)
             self.assertGreater(isosyrk.relative_error(wanted, W0), 0.01)
             scene = isosyrk.scene(initial=W0, generator=B)
-            for name in names + controls:
+            for name in [*orders, *controls]:
                 with self.subTest(flow=flow.__name__, name=name):
+                    if name in ("elp4", "elp6") and flow is not rigid_body:
+                        with self.assertRaisesRegex(ValueError, "^elp[46]: B .* self-adjoint .*; elp2 takes any B$"):
+                            isosyrk.integrator(scene, name)
+                        continue
                     W, _ = isosyrk.integrator(scene, name).run(W0, 0.025, 40)
-                    order = 2 if name.endswith("1") else 4
+                    order = orders.get(name, 4)
                     self.assertLess(isosyrk.relative_error(W, wanted), 3e-3 if order == 2 else 1e-5)
                     self.assertLess(isosyrk.skew_defect(W), 1e-11)
                     if name in isospectral:
                         self.assertLess(isosyrk.spectrum_error(W, np.asarray(W0, complex)), 1e-11)
+
+    def test_elp4_and_elp6_try_once_whether_a_generator_is_linear_and_self_adjoint(self):
+        W0, B = rigid_body()
+        calls = []
+
+        def counted(W):
+            calls.append(W)
+            return B(W)
+
+        scene = isosyrk.scene(initial=7 * W0, generator=counted)
+        for name in ("group2", "elp2", "magnus4"):
+            isosyrk.integrator(scene, name)
+        self.assertEqual(len(calls), 0)
+        for name in ("elp4", "elp6", "elp4"):
+            isosyrk.integrator(scene, name)
+        self.assertEqual(len(calls), 3)
+        for W in calls:
+            self.assertEqual(isosyrk.skew_defect(W), 0.0)
+            self.assertAlmostEqual(np.linalg.norm(W) / np.linalg.norm(7 * W0), 1, delta=0.1)
+
+        # A part of 1e-8 is seen, and one of 1e-13 is rounding.
+        turned = state(8)
+        parts = {"constant": lambda W: turned, "cubic": lambda W: W @ W @ W, "not finite": lambda W: np.nan * W,
+                 "not self-adjoint": lambda W: turned @ W - W @ turned}
+        for what, part in parts.items():
+            for size, accepted in ((1e-8, False), (1e-13, what != "not finite")):
+                with self.subTest(what, size=size):
+                    scene = isosyrk.scene(initial=W0, generator=lambda W: B(W) + size * part(W))
+                    if accepted:
+                        isosyrk.integrator(scene, "elp4")
+                    else:
+                        with self.assertRaisesRegex(ValueError, "^elp4: B of this flow is not known to be linear"):
+                            isosyrk.integrator(scene, "elp4")
+                        isosyrk.integrator(scene, "elp2")
+
+    def test_an_exception_of_a_generator_that_is_tried_is_that_of_the_caller(self):
+        def fails(W):
+            raise ZeroDivisionError("by the user")
+
+        W0, _ = rigid_body()
+        with self.assertRaisesRegex(ZeroDivisionError, "by the user"):
+            isosyrk.integrator(isosyrk.scene(initial=W0, generator=fails), "elp6")
+
+    def test_exponential_methods_are_for_skew_hermitian_matrices(self):
+        for scene in (isosyrk.scene("symplectic", n=6), isosyrk.scene("pseudo_unitary", n=5, signature=(3, 2))):
+            for name in ("elp2", "elp4", "elp6", "magnus4", "magnus5", "rk4_projected"):
+                with self.subTest(scene=scene.name, name=name), self.assertRaisesRegex(
+                        ValueError, rf"^{name}: for flows of skew-Hermitian matrices \(J = I\) only$"):
+                    isosyrk.integrator(scene, name)
 
     def test_a_generator_sees_skew_hermitian_matrices_only(self):
         W0, B = rigid_body()
@@ -962,7 +1015,12 @@ class Package(unittest.TestCase):
         self.assertEqual(isosyrk.conditions()["version"], isosyrk.__version__)
 
     def test_every_record_says_whether_there_is_a_fast_form(self):
-        self.assertEqual({entry.has_fast_form for entry in isosyrk.integrators()}, {True})
+        without = {entry.name for entry in isosyrk.integrators() if not entry.has_fast_form}
+        published = {"elp2", "elp4", "elp6", "magnus4", "magnus5", "rk4_projected"}
+        self.assertEqual(without, {name + suffix for name in published for suffix in ("", "_frame")})
+        for name in without:
+            with self.assertRaisesRegex(ValueError, f"^integrator '{name}': has no fast form$"):
+                isosyrk.integrator(isosyrk.scene("smooth", n=9), name, solver="fast")
         with self.assertRaisesRegex(ValueError, "no fast form"):  # of a control
             isosyrk.integrator(isosyrk.scene("smooth", n=9), "yoshida4_group", solver="fast")
 

@@ -169,8 +169,9 @@ def scene(name: Optional[str] = None, n: Optional[int] = None, hbar: Optional[st
     arithmetic and on blocks where the scene is real or block diagonal.
 
     With `initial`, `generator` makes a flow of your own: a function that takes W (a complex128 array of shape (n, n), a
-    copy, exactly skew-Hermitian) and returns B(W), skew-Hermitian. All published forms integrate it. `hamiltonian` maps
-    W to a number.
+    copy, exactly skew-Hermitian) and returns B(W), skew-Hermitian. All published forms integrate it, but elp4 and elp6
+    only if it is linear and self-adjoint, tr(A B(C)) = tr(B(A) C): they try it on random matrices, to 1e-10, when the
+    first of them is made. `hamiltonian` maps W to a number.
     Raises ValueError for values out of range.
     """
     if modes is not None and initial is not None:
@@ -365,7 +366,7 @@ def integrator(scene: Scene, name: str, solver: str = "published", tolerance: fl
                several times sooner; for Euler-Zeitlin, otherwise ValueError.
     tolerance  of the iteration, at least 1e-15: the largest change of an unknown, Frobenius norm. Unknowns that scale
                with W are measured in units of the power of two nearest to the 2-norm of W; those of the group are
-               absolute.
+               absolute; Omega of elp2, elp4 and elp6 is relative to its own norm.
     threads    of the fast solver, 1 to 64; the answer is bit for bit the same. A process forked after a run with
                several threads raises RuntimeError: OpenMP hangs there.
     max_sweeps of a step, 1 to 1000000.
