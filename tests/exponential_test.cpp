@@ -260,8 +260,8 @@ TEST(ExponentialLiePoisson, HasNoDriftOfTheEnergyAndMagnusHas) {
   }
 }
 
-// Relative Frobenius distance to a reference at T = 5, as in the accuracy study.  The figures are
-// those of prototypes that were written apart.
+// Relative Frobenius distance to a reference at T = 5, as in the accuracy study.  The figures were
+// found by another implementation.
 TEST(ExponentialLiePoisson, LargeNErrorsAreThoseThatWereFoundBefore) {
   const Scene scene = smooth_scene(65);
   const Matrix exact =
