@@ -12,8 +12,8 @@
 
 namespace isosyrk {
 
-/// Returns the options with the past steps and the bands chosen that are the defaults for n x n
-/// matrices.
+/// Fills in defaults for n x n matrices: the past steps of Tuning::past_steps, and bands on from
+/// Tuning::smallest_banded.
 FastOptions with_defaults(FastOptions options, Index n);
 
 /// Returns the Gauss method with s stages in the fast form of a formulation.  `algebra` with one

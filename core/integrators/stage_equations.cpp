@@ -112,19 +112,18 @@ double update_midpoint_vorticity(const QuadraticAlgebra& algebra, const MatrixOf
       W, [&](Index r, Index c) { return W0(r, c) + a * (M(r, c) - scratch(r, c)) + b * MB(r, c); });
 }
 
-// Makes the equations for real and for complex matrices.
-#define ISOSYRK_STAGE_EQUATIONS(Scalar)                                                          \
-  template void update_unknowns(const MatrixOf<Scalar>&, double, const RealMatrix&,              \
-                                const std::vector<MatrixOf<Scalar>>&,                            \
-                                std::vector<MatrixOf<Scalar>>&, double*);                        \
-  template double update_stage_vorticity(const QuadraticAlgebra&, const MatrixOf<Scalar>&,       \
-                                         const MatrixOf<Scalar>&, const MatrixOf<Scalar>&,       \
-                                         MatrixOf<Scalar>&, MatrixOf<Scalar>&);                  \
-  template double update_midpoint_vorticity(                                                     \
-      const QuadraticAlgebra&, const MatrixOf<Scalar>&, double, const MatrixOf<Scalar>&, double, \
-      const MatrixOf<Scalar>&, MatrixOf<Scalar>&, MatrixOf<Scalar>&);
-ISOSYRK_STAGE_EQUATIONS(double)
-ISOSYRK_STAGE_EQUATIONS(Complex)
-#undef ISOSYRK_STAGE_EQUATIONS
+using Real = MatrixOf<double>;
+template void update_unknowns(const Real&, double, const RealMatrix&, const std::vector<Real>&,
+                              std::vector<Real>&, double*);
+template void update_unknowns(const Matrix&, double, const RealMatrix&, const std::vector<Matrix>&,
+                              std::vector<Matrix>&, double*);
+template double update_stage_vorticity(const QuadraticAlgebra&, const Real&, const Real&,
+                                       const Real&, Real&, Real&);
+template double update_stage_vorticity(const QuadraticAlgebra&, const Matrix&, const Matrix&,
+                                       const Matrix&, Matrix&, Matrix&);
+template double update_midpoint_vorticity(const QuadraticAlgebra&, const Real&, double, const Real&,
+                                          double, const Real&, Real&, Real&);
+template double update_midpoint_vorticity(const QuadraticAlgebra&, const Matrix&, double,
+                                          const Matrix&, double, const Matrix&, Matrix&, Matrix&);
 
 }  // namespace isosyrk

@@ -360,7 +360,8 @@ class Threads(IntegrateTest):
         if len(cores) < 2:
             self.skipTest("on one core OpenMP does not spin")
         for core in cores:
-            busy = start([sys.executable, "-c", f"import os\nos.sched_setaffinity(0, [{core}])\nwhile True: pass"],
+            busy = start([sys.executable, "-c", f"import os\nos.sched_setaffinity(0, [{core}])\n"
+                          "parent = os.getppid()\nwhile os.getppid() == parent: pass"],
                          stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
             self.addCleanup(end, busy)
 

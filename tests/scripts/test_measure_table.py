@@ -190,7 +190,8 @@ class Disturbances(unittest.TestCase):
         core = fresh_process.last_core()
         spin = [sys.executable, "-c", "import time\nend = time.process_time() + 0.4\n"
                 "while time.process_time() < end: pass"]
-        neighbour = subprocess.Popen([sys.executable, "-c", "while True: pass"],
+        neighbour = subprocess.Popen([sys.executable, "-c", "import os\nparent = os.getppid()\n"
+                                      "while os.getppid() == parent: pass"],
                                      preexec_fn=lambda: os.sched_setaffinity(0, {core}))
         try:
             status, disturbance = run_on(core, spin)
