@@ -9,6 +9,8 @@
 #include <cstdio>
 #include <iostream>
 
+#include "isosyrk/scenes/scene_list.h"
+
 namespace isosyrk {
 
 long whole_number(const std::string& option, const std::string& text, long least, long most) {
@@ -61,18 +63,19 @@ long step_count(double time, double step) {
   return static_cast<long>(steps);
 }
 
-int thread_count(const char* program, const std::string& text) {
-  constexpr long most = 64;
-  const auto threads = static_cast<int>(whole_number("--threads", text, 1, most));
+int thread_count(const std::string& option, const std::string& text) {
+  return static_cast<int>(whole_number(option, text, 1, 64));
+}
+
+void note_more_threads_than_cores(const char* program, int threads) {
   cpu_set_t allowed;
-  const bool known = sched_getaffinity(0, sizeof(allowed), &allowed) == 0;
-  const int cores = known ? CPU_COUNT(&allowed) : threads;
-  if (threads > cores) {
-    print_error(program, fmt::format("note: {} threads on {} {}: they take turns, and the run is "
-                                     "slower than with {}",
-                                     threads, cores, cores == 1 ? "core" : "cores", cores));
-  }
-  return threads;
+  if (sched_getaffinity(0, sizeof(allowed), &allowed) != 0) return;
+  const int cores = CPU_COUNT(&allowed);
+  if (threads <= cores) return;
+  print_error(program,
+              fmt::format("note: {} threads on {} {}: they take turns, and the run is slower than "
+                          "with {}",
+                          threads, cores, cores == 1 ? "core" : "cores", cores));
 }
 
 void require_scene(const std::string& option, const std::string& text) {

@@ -7,7 +7,6 @@
 
 #include "benchmarks/product_rate.h"
 #include "benchmarks/program.h"
-#include "isosyrk/flows/scene.h"
 
 namespace isosyrk {
 
@@ -24,9 +23,10 @@ inline constexpr double positive = std::numeric_limits<double>::denorm_min();
 /// T / h as a whole number of steps, to 1e-9.  Throws BadArgument.
 long step_count(double time, double step);
 
-/// --threads: 1 to 64.  More than this process may run on at once are allowed, and `program` says
-/// so on stderr.  Throws BadArgument.
-int thread_count(const char* program, const std::string& text);
+/// A number of threads, 1 to 64.  Throws BadArgument.
+int thread_count(const std::string& option, const std::string& text);
+/// Says on stderr if these are more threads than this process may run on at once, which is allowed.
+void note_more_threads_than_cores(const char* program, int threads);
 
 /// Returns what `read` returns.  Throws BadArgument for a std::invalid_argument, whose message
 /// begins with the name of the option, without dashes.

@@ -10,7 +10,6 @@
 #include <string_view>
 
 #include "benchmarks/build_info.h"
-#include "benchmarks/modes_file.h"
 #include "benchmarks/peak.h"
 
 extern "C" char** environ;  // NOLINT(readability-redundant-declaration)
@@ -137,7 +136,7 @@ Conditions machine_conditions(const std::string& program, BackendChoice choice,
   };
 }
 
-Conditions solver_conditions(const SolverOptions& options, HbarConvention convention,
+Conditions solver_conditions(const IterationOptions& options, HbarConvention convention,
                              const std::vector<Mode>& modes) {
   return {
       {"tolerance", fmt::format("{}", options.tolerance)},

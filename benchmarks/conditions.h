@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "benchmarks/product_rate.h"
-#include "isosyrk/flows/scene.h"
-#include "isosyrk/iteration/status.h"
+#include "isosyrk/flows/euler_zeitlin.h"
+#include "isosyrk/iteration/iteration_options.h"
+#include "isosyrk/scenes/modes.h"
 
 namespace isosyrk {
 
@@ -20,7 +21,7 @@ Conditions machine_conditions(const std::string& program, BackendChoice choice,
                               const std::vector<BackendRates>& rates);
 
 /// How the equations were solved: tolerance, norm, start, order of updates, ħ, modes.
-Conditions solver_conditions(const SolverOptions& options, HbarConvention convention,
+Conditions solver_conditions(const IterationOptions& options, HbarConvention convention,
                              const std::vector<Mode>& modes);
 
 /// Why the timings may not be what this machine can do (kernels below its vector units, an

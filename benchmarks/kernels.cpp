@@ -10,12 +10,12 @@
 
 #include "benchmarks/arguments.h"
 #include "benchmarks/benchmark_program.h"
-#include "benchmarks/clocks.h"
 #include "benchmarks/command_line.h"
 #include "benchmarks/median.h"
 #include "benchmarks/peak.h"
-#include "isosyrk/flows/scene.h"
 #include "isosyrk/flows/split_laplacian.h"
+#include "isosyrk/machine/clocks.h"
+#include "isosyrk/scenes/euler_zeitlin_scenes.h"
 #include "isosyrk/split/skew.h"
 #include "isosyrk/split/split_products.h"
 

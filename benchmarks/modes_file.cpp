@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
@@ -108,19 +107,6 @@ std::vector<Mode> read_modes_file(const std::string& path, Index n) {
     throw std::invalid_argument(fmt::format("{}: {}", source, error.what()));
   }
   return modes;
-}
-
-std::string hash_of(const std::vector<Mode>& modes) {
-  std::uint64_t hash = 0xcbf29ce484222325U;
-  for (const Mode& mode : modes) {
-    const std::string line =
-        fmt::format("{},{},{},{}\n", mode.l, mode.m, mode.value.real(), mode.value.imag());
-    for (const char c : line) {
-      hash ^= static_cast<unsigned char>(c);
-      hash *= 0x100000001b3U;
-    }
-  }
-  return fmt::format("{:016x}", hash);
 }
 
 }  // namespace isosyrk

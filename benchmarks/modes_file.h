@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "isosyrk/flows/modes.h"
+#include "isosyrk/scenes/modes.h"
 
 namespace isosyrk {
 
@@ -16,9 +16,5 @@ std::vector<Mode> read_modes(std::istream& input, const std::string& source, Ind
 
 /// Reads the file at `path`; its modes must be valid together, too.  Throws std::invalid_argument.
 std::vector<Mode> read_modes_file(const std::string& path, Index n);
-
-/// A hash of the modes (FNV-1a, 64 bits, of the lines "l,m,re,im" in the order given), as 16 hex
-/// digits: tells whether two results started from the same data.
-std::string hash_of(const std::vector<Mode>& modes);
 
 }  // namespace isosyrk

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "benchmarks/clocks.h"
+#include "isosyrk/machine/clocks.h"
 
 namespace isosyrk {
 namespace {

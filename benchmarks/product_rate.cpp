@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "benchmarks/clocks.h"
 #include "benchmarks/median.h"
+#include "isosyrk/machine/clocks.h"
 #include "isosyrk/split/split_products.h"
 
 namespace isosyrk {

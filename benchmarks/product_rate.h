@@ -16,7 +16,7 @@ using BackendChoice = std::optional<ProductBackend>;
 BackendChoice backend_choice_from_name(std::string_view name);
 
 /// Products of n x n matrices per second of CPU time: the median over blocks that take about
-/// `seconds` together, of one product repeated, its matrices as near the core as they fit.
+/// `seconds` together, of one product repeated, with operands in the fastest cache that holds them.
 double product_rate(ProductBackend backend, Index n, double seconds);
 
 /// The same of split products, with the kernel of split_products.h that runs here.

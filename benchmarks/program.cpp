@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <new>
 
-#include "benchmarks/memory.h"
+#include "isosyrk/machine/memory.h"
 
 namespace isosyrk {
 

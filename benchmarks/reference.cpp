@@ -5,7 +5,6 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "benchmarks/modes_file.h"
 #include "benchmarks/npy_file.h"
 #include "benchmarks/program.h"
 

@@ -3,7 +3,8 @@
 
 #include <string>
 
-#include "isosyrk/flows/scene.h"
+#include "isosyrk/scenes/modes.h"
+#include "isosyrk/scenes/scene.h"
 
 namespace isosyrk {
 

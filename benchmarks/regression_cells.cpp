@@ -17,10 +17,11 @@
 
 #include "benchmarks/allocation_count.h"
 #include "benchmarks/arguments.h"
-#include "benchmarks/clocks.h"
 #include "benchmarks/command_line.h"
 #include "benchmarks/conditions.h"
 #include "isosyrk/catalogue/fast_forms.h"
+#include "isosyrk/machine/clocks.h"
+#include "isosyrk/scenes/euler_zeitlin_scenes.h"
 #include "isosyrk/simulation/conservation.h"
 #include "isosyrk/simulation/run.h"
 
@@ -40,7 +41,9 @@ struct Cell {
   Formulation formulation;
   Index n;
   int s;
-  bool fast;
+  Solver solver;
+
+  bool is_fast() const { return solver == Solver::fast; }
 };
 
 Cell read_cell(const std::string& name) {
@@ -49,9 +52,10 @@ Cell read_cell(const std::string& name) {
     throw BadArgument(fmt::format("cell '{}': must be like group/n:17/s:2", name));
   }
   const std::string what = fmt::format("cell '{}':", name);
-  return {
-      name, formulation_from_name(parts.str(2)), whole_number(what + " n", parts.str(3), 5, 4096),
-      static_cast<int>(whole_number(what + " s", parts.str(4), 1, max_stages)), parts[1].matched};
+  return {name, formulation_from_name(parts.str(2)),
+          whole_number(what + " n", parts.str(3), 5, 4096),
+          static_cast<int>(whole_number(what + " s", parts.str(4), 1, max_stages)),
+          parts[1].matched ? Solver::fast : Solver::published};
 }
 
 using Scenes = std::map<Index, Scene>;
@@ -62,9 +66,7 @@ const Scene& scene_of(const Cell& cell, Scenes& scenes) {
 }
 
 std::unique_ptr<Integrator> make(const Cell& cell, const Scene& scene) {
-  const IntegratorEntry entry = cell.fast ? fast_gauss_entry(cell.formulation, cell.s)
-                                          : gauss_entry(cell.formulation, cell.s);
-  return entry.make(scene.flow, {}, backend);
+  return gauss_entry(cell.formulation, cell.s, cell.solver).make(scene.flow, {}, backend);
 }
 
 // ---- the report
@@ -95,13 +97,13 @@ Measured measure(const Cell& cell, const Scene& scene) {
                {"n", cell.n},
                {"status", name(report.status)},
                {"steps", step_total},
-               {"tolerance", SolverOptions{}.tolerance},
+               {"tolerance", IterationOptions{}.tolerance},
                {"norm", scene.initial.norm()},
                {"contraction", step_size / entry.linear_limit(generator_frequencies(scene))},
                {"sweeps", report.sweeps},
                {"poisson_solves", report.work.poisson_solves},
                {"allocations", allocations}};
-  if (cell.fast) {  // whose sweeps take more or fewer products, as their corrections do
+  if (cell.is_fast()) {  // whose sweeps take more or fewer products, as their corrections do
     json["equivalent_products"] = report.work.equivalent_products;
   } else {
     json["products"] = report.work.products;
@@ -123,7 +125,7 @@ int report(const std::vector<Cell>& cells) {
   measured.reserve(cells.size());
   for (const Cell& cell : cells) {
     measured.push_back(measure(cell, scene_of(cell, scenes)));
-    if (!cell.fast) published[{cell.formulation, cell.n, cell.s}] = &measured.back().W;
+    if (!cell.is_fast()) published[{cell.formulation, cell.n, cell.s}] = &measured.back().W;
   }
   Json json = {{"format", "isosyrk regression_cells 2"}};
   for (const auto& conditions : {machine_conditions("regression_cells", backend, {}),
@@ -134,10 +136,10 @@ int report(const std::vector<Cell>& cells) {
   for (std::size_t k = 0; k < cells.size(); ++k) {
     // A published form is compared with group, a fast one with its published form.
     const Cell& cell = cells[k];
-    const Formulation other = cell.fast ? cell.formulation : Formulation::group;
+    const Formulation other = cell.is_fast() ? cell.formulation : Formulation::group;
     const auto found = published.find({other, cell.n, cell.s});
     if (found != published.end() && measured[k].json["status"] == "converged") {
-      measured[k].json[cell.fast ? "distance_to_published" : "distance_to_group"] =
+      measured[k].json[cell.is_fast() ? "distance_to_published" : "distance_to_group"] =
           (measured[k].W - *found->second).cwiseAbs().maxCoeff();
     }
     json["cells"].push_back(std::move(measured[k].json));

@@ -3,6 +3,6 @@
 
 namespace isosyrk::table1 {
 
-int main_program(int argc, char** argv) { return time_table(Forms::published, argc, argv); }
+int main_program(int argc, char** argv) { return time_table(Solver::published, argc, argv); }
 
 }  // namespace isosyrk::table1

@@ -3,6 +3,6 @@
 
 namespace isosyrk::table2 {
 
-int main_program(int argc, char** argv) { return time_table(Forms::fast, argc, argv); }
+int main_program(int argc, char** argv) { return time_table(Solver::fast, argc, argv); }
 
 }  // namespace isosyrk::table2

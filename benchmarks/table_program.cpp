@@ -10,12 +10,13 @@
 
 #include "benchmarks/arguments.h"
 #include "benchmarks/benchmark_program.h"
-#include "benchmarks/clocks.h"
 #include "benchmarks/command_line.h"
 #include "benchmarks/product_rate.h"
 #include "benchmarks/reference.h"
 #include "benchmarks/stolen_time.h"
 #include "isosyrk/catalogue/fast_forms.h"
+#include "isosyrk/machine/clocks.h"
+#include "isosyrk/scenes/euler_zeitlin_scenes.h"
 #include "isosyrk/simulation/conservation.h"
 #include "isosyrk/simulation/run.h"
 #include "isosyrk/solver/tuning.h"
@@ -33,19 +34,18 @@ const std::vector<int> stage_counts = {1, 2, 3};
 struct Table {
   std::string name;  // "table1"; cells are named table1/group/n:17/s:2
   std::string description;
-  Forms forms;
+  Solver solver;
   int threads = 1;             // cells of 2 threads are named table2/group/n:17/s:2/threads:2
   Conditions conditions = {};  // in place of those of the same name
 
   IntegratorEntry entry(Formulation formulation, int stages) const {
-    return forms == Forms::fast ? fast_gauss_entry(formulation, stages, {.threads = threads})
-                                : gauss_entry(formulation, stages);
+    return gauss_entry(formulation, stages, solver, {.threads = threads});
   }
   // Products per second: what product_share is a share of.
   double product_rate(ProductBackend backend, Index n) const {
     constexpr double seconds = 0.03;
-    return forms == Forms::fast ? split_product_rate(n, seconds)
-                                : isosyrk::product_rate(backend, n, seconds);
+    return solver == Solver::fast ? split_product_rate(n, seconds)
+                                  : isosyrk::product_rate(backend, n, seconds);
   }
 };
 
@@ -54,7 +54,7 @@ Table published_table() {
           .description =
               "Times 50 steps of each formulation at n = 17, 33, 65, 129 and s = 1, 2, 3 (the "
               "paper's Table 1).",
-          .forms = Forms::published};
+          .solver = Solver::published};
 }
 
 Table fast_table(int threads) {
@@ -63,7 +63,7 @@ Table fast_table(int threads) {
       .description =
           "Times 50 steps of the fast form of each formulation at n = 17, 33, 65, 129 and "
           "s = 1, 2, 3: the answers of Table 1, sooner.",
-      .forms = Forms::fast,
+      .solver = Solver::fast,
       .threads = threads,
       .conditions = {
           {"products", fmt::format("split, {} kernels", gemm_kernels().front().name)},
@@ -159,7 +159,7 @@ class CellProgress {
 /// One cell of the table.  One timed iteration is the whole run of 50 steps.
 class Cell {
  public:
-  Cell(const CellId& id, const SolverOptions& options, ProductBackend backend, bool warm,
+  Cell(const CellId& id, const IterationOptions& options, ProductBackend backend, bool warm,
        const std::optional<Reference>& reference, CellProgress& progress)
       : table_(*id.table),
         id_(id),
@@ -212,7 +212,7 @@ class Cell {
     state.counters["product_share"] =
         timed.work.equivalent_products / rate / seconds / table_.threads;
     state.counters["stolen"] = stolen / elapsed / table_.threads;
-    if (table_.forms == Forms::fast) {
+    if (table_.solver == Solver::fast) {
       state.counters["equivalent_products"] = timed.work.equivalent_products;
     }
     progress_.finished(id_.name(), seconds, wall_seconds() - wall_start);
@@ -241,7 +241,7 @@ class Cell {
 
   const Table& table_;
   CellId id_;
-  SolverOptions options_;
+  IterationOptions options_;
   ProductBackend backend_;
   bool warm_;
   const std::optional<Reference>& reference_;
@@ -254,46 +254,45 @@ class Cell {
 
 }  // namespace
 
-int time_table(Forms forms, int argc, char** argv) {
-  const bool fast = forms == Forms::fast;
+int time_table(Solver solver, int argc, char** argv) {
+  const bool fast = solver == Solver::fast;
   const Table published = published_table();
   const Table table = fast ? fast_table(1) : published;
   CLI::App line{table.description +
                 "  Takes Google Benchmark's arguments as well, such as "
                 "--benchmark_filter=n:17/ and --benchmark_out=FILE."};
-  std::string products = "fastest";
-  line.add_option("--products", products,
-                  "of published forms: fastest (default), openblas or eigen");
+  BackendChoice choice;
+  add_value(line, "--products", choice, Named{&backend_choice_from_name},
+            "of published forms: fastest (default), openblas or eigen");
   bool no_warm_run = false;
   line.add_flag("--no-warm-run", no_warm_run,
                 "one untimed step in place of an untimed run before the timed ones; rows then have "
                 "no energy_error")
       ->disable_flag_override();
   bool with_published = false;
-  std::string threads = "1";
+  int threads = 1;
   if (fast) {
     line.add_flag("--published", with_published, "times the cells of table1 too")
         ->disable_flag_override();
-    line.add_option("--threads", threads,
-                    "1 (default) to 64; N > 1 times the cells by N threads too");
+    add_value(line, "--threads", threads, thread_count,
+              "1 (default) to 64; N > 1 times the cells by N threads too");
   }
-  std::string max_sweeps = "1000";
-  line.add_option("--max-sweeps", max_sweeps, "sweeps allowed in a step (default 1000)");
+  IterationOptions options;
+  add_value(line, "--max-sweeps", options.max_sweeps, Whole<int>{1, 1000000},
+            "sweeps allowed in a step (default 1000)");
   std::string references;
   line.add_option("--references", references,
                   "folder of recorded reference solutions: adds relative_error");
   line.allow_extras();
   if (const auto exit_code = read_arguments(line, argc, argv)) return *exit_code;
   use_one_blas_thread();
-  const BackendChoice choice = of_option([&] { return backend_choice_from_name(products); });
-  SolverOptions options;
-  options.max_sweeps = static_cast<int>(whole_number("--max-sweeps", max_sweeps, 1, 1000000));
 
   std::vector<const Table*> tables = {&table};
   if (with_published) tables.push_back(&published);
   std::optional<Table> threaded;
-  if (const int count = thread_count(table.name.c_str(), threads); count > 1) {
-    threaded = fast_table(count);
+  note_more_threads_than_cores(table.name.c_str(), threads);
+  if (threads > 1) {
+    threaded = fast_table(threads);
     tables.push_back(&*threaded);
   }
   std::map<Index, std::vector<CellId>> cells;

@@ -1,15 +1,14 @@
 // What table1 and table2 share: the cells of the paper's table, timed.
 #pragma once
 
+#include "isosyrk/catalogue/solver.h"
+
 namespace isosyrk {
 
-/// Which forms a table times.  That of the fast ones takes the published ones too, by --published,
-/// and its own cells again with several threads, by --threads N.  All are timed in turns if Google
-/// Benchmark is asked to interleave.
-enum class Forms { published, fast };
-
 /// The program: times 50 steps of each cell, n = 17, 33, 65, 129, s = 1, 2, 3, and returns its exit
-/// code.  Throws BadArgument.
-int time_table(Forms forms, int argc, char** argv);
+/// code.  The table of the fast forms takes the published ones too, by --published, and its own
+/// cells again with several threads, by --threads N.  All are timed in turns if Google Benchmark is
+/// asked to interleave.  Throws BadArgument.
+int time_table(Solver solver, int argc, char** argv);
 
 }  // namespace isosyrk

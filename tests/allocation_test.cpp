@@ -1,8 +1,8 @@
 // Nothing allocates inside a step, and what an integrator holds is known before it is made.
 #include "benchmarks/allocation_count.h"
-#include "benchmarks/memory.h"
 #include "benchmarks/product_rate.h"
 #include "isosyrk/catalogue/fast_forms.h"
+#include "isosyrk/machine/memory.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -55,7 +55,7 @@ TEST(Step, AllocatesNothingInAFastFormColdOrWarm) {
     for (const IntegratorEntry& entry : fast_integrators()) {
       for (const int threads : {1, 3}) {
         const auto integrator =
-            made(fast_entry(entry, {.solver = {}, .threads = threads}), *scene.flow);
+            made(fast_entry(entry, {.iteration = {}, .threads = threads}), *scene.flow);
         Matrix W = scene.initial;
         StepReport report;
         const auto steps = [&] {

@@ -58,7 +58,7 @@ class Scripted final : public StageSystem, public TwoPartJacobian {
     return {.change = change.norm(), .neglected = 0.0};
   }
   Correction correct(Corrections& delta, const Unknowns& x, const Corrections& R,
-                     const CorrectionRequest& request, const SolverOptions& options) override {
+                     const CorrectionRequest& request, const IterationOptions& options) override {
     return correction_.solve(delta, *this, x, R, request, options);
   }
   void linearise(const Unknowns&, double) override { ++calls.linearisations; }
@@ -213,7 +213,7 @@ TEST_F(Fallback, DenormalsAreFlushedWhileAStepIsUnderWay) {
 
 class FallbackWithoutNewton : public Fallback {
  protected:
-  FallbackWithoutNewton() : Fallback({.solver = {}, .newton = false}) {
+  FallbackWithoutNewton() : Fallback({.iteration = {}, .newton = false}) {
     attempts = {"predicted Picard", "cold Picard", "cold Anderson"};
   }
 };

@@ -113,7 +113,8 @@ TEST_P(EachFastForm, PredictionsSaveSweeps) {
   const Scene scene = smooth_scene(17);
   long last = std::numeric_limits<long>::max();
   for (const int past_steps : {0, 2, 4, 16}) {
-    const auto integrator = form(scene, {.solver = {}, .past_steps = past_steps, .newton = false});
+    const auto integrator =
+        form(scene, {.iteration = {}, .past_steps = past_steps, .newton = false});
     Matrix W = scene.initial;
     const long sweeps = run(*integrator, W, 0.1, 50).sweeps;
     EXPECT_LT(sweeps, last) << past_steps;
@@ -128,7 +129,7 @@ TEST_P(EachFastForm, CorrectionsAndBandsChangeTheCostAndNotTheAnswer) {
     const Scene scene = smooth_scene(n);
     Matrix expected;
     const auto integrate = [&](bool newton, bool bands) {
-      const FastOptions options = {.solver = {}, .newton = newton, .bands = bands};
+      const FastOptions options = {.iteration = {}, .newton = newton, .bands = bands};
       EXPECT_EQ(form(scene, options)->truncates(), bands);
       const auto [W, report] = strict_run(scene, 20, options);
       if (expected.size() == 0) expected = W;
@@ -155,7 +156,7 @@ TEST_P(EachFastForm, CorrectionsAndBandsLeaveTheSpectrumAsPublishedFormsDoOverAL
   const auto drift = [&](Integrator& integrator) {
     return spectrum_error(integrated(integrator, scene.initial, 0.1, 500), scene.initial);
   };
-  const auto integrator = form(scene, {.solver = {}, .newton = true, .bands = true});
+  const auto integrator = form(scene, {.iteration = {}, .newton = true, .bands = true});
   const auto published = gauss(GetParam().formulation, *scene.flow, GetParam().s);
   EXPECT_LE(drift(*integrator), 3.0 * drift(*published) + 1e-13);
 }
@@ -166,7 +167,7 @@ TEST_P(EachFastForm, BandsFollowTheTolerance) {
   const Scene scene = smooth_scene(49);
   constexpr double loose = 1e-6;
   const auto integrator =
-      form(scene, {.solver = {.tolerance = loose}, .newton = false, .bands = true});
+      form(scene, {.iteration = {.tolerance = loose}, .newton = false, .bands = true});
   Matrix W = scene.initial;
   for (int step = 0; step < 10; ++step) {
     ASSERT_EQ(continued(*integrator, W, 0.1).status, Status::converged);
@@ -181,7 +182,7 @@ TEST_P(EachFastForm, ThreadsWorkWhereTheyPay) {
   for (const Index n : {least - 1, least}) {
     const Scene scene = smooth_scene(n);
     for (const int threads : {1, 2, 8}) {
-      const auto integrator = form(scene, {.solver = {}, .threads = threads});
+      const auto integrator = form(scene, {.iteration = {}, .threads = threads});
       EXPECT_EQ(integrator->threads(), n < least ? 1 : threads) << n;
     }
   }
@@ -196,7 +197,7 @@ void expect_the_same_bit_for_bit(const Method& method, Index n, int steps,
       return gauss_system(method.formulation, method.s, *scene.flow, threads,
                           n >= tuning.smallest_banded);
     };
-    FastIntegrator integrator(scene.flow, system, {.solver = {}, .threads = threads});
+    FastIntegrator integrator(scene.flow, system, {.iteration = {}, .threads = threads});
     EXPECT_EQ(integrator.threads(), threads);
     Matrix W = scene.initial;
     const RunReport report = run(integrator, W, 0.1, steps);
@@ -239,7 +240,7 @@ class EachListedFastForm : public ::testing::TestWithParam<IntegratorEntry> {};
 TEST_P(EachListedFastForm, GivesTheAnswerOfThePublishedForm) {
   const IntegratorEntry& published = GetParam();
   const IntegratorEntry fast = fast_entry(published);
-  const double bound = published.keeps.is_explicit ? 1e-14 : 20.0 * SolverOptions{}.tolerance;
+  const double bound = published.is_explicit ? 1e-14 : 20.0 * IterationOptions{}.tolerance;
   for (const char* scene_name : {"smooth", "rough"}) {
     for (const Index n : {5, 17, 49}) {  // with bands from 48 on
       const Scene scene = scene_by_name(scene_name, n);
@@ -296,7 +297,7 @@ TEST(FastForms, FittedWeightsSaveSweepsAfterALargeNumberOfSteps) {
   const Scene scene = smooth_scene(33);
   const auto sweeps = [&](int past_steps) {
     const auto integrator = fast({Formulation::cotangent, 2}, *scene.flow,
-                                 {.solver = {}, .past_steps = past_steps, .newton = false});
+                                 {.iteration = {}, .past_steps = past_steps, .newton = false});
     return sweeps_first_and_last(*integrator, scene);
   };
   const auto [first, last] = sweeps(7);
@@ -317,7 +318,7 @@ TEST(FastForms, ADifferenceOfTheLastDigitIsSeen) {
 TEST(FastForms, RefuseWhatTheyCannotDo) {
   const Scene scene = smooth_scene(5);
   for (const int threads : {-1, 0, 65}) {
-    EXPECT_THROW(fast({Formulation::group, 2}, *scene.flow, {.solver = {}, .threads = threads}),
+    EXPECT_THROW(fast({Formulation::group, 2}, *scene.flow, {.iteration = {}, .threads = threads}),
                  std::invalid_argument);
   }
   EXPECT_THROW(fast({Formulation::group, 0}, *scene.flow), std::invalid_argument);

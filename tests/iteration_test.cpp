@@ -11,7 +11,8 @@ namespace isosyrk::testing {
 namespace {
 
 // The driver on a given sequence of changes; the last one repeats for ever.
-SolveReport solve_changes(const std::vector<double>& changes, const SolverOptions& options = {}) {
+SolveReport solve_changes(const std::vector<double>& changes,
+                          const IterationOptions& options = {}) {
   std::size_t next = 0;
   return solve_fixed_point(options, [&] { return changes[std::min(next++, changes.size() - 1)]; });
 }

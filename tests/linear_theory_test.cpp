@@ -58,7 +58,7 @@ std::vector<IntegratorEntry> limited(bool is_explicit) {
   std::vector<IntegratorEntry> found;
   for (const IntegratorEntry& entry : integrators()) {
     if (entry.co_rotating) continue;  // for Euler-Zeitlin only
-    if (entry.linear_limit && entry.keeps.is_explicit == is_explicit) found.push_back(entry);
+    if (entry.linear_limit && entry.is_explicit == is_explicit) found.push_back(entry);
   }
   return found;
 }

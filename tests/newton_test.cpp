@@ -42,7 +42,7 @@ class Known final : public FixedPointSystem, public TwoPartJacobian {
     return {.change = change.norm(), .neglected = 0.0};
   }
   Correction correct(Corrections& delta, const Unknowns& x, const Corrections& R,
-                     const CorrectionRequest& request, const SolverOptions& options) override {
+                     const CorrectionRequest& request, const IterationOptions& options) override {
     return correction.solve(delta, *this, x, R, request, options);
   }
   void linearise(const Unknowns&, double accuracy) override {
@@ -329,7 +329,7 @@ class Smoothing final : public FixedPointSystem, public Coupling {
     return {.change = changes.back(), .neglected = neglects * accuracy};
   }
   Correction correct(Corrections& delta, const Unknowns&, const Corrections& R,
-                     const CorrectionRequest& request, const SolverOptions& options) override {
+                     const CorrectionRequest& request, const IterationOptions& options) override {
     forcing_terms.push_back(request.forcing_term);
     return correction_.solve(delta, *this, R, request, options);
   }

@@ -11,6 +11,7 @@ struct OwnFlow {
   QuadraticAlgebra algebra;
   FlowOf::Generator B;
   Matrix initial;  // n x n
+  bool self_adjoint = false;
 };
 
 // A rigid body on u(n) by Manakov's inertia.
@@ -22,7 +23,7 @@ OwnFlow rigid_body() {
               for (Index c = 0; c < W.cols(); ++c) B(r, c) = W(r, c) / (1.0 + 0.2 * double(r + c));
             }
           },
-          random_skew_hermitian(n, 1)};
+          random_skew_hermitian(n, 1), true};
 }
 
 // The Toda lattice L' = [B, L], L symmetric and tridiagonal, B = L_+ - L_-, with W = iL.
@@ -102,7 +103,7 @@ FlowOf watched(const OwnFlow& own, Seen& seen, Generator kind = Generator::of_al
         seen.defect = larger(seen.defect, defect(W));
         seen.defect_of_B = larger(seen.defect_of_B, defect(B));
       },
-      kind);
+      kind, own.self_adjoint);
 }
 
 class EachPublishedIntegrator : public ::testing::TestWithParam<IntegratorEntry> {};
@@ -113,6 +114,10 @@ TEST_P(EachPublishedIntegrator, IntegratesFlowsOfOnesOwn) {
     SCOPED_TRACE(own.name);
     Seen seen;
     const FlowOf flow = watched(own, seen);
+    if (!takes(entry, flow)) {
+      expect_refused([&] { made(entry, flow); }, entry.name + ": ");
+      continue;
+    }
     constexpr double time = 1.0;
     // Of order 4 at h = 1/1000: 1e-12 or less.
     const Matrix exact = reference(flow, own.initial, time, 1000);

@@ -70,7 +70,7 @@ class EachNorm : public ::testing::TestWithParam<IntegratorEntry> {
 
 // A power of two moves no bit, and another factor no more than the tolerance.
 TEST_P(EachNorm, GivesTheRelativeErrorsOfNormOne) {
-  for (const IntegratorEntry& entry : {GetParam(), fast_entry(GetParam().name)}) {
+  for (const IntegratorEntry& entry : forms_of(GetParam())) {
     for (const Index n : {9, 33, 49}) {  // with bands from 48 on
       const Scene scene = smooth_scene(n);
       const auto [expected, sweeps] = end(entry, scene, 0.1, 1.0);

@@ -2,6 +2,7 @@
 // for every n and of the spectrum that is promised.
 #include <cmath>
 
+#include "isosyrk/flows/harmonic.h"
 #include "isosyrk/flows/invariants.h"
 #include "isosyrk/flows/laplacian.h"
 #include "isosyrk/simulation/conservation.h"

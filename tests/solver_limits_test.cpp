@@ -18,14 +18,14 @@ bool same_bits(const Matrix& A, const Matrix& B) {
 
 class AtItsLimits : public ::testing::TestWithParam<Method> {
  protected:
-  std::unique_ptr<Integrator> method(const Scene& of, const SolverOptions& options = {}) const {
+  std::unique_ptr<Integrator> method(const Scene& of, const IterationOptions& options = {}) const {
     return made(gauss_entry(GetParam().formulation, GetParam().s), *of.flow, options);
   }
   bool is_algebra() const { return GetParam().formulation == Formulation::algebra; }
 
   // The step ends so within a few sweeps and leaves W as it was; the next one works.
   void expect_failure(const Matrix& W0, double h, Status status, int most_sweeps,
-                      const SolverOptions& options = {}) const {
+                      const IterationOptions& options = {}) const {
     const auto integrator = method(scene, options);
     Matrix W = W0;
     const StepReport report = integrator->step(W, h);

@@ -10,6 +10,8 @@
 #include <random>
 #include <unsupported/Eigen/MatrixFunctions>
 
+#include "isosyrk/catalogue/fast_forms.h"
+#include "isosyrk/flows/euler_zeitlin.h"
 #include "isosyrk/flows/invariants.h"
 #include "isosyrk/flows/spin.h"
 
@@ -126,7 +128,7 @@ StepReport continued(Integrator& integrator, Matrix& W, double h) {
 SharedFlow lent(const Flow& flow) { return {SharedFlow(), &flow}; }
 
 std::unique_ptr<Integrator> made(const IntegratorEntry& entry, const Flow& flow,
-                                 const SolverOptions& options) {
+                                 const IterationOptions& options) {
   return entry.make(lent(flow), options, ProductBackend::openblas);
 }
 
@@ -140,6 +142,22 @@ std::vector<std::string> recorded_integrators() {
   for (std::size_t k = names.size(); k > 0; --k) names.push_back(names[k - 1] + "_frame");
   for (int s = 1; s <= 3; ++s) names.push_back(fmt::format("direct{}", s));
   return names;
+}
+
+std::vector<IntegratorEntry> forms_of(const IntegratorEntry& entry) {
+  if (!entry.has_fast_form()) return {entry};
+  return {entry, fast_entry(entry)};
+}
+
+bool takes(const IntegratorEntry& entry, const Flow& flow) {
+  if (entry.co_rotating && dynamic_cast<const EulerZeitlin*>(&flow) == nullptr) return false;
+  if (entry.name.starts_with("elp4") || entry.name.starts_with("elp6")) {
+    return flow.algebra().is_skew_hermitian() && flow.has_self_adjoint_generator();
+  }
+  const bool needs_identity_J = entry.name.starts_with("elp2") ||
+                                entry.name.starts_with("magnus") ||
+                                entry.name.starts_with("rk4_projected");
+  return !needs_identity_J || flow.algebra().is_skew_hermitian();
 }
 
 std::vector<IntegratorEntry> fast_integrators() {

@@ -15,8 +15,9 @@
 
 #include "isosyrk/catalogue/integrator_list.h"
 #include "isosyrk/flows/flow.h"
-#include "isosyrk/flows/scene.h"
 #include "isosyrk/integrators/integrator.h"
+#include "isosyrk/scenes/euler_zeitlin_scenes.h"
+#include "isosyrk/scenes/scene_list.h"
 #include "isosyrk/simulation/run.h"
 #include "isosyrk/split/parallel.h"
 #include "isosyrk/split/split_matrix.h"
@@ -73,11 +74,18 @@ StepReport continued(Integrator& integrator, Matrix& W, double h);
 
 /// The integrator of an entry, with OpenBLAS products.  The flow must outlive it.
 std::unique_ptr<Integrator> made(const IntegratorEntry& entry, const Flow& flow,
-                                 const SolverOptions& options = {});
+                                 const IterationOptions& options = {});
 
 /// The names of integrators() that the recorded studies are about.  These have all that an entry
 /// can have; a method that is added to the list need not.
 std::vector<std::string> recorded_integrators();
+
+/// The entry, and that of its fast form if there is one.
+std::vector<IntegratorEntry> forms_of(const IntegratorEntry& entry);
+
+/// Whether a method is made for a flow.  elp4 and elp6 need J = I and a self-adjoint B; elp2,
+/// magnus4, magnus5 and rk4_projected need J = I; a frame needs Euler-Zeitlin; all others take any.
+bool takes(const IntegratorEntry& entry, const Flow& flow);
 
 /// The entries of integrators() that have a fast form.
 std::vector<IntegratorEntry> fast_integrators();
@@ -160,13 +168,15 @@ class FlowOf final : public Flow {
  public:
   using Generator = std::function<void(const Matrix& W, Matrix& B)>;
   FlowOf(const QuadraticAlgebra& algebra, Generator generator,
-         isosyrk::Generator kind = isosyrk::Generator::of_algebra)
-      : Flow(algebra, kind), generator_(std::move(generator)) {}
+         isosyrk::Generator kind = isosyrk::Generator::of_algebra, bool self_adjoint = false)
+      : Flow(algebra, kind), generator_(std::move(generator)), self_adjoint_(self_adjoint) {}
   void generator(const Matrix& W, Matrix& B) const override { generator_(W, B); }
   double hamiltonian(const Matrix&) const override { return 0.0; }
+  bool has_self_adjoint_generator() const override { return self_adjoint_; }
 
  private:
   Generator generator_;
+  bool self_adjoint_;
 };
 
 /// A rigid-body-like flow on any J-quadratic algebra with J† = ±J:  B(W) = D W D with

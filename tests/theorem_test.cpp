@@ -118,6 +118,9 @@ class DenseFlow final : public Flow {
     B = scene_.flow->dense_generator(inside);
   }
   double hamiltonian(const Matrix&) const override { return 0.0; }
+  bool has_self_adjoint_generator() const override {
+    return scene_.flow->has_self_adjoint_generator();
+  }
 
  private:
   const Scene& scene_;
@@ -129,7 +132,7 @@ TEST(RealAndBlockArithmetic, GivesTheAnswerOfDenseComplexArithmeticAndKeepsZeros
     const DenseFlow dense(scene);
     for (const char* integrator :
          {"cotangent2", "group3", "algebra1", "algebra2", "yoshida4_group", "kahan_li6", "rkmk4",
-          "direct2", "rk4", "algebra2_two_products"}) {
+          "direct2", "rk4", "algebra2_two_products", "elp2", "elp6", "magnus5", "rk4_projected"}) {
       const auto here = make_integrator(scene.flow, integrator);
       const auto there = make_integrator(lent(dense), integrator);
       const Matrix W = integrated(*here, scene.initial, 0.2, 20);

@@ -11,9 +11,13 @@
 #include "isosyrk/fast/fast_integrator.h"
 #include "isosyrk/fast/group_system.h"
 #include "isosyrk/fast/midpoint_system.h"
+#include "isosyrk/split/linear_combination.h"
 #include "isosyrk/tableaux/gauss_tableau.h"
 
 namespace isosyrk {
+
+// The longest sum of a stage equation has X_j and M_jk, j <= k.
+static_assert(LinearCombination<double>::most == max_stages * (max_stages + 3) / 2);
 
 FastOptions with_defaults(FastOptions options, Index n) {
   options.past_steps = options.past_steps.value_or(tuning.past_steps(n));
@@ -99,10 +103,10 @@ IntegratorEntry fast_entry(IntegratorEntry entry, const FastOptions& options) {
     throw std::invalid_argument(fmt::format("integrator '{}': has no fast form", entry.name));
   }
   entry.name = fmt::format("fast_{}", entry.name);
-  entry.make = [make = entry.make_fast, options](const auto& flow, const SolverOptions& solver,
-                                                 ProductBackend) {
+  entry.make = [make = entry.make_fast, options](
+                   const auto& flow, const IterationOptions& iteration, ProductBackend) {
     FastOptions chosen = options;
-    chosen.solver = solver;
+    chosen.iteration = iteration;
     return make(flow, chosen);
   };
   return entry;
@@ -114,6 +118,17 @@ IntegratorEntry fast_entry(std::string_view wanted, const FastOptions& options) 
 
 IntegratorEntry fast_gauss_entry(Formulation formulation, int s, const FastOptions& options) {
   return fast_entry(gauss_entry(formulation, s), options);
+}
+
+IntegratorEntry integrator_entry(std::string_view wanted, Solver solver,
+                                 const FastOptions& options) {
+  return solver == Solver::fast ? fast_entry(wanted, options) : integrator_entry(wanted);
+}
+
+IntegratorEntry gauss_entry(Formulation formulation, int s, Solver solver,
+                            const FastOptions& options) {
+  return solver == Solver::fast ? fast_gauss_entry(formulation, s, options)
+                                : gauss_entry(formulation, s);
 }
 
 }  // namespace isosyrk

@@ -5,14 +5,15 @@
 #include <string_view>
 
 #include "isosyrk/catalogue/integrator_list.h"
+#include "isosyrk/catalogue/solver.h"
 #include "isosyrk/fast/fast_options.h"
 #include "isosyrk/fast/stage_system.h"
 #include "isosyrk/tableaux/composition_schemes.h"
 
 namespace isosyrk {
 
-/// Returns the options with the past steps and the bands chosen that are the defaults for n x n
-/// matrices.
+/// Fills in defaults for n x n matrices: the past steps of Tuning::past_steps, and bands on from
+/// Tuning::smallest_banded.
 FastOptions with_defaults(FastOptions options, Index n);
 
 /// Returns the Gauss method with s stages in the fast form of a formulation.  `algebra` with one
@@ -37,12 +38,20 @@ MakeFast fast_munthe_kaas4();
 MakeFast fast_runge_kutta4();
 
 /// Returns the entry with the fast form in place of the published one, and "fast_" before its name.
-/// Its integrators have these options, except options.solver, which `make` replaces.  Throws
+/// Its integrators have these options, except options.iteration, which `make` replaces.  Throws
 /// std::invalid_argument for an entry without a fast form.
 IntegratorEntry fast_entry(IntegratorEntry entry, const FastOptions& options = {});
 /// The same of integrator_entry(name).
 IntegratorEntry fast_entry(std::string_view name, const FastOptions& options = {});
 /// The same of gauss_entry(formulation, s).
 IntegratorEntry fast_gauss_entry(Formulation formulation, int s, const FastOptions& options = {});
+
+/// Returns integrator_entry(name) if published, fast_entry(name, options) if fast.
+IntegratorEntry integrator_entry(std::string_view name, Solver solver,
+                                 const FastOptions& options = {});
+/// Returns gauss_entry(formulation, s) if published, fast_gauss_entry(formulation, s, options) if
+/// fast.
+IntegratorEntry gauss_entry(Formulation formulation, int s, Solver solver,
+                            const FastOptions& options = {});
 
 }  // namespace isosyrk

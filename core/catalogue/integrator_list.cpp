@@ -8,8 +8,11 @@
 #include "isosyrk/integrators/algebra_form.h"
 #include "isosyrk/integrators/composition.h"
 #include "isosyrk/integrators/direct_form.h"
+#include "isosyrk/integrators/explicit_magnus.h"
 #include "isosyrk/integrators/explicit_methods.h"
+#include "isosyrk/integrators/exponential_lie_poisson.h"
 #include "isosyrk/integrators/frame_integrator.h"
+#include "isosyrk/integrators/projected_runge_kutta.h"
 #include "isosyrk/integrators/step_limits.h"
 #include "isosyrk/tableaux/gauss_tableau.h"
 
@@ -18,8 +21,8 @@ namespace isosyrk {
 namespace {
 
 MakePublished make_gauss(Formulation formulation, int s) {
-  return [formulation, tableau = gauss_tableau(s)](const auto& flow, const SolverOptions& options,
-                                                   ProductBackend backend) {
+  return [formulation, tableau = gauss_tableau(s)](
+             const auto& flow, const IterationOptions& options, ProductBackend backend) {
     return make_formulation(formulation, flow, tableau, options, backend);
   };
 }
@@ -28,14 +31,14 @@ MakePublished make_gauss(Formulation formulation, int s) {
 // composition scheme and a formulation.
 template <template <class> class Method, class... Data>
 MakePublished make_implicit(const Data&... data) {
-  return [=](const auto& flow, const SolverOptions& options, ProductBackend backend) {
+  return [=](const auto& flow, const IterationOptions& options, ProductBackend backend) {
     return make_in_arithmetic_of<Method>(flow, data..., options, backend);
   };
 }
 
 template <template <class> class Method>
 MakePublished make_explicit() {
-  return [](const auto& flow, const SolverOptions&, ProductBackend backend) {
+  return [](const auto& flow, const IterationOptions&, ProductBackend backend) {
     return make_in_arithmetic_of<Method>(flow, backend);
   };
 }
@@ -54,7 +57,7 @@ std::function<double(const RealVector&)> composition_limit(const CompositionSche
 }
 
 constexpr Properties isosyrk_properties = {
-    .isospectral = true, .lie_poisson = true, .symmetric = true, .is_explicit = false};
+    .isospectral = true, .lie_poisson = true, .symmetric = true};
 
 IntegratorEntry composition_entry(const CompositionScheme& scheme, Formulation formulation) {
   const bool on_g = formulation == Formulation::algebra;
@@ -72,10 +75,7 @@ IntegratorEntry direct_entry(int s) {
   return {.name = fmt::format("direct{}", s),
           .stages = s,
           .order = 2 * s,
-          .keeps = {.isospectral = false,
-                    .lie_poisson = false,
-                    .symmetric = true,
-                    .is_explicit = false},
+          .keeps = {.isospectral = false, .lie_poisson = false, .symmetric = true},
           .make = make_implicit<DirectForm>(gauss_tableau(s)),
           .make_fast = fast_direct(s),
           .linear_limit = [tableau = gauss_tableau(s)](const RealVector& frequencies) {
@@ -83,14 +83,38 @@ IntegratorEntry direct_entry(int s) {
           }};
 }
 
+constexpr Properties explicit_isospectral_properties = {
+    .isospectral = true, .lie_poisson = false, .symmetric = false};
+
+IntegratorEntry exponential_entry(int order) {
+  return {.name = fmt::format("elp{}", order),
+          .stages = 1,
+          .order = order,
+          .keeps = isosyrk_properties,
+          .make = make_implicit<ExponentialLiePoisson>(order),
+          .in_frame = true};
+}
+
+IntegratorEntry projected_entry() {
+  return {.name = "rk4_projected",
+          .stages = 4,
+          .order = 4,
+          .keeps = explicit_isospectral_properties,
+          .is_explicit = true,
+          .make =
+              [](const auto& flow, const IterationOptions&, ProductBackend backend) {
+                return std::make_unique<ProjectedRungeKutta4>(flow, backend);
+              },
+          .stability_limit = rk4_limit,
+          .in_frame = true};
+}
+
 IntegratorEntry runge_kutta4_entry() {
   return {.name = "rk4",
           .stages = 4,
           .order = 4,
-          .keeps = {.isospectral = false,
-                    .lie_poisson = false,
-                    .symmetric = false,
-                    .is_explicit = true},
+          .keeps = {.isospectral = false, .lie_poisson = false, .symmetric = false},
+          .is_explicit = true,
           .make = make_explicit<ClassicalRungeKutta4>(),
           .make_fast = fast_runge_kutta4(),
           .stability_limit = rk4_limit,
@@ -111,13 +135,27 @@ std::vector<IntegratorEntry> make_list() {
   list.push_back({.name = "rkmk4",
                   .stages = 4,
                   .order = 4,
-                  .keeps = {.isospectral = true,
-                            .lie_poisson = false,
-                            .symmetric = false,
-                            .is_explicit = true},
+                  .keeps = explicit_isospectral_properties,
+                  .is_explicit = true,
                   .make = make_explicit<MuntheKaas4>(),
                   .make_fast = fast_munthe_kaas4(),
                   .in_frame = true});
+  for (const int order : {2, 4, 6}) list.push_back(exponential_entry(order));
+  list.push_back({.name = "magnus4",
+                  .stages = 4,
+                  .order = 4,
+                  .keeps = explicit_isospectral_properties,
+                  .is_explicit = true,
+                  .make = make_explicit<ExplicitMagnus4>(),
+                  .in_frame = true});
+  list.push_back({.name = "magnus5",
+                  .stages = 8,
+                  .order = 5,
+                  .keeps = explicit_isospectral_properties,
+                  .is_explicit = true,
+                  .make = make_explicit<ExplicitMagnus5>(),
+                  .in_frame = true});
+  list.push_back(projected_entry());
   // Controls: methods that do not keep the structure.
   for (int s = 1; s <= 3; ++s) list.push_back(direct_entry(s));
   list.push_back(runge_kutta4_entry());
@@ -161,7 +199,7 @@ IntegratorEntry frame_entry(const IntegratorEntry& method) {
   IntegratorEntry entry = method;
   entry.name += frame_suffix;
   entry.co_rotating = true;
-  entry.make = [make = method.make](const auto& flow, const SolverOptions& options,
+  entry.make = [make = method.make](const auto& flow, const IterationOptions& options,
                                     ProductBackend backend) {
     return std::make_unique<FrameIntegrator>(
         flow, [&](const auto& inner) { return make(inner, options, backend); }, backend);
@@ -180,9 +218,8 @@ IntegratorEntry two_products_entry(int s) {
     throw std::invalid_argument(fmt::format("two_products_entry: s = {}, must be at least 2", s));
   IntegratorEntry entry = gauss_entry(Formulation::algebra, s);
   entry.name += "_two_products";
-  entry.keeps = {
-      .isospectral = false, .lie_poisson = false, .symmetric = true, .is_explicit = false};
-  entry.make = [tableau = gauss_tableau(s)](const auto& flow, const SolverOptions& options,
+  entry.keeps = {.isospectral = false, .lie_poisson = false, .symmetric = true};
+  entry.make = [tableau = gauss_tableau(s)](const auto& flow, const IterationOptions& options,
                                             ProductBackend backend) {
     return make_in_arithmetic_of<AlgebraForm>(flow, tableau, options, backend,
                                               AlgebraUpdate::two_products);

@@ -18,14 +18,13 @@ struct Properties {
   bool isospectral;  ///< keeps the spectrum of W
   bool lie_poisson;  ///< the step is a Poisson map
   bool symmetric;    ///< step(-h) inverts step(h)
-  bool is_explicit;  ///< no iteration
 };
 
 struct FastOptions;  // fast/fast_options.h
 
 /// Makes the published form of an integrator for a flow.
 using MakePublished = std::function<std::unique_ptr<Integrator>(
-    const SharedFlow&, const SolverOptions&, ProductBackend)>;
+    const SharedFlow&, const IterationOptions&, ProductBackend)>;
 /// Makes its fast form.  Throws std::invalid_argument for a flow without B in split-complex storage
 /// and for options out of range.
 using MakeFast = std::function<std::unique_ptr<Integrator>(const SharedFlow&, const FastOptions&)>;
@@ -37,6 +36,7 @@ struct IntegratorEntry {
   int stages;
   int order;
   Properties keeps;
+  bool is_explicit = false;  ///< no iteration
   MakePublished make;
   MakeFast make_fast = {};  ///< empty if there is no fast form
   /// Largest h‖ad_B‖₂ at which the step is stable for a constant generator.  In a longer step

@@ -5,7 +5,6 @@
 #include <stdexcept>
 
 #include "isosyrk/catalogue/fast_forms.h"
-#include "isosyrk/catalogue/integrator_list.h"
 
 namespace isosyrk {
 
@@ -13,15 +12,13 @@ std::unique_ptr<Integrator> make_integrator(const SharedFlow& flow, std::string_
                                             const IntegratorOptions& options) {
   constexpr ProductBackend backend = ProductBackend::openblas;
   if (flow == nullptr) throw std::invalid_argument("integrator: flow is null");
-  const IntegratorEntry& entry = integrator_entry(wanted);
-  if (options.solver == Solver::published) {
-    if (options.threads != 1) {
-      throw std::invalid_argument(
-          fmt::format("threads {}: published integrators have 1 thread", options.threads));
-    }
-    return entry.make(flow, options.iteration, backend);
+  const IntegratorEntry entry =
+      integrator_entry(wanted, options.solver, {.threads = options.threads});
+  if (options.solver == Solver::published && options.threads != 1) {
+    throw std::invalid_argument(
+        fmt::format("threads {}: published integrators have 1 thread", options.threads));
   }
-  return fast_entry(entry, {.threads = options.threads}).make(flow, options.iteration, backend);
+  return entry.make(flow, options.iteration, backend);
 }
 
 }  // namespace isosyrk

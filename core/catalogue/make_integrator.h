@@ -4,20 +4,16 @@
 #include <memory>
 #include <string_view>
 
+#include "isosyrk/catalogue/solver.h"
 #include "isosyrk/integrators/integrator.h"
+#include "isosyrk/iteration/iteration_options.h"
 
 namespace isosyrk {
-
-/// Implementation of an integrator.  Both give the same answer to the tolerance.
-enum class Solver {
-  published,  ///< the published equations, solved by Picard sweeps
-  fast,       ///< predictor, inexact Newton, band truncation, split-complex storage
-};
 
 /// Options of an integrator.
 struct IntegratorOptions {
   Solver solver = Solver::published;
-  SolverOptions iteration = {};
+  IterationOptions iteration = {};
   int threads = 1;  ///< 1 if published, 1 to 64 if fast
 };
 

@@ -13,7 +13,7 @@ FastExplicit::FastExplicit(const SharedFlow& flow, const FastOptions& options)
       single_products_(flow->size(), options.threads),
       generator_(*flow),
       bands_(options.bands.value_or(false), 1, flow->size()),
-      left_out_(tuning.left_out * options.solver.tolerance),
+      left_out_(tuning.left_out * options.iteration.tolerance),
       product_(zeros(1)) {}
 
 StepReport FastExplicit::take_step(SplitStages& W1, const SplitStages& W0, double h, Past) {

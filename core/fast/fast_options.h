@@ -3,13 +3,13 @@
 
 #include <optional>
 
-#include "isosyrk/iteration/status.h"
+#include "isosyrk/iteration/iteration_options.h"
 
 namespace isosyrk {
 
 /// Options of a fast integrator.
 struct FastOptions {
-  SolverOptions solver = {};
+  IterationOptions iteration = {};
   /// Threads that share the work, 1 to 64.  Fast forms use one below
   /// Tuning::smallest_parallel.  The answer is bit for bit the same for every number.
   int threads = 1;

@@ -6,7 +6,7 @@ namespace isosyrk {
 
 FastSubstep::FastSubstep(std::unique_ptr<StageSystem> system, const FastOptions& options)
     : system_(std::move(system)),
-      options_(options.solver),
+      options_(options.iteration),
       attempts_(system_->attempts(options.newton)),
       x_(system_->unknowns()),
       newton_(x_),

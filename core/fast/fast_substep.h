@@ -47,7 +47,7 @@ class FastSubstep {
   SolveReport solve(Iteration iteration);
 
   std::unique_ptr<StageSystem> system_;
-  SolverOptions options_;
+  IterationOptions options_;
   std::vector<Attempt> attempts_;
   Unknowns x_;
   Newton newton_;

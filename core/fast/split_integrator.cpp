@@ -52,7 +52,7 @@ StepReport SplitIntegrator::advance(double h, Past past) {
   StepReport report;
   try {
     report = take_step(next_, state_, scale_.value * h, past);
-  } catch (...) {  // of SolverOptions::after_sweep
+  } catch (...) {  // of IterationOptions::after_sweep
     if (past == Past::used) forget();
     throw;
   }

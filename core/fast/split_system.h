@@ -16,7 +16,7 @@ class SplitSystem : public StageSystem, public TwoPartJacobian {
   Unknowns unknowns() const final;
   void bind(const SplitMatrix& W0, double h, double tolerance) override;
   Correction correct(Corrections& delta, const Unknowns& x, const Corrections& R,
-                     const CorrectionRequest& request, const SolverOptions& options) final {
+                     const CorrectionRequest& request, const IterationOptions& options) final {
     return correction_.solve(delta, *this, x, R, request, options);
   }
   bool truncates() const final { return bands_.enabled(); }

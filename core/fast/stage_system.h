@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "isosyrk/iteration/attempt.h"
 #include "isosyrk/iteration/work.h"
 #include "isosyrk/solver/fixed_point_system.h"
 

@@ -30,6 +30,9 @@ class CoRotatingFlow final : public Flow {
     return -0.5 * hbar(flow_->convention(), size()) * V.conjugate().cwiseProduct(B).sum().real();
   }
 
+  // So is B' = B (1 - P), since B commutes with the orthogonal projection P onto l = 1.
+  bool has_self_adjoint_generator() const override { return true; }
+
   std::unique_ptr<SplitGenerator> split_generator() const override {
     return std::make_unique<SplitEulerZeitlin>(
         flow_->laplacian(), 1.0 / hbar(flow_->convention(), size()), Rotation::left_out);
@@ -87,22 +90,33 @@ CoRotatingFrame::Rate CoRotatingFrame::rate(const Matrix& W0) const {
   return rate;
 }
 
-// e^{tR} = e^{-iαS_z} e^{-iβS_y} e^{-iγS_z}, with the angles of the same rotation of spin 1/2, and
-// e^{-iβS_y} = e^{-i(π/2)S_z} e^{-iβS_x} e^{i(π/2)S_z}.
-void CoRotatingFrame::set_rotation(const Rate& rate_of, double t) {
-  const Index n = rotation_.rows();
-  const Spin spin(n);
+SpinRotation SpinRotation::after(const SpinRotation& first) const {
+  return {a * first.a - b * std::conj(first.b), a * first.b + b * std::conj(first.a)};
+}
+
+SpinRotation SpinRotation::normalized() const {
+  const double norm = std::hypot(std::abs(a), std::abs(b));
+  return {a / norm, b / norm};
+}
+
+SpinRotation CoRotatingFrame::rotation(const Rate& rate_of, double t) {
   const auto [x, y, z] = rate_of;
   const double rate = std::hypot(x, y, z);
   const double half = 0.5 * t * rate;
   const double sine = rate > 0.0 ? std::sin(half) / rate : 0.0;
-  const Complex upper_left(std::cos(half), -sine * z);
-  const Complex upper_right(-sine * y, -sine * x);
-  const double beta = 2.0 * std::atan2(std::abs(upper_right), std::abs(upper_left));
-  const double sum = -std::arg(upper_left);
-  const double difference = -std::arg(-upper_right);
+  return {{std::cos(half), -sine * z}, {-sine * y, -sine * x}};
+}
 
-  // |upper_right| = 0 leaves the difference of the angles free.
+// U = e^{-iαS_z} e^{-iβS_y} e^{-iγS_z}, with the angles of the same rotation of spin 1/2, and
+// e^{-iβS_y} = e^{-i(π/2)S_z} e^{-iβS_x} e^{i(π/2)S_z}.
+void CoRotatingFrame::set_rotation(const SpinRotation& U) {
+  const Index n = rotation_.rows();
+  const Spin spin(n);
+  const double beta = 2.0 * std::atan2(std::abs(U.b), std::abs(U.a));
+  const double sum = -std::arg(U.a);
+  const double difference = -std::arg(-U.b);
+
+  // b = 0 leaves the difference of the angles free.
   constexpr double quarter = 0.5 * std::numbers::pi;
   const double alpha = sum + difference + quarter;
   const double gamma = sum - difference - quarter;
@@ -117,12 +131,12 @@ void CoRotatingFrame::set_rotation(const Rate& rate_of, double t) {
   }
 }
 
-void CoRotatingFrame::leave(const Rate& rate, double t, const Matrix& V, MatrixView W) {
-  if (t == 0.0) {
+void CoRotatingFrame::turn(const SpinRotation& U, const Matrix& V, MatrixView W) {
+  if (U.a == 1.0 && U.b == 0.0) {
     W = V;
     return;
   }
-  set_rotation(rate, -t);
+  set_rotation({std::conj(U.a), -U.b});
   products_.congruence(rotation_, V, rotation_, scratch_, turned_);
   W = 0.5 * (turned_ - turned_.adjoint());  // skew-Hermitian exactly, as V is
 }

@@ -16,6 +16,19 @@
 
 namespace isosyrk {
 
+/// A rotation as it turns spin 1/2: the unitary matrix with the rows (a, b) and (-b̄, ā), |a|² +
+/// |b|² = 1.  The sign is left open, since ±U turn every W alike.
+struct SpinRotation {
+  Complex a = 1.0;
+  Complex b = 0.0;
+
+  SpinRotation inverse() const { return {std::conj(a), -b}; }
+  /// Returns the rotation by `first`, then by this one.
+  SpinRotation after(const SpinRotation& first) const;
+  /// Returns this rotation with |a|² + |b|² = 1 to rounding, which many in a row lose.
+  SpinRotation normalized() const;
+};
+
 /// The rotation e^{tR} and the flow of V for n x n matrices.
 class CoRotatingFrame {
  public:
@@ -30,16 +43,22 @@ class CoRotatingFrame {
 
   /// Returns R for the angular momentum of W₀.
   Rate rate(const Matrix& W0) const;
-  /// W = e^{tR} V e^{-tR}, with three products.  Allocates nothing.  W is not V.
-  void leave(const Rate& rate, double t, const Matrix& V, MatrixView W);
+  /// Returns e^{tR}.
+  static SpinRotation rotation(const Rate& rate, double t);
+  /// W = U V U†, with three products.  Allocates nothing.  W may be V.
+  void turn(const SpinRotation& U, const Matrix& V, MatrixView W);
+  /// W = e^{tR} V e^{-tR}, as turn().
+  void leave(const Rate& rate, double t, const Matrix& V, MatrixView W) {
+    turn(rotation(rate, t), V, W);
+  }
 
  private:
-  void set_rotation(const Rate& rate, double t);
+  void set_rotation(const SpinRotation& U);
 
   double hbar_;
   SharedFlow flow_;
   Matrix eigenvectors_;  // of S_x: column k for the eigenvalue k - (n-1)/2
-  Matrix rotation_;      // e^{-tR}
+  Matrix rotation_;      // U†
   Matrix scratch_;
   Matrix turned_;
   Products products_;

@@ -32,6 +32,8 @@ class EulerZeitlin final : public Flow {
 
   void generator(const Matrix& W, Matrix& B) const override;
   double hamiltonian(const Matrix& W) const override;
+  /// Δ⁻¹ is a symmetric matrix on each diagonal of W.
+  bool has_self_adjoint_generator() const override { return true; }
   std::unique_ptr<SplitGenerator> split_generator() const override;
 
   HbarConvention convention() const { return convention_; }

@@ -29,10 +29,15 @@ class Flow {
 
   /// B = B(W), both in the storage of the algebra: n x n if dense, otherwise diagonal blocks on top
   /// of one another.  W is in g to rounding unless kind() is `linear`; the caller sees to that by
-  /// argument().  Allocates nothing.  B is not W.  For Euler-Zeitlin this is one Poisson solve.
+  /// argument().  Allocates nothing, unless the flow is a RealFlow, of which integrators call
+  /// real_generator().  B is not W.  For Euler-Zeitlin this is one Poisson solve.
   virtual void generator(const Matrix& W, Matrix& B) const = 0;
   /// Returns H(W), which the exact flow conserves, for W in storage.
   virtual double hamiltonian(const Matrix& W) const = 0;
+  /// Returns whether B is linear on g and self-adjoint in the pairing <A, B> = -tr(AB).  B is then
+  /// the gradient of the quadratic Hamiltonian ½ <W, B(W)>, of which hamiltonian() may be a
+  /// multiple.  Methods that differentiate B need this.  False unless the flow says so.
+  virtual bool has_self_adjoint_generator() const { return false; }
   /// Returns B in split-complex storage for the fast forms, or null if the flow has none.
   virtual std::unique_ptr<SplitGenerator> split_generator() const;
 

@@ -29,6 +29,9 @@ class RealRigidBody final : public RealFlow {
     return -0.5 * c_.cwiseProduct(W).cwiseProduct(W.transpose()).sum();
   }
 
+  /// <A, B(C)> = -Σ_ij c_ij A_ji C_ij, and c is symmetric.
+  bool has_self_adjoint_generator() const override { return true; }
+
  private:
   MatrixOf<double> c_;
 };
@@ -43,6 +46,8 @@ class ComplexRigidBody final : public Flow {
   double hamiltonian(const Matrix& W) const override {
     return -0.5 * c_.cwiseProduct(W).cwiseProduct(W.transpose()).sum().real();
   }
+
+  bool has_self_adjoint_generator() const override { return true; }
 
  private:
   MatrixOf<double> c_;

@@ -6,7 +6,7 @@ namespace isosyrk {
 
 template <class Scalar>
 AlgebraForm<Scalar>::AlgebraForm(SharedFlowIn<Scalar> flow, const Tableau& tableau,
-                                 const SolverOptions& options, ProductBackend backend,
+                                 const IterationOptions& options, ProductBackend backend,
                                  AlgebraUpdate update)
     : Form(std::move(flow), options, backend),
       tableau_(tableau),

@@ -38,7 +38,7 @@ class AlgebraForm final : public ImplicitForm<Scalar> {
 
  public:
   /// Throws std::invalid_argument for an inconsistent tableau.
-  AlgebraForm(SharedFlowIn<Scalar> flow, const Tableau& tableau, const SolverOptions& options,
+  AlgebraForm(SharedFlowIn<Scalar> flow, const Tableau& tableau, const IterationOptions& options,
               ProductBackend backend, AlgebraUpdate update = AlgebraUpdate::one_product);
 
  private:

@@ -12,7 +12,7 @@ namespace isosyrk {
 
 template <class Scalar>
 Composition<Scalar>::Composition(SharedFlowIn<Scalar> flow, const CompositionScheme& scheme,
-                                 Formulation formulation, const SolverOptions& options,
+                                 Formulation formulation, const IterationOptions& options,
                                  ProductBackend backend)
     : IntegratorIn<Scalar>(flow),
       fractions_(scheme.fractions),

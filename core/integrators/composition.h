@@ -21,7 +21,7 @@ class Composition final : public IntegratorIn<Scalar> {
 
   /// Throws std::invalid_argument unless the fractions are symmetric and sum to 1.
   Composition(SharedFlowIn<Scalar> flow, const CompositionScheme& scheme, Formulation formulation,
-              const SolverOptions& options, ProductBackend backend);
+              const IterationOptions& options, ProductBackend backend);
 
   StepReport advance(const Stored& W0, double h, Stored& W1) override;
   void set_scale(double scale) override;

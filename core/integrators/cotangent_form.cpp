@@ -4,7 +4,7 @@ namespace isosyrk {
 
 template <class Scalar>
 CotangentForm<Scalar>::CotangentForm(SharedFlowIn<Scalar> flow, const Tableau& tableau,
-                                     const SolverOptions& options, ProductBackend backend)
+                                     const IterationOptions& options, ProductBackend backend)
     : Form(std::move(flow), options, backend), tableau_(tableau) {
   require_consistent(tableau);
   Q_ = zeros(tableau.stages());

@@ -25,7 +25,7 @@ class CotangentForm final : public ImplicitForm<Scalar> {
 
  public:
   /// Throws std::invalid_argument for an inconsistent tableau.
-  CotangentForm(SharedFlowIn<Scalar> flow, const Tableau& tableau, const SolverOptions& options,
+  CotangentForm(SharedFlowIn<Scalar> flow, const Tableau& tableau, const IterationOptions& options,
                 ProductBackend backend);
 
  private:

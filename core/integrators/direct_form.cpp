@@ -4,7 +4,7 @@ namespace isosyrk {
 
 template <class Scalar>
 DirectForm<Scalar>::DirectForm(SharedFlowIn<Scalar> flow, const Tableau& tableau,
-                               const SolverOptions& options, ProductBackend backend)
+                               const IterationOptions& options, ProductBackend backend)
     : Form(std::move(flow), options, backend), tableau_(tableau) {
   require_consistent(tableau);
   W_stage_ = zeros(tableau.stages());

@@ -25,7 +25,7 @@ class DirectForm final : public ImplicitForm<Scalar> {
 
  public:
   /// Throws std::invalid_argument for an inconsistent tableau.
-  DirectForm(SharedFlowIn<Scalar> flow, const Tableau& tableau, const SolverOptions& options,
+  DirectForm(SharedFlowIn<Scalar> flow, const Tableau& tableau, const IterationOptions& options,
              ProductBackend backend);
 
  private:

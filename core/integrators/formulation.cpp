@@ -41,7 +41,7 @@ template <class Scalar>
 std::unique_ptr<IntegratorIn<Scalar>> make_formulation_in(Formulation formulation,
                                                           SharedFlowIn<Scalar> flow,
                                                           const Tableau& tableau,
-                                                          const SolverOptions& options,
+                                                          const IterationOptions& options,
                                                           ProductBackend backend) {
   switch (formulation) {
     case Formulation::cotangent:
@@ -59,12 +59,13 @@ std::unique_ptr<IntegratorIn<Scalar>> make_formulation_in(Formulation formulatio
 }
 
 template std::unique_ptr<IntegratorIn<double>> make_formulation_in<double>(
-    Formulation, SharedFlowIn<double>, const Tableau&, const SolverOptions&, ProductBackend);
+    Formulation, SharedFlowIn<double>, const Tableau&, const IterationOptions&, ProductBackend);
 template std::unique_ptr<IntegratorIn<Complex>> make_formulation_in<Complex>(
-    Formulation, SharedFlowIn<Complex>, const Tableau&, const SolverOptions&, ProductBackend);
+    Formulation, SharedFlowIn<Complex>, const Tableau&, const IterationOptions&, ProductBackend);
 
 std::unique_ptr<Integrator> make_formulation(Formulation formulation, const SharedFlow& flow,
-                                             const Tableau& tableau, const SolverOptions& options,
+                                             const Tableau& tableau,
+                                             const IterationOptions& options,
                                              ProductBackend backend) {
   if (const auto real_flow = std::dynamic_pointer_cast<const RealFlow>(flow)) {
     return make_formulation_in<double>(formulation, real_flow, tableau, options, backend);

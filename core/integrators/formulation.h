@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "isosyrk/integrators/integrator.h"
+#include "isosyrk/iteration/iteration_options.h"
 #include "isosyrk/linalg/product_backend.h"
 #include "isosyrk/tableaux/tableau.h"
 
@@ -26,14 +27,15 @@ Formulation formulation_from_name(std::string_view name);
 /// `algebra` with the one-stage Gauss tableau gives IsospectralMidpoint.
 /// Throws std::invalid_argument for an inconsistent tableau.
 std::unique_ptr<Integrator> make_formulation(Formulation formulation, const SharedFlow& flow,
-                                             const Tableau& tableau, const SolverOptions& options,
+                                             const Tableau& tableau,
+                                             const IterationOptions& options,
                                              ProductBackend backend);
 /// As make_formulation, in this arithmetic.
 template <class Scalar>
 std::unique_ptr<IntegratorIn<Scalar>> make_formulation_in(Formulation formulation,
                                                           SharedFlowIn<Scalar> flow,
                                                           const Tableau& tableau,
-                                                          const SolverOptions& options,
+                                                          const IterationOptions& options,
                                                           ProductBackend backend);
 
 }  // namespace isosyrk

@@ -27,8 +27,27 @@ void FrameIntegrator::load(const ConstMatrixView& W) {
   method_->set_state(W);
   method_->state(V_);
   rate_ = frame_.rate(V_);
+  U_ = {};
   past_ = h_ = 0.0;
   steps_ = 0;
+}
+
+// B' turns with V, so that V obeys the same equation from whatever angle it is seen.
+void FrameIntegrator::amend(const ConstMatrixView& W) {
+  const SpinRotation U = turned();
+  V_ = W;
+  const CoRotatingFrame::Rate rate = frame_.rate(V_);
+  frame_.turn(U.inverse(), V_, V_);
+  method_->amend_state(V_);
+  U_ = U.normalized();
+  rate_ = rate;
+  past_ = h_ = 0.0;
+  steps_ = 0;
+}
+
+// Returns how far the frame has turned since the state was set.
+SpinRotation FrameIntegrator::turned() const {
+  return CoRotatingFrame::rotation(rate_, past_ + h_ * static_cast<double>(steps_)).after(U_);
 }
 
 StepReport FrameIntegrator::advance_state(double h) {
@@ -45,7 +64,7 @@ StepReport FrameIntegrator::advance_state(double h) {
 
 void FrameIntegrator::store(MatrixView W) const {
   method_->state(V_);
-  frame_.leave(rate_, past_ + h_ * static_cast<double>(steps_), V_, W);
+  frame_.turn(turned(), V_, W);
 }
 
 StepReport FrameIntegrator::step_alone(MatrixView W, double h) {

@@ -26,7 +26,7 @@ class GroupForm final : public ImplicitForm<Scalar> {
 
  public:
   /// Throws std::invalid_argument for an inconsistent tableau.
-  GroupForm(SharedFlowIn<Scalar> flow, const Tableau& tableau, const SolverOptions& options,
+  GroupForm(SharedFlowIn<Scalar> flow, const Tableau& tableau, const IterationOptions& options,
             ProductBackend backend);
 
  private:

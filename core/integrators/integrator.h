@@ -6,6 +6,7 @@
 
 #include "isosyrk/flows/flow.h"
 #include "isosyrk/integrators/state_scale.h"
+#include "isosyrk/iteration/attempt.h"
 #include "isosyrk/iteration/status.h"
 #include "isosyrk/iteration/work.h"
 

@@ -4,7 +4,7 @@ namespace isosyrk {
 
 template <class Scalar>
 IsospectralMidpoint<Scalar>::IsospectralMidpoint(SharedFlowIn<Scalar> flow,
-                                                 const SolverOptions& options,
+                                                 const IterationOptions& options,
                                                  ProductBackend backend)
     : Form(std::move(flow), options, backend) {
   W_stage_ = B_ = M_ = MB_ = zero();

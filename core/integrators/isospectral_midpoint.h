@@ -20,7 +20,7 @@ class IsospectralMidpoint final : public ImplicitForm<Scalar> {
   using typename Form::Stored;
 
  public:
-  IsospectralMidpoint(SharedFlowIn<Scalar> flow, const SolverOptions& options,
+  IsospectralMidpoint(SharedFlowIn<Scalar> flow, const IterationOptions& options,
                       ProductBackend backend);
 
  private:

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "isosyrk/integrators/integrator.h"
+#include "isosyrk/integrators/stage_equations.h"
 #include "isosyrk/iteration/picard.h"
 #include "isosyrk/linalg/operations.h"
 #include "isosyrk/linalg/products.h"
@@ -68,7 +69,7 @@ class ImplicitForm : public PublishedForm<Scalar> {
   using typename PublishedForm<Scalar>::Stored;
 
  protected:
-  ImplicitForm(SharedFlowIn<Scalar> flow, const SolverOptions& options, ProductBackend backend)
+  ImplicitForm(SharedFlowIn<Scalar> flow, const IterationOptions& options, ProductBackend backend)
       : PublishedForm<Scalar>(std::move(flow), backend), options_(options) {}
 
   /// Sets the unknowns to those of a cold start.
@@ -90,7 +91,7 @@ class ImplicitForm : public PublishedForm<Scalar> {
             .contraction = solve.contraction};
   }
 
-  SolverOptions options_;
+  IterationOptions options_;
 };
 
 }  // namespace isosyrk

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "isosyrk/iteration/iteration_options.h"
 #include "isosyrk/iteration/status.h"
 
 namespace isosyrk {
@@ -41,7 +42,7 @@ class LastChanges {
 /// Source: the paper states only the tolerance.  The other rules are listed in core/README.md,
 /// "What the paper leaves open".
 template <class Sweep, class Accepts>
-SolveReport solve_fixed_point(const SolverOptions& options, Sweep&& sweep, Accepts&& accepts) {
+SolveReport solve_fixed_point(const IterationOptions& options, Sweep&& sweep, Accepts&& accepts) {
   constexpr double divergence_bound = 1e6;
   constexpr int patience = 50;
 
@@ -73,7 +74,7 @@ SolveReport solve_fixed_point(const SolverOptions& options, Sweep&& sweep, Accep
 
 /// The same, accepted by the paper's rule: the change of a sweep is below the tolerance.
 template <class Sweep>
-SolveReport solve_fixed_point(const SolverOptions& options, Sweep&& sweep) {
+SolveReport solve_fixed_point(const IterationOptions& options, Sweep&& sweep) {
   return solve_fixed_point(options, sweep,
                            [&](double change) { return change < options.tolerance; });
 }

@@ -25,10 +25,6 @@ using ConstMatrixView = Eigen::Ref<const Matrix>;
 using RealMatrix = Eigen::MatrixXd;
 using RealVector = Eigen::VectorXd;
 
-/// Largest number of stages of a tableau.  Up to here Gauss tableaux are accurate to the last
-/// digit.
-inline constexpr int max_stages = 20;
-
 /// Returns the larger of two numbers, or NaN if either is NaN.  std::max drops a NaN in its second
 /// argument, and a NaN is the only sign of a diverged iteration.
 inline double larger(double a, double b) {

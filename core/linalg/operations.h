@@ -1,11 +1,6 @@
-// Operations on matrices in storage (QuadraticAlgebra) for the published forms: linear combinations
-// of stage matrices, commutators from one product, and updates that return the change of an
-// unknown.  With the products of products.h and the flow's B, a form needs no access to single
-// entries.
-//
-// Sums over stages cost O(s² n²), products O(s n³).  All coefficients of the sums are real, so a
-// matrix is read as its real numbers, 2n² of a dense complex one.  Each operation makes one pass:
-// every matrix is read once, and a few numbers of all matrices are combined in registers.
+// Operations on matrices in storage (QuadraticAlgebra): linear combinations, changes, and
+// commutators from one product.  All coefficients of the sums are real, so a matrix is read as its
+// real numbers, 2n² of a dense complex one.
 #pragma once
 
 #include <type_traits>
@@ -81,32 +76,22 @@ inline double largest_change(const RealVector& squares) {
   return std::sqrt(largest);
 }
 
-/// X_i = base + h Σ_j a_ij Y_j for i = 1..s, and squares[i] = Σ |change of X_i|².  a is s x s with
-/// s = Y.size() = X.size() <= max_stages.  No X_i is base or a Y_j.
+/// The entries of Y†, of a matrix in storage, which is not formed.  Y must outlive it.
 template <class Scalar>
-void update_unknowns(const MatrixOf<Scalar>& base, double h, const RealMatrix& a,
-                     const std::vector<MatrixOf<Scalar>>& Y, std::vector<MatrixOf<Scalar>>& X,
-                     double* squares);
+class AdjointOf {
+ public:
+  explicit AdjointOf(const MatrixOf<Scalar>& Y) : Y_(Y) {}
+  Scalar operator()(Index r, Index c) const {
+    const Index first = r - r % Y_.cols();  // row of the block
+    return Eigen::numext::conj(Y_(first + c, r - first));
+  }
 
-/// Sets W = W₀ + (S - J⁻¹ Y† J) and returns Σ |change of W|².  With S = Y + Σ_j a_ij K_ij this is
-/// the stage vorticity of the algebra formulation.  `scratch` is a matrix if J is not I, and unused
-/// otherwise.  W is none of the other arguments.
-template <class Scalar>
-double update_stage_vorticity(const QuadraticAlgebra& algebra, const MatrixOf<Scalar>& W0,
-                              const MatrixOf<Scalar>& S, const MatrixOf<Scalar>& Y,
-                              MatrixOf<Scalar>& scratch, MatrixOf<Scalar>& W);
+ private:
+  const MatrixOf<Scalar>& Y_;
+};
 
-/// Sets W = W₀ + a (M - J⁻¹ M† J) + b MB and returns Σ |change of W|².  With M = B W̃, a = h/2 and
-/// b = h²/4 this is the stage vorticity of the isospectral midpoint rule.  `scratch` as above.  W
-/// is none of the other arguments.
-template <class Scalar>
-double update_midpoint_vorticity(const QuadraticAlgebra& algebra, const MatrixOf<Scalar>& W0,
-                                 double a, const MatrixOf<Scalar>& M, double b,
-                                 const MatrixOf<Scalar>& MB, MatrixOf<Scalar>& scratch,
-                                 MatrixOf<Scalar>& W);
-
-/// out = C - J⁻¹ C† J.  For C = A B with A, B in g this is [A, B].  `scratch` as above.  out is not
-/// C.
+/// out = C - J⁻¹ C† J.  For C = A B with A, B in g this is [A, B].  `scratch` is a matrix if J is
+/// not I, and unused otherwise.  out is not C.
 template <class Scalar>
 void commutator_of_product(const QuadraticAlgebra& algebra, const MatrixOf<Scalar>& C,
                            MatrixOf<Scalar>& scratch, MatrixOf<Scalar>& out);

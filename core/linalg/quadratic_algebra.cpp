@@ -87,27 +87,42 @@ void QuadraticAlgebra::unpack(const MatrixOf<Scalar>& stored, MatrixView W) cons
   }
 }
 
-// Sets out(a, b) = Σ term(entry with row a, entry with column b) / alpha over pairs of entries of
-// J.
-template <class Scalar, class Term>
-void QuadraticAlgebra::sum_over_entries(MatrixOf<Scalar>& out, const Term& term) const {
-  out.setZero();
-  const auto sum = [&](const auto& value) {
-    for (const Entry& left : entries_) {
-      for (const Entry& right : entries_) {
-        out(left.row, right.column) += value(left.value) * term(left, right) * value(right.value);
-      }
-    }
-    out /= value(alpha_);
-  };
-  const auto real = [](const Complex& value) { return value.real(); };
-  if constexpr (std::is_same_v<Scalar, double>) {
-    sum(real);
-  } else if (real_) {
-    sum(real);
+namespace {
+
+// A number of J as a factor of matrices.  Factors of a real J are real, which halves the operations
+// on complex matrices.
+template <class Factor>
+Factor as_factor(const Complex& value) {
+  if constexpr (std::is_same_v<Factor, double>) {
+    return value.real();
   } else {
-    sum([](const Complex& value) { return value; });
+    return value;
   }
+}
+
+}  // namespace
+
+template <class Factor, class Expression, class Scalar>
+void QuadraticAlgebra::sum_over_entries(const Expression& Y, MatrixOf<Scalar>& out) const {
+  out.setZero();
+  for (const Entry& left : entries_) {
+    for (const Entry& right : entries_) {
+      out(left.row, right.column) += as_factor<Factor>(left.value) * Y(left.column, right.row) *
+                                     as_factor<Factor>(right.value);
+    }
+  }
+  out /= as_factor<Factor>(alpha_);
+}
+
+template <class Expression, class Scalar>
+void QuadraticAlgebra::conjugate(const Expression& Y, MatrixOf<Scalar>& out) const {
+  if constexpr (std::is_same_v<Scalar, Complex>) {
+    if (!real_) {
+      sum_over_entries<Complex>(Y, out);
+      return;
+    }
+  }
+  sum_over_entries<double>(Y, out);
 }
 
 template <class Scalar>
@@ -118,9 +133,7 @@ void QuadraticAlgebra::involution(const MatrixOf<Scalar>& X, MatrixOf<Scalar>& o
     }
     return;
   }
-  sum_over_entries(out, [&](const Entry& left, const Entry& right) {
-    return Eigen::numext::conj(X(right.row, left.column));
-  });
+  conjugate(X.adjoint(), out);
 }
 
 template <class Scalar>
@@ -149,8 +162,7 @@ void QuadraticAlgebra::conjugate_by_J(const MatrixOf<Scalar>& Q, MatrixOf<Scalar
     out = Q;
     return;
   }
-  sum_over_entries(
-      out, [&](const Entry& left, const Entry& right) { return Q(left.column, right.row); });
+  conjugate(Q, out);
 }
 
 Matrix QuadraticAlgebra::dense_J() const {

@@ -81,8 +81,12 @@ class QuadraticAlgebra {
     Complex value;
   };
   QuadraticAlgebra(Index n, Index b);
-  template <class Scalar, class Term>
-  void sum_over_entries(MatrixOf<Scalar>& out, const Term& term) const;
+  // out = J Y J⁻¹ for a matrix or an expression Y.
+  template <class Expression, class Scalar>
+  void conjugate(const Expression& Y, MatrixOf<Scalar>& out) const;
+  // The same as a sum over pairs of entries of J, with factors double or Complex.
+  template <class Factor, class Expression, class Scalar>
+  void sum_over_entries(const Expression& Y, MatrixOf<Scalar>& out) const;
   Matrix dense_J() const;
 
   Index n_;

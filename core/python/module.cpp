@@ -5,16 +5,14 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-#include "benchmarks/conditions.h"
-#include "benchmarks/memory.h"
-#include "benchmarks/modes_file.h"
-#include "benchmarks/program.h"
 #include "blas_threads.h"
 #include "isosyrk/catalogue/fast_forms.h"
 #include "isosyrk/catalogue/integrator_list.h"
 #include "isosyrk/catalogue/measured_limits.h"
 #include "isosyrk/flows/invariants.h"
-#include "isosyrk/flows/scene.h"
+#include "isosyrk/machine/memory.h"
+#include "isosyrk/scenes/euler_zeitlin_scenes.h"
+#include "isosyrk/scenes/scene_list.h"
 #include "isosyrk/simulation/conservation.h"
 #include "python_flow.h"
 #include "signals.h"
@@ -38,38 +36,41 @@ std::vector<Mode> modes_of(const std::vector<ModeTuple>& tuples) {
 
 Scene scene_of_generator(const std::string& name, const Array& initial, py::handle generator) {
   Matrix W0 = matrix_of(initial);
-  const Index n = W0.rows();
-  return {name, std::make_shared<PythonFlow>(n, generator), std::move(W0), 5.0};
+  auto flow = std::make_shared<PythonFlow>(W0.rows(), W0.norm(), generator);
+  return {name, std::move(flow), std::move(W0), 5.0};
 }
 
-std::unique_ptr<Stepper> make_stepper(const Scene& scene, const std::string& name, bool fast,
-                                      double tolerance, int max_sweeps, int threads, bool predictor,
-                                      bool newton, bool bands, const std::string& products) {
+std::unique_ptr<Stepper> make_stepper(const Scene& scene, const std::string& name,
+                                      const std::string& solver, double tolerance, int max_sweeps,
+                                      int threads, bool predictor, bool newton, bool bands,
+                                      const std::string& products) {
   FastOptions switches{.threads = threads, .newton = newton};
   if (!predictor) switches.past_steps = 0;
   if (!bands) switches.bands = false;
-  const BackendChoice choice = backend_choice_from_name(products);
   const Index n = scene.initial.rows();
   const IntegratorEntry entry =
-      fast ? fast_entry(name, with_defaults(switches, n)) : integrator_entry(name);
+      integrator_entry(name, solver_from_name(solver), with_defaults(switches, n));
   require_memory(fmt::format("n = {} with {}", n, name), entry, n);
   const OneBlasThread one_blas_thread;
   const ProductBackend backend =
-      fast || choice ? choice.value_or(ProductBackend::openblas) : choose_backend({}, n).chosen;
-  const SolverOptions options = {tolerance, max_sweeps, &handle_signals};
+      products == "eigen" ? ProductBackend::eigen : ProductBackend::openblas;
+  const IterationOptions options = {tolerance, max_sweeps, &handle_signals};
   return std::make_unique<Stepper>(entry.make(scene.flow, options, backend));
 }
 
-std::map<std::string, std::string> conditions(const std::string& products,
-                                              const std::vector<Index>& sizes) {
-  const BackendChoice choice = backend_choice_from_name(products);
-  std::vector<BackendRates> rates;
-  for (const Index n : sizes) rates.push_back(choose_backend(choice, n));
-  std::map<std::string, std::string> result;
-  for (const auto& [key, value] : machine_conditions("python module", choice, rates)) {
-    result[key] = value;
-  }
-  return result;
+template <auto property>
+bool keeps(const IntegratorEntry& entry) {
+  return entry.keeps.*property;
+}
+
+template <auto field>
+auto of_run(const Stepper::Outcome& outcome) {
+  return outcome.run.*field;
+}
+// The same of its work.
+template <auto field>
+auto of_work(const Stepper::Outcome& outcome) {
+  return outcome.run.work.*field;
 }
 
 void bind_scenes(py::module_& module) {
@@ -140,19 +141,16 @@ void bind_scenes(py::module_& module) {
 }
 
 void bind_integrators(py::module_& module) {
-  const auto keeps = [](bool Properties::*property) {
-    return [property](const IntegratorEntry& e) { return e.keeps.*property; };
-  };
   py::class_<IntegratorEntry>(module, "Entry")
       .def_readonly("name", &IntegratorEntry::name)
       .def_readonly("stages", &IntegratorEntry::stages)
       .def_readonly("order", &IntegratorEntry::order)
       .def_readonly("stability_limit", &IntegratorEntry::stability_limit)
       .def_property_readonly("has_fast_form", &IntegratorEntry::has_fast_form)
-      .def_property_readonly("isospectral", keeps(&Properties::isospectral))
-      .def_property_readonly("lie_poisson", keeps(&Properties::lie_poisson))
-      .def_property_readonly("symmetric", keeps(&Properties::symmetric))
-      .def_property_readonly("explicit", keeps(&Properties::is_explicit))
+      .def_property_readonly("isospectral", &keeps<&Properties::isospectral>)
+      .def_property_readonly("lie_poisson", &keeps<&Properties::lie_poisson>)
+      .def_property_readonly("symmetric", &keeps<&Properties::symmetric>)
+      .def_readonly("explicit", &IntegratorEntry::is_explicit)
       .def_property_readonly("measured_limit",
                              [](const IntegratorEntry& e) { return measured_limit(e.name); })
       .def(
@@ -164,27 +162,28 @@ void bind_integrators(py::module_& module) {
           },
           Aside());
   module.def("integrators", &integrators);
-  module.def("integrator_entry", &integrator_entry);
+  module.def("integrator_entry",
+             [](const std::string& name) -> IntegratorEntry { return integrator_entry(name); });
 
-  const auto of_run = [](auto RunReport::*field) {
-    return [field](const Stepper::Outcome& o) { return o.run.*field; };
-  };
-  const auto of_work = [](auto Work::*field) {
-    return [field](const Stepper::Outcome& o) { return o.run.work.*field; };
-  };
   py::class_<Stepper::Outcome>(module, "Outcome")
+      .def(py::init<>())
       .def_property_readonly("status", [](const Stepper::Outcome& o) { return name(o.run.status); })
-      .def_property_readonly("failed_step", of_run(&RunReport::failed_step))
-      .def_property_readonly("steps", of_run(&RunReport::steps))
-      .def_property_readonly("sweeps", of_run(&RunReport::sweeps))
-      .def_property_readonly("products", of_work(&Work::products))
-      .def_property_readonly("equivalent_products", of_work(&Work::equivalent_products))
-      .def_property_readonly("poisson_solves", of_work(&Work::poisson_solves))
-      .def_property_readonly("contraction", of_run(&RunReport::contraction))
-      .def_property_readonly("last_change", of_run(&RunReport::last_change))
-      .def_readonly("seconds", &Stepper::Outcome::seconds);
+      .def_property_readonly("failed_step", &of_run<&RunReport::failed_step>)
+      .def_property_readonly("steps", &of_run<&RunReport::steps>)
+      .def_property_readonly("sweeps", &of_run<&RunReport::sweeps>)
+      .def_property_readonly("products", &of_work<&Work::products>)
+      .def_property_readonly("equivalent_products", &of_work<&Work::equivalent_products>)
+      .def_property_readonly("poisson_solves", &of_work<&Work::poisson_solves>)
+      .def_property_readonly("contraction", &of_run<&RunReport::contraction>)
+      .def_property_readonly("last_change", &of_run<&RunReport::last_change>)
+      .def_readonly("seconds", &Stepper::Outcome::seconds)
+      .def_readonly("begun", &Stepper::Outcome::begun);
+  py::class_<Stepper::Calls>(module, "Calls")
+      .def(py::init<py::object, py::object, long, py::object>());
   py::class_<Stepper>(module, "Stepper")
-      .def(py::init(&make_stepper))
+      .def(py::init(&make_stepper), py::arg("scene"), py::arg("name"), py::kw_only(),
+           py::arg("solver"), py::arg("tolerance"), py::arg("max_sweeps"), py::arg("threads"),
+           py::arg("predictor"), py::arg("newton"), py::arg("bands"), py::arg("products"))
       .def("run", &Stepper::run)
       .def("timed_run", &Stepper::timed_run);
 }
@@ -204,28 +203,11 @@ void bind_measures(py::module_& module) {
   module.def("angular_momentum_error", [](const Array& W, const Array& W0) {
     return angular_momentum_error(matrix_of(W), matrix_of(W0));
   });
-  module.def("conditions", &conditions, Aside());
-  module.def(
-      "product_rate",
-      [](Index n, bool fast) {
-        constexpr double seconds = 0.05;
-        return fast ? split_product_rate(n, seconds)
-                    : product_rate(choose_backend({}, n).chosen, n, seconds);
-      },
-      Aside());
 }
 
 }  // namespace
 
 PYBIND11_MODULE(_core, module) {
-  // What the programs refuse with one line is a ValueError with that line.
-  py::register_exception_translator([](std::exception_ptr thrown) {
-    try {
-      if (thrown) std::rethrow_exception(thrown);
-    } catch (const BadArgument& error) {
-      PyErr_SetString(PyExc_ValueError, error.what());
-    }
-  });
   module.attr("version") = ISOSYRK_VERSION;
   module.def("end_runs", &end_runs);
   bind_scenes(module);

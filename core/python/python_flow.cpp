@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <limits>
+#include <random>
 #include <string_view>
 
 #include "arrays.h"
@@ -12,8 +13,52 @@ namespace isosyrk::python {
 
 namespace py = pybind11;
 
-PythonFlow::PythonFlow(Index n, py::handle generator)
-    : Flow(QuadraticAlgebra::skew_hermitian(n)), generator_(generator) {}
+namespace {
+
+// A skew-Hermitian matrix of this Frobenius norm, the same everywhere.
+Matrix sample(Index n, double size, unsigned seed) {
+  std::mt19937 numbers(seed);
+  const auto next = [&] {
+    return static_cast<double>(numbers()) / static_cast<double>(std::mt19937::max()) - 0.5;
+  };
+  Matrix X(n, n);
+  for (Complex& entry : X.reshaped()) {
+    const double re = next();
+    entry = {re, next()};
+  }
+  const Matrix W = X - X.adjoint();
+  return size / W.norm() * W;
+}
+
+// -tr(AB), for skew-Hermitian matrices.
+double pairing(const Matrix& A, const Matrix& B) {
+  return A.conjugate().cwiseProduct(B).sum().real();
+}
+
+}  // namespace
+
+PythonFlow::PythonFlow(Index n, double size, py::handle generator)
+    : Flow(QuadraticAlgebra::skew_hermitian(n)), size_(size), generator_(generator) {}
+
+bool PythonFlow::has_self_adjoint_generator() const {
+  if (!is_self_adjoint_) is_self_adjoint_ = is_self_adjoint_on_samples();
+  return *is_self_adjoint_;
+}
+
+bool PythonFlow::is_self_adjoint_on_samples() const {
+  constexpr double tolerance = 1e-10;
+  const Index n = size();
+  const Matrix A = sample(n, size_, 1), C = sample(n, size_, 2);
+  const Matrix sum = 0.6 * A - 0.8 * C;
+  Matrix BA(n, n), BC(n, n), B_of_sum(n, n);
+  generator(A, BA);
+  generator(C, BC);
+  generator(sum, B_of_sum);
+  const double size_of_B = BA.norm() + BC.norm();
+  const double not_linear = (B_of_sum - (0.6 * BA - 0.8 * BC)).norm();
+  const double not_adjoint = std::abs(pairing(A, BC) - pairing(BA, C));
+  return not_linear <= tolerance * size_of_B && not_adjoint <= tolerance * size_ * size_of_B;
+}
 
 void PythonFlow::generator(const Matrix& W, Matrix& B) const {
   constexpr double largest_defect = 1e-10;

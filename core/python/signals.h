@@ -3,9 +3,9 @@
 
 namespace isosyrk::python {
 
-/// To be SolverOptions::after_sweep, and called after every step.  Every tenth of a second it takes
-/// the GIL and lets Python handle signals.  Throws pybind11::error_already_set if a handler raises,
-/// as Ctrl-C does.  Never returns once the interpreter ends.
+/// To be IterationOptions::after_sweep, and called after every step.  Every tenth of a second it
+/// takes the GIL and lets Python handle signals.  Throws pybind11::error_already_set if a handler
+/// raises, as Ctrl-C does.  Never returns once the interpreter ends.
 void handle_signals();
 
 /// A run without the GIL, from construction to destruction.

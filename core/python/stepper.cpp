@@ -1,9 +1,14 @@
 #include "stepper.h"
 
-#include <cstring>
+#include <fmt/format.h>
 
-#include "benchmarks/clocks.h"
+#include <chrono>
+#include <cstring>
+#include <optional>
+
 #include "blas_threads.h"
+#include "isosyrk/machine/clocks.h"
+#include "isosyrk/scenes/scene.h"
 #include "signals.h"
 
 namespace isosyrk::python {
@@ -24,35 +29,93 @@ class Stepper::InUse {
   std::atomic<bool>& flag_;
 };
 
-Stepper::Outcome Stepper::run(const Array& W, Array state, double h, long steps,
-                              const py::object& observe, long every) {
+namespace {
+
+// Returns whether a function of Python's returns True, and adds the CPU time that it takes.
+template <class Argument>
+bool says_true(double& seconds, const py::object& function, const Argument& argument) {
+  const double before = cpu_seconds();
+  const py::gil_scoped_acquire gil;
+  const bool result = function(argument).is(py::bool_(true));
+  seconds += cpu_seconds() - before;
+  return result;
+}
+
+// The state of a run that `between` may change after each step.
+class AmendedState {
+ public:
+  AmendedState(Integrator& integrator, Eigen::Map<Matrix>& view)
+      : integrator_(integrator), view_(view), done_(view), next_(view) {}
+  // The integrator's has not gone through the last `between`, if that failed.
+  ~AmendedState() { view_ = done_; }
+  AmendedState(const AmendedState&) = delete;
+  AmendedState& operator=(const AmendedState&) = delete;
+
+  template <class Between>
+  void after_step(long step, const Between& between) {
+    integrator_.state(view_);
+    between();
+    next_ = view_;
+    require_initial_data(integrator_.flow(), next_, fmt::format("between, step {}", step));
+    integrator_.amend_state(next_);
+    done_.swap(next_);
+  }
+
+ private:
+  Integrator& integrator_;
+  Eigen::Map<Matrix>& view_;
+  Matrix done_;  // after the last step that is done
+  Matrix next_;
+};
+
+}  // namespace
+
+void Stepper::run(const Array& W, Array state, double h, long steps, const Calls& calls,
+                  Outcome& outcome) {
   const InUse in_use(in_use_);
   const Index n = integrator_->flow().size();
   std::memmove(state.mutable_data(), W.data(), W.nbytes());
   Eigen::Map<Matrix> view(state.mutable_data(), n, n);
-  const bool observed = !observe.is_none();
+  const bool amended = !calls.between.is_none();
+  const bool observed = !calls.observe.is_none();
+  const bool followed = !calls.progress.is_none();
+  outcome = {};
+  outcome.begun = true;
 
   const py::gil_scoped_release no_gil;
   const Running running;
   const OneBlasThread one_blas_thread;
-  Outcome outcome;
-  double observing = 0.0;
+  std::optional<AmendedState> amendable;
+  if (amended) amendable.emplace(*integrator_, view);
   const double start = cpu_seconds();
-  outcome.run = run_while(*integrator_, view, h, steps, [&](const RunReport& total) {
-    handle_signals();
-    if (!observed || (total.steps % every != 0 && total.steps != steps)) return true;
-    const double before = cpu_seconds();
-    bool go_on = true;
-    integrator_->state(view);
-    {
-      const py::gil_scoped_acquire gil;
-      go_on = !observe(Outcome{total, before - start - observing}).is(py::bool_(true));
+  double aside = 0.0;
+  const auto seconds = [&] { return cpu_seconds() - start - aside; };
+  using Clock = std::chrono::steady_clock;
+  constexpr auto interval = std::chrono::milliseconds(100);
+  Clock::time_point next_progress = Clock::now() + interval;
+
+  const auto go_on = [&](const RunReport& total) {
+    if (amended) {
+      amendable->after_step(total.steps, [&] { says_true(aside, calls.between, total.steps); });
     }
-    observing += cpu_seconds() - before;
-    return go_on;
-  });
-  outcome.seconds = cpu_seconds() - start - observing;
-  return outcome;
+    outcome.run = total;
+    handle_signals();
+    if (followed && Clock::now() >= next_progress) {
+      says_true(aside, calls.progress, total.steps);
+      next_progress = Clock::now() + interval;
+    }
+    if (!observed || (total.steps % calls.every != 0 && total.steps != steps)) return true;
+    if (!amended) integrator_->state(view);
+    outcome.seconds = seconds();
+    return !says_true(aside, calls.observe, outcome);
+  };
+  try {
+    outcome.run = run_while(*integrator_, view, h, steps, go_on);
+  } catch (...) {
+    outcome.seconds = seconds();
+    throw;
+  }
+  outcome.seconds = seconds();
 }
 
 std::pair<Stepper::Outcome, std::vector<double>> Stepper::timed_run(const Array& W, Array state,

@@ -18,16 +18,26 @@ class Stepper {
  public:
   explicit Stepper(std::unique_ptr<Integrator> integrator) : integrator_(std::move(integrator)) {}
 
-  /// A run and its CPU time in seconds, without what `observe` took.
+  /// A run, or the steps of it that are done.
   struct Outcome {
     RunReport run;
-    double seconds = 0.0;
+    double seconds = 0.0;  ///< CPU time without that of the functions called
+    bool begun = false;    ///< `state` is the run's
   };
 
-  /// Advances `state`, n x n, from W, which may overlap it.  Unless `observe` is None it is called
-  /// with the Outcome so far after every `every` steps, and ends the run by returning True.
-  Outcome run(const Array& W, Array state, double h, long steps, const pybind11::object& observe,
-              long every);
+  /// Functions that a run calls, or None.
+  struct Calls {
+    pybind11::object between;   ///< between(step): may change the state, after every step
+    pybind11::object observe;   ///< observe(Outcome so far): True ends the run
+    long every;                 ///< steps from one `observe` to the next; the last one is observed
+    pybind11::object progress;  ///< progress(step): at most about ten times a second
+  };
+
+  /// Advances `state`, n x n, from W, which may overlap it, and reports in `outcome`.  A step is
+  /// done once `between` has left a state in the algebra of the flow; another state is refused by
+  /// std::invalid_argument.  However the run ends, by an exception too, `state` is that after the
+  /// steps of `outcome`.
+  void run(const Array& W, Array state, double h, long steps, const Calls& calls, Outcome& outcome);
 
   /// Returns the CPU seconds of each repetition: from W, `warmup` untimed steps of `state`, then
   /// `steps` timed ones.  After a failure the Outcome says so, with steps counted from W.

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "isosyrk/flows/scene.h"
+#include "isosyrk/scenes/scene.h"
 
 namespace isosyrk {
 

@@ -29,8 +29,8 @@ struct RunReport {
 RunReport run(Integrator& integrator, MatrixView W, double h, long steps);
 
 /// Advances W as above and calls `go_on(totals so far)` after every completed step.  Ends the run
-/// where that returns false.  Meanwhile the state is the integrator's; W is written at the end, by
-/// an exception of `go_on` too.
+/// where that returns false.  Meanwhile the state is the integrator's, which `go_on` may amend; W
+/// is written at the end, by an exception of `go_on` too.
 RunReport run_while(Integrator& integrator, MatrixView W, double h, long steps,
                     const std::function<bool(const RunReport&)>& go_on);
 

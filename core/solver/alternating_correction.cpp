@@ -83,7 +83,7 @@ double AlternatingCorrection::couple(Corrections& delta, TwoPartJacobian& jacobi
 Correction AlternatingCorrection::solve(Corrections& delta, TwoPartJacobian& jacobian,
                                         const Unknowns& x, const Corrections& R,
                                         const CorrectionRequest& request,
-                                        const SolverOptions& options) {
+                                        const IterationOptions& options) {
   copy_all(delta, R);
   if (request.part == JacobianPart::frozen) {
     jacobian.linearise(x, tuning.forcing_relative);

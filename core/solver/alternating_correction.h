@@ -37,7 +37,7 @@ class AlternatingCorrection {
   /// JacobianPart::frozen it makes Tuning::frozen_sweeps frozen sweeps and no more.
   Correction solve(Corrections& delta, TwoPartJacobian& jacobian, const Unknowns& x,
                    const Corrections& R, const CorrectionRequest& request,
-                   const SolverOptions& options);
+                   const IterationOptions& options);
 
  private:
   // rhs_ <- R + K delta and delta <- delta + rhs_ - rhs, with the rhs of the sweeps before.

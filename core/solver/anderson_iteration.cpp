@@ -5,7 +5,7 @@
 
 namespace isosyrk {
 
-SolveReport AndersonIteration::solve(FixedPointSystem& system, const SolverOptions& options,
+SolveReport AndersonIteration::solve(FixedPointSystem& system, const IterationOptions& options,
                                      Unknowns& x) {
   anderson_.begin(x);
   return solve_fixed_point(options, [&] {

@@ -14,7 +14,7 @@ class AndersonIteration {
   explicit AndersonIteration(const Unknowns& like) : R_(corrections_like(like)), anderson_(like) {}
 
   /// Solves from the given x, and returns how the iteration ended.
-  SolveReport solve(FixedPointSystem& system, const SolverOptions& options, Unknowns& x);
+  SolveReport solve(FixedPointSystem& system, const IterationOptions& options, Unknowns& x);
 
  private:
   Corrections R_;

@@ -1,6 +1,7 @@
 // The interface between solvers and equations x = G(x).
 #pragma once
 
+#include "isosyrk/iteration/iteration_options.h"
 #include "isosyrk/iteration/status.h"
 #include "isosyrk/solver/acceptance.h"
 #include "isosyrk/solver/unknowns.h"
@@ -48,7 +49,7 @@ class FixedPointSystem {
   /// residual().  The system chooses how: see AlternatingCorrection and NeumannCorrection.
   /// options.after_sweep is called after each of its inner sweeps.
   virtual Correction correct(Corrections& delta, const Unknowns& x, const Corrections& R,
-                             const CorrectionRequest& request, const SolverOptions& options) = 0;
+                             const CorrectionRequest& request, const IterationOptions& options) = 0;
 
   /// Returns the size of x to which the tolerance is relative.
   virtual double unit(const Unknowns&) const { return 1.0; }

@@ -14,7 +14,7 @@ NeumannCorrection::NeumannCorrection(const Unknowns& like)
 
 Correction NeumannCorrection::solve(Corrections& delta, Coupling& coupling, const Corrections& R,
                                     const CorrectionRequest& request,
-                                    const SolverOptions& options) {
+                                    const IterationOptions& options) {
   for (std::size_t kind = 0; kind < R.size(); ++kind) {
     copy(delta[kind], R[kind]);
     copy(term_[kind], R[kind]);

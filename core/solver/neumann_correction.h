@@ -24,7 +24,7 @@ class NeumannCorrection {
   /// terms are added.  Not usable if the terms do not decay.  There is no part with B frozen:
   /// JacobianPart::frozen gives delta = R.
   Correction solve(Corrections& delta, Coupling& coupling, const Corrections& R,
-                   const CorrectionRequest& request, const SolverOptions& options);
+                   const CorrectionRequest& request, const IterationOptions& options);
 
  private:
   Corrections term_, next_;  // K^k R and K^(k+1) R

@@ -37,7 +37,7 @@ bool Newton::sweeps_alone_converge(double change, double tolerance) const {
   return first * std::pow(contraction_, sweeps_ - 1) * change < tolerance;
 }
 
-SolveReport Newton::solve(FixedPointSystem& system, const SolverOptions& options, Unknowns& x) {
+SolveReport Newton::solve(FixedPointSystem& system, const IterationOptions& options, Unknowns& x) {
   const Acceptance rule = system.acceptance();
   const double tolerance = options.tolerance;
   const double accepting = tuning.accepting_accuracy * tolerance;

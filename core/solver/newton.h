@@ -18,7 +18,7 @@ class Newton {
   explicit Newton(const Unknowns& like);
 
   /// Solves from the given x, and returns how the iteration ended.
-  SolveReport solve(FixedPointSystem& system, const SolverOptions& options, Unknowns& x);
+  SolveReport solve(FixedPointSystem& system, const IterationOptions& options, Unknowns& x);
 
   /// Forgets what earlier iterations have shown: the contraction, and the error of start values.
   void forget();

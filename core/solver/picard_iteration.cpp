@@ -5,7 +5,7 @@
 
 namespace isosyrk {
 
-SolveReport PicardIteration::solve(FixedPointSystem& system, const SolverOptions& options,
+SolveReport PicardIteration::solve(FixedPointSystem& system, const IterationOptions& options,
                                    Unknowns& x) {
   return solve_fixed_point(options, [&] {
     const double unit = system.unit(x);
@@ -17,7 +17,8 @@ SolveReport PicardIteration::solve(FixedPointSystem& system, const SolverOptions
 }
 
 SolveReport PicardIteration::solve_with_frozen_sweeps(FixedPointSystem& system,
-                                                      const SolverOptions& options, Unknowns& x) {
+                                                      const IterationOptions& options,
+                                                      Unknowns& x) {
   return solve_fixed_point(options, [&] {
     const double unit = system.unit(x);
     const double accuracy = tuning.accepting_accuracy * options.tolerance;

@@ -16,9 +16,9 @@ class PicardIteration {
   explicit PicardIteration(const Unknowns& like) : R_(corrections_like(like)), delta_(R_) {}
 
   /// Solves from the given x, and returns how the iteration ended.
-  SolveReport solve(FixedPointSystem& system, const SolverOptions& options, Unknowns& x);
+  SolveReport solve(FixedPointSystem& system, const IterationOptions& options, Unknowns& x);
   /// The same with frozen sweeps.
-  SolveReport solve_with_frozen_sweeps(FixedPointSystem& system, const SolverOptions& options,
+  SolveReport solve_with_frozen_sweeps(FixedPointSystem& system, const IterationOptions& options,
                                        Unknowns& x);
 
  private:

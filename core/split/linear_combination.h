@@ -1,9 +1,9 @@
 // Linear combinations of split matrices: every sum over stages, past steps or corrections, in one
-// pass over memory.  They read as in the paper, with the output first:
+// pass over memory.  They read as in the paper, with the output first.  For
+// Q₁ = I - h Σ_j b_j QB_j, and for all W̃_i = W₀ + h Σ_j a_ij M_j:
 //
-//     Q1 = identity - h * sum(b, QB);                                       // Q₁ = I - h Σ_j b_j
-//     QB_j assign(Q, [&](std::size_t i) { return W0 + h * sum(row(i), M); });    // Q_i = W₀ + h
-//     Σ_j a_ij M_j
+//     Q1 = identity - h * sum(b, QB);
+//     assign(W, [&](std::size_t i) { return W0 + h * sum(row(i), M); });
 //
 // The sums cost O(s² n²) operations, products O(s n³).  At moderate n the sums still take a
 // noticeable part of a sweep, since they are limited by memory.  All weights are real, so a matrix
@@ -28,7 +28,7 @@ struct Multiple {
 };
 
 /// The term factor Σ_j w_j Y_j of a linear combination, with the weights w_j `stride` numbers
-/// apart. Terms of weight 0 are left out.  Holds pointers to the weights and to Y.
+/// apart.  Terms of weight 0 are left out.  Holds pointers to the weights and to Y.
 template <class Real>
 struct StageSum {
   double factor;
@@ -42,9 +42,9 @@ struct StageSum {
 template <class Real>
 class LinearCombination {
  public:
-  /// Largest number of terms, enough for any stage equation: X_j and M_jk, j <= k, of max_stages
-  /// stages.  Not checked.
-  static constexpr std::size_t most = max_stages * (max_stages + 3) / 2;
+  /// Largest number of terms, enough for any stage equation: X_j and M_jk, j <= k, of 20 stages
+  /// (catalogue/fast_forms.cpp asserts it).  Not checked.
+  static constexpr std::size_t most = 230;
 
   // Initialises and copies only the terms in use, since the arrays have room for many.
   LinearCombination() {}  // NOLINT(modernize-use-equals-default): `= default` may zero the arrays

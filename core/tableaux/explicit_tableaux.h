@@ -14,8 +14,8 @@ Tableau classical_runge_kutta4();
 
 /// A Runge-Kutta method of Munthe-Kaas: exponents Ω_i in the algebra, with k_i = h B(Ad(Ω_i) W₀),
 ///
-///     Ω_i = Σ_j a_ij k_j + Σ weight [k_left, k_right],    Ω = Σ_j b_j k_j + Σ weight [k_left,
-///     k_right]
+///     Ω_i = Σ_j a_ij k_j + Σ weight [k_left, k_right]
+///     Ω   = Σ_j b_j k_j  + Σ weight [k_left, k_right]
 ///
 /// where the second sums go over the commutators of that exponent.
 struct MuntheKaasScheme {

@@ -7,6 +7,10 @@
 
 namespace isosyrk {
 
+/// Largest number of stages of a tableau.  Up to here Gauss tableaux are accurate to the last
+/// digit.
+inline constexpr int max_stages = 20;
+
 /// Coefficients a_ij, b_i, c_i of a Runge-Kutta method with s stages.
 struct Tableau {
   std::string name;

@@ -33,9 +33,11 @@ def frameless(name):
 
 def method_name(integrator):
     """Returns the name of its method, one for all formulations and in the frame or not, as "Gauss, order 4"."""
-    family = re.match("[a-z_]*[a-z]", frameless(integrator.name))[0]
+    name = frameless(integrator.name)
+    family = "rk_projected" if name == "rk4_projected" else re.match("[a-z_]*[a-z]", name)[0]
     families = {**dict.fromkeys(FORMULATIONS, "Gauss"), "direct": "direct Gauss", "yoshida": "Yoshida",
-                "suzuki": "Suzuki", "kahan_li": "Kahan–Li", "rkmk": "RKMK", "rk": "Runge–Kutta"}
+                "suzuki": "Suzuki", "kahan_li": "Kahan–Li", "rkmk": "RKMK", "rk": "Runge–Kutta",
+                "rk_projected": "projected Runge–Kutta", "elp": "exponential Lie–Poisson", "magnus": "explicit Magnus"}
     return f"{families.get(family, family)}, order {integrator.order}"
 
 

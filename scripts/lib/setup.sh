@@ -6,6 +6,8 @@ PACKAGES=(build-essential cmake git libeigen3-dev libopenblas-pthread-dev liblap
           libbenchmark-dev libfmt-dev libgtest-dev libcli11-dev nlohmann-json3-dev python3)
 # What the NumPy module, the studies on it and charts need besides.
 STUDY_PACKAGES=(python3-dev pybind11-dev python3-numpy python3-matplotlib python3-tqdm python3-distributed)
+# What the tests need besides: the module is installed by pip.
+TEST_PACKAGES=(python3-venv python3-pip python3-setuptools python3-wheel)
 # What looking for data races needs besides.
 CLANG_PACKAGES=(clang libomp-dev)
 # What scripts/lint needs besides; formatting differs from version to version.

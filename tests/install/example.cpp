@@ -1,6 +1,6 @@
 #include <isosyrk/catalogue/make_integrator.h>
-#include <isosyrk/flows/scene.h>
 #include <isosyrk/linalg/spectrum.h>
+#include <isosyrk/scenes/euler_zeitlin_scenes.h>
 #include <isosyrk/simulation/run.h>
 #include <cstdio>
 

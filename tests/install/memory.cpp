@@ -2,7 +2,7 @@
 // holds them: the library was compiled for another vector unit than this program.
 #include <isosyrk/catalogue/integrator_list.h>
 #include <isosyrk/catalogue/make_integrator.h>
-#include <isosyrk/flows/scene.h>
+#include <isosyrk/scenes/euler_zeitlin_scenes.h>
 #include <isosyrk/simulation/run.h>
 
 #include <cstdio>

@@ -1,7 +1,8 @@
 // A method of the user's, that of core/README.md: its order, and that it keeps the spectrum, with
 // real and with complex matrices.
-#include <isosyrk/flows/scene.h>
 #include <isosyrk/linalg/spectrum.h>
+#include <isosyrk/scenes/euler_zeitlin_scenes.h>
+#include <isosyrk/scenes/scene_list.h>
 #include <isosyrk/simulation/run.h>
 
 #include <cmath>
@@ -16,7 +17,7 @@ namespace {
 bool keeps_the_spectrum_and_has_order_2(const isosyrk::Scene& scene) {
   const auto at_one = [&](long steps) {
     const auto method = isosyrk::make_in_arithmetic_of<isosyrk::CayleyMidpoint>(
-        scene.flow, isosyrk::SolverOptions{}, isosyrk::ProductBackend::openblas);
+        scene.flow, isosyrk::IterationOptions{}, isosyrk::ProductBackend::openblas);
     Matrix W = scene.initial;
     if (!isosyrk::run(*method, W, 1.0 / static_cast<double>(steps), steps).converged()) W.setZero();
     return W;

@@ -1,7 +1,7 @@
 // Runs the scene that core/README.md shows, by its name in the list.
 #include <isosyrk/catalogue/make_integrator.h>
-#include <isosyrk/flows/scene.h>
 #include <isosyrk/linalg/spectrum.h>
+#include <isosyrk/scenes/scene_list.h>
 #include <isosyrk/simulation/conservation.h>
 #include <isosyrk/simulation/run.h>
 

@@ -126,7 +126,7 @@ class Verdicts(GateTest):
         process = start(self.line("check_regression", "--quick"), env=self.settings(SLEEP="60"), cwd=self.folder,
                         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.addCleanup(end, process)
-        for _ in range(100):
+        for _ in range(600):
             if any("--serve" in call for call in self.calls("regression_cells")):
                 break
             time.sleep(0.1)

@@ -34,7 +34,7 @@ class InstalledLibrary(FolderTest):
         scene = os.path.join(folder, "scene")
         os.mkdir(scene)
         _, after = text_of(ROOT, "core", "README.md").split(BEGIN.replace("example", "bloch_iserles"))
-        with_lines = text_of(ROOT, "core", "flows", "scene_list.cpp")
+        with_lines = text_of(ROOT, "core", "scenes", "scene_list.cpp")
         for last in ("Scene pseudo_unitary(const SceneParameters& parameters);\n",
                      "    {\"pseudo_unitary\", &scenes::pseudo_unitary},\n"):
             before, after_last = with_lines.split(last)
@@ -60,8 +60,9 @@ class InstalledLibrary(FolderTest):
         (package,) = glob.glob(os.path.join(self.prefix, "lib", "**", "isosyrk", "__init__.py"), recursive=True)
         python = re.search(r"^_?Python_EXECUTABLE:\w+=(.*)$", text_of(BUILD, "CMakeCache.txt"), re.M).group(1)
         printed = self.done("env", f"PYTHONPATH={os.path.dirname(os.path.dirname(package))}", python, "-c",
-                            "import isosyrk; print(isosyrk.__file__, isosyrk.scene('smooth', n=9).initial.shape)")
-        self.assertEqual(printed, f"{package} (9, 9)\n")
+                            "import isosyrk; print(isosyrk.__file__, isosyrk.scene('smooth', n=9).initial.shape,"
+                            " isosyrk.conditions()['version'])")
+        self.assertEqual(printed, f"{package} (9, 9) {VERSION}\n")
 
     def test_module_is_built_for_the_python_that_has_numpy(self):
         # Without packages, and so without NumPy.

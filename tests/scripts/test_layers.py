@@ -1,4 +1,7 @@
-"""No module of scripts/lib imports against the list of modules in scripts/README.md, which names them all."""
+"""Layers: scripts/lib against the list of modules in scripts/README.md, and the rooms of core/ against its README.md.
+
+No module of scripts/lib imports against the list, which names them all. The table of rooms says what CMake enforces.
+"""
 
 import ast
 import os
@@ -55,6 +58,52 @@ class Layers(unittest.TestCase):
         self.assertEqual(upward(order, wrong), [("charts", "gone"), ("charts", "charts")])
         reversed_order = order[::-1]
         self.assertGreater(len(upward(reversed_order, sources)), 50)
+
+
+def rooms_of_cmake(text):
+    """Returns {room: the rooms that it may see} in the order of core/CMakeLists.txt."""
+    lines = re.findall(r"^isosyrk_room\((\w+)(?: MAY_SEE ([\w ]+))?\)$", text, re.MULTILINE)
+    return {room: set(seen.split()) for room, seen in lines}
+
+
+def rooms_of_page(text):
+    """Returns the same from the table of core/README.md."""
+    table = text.split("\n| room | may see | contents |\n")[1].split("\n\n")[0]
+    rooms = {}
+    for room, seen in re.findall(r"^\| `(\w+)` \| ([^|]+) \|", table, re.MULTILINE):
+        above, _, but = seen.partition(" but ")
+        if above == "all above":
+            rooms[room] = set(rooms) - set(re.findall(r"`(\w+)`", but))
+        else:
+            rooms[room] = set() if seen == "–" else set(seen.split(", "))
+    return rooms
+
+
+class Rooms(unittest.TestCase):
+    def test_the_page_says_what_cmake_enforces(self):
+        page, cmake = text_of(ROOT, "core", "README.md"), text_of(ROOT, "core", "CMakeLists.txt")
+        told, built = rooms_of_page(page), rooms_of_cmake(cmake)
+        told.pop("python")  # not a library
+        self.assertEqual(list(told.items()), list(built.items()))
+        self.assertGreater(len(built), 9)
+        # Controls: a room that may see more than the page says, one that the page forgets, another order.
+        for line, wrong in (("(scenes MAY_SEE linalg flows)", "(scenes MAY_SEE linalg flows split)"),
+                            ("isosyrk_room(iteration)\n", ""),
+                            ("isosyrk_room(iteration)\nisosyrk_room(linalg)\n",
+                             "isosyrk_room(linalg)\nisosyrk_room(iteration)\n")):
+            with self.subTest(line):
+                self.assertEqual(cmake.count(line), 1)
+                self.assertNotEqual(list(told.items()), list(rooms_of_cmake(cmake.replace(line, wrong)).items()))
+
+    def test_nothing_in_core_includes_the_programs(self):
+        core = os.path.join(ROOT, "core")
+        sources = {os.path.join(folder, name): text_of(folder, name)
+                   for folder, _, names in os.walk(core) for name in names if name.endswith((".h", ".cpp"))}
+        include = re.compile(r'^ *# *include *["<](?:\.\./)*benchmarks/', re.MULTILINE)
+        self.assertGreater(len(sources), 150)
+        self.assertEqual([path for path, text in sources.items() if include.search(text)], [])
+        # Control: what includes them is seen.
+        self.assertTrue(include.search(text_of(ROOT, "benchmarks", "conditions_module.cpp")))
 
 
 if __name__ == "__main__":

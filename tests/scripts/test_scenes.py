@@ -129,12 +129,13 @@ class Module(unittest.TestCase):
             self.assertNotIn("\n", str(caught.exception))
 
     def test_a_sweep_of_the_chain_costs_as_many_products_of_blocks_as_there_are_spins(self):
-        seconds = []
-        for n in (256, 1024):
-            scene = isosyrk.scene("spin_chain", n=n)
-            times = isosyrk.integrator(scene, "group1").timed_run(scene.initial, 0.1, 40, repetitions=5)
-            seconds.append(min(times))
-        self.assertLess(seconds[1] / seconds[0], 10)  # O(N): 4; dense products: 64
+        scenes = [isosyrk.scene("spin_chain", n=n) for n in (256, 1024)]
+        methods = [isosyrk.integrator(scene, "group1") for scene in scenes]
+        # In turns, and the least of many: what others do on this machine comes to both, and is in neither.
+        times = [[method.timed_run(scene.initial, 0.1, 20, repetitions=1)[0] for method, scene in zip(methods, scenes)]
+                 for _ in range(12)]
+        small, large = map(min, zip(*times))
+        self.assertLess(large / small, 24)  # O(N): 4; dense products: 64
 
 
 if __name__ == "__main__":

@@ -11,11 +11,14 @@ may be real or complex of any precision that complex128 holds; it is converted o
 never modified. Only `out` is written, and must be complex128, writable and in C order. W may be of any norm: the
 tolerance of an iteration is relative to it. Steps release the GIL. Ctrl-C ends a run after the sweep at hand (an
 explicit method: after the step at hand) or within a tenth of a second, whichever is later; making a scene and spectra
-cannot be interrupted. Bad values raise ValueError with one line that names the value and what is allowed, other types
-TypeError.
+cannot be interrupted. The KeyboardInterrupt, as any exception that ends a run, has the attributes W, the state after
+the last step done, and report, the work so far. Bad values raise ValueError with one line that names the value and what
+is allowed, other types TypeError.
 """
 
 import atexit
+import contextlib
+import importlib
 import math
 import operator
 import os
@@ -44,6 +47,7 @@ Matrix = NDArray[np.complex128]
 Mode = Tuple[int, int, float, float]
 
 SOLVERS = ("published", "fast")
+PRODUCTS = ("fastest", "openblas", "eigen")
 SWITCHES = ("predictor", "newton", "bands")
 LARGEST_N = 4096
 SKEW = 1e-10  # a matrix may be so far from skew-Hermitian, relative to its largest entry
@@ -59,7 +63,7 @@ class Report(NamedTuple):
     products: int  # n x n complex matrix products
     equivalent_products: float  # their work in full products in double precision
     poisson_solves: int  # evaluations of B
-    seconds: float  # CPU time of this process, without `observe`
+    seconds: float  # CPU time of this process, without `observe` and `between`
     contraction: float  # largest over all steps; 0 for explicit methods
     last_change: float  # of the last sweep: largest change of an unknown, as for the tolerance of integrator()
 
@@ -165,8 +169,9 @@ def scene(name: Optional[str] = None, n: Optional[int] = None, hbar: Optional[st
     arithmetic and on blocks where the scene is real or block diagonal.
 
     With `initial`, `generator` makes a flow of your own: a function that takes W (a complex128 array of shape (n, n), a
-    copy, exactly skew-Hermitian) and returns B(W), skew-Hermitian. All published forms integrate it. `hamiltonian` maps
-    W to a number.
+    copy, exactly skew-Hermitian) and returns B(W), skew-Hermitian. All published forms integrate it, but elp4 and elp6
+    only if it is linear and self-adjoint, tr(A B(C)) = tr(B(A) C): they try it on random matrices, to 1e-10, when the
+    first of them is made. `hamiltonian` maps W to a number.
     Raises ValueError for values out of range.
     """
     if modes is not None and initial is not None:
@@ -268,25 +273,46 @@ class Integrator:
         return self.run(W, h, 1, out=out)[0]
 
     def run(self, W: ArrayLike, h: float, steps: int, observe: Optional[Callable[[int, Matrix, Report], object]] = None,
-            every: int = 1, out: Optional[Matrix] = None) -> Tuple[Matrix, Report]:
+            every: int = 1, out: Optional[Matrix] = None, between: Optional[Callable[[int, Matrix], object]] = None,
+            progress: bool = False) -> Tuple[Matrix, Report]:
         """Takes `steps` steps of size h from W; returns the last state, shape (n, n), and the work.
 
         observe(step, W, report) is called after every `every` steps and after the last; W is then a read-only view, to
         be copied if it is to be kept. The run ends where it returns True.
-        out: the array to work in and return, which may be W itself; otherwise a new one. After an exception it holds
-        the state after the last completed step.
-        Raises SolverError if a step does not converge.
+        out: the array to work in and return, which may be W itself; otherwise a new one.
+        between(step, W) may change W in place after every step, before `observe` sees it: forcing, damping, splitting.
+        After a small change a fast method still predicts from its past steps. W must stay in the algebra of the scene;
+        otherwise ValueError.
+        progress: shows a bar by tqdm on stderr; ImportError if that is not installed.
+
+        Raises SolverError if a step does not converge. Whatever exception ends the run, of `observe` and `between` and
+        KeyboardInterrupt too, has the attributes W (`out`, if that was given) and report. A step is done when its
+        `between` is; W is the state after the report.steps steps that are. From there the run can go on. A SolverError
+        of another run, begun in `observe` or `between`, keeps its own.
         """
         state = _state(W, self.scene)
         h, steps, every = _real(h, "h"), _whole(steps, "steps", 0), _whole(every, "every", 1)
         if observe is not None and not callable(observe):
             raise TypeError(f"observe: is a {type(observe).__name__}, must be a function of step, W and report")
+        if between is not None and not callable(between):
+            raise TypeError(f"between: is a {type(between).__name__}, must be a function of step and W")
+        if not isinstance(progress, (bool, np.bool_)):
+            raise TypeError(f"progress: is a {type(progress).__name__}, must be True or False")
         self._require_threads()
         if out is None:
             out = np.empty((self.scene.n, self.scene.n), np.complex128)
         result = _output(out, self.scene.n)
-        observer = None if observe is None else _observer(observe, result)
-        outcome = self._core.run(state, result, h, steps, observer, every)
+        outcome = _core.Outcome()
+        with _Bar(steps, outcome) if progress else contextlib.nullcontext() as advance:
+            calls = _core.Calls(None if between is None else _amender(between, result),
+                                None if observe is None else _observer(observe, result), every, advance)
+            try:
+                self._core.run(state, result, h, steps, calls, outcome)
+            except BaseException as error:
+                if outcome.begun and not isinstance(error, SolverError):
+                    with contextlib.suppress(AttributeError, TypeError):  # a class of exceptions may have none
+                        error.W, error.report = out, _report(outcome)
+                raise
         return out, self._report(outcome, out)
 
     def timed_run(self, W: ArrayLike, h: float, steps: int, repetitions: int = 7, warmup: int = 0) -> List[float]:
@@ -340,7 +366,7 @@ def integrator(scene: Scene, name: str, solver: str = "published", tolerance: fl
                several times sooner; for Euler-Zeitlin, otherwise ValueError.
     tolerance  of the iteration, at least 1e-15: the largest change of an unknown, Frobenius norm. Unknowns that scale
                with W are measured in units of the power of two nearest to the 2-norm of W; those of the group are
-               absolute.
+               absolute; Omega of elp2, elp4 and elp6 is relative to its own norm.
     threads    of the fast solver, 1 to 64; the answer is bit for bit the same. A process forked after a run with
                several threads raises RuntimeError: OpenMP hangs there.
     max_sweeps of a step, 1 to 1000000.
@@ -367,8 +393,9 @@ def integrator(scene: Scene, name: str, solver: str = "published", tolerance: fl
     if solver == "fast" and products != "openblas":
         raise ValueError("products: goes with solver 'published' only; fast forms have products of their own")
     max_sweeps = _whole(max_sweeps, "max_sweeps", 1, 10**6)
-    core = _core.Stepper(scene._core, entry.name, solver == "fast", tolerance, max_sweeps, threads,
-                         *(each not in without for each in SWITCHES), _text(products, "products"))
+    core = _core.Stepper(scene._core, entry.name, solver=solver, tolerance=tolerance, max_sweeps=max_sweeps,
+                         threads=threads, products=_products(products, scene.n),
+                         **{each: each not in without for each in SWITCHES})
     return Integrator(scene, entry, solver, threads, core)
 
 
@@ -381,15 +408,16 @@ def integrators() -> List[IntegratorRecord]:
 def conditions(products: str = "fastest", sizes: Iterable[int] = ()) -> Dict[str, str]:
     """Returns the conditions of a measurement, as text: commit, compiler, processor, BLAS and its kernels, environment.
 
-    Product rates are measured at the given n, about half a second each.
+    Product rates are measured at the given n, about half a second each. Raises RuntimeError where the module was built
+    without its extension that measures.
     """
-    return _core.conditions(_text(products, "products"), [_whole(n, "n", 2, LARGEST_N) for n in sizes])
+    return _measuring().conditions(_text(products, "products"), [_whole(n, "n", 2, LARGEST_N) for n in sizes])
 
 
 def product_rate(n: int, solver: str = "fast") -> float:
     """Returns the products of n x n matrices per CPU second, as measured here in a twentieth of a second: of the fast
-    forms' products, or of published forms' with the faster backend."""
-    return _core.product_rate(_whole(n, "n", 2, LARGEST_N), _solver(solver) == "fast")
+    forms' products, or of published forms' with the faster backend. Raises RuntimeError as conditions()."""
+    return _measuring().product_rate(_whole(n, "n", 2, LARGEST_N), _solver(solver))
 
 
 def spectrum(W: ArrayLike) -> NDArray[np.float64]:
@@ -434,6 +462,15 @@ def relative_error(W: ArrayLike, reference: ArrayLike) -> float:
     return float(np.linalg.norm(_square(W, len(reference)) - reference) / np.linalg.norm(reference))
 
 
+def _measuring():
+    """Returns the extension that measures, built in benchmarks/ beside the programs that do."""
+    try:
+        return importlib.import_module("._conditions", __name__)
+    except ModuleNotFoundError:
+        raise RuntimeError("isosyrk: was built without the extension that measures; its CMake target is"
+                           " isosyrk_conditions") from None
+
+
 # ---- arguments
 
 
@@ -446,6 +483,38 @@ def _observer(observe, W):
         return isinstance(result, (bool, np.bool_)) and bool(result)
 
     return called
+
+
+def _amender(between, W):
+    def called(step):
+        view = W.view()
+        result = between(step, view)
+        if result is not None and result is not view:
+            raise TypeError(f"between: returned a {type(result).__name__}, must change W in place and return None")
+
+    return called
+
+
+class _Bar:
+    """A bar of progress. In a `with` it is what a run calls with the number of steps done."""
+
+    def __init__(self, steps, outcome):
+        try:
+            from tqdm.auto import tqdm
+        except ImportError:
+            raise ImportError("progress: needs tqdm (the package python3-tqdm, or pip install tqdm)") from None
+        self._bar = tqdm(total=steps, unit="step")
+        self._outcome = outcome
+
+    def __enter__(self):
+        return self._show
+
+    def _show(self, step):
+        self._bar.update(step - self._bar.n)
+
+    def __exit__(self, *_):
+        self._show(self._outcome.steps)
+        self._bar.close()
 
 
 def _report(outcome):
@@ -510,6 +579,13 @@ def _solver(value):
     if _text(value, "solver") not in SOLVERS:
         raise ValueError(f"solver '{value}': must be published or fast")
     return value
+
+
+def _products(value, n):
+    """Returns the backend of a choice of products for n x n matrices, measured if that is "fastest"."""
+    if _text(value, "products") not in PRODUCTS:
+        raise ValueError(f"products '{value}': must be fastest, openblas or eigen")
+    return _measuring().fastest_products(n) if value == "fastest" else value
 
 
 def _whole(value, what, least, most=10**15):

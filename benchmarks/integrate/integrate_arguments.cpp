@@ -1,0 +1,143 @@
+#include "benchmarks/integrate/integrate_arguments.h"
+
+#include <fmt/ranges.h>
+
+#include "benchmarks/command_line.h"
+#include "isosyrk/catalogue/fast_forms.h"
+
+namespace isosyrk {
+namespace {
+
+bool given(const CLI::App& line, const char* option) { return line.count(option) > 0; }
+
+// P,Q of --signature.
+std::pair<Index, Index> read_signature(const std::string& option, const std::string& text) {
+  const auto comma = text.find(',');
+  if (comma == std::string::npos) {
+    throw BadArgument(fmt::format("{} '{}': must be P,Q", option, text));
+  }
+  return {whole_number(option, text.substr(0, comma), 1, 4095),
+          whole_number(option, text.substr(comma + 1), 1, 4095)};
+}
+
+std::string read_scene(const std::string& option, const std::string& text) {
+  require_scene(option, text);
+  return text;
+}
+
+// The integrator as it was asked for: by its name, or by a formulation and its stages.
+struct IntegratorChoice {
+  std::string name;
+  int stages = 0;
+};
+
+// --integrator, or --formulation and --stages, and --solver with its threads.
+void choose_integrator(const IntegratorChoice& choice, const CLI::App& line,
+                       IntegrateRequest& request) {
+  const bool by_name = given(line, "--integrator");
+  if (by_name && (given(line, "--formulation") || given(line, "--stages"))) {
+    throw BadArgument(fmt::format(
+        "--integrator {}: must stand alone, in place of --formulation and --stages", choice.name));
+  }
+  if (request.solver == Solver::fast && given(line, "--products")) {
+    throw BadArgument(
+        fmt::format("--solver fast: has products of its own; must stand without --products {}",
+                    line["--products"]->as<std::string>()));
+  }
+  if (request.solver == Solver::published && given(line, "--threads")) {
+    throw BadArgument(
+        fmt::format("--threads {}: must go with --solver fast; others have one", request.threads));
+  }
+  note_more_threads_than_cores("integrate", request.threads);
+  const FastOptions options = with_defaults({.threads = request.threads}, request.n);
+  if (by_name) {
+    request.integrator = integrator_entry(choice.name, request.solver, options);
+    return;
+  }
+  for (const char* option : {"--stages", "--formulation"}) {
+    if (!given(line, option)) {
+      throw BadArgument(fmt::format("{} is required, or --integrator", option));
+    }
+  }
+  request.integrator = gauss_entry(*request.formulation, choice.stages, request.solver, options);
+}
+
+// --scene, --modes or --initial.
+void choose_scene(const CLI::App& line, IntegrateRequest& request) {
+  // Other scenes have no modes, and take --initial for their own flow.
+  const bool own_flow = !is_euler_zeitlin(request.scene);
+  if (own_flow && request.modes_file) {
+    throw BadArgument(fmt::format("--modes {}: goes with Euler-Zeitlin, not with --scene {}",
+                                  *request.modes_file, request.scene));
+  }
+  const bool scene_has_data = given(line, "--scene") && !own_flow;
+  if (scene_has_data + request.modes_file.has_value() + request.initial_file.has_value() > 1) {
+    throw BadArgument("--scene, --modes, --initial: each has initial data; must be one of them");
+  }
+  if (own_flow && request.hbar) {
+    throw BadArgument(fmt::format("--hbar {}: goes with Euler-Zeitlin, not with --scene {}",
+                                  name(*request.hbar), request.scene));
+  }
+  if (request.modes_file) {
+    request.scene = "modes";
+  } else if (request.initial_file) {
+    if (!own_flow) request.scene = "initial";
+  } else if (request.scene == "smooth" && request.n < 5) {
+    throw BadArgument(fmt::format(
+        "--n {}: the default modes (l <= 4) need n >= 5; smaller n needs --modes or --initial",
+        request.n));
+  }
+}
+
+}  // namespace
+
+std::variant<IntegrateRequest, int> read_integrate_arguments(int argc, char** argv) {
+  CLI::App line{
+      "Integrates a scene, Euler-Zeitlin by default, with one formulation of an isospectral "
+      "symplectic Runge-Kutta (Gauss) method, or with any listed integrator."};
+  IntegrateRequest request;
+  IntegratorChoice choice;
+  add_value(line, "--n", request.n, Whole<Index>{2, 4096}, "matrix size, 2 to 4096")->required();
+  add_value(line, "--stages", choice.stages, Whole<int>{1, max_stages},
+            "stages of the Gauss tableau, 1 to 20");
+  add_value(line, "--formulation", request.formulation, Named{&formulation_from_name},
+            "cotangent, group or algebra");
+  add_value(line, "--integrator", choice.name, Text{},
+            "name of a listed integrator, in place of --formulation and --stages");
+  add_value(line, "--step", request.step, Real{"positive and finite", positive}, "step size h > 0")
+      ->required();
+  add_value(line, "--time", request.time, Real{"0 or positive, and finite", 0.0},
+            "end time T >= 0, a whole number of steps")
+      ->required();
+  add_value(line, "--tolerance", request.iteration.tolerance,
+            Real{"at least 1e-15, and finite", 1e-15},
+            "of the fixed point, relative to W, >= 1e-15 (default 1e-13)");
+  add_value(line, "--max-sweeps", request.iteration.max_sweeps, Whole<int>{1, 1000000},
+            "sweeps allowed in a step (default 1000)");
+  add_value(line, "--hbar", request.hbar, Named{&hbar_convention_from_name},
+            "paper: 2/sqrt(n(n-1)) (default); standard: 2/sqrt(n^2-1)");
+  add_value(line, "--products", request.products, Named{&backend_choice_from_name},
+            "fastest (default), openblas or eigen");
+  add_value(line, "--solver", request.solver, Named{&solver_from_name},
+            "published (default), or fast: the same answer to the tolerance, sooner");
+  add_value(line, "--threads", request.threads, thread_count,
+            "of --solver fast, 1 (default) to 64");
+  add_value(line, "--scene", request.scene, read_scene,
+            fmt::format("one of {} (default smooth)", fmt::join(scene_names(), ", ")));
+  add_value(line, "--signature", request.signature, read_signature,
+            "P,Q with P + Q = n, of pseudo_unitary");
+  add_value(line, "--modes", request.modes_file, Text{},
+            "initial modes, CSV with the header l,m,re,im");
+  add_value(line, "--initial", request.initial_file, Text{},
+            "W at time 0, NumPy .npy as --output writes it");
+  add_value(line, "--output", request.output_file, Text{}, "write W(T) as NumPy .npy, complex128");
+  line.add_flag("--json", request.json, "print one JSON object")->disable_flag_override();
+  if (const auto exit_code = read_arguments(line, argc, argv)) return *exit_code;
+
+  of_option([&] { choose_integrator(choice, line, request); });
+  request.steps = step_count(request.time, request.step);
+  choose_scene(line, request);
+  return request;
+}
+
+}  // namespace isosyrk

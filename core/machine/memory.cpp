@@ -1,0 +1,153 @@
+#include "isosyrk/machine/memory.h"
+
+#include <fmt/format.h>
+#include <malloc.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+
+#include "isosyrk/flows/euler_zeitlin.h"
+#include "isosyrk/split/split_matrix.h"
+
+namespace isosyrk {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double unlimited = std::numeric_limits<double>::infinity();
+// Address space of the buffer of one thread of OpenBLAS, as built for any x86-64 processor.
+constexpr double blas_buffer = 128.0 * 1024.0 * 1024.0;
+
+// The number behind a key in a file of words, or without a key the number that the file holds.
+// None for "max" and for a file that is not there.
+std::optional<double> number_in(const fs::path& file, const std::string& key = "") {
+  std::ifstream input(file);
+  std::string word;
+  while (word != key && input >> word) {
+  }
+  double number = 0.0;
+  if (input >> number) return number;
+  return {};
+}
+
+// How the two versions of cgroups name their files.
+struct CgroupFiles {
+  const char* folder;
+  const char* limit;
+  const char* usage;
+  const char* pages;  // before active_file and inactive_file in memory.stat
+};
+constexpr CgroupFiles version1 = {"memory", "memory.limit_in_bytes", "memory.usage_in_bytes",
+                                  "total_"};
+constexpr CgroupFiles version2 = {"", "memory.max", "memory.current", ""};
+
+double available_in(const fs::path& cgroup, const CgroupFiles& files) {
+  const auto limit = number_in(cgroup / files.limit);
+  const auto usage = number_in(cgroup / files.usage);
+  if (!limit || !usage) return unlimited;
+  double pages = 0.0;
+  for (const char* kind : {"active_file", "inactive_file"}) {
+    pages += number_in(cgroup / "memory.stat", std::string(files.pages) + kind).value_or(0.0);
+  }
+  return std::max(0.0, *limit - std::max(0.0, *usage - pages));
+}
+
+// /proc/self/cgroup has lines number:controllers:path, no controllers for version 2.
+double available_in_cgroups(const fs::path& root) {
+  double least = unlimited;
+  std::ifstream input(root / "proc/self/cgroup");
+  std::string line;
+  while (std::getline(input, line)) {
+    const auto first = line.find(':');
+    const auto second = line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    const std::string controllers = fmt::format(",{},", line.substr(first + 1, second - first - 1));
+    const bool is_memory = controllers.find(",memory,") != std::string::npos;
+    if (!is_memory && controllers != ",,") continue;
+    const CgroupFiles& files = is_memory ? version1 : version2;
+    const fs::path top = root / "sys/fs/cgroup" / files.folder;
+    fs::path path = fs::path(line.substr(second + 1)).relative_path();
+    least = std::min(least, available_in(top, files));
+    for (; !path.empty(); path = path.parent_path()) {
+      least = std::min(least, available_in(top / path, files));
+    }
+  }
+  return least;
+}
+
+double address_space_left(const fs::path& root) {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return unlimited;
+  const double pages = number_in(root / "proc/self/statm").value_or(0.0);
+  const double size = pages * static_cast<double>(sysconf(_SC_PAGESIZE));
+  return std::max(0.0, static_cast<double>(limit.rlim_cur) - size);
+}
+
+// Bytes that malloc has handed out, in all its arenas.
+double allocated_bytes() {
+  const struct mallinfo2 info = mallinfo2();
+  return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
+}
+
+}  // namespace
+
+MemoryLimit available_memory(const fs::path& root) {
+  constexpr double kilobyte = 1024.0;
+  const auto of_machine = number_in(root / "proc/meminfo", "MemAvailable:");
+  MemoryLimit least = {kilobyte * of_machine.value_or(unlimited), "the machine"};
+  const MemoryLimit others[] = {{available_in_cgroups(root), "the cgroup"},
+                                {std::max(0.0, address_space_left(root) - blas_buffer),
+                                 "the limit of this process (ulimit -v)"}};
+  for (const MemoryLimit& other : others) {
+    if (other.bytes < least.bytes) least = other;
+  }
+  return least;
+}
+
+double integrator_bytes(const IntegratorEntry& integrator, Index n) {
+  constexpr Index largest_made = 96;  // from here on fast forms have all their threads
+  const Index made = std::min(n, largest_made);
+  const auto flow = std::make_shared<const EulerZeitlin>(made);
+  const double before = allocated_bytes();
+  auto instance = integrator.make(flow, {}, ProductBackend::openblas);
+  const double with = allocated_bytes();
+  instance.reset();
+  const double bytes = std::min(with - before, with - allocated_bytes());
+  const auto entries = [](Index size) {
+    return static_cast<double>(size) * static_cast<double>(split_row<double>(size));
+  };
+  return std::max(0.0, bytes) * entries(n) / entries(made);
+}
+
+void require_memory(const std::string& what, const IntegratorEntry& integrator, Index n) {
+  // At most so many n x n complex matrices beside the integrator: states, spectra, output.
+  constexpr double other_matrices = 8.0;
+  constexpr double gigabyte = 1e9;
+  require_memory_of_blas();
+  const auto size = static_cast<double>(n);
+  const double needed =
+      integrator_bytes(integrator, n) + other_matrices * size * size * sizeof(Complex);
+  const MemoryLimit limit = available_memory();
+  if (needed <= limit.bytes) return;
+  throw std::invalid_argument(fmt::format(
+      "{}: needs {:.3g} GB of memory, and {} has {:.3g} GB left; n or stages must be smaller", what,
+      needed / gigabyte, limit.source, limit.bytes / gigabyte));
+}
+
+void require_memory_of_blas() {
+  constexpr double megabyte = 1e6;
+  constexpr double for_the_rest = 16.0 * megabyte;
+  const double left = address_space_left("/");
+  if (left >= blas_buffer + for_the_rest) return;
+  throw std::invalid_argument(fmt::format(
+      "OpenBLAS needs {:.0f} MB of address space for its buffer, and the limit of this process "
+      "(ulimit -v) has {:.0f} MB left; it must be higher",
+      (blas_buffer + for_the_rest) / megabyte, left / megabyte));
+}
+
+}  // namespace isosyrk

@@ -1,0 +1,1 @@
+#include <isosyrk/scenes/scene.h>
