@@ -7,6 +7,7 @@
 #include "isosyrk/fast/algebra_system.h"
 #include "isosyrk/fast/cotangent_system.h"
 #include "isosyrk/fast/direct_system.h"
+#include "isosyrk/fast/exponential_system.h"
 #include "isosyrk/fast/fast_explicit.h"
 #include "isosyrk/fast/fast_integrator.h"
 #include "isosyrk/fast/group_system.h"
@@ -92,6 +93,22 @@ MakeFast fast_direct(int s) {
       return std::make_unique<DirectSystem>(*flow, tableau, chosen.threads, *chosen.bands);
     };
     return std::make_unique<FastIntegrator>(flow, system, chosen);
+  };
+}
+
+MakeFast fast_exponential(int order) {
+  return [order](const auto& flow, const FastOptions& options) {
+    const FastOptions chosen = chosen_for(flow, 1, options);
+    const auto system = [&] {
+      return std::make_unique<ExponentialSystem>(*flow, order, chosen.threads, *chosen.bands);
+    };
+    return std::make_unique<FastIntegrator>(flow, system, chosen);
+  };
+}
+
+MakeFast fast_magnus(int order) {
+  return [order](const auto& flow, const FastOptions& options) {
+    return std::make_unique<FastMagnus>(flow, order, chosen_for(flow, 1, options));
   };
 }
 

@@ -35,6 +35,10 @@ MakeFast fast_gauss(Formulation formulation, int s);
 MakeFast fast_composition(const CompositionScheme& scheme);
 MakeFast fast_direct(int s);
 MakeFast fast_munthe_kaas4();
+/// ExponentialLiePoisson of order 2, 4 or 6.
+MakeFast fast_exponential(int order);
+/// The explicit Magnus method of order 4 or 5.
+MakeFast fast_magnus(int order);
 MakeFast fast_runge_kutta4();
 
 /// Returns the entry with the fast form in place of the published one, and "fast_" before its name.

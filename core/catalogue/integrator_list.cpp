@@ -92,6 +92,7 @@ IntegratorEntry exponential_entry(int order) {
           .order = order,
           .keeps = isosyrk_properties,
           .make = make_implicit<ExponentialLiePoisson>(order),
+          .make_fast = fast_exponential(order),
           .in_frame = true};
 }
 
@@ -147,6 +148,7 @@ std::vector<IntegratorEntry> make_list() {
                   .keeps = explicit_isospectral_properties,
                   .is_explicit = true,
                   .make = make_explicit<ExplicitMagnus4>(),
+                  .make_fast = fast_magnus(4),
                   .in_frame = true});
   list.push_back({.name = "magnus5",
                   .stages = 8,
@@ -154,6 +156,7 @@ std::vector<IntegratorEntry> make_list() {
                   .keeps = explicit_isospectral_properties,
                   .is_explicit = true,
                   .make = make_explicit<ExplicitMagnus5>(),
+                  .make_fast = fast_magnus(5),
                   .in_frame = true});
   list.push_back(projected_entry());
   // Controls: methods that do not keep the structure.

@@ -171,7 +171,7 @@ ResidualSize ExponentialSystem::residual(Corrections& R, Unknowns& x, double acc
 
 Correction ExponentialSystem::correct(Corrections& delta, const Unknowns& x, const Corrections& R,
                                       const CorrectionRequest& request,
-                                      const SolverOptions& options) {
+                                      const IterationOptions& options) {
   round_to_single(Omega_single_, x[0][0]);
   Correction correction = correction_.solve(delta, *this, R, request, options);
   if (order_ > 2) {  // the derivative that K leaves out

@@ -45,7 +45,7 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   void start(Unknowns& x, Start how) override;
   ResidualSize residual(Corrections& R, Unknowns& x, double accuracy) override;
   Correction correct(Corrections& delta, const Unknowns& x, const Corrections& R,
-                     const CorrectionRequest& request, const SolverOptions& options) override;
+                     const CorrectionRequest& request, const IterationOptions& options) override;
   double unit(const Unknowns& x) const override;
   Acceptance acceptance() const override { return {.by = Acceptance::By::error_estimate}; }
   /// W1 is not finite where ‖Ω‖ is beyond SplitExponential.

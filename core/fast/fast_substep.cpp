@@ -1,5 +1,6 @@
 #include "isosyrk/fast/fast_substep.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace isosyrk {
@@ -8,16 +9,19 @@ FastSubstep::FastSubstep(std::unique_ptr<StageSystem> system, const FastOptions&
     : system_(std::move(system)),
       options_(options.iteration),
       attempts_(system_->attempts(options.newton)),
+      predicts_(std::ranges::any_of(
+          attempts_, [](const Attempt& attempt) { return attempt.start == Start::predicted; })),
       x_(system_->unknowns()),
       newton_(x_),
       picard_(x_),
       anderson_(x_),
-      predictor_(options.past_steps.value_or(tuning.past_steps(x_[0][0].size())), x_) {}
+      predictor_(predicts_ ? options.past_steps.value_or(tuning.past_steps(x_[0][0].size())) : 0,
+                 x_) {}
 
 bool FastSubstep::starts(Start how, double h) {
   if (how == Start::predicted) return predictor_.predict(h, x_);
   system_->start(x_, how);
-  newton_.forget();
+  if (how == Start::cold) newton_.forget();
   return true;
 }
 
@@ -52,7 +56,7 @@ StepReport FastSubstep::advance(SplitMatrix& W1, const SplitMatrix& W0, double h
   }
   if (report.status == Status::converged) {
     system_->update(W1, x_);
-    if (past == Past::used) predictor_.accept(h, x_);
+    if (past == Past::used && predicts_) predictor_.accept(h, x_);
   }
   return report;
 }

@@ -49,6 +49,7 @@ class FastSubstep {
   std::unique_ptr<StageSystem> system_;
   IterationOptions options_;
   std::vector<Attempt> attempts_;
+  bool predicts_;  // if an attempt starts from past steps
   Unknowns x_;
   Newton newton_;
   PicardIteration picard_;
