@@ -396,7 +396,7 @@ TEST(ProjectedRungeKutta, KeepsTheSpectrumOfTheStateThatWasSet) {
 TEST(SpectralProjection, IsTheNearestMatrixWithTheSpectrum) {
   for (const auto& [n, b] : {std::pair<Index, Index>{8, 8}, {65, 65}, {8, 2}}) {
     const QuadraticAlgebra algebra = QuadraticAlgebra::skew_hermitian(n, b);
-    const auto in_blocks = [&, b = b](unsigned seed) {
+    const auto in_blocks = [&, n = n, b = b](unsigned seed) {
       return entries_of(random_skew_hermitian(n, seed),
                         [b](Index r, Index c) { return r / b == c / b; });
     };
