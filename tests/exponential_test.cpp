@@ -232,7 +232,10 @@ TEST(ExponentialLiePoisson, TakesTheProductsAndSolvesThatItsHeaderSays) {
   }
 }
 
-// Energies of two thousand steps: means over the first and the last fifth.
+// Energies of two thousand steps: means over the first and the last fifth.  Rounding decides which
+// part of its orbit a state shows in the last fifth.  Starts that lie 1e-15 apart, four for each
+// method, give 0.001 to 0.56 of the largest error of the first fifth where there is no drift,
+// and 3.9 to 7.3 where there is.
 TEST(ExponentialLiePoisson, HasNoDriftOfTheEnergyAndMagnusHas) {
   const Scene scene = smooth_scene(9);
   const double energy = scene.flow->energy(scene.initial);
@@ -251,7 +254,7 @@ TEST(ExponentialLiePoisson, HasNoDriftOfTheEnergyAndMagnusHas) {
   };
   for (const char* name : {"elp2", "elp4", "elp6"}) {
     const auto [drift, bound] = drift_and_bound(name);
-    EXPECT_LE(drift, 0.5 * bound) << name;
+    EXPECT_LE(drift, bound) << name;
     EXPECT_LE(bound, 1e-2) << name;
   }
   for (const char* name : {"magnus4", "magnus5", "rk4_projected"}) {
@@ -393,7 +396,7 @@ TEST(ProjectedRungeKutta, KeepsTheSpectrumOfTheStateThatWasSet) {
 TEST(SpectralProjection, IsTheNearestMatrixWithTheSpectrum) {
   for (const auto& [n, b] : {std::pair<Index, Index>{8, 8}, {65, 65}, {8, 2}}) {
     const QuadraticAlgebra algebra = QuadraticAlgebra::skew_hermitian(n, b);
-    const auto in_blocks = [&, b = b](unsigned seed) {
+    const auto in_blocks = [&, n = n, b = b](unsigned seed) {
       return entries_of(random_skew_hermitian(n, seed),
                         [b](Index r, Index c) { return r / b == c / b; });
     };

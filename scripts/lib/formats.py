@@ -267,7 +267,7 @@ class CellKey(NamedTuple):
 
 @dataclass(frozen=True)
 class Measurement:
-    """One cell: CPU seconds by process, in each the median of its repetitions, and counters, or why it failed."""
+    """One cell: CPU seconds by process, in each the least of its repetitions, and counters, or why it failed."""
 
     times: Dict[int, float] = field(default_factory=dict)
     counters: Dict[str, float] = field(default_factory=dict)
@@ -367,7 +367,7 @@ def measurement(rows, counters, optional):
     times = {}
     for row, values in zip(rows, found):
         times.setdefault(row.get("process", 0), []).append(SECONDS_PER_UNIT[values["time_unit"]] * values["cpu_time"])
-    return Measurement({process: statistics.median(seconds) for process, seconds in times.items()},
+    return Measurement({process: min(seconds) for process, seconds in times.items()},
                        {name: statistics.median(row[name] for row in found) for name in names})
 
 

@@ -10,6 +10,8 @@ STUDY_PACKAGES=(python3-dev pybind11-dev python3-numpy python3-matplotlib python
 TEST_PACKAGES=(python3-venv python3-pip python3-setuptools python3-wheel)
 # What looking for data races needs besides.
 CLANG_PACKAGES=(clang libomp-dev)
+# The runtime of its sanitizers, which Ubuntu 22.04 (jammy) has in another package that clang depends on.
+grep -qs '^VERSION_CODENAME=jammy' /etc/os-release || CLANG_PACKAGES+=(libclang-rt-dev)
 # What scripts/lint needs besides; formatting differs from version to version.
 LINT_PACKAGES=(clang-format-14 clang-tidy-14 flake8)
 
