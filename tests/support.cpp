@@ -173,6 +173,19 @@ std::unique_ptr<Integrator> gauss(Formulation formulation, const Flow& flow, int
   return made(gauss_entry(formulation, s), flow, {.tolerance = tolerance});
 }
 
+void PrintTo(const SceneCase& scene, std::ostream* out) { *out << scene.name; }
+
+const std::vector<SceneCase>& tested_scenes() {
+  static const std::vector<SceneCase> scenes = {{"smooth", {9}},
+                                                {"rough", {9}},
+                                                {"euler_top", {3}},
+                                                {"rigid_body", {7}},
+                                                {"spin_chain", {10}},
+                                                {"symplectic", {6}},
+                                                {"pseudo_unitary", {5, {}, {{3, 2}}}}};
+  return scenes;
+}
+
 void PrintTo(const Method& method, std::ostream* out) {
   *out << name(method.formulation) << method.s;
 }

@@ -90,6 +90,16 @@ bool takes(const IntegratorEntry& entry, const Flow& flow);
 /// The entries of integrators() that have a fast form.
 std::vector<IntegratorEntry> fast_integrators();
 
+/// A scene of the list with a size at which it is tested.
+struct SceneCase {
+  std::string name;
+  SceneParameters parameters;
+};
+void PrintTo(const SceneCase& scene, std::ostream* out);
+
+/// Every scene of the list, for the tests that go through them all.
+const std::vector<SceneCase>& tested_scenes();
+
 /// The formulation with the Gauss tableau of s stages, OpenBLAS products, tolerance 1e-13.
 std::unique_ptr<Integrator> gauss(Formulation formulation, const Flow& flow, int s,
                                   double tolerance = 1e-13);

@@ -11,21 +11,6 @@
 namespace isosyrk::testing {
 namespace {
 
-struct SceneCase {
-  std::string name;
-  SceneParameters parameters;
-};
-
-void PrintTo(const SceneCase& scene, std::ostream* out) { *out << scene.name; }
-
-const std::vector<SceneCase> tested_scenes = {{"smooth", {9}},
-                                              {"rough", {9}},
-                                              {"euler_top", {3}},
-                                              {"rigid_body", {7}},
-                                              {"spin_chain", {10}},
-                                              {"symplectic", {6}},
-                                              {"pseudo_unitary", {5, {}, {{3, 2}}}}};
-
 class EachScene : public ::testing::TestWithParam<SceneCase> {
  protected:
   const Scene scene = scene_by_name(GetParam().name, GetParam().parameters);
@@ -35,12 +20,12 @@ class EachScene : public ::testing::TestWithParam<SceneCase> {
   double step(double h_norm_B) const { return h_norm_B / generator_norm(scene); }
 };
 
-INSTANTIATE_TEST_SUITE_P(List, EachScene, ::testing::ValuesIn(tested_scenes),
+INSTANTIATE_TEST_SUITE_P(List, EachScene, ::testing::ValuesIn(tested_scenes()),
                          ::testing::PrintToStringParamName());
 
 TEST(EachSceneOfTheList, IsTestedHere) {
   std::vector<std::string> tested;
-  for (const SceneCase& scene : tested_scenes) tested.push_back(scene.name);
+  for (const SceneCase& scene : tested_scenes()) tested.push_back(scene.name);
   EXPECT_EQ(scene_names(), tested);
 }
 

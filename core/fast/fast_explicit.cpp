@@ -42,7 +42,7 @@ FastRungeKutta4::FastRungeKutta4(const SharedFlow& flow, const FastOptions& opti
     : FastExplicit(flow, options),
       tableau_(classical_runge_kutta4()),
       W_stage_(zeros(1)),
-      B_{zeros(1), diagonal_squares(1, flow->size())},
+      B_(generators()),
       slope_(zeros(1)),
       k_(zeros(tableau_.stages())) {}
 
@@ -64,7 +64,7 @@ FastMuntheKaas4::FastMuntheKaas4(const SharedFlow& flow, const FastOptions& opti
       Omega_(zeros(1)),
       commutator_(zeros(1)),
       W_stage_(zeros(1)),
-      B_{zeros(1), diagonal_squares(1, flow->size())},
+      B_(generators()),
       k_(zeros(scheme_.tableau.stages())) {}
 
 // Sets Omega_ to Ω_i of a stage i > 0, or to Ω for stage s.

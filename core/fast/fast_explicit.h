@@ -22,6 +22,7 @@ class FastExplicit : public SplitIntegrator {
   /// Computes W1 from W0, single matrices.  Returns false if the step diverges.
   virtual bool take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) = 0;
 
+  Generators generators() const { return generator_.generators(1); }
   SplitStages zeros(Index count) const { return split_stages(count, flow().size()); }
   /// out = scale [A, X] for skew-Hermitian A and X, by one product.
   void commutator(SplitStages& out, const SplitMatrix& A, const SplitMatrix& X, double scale = 1.0);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "isosyrk/solver/accepting_residual.h"
+
 namespace isosyrk {
 
 FastSubstep::FastSubstep(std::unique_ptr<StageSystem> system, const FastOptions& options)
@@ -67,8 +69,7 @@ double FastSubstep::change_of_one_more_sweep(const SplitMatrix& W0, double h) {
   system_->bind(W0, h, options_.tolerance);
   Unknowns accepted = x_;
   Corrections R = corrections_like(accepted);
-  const double accuracy = tuning.accepting_accuracy * options_.tolerance;
-  const double change = system_->residual(R, accepted, accuracy).change;
+  const double change = accepting_residual(R, *system_, accepted, options_.tolerance);
   system_->truncate(truncates);
   return change;
 }

@@ -136,7 +136,7 @@ void CoRotatingFrame::turn(const SpinRotation& U, const Matrix& V, MatrixView W)
     W = V;
     return;
   }
-  set_rotation({std::conj(U.a), -U.b});
+  set_rotation(U.inverse());
   products_.congruence(rotation_, V, rotation_, scratch_, turned_);
   W = 0.5 * (turned_ - turned_.adjoint());  // skew-Hermitian exactly, as V is
 }

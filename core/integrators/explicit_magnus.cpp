@@ -1,6 +1,7 @@
 #include "isosyrk/integrators/explicit_magnus.h"
 
 #include "isosyrk/integrators/flow_requirements.h"
+#include "isosyrk/integrators/stage_equations.h"
 
 namespace isosyrk {
 
@@ -9,10 +10,11 @@ ExplicitMagnus<Scalar>::ExplicitMagnus(SharedFlowIn<Scalar> flow, std::string_vi
                                        ProductBackend backend)
     : Form(std::move(flow), backend),
       rotation_(algebra()),
-      is_linear_(this->flow().kind() == Generator::linear) {
+      is_linear_(this->flow().kind() == Generator::linear),
+      tableau_(classical_runge_kutta4()) {
   require_identity_J(this->flow(), name);
   Omega_ = B_stage_ = W_stage_ = zero();
-  k_.fill(Omega_);
+  k_ = this->zeros(tableau_.stages());
 }
 
 template <class Scalar>
@@ -52,15 +54,15 @@ void ExplicitMagnus<Scalar>::differentiate(Point& point) {
 
 template <class Scalar>
 void ExplicitMagnus<Scalar>::predict(const Point& from, double h, Stored& W) {
-  const auto slope = [&](double time, const Stored& k, Stored& out) {
-    W_stage_ = from.W + time * k;
+  k_[0] = from.k;
+  for (std::size_t i = 1; i < k_.size(); ++i) {
+    W_stage_ = from.W;
+    add_slopes(h * tableau_.a.row(static_cast<Index>(i)), k_, W_stage_);
     generator(W_stage_, B_stage_);
-    bracket(B_stage_, W_stage_, out);
-  };
-  slope(0.5 * h, from.k, k_[0]);
-  slope(0.5 * h, k_[0], k_[1]);
-  slope(h, k_[1], k_[2]);
-  W = from.W + (h / 6.0) * (from.k + 2.0 * k_[0] + 2.0 * k_[1] + k_[2]);
+    bracket(B_stage_, W_stage_, k_[i]);
+  }
+  W = from.W;
+  add_slopes(h * tableau_.b, k_, W);
 }
 
 template <class Scalar>
@@ -75,8 +77,8 @@ void ExplicitMagnus4<Scalar>::form_Omega(const Stored& W0, double h) {
   evaluate_at(W0, start_);
   predict(start_, h, Omega_);
   evaluate_at(Omega_, end_);
-  const auto& [B0, D0] = std::tie(start_.B, start_.D);
-  const auto& [B1, D1] = std::tie(end_.B, end_.D);
+  const Stored &B0 = start_.B, &D0 = start_.D;
+  const Stored &B1 = end_.B, &D1 = end_.D;
   a0_ = (h / 2.0) * (B0 + B1) + (h * h / 12.0) * (D0 - D1);
   a1_ = (h / 10.0) * (B1 - B0) - (h * h / 120.0) * (D0 + D1);
   bracket(a0_, a1_, Omega_);
@@ -97,11 +99,11 @@ void ExplicitMagnus5<Scalar>::form_Omega(const Stored& W0, double h) {
   evaluate_at(Omega_, middle_);
   predict(middle_, 0.5 * h, Omega_);
   evaluate_at(Omega_, end_);
-  const auto& [b0, bm, b1] = std::tie(start_.B, middle_.B, end_.B);
+  const Stored &b0 = start_.B, &bm = middle_.B, &b1 = end_.B;
   start_.D *= h;
   middle_.D *= h;
   end_.D *= h;
-  const auto& [d0, dm, d1] = std::tie(start_.D, middle_.D, end_.D);
+  const Stored &d0 = start_.D, &dm = middle_.D, &d1 = end_.D;
 
   m0_ = (h / 60.0) * (14.0 * b0 + 32.0 * bm + 14.0 * b1 + d0 - d1);
   m1_ = (h / 840.0) * (60.0 * (b1 - b0) - 3.0 * d0 + 16.0 * dm - 3.0 * d1);

@@ -1,10 +1,9 @@
 // Explicit Magnus methods: conjugation by the exponential of a truncated Magnus series.
 #pragma once
 
-#include <array>
-
 #include "isosyrk/integrators/published_form.h"
 #include "isosyrk/linalg/adjoint_rotation.h"
+#include "isosyrk/tableaux/explicit_tableaux.h"
 
 namespace isosyrk {
 
@@ -54,7 +53,8 @@ class ExplicitMagnus : public PublishedForm<Scalar> {
 
   AdjointRotation<Scalar> rotation_;
   bool is_linear_;
-  std::array<Stored, 3> k_;  // slopes of the Runge-Kutta step after the first
+  Tableau tableau_;        // of the Runge-Kutta step
+  std::vector<Stored> k_;  // its slopes
   Stored B_stage_, W_stage_;
 };
 

@@ -1,19 +1,8 @@
 #include "isosyrk/integrators/explicit_methods.h"
 
+#include "isosyrk/integrators/stage_equations.h"
+
 namespace isosyrk {
-namespace {
-
-// out += Σ_j weights_j k_j, without terms of weight 0: their k_j may be of an earlier step.
-template <class Weights, class Stored>
-void add_slopes(const Weights& weights, const std::vector<Stored>& k, Stored& out) {
-  for (std::size_t j = 0; j < k.size(); ++j) {
-    const double weight = weights(static_cast<Index>(j));
-    if (weight != 0.0) out += weight * k[j];
-  }
-}
-
-}  // namespace
-
 template <class Scalar>
 MuntheKaas4<Scalar>::MuntheKaas4(SharedFlowIn<Scalar> flow, ProductBackend backend)
     : Form(std::move(flow), backend), scheme_(munthe_kaas4()), series_(algebra()) {

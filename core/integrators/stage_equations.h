@@ -20,6 +20,17 @@ void update_unknowns(const MatrixOf<Scalar>& base, double h, const RealMatrix& a
                      const std::vector<MatrixOf<Scalar>>& Y, std::vector<MatrixOf<Scalar>>& X,
                      double* squares);
 
+/// out += Σ_j weights(j) k_j, without terms of weight 0: an explicit method calls it while later
+/// k_j are still those of an earlier step.  out is none of the k_j.
+template <class Weights, class Scalar>
+void add_slopes(const Weights& weights, const std::vector<MatrixOf<Scalar>>& k,
+                MatrixOf<Scalar>& out) {
+  for (std::size_t j = 0; j < k.size(); ++j) {
+    const double weight = weights(static_cast<Index>(j));
+    if (weight != 0.0) out += weight * k[j];
+  }
+}
+
 /// Sets W = W₀ + (S - J⁻¹ Y† J) and returns Σ |change of W|².  With S = Y + Σ_j a_ij K_ij this is
 /// the stage vorticity of the algebra formulation.  `scratch` is a matrix if J is not I, and unused
 /// otherwise.  W is none of the other arguments.

@@ -46,7 +46,8 @@ class AmendedState {
  public:
   AmendedState(Integrator& integrator, Eigen::Map<Matrix>& view)
       : integrator_(integrator), view_(view), done_(view), next_(view) {}
-  // The integrator's has not gone through the last `between`, if that failed.
+  // If `between` failed, the view has a part of its changes: it becomes the last state that is
+  // done.
   ~AmendedState() { view_ = done_; }
   AmendedState(const AmendedState&) = delete;
   AmendedState& operator=(const AmendedState&) = delete;

@@ -56,10 +56,6 @@ class InnerErrors {
   double K_contraction_ = tuning.likely_contraction;
 };
 
-void copy_all(Corrections& out, const Corrections& from) {
-  for (std::size_t kind = 0; kind < out.size(); ++kind) copy(out[kind], from[kind]);
-}
-
 }  // namespace
 
 AlternatingCorrection::AlternatingCorrection(const Unknowns& like)
@@ -84,7 +80,7 @@ Correction AlternatingCorrection::solve(Corrections& delta, TwoPartJacobian& jac
                                         const Unknowns& x, const Corrections& R,
                                         const CorrectionRequest& request,
                                         const IterationOptions& options) {
-  copy_all(delta, R);
+  copy(delta, R);
   if (request.part == JacobianPart::frozen) {
     jacobian.linearise(x, tuning.forcing_relative);
     for (int k = 0; k < tuning.frozen_sweeps; ++k) {

@@ -1,7 +1,7 @@
 #include "isosyrk/solver/anderson_iteration.h"
 
 #include "isosyrk/iteration/picard.h"
-#include "isosyrk/solver/tuning.h"
+#include "isosyrk/solver/accepting_residual.h"
 
 namespace isosyrk {
 
@@ -9,12 +9,10 @@ SolveReport AndersonIteration::solve(FixedPointSystem& system, const IterationOp
                                      Unknowns& x) {
   anderson_.begin(x);
   return solve_fixed_point(options, [&] {
-    const double unit = system.unit(x);
-    const double accuracy = tuning.accepting_accuracy * options.tolerance;
-    const double change = system.residual(R_, x, unit * accuracy).change;
+    const double change = accepting_residual(R_, system, x, options.tolerance);
     add(x, R_);
-    if (change >= unit * options.tolerance) anderson_.mix(x);
-    return change / unit;
+    if (change >= options.tolerance) anderson_.mix(x);
+    return change;
   });
 }
 

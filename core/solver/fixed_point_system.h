@@ -20,7 +20,7 @@ struct ResidualSize {
 /// The part of the Jacobian by which a correction improves on R.
 enum class JacobianPart {
   whole,
-  frozen,  ///< with B frozen, without the coupling through B: a little of it
+  frozen,  ///< the Jacobian with B frozen, applied Tuning::frozen_sweeps times; no coupling
 };
 
 /// What is asked of a correction.
@@ -54,7 +54,7 @@ class FixedPointSystem {
   /// Returns the size of x to which the tolerance is relative.
   virtual double unit(const Unknowns&) const { return 1.0; }
 
-  /// Returns when a solver may accept x.
+  /// Returns the rule by which a solver accepts x.
   virtual Acceptance acceptance() const { return {}; }
 };
 

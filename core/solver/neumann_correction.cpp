@@ -15,11 +15,9 @@ NeumannCorrection::NeumannCorrection(const Unknowns& like)
 Correction NeumannCorrection::solve(Corrections& delta, Coupling& coupling, const Corrections& R,
                                     const CorrectionRequest& request,
                                     const IterationOptions& options) {
-  for (std::size_t kind = 0; kind < R.size(); ++kind) {
-    copy(delta[kind], R[kind]);
-    copy(term_[kind], R[kind]);
-  }
+  copy(delta, R);
   if (request.part == JacobianPart::frozen) return {.usable = true, .error = request.size};
+  copy(term_, R);
   double size = request.size;  // of the last term
   double contraction = tuning.likely_contraction;
   // The terms not yet added sum to about size c / (1 - c).

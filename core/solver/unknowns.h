@@ -23,6 +23,11 @@ inline Corrections corrections_like(const Unknowns& x) {
   return zero;
 }
 
+/// out = delta, of the same shapes.
+inline void copy(Corrections& out, const Corrections& delta) {
+  for (std::size_t kind = 0; kind < out.size(); ++kind) copy(out[kind], delta[kind]);
+}
+
 /// x += delta.
 inline void add(Unknowns& x, const Corrections& delta) {
   for (std::size_t kind = 0; kind < x.size(); ++kind) add(x[kind], delta[kind]);

@@ -79,7 +79,22 @@ def rooms_of_page(text):
     return rooms
 
 
+def names_of_no_file(page):
+    """Returns (room, name) where the contents of a room have a name that none of its headers and sources has."""
+    table = page.split("\n| room | may see | contents |\n")[1].split("\n\n")[0]
+    rows = re.findall(r"^\| `(\w+)` \| [^|]+ \| (.*) \|$", table, re.MULTILINE)
+    return [(room, name) for room, contents in rows for name in re.findall(r"`(\w+)`", contents)
+            if not any(os.path.exists(os.path.join(ROOT, "core", room, name + end)) for end in (".h", ".cpp"))]
+
+
 class Rooms(unittest.TestCase):
+    def test_the_page_names_what_is_there(self):
+        page = text_of(ROOT, "core", "README.md")
+        self.assertEqual(names_of_no_file(page), [])
+        self.assertGreater(len(re.findall(r"`\w+`", page.split("\n## ")[0])), 70)
+        # Control: a file that has gone.
+        self.assertEqual(names_of_no_file(page.replace("`spectrum`", "`spectre`")), [("linalg", "spectre")])
+
     def test_the_page_says_what_cmake_enforces(self):
         page, cmake = text_of(ROOT, "core", "README.md"), text_of(ROOT, "core", "CMakeLists.txt")
         told, built = rooms_of_page(page), rooms_of_cmake(cmake)
