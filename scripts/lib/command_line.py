@@ -2,6 +2,7 @@
 
 import argparse
 import re
+import signal
 import sys
 
 from lib.messages import UnusableFile, one_line
@@ -15,6 +16,10 @@ class Stop(Exception):
     def __init__(self, message, status=BAD_ARGUMENTS):
         super().__init__(message)
         self.status = status
+
+
+class Terminated(BaseException):
+    """SIGTERM came. No Exception, since libraries catch those wherever a signal may arrive, as tqdm does in drawing."""
 
 
 def run(program, main, arguments):
@@ -32,6 +37,17 @@ def run(program, main, arguments):
         sys.exit(BAD_ARGUMENTS)
     except KeyboardInterrupt:
         sys.exit(INTERRUPTED)
+    except Terminated:
+        say(f"{program}: terminated; the same command goes on from here")
+        sys.exit(TERMINATED)
+
+
+def raise_when_terminated():
+    """Makes SIGTERM end a run() as Ctrl-C does: by an exception, so that its processes and files are looked after."""
+    def terminate(*_):
+        raise Terminated
+
+    signal.signal(signal.SIGTERM, terminate)
 
 
 def say(line):

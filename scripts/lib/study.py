@@ -30,7 +30,7 @@ from lib import command_line
 from lib import fresh_process
 from lib.formats import Integrator
 from lib.messages import one_line
-from lib.command_line import INTERRUPTED, NO_ANSWER, TERMINATED, OneLineParser, Stop, say, whole_number
+from lib.command_line import INTERRUPTED, NO_ANSWER, OneLineParser, Stop, say, whole_number
 from lib.integrator_names import in_frame
 from lib.output import replace_file
 
@@ -108,16 +108,13 @@ def require_writable(path):
 
 def run(program, main, arguments):
     """Runs a study's main and exits. What the user can mend is one line; Ctrl-C and SIGTERM end all its processes."""
-    def terminate(*_):
-        raise Stop("terminated", TERMINATED)
-
     def resumable(arguments):
         try:
             main(arguments)
         except KeyboardInterrupt:
             raise Stop("interrupted; the same command goes on from here", INTERRUPTED) from None
 
-    signal.signal(signal.SIGTERM, terminate)
+    command_line.raise_when_terminated()
     command_line.run(program, resumable, arguments)
 
 

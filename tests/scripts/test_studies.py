@@ -182,6 +182,13 @@ class Work(SquaresTest):
                 self.assertIn(f"going on after {kept} results" if kept else "belongs to something else", done.stderr)
                 self.assertEqual(len(self.begun()), 12 - kept)
 
+    def test_sigterm_ends_a_study_also_within_what_catches_every_exception(self):
+        catching = "try:\n        os.kill(os.getpid(), 15)\n    except Exception:\n        pass\n    options ="
+        self.write("squares.py", SQUARES.replace("options =", catching))
+        done = self.squares()
+        self.assertEqual((done.returncode, done.stdout, os.listdir(self.folder)), (TERMINATED, "", ["squares.py"]))
+        self.assert_one_line(done.stderr, "squares: terminated; the same command goes on")
+
     def journal(self):
         path = self.path("raw.json.journal")
         return text_of(path).splitlines() if os.path.exists(path) else []
