@@ -33,13 +33,13 @@ ExponentialSystem::ExponentialSystem(const Flow& flow, int order, int threads, b
       single_products_(n_, threads),
       generator_(flow),
       bands_(truncates, 1, n_),
-      lie_(products_, generator_),
-      single_lie_(single_products_, generator_),
+      lie_(products_, generator_, bands_),
+      single_lie_(single_products_, generator_, bands_),
       series_(products_, single_products_, n_),
       gradient_(lie_, order == 6),
       single_gradient_(single_lie_, order == 6),
       magnus_(single_lie_, order == 6 ? 5 : 4),
-      exponential_(n_),
+      exponential_(n_, bands_),
       correction_({split_stages(1, n_)}),
       W0_single_(n_),
       mu_(n_),
@@ -51,7 +51,10 @@ ExponentialSystem::ExponentialSystem(const Flow& flow, int order, int threads, b
       Omega_single_(n_),
       c_(n_),
       next_c_(n_),
-      D_(n_) {
+      D_(n_),
+      BD_(n_),
+      terms_of_D_(n_),
+      Omega_cut_(n_) {
   moved_.fill(SingleMatrix(n_));
   inner_.fill(SingleMatrix(n_));
 }
@@ -66,7 +69,6 @@ std::vector<Attempt> ExponentialSystem::attempts(bool newton) const {
 
 void ExponentialSystem::bind(const SplitMatrix& W0, double h, double tolerance) {
   W0_ = &W0;
-  if (h != h_) share_of_terms_ = {1.0, 1.0};  // nothing is known
   h_ = h;
   tolerance_ = tolerance;
   size_of_W0_ = norm(W0);
@@ -76,11 +78,13 @@ void ExponentialSystem::bind(const SplitMatrix& W0, double h, double tolerance) 
 void ExponentialSystem::start(Unknowns& x, Start how) {
   SplitMatrix& Omega = x[0][0];
   if (how == Start::stepped) {
+    single_lie_.neglect(tuning.single_roundoff);
     magnus_.form_exponent(Omega_single_, W0_single_, h_);
     Omega.entries().setZero();
     add(Omega, Omega_single_);
     Omega.set_band(n_ - 1);
   } else {
+    lie_.neglect(0.0);
     lie_.generate(Omega, *W0_);
     Omega = h_ * Omega;
   }
@@ -128,6 +132,9 @@ void ExponentialSystem::add_gradient_terms(SplitModifiedGradient<Real>& gradient
 // Sets v_ to B̃(mu_), to a relative accuracy.  The terms in h² and h⁴ are formed in single precision
 // where its rounding does not show, by their last sizes.
 void ExponentialSystem::form_gradient(double accuracy) {
+  lie_.neglect(0.1 * accuracy);
+  single_lie_.neglect(0.1 * accuracy);
+  lie_.cut(mu_);
   lie_.generate(v_, mu_);
   if (order_ == 2) return;
   const auto may_be_single = [&](std::size_t term) {
@@ -138,10 +145,8 @@ void ExponentialSystem::form_gradient(double accuracy) {
   const bool fourth_in_single = has_fourth && may_be_single(1);
   const bool any_in_single = second_in_single || fourth_in_single;
   const SplitMatrix* in_double = nullptr;
-  if (any_in_single) {
-    round_to_single(mu_single_, mu_);
-    round_to_single(v_single_, v_);
-  }
+  round_to_single(mu_single_, mu_);
+  round_to_single(v_single_, v_);
   if (!second_in_single) {
     add_gradient_terms(gradient_, mu_, v_, terms_,
                        {.second = true, .fourth = has_fourth && !fourth_in_single});
@@ -173,21 +178,29 @@ Correction ExponentialSystem::correct(Corrections& delta, const Unknowns& x, con
                                       const CorrectionRequest& request,
                                       const IterationOptions& options) {
   round_to_single(Omega_single_, x[0][0]);
+  is_linearized_ = false;
   Correction correction = correction_.solve(delta, *this, R, request, options);
-  if (order_ > 2) {  // the derivative that K leaves out
-    correction.error += 2.0 * std::min(share_of_terms_[0], 1.0) * contraction_of_K * request.size;
+  if (order_ == 6) {  // the derivative that K leaves out
+    correction.error += part_in_K(share_of_terms_[1]) * request.size;
   }
   return correction;
+}
+
+// Returns the part of δ that the derivative of terms of this share adds to K δ.
+double ExponentialSystem::part_in_K(double share) {
+  return 2.0 * std::min(share, 1.0) * contraction_of_K;
 }
 
 void ExponentialSystem::couple(Corrections& coupled, const Corrections& delta, double accuracy) {
   const SingleMatrix& t = delta[0][0];
   const double size = norm(t);
+  single_lie_.neglect(std::max(accuracy / size, double{tuning.single_roundoff}));
   const bool one_node = error_of_one_node * contraction_of_K * size <= accuracy;
   const std::size_t first = one_node ? 0 : 1;
   const std::size_t count = one_node ? 1 : 2;
   c_ = 1.0 * t;
-  for (std::size_t i = 0; i < count; ++i) inner_[i] = 1.0 * t;
+  single_lie_.cut(c_);
+  for (std::size_t i = 0; i < count; ++i) inner_[i] = 1.0 * c_;
   constexpr int most_terms = 60;
   for (int j = 1; j < most_terms; ++j) {
     single_lie_.bracket(next_c_, Omega_single_, c_, 1.0 / static_cast<double>(j + 1));
@@ -201,13 +214,22 @@ void ExponentialSystem::couple(Corrections& coupled, const Corrections& delta, d
   if (count == 2) {
     single_lie_.add_bracket(D_, inner_[1], moved_[first + 1], nodes[first + 1].weight);
   }
+  single_lie_.generate(BD_, D_);
   SingleMatrix& out = coupled[0][0];
-  single_lie_.generate(out, D_);
-  out = h_ * out;
+  if (order_ == 2 || part_in_K(share_of_terms_[0]) * size < accuracy) {
+    out = h_ * BD_;
+    return;
+  }
+  if (!is_linearized_) single_gradient_.linearize(mu_single_, v_single_);
+  is_linearized_ = true;
+  single_gradient_.derivative_of_second(terms_of_D_, mu_single_, v_single_, D_, BD_, h_);
+  out = h_ * BD_ + h_ * terms_of_D_;
 }
 
 void ExponentialSystem::update(SplitMatrix& W1, const Unknowns& x) {
-  if (!exponential_.conjugate(W1, x[0][0], *W0_, products_)) {
+  Omega_cut_ = 1.0 * x[0][0];
+  bands_.truncate(Omega_cut_, 0.1 * tolerance_ * unit(x));
+  if (!exponential_.conjugate(W1, Omega_cut_, *W0_, products_)) {
     W1.re()[0] = std::numeric_limits<double>::quiet_NaN();  // the step diverges
   }
 }

@@ -26,11 +26,13 @@ namespace isosyrk {
 ///     K δ = h B(D),   D = ∫₀¹ [s Σ_j s^j c_j, e^{s ad_Ω} W₀] ds
 ///
 /// by Gauss quadrature of weight s: one node, s = 2/3, or two, (6 ∓ √6)/10, where more digits are
-/// wanted.  The derivative of B̃ - B is left out; its size enters the estimated error.
+/// wanted.  The derivative of the term of B̃ in h² is added where it shows; that of the term in h⁴
+/// is left out, and its size enters the estimated error.
 ///
 /// Products of a residual: 1 for each T_k, in double precision only where it has to be, and those
-/// of B̃ - B.  Of the coupling, in single precision: 1 for each c_j, 1 for each node.  Of the
-/// update: those of SplitExponential.  Poisson solves: those of B̃, 1 for K.
+/// of B̃ - B.  Of the coupling, in single precision: 1 for each c_j, 1 for each node, and 6 for the
+/// derivative.  Of the update: those of SplitExponential.  Poisson solves: those of B̃, 1 for K, 2
+/// for the derivative.
 class ExponentialSystem final : public StageSystem, private Coupling {
  public:
   /// Throws std::invalid_argument for a flow without a generator in split-complex storage, and for
@@ -40,6 +42,7 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   Unknowns unknowns() const override { return {split_stages(1, n_)}; }
   /// Newton from an explicit step, then from a cold start; then Picard and Anderson.
   std::vector<Attempt> attempts(bool newton) const override;
+  void forget() override { share_of_terms_ = unknown_shares; }
   void bind(const SplitMatrix& W0, double h, double tolerance) override;
   /// Explicit: Ω of magnus4, or of magnus5 for order 6.  Cold: Ω = h B(W₀).
   void start(Unknowns& x, Start how) override;
@@ -57,8 +60,10 @@ class ExponentialSystem final : public StageSystem, private Coupling {
 
  private:
   static constexpr std::size_t most_nodes = 2;
+  static constexpr std::array<double, 2> unknown_shares = {1.0, 1.0};
 
   void couple(Corrections& coupled, const Corrections& delta, double accuracy) override;
+  static double part_in_K(double share);
   bool form_average(const SplitMatrix& Omega, double error);
   void form_gradient(double accuracy);
   template <class Real>
@@ -94,14 +99,21 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   SplitMatrix terms_;  // B̃ - B in double precision
   SingleMatrix mu_single_, v_single_, terms_single_;
   std::array<SingleMatrix, 3> moved_;  // e^{s ad_Ω} W₀ at s = 2/3 and at the two nodes
-  std::array<double, 2> share_of_terms_ = {1.0,
-                                           1.0};  // ‖h² ∇F₂‖ / ‖v‖ and ‖h⁴ ∇F₄‖ / ‖v‖, last seen
+  // ‖h² ∇F₂‖ / ‖v‖ and ‖h⁴ ∇F₄‖ / ‖v‖, last seen.
+  std::array<double, 2> share_of_terms_ =
+      unknown_shares;  // ‖h² ∇F₂‖ / ‖v‖ and ‖h⁴ ∇F₄‖ / ‖v‖, last seen
 
   // Of the coupling.
   SingleMatrix Omega_single_;
   SingleMatrix c_, next_c_;                     // c_j and c_{j+1}
   std::array<SingleMatrix, most_nodes> inner_;  // Σ_j s^j c_j at the nodes
   SingleMatrix D_;
+  SingleMatrix BD_;             // B(D)
+  SingleMatrix terms_of_D_;     // h² (∇F₂)'(μ) D
+  bool is_linearized_ = false;  // single_gradient_, at the μ of the last residual
+
+  // Of the update.
+  SplitMatrix Omega_cut_;  // Ω, cut to its band
 };
 
 }  // namespace isosyrk

@@ -1,5 +1,6 @@
 #include "isosyrk/fast/fast_explicit.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "isosyrk/split/linear_combination.h"
@@ -99,15 +100,18 @@ bool FastMuntheKaas4::take_explicit_step(SplitStages& W1, const SplitStages& W0,
 FastMagnus::FastMagnus(const SharedFlow& flow, int order, const FastOptions& options)
     : FastExplicit(flow, options),
       is_single_(options.iteration.tolerance >= tuning.single_magnus),
-      lie_(products_, generator_),
-      single_lie_(single_products_, generator_),
-      exponential_(flow->size()),
+      lie_(products_, generator_, bands()),
+      single_lie_(single_products_, generator_, bands()),
+      exponential_(flow->size(), bands()),
       Omega_(flow->size()),
       Omega_single_(flow->size()),
       W0_single_(flow->size()) {
+  const double neglected = tuning.left_out * options.iteration.tolerance;
   if (is_single_) {
+    single_lie_.neglect(std::max(neglected, tuning.single_roundoff));
     single_magnus_.emplace(single_lie_, order);
   } else {
+    lie_.neglect(neglected);
     magnus_.emplace(lie_, order);
   }
 }
@@ -121,6 +125,7 @@ bool FastMagnus::take_explicit_step(SplitStages& W1, const SplitStages& W0, doub
   } else {
     magnus_->form_exponent(Omega_, W0[0], h);
   }
+  bands().truncate_to_part(Omega_, left_out());
   return exponential_.conjugate(W1[0], Omega_, W0[0], products_);
 }
 

@@ -30,6 +30,9 @@ class FastExplicit : public SplitIntegrator {
   void generate(Generators& B, SplitStages& W);
   /// Returns a series of these products that cuts its terms to bands.
   GradedSeries graded_series();
+  BandTruncation& bands() { return bands_; }
+  /// Frobenius norm that may be cut from W.
+  double left_out() const { return left_out_; }
 
   SplitProducts products_;
   SingleProducts single_products_;
@@ -41,7 +44,7 @@ class FastExplicit : public SplitIntegrator {
 
   BandTruncation bands_;
   double h_ = 0.0;
-  double left_out_;      // Frobenius norm that may be cut from W
+  double left_out_;
   SplitStages product_;  // A X
 };
 

@@ -43,6 +43,11 @@ SolveReport FastSubstep::solve(Iteration iteration) {
 }
 
 StepReport FastSubstep::advance(SplitMatrix& W1, const SplitMatrix& W0, double h, Past past) {
+  if (past == Past::left_out || h != h_) {  // nothing seen before holds
+    newton_.forget();
+    system_->forget();
+  }
+  h_ = h;
   system_->bind(W0, h, options_.tolerance);
   StepReport report;
   for (const Attempt& attempt : attempts_) {
@@ -61,6 +66,11 @@ StepReport FastSubstep::advance(SplitMatrix& W1, const SplitMatrix& W0, double h
     if (past == Past::used && predicts_) predictor_.accept(h, x_);
   }
   return report;
+}
+
+void FastSubstep::forget() {
+  predictor_.forget();
+  h_ = 0.0;
 }
 
 double FastSubstep::change_of_one_more_sweep(const SplitMatrix& W0, double h) {

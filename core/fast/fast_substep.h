@@ -33,7 +33,7 @@ class FastSubstep {
   /// forget() must be called first.
   StepReport advance(SplitMatrix& W1, const SplitMatrix& W0, double h, Past past);
   /// Forgets all past steps.
-  void forget() { predictor_.forget(); }
+  void forget();
 
   /// Returns the change of one more Picard sweep, without band truncation, from the unknowns of the
   /// last step, which must have converged from W₀ with this h.
@@ -49,7 +49,8 @@ class FastSubstep {
   std::unique_ptr<StageSystem> system_;
   IterationOptions options_;
   std::vector<Attempt> attempts_;
-  bool predicts_;  // if an attempt starts from past steps
+  double h_ = 0.0;  // of the last step
+  bool predicts_;   // if an attempt starts from past steps
   Unknowns x_;
   Newton newton_;
   PicardIteration picard_;

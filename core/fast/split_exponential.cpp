@@ -1,5 +1,6 @@
 #include "isosyrk/fast/split_exponential.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -36,63 +37,84 @@ void add_to_diagonal(SplitMatrix& X, double number) {
   for (Index i = 0; i < X.size(); ++i) X.re()[i * X.stride() + i] += number;
 }
 
+// What a cut may change in e^Ω, and, times ‖W₀‖, in W₁.
+constexpr double left_out = 1e-18;
+
 }  // namespace
 
-SplitExponential::SplitExponential(Index n)
-    : powers_(most_powers, SplitMatrix(n)),
+SplitExponential::SplitExponential(Index n, BandTruncation& bands)
+    : bands_(bands),
+      powers_(most_powers, SplitMatrix(n)),
       cosine_(n),
       sine_(n),
+      cut_(n),
       Omega_sine_(n),
       adjoint_(n),
       scratch_(n) {}
 
-// out = Σ_j c_j X^j, j = 0 ... m, by Horner in Y = X^q.
-void SplitExponential::form_polynomial(SplitMatrix& out, int odd, int m, int q,
-                                       SplitProducts& products) {
-  const auto power = [&](int j) -> const SplitMatrix& {
-    return powers_[static_cast<std::size_t>(j - 1)];
-  };
-  int block = m / q - 1;  // the top block also has the term of X^(block q + q)
-  const auto add_block = [&](SplitMatrix& to, bool starts, int terms) {
+const SplitMatrix& SplitExponential::cut_copy(SplitMatrix& copy, const SplitMatrix& X,
+                                              double tail) {
+  if (!bands_.enabled()) return X;
+  copy = 1.0 * X;
+  bands_.truncate(copy, tail);
+  return copy;
+}
+
+// X^j = A B, cut to what shows in its term X^j / (2j)!.
+void SplitExponential::form_power(int j, const SplitMatrix& A, const SplitMatrix& B,
+                                  SplitProducts& products) {
+  SplitMatrix& result = powers_[static_cast<std::size_t>(j - 1)];
+  products.form(into(result, A * B).upper_triangle());
+  mirror_all_hermitian(result);
+  bands_.truncate(result, left_out / coefficient(j, 0));
+}
+
+// C = Σ_j X^j / (2j)! and S = Σ_j X^j / (2j+1)!, j = 0 ... m, by Horner in Y = X^q.
+void SplitExponential::form_polynomials(int m, int q, double size, SplitProducts& products) {
+  const auto add_block = [&](SplitMatrix& to, int odd, int block, int terms, bool is_top) {
     LinearCombination<double> sum_of_block;
-    if (!starts) sum_of_block += to;
+    if (!is_top) sum_of_block += to;
     for (int j = 1; j < terms; ++j) sum_of_block += coefficient(block * q + j, odd) * power(j);
     to = sum_of_block;
     add_to_diagonal(to, coefficient(block * q, odd));
   };
-  add_block(out, true, m - block * q + 1);
+  int block = m / q - 1;  // the top block also has the term of X^(block q + q)
+  for (const int odd : {0, 1}) {
+    add_block(odd == 0 ? cosine_ : sine_, odd, block, m - block * q + 1, true);
+  }
   while (block-- > 0) {
-    products.form(into(scratch_, out * power(q)).upper_triangle());
-    mirror_all_hermitian(scratch_);
-    std::swap(out, scratch_);
-    add_block(out, false, q);
+    // The sum of the blocks so far, about 1/(2(block + 1)q)!, is multiplied by Y here, and the
+    // result by Y^block later.
+    const double allowed = left_out / std::pow(std::max(1.0, size), block * q);
+    const SplitMatrix& Y = cut_copy(cut_, power(q), allowed / coefficient((block + 1) * q, 0));
+    for (const int odd : {0, 1}) {
+      SplitMatrix& sum_so_far = odd == 0 ? cosine_ : sine_;
+      bands_.truncate(sum_so_far, allowed / std::pow(std::max(1.0, size), q));
+      products.form(into(scratch_, sum_so_far * Y).upper_triangle());
+      mirror_all_hermitian(scratch_);
+      std::swap(sum_so_far, scratch_);
+      add_block(sum_so_far, odd, block, q, false);
+    }
   }
 }
 
 bool SplitExponential::conjugate(SplitMatrix& W1, const SplitMatrix& Omega, const SplitMatrix& W0,
                                  SplitProducts& products) {
-  const auto form_power = [&](std::size_t j, const SplitMatrix& A, const SplitMatrix& B) {
-    products.form(into(powers_[j - 1], A * B).upper_triangle());
-    mirror_all_hermitian(powers_[j - 1]);
-  };
-  form_power(1, Omega, Omega);
-  form_power(2, powers_[0], powers_[0]);
+  form_power(1, Omega, Omega, products);
+  form_power(2, power(1), power(1), products);
   // ‖Ω‖₂ <= ‖Ω⁴‖_F^{1/4}.
-  const double norm = std::sqrt(std::sqrt(std::sqrt(powers_[1].entries().squaredNorm())));
+  const double size = std::sqrt(std::sqrt(std::sqrt(power(2).entries().squaredNorm())));
   const Series* series = all_series.begin();
-  while (series != all_series.end() && !(norm <= series->norm)) ++series;  // NaN included
+  while (series != all_series.end() && !(size <= series->norm)) ++series;  // NaN included
   if (series == all_series.end()) return false;
-  for (int j = 3; j <= series->q; ++j) {
-    const auto half = static_cast<std::size_t>(j / 2);
-    const auto rest = static_cast<std::size_t>(j) - half;
-    form_power(static_cast<std::size_t>(j), powers_[half - 1], powers_[rest - 1]);
-  }
-  form_polynomial(cosine_, 0, series->m, series->q, products);
-  form_polynomial(sine_, 1, series->m, series->q, products);
+  for (int j = 3; j <= series->q; ++j) form_power(j, power(j / 2), power(j - j / 2), products);
+  form_polynomials(series->m, series->q, size * size, products);
+  bands_.truncate(sine_, left_out / std::max(1.0, size));
   products.form(into(Omega_sine_, Omega * sine_).upper_triangle());
   mirror_all_skew(Omega_sine_);
   adjoint_ = cosine_ - Omega_sine_;
-  congruence(W1, scratch_, products, adjoint_, W0);
+  bands_.truncate(adjoint_, left_out);
+  congruence(W1, scratch_, products, adjoint_, cut_copy(cut_, W0, left_out * norm(W0)));
   return true;
 }
 

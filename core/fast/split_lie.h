@@ -4,42 +4,56 @@
 #include <type_traits>
 
 #include "isosyrk/fast/stage_generator.h"
+#include "isosyrk/split/bands.h"
 #include "isosyrk/split/linear_combination.h"
 #include "isosyrk/split/skew.h"
 
 namespace isosyrk {
 
 /// The bracket and B of a flow in one precision, counted: what an equation in a Lie algebra is
-/// written with.  Products, generator and bands must outlive it.  Only the constructor allocates.
+/// written with.  All results are cut to bands, if these are enabled.  Products, generator and
+/// bands must outlive it.  Only the constructor allocates.
 template <class Real>
 class SplitLie {
  public:
   using M = SplitMatrixOf<Real>;
 
-  SplitLie(SplitProductsOf<Real>& products, StageGenerator& generator)
+  SplitLie(SplitProductsOf<Real>& products, StageGenerator& generator, BandTruncation& bands)
       : products_(products),
         generator_(generator),
+        bands_(bands),
         product_(products.size()),
         term_(products.size()) {}
 
   M zero() const { return M(products_.size()); }
 
+  /// Sets the part of its Frobenius norm that may be cut from each result.
+  void neglect(double part) { neglected_ = part; }
+  /// Cuts X in the same way.
+  void cut(M& X) { bands_.truncate_to_part(X, neglected_); }
+
   /// out = scale [A, B] for skew-Hermitian A and B, by one product.
   void bracket(M& out, const M& A, const M& B, double scale = 1.0) {
     products_.form(into(product_, A * B));
     skew_part(out, product_, scale);
+    cut(out);
   }
   /// out += scale [A, B].
   void add_bracket(M& out, const M& A, const M& B, double scale = 1.0) {
     bracket(term_, A, B, scale);
     out = out + term_;
   }
-  /// B = B(W), not cut to bands.
-  void generate(M& B, const M& W) { generator_.generate_one(B, W); }
+  /// B = B(W).
+  void generate(M& B, const M& W) {
+    generator_.generate_one(B, W);
+    cut(B);
+  }
 
  private:
   SplitProductsOf<Real>& products_;
   StageGenerator& generator_;
+  BandTruncation& bands_;
+  double neglected_ = 0.0;
   M product_;  // A B
   M term_;     // a bracket to be added
 };

@@ -7,7 +7,7 @@ SplitMagnus<Real>::SplitMagnus(SplitLie<Real>& lie, int order) : lie_(lie), orde
   const M zero = lie.zero();
   start_ = end_ = {zero, zero, zero, zero};
   k_.fill(zero);
-  B_stage_ = W_stage_ = zero;
+  B_stage_ = W_stage_ = commutator_ = zero;
   if (order == 4) {
     a0_ = a1_ = zero;
   } else {
@@ -60,8 +60,8 @@ void SplitMagnus<Real>::form_fourth(M& Omega, double h) {
   const double c = h / 10.0;
   const double d = h * h / 120.0;
   a1_ = c * end_.B - c * start_.B - d * start_.D - d * end_.D;
-  lie_.bracket(Omega, a0_, a1_);
-  Omega = a0_ - Omega;
+  lie_.bracket(commutator_, a0_, a1_);
+  Omega = a0_ - commutator_;
 }
 
 template <class Real>
@@ -90,8 +90,8 @@ void SplitMagnus<Real>::form_fifth(M& Omega, double h) {
   lie_.bracket(C2_, alpha1_, left_, -1.0 / 60.0);
   left_ = C1_ - 20.0 * alpha1_ - alpha3_;
   right_ = alpha2_ + C2_;
-  lie_.bracket(Omega, left_, right_, 1.0 / 240.0);
-  Omega = Omega + alpha1_ + (1.0 / 12.0) * alpha3_;
+  lie_.bracket(commutator_, left_, right_, 1.0 / 240.0);
+  Omega = alpha1_ + (1.0 / 12.0) * alpha3_ + commutator_;
 }
 
 template class SplitMagnus<double>;

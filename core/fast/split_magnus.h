@@ -40,6 +40,7 @@ class SplitMagnus {
   M m0_, m1_, m2_;  // of order 5, as all below
   M alpha1_, alpha2_, alpha3_, C1_, C2_;
   M left_, right_;  // of a bracket
+  M commutator_;
 };
 
 }  // namespace isosyrk

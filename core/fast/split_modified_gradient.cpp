@@ -8,14 +8,21 @@ using namespace modified_hamiltonian;
 
 template <class Real>
 SplitModifiedGradient<Real>::SplitModifiedGradient(SplitLie<Real>& lie, bool has_fourth)
-    : lie_(lie), f_(lie.zero()), v1_(f_), f_bar_(f_), v_bar_(f_), mu_bar_(f_), term_(f_) {
+    : lie_(lie),
+      f_(lie.zero()),
+      v1_(f_),
+      f_bar_(f_),
+      v_bar_(f_),
+      mu_bar_(f_),
+      term_(f_),
+      df_(f_),
+      dv1_(f_) {
   if (has_fourth) p_ = c_ = w_ = p_bar_ = c_bar_ = w_bar_ = f_;
 }
 
 template <class Real>
 void SplitModifiedGradient<Real>::evaluate(M& out, const M& mu, const M& v, double h, Terms terms) {
-  lie_.bracket(f_, v, mu);
-  lie_.generate(v1_, f_);
+  linearize(mu, v);
   f_bar_ = (terms.second ? 2.0 * h * h * f_Bf : 0.0) * v1_;
   if (terms.fourth) {
     add_fourth(mu, v, h);
@@ -27,6 +34,27 @@ void SplitModifiedGradient<Real>::evaluate(M& out, const M& mu, const M& v, doub
   }
   lie_.generate(term_, v_bar_);
   out = mu_bar_ + term_;
+}
+
+template <class Real>
+void SplitModifiedGradient<Real>::linearize(const M& mu, const M& v) {
+  lie_.bracket(f_, v, mu);
+  lie_.generate(v1_, f_);
+}
+
+// ∇F₂ = k ([v₁, v] + B [μ, v₁]), k = 2 f_Bf: each factor in turn is replaced by its derivative.
+template <class Real>
+void SplitModifiedGradient<Real>::derivative_of_second(M& out, const M& mu, const M& v, const M& D,
+                                                       const M& BD, double h) {
+  const double k = 2.0 * h * h * f_Bf;
+  lie_.bracket(df_, BD, mu);
+  lie_.add_bracket(df_, v, D);
+  lie_.generate(dv1_, df_);
+  lie_.bracket(term_, mu, dv1_, k);
+  lie_.add_bracket(term_, D, v1_, k);
+  lie_.generate(out, term_);
+  lie_.add_bracket(out, dv1_, v, k);
+  lie_.add_bracket(out, v1_, BD, k);
 }
 
 // Adds the derivative of F₄ to f̄, and sets v̄ and μ̄ to what it contributes.

@@ -29,6 +29,12 @@ class SplitModifiedGradient {
   /// out = the sum of the chosen terms, from μ and v = B(μ).  Allocates nothing.
   void evaluate(M& out, const M& mu, const M& v, double h, Terms terms);
 
+  /// Sets what derivative_of_second() needs, from μ and v = B(μ).  Products: 1.  Poisson solves: 1.
+  void linearize(const M& mu, const M& v);
+  /// out = h² (∇F₂)'(μ) D, with Bd = B(D).  Products: 6.  Poisson solves: 2.  Only after
+  /// linearize() with the same μ and v, and no evaluate() since.
+  void derivative_of_second(M& out, const M& mu, const M& v, const M& D, const M& BD, double h);
+
  private:
   void add_fourth(const M& mu, const M& v, double h);
 
@@ -38,6 +44,7 @@ class SplitModifiedGradient {
   M v_bar_;  // also that by v₁, before
   M mu_bar_;
   M term_;
+  M df_, dv1_;  // derivatives of f and v₁
   // Of h⁴; empty otherwise.
   M p_, c_, w_;
   M p_bar_, c_bar_, w_bar_;

@@ -23,6 +23,9 @@ class StageSystem : public FixedPointSystem {
   /// `newton` is false where a study leaves out corrections.
   virtual std::vector<Attempt> attempts(bool newton) const;
 
+  /// Forgets what earlier steps have shown, other than the unknowns.
+  virtual void forget() {}
+
   /// Begins a step from W₀ of size h, to be solved to the tolerance.  W₀ must stay unchanged until
   /// update().
   virtual void bind(const SplitMatrix& W0, double h, double tolerance) = 0;

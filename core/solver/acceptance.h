@@ -14,12 +14,20 @@ struct Acceptance {
   /// An estimate is believed only after a residual below this: far from the solution, R and the
   /// Jacobian say nothing of the error.
   double guard = 1e-5;
+  /// The same where a correction of an earlier step was seen to leave what is estimated now.
+  double confirmed_guard = 1e-3;
 
-  /// True if x, about to be moved by R or a correction of it, is then accepted.  `change` is the
-  /// norm of R, `estimate` the estimated error of the corrected x, NaN if there is no correction.
-  bool accepts(double change, double estimate, double tolerance) const {
-    if (change < tolerance) return true;
-    return by == By::error_estimate && change < guard && estimate < tolerance;
+  /// A sweep that is about to move x.
+  struct Sweep {
+    double change;      ///< norm of R
+    double error;       ///< estimated error of x moved; NaN if unknown
+    bool is_confirmed;  ///< the estimate is that of a correction seen before
+  };
+  /// True if x is accepted once it is moved.
+  bool accepts(const Sweep& sweep, double tolerance) const {
+    if (sweep.change < tolerance) return true;
+    const double largest = sweep.is_confirmed ? confirmed_guard : guard;
+    return by == By::error_estimate && sweep.change < largest && sweep.error < tolerance;
   }
 };
 

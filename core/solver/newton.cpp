@@ -28,13 +28,16 @@ Newton::Newton(const Unknowns& like)
 void Newton::forget() {
   contraction_ = tuning.likely_contraction;
   start_change_ = 0.0;
+  left_by_correction_.reset();
 }
 
-// The sweep now made multiplies the change by the contraction, and so does each further one.  The
-// contraction was seen in an earlier sweep: the first factor is taken twice as large, at most 1.
+// The contraction was seen in an earlier sweep, so that of the next is taken twice as large.
+double Newton::first_factor() const { return std::min(1.0, 2.0 * contraction_); }
+
+// The sweep now made multiplies the change by the first factor, each further one by the
+// contraction.
 bool Newton::sweeps_alone_converge(double change, double tolerance) const {
-  const double first = std::min(1.0, 2.0 * contraction_);
-  return first * std::pow(contraction_, sweeps_ - 1) * change < tolerance;
+  return first_factor() * std::pow(contraction_, sweeps_ - 1) * change < tolerance;
 }
 
 SolveReport Newton::solve(FixedPointSystem& system, const IterationOptions& options, Unknowns& x) {
@@ -43,6 +46,7 @@ SolveReport Newton::solve(FixedPointSystem& system, const IterationOptions& opti
   const double accepting = tuning.accepting_accuracy * tolerance;
   double uncorrected = 0.0;         // change of the last sweep if that was a Picard sweep, else 0
   double expected = start_change_;  // change expected of the next sweep
+  double corrected = 0.0;           // change of the last sweep if that was corrected, else 0
   double estimate = 0.0;            // of the error of x
   bool is_first = true;
   const auto sweep = [&] {
@@ -60,6 +64,7 @@ SolveReport Newton::solve(FixedPointSystem& system, const IterationOptions& opti
     if (is_first) start_change_ = change;
     is_first = false;
     if (uncorrected > 0.0) contraction_ = change / uncorrected;
+    if (corrected > 0.0) left_by_correction_ = change / corrected;
     const bool is_plain = sweeps_alone_converge(change, tolerance);
     Correction correction;
     if (!is_plain && change <= tuning.largest_corrected) {
@@ -68,15 +73,25 @@ SolveReport Newton::solve(FixedPointSystem& system, const IterationOptions& opti
           {.size = size.change, .forcing_term = unit * forcing_term(change, tolerance)}, options);
     }
     uncorrected = is_plain ? change : 0.0;
+    corrected = correction.usable ? change : 0.0;
     add(x, correction.usable ? delta_ : R_);
     const double left = tuning.forcing_quadratic * change * change;  // by the Jacobian's change
     expected = correction.usable ? std::max(correction.error / unit, left) : contraction_ * change;
-    estimate = correction.usable ? (correction.error + size.neglected) / unit + left
-                                 : std::numeric_limits<double>::quiet_NaN();
+    if (is_plain) {
+      estimate = first_factor() * change + size.neglected / unit;
+    } else if (correction.usable) {
+      estimate = std::max((correction.error + size.neglected) / unit + left,
+                          left_by_correction_.value_or(0.0) * change);
+    } else {
+      estimate = std::numeric_limits<double>::quiet_NaN();
+    }
     return change;
   };
-  return solve_fixed_point(
-      options, sweep, [&](double change) { return rule.accepts(change, estimate, tolerance); });
+  return solve_fixed_point(options, sweep, [&](double change) {
+    return rule.accepts(
+        {.change = change, .error = estimate, .is_confirmed = left_by_correction_.has_value()},
+        tolerance);
+  });
 }
 
 }  // namespace isosyrk

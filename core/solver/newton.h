@@ -1,6 +1,8 @@
 // Inexact Newton iteration for x = G(x).
 #pragma once
 
+#include <optional>
+
 #include "isosyrk/solver/fixed_point_system.h"
 
 namespace isosyrk {
@@ -20,16 +22,20 @@ class Newton {
   /// Solves from the given x, and returns how the iteration ended.
   SolveReport solve(FixedPointSystem& system, const IterationOptions& options, Unknowns& x);
 
-  /// Forgets what earlier iterations have shown: the contraction, and the error of start values.
+  /// Forgets what earlier iterations have shown: the contraction, the error of start values, and
+  /// that of corrections.
   void forget();
 
  private:
+  double first_factor() const;
   bool sweeps_alone_converge(double change, double tolerance) const;
 
   int sweeps_;  // Tuning::sweeps_for_a_correction
   Corrections R_, delta_;
   double contraction_ = 0.0;   // last observed, of a Picard sweep near the solution
   double start_change_ = 0.0;  // of the first sweep of the last iteration; 0 if unknown
+  // Change after a correction, as a part of the change before; the last seen.
+  std::optional<double> left_by_correction_;
 };
 
 }  // namespace isosyrk

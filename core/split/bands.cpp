@@ -1,6 +1,7 @@
 #include "isosyrk/split/bands.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "isosyrk/split/linear_combination.h"
 #include "isosyrk/split/skew.h"
@@ -74,7 +75,7 @@ void cut_to_band(SplitMatrixOf<Real>& W, Index band, Share share) {
 }
 
 template <class Real>
-void BandTruncation::truncate(SplitStagesOf<Real>& X, double tail) {
+void BandTruncation::truncate(std::span<SplitMatrixOf<Real>> X, Allowed allowed) {
   if (!enabled_) {
     for (SplitMatrixOf<Real>& each : X) each.set_band(each.size() - 1);
     return;
@@ -82,6 +83,7 @@ void BandTruncation::truncate(SplitStagesOf<Real>& X, double tail) {
   parallel::for_shares_of(
       X, [&](std::size_t k, Share share) { sum_over_diagonals(squares_[k], X[k], false, share); });
   parallel::for_shares_of(X, [&](std::size_t k, Share share) {
+    const double tail = allowed.tail + allowed.part * std::sqrt(squares_[k].sum());
     cut_to_band(X[k], smallest_band(squares_[k], tail), share);
   });
 }
@@ -108,7 +110,7 @@ void BandTruncation::round_skew(SingleStages& S, const SplitStages& B,
 
 template void cut_to_band(SplitMatrix&, Index, Share);
 template void cut_to_band(SingleMatrix&, Index, Share);
-template void BandTruncation::truncate(SplitStages&, double);
-template void BandTruncation::truncate(SingleStages&, double);
+template void BandTruncation::truncate(std::span<SplitMatrix>, Allowed);
+template void BandTruncation::truncate(std::span<SingleMatrix>, Allowed);
 
 }  // namespace isosyrk

@@ -2,6 +2,7 @@
 // Products skip the entries outside a band, where the matrix is negligible.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "isosyrk/split/parallel.h"
@@ -35,7 +36,19 @@ class BandTruncation {
 
   /// Cuts each X_i to its band and sets X_i.band().  If not enabled, sets the full band.
   template <class Real>
-  void truncate(SplitStagesOf<Real>& X, double tail);
+  void truncate(SplitStagesOf<Real>& X, double tail) {
+    truncate(std::span(X), {.tail = tail});
+  }
+  /// The same for one matrix X.
+  template <class Real>
+  void truncate(SplitMatrixOf<Real>& X, double tail) {
+    truncate(std::span(&X, 1), {.tail = tail});
+  }
+  /// The same with the tail `part` ‖X‖_F.
+  template <class Real>
+  void truncate_to_part(SplitMatrixOf<Real>& X, double part) {
+    truncate(std::span(&X, 1), {.part = part});
+  }
 
   /// Cuts each skew-Hermitian B_i, given by its upper triangle, to its band.  Fills the lower
   /// triangle and sets B_i.band().  Keeps the sums over the diagonals of the uncut B_i in
@@ -47,6 +60,14 @@ class BandTruncation {
                   double tail) const;
 
  private:
+  // Frobenius norm that may be cut: `tail`, and `part` of the norm of the matrix.
+  struct Allowed {
+    double tail = 0.0;
+    double part = 0.0;
+  };
+  template <class Real>
+  void truncate(std::span<SplitMatrixOf<Real>> X, Allowed allowed);
+
   bool enabled_;
   DiagonalSquares squares_;  // of X in truncate()
 };
