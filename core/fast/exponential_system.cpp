@@ -138,7 +138,7 @@ void ExponentialSystem::form_gradient(double accuracy) {
   lie_.generate(v_, mu_);
   if (order_ == 2) return;
   const auto may_be_single = [&](std::size_t term) {
-    return tuning.single_roundoff * share_of_terms_[term] <= 0.1 * accuracy;
+    return tuning.single_roundoff * share_of_terms_[term] <= accuracy;
   };
   const bool has_fourth = order_ == 6;
   const bool second_in_single = may_be_single(0);
@@ -165,7 +165,7 @@ ResidualSize ExponentialSystem::residual(Corrections& R, Unknowns& x, double acc
   const double size = norm(Omega);
   const double relative = size > 0.0 ? accuracy / size : accuracy;
   bands_.truncate(x[0], 0.1 * accuracy);
-  if (!form_average(Omega, relative * size_of_W0_)) {
+  if (!form_average(Omega, 5.0 * relative * size_of_W0_)) {
     return {.change = std::numeric_limits<double>::quiet_NaN(), .neglected = 0.0};
   }
   form_gradient(relative);
