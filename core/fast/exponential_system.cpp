@@ -61,7 +61,8 @@ ExponentialSystem::ExponentialSystem(const Flow& flow, int order, int threads, b
 
 std::vector<Attempt> ExponentialSystem::attempts(bool newton) const {
   const Iteration first = newton ? Iteration::newton : Iteration::picard;
-  return {{Start::stepped, first},
+  return {{Start::predicted, first},
+          {Start::stepped, first},
           {Start::cold, first},
           {Start::cold, Iteration::picard},
           {Start::cold, Iteration::anderson}};

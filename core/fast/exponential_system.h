@@ -40,7 +40,7 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   ExponentialSystem(const Flow& flow, int order, int threads, bool truncates);
 
   Unknowns unknowns() const override { return {split_stages(1, n_)}; }
-  /// Newton from an explicit step, then from a cold start; then Picard and Anderson.
+  /// Newton from past steps, from an explicit step and from a cold start; then Picard and Anderson.
   std::vector<Attempt> attempts(bool newton) const override;
   void forget() override { share_of_terms_ = unknown_shares; }
   void bind(const SplitMatrix& W0, double h, double tolerance) override;

@@ -6,19 +6,48 @@
 #include "isosyrk/solver/accepting_residual.h"
 
 namespace isosyrk {
+namespace {
+
+bool has(const std::vector<Attempt>& attempts, Start how) {
+  return std::ranges::any_of(attempts,
+                             [&](const Attempt& attempt) { return attempt.start == how; });
+}
+
+}  // namespace
 
 FastSubstep::FastSubstep(std::unique_ptr<StageSystem> system, const FastOptions& options)
     : system_(std::move(system)),
       options_(options.iteration),
       attempts_(system_->attempts(options.newton)),
-      predicts_(std::ranges::any_of(
-          attempts_, [](const Attempt& attempt) { return attempt.start == Start::predicted; })),
+      predicts_(has(attempts_, Start::predicted)),
+      offers_both_(predicts_ && has(attempts_, Start::stepped)),
       x_(system_->unknowns()),
       newton_(x_),
       picard_(x_),
       anderson_(x_),
       predictor_(predicts_ ? options.past_steps.value_or(tuning.past_steps(x_[0][0].size())) : 0,
-                 x_) {}
+                 x_) {
+  if (offers_both_) trial_ = x_;
+}
+
+// True if an attempt is left out in this step.
+bool FastSubstep::skips(Start how, Past past) const {
+  if (how != Start::predicted) return false;
+  return past == Past::left_out || (offers_both_ && !choice_.prefers_past());
+}
+
+// Tells the choice the error of the start values of the step that has converged, and from time to
+// time that of a prediction that was not used.
+void FastSubstep::observe_start(Start how, double h) {
+  if (how == Start::predicted) {
+    choice_.saw_past(newton_.start_change());
+  } else if (how == Start::stepped) {
+    choice_.saw_explicit(newton_.start_change());
+    if (choice_.is_trial_due() && predictor_.predict(h, trial_)) {
+      choice_.saw_past(largest_difference(trial_, x_) / system_->unit(x_));
+    }
+  }
+}
 
 bool FastSubstep::starts(Start how, double h) {
   if (how == Start::predicted) return predictor_.predict(h, x_);
@@ -51,7 +80,7 @@ StepReport FastSubstep::advance(SplitMatrix& W1, const SplitMatrix& W0, double h
   system_->bind(W0, h, options_.tolerance);
   StepReport report;
   for (const Attempt& attempt : attempts_) {
-    if (attempt.start == Start::predicted && past == Past::left_out) continue;
+    if (skips(attempt.start, past)) continue;
     if (!starts(attempt.start, h)) continue;
     const SolveReport solved = solve(attempt.iteration);
     report.attempt = attempt;
@@ -60,9 +89,11 @@ StepReport FastSubstep::advance(SplitMatrix& W1, const SplitMatrix& W0, double h
     report.last_change = solved.change;
     report.contraction = solved.contraction;
     if (report.status == Status::converged) break;
+    if (attempt.start == Start::predicted) choice_.saw_past_fail();
   }
   if (report.status == Status::converged) {
     system_->update(W1, x_);
+    if (past == Past::used && offers_both_) observe_start(report.attempt.start, h);
     if (past == Past::used && predicts_) predictor_.accept(h, x_);
   }
   return report;
@@ -70,6 +101,7 @@ StepReport FastSubstep::advance(SplitMatrix& W1, const SplitMatrix& W0, double h
 
 void FastSubstep::forget() {
   predictor_.forget();
+  choice_.forget();
   h_ = 0.0;
 }
 

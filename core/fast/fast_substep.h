@@ -7,6 +7,7 @@
 #include "isosyrk/fast/fast_options.h"
 #include "isosyrk/fast/past.h"
 #include "isosyrk/fast/stage_system.h"
+#include "isosyrk/fast/start_choice.h"
 #include "isosyrk/integrators/integrator.h"
 #include "isosyrk/solver/anderson_iteration.h"
 #include "isosyrk/solver/newton.h"
@@ -42,6 +43,8 @@ class FastSubstep {
   const StageSystem& system() const { return *system_; }
 
  private:
+  bool skips(Start how, Past past) const;
+  void observe_start(Start how, double h);
   // Sets x_ to the start values of an attempt; false if there are none.
   bool starts(Start how, double h);
   SolveReport solve(Iteration iteration);
@@ -49,13 +52,16 @@ class FastSubstep {
   std::unique_ptr<StageSystem> system_;
   IterationOptions options_;
   std::vector<Attempt> attempts_;
-  double h_ = 0.0;  // of the last step
-  bool predicts_;   // if an attempt starts from past steps
+  double h_ = 0.0;    // of the last step
+  bool predicts_;     // an attempt starts from past steps
+  bool offers_both_;  // and another from an explicit step
   Unknowns x_;
   Newton newton_;
   PicardIteration picard_;
   AndersonIteration anderson_;
   Predictor predictor_;
+  StartChoice choice_;
+  Unknowns trial_;  // a prediction of x_, made to see its error
 };
 
 }  // namespace isosyrk

@@ -22,6 +22,9 @@ class Newton {
   /// Solves from the given x, and returns how the iteration ended.
   SolveReport solve(FixedPointSystem& system, const IterationOptions& options, Unknowns& x);
 
+  /// Returns the change of the first sweep of the last iteration, relative to the unit.
+  double start_change() const { return start_change_; }
+
   /// Forgets what earlier iterations have shown: the contraction, the error of start values, and
   /// that of corrections.
   void forget();

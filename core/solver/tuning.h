@@ -55,6 +55,10 @@ struct Tuning {
   /// one more step.
   int fewest_weights = 2;
 
+  /// Largest error of a prediction, as a multiple of that of an explicit start, at which the
+  /// prediction is preferred: it saves the products of the explicit step.
+  double predicted_error = 3.0;
+
   // Band truncation.
   /// Smallest n at which band truncation saves more than measuring the bands costs.
   Index smallest_banded = 48;
@@ -82,7 +86,8 @@ struct Tuning {
   double of_inverse = 0.1;
 
   // Series of commutators (GradedSeries).
-  /// A term is formed in single precision where this multiple of its norm is below the wanted error.
+  /// A term is formed in single precision where this multiple of its norm is below the wanted
+  /// error.
   double single_roundoff = 6e-8;
   /// A series ends with the first term below this multiple of the wanted error.
   double series_end = 1.0 / 6.0;

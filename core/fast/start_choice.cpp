@@ -1,0 +1,12 @@
+#include "isosyrk/fast/start_choice.h"
+
+#include "isosyrk/solver/tuning.h"
+
+namespace isosyrk {
+
+void StartChoice::saw_past(double error) {
+  prefers_past_ = error <= tuning.predicted_error * of_explicit_;  // false for NaN
+  steps_since_trial_ = 0;
+}
+
+}  // namespace isosyrk

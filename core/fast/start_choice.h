@@ -1,0 +1,36 @@
+// The choice between two ways to start an iteration, by the errors that they were seen to have.
+#pragma once
+
+namespace isosyrk {
+
+/// Chooses between start values from past steps and those of an explicit step, for systems that
+/// offer both.  Past steps cost a pass over memory and no products: they are preferred while their
+/// error is at most Tuning::predicted_error times that of the explicit step.
+class StartChoice {
+ public:
+  /// True if the next step should start from past steps.
+  bool prefers_past() const { return prefers_past_; }
+  /// True if the error of past steps should be found after this step, which started explicitly.
+  bool is_trial_due() const { return steps_since_trial_ >= trial_interval; }
+
+  /// Takes the error of an explicit start: the change of the first sweep.
+  void saw_explicit(double error) {
+    of_explicit_ = error;
+    ++steps_since_trial_;
+  }
+  /// Takes the error of a start from past steps, used or in a trial.
+  void saw_past(double error);
+  /// Takes that a start from past steps failed.
+  void saw_past_fail() { prefers_past_ = false; }
+
+  void forget() { *this = StartChoice(); }
+
+ private:
+  static constexpr int trial_interval = 8;
+
+  bool prefers_past_ = false;
+  int steps_since_trial_ = 0;
+  double of_explicit_ = 0.0;
+};
+
+}  // namespace isosyrk
