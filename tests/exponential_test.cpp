@@ -286,11 +286,6 @@ TEST(Requirements, AreToldInOneLine) {
   for (const char* name : {"elp2", "magnus4", "magnus5", "rk4_projected"}) {
     EXPECT_NO_THROW(make_integrator(lent(any), name));
   }
-  for (const std::string& name : names) {
-    const SharedFlow flow = smooth_scene(9).flow;
-    expect_refused([&] { make_integrator(flow, name, {.solver = Solver::fast}); },
-                   "integrator '" + name + "': has no fast form");
-  }
 }
 
 TEST(SelfAdjointGenerators, AreLinearAndSelfAdjoint) {

@@ -49,8 +49,8 @@ TEST(Laplacian, IsInvertedBySolvingWhichTakesTheTraceOutAndIsExactlySkewHermitia
 template <class Real = double>
 Matrix solved(const Laplacian& laplacian, const Matrix& W, double scale) {
   SplitStagesOf<Real> P = split_stages<Real>(1, W.rows());
-  SplitLaplacianOf<Real>(laplacian).solve_upper(SplitStagesOf<Real>{SplitMatrixOf<Real>(W)}, static_cast<Real>(scale),
-                                                W.rows() - 1, P);
+  SplitLaplacianOf<Real>(laplacian).solve_upper(SplitStagesOf<Real>{SplitMatrixOf<Real>(W)},
+                                                static_cast<Real>(scale), W.rows() - 1, P);
   mirror_skew(P);
   return P[0].interleaved();
 }

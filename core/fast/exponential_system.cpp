@@ -115,19 +115,14 @@ bool ExponentialSystem::form_average(const SplitMatrix& Omega, double error) {
   return true;
 }
 
+// Sets `terms` to the chosen ones and takes their size beside v_.
 template <class Real>
-void ExponentialSystem::add_gradient_terms(SplitModifiedGradient<Real>& gradient,
-                                           const SplitMatrixOf<Real>& mu,
-                                           const SplitMatrixOf<Real>& v, SplitMatrixOf<Real>& terms,
-                                           typename SplitModifiedGradient<Real>::Terms which) {
+void ExponentialSystem::form_terms(SplitMatrixOf<Real>& terms,
+                                   SplitModifiedGradient<Real>& gradient,
+                                   const SplitMatrixOf<Real>& mu, const SplitMatrixOf<Real>& v,
+                                   typename SplitModifiedGradient<Real>::Terms which) {
   gradient.evaluate(terms, mu, v, h_, which);
-  const double share = norm(terms) / norm(v_);
-  if (which.second) {
-    share_of_terms_[0] = share;
-    if (which.fourth) share_of_terms_[1] = share * share;  // about that of h⁴ alone
-  } else {
-    share_of_terms_[1] = share;
-  }
+  share_of_terms_[which.second ? 0 : 1] = norm(terms) / norm(v_);
 }
 
 // Sets v_ to B̃(mu_), to a relative accuracy.  The terms in h² and h⁴ are formed in single precision
@@ -138,27 +133,27 @@ void ExponentialSystem::form_gradient(double accuracy) {
   lie_.cut(mu_);
   lie_.generate(v_, mu_);
   if (order_ == 2) return;
+  round_to_single(mu_single_, mu_);
+  round_to_single(v_single_, v_);
+  const bool has_fourth = order_ == 6;
+  if (has_fourth && share_of_terms_ == unknown_shares) {  // to see its size alone
+    form_terms(terms_single_, single_gradient_, mu_single_, v_single_,
+               {.second = false, .fourth = true});
+  }
   const auto may_be_single = [&](std::size_t term) {
     return tuning.single_roundoff * share_of_terms_[term] <= accuracy;
   };
-  const bool has_fourth = order_ == 6;
-  const bool second_in_single = may_be_single(0);
-  const bool fourth_in_single = has_fourth && may_be_single(1);
-  const bool any_in_single = second_in_single || fourth_in_single;
-  const SplitMatrix* in_double = nullptr;
-  round_to_single(mu_single_, mu_);
-  round_to_single(v_single_, v_);
-  if (!second_in_single) {
-    add_gradient_terms(gradient_, mu_, v_, terms_,
-                       {.second = true, .fourth = has_fourth && !fourth_in_single});
-    in_double = &terms_;
-  }
-  if (any_in_single) {
-    add_gradient_terms(single_gradient_, mu_single_, v_single_, terms_single_,
-                       {.second = second_in_single, .fourth = has_fourth});
+  using Single = SplitModifiedGradient<float>::Terms;
+  using Double = SplitModifiedGradient<double>::Terms;
+  const Single in_single = {.second = may_be_single(0), .fourth = has_fourth && may_be_single(1)};
+  const Double in_double = {.second = !in_single.second, .fourth = has_fourth && !in_single.fourth};
+  const bool any_in_double = in_double.second || in_double.fourth;
+  if (any_in_double) form_terms(terms_, gradient_, mu_, v_, in_double);
+  if (in_single.second || in_single.fourth) {
+    form_terms(terms_single_, single_gradient_, mu_single_, v_single_, in_single);
     add(v_, terms_single_);
   }
-  if (in_double != nullptr) v_ = v_ + *in_double;
+  if (any_in_double) v_ = v_ + terms_;
 }
 
 ResidualSize ExponentialSystem::residual(Corrections& R, Unknowns& x, double accuracy) {

@@ -67,9 +67,9 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   bool form_average(const SplitMatrix& Omega, double error);
   void form_gradient(double accuracy);
   template <class Real>
-  void add_gradient_terms(SplitModifiedGradient<Real>& gradient, const SplitMatrixOf<Real>& mu,
-                          const SplitMatrixOf<Real>& v, SplitMatrixOf<Real>& terms,
-                          typename SplitModifiedGradient<Real>::Terms which);
+  void form_terms(SplitMatrixOf<Real>& terms, SplitModifiedGradient<Real>& gradient,
+                  const SplitMatrixOf<Real>& mu, const SplitMatrixOf<Real>& v,
+                  typename SplitModifiedGradient<Real>::Terms which);
 
   Index n_;
   int order_;

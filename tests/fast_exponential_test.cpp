@@ -1,0 +1,352 @@
+// The fast exponential methods and their parts: each against its published form or its definition,
+// at every tolerance, and what becomes of steps that are too long.
+#include "isosyrk/catalogue/fast_forms.h"
+#include "isosyrk/fast/exponential_system.h"
+#include "isosyrk/fast/start_choice.h"
+#include "isosyrk/linalg/spectrum.h"
+#include "isosyrk/solver/acceptance.h"
+#include "tests/support.h"
+
+namespace isosyrk::testing {
+namespace {
+
+// ---- the methods
+
+const std::vector<std::string> implicit_names = {"elp2", "elp4", "elp6"};
+const std::vector<std::string> explicit_names = {"magnus4", "magnus5"};
+
+class EachFastExponential : public ::testing::TestWithParam<std::string> {
+ protected:
+  const IntegratorEntry& entry = integrator_entry(GetParam());
+
+  std::unique_ptr<Integrator> fast(const Scene& scene, double tolerance,
+                                   std::optional<bool> bands = {}) const {
+    FastOptions options = {.iteration = {.tolerance = tolerance}};
+    options.bands = bands;
+    return made(fast_entry(entry, options), *scene.flow, options.iteration);
+  }
+};
+
+std::vector<std::string> names_with_frames() {
+  std::vector<std::string> names;
+  for (const std::vector<std::string>& some : {implicit_names, explicit_names}) {
+    for (const std::string& name : some) {
+      names.push_back(name);
+      names.push_back(name + "_frame");
+    }
+  }
+  return names;
+}
+INSTANTIATE_TEST_SUITE_P(All, EachFastExponential, ::testing::ValuesIn(names_with_frames()),
+                         [](const auto& tested) { return tested.param; });
+
+// The tolerance bounds the error of Ω, relative to ‖Ω‖: about that of W₁ relative to ‖W₀‖, times
+// h‖B‖.
+TEST_P(EachFastExponential, EqualsThePublishedFormToAnyToleranceAndKeepsTheSpectrumToRounding) {
+  constexpr long steps = 10;
+  for (const Index n : {2, 5, 17, 34, 65}) {  // with bands from 48 on
+    for (const bool is_rough : {false, true}) {
+      if (n < 5 && !is_rough) continue;  // the smooth data need n >= 5
+      const Scene scene = is_rough ? rough_scene(n) : smooth_scene(n);
+      const Matrix expected = integrated(*made(entry, *scene.flow), scene.initial, 0.25, steps);
+      double loose_difference = 0.0;
+      for (const double tolerance : {1e-13, 1e-10, 1e-8, 1e-6}) {
+        SCOPED_TRACE(::testing::Message() << n << (is_rough ? " rough " : " smooth ") << tolerance);
+        const auto method = fast(scene, tolerance);
+        const Matrix W = integrated(*method, scene.initial, 0.25, steps);
+        const double difference = (W - expected).norm() / expected.norm();
+        EXPECT_LE(difference, 10.0 * static_cast<double>(steps) * tolerance);
+        EXPECT_LE(spectrum_error(W, scene.initial), 1e-14);
+        EXPECT_EQ(skew_defect(W), 0.0);
+        loose_difference = difference;
+      }
+      // The control: a loose tolerance is seen.
+      if (n > 5) {
+        EXPECT_GT(loose_difference, 1e-12) << n;
+      }
+    }
+  }
+}
+
+// What a series or polynomial cannot do is a status.  What has converged is the published answer.
+TEST_P(EachFastExponential, AStepThatIsTooLongSaysSoOrIsRight) {
+  long failed = 0;
+  for (const auto& [n, tolerance] : {std::pair{9, 1e-13}, {9, 1e-8}, {49, 1e-8}}) {
+    for (const bool is_rough : {false, true}) {
+      const Scene scene = is_rough ? rough_scene(n) : smooth_scene(n);
+      for (double h = 0.5; h < 200.0; h *= 1.7) {
+        SCOPED_TRACE(::testing::Message() << n << " " << is_rough << " " << tolerance << " " << h);
+        const auto published = made(entry, *scene.flow, {.tolerance = 1e-13, .max_sweeps = 300});
+        const auto method = fast(scene, tolerance);
+        Matrix expected = scene.initial, W = scene.initial;
+        const bool works = method->step(W, h).status == Status::converged;
+        EXPECT_LE(spectrum_error(W, scene.initial), 2e-14);
+        if (!works) {
+          ++failed;
+          EXPECT_EQ(W, scene.initial);
+        } else if (published->step(expected, h).status == Status::converged) {
+          EXPECT_LE((W - expected).norm() / expected.norm(), 1e2 * tolerance);
+        }
+      }
+    }
+  }
+  EXPECT_GT(failed, 0);
+}
+
+TEST_P(EachFastExponential, BandsSaveProductsInASmoothSceneAndChangeNothing) {
+  const Scene scene = smooth_scene(65);
+  double products[2];
+  Matrix W[2];
+  for (const bool bands : {false, true}) {
+    const auto method = fast(scene, 1e-10, bands);
+    W[bands] = scene.initial;
+    const RunReport report = run(*method, W[bands], 0.25, 8);
+    EXPECT_TRUE(report.converged());
+    EXPECT_LE(spectrum_error(W[bands], scene.initial), 1e-14);
+    products[bands] = report.work.equivalent_products;
+  }
+  EXPECT_LT(products[1], 0.9 * products[0]);
+  EXPECT_LE(largest_difference(W[0], W[1]), 1e-9);
+}
+
+class EachFastLiePoisson : public EachFastExponential {};
+INSTANTIATE_TEST_SUITE_P(All, EachFastLiePoisson, ::testing::ValuesIn(implicit_names),
+                         [](const auto& tested) { return tested.param; });
+
+// At fine steps past ones predict better than the explicit method, at coarse steps they do not.
+TEST_P(EachFastLiePoisson, StartsFromPastStepsWhereThesePredictBetter) {
+  const Scene scene = rough_scene(17);
+  const auto last_start = [&](double h, std::optional<int> past_steps) {
+    const auto method =
+        made(fast_entry(entry, {.iteration = {.tolerance = 1e-8}, .past_steps = past_steps}),
+             *scene.flow, {.tolerance = 1e-8});
+    Matrix W = scene.initial;
+    StepReport report;
+    for (int step = 0; step < 40; ++step) report = continued(*method, W, h);
+    EXPECT_EQ(report.status, Status::converged);
+    return report.attempt.start;
+  };
+  EXPECT_EQ(last_start(0.02, {}), Start::predicted);
+  EXPECT_EQ(last_start(1.0, {}), Start::stepped);
+  EXPECT_EQ(last_start(0.02, 0), Start::stepped) << "the control: there are no past steps";
+}
+
+TEST_P(EachFastLiePoisson, OneSweepAStepAndFewerProductsThanThePublishedForm) {
+  const Scene scene = smooth_scene(33);
+  Matrix W = scene.initial, V = scene.initial;
+  const RunReport plain = run(*made(entry, *scene.flow, {.tolerance = 1e-8}), V, 0.25, 20);
+  const RunReport report = run(*fast(scene, 1e-8), W, 0.25, 20);
+  EXPECT_LE(report.sweeps, 22);
+  EXPECT_LT(report.work.equivalent_products, 0.3 * plain.work.equivalent_products);
+}
+
+// ---- the choice of start values
+
+TEST(StartChoice, TakesWhatHasTheSmallerErrorAndTriesTheOtherNowAndThen) {
+  StartChoice choice;
+  EXPECT_FALSE(choice.prefers_past());
+  int steps = 0;
+  for (; !choice.is_trial_due(); ++steps) choice.saw_explicit(1e-5);
+  EXPECT_GT(steps, 1);
+  choice.saw_past(1e-3);
+  EXPECT_FALSE(choice.prefers_past());
+  EXPECT_FALSE(choice.is_trial_due());
+  choice.saw_past(1e-6);
+  EXPECT_TRUE(choice.prefers_past());
+  choice.saw_past(std::nan(""));
+  EXPECT_FALSE(choice.prefers_past());
+  choice.saw_past(1e-6);
+  choice.saw_past_fail();
+  EXPECT_FALSE(choice.prefers_past());
+  choice.saw_past(1e-6);
+  choice.forget();
+  EXPECT_FALSE(choice.prefers_past());
+}
+
+// ---- acceptance
+
+TEST(Acceptance, BelievesAnEstimateNearTheSolutionAndFurtherOffWhereItWasConfirmed) {
+  const Acceptance by_estimate = {.by = Acceptance::By::error_estimate};
+  const Acceptance by_change;
+  EXPECT_TRUE(by_estimate.accepts({.change = 1e-6, .error = 1e-9, .is_confirmed = false}, 1e-8));
+  EXPECT_FALSE(by_change.accepts({.change = 1e-6, .error = 1e-9, .is_confirmed = true}, 1e-8));
+  EXPECT_FALSE(by_estimate.accepts({.change = 1e-4, .error = 1e-9, .is_confirmed = false}, 1e-8));
+  EXPECT_TRUE(by_estimate.accepts({.change = 1e-4, .error = 1e-9, .is_confirmed = true}, 1e-8));
+  EXPECT_FALSE(by_estimate.accepts({.change = 1e-2, .error = 1e-9, .is_confirmed = true}, 1e-8));
+  EXPECT_FALSE(by_estimate.accepts({.change = 1e-6, .error = 1e-7, .is_confirmed = true}, 1e-8));
+  const double nan = std::nan("");
+  EXPECT_FALSE(by_estimate.accepts({.change = 1e-6, .error = nan, .is_confirmed = true}, 1e-8));
+  EXPECT_FALSE(by_estimate.accepts({.change = nan, .error = nan, .is_confirmed = true}, 1e-8));
+}
+
+// ---- the Jacobian
+
+// A correction δ of a system at its solution: (1 - G') δ = R by differences of G.
+class ExponentialJacobian : public ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Orders, ExponentialJacobian, ::testing::Values(2, 4, 6));
+
+TEST_P(ExponentialJacobian, SolvesForTheCorrection) {
+  constexpr Index n = 9;
+  for (const bool is_rough : {false, true}) {
+    const Scene scene = is_rough ? rough_scene(n) : smooth_scene(n);
+    Matrix B(n, n);
+    scene.flow->generator(scene.initial, B);
+    for (const double sign : {1.0, -1.0}) {
+      ExponentialSystem system(*scene.flow, GetParam(), 1, false);
+      const SplitMatrix W0(scene.initial);
+      system.bind(W0, sign * 0.5 / spectral_norm(B), 1e-13);
+      Unknowns x = system.unknowns();
+      system.start(x, Start::cold);
+      Corrections R = corrections_like(x), delta = R;
+      for (int k = 0; k < 60; ++k) {
+        system.residual(R, x, 1e-14);
+        add(x, R);
+      }
+      EXPECT_LE(system.residual(R, x, 1e-14).change, 1e-13);
+
+      const auto residual_at = [&](const Matrix& moved) {
+        Unknowns y = {{SplitMatrix(Matrix(x[0][0].interleaved() + moved))}};
+        system.residual(R, y, 1e-14);
+        return R[0][0].interleaved();
+      };
+      const Matrix wanted = random_skew_hermitian(n, 3);  // the R of the correction
+      system.residual(R, x, 1e-14);
+      R[0][0].load(wanted);
+      const double size = wanted.norm();
+      const Correction found =
+          system.correct(delta, x, R, {.size = size, .forcing_term = 1e-6 * size}, {});
+      EXPECT_TRUE(found.usable);
+      const Matrix d = delta[0][0].interleaved();
+      constexpr double e = 1e-4;
+      const Matrix minus_R = 0.5 / e * (residual_at(e * d) - residual_at(-e * d));  // (G' - 1) δ
+      // The derivative of the term in h⁴ is left out, and two nodes err.
+      EXPECT_LE((minus_R + wanted).norm() / size, GetParam() == 6 ? 1e-3 : 3e-4);
+      EXPECT_LE((minus_R + wanted).norm(), std::max(100.0 * found.error, 3e-4 * size));
+      // The control: δ = R is no solution.
+      const Matrix of_R = 0.5 / e * (residual_at(e * wanted) - residual_at(-e * wanted));
+      EXPECT_GT((of_R + wanted).norm() / size, 1e-2);
+    }
+  }
+}
+
+// The gradient of the modified Hamiltonian, and the derivative of its first term.
+TEST(SplitModifiedGradient, IsTheSumOfItsTermsAndHasTheDerivativeThatItSays) {
+  constexpr Index n = 8;
+  const Scene scene = rough_scene(n);
+  SplitProducts products(n);
+  StageGenerator generator(*scene.flow);
+  BandTruncation bands(false, 1, n);
+  SplitLie<double> lie(products, generator, bands);
+  SplitModifiedGradient<double> gradient(lie, true);
+  const auto evaluated = [&](const Matrix& mu, bool second, bool fourth) {
+    SplitMatrix v(n), out(n);
+    lie.generate(v, SplitMatrix(mu));
+    gradient.evaluate(out, SplitMatrix(mu), v, 0.7, {.second = second, .fourth = fourth});
+    return out.interleaved();
+  };
+  const Matrix mu = scene.initial;
+  const Matrix both = evaluated(mu, true, true), second = evaluated(mu, true, false),
+               fourth = evaluated(mu, false, true);
+  EXPECT_LE(largest_difference(both, second + fourth), 1e-15);
+  EXPECT_GT(fourth.norm(), 1e-6);
+
+  const Matrix D = random_skew_hermitian(n, 4);
+  SplitMatrix v(n), BD(n), out(n);
+  lie.generate(v, SplitMatrix(mu));
+  lie.generate(BD, SplitMatrix(D));
+  gradient.linearize(SplitMatrix(mu), v);
+  gradient.derivative_of_second(out, SplitMatrix(mu), v, SplitMatrix(D), BD, 0.7);
+  constexpr double e = 1e-4;  // the term is cubic in μ: central differences err by e²
+  const Matrix difference =
+      0.5 / e * (evaluated(mu + e * D, true, false) - evaluated(mu - e * D, true, false));
+  EXPECT_LE((difference - out.interleaved()).norm(), 1e-7 * out.interleaved().norm());
+  EXPECT_GT(out.interleaved().norm(), 1e-3);
+}
+
+// ---- series and exponentials
+
+// e^Ω W e^(-Ω) by Eigen's exponential.
+Matrix conjugated(const Matrix& W, const Matrix& Omega) {
+  const Matrix Q = exponential(Omega);
+  return product({Q, W, Q.adjoint()});
+}
+
+TEST(SplitExponential, ConjugatesToRoundingForEveryLengthOfItsSeriesAndRefusesLongerOnes) {
+  for (const Index n : {2, 6, 50}) {
+    SplitProducts products(n);
+    const Matrix W = random_skew_hermitian(n, 2);
+    for (const bool has_bands : {false, true}) {
+      BandTruncation bands(has_bands, 1, n);
+      SplitExponential of(n, bands);
+      for (const double size : {0.0, 1e-9, 0.05, 0.2, 0.5, 1.0, 1.7, 3.0, 4.0}) {
+        SCOPED_TRACE(::testing::Message() << n << " " << has_bands << " " << size);
+        // With and without entries that fall off from the diagonal.
+        for (const double rate : {0.0, 1.0}) {
+          Matrix Omega = random_skew_hermitian(n, 1);
+          for (Index r = 0; r < n; ++r) {
+            for (Index c = 0; c < n; ++c) {
+              Omega(r, c) *= std::exp(-rate * static_cast<double>(std::abs(r - c)));
+            }
+          }
+          Omega *= size / spectral_norm(Omega);
+          SplitMatrix W1(n);
+          ASSERT_TRUE(of.conjugate(W1, SplitMatrix(Omega), SplitMatrix(W), products));
+          EXPECT_LE((W1.interleaved() - conjugated(W, Omega)).norm(), 1e-14 * (1.0 + size));
+          EXPECT_LE(spectrum_error(W1.interleaved(), W), 1e-14);
+          EXPECT_EQ(skew_defect(W1.interleaved()), 0.0);
+          if (size > 0.0) {  // the control: another Ω is seen
+            EXPECT_GT((W1.interleaved() - conjugated(W, -Omega)).norm(), 1e-3 * size);
+          }
+        }
+      }
+      SplitMatrix W1(n);
+      const Matrix unit = random_skew_hermitian(n, 1);
+      for (const double size : {20.0, 1e10, 1e200, std::nan("")}) {
+        EXPECT_FALSE(of.conjugate(W1, SplitMatrix(Matrix(size * unit)), SplitMatrix(W), products));
+      }
+    }
+  }
+}
+
+TEST(GradedSeries, ErrsByAboutTheWantedErrorAndUsesSinglePrecisionWhereThatIsEnough) {
+  constexpr Index n = 20;
+  const Matrix W = random_skew_hermitian(n, 2), Omega = 0.8 * random_skew_hermitian(n, 1);
+  const Matrix expected = conjugated(W, Omega);
+  double last = 0.0;
+  for (const double error : {1e-3, 1e-6, 1e-9, 1e-12, 1e-15}) {
+    SplitProducts products(n);
+    SingleProducts single_products(n);
+    GradedSeries series(products, single_products, n);
+    SplitMatrix out(n);
+    ASSERT_TRUE(series.conjugate(out, SplitMatrix(Omega), SplitMatrix(W), error));
+    const double found = (out.interleaved() - expected).norm();
+    EXPECT_LE(found, 3.0 * error + 1e-14) << error;
+    EXPECT_GT(single_products.count(), 0) << error;
+    if (error >= 1e-12) {
+      EXPECT_GT(found, 1e-4 * error) << "no digits that were not asked for";
+    }
+    const double work =
+        static_cast<double>(products.count()) + 0.5 * static_cast<double>(single_products.count());
+    EXPECT_GT(work, last) << error;
+    last = work;
+  }
+}
+
+TEST(GradedSeries, FailsWhereItsTermsAreNotFinite) {
+  constexpr Index n = 5;
+  SplitProducts products(n);
+  SingleProducts single_products(n);
+  GradedSeries series(products, single_products, n);
+  const Matrix W = random_skew_hermitian(n, 2);
+  SplitMatrix out(n);
+  for (const double size : {1e4, 1e200, std::nan("")}) {
+    const Matrix Omega = size * random_skew_hermitian(n, 1);
+    EXPECT_FALSE(series.conjugate(out, SplitMatrix(Omega), SplitMatrix(W), 1e-10)) << size;
+  }
+  EXPECT_TRUE(
+      series.conjugate(out, SplitMatrix(random_skew_hermitian(n, 1)), SplitMatrix(W), 1e-10))
+      << "and works afterwards";
+}
+
+}  // namespace
+}  // namespace isosyrk::testing
