@@ -28,10 +28,19 @@ constexpr std::array<Series, 8> all_series = {{{0.07, 4, 2},
                                                {6.7, 21, 7}}};
 constexpr int most_powers = 7;
 
-double factorial(int k) { return std::tgamma(static_cast<double>(k + 1)); }
-
 // The coefficient of X^j in C (odd = 0) or S (odd = 1).
-double coefficient(int j, int odd) { return 1.0 / factorial(2 * j + odd); }
+long double exact_coefficient(int j, int odd) {
+  long double factorial = 1.0L;
+  for (int k = 2; k <= 2 * j + odd; ++k) factorial *= static_cast<long double>(k);
+  return 1.0L / factorial;
+}
+double coefficient(int j, int odd) { return static_cast<double>(exact_coefficient(j, odd)); }
+// What is lost when it is rounded to double, and added by itself.  Otherwise each eigenvalue of Ω
+// would be turned by a factor whose modulus is not 1 by the same 1e-17 in every step: the spectrum
+// erred by 2e-13 after 4000 steps of h‖B‖ = 2.5 (smooth, n = 33), and errs by 2e-14.
+double rest_of_coefficient(int j, int odd) {
+  return static_cast<double>(exact_coefficient(j, odd) - coefficient(j, odd));
+}
 
 void add_to_diagonal(SplitMatrix& X, double number) {
   for (Index i = 0; i < X.size(); ++i) X.re()[i * X.stride() + i] += number;
@@ -74,6 +83,9 @@ void SplitExponential::form_polynomials(int m, int q, double size, SplitProducts
   const auto add_block = [&](SplitMatrix& to, int odd, int block, int terms, bool is_top) {
     LinearCombination<double> sum_of_block;
     if (!is_top) sum_of_block += to;
+    for (int j = 1; j < terms; ++j) {
+      sum_of_block += rest_of_coefficient(block * q + j, odd) * power(j);
+    }
     for (int j = 1; j < terms; ++j) sum_of_block += coefficient(block * q + j, odd) * power(j);
     to = sum_of_block;
     add_to_diagonal(to, coefficient(block * q, odd));

@@ -33,7 +33,7 @@ struct Tuning {
   /// the sweep may be accepted.
   double accepting_accuracy = 0.1;
   /// Accuracy of each term of a Neumann series, as a part of the forcing term.
-  double neumann_term = 0.3;
+  double neumann_term = 0.15;
   /// Largest growth of the change from one frozen sweep to the next before T counts as not
   /// contracting.  T is not normal, so its norm may exceed 1.
   double growth = 4.0;
