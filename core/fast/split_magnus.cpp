@@ -3,10 +3,11 @@
 namespace isosyrk {
 
 template <class Real>
-SplitMagnus<Real>::SplitMagnus(SplitLie<Real>& lie, int order) : lie_(lie), order_(order) {
+SplitMagnus<Real>::SplitMagnus(SplitLie<Real>& lie, int order)
+    : lie_(lie), order_(order), tableau_(classical_runge_kutta4()) {
   const M zero = lie.zero();
   start_ = end_ = {zero, zero, zero, zero};
-  k_.fill(zero);
+  k_.assign(static_cast<std::size_t>(tableau_.stages()), zero);
   B_stage_ = W_stage_ = commutator_ = zero;
   if (order == 4) {
     a0_ = a1_ = zero;
@@ -35,18 +36,16 @@ void SplitMagnus<Real>::evaluate(Point& point) {
   lie_.generate(point.D, point.k);
 }
 
-// Sets W to that of the classical Runge-Kutta step of h from a point.
+// Sets W to that of the classical Runge-Kutta step of h from a point, which is evaluated.
 template <class Real>
 void SplitMagnus<Real>::predict(M& W, const Point& from, double h) {
-  const auto slope = [&](M& out, double time, const M& k) {
-    W_stage_ = from.W + time * k;
+  k_[0] = 1.0 * from.k;
+  for (std::size_t i = 1; i < k_.size(); ++i) {
+    W_stage_ = from.W + h * sum(tableau_.a.row(static_cast<Index>(i)), k_);
     lie_.generate(B_stage_, W_stage_);
-    lie_.bracket(out, B_stage_, W_stage_);
-  };
-  slope(k_[0], 0.5 * h, from.k);
-  slope(k_[1], 0.5 * h, k_[0]);
-  slope(k_[2], h, k_[1]);
-  W = from.W + (h / 6.0) * from.k + (h / 3.0) * k_[0] + (h / 3.0) * k_[1] + (h / 6.0) * k_[2];
+    lie_.bracket(k_[i], B_stage_, W_stage_);
+  }
+  W = from.W + h * sum(tableau_.b, k_);
 }
 
 // From the start, which is evaluated.

@@ -1,9 +1,8 @@
 // The exponents of the explicit Magnus methods in split-complex storage.
 #pragma once
 
-#include <array>
-
 #include "isosyrk/fast/split_lie.h"
+#include "isosyrk/tableaux/explicit_tableaux.h"
 
 namespace isosyrk {
 
@@ -34,7 +33,8 @@ class SplitMagnus {
   SplitLie<Real>& lie_;
   int order_;
   Point start_, middle_, end_;
-  std::array<M, 3> k_;  // slopes of the Runge-Kutta step after the first
+  Tableau tableau_;        // of the Runge-Kutta steps that predict
+  SplitStagesOf<Real> k_;  // their slopes
   M B_stage_, W_stage_;
   M a0_, a1_;       // of order 4
   M m0_, m1_, m2_;  // of order 5, as all below
