@@ -97,6 +97,14 @@ struct Tuning {
   /// the spectrum of long runs.
   double conjugation_error = 6e-17;
 
+  // Stages of the Munthe-Kaas method (FastMuntheKaas4).
+  /// Error of the series of a stage, as a part of the estimated error of the step.
+  double stage_share = 0.01;
+  /// Norm that may be cut from a factor in a stage, as a part of the error of its series.
+  double stage_left_out = 0.1;
+  /// Largest ratio of the estimates of two steps for which the first serves the second.
+  double stage_error_growth = 3.0;
+
   // Threads.
   /// Returns the smallest n at which several threads are faster than one.
   Index smallest_parallel(Index stages) const { return stages == 1 ? 96 : 48; }
