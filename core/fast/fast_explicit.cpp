@@ -70,17 +70,20 @@ void FastMuntheKaas4::set_stage_error(double error) {
 
 StepReport FastMuntheKaas4::take_step(SplitStages& W1, const SplitStages& W0, double h, Past past) {
   scale_ = norm(W0[0]);
-  const bool continues = past == Past::used && std::abs(h) == h_of_error_;
-  set_stage_error(continues ? error_ : 0.0);
-  const double allowed = stage_error_;
+  const bool continues = past == Past::used && std::abs(h) == h_of_run_;
+  set_stage_error(continues ? error_of_run_ : 0.0);
+  const double taken = stage_error_;
   StepReport report = FastExplicit::take_step(W1, W0, h, past);
   if (report.status != Status::converged) return report;
   set_stage_error(tuning.stage_error_growth * error_);
-  if (allowed > stage_error_) {
+  if (taken > stage_error_) {
     set_stage_error(error_);
     report = FastExplicit::take_step(W1, W0, h, past);
   }
-  if (past == Past::used) h_of_error_ = std::abs(h);
+  if (past == Past::used) {
+    h_of_run_ = std::abs(h);
+    error_of_run_ = error_;
+  }
   return report;
 }
 
@@ -124,7 +127,7 @@ bool FastMuntheKaas4::take_explicit_step(SplitStages& W1, const SplitStages& W0,
   // e, from the last stage
   W_stage_[0] = W1[0] - W_stage_[0];
   const double change = scale_ > 0.0 ? norm(W_stage_[0]) / scale_ : 0.0;
-  error_ = 3.0 * std::pow(change, 5.0 / 3.0);
+  error_ = std::min(1.0, 3.0 * std::pow(change, 5.0 / 3.0));
   return true;
 }
 

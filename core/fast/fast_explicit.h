@@ -76,9 +76,11 @@ class FastRungeKutta4 final : public FastExplicit {
 ///
 /// of order h⁵ since W₄ errs by O(h³).  Measured, e is 0.1 to 1 times the error (Euler-Zeitlin, in
 /// the frame, smooth and rough, n = 17 to 129, h = 0.06 to 0.8).  Stages are then summed to
-/// 0.01 e ‖W₀‖_F with the e of the last step of the run, if that had the same |h|.  A step whose
-/// own e turns out smaller than a third of that is taken again with its own e.  Without such a
-/// step, and where it is larger, the accuracy is the tolerance, relative to ‖W‖_F.
+/// Tuning::stage_share e ‖W₀‖_F with the e of the last step of the run, if that had the same |h|.
+/// That moves W₁ by less than 1 % of its error, since B damps the terms left out.  A step whose own
+/// e turns out smaller than a third of that is taken again with its own e.  In the first step, and
+/// where it is larger, the accuracy is the tolerance, relative to ‖W‖_F: as for FastMagnus, the
+/// tolerance is the working accuracy of what does not touch the spectrum.
 ///
 /// Products: 2, 1 for each term of the 3 series, and those of SplitExponential; if ‖Ω‖ is beyond
 /// that, 1 for each term of a fourth series.  Poisson solves: 4.
@@ -89,7 +91,7 @@ class FastMuntheKaas4 final : public FastExplicit {
  private:
   StepReport take_step(SplitStages& W1, const SplitStages& W0, double h, Past past) override;
   bool take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) override;
-  void forget() override { h_of_error_ = 0.0; }
+  void forget() override { h_of_run_ = 0.0; }
   void form_exponent(std::size_t stage);
   void set_stage_error(double error);
   bool conjugate(SplitMatrix& W1, const SplitMatrix& W0);
@@ -105,8 +107,9 @@ class FastMuntheKaas4 final : public FastExplicit {
   SplitStages k_;             // k_1 ... k_4
   double scale_ = 0.0;        // ‖W₀‖_F
   double stage_error_ = 0.0;  // Frobenius norm that the series of a stage may leave out
-  double error_ = 0.0;        // e of the last step
-  double h_of_error_ = 0.0;   // |h| of the step of a run that e is from; 0 if there is none
+  double error_ = 0.0;        // e of the step just taken
+  // |h| and e of the last step of a run; 0 if there is none
+  double h_of_run_ = 0.0, error_of_run_ = 0.0;
 };
 
 /// The explicit Magnus methods of order 4 or 5: W₁ = e^Ω W₀ e^(-Ω) to rounding, with Ω to the
