@@ -35,7 +35,6 @@ class FastExplicit : public SplitIntegrator {
 
   StepReport take_step(SplitStages& W1, const SplitStages& W0, double h, Past past) override;
 
-
   SplitProducts products_;
   SingleProducts single_products_;
   StageGenerator generator_;

@@ -15,7 +15,7 @@ GradedSeries::GradedSeries(SplitProducts& products, SingleProducts& single_produ
       next_(n),
       product_(n),
       Omega_single_(n),
-      term_single_(split_stages<float>(1, n)),
+      term_single_(n),
       next_single_(n),
       product_single_(n),
       rounded_(n) {}
@@ -35,14 +35,14 @@ bool GradedSeries::advance() {
   if (!in_single_ && size_ * tuning.single_roundoff <= error_) {
     in_single_ = true;
     round_to_single(Omega_single_, *Omega_);
-    round_to_single(term_single_[0], term_[0]);
+    round_to_single(term_single_, term_[0]);
   }
   if (in_single_) {
     if (bands_ != nullptr) bands_->truncate(term_single_, tail_);
-    single_products_.form(into(product_single_, Omega_single_ * term_single_[0]));
+    single_products_.form(into(product_single_, Omega_single_ * term_single_));
     skew_part(next_single_, product_single_, factor);
-    std::swap(term_single_[0], next_single_);
-    size_ = norm(term_single_[0]);
+    std::swap(term_single_, next_single_);
+    size_ = norm(term_single_);
   } else {
     if (bands_ != nullptr) bands_->truncate(term_, tail_);
     products_.form(into(product_, *Omega_ * term_[0]));
@@ -56,7 +56,7 @@ bool GradedSeries::advance() {
 
 void GradedSeries::add_to(SplitMatrix& sum, double weight) const {
   if (in_single_) {
-    add(sum, term_single_[0], weight);
+    add(sum, term_single_, weight);
   } else {
     sum = sum + weight * term_[0];
   }
@@ -64,7 +64,7 @@ void GradedSeries::add_to(SplitMatrix& sum, double weight) const {
 
 void GradedSeries::add_to(SingleMatrix& sum, double weight) {
   if (!in_single_) round_to_single(rounded_, term_[0]);
-  sum = sum + weight * (in_single_ ? term_single_[0] : rounded_);
+  sum = sum + weight * (in_single_ ? term_single_ : rounded_);
 }
 
 bool GradedSeries::conjugate(SplitMatrix& out, const SplitMatrix& Omega, const SplitMatrix& W,

@@ -59,7 +59,7 @@ class GradedSeries {
   SplitMatrix next_;     // T_{k+1}
   SplitMatrix product_;  // Ω T_k
   SingleMatrix Omega_single_;
-  SingleStages term_single_;  // T_k, a single matrix, where it is in single precision
+  SingleMatrix term_single_;  // T_k where it is in single precision
   SingleMatrix next_single_, product_single_;
   SingleMatrix rounded_;  // T_k rounded, for sums in single precision
 };
