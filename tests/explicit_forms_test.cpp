@@ -239,15 +239,16 @@ TEST_P(EachFormOfProjection, DivergesWhereRungeKuttaIsUnstableAndKeepsTheState) 
   EXPECT_EQ(integrator->step(0.01).status, Status::converged);  // goes on from there
 }
 
-TEST_P(EachFormOfProjection, IsTheSameWithEveryNumberOfThreads) {
-  if (GetParam() != std::string("fast")) return;
+TEST(FastExplicitForms, AreTheSameBitForBitWithEveryNumberOfThreads) {
   const Scene scene = smooth_scene(98);
-  const auto result = [&](int threads) {
-    return run_of(fast_entry("rk4_projected", {.iteration = {}, .threads = threads}), scene, 0.1, 3)
-        .W;
-  };
-  const Matrix expected = result(1);
-  for (const int threads : {2, 3}) EXPECT_EQ(result(threads), expected) << threads;
+  for (const char* name : {"rkmk4", "rk4_projected"}) {
+    const auto result = [&](int threads) {
+      const IntegratorEntry entry = fast_entry(name, {.iteration = {}, .threads = threads});
+      return run_of(entry, scene, 0.1, 3).W;
+    };
+    const Matrix expected = result(1);
+    for (const int threads : {2, 3, 8}) EXPECT_TRUE(result(threads) == expected) << threads;
+  }
 }
 
 TEST(FastProjection, IsThePublishedFormInARunThatProjects) {

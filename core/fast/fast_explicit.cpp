@@ -28,9 +28,9 @@ void FastExplicit::commutator(SplitStages& out, const SplitMatrix& A, const Spli
   skew_part(out, product_, scale);
 }
 
-void FastExplicit::generate(Generators& B, SplitStages& W, double left_out) {
-  bands_.truncate(W, left_out);
-  generator_.generate(B, W, bands_, left_out / std::abs(h_));
+void FastExplicit::generate(Generators& B, SplitStages& W, double of_W, double of_hB) {
+  bands_.truncate(W, of_W);
+  generator_.generate(B, W, bands_, of_hB / std::abs(h_));
 }
 
 FastRungeKutta4::FastRungeKutta4(const SharedFlow& flow, const FastOptions& options)
@@ -110,6 +110,7 @@ bool FastMuntheKaas4::conjugate(SplitMatrix& W1, const SplitMatrix& W0) {
 
 bool FastMuntheKaas4::take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) {
   const double left_out = tuning.stage_left_out * stage_error_;
+  const double of_Omega = scale_ > 0.0 ? left_out / scale_ : 0.0;
   series_.truncate(bands(), left_out);
   for (std::size_t i = 0; i < k_.size(); ++i) {
     if (i == 0) {
@@ -118,11 +119,11 @@ bool FastMuntheKaas4::take_explicit_step(SplitStages& W1, const SplitStages& W0,
       form_exponent(i);
       if (!series_.conjugate(W_stage_[0], Omega_[0], W0[0], stage_error_)) return false;
     }
-    generate(B_, W_stage_, left_out);
+    generate(B_, W_stage_, left_out, of_Omega);
     k_[i] = h * B_[0];
   }
   form_exponent(k_.size());
-  bands().truncate(Omega_, left_out);
+  bands().truncate(Omega_, of_Omega);
   if (!conjugate(W1[0], W0[0])) return false;
   // e, from the last stage
   W_stage_[0] = W1[0] - W_stage_[0];

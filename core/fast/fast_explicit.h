@@ -26,9 +26,10 @@ class FastExplicit : public SplitIntegrator {
   SplitStages zeros(Index count) const { return split_stages(count, flow().size()); }
   /// out = scale [A, X] for skew-Hermitian A and X, by one product.
   void commutator(SplitStages& out, const SplitMatrix& A, const SplitMatrix& X, double scale = 1.0);
-  /// B = B(W), where hB may have an error of this Frobenius norm.  W is cut to its band.
-  void generate(Generators& B, SplitStages& W, double left_out);
-  void generate(Generators& B, SplitStages& W) { generate(B, W, left_out_); }
+  /// B = B(W).  W is cut to its band.
+  void generate(Generators& B, SplitStages& W) { generate(B, W, left_out_, left_out_); }
+  /// The same with the Frobenius norms that may be cut from W and from hB.
+  void generate(Generators& B, SplitStages& W, double of_W, double of_hB);
   BandTruncation& bands() { return bands_; }
   /// Frobenius norm that may be cut from W.
   double left_out() const { return left_out_; }

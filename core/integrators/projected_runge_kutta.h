@@ -12,13 +12,13 @@ namespace isosyrk {
 ///
 ///     V = U (iΛ) U†  ->  W = U (iΛ₀) U†
 ///
-/// onto the eigenvalues Λ₀ of the state that the run began with.  A state that is set or amended
-/// begins anew.  For flows with J = I.  Order 4, isospectral, not Lie-Poisson.  Unlike the
-/// Runge-Kutta step, the projection changes the angular momentum.  Unstable where the Runge-Kutta
-/// method is.
+/// onto the eigenvalues Λ₀ of the state that the run began with.  A state that is amended, or
+/// set to another than it is, begins anew.  For flows with J = I.  Order 4, isospectral, not
+/// Lie-Poisson.  Unlike the Runge-Kutta step, the projection changes the angular momentum. Unstable
+/// where the Runge-Kutta method is.
 ///
-/// **When V is projected.**  A projection costs as much as about six steps, so it is made as seldom
-/// as the error of the steps allows:
+/// **When V is projected.**  A projection costs as much as two to seven steps, so it is made as
+/// seldom as the error of the steps allows:
 ///
 /// - where the state is asked for.  Whatever a user sees has the spectrum Λ₀ to rounding.  The run
 ///   itself goes on from V, so observing a run does not change it, and what an observed state cost

@@ -105,7 +105,7 @@ struct Tuning {
   double stage_share = 0.3;
   /// Norm that may be cut from a factor in a stage, as a part of the error of its series.  At three
   /// times this value a smooth scene moves by 1 % of its error.
-  double stage_left_out = 0.03;
+  double stage_left_out = 0.1;
   /// Largest ratio of the estimates of two steps for which the first serves the second.
   double stage_error_growth = 3.0;
 
