@@ -14,7 +14,7 @@ namespace isosyrk {
 ///
 /// onto the eigenvalues Λ₀ of the state that the run began with.  A state that is amended, or
 /// set to another than it is, begins anew.  For flows with J = I.  Order 4, isospectral, not
-/// Lie-Poisson.  Unlike the Runge-Kutta step, the projection changes the angular momentum. Unstable
+/// Lie-Poisson.  Unlike the Runge-Kutta step, the projection changes the angular momentum.  Unstable
 /// where the Runge-Kutta method is.
 ///
 /// **When V is projected.**  A projection costs as much as two to seven steps, so it is made as
@@ -34,13 +34,14 @@ namespace isosyrk {
 /// A step diverges if it changes ‖V‖_F by half of ‖W₀‖_F, if a projection would move V by that
 /// much, or if LAPACK finds no eigenvalues.  Where that happens as the state is asked for, the
 /// state is NaN.  Products: 4, and 3 for a projection, which also computes all eigenvectors.
-/// Poisson solves: 4. Source: projection methods in general, Hairer, Lubich and Wanner, Geometric
-/// Numerical Integration, section IV.4.
+/// Poisson solves: 4.
+/// Source: projection methods in general, Hairer, Lubich and Wanner, Geometric Numerical
+/// Integration, section IV.4.
 class ProjectedRungeKutta4 final : public Integrator {
  public:
-  /// Largest ‖Λ - Λ₀‖_F / ‖Λ₀‖_F of V in a run, as it is estimated.  At a tenth of it a coarse run
-  /// (rough, error 1e-2) projects after each step; at ten times it the energy after T = 400 shows
-  /// it.
+  /// Largest ‖Λ - Λ₀‖_F / ‖Λ₀‖_F of V in a run, as it is estimated.  At a tenth of it coarse runs
+  /// (rough, T = 5, errors above 3e-3) project up to nine times as often, for up to 6 % less error.
+  /// At ten times it the error grows by up to 4 %.
   static constexpr double largest_drift = 1e-3;
 
   /// The published form.  Throws std::invalid_argument for a flow with another J than I.
