@@ -14,7 +14,7 @@ namespace isosyrk {
 ///
 /// onto the eigenvalues Λ₀ of the state that the run began with.  A state that is amended, or
 /// set to another than it is, begins anew.  For flows with J = I.  Order 4, isospectral, not
-/// Lie-Poisson.  Unlike the Runge-Kutta step, the projection changes the angular momentum.  Unstable
+/// Lie-Poisson.  Unlike the Runge-Kutta step, the projection changes the angular momentum. Unstable
 /// where the Runge-Kutta method is.
 ///
 /// **When V is projected.**  A projection costs as much as two to seven steps, so it is made as
