@@ -106,6 +106,7 @@ IntegratorEntry projected_entry() {
               [](const auto& flow, const IterationOptions&, ProductBackend backend) {
                 return std::make_unique<ProjectedRungeKutta4>(flow, backend);
               },
+          .make_fast = fast_projected(),
           .stability_limit = rk4_limit,
           .in_frame = true};
 }

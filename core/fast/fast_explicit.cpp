@@ -28,15 +28,9 @@ void FastExplicit::commutator(SplitStages& out, const SplitMatrix& A, const Spli
   skew_part(out, product_, scale);
 }
 
-void FastExplicit::generate(Generators& B, SplitStages& W) {
-  bands_.truncate(W, left_out_);
-  generator_.generate(B, W, bands_, left_out_ / std::abs(h_));
-}
-
-GradedSeries FastExplicit::graded_series() {
-  GradedSeries series(products_, single_products_, flow().size());
-  series.truncate(bands_, left_out_);
-  return series;
+void FastExplicit::generate(Generators& B, SplitStages& W, double of_W, double of_hB) {
+  bands_.truncate(W, of_W);
+  generator_.generate(B, W, bands_, of_hB / std::abs(h_));
 }
 
 FastRungeKutta4::FastRungeKutta4(const SharedFlow& flow, const FastOptions& options)
@@ -61,12 +55,37 @@ bool FastRungeKutta4::take_explicit_step(SplitStages& W1, const SplitStages& W0,
 FastMuntheKaas4::FastMuntheKaas4(const SharedFlow& flow, const FastOptions& options)
     : FastExplicit(flow, options),
       scheme_(munthe_kaas4()),
-      series_(graded_series()),
+      tolerance_(options.iteration.tolerance),
+      series_(products_, single_products_, flow->size()),
+      exponential_(flow->size(), bands()),
       Omega_(zeros(1)),
       commutator_(zeros(1)),
       W_stage_(zeros(1)),
       B_(generators()),
       k_(zeros(scheme_.tableau.stages())) {}
+
+void FastMuntheKaas4::set_stage_error(double error) {
+  stage_error_ = std::max(tolerance_, tuning.stage_share * error) * scale_;
+}
+
+StepReport FastMuntheKaas4::take_step(SplitStages& W1, const SplitStages& W0, double h, Past past) {
+  scale_ = norm(W0[0]);
+  const bool continues = past == Past::used && std::abs(h) == h_of_run_;
+  set_stage_error(continues ? error_of_run_ : 0.0);
+  const double taken = stage_error_;
+  StepReport report = FastExplicit::take_step(W1, W0, h, past);
+  if (report.status != Status::converged) return report;
+  set_stage_error(tuning.stage_error_growth * error_);
+  if (taken > stage_error_) {
+    set_stage_error(error_);
+    report = FastExplicit::take_step(W1, W0, h, past);
+  }
+  if (past == Past::used) {
+    h_of_run_ = std::abs(h);
+    error_of_run_ = error_;
+  }
+  return report;
+}
 
 // Sets Omega_ to Ω_i of a stage i > 0, or to Ω for stage s.
 void FastMuntheKaas4::form_exponent(std::size_t stage) {
@@ -81,20 +100,36 @@ void FastMuntheKaas4::form_exponent(std::size_t stage) {
   Omega_[0] = Omega;
 }
 
+// W1 = Ad(Ω) W₀ to rounding.
+bool FastMuntheKaas4::conjugate(SplitMatrix& W1, const SplitMatrix& W0) {
+  if (exponential_.conjugate(W1, Omega_[0], W0, products_)) return true;
+  const double error = tuning.conjugation_error * scale_;
+  series_.truncate(bands(), error);
+  return series_.conjugate(W1, Omega_[0], W0, error);
+}
+
 bool FastMuntheKaas4::take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) {
-  const double error = tuning.conjugation_error * norm(W0[0]);
+  const double left_out = tuning.stage_left_out * stage_error_;
+  const double of_Omega = scale_ > 0.0 ? left_out / scale_ : 0.0;
+  series_.truncate(bands(), left_out);
   for (std::size_t i = 0; i < k_.size(); ++i) {
     if (i == 0) {
       copy(W_stage_, W0);
     } else {
       form_exponent(i);
-      if (!series_.conjugate(W_stage_[0], Omega_[0], W0[0], error)) return false;
+      if (!series_.conjugate(W_stage_[0], Omega_[0], W0[0], stage_error_)) return false;
     }
-    generate(B_, W_stage_);
+    generate(B_, W_stage_, left_out, of_Omega);
     k_[i] = h * B_[0];
   }
   form_exponent(k_.size());
-  return series_.conjugate(W1[0], Omega_[0], W0[0], error);
+  bands().truncate(Omega_, of_Omega);
+  if (!conjugate(W1[0], W0[0])) return false;
+  // e, from the last stage
+  W_stage_[0] = W1[0] - W_stage_[0];
+  const double change = scale_ > 0.0 ? norm(W_stage_[0]) / scale_ : 0.0;
+  error_ = std::min(1.0, 3.0 * std::pow(change, 5.0 / 3.0));
+  return true;
 }
 
 FastMagnus::FastMagnus(const SharedFlow& flow, int order, const FastOptions& options)

@@ -26,31 +26,32 @@ void GradedSeries::begin(const SplitMatrix& Omega, const SplitMatrix& W, double 
   k_ = 0;
   in_single_ = failed_ = false;
   term_[0] = 1.0 * W;
+  size_ = norm(term_[0]);
 }
 
 bool GradedSeries::advance() {
   constexpr int most_terms = 200;
   const double factor = 1.0 / static_cast<double>(++k_);
-  double size = 0.0;  // of T_k
+  if (!in_single_ && size_ * tuning.single_roundoff <= error_) {
+    in_single_ = true;
+    round_to_single(Omega_single_, *Omega_);
+    round_to_single(term_single_, term_[0]);
+  }
   if (in_single_) {
+    if (bands_ != nullptr) bands_->truncate(term_single_, tail_);
     single_products_.form(into(product_single_, Omega_single_ * term_single_));
     skew_part(next_single_, product_single_, factor);
     std::swap(term_single_, next_single_);
-    size = norm(term_single_);
+    size_ = norm(term_single_);
   } else {
     if (bands_ != nullptr) bands_->truncate(term_, tail_);
     products_.form(into(product_, *Omega_ * term_[0]));
     skew_part(next_, product_, factor);
     std::swap(term_[0], next_);
-    size = norm(term_[0]);
-    if (size * tuning.single_roundoff <= error_) {
-      in_single_ = true;
-      round_to_single(Omega_single_, *Omega_);
-      round_to_single(term_single_, term_[0]);
-    }
+    size_ = norm(term_[0]);
   }
-  failed_ = !std::isfinite(size) || k_ >= most_terms;
-  return !failed_ && size > tuning.series_end * error_;
+  failed_ = !std::isfinite(size_) || k_ >= most_terms;
+  return !failed_ && size_ > tuning.series_end * error_;
 }
 
 void GradedSeries::add_to(SplitMatrix& sum, double weight) const {

@@ -35,7 +35,7 @@ class GradedSeries {
   void add_to(SplitMatrix& sum, double weight) const;
   void add_to(SingleMatrix& sum, double weight);
 
-  /// Sets the norm that may be cut from a factor T_k in double precision.
+  /// Sets the norm that may be cut from a factor T_k.
   void truncate(BandTruncation& bands, double tail) {
     bands_ = &bands;
     tail_ = tail;
@@ -52,6 +52,7 @@ class GradedSeries {
   const SplitMatrix* Omega_ = nullptr;
   double error_ = 0.0;
   int k_ = 0;
+  double size_ = 0.0;  // ‖T_k‖_F
   bool in_single_ = false;
   bool failed_ = false;
   SplitStages term_;     // T_k, a single matrix, where it is in double precision

@@ -7,40 +7,73 @@
 
 namespace isosyrk {
 
-/// A step of the classical Runge-Kutta method applied to W (ClassicalRungeKutta4), followed by
+/// Steps V₀ -> V₁ -> ... of the classical Runge-Kutta method applied to W (ClassicalRungeKutta4),
+/// and the projection
 ///
-///     W = U (iΛ) U†  ->  U (iΛ₀) U†
+///     V = U (iΛ) U†  ->  W = U (iΛ₀) U†
 ///
-/// with the eigenvalues Λ₀ of the state that the run began with.  A state that is set or amended
-/// begins anew.  For flows with J = I.  Order 4, since the projection moves W by no more than twice
-/// the error of the step.  Isospectral, not Lie-Poisson.  Unlike the Runge-Kutta step, the
-/// projection changes the angular momentum.  Unstable where the Runge-Kutta method is.
-/// Products: 7.  Poisson solves: 4.  Each step computes all eigenvectors of W, which costs some ten
-/// products more and is not counted.
+/// onto the eigenvalues Λ₀ of the state that the run began with.  A state that is amended, or
+/// set to another than it is, begins anew.  For flows with J = I.  Order 4, isospectral, not
+/// Lie-Poisson.  Unlike the Runge-Kutta step, the projection changes the angular momentum. Unstable
+/// where the Runge-Kutta method is.
+///
+/// **When V is projected.**  A projection costs as much as two to seven steps, so it is made as
+/// seldom as the error of the steps allows:
+///
+/// - where the state is asked for.  Whatever a user sees has the spectrum Λ₀ to rounding.  The run
+///   itself goes on from V, so observing a run does not change it, and what an observed state cost
+///   is in no report, as with FrameIntegrator;
+/// - after a step, where ‖Λ - Λ₀‖_F is estimated to exceed `largest_drift` ‖Λ₀‖_F.  The run then
+///   goes on from W.
+///
+/// By the theorem of Hoffman and Wielandt ‖W - V‖_F = ‖Λ - Λ₀‖_F is at most the error of V.  So a
+/// projection at most doubles the error, however late it comes.  Measured, the drift is 3 to 12 %
+/// of the error, and projecting after each step instead changes the error by less than 10 %
+/// (Euler-Zeitlin, smooth and rough, n = 33 to 129, T = 5, errors from 1e-2 to 1e-10).
+///
+/// A step diverges if it changes ‖V‖_F by half of ‖W₀‖_F, if a projection would move V by that
+/// much, or if LAPACK finds no eigenvalues.  Where that happens as the state is asked for, the
+/// state is NaN.  Products: 4, and 3 for a projection, which also computes all eigenvectors.
+/// Poisson solves: 4.
 /// Source: projection methods in general, Hairer, Lubich and Wanner, Geometric Numerical
 /// Integration, section IV.4.
 class ProjectedRungeKutta4 final : public Integrator {
  public:
-  /// Throws std::invalid_argument for a flow with another J than I.
-  ProjectedRungeKutta4(const SharedFlow& flow, ProductBackend backend);
+  /// Largest ‖Λ - Λ₀‖_F / ‖Λ₀‖_F of V in a run, as it is estimated.  At a tenth of it coarse runs
+  /// (rough, T = 5, errors above 3e-3) project up to nine times as often, for up to 6 % less error.
+  /// At ten times it the error grows by up to 4 %.
+  static constexpr double largest_drift = 1e-3;
 
-  double energy() const override { return flow().energy(W_); }
+  /// The published form.  Throws std::invalid_argument for a flow with another J than I.
+  ProjectedRungeKutta4(const SharedFlow& flow, ProductBackend backend);
+  /// Projects what another form of the classical Runge-Kutta method for this flow computes.  Throws
+  /// as above.
+  ProjectedRungeKutta4(const SharedFlow& flow, std::unique_ptr<Integrator> runge_kutta4,
+                       ProductBackend backend);
+
+  double energy() const override;
 
  private:
   void load(const ConstMatrixView& W) override;
-  void amend(const ConstMatrixView& W) override { load(W); }
+  void amend(const ConstMatrixView& W) override;
   StepReport advance_state(double h) override;
-  void store(MatrixView W) const override { W = W_; }
+  void store(MatrixView W) const override;
   StepReport step_alone(MatrixView W, double h) override;
 
-  StepReport step_from(const ConstMatrixView& W, const RealVector& eigenvalues, double h);
+  void begin();
+  bool project(const RealVector& eigenvalues, Matrix& V) const;
+  const Matrix& projected() const;
 
   std::unique_ptr<Integrator> method_;
-  SpectralProjection projection_;
+  mutable SpectralProjection projection_;
   bool is_real_;
-  Matrix W_;  // the state of a run
-  RealVector eigenvalues_;
-  Matrix next_;
+  Matrix V_;                // the state of the run, not projected
+  Matrix next_;             // the state after a step
+  RealVector eigenvalues_;  // Λ₀
+  double drift_of_norm_;    // ‖Λ - Λ₀‖_F over the change of ‖V‖_F, as last seen
+  // W, the projection of V, where it has been asked for since V changed.
+  mutable Matrix W_;
+  mutable bool is_projected_ = false;
   RealVector eigenvalues_alone_;  // of a single step
 };
 

@@ -2,6 +2,7 @@
 
 #include <lapacke.h>
 
+#include <cmath>
 #include <limits>
 
 namespace isosyrk {
@@ -18,8 +19,8 @@ SpectralProjection::SpectralProjection(const QuadraticAlgebra& algebra, ProductB
   support_.resize(2 * b);
 }
 
-// Finds R and Λ of the block that begins in row `at`.
-bool SpectralProjection::decompose(const Matrix& W, Index at) {
+// Finds Λ of the block that begins in row `at`, and R.
+bool SpectralProjection::decompose(const Matrix& W, Index at, bool vectors) {
   const auto block = W.block(at, at, block_, block_);
   if (!block.allFinite()) return false;
   // In units of a power of two, so that the digits do not depend on the scale of W.
@@ -37,8 +38,8 @@ bool SpectralProjection::decompose(const Matrix& W, Index at) {
   };
   lapack_int found = 0;
   const lapack_int info = LAPACKE_zheevr_work(
-      LAPACK_COL_MAJOR, 'V', 'A', 'L', b, hermitian_.data(), b, 0.0, 0.0, 0, 0, 0.0, &found,
-      values_.data(), rows_.data(), b, support_.data(), work_.data(), length(work_),
+      LAPACK_COL_MAJOR, vectors ? 'V' : 'N', 'A', 'L', b, hermitian_.data(), b, 0.0, 0.0, 0, 0, 0.0,
+      &found, values_.data(), rows_.data(), b, support_.data(), work_.data(), length(work_),
       real_work_.data(), length(real_work_), integer_work_.data(), length(integer_work_));
   values_ *= std::ldexp(1.0, exponent);
   return info == 0 && found == b;
@@ -56,7 +57,7 @@ void SpectralProjection::make_unitary() {
 
 bool SpectralProjection::find_spectrum(const Matrix& W, RealVector& eigenvalues) {
   for (Index at = 0; at < W.rows(); at += block_) {
-    if (!decompose(W, at)) {
+    if (!decompose(W, at, false)) {
       eigenvalues.setConstant(std::numeric_limits<double>::quiet_NaN());
       return false;
     }
@@ -68,13 +69,16 @@ bool SpectralProjection::find_spectrum(const Matrix& W, RealVector& eigenvalues)
 bool SpectralProjection::project(const RealVector& eigenvalues, Matrix& W) {
   if (!eigenvalues.allFinite() || !W.allFinite()) return false;
   const Complex half_i(0.0, 0.5);
+  double squares = 0.0;
   for (Index at = 0; at < W.rows(); at += block_) {
-    if (!decompose(W, at)) return false;
+    if (!decompose(W, at, true)) return false;
+    squares += (values_ - eigenvalues.segment(at, block_)).squaredNorm();
     make_unitary();
     scratch_ = eigenvalues.segment(at, block_).asDiagonal() * rows_;
     products_.multiply_adjoint_left(rows_, scratch_, product_);
     W.block(at, at, block_, block_) = half_i * (product_ + product_.adjoint());
   }
+  distance_ = std::sqrt(squares);
   return true;
 }
 

@@ -27,9 +27,11 @@ class SpectralProjection {
   /// them.  The result is skew-Hermitian exactly.  Returns as find_spectrum; W is of no use where
   /// that is false.
   bool project(const RealVector& eigenvalues, Matrix& W);
+  /// Returns ‖Λ - Λ₀‖_F of the last project(): how far W was moved.
+  double distance() const { return distance_; }
 
  private:
-  bool decompose(const Matrix& W, Index at);
+  bool decompose(const Matrix& W, Index at, bool vectors);
   void make_unitary();
 
   Index block_;
@@ -39,6 +41,7 @@ class SpectralProjection {
   Matrix scratch_;
   Matrix product_;
   RealVector values_;  // Λ
+  double distance_ = 0.0;
   // Of LAPACK's zheevr.  zheevd is as fast, but its products of small matrices allocate.
   std::vector<Complex> work_;
   std::vector<double> real_work_;

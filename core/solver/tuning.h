@@ -97,6 +97,18 @@ struct Tuning {
   /// the spectrum of long runs.
   double conjugation_error = 6e-17;
 
+  // Stages of the Munthe-Kaas method (FastMuntheKaas4), as parts of the estimated error of a step.
+  // Measured to T = 5 with and without the frame, smooth and rough, n = 17 to 129, errors from 1e-2
+  // to 1e-9: the answer moves by at most 0.4 % of its error.
+  /// Error of the series of a stage.  At three times this value 2 to 5 % of the products less; at a
+  /// third up to 4 % more.
+  double stage_share = 0.3;
+  /// Norm that may be cut from a factor in a stage, as a part of the error of its series.  At three
+  /// times this value a smooth scene moves by 1.2 % of its error.
+  double stage_left_out = 0.1;
+  /// Largest ratio of the estimates of two steps for which the first serves the second.
+  double stage_error_growth = 3.0;
+
   // Threads.
   /// Returns the smallest n at which several threads are faster than one.
   Index smallest_parallel(Index stages) const { return stages == 1 ? 96 : 48; }

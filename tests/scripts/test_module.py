@@ -1015,14 +1015,12 @@ class Package(unittest.TestCase):
         self.assertEqual(isosyrk.conditions()["version"], isosyrk.__version__)
 
     def test_every_record_says_whether_there_is_a_fast_form(self):
-        without = {entry.name for entry in isosyrk.integrators() if not entry.has_fast_form}
-        published = {"elp2", "elp4", "elp6", "magnus4", "magnus5", "rk4_projected"}
-        self.assertEqual(without, {name + suffix for name in published for suffix in ("", "_frame")})
-        for name in without:
-            with self.assertRaisesRegex(ValueError, f"^integrator '{name}': has no fast form$"):
-                isosyrk.integrator(isosyrk.scene("smooth", n=9), name, solver="fast")
-        with self.assertRaisesRegex(ValueError, "no fast form"):  # of a control
-            isosyrk.integrator(isosyrk.scene("smooth", n=9), "yoshida4_group", solver="fast")
+        for entry in isosyrk.integrators():
+            self.assertTrue(entry.has_fast_form, entry.name)
+            isosyrk.integrator(isosyrk.scene("smooth", n=9), entry.name, solver="fast")
+        name = "yoshida4_group"  # a control, which is not listed
+        with self.assertRaisesRegex(ValueError, f"^integrator '{name}': has no fast form$"):
+            isosyrk.integrator(isosyrk.scene("smooth", n=9), name, solver="fast")
 
     def test_threads_sleep_after_a_short_spin_unless_told_otherwise(self):
         code = "import isosyrk, os; print(os.environ.get('GOMP_SPINCOUNT'), os.environ.get('OMP_WAIT_POLICY'))"
