@@ -1,9 +1,11 @@
 """What the scripts' command lines share: how they end, refusals of one line, and checked numbers."""
 
 import argparse
+import os
 import re
 import signal
 import sys
+import threading
 
 from lib.messages import UnusableFile, one_line
 
@@ -43,11 +45,23 @@ def run(program, main, arguments):
 
 
 def raise_when_terminated():
-    """Makes SIGTERM end a run() as Ctrl-C does: by an exception, so that its processes and files are looked after."""
+    """Makes SIGTERM end a run() as Ctrl-C does: by an exception, so that processes and files are looked after.
+
+    Python ignores exceptions in finalisers and in what runs at a fork. If one of the two was lost there, its signal is
+    sent again.
+    """
     def terminate(*_):
         raise Terminated
 
+    def send_again(unraisable):
+        lost = {Terminated: signal.SIGTERM, KeyboardInterrupt: signal.SIGINT}.get(unraisable.exc_type)
+        if lost is None:
+            sys.__unraisablehook__(unraisable)
+        else:  # by another thread, when this one is out of what ignores exceptions
+            threading.Timer(0.05, os.kill, (os.getpid(), lost)).start()
+
     signal.signal(signal.SIGTERM, terminate)
+    sys.unraisablehook = send_again
 
 
 def say(line):

@@ -184,10 +184,24 @@ class Work(SquaresTest):
 
     def test_sigterm_ends_a_study_also_within_what_catches_every_exception(self):
         catching = "try:\n        os.kill(os.getpid(), 15)\n    except Exception:\n        pass\n    options ="
-        self.write("squares.py", SQUARES.replace("options =", catching))
+        self.assert_ends(catching, TERMINATED, "squares: terminated; the same command goes on")
+
+    def test_a_signal_that_came_where_python_ignores_exceptions_is_sent_again(self):
+        for number, status, told in ((15, TERMINATED, "terminated"), (2, INTERRUPTED, "interrupted")):
+            at_a_fork = (f"""import subprocess
+    os.register_at_fork(after_in_parent=lambda: os.kill(os.getpid(), {number}))
+    subprocess.run(["true"], preexec_fn=int)
+    time.sleep(20)
+    options =""")
+            with self.subTest(signal=told):
+                self.assert_ends(at_a_fork, status, f"squares: {told}; the same command goes on")
+
+    def assert_ends(self, code, status, told):
+        """Runs a study that does so before anything else."""
+        self.write("squares.py", SQUARES.replace("options =", code))
         done = self.squares()
-        self.assertEqual((done.returncode, done.stdout, os.listdir(self.folder)), (TERMINATED, "", ["squares.py"]))
-        self.assert_one_line(done.stderr, "squares: terminated; the same command goes on")
+        self.assertEqual((done.returncode, done.stdout, os.listdir(self.folder)), (status, "", ["squares.py"]))
+        self.assert_one_line(done.stderr, told)
 
     def journal(self):
         path = self.path("raw.json.journal")
