@@ -40,10 +40,11 @@ REFERENCES = os.path.join(study.ROOT, "results", "recorded", "references")
 # on the main problem only, the one of Table 1.
 MAIN_ONLY = re.compile(r"(cotangent[0-9]+|algebra[23]|group[178]|direct1|suzuki4)(_frame)?")
 
-# All that the quick study has: the cells of Table 1 and one or two of each other kind, two of them in the co-rotating
-# frame. With steps a factor of 2 apart and two timings of each run it takes a third of the time that all take at its n.
-QUICK_INTEGRATORS = (*TABLE1_CELLS, "group5", "direct2", "yoshida4", "kahan_li6", "rk4", "rkmk4", "group2_frame",
-                     "rkmk4_frame")
+# All that the quick study has: the cells of Table 1 and one or two of each other kind, three of them in the
+# co-rotating frame. With steps a factor of 2 apart and two timings of each run it takes a third of the time that all
+# take at its n.
+QUICK_INTEGRATORS = (*TABLE1_CELLS, "group5", "direct2", "yoshida4", "kahan_li6", "elp4", "elp6_frame", "magnus4",
+                     "rk4", "rkmk4", "group2_frame", "rkmk4_frame")
 REPETITIONS, QUICK_REPETITIONS = 3, 2
 
 # Published forms that run too, on the main problem.
