@@ -164,7 +164,7 @@ TEST(StartChoice, TakesWhatHasTheSmallerErrorAndTriesTheOtherNowAndThen) {
   choice.saw_past(std::nan(""));
   EXPECT_FALSE(choice.prefers_past());
   choice.saw_past(1e-6);
-  choice.saw_past_fail();
+  choice.saw_failure_of_past();
   EXPECT_FALSE(choice.prefers_past());
   choice.saw_past(1e-6);
   choice.forget();

@@ -85,9 +85,7 @@ void ExponentialSystem::start(Unknowns& x, Start how) {
   if (how == Start::stepped) {
     single_lie_.neglect(tuning.single_roundoff);
     magnus_.form_exponent(Omega_single_, W0_single_, h_);
-    Omega.entries().setZero();
-    add(Omega, Omega_single_);
-    Omega.set_band(n_ - 1);
+    widen(Omega, Omega_single_);
   } else {
     lie_.neglect(0.0);
     lie_.generate(Omega, *W0_);

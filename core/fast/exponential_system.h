@@ -100,8 +100,7 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   SingleMatrix mu_single_, v_single_, terms_single_;
   std::array<SingleMatrix, 3> moved_;  // e^{s ad_Ω} W₀ at s = 2/3 and at the two nodes
   // ‖h² ∇F₂‖ / ‖v‖ and ‖h⁴ ∇F₄‖ / ‖v‖, last seen.
-  std::array<double, 2> share_of_terms_ =
-      unknown_shares;  // ‖h² ∇F₂‖ / ‖v‖ and ‖h⁴ ∇F₄‖ / ‖v‖, last seen
+  std::array<double, 2> share_of_terms_ = unknown_shares;
 
   // Of the coupling.
   SingleMatrix Omega_single_;

@@ -141,12 +141,11 @@ FastMagnus::FastMagnus(const SharedFlow& flow, int order, const FastOptions& opt
       Omega_(flow->size()),
       Omega_single_(flow->size()),
       W0_single_(flow->size()) {
-  const double neglected = tuning.left_out * options.iteration.tolerance;
   if (is_single_) {
-    single_lie_.neglect(std::max(neglected, tuning.single_roundoff));
+    single_lie_.neglect(std::max(left_out(), tuning.single_roundoff));
     single_magnus_.emplace(single_lie_, order);
   } else {
-    lie_.neglect(neglected);
+    lie_.neglect(left_out());
     magnus_.emplace(lie_, order);
   }
 }
@@ -155,8 +154,7 @@ bool FastMagnus::take_explicit_step(SplitStages& W1, const SplitStages& W0, doub
   if (is_single_) {
     round_to_single(W0_single_, W0[0]);
     single_magnus_->form_exponent(Omega_single_, W0_single_, h);
-    Omega_.entries().setZero();
-    add(Omega_, Omega_single_);
+    widen(Omega_, Omega_single_);
   } else {
     magnus_->form_exponent(Omega_, W0[0], h);
   }

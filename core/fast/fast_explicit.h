@@ -31,7 +31,7 @@ class FastExplicit : public SplitIntegrator {
   /// The same with the Frobenius norms that may be cut from W and from hB.
   void generate(Generators& B, SplitStages& W, double of_W, double of_hB);
   BandTruncation& bands() { return bands_; }
-  /// Frobenius norm that may be cut from W.
+  /// Frobenius norm that may be cut from W, which has about norm 1; of Ω the part of its norm.
   double left_out() const { return left_out_; }
 
   StepReport take_step(SplitStages& W1, const SplitStages& W0, double h, Past past) override;

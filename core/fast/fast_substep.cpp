@@ -89,7 +89,7 @@ StepReport FastSubstep::advance(SplitMatrix& W1, const SplitMatrix& W0, double h
     report.last_change = solved.change;
     report.contraction = solved.contraction;
     if (report.status == Status::converged) break;
-    if (attempt.start == Start::predicted) choice_.saw_past_fail();
+    if (attempt.start == Start::predicted) choice_.saw_failure_of_past();
   }
   if (report.status == Status::converged) {
     system_->update(W1, x_);

@@ -24,8 +24,8 @@ class SplitExponential {
   SplitExponential(Index n, BandTruncation& bands);
 
   /// W1 = e^Ω W0 e^(-Ω), exactly skew-Hermitian, for skew-Hermitian Ω and W0.  Returns false if
-  /// ‖Ω‖ is beyond the longest series, about 6.7, or not finite; W1 is then unspecified.  Allocates
-  /// nothing.
+  /// ‖Ω⁴‖_F^{1/4}, from 1 to n^{1/8} times ‖Ω‖₂, is beyond the longest series, 6.7, or not finite;
+  /// W1 is then unspecified.  Allocates nothing.
   bool conjugate(SplitMatrix& W1, const SplitMatrix& Omega, const SplitMatrix& W0,
                  SplitProducts& products);
 

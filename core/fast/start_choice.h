@@ -21,7 +21,7 @@ class StartChoice {
   /// Takes the error of a start from past steps, used or in a trial.
   void saw_past(double error);
   /// Takes that a start from past steps failed.
-  void saw_past_fail() { prefers_past_ = false; }
+  void saw_failure_of_past() { prefers_past_ = false; }
 
   void forget() { *this = StartChoice(); }
 

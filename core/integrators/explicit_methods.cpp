@@ -3,6 +3,7 @@
 #include "isosyrk/integrators/stage_equations.h"
 
 namespace isosyrk {
+
 template <class Scalar>
 MuntheKaas4<Scalar>::MuntheKaas4(SharedFlowIn<Scalar> flow, ProductBackend backend)
     : Form(std::move(flow), backend), scheme_(munthe_kaas4()), series_(algebra()) {

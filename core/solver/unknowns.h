@@ -33,13 +33,12 @@ inline void add(Unknowns& x, const Corrections& delta) {
   for (std::size_t kind = 0; kind < x.size(); ++kind) add(x[kind], delta[kind]);
 }
 
-/// Returns the largest Frobenius norm of a difference x - y.
+/// Returns the largest Frobenius norm of a difference x - y, NaN if any is NaN.
 inline double largest_difference(const Unknowns& x, const Unknowns& y) {
   double largest = 0.0;
   for (std::size_t kind = 0; kind < x.size(); ++kind) {
     for (std::size_t i = 0; i < x[kind].size(); ++i) {
-      const double size = (x[kind][i].entries() - y[kind][i].entries()).norm();
-      if (!(size <= largest)) largest = size;  // NaN stays
+      largest = larger(largest, (x[kind][i].entries() - y[kind][i].entries()).norm());
     }
   }
   return largest;

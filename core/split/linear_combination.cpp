@@ -180,6 +180,12 @@ void round_to_single(SingleMatrix& S, const SplitMatrix& X) {
       1, X.size(), [&](std::size_t, parallel::Rows rows, Index) { round_rows(S, X, rows); });
 }
 
+void widen(SplitMatrix& X, const SingleMatrix& S) {
+  X.entries().setZero();
+  X.set_band(0);
+  add(X, S);
+}
+
 void add(SplitStages& X, const SingleStages& S) {
   if (X.empty()) return;
   parallel::for_each_block(X.size(), X[0].size(), [&](std::size_t i, parallel::Rows rows, Index) {

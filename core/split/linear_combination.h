@@ -271,6 +271,9 @@ void round_to_single(SingleStages& S, const SplitStages& X);
 /// The same for one matrix.
 void round_to_single(SingleMatrix& S, const SplitMatrix& X);
 
+/// X = S in double precision, with the band of S.
+void widen(SplitMatrix& X, const SingleMatrix& S);
+
 /// X_i += S_i.  The band of X_i becomes the wider of the two.
 void add(SplitStages& X, const SingleStages& S);
 /// X += weight S, formed in double.  The band of X becomes the wider of the two.
