@@ -27,6 +27,10 @@ constexpr double error_of_average = 5.0;
 constexpr double error_of_one_node = 0.02;
 // K contracts by about this factor.
 constexpr double contraction_of_K = 0.1;
+// Part of the error of an explicit step that bands may add to it.
+constexpr double part_of_start = 0.01;
+// Largest part of its norm that is cut from a matrix, however few digits are wanted.
+constexpr double coarsest_part = 1e-2;
 
 }  // namespace
 
@@ -78,14 +82,17 @@ void ExponentialSystem::bind(const SplitMatrix& W0, double h, double tolerance) 
   tolerance_ = tolerance;
   size_of_W0_ = norm(W0);
   round_to_single(W0_single_, W0);
+  bands_.truncate_symmetric_to_part(W0_single_, tuning.single_roundoff);
 }
 
 void ExponentialSystem::start(Unknowns& x, Start how) {
   SplitMatrix& Omega = x[0][0];
   if (how == Start::stepped) {
-    single_lie_.neglect(tuning.single_roundoff);
+    // What is cut is small beside the error that the explicit step was seen to have.
+    single_lie_.neglect(std::max(double{tuning.single_roundoff}, part_of_start * start_error_));
     magnus_.form_exponent(Omega_single_, W0_single_, h_);
     widen(Omega, Omega_single_);
+    shows_start_error_ = true;
   } else {
     lie_.neglect(0.0);
     lie_.generate(Omega, *W0_);
@@ -131,13 +138,19 @@ void ExponentialSystem::form_terms(SplitMatrixOf<Real>& terms,
 // where its rounding does not show, by their last sizes.
 void ExponentialSystem::form_gradient(double accuracy) {
   lie_.neglect(0.1 * accuracy);
-  single_lie_.neglect(0.1 * accuracy);
   lie_.cut(mu_);
   lie_.generate(v_, mu_);
   if (order_ == 2) return;
   round_to_single(mu_single_, mu_);
   round_to_single(v_single_, v_);
+  // The terms are small, and may err by a larger part of themselves.
   const bool has_fourth = order_ == 6;
+  const double share = std::max(share_of_terms_[0], has_fourth ? share_of_terms_[1] : 0.0);
+  const double of_terms = std::min(0.1 * accuracy / share, coarsest_part);
+  lie_.neglect(of_terms);
+  single_lie_.neglect(of_terms);
+  single_lie_.cut(mu_single_);
+  single_lie_.cut(v_single_);
   if (has_fourth && share_of_terms_ == unknown_shares) {  // to see its size alone
     form_terms(terms_single_, single_gradient_, mu_single_, v_single_,
                {.second = false, .fourth = true});
@@ -169,6 +182,8 @@ ResidualSize ExponentialSystem::residual(Corrections& R, Unknowns& x, double acc
   form_gradient(relative);
   const double change = form_residual(
       R[0], [&](std::size_t) { return h_ * v_; }, x[0]);
+  if (shows_start_error_) start_error_ = change < size ? change / size : 0.0;
+  shows_start_error_ = false;
   return {.change = change, .neglected = 0.5 * accuracy};
 }
 
@@ -177,6 +192,16 @@ Correction ExponentialSystem::correct(Corrections& delta, const Unknowns& x, con
                                       const IterationOptions& options) {
   round_to_single(Omega_single_, x[0][0]);
   is_linearized_ = false;
+  // K is needed to few digits, and its derivative of the term in h² to fewer.
+  const double part =
+      std::min(tuning.neumann_term * request.forcing_term / request.size, coarsest_part);
+  single_lie_.cut_to_part(Omega_single_, part);
+  for (SingleMatrix& moved : moved_) single_lie_.cut_to_part(moved, part);
+  if (order_ > 2) {
+    const double of_terms = std::min(part / part_in_K(share_of_terms_[0]), coarsest_part);
+    single_lie_.cut_to_part(mu_single_, of_terms);
+    single_lie_.cut_to_part(v_single_, of_terms);
+  }
   Correction correction = correction_.solve(delta, *this, R, request, options);
   if (order_ == 6) {  // the derivative that K leaves out
     correction.error += part_in_K(share_of_terms_[1]) * request.size;
@@ -219,6 +244,8 @@ void ExponentialSystem::couple(Corrections& coupled, const Corrections& delta, d
     out = h_ * BD_;
     return;
   }
+  const double of_terms = accuracy / (part_in_K(share_of_terms_[0]) * size);
+  single_lie_.neglect(std::min(of_terms, coarsest_part));
   if (!is_linearized_) single_gradient_.linearize(mu_single_, v_single_);
   is_linearized_ = true;
   single_gradient_.derivative_of_second(terms_of_D_, mu_single_, v_single_, D_, BD_, h_);

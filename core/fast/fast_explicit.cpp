@@ -158,7 +158,7 @@ bool FastMagnus::take_explicit_step(SplitStages& W1, const SplitStages& W0, doub
   } else {
     magnus_->form_exponent(Omega_, W0[0], h);
   }
-  bands().truncate_to_part(Omega_, left_out());
+  bands().truncate_symmetric_to_part(Omega_, left_out());
   return exponential_.conjugate(W1[0], Omega_, W0[0], products_);
 }
 

@@ -11,44 +11,67 @@ namespace isosyrk {
 GradedSeries::GradedSeries(SplitProducts& products, SingleProducts& single_products, Index n)
     : products_(products),
       single_products_(single_products),
-      term_(split_stages(1, n)),
+      Omega_(n),
+      term_(n),
       next_(n),
       product_(n),
       Omega_single_(n),
       term_single_(n),
       next_single_(n),
       product_single_(n),
-      rounded_(n) {}
+      rounded_(n),
+      squares_of_Omega_(RealVector::Zero(n)) {}
 
 void GradedSeries::begin(const SplitMatrix& Omega, const SplitMatrix& W, double error) {
-  Omega_ = &Omega;
+  Omega_ = 1.0 * Omega;
   error_ = error;
   k_ = 0;
   in_single_ = failed_ = false;
-  term_[0] = 1.0 * W;
-  size_ = norm(term_[0]);
+  if (bands_ != nullptr) bands_->measure_symmetric(squares_of_Omega_, Omega);
+  term_ = 1.0 * W;
+  size_ = cut(term_);
+}
+
+// Cuts Ω to the band beyond which it adds less than the tail to T_{k+1} = [Ω, T_k] / (k+1): the
+// smaller T_k, the narrower.
+template <class Real>
+void GradedSeries::cut_Omega(SplitMatrixOf<Real>& Omega) {
+  if (bands_ == nullptr) return;
+  const double tail = tail_ * static_cast<double>(k_ + 1) / (2.0 * size_);
+  const Index band = std::min(Omega.band(), bands_->band_of(squares_of_Omega_, tail));
+  clear_between(Omega, band, Omega.band());
+  Omega.set_band(band);
+}
+
+// Cuts T_k to its band.  Returns its norm.
+template <class Real>
+double GradedSeries::cut(SplitMatrixOf<Real>& term) {
+  return bands_ != nullptr ? bands_->truncate_symmetric(term, tail_) : norm(term);
 }
 
 bool GradedSeries::advance() {
   constexpr int most_terms = 200;
-  const double factor = 1.0 / static_cast<double>(++k_);
   if (!in_single_ && size_ * tuning.single_roundoff <= error_) {
     in_single_ = true;
-    round_to_single(Omega_single_, *Omega_);
-    round_to_single(term_single_, term_[0]);
+    round_to_single(Omega_single_, Omega_);
+    round_to_single(term_single_, term_);
   }
   if (in_single_) {
-    if (bands_ != nullptr) bands_->truncate(term_single_, tail_);
+    cut_Omega(Omega_single_);
+  } else {
+    cut_Omega(Omega_);
+  }
+  const double factor = 1.0 / static_cast<double>(++k_);
+  if (in_single_) {
     single_products_.form(into(product_single_, Omega_single_ * term_single_));
     skew_part(next_single_, product_single_, factor);
     std::swap(term_single_, next_single_);
-    size_ = norm(term_single_);
+    size_ = cut(term_single_);
   } else {
-    if (bands_ != nullptr) bands_->truncate(term_, tail_);
-    products_.form(into(product_, *Omega_ * term_[0]));
+    products_.form(into(product_, Omega_ * term_));
     skew_part(next_, product_, factor);
-    std::swap(term_[0], next_);
-    size_ = norm(term_[0]);
+    std::swap(term_, next_);
+    size_ = cut(term_);
   }
   failed_ = !std::isfinite(size_) || k_ >= most_terms;
   return !failed_ && size_ > tuning.series_end * error_;
@@ -58,12 +81,12 @@ void GradedSeries::add_to(SplitMatrix& sum, double weight) const {
   if (in_single_) {
     add(sum, term_single_, weight);
   } else {
-    sum = sum + weight * term_[0];
+    sum = sum + weight * term_;
   }
 }
 
 void GradedSeries::add_to(SingleMatrix& sum, double weight) {
-  if (!in_single_) round_to_single(rounded_, term_[0]);
+  if (!in_single_) round_to_single(rounded_, term_);
   sum = sum + weight * (in_single_ ? term_single_ : rounded_);
 }
 

@@ -35,7 +35,7 @@ class GradedSeries {
   void add_to(SplitMatrix& sum, double weight) const;
   void add_to(SingleMatrix& sum, double weight);
 
-  /// Sets the norm that may be cut from a factor T_k.
+  /// Sets the norm that may be cut from each T_k.  Called before begin().
   void truncate(BandTruncation& bands, double tail) {
     bands_ = &bands;
     tail_ = tail;
@@ -45,23 +45,29 @@ class GradedSeries {
   bool conjugate(SplitMatrix& out, const SplitMatrix& Omega, const SplitMatrix& W, double error);
 
  private:
+  template <class Real>
+  void cut_Omega(SplitMatrixOf<Real>& Omega);
+  template <class Real>
+  double cut(SplitMatrixOf<Real>& term);
+
   SplitProducts& products_;
   SingleProducts& single_products_;
   BandTruncation* bands_ = nullptr;
   double tail_ = 0.0;
-  const SplitMatrix* Omega_ = nullptr;
   double error_ = 0.0;
   int k_ = 0;
   double size_ = 0.0;  // ‖T_k‖_F
   bool in_single_ = false;
   bool failed_ = false;
-  SplitStages term_;     // T_k, a single matrix, where it is in double precision
+  SplitMatrix Omega_;    // cut to what the next term needs
+  SplitMatrix term_;     // T_k where it is in double precision
   SplitMatrix next_;     // T_{k+1}
   SplitMatrix product_;  // Ω T_k
   SingleMatrix Omega_single_;
   SingleMatrix term_single_;  // T_k where it is in single precision
   SingleMatrix next_single_, product_single_;
-  SingleMatrix rounded_;  // T_k rounded, for sums in single precision
+  SingleMatrix rounded_;         // T_k rounded, for sums in single precision
+  RealVector squares_of_Omega_;  // over its diagonals
 };
 
 }  // namespace isosyrk

@@ -42,12 +42,21 @@ double rest_of_coefficient(int j, int odd) {
   return static_cast<double>(exact_coefficient(j, odd) - coefficient(j, odd));
 }
 
+// Returns the shortest series for this ‖Ω‖, or the end if there is none, as for NaN.
+const Series* series_for(double size) {
+  const Series* series = all_series.begin();
+  while (series != all_series.end() && !(size <= series->norm)) ++series;
+  return series;
+}
+
 void add_to_diagonal(SplitMatrix& X, double number) {
   for (Index i = 0; i < X.size(); ++i) X.re()[i * X.stride() + i] += number;
 }
 
 // What a cut may change in e^Ω, and, times ‖W₀‖, in W₁.
 constexpr double left_out = 1e-18;
+// Largest term of a polynomial that is not added.
+constexpr double negligible = 1e-20;
 
 }  // namespace
 
@@ -65,7 +74,7 @@ const SplitMatrix& SplitExponential::cut_copy(SplitMatrix& copy, const SplitMatr
                                               double tail) {
   if (!bands_.enabled()) return X;
   copy = 1.0 * X;
-  bands_.truncate(copy, tail);
+  bands_.truncate_symmetric(copy, tail);
   return copy;
 }
 
@@ -75,7 +84,7 @@ void SplitExponential::form_power(int j, const SplitMatrix& A, const SplitMatrix
   SplitMatrix& result = powers_[static_cast<std::size_t>(j - 1)];
   products.form(into(result, A * B).upper_triangle());
   mirror_all_hermitian(result);
-  bands_.truncate(result, left_out / coefficient(j, 0));
+  bands_.truncate_symmetric(result, left_out / coefficient(j, 0));
 }
 
 // C = Σ_j X^j / (2j)! and S = Σ_j X^j / (2j+1)!, j = 0 ... m, by Horner in Y = X^q.
@@ -84,7 +93,9 @@ void SplitExponential::form_polynomials(int m, int q, double size, SplitProducts
     LinearCombination<double> sum_of_block;
     if (!is_top) sum_of_block += to;
     for (int j = 1; j < terms; ++j) {
-      sum_of_block += rest_of_coefficient(block * q + j, odd) * power(j);
+      const int k = block * q + j;
+      const double rest = rest_of_coefficient(k, odd);
+      if (std::abs(rest) * std::pow(size, k) > negligible) sum_of_block += rest * power(j);
     }
     for (int j = 1; j < terms; ++j) sum_of_block += coefficient(block * q + j, odd) * power(j);
     to = sum_of_block;
@@ -101,7 +112,7 @@ void SplitExponential::form_polynomials(int m, int q, double size, SplitProducts
     const SplitMatrix& Y = cut_copy(cut_, power(q), allowed / coefficient((block + 1) * q, 0));
     for (const int odd : {0, 1}) {
       SplitMatrix& sum_so_far = odd == 0 ? cosine_ : sine_;
-      bands_.truncate(sum_so_far, allowed / std::pow(std::max(1.0, size), q));
+      bands_.truncate_symmetric(sum_so_far, allowed / std::pow(std::max(1.0, size), q));
       products.form(into(scratch_, sum_so_far * Y).upper_triangle());
       mirror_all_hermitian(scratch_);
       std::swap(sum_so_far, scratch_);
@@ -115,13 +126,25 @@ bool SplitExponential::conjugate(SplitMatrix& W1, const SplitMatrix& Omega, cons
   form_power(1, Omega, Omega, products);
   form_power(2, power(1), power(1), products);
   // ‖Ω‖₂ <= ‖Ω⁴‖_F^{1/4}.
-  const double size = std::sqrt(std::sqrt(std::sqrt(power(2).entries().squaredNorm())));
-  const Series* series = all_series.begin();
-  while (series != all_series.end() && !(size <= series->norm)) ++series;  // NaN included
+  double size = std::sqrt(std::sqrt(norm(power(2))));
+  const Series* series = series_for(size);
   if (series == all_series.end()) return false;
-  for (int j = 3; j <= series->q; ++j) form_power(j, power(j / 2), power(j - j / 2), products);
+  int formed = 2;
+  const auto form_powers = [&](int last) {
+    for (; formed < last; ++formed) {
+      const int half = (formed + 1) / 2;
+      form_power(formed + 1, power(half), power(formed + 1 - half), products);
+    }
+  };
+  // The eighth root is nearer to ‖Ω‖₂, and may save a product or two.
+  if (series->q >= 4) {
+    form_powers(4);
+    size = std::min(size, std::sqrt(std::sqrt(std::sqrt(norm(power(4))))));
+    series = series_for(size);
+  }
+  form_powers(series->q);
   form_polynomials(series->m, series->q, size * size, products);
-  bands_.truncate(sine_, left_out / std::max(1.0, size));
+  bands_.truncate_symmetric(sine_, left_out / std::max(1.0, size));
   products.form(into(Omega_sine_, Omega * sine_).upper_triangle());
   mirror_all_skew(Omega_sine_);
   adjoint_ = cosine_ - Omega_sine_;

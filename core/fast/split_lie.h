@@ -30,7 +30,9 @@ class SplitLie {
   /// Sets the part of its Frobenius norm that may be cut from each result.
   void neglect(double part) { neglected_ = part; }
   /// Cuts X in the same way.
-  void cut(M& X) { bands_.truncate_to_part(X, neglected_); }
+  void cut(M& X) { cut_to_part(X, neglected_); }
+  /// Cuts X to a band outside which it has at most this part of its Frobenius norm.
+  void cut_to_part(M& X, double part) { bands_.truncate_symmetric_to_part(X, part); }
 
   /// out = scale [A, B] for skew-Hermitian A and B, by one product.
   void bracket(M& out, const M& A, const M& B, double scale = 1.0) {

@@ -19,7 +19,7 @@ SplitMagnus<Real>::SplitMagnus(SplitLie<Real>& lie, int order)
 
 template <class Real>
 void SplitMagnus<Real>::form_exponent(M& Omega, const M& W0, double h) {
-  start_.W = W0;
+  start_.W = 1.0 * W0;
   evaluate(start_);
   if (order_ == 4) {
     form_fourth(Omega, h);
@@ -31,6 +31,7 @@ void SplitMagnus<Real>::form_exponent(M& Omega, const M& W0, double h) {
 // Sets B, k and D of a point from its W.
 template <class Real>
 void SplitMagnus<Real>::evaluate(Point& point) {
+  lie_.cut(point.W);
   lie_.generate(point.B, point.W);
   lie_.bracket(point.k, point.B, point.W);
   lie_.generate(point.D, point.k);
@@ -42,6 +43,7 @@ void SplitMagnus<Real>::predict(M& W, const Point& from, double h) {
   k_[0] = 1.0 * from.k;
   for (std::size_t i = 1; i < k_.size(); ++i) {
     W_stage_ = from.W + h * sum(tableau_.a.row(static_cast<Index>(i)), k_);
+    lie_.cut(W_stage_);
     lie_.generate(B_stage_, W_stage_);
     lie_.bracket(k_[i], B_stage_, W_stage_);
   }

@@ -36,23 +36,30 @@ void StageGenerator::round(RoundedGenerators& S, const Generators& B, const Band
 }
 
 void StageGenerator::generate_one(SplitMatrix& B, const SplitMatrix& W) {
-  generator_->upper({&W, 1}, {&B, 1});
+  const Index band = band_of_one(W.band());
+  const Index before = B.band();
+  generator_->upper_of_banded(band, {&W, 1}, {&B, 1});
   ++solves_;
-  B.set_band(n_ - 1);
-  mirror_all_skew(B);
+  mirror_one_within(B, band, before);
 }
 
 void StageGenerator::generate_one(SingleMatrix& B, const SingleMatrix& W) {
-  generator_->upper_within(n_ - 1, {&W, 1}, {&B, 1});
+  const Index band = band_of_one(W.band());
+  const Index before = B.band();
+  generator_->upper_within(band, {&W, 1}, {&B, 1});
   ++solves_;
-  B.set_band(n_ - 1);
-  mirror_all_skew(B);
+  mirror_one_within(B, band, before);
 }
 
 void StageGenerator::generate_within(SingleStages& dB, Index band, const SingleStages& dW) {
   generator_->upper_within(band, dW, dB);
   solves_ += static_cast<long>(dW.size());
   mirror_skew_within(dB, band);
+}
+
+// A rigid rotation that is left out may change the first diagonals of any W.
+Index StageGenerator::band_of_one(Index of_W) const {
+  return std::min(std::max<Index>(of_W, 1), n_ - 1);
 }
 
 }  // namespace isosyrk

@@ -7,7 +7,8 @@
 
 namespace isosyrk {
 
-/// B of a flow on skew-Hermitian matrices (J = I), linear in W, in double and single precision.
+/// B of a flow on skew-Hermitian matrices (J = I), linear in W, in double and single precision.  A
+/// W within a band has a B(W) within the same band, of at least 1.
 class SplitGenerator {
  public:
   virtual ~SplitGenerator() = default;
@@ -15,6 +16,11 @@ class SplitGenerator {
   /// Sets the upper triangles, diagonal included, of B_i = B(W_i), from the upper triangles of W_i.
   /// B_i is not W_i.
   virtual void upper(std::span<const SplitMatrix> W, std::span<SplitMatrix> B) const = 0;
+  /// As upper(), for W_i within a band.  Entries of B_i beyond the band are unspecified.
+  virtual void upper_of_banded(Index /*band*/, std::span<const SplitMatrix> W,
+                               std::span<SplitMatrix> B) const {
+    upper(W, B);
+  }
   /// As upper(), in single precision, within a band.  Entries of B_i beyond the band are
   /// unspecified.
   virtual void upper_within(Index band, std::span<const SingleMatrix> W,

@@ -157,7 +157,12 @@ SplitEulerZeitlin::SplitEulerZeitlin(const Laplacian& laplacian, double reciproc
       rotation_(rotation) {}
 
 void SplitEulerZeitlin::upper(std::span<const SplitMatrix> W, std::span<SplitMatrix> B) const {
-  laplacian_.solve_upper(W, reciprocal_hbar_, n_ - 1, B);
+  upper_of_banded(n_ - 1, W, B);
+}
+
+void SplitEulerZeitlin::upper_of_banded(Index band, std::span<const SplitMatrix> W,
+                                        std::span<SplitMatrix> B) const {
+  laplacian_.solve_upper(W, reciprocal_hbar_, band, B);
   if (rotation_ == Rotation::left_out) subtract_rotation(B);
 }
 

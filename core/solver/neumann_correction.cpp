@@ -28,7 +28,7 @@ Correction NeumannCorrection::solve(Corrections& delta, Coupling& coupling, cons
     double now = 0.0;
     for (std::size_t kind = 0; kind < delta.size(); ++kind) {
       SingleStages& sum = delta[kind];
-      assign(sum, [&](std::size_t i) { return sum[i] + next_[kind][i]; });
+      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] = sum[i] + next_[kind][i];
       now = larger(now, largest_norm(next_[kind]));
     }
     if (!(now < size)) return {};  // NaN included

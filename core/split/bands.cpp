@@ -22,26 +22,45 @@ auto squares_in_row(const SplitMatrixOf<Real>& W, Index row, Index first, Index 
 }
 
 // squares(m) = Σ |W(r, c)|² over |r - c| = m, for a share of the diagonals m = 0 ... n - 1.  Of a
-// skew-Hermitian matrix only the upper triangle is read, and counts twice.
+// Hermitian or skew-Hermitian matrix only the upper triangle is read, and counts twice, but for the
+// diagonal.
 template <class Real>
-void sum_over_diagonals(RealVector& squares, const SplitMatrixOf<Real>& W, bool is_skew,
+void sum_over_diagonals(RealVector& squares, const SplitMatrixOf<Real>& W, bool is_symmetric,
                         Share share) {
   const Index n = W.size();
   const Index first = n * share.first / share.parts;
-  const Index end = n * share.end / share.parts;
-  const double weight = is_skew ? 2.0 : 1.0;
-  squares.segment(first, end - first).setZero();
+  const Index last = n * share.end / share.parts;
+  squares.segment(first, last - first).setZero();
+  const Index end = std::min(last, W.band() + 1);
+  const Index nearest = std::max<Index>(first, 1);
   for (Index i = 0; i < n; ++i) {
     const Index above = std::min(end, n - i);
     if (first < above) {
       squares.segment(first, above - first).array() +=
-          weight * squares_in_row(W, i, i + first, above - first);
+          squares_in_row(W, i, i + first, above - first);
     }
-    const Index nearest = std::max<Index>(first, 1);
     const Index below = std::min(end, i + 1);
-    if (!is_skew && nearest < below) {
+    if (!is_symmetric && nearest < below) {
       squares.segment(nearest, below - nearest).array() +=
           squares_in_row(W, i, i - below + 1, below - nearest).reverse();
+    }
+  }
+  if (is_symmetric && nearest < end) squares.segment(nearest, end - nearest) *= 2.0;
+}
+
+// Sets the entries with inner < |r - c| <= outer to 0, in the rows of the share.
+template <class Real>
+void clear_between(SplitMatrixOf<Real>& W, Index inner, Index outer, Share share) {
+  if (outer <= inner) return;
+  const Index n = W.size();
+  const parallel::Rows rows = parallel::rows_of_share(n, share);
+  for (Index i = rows.begin; i < rows.end; ++i) {
+    const Index left = std::max<Index>(0, i - outer);
+    const Index right = std::min(n, i + outer + 1);
+    for (Real* part : {W.re(), W.im()}) {
+      Real* row = part + i * W.stride();
+      if (left < i - inner) std::fill(row + left, row + i - inner, Real{0});
+      if (i + inner + 1 < right) std::fill(row + i + inner + 1, row + right, Real{0});
     }
   }
 }
@@ -61,17 +80,14 @@ Index smallest_band(const RealVector& squares, double tail) {
 
 template <class Real>
 void cut_to_band(SplitMatrixOf<Real>& W, Index band, Share share) {
-  const Index n = W.size();
   if (share.is_first()) W.set_band(band);
-  if (band >= n - 1) return;
-  const parallel::Rows rows = parallel::rows_of_share(n, share);
-  for (Index i = rows.begin; i < rows.end; ++i) {
-    for (Real* part : {W.re(), W.im()}) {
-      Real* row = part + i * W.stride();
-      if (i > band) std::fill(row, row + i - band, Real{0});
-      if (i + band + 1 < n) std::fill(row + i + band + 1, row + n, Real{0});
-    }
-  }
+  clear_between(W, band, W.size() - 1, share);
+}
+
+template <class Real>
+void clear_between(SplitMatrixOf<Real>& W, Index inner, Index outer) {
+  parallel::for_each_share(1,
+                           [&](Index, Share share, int) { clear_between(W, inner, outer, share); });
 }
 
 template <class Real>
@@ -80,12 +96,34 @@ void BandTruncation::truncate(std::span<SplitMatrixOf<Real>> X, Allowed allowed)
     for (SplitMatrixOf<Real>& each : X) each.set_band(each.size() - 1);
     return;
   }
-  parallel::for_shares_of(
-      X, [&](std::size_t k, Share share) { sum_over_diagonals(squares_[k], X[k], false, share); });
   parallel::for_shares_of(X, [&](std::size_t k, Share share) {
-    const double tail = allowed.tail + allowed.part * std::sqrt(squares_[k].sum());
-    cut_to_band(X[k], smallest_band(squares_[k], tail), share);
+    sum_over_diagonals(squares_[k], X[k], allowed.is_symmetric, share);
   });
+  const auto band_of = [&](std::size_t k) {
+    const double tail = allowed.tail + allowed.part * std::sqrt(squares_[k].sum());
+    return smallest_band(squares_[k], tail);
+  };
+  parallel::for_shares_of(
+      X, [&](std::size_t k, Share share) { clear_between(X[k], band_of(k), X[k].band(), share); });
+  for (std::size_t k = 0; k < X.size(); ++k) X[k].set_band(band_of(k));
+}
+
+template <class Real>
+double BandTruncation::truncate_symmetric(SplitMatrixOf<Real>& X, Allowed allowed) {
+  allowed.is_symmetric = true;
+  truncate(std::span(&X, 1), allowed);
+  return enabled_ ? std::sqrt(squares_[0].sum()) : norm(X);
+}
+
+template <class Real>
+void BandTruncation::measure_symmetric(RealVector& squares, const SplitMatrixOf<Real>& X) const {
+  if (!enabled_) return;
+  parallel::for_each_share(
+      1, [&](Index, Share share, int) { sum_over_diagonals(squares, X, true, share); });
+}
+
+Index BandTruncation::band_of(const RealVector& squares, double tail) const {
+  return enabled_ ? smallest_band(squares, tail) : squares.size() - 1;
 }
 
 void BandTruncation::truncate_skew(SplitStages& B, DiagonalSquares& squares, double tail) const {
@@ -110,7 +148,12 @@ void BandTruncation::round_skew(SingleStages& S, const SplitStages& B,
 
 template void cut_to_band(SplitMatrix&, Index, Share);
 template void cut_to_band(SingleMatrix&, Index, Share);
+template void clear_between(SplitMatrix&, Index, Index);
+template void clear_between(SingleMatrix&, Index, Index);
 template void BandTruncation::truncate(std::span<SplitMatrix>, Allowed);
 template void BandTruncation::truncate(std::span<SingleMatrix>, Allowed);
+template void BandTruncation::measure_symmetric(RealVector&, const SplitMatrix&) const;
+template double BandTruncation::truncate_symmetric(SplitMatrix&, Allowed);
+template double BandTruncation::truncate_symmetric(SingleMatrix&, Allowed);
 
 }  // namespace isosyrk

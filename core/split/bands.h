@@ -13,6 +13,9 @@ namespace isosyrk {
 /// Sets the entries of W outside a band to 0, in the rows of the share.
 template <class Real>
 void cut_to_band(SplitMatrixOf<Real>& W, Index band, Share share = {});
+/// Sets the entries of W with inner < |r - c| <= outer to 0.  Threads take a share each.
+template <class Real>
+void clear_between(SplitMatrixOf<Real>& W, Index inner, Index outer);
 
 /// Sums of squares over each pair of diagonals |r - c| = m of some matrices, m = 0 ... n - 1: from
 /// these follows the band for any tail.
@@ -44,11 +47,24 @@ class BandTruncation {
   void truncate(SplitMatrixOf<Real>& X, double tail) {
     truncate(std::span(&X, 1), {.tail = tail});
   }
+  /// The same for one Hermitian or skew-Hermitian matrix, of which only the upper triangle is
+  /// measured.  Returns its Frobenius norm before the cut.
+  template <class Real>
+  double truncate_symmetric(SplitMatrixOf<Real>& X, double tail) {
+    return truncate_symmetric(X, {.tail = tail});
+  }
   /// The same with the tail `part` ‖X‖_F.
   template <class Real>
-  void truncate_to_part(SplitMatrixOf<Real>& X, double part) {
-    truncate(std::span(&X, 1), {.part = part});
+  double truncate_symmetric_to_part(SplitMatrixOf<Real>& X, double part) {
+    return truncate_symmetric(X, {.part = part});
   }
+
+  /// Sets the sums of squares over the diagonals of a Hermitian or skew-Hermitian X, if enabled.
+  template <class Real>
+  void measure_symmetric(RealVector& squares, const SplitMatrixOf<Real>& X) const;
+  /// Returns the smallest band outside which that X has at most the norm `tail`: the full band if
+  /// not enabled.
+  Index band_of(const RealVector& squares, double tail) const;
 
   /// Cuts each skew-Hermitian B_i, given by its upper triangle, to its band.  Fills the lower
   /// triangle and sets B_i.band().  Keeps the sums over the diagonals of the uncut B_i in
@@ -64,9 +80,12 @@ class BandTruncation {
   struct Allowed {
     double tail = 0.0;
     double part = 0.0;
+    bool is_symmetric = false;  // only upper triangles are measured
   };
   template <class Real>
   void truncate(std::span<SplitMatrixOf<Real>> X, Allowed allowed);
+  template <class Real>
+  double truncate_symmetric(SplitMatrixOf<Real>& X, Allowed allowed);
 
   bool enabled_;
   DiagonalSquares squares_;  // of X in truncate()

@@ -64,18 +64,53 @@ auto with_terms(const LinearCombination<Real>& sum, Use&& use) {
   }
 }
 
-// Calls body(i, k) for each piece of eight consecutive numbers in the rows: at i in double, at k in
-// single precision.  Rows of the two precisions are padded differently.
+// Numbers in 64 bytes, of which real and imaginary parts of rows hold a whole number.
+template <class Real>
+constexpr int line_length = 64 / sizeof(Real);
+
+// Columns begin ... end - 1.
+struct Columns {
+  Index begin;
+  Index end;
+};
+// Returns the columns of a row within a band, and those between them and whole multiples of
+// `length`.
+Columns columns_within(Index n, Index row, Index band, Index length) {
+  return {std::max<Index>(0, row - band) / length * length,
+          (std::min(n, row + band + 1) + length - 1) / length * length};
+}
+
+// Calls body(begin, end) for ranges of consecutive numbers that hold all entries of the rows within
+// a band: one range for a full band, or two for each row, of whole lines.
+template <class Real, class Body>
+void for_ranges_within(Index n, Index band, parallel::Rows rows, Body&& body) {
+  const Index part = split_row<Real>(n);
+  if (band >= n - 1) return body(2 * part * rows.begin, 2 * part * rows.end);
+  for (Index r = rows.begin; r < rows.end; ++r) {
+    const Columns columns = columns_within(n, r, band, line_length<Real>);
+    for (const Index at : {2 * part * r, 2 * part * r + part}) {
+      body(at + columns.begin, at + columns.end);
+    }
+  }
+}
+
+// Calls body(i, k) for pieces of eight consecutive numbers that hold all entries of the rows within
+// a band: at i in double, at k in single precision.  Rows of the two precisions are padded
+// differently.
 constexpr int mixed_length = 8;
 using Singles = Eigen::Array<float, mixed_length, 1>;
 using Doubles = Eigen::Array<double, mixed_length, 1>;
 template <class Body>
-void for_mixed_pieces(Index n, parallel::Rows rows, Body&& body) {
-  const Index row = split_row<double>(n);
-  const Index single_row = split_row<float>(n);
-  const Index columns = std::min(row, single_row);
-  for (Index part = 2 * rows.begin; part < 2 * rows.end; ++part) {
-    for (Index c = 0; c < columns; c += mixed_length) body(part * row + c, part * single_row + c);
+void for_mixed_pieces(Index n, Index band, parallel::Rows rows, Body&& body) {
+  const Index part = split_row<double>(n);
+  const Index single_part = split_row<float>(n);
+  for (Index r = rows.begin; r < rows.end; ++r) {
+    const Columns columns = columns_within(n, r, band, mixed_length);
+    for (Index p = 2 * r; p < 2 * r + 2; ++p) {
+      for (Index c = columns.begin; c < columns.end; c += mixed_length) {
+        body(p * part + c, p * single_part + c);
+      }
+    }
   }
 }
 
@@ -95,6 +130,21 @@ void assign_rows(SplitMatrixOf<Real>& out, const LinearCombination<Real>& sum,
     }
   });
   if (rows.begin == 0) out.set_band(sum.band());
+}
+
+template <class Real>
+void assign_rows_within(SplitMatrixOf<Real>& out, Index band, const LinearCombination<Real>& sum,
+                        parallel::Rows rows) {
+  constexpr int length = line_length<Real>;
+  using Line = Eigen::Array<Real, length, 1>;
+  with_terms(sum, [&](const auto& terms) {
+    Real* const to = out.entries().data();
+    for_ranges_within<Real>(out.size(), band, rows, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; i += length) {
+        Line::Map(to + i) = terms.template at<length>(i);
+      }
+    });
+  });
 }
 
 template <class Real>
@@ -118,12 +168,15 @@ double change_rows(SplitMatrixOf<Real>& out, const LinearCombination<Real>& sum,
 
 double residual_rows(SingleMatrix& R, const LinearCombination<double>& sum, const SplitMatrix& X,
                      parallel::Rows rows) {
-  if (rows.begin == 0) R.set_band(std::max(sum.band(), X.band()));
+  const Index band = std::max(sum.band(), X.band());
+  if (rows.begin == 0) R.set_band(band);
+  const Index stride = R.stride();
+  R.entries().segment(stride * rows.begin, stride * (rows.end - rows.begin)).setZero();
   return with_terms(sum, [&](const auto& terms) {
     Doubles total = Doubles::Zero();
     const double* const from = X.entries().data();
     float* const to = R.entries().data();
-    for_mixed_pieces(X.size(), rows, [&](Index i, Index k) {
+    for_mixed_pieces(X.size(), band, rows, [&](Index i, Index k) {
       const Doubles change = terms.template at<mixed_length>(i) - view<mixed_length>(from + i);
       total += change.square();
       Singles::Map(to + k) = change.cast<float>();
@@ -134,13 +187,19 @@ double residual_rows(SingleMatrix& R, const LinearCombination<double>& sum, cons
 
 template <class Real>
 double squares_of_rows(const SplitMatrixOf<Real>& X, parallel::Rows rows) {
-  const Index begin = X.stride() * rows.begin;
-  return static_cast<double>(
-      X.entries().segment(begin, X.stride() * rows.end - begin).squaredNorm());
+  double squares = 0.0;
+  for_ranges_within<Real>(X.size(), X.band(), rows, [&](Index begin, Index end) {
+    squares += static_cast<double>(X.entries().segment(begin, end - begin).squaredNorm());
+  });
+  return squares;
 }
 
 template void assign_rows(SplitMatrix&, const LinearCombination<double>&, parallel::Rows);
 template void assign_rows(SingleMatrix&, const LinearCombination<float>&, parallel::Rows);
+template void assign_rows_within(SplitMatrix&, Index, const LinearCombination<double>&,
+                                 parallel::Rows);
+template void assign_rows_within(SingleMatrix&, Index, const LinearCombination<float>&,
+                                 parallel::Rows);
 template double change_rows(SplitMatrix&, const LinearCombination<double>&, parallel::Rows);
 template double change_rows(SingleMatrix&, const LinearCombination<float>&, parallel::Rows);
 template double squares_of_rows(const SplitMatrix&, parallel::Rows);
@@ -150,16 +209,24 @@ template double squares_of_rows(const SingleMatrix&, parallel::Rows);
 
 namespace {
 
-void round_rows(SingleMatrix& S, const SplitMatrix& X, parallel::Rows rows) {
-  for_mixed_pieces(X.size(), rows, [&](Index at, Index single_at) {
+// S = X within a band.
+void round_rows(SingleMatrix& S, Index band, const SplitMatrix& X, parallel::Rows rows) {
+  for_mixed_pieces(X.size(), band, rows, [&](Index at, Index single_at) {
     Singles::Map(S.entries().data() + single_at) =
         view<mixed_length>(X.entries().data() + at).cast<float>();
   });
-  if (rows.begin == 0) S.set_band(X.band());
+}
+
+// X = S within a band.
+void widen_rows(SplitMatrix& X, Index band, const SingleMatrix& S, parallel::Rows rows) {
+  for_mixed_pieces(X.size(), band, rows, [&](Index at, Index single_at) {
+    Doubles::Map(X.entries().data() + at) =
+        view<mixed_length>(S.entries().data() + single_at).cast<double>();
+  });
 }
 
 void add_rows(SplitMatrix& X, const SingleMatrix& S, double weight, parallel::Rows rows) {
-  for_mixed_pieces(X.size(), rows, [&](Index at, Index single_at) {
+  for_mixed_pieces(X.size(), S.band(), rows, [&](Index at, Index single_at) {
     Doubles::Map(X.entries().data() + at) +=
         weight * view<mixed_length>(S.entries().data() + single_at).cast<double>();
   });
@@ -171,19 +238,23 @@ void add_rows(SplitMatrix& X, const SingleMatrix& S, double weight, parallel::Ro
 void round_to_single(SingleStages& S, const SplitStages& X) {
   if (X.empty()) return;
   parallel::for_each_block(X.size(), X[0].size(), [&](std::size_t i, parallel::Rows rows, Index) {
-    round_rows(S[i], X[i], rows);
+    round_rows(S[i], X[i].size() - 1, X[i], rows);
+    if (rows.begin == 0) S[i].set_band(X[i].band());
   });
 }
 
 void round_to_single(SingleMatrix& S, const SplitMatrix& X) {
+  const Index band = std::max(S.band(), X.band());
   parallel::for_each_block(
-      1, X.size(), [&](std::size_t, parallel::Rows rows, Index) { round_rows(S, X, rows); });
+      1, X.size(), [&](std::size_t, parallel::Rows rows, Index) { round_rows(S, band, X, rows); });
+  S.set_band(X.band());
 }
 
 void widen(SplitMatrix& X, const SingleMatrix& S) {
-  X.entries().setZero();
-  X.set_band(0);
-  add(X, S);
+  const Index band = std::max(X.band(), S.band());
+  parallel::for_each_block(
+      1, X.size(), [&](std::size_t, parallel::Rows rows, Index) { widen_rows(X, band, S, rows); });
+  X.set_band(S.band());
 }
 
 void add(SplitStages& X, const SingleStages& S) {

@@ -170,6 +170,9 @@ template <class Real>
 void assign_rows(SplitMatrixOf<Real>& out, const LinearCombination<Real>& combination,
                  parallel::Rows rows);
 template <class Real>
+void assign_rows_within(SplitMatrixOf<Real>& out, Index band,
+                        const LinearCombination<Real>& combination, parallel::Rows rows);
+template <class Real>
 double change_rows(SplitMatrixOf<Real>& out, const LinearCombination<Real>& combination,
                    parallel::Rows rows);
 double residual_rows(SingleMatrix& R, const LinearCombination<double>& combination,
@@ -220,9 +223,17 @@ void copy(SplitStagesOf<Real>& out, const SplitStagesOf<Real>& X) {
 /// out = combination, in the storage of out.  out may be a term of the combination.
 template <class Real>
 SplitMatrixOf<Real>& SplitMatrixOf<Real>::operator=(const LinearCombination<Real>& combination) {
+  // Beyond both bands all terms are 0, and so is `out` already.
+  const Index band = combination.band();
+  const Index written = band > band_ ? band : band_;
   parallel::for_each_block(1, size(), [&](std::size_t, parallel::Rows rows, Index) {
-    linear_combination::assign_rows(*this, combination, rows);
+    if (written < size() - 1) {
+      linear_combination::assign_rows_within(*this, written, combination, rows);
+    } else {
+      linear_combination::assign_rows(*this, combination, rows);
+    }
   });
+  set_band(band);
   return *this;
 }
 
