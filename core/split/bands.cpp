@@ -99,13 +99,14 @@ void BandTruncation::truncate(std::span<SplitMatrixOf<Real>> X, Allowed allowed)
   parallel::for_shares_of(X, [&](std::size_t k, Share share) {
     sum_over_diagonals(squares_[k], X[k], allowed.is_symmetric, share);
   });
-  const auto band_of = [&](std::size_t k) {
+  // Every share finds the same band, and reads the old one until all have cleared.
+  parallel::for_shares_of(X, [&](std::size_t k, Share share) {
     const double tail = allowed.tail + allowed.part * std::sqrt(squares_[k].sum());
-    return smallest_band(squares_[k], tail);
-  };
-  parallel::for_shares_of(
-      X, [&](std::size_t k, Share share) { clear_between(X[k], band_of(k), X[k].band(), share); });
-  for (std::size_t k = 0; k < X.size(); ++k) X[k].set_band(band_of(k));
+    const Index band = smallest_band(squares_[k], tail);
+    if (share.is_first()) cut_bands_[k] = band;
+    clear_between(X[k], band, X[k].band(), share);
+  });
+  for (std::size_t k = 0; k < X.size(); ++k) X[k].set_band(cut_bands_[k]);
 }
 
 template <class Real>

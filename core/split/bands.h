@@ -32,7 +32,7 @@ class BandTruncation {
  public:
   /// For up to `matrices` n x n matrices at a time.  If not enabled, nothing is cut.
   BandTruncation(bool enabled, Index matrices, Index n)
-      : enabled_(enabled), squares_(diagonal_squares(matrices, n)) {}
+      : enabled_(enabled), squares_(diagonal_squares(matrices, n)), cut_bands_(squares_.size()) {}
 
   bool enabled() const { return enabled_; }
   void enable(bool enabled) { enabled_ = enabled; }
@@ -88,7 +88,8 @@ class BandTruncation {
   double truncate_symmetric(SplitMatrixOf<Real>& X, Allowed allowed);
 
   bool enabled_;
-  DiagonalSquares squares_;  // of X in truncate()
+  DiagonalSquares squares_;       // of X in truncate()
+  std::vector<Index> cut_bands_;  // that truncate() has found
 };
 
 }  // namespace isosyrk

@@ -104,6 +104,13 @@ template <class Body>
 void for_mixed_pieces(Index n, Index band, parallel::Rows rows, Body&& body) {
   const Index part = split_row<double>(n);
   const Index single_part = split_row<float>(n);
+  if (band >= n - 1) {
+    const Index columns = std::min(part, single_part);
+    for (Index p = 2 * rows.begin; p < 2 * rows.end; ++p) {
+      for (Index c = 0; c < columns; c += mixed_length) body(p * part + c, p * single_part + c);
+    }
+    return;
+  }
   for (Index r = rows.begin; r < rows.end; ++r) {
     const Columns columns = columns_within(n, r, band, mixed_length);
     for (Index p = 2 * r; p < 2 * r + 2; ++p) {
@@ -170,8 +177,10 @@ double residual_rows(SingleMatrix& R, const LinearCombination<double>& sum, cons
                      parallel::Rows rows) {
   const Index band = std::max(sum.band(), X.band());
   if (rows.begin == 0) R.set_band(band);
-  const Index stride = R.stride();
-  R.entries().segment(stride * rows.begin, stride * (rows.end - rows.begin)).setZero();
+  if (band < R.size() - 1) {
+    const Index stride = R.stride();
+    R.entries().segment(stride * rows.begin, stride * (rows.end - rows.begin)).setZero();
+  }
   return with_terms(sum, [&](const auto& terms) {
     Doubles total = Doubles::Zero();
     const double* const from = X.entries().data();
