@@ -2,7 +2,11 @@
 // at every tolerance, and what becomes of steps that are too long.
 #include "isosyrk/catalogue/fast_forms.h"
 #include "isosyrk/fast/exponential_system.h"
+#include "isosyrk/fast/graded_series.h"
+#include "isosyrk/fast/stage_generator.h"
 #include "isosyrk/fast/start_choice.h"
+#include "isosyrk/flows/co_rotating_frame.h"
+#include "isosyrk/flows/euler_zeitlin.h"
 #include "isosyrk/linalg/spectrum.h"
 #include "isosyrk/solver/acceptance.h"
 #include "tests/support.h"
@@ -337,6 +341,73 @@ TEST(GradedSeries, ErrsByAboutTheWantedErrorAndUsesSinglePrecisionWhereThatIsEno
         static_cast<double>(products.count()) + 0.5 * static_cast<double>(single_products.count());
     EXPECT_GT(work, last) << error;
     last = work;
+  }
+}
+
+// The terms and Ω are cut to bands: the sum of all cuts is about the tail.
+TEST(GradedSeries, WithBandsErrsByAboutTheTailAndMultipliesLess) {
+  constexpr Index n = 40;
+  const auto falling_off = [](Matrix W) {
+    for (Index r = 0; r < n; ++r) {
+      for (Index c = 0; c < n; ++c) W(r, c) *= std::exp(-static_cast<double>(std::abs(r - c)));
+    }
+    return W;
+  };
+  const Matrix W = falling_off(random_skew_hermitian(n, 2));
+  const Matrix Omega = falling_off(0.8 * random_skew_hermitian(n, 1));
+  const Matrix expected = conjugated(W, Omega);
+  const auto run_with = [&](double tail) {
+    SplitProducts products(n);
+    SingleProducts single_products(n);
+    BandTruncation bands(true, 1, n);
+    GradedSeries series(products, single_products, n);
+    series.truncate(bands, tail);
+    SplitMatrix out(n);
+    EXPECT_TRUE(series.conjugate(out, SplitMatrix(Omega), SplitMatrix(W), 1e-14));
+    return std::pair((out.interleaved() - expected).norm(), products.equivalents());
+  };
+  double last = std::numeric_limits<double>::infinity();
+  for (const double tail : {0.0, 1e-12, 1e-8, 1e-4}) {
+    const auto [error, products] = run_with(tail);
+    // Twenty terms are cut, each twice, and what is cut goes through the rest of the series.
+    EXPECT_LE(error, 100.0 * tail + 1e-13) << tail;
+    EXPECT_LT(products, last) << tail;
+    if (tail > 0.0) {
+      EXPECT_GT(error, 1e-2 * tail) << "nothing was cut";
+    }
+    last = products;
+  }
+}
+
+// B(W) of a W within a band, in a matrix that held something wider or narrower before.
+TEST(StageGenerators, FormTheGeneratorOfOneMatrixWithinItsBand) {
+  constexpr Index n = 33;
+  const auto euler = std::make_shared<const EulerZeitlin>(n);
+  CoRotatingFrame frame(euler, ProductBackend::openblas);
+  for (const Flow* flow : {static_cast<const Flow*>(euler.get()), frame.flow().get()}) {
+    StageGenerator generator(*flow);
+    for (const Index band : {Index{0}, Index{1}, Index{7}, n - 1}) {
+      const Matrix W = entries_of(random_skew_hermitian(n, 4),
+                                  [band](Index r, Index c) { return std::abs(r - c) <= band; });
+      Matrix expected(n, n);
+      flow->generator(W, expected);
+      for (const Index before : {Index{0}, Index{20}, n - 1}) {
+        SplitMatrix B(entries_of(random_skew_hermitian(n, 5),
+                                 [before](Index r, Index c) { return std::abs(r - c) <= before; }));
+        B.set_band(before);
+        SplitMatrix argument(W);
+        argument.set_band(band);
+        generator.generate_one(B, argument);
+        EXPECT_LE(largest_difference(B.interleaved(), expected), 1e-14) << band << ' ' << before;
+        EXPECT_EQ(B.band(), std::max<Index>(band, 1));
+
+        SingleMatrix B_single(n), single(n);
+        round_to_single(B_single, B);
+        round_to_single(single, argument);
+        generator.generate_one(B_single, single);
+        EXPECT_LE(largest_difference(B_single.interleaved(), expected), 1e-6) << band;
+      }
+    }
   }
 }
 

@@ -41,7 +41,7 @@ TEST(CoRotatingFrame, ItsGeneratorAndItsHamiltonianAreThoseOfWWithoutItsRotation
   EXPECT_GE(largest_difference(B, expected), 1e-3);
 
   SplitStages split = {SplitMatrix(W)}, upper = split_stages(1, n);
-  frame.flow()->split_generator()->upper(split, upper);
+  frame.flow()->split_generator()->upper_within(n - 1, split, upper);
   mirror_skew(upper);
   EXPECT_LE(largest_difference(upper[0].interleaved(), B), 1e-14);
 

@@ -39,7 +39,8 @@ class FrozenEulerZeitlin final : public Flow {
   class Generator final : public SplitGenerator {
    public:
     explicit Generator(const Matrix& B) : B_(B) {}
-    void upper(std::span<const SplitMatrix>, std::span<SplitMatrix> B) const override {
+    void upper_within(Index, std::span<const SplitMatrix>,
+                      std::span<SplitMatrix> B) const override {
       for (SplitMatrix& each : B) each = B_;
     }
     void upper_within(Index, std::span<const SingleMatrix>,

@@ -1,11 +1,13 @@
 // Bands of split matrices: finding them, and what counts and the Laplacian make of them.
 // Skew-Hermitian parts.  Threads share all of this: see fast_forms_test.cpp.
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "isosyrk/flows/split_laplacian.h"
 #include "isosyrk/linalg/spectrum.h"
 #include "isosyrk/split/bands.h"
+#include "isosyrk/split/linear_combination.h"
 #include "isosyrk/split/skew.h"
 #include "isosyrk/split/split_products.h"
 #include "tests/support.h"
@@ -78,6 +80,142 @@ TEST(Bands, OfASkewHermitianMatrixAreTakenFromTheUpperTriangle) {
       EXPECT_EQ(found.band(), expected.band()) << n;
       EXPECT_EQ(found.interleaved(), expected.interleaved()) << n;
     }
+  }
+}
+
+// Of one Hermitian or skew-Hermitian matrix the upper triangle tells the band and the norm.
+TEST(Bands, OfOneSymmetricMatrixAreThoseOfAllItsEntries) {
+  for (const Index n : {1, 2, 5, 17, 33, 66}) {
+    const Matrix skew = skew_falling_off(n, 0.7, 1);
+    for (const Matrix& W : {skew, Matrix(Complex(0.0, 1.0) * skew)}) {
+      for (const double tail : tails) {
+        SplitMatrix found(W);
+        BandTruncation bands(true, 1, n);
+        RealVector squares = RealVector::Zero(n);
+        bands.measure_symmetric(squares, found);
+        const SplitMatrix expected = truncated(W, tail);
+        EXPECT_EQ(bands.band_of(squares, tail), expected.band()) << n;
+        EXPECT_NEAR(bands.measure_and_truncate_symmetric(found, tail), W.norm(), 1e-14 * W.norm())
+            << n;
+        EXPECT_EQ(found.band(), expected.band()) << n;
+        EXPECT_EQ(found.interleaved(), expected.interleaved()) << n;
+      }
+    }
+  }
+  // Control: of another matrix the lower triangle is not seen.
+  const Matrix lower = entries_of(falling_off(17, 0.7, 1), [](Index r, Index c) { return r >= c; });
+  SplitMatrix found(lower);
+  BandTruncation(true, 1, 17).truncate_symmetric(found, 1e-6);
+  EXPECT_EQ(found.band(), 0);
+  EXPECT_GT(truncated(lower, 1e-6).band(), 0);
+}
+
+TEST(Bands, ThatAreNotEnabledCutNothing) {
+  constexpr Index n = 17;
+  const Matrix W = skew_falling_off(n, 2.0, 1);
+  SplitMatrix found(W);
+  BandTruncation bands(false, 1, n);
+  EXPECT_NEAR(bands.measure_and_truncate_symmetric(found, 1.0), W.norm(), 1e-14 * W.norm());
+  EXPECT_EQ(found.interleaved(), W);
+  EXPECT_EQ(bands.band_of(RealVector::Zero(n), 1.0), n - 1);
+}
+
+// A band that becomes narrower clears what it leaves, and nothing else; one that becomes wider
+// finds zeros there.
+TEST(Bands, ThatChangeLeaveZerosOutside) {
+  for (const Index n : {1, 5, 17, 66}) {
+    const Matrix W = falling_off(n, 0.1, 3);
+    SplitMatrix X(W);
+    for (const Index band : {n / 2, n / 3, Index{0}}) {
+      change_band(X, band);
+      EXPECT_EQ(X.band(), std::min(band, n - 1)) << n;
+      EXPECT_EQ(X.interleaved(), cut(W, band)) << n;
+    }
+    change_band(X, n - 1);
+    EXPECT_EQ(X.band(), n - 1) << n;
+    EXPECT_EQ(X.interleaved(), cut(W, 0)) << n;
+  }
+}
+
+// Returns W cut to a band, as a split matrix that knows its band.
+SplitMatrix banded(const Matrix& W, Index band) {
+  SplitMatrix X(cut(W, band));
+  X.set_band(band);
+  return X;
+}
+
+// Sums, roundings and norms of single matrices pass over bands, and give what full matrices do: the
+// result may have been wider or narrower before.
+TEST(Bands, OfSumsRoundingsAndNormsChangeNothing) {
+  for (const Index n : {5, 17, 40, 66}) {
+    const Matrix A = falling_off(n, 0.1, 1), B = falling_off(n, 0.1, 2), C = falling_off(n, 0.1, 3);
+    for (const Index before : {Index{1}, n / 3, n - 1}) {
+      const SplitMatrix first = banded(A, n / 2), second = banded(B, n / 4);
+      const SplitMatrix full_first(cut(A, n / 2)), full_second(cut(B, n / 4));
+
+      SplitMatrix sum = banded(C, before), expected(C);
+      sum = 0.3 * first - 2.0 * second;
+      expected = 0.3 * full_first - 2.0 * full_second;
+      EXPECT_EQ(sum.interleaved(), expected.interleaved()) << n;
+      EXPECT_EQ(sum.band(), n / 2) << n;
+      EXPECT_NEAR(norm(sum), expected.interleaved().norm(), 1e-14 * norm(expected)) << n;
+
+      SingleMatrix rounded(n);
+      round_to_single(rounded, banded(C, before));
+      round_to_single(rounded, second);
+      EXPECT_EQ(rounded.band(), n / 4) << n;
+      EXPECT_EQ(rounded.interleaved(), SingleMatrix(cut(B, n / 4)).interleaved()) << n;
+
+      SplitMatrix wide = banded(C, before);
+      widen(wide, rounded);
+      EXPECT_EQ(wide.band(), n / 4) << n;
+      EXPECT_EQ(wide.interleaved(), rounded.interleaved()) << n;
+      add(wide, rounded, 0.5);
+      EXPECT_LE((wide.interleaved() - 1.5 * rounded.interleaved()).norm(), 1e-14) << n;
+
+      SingleStages R = {SingleMatrix(C)};
+      form_residual(
+          R, [&](std::size_t) { return 1.0 * first; }, SplitStages{second});
+      EXPECT_EQ(R[0].band(), n / 2) << n;
+      EXPECT_LE((R[0].interleaved() - cut(A, n / 2) + cut(B, n / 4)).norm(), 1e-6 * A.norm()) << n;
+    }
+  }
+  // Control: an entry outside the band that a matrix claims is lost.
+  const Matrix A = falling_off(17, 0.1, 1);
+  SplitMatrix wrong(A), sum(17);
+  wrong.set_band(2);
+  sum.set_band(0);
+  sum = 1.0 * wrong;
+  EXPECT_NE(sum.interleaved(), A);
+}
+
+// One matrix is mirrored and made skew within its band, and what was in the lower triangle goes.
+TEST(Bands, OfMirrorsAndSkewPartsChangeNothing) {
+  for (const Index n : {1, 5, 17, 66}) {
+    const Index band = n / 3;
+    const Matrix W = skew_falling_off(n, 0.1, 1), stale = falling_off(n, 0.1, 2);
+    const Matrix upper = entries_of(cut(W, band), [](Index r, Index c) { return r <= c; });
+    const Matrix below = entries_of(stale, [](Index r, Index c) { return r > c; });
+
+    SplitMatrix skew(Matrix(upper + below));
+    skew.set_band(band);
+    mirror_all_skew(skew);
+    EXPECT_EQ(skew.interleaved(), cut(W, band)) << n;
+
+    SplitMatrix within(Matrix(upper + cut(below, band)));
+    within.set_band(band);
+    mirror_skew_in_band(within);
+    EXPECT_EQ(within.interleaved(), cut(W, band)) << n;
+
+    SplitMatrix hermitian(Matrix(Complex(0.0, 1.0) * upper + below));
+    hermitian.set_band(band);
+    mirror_all_hermitian(hermitian);
+    EXPECT_EQ(hermitian.interleaved(), Complex(0.0, 1.0) * cut(W, band)) << n;
+
+    SplitMatrix part(stale);
+    skew_part(part, banded(W, band), 0.5);
+    EXPECT_EQ(part.band(), band) << n;
+    EXPECT_EQ(part.interleaved(), cut(W, band)) << n;
   }
 }
 

@@ -42,10 +42,7 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   Unknowns unknowns() const override { return {split_stages(1, n_)}; }
   /// Newton from past steps, from an explicit step and from a cold start; then Picard and Anderson.
   std::vector<Attempt> attempts(bool newton) const override;
-  void forget() override {
-    share_of_terms_ = unknown_shares;
-    start_error_ = 0.0;
-  }
+  void forget() override { share_of_terms_ = unknown_shares; }
   void bind(const SplitMatrix& W0, double h, double tolerance) override;
   /// Explicit: Ω of magnus4, or of magnus5 for order 6.  Cold: Ω = h B(W₀).
   void start(Unknowns& x, Start how) override;
@@ -104,10 +101,6 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   std::array<SingleMatrix, 3> moved_;  // e^{s ad_Ω} W₀ at s = 2/3 and at the two nodes
   // ‖h² ∇F₂‖ / ‖v‖ and ‖h⁴ ∇F₄‖ / ‖v‖, last seen.
   std::array<double, 2> share_of_terms_ = unknown_shares;
-
-  // Of the last explicit start: the change of the residual after it, relative to ‖Ω‖.
-  double start_error_ = 0.0;
-  bool shows_start_error_ = false;  // the next residual does
 
   // Of the coupling.
   SingleMatrix Omega_single_;

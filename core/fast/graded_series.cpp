@@ -1,5 +1,6 @@
 #include "isosyrk/fast/graded_series.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -32,21 +33,19 @@ void GradedSeries::begin(const SplitMatrix& Omega, const SplitMatrix& W, double 
   size_ = cut(term_);
 }
 
-// Cuts Ω to the band beyond which it adds less than the tail to T_{k+1} = [Ω, T_k] / (k+1): the
-// smaller T_k, the narrower.
+// Cuts Ω to the band beyond which it adds less than the tail to T_k = [Ω, T_{k-1}] / k: the smaller
+// T_{k-1}, the narrower.
 template <class Real>
 void GradedSeries::cut_Omega(SplitMatrixOf<Real>& Omega) {
   if (bands_ == nullptr) return;
-  const double tail = tail_ * static_cast<double>(k_ + 1) / (2.0 * size_);
-  const Index band = std::min(Omega.band(), bands_->band_of(squares_of_Omega_, tail));
-  clear_between(Omega, band, Omega.band());
-  Omega.set_band(band);
+  const double tail = tail_ * static_cast<double>(k_) / (2.0 * size_);
+  change_band(Omega, std::min(Omega.band(), bands_->band_of(squares_of_Omega_, tail)));
 }
 
 // Cuts T_k to its band.  Returns its norm.
 template <class Real>
 double GradedSeries::cut(SplitMatrixOf<Real>& term) {
-  return bands_ != nullptr ? bands_->truncate_symmetric(term, tail_) : norm(term);
+  return bands_ != nullptr ? bands_->measure_and_truncate_symmetric(term, tail_) : norm(term);
 }
 
 bool GradedSeries::advance() {
@@ -56,18 +55,15 @@ bool GradedSeries::advance() {
     round_to_single(Omega_single_, Omega_);
     round_to_single(term_single_, term_);
   }
-  if (in_single_) {
-    cut_Omega(Omega_single_);
-  } else {
-    cut_Omega(Omega_);
-  }
   const double factor = 1.0 / static_cast<double>(++k_);
   if (in_single_) {
+    cut_Omega(Omega_single_);
     single_products_.form(into(product_single_, Omega_single_ * term_single_));
     skew_part(next_single_, product_single_, factor);
     std::swap(term_single_, next_single_);
     size_ = cut(term_single_);
   } else {
+    cut_Omega(Omega_);
     products_.form(into(product_, Omega_ * term_));
     skew_part(next_, product_, factor);
     std::swap(term_, next_);

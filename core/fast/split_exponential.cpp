@@ -55,7 +55,8 @@ void add_to_diagonal(SplitMatrix& X, double number) {
 
 // What a cut may change in e^Ω, and, times ‖W₀‖, in W₁.
 constexpr double left_out = 1e-18;
-// Largest term of a polynomial that is not added.
+// Largest term of a polynomial that is not added: of the coefficients' rests most are smaller.  At
+// 0 steps take 3 to 5 % more time at n = 129, smooth, and the same spectrum.
 constexpr double negligible = 1e-20;
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "isosyrk/split/bands.h"
 #include "isosyrk/split/skew.h"
 
 namespace isosyrk {
@@ -23,7 +24,7 @@ Index StageGenerator::least_coupling_band(const Tuning::CouplingBand& band) cons
 
 void StageGenerator::generate(Generators& B, const SplitStages& W, const BandTruncation& bands,
                               double tail) {
-  generator_->upper(W, B.B);
+  generator_->upper_within(n_ - 1, W, B.B);
   solves_ += static_cast<long>(W.size());
   bands.truncate_skew(B.B, B.squares, tail);
 }
@@ -35,20 +36,14 @@ void StageGenerator::round(RoundedGenerators& S, const Generators& B, const Band
   for (const SingleMatrix& each : S.B) S.coupling_band = std::max(S.coupling_band, each.band());
 }
 
-void StageGenerator::generate_one(SplitMatrix& B, const SplitMatrix& W) {
-  const Index band = band_of_one(W.band());
-  const Index before = B.band();
-  generator_->upper_of_banded(band, {&W, 1}, {&B, 1});
-  ++solves_;
-  mirror_one_within(B, band, before);
-}
-
-void StageGenerator::generate_one(SingleMatrix& B, const SingleMatrix& W) {
-  const Index band = band_of_one(W.band());
-  const Index before = B.band();
+template <class Real>
+void StageGenerator::generate_one(SplitMatrixOf<Real>& B, const SplitMatrixOf<Real>& W) {
+  // At least 1: a rigid rotation that is left out changes the diagonals 0 and 1 of any B(W).
+  const Index band = std::min(std::max<Index>(W.band(), 1), n_ - 1);
+  change_band(B, band);
   generator_->upper_within(band, {&W, 1}, {&B, 1});
   ++solves_;
-  mirror_one_within(B, band, before);
+  mirror_skew_in_band(B);
 }
 
 void StageGenerator::generate_within(SingleStages& dB, Index band, const SingleStages& dW) {
@@ -57,9 +52,7 @@ void StageGenerator::generate_within(SingleStages& dB, Index band, const SingleS
   mirror_skew_within(dB, band);
 }
 
-// A rigid rotation that is left out may change the first diagonals of any W.
-Index StageGenerator::band_of_one(Index of_W) const {
-  return std::min(std::max<Index>(of_W, 1), n_ - 1);
-}
+template void StageGenerator::generate_one(SplitMatrix&, const SplitMatrix&);
+template void StageGenerator::generate_one(SingleMatrix&, const SingleMatrix&);
 
 }  // namespace isosyrk

@@ -51,8 +51,8 @@ class StageGenerator {
   static void round(RoundedGenerators& S, const Generators& B, const BandTruncation& bands,
                     double tail, Index least_band);
   /// B = B(W) for one matrix, within the band of W.  Reads the upper triangle of W.
-  void generate_one(SplitMatrix& B, const SplitMatrix& W);
-  void generate_one(SingleMatrix& B, const SingleMatrix& W);
+  template <class Real>
+  void generate_one(SplitMatrixOf<Real>& B, const SplitMatrixOf<Real>& W);
   /// dB_i = B(dW_i) within a band.  Reads the upper triangles of dW_i.
   void generate_within(SingleStages& dB, Index band, const SingleStages& dW);
 
@@ -62,8 +62,6 @@ class StageGenerator {
   long solves() const { return solves_; }
 
  private:
-  Index band_of_one(Index of_W) const;
-
   Index n_;
   std::unique_ptr<SplitGenerator> generator_;
   long solves_ = 0;

@@ -7,22 +7,16 @@
 
 namespace isosyrk {
 
-/// B of a flow on skew-Hermitian matrices (J = I), linear in W, in double and single precision.  A
-/// W within a band has a B(W) within the same band, of at least 1.
+/// B of a flow on skew-Hermitian matrices (J = I), linear in W, in double and single precision. For
+/// W within a band of at least 1, B(W) is within it too.
 class SplitGenerator {
  public:
   virtual ~SplitGenerator() = default;
 
-  /// Sets the upper triangles, diagonal included, of B_i = B(W_i), from the upper triangles of W_i.
-  /// B_i is not W_i.
-  virtual void upper(std::span<const SplitMatrix> W, std::span<SplitMatrix> B) const = 0;
-  /// As upper(), for W_i within a band.  Entries of B_i beyond the band are unspecified.
-  virtual void upper_of_banded(Index /*band*/, std::span<const SplitMatrix> W,
-                               std::span<SplitMatrix> B) const {
-    upper(W, B);
-  }
-  /// As upper(), in single precision, within a band.  Entries of B_i beyond the band are
-  /// unspecified.
+  /// Sets the upper triangles, diagonal included, of B_i = B(W_i) within a band, from those of W_i
+  /// within it.  Entries of B_i beyond the band become 0 or stay.  B_i is not W_i.
+  virtual void upper_within(Index band, std::span<const SplitMatrix> W,
+                            std::span<SplitMatrix> B) const = 0;
   virtual void upper_within(Index band, std::span<const SingleMatrix> W,
                             std::span<SingleMatrix> B) const = 0;
 

@@ -156,12 +156,8 @@ SplitEulerZeitlin::SplitEulerZeitlin(const Laplacian& laplacian, double reciproc
       reciprocal_hbar_(reciprocal_hbar),
       rotation_(rotation) {}
 
-void SplitEulerZeitlin::upper(std::span<const SplitMatrix> W, std::span<SplitMatrix> B) const {
-  upper_of_banded(n_ - 1, W, B);
-}
-
-void SplitEulerZeitlin::upper_of_banded(Index band, std::span<const SplitMatrix> W,
-                                        std::span<SplitMatrix> B) const {
+void SplitEulerZeitlin::upper_within(Index band, std::span<const SplitMatrix> W,
+                                     std::span<SplitMatrix> B) const {
   laplacian_.solve_upper(W, reciprocal_hbar_, band, B);
   if (rotation_ == Rotation::left_out) subtract_rotation(B);
 }

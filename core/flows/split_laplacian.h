@@ -44,9 +44,8 @@ class SplitEulerZeitlin final : public SplitGenerator {
   SplitEulerZeitlin(const Laplacian& laplacian, double reciprocal_hbar,
                     Rotation rotation = Rotation::kept);
 
-  void upper(std::span<const SplitMatrix> W, std::span<SplitMatrix> B) const override;
-  void upper_of_banded(Index band, std::span<const SplitMatrix> W,
-                       std::span<SplitMatrix> B) const override;
+  void upper_within(Index band, std::span<const SplitMatrix> W,
+                    std::span<SplitMatrix> B) const override;
   void upper_within(Index band, std::span<const SingleMatrix> W,
                     std::span<SingleMatrix> B) const override;
   /// Returns 1/(l(l+1)ħ) for the least l that is left: 1 or 2.

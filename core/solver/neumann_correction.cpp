@@ -28,6 +28,7 @@ Correction NeumannCorrection::solve(Corrections& delta, Coupling& coupling, cons
     double now = 0.0;
     for (std::size_t kind = 0; kind < delta.size(); ++kind) {
       SingleStages& sum = delta[kind];
+      // One at a time, unlike assign(): only the band of each is passed over.
       for (std::size_t i = 0; i < sum.size(); ++i) sum[i] = sum[i] + next_[kind][i];
       now = larger(now, largest_norm(next_[kind]));
     }

@@ -85,9 +85,11 @@ void cut_to_band(SplitMatrixOf<Real>& W, Index band, Share share) {
 }
 
 template <class Real>
-void clear_between(SplitMatrixOf<Real>& W, Index inner, Index outer) {
+void change_band(SplitMatrixOf<Real>& W, Index band) {
+  const Index before = W.band();
   parallel::for_each_share(1,
-                           [&](Index, Share share, int) { clear_between(W, inner, outer, share); });
+                           [&](Index, Share share, int) { clear_between(W, band, before, share); });
+  W.set_band(band);
 }
 
 template <class Real>
@@ -110,9 +112,8 @@ void BandTruncation::truncate(std::span<SplitMatrixOf<Real>> X, Allowed allowed)
 }
 
 template <class Real>
-double BandTruncation::truncate_symmetric(SplitMatrixOf<Real>& X, Allowed allowed) {
-  allowed.is_symmetric = true;
-  truncate(std::span(&X, 1), allowed);
+double BandTruncation::measure_and_truncate_symmetric(SplitMatrixOf<Real>& X, double tail) {
+  truncate_symmetric(X, tail);
   return enabled_ ? std::sqrt(squares_[0].sum()) : norm(X);
 }
 
@@ -149,12 +150,12 @@ void BandTruncation::round_skew(SingleStages& S, const SplitStages& B,
 
 template void cut_to_band(SplitMatrix&, Index, Share);
 template void cut_to_band(SingleMatrix&, Index, Share);
-template void clear_between(SplitMatrix&, Index, Index);
-template void clear_between(SingleMatrix&, Index, Index);
+template void change_band(SplitMatrix&, Index);
+template void change_band(SingleMatrix&, Index);
 template void BandTruncation::truncate(std::span<SplitMatrix>, Allowed);
 template void BandTruncation::truncate(std::span<SingleMatrix>, Allowed);
 template void BandTruncation::measure_symmetric(RealVector&, const SplitMatrix&) const;
-template double BandTruncation::truncate_symmetric(SplitMatrix&, Allowed);
-template double BandTruncation::truncate_symmetric(SingleMatrix&, Allowed);
+template double BandTruncation::measure_and_truncate_symmetric(SplitMatrix&, double);
+template double BandTruncation::measure_and_truncate_symmetric(SingleMatrix&, double);
 
 }  // namespace isosyrk

@@ -13,9 +13,10 @@ namespace isosyrk {
 /// Sets the entries of W outside a band to 0, in the rows of the share.
 template <class Real>
 void cut_to_band(SplitMatrixOf<Real>& W, Index band, Share share = {});
-/// Sets the entries of W with inner < |r - c| <= outer to 0.  Threads take a share each.
+/// Sets W.band(), and what it no longer holds of the band before to 0: the rest is 0 already.
+/// Threads take a share each.
 template <class Real>
-void clear_between(SplitMatrixOf<Real>& W, Index inner, Index outer);
+void change_band(SplitMatrixOf<Real>& W, Index band);
 
 /// Sums of squares over each pair of diagonals |r - c| = m of some matrices, m = 0 ... n - 1: from
 /// these follows the band for any tail.
@@ -48,16 +49,19 @@ class BandTruncation {
     truncate(std::span(&X, 1), {.tail = tail});
   }
   /// The same for one Hermitian or skew-Hermitian matrix, of which only the upper triangle is
-  /// measured.  Returns its Frobenius norm before the cut.
+  /// measured.
   template <class Real>
-  double truncate_symmetric(SplitMatrixOf<Real>& X, double tail) {
-    return truncate_symmetric(X, {.tail = tail});
+  void truncate_symmetric(SplitMatrixOf<Real>& X, double tail) {
+    truncate(std::span(&X, 1), {.tail = tail, .is_symmetric = true});
   }
   /// The same with the tail `part` ‖X‖_F.
   template <class Real>
-  double truncate_symmetric_to_part(SplitMatrixOf<Real>& X, double part) {
-    return truncate_symmetric(X, {.part = part});
+  void truncate_symmetric_to_part(SplitMatrixOf<Real>& X, double part) {
+    truncate(std::span(&X, 1), {.part = part, .is_symmetric = true});
   }
+  /// truncate_symmetric that returns the Frobenius norm of X before the cut.
+  template <class Real>
+  double measure_and_truncate_symmetric(SplitMatrixOf<Real>& X, double tail);
 
   /// Sets the sums of squares over the diagonals of a Hermitian or skew-Hermitian X, if enabled.
   template <class Real>
@@ -84,8 +88,6 @@ class BandTruncation {
   };
   template <class Real>
   void truncate(std::span<SplitMatrixOf<Real>> X, Allowed allowed);
-  template <class Real>
-  double truncate_symmetric(SplitMatrixOf<Real>& X, Allowed allowed);
 
   bool enabled_;
   DiagonalSquares squares_;       // of X in truncate()

@@ -169,6 +169,8 @@ namespace linear_combination {
 template <class Real>
 void assign_rows(SplitMatrixOf<Real>& out, const LinearCombination<Real>& combination,
                  parallel::Rows rows);
+// The same where all that can change is within a band, in short pieces that follow it.  `out` keeps
+// its band.
 template <class Real>
 void assign_rows_within(SplitMatrixOf<Real>& out, Index band,
                         const LinearCombination<Real>& combination, parallel::Rows rows);
@@ -223,7 +225,7 @@ void copy(SplitStagesOf<Real>& out, const SplitStagesOf<Real>& X) {
 /// out = combination, in the storage of out.  out may be a term of the combination.
 template <class Real>
 SplitMatrixOf<Real>& SplitMatrixOf<Real>::operator=(const LinearCombination<Real>& combination) {
-  // Beyond both bands all terms are 0, and so is `out` already.
+  // Beyond the bands of the terms and of the matrix as it was, all is 0 and stays so.
   const Index band = combination.band();
   const Index written = band > band_ ? band : band_;
   parallel::for_each_block(1, size(), [&](std::size_t, parallel::Rows rows, Index) {

@@ -64,14 +64,14 @@ inline __attribute__((always_inline)) void turn(const Real* from, Real* to, Inde
   block.store(to, stride);
 }
 
-// Fills the lower triangle of a Hermitian matrix within its band, in a share.
+// Fills the lower triangle of a Hermitian matrix within a band, in a share.
 template <class Real>
-void mirror_hermitian(SplitMatrixOf<Real>& C, Share share) {
+void mirror_hermitian(SplitMatrixOf<Real>& C, Index band, Share share) {
   const Index stride = C.stride();
   Real* re = C.re();
   Real* im = C.im();
   for_pairs(
-      C, C.band(), share,
+      C, band, share,
       [=](Index upper, Index lower) {
         turn(re + upper, re + lower, stride, false);
         turn(im + upper, im + lower, stride, true);
@@ -228,35 +228,35 @@ void skew_part(SplitMatrixOf<Real>& out, const SplitMatrixOf<Real>& C, double sc
   parallel::for_each_share(1, [&](Index, Share share, int) {
     form_skew_part<true>(out, band, C, static_cast<Real>(scale), share);
   });
-  clear_between(out, band, out.band());
-  out.set_band(band);
+  change_band(out, band);
 }
 
 template <class Real>
 void mirror_all_skew(SplitMatrixOf<Real>& C) {
-  parallel::for_each_share(1, [&](Index, Share share, int) { mirror(C, C.band(), share); });
-  clear_between(C, C.band(), C.size() - 1);
+  const Index band = C.band();
+  parallel::for_each_share(1, [&](Index, Share share, int) { mirror_skew_within(C, band, share); });
 }
 
 template <class Real>
-void mirror_one_within(SplitMatrixOf<Real>& C, Index band, Index before) {
-  parallel::for_each_share(1, [&](Index, Share share, int) { mirror(C, band, share); });
-  clear_between(C, band, before);
-  C.set_band(band);
+void mirror_skew_in_band(SplitMatrixOf<Real>& C) {
+  parallel::for_each_share(1, [&](Index, Share share, int) { mirror(C, C.band(), share); });
 }
 
 template <class Real>
 void mirror_all_hermitian(SplitMatrixOf<Real>& C) {
-  parallel::for_each_share(1, [&](Index, Share share, int) { mirror_hermitian(C, share); });
-  clear_between(C, C.band(), C.size() - 1);
+  const Index band = C.band();
+  parallel::for_each_share(1, [&](Index, Share share, int) {
+    mirror_hermitian(C, band, share);
+    cut_to_band(C, band, share);
+  });
 }
 
 template void skew_part(SplitMatrix&, const SplitMatrix&, double);
 template void skew_part(SingleMatrix&, const SingleMatrix&, double);
 template void mirror_all_skew(SplitMatrix&);
 template void mirror_all_skew(SingleMatrix&);
-template void mirror_one_within(SplitMatrix&, Index, Index);
-template void mirror_one_within(SingleMatrix&, Index, Index);
+template void mirror_skew_in_band(SplitMatrix&);
+template void mirror_skew_in_band(SingleMatrix&);
 template void mirror_all_hermitian(SplitMatrix&);
 template void mirror_skew(SplitMatrix&, Share);
 template void mirror_skew(SingleMatrix&, Share);

@@ -37,15 +37,15 @@ void minus_adjoint(SplitStagesOf<Real>& out, const SplitStagesOf<Real>& C);
 /// out = scale (C - C†), exactly skew-Hermitian.  out is not C.
 template <class Real>
 void skew_part(SplitMatrixOf<Real>& out, const SplitMatrixOf<Real>& C, double scale = 1.0);
-/// mirror_skew of all of C, whose upper triangle must be 0 outside C.band().
+/// mirror_skew of C, whose upper triangle must be 0 outside C.band().  The lower one becomes so.
 template <class Real>
 void mirror_all_skew(SplitMatrixOf<Real>& C);
-/// mirror_skew_within of C, which must be 0 beyond the band `before` but for its upper triangle
-/// within `band`.
+/// mirror_skew of C within C.band(), outside which both triangles must be 0.
 template <class Real>
-void mirror_one_within(SplitMatrixOf<Real>& C, Index band, Index before);
+void mirror_skew_in_band(SplitMatrixOf<Real>& C);
 /// Fills the lower triangle of a Hermitian matrix from the upper one: C(r, c) = conj(C(c, r)).  The
-/// imaginary part of the diagonal becomes 0.  The upper triangle must be 0 outside C.band().
+/// imaginary part of the diagonal becomes 0.  The upper triangle must be 0 outside C.band(), and
+/// the lower one becomes so.
 template <class Real>
 void mirror_all_hermitian(SplitMatrixOf<Real>& C);
 
