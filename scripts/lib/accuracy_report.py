@@ -19,11 +19,13 @@ CARE_ERROR, CARE_FACTOR = 1e-6, 10  # near which, within what factor, equal care
 CARE_SIZE = 65  # ... at the largest n up to this
 
 CHARTS = (
-    ("time_against_n", "CPU time to an error of 1e-6 against n, smooth and rough scene, T = 5: for each class of"
-     " methods the cheapest, from the duels below."),
-    ("error_against_time", "Error against CPU time, smooth scene, T = 5, in the co-rotating frame. A line ends where"
-     " its error no longer falls or is below 1e-9; a cut one would go on."),
-    ("error_against_n", f"Error at h = {TABLE1_STEP}, the step of Table 1, against n, smooth scene, T = 5."),
+    ("time_against_n", "CPU seconds to an error of 1e-6 against n, smooth and rough scene to T = 5, from the duels. A"
+     " line for each class of methods, in the co-rotating frame; it breaks where no method of the class was timed."),
+    ("error_against_time", "Work–precision diagram of the smooth scene to T = 5, in the co-rotating frame: the lower a"
+     " line, the cheaper the error. Lines break at failures and stability limits, end at their floor or at 1e-9, and"
+     " carry an open triangle where they were cut. Panels have equal decades."),
+    ("error_against_n", f"Error at h = {TABLE1_STEP}, the step of Table 1, against n, smooth scene to T = 5, not in the"
+     " co-rotating frame, tolerance 1e-13. A cross: at the next n the step fails or is beyond the stability limit."),
 )
 BEYOND_LIMIT = "beyond its stability limit"
 LETTERS = {SWEEP_CAP: "c", "stagnated": "s", "diverged": "d", UNSTABLE: "u", BEYOND_LIMIT: "l"}  # of ends of a run
