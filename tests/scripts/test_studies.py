@@ -315,6 +315,21 @@ class Scaling(StudyTest):
         sweeps = {point.rung: point.sweeps for point in found.tables["points"]}
         self.assertEqual(round(sweeps["without any"]), round(sweeps["published"]))  # plain sweeps from a cold start
         self.assertLess(sweeps["fast"], 0.5 * sweeps["published"])
+        self.assertEqual((found.tables["exponential"], found.tables["large"]), ([], []))
+
+    def test_exponential_methods_have_a_stretch_of_their_own(self):
+        names = ("elp4", "magnus4", "rkmk4")
+        found = formats.read_study(self.made("scaling", "--n", "17", "--integrator", *names, "--repetitions", "2"),
+                                   scaling_table.SCHEMA)
+        self.assertEqual({point.integrator for point in found.tables["points"]}, {"rkmk4"})
+        points = {(point.integrator, point.rung): point for point in found.tables["exponential"]}
+        self.assertEqual(list(points), [(name, rung) for name in names
+                                        for rung in scaling_table.exponential_rungs(name)])
+        self.assertEqual({(point.step, point.tolerance) for point in points.values()}, {(0.5, 1e-8)})
+        for (name, rung), point in points.items():
+            if rung not in ("fast", "without bands", "without predictor"):  # which save nothing at this n
+                fast = points[name, "fast"].equivalent_products
+                self.assertGreater(point.equivalent_products, 1.05 * fast, (name, rung))
 
 
 class Refusals(StudyTest):
