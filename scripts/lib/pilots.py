@@ -119,6 +119,11 @@ def refinement(error, wanted, integrator, least, most=math.inf):
 # ---- pilots
 
 
+def tolerance_of(integrator):
+    """Returns the tolerance that an integrator runs at: the loosest that keeps what it promises to keep."""
+    return LOOSE_EXPONENTIAL if is_exponential(integrator.name) else TIGHT
+
+
 def seconds_left():
     """Returns what is left of the budget, 0 after its end, when SIGALRM comes."""
     return signal.getitimer(signal.ITIMER_REAL)[0]
@@ -130,8 +135,6 @@ class Search:
     def __init__(self, scene, question):
         self.setting, self.question = Setting(scene), question
         self.size = float(numpy.linalg.norm(scene.initial, 2))
-        # Of the iteration. That of exponential methods is relative to their unknown, and is not scaled.
-        self.tolerance = TIGHT if 0.5 < self.size < 2 else max(1e-15, TIGHT * self.size)
         listed = {each.name: study.record_of(each) for each in isosyrk.integrators()}
         self.references, candidates = ([listed.get(name + FRAME, listed[name]) for name in names]
                                        for names in (REFERENCES, CANDIDATES))
@@ -154,14 +157,10 @@ class Search:
 
     def method(self, integrator):
         """Returns the module's integrator of the scene."""
-        return isosyrk.integrator(self.setting.scene, integrator.name, solver=FAST,
-                                  tolerance=self.tolerance_of(integrator))
-
-    def tolerance_of(self, integrator):
-        return LOOSE_EXPONENTIAL if is_exponential(integrator.name) else self.tolerance
+        return isosyrk.integrator(self.setting.scene, integrator.name, solver=FAST, tolerance=tolerance_of(integrator))
 
     def outcome(self, integrator, time, steps, error, seconds, status="expected"):
-        return Outcome(integrator, self.setting.scene.n, time, steps, error, seconds, self.tolerance_of(integrator),
+        return Outcome(integrator, self.setting.scene.n, time, steps, error, seconds, tolerance_of(integrator),
                        is_exponential(integrator.name), status)
 
     def longest_step(self, integrator):
