@@ -83,7 +83,7 @@ class Recorded(FolderTest):
                  if tolerance == TIGHT and study.ends[problem, name, tolerance] != CUT
                  and problem.time == 5 and problem.n <= 129
                  and (order := study.observed_order(problem, name)) is not None]
-        self.assertGreater(len(found), 250)
+        self.assertGreater(len(found), 200)  # of the record, most of its lines
         for difference, problem, name in found:
             with self.subTest(problem=str(problem), name=name):
                 self.assertLess(abs(difference), 0.25)

@@ -340,7 +340,7 @@ class EndToEnd(ReproduceTest):
         self.assertIn("Job 2 of 6: table2", told)
         self.assertEqual(told[-1], f"All results are in {self.out}")
         found = {job: set(os.listdir(self.path("out", job))) for job in os.listdir(self.out)}
-        self.assertLessEqual({"raw.json", "report.md", "figures.json", "error_against_n.svg"}, found.pop("accuracy"))
+        self.assertLessEqual({"raw.json", "report.md", "figures.json", "error_against_time.svg"}, found.pop("accuracy"))
         self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS, "theorem": STUDY_RESULTS,
                                  "scaling": STUDY_RESULTS,
                                  "stability": {"report.md", *STABILITY}})
