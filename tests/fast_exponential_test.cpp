@@ -152,6 +152,119 @@ TEST_P(EachFastLiePoisson, OneSweepAStepAndFewerProductsThanThePublishedForm) {
   EXPECT_LT(report.work.equivalent_products, 0.3 * plain.work.equivalent_products);
 }
 
+// ---- without an idea each
+
+// What a run takes without something, and how far it is from the published form.
+struct Ablated {
+  Work work;
+  long sweeps;
+  double difference;
+};
+
+const FastOptions complete = {.iteration = {.tolerance = 1e-8}};
+
+Ablated ablated(const std::string& name, const FastOptions& options, double h = 0.25) {
+  constexpr long steps = 10;
+  const Scene scene = smooth_scene(17);
+  const Matrix expected =
+      integrated(*made(integrator_entry(name), *scene.flow), scene.initial, h, steps);
+  Matrix W = scene.initial;
+  const RunReport report =
+      run(*made(fast_entry(name, options), *scene.flow, options.iteration), W, h, steps);
+  EXPECT_TRUE(report.converged());
+  EXPECT_LE(spectrum_error(W, scene.initial), 1e-14);
+  return {report.work, report.sweeps, (W - expected).norm() / expected.norm()};
+}
+
+struct Idea {
+  const char* name;
+  void (*leave_out)(FastOptions& options);
+};
+const Idea explicit_start = {"explicit_start", [](FastOptions& o) { o.explicit_start = false; }};
+const Idea error_estimates = {"error_estimates", [](FastOptions& o) { o.error_estimates = false; }};
+const Idea single_precision = {"single_precision",
+                               [](FastOptions& o) { o.single_precision = false; }};
+const Idea graded_series = {"graded_series", [](FastOptions& o) { o.graded_series = false; }};
+
+TEST(WithoutAnIdea, TheAnswerIsThePublishedOneToTheTolerance) {
+  FastOptions nothing = complete;
+  nothing.newton = false;
+  nothing.past_steps = 0;
+  for (const Idea& idea : {explicit_start, error_estimates, single_precision, graded_series}) {
+    FastOptions options = complete;
+    idea.leave_out(options);
+    idea.leave_out(nothing);
+    for (const char* name : {"elp2", "elp4", "elp6", "magnus5"}) {
+      EXPECT_LE(ablated(name, options).difference, 1e-6) << name << ' ' << idea.name;
+    }
+  }
+  for (const char* name : {"elp2", "elp4", "elp6", "magnus5"}) {
+    EXPECT_LE(ablated(name, nothing).difference, 1e-6) << name;
+  }
+}
+
+// The Munthe-Kaas form leaves out a part of the error of its steps, unless series are complete.
+TEST(WithoutAnIdea, TheMuntheKaasFormIsAsNearToThePublishedOne) {
+  const double difference = ablated("rkmk4", complete).difference;
+  FastOptions options = complete;
+  options.single_precision = false;
+  EXPECT_LE(ablated("rkmk4", options).difference, 2.0 * difference);
+  options.graded_series = false;
+  options.iteration.tolerance = 1e-13;
+  EXPECT_LE(ablated("rkmk4", options).difference, 1e-13);
+  EXPECT_GT(difference, 1e-12) << "the control";
+}
+
+TEST(WithoutAnIdea, ItTakesMoreWork) {
+  FastOptions cold = complete;
+  cold.past_steps = 0;
+  cold.explicit_start = false;
+  for (const char* name : {"elp2", "elp4", "elp6"}) {
+    const Ablated all = ablated(name, complete);
+    const auto without = [&](const Idea& idea) {
+      FastOptions options = complete;
+      idea.leave_out(options);
+      return ablated(name, options);
+    };
+    // A cold start leaves more to do, and an unused estimate one more sweep.
+    EXPECT_GT(ablated(name, cold).sweeps, all.sweeps) << name;
+    EXPECT_GE(without(error_estimates).sweeps, all.sweeps + (name == std::string("elp2") ? 1 : 8))
+        << name;
+    // Products in single precision count half; a gradient in one precision takes two less.
+    const Work in_double = without(single_precision).work;
+    EXPECT_GT(in_double.equivalent_products, 1.1 * all.work.equivalent_products) << name;
+    EXPECT_LE(std::abs(static_cast<double>(in_double.products - all.work.products)),
+              0.08 * static_cast<double>(all.work.products))
+        << name;
+    EXPECT_GT(without(graded_series).work.equivalent_products, 1.1 * all.work.equivalent_products)
+        << name;
+  }
+  const Work all = ablated("rkmk4", complete).work;
+  for (const Idea& idea : {single_precision, graded_series}) {
+    FastOptions options = complete;
+    idea.leave_out(options);
+    EXPECT_GT(ablated("rkmk4", options).work.equivalent_products, 1.1 * all.equivalent_products)
+        << idea.name;
+  }
+  FastOptions loose = {.iteration = {.tolerance = 1e-6}};
+  const double in_single = ablated("magnus5", loose).work.equivalent_products;
+  loose.single_precision = false;
+  EXPECT_GT(ablated("magnus5", loose).work.equivalent_products, 1.3 * in_single);
+}
+
+TEST(WithoutAnIdea, FormsThatDoNotUseItAreTheSameBitForBit) {
+  const Scene scene = smooth_scene(17);
+  FastOptions options;
+  for (const Idea& idea : {explicit_start, error_estimates, single_precision, graded_series}) {
+    idea.leave_out(options);
+  }
+  for (const char* name : {"group2", "algebra1", "rk4"}) {
+    EXPECT_TRUE(integrated(*made(fast_entry(name, options), *scene.flow), scene.initial, 0.1, 5) ==
+                integrated(*made(fast_entry(name), *scene.flow), scene.initial, 0.1, 5))
+        << name;
+  }
+}
+
 // ---- the choice of start values
 
 TEST(StartChoice, TakesWhatHasTheSmallerErrorAndTriesTheOtherNowAndThen) {
@@ -204,7 +317,7 @@ TEST_P(ExponentialJacobian, SolvesForTheCorrection) {
     Matrix B(n, n);
     scene.flow->generator(scene.initial, B);
     for (const double sign : {1.0, -1.0}) {
-      ExponentialSystem system(*scene.flow, GetParam(), 1, false);
+      ExponentialSystem system(*scene.flow, GetParam());
       const SplitMatrix W0(scene.initial);
       system.bind(W0, sign * 0.5 / spectral_norm(B), 1e-13);
       Unknowns x = system.unknowns();

@@ -100,9 +100,7 @@ MakeFast fast_direct(int s) {
 MakeFast fast_exponential(int order) {
   return [order](const auto& flow, const FastOptions& options) {
     const FastOptions chosen = chosen_for(flow, 1, options);
-    const auto system = [&] {
-      return std::make_unique<ExponentialSystem>(*flow, order, chosen.threads, *chosen.bands);
-    };
+    const auto system = [&] { return std::make_unique<ExponentialSystem>(*flow, order, chosen); };
     return std::make_unique<FastIntegrator>(flow, system, chosen);
   };
 }

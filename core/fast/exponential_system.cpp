@@ -32,48 +32,57 @@ constexpr double contraction_of_K = 0.1;
 // smooth and rough): a bound for states of which little is known yet.
 constexpr double coarsest_part = 1e-2;
 
+// Order of the explicit method that gives the start values.
+int magnus_order(int order) { return order == 6 ? 5 : 4; }
+
 }  // namespace
 
-ExponentialSystem::ExponentialSystem(const Flow& flow, int order, int threads, bool truncates)
+template <class Real>
+ExponentialSystem::Linearization<Real>::Linearization(Index n)
+    : mu(n), v(n), Omega(n), c(n), next_c(n), D(n), BD(n), terms_of_D(n) {
+  moved.fill(M(n));
+  inner.fill(M(n));
+}
+
+ExponentialSystem::Double::Double(SplitLie<double>& lie, int order, Index n)
+    : linearization(n), magnus(lie, magnus_order(order)), delta(n), coupled(n) {}
+
+ExponentialSystem::ExponentialSystem(const Flow& flow, int order, const FastOptions& options)
     : n_(flow.size()),
       order_(order),
-      products_(n_, threads),
-      single_products_(n_, threads),
+      starts_explicitly_(options.explicit_start),
+      is_graded_(options.graded_series),
+      products_(n_, options.threads),
+      single_products_(n_, options.threads),
       generator_(flow),
-      bands_(truncates, 1, n_),
+      bands_(options.bands.value_or(false), 1, n_),
       lie_(products_, generator_, bands_),
       single_lie_(single_products_, generator_, bands_),
-      series_(products_, single_products_, n_),
+      series_(products_, single_products_, n_, options),
       gradient_(lie_, order == 6),
       single_gradient_(single_lie_, order == 6),
-      magnus_(single_lie_, order == 6 ? 5 : 4),
+      magnus_(single_lie_, magnus_order(order)),
       exponential_(n_, bands_),
       correction_({split_stages(1, n_)}),
       W0_single_(n_),
       mu_(n_),
       v_(n_),
       terms_(n_),
-      mu_single_(n_),
-      v_single_(n_),
       terms_single_(n_),
-      Omega_single_(n_),
-      c_(n_),
-      next_c_(n_),
-      D_(n_),
-      BD_(n_),
-      terms_of_D_(n_),
+      single_(n_),
       Omega_cut_(n_) {
-  moved_.fill(SingleMatrix(n_));
-  inner_.fill(SingleMatrix(n_));
+  if (options.error_estimates) acceptance_.by = Acceptance::By::error_estimate;
+  if (!options.single_precision) double_.emplace(lie_, order, n_);
 }
 
 std::vector<Attempt> ExponentialSystem::attempts(bool newton) const {
   const Iteration first = newton ? Iteration::newton : Iteration::picard;
-  return {{Start::predicted, first},
-          {Start::stepped, first},
-          {Start::cold, first},
-          {Start::cold, Iteration::picard},
-          {Start::cold, Iteration::anderson}};
+  std::vector<Attempt> all = {{Start::predicted, first}};
+  if (starts_explicitly_) all.push_back({Start::stepped, first});
+  for (const Iteration iteration : {first, Iteration::picard, Iteration::anderson}) {
+    all.push_back({Start::cold, iteration});
+  }
+  return all;
 }
 
 void ExponentialSystem::bind(const SplitMatrix& W0, double h, double tolerance) {
@@ -87,10 +96,13 @@ void ExponentialSystem::bind(const SplitMatrix& W0, double h, double tolerance) 
 
 void ExponentialSystem::start(Unknowns& x, Start how) {
   SplitMatrix& Omega = x[0][0];
-  if (how == Start::stepped) {
+  if (how == Start::stepped && double_) {
+    lie_.neglect(tuning.single_roundoff);
+    double_->magnus.form_exponent(Omega, *W0_, h_);
+  } else if (how == Start::stepped) {
     single_lie_.neglect(tuning.single_roundoff);
-    magnus_.form_exponent(Omega_single_, W0_single_, h_);
-    widen(Omega, Omega_single_);
+    magnus_.form_exponent(single_.Omega, W0_single_, h_);
+    widen(Omega, single_.Omega);
   } else {
     lie_.neglect(0.0);
     lie_.generate(Omega, *W0_);
@@ -103,10 +115,14 @@ double ExponentialSystem::unit(const Unknowns& x) const {
   return size > 0.0 ? size : 1.0;
 }
 
-// Sets mu_ to φ₁(ad_Ω) W₀ with this error, and moved_ to e^{s ad_Ω} W₀ at all nodes.
+// Sets mu_ to φ₁(ad_Ω) W₀ with this error, and e^{s ad_Ω} W₀ at all nodes.
 bool ExponentialSystem::form_average(const SplitMatrix& Omega, double error) {
   mu_ = 1.0 * *W0_;
-  for (SingleMatrix& moved : moved_) moved = 1.0 * W0_single_;
+  if (double_) {
+    for (SplitMatrix& moved : double_->linearization.moved) moved = 1.0 * *W0_;
+  } else {
+    for (SingleMatrix& moved : single_.moved) moved = 1.0 * W0_single_;
+  }
   series_.truncate(bands_, 0.1 * error);
   series_.begin(Omega, *W0_, error);
   bool goes_on = true;
@@ -116,7 +132,12 @@ bool ExponentialSystem::form_average(const SplitMatrix& Omega, double error) {
     const int k = series_.k();
     series_.add_to(mu_, 1.0 / static_cast<double>(k + 1));
     for (std::size_t i = 0; i < nodes.size(); ++i) {
-      series_.add_to(moved_[i], std::pow(nodes[i].s, k));
+      const double weight = std::pow(nodes[i].s, k);
+      if (double_) {
+        series_.add_to(double_->linearization.moved[i], weight);
+      } else {
+        series_.add_to(single_.moved[i], weight);
+      }
     }
   }
   return true;
@@ -139,31 +160,43 @@ void ExponentialSystem::form_gradient(double accuracy) {
   lie_.cut(mu_);
   lie_.generate(v_, mu_);
   if (order_ == 2) return;
-  round_to_single(mu_single_, mu_);
-  round_to_single(v_single_, v_);
+  if (double_) {
+    double_->linearization.mu = 1.0 * mu_;
+    double_->linearization.v = 1.0 * v_;
+  } else {
+    round_to_single(single_.mu, mu_);
+    round_to_single(single_.v, v_);
+  }
   // The terms are small, and may err by a larger part of themselves.
   const bool has_fourth = order_ == 6;
   const double share = std::max(share_of_terms_[0], has_fourth ? share_of_terms_[1] : 0.0);
   const double of_terms = std::min(0.1 * accuracy / share, coarsest_part);
   lie_.neglect(of_terms);
   single_lie_.neglect(of_terms);
-  single_lie_.cut(mu_single_);
-  single_lie_.cut(v_single_);
+  if (!double_) {
+    single_lie_.cut(single_.mu);
+    single_lie_.cut(single_.v);
+  }
   if (has_fourth && share_of_terms_ == unknown_shares) {  // to see its size alone
-    form_terms(terms_single_, single_gradient_, mu_single_, v_single_,
-               {.second = false, .fourth = true});
+    if (double_) {
+      form_terms(terms_, gradient_, mu_, v_, {.second = false, .fourth = true});
+    } else {
+      form_terms(terms_single_, single_gradient_, single_.mu, single_.v,
+                 {.second = false, .fourth = true});
+    }
   }
   const auto may_be_single = [&](std::size_t term) {
-    return tuning.single_roundoff * share_of_terms_[term] <= accuracy;
+    return !double_ && tuning.single_roundoff * share_of_terms_[term] <= accuracy;
   };
   using Single = SplitModifiedGradient<float>::Terms;
-  using Double = SplitModifiedGradient<double>::Terms;
+  using InDouble = SplitModifiedGradient<double>::Terms;
   const Single in_single = {.second = may_be_single(0), .fourth = has_fourth && may_be_single(1)};
-  const Double in_double = {.second = !in_single.second, .fourth = has_fourth && !in_single.fourth};
+  const InDouble in_double = {.second = !in_single.second,
+                              .fourth = has_fourth && !in_single.fourth};
   const bool any_in_double = in_double.second || in_double.fourth;
   if (any_in_double) form_terms(terms_, gradient_, mu_, v_, in_double);
   if (in_single.second || in_single.fourth) {
-    form_terms(terms_single_, single_gradient_, mu_single_, v_single_, in_single);
+    form_terms(terms_single_, single_gradient_, single_.mu, single_.v, in_single);
     add(v_, terms_single_);
   }
   if (any_in_double) v_ = v_ + terms_;
@@ -186,23 +219,33 @@ ResidualSize ExponentialSystem::residual(Corrections& R, Unknowns& x, double acc
 Correction ExponentialSystem::correct(Corrections& delta, const Unknowns& x, const Corrections& R,
                                       const CorrectionRequest& request,
                                       const IterationOptions& options) {
-  round_to_single(Omega_single_, x[0][0]);
-  is_linearized_ = false;
   // K is needed to few digits, and its derivative of the term in h² to fewer.
   const double part =
       std::min(tuning.neumann_term * request.forcing_term / request.size, coarsest_part);
-  single_lie_.cut_to_part(Omega_single_, part);
-  for (SingleMatrix& moved : moved_) single_lie_.cut_to_part(moved, part);
-  if (order_ > 2) {
-    const double of_terms = std::min(part / part_in_K(share_of_terms_[0]), coarsest_part);
-    single_lie_.cut_to_part(mu_single_, of_terms);
-    single_lie_.cut_to_part(v_single_, of_terms);
+  if (double_) {
+    double_->linearization.Omega = 1.0 * x[0][0];
+    cut(double_->linearization, lie_, part);
+  } else {
+    round_to_single(single_.Omega, x[0][0]);
+    cut(single_, single_lie_, part);
   }
   Correction correction = correction_.solve(delta, *this, R, request, options);
   if (order_ == 6) {  // the derivative that K leaves out
     correction.error += part_in_K(share_of_terms_[1]) * request.size;
   }
   return correction;
+}
+
+// Cuts what K is formed from, which is new.
+template <class Real>
+void ExponentialSystem::cut(Linearization<Real>& at, SplitLie<Real>& lie, double part) {
+  at.is_current = false;
+  lie.cut_to_part(at.Omega, part);
+  for (SplitMatrixOf<Real>& moved : at.moved) lie.cut_to_part(moved, part);
+  if (order_ == 2) return;
+  const double of_terms = std::min(part / part_in_K(share_of_terms_[0]), coarsest_part);
+  lie.cut_to_part(at.mu, of_terms);
+  lie.cut_to_part(at.v, of_terms);
 }
 
 // Estimates the part of δ that the derivative of terms of this share adds to K δ.  Newton replaces
@@ -213,39 +256,52 @@ double ExponentialSystem::part_in_K(double share) {
 
 void ExponentialSystem::couple(Corrections& coupled, const Corrections& delta, double accuracy) {
   const SingleMatrix& t = delta[0][0];
-  const double size = norm(t);
-  single_lie_.neglect(std::max(accuracy / size, double{tuning.single_roundoff}));
+  if (double_) {
+    widen(double_->delta, t);
+    couple(double_->coupled, double_->delta, accuracy, double_->linearization, lie_, gradient_);
+    round_to_single(coupled[0][0], double_->coupled);
+  } else {
+    couple(coupled[0][0], t, accuracy, single_, single_lie_, single_gradient_);
+  }
+}
+
+template <class Real>
+void ExponentialSystem::couple(SplitMatrixOf<Real>& coupled, const SplitMatrixOf<Real>& delta,
+                               double accuracy, Linearization<Real>& at, SplitLie<Real>& lie,
+                               SplitModifiedGradient<Real>& gradient) {
+  const double size = norm(delta);
+  lie.neglect(std::max(accuracy / size, double{tuning.single_roundoff}));
   const bool one_node = error_of_one_node * contraction_of_K * size <= accuracy;
   const std::size_t first = one_node ? 0 : 1;
   const std::size_t count = one_node ? 1 : 2;
-  c_ = 1.0 * t;
-  single_lie_.cut(c_);
-  for (std::size_t i = 0; i < count; ++i) inner_[i] = 1.0 * c_;
+  at.c = 1.0 * delta;
+  lie.cut(at.c);
+  for (std::size_t i = 0; i < count; ++i) at.inner[i] = 1.0 * at.c;
   constexpr int most_terms = 60;
+  const double end = is_graded_ ? accuracy : std::min(accuracy, tuning.single_roundoff * size);
   for (int j = 1; j < most_terms; ++j) {
-    single_lie_.bracket(next_c_, Omega_single_, c_, 1.0 / static_cast<double>(j + 1));
-    std::swap(c_, next_c_);
+    lie.bracket(at.next_c, at.Omega, at.c, 1.0 / static_cast<double>(j + 1));
+    std::swap(at.c, at.next_c);
     for (std::size_t i = 0; i < count; ++i) {
-      inner_[i] = inner_[i] + std::pow(nodes[first + i].s, j) * c_;
+      at.inner[i] = at.inner[i] + std::pow(nodes[first + i].s, j) * at.c;
     }
-    if (!(contraction_of_K * norm(c_) > accuracy)) break;
+    if (!(contraction_of_K * norm(at.c) > end)) break;
   }
-  single_lie_.bracket(D_, inner_[0], moved_[first], nodes[first].weight);
+  lie.bracket(at.D, at.inner[0], at.moved[first], nodes[first].weight);
   if (count == 2) {
-    single_lie_.add_bracket(D_, inner_[1], moved_[first + 1], nodes[first + 1].weight);
+    lie.add_bracket(at.D, at.inner[1], at.moved[first + 1], nodes[first + 1].weight);
   }
-  single_lie_.generate(BD_, D_);
-  SingleMatrix& out = coupled[0][0];
+  lie.generate(at.BD, at.D);
   if (order_ == 2 || part_in_K(share_of_terms_[0]) * size < accuracy) {
-    out = h_ * BD_;
+    coupled = h_ * at.BD;
     return;
   }
   const double of_terms = accuracy / (part_in_K(share_of_terms_[0]) * size);
-  single_lie_.neglect(std::min(of_terms, coarsest_part));
-  if (!is_linearized_) single_gradient_.linearize(mu_single_, v_single_);
-  is_linearized_ = true;
-  single_gradient_.derivative_of_second(terms_of_D_, mu_single_, v_single_, D_, BD_, h_);
-  out = h_ * BD_ + h_ * terms_of_D_;
+  lie.neglect(std::min(of_terms, coarsest_part));
+  if (!at.is_current) gradient.linearize(at.mu, at.v);
+  at.is_current = true;
+  gradient.derivative_of_second(at.terms_of_D, at.mu, at.v, at.D, at.BD, h_);
+  coupled = h_ * at.BD + h_ * at.terms_of_D;
 }
 
 void ExponentialSystem::update(SplitMatrix& W1, const Unknowns& x) {

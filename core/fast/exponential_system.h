@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 
+#include "isosyrk/fast/fast_options.h"
 #include "isosyrk/fast/graded_series.h"
 #include "isosyrk/fast/split_exponential.h"
 #include "isosyrk/fast/split_magnus.h"
@@ -31,13 +32,13 @@ namespace isosyrk {
 ///
 /// Products of a residual: 1 for each T_k, in double precision only where it has to be, and those
 /// of B̃ - B.  Of the coupling, in single precision: 1 for each c_j, 1 for each node, and 6 for the
-/// derivative.  Of the update: those of SplitExponential.  Poisson solves: those of B̃, 1 for K, 2
-/// for the derivative.
+/// derivative.  Without options.single_precision all of these are in double.  Of the update: those
+/// of SplitExponential.  Poisson solves: those of B̃, 1 for K, 2 for the derivative.
 class ExponentialSystem final : public StageSystem, private Coupling {
  public:
-  /// Throws std::invalid_argument for a flow without a generator in split-complex storage, and for
-  /// threads out of range.
-  ExponentialSystem(const Flow& flow, int order, int threads, bool truncates);
+  /// Bands are truncated if options.bands is true.  Throws std::invalid_argument for a flow without
+  /// a generator in split-complex storage, and for threads out of range.
+  ExponentialSystem(const Flow& flow, int order, const FastOptions& options = {});
 
   Unknowns unknowns() const override { return {split_stages(1, n_)}; }
   /// Newton from past steps, from an explicit step and from a cold start; then Picard and Anderson.
@@ -50,7 +51,7 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   Correction correct(Corrections& delta, const Unknowns& x, const Corrections& R,
                      const CorrectionRequest& request, const IterationOptions& options) override;
   double unit(const Unknowns& x) const override;
-  Acceptance acceptance() const override { return {.by = Acceptance::By::error_estimate}; }
+  Acceptance acceptance() const override { return acceptance_; }
   /// W1 is not finite where ‖Ω‖ is beyond SplitExponential.
   void update(SplitMatrix& W1, const Unknowns& x) override;
 
@@ -62,6 +63,35 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   static constexpr std::size_t most_nodes = 2;
   static constexpr std::array<double, 2> unknown_shares = {1.0, 1.0};
 
+  // What the Jacobian is formed from and in, in one precision.
+  template <class Real>
+  struct Linearization {
+    using M = SplitMatrixOf<Real>;
+
+    explicit Linearization(Index n);
+
+    // Of the last residual.
+    M mu, v;                  // μ and B(μ)
+    std::array<M, 3> moved;   // e^{s ad_Ω} W₀ at s = 2/3 and at the two nodes
+    bool is_current = false;  // derivatives of the gradient are those at μ
+
+    // Of the coupling.
+    M Omega;
+    M c, next_c;                      // c_j and c_{j+1}
+    std::array<M, most_nodes> inner;  // Σ_j s^j c_j at the nodes
+    M D;
+    M BD;          // B(D)
+    M terms_of_D;  // h² (∇F₂)'(μ) D
+  };
+  // What takes the place of single precision where that is left out.
+  struct Double {
+    Double(SplitLie<double>& lie, int order, Index n);
+
+    Linearization<double> linearization;
+    SplitMagnus<double> magnus;
+    SplitMatrix delta, coupled;
+  };
+
   void couple(Corrections& coupled, const Corrections& delta, double accuracy) override;
   static double part_in_K(double share);
   bool form_average(const SplitMatrix& Omega, double error);
@@ -70,9 +100,17 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   void form_terms(SplitMatrixOf<Real>& terms, SplitModifiedGradient<Real>& gradient,
                   const SplitMatrixOf<Real>& mu, const SplitMatrixOf<Real>& v,
                   typename SplitModifiedGradient<Real>::Terms which);
+  template <class Real>
+  void cut(Linearization<Real>& at, SplitLie<Real>& lie, double part);
+  template <class Real>
+  void couple(SplitMatrixOf<Real>& coupled, const SplitMatrixOf<Real>& delta, double accuracy,
+              Linearization<Real>& at, SplitLie<Real>& lie, SplitModifiedGradient<Real>& gradient);
 
   Index n_;
   int order_;
+  Acceptance acceptance_;
+  bool starts_explicitly_;
+  bool is_graded_;
   SplitProducts products_;
   SingleProducts single_products_;
   StageGenerator generator_;
@@ -97,19 +135,12 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   SplitMatrix mu_;     // μ
   SplitMatrix v_;      // B(μ), and then B̃(μ)
   SplitMatrix terms_;  // B̃ - B in double precision
-  SingleMatrix mu_single_, v_single_, terms_single_;
-  std::array<SingleMatrix, 3> moved_;  // e^{s ad_Ω} W₀ at s = 2/3 and at the two nodes
+  SingleMatrix terms_single_;
   // ‖h² ∇F₂‖ / ‖v‖ and ‖h⁴ ∇F₄‖ / ‖v‖, last seen.
   std::array<double, 2> share_of_terms_ = unknown_shares;
 
-  // Of the coupling.
-  SingleMatrix Omega_single_;
-  SingleMatrix c_, next_c_;                     // c_j and c_{j+1}
-  std::array<SingleMatrix, most_nodes> inner_;  // Σ_j s^j c_j at the nodes
-  SingleMatrix D_;
-  SingleMatrix BD_;             // B(D)
-  SingleMatrix terms_of_D_;     // h² (∇F₂)'(μ) D
-  bool is_linearized_ = false;  // single_gradient_, at the μ of the last residual
+  Linearization<float> single_;
+  std::optional<Double> double_;  // without single precision
 
   // Of the update.
   SplitMatrix Omega_cut_;  // Ω, cut to its band

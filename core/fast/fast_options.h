@@ -14,14 +14,28 @@ struct FastOptions {
   /// Tuning::smallest_parallel.  The answer is bit for bit the same for every number.
   int threads = 1;
 
-  // Switches for ablation studies.
-  /// Past steps of the predictor, 0 to Predictor::most; with 0 every step starts cold.  By default
-  /// Tuning::past_steps.
+  // Switches for ablation studies.  Forms that do not use an idea ignore its switch; none moves the
+  // answer by more than the tolerance.
+  /// Past steps of the predictor, 0 to Predictor::most; with 0 every step starts cold, or
+  /// from an explicit step.  By default Tuning::past_steps.
   std::optional<int> past_steps = {};
   /// Inexact Newton; if false, Picard sweeps.
   bool newton = true;
   /// Band truncation.  By default on from n = Tuning::smallest_banded.
   std::optional<bool> bands = {};
+  // Of exponential Lie-Poisson forms alone:
+  /// Start values from a step of an explicit method.  If there are no past steps either, each step
+  /// starts cold.
+  bool explicit_start = true;
+  /// Acceptance by the estimated error of a correction; if false, by the change of one more sweep.
+  bool error_estimates = true;
+  // And of these, the Munthe-Kaas and the explicit Magnus forms:
+  /// Single precision where its rounding does not show: of late terms of series, start values and
+  /// the Jacobian.  A residual is rounded to it in any case.
+  bool single_precision = true;
+  /// Series of commutators that end where the wanted accuracy is reached; if false, each is summed
+  /// to rounding.  Not used by explicit Magnus forms.
+  bool graded_series = true;
 };
 
 }  // namespace isosyrk

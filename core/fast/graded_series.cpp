@@ -9,9 +9,12 @@
 
 namespace isosyrk {
 
-GradedSeries::GradedSeries(SplitProducts& products, SingleProducts& single_products, Index n)
+GradedSeries::GradedSeries(SplitProducts& products, SingleProducts& single_products, Index n,
+                           const FastOptions& options)
     : products_(products),
       single_products_(single_products),
+      may_be_single_(options.single_precision),
+      is_graded_(options.graded_series),
       Omega_(n),
       term_(n),
       next_(n),
@@ -26,10 +29,16 @@ GradedSeries::GradedSeries(SplitProducts& products, SingleProducts& single_produ
 void GradedSeries::begin(const SplitMatrix& Omega, const SplitMatrix& W, double error) {
   Omega_ = 1.0 * Omega;
   error_ = error;
+  tail_now_ = tail_;
   k_ = 0;
   in_single_ = failed_ = false;
   if (bands_ != nullptr) bands_->measure_symmetric(squares_of_Omega_, Omega);
   term_ = 1.0 * W;
+  if (!is_graded_) {
+    error = std::min(error, tuning.conjugation_error * norm(term_));
+    tail_now_ = std::min(tail_now_, error);
+  }
+  end_ = tuning.series_end * error;
   size_ = cut(term_);
 }
 
@@ -38,19 +47,19 @@ void GradedSeries::begin(const SplitMatrix& Omega, const SplitMatrix& W, double 
 template <class Real>
 void GradedSeries::cut_Omega(SplitMatrixOf<Real>& Omega) {
   if (bands_ == nullptr) return;
-  const double tail = tail_ * static_cast<double>(k_) / (2.0 * size_);
+  const double tail = tail_now_ * static_cast<double>(k_) / (2.0 * size_);
   change_band(Omega, std::min(Omega.band(), bands_->band_of(squares_of_Omega_, tail)));
 }
 
 // Cuts T_k to its band.  Returns its norm.
 template <class Real>
 double GradedSeries::cut(SplitMatrixOf<Real>& term) {
-  return bands_ != nullptr ? bands_->measure_and_truncate_symmetric(term, tail_) : norm(term);
+  return bands_ != nullptr ? bands_->measure_and_truncate_symmetric(term, tail_now_) : norm(term);
 }
 
 bool GradedSeries::advance() {
   constexpr int most_terms = 200;
-  if (!in_single_ && size_ * tuning.single_roundoff <= error_) {
+  if (may_be_single_ && !in_single_ && size_ * tuning.single_roundoff <= error_) {
     in_single_ = true;
     round_to_single(Omega_single_, Omega_);
     round_to_single(term_single_, term_);
@@ -70,7 +79,7 @@ bool GradedSeries::advance() {
     size_ = cut(term_);
   }
   failed_ = !std::isfinite(size_) || k_ >= most_terms;
-  return !failed_ && size_ > tuning.series_end * error_;
+  return !failed_ && size_ > end_;
 }
 
 void GradedSeries::add_to(SplitMatrix& sum, double weight) const {

@@ -1,6 +1,7 @@
 // Series of nested commutators in split-complex storage, each term in the precision that it needs.
 #pragma once
 
+#include "isosyrk/fast/fast_options.h"
 #include "isosyrk/split/bands.h"
 #include "isosyrk/split/linear_combination.h"
 #include "isosyrk/split/split_products.h"
@@ -18,8 +19,11 @@ namespace isosyrk {
 /// Usage: begin(); then, until advance() says that T_k is negligible, add_to() each sum.
 class GradedSeries {
  public:
-  /// For n x n matrices.  Products must outlive it.  Only the constructor allocates.
-  GradedSeries(SplitProducts& products, SingleProducts& single_products, Index n);
+  /// For n x n matrices.  Products must outlive it.  Only the constructor allocates.  Without
+  /// options.single_precision all terms are in double precision; without options.graded_series the
+  /// sums are taken to rounding, whatever error is wanted.
+  GradedSeries(SplitProducts& products, SingleProducts& single_products, Index n,
+               const FastOptions& options = {});
 
   /// Begins with T₀ = W.  The terms left out and the rounding of single precision have about the
   /// Frobenius norm `error` each.
@@ -52,9 +56,13 @@ class GradedSeries {
 
   SplitProducts& products_;
   SingleProducts& single_products_;
+  bool may_be_single_;
+  bool is_graded_;
   BandTruncation* bands_ = nullptr;
   double tail_ = 0.0;
   double error_ = 0.0;
+  double tail_now_ = 0.0;  // norm that may be cut from each T_k of this series
+  double end_ = 0.0;       // norm of the first term that is negligible
   int k_ = 0;
   double size_ = 0.0;  // ‖T_k‖_F
   bool in_single_ = false;

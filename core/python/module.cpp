@@ -5,6 +5,8 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <set>
+
 #include "blas_threads.h"
 #include "isosyrk/catalogue/fast_forms.h"
 #include "isosyrk/catalogue/integrator_list.h"
@@ -40,22 +42,48 @@ Scene scene_of_generator(const std::string& name, const Array& initial, py::hand
   return {name, std::move(flow), std::move(W0), 5.0};
 }
 
+struct Switch {
+  const char* name;
+  void (*turn_off)(FastOptions& options);
+};
+constexpr Switch switches[] = {
+    {"predictor", [](FastOptions& options) { options.past_steps = 0; }},
+    {"newton", [](FastOptions& options) { options.newton = false; }},
+    {"bands", [](FastOptions& options) { options.bands = false; }},
+    {"explicit_start", [](FastOptions& options) { options.explicit_start = false; }},
+    {"single_precision", [](FastOptions& options) { options.single_precision = false; }},
+    {"graded_series", [](FastOptions& options) { options.graded_series = false; }},
+    {"error_estimates", [](FastOptions& options) { options.error_estimates = false; }}};
+
+std::vector<std::string> switch_names() {
+  std::vector<std::string> names;
+  for (const Switch& each : switches) names.emplace_back(each.name);
+  return names;
+}
+
+FastOptions switches_without(const std::set<std::string>& without) {
+  FastOptions options;
+  for (const Switch& each : switches) {
+    if (without.count(each.name) > 0) each.turn_off(options);
+  }
+  return options;
+}
+
 std::unique_ptr<Stepper> make_stepper(const Scene& scene, const std::string& name,
                                       const std::string& solver, double tolerance, int max_sweeps,
-                                      int threads, bool predictor, bool newton, bool bands,
+                                      int threads, const std::set<std::string>& without,
                                       const std::string& products) {
-  FastOptions switches{.threads = threads, .newton = newton};
-  if (!predictor) switches.past_steps = 0;
-  if (!bands) switches.bands = false;
+  FastOptions options = switches_without(without);
+  options.threads = threads;
   const Index n = scene.initial.rows();
   const IntegratorEntry entry =
-      integrator_entry(name, solver_from_name(solver), with_defaults(switches, n));
+      integrator_entry(name, solver_from_name(solver), with_defaults(options, n));
   require_memory(fmt::format("n = {} with {}", n, name), entry, n);
   const OneBlasThread one_blas_thread;
   const ProductBackend backend =
       products == "eigen" ? ProductBackend::eigen : ProductBackend::openblas;
-  const IterationOptions options = {tolerance, max_sweeps, &handle_signals};
-  return std::make_unique<Stepper>(entry.make(scene.flow, options, backend));
+  const IterationOptions iteration = {tolerance, max_sweeps, &handle_signals};
+  return std::make_unique<Stepper>(entry.make(scene.flow, iteration, backend));
 }
 
 template <auto property>
@@ -165,6 +193,8 @@ void bind_integrators(py::module_& module) {
   module.def("integrator_entry",
              [](const std::string& name) -> IntegratorEntry { return integrator_entry(name); });
 
+  module.def("switch_names", &switch_names);
+
   py::class_<Stepper::Outcome>(module, "Outcome")
       .def(py::init<>())
       .def_property_readonly("status", [](const Stepper::Outcome& o) { return name(o.run.status); })
@@ -183,7 +213,7 @@ void bind_integrators(py::module_& module) {
   py::class_<Stepper>(module, "Stepper")
       .def(py::init(&make_stepper), py::arg("scene"), py::arg("name"), py::kw_only(),
            py::arg("solver"), py::arg("tolerance"), py::arg("max_sweeps"), py::arg("threads"),
-           py::arg("predictor"), py::arg("newton"), py::arg("bands"), py::arg("products"))
+           py::arg("without"), py::arg("products"))
       .def("run", &Stepper::run)
       .def("timed_run", &Stepper::timed_run);
 }

@@ -10,10 +10,9 @@
 namespace isosyrk {
 namespace {
 
-// The error that a correction of a residual of this size may have.
-double forcing_term(double size, double tolerance) {
-  return std::max({tuning.forcing_of_tolerance * tolerance, tuning.forcing_relative * size,
-                   tuning.forcing_quadratic * size * size});
+// The error that a correction of a residual of this size may have, given its least value.
+double forcing_term(double size, double least) {
+  return std::max({least, tuning.forcing_relative * size, tuning.forcing_quadratic * size * size});
 }
 
 }  // namespace
@@ -44,6 +43,9 @@ SolveReport Newton::solve(FixedPointSystem& system, const IterationOptions& opti
   const Acceptance rule = system.acceptance();
   const double tolerance = options.tolerance;
   const double accepting = tuning.accepting_accuracy * tolerance;
+  const double least_forcing =
+      tolerance * (rule.by == Acceptance::By::error_estimate ? tuning.forcing_of_estimate
+                                                             : tuning.forcing_of_tolerance);
   double uncorrected = 0.0;         // change of the last sweep if that was a Picard sweep, else 0
   double expected = start_change_;  // change expected of the next sweep
   double corrected = 0.0;           // change of the last sweep if that was corrected, else 0
@@ -54,7 +56,7 @@ SolveReport Newton::solve(FixedPointSystem& system, const IterationOptions& opti
     // G need not be more accurate than the error that the correction will leave.
     double accuracy =
         expected > 0.0
-            ? std::max(accepting, tuning.accepting_accuracy * forcing_term(expected, tolerance))
+            ? std::max(accepting, tuning.accepting_accuracy * forcing_term(expected, least_forcing))
             : accepting;
     ResidualSize size = system.residual(R_, x, unit * accuracy);
     if (size.change < unit * tolerance && size.neglected > unit * accepting) {
@@ -70,7 +72,8 @@ SolveReport Newton::solve(FixedPointSystem& system, const IterationOptions& opti
     if (!is_plain && change <= tuning.largest_corrected) {
       correction = system.correct(
           delta_, x, R_,
-          {.size = size.change, .forcing_term = unit * forcing_term(change, tolerance)}, options);
+          {.size = size.change, .forcing_term = unit * forcing_term(change, least_forcing)},
+          options);
     }
     uncorrected = is_plain ? change : 0.0;
     corrected = correction.usable ? change : 0.0;

@@ -1,62 +1,80 @@
 """The figures of a study of accuracy, by key; results/README.md says what they mean.
 
-A key names what was measured, then n where that varies. What a study has no data for has no key.
+A key names what was measured, then the problem or n where that varies. What a study has no data for has no key.
 """
 
+import math
 import statistics
 
 from lib.accuracy_lines import TABLE_EXPONENTS
-from lib.equal_error import (cheapest, forms_of, frame_gains, headline_problems, mean, means_by_problem, prices,
-                             runs_at_table1_step, tolerances)
+from lib.equal_error import (ISOSPECTRAL_ONLY, PAIRS, cheapest, cheapest_contender, frame_gains, gauss_forms,
+                             headline_problems, ratio_in, runs_at_table1_step, tolerances)
 from lib.integrator_names import FRAME, frameless, gauss_stages
+from lib.verdicts import FASTER, SLOWER, TIE, UNDECIDED
 
 # Whose error at Table 1's step is told against n, in the co-rotating frame and not.
-AGAINST_N = ("group1", "group2", "group3", "group4", "rkmk4", "rk4")
+AGAINST_N = ("group1", "group2", "group3", "group4", "elp2", "elp4", "elp6", "magnus5", "rkmk4", "rk4")
 
 
 def figures(study):
     """Returns the figures by key."""
-    headline = headline_problems(study)
-    return {"problems": len(study.problems()), **price(study, headline), **order(study), **frame(study, headline),
-            **error_at_table1_step(study), **tolerance(study), **spectrum(study)}
+    return {"problems": len(study.problems()), **duel_times(study), **duel_ratios(study), **order(study),
+            **frame(study), **error_at_table1_step(study), **tolerance(study), **spectrum(study)}
 
 
-def price(study, headline):
-    """Time of the best Gauss form over that of RKMK4 and of RK4 at equal error, smooth scene to T = 5.
+def name_of(problem, wanted):
+    """Returns the end of the key of a duel's figure, as smooth_t5.n129.at_1e-6."""
+    return f"{problem.scene}_t{problem.time:g}.n{problem.n}.at_1e{round(math.log10(wanted))}"
 
-    Its mean over the errors at each n and over all, and at 1e-6. Then in how many comparisons on all problems it is
-    below 1, and of how many; a ratio whose sides were timed once is counted, too.
+
+def duel_times(study):
+    """CPU seconds of the rows of duels, their equivalent products, and the spectrum error that results."""
+    return {f"{what}.{contender}.{name_of(*key)}": getattr(row, value)
+            for key, duel in study.duels.items() for contender, row in duel.items()
+            for what, value in (("seconds", "seconds"), ("products", "equivalent_products"),
+                                ("spectrum", "spectrum_error"))}
+
+
+def duel_ratios(study):
+    """Ratios of times in duels, and in how many duels of each scene and time the verdict says what.
+
+    elp_over_isospectral is against the cheapest contender that keeps the spectrum only.
     """
-    found = {}
-    for other, smooth in prices(study, headline).items():
-        key = f"gauss_over_{other}"
-        found.update({f"{key}.n{problem.n}": each.value for problem, each in means_by_problem(smooth).items()})
-        found.update({f"{key}.n{problem.n}.at_1e-6": each.value for (problem, exponent), each in smooth.items()
-                      if exponent == -6})
-        found.update({f"{key}.mean": mean(smooth.values()).value} if smooth else {})
-    for other, everywhere in prices(study, study.problems()).items():
-        found[f"gauss_over_{other}.below_1"] = sum(each.value < 1 for each in everywhere.values())
-        found[f"gauss_over_{other}.comparisons"] = len(everywhere)
-        found[f"gauss_over_{other}.timed_once"] = sum(not each.repeated for each in everywhere.values())
-    return found
+    found, counts = {}, {}
+    for key, duel in study.duels.items():
+        pairs = [(f"{first}_over_{second}", ratio_in(duel, first, second)) for first, second in PAIRS]
+        rival = cheapest_contender(duel, ISOSPECTRAL_ONLY)
+        pairs += [("elp_over_isospectral", rival and ratio_in(duel, "elp", rival))]
+        for pair, result in pairs:
+            if result:
+                ratio, said = result
+                found[f"{pair}.{name_of(*key)}"] = ratio.ratio
+                for each in (FASTER, SLOWER, TIE, UNDECIDED):
+                    counts[f"{pair}.{each}"] = counts.get(f"{pair}.{each}", 0) + (said == each)
+                counts[f"{pair}.duels"] = counts.get(f"{pair}.duels", 0) + 1
+    return {**found, **counts}
 
 
 def order(study):
-    """The order of the cheapest Gauss form at an error over all problems: the least, the median and the largest."""
+    """The order of the cheapest Gauss form in the frame at an error, over all problems: least, median and largest.
+
+    Problems where no form reaches the error, or where a line was cut that might be the cheapest, do not count.
+    """
     found = {}
     for exponent in TABLE_EXPONENTS:
-        best = [cheapest(study, problem, 10.0**exponent, forms_of(study, "gauss")) for problem in study.problems()]
-        orders = [2 * gauss_stages(frameless(each[0])) for each in best if each]
-        for which, of in (("least", min), ("median", statistics.median), ("largest", max)) if orders else ():
+        best = [cheapest(study, problem, 10.0**exponent, gauss_forms(study)) for problem in study.problems()]
+        orders = [2 * gauss_stages(frameless(each[0].integrator)) for each in best if each]
+        for which, of in (("least", min), ("median", statistics.median), ("largest", max),
+                          ("problems", len)) if orders else ():
             found[f"gauss_order.at_1e{exponent}.{which}"] = of(orders)
     return found
 
 
-def frame(study, headline):
+def frame(study):
     """Time of Gauss methods over their time in the co-rotating frame, at equal error, smooth scene to T = 5."""
-    gains = [each for name, found in frame_gains(study, headline).items() if gauss_stages(name)
-             for each in found.values()]
-    return {"frame_gain": mean(gains).value, "frame_gain.comparisons": len(gains)} if gains else {}
+    gains = [gain for name, found in frame_gains(study, headline_problems(study)).items() if gauss_stages(name)
+             for gain in found.values()]
+    return {"frame_gain": statistics.geometric_mean(gains), "frame_gain.comparisons": len(gains)} if gains else {}
 
 
 def error_at_table1_step(study):

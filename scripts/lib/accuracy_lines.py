@@ -1,7 +1,8 @@
-"""The raw file of the study of accuracy against cost, and what its lines show: floors, orders, cost at an error.
+"""The raw file of the study of accuracy against cost, and what its lines show: ends, orders, cost at an error.
 
-A problem is a scene at one n, solved to one time. A line is the runs of one integrator, by one solver, on one problem,
-with more and more steps.
+A problem is a scene at one n, solved to one time. A line is the runs of one integrator, at one tolerance of its
+iteration, on one problem, with more and more steps. A duel is several methods at one error of one problem, timed in
+turns in fresh processes.
 """
 
 import itertools
@@ -10,23 +11,37 @@ import statistics
 from typing import Dict, List, NamedTuple, Optional
 
 from lib import formats
-from lib.formats import (CASIMIRS, CONVERGED, FAST, SOLVERS, Integrator, Schema, keyed, list_of, number,
-                         one_of, optional, positive, status, text, truth, whole)
+from lib.formats import (CASIMIRS, CONVERGED, SOLVERS, Integrator, Schema, keyed, list_of, number, one_of, optional,
+                         positive, status, text, truth, whole)
 from lib.messages import UnusableFile
-from lib.integrator_names import gauss_stages
+from lib.integrator_names import frameless, gauss_stages, is_exponential
+from lib.verdicts import ratio_of, verdict
 
 SCENES = ("smooth", "rough", "developed")
 TABLE1_STEP = 0.1  # the step size of Table 1, where the tolerances were varied too
 TABLE_EXPONENTS = (-2, -4, -6, -8)  # powers of ten, as errors for which tables name the cheapest method
 
+# Tolerances of the iteration: that of Table 1, and the loosest that leaves the trajectory alone. At it, a Gauss method
+# keeps the spectrum to about the tolerance only, an exponential method to rounding.
+TIGHT = 1e-13
+LOOSE_GAUSS, LOOSE_EXPONENTIAL = 1e-7, 1e-8
+
 # A line has reached its floor where the error is within this of the reference's uncertainty, ...
 FLOOR_MARGIN = 10
-# ... or where, below NEAR_ROUNDING, it falls with the step by less than this share of the order.
-NEAR_ROUNDING = 1e-8
+# ... or where, below NEAR_ROUNDING or below so many times the tolerance, it falls with the step by less than this
+# share of the order.
+NEAR_ROUNDING, NEAR_TOLERANCE = 1e-8, 10
 STILL_FALLING = 0.5
 # Runs that an observed order is fitted on, those of the smallest steps above the floor: an order is what errors tend
 # to. Fewer do not tell one.
 ORDER_POINTS = 3
+
+# How a line ends: its error no longer falls, it is below GOOD_ENOUGH, or the next run would have taken too much work.
+FLOOR, BELOW, CUT = "floor", "below", "cut"
+GOOD_ENOUGH = 1e-9
+
+# The rows of a duel. Each is one method, or the best of several, in the co-rotating frame.
+CONTENDERS = ("gauss", "gauss_loose", "gauss_published", "elp", "elp_tight", "magnus", "rkmk4", "rk4_projected", "rk4")
 
 
 class Problem(NamedTuple):
@@ -36,6 +51,27 @@ class Problem(NamedTuple):
 
     def __str__(self):
         return f"{self.scene}, T = {self.time:g}, n = {self.n}"
+
+
+class Form(NamedTuple):
+    """An integrator at a tolerance, which has a line on each problem."""
+
+    integrator: str
+    tolerance: float = TIGHT
+
+
+def loose_tolerance(integrator):
+    """Returns the loosest tolerance that leaves the trajectories of an integrator alone; None if it has no choice."""
+    if gauss_stages(frameless(integrator)):
+        return LOOSE_GAUSS
+    return LOOSE_EXPONENTIAL if is_exponential(integrator) else None
+
+
+def keeps(integrator, tolerance, structure):
+    """Tells whether an Integrator keeps a structure at a tolerance: to rounding, Lie–Poisson to the tolerance."""
+    if tolerance > TIGHT and not is_exponential(integrator.name):
+        return structure == "nothing"
+    return integrator.keeps(structure)
 
 
 class Settings(NamedTuple):
@@ -57,16 +93,6 @@ class Rate(NamedTuple):
     n: whole(2)
     published: positive
     fast: positive  # in split-complex storage
-
-
-class Limit(NamedTuple):
-    """The largest step that works in every trial up to it, told by h‖B(W₀)‖₂; None if the first trial failed."""
-
-    scene: one_of(*SCENES)
-    n: whole(2)
-    integrator: text
-    solver: one_of(*SOLVERS)
-    h_norm_B: optional(positive)
 
 
 class Run(NamedTuple):
@@ -101,12 +127,17 @@ class Run(NamedTuple):
         return Problem(self.scene, self.time, self.n)
 
     @property
+    def form(self):
+        return Form(self.integrator, self.tolerance)
+
+    @property
     def usable(self):
         return self.status == CONVERGED
 
     @property
     def seconds(self):
-        return statistics.median(self.cpu_seconds)
+        """The least of the repetitions: interruptions only add."""
+        return min(self.cpu_seconds)
 
     @property
     def stages(self):
@@ -118,16 +149,48 @@ class Run(NamedTuple):
         return self.integrator.rstrip("0123456789")
 
 
+class Line(NamedTuple):
+    """How a line ends."""
+
+    scene: one_of(*SCENES)
+    time: positive
+    n: whole(2)
+    integrator: text
+    tolerance: positive
+    end: one_of(FLOOR, BELOW, CUT)
+
+
+class Duel(NamedTuple):
+    """A row of a duel: the fewest steps of a method that reach the error, or cheaper ones that do."""
+
+    scene: one_of(*SCENES)
+    time: positive
+    n: whole(2)
+    wanted: positive  # the error that every row of the duel reaches
+    contender: one_of(*CONTENDERS)
+    integrator: text
+    solver: one_of(*SOLVERS)
+    tolerance: positive
+    steps: whole(1)
+    error: positive
+    spectrum_error: number
+    equivalent_products: number
+    cpu_seconds: list_of(positive)  # of the whole run, one for each process
+
+    @property
+    def seconds(self):
+        """The geometric mean over the processes."""
+        return statistics.geometric_mean(self.cpu_seconds)
+
+
 SCHEMA = Schema("accuracy", Settings, {"references": Reference, "rates": Rate, "integrators": Integrator,
-                                       "limits": Limit, "runs": Run, "tolerance_runs": Run})
+                                       "lines": Line, "runs": Run, "tolerance_runs": Run, "duels": Duel})
 
 
 class Cost(NamedTuple):
     """What an error costs on a line: the cost of a run, or interpolated in log error between two neighbouring ones."""
 
-    seconds: float  # interpolated medians
-    least: float  # interpolated fastest repetitions
-    most: float  # interpolated slowest repetitions
+    seconds: float
     step: float
     energy_error: float
     coarse: Run  # the run before, with an error above the one asked for; the same as `fine` if not interpolated
@@ -139,63 +202,88 @@ class Accuracy(NamedTuple):
     references: Dict[Problem, Reference]
     rates: Dict[int, Rate]
     integrators: Dict[str, Integrator]
-    limits: Dict[tuple, Limit]  # by (scene, n, integrator, solver)
     runs: List[Run]
     tolerance_runs: List[Run]
-    lines: Dict[tuple, List[Run]]  # by (problem, integrator, solver), the longest step first
+    lines: Dict[tuple, List[Run]]  # by (problem, integrator, tolerance), the longest step first
+    ends: Dict[tuple, str]  # of the lines
+    duels: Dict[tuple, Dict[str, Duel]]  # rows by contender, of the duel at (problem, error)
 
     def problems(self):
         """Returns the problems in the order of SCENES, then of time and n."""
         return sorted(self.references, key=lambda each: (SCENES.index(each.scene), each.time, each.n))
 
-    def line(self, problem, integrator, solver=FAST):
-        """Returns all runs of a line, the longest step first, failures included."""
-        return self.lines.get((problem, integrator, solver), [])
+    def forms(self):
+        """Returns the Forms that have lines, each integrator at its tightest tolerance first."""
+        found = {(name, tolerance) for _, name, tolerance in self.lines}
+        return [Form(name, tolerance) for name in self.integrators
+                for tolerance in sorted(tolerance for each, tolerance in found if each == name)]
 
-    def above_floor(self, problem, integrator, solver=FAST):
+    def line(self, problem, integrator, tolerance=TIGHT):
+        """Returns all runs of a line, the longest step first, failures included."""
+        return self.lines.get((problem, integrator, tolerance), [])
+
+    def above_floor(self, problem, integrator, tolerance=TIGHT):
         """Returns the usable runs of a line down to where its error reaches the floor."""
         least = FLOOR_MARGIN * self.references[problem].uncertainty
         kept = []
-        for run in self.line(problem, integrator, solver):
+        for run in self.line(problem, integrator, tolerance):
             if not run.usable:
                 continue
             if run.error < least:
                 break
-            if kept and is_rounding(kept[-1], run, self.integrators[integrator].order):
+            if kept and is_floor(kept[-1], run, self.integrators[integrator].order):
                 break
             kept.append(run)
         return kept
 
-    def stretches(self, problem, integrator, solver=FAST):
+    def stretches(self, problem, integrator, tolerance=TIGHT):
         """Returns the line above its floor as lists of neighbouring runs that are no failure and not beyond a limit."""
-        kept = set(map(id, self.above_floor(problem, integrator, solver)))
-        found = itertools.groupby(self.line(problem, integrator, solver),
+        kept = set(map(id, self.above_floor(problem, integrator, tolerance)))
+        found = itertools.groupby(self.line(problem, integrator, tolerance),
                                   lambda run: id(run) in kept and not run.beyond_limit)
         return [list(runs) for good, runs in found if good]
 
-    def cost(self, problem, integrator, error, solver=FAST) -> Optional[Cost]:
+    def cost(self, problem, integrator, error, tolerance=TIGHT) -> Optional[Cost]:
         """Returns the least cost of this error or a smaller one on a line; None where the line does not reach it."""
         costs = []
-        for stretch in self.stretches(problem, integrator, solver):
+        for stretch in self.stretches(problem, integrator, tolerance):
             costs += [interpolated(run, run, error) for run in stretch if run.error <= error]
             costs += [interpolated(coarse, fine, error) for coarse, fine in zip(stretch, stretch[1:])
                       if coarse.error >= error >= fine.error]
         return min(costs, key=lambda cost: cost.seconds, default=None)
 
-    def observed_order(self, problem, integrator, solver=FAST):
-        """Returns the order that a line shows above its floor; None for too few runs."""
-        return fitted_order(self.above_floor(problem, integrator, solver))
+    def may_reach(self, problem, integrator, error, seconds, tolerance=TIGHT):
+        """Tells whether a line was cut above an error before a run took so many seconds: then its cost is not known."""
+        runs = [run for run in self.line(problem, integrator, tolerance) if run.usable]
+        return (self.ends.get((problem, integrator, tolerance)) == CUT and all(run.error > error for run in runs)
+                and all(run.seconds < seconds for run in runs))
 
-    def at_step(self, problem, integrator, step, solver=FAST):
+    def observed_order(self, problem, integrator, tolerance=TIGHT):
+        """Returns the order that a line shows above its floor; None for too few runs."""
+        return fitted_order(self.above_floor(problem, integrator, tolerance))
+
+    def at_step(self, problem, integrator, step, tolerance=TIGHT):
         """Returns the run with this step size, or None."""
-        return next((run for run in self.line(problem, integrator, solver)
+        return next((run for run in self.line(problem, integrator, tolerance)
                      if math.isclose(run.step, step, rel_tol=1e-9)), None)
 
+    def duel(self, problem, error):
+        """Returns the rows of the duel at an error, by contender; none if there was no duel."""
+        return next((rows for (where, wanted), rows in self.duels.items()
+                     if where == problem and math.isclose(wanted, error, rel_tol=1e-9)), {})
 
-def is_rounding(coarse, fine, order):
-    """Tells whether rounding keeps the error of `fine` from falling as the order says."""
+
+def compared(row, other):
+    """Returns (Ratio, verdict) of the time of a row of a duel over another's."""
+    found = ratio_of(row.cpu_seconds, other.cpu_seconds)
+    return found, verdict(found)
+
+
+def is_floor(coarse, fine, order):
+    """Tells whether rounding or the tolerance keeps the error of `fine` from falling as the order says."""
     falls = math.log(coarse.error / fine.error)
-    return coarse.error < NEAR_ROUNDING and falls < STILL_FALLING * order * math.log(coarse.step / fine.step)
+    near = coarse.error < max(NEAR_ROUNDING, NEAR_TOLERANCE * fine.tolerance)
+    return near and falls < STILL_FALLING * order * math.log(coarse.step / fine.step)
 
 
 def fitted_order(runs):
@@ -214,8 +302,7 @@ def interpolated(coarse, fine, error):
     def between(value):
         return value(coarse) ** (1 - share) * value(fine) ** share
 
-    return Cost(between(lambda run: run.seconds), between(lambda run: min(run.cpu_seconds)),
-                between(lambda run: max(run.cpu_seconds)), between(lambda run: run.step),
+    return Cost(between(lambda run: run.seconds), between(lambda run: run.step),
                 between(lambda run: run.energy_error), coarse, fine)
 
 
@@ -228,13 +315,19 @@ def accuracy(study):
     """Returns the Accuracy of a Study. Throws UnusableFile for one without problems or integrators."""
     tables = study.tables
     references = {Problem(*key): each for key, each in keyed(tables["references"], "scene", "time", "n").items()}
-    lines = {}
+    lines, ends, duels = {}, {}, {}
     for run in sorted(tables["runs"], key=lambda run: run.steps):
-        lines.setdefault((run.problem, run.integrator, run.solver), []).append(run)
-    result = Accuracy(study.context, references, keyed(tables["rates"], "n"),
-                      keyed(tables["integrators"], "name"),
-                      keyed(tables["limits"], "scene", "n", "integrator", "solver"),
-                      tables["runs"], tables["tolerance_runs"], lines)
+        lines.setdefault((run.problem, run.integrator, run.tolerance), []).append(run)
+    for each in tables["lines"]:
+        ends[Problem(each.scene, each.time, each.n), each.integrator, each.tolerance] = each.end
+    for each in tables["duels"]:
+        duels.setdefault((Problem(each.scene, each.time, each.n), each.wanted), {})[each.contender] = each
+    result = Accuracy(study.context, references, keyed(tables["rates"], "n"), keyed(tables["integrators"], "name"),
+                      tables["runs"], tables["tolerance_runs"], lines, ends, duels)
     if not result.references or not result.integrators:
         raise UnusableFile("has no references or no integrators")
+    for problem, name, tolerance in lines:
+        if (problem, name, tolerance) not in ends or name not in result.integrators or problem not in references:
+            raise UnusableFile(f"has runs of {name} on {problem} and not the line, integrator or reference that they"
+                               " belong to")
     return result

@@ -4,40 +4,40 @@ import itertools
 import math
 
 from lib.accuracy_figures import AGAINST_N
-from lib.accuracy_lines import FLOOR_MARGIN, TABLE1_STEP
+from lib.accuracy_lines import CUT, FLOOR_MARGIN, GOOD_ENOUGH, TABLE1_STEP, TIGHT
 from lib.comparison import MISSING, percentage, three_digits
 from lib.document import Column, Heading, Items, Paragraph, conditions, plain_table, shown
-from lib.equal_error import (MEAN_OVER, NAMES, frame_gains, headline_problems, mean, means_by_problem, prices,
-                             published_over_fast, runs_at_table1_step, tolerances, written_tolerance)
+from lib.equal_error import (CONTENDER_NAMES, MEAN_OVER, contenders_of, duel_errors, frame_gains, headline_problems,
+                             means_by_problem, ratio_in, runs_at_table1_step, tolerances, written_tolerance)
 from lib.formats import SWEEP_CAP, UNSTABLE
 from lib.integrator_names import FRAME, KEPT, strongest_structure
 from lib.numbers import scientific, span
 from lib.recommendation import recommendation_tables
+from lib.verdicts import FEWEST, LEVEL, MARGIN, UNDECIDED
 
 CARE_ERROR, CARE_FACTOR = 1e-6, 10  # near which, within what factor, equal care is shown, ...
 CARE_SIZE = 65  # ... at the largest n up to this
 
 CHARTS = (
-    ("error_against_time", "Error against CPU time, smooth scene, T = 5. Thin: an integrator in its fast form, with"
-     " dots in the co-rotating frame, of a Gauss method the formulation whose step is cheapest. A line ends at"
-     f" {FLOOR_MARGIN} times the uncertainty of the reference, where the error stops falling, or where runs take too"
-     " long. It breaks at failures and limits. Thick: the cheapest method of each class. Panels have equal decades."),
-    ("error_against_time_others", "Error against CPU time for the two largest n of every other scene and time."),
-    ("energy_against_time", "Energy error, the largest over the steps, against CPU time, smooth scene. Direct Gauss"
-     " lies below the panels: it keeps the energy to rounding."),
-    ("error_against_n", f"Left: error at h = {TABLE1_STEP}, the step of Table 1, against n. Right: error at every"
-     " step, not in the frame, against h‖B(W₀)‖₂. Smooth scene, T = 5. Lines of all n coincide for Gauss, and not for"
-     " RKMK4 and RK4."),
-    ("table1_accuracy", "Tables 1 and 2 with their accuracy. Dotted lines join the forms with one answer."),
+    ("time_against_n", "CPU seconds to an error of 1e-6 against n, smooth and rough scene to T = 5, from the duels. A"
+     " line for each class of methods, in the co-rotating frame; it breaks where no method of the class was timed."),
+    ("error_against_time", "Work–precision diagram of the smooth scene to T = 5, in the co-rotating frame: the lower a"
+     " line, the cheaper the error. Lines break at failures and stability limits, end at their floor or at 1e-9, and"
+     " carry an open triangle where they were cut. Panels have equal decades."),
+    ("error_against_n", f"Error at h = {TABLE1_STEP}, the step of Table 1, against n, smooth scene to T = 5, not in the"
+     " co-rotating frame, tolerance 1e-13. A cross: at the next n the step fails or is beyond the stability limit."),
 )
 BEYOND_LIMIT = "beyond its stability limit"
 LETTERS = {SWEEP_CAP: "c", "stagnated": "s", "diverged": "d", UNSTABLE: "u", BEYOND_LIMIT: "l"}  # of ends of a run
 CARE = (  # what was tried and paid
     ("Formulations of the Gauss method", ": predictor, inexact Newton in single precision, triangles, bands"),
+    ("Exponential Lie–Poisson, explicit Magnus", ": predictor, graded series, single precision, acceptance by estimate,"
+     " bands"),
     ("Direct Gauss", ": predictor, inexact Newton in single precision, bands"),
     ("Yoshida, Suzuki, Kahan–Li", ": a predictor for each substep, inexact Newton, bands"),
-    ("RKMK4", ": late terms of the series in single precision, bands"),
-    ("RK4", ": one product a stage in split-complex storage, bands"),
+    ("RKMK4", ": series cut to what the step's error can use, late terms in single precision, bands"),
+    ("RK4, projected RK4", ": one product a stage in split-complex storage, bands; the projection as seldom as the"
+     " error allows"),
 )
 
 
@@ -45,16 +45,16 @@ def accuracy_sections(study, charts):
     """Returns the document; `charts` are the names of the charts beside it."""
     return [
         Heading("Accuracy against cost", 1),
-        Paragraph("Every integrator over step sizes on every problem; errors are relative, in the Frobenius norm. The"
-                  " cost of an error is that of the cheapest run with this error or a smaller one, interpolated between"
-                  " neighbouring runs that worked. Ratios: geometric mean (from fastest over slowest repetitions to"
-                  " slowest over fastest). No range: single timing, on one side at least."),
+        Paragraph("Integrators over step sizes on every problem; errors are relative, in the Frobenius norm. Duels give"
+                  " the verdicts. The cost of an error on a line is that of the cheapest run with this error or a"
+                  " smaller one, interpolated between neighbouring runs that worked. A line ends at its floor, below"
+                  f" {GOOD_ENOUGH:g}, or is cut by work; nothing is compared with a cut line that might be cheaper."),
         *shown(CHARTS, charts),
+        *duels_section(study),
         Heading("Reference solutions"),
         Items([(str(problem), f": {each.integrators[0]} in {each.steps[0]} and {each.integrators[1]} in {each.steps[1]}"
                 f" steps, which differ by {scientific(each.uncertainty)}")
                for problem, each in study.references.items()]),
-        *price_section(study),
         *frame_section(study),
         *step_section(study),
         *care_section(study),
@@ -62,45 +62,84 @@ def accuracy_sections(study, charts):
         *tolerance_section(study),
         Heading("The cheapest sufficient method"),
         *recommendation_tables(study),
+        *ends_section(study),
         *failures_section(study),
         conditions(study.context),
     ]
 
 
-def by_size(study, heading, text, entry):
-    """Returns a section with a table for each scene and time: a column for each n, a row for each integrator."""
+def written(form):
+    """Writes a Form: the integrator, and its tolerance unless that is the tightest."""
+    name, tolerance = form.integrator, f"{form.tolerance:.0e}".replace("e-0", "e-")
+    return name if form.tolerance == TIGHT else f"{name}, {tolerance}"
+
+
+def by_size(study, heading, text, rows, entry):
+    """Returns a section with a table for each scene and time: a column for each n, a row for each of `rows`.
+
+    `rows` are (text, what entry(problem, …) is asked for); a row without entries is left out.
+    """
     tables = []
     for (scene, time), group in itertools.groupby(study.problems(), lambda problem: problem[:2]):
         problems = list(group)
-        rows = [[name, *entries] for name in study.integrators
-                if set(entries := [entry(problem, name) for problem in problems]) != {MISSING}]
+        found = [[text, *entries] for text, what in rows
+                 if set(entries := [entry(problem, what) for problem in problems]) != {MISSING}]
         columns = (Column("integrator", align="left"), *(Column(f"n = {problem.n}") for problem in problems))
-        tables += [Heading(f"{scene}, T = {time:g}", 3), plain_table(columns, rows)] if rows else []
+        tables += [Heading(f"{scene}, T = {time:g}", 3), plain_table(columns, found)] if found else []
     return [Heading(heading), Paragraph(text), *tables] if tables else []
 
 
-def price_section(study):
-    found = {other: ratios for other, ratios in prices(study, study.problems()).items() if ratios}
-    means = {other: means_by_problem(ratios) for other, ratios in found.items()}
+def duels_section(study):
+    """Shows duels: the time of each contender over that of the exponential method, then every row."""
+    contenders = contenders_of(study)
+    parts = []
+    for wanted in duel_errors(study):
+        found = {problem: duel for problem in study.problems() if (duel := study.duel(problem, wanted))}
+        columns = (Column("problem", align="left"), *(Column(CONTENDER_NAMES[each]) for each in contenders))
+        ratios = [[str(problem), *(written_ratio(duel, each) for each in contenders)]
+                  for problem, duel in found.items()]
+        rows = [[str(problem), CONTENDER_NAMES[each], written(row), str(row.steps), scientific(row.error),
+                 scientific(row.spectrum_error), f"{row.equivalent_products:.0f}", three_digits(row.seconds),
+                 str(len(row.cpu_seconds))]
+                for problem, duel in found.items() for each, row in in_order(duel)]
+        heads = ("steps", "error", "spectrum error", "equivalent products", "CPU seconds", "processes")
+        parts += [Heading(f"Error {wanted:g}", 3), plain_table(columns, ratios),
+                  plain_table((*(Column(head, align="left") for head in ("problem", "contender", "method")),
+                               *map(Column, heads)), rows)]
+    return [Heading("Time at equal error"),
+            Paragraph("Each contender sends the method of its kind that reaches the error at the least cost, in the"
+                      " co-rotating frame, with the fewest steps that do; the published form repeats the steps of the"
+                      " best Gauss method. Loose: Gauss at 1e-7. Exponential and Magnus: at 1e-8 unless said. Times:"
+                      " whole runs in fresh processes, in turns. First table: time over that of the exponential method"
+                      f" ({100 * LEVEL:.0f} % interval over processes); †: undecided, the interval is on both sides of"
+                      f" a bound of the tie within {100 * (MARGIN - 1):.0f} %, or from fewer than {FEWEST} processes."),
+            *parts] if parts else []
 
-    def entries(other, problem):
-        here = [each for (where, _), each in found[other].items() if where == problem]
-        return [str(means[other].get(problem, MISSING)), f"{sum(each.value < 1 for each in here)} of {len(here)}"]
 
-    rows = [[str(problem), *itertools.chain.from_iterable(entries(other, problem) for other in found)]
-            for problem in study.problems()]
-    columns = [Column(head) for other in found for head in (f"over {NAMES[other]}", "cheaper in")]
-    return [Heading("The price of structure"),
-            Paragraph("Time of the best Gauss form over that of the other method's best form, at equal error,"
-                      f" {MEAN_OVER}, where both reach it, and in how many of these comparisons Gauss is cheaper."),
-            plain_table((Column("problem", align="left"), *columns), rows)] if found else []
+def in_order(duel):
+    return [(each, duel[each]) for each in CONTENDER_NAMES if each in duel]
+
+
+def written_ratio(duel, contender):
+    """Writes the time of a contender over that of the exponential method."""
+    found = ratio_in(duel, contender, "elp")
+    if found is None:
+        return MISSING
+    if contender == "elp":
+        return "1"
+    ratio, said = found
+    return f"{ratio.ratio:.2f} ({ratio.low:.2f}–{ratio.high:.2f})" + " †" * (said == UNDECIDED)
 
 
 def frame_section(study):
     found = {name: means_by_problem(each) for name, each in frame_gains(study, study.problems()).items()}
+
+    def entry(problem, name):
+        return f"{found[name][problem]:.2g}" if problem in found[name] else MISSING
+
     return by_size(study, "What the co-rotating frame buys",
-                   f"Time without the frame over time in it, at equal error, {MEAN_OVER}, where both reach it.",
-                   lambda problem, name: str(found.get(name, {}).get(problem, MISSING)))
+                   f"Time without the frame over time in it, at equal error, {MEAN_OVER}, where both reach it. Timings"
+                   " of one process.", [(name, name) for name in found], entry)
 
 
 def step_section(study):
@@ -127,16 +166,14 @@ def care_section(study):
         if not runs:
             continue
         run = min(runs, key=lambda each: abs(math.log(each.error / CARE_ERROR)))
-        gains = published_over_fast(study, problem, name)
         rows.append([name, three_digits(run.step), scientific(run.error), three_digits(run.seconds),
-                     f"{run.equivalent_products:.0f}", percentage(run.equivalent_products / rate.fast / run.seconds),
-                     str(mean(gains)) if gains else MISSING])
+                     f"{run.equivalent_products:.0f}", percentage(run.equivalent_products / rate.fast / run.seconds)])
     columns = (Column("integrator", align="left"), *map(Column, (
-        "step", "error", "CPU seconds", "equivalent products", "product share", "published over fast")))
+        "step", "error", "CPU seconds", "equivalent products", "product share")))
     return [Heading("Equal care"),
-            Paragraph(f"{problem}, the run nearest to {CARE_ERROR:g}, within a factor of {CARE_FACTOR}. Product share:"
-                      " the time of its products, at the rate of products alone, over all its time; bands and triangles"
-                      " count as the part that they are. Published over fast: at equal steps, where errors are equal."),
+            Paragraph(f"{problem}, tolerance 1e-13, the run nearest to {CARE_ERROR:g}, within a factor of"
+                      f" {CARE_FACTOR}. Product share: the time of its products, at the rate of products alone, over"
+                      " all its time; bands and triangles count as the part that they are."),
             plain_table(columns, rows), Paragraph("What makes them fast:"), Items(CARE)] if rows else []
 
 
@@ -177,16 +214,31 @@ def tolerance_section(study):
             plain_table(columns, rows)]
 
 
-def failures_section(study):
-    """Names every fast form with a run that failed or is beyond its limit: who hides failures recommends them."""
+def ends_section(study):
+    """Names the lines that were cut, with their smallest error: comparisons stop there."""
+    def entry(problem, form):
+        if study.ends.get((problem, *form)) != CUT:
+            return MISSING
+        errors = [run.error for run in study.line(problem, *form) if run.usable]
+        return scientific(min(errors)) if errors else "no run"
 
-    def failed(problem, name):
-        bad = [run for run in study.line(problem, name) if not run.usable or run.beyond_limit]
+    return by_size(study, "Lines that were cut",
+                   "The smallest error of each line that was cut by work, before its error was at its floor or below"
+                   f" {GOOD_ENOUGH:g}. Floor: within {FLOOR_MARGIN} times the uncertainty of the reference, or no"
+                   " longer falling with the step.", [(written(form), form) for form in study.forms()], entry)
+
+
+def failures_section(study):
+    """Names every line with a run that failed or is beyond its limit: who hides failures recommends them."""
+
+    def entry(problem, form):
+        bad = [run for run in study.line(problem, *form) if not run.usable or run.beyond_limit]
         how = bad and (BEYOND_LIMIT if bad[-1].usable else bad[-1].status)
         return f"{three_digits(bad[-1].step)} {LETTERS[how]}" if bad else MISSING
 
     letters = ", ".join(f"{letter} {how}" for how, letter in LETTERS.items())
     return by_size(study, "Runs that failed",
-                   f"{sum(not run.usable for run in study.runs)} of {len(study.runs)} runs. Of each fast form the"
-                   f" smallest step that failed, and how: {letters}. A step beyond the stability limit may come to an"
-                   " end because T is short; such a run is never recommended.", failed)
+                   f"{sum(not run.usable for run in study.runs)} of {len(study.runs)} runs. Of each line the smallest"
+                   f" step that failed, and how: {letters}. A step beyond the stability limit may come to an end"
+                   " because T is short; such a run is never recommended.",
+                   [(written(form), form) for form in study.forms()], entry)

@@ -1,21 +1,29 @@
-"""What the charts share: figures with panels and keys, and the look of an integrator.
+"""What the charts share: figures with panels, keys, labels and notes, and the names and looks of integrators.
 
 Nothing of the machine, the date or a user's settings enters a figure, so that the same data give the same bytes.
 """
 
 import io
+import math
 import re
 import textwrap
 
 import matplotlib.style
+from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullLocator
+
+from lib.integrator_names import method_name
 
 DOTS_PER_INCH = 120
 WIDTH = 1600 / DOTS_PER_INCH  # inches
 KEY_HEIGHT = 0.21  # inches
 TITLE_CHARACTERS = 105  # a line
+NOTE_CHARACTERS = 165  # a line
+LABEL_SIZE = 11  # points
+LABEL_CHARACTER = 0.082  # inches a character, at this size
+LABEL_GAP = 1.3  # least distance of two labels, over their size
 METHOD_KEYS = 3
 SETTINGS = {"svg.hashsalt": "isosyrk", "svg.fonttype": "none", "font.size": 10.5, "axes.titlesize": 12,
             "axes.titleweight": "bold", "axes.titlelocation": "left", "axes.grid": True, "grid.color": "0.9",
@@ -23,13 +31,17 @@ SETTINGS = {"svg.hashsalt": "isosyrk", "svg.fonttype": "none", "font.size": 10.5
             "lines.markersize": 4, "lines.linewidth": 1.3, "legend.frameon": False, "legend.handlelength": 3,
             "axes.titley": 1.0}  # else matplotlib measures every tick, twice a drawing, to find the same place
 
-# Colour and size of the markers say which family an integrator belongs to, the marker its number (of stages, or its
-# order), the line what it keeps. Formulations with the same answer differ in size, so that none hides another.
+# Hue and size of the markers say which family an integrator belongs to, lightness its order, the marker its number (of
+# stages, or its order), the line what it keeps. Formulations with the same answer differ in size, so that none hides
+# another.
 FAMILIES = {"cotangent": ("#e08214", 7.5), "group": ("#1f67ad", 5.2), "algebra": ("#4a0a5e", 3.4),
-            "yoshida": ("#d8a03c", 4), "suzuki": ("#c06a28", 4), "kahan_li": ("#8a3b12", 4), "rkmk": ("#0b8a67", 4),
-            "direct": ("#cf6aa3", 4), "rk": ("#000000", 4)}
+            "elp": ("#ee4b5e", 5.2), "yoshida": ("#d8a03c", 4), "suzuki": ("#c06a28", 4), "kahan_li": ("#8a3b12", 4),
+            "rkmk": ("#0b8a67", 4), "magnus": ("#7fa32a", 4), "direct": ("#cf6aa3", 4), "rk": ("#000000", 4)}
 OTHER_FAMILY = ("0.5", 4)
+LIGHTER, DARKER, DARKEST = 0.3, 0.3, 0.55  # share of white below order 4, of black from order 5 and from order 7 on
 MARKERS = {"1": "o", "2": "s", "3": "^", "4": "D", "5": "P", "6": "v"}
+SHORT_METHODS = {"Runge–Kutta": "RK", "exponential Lie–Poisson": "exponential", "explicit Magnus": "Magnus",
+                 "projected Runge–Kutta": "projected RK"}
 LINES = {"poisson": "-", "spectrum": "--", "nothing": ":"}
 LINES_IN_WORDS = ("Solid lines: keeps the Lie–Poisson structure and the spectrum. Dashed: keeps the spectrum only."
                   " Dotted: keeps neither.")
@@ -44,17 +56,41 @@ def look(integrator):
     """Returns how the line of an integrator is drawn."""
     family, number = re.match(r"([a-z_]+)([0-9]?)", integrator.name).groups()
     colour, size = FAMILIES.get(family, OTHER_FAMILY)
-    return {"color": colour, "marker": MARKERS.get(number, "."), "markersize": size, "markerfacecolor": "none",
-            "linestyle": next(LINES[each] for each in LINES if integrator.keeps(each))}
+    return {"color": at_order(colour, integrator.order), "marker": MARKERS.get(number, "."), "markersize": size,
+            "markerfacecolor": "none", "linestyle": next(LINES[each] for each in LINES if integrator.keeps(each))}
 
 
-def new_figure(title, rows, columns, panel_height, keys=1, row_gap=0.75, **subplots):
-    """Returns a figure and its rows of panels; `keys` are the lines of keys under them. Heights and gaps are in inches.
+def at_order(colour, order):
+    """Returns the colour of a family at an order: itself at order 4, lighter below, darker above."""
+    if order < 4:
+        return mixed(colour, "white", LIGHTER)
+    if order == 4:
+        return colour
+    return mixed(colour, "black", DARKER if order < 7 else DARKEST)
 
-    Nothing is laid out by matplotlib's solver, which does not always find the same places.
+
+def mixed(colour, other, share):
+    """Returns a colour with a share of another one in it."""
+    return to_hex([(1 - share) * own + share * added for own, added in zip(to_rgb(colour), to_rgb(other))])
+
+
+def short_name(integrator):
+    """Returns the name of its method with its order as in RK4, one for all formulations and in the frame or not."""
+    method, order = method_name(integrator).split(", order ")
+    method = SHORT_METHODS.get(method, method)
+    return f"{method}{order}" if method.isupper() else f"{method} {order}"
+
+
+def new_figure(title, rows, columns, panel_height, keys=1, row_gap=0.75, labels=(), **subplots):
+    """Returns a figure and its rows of panels, with room for the longest of `labels` right of each.
+
+    `keys` are the lines of keys or of notes under the panels. Heights and gaps are in inches. Nothing is laid out by
+    matplotlib's solver, which does not always find the same places.
     """
+    label_room = LABEL_CHARACTER * max(map(len, labels), default=0)
     lines = textwrap.wrap(title, TITLE_CHARACTERS)
-    left, right, head, foot, column_gap = 0.8, 0.15, 0.55 + 0.25 * len(lines), 0.7 + KEY_HEIGHT * keys, 0.75
+    left, right, head, foot = 0.8, 0.15 + label_room, 0.55 + 0.25 * len(lines), 0.7 + KEY_HEIGHT * keys
+    column_gap = 0.75 + label_room
     height = head + rows * panel_height + (rows - 1) * row_gap + foot
     figure = Figure(figsize=(WIDTH, height), dpi=DOTS_PER_INCH)
     panel_width = (WIDTH - left - right - (columns - 1) * column_gap) / columns
@@ -77,6 +113,50 @@ def method_key(figure, integrators):
     """Says under the panels whose line is whose, in METHOD_KEYS lines."""
     handles = [handle(each.name, **look(each)) for each in integrators]
     key(figure, handles, METHOD_KEYS - 1, LINES_IN_WORDS)
+
+
+def note(figure, text):
+    """Puts a note under the panels."""
+    figure.text(0.01, 0.1 / figure.get_figheight(), "\n".join(textwrap.wrap(text, NOTE_CHARACTERS)), va="bottom",
+                color="0.25")
+
+
+def label_ends(axes, ends):
+    """Writes labels in a column right of the ends of lines, moved apart where they would overlap.
+
+    `ends` are ((x, y), label, colour), drawn before.
+    """
+    axes.autoscale_view()  # which matplotlib puts off else
+    to_share = (axes.transData + axes.transAxes.inverted()).transform
+    labels = sorted((to_share(point)[::-1].tolist(), label, colour) for point, label, colour in ends)
+    column = max(x for (_, x), _, _ in labels)
+    gap = LABEL_GAP * LABEL_SIZE / 72 * axes.figure.dpi / axes.bbox.height
+    for place, (_, label, colour) in zip(spread([min(y, 1.0) for (y, _), _, _ in labels], gap), labels):
+        axes.annotate(label, (column, place), xycoords="axes fraction", xytext=(8, 0), textcoords="offset points",
+                      va="center", color=colour, fontsize=LABEL_SIZE, annotation_clip=False)
+
+
+def spread(places, gap):
+    """Returns rising places moved apart to at least a gap, with the least sum of squares of the moves."""
+    blocks = []  # of neighbours at the least gap: mean of place - index * gap, and how many they are
+    for index, place in enumerate(places):
+        mean, count = place - index * gap, 1
+        while blocks and blocks[-1][0] > mean:
+            before, many = blocks.pop()
+            mean, count = (before * many + mean * count) / (many + count), many + count
+        blocks.append((mean, count))
+    means = [mean for mean, count in blocks for _ in range(count)]
+    return [mean + index * gap for index, mean in enumerate(means)]
+
+
+def extended(stretch, x):
+    """Returns the point at x on the power law through the last two points of a line; its last point if it has one."""
+    x_last, y_last = stretch[-1]
+    if len(stretch) < 2:
+        return x, y_last
+    x_before, y_before = stretch[-2]
+    slope = math.log(y_last / y_before) / math.log(x_last / x_before)
+    return x, y_last * (x / x_last)**slope
 
 
 def logarithmic(axes):

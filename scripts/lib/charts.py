@@ -1,225 +1,311 @@
-"""Draws a study of accuracy, and Tables 1 and 2, as charts."""
+"""Draws a study of accuracy as charts."""
 
+import itertools
 import math
+from typing import NamedTuple
 
-from lib.accuracy_figures import AGAINST_N
-from lib.accuracy_lines import NEAR_ROUNDING, TABLE1_STEP
-from lib.chart_panels import FAMILIES, draw_line, handle, key, logarithmic, new_figure
-from lib.equal_error import headline_problems, runs_at_table1_step
-from lib.formats import FAST, FORMULATIONS, PUBLISHED
-from lib.integrator_names import FRAME, KEPT, gauss_stages, in_frame, method_name, strongest_structure
+from matplotlib.ticker import LogLocator, NullFormatter
+
+from lib.accuracy_lines import CUT, GOOD_ENOUGH, TABLE1_STEP, TIGHT, Form, loose_tolerance
+from lib.chart_panels import (FAMILIES, LINES, cross, draw_line, extended, label_ends, logarithmic, look, new_figure,
+                              note, short_name)
+from lib.equal_error import (HEADLINE, ISOSPECTRAL_ONLY, cheapest_contender, headline_problems, ratio_in,
+                             runs_at_table1_step)
+from lib.integrator_names import FRAME, in_frame, is_exponential
+from lib.numbers import two_digits
 
 ERROR_LABEL = "relative error of W(T)"
 SECONDS_LABEL = "CPU seconds"
-LEAST_ERROR, LEAST_ENERGY_ERROR = 1e-12, 1e-14  # where the axes end
-LEAP = 1.6  # in seconds, from one level of an envelope to the next: a line of order 2 rises by 10^(1/8)
+DUEL_ERROR, DUEL_ERROR_WORD = 1e-6, "1e-6"  # of the titles and of time_against_n
+EXPONENTIAL = "exponential Lie–Poisson"
+ERROR_TICKS = (1, 1e-3, 1e-6, 1e-9)  # of an axis of errors
+MARGIN = 0.15  # decades beyond the lines
 
-# One colour for each method, none of them a formulation's (chart_panels), and a mark at the end of its line.
-METHODS = {**{f"Gauss, order {2 * s}": (colour, str(2 * s)) for s, colour in enumerate(
-    ("#8fd3e8", "#58b4dd", "#2f93cf", "#2271b8", "#1f5a99", "#1b477b", "#16355d", "#102440"), 1)},
-    "Yoshida, order 4": ("#b9b42d", "Y"), "Suzuki, order 4": ("#8f8a1c", "S"), "Kahan–Li, order 6": ("#5f5c10", "K"),
-    "RKMK, order 4": ("#0b8a67", "RKMK4"), "Runge–Kutta, order 4": ("#000000", "RK4"),
-    **{f"direct Gauss, order {order}": (colour, f"d{order}")
-       for order, colour in ((2, "#e3a5c7"), (4, "#cf6aa3"), (6, "#a83a7c"))}}
-ENVELOPES = {structure: {"color": colour, "linewidth": 5, "alpha": 0.4, "solid_capstyle": "round", "zorder": 3}
-             for structure, colour in (("poisson", "#2f93cf"), ("spectrum", "#0b8a67"), ("nothing", "#444444"))}
-PALE = {"linewidth": 0.6, "alpha": 0.45}  # a line not in the frame
-GHOST = {"color": "0.72", "linewidth": 0.7, "linestyle": (0, (3, 2)), "zorder": 1}
+# The lines of the work–precision diagram, Gauss methods at the tight tolerance and exponential ones at the loose one.
+WORK_PRECISION = ("group2", "group4", "elp4", "elp6", "magnus5", "rkmk4", "rk4")
+SIZES = (17, 65, 257)
+CUT_MARK = {"marker": ">", "markersize": 8, "markerfacecolor": "white", "zorder": 5, "linestyle": "none"}
 
 
-# ---- work–precision diagrams
+class MethodClass(NamedTuple):
+    """A line of time_against_n: the cheapest of some contenders of a duel."""
+
+    label: str
+    contenders: tuple
+    colour: str
+    style: dict
+
+
+CLASSES = (
+    MethodClass("Lie–Poisson, Gauss, published form", ("gauss_published",), FAMILIES["group"][0],
+                {"linestyle": LINES["poisson"], "linewidth": 1, "marker": "s", "markerfacecolor": "white"}),
+    MethodClass("Lie–Poisson, Gauss, fast form", ("gauss",), FAMILIES["group"][0],
+                {"linestyle": LINES["poisson"], "linewidth": 2.4, "marker": "s"}),
+    MethodClass("Lie–Poisson, exponential", ("elp",), FAMILIES["elp"][0],
+                {"linestyle": LINES["poisson"], "linewidth": 2.4, "marker": "D"}),
+    MethodClass("spectrum only", ISOSPECTRAL_ONLY, FAMILIES["rkmk"][0],
+                {"linestyle": LINES["spectrum"], "marker": "v"}),
+    MethodClass("nothing kept", ("rk4",), FAMILIES["rk"][0], {"linestyle": LINES["nothing"], "marker": "o"}))
+
+# The lines of error_against_n, not in the frame, at the tight tolerance; those with words are told in the title.
+AGAINST_N = {"group1": None, "group2": "the Gauss method of order 4", "group3": None,
+             "elp4": "the exponential method of order 4", "elp6": None, "rkmk4": "RKMK4", "rk4": None}
+GROWS = 10  # a factor beyond which the title says that an error depends on n
+
+
+# ---- work–precision diagram
 
 
 def error_against_time(study):
-    """Draws a panel for each n of the smooth scene to T = 5, published forms as ghosts."""
-    problems = headline_problems(study)
-    return work_precision(study, problems, "error", "Error of W(T) against CPU time, smooth scene to T = 5",
-                          ghosts=True)
+    """Draws the CPU seconds of errors: a panel for each of up to three n of the smooth scene to T = 5.
 
-
-def error_against_time_others(study):
-    """Draws the two largest n of every other scene and time; None without any."""
-    others = [problem for problem in study.problems() if problem not in headline_problems(study)]
-    problems = [problem for problem in others
-                if sum(each[:2] == problem[:2] and each.n > problem.n for each in others) < 2]
-    title = "Error of W(T) against CPU time, other scenes and times"
-    return work_precision(study, problems, "error", title) if problems else None
-
-
-def energy_against_time(study):
-    """Draws the energy error of the smooth scene at the largest n of each time."""
-    largest = {problem.time: problem for problem in study.problems() if problem.scene == "smooth"}
-    return work_precision(study, list(largest.values()), "energy_error", "Energy error against CPU time, smooth scene")
-
-
-def work_precision(study, problems, quantity, title, ghosts=False):
-    """Draws a panel for each problem: lines of methods thin, the envelope of each structure thick.
-
-    A line is drawn above the floor of its error, and broken at failures and limits. All panels have equal decades.
+    Lines are drawn above their floors, and broken at failures and limits. None if there are none.
     """
-    columns = min(len(problems), 2)
-    rows = -(-len(problems) // columns)
-    label, least = (ERROR_LABEL, LEAST_ERROR) if quantity == "error" else ("energy error", LEAST_ENERGY_ERROR)
-    figure, panels = new_figure(title, rows, columns, 5.2, keys=6, sharey=True)
-    spans, marks, shown = [], [], set()
-    for axes, problem in zip(panels.flat, problems):
+    forms = forms_to_draw(study)
+    lines = {problem: {form: drawn for form in forms if (drawn := visible(study, problem, form))}
+             for problem in problems_to_draw(study)}
+    lines = {problem: drawn for problem, drawn in lines.items() if drawn}
+    if not lines:
+        return None
+    figure, (panels,) = new_figure(price_title(study, lines), 1, len(lines), 5.2, keys=2,
+                                   labels=[label_of(study, form) for form in forms])
+    spans = {problem: span_of([seconds for line in drawn.values() for _, seconds in line])
+             for problem, drawn in lines.items()}
+    decades = max(high - low for low, high in spans.values()) + 2 * MARGIN
+    most = max(error for drawn in lines.values() for line in drawn.values() for error, _ in line)
+    for axes, (problem, drawn) in zip(panels, lines.items()):
         logarithmic(axes)
-        axes.set(title=str(problem), xlabel=SECONDS_LABEL, ylabel=label, ylim=(least, 2))
-        drawn = [draw_method(axes, study, problem, each, quantity) for each in drawn_integrators(study, problem)]
-        for name in study.integrators if ghosts else ():
-            for stretch in study.stretches(problem, name, PUBLISHED) if gauss_stages(name) else ():
-                draw_line(axes, f"{name}, published", [(run.seconds, run.error) for run in stretch], **GHOST)
-                shown.add(PUBLISHED)
-        for structure, style in ENVELOPES.items():
-            points = envelope([line for each, lines in drawn if strongest_structure(each) == structure
-                               for line in lines], least)
-            shown.update([structure] if draw_line(axes, structure, points, **style) else [])
-        ends = {}
-        for each, lines in sorted(drawn, key=lambda line: in_frame(line[0].name)):  # a mark stands at the last, in it
-            points = [at for line in lines for at in line if at[1] >= least]
-            shown.update([method_name(each), in_frame(each.name)] if points else [])
-            ends.setdefault(method_name(each), []).extend(points)
-        marks.append(ends)
-        seconds = [math.log10(x) for points in ends.values() for x, _ in points] or [0]
-        spans.append((min(seconds), max(seconds)))
-    decades = max(high - low for low, high in spans) + 0.4
-    for axes, (low, high), ends in zip(panels.flat, spans, marks):
-        axes.set_xlim(*(10 ** ((low + high + sign * decades) / 2) for sign in (-1, 1)))
-        mark_lines(axes, ends)
-    for axes in panels.flat[len(problems):]:
-        axes.remove()
-    handles = {**{each: handle(f"best that keeps {KEPT[each]}", **style) for each, style in ENVELOPES.items()},
-               True: handle("in the co-rotating frame", color="0.3", linewidth=1, marker="o", markersize=3),
-               False: handle("not in it (pale)", color="0.3", **PALE),
-               PUBLISHED: handle("Gauss, published forms", **GHOST),
-               **method_handles()}
-    key(figure, [each for what, each in handles.items() if what in shown], 6)
+        axes.yaxis.set_minor_locator(LogLocator(subs=range(2, 10), numticks=12))
+        axes.yaxis.set_minor_formatter(NullFormatter())
+        low, high = spans[problem]
+        axes.set(title=f"n = {problem.n}", xlabel=ERROR_LABEL, xticks=ERROR_TICKS,
+                 xlim=(10 ** math.ceil(math.log10(most)), GOOD_ENOUGH),
+                 ylim=[10 ** ((low + high + sign * decades) / 2) for sign in (-1, 1)])
+        axes.axvline(DUEL_ERROR, color="0.6", linewidth=0.9, zorder=1, label="_duels")
+        for form, line in drawn.items():
+            draw_form(axes, study, problem, form)
+        label_ends(axes, [(line[-1], label_of(study, form), colour_of(study, form)) for form, line in drawn.items()])
+    panels[0].set_ylabel(SECONDS_LABEL)
+    note(figure, "Smooth scene to T = 5. In the co-rotating frame; tolerance 1e-13 of Gauss, 1e-8 of exponential and"
+         " Magnus methods; numbers are orders. Solid: keeps the Lie–Poisson structure; dashed: the spectrum only;"
+         " dotted: nothing. Open triangle: the line was cut, as the next run would have taken too long.")
     return figure
 
 
-def method_handles():
-    return {name: handle(f"{mark}: {name}", color=colour) for name, (colour, mark) in METHODS.items()}
+def problems_to_draw(study):
+    """Returns the problems with n of SIZES; without any, the smallest, the middle and the largest."""
+    problems = headline_problems(study)
+    found = [problem for problem in problems if problem.n in SIZES]
+    if found or not problems:
+        return found
+    return list(dict.fromkeys((problems[0], problems[len(problems) // 2], problems[-1])))
 
 
-def draw_method(axes, study, problem, integrator, quantity):
-    """Draws the stretches of a line, with markers if it is in the frame; returns the integrator and their points."""
-    colour, _ = METHODS.get(method_name(integrator), ("0.5", None))
-    framed = in_frame(integrator.name)
-    lines = [draw_line(axes, integrator.name, [(run.seconds, getattr(run, quantity)) for run in stretch], color=colour,
-                       marker="o" if framed or len(stretch) == 1 else None, markersize=2.2,
-                       **({"linewidth": 1} if framed else PALE))
-             for stretch in study.stretches(problem, integrator.name)]
-    return integrator, list(filter(None, lines))
+def forms_to_draw(study):
+    """Returns a Form of each method of WORK_PRECISION that has a line.
 
-
-def mark_lines(axes, marks):
-    """Writes the mark of each method beside its line, at the last of its points where no other mark stands."""
-    taken = []
-    to_share = axes.transAxes.inverted().transform
-    for method, points in marks.items():
-        colour, mark = METHODS.get(method, ("0.5", method))
-        for point in reversed(points):
-            x, y = to_share(axes.transData.transform(point))
-            if all(abs(x - at_x) > 0.02 * (1 + max(len(mark), len(other))) or abs(y - at_y) > 0.035
-                   for at_x, at_y, other in taken):
-                taken.append((x, y, mark))
-                axes.annotate(mark, point, xytext=(3, 1), textcoords="offset points", color=colour, zorder=6)
-                break
-
-
-def drawn_integrators(study, problem):
-    """Returns of each method, in the frame and not, the form whose step is the cheapest."""
-    cheapest = {}
-    for name, each in study.integrators.items():
-        seconds = min((run.seconds / run.steps for run in study.line(problem, name) if run.usable), default=math.inf)
-        cheapest.setdefault((method_name(each), in_frame(name)), []).append((seconds, name))
-    return [study.integrators[min(forms)[1]] for forms in cheapest.values()]
-
-
-def envelope(lines, least, in_a_decade=4):
-    """Returns the least seconds in which one of some lines has an error or a smaller one, interpolated along them.
-
-    It ends where the cheapest line is at its floor and only dearer ones go on.
+    One without the frame, or an exponential one at the tight tolerance, is drawn only if there is no other.
     """
-    points, best = [], math.inf
-    for step in range(round(-math.log10(least)) * in_a_decade, -1, -1):
-        level = -step / in_a_decade
-        for line in lines:
-            logs = [(math.log10(x), math.log10(y)) for x, y in line]
-            best = min((best, *(x + (level - y) / (next_y - y) * (next_x - x) if next_y != y else x
-                                for (x, y), (next_x, next_y) in zip(logs, logs[1:]) if y >= level >= next_y),
-                        *(x for x, y in logs[:1] if y <= level)))
-        points += [(10**best, 10**level)] if best < math.inf else []
-    ends = [index for index, ((dearer, error), (cheaper, _)) in enumerate(zip(points, points[1:]), 1)
-            if error < NEAR_ROUNDING and dearer > LEAP * cheaper]
-    return points[max(ends, default=0):]
+    problems, found = problems_to_draw(study), []
+    for method in WORK_PRECISION:
+        tolerance = loose_tolerance(method) if is_exponential(method) else TIGHT
+        wanted = [Form(name, each) for name in (method + FRAME, method) for each in dict.fromkeys((tolerance, TIGHT))]
+        found += [form for form in wanted if any(study.line(problem, *form) for problem in problems)][:1]
+    return found
+
+
+def label_of(study, form):
+    """Returns the short name of a Form, with what the note under the panels does not say of it."""
+    tight = ", 1e-13" if is_exponential(form.integrator) and form.tolerance == TIGHT else ""
+    frame = "" if in_frame(form.integrator) else ", no frame"
+    return short_name(study.integrators[form.integrator]) + tight + frame
+
+
+def colour_of(study, form):
+    return look(study.integrators[form.integrator])["color"]
+
+
+def points_of(stretch):
+    return [(run.error, run.seconds) for run in stretch]
+
+
+def visible(study, problem, form):
+    """Returns the points of a line in its panel. A line that leaves the panel has a last point at its edge."""
+    points = []
+    for stretch in study.stretches(problem, *form):
+        line = points_of(stretch)
+        points += [point for point in line if point[0] >= GOOD_ENOUGH]
+        points += [point_at_edge(*pair) for pair in zip(line, line[1:]) if pair[0][0] >= GOOD_ENOUGH > pair[1][0]]
+    return points
+
+
+def point_at_edge(before, after):
+    """Returns the point with the error GOOD_ENOUGH between two points, on a line of the logarithms."""
+    (error, seconds), (next_error, next_seconds) = before, after
+    share = math.log(error / GOOD_ENOUGH) / math.log(error / next_error)
+    return GOOD_ENOUGH, seconds ** (1 - share) * next_seconds ** share
+
+
+def draw_form(axes, study, problem, form):
+    """Draws a line, with a mark at its end if it was cut."""
+    style = look(study.integrators[form.integrator])
+    stretches = study.stretches(problem, *form)
+    for stretch in stretches:
+        draw_line(axes, f"{form.integrator} at {form.tolerance:g}", points_of(stretch), **style)
+    if study.ends[(problem, *form)] == CUT:
+        axes.plot(*points_of(stretches[-1])[-1], **{**CUT_MARK, "color": style["color"], "label": "_cut"})
+
+
+def span_of(values):
+    """Returns the logarithms of the least and the largest value."""
+    return math.log10(min(values)), math.log10(max(values))
+
+
+def price_title(study, problems):
+    """Returns what structure costs against RK4, at the largest n that has a duel with it."""
+    for problem in reversed(list(problems)):
+        duel = study.duel(problem, DUEL_ERROR)
+        told = [(words, ratio) for words, contender in ((f"{EXPONENTIAL} methods", "elp"), ("Gauss methods", "gauss"))
+                if (ratio := written_ratio(duel, contender, "rk4"))]
+        if told:
+            (words, ratio), *others = told
+            return (f"What structure costs: at {equals('n', problem.n)} and error {DUEL_ERROR_WORD} {words} take"
+                    f" {ratio} times the time of RK4" + "".join(f", {words} {ratio} times" for words, ratio in others))
+    return "What structure costs: CPU seconds of errors"
+
+
+def written_ratio(duel, first, second):
+    """Returns the time of a contender over another's in a duel as text; None where one has no row."""
+    found = ratio_in(duel, first, second)
+    return found and two_digits(found[0].ratio)
+
+
+def equals(name, value):
+    """Returns an equation that no title breaks into two lines."""
+    return f"{name}\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}{value}"
+
+
+# ---- time against n
+
+
+def time_against_n(study):
+    """Draws the CPU seconds of duels at DUEL_ERROR against n, in the smooth and the rough scene to T = 5.
+
+    A line for each class of methods, broken where a duel has no row of it. None if there are no such duels.
+    """
+    lines = {scene: drawn for scene in ("smooth", "rough") if (drawn := lines_of_duels(study, scene))}
+    if not lines:
+        return None
+    figure, (panels,) = new_figure(trend_title(study), 1, len(lines), 5.2, keys=2, sharex=True, sharey=True,
+                                   labels=[each.label for each in CLASSES])
+    for axes, (scene, drawn) in zip(panels, lines.items()):
+        logarithmic(axes)
+        axes.set(title=f"{scene} scene", xlabel="n")
+        for each, stretches in drawn:
+            for stretch in stretches:
+                draw_line(axes, each.label, stretch, color=each.colour, **each.style)
+    panels[0].set_ylabel(f"{SECONDS_LABEL} to an error of {DUEL_ERROR_WORD}")
+    sizes = {n for drawn in lines.values() for _, stretches in drawn for stretch in stretches for n, _ in stretch}
+    label_sizes(panels, sizes)
+    for axes, drawn in zip(panels, lines.values()):
+        largest = max(stretches[-1][-1][0] for _, stretches in drawn)
+        label_ends(axes, [(extended(stretches[-1], largest), each.label, each.colour) for each, stretches in drawn])
+    note(figure, "T = 5. The methods ran in turns, in fresh processes and in the co-rotating frame, with the fewest"
+         " steps that reach the error. Exponential methods have the tolerance 1e-8, Gauss methods 1e-13. Spectrum only:"
+         " the cheapest of Magnus, RKMK4 and projected RK4. Nothing kept: RK4.")
+    return figure
+
+
+def lines_of_duels(study, scene):
+    """Returns (MethodClass, its stretches of (n, seconds)) for each class that has rows in a scene."""
+    duels = {problem.n: duel for problem in study.problems() if problem[:2] == (scene, HEADLINE[1])
+             and (duel := study.duel(problem, DUEL_ERROR))}
+    found = []
+    for each in CLASSES:
+        rows = {n: cheapest_contender(duel, each.contenders) for n, duel in duels.items()}
+        stretches = unbroken([(n, duels[n][row].seconds if row else None) for n, row in rows.items()])
+        found += [(each, stretches)] if stretches else []
+    return found
+
+
+def unbroken(points):
+    """Returns points as lists of neighbours, parted where a value is None."""
+    groups = itertools.groupby(points, lambda point: point[1] is not None)
+    return [list(group) for good, group in groups if good]
+
+
+def label_sizes(panels, sizes):
+    """Gives panels that are drawn against n a tick at each n."""
+    for axes in panels:
+        axes.set_xticks(sorted(sizes), [str(n) for n in sorted(sizes)])
+        axes.grid(False, axis="x")
+
+
+def trend_title(study):
+    """Returns the times in the smooth scene: exponential methods over RK4 at the least and the largest n, then Gauss
+    methods over exponential ones.
+    """
+    duels = {problem.n: study.duel(problem, DUEL_ERROR) for problem in headline_problems(study)}
+    ratios = {n: ratio for n, duel in duels.items() if (ratio := written_ratio(duel, "elp", "rk4"))}
+    if not ratios:
+        return f"CPU seconds to an error of {DUEL_ERROR_WORD}, by what a method keeps"
+    least, largest = min(ratios), max(ratios)
+    title = f"Smooth scene: {EXPONENTIAL} methods take {ratios[least]} times as long as RK4 at {equals('n', least)}"
+    if largest > least:
+        title += f" and {ratios[largest]} times at {equals('n', largest)}"
+    gauss = written_ratio(duels[largest], "gauss", "elp")
+    return title + (f"; there Gauss methods take {gauss} times as long as exponential ones" if gauss else "")
 
 
 # ---- the same step at every n
 
 
 def error_against_n(study):
-    """Draws the error at Table 1's step against n, and those of all steps, not in the frame, against h‖B(W₀)‖₂."""
-    problems = headline_problems(study)
-    figure, ((at_step, at_norm),) = new_figure("One step size is not one accuracy: error of W(5), smooth scene", 1, 2,
-                                               5.2, keys=2, sharey=True)
-    for axes in (at_step, at_norm):
-        logarithmic(axes)
-        axes.set_ylim(LEAST_ERROR, 2)
-    at_step.set(title=f"at h = {TABLE1_STEP}", xlabel="n", ylabel=ERROR_LABEL)
-    at_step.set_xticks([problem.n for problem in problems], [str(problem.n) for problem in problems])
-    at_norm.set(title="every h, not in the frame; thicker: larger n", xlabel="h‖B(W₀)‖₂")
-    methods = {}
-    for name in (f"{each}{suffix}" for each in AGAINST_N for suffix in ("", FRAME)):
-        if name not in study.integrators:
-            continue
-        method = method_name(study.integrators[name])
-        colour, framed = METHODS[method][0], in_frame(name)
-        points = draw_line(at_step, name, [(run.n, run.error) for run in runs_at_table1_step(study, name)], marker="o",
-                           color=colour, linestyle="-" if framed else "--")
-        methods.setdefault(method, []).extend(points)
-        for index, problem in enumerate([] if framed else problems):
-            for stretch in study.stretches(problem, name):
-                draw_line(at_norm, f"{name}, n = {problem.n}", [(run.h_norm_B, run.error) for run in stretch],
-                          linewidth=0.5 + 0.4 * index, color=colour)
-    mark_lines(at_step, methods)
-    key(figure, [*(each for method, each in method_handles().items() if method in methods),
-                 handle("not in the frame", color="0.3", linestyle="--"),
-                 handle("in the frame", color="0.3")], 2)
-    return figure
+    """Draws the error at Table 1's step against n, smooth scene to T = 5. None without two n.
 
-
-# ---- Tables 1 and 2
-
-
-def table1_accuracy(published, fast):
-    """Draws each cell of a run of Table 1 as its time against its error, hollow, and of Table 2 filled.
-
-    None where no cell has an error in both.
+    A line is broken, and marked as failing, where the step fails or is beyond the integrator's limit.
     """
-    sides = {which: {key: cell for key, cell in run.measurements.items()
-                     if cell.failure is None and cell.counters.get("relative_error", 0) > 0}
-             for which, run in ((PUBLISHED, published), (FAST, fast))}
-    if not sides[PUBLISHED].keys() & sides[FAST].keys():
+    sizes = [problem.n for problem in headline_problems(study)]
+    lines = {name: {run.n: run for run in runs} for name in AGAINST_N if name in study.integrators
+             and (runs := runs_at_table1_step(study, name))}
+    if len({n for runs in lines.values() for n in runs}) < 2:
         return None
-    figure, ((axes,),) = new_figure("Table 1 with its accuracy: the fast forms give the same errors sooner", 1, 1, 6.5)
+    labels = {name: short_name(study.integrators[name]) for name in lines}
+    figure, ((axes,),) = new_figure(growth_title(lines), 1, 1, 5.2, keys=2, labels=labels.values())
     logarithmic(axes)
-    axes.set(xlabel=f"{SECONDS_LABEL} of 50 steps", ylabel="relative error of W(5)")
-    axes.margins(x=0.12)
-    same = {}
-    for which, cells in sides.items():
-        for cell_key, cell in sorted(cells.items()):
-            colour, size = FAMILIES[cell_key.formulation]
-            seconds, error = cell.seconds, cell.counters["relative_error"]
-            axes.plot(seconds, error, marker="o", color=colour, markersize=size + 2,
-                      markerfacecolor=colour if which == FAST else "none", linestyle="none",
-                      label=f"{cell_key.formulation}{cell_key.stages}, n = {cell_key.n}, {which}")
-            same.setdefault((cell_key.n, cell_key.stages), []).append((seconds, error))
-    for (n, s), points in same.items():
-        axes.plot(*zip(*sorted(points)), color="0.45", linestyle=":", zorder=1, label="_same answer")
-        axes.annotate(f"n = {n}, s = {s}", max(points), xytext=(10, -4), textcoords="offset points")
-    dot = {"color": "0.3", "marker": "o", "linestyle": "none"}
-    key(figure, [*(handle(each, color=FAMILIES[each][0], marker="o", markersize=FAMILIES[each][1],
-                          markerfacecolor="none", linestyle="none") for each in FORMULATIONS),
-                 handle("published form", markerfacecolor="none", **dot), handle("fast form", **dot)])
+    axes.set(xlabel="n", ylabel=f"{ERROR_LABEL} at h = {TABLE1_STEP}")
+    label_sizes([axes], sizes)
+    ends = []
+    for name, runs in lines.items():
+        style = look(study.integrators[name])
+        for stretch in unbroken([(n, runs[n].error if n in runs else None) for n in sizes]):
+            draw_line(axes, name, stretch, **style)
+            if fails_after(study, name, stretch[-1][0]):
+                cross(axes, stretch[-1])
+        ends.append((extended(stretch, sizes[-1]), labels[name], style["color"]))
+    label_ends(axes, ends)
+    note(figure, "Smooth scene to T = 5, not in the co-rotating frame, tolerance 1e-13; numbers are orders. Solid:"
+         " keeps the Lie–Poisson structure; dashed: the spectrum only; dotted: nothing. Cross: at the next n the step"
+         " fails, or is beyond the method's stability limit.")
     return figure
+
+
+def fails_after(study, name, n):
+    """Tells whether Table 1's step was tried at the next n, and is not among the runs that work."""
+    problem = next((problem for problem in headline_problems(study) if problem.n > n), None)
+    run = problem and study.at_step(problem, name, TABLE1_STEP)
+    return bool(run) and (not run.usable or run.beyond_limit)
+
+
+def growth_title(lines):
+    """Returns by how much the error changes from the least to the largest n of the methods that AGAINST_N tells of."""
+    told = {name: runs for name, runs in lines.items() if AGAINST_N[name]}
+    common = set.intersection(*map(set, told.values())) if told else set()
+    if len(common) < 2:
+        return f"Error of one step size, h = {TABLE1_STEP}, against n"
+    growth = {name: runs[max(common)].error / runs[min(common)].error for name, runs in told.items()}
+    message = "One step size is not one accuracy" if max(growth.values()) > GROWS else "The error of one step size"
+    factors = [f"by {two_digits(factor)} for {AGAINST_N[name]}" for name, factor in growth.items()]
+    return (f"{message}: from {equals('n', min(common))} to {equals('n', max(common))} the error at"
+            f" {equals('h', TABLE1_STEP)} is multiplied"
+            f" {', '.join(factors[:-1])}{' and ' * (len(factors) > 1)}{factors[-1]}")

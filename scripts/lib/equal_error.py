@@ -1,17 +1,16 @@
 """Compares methods at equal error.
 
-The cost of an error is that of the cheapest run with this error or a smaller one, interpolated along the lines of the
-study. A ratio comes with its range, from fastest over slowest repetitions to slowest over fastest, unless a side was
-timed once. Best forms are compared, with the co-rotating frame wherever it is the cheaper.
+Between lines: the cost of an error is that of the cheapest run with this error or a smaller one, interpolated along the
+line. Nothing is compared with a line that was cut and may have been the cheaper. In duels: the ratio of times by
+process, with its verdict (lib/verdicts.py).
 """
 
 import itertools
 import math
 import statistics
-from typing import NamedTuple
 
-from lib.accuracy_lines import TABLE1_STEP, interpolated
-from lib.formats import FORMULATIONS, PUBLISHED
+from lib.accuracy_lines import CONTENDERS, TABLE1_STEP, Form, compared
+from lib.formats import FORMULATIONS
 from lib.integrator_names import frameless, gauss_stages, in_frame
 
 # Geometric means are over these errors.
@@ -20,85 +19,88 @@ HEADLINE = ("smooth", 5.0)  # the scene and time of the headline figures
 # The tolerance does no harm where what it adds is at most this share of the error that the step size makes.
 HARMLESS = 0.1
 USUAL_TOLERANCE = 1e-13
-NAMES = {"gauss": "Gauss", "rkmk4": "RKMK4", "rk4": "RK4"}
 MEAN_OVER = f"1e{MEAN_EXPONENTS[0]} … 1e{MEAN_EXPONENTS[-1]}"
 
+# What the tables call contenders.
+CONTENDER_NAMES = {
+    "gauss": "Gauss", "gauss_loose": "Gauss, loose", "gauss_published": "Gauss, published form", "elp": "exponential",
+    "elp_tight": "exponential, 1e-13", "magnus": "Magnus", "rkmk4": "RKMK4", "rk4_projected": "projected RK4",
+    "rk4": "RK4"}
+ISOSPECTRAL_ONLY = ("magnus", "rkmk4", "rk4_projected")  # contenders that keep the spectrum and nothing else
 
-# ---- at equal error
-
-
-class Ratio(NamedTuple):
-    value: float
-    least: float
-    most: float
-    repeated: bool  # all was timed more than once, so that there is a spread
-
-    def __str__(self):
-        return f"{self.value:.2g} ({self.least:.2g}–{self.most:.2g})" if self.repeated else f"{self.value:.2g}"
-
-
-def ratio(dear, cheap):
-    """Returns the Ratio of two Costs."""
-    once = any(len(run.cpu_seconds) == 1 for cost in (dear, cheap) for run in (cost.coarse, cost.fine))
-    return Ratio(dear.seconds / cheap.seconds, dear.least / cheap.most, dear.most / cheap.least, not once)
-
-
-def forms_of(study, method):
-    """Returns the names of the integrators of a method, in the frame and not; "gauss" is all its forms."""
-    return [name for name in study.integrators
-            if frameless(name) == method or (method == "gauss" and gauss_stages(frameless(name)))]
+# The duels that figures tell: time of the first over that of the second.
+PAIRS = (("gauss", "elp"), ("gauss_loose", "elp"), ("elp_tight", "elp"), ("gauss_published", "gauss"),
+         *(("elp", other) for other in (*ISOSPECTRAL_ONLY, "rk4")), ("gauss", "rkmk4"), ("gauss", "rk4"))
 
 
 def headline_problems(study):
     return [problem for problem in study.problems() if (problem.scene, problem.time) == HEADLINE]
 
 
-def cheapest(study, problem, error, names):
-    """Returns (name, Cost) of the integrator that has this error or a smaller one at the least cost, or None."""
-    found = [(name, cost) for name in names if (cost := study.cost(problem, name, error))]
-    return min(found, key=lambda each: each[1].seconds, default=None)
+# ---- duels
 
 
-def ratios(study, problems, first, second):
-    """Returns the Ratio of the cheapest of `first` to that of `second`, by (problem, exponent) that both have."""
-    found = {}
-    for problem in problems:
-        for exponent in MEAN_EXPONENTS:
-            sides = [cheapest(study, problem, 10.0**exponent, names) for names in (first, second)]
-            if all(sides):
-                found[problem, exponent] = ratio(*(cost for _, cost in sides))
-    return found
+def duel_errors(study):
+    """Returns the errors of the duels, the largest first."""
+    return sorted({wanted for _, wanted in study.duels}, reverse=True)
 
 
-def published_over_fast(study, problem, name):
-    """Returns the Ratios of the forms of an integrator at equal steps, where their errors are equal too."""
-    pairs = [(run, study.at_step(problem, name, run.step)) for run in study.line(problem, name, PUBLISHED)
-             if run.usable]
-    return [ratio(*(interpolated(run, run, run.error) for run in pair)) for pair in pairs if pair[1] and pair[1].usable]
+def contenders_of(study):
+    """Returns the contenders that have a row in any duel, in the order of CONTENDERS."""
+    found = set(itertools.chain.from_iterable(study.duels.values()))
+    return [contender for contender in CONTENDERS if contender in found]
 
 
-def mean(found):
-    """Returns the geometric mean of some Ratios."""
-    *figures, repeated = zip(*found)
-    return Ratio(*map(statistics.geometric_mean, figures), all(repeated))
+def ratio_in(duel, first, second):
+    """Returns (Ratio, verdict) of the time of a contender over another's in a duel; None where one has no row."""
+    return compared(duel[first], duel[second]) if first in duel and second in duel else None
+
+
+def cheapest_contender(duel, among):
+    """Returns the contender with the least time in a duel, or None if none of these has a row."""
+    return min((each for each in among if each in duel), key=lambda each: duel[each].seconds, default=None)
+
+
+# ---- lines
+
+
+def cheapest(study, problem, error, forms):
+    """Returns (Form, Cost) of the form that has this error or a smaller one at the least cost.
+
+    None if no line reaches it, or if one that was cut might have reached it sooner.
+    """
+    costs = [(form, cost) for form in forms if (cost := study.cost(problem, form.integrator, error, form.tolerance))]
+    best = min(costs, key=lambda each: each[1].seconds, default=None)
+    if best and any(study.may_reach(problem, form.integrator, error, best[1].seconds, form.tolerance)
+                    for form in forms):
+        return None
+    return best
+
+
+def gauss_forms(study):
+    """Returns the Forms of the Gauss integrators in the co-rotating frame, at their tightest tolerance."""
+    return [Form(name) for name in study.integrators if in_frame(name) and gauss_stages(frameless(name))]
 
 
 def means_by_problem(found):
-    """Returns the geometric mean of each problem that has Ratios."""
-    return {problem: mean([each for (where, _), each in found.items() if where == problem])
+    """Returns the geometric mean of each problem that has ratios; `found` has them by (problem, exponent)."""
+    return {problem: statistics.geometric_mean([ratio for (where, _), ratio in found.items() if where == problem])
             for problem in dict.fromkeys(problem for problem, _ in found)}
 
 
-def prices(study, problems):
-    """Returns the Ratios of the best Gauss form to the best form of RKMK4 and of RK4."""
-    return {other: ratios(study, problems, forms_of(study, "gauss"), forms_of(study, other))
-            for other in ("rkmk4", "rk4")}
-
-
 def frame_gains(study, problems):
-    """Returns the Ratios of each integrator to its variant in the co-rotating frame, by its name."""
-    return {frameless(name): ratios(study, problems, [frameless(name)], [name])
-            for name in study.integrators if in_frame(name)}
+    """Returns the time of each integrator over that of its variant in the co-rotating frame, by its name.
+
+    As a dict by (problem, exponent of the error), where both reach the error.
+    """
+    gains = {}
+    for name in filter(in_frame, study.integrators):
+        found = gains[frameless(name)] = {}
+        for problem, exponent in itertools.product(problems, MEAN_EXPONENTS):
+            plain, framed = (study.cost(problem, each, 10.0**exponent) for each in (frameless(name), name))
+            if plain and framed:
+                found[problem, exponent] = plain.seconds / framed.seconds
+    return gains
 
 
 def runs_at_table1_step(study, name):

@@ -24,7 +24,7 @@ import operator
 import re
 import statistics
 from dataclasses import dataclass, field
-from typing import Any, Dict, NamedTuple, Optional
+from typing import Any, Dict, NamedTuple, Optional, Tuple
 
 from lib.messages import LONGEST_TEXT, UnusableFile, one_line, quoted, shortened
 from lib.output import replace_file
@@ -190,6 +190,7 @@ class Schema(NamedTuple):
     study: str
     settings: type
     tables: Dict[str, type]
+    later: Tuple[str, ...] = ()  # tables that older files do not have; they are read as empty
 
 
 @dataclass(frozen=True)
@@ -213,8 +214,10 @@ def study_of(document, schema):
     require(document, what, "format", STUDY_FORMAT)
     require(document, what, "study", schema.study)
     parts = checked(document, dict.fromkeys(("context", "settings", "tables"), an_object), "it")
-    found = checked(parts["tables"], dict.fromkeys(schema.tables, an_object), "tables")
-    tables = {name: records(found[name], record, name) for name, record in schema.tables.items()}
+    older = {name: None for name in schema.later if name not in parts["tables"]}
+    found = checked(parts["tables"], dict.fromkeys(schema.tables.keys() - older, an_object), "tables")
+    tables = {name: records(found[name], record, name) if name in found else []
+              for name, record in schema.tables.items()}
     return Study(printable_context(parts["context"]),
                  schema.settings(**checked(parts["settings"], schema.settings.__annotations__, "settings")), tables)
 
@@ -233,12 +236,16 @@ def records(found, record, name):
 
 
 def write_study(path, schema, context, settings, tables):
-    """Writes a raw file, one row a line, having read it back. `settings` and the rows of `tables` are records."""
+    """Writes a raw file, one row a line, having read it back. `settings` and the rows of `tables` are records.
+
+    Tables of schema.later may be left out.
+    """
     def block(record, rows):
         lines = ",\n".join(compact(row) for row in rows)
         return f'{{"columns":{compact(record._fields)},"rows":[\n{lines}\n]}}'
 
-    blocks = ",\n".join(f"{compact(name)}:{block(record, tables[name])}" for name, record in schema.tables.items())
+    blocks = ",\n".join(f"{compact(name)}:{block(record, tables[name])}" for name, record in schema.tables.items()
+                        if name in tables)
     whole_file = (f'{{"format":{compact(STUDY_FORMAT)},"study":{compact(schema.study)},\n'
                   f'"context":{json.dumps(context, indent=1)},\n"settings":{compact(settings._asdict())},\n'
                   f'"tables":{{\n{blocks}\n}}}}\n')

@@ -26,6 +26,11 @@ def gauss_stages(name):
     return int(match[1]) if match else None
 
 
+def is_exponential(name):
+    """Tells whether an integrator solves for Ω: such methods keep the spectrum to rounding at any tolerance."""
+    return re.match("elp|magnus", name) is not None
+
+
 def frameless(name):
     """Returns the name of the integrator without the co-rotating frame."""
     return name.removesuffix(FRAME)

@@ -3,7 +3,8 @@
 Pilots go over a part T/2^k of the time first, where the dear methods drop out; then over the longest part that the
 budget allows, at best all of it. The reference solution of each part is the first of two integrators that are refined
 together until they agree; their distance is its uncertainty. Fast forms only, in the co-rotating frame where the list
-has it: that is exact and costs nothing. Needs NumPy and isosyrk.
+has it: that is exact and costs nothing. At last some steps of each offer that follows from a shorter pilot are timed
+from where the longest pilot ended: a step of another size takes another time. Needs NumPy and isosyrk.
 """
 
 import itertools
@@ -15,17 +16,18 @@ from dataclasses import replace
 import isosyrk
 import numpy
 from lib import study
+from lib.accuracy_lines import LOOSE_EXPONENTIAL, TIGHT
 from lib.formats import CONVERGED, FAST, UNSTABLE, read_text
 from lib.messages import UnusableFile, one_line
 from lib.command_line import number, whole_number
-from lib.integrator_names import FRAME
-from lib.recommendation import (PREDICTABLE, SMALLEST_ERROR, Outcome, Question, answer_data, below_reference,
-                            beyond_predictability, energy_growth)
+from lib.integrator_names import FRAME, is_exponential
+from lib.recommendation import (MOST_OFFERED, PREDICTABLE, SMALLEST_ERROR, Outcome, Question, answer_data,
+                            below_reference, beyond_predictability, energy_growth)
 from lib.trials import Setting, invariants_lost
 
 REFERENCES = ("group6", "group5")
-CANDIDATES = ("rk4", "group3", "group4", "rkmk4", "group5", "group2", "group6", "kahan_li6", "yoshida4", "direct2",
-              "group1")
+CANDIDATES = ("rk4", "magnus5", "elp4", "elp6", "rk4_projected", "group3", "group4", "rkmk4", "group5", "group2",
+              "group6", "kahan_li6", "yoshida4", "direct2", "group1")
 STOPPED = "stopped"  # status of a pilot at TOO_DEAR times the cheapest good one, or at the end of the budget
 
 FIRST_TIME, FIRST_REFERENCE = 10.0, 2.0  # T‖B(W₀)‖₂ of the first part, h‖B(W₀)‖₂ of its first reference
@@ -43,9 +45,13 @@ MOST_KEPT = 6  # methods that go on to the next part
 # is trusted that grew faster than MOST_GROWTH, and none over more than FARTHEST times the time of its pilot. (A scene
 # of n = 48, all of l <= 6: two references to T = 1000 part, while pilots to T = 125 show a power of 2.6.)
 LEAST_GROWTH, LEAST_GROWTH_OF_OTHERS, MOST_GROWTH, FARTHEST = 1.5, 4.0, 3.0, 2.0
+MOST_DOUBLINGS = 100  # of an error, far more than is offered
 LOOKS = 100  # at the energy and the cost of a pilot of many steps
 FIRST_SHARE = 1 / 3  # of the budget; after it, no further method is begun on the first part
-TOLERANCE = 1e-13  # of the iteration, for a state of norm 1
+# Of the budget, kept for timing steps of the offers; the steps and the CPU seconds that are timed of one at least. As
+# many steps before them are not timed, for a predictor has no past steps yet. Costs change while a scene develops, so
+# more are timed where there is room: SHARE_TIMED of what is left, as the clock of the budget goes on while others run.
+RESERVE, LEAST_STEPS, LEAST_SECONDS, SHARE_TIMED = 0.1, 10, 0.02, 0.25
 
 
 # ---- the user's scene
@@ -113,6 +119,11 @@ def refinement(error, wanted, integrator, least, most=math.inf):
 # ---- pilots
 
 
+def tolerance_of(integrator):
+    """Returns the tolerance that an integrator runs at: the loosest that keeps what it promises to keep."""
+    return LOOSE_EXPONENTIAL if is_exponential(integrator.name) else TIGHT
+
+
 def seconds_left():
     """Returns what is left of the budget, 0 after its end, when SIGALRM comes."""
     return signal.getitimer(signal.ITIMER_REAL)[0]
@@ -124,8 +135,6 @@ class Search:
     def __init__(self, scene, question):
         self.setting, self.question = Setting(scene), question
         self.size = float(numpy.linalg.norm(scene.initial, 2))
-        # The tolerance of the iteration is absolute.
-        self.tolerance = TOLERANCE if 0.5 < self.size < 2 else max(1e-15, TOLERANCE * self.size)
         listed = {each.name: study.record_of(each) for each in isosyrk.integrators()}
         self.references, candidates = ([listed.get(name + FRAME, listed[name]) for name in names]
                                        for names in (REFERENCES, CANDIDATES))
@@ -141,12 +150,18 @@ class Search:
         self.unsettled = None  # the last two references over a part that do not agree, as one Outcome
         self.spent = False  # whether the budget ended before all pilots were made
         self.good = {}  # by integrator: the best pilot over the longest part that it did
+        self.end = 0.0, scene.initial  # the longest time of a pilot that came to a usable end, and its last state
+        self.paces = {}  # by integrator and steps of an offer: CPU seconds a step, as timed
         # Of the part that pilots go over.
         self.time = question.time / 2 ** max(0, math.floor(math.log2(question.time * self.setting.norm_B / FIRST_TIME)))
 
     def method(self, integrator):
         """Returns the module's integrator of the scene."""
-        return isosyrk.integrator(self.setting.scene, integrator.name, solver=FAST, tolerance=self.tolerance)
+        return isosyrk.integrator(self.setting.scene, integrator.name, solver=FAST, tolerance=tolerance_of(integrator))
+
+    def outcome(self, integrator, time, steps, error, seconds, status="expected"):
+        return Outcome(integrator, self.setting.scene.n, time, steps, error, seconds, tolerance_of(integrator),
+                       is_exponential(integrator.name), status)
 
     def longest_step(self, integrator):
         """Returns the longest step that may work, by linear theory and by the pilots that failed."""
@@ -159,7 +174,7 @@ class Search:
 
         The pilot has an error if there is a reference. There are no states if it did not come to a usable end.
         """
-        pilot = Outcome(integrator, self.setting.scene.n, self.time, steps, None, 0.0, STOPPED)
+        pilot = self.outcome(integrator, self.time, steps, None, 0.0, STOPPED)
         self.pilots.append(pilot)
         states = []
 
@@ -181,6 +196,8 @@ class Search:
             pilot.status = UNSTABLE
             return pilot, ()
         pilot.status = CONVERGED
+        if self.time > self.end[0]:
+            self.end = self.time, W
         if not self.trajectory:
             pilot.error = pilot.kept
         elif self.reference and self.reference.time == self.time:
@@ -254,7 +271,8 @@ class Search:
         if not cautious:
             return (time / pilot.time) ** min(seen, MOST_GROWTH)
         least = LEAST_GROWTH if pilot.integrator.isospectral else LEAST_GROWTH_OF_OTHERS
-        return max((time / pilot.time) ** max(least, seen), 2 ** (2 * seen * (time / pilot.time - 1)))
+        ratio = time / pilot.time
+        return 2 ** min(MOST_DOUBLINGS, max(max(least, seen) * math.log2(ratio), 2 * seen * (ratio - 1)))
 
     def expected(self, pilot, time, error, cautious=True):
         """Returns a pilot over this time as it is; from one over a shorter time, the Outcome with the error."""
@@ -264,9 +282,9 @@ class Search:
         steps = even(time / pilot.step * refinement(at_time * AIM, error, pilot.integrator, 0.5))
         longest = min(MOST_UNTRIED / self.setting.norm_B, self.longest_step(pilot.integrator))
         steps = max(steps, even(time / longest))
-        return Outcome(pilot.integrator, pilot.n, time, steps,
-                       at_time * (time / steps / pilot.step) ** pilot.integrator.order,
-                       pilot.seconds * steps / pilot.steps)
+        pace = self.paces.get((pilot.integrator, steps), pilot.seconds / pilot.steps)
+        return self.outcome(pilot.integrator, time, steps,
+                            at_time * (time / steps / pilot.step) ** pilot.integrator.order, pace * steps)
 
     def ranking(self):
         """Returns the expected run of each good integrator over the whole time, the cheapest first."""
@@ -274,6 +292,31 @@ class Search:
                  for each in self.good.values()]
         return [offer for pilot, offer in sorted(found, key=lambda pair: (-pair[0].time, pair[1].seconds))
                 if not self.is_refuted(offer, pilot)]
+
+    def time_offers(self):
+        """Times steps of each offer that is shown and was not run; one whose steps fail is offered no more as it is."""
+        while untimed := [each for each in self.ranking()[:MOST_OFFERED] if not self.is_timed(each)]:
+            self.time_steps(untimed[0], seconds_left() / len(untimed))
+
+    def is_timed(self, offer):
+        return offer.status == CONVERGED or (offer.integrator, offer.steps) in self.paces
+
+    def time_steps(self, offer, seconds):
+        """Times steps of an offer from the end of the longest pilot on, in about so many seconds at most.
+
+        A failure counts as a pilot.
+        """
+        (begin, W), h, method = self.end, offer.step, self.method(offer.integrator)
+        try:
+            (first,) = method.timed_run(W, h, LEAST_STEPS, repetitions=1, warmup=LEAST_STEPS)
+            pace = max(first / LEAST_STEPS, 1e-9)
+            room = min(seconds * SHARE_TIMED / pace, (offer.time - begin) / h)
+            steps = math.ceil(max(LEAST_STEPS, LEAST_SECONDS / pace, room))
+            (taken,) = method.timed_run(W, h, steps, repetitions=1, warmup=LEAST_STEPS)
+        except isosyrk.SolverError as problem:
+            self.pilots.append(self.outcome(offer.integrator, LEAST_STEPS * h, LEAST_STEPS, None, 0.0, problem.status))
+        else:
+            self.paces[offer.integrator, offer.steps] = taken / steps
 
     def is_refuted(self, offer, pilot):
         """Tells whether an offer cannot follow from a pilot over a shorter time: that is too short, its error grew too
@@ -292,22 +335,29 @@ class Search:
         return [each.integrator for each in sorted(found, key=lambda each: each.seconds)[:MOST_KEPT]]
 
     def settle(self):
-        """Judges energy and spectrum if no trajectory can be offered, by each integrator's longest pilot."""
-        if not self.trajectory or self.ranking():
+        """Judges energy and spectrum if nothing can be offered so far, by each integrator's longest pilot."""
+        if self.ranking():
             return
         finished = [each for each in self.pilots if each.status == CONVERGED and each.kept is not None]
         if not finished:
             return
-        self.why = (f"what pilots show of trajectories: they end at T = {max(each.time for each in finished):g}, and"
-                    f" errors that grow fast, or over more than {FARTHEST:g} times that, are not extrapolated")
+        if self.trajectory:
+            shown = max((each.time for each in finished if each.error is not None), default=0)
+            self.why = (f"what pilots show of trajectories: they end at T = {shown:g}, and errors that grow fast, or"
+                        f" over more than {FARTHEST:g} times that, are not extrapolated")
         self.trajectory, self.good = False, {}
         for integrator in self.candidates:
             longest = max((each.time for each in finished if each.integrator == integrator), default=None)
-            error = longest and self.question.error / energy_growth(integrator, longest, self.question.time)
+            error = longest and self.error_of_energy(integrator, longest)
             good = [replace(each, error=each.kept) for each in finished
-                    if each.integrator == integrator and each.time == longest and each.kept <= error]
+                    if error and each.integrator == integrator and each.time == longest and each.kept <= error]
             if good:
                 self.good[integrator] = min(good, key=lambda each: each.seconds)
+
+    def error_of_energy(self, integrator, time):
+        """Returns the error of energy and spectrum that a pilot may have; 0 where that cannot be extrapolated."""
+        growth = energy_growth(integrator, time, self.question.time)
+        return self.question.error / growth if integrator.isospectral else 0.0
 
     def nearest(self):
         """Returns the pilot with the smallest error over the longest part; None if no candidate has an error."""
@@ -322,11 +372,19 @@ class Search:
             said.append(f"reference solution: {reference.integrator.name} with {reference.steps} steps to T ="
                         f" {reference.time:g}, with an uncertainty of {self.uncertainty:.2g}")
         if not self.trajectory:
-            said.append(beyond_predictability(whole, self.why))
-        best = self.good[self.ranking()[0].integrator]
+            said += beyond_predictability(whole, self.why)
+        offers = self.ranking()[:MOST_OFFERED]
+        best = self.good[offers[0].integrator]
         if best.time < whole:
-            said.append(f"the pilots of the answer end at T = {best.time:g}: its error and seconds are extrapolated,"
-                        f" the error as growing by a factor of {self.growth(best, whole):.2g}")
+            said.append(f"the pilots of the answer end at T = {best.time:g}: its error is extrapolated, as growing by a"
+                        f" factor of {self.growth(best, whole):.2g}")
+            if self.is_timed(offers[0]):
+                said.append("the seconds of the answer follow from some of its steps, timed from T ="
+                            f" {self.end[0]:g} on")
+        untimed = [each.integrator.name for each in offers if not self.is_timed(each)]
+        if untimed:
+            said.append(f"the budget was spent before steps of {', '.join(untimed)} were timed: these seconds are"
+                        " scaled from pilots with another step")
         if self.spent:
             said.append("the budget was spent before all pilots were made")
         return said
@@ -355,9 +413,9 @@ class Search:
                 break
             if self.trajectory:  # whose error grows at least in proportion to time
                 error = min(self.question.error, max(self.question.error * share, SHARP_ENOUGH * self.uncertainty))
-            elif each.isospectral:
-                error = self.question.error / energy_growth(each, self.time, self.question.time)
             else:
+                error = self.error_of_energy(each, self.time)
+            if not error:
                 continue
             best = self.search(each, error, TOO_DEAR * cheapest)
             self.good.pop(each, None)
@@ -369,26 +427,35 @@ class Search:
 # ---- the answer
 
 
-def answer(options):
-    """Returns the answer for the user's scene as answer_data() does; throws UnusableFile too. The clock is running."""
-    def stop(*_):
-        raise TimeoutError
+def stop(*_):
+    raise TimeoutError
 
-    scene = scene_of(options)
-    search = Search(scene, Question(one_line(options.own), scene.n, options.time, options.error, options.keep))
+
+def within(seconds, work):
+    """Does a piece of work for at most so many seconds, and tells whether it was finished."""
     try:
+        signal.setitimer(signal.ITIMER_REAL, max(0.0, seconds))
         signal.signal(signal.SIGALRM, stop)
         if not seconds_left():
             raise TimeoutError
-        search.go_on()
+        work()
+        return True
     except TimeoutError:
-        search.spent = True
-    signal.setitimer(signal.ITIMER_REAL, 0)
+        return False
+    finally:
+        signal.signal(signal.SIGALRM, signal.SIG_IGN)
+
+
+def answer(options):
+    """Returns the answer for the user's scene as answer_data() does; throws UnusableFile too. The clock is running."""
+    scene = scene_of(options)
+    search = Search(scene, Question(one_line(options.own), scene.n, options.time, options.error, options.keep))
+    reserve = RESERVE * seconds_left()
+    search.spent = not within(seconds_left() - reserve, search.go_on)
     search.settle()
+    within(reserve, search.time_offers)
     arguments = ["--initial" if options.modes is None else "--modes", options.own]
     if options.hbar == "standard":
         arguments += ["--hbar", options.hbar]
-    if search.tolerance != TOLERANCE:
-        arguments += ["--tolerance", repr(search.tolerance)]
     return answer_data(search, " within the budget" if search.spent else "", arguments,
                        {"measured": f"here, {len(search.pilots)} pilots"})

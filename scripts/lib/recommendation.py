@@ -1,20 +1,22 @@
 """Finds the cheapest run that reaches an error and keeps a structure, in what the study of accuracy measured.
 
-The step for an error is interpolated along a line, between two neighbouring runs that worked. Between recorded n and
-between recorded times, steps and seconds are interpolated too. All interpolation is linear in the logarithms. No step
-is offered beyond a failure, beyond a stability limit, or beyond the largest step that worked in trials.
+What is offered is a Form: an integrator at a tolerance of its iteration. The step for an error is interpolated along
+the line of a Form, between two neighbouring runs that worked. Between recorded n and between recorded times, steps and
+seconds are interpolated too. All interpolation is linear in the logarithms. No step is offered beyond a failure, beyond
+a stability limit, or beyond the longest recorded step that worked.
 """
 
 import itertools
 import math
 import os
+import re
 import shlex
 from dataclasses import dataclass
 from typing import NamedTuple, Optional, Sequence
 
-from lib.accuracy_lines import NEAR_ROUNDING, SCENES, TABLE_EXPONENTS, Problem, interpolated
+from lib.accuracy_lines import NEAR_ROUNDING, SCENES, TABLE_EXPONENTS, TIGHT, Form, Problem, interpolated, keeps
 from lib.formats import FAST, Integrator
-from lib.integrator_names import KEPT, strongest_structure
+from lib.integrator_names import KEPT, is_exponential
 from lib.messages import one_line
 from lib.command_line import NO_ANSWER, Stop
 from lib.comparison import MISSING, three_digits
@@ -22,6 +24,7 @@ from lib.document import Column, Items, Paragraph, plain_table
 from lib.study import MODULE
 
 MOST_OFFERED = 5  # the answer and its runners-up
+MOST_NAMED = 3  # Forms of unknown cost that a statement names
 
 # The steps offered are for the error over MARGIN, for interpolation along a line. Between recorded n, and away from a
 # recorded time, they are for a smaller one still: at T = 20, the errors of rk4 in the smooth scene at n = 33 are 1.8
@@ -34,10 +37,17 @@ SMALLEST_ERROR = 1e-17  # of energy and spectrum, which may be exactly 0
 COLD = 2e-4
 
 # Growth of the error of energy with time, about the most that was seen: n = 33 and 65, smooth and rough, to T = 400.
-# The error grows while a scene develops, up to SETTLED; then it doubles at most for Lie–Poisson methods, and goes on
-# for others (rkmk4_frame with h = 1, n = 33: 4, 12 and 36 times that at T = 50 at T = 100, 200 and 400). Methods that
-# lose the spectrum follow no such power over long times, and are not offered.
+# The error grows while a scene develops, up to SETTLED. Then it doubles at most for Gauss methods and compositions. For
+# others it goes on: rkmk4_frame with h = 1, n = 33, has 4, 12 and 36 times that at T = 50 at T = 100, 200 and 400.
+# Methods that lose the spectrum follow no such power over long times, and are not offered.
 SETTLED, POWER, MOST_YOUNG, MOST_OLD = 50.0, 2.0, 40.0, 2.0
+# Exponential Lie–Poisson methods in these scenes, h = 0.5 and 1. From T = 50 to 400, the error grows 4 to 9 times for
+# elp4 and 4 to 23 times for elp6. It runs ahead of the square of time by a factor of 2.4 at most (elp6, smooth, n = 65,
+# T = 79). Before, it follows no power: in the smooth scene 8 to 16 times from T = 40 to 80 for elp4, 17 to 34 for elp6.
+EXPONENTIAL_OLD = 2.5
+# Their energy drifts faster than the square of time: in the smooth scene, from T = 50 to 400, 260 to 720 times for
+# magnus5, 19 to 140 times for rk4_projected.
+NOT_EXTRAPOLATED = re.compile("magnus|rk4_projected")
 
 
 class Question(NamedTuple):
@@ -50,7 +60,11 @@ class Question(NamedTuple):
 
 @dataclass
 class Outcome:
-    """A run of the fast form of an integrator, as it was made or as it is expected."""
+    """A run of the fast form of an integrator, as it was made or as it is expected.
+
+    `tolerance` is that of the iteration, as the program `integrate` is given it; `loose` tells whether it is looser
+    than the tightest in the units of the state.
+    """
 
     integrator: Integrator
     n: int
@@ -58,6 +72,8 @@ class Outcome:
     steps: int
     error: Optional[float]
     seconds: float
+    tolerance: float = TIGHT
+    loose: bool = False
     status: str = "expected"
     growth: Optional[float] = None  # power of time with which the error of a trajectory grew in its second half
     kept: Optional[float] = None  # the error of energy and spectrum, the larger one, of a pilot that keeps the spectrum
@@ -67,11 +83,26 @@ class Outcome:
     def step(self):
         return self.time / self.steps
 
+    @property
+    def name(self):
+        return named(self.integrator.name, self.tolerance)
+
+    @property
+    def kept_structure(self):
+        """The strongest structure that the integrator keeps at this tolerance."""
+        tolerance = math.inf if self.loose else TIGHT
+        return next(each for each in reversed(KEPT) if keeps(self.integrator, tolerance, each))
+
     def row(self):
         """Returns what answers tell about it, by name."""
-        return {"integrator": self.integrator.name, "order": self.integrator.order,
-                "keeps": strongest_structure(self.integrator), "n": self.n, "time": self.time, "steps": self.steps,
+        return {"integrator": self.integrator.name, "tolerance": self.tolerance, "order": self.integrator.order,
+                "keeps": self.kept_structure, "n": self.n, "time": self.time, "steps": self.steps,
                 "step": self.step, "error": self.error, "seconds": self.seconds, "status": self.status}
+
+
+def named(integrator, tolerance):
+    """Returns the name of an integrator, with its tolerance where that is not the tightest."""
+    return integrator if tolerance == TIGHT else f"{integrator} (tolerance {tolerance:g})"
 
 
 def that_keeps(structure):
@@ -85,16 +116,42 @@ def below_reference(error, uncertainty, time):
 
 
 def beyond_predictability(time, why):
-    return (f"T = {time:g} is beyond {why}: the error is that of energy and spectrum, the larger one, of methods that"
-            f" keep the spectrum; it is taken to grow as the square of time, for Lie–Poisson methods up to T ="
-            f" {SETTLED:g} only")
+    """Returns the statements on an answer that energy and spectrum are judged for."""
+    return [f"T = {time:g} is beyond {why}: the error is that of energy and spectrum, the larger one, of methods that"
+            f" keep the spectrum; it is taken to grow as the square of time, for Gauss methods and compositions up to T"
+            f" = {SETTLED:g} only",
+            "the energy error of explicit Magnus and projected Runge–Kutta methods is not extrapolated in time, that of"
+            f" exponential Lie–Poisson methods from T = {SETTLED:g} on only"]
 
 
-def energy_growth(integrator, known, time):
-    """Returns the growth of the error of energy and spectrum from a known time on, 1 for an earlier one."""
+def statements_on_tolerance(offer, structure):
+    """Returns what is to be said of the tolerance of an offer that is to keep a structure."""
+    if not offer.loose:
+        return []
+    if not is_exponential(offer.integrator.name):
+        return [f"at the tolerance {offer.tolerance:g} the spectrum is kept to about the tolerance only"]
+    if structure != "poisson":
+        return []
+    return [f"at the tolerance {offer.tolerance:g} the spectrum is kept to rounding, and the Lie–Poisson structure to"
+            " about the tolerance"]
+
+
+def energy_growth(integrator, known, time, loose=False):
+    """Returns the growth of the error of energy and spectrum from a known time on, 1 for an earlier one.
+
+    Infinity where the error cannot be extrapolated. `loose`: at a loose tolerance of the iteration.
+    """
+    if time <= known:
+        return 1.0
+    name, old = integrator.name, max(1.0, max(time, SETTLED) / max(known, SETTLED))
+    if NOT_EXTRAPOLATED.match(name) or (is_exponential(name) and known < SETTLED):
+        return math.inf
+    if is_exponential(name):
+        return EXPONENTIAL_OLD * old ** POWER
     young = max(1.0, min(time, SETTLED) / min(known, SETTLED)) ** POWER
-    old = max(1.0, max(time, SETTLED) / max(known, SETTLED))
-    return min(MOST_YOUNG, young) * min(MOST_OLD, old) if integrator.lie_poisson else young * old ** POWER
+    # At a loose tolerance, a Gauss method loses the spectrum as others lose energy.
+    bounded = integrator.lie_poisson and not loose
+    return min(MOST_YOUNG, young) * min(MOST_OLD, old) if bounded else young * old ** POWER
 
 
 # ---- recorded problems
@@ -115,6 +172,10 @@ def blend(weights, values):
     return math.exp(sum(weight * math.log(value) for weight, value in zip(weights, values)))
 
 
+def is_safe(run):
+    return run.usable and not run.beyond_limit
+
+
 def cost_of(runs, error):
     """Returns the least Cost of an error on safe runs, the shortest step first; None if they do not reach it."""
     runs = list(itertools.dropwhile(lambda run: error < run.error < NEAR_ROUNDING, runs))
@@ -130,7 +191,7 @@ class Recorded:
 
     def __init__(self, study, question):
         self.study, self.question = study, question
-        self.margin, self.statements = MARGIN, []
+        self.margin, self.said = MARGIN, []
         sizes = {}
         for problem in study.problems():
             if problem.scene == question.scene:
@@ -149,83 +210,112 @@ class Recorded:
         uncertainty = max(study.references[problem].uncertainty for problem in self.weights)
         self.trajectory = question.time <= self.longest and uncertainty <= PREDICTABLE
         if not self.trajectory:
-            self.statements.append(beyond_predictability(question.time, (
+            self.said += beyond_predictability(question.time, (
                 f"the recorded trajectories, which end at T = {self.longest:g}, good to {uncertainty:.1g}; --modes or"
-                " --state tries whether it is predictable")))
+                " --state tries whether it is predictable"))
         elif question.error < uncertainty:
             raise below_reference(question.error, uncertainty, max(problem.time for problem in self.weights))
         else:
             self.interpolate("T", question.time, around, MARGIN_OF_TIME)
-        self.lines = {name: [self.safe_runs(problem, name) for problem in self.weights]
-                      for name, each in study.integrators.items()
-                      if each.keeps(question.keep) and (self.trajectory or each.isospectral)}
+        candidates = list(filter(self.is_candidate, study.forms()))
+        # The lines of the study, with errors as they are judged.
+        self.judged = study._replace(lines={
+            (problem, *form): [run._replace(error=self.judged_error(run)) if run.usable else run
+                               for run in study.line(problem, *form)]
+            for problem in self.weights for form in candidates})
+        self.lines = {form: [self.safe_runs(problem, form) for problem in self.weights] for form in candidates}
+
+    def is_candidate(self, form):
+        """Tells whether a Form keeps what is asked for, and has an error that can be judged."""
+        integrator = self.study.integrators[form.integrator]
+        return keeps(integrator, form.tolerance, self.question.keep) and (
+            self.trajectory or (integrator.isospectral and math.isfinite(self.energy_growth(form))))
+
+    def energy_growth(self, form):
+        """Returns the growth of the error of energy and spectrum up to the time of the question."""
+        return energy_growth(self.study.integrators[form.integrator], self.longest, self.question.time,
+                             form.tolerance > TIGHT)
 
     def interpolate(self, what, wanted, used, margin):
         """Takes a margin for interpolation in n or T, and says so, unless the wanted value is recorded."""
         if wanted not in used:
             self.margin *= margin
             how = "interpolated" if len(used) > 1 else "scaled"
-            self.statements.append(f"{what} = {wanted:g} is not recorded: steps and seconds are {how} from {what} ="
-                                   f" {' and '.join(f'{value:g}' for value in used)}")
+            self.said.append(f"{what} = {wanted:g} is not recorded: steps and seconds are {how} from {what} ="
+                             f" {' and '.join(f'{value:g}' for value in used)}")
 
     def judged_error(self, run):
         """Returns the error of a recorded run at the time of the question, of the kind that is judged."""
         if not self.trajectory:
-            growth = energy_growth(self.study.integrators[run.integrator], self.longest, self.question.time)
-            return max(run.energy_error, run.spectrum_error, SMALLEST_ERROR) * growth
+            # A Gauss method at a loose tolerance may lose as much of the spectrum, though a short run lost less.
+            loose = run.tolerance > TIGHT and not is_exponential(run.integrator)
+            least = run.tolerance if loose else SMALLEST_ERROR
+            return max(run.energy_error, run.spectrum_error, least) * self.energy_growth(run.form)
         # Up to the shortest recorded time, the error is taken to grow in proportion to time.
         share = min(1.0, self.question.time / self.shortest)
         return run.error * share + self.study.references[run.problem].uncertainty
 
-    def longest_h_norm_B(self, problem, name):
-        """Returns the largest h‖B‖₂ that worked in trials; 0 where none worked, or there were none."""
-        limit = self.study.limits.get((problem.scene, problem.n, name, FAST))
-        return limit.h_norm_B or 0.0 if limit else 0.0
-
-    def safe_runs(self, problem, name):
-        """Returns the runs of a line with the errors judged, from the shortest step to the longest safe one.
-
-        The next step failed, is beyond a limit, or is longer than what worked in trials.
-        """
-        longest, found = self.longest_h_norm_B(problem, name) * (1 + 1e-9), []
-        for run in reversed(self.study.line(problem, name)):
-            if run.usable and not run.beyond_limit and run.h_norm_B <= longest:
-                found.append(run._replace(error=self.judged_error(run)))
-            elif found:
-                break
-        return found
+    def safe_runs(self, problem, form):
+        """Returns the runs of a line from the shortest step to the longest safe one: the next failed or is beyond a
+        limit."""
+        runs = itertools.dropwhile(lambda run: not is_safe(run), reversed(self.judged.line(problem, *form)))
+        return list(itertools.takewhile(is_safe, runs))
 
     def outcome(self, run):
         return Outcome(self.study.integrators[run.integrator], run.n, run.time, run.steps, run.error, run.seconds,
-                       run.status)
+                       run.tolerance, run.tolerance > TIGHT, run.status)
 
-    def offer(self, name):
-        """Returns the run of an integrator that is expected to have the error, or None."""
-        error, time = self.question.error / self.margin, self.question.time
-        costs = [cost_of(line, error) for line in self.lines[name]]
+    def costs(self, form):
+        """Returns the Cost of the error on the line of each problem, None where the line does not reach it."""
+        return [cost_of(line, self.question.error / self.margin) for line in self.lines[form]]
+
+    def offer(self, form):
+        """Returns the run of a Form that is expected to have the error, or None."""
+        error, time, costs = self.question.error / self.margin, self.question.time, self.costs(form)
         if None in costs:
             return None
         known = [(cost.step, cost.fine.h_norm_B / cost.fine.step,
                   cost.fine.error if cost.coarse is cost.fine else error,
                   cost.seconds / problem.time) for problem, cost in zip(self.weights, costs)]
         step, norm_B, expected, pace = (blend(self.weights.values(), values) for values in zip(*known))
-        longest = min(self.longest_h_norm_B(problem, name) for problem in self.weights) / norm_B
+        longest = min(line[-1].h_norm_B for line in self.lines[form]) / norm_B
         steps = math.ceil(time / min(step, longest) * (1 - 1e-9))
-        shortened, integrator = time / steps / step, self.study.integrators[name]
+        shortened, integrator = time / steps / step, self.study.integrators[form.integrator]
         runs = dict.fromkeys(run for cost in costs for run in (cost.coarse, cost.fine))
         return Outcome(integrator, self.question.n, time, steps, expected * shortened**integrator.order,
-                       pace * time / shortened, evidence=list(map(self.outcome, runs)))
+                       pace * time / shortened, form.tolerance, form.tolerance > TIGHT,
+                       evidence=list(map(self.outcome, runs)))
 
     def ranking(self):
-        """Returns the offer of each integrator that reaches the error, the cheapest first."""
+        """Returns the offer of each Form that reaches the error, the cheapest first."""
         offers = filter(None, map(self.offer, self.lines))
         return sorted(offers, key=lambda offer: (offer.seconds, offer.error))
 
     def nearest(self):
-        """Returns the Outcome with the smallest error; of each integrator, that of its worst problem. None if none."""
+        """Returns the Outcome with the smallest error; of each Form, that of its worst problem. None if none."""
         found = [max((min(line, key=lambda run: run.error) for line in lines), key=lambda run: run.error)
                  for lines in self.lines.values() if all(lines)]
         return self.outcome(min(found, key=lambda run: run.error)) if found else None
+
+    @property
+    def statements(self):
+        """Says what stands behind the answer."""
+        return [*self.said, *self.of_unknown_cost()]
+
+    def of_unknown_cost(self):
+        """Says of which Forms it is not known whether they are cheaper than the answer."""
+        best, error = self.ranking()[0], self.question.error / self.margin
+        seconds = [cost.seconds for cost in self.costs(Form(best.integrator.name, best.tolerance))]
+        names = [named(*form) for form in self.lines if self.offer(form) is None and any(
+            self.judged.may_reach(problem, form.integrator, error, most, form.tolerance)
+            for problem, most in zip(self.weights, seconds))]
+        if not names:
+            return []
+        *first, last = names[:MOST_NAMED] + ["others"] * (len(names) > MOST_NAMED)
+        if not first:
+            return [f"not known whether {last} is cheaper: its recorded line was cut before the error was reached"]
+        return [f"not known whether {', '.join(first)} and {last} are cheaper: their recorded lines were cut before the"
+                " error was reached"]
 
 
 def answer(study, question, path, rates_here=lambda sizes: None):
@@ -262,7 +352,7 @@ def answer_data(search, how, scene_arguments, source, speedup=None, first=""):
     question, offers = search.question, search.ranking()[:MOST_OFFERED]
     if not offers or offers[0].error > question.error:
         best = search.nearest()
-        found = (f"the best there is has {best.error:.3g}, by {best.integrator.name} with h = {best.step:.4g} at n ="
+        found = (f"the best there is has {best.error:.3g}, by {best.name} with h = {best.step:.4g} at n ="
                  f" {best.n} to T = {best.time:g}" if best else "no run that is to be trusted was finished")
         raise Stop(f"no methods{that_keeps(question.keep)} are known to reach the error {question.error:g}{how};"
                    f" {found}",
@@ -272,14 +362,17 @@ def answer_data(search, how, scene_arguments, source, speedup=None, first=""):
         row = offer.row()
         del row["status"]
         expected = row.pop("error")
+        tolerance = [] if offer.tolerance == TIGHT else ["--tolerance", repr(offer.tolerance)]
         return {**row, "solver": FAST, "expected_error": expected, "seconds": offer.seconds / (speedup or 1.0) + COLD,
                 "seconds_recorded": offer.seconds,
-                "command": f"{first}{integrate()} --n {offer.n} {shlex.join(scene_arguments)} --integrator"
-                           f" {offer.integrator.name} --solver {FAST} --step {offer.step!r} --time {offer.time!r}"}
+                "command": f"{first}{integrate()} --n {offer.n} {shlex.join([*scene_arguments, *tolerance])}"
+                           f" --integrator {offer.integrator.name} --solver {FAST} --step {offer.step!r}"
+                           f" --time {offer.time!r}"}
 
     winner, *others = offers
     return {**offered(winner), "question": question._asdict(),
-            "judged": "trajectory" if search.trajectory else "energy and spectrum", "statements": search.statements,
+            "judged": "trajectory" if search.trajectory else "energy and spectrum",
+            "statements": [*search.statements, *statements_on_tolerance(winner, question.keep)],
             "speedup": speedup, "evidence": [each.row() for each in winner.evidence],
             "runners_up": list(map(offered, others)), "source": source}
 
@@ -301,11 +394,12 @@ def answer_document(data):
         Paragraph(f"The cheapest methods{that_keeps(question.keep)} for the scene {question.scene}, n = {question.n},"
                   f" to T = {question.time:g} with an error of {question.error:g} or less ({data['judged']}). The first"
                   " row is the answer, the others are its runners-up:"),
-        outcomes_table([data, *data["runners_up"]], ["integrator", "solver", "order", "keeps", "step", "steps",
-                                                     "expected_error", "seconds", *recorded]),
+        outcomes_table([data, *data["runners_up"]], ["integrator", "solver", "tolerance", "order", "keeps", "step",
+                                                     "steps", "expected_error", "seconds", *recorded]),
         *(Paragraph(f"Note: {each}.") for each in data["statements"]),
         Paragraph("Evidence for the answer:"),
-        outcomes_table(data["evidence"], ["integrator", "n", "time", "steps", "error", "seconds", "status"]),
+        outcomes_table(data["evidence"], ["integrator", "tolerance", "n", "time", "steps", "error", "seconds",
+                                          "status"]),
         Items([(name, f": {text}") for name, text in data["source"].items() if text is not None]),
         Paragraph("Run it:"),
     ]
@@ -322,7 +416,7 @@ def recommendation_tables(study):
             best = Recorded(study, question).ranking()[0]
         except (Stop, IndexError):
             return MISSING
-        return f"{best.integrator.name}, h = {best.step:.3g}, {three_digits(best.seconds)} s"
+        return f"{best.name}, h = {best.step:.3g}, {three_digits(best.seconds)} s"
 
     columns = (Column("keeps", align="left"), Column("scene", align="left"), Column("T"), Column("n"),
                *(Column(f"error 1e{exponent}", align="left") for exponent in TABLE_EXPONENTS))
@@ -331,5 +425,6 @@ def recommendation_tables(study):
             for structure in KEPT for problem in study.problems()]
     return [plain_table(columns, rows), Paragraph(
         "The cheapest method by its fast form, as scripts/recommend answers: method, step, CPU seconds, interpolated"
-        f" along the line for the column's error over {MARGIN}. A step is never longer than what worked in trials."
+        f" along the line for the column's error over {MARGIN}. A step is never longer than the longest recorded one"
+        f" that worked. The tolerance of the iteration is {TIGHT:g} where none is named."
         f' "{MISSING}": nothing recorded reaches the error.')]

@@ -14,7 +14,6 @@ from lib.formats import CONVERGED, LARGEST, UNSTABLE
 MAX_SWEEPS = 400  # tells a slow iteration from one that fails without the cost of Table 1's thousand
 GRID = [2.0 ** (k / 2) for k in range(-6, 8)]  # h‖B(W₀)‖₂ from 1/8 to 11.3
 CLOSE = 1.02  # bisection ends when the failing step is at most this many times the working one
-NEAR = 1.1  # where two trials of bisection must do
 
 # Losses that a trial does not survive. What is promised to be isospectral is held to 1e-8, far more than a tolerance of
 # 1e-13 leaves in a few hundred steps; other methods, to a tenth of the largest eigenvalue, which is 1. Every method
@@ -108,26 +107,18 @@ def trial_of(setting, name, solver):
     return trial
 
 
-def find_edge(setting, name, solver="published", close=CLOSE):
+def find_edge(setting, name, solver="published"):
     """Returns the trials of a listed integrator over the grid, and (works, fails) around the first failure above a
-    success, bisected until they differ by the factor `close` at most; None in its place if there is no such failure."""
+    success, bisected until they differ by the factor CLOSE at most; None in its place if there is no such failure."""
     tried = trial_of(setting, name, solver)
     trials = [tried(h_norm_B) for h_norm_B in GRID]
     bracket = next(((first, second) for first, second in zip(trials, trials[1:]) if works(first) and not works(second)),
                    None)
-    while bracket and bracket[1]["h_norm_B"] > close * bracket[0]["h_norm_B"]:
+    while bracket and bracket[1]["h_norm_B"] > CLOSE * bracket[0]["h_norm_B"]:
         inside, outside = bracket
         middle = tried(math.sqrt(inside["h_norm_B"] * outside["h_norm_B"]))
         bracket = (middle, outside) if works(middle) else (inside, middle)
     return trials, bracket
-
-
-def safe_step(setting, name, solver):
-    """Returns the largest h‖B(W₀)‖₂ up to which all trials work, to NEAR; None if the first fails."""
-    trials, bracket = find_edge(setting, name, solver, NEAR)
-    if not works(trials[0]):
-        return None
-    return (bracket[0] if bracket else trials[-1])["h_norm_B"]
 
 
 def works(trial):

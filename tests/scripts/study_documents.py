@@ -1,24 +1,28 @@
 """A small study of accuracy, made up, whose every answer can be worked out by hand.
 
 Errors are exactly C·h^order down to a floor, products and times exactly proportional to the number of steps. A document
-is the context, the settings, and each table as a list of dicts, which tests change. Every integrator's fast form runs
-on every problem: the smooth scene at two n, and the rough scene, whose errors are ten times as large.
+is the context, the settings, and each table as a list of dicts, which tests change. Every integrator runs on every
+problem: the smooth scene at two n, and the rough scene, whose errors are ten times as large. Those with a loose
+tolerance take half the time at it and are as accurate, and Gauss methods then lose the spectrum.
 """
 
 import json
+import math
 import os
 
 import programs  # noqa: F401 (finds the modules of scripts/lib)
 
-from lib.accuracy_lines import SCHEMA, Problem, accuracy
-from lib.formats import FAST, PUBLISHED, SOLVERS, STUDY_FORMAT, Integrator, study_of
+from lib.accuracy_lines import BELOW, CUT, SCHEMA, TIGHT, Duel, Problem, accuracy, loose_tolerance
+from lib.formats import FAST, PUBLISHED, STUDY_FORMAT, Integrator, study_of
 
 STEPS = (5, 10, 20, 50, 100, 200)
 SMOOTH = tuple(Problem("smooth", 5.0, n) for n in (17, 33))
 ROUGH = Problem("rough", 5.0, 17)
 PROBLEMS = {**dict.fromkeys(SMOOTH, 1e-14), ROUGH: 1e-12}  # with the uncertainty of the reference
-PUBLISHED_INTEGRATORS = ("cotangent1", "group1", "group2")  # whose published forms run too, in the smooth scene
+LOOSE = ("group2_frame", "elp4_frame")  # that run with a loose tolerance too
+SOONER = 0.5  # is the time at it, over that at the tight one
 SLOWER = 4  # a published form than the fast one
+PROCESSES = (0.98, 1.01, 1.0, 0.99, 1.02, 1.0)  # of a duel: the times of all rows over their usual ones
 
 # name: stages, order, isospectral, Lie-Poisson, symmetric, explicit, limit, C of the error, seconds a step
 INTEGRATORS = {
@@ -28,7 +32,13 @@ INTEGRATORS = {
     "rkmk4": (4, 4, True, False, False, True, None, 1e-3, 1e-3),
     "rk4": (4, 4, False, False, False, True, 2.8284, 1e-2, 1e-4),
     "group2_frame": (2, 4, True, True, True, False, None, 1e-2, 4e-3),
+    "elp4_frame": (1, 4, True, True, True, False, None, 1e-2, 2e-3),
 }
+# Who stands for a contender of a duel; the others have no row.
+CONTENDERS = {"gauss": ("group2_frame", FAST, TIGHT), "gauss_loose": ("group2_frame", FAST, 1e-7),
+              "gauss_published": ("group2_frame", PUBLISHED, TIGHT), "elp": ("elp4_frame", FAST, 1e-8),
+              "rkmk4": ("rkmk4", FAST, TIGHT), "rk4": ("rk4", FAST, TIGHT)}
+DUELS = (1e-4, 1e-6)  # the errors of the duels, which are in the smooth scene only
 # The largest h‖B(W₀)‖₂ that works: group1 fails at 5 steps; rk4 at half its limit by linear theory, as ‖ad_B‖₂ = 2‖B‖₂.
 LIMITS = {**dict.fromkeys(INTEGRATORS, 100.0), "group1": 1.38, "rk4": 1.4142}
 
@@ -36,15 +46,23 @@ LIMITS = {**dict.fromkeys(INTEGRATORS, 100.0), "group1": 1.38, "rk4": 1.4142}
 OF_GOOD_RUNS = ("error", "spectrum_error", "casimir_errors", "energy_error", "angular_momentum_error", "skew_defect")
 
 
-def run(problem, name, steps, solver=FAST, status="converged"):
-    _, order, isospectral, _, _, _, _, factor, seconds_a_step = INTEGRATORS[name]
+def spectrum_error(name, tolerance, error):
+    """Returns that of a run: a Gauss method keeps the spectrum to its tolerance, an exponential one to rounding."""
+    if not INTEGRATORS[name][2]:
+        return error
+    return tolerance if name.startswith("group") and tolerance > TIGHT else 1e-15
+
+
+def run(problem, name, steps, solver=FAST, status="converged", tolerance=TIGHT):
+    _, order, _, _, _, _, _, factor, seconds_a_step = INTEGRATORS[name]
     step = problem.time / steps
     error = max((10 if problem == ROUGH else 1) * factor * step**order, PROBLEMS[problem])
     h_norm_B = 1.4 * problem.n / 17 * step
-    slower = SLOWER if solver == PUBLISHED else 1
+    slower = (SLOWER if solver == PUBLISHED else 1) * (SOONER if tolerance > TIGHT else 1)
     result = {
-        **problem._asdict(), "integrator": name, "solver": solver, "steps": steps, "step": step, "tolerance": 1e-13,
-        "status": status, "error": error, "solver_error": None, "spectrum_error": 1e-15 if isospectral else error,
+        **problem._asdict(), "integrator": name, "solver": solver, "steps": steps, "step": step,
+        "tolerance": tolerance, "status": status, "error": error, "solver_error": None,
+        "spectrum_error": spectrum_error(name, tolerance, error),
         "casimir_errors": [1e-15] * 4, "energy_error": 1e-15, "angular_momentum_error": 1e-15, "skew_defect": 0.0,
         "h_norm_B": h_norm_B, "beyond_limit": h_norm_B > LIMITS[name],
         "sweeps": 0, "products": 4 * steps, "equivalent_products": 4.0 * steps * slower, "poisson_solves": 4 * steps,
@@ -53,10 +71,21 @@ def run(problem, name, steps, solver=FAST, status="converged"):
     return result if status == "converged" else {**result, **dict.fromkeys(OF_GOOD_RUNS), "cpu_seconds": []}
 
 
+def duel_row(problem, wanted, contender):
+    """Returns the row of a contender, with the fewest steps that reach the error."""
+    name, solver, tolerance = CONTENDERS[contender]
+    order, factor = INTEGRATORS[name][1], INTEGRATORS[name][7]
+    steps = math.ceil(problem.time * (factor / wanted) ** (1 / order))
+    found = run(problem, name, steps, solver, tolerance=tolerance)
+    seconds = found["cpu_seconds"][1]
+    return {**{field: found[field] for field in Duel._fields if field in found}, "wanted": wanted,
+            "contender": contender, "cpu_seconds": [seconds * share for share in PROCESSES]}
+
+
 def study_document():
     """Returns the document; tests change a copy of it."""
-    lines = [(problem, name, solver) for problem in PROBLEMS for name in INTEGRATORS for solver in SOLVERS
-             if solver == FAST or (name in PUBLISHED_INTEGRATORS and problem in SMOOTH)]
+    lines = [(problem, name, tolerance) for problem in PROBLEMS for name in INTEGRATORS
+             for tolerance in (TIGHT, *((loose_tolerance(name),) if name in LOOSE else ()))]
     return {
         "context": {"commit": "0123456789ab", "dirty": "no", "compiler": "GNU 12.2.0", "cpu": "a processor",
                     "blas_kernels": "Zen", "tolerance": "1e-13"},
@@ -65,19 +94,21 @@ def study_document():
                         "steps": [200, 3200]} for problem, uncertainty in PROBLEMS.items()],
         "rates": [{"n": n, "published": 1e9 / n**3, "fast": 2e9 / n**3} for n in (17, 33)],
         "integrators": [dict(zip(Integrator._fields, (name, *values))) for name, values in INTEGRATORS.items()],
-        "limits": [{"scene": problem.scene, "n": problem.n, "integrator": name, "solver": solver,
-                    "h_norm_B": LIMITS[name]} for problem, name, solver in lines],
-        "runs": [run(problem, name, steps, solver, "diverged" if (name, steps) == ("group1", 5) else "converged")
-                 for problem, name, solver in lines for steps in STEPS],
+        "lines": [{**problem._asdict(), "integrator": name, "tolerance": tolerance,
+                   "end": CUT if name in ("cotangent1", "group1") else BELOW} for problem, name, tolerance in lines],
+        "runs": [run(problem, name, steps, FAST, "diverged" if (name, steps) == ("group1", 5) else "converged",
+                     tolerance) for problem, name, tolerance in lines for steps in STEPS],
         "tolerance_runs": [{**run(problem, name, 50, PUBLISHED), "tolerance": 10.0**-digits,
                             "solver_error": 10.0**-(digits + 1)}
                            for problem in SMOOTH for name in ("group1", "group2") for digits in range(4, 14)],
+        "duels": [duel_row(problem, wanted, contender) for problem in SMOOTH for wanted in DUELS
+                  for contender in CONTENDERS],
     }
 
 
-def run_of(document, name, n, steps, solver=FAST, scene="smooth"):
+def run_of(document, name, n, steps, tolerance=TIGHT, scene="smooth"):
     """Returns a run of a document, to be changed there."""
-    wanted = {"scene": scene, "n": n, "integrator": name, "solver": solver, "steps": steps}
+    wanted = {"scene": scene, "n": n, "integrator": name, "tolerance": tolerance, "steps": steps}
     return next(each for each in document["runs"] if wanted.items() <= each.items())
 
 

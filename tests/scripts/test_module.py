@@ -87,10 +87,25 @@ class Answers(unittest.TestCase):
         scene = isosyrk.scene("smooth", n=65)  # large enough for bands and for two threads
         wanted, predicted = ran(scene, "group2", 10, solver="fast")
         self.assertTrue(np.array_equal(ran(scene, "group2", 10, solver="fast", threads=2)[0], wanted))
-        for switch in isosyrk.SWITCHES:
+        for switch in ("predictor", "newton", "bands"):
             W, report = ran(scene, "group2", 10, solver="fast", without=(switch,))
             self.assertLess(np.abs(W - wanted).max(), 100 * TOLERANCE)
             self.assertGreater(report.equivalent_products, predicted.equivalent_products, switch)
+        unused = set(isosyrk.SWITCHES) - {"predictor", "newton", "bands"}
+        self.assertTrue(np.array_equal(ran(scene, "group2", 10, solver="fast", without=unused)[0], wanted))
+
+    def test_switches_of_exponential_methods(self):
+        scene = isosyrk.scene("smooth", n=17)
+
+        def run(*without):
+            return isosyrk.integrator(scene, "elp4", solver="fast", tolerance=1e-8, without=without).run(
+                scene.initial, 0.25, 10)
+
+        wanted, complete = run()
+        for switch in ("explicit_start", "error_estimates", "single_precision", "graded_series"):
+            W, report = run("predictor", switch)
+            self.assertLess(np.abs(W - wanted).max(), 1e-6)
+            self.assertGreater(report.equivalent_products, 1.1 * complete.equivalent_products, switch)
 
     def test_measures(self):
         W0, W = SMOOTH.initial, state(9)
@@ -681,7 +696,8 @@ class Refusals(unittest.TestCase):
                 (ValueError, "^integrator 'group99': must be one of cotangent1", dict(name="group99")),
                 (ValueError, "^threads: goes with", dict(name="group2", threads=2)),
                 (ValueError, "^without: goes with", dict(name="group2", without=("bands",))),
-                (ValueError, "^without 'magic'", dict(name="group2", solver="fast", without=("magic",))),
+                (ValueError, "^without 'magic': must be of predictor, newton, bands, explicit_start,",
+                 dict(name="group2", solver="fast", without=("magic",))),
                 (TypeError, "^tolerance: is a str", dict(name="group2", tolerance="1e-13")),
                 (ValueError, "must be printable$", dict(name="a\0b")),
                 (ValueError, "^products: goes with", dict(name="group2", solver="fast", products="eigen")),

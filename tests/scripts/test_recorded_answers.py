@@ -27,9 +27,15 @@ class Answers(FolderTest):
         return strict_json(done.stdout)
 
     def state(self, found, integrator, step):
-        """Returns the last state of an answer's command line by another integrator and step, or None."""
+        """Returns the last state of an answer's command line by another integrator and step, or None.
+
+        Another integrator has the default tolerance.
+        """
         *before, line = found["command"].split(" && ")  # before it a scene is developed
         words = shlex.split(line)
+        if integrator != found["integrator"] and "--tolerance" in words:
+            at = words.index("--tolerance")
+            del words[at:at + 2]
         for option, value in (("--integrator", integrator), ("--step", repr(step))):
             words[words.index(option) + 1] = value
         for command in (*map(shlex.split, before), [*words, "--output", "W.npy"]):

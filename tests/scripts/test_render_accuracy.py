@@ -1,6 +1,5 @@
 """Tests of scripts/render_accuracy on a made-up study: by running it as a user does, and by what its charts draw."""
 
-import json
 import math
 import os
 import shutil
@@ -9,14 +8,47 @@ import unittest
 from unittest import mock
 
 import programs
-from drawing import PYTHON, DrawingTest, lines_of
+from drawing import PYTHON, DrawingTest, finite_points, lines_of
 from programs import snapshot
-from study_documents import INTEGRATORS, accuracy_of, run_of, small_study, study_document, write_study
-from test_reproduce import raw_file
+from study_documents import (INTEGRATORS, ROUGH, accuracy_of, duel_row, run_of, small_study, study_document,
+                             write_study)
 
-from lib.formats import read_run
+from lib.accuracy_lines import CUT, TIGHT
 
-CHARTS = ("error_against_time", "energy_against_time", "error_against_n", "table1_accuracy")
+CHARTS = ("error_against_time", "time_against_n", "error_against_n")
+KINDS = ("svg", "png")
+
+
+def with_sizes(sizes):
+    """Returns the document with problems of other n, {n: whose data they have}."""
+    document = study_document()
+    for table, rows in document.items():
+        if isinstance(rows, list) and "n" in rows[0]:
+            document[table] = [{**row, "n": n} for n, like in sizes.items() for row in rows if row["n"] == like]
+    return document
+
+
+def duel_of(document, contender, n, wanted=1e-6, scene="smooth"):
+    """Returns a row of a duel, to be changed there."""
+    row = {"contender": contender, "n": n, "wanted": wanted, "scene": scene}
+    return next(each for each in document["duels"] if row.items() <= each.items())
+
+
+def slower(row, factor):
+    row.update(cpu_seconds=[factor * seconds for seconds in row["cpu_seconds"]])
+
+
+def texts(panel):
+    return [text.get_text() for text in panel.texts]
+
+
+def title_of(panel):
+    return " ".join(panel.figure.texts[0].get_text().split())
+
+
+def marks(panel, label):
+    """Returns the points of marks that are no line."""
+    return [point for line in panel.lines if line.get_label() == label for point in finite_points(line)]
 
 
 class AccuracyTest(DrawingTest):
@@ -26,34 +58,32 @@ class AccuracyTest(DrawingTest):
         """Returns the raw file of a study that is drawn in a second or two, where only the files matter."""
         return write_study(self.folder, small_study(), "small.json")
 
-    def table2(self, counters=lambda s: {"relative_error": 10.0**(-3 * s)}, failed=False):
-        """Returns a raw file of Table 2 with Table 1's rows, which take twice as long; the rows of algebra may fail."""
-        document = raw_file(failed, ("table2", "table1"), sizes=(17, 33))
-        for row in document["benchmarks"]:
-            row.update(counters(int(row["run_name"][-1])))
-        return self.write("table2.json", json.dumps(document))
-
     def without(self):
         """Returns a folder for PYTHONPATH with which a Python has no matplotlib."""
         self.write("broken/matplotlib.py", "raise ImportError('not here')\n")
         return self.path("broken")
 
+    def drawn(self, chart, document):
+        """Returns the panels of a chart by their titles."""
+        return {title: panel for title, (panel,) in self.panels("charts", chart, accuracy_of(document)).items()}
+
 
 class Files(AccuracyTest):
     def test_whole_and_the_same_by_a_chosen_python_under_a_user_s_own_settings_on_other_kernels(self):
-        arguments = (self.small(), "--table2", self.table2())
-        files = self.rendered("plain", *arguments)
+        study = write_study(self.folder)
+        files = self.rendered("plain", study)
         self.assertEqual(set(files), {"report.md", "figures.json", *(f"{chart}.{kind}" for chart in CHARTS
-                                                                     for kind in ("svg", "png"))})
+                                                                     for kind in KINDS)})
         for chart in CHARTS:
             self.assert_whole(files, chart)
+            self.assertIn(f"({chart}.svg)".encode(), files["report.md"])
         for name, contents in files.items():
             for word in (b"<dc:date", b"Software", b"Matplotlib v", self.folder.encode()):
                 self.assertNotIn(word, contents, name)
         self.write("matplotlib/matplotlibrc", "lines.linewidth: 9\nfont.size: 30\naxes.facecolor: red\n")
         chosen = self.write("bin/chosen", f'#!/bin/sh\necho chosen >> {self.path("calls")}\nunset PYTHONPATH\n'
                                           f'exec {PYTHON} "$@"\n', executable=True)
-        again = self.rendered("new/charts", *arguments, PYTHONPATH=self.without(), ISOSYRK_PYTHON=chosen,
+        again = self.rendered("new/charts", study, PYTHONPATH=self.without(), ISOSYRK_PYTHON=chosen,
                               OPENBLAS_CORETYPE="Haswell")
         self.assertTrue(os.path.exists(self.path("calls")))
         self.assertTrue(again == files)  # some megabytes
@@ -62,85 +92,196 @@ class Files(AccuracyTest):
         shutil.copytree(os.path.join(programs.ROOT, "scripts"), self.path("root", "scripts"))  # whose results/ this is
         out = self.path("root", "results", "recorded", "study")
         with mock.patch.object(programs, "ROOT", self.path("root")):
-            self.assertEqual(self.render(self.small(), "--out", out).returncode, 0)
-        self.assertEqual(set(os.listdir(out)), {"report.md", "figures.json",
-                                                *(f"{chart}.svg" for chart in CHARTS[:-1])})
+            self.assertEqual(self.render(write_study(self.folder), "--out", out).returncode, 0)
+        self.assertEqual(set(os.listdir(out)), {"report.md", "figures.json", *(f"{chart}.svg" for chart in CHARTS)})
 
-    def test_without_errors_table_1_is_left_out_and_said_so(self):
-        table2 = self.table2(lambda s: {})
-        result = self.render(self.small(), "--out", self.path("charts"), "--table2", table2)
-        self.assertEqual(result.returncode, 0)
-        self.assert_one_line(result.stderr, table2, "relative_error", "table1_accuracy")
-        self.assertNotIn("table1_accuracy.svg", os.listdir(self.path("charts")))
+    def test_no_chart_without_data(self):
+        def charts(name, document):
+            files = self.rendered(name, write_study(self.folder, document, f"{name}.json"))
+            return {file[:-4] for file in files if file.endswith(".svg")}
+
+        one_size = small_study()
+        self.assertEqual(charts("one_size", one_size), {"error_against_time", "time_against_n"})
+        one_size["duels"] = [row for row in one_size["duels"] if row["wanted"] != 1e-6]
+        self.assertEqual(charts("no_duel", one_size), {"error_against_time"})
+        none = small_study()
+        none["duels"] = []
+        for table in ("runs", "lines"):
+            none[table] = [row for row in none[table] if row["integrator"] == "group1"]
+        self.assertEqual(charts("no_line", none), set())
 
 
-class WhatIsDrawn(AccuracyTest):
+class ErrorAgainstTime(AccuracyTest):
+    def test_lines_tolerances_and_labels(self):
+        (panel,) = self.drawn("error_against_time", study_document()).values()
+        self.assertEqual(panel.get_title(loc="left"), "n = 17")  # 33 is not of the sizes drawn
+        lines = lines_of(panel)
+        self.assertEqual(list(lines), ["group2_frame at 1e-13", "elp4_frame at 1e-08", "rkmk4 at 1e-13",
+                                       "rk4 at 1e-13"])
+        self.assertEqual(sorted(texts(panel)), ["Gauss 4", "RK4, no frame", "RKMK4, no frame", "exponential 4"])
+        for name, seconds_a_step in (("group2_frame at 1e-13", 4e-3), ("elp4_frame at 1e-08", 1e-3)):
+            for error, seconds in lines[name]:
+                steps = seconds / seconds_a_step / 0.99  # the least of the repetitions
+                self.assertAlmostEqual(error / (1e-2 * (5 / steps)**4), 1)
+
+    def test_the_tight_tolerance_where_there_is_no_loose_one(self):
+        document = study_document()
+        for table in ("runs", "lines"):
+            document[table] = [row for row in document[table] if row["tolerance"] == TIGHT]
+        (panel,) = self.drawn("error_against_time", document).values()
+        self.assertIn("elp4_frame at 1e-13", lines_of(panel))
+        self.assertIn("exponential 4, 1e-13", texts(panel))
+
     def test_no_line_across_a_failure_or_beyond_a_limit(self):
         document = study_document()
         run_of(document, "rkmk4", 17, 20)["beyond_limit"] = True
         run_of(document, "rkmk4", 17, 100).update(status="diverged", cpu_seconds=[])
-        (panel,) = self.panels("charts", "error_against_time", accuracy_of(document))["smooth, T = 5, n = 17"]
-        lines = [line.get_xdata() / INTEGRATORS["rkmk4"][-1] for line in panel.lines if line.get_label() == "rkmk4"]
-        self.assertEqual([[round(steps) for steps in line] for line in lines], [[5, 10], [50], [200]])
+        (panel,) = self.drawn("error_against_time", document).values()
+        lines = [line.get_ydata() / INTEGRATORS["rkmk4"][-1] for line in panel.lines
+                 if line.get_label() == "rkmk4 at 1e-13"]
+        self.assertEqual([[round(steps / 0.99) for steps in line] for line in lines], [[5, 10], [50], [200]])
 
-    def test_envelopes_ghosts_and_decades(self):
-        document = study_document()
-        run_of(document, "group2", 17, 200).update(error=1e-12, cpu_seconds=[80.0])
-        panels = self.panels("charts", "error_against_time", accuracy_of(document))
-        self.assertEqual(list(panels), ["smooth, T = 5, n = 17", "smooth, T = 5, n = 33"])
-        widths = [math.log10(panel.get_xlim()[1] / panel.get_xlim()[0]) for (panel,) in panels.values()]
-        self.assertAlmostEqual(*widths)
-        lines = lines_of(panels["smooth, T = 5, n = 17"][0])
-        self.assertIn("group2, published", lines)
-        self.assertNotIn("cotangent1", lines)  # group stands for its method
-        # The spectrum is kept by rkmk4 alone: 1e-3 h^4 in 1e-3 T/h seconds, upright above its longest step.
-        self.assertEqual(lines["spectrum"][-1][1], 1.0)
-        for seconds, error in lines["spectrum"]:
-            self.assertAlmostEqual(seconds, 5e-3 * max(1, (1e-3 / error) ** 0.25))
-        # The envelope ends with its cheapest line, group2_frame at 4e-9, before only a much dearer one goes on.
-        self.assertGreater(lines["poisson"][0][1], 3e-9)
-        best = [line for name in ("group1", "group2", "group2_frame") for line in lines[name]]
-        # Its levels are 4 a decade: within a factor 1.78 above each point there is one that is no dearer.
-        self.assertTrue(all(any(x <= 1.0001 * seconds and error <= 1.0001 * y <= 1.79 * error
-                                for x, y in lines["poisson"])
-                            for seconds, error in best if error < 0.5 and seconds < 80))
+    def test_the_end_of_a_cut_line_is_marked(self):
+        document = with_sizes({17: 17, 65: 33})
+        self.assertEqual(marks(self.drawn("error_against_time", document)["n = 65"], "_cut"), [])
+        for line in document["lines"]:
+            line.update(end=CUT if (line["integrator"], line["n"]) == ("rkmk4", 65) else line["end"])
+        panels = self.drawn("error_against_time", document)
+        ends = marks(panels["n = 65"], "_cut")
+        self.assertEqual(ends, lines_of(panels["n = 65"])["rkmk4 at 1e-13"][-1:])
+        self.assertEqual(marks(panels["n = 17"], "_cut"), [])
 
-    def test_the_legend_lists_what_is_drawn(self):
-        document = study_document()
+    def test_panels_have_equal_decades_and_no_labels_overlap(self):
+        document = with_sizes({17: 17, 65: 33, 129: 33, 257: 33})
         for run in document["runs"]:
-            # Below the panel, and in it.
-            run.update(energy_error=1e-15 if run["integrator"].startswith("group") else 1e-6)
-        (panel,) = self.panels("charts", "energy_against_time", accuracy_of(document))["smooth, T = 5, n = 33"]
-        self.assertEqual({text.get_text() for text in panel.figure.legends[0].get_texts()}, {
-            "best that keeps the spectrum", "best that keeps nothing", "best that keeps the Lie–Poisson structure",
-            "not in it (pale)", "RKMK4: RKMK, order 4", "RK4: Runge–Kutta, order 4"})
+            run.update(cpu_seconds=[run["n"]**2 * seconds for seconds in run["cpu_seconds"]])
+        panels = self.drawn("error_against_time", document)
+        self.assertEqual(list(panels), ["n = 17", "n = 65", "n = 257"])
+        decades = {round(math.log10(panel.get_ylim()[1] / panel.get_ylim()[0]), 9) for panel in panels.values()}
+        self.assertEqual((len(decades), {panel.get_xlim() for panel in panels.values()}), (1, {(1e-2, 1e-9)}))
+        for panel in panels.values():
+            places = sorted(text.xy[1] * panel.bbox.height for text in panel.texts)
+            high = panel.texts[0].get_fontsize() / 72 * panel.figure.dpi
+            self.assertTrue(all(above - below > high for below, above in zip(places, places[1:])), places)
 
-    def test_other_problems_energy_and_size(self):
-        study = accuracy_of(study_document())
-        self.assertEqual(list(self.panels("charts", "error_against_time_others", study)), ["rough, T = 5, n = 17"])
-        self.assertEqual(list(self.panels("charts", "energy_against_time", study)), ["smooth, T = 5, n = 33"])
-        panels = self.panels("charts", "error_against_n", study)
-        at_step = lines_of(panels["at h = 0.1"][0])
-        self.assertEqual([n for n, _ in at_step["group2_frame"]], [17, 33])
-        self.assertAlmostEqual(at_step["group2"][0][1] / at_step["group2_frame"][0][1], 10)
-        against_norm = lines_of(panels["every h, not in the frame; thicker: larger n"][0])
-        self.assertEqual({line for line in against_norm if line.startswith("group2")},
-                         {"group2, n = 17", "group2, n = 33"})
+    def test_other_sizes(self):
+        for sizes, drawn in (((5, 9), (5, 9)), ((5, 9, 33, 129), (5, 33, 129)), ((9, 17, 129), (17,))):
+            panels = self.drawn("error_against_time", with_sizes(dict.fromkeys(sizes, 17)))
+            self.assertEqual(list(panels), [f"n = {n}" for n in drawn])
 
-    def test_tables_1_and_2(self):
-        def lines(failed=False):
-            runs = [read_run(self.table2(failed=failed), ("table2",), (), ("relative_error",), table)
-                    for table in ("table1", "table2")]
-            return lines_of(self.panels("charts", "table1_accuracy", *runs)[""][0])
+    def test_the_title_tells_the_duel_at_the_largest_size(self):
+        def title():
+            return title_of(next(iter(self.drawn("error_against_time", document).values())))
 
-        self.assertEqual(set(lines()), {f"{each}{s}, n = {n}, {form}" for each in programs.FORMULATIONS
-                                        for s in (1, 2, 3) for n in (17, 33) for form in ("published", "fast")})
-        ((before, error),), ((after, same),) = (lines()[f"cotangent2, n = 33, {form}"]
-                                                for form in ("published", "fast"))
-        self.assertAlmostEqual(error, 1e-6)
-        self.assertEqual(same, error)
-        self.assertGreater(before, after)
-        self.assertEqual({line.split(",")[0].rstrip("123") for line in lines(failed=True)}, {"cotangent", "group"})
+        document = with_sizes({17: 17, 65: 33})
+        told = ("What structure costs: at n = 65 and error 1e-6 exponential Lie–Poisson methods take {} times the time"
+                " of RK4, Gauss methods 40 times")
+        self.assertEqual(title(), told.format(10))
+        slower(duel_of(document, "elp", 65), 3)
+        self.assertEqual(title(), told.format(30))
+        slower(duel_of(document, "elp", 17), 3)  # of no panel that the title tells of
+        self.assertEqual(title(), told.format(30))
+        document["duels"].remove(duel_of(document, "elp", 65))
+        self.assertTrue(title().endswith("at n = 65 and error 1e-6 Gauss methods take 40 times the time of RK4"))
+        document["duels"] = [row for row in document["duels"] if row["contender"] != "rk4"]
+        self.assertEqual(title(), "What structure costs: CPU seconds of errors")
+
+
+class TimeAgainstN(AccuracyTest):
+    def test_classes_by_size(self):
+        document = study_document()
+        document["duels"].append({**duel_of(document, "rkmk4", 33), "contender": "magnus"})
+        slower(document["duels"][-1], 0.5)
+        (panel,) = self.drawn("time_against_n", document).values()
+        self.assertEqual(panel.get_title(loc="left"), "smooth scene")
+        lines = lines_of(panel)
+        self.assertEqual(set(lines), set(texts(panel)))
+        self.assertEqual(list(lines), [
+            "Lie–Poisson, Gauss, published form", "Lie–Poisson, Gauss, fast form", "Lie–Poisson, exponential",
+            "spectrum only", "nothing kept"])
+        seconds = {name: [value for _, value in line] for name, line in lines.items()}
+        for name, expected in (("Lie–Poisson, Gauss, published form", (0.8, 0.8)), ("nothing kept", (5e-3, 5e-3)),
+                               ("Lie–Poisson, exponential", (0.05, 0.05)), ("spectrum only", (0.029, 0.0145))):
+            for found, wanted in zip(seconds[name], expected):
+                self.assertAlmostEqual(found / wanted, 1, 2)
+        self.assertEqual({tuple(n for n, _ in line) for line in lines.values()}, {(17, 33)})
+
+    def test_both_scenes_on_equal_axes(self):
+        document = study_document()
+        document["duels"] += [duel_row(ROUGH, 1e-6, contender) for contender in ("elp", "rk4")]
+        slower(document["duels"][-1], 1e3)
+        panels = self.drawn("time_against_n", document)
+        self.assertEqual(list(panels), ["smooth scene", "rough scene"])
+        self.assertEqual(len({(panel.get_xlim(), panel.get_ylim()) for panel in panels.values()}), 1)
+        self.assertEqual(set(texts(panels["rough scene"])), {"Lie–Poisson, exponential", "nothing kept"})
+
+    def test_a_line_is_broken_where_a_duel_has_no_row_of_it(self):
+        document = with_sizes({17: 17, 33: 33, 65: 33})
+        document["duels"].remove(duel_of(document, "rk4", 33))
+        (panel,) = self.drawn("time_against_n", document).values()
+        sizes = [list(line.get_xdata()) for line in panel.lines if line.get_label() == "nothing kept"]
+        self.assertEqual(sizes, [[17], [65]])
+
+    def test_the_title_follows_the_duels(self):
+        def title():
+            return title_of(next(iter(self.drawn("time_against_n", document).values())))
+
+        document = study_document()
+        slower(duel_of(document, "rk4", 33), 4)
+        first = "Smooth scene: exponential Lie–Poisson methods take 10 times as long as RK4 at n = 17"
+        last = "; there Gauss methods take {} times as long as exponential ones"
+        self.assertEqual(title(), f"{first} and 2.5 times at n = 33{last.format(4)}")
+        slower(duel_of(document, "gauss", 33), 2)
+        self.assertEqual(title(), f"{first} and 2.5 times at n = 33{last.format(8)}")
+        document["duels"].remove(duel_of(document, "elp", 33))
+        self.assertEqual(title(), first + last.format(4))
+        document["duels"] = [row for row in document["duels"] if row["contender"] == "gauss"]
+        self.assertEqual(title(), "CPU seconds to an error of 1e-6, by what a method keeps")
+
+
+class ErrorAgainstN(AccuracyTest):
+    def test_the_same_step_at_each_n_in_the_tight_tolerance(self):
+        document = study_document()
+        for line in ("runs", "lines"):  # a line at a loose tolerance, which is not drawn
+            document[line] += [{**row, "tolerance": 1e-7, **({"error": 0.5} if line == "runs" else {})}
+                               for row in document[line] if row["integrator"] == "group2"]
+        (panel,) = self.drawn("error_against_n", document).values()
+        lines = lines_of(panel)
+        self.assertEqual({name: [n for n, _ in line] for name, line in lines.items()},
+                         dict.fromkeys(("group1", "group2", "rkmk4", "rk4"), [17, 33]))
+        for name, error in (("group1", 1e-2), ("group2", 1e-5), ("rkmk4", 1e-7), ("rk4", 1e-6)):
+            self.assertAlmostEqual(lines[name][0][1] / error, 1)
+        self.assertEqual(sorted(texts(panel)), ["Gauss 2", "Gauss 4", "RK4", "RKMK4"])
+        self.assertEqual(marks(panel, "_failure"), [])
+
+    def test_failures_break_lines_and_are_marked(self):
+        document = with_sizes({17: 17, 33: 33, 65: 33})
+        run_of(document, "rk4", 33, 50)["beyond_limit"] = True
+        run_of(document, "group1", 65, 50).update(status="diverged", cpu_seconds=[])
+        document["runs"].remove(run_of(document, "rkmk4", 65, 50))  # not tried
+        (panel,) = self.drawn("error_against_n", document).values()
+        sizes = {name: [list(line.get_xdata()) for line in panel.lines if line.get_label() == name]
+                 for name in ("rk4", "group1", "rkmk4", "group2")}
+        self.assertEqual(sizes, {"rk4": [[17], [65]], "group1": [[17, 33]], "rkmk4": [[17, 33]],
+                                 "group2": [[17, 33, 65]]})
+        lines = lines_of(panel)
+        self.assertEqual(sorted(marks(panel, "_failure")), sorted((
+            [17, run_of(document, "rk4", 17, 50)["error"]], lines["group1"][-1])))
+
+    def test_the_title_follows_the_errors(self):
+        def title():
+            return title_of(next(iter(self.drawn("error_against_n", document).values())))
+
+        document = study_document()
+        told = ("from n = 17 to n = 33 the error at h = 0.1 is multiplied by {} for the Gauss method of order 4 and by"
+                " {} for")
+        self.assertEqual(title(), f"The error of one step size: {told.format(1, 1)} RKMK4")
+        run_of(document, "group2", 33, 50)["error"] *= 50
+        run_of(document, "rkmk4", 33, 50)["error"] /= 2
+        self.assertEqual(title(), f"One step size is not one accuracy: {told.format(50, 0.5)} RKMK4")
+        for name in ("group2", "rkmk4"):
+            document["runs"].remove(run_of(document, name, 33, 50))
+        self.assertEqual(title(), "Error of one step size, h = 0.1, against n")
 
 
 class Refusals(AccuracyTest):

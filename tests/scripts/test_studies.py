@@ -2,7 +2,6 @@
 each study as a user runs it."""
 
 import importlib.util
-import itertools
 import json
 import math
 import os
@@ -22,14 +21,14 @@ from lib import formats
 from lib.messages import UnusableFile
 from lib import scaling_table
 from lib.formats import FAST, PUBLISHED
-from lib.integrator_names import method_name
-from lib.accuracy_lines import SCHEMA, Problem, read_accuracy
+from lib.integrator_names import in_frame, method_name
+from lib.accuracy_lines import CONTENDERS, GOOD_ENOUGH, SCHEMA, Problem, read_accuracy
 from lib.stability_files import read_long_runs, read_map
 
 if HAS_MODULE:
     sys.path.insert(0, os.path.join(BUILD, "python"))
     import isosyrk
-    from lib import problems, study, trials
+    from lib import accuracy_runs, duels, problems, study, trials, verdicts
 
 STUDIES = os.path.join(ROOT, "scripts", "studies")
 RECORDED = os.path.join(ROOT, "results", "recorded", "accuracy", "raw.json")
@@ -316,6 +315,21 @@ class Scaling(StudyTest):
         sweeps = {point.rung: point.sweeps for point in found.tables["points"]}
         self.assertEqual(round(sweeps["without any"]), round(sweeps["published"]))  # plain sweeps from a cold start
         self.assertLess(sweeps["fast"], 0.5 * sweeps["published"])
+        self.assertEqual((found.tables["exponential"], found.tables["large"]), ([], []))
+
+    def test_exponential_methods_have_a_stretch_of_their_own(self):
+        names = ("elp4", "magnus4", "rkmk4")
+        found = formats.read_study(self.made("scaling", "--n", "17", "--integrator", *names, "--repetitions", "2"),
+                                   scaling_table.SCHEMA)
+        self.assertEqual({point.integrator for point in found.tables["points"]}, {"rkmk4"})
+        points = {(point.integrator, point.rung): point for point in found.tables["exponential"]}
+        self.assertEqual(list(points), [(name, rung) for name in names
+                                        for rung in scaling_table.exponential_rungs(name)])
+        self.assertEqual({(point.step, point.tolerance) for point in points.values()}, {(0.5, 1e-8)})
+        for (name, rung), point in points.items():
+            if rung not in ("fast", "without bands", "without predictor"):  # which save nothing at this n
+                fast = points[name, "fast"].equivalent_products
+                self.assertGreater(point.equivalent_products, 1.05 * fast, (name, rung))
 
 
 class Refusals(StudyTest):
@@ -336,41 +350,81 @@ class Refusals(StudyTest):
 
 
 class Accuracy(StudyTest):
-    ARGUMENTS = ("--n", "17", "--scene", "smooth", "--time", "5", "--integrator", "group2", "rk4", "--repetitions", "2")
+    INTEGRATORS = ["group2", "rk4", "group2_frame", "rk4_frame", "elp4_frame"]
+    ARGUMENTS = ("--n", "17", "--scene", "smooth", "--time", "5", "--integrator", *INTEGRATORS, "--repetitions", "2",
+                 "--processes", "2")
     PROBLEM = Problem("smooth", 5.0, 17)
 
     def study(self, file, *arguments):
         return read_accuracy(self.made("accuracy", *self.ARGUMENTS, *arguments, file=file))
 
-    def test_counts_and_errors_are_those_of_the_recorded_study(self):
-        found, recorded = self.study("raw.json"), read_accuracy(RECORDED)
-        self.assertEqual((list(found.integrators), found.problems()), (["group2", "rk4"], [self.PROBLEM]))
-        pairs = list(zip(found.tolerance_runs, [run for run in recorded.tolerance_runs
-                                                if (run.integrator, run.n) == ("group2", 17)]))
-        for name, solver in itertools.product(("group2", "rk4"), (PUBLISHED, FAST)):
-            here, there = (study.line(self.PROBLEM, name, solver) for study in (found, recorded))
-            self.assertLessEqual(abs(len(here) - len(there)), 1)  # rounding decides where a line is at its floor
-            pairs += zip(here, there)
-        for here, there in pairs:
-            with self.subTest(integrator=here.integrator, solver=here.solver, steps=here.steps,
-                              tolerance=here.tolerance):
-                self.assertEqual(*((run.steps, run.tolerance, run.status, run.beyond_limit) for run in (here, there)))
-                # Other kernels round otherwise, and an iteration may end a sweep later in a step or two; at tolerances
-                # near rounding in more of them.
-                slack = 0 if here.integrator == "rk4" else 3 + 0.05 * here.sweeps * (here.tolerance < 1e-13)
-                self.assertLessEqual(abs(here.sweeps - there.sweeps), slack)
-                self.assertLessEqual(abs(here.products - there.products), 8 * slack)
-                if there.usable and there.error > 1e-10:
-                    self.assertLess(abs(here.error / there.error - 1), 1e-3)
-                self.assertIn(len(here.cpu_seconds), (1, 2) if here.usable else (0,))
-        limits = [study.limits["smooth", 17, "group2", FAST].h_norm_B for study in (found, recorded)]
-        self.assertLess(abs(limits[0] / limits[1] - 1), 0.1)  # as closely as trials look
-        self.assertLessEqual({"commit", "cpu", "product_rate", "timed_on"}, set(found.context))
-
-    def test_the_quick_study_has_some_of_every_kind(self):
+    def setUp(self):
+        super().setUp()
         sys.path.insert(0, STUDIES)
         self.addCleanup(sys.path.remove, STUDIES)
         import accuracy
+        self.accuracy = accuracy
+
+    def test_counts_and_errors_are_those_of_the_recorded_study(self):
+        found, recorded = self.study("raw.json"), read_accuracy(RECORDED)
+        self.assertEqual((list(found.integrators), found.problems()), (self.INTEGRATORS, [self.PROBLEM]))
+        self.assertEqual(len(found.forms()), 7)  # two have a loose tolerance too
+        pairs = list(zip(found.tolerance_runs, [run for run in recorded.tolerance_runs
+                                                if (run.integrator, run.n) == ("group2", 17)]))
+        for form in found.forms():
+            here, there = (study.line(self.PROBLEM, *form) for study in (found, recorded))
+            self.assertLessEqual(abs(len(here) - len(there)), 1)  # rounding decides where a line is at its floor
+            pairs += zip(here, there)
+        for here, there in pairs:
+            with self.subTest(form=here.form, solver=here.solver, steps=here.steps):
+                self.assertEqual(*((run.steps, run.tolerance, run.status, run.beyond_limit) for run in (here, there)))
+                # Other kernels round otherwise, and an iteration may end a sweep later in a step or two; at tolerances
+                # near rounding in more of them.
+                slack = 0 if here.integrator.startswith("rk4") else 3 + 0.05 * here.sweeps * (here.tolerance < 1e-13)
+                self.assertLessEqual(abs(here.sweeps - there.sweeps), slack)
+                self.assertLessEqual(abs(here.products - there.products), 8 * slack)
+                if there.usable and there.error > max(1e-10, 100 * here.tolerance):
+                    self.assertLess(abs(here.error / there.error - 1), 1e-3)
+                self.assertIn(len(here.cpu_seconds), (1, 2) if here.usable else (0,))
+        self.assertLessEqual({"commit", "cpu", "product_rate", "timed_on"}, set(found.context))
+
+    def test_duels_take_the_fewest_steps_that_reach_the_error(self):
+        found = self.study("raw.json")
+        self.assertEqual({wanted for _, wanted in found.duels}, set(duels.WANTED))
+        for wanted in duels.WANTED:
+            duel = found.duel(self.PROBLEM, wanted)
+            self.assertEqual(set(duel), {"gauss", "gauss_loose", "elp", "elp_tight", "rk4",
+                                         *(["gauss_published"] if wanted == duels.WANTED_PUBLISHED else [])})
+            for contender, row in duel.items():
+                with self.subTest(wanted=wanted, contender=contender):
+                    self.assertTrue(in_frame(row.integrator))
+                    self.assertLessEqual(row.error, wanted)
+                    self.assertEqual(len(row.cpu_seconds), 2)
+                    job = {**self.PROBLEM._asdict(), "integrator": row.integrator, "solver": row.solver,
+                           "references": REFERENCES}
+                    setting = accuracy_runs.Setting(job)
+                    run, _ = setting.look(setting.method(row.tolerance), row.steps, row.tolerance)
+                    self.assertLess(abs(run.error / row.error - 1), 1e-3 + 100 * row.tolerance / row.error)
+        # By bisection: one step less errs by more. With the numbers of steps the wrong way round nothing is sought.
+        job = {**self.PROBLEM._asdict(), "wanted": 1e-6, "contender": "rk4", "integrator": "rk4_frame", "solver": FAST,
+               "tolerance": 1e-13, "references": REFERENCES}
+        row = duels.fewest_steps({**job, "coarse": 10, "fine": 200})
+        self.assertEqual(duels.fewest_steps({**job, "coarse": row["steps"] - 1, "fine": row["steps"]}), row)
+        fewer = duels.fewest_steps({**job, "coarse": row["steps"] - 1, "fine": row["steps"] - 1})
+        self.assertGreater(fewer["error"], 1e-6)
+
+    def test_how_a_line_ends(self):
+        job = {**self.PROBLEM._asdict(), "solver": FAST, "references": REFERENCES, "quick": False}
+        for name, tolerance, ends in (("group5_frame", 1e-13, "below"), ("group2_frame", 1e-4, "floor"),
+                                      ("group1", 1e-13, "cut")):
+            with self.subTest(name=name):
+                line = self.accuracy.draw_line({**job, "integrator": name, "tolerance": tolerance})
+                self.assertEqual(line["end"], ends)
+                errors = [run["error"] for run in line["runs"] if run["error"]]
+                self.assertEqual(errors[-1] < GOOD_ENOUGH, ends == "below")
+
+    def test_the_quick_study_has_some_of_every_kind(self):
+        accuracy = self.accuracy
         # It compares fast forms; methods that have none yet are in the full study.
         known = {each.name: each for each in isosyrk.integrators() if each.has_fast_form}
         quick = [known[name] for name in accuracy.QUICK_INTEGRATORS]
@@ -392,11 +446,14 @@ class Accuracy(StudyTest):
         self.assertEqual(found.problems(), [Problem("rough", 5.0, 17)])
         self.assertEqual(list(found.integrators), list(accuracy.QUICK_INTEGRATORS))
         drawn = {run.integrator for run in found.runs}
-        self.assertEqual(drawn, {each for each in found.integrators if not accuracy.MAIN_ONLY.fullmatch(each)})
+        self.assertEqual(drawn, {each for each in found.integrators if in_frame(each)})  # others: the main problem
         self.assertLessEqual({run.steps for run in found.runs}, set(accuracy.COARSE_STEPS))
-        self.assertEqual(max(len(run.cpu_seconds) for run in found.runs), accuracy.QUICK_REPETITIONS)
         for name in drawn:
-            self.assertGreaterEqual(len(found.line(Problem("rough", 5.0, 17), name, FAST)), 4)
+            self.assertGreaterEqual(len(found.line(Problem("rough", 5.0, 17), name)), 4)
+        # Every contender has a row, each by enough processes for a verdict.
+        for duel in found.duels.values():
+            self.assertEqual(set(duel) | {"gauss_published"}, set(CONTENDERS))
+            self.assertEqual({len(row.cpu_seconds) for row in duel.values()}, {verdicts.FEWEST})
 
     def test_methods_have_names_of_their_own(self):
         records = {each.name: study.record_of(each) for each in isosyrk.integrators()}
@@ -412,6 +469,7 @@ class Accuracy(StudyTest):
         for runs in ("runs", "tolerance_runs"):
             self.assertEqual(*([run._replace(cpu_seconds=()) for run in getattr(study, runs)]
                                for study in (here, there)))
+        self.assertEqual(here.ends, there.ends)
 
     def test_references_that_are_kept_missing_or_of_another_scene(self):
         asked = ("--scene", "smooth", "developed", "--time", "5", "--n")

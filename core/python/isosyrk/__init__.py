@@ -48,7 +48,7 @@ Mode = Tuple[int, int, float, float]
 
 SOLVERS = ("published", "fast")
 PRODUCTS = ("fastest", "openblas", "eigen")
-SWITCHES = ("predictor", "newton", "bands")
+SWITCHES = tuple(_core.switch_names())
 LARGEST_N = 4096
 SKEW = 1e-10  # a matrix may be so far from skew-Hermitian, relative to its largest entry
 
@@ -371,7 +371,10 @@ def integrator(scene: Scene, name: str, solver: str = "published", tolerance: fl
                several threads raises RuntimeError: OpenMP hangs there.
     max_sweeps of a step, 1 to 1000000.
     products   of published forms: "openblas", "eigen", or "fastest" of the two as measured here.
-    without    of the fast solver, for studies: "predictor", "newton", "bands".
+    without    of the fast solver, for studies: "predictor" (past steps), "newton", "bands"; of elp2, elp4 and elp6 also
+               "explicit_start" and "error_estimates" (acceptance by the estimated error); of these and rkmk4
+               "graded_series" (each ends at the wanted accuracy), and of these and magnus4 and 5 "single_precision".
+               A form that does not use an idea ignores its name.
     Raises ValueError for values out of range, and if there is not enough memory.
     """
     if not isinstance(scene, Scene):
@@ -381,7 +384,7 @@ def integrator(scene: Scene, name: str, solver: str = "published", tolerance: fl
     without = (without,) if isinstance(without, str) else tuple(without)
     for each in without:
         if each not in SWITCHES:
-            raise ValueError(f"without '{each}': must be of predictor, newton, bands")
+            raise ValueError(f"without '{each}': must be of {', '.join(SWITCHES)}")
     tolerance = _real(tolerance, "tolerance")
     if tolerance < 1e-15:
         raise ValueError(f"tolerance {tolerance:g}: must be at least 1e-15, and finite")
@@ -394,8 +397,7 @@ def integrator(scene: Scene, name: str, solver: str = "published", tolerance: fl
         raise ValueError("products: goes with solver 'published' only; fast forms have products of their own")
     max_sweeps = _whole(max_sweeps, "max_sweeps", 1, 10**6)
     core = _core.Stepper(scene._core, entry.name, solver=solver, tolerance=tolerance, max_sweeps=max_sweeps,
-                         threads=threads, products=_products(products, scene.n),
-                         **{each: each not in without for each in SWITCHES})
+                         threads=threads, products=_products(products, scene.n), without=set(without))
     return Integrator(scene, entry, solver, threads, core)
 
 

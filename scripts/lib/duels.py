@@ -1,0 +1,164 @@
+"""The duels of the study of accuracy: methods at one error of one problem, timed in turns in fresh processes.
+
+The lines of the study tell which method a contender sends. The fewest steps with which it reaches the error are found
+by bisection, so that no method is paid for an error smaller than the one wanted. Needs isosyrk.
+"""
+
+import itertools
+import json
+import os
+import random
+import sys
+from functools import partial
+
+import isosyrk
+from lib import study
+from lib import verdicts
+from lib.accuracy_lines import CONTENDERS, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT, Duel, Problem
+from lib.accuracy_runs import MAX_SWEEPS, Setting, rounded, scene_of
+from lib.formats import FAST, PUBLISHED
+from lib.integrator_names import frameless, gauss_stages, in_frame
+
+WANTED = (1e-4, 1e-6)  # the errors of duels
+# The published form of the Gauss method that wins takes ten times as long: once a problem is enough.
+WANTED_PUBLISHED, LARGEST_PUBLISHED, TIME_PUBLISHED = 1e-6, 129, 5.0
+CLOSE = 1.02  # bisection ends when the failing number of steps is at most this far from the working one
+REPETITIONS = 2  # in turns within a process, of which the least counts; once for runs of
+LONG = 0.3  # CPU seconds or more
+PROCESS = "--duel"  # the hidden mode of the study: what follows is one block to time
+
+
+# ---- who stands for a contender
+
+
+def may_stand(contender, form):
+    """Tells whether a Form may stand for a contender."""
+    name = frameless(form.integrator)
+    if contender in ("gauss", "gauss_loose"):
+        return bool(gauss_stages(name)) and form.tolerance == (TIGHT if contender == "gauss" else LOOSE_GAUSS)
+    if contender in ("elp", "elp_tight"):
+        return name.startswith("elp") and form.tolerance == (TIGHT if contender == "elp_tight" else LOOSE_EXPONENTIAL)
+    if contender == "magnus":
+        return name.startswith("magnus") and form.tolerance == LOOSE_EXPONENTIAL
+    return name == contender
+
+
+def champions(found, problem, wanted):
+    """Returns the Form and Cost of each contender by which it reaches an error at the least cost, in the frame.
+
+    `found` is an Accuracy without duels. A contender that reaches it by no line is left out.
+    """
+    result = {}
+    for contender in CONTENDERS:
+        costs = [(form, cost) for form in found.forms() if in_frame(form.integrator) and may_stand(contender, form)
+                 if (cost := found.cost(problem, form.integrator, wanted, form.tolerance))]
+        if costs:
+            result[contender] = min(costs, key=lambda each: each[1].seconds)
+    return result
+
+
+def jobs_of(found, problem, wanted, references):
+    """Returns a job for each contender of a duel: between which numbers of steps fewest_steps() looks."""
+    jobs = [{**problem._asdict(), "wanted": wanted, "contender": contender, "integrator": form.integrator,
+             "solver": cost.fine.solver, "tolerance": form.tolerance, "coarse": cost.coarse.steps,
+             "fine": cost.fine.steps, "references": references}
+            for contender, (form, cost) in champions(found, problem, wanted).items()]
+    if wanted == WANTED_PUBLISHED and problem.n <= LARGEST_PUBLISHED and problem.time == TIME_PUBLISHED:
+        jobs += [{**job, "contender": "gauss_published", "solver": PUBLISHED} for job in jobs
+                 if job["contender"] == "gauss" and job["solver"] == FAST]
+    return jobs
+
+
+# ---- its steps
+
+
+def fewest_steps(job):
+    """Returns the row of a contender as fields of Duel, without its times: the fewest steps that reach the error.
+
+    With `fine` steps it does, with `coarse` steps it does not, unless both are the same. A published form takes the
+    steps of the fast form, with the same answer.
+    """
+    setting = Setting({**job, "solver": FAST if job["solver"] == PUBLISHED else job["solver"]})
+
+    def look(steps):
+        return setting.look(setting.method(job["tolerance"]), steps, job["tolerance"])[0]
+
+    failing, works = job["coarse"], look(job["fine"])
+    while failing < works.steps - 1 and works.steps > CLOSE * failing:
+        middle = look(round((failing * works.steps) ** 0.5))
+        if middle.usable and middle.error <= job["wanted"]:
+            works = middle
+        else:
+            failing = middle.steps
+    if job["solver"] == PUBLISHED:
+        published = Setting(job)
+        works = published.look(published.method(job["tolerance"]), works.steps, job["tolerance"])[0]
+    return {**{name: getattr(works, name) for name in Duel._fields if hasattr(works, name)},
+            "wanted": job["wanted"], "contender": job["contender"]}
+
+
+# ---- its times
+
+
+def blocks_of(rows, references, products):
+    """Returns what is timed together: for each problem and error the runs of its contenders.
+
+    `rows` are those of fewest_steps(); `products(n)` names the backend of published forms.
+    """
+    blocks = []
+    for key, group in itertools.groupby(rows, lambda row: (*(row[name] for name in Problem._fields), row["wanted"])):
+        runs = {}
+        for row in group:
+            runs[row["contender"]] = {name: row[name] for name in ("integrator", "solver", "tolerance", "steps")}
+            if row["solver"] == PUBLISHED:
+                runs[row["contender"]]["products"] = products(row["n"])
+        blocks.append({"problem": key[:-1], "wanted": key[-1], "references": references, "rows": list(runs),
+                       "runs": runs})
+    return blocks
+
+
+def time_block(block):
+    """Returns the CPU seconds of a run of each row, the least of repetitions in turns, in changing order.
+
+    `process` of the block tells the orders of one process from those of another.
+    """
+    scene = scene_of(*block["problem"], block["references"])
+    shuffled = random.Random(block["process"])
+    found = {row: [] for row in block["rows"]}
+    for _ in range(REPETITIONS):
+        for row in shuffled.sample(block["rows"], len(block["rows"])):
+            if found[row] and min(found[row]) >= LONG:
+                continue
+            run = dict(block["runs"][row])
+            steps = run.pop("steps")
+            method = isosyrk.integrator(scene, run.pop("integrator"), max_sweeps=MAX_SWEEPS[run["solver"]], **run)
+            found[row].append(study.seconds_of(method, scene.initial, block["problem"][1] / steps, steps))
+    return [min(each) for each in found.values()]
+
+
+def further_processes(most, seconds):
+    """Returns how many further processes each row of a block wants, given its seconds by process so far.
+
+    The rows stop together, once the exponential method, or else the first, is told from each of the others.
+    """
+    first = "elp" if "elp" in seconds else next(iter(seconds))
+    done = len(seconds[first])
+    said = [] if done < verdicts.FEWEST else [verdicts.compared(seconds[first], seconds[other])
+                                              for other in seconds if other != first]
+    return dict.fromkeys(seconds, max(0, min(most - done, verdicts.more_processes(done, said))))
+
+
+def duels(found, options, journal, program):
+    """Returns the rows of all duels. `found` is the Accuracy of the lines; `program` is the path of the study."""
+    references = os.path.realpath(options.references)
+    jobs = [job for problem in found.problems() for wanted in WANTED
+            for job in jobs_of(found, problem, wanted, references)]
+    rows = study.untimed(jobs, fewest_steps, journal, options, "duels")
+    blocks = blocks_of(rows, references, journal.products)
+
+    def command(block, process):
+        return [sys.executable, "-B", program, PROCESS, json.dumps({**block, "process": process})]
+
+    times = study.by_processes(blocks, command, partial(further_processes, options.processes), journal, "duels")
+    seconds = [each for block in times for each in block.values()]
+    return [rounded(Duel(**{**row, "cpu_seconds": each})) for row, each in zip(rows, seconds)]
