@@ -67,6 +67,11 @@ def loose_tolerance(integrator):
     return LOOSE_EXPONENTIAL if is_exponential(integrator) else None
 
 
+def keeping_tolerance(integrator):
+    """Returns the loosest tolerance at which an integrator keeps all that it keeps at the tightest."""
+    return LOOSE_EXPONENTIAL if is_exponential(integrator) else TIGHT
+
+
 def keeps(integrator, tolerance, structure):
     """Tells whether an Integrator keeps a structure at a tolerance: to rounding, Lie–Poisson to the tolerance."""
     if tolerance > TIGHT and not is_exponential(integrator.name):

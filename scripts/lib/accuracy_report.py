@@ -4,7 +4,7 @@ import itertools
 import math
 
 from lib.accuracy_figures import AGAINST_N
-from lib.accuracy_lines import CUT, FLOOR_MARGIN, GOOD_ENOUGH, TABLE1_STEP, TIGHT
+from lib.accuracy_lines import CONTENDERS, CUT, FLOOR_MARGIN, GOOD_ENOUGH, TABLE1_STEP, TIGHT
 from lib.comparison import MISSING, percentage, three_digits
 from lib.document import Column, Heading, Items, Paragraph, conditions, plain_table, shown
 from lib.equal_error import (CONTENDER_NAMES, MEAN_OVER, contenders_of, duel_errors, frame_gains, headline_problems,
@@ -96,7 +96,7 @@ def duels_section(study):
     for wanted in duel_errors(study):
         found = {problem: duel for problem in study.problems() if (duel := study.duel(problem, wanted))}
         columns = (Column("problem", align="left"), *(Column(CONTENDER_NAMES[each]) for each in contenders))
-        ratios = [[str(problem), *(written_ratio(duel, each) for each in contenders)]
+        ratios = [[str(problem), *(over_exponential(duel, each) for each in contenders)]
                   for problem, duel in found.items()]
         rows = [[str(problem), CONTENDER_NAMES[each], written(row), str(row.steps), scientific(row.error),
                  scientific(row.spectrum_error), f"{row.equivalent_products:.0f}", three_digits(row.seconds),
@@ -107,8 +107,8 @@ def duels_section(study):
                   plain_table((*(Column(head, align="left") for head in ("problem", "contender", "method")),
                                *map(Column, heads)), rows)]
     return [Heading("Time at equal error"),
-            Paragraph("Each contender sends the method of its kind that reaches the error at the least cost, in the"
-                      " co-rotating frame, with the fewest steps that do; the published form repeats the steps of the"
+            Paragraph("For each contender stands the method of its kind that reaches the error at the least cost, in"
+                      " the co-rotating frame, with the fewest steps that do; the published form takes the steps of the"
                       " best Gauss method. Loose: Gauss at 1e-7. Exponential and Magnus: at 1e-8 unless said. Times:"
                       " whole runs in fresh processes, in turns. First table: time over that of the exponential method"
                       f" ({100 * LEVEL:.0f} % interval over processes); †: undecided, the interval is on both sides of"
@@ -117,10 +117,10 @@ def duels_section(study):
 
 
 def in_order(duel):
-    return [(each, duel[each]) for each in CONTENDER_NAMES if each in duel]
+    return [(each, duel[each]) for each in CONTENDERS if each in duel]
 
 
-def written_ratio(duel, contender):
+def over_exponential(duel, contender):
     """Writes the time of a contender over that of the exponential method."""
     found = ratio_in(duel, contender, "elp")
     if found is None:

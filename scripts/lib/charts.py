@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from lib.accuracy_lines import CUT, GOOD_ENOUGH, TABLE1_STEP, TIGHT, Form, loose_tolerance
+from lib.accuracy_lines import CUT, GOOD_ENOUGH, TABLE1_STEP, TIGHT, Form, keeping_tolerance
 from lib.chart_panels import (FAMILIES, LINES, cross, draw_line, extended, label_ends, logarithmic, look, new_figure,
                               note, short_name)
 from lib.equal_error import (HEADLINE, ISOSPECTRAL_ONLY, cheapest_contender, headline_problems, ratio_in,
@@ -108,8 +108,8 @@ def forms_to_draw(study):
     """
     problems, found = problems_to_draw(study), []
     for method in WORK_PRECISION:
-        tolerance = loose_tolerance(method) if is_exponential(method) else TIGHT
-        wanted = [Form(name, each) for name in (method + FRAME, method) for each in dict.fromkeys((tolerance, TIGHT))]
+        tolerances = dict.fromkeys((keeping_tolerance(method), TIGHT))
+        wanted = [Form(name, each) for name in (method + FRAME, method) for each in tolerances]
         found += [form for form in wanted if any(study.line(problem, *form) for problem in problems)][:1]
     return found
 

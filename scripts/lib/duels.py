@@ -1,7 +1,7 @@
 """The duels of the study of accuracy: methods at one error of one problem, timed in turns in fresh processes.
 
-The lines of the study tell which method a contender sends. The fewest steps with which it reaches the error are found
-by bisection, so that no method is paid for an error smaller than the one wanted. Needs isosyrk.
+The lines of the study tell which method stands for a contender. The fewest steps with which it reaches the error are
+found by bisection: no method spends time on a smaller error than the one wanted. Needs isosyrk.
 """
 
 import itertools
@@ -16,6 +16,7 @@ from lib import study
 from lib import verdicts
 from lib.accuracy_lines import CONTENDERS, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT, Duel, Problem
 from lib.accuracy_runs import MAX_SWEEPS, Setting, rounded, scene_of
+from lib.equal_error import cheapest
 from lib.formats import FAST, PUBLISHED
 from lib.integrator_names import frameless, gauss_stages, in_frame
 
@@ -46,14 +47,14 @@ def may_stand(contender, form):
 def champions(found, problem, wanted):
     """Returns the Form and Cost of each contender by which it reaches an error at the least cost, in the frame.
 
-    `found` is an Accuracy without duels. A contender that reaches it by no line is left out.
+    `found` is an Accuracy without duels. A contender that reaches it by no line is left out; so is one with a line that
+    was cut and might have been the cheaper.
     """
     result = {}
     for contender in CONTENDERS:
-        costs = [(form, cost) for form in found.forms() if in_frame(form.integrator) and may_stand(contender, form)
-                 if (cost := found.cost(problem, form.integrator, wanted, form.tolerance))]
-        if costs:
-            result[contender] = min(costs, key=lambda each: each[1].seconds)
+        forms = [form for form in found.forms() if in_frame(form.integrator) and may_stand(contender, form)]
+        if best := cheapest(found, problem, wanted, forms):
+            result[contender] = best
     return result
 
 

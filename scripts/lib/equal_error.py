@@ -9,7 +9,7 @@ import itertools
 import math
 import statistics
 
-from lib.accuracy_lines import CONTENDERS, TABLE1_STEP, Form, compared
+from lib.accuracy_lines import CONTENDERS, TABLE1_STEP, TIGHT, Form, compared
 from lib.formats import FORMULATIONS
 from lib.integrator_names import frameless, gauss_stages, in_frame
 
@@ -18,7 +18,6 @@ MEAN_EXPONENTS = range(-4, -9, -1)
 HEADLINE = ("smooth", 5.0)  # the scene and time of the headline figures
 # The tolerance does no harm where what it adds is at most this share of the error that the step size makes.
 HARMLESS = 0.1
-USUAL_TOLERANCE = 1e-13
 MEAN_OVER = f"1e{MEAN_EXPONENTS[0]} … 1e{MEAN_EXPONENTS[-1]}"
 
 # What the tables call contenders.
@@ -121,7 +120,7 @@ def tolerances(study):
     found = []
     for _, runs in sorted(cells.items()):
         harmless = list(itertools.takewhile(lambda run: run.solver_error <= HARMLESS * runs[0].error, runs))
-        found += [((harmless or runs[:1])[-1], run) for run in runs if math.isclose(run.tolerance, USUAL_TOLERANCE)]
+        found += [((harmless or runs[:1])[-1], run) for run in runs if math.isclose(run.tolerance, TIGHT)]
     return found
 
 

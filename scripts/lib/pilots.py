@@ -16,11 +16,11 @@ from dataclasses import replace
 import isosyrk
 import numpy
 from lib import study
-from lib.accuracy_lines import LOOSE_EXPONENTIAL, TIGHT
+from lib.accuracy_lines import keeping_tolerance
 from lib.formats import CONVERGED, FAST, UNSTABLE, read_text
 from lib.messages import UnusableFile, one_line
 from lib.command_line import number, whole_number
-from lib.integrator_names import FRAME, is_exponential
+from lib.integrator_names import FRAME
 from lib.recommendation import (MOST_OFFERED, PREDICTABLE, SMALLEST_ERROR, Outcome, Question, answer_data,
                             below_reference, beyond_predictability, energy_growth)
 from lib.trials import Setting, invariants_lost
@@ -119,11 +119,6 @@ def refinement(error, wanted, integrator, least, most=math.inf):
 # ---- pilots
 
 
-def tolerance_of(integrator):
-    """Returns the tolerance that an integrator runs at: the loosest that keeps what it promises to keep."""
-    return LOOSE_EXPONENTIAL if is_exponential(integrator.name) else TIGHT
-
-
 def seconds_left():
     """Returns what is left of the budget, 0 after its end, when SIGALRM comes."""
     return signal.getitimer(signal.ITIMER_REAL)[0]
@@ -157,11 +152,12 @@ class Search:
 
     def method(self, integrator):
         """Returns the module's integrator of the scene."""
-        return isosyrk.integrator(self.setting.scene, integrator.name, solver=FAST, tolerance=tolerance_of(integrator))
+        return isosyrk.integrator(self.setting.scene, integrator.name, solver=FAST,
+                                  tolerance=keeping_tolerance(integrator.name))
 
     def outcome(self, integrator, time, steps, error, seconds, status="expected"):
-        return Outcome(integrator, self.setting.scene.n, time, steps, error, seconds, tolerance_of(integrator),
-                       is_exponential(integrator.name), status)
+        return Outcome(integrator, self.setting.scene.n, time, steps, error, seconds,
+                       keeping_tolerance(integrator.name), status)
 
     def longest_step(self, integrator):
         """Returns the longest step that may work, by linear theory and by the pilots that failed."""

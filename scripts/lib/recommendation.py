@@ -62,8 +62,7 @@ class Question(NamedTuple):
 class Outcome:
     """A run of the fast form of an integrator, as it was made or as it is expected.
 
-    `tolerance` is that of the iteration, as the program `integrate` is given it; `loose` tells whether it is looser
-    than the tightest in the units of the state.
+    `tolerance` is that of the iteration, as the program `integrate` is given it.
     """
 
     integrator: Integrator
@@ -73,7 +72,6 @@ class Outcome:
     error: Optional[float]
     seconds: float
     tolerance: float = TIGHT
-    loose: bool = False
     status: str = "expected"
     growth: Optional[float] = None  # power of time with which the error of a trajectory grew in its second half
     kept: Optional[float] = None  # the error of energy and spectrum, the larger one, of a pilot that keeps the spectrum
@@ -90,8 +88,7 @@ class Outcome:
     @property
     def kept_structure(self):
         """The strongest structure that the integrator keeps at this tolerance."""
-        tolerance = math.inf if self.loose else TIGHT
-        return next(each for each in reversed(KEPT) if keeps(self.integrator, tolerance, each))
+        return next(each for each in reversed(KEPT) if keeps(self.integrator, self.tolerance, each))
 
     def row(self):
         """Returns what answers tell about it, by name."""
@@ -126,7 +123,7 @@ def beyond_predictability(time, why):
 
 def statements_on_tolerance(offer, structure):
     """Returns what is to be said of the tolerance of an offer that is to keep a structure."""
-    if not offer.loose:
+    if offer.tolerance == TIGHT:
         return []
     if not is_exponential(offer.integrator.name):
         return [f"at the tolerance {offer.tolerance:g} the spectrum is kept to about the tolerance only"]
@@ -263,7 +260,7 @@ class Recorded:
 
     def outcome(self, run):
         return Outcome(self.study.integrators[run.integrator], run.n, run.time, run.steps, run.error, run.seconds,
-                       run.tolerance, run.tolerance > TIGHT, run.status)
+                       run.tolerance, run.status)
 
     def costs(self, form):
         """Returns the Cost of the error on the line of each problem, None where the line does not reach it."""
@@ -283,8 +280,7 @@ class Recorded:
         shortened, integrator = time / steps / step, self.study.integrators[form.integrator]
         runs = dict.fromkeys(run for cost in costs for run in (cost.coarse, cost.fine))
         return Outcome(integrator, self.question.n, time, steps, expected * shortened**integrator.order,
-                       pace * time / shortened, form.tolerance, form.tolerance > TIGHT,
-                       evidence=list(map(self.outcome, runs)))
+                       pace * time / shortened, form.tolerance, evidence=list(map(self.outcome, runs)))
 
     def ranking(self):
         """Returns the offer of each Form that reaches the error, the cheapest first."""

@@ -2,8 +2,8 @@
 """Runs every integrator over step sizes, lets methods compete at equal error, and varies the tolerance of Table 1.
 
 A line is one integrator at one tolerance on one problem: a scene, n and a time. Its runs take more and more steps (as
-many as in Table 1 at least), until the error no longer falls, is below GOOD_ENOUGH, or a run took enough work; the last
-is told as a cut. Every integrator runs by its fast form if it has one. Gauss methods and exponential methods in the
+many as in Table 1 at least), until the error no longer falls, is below GOOD_ENOUGH, or a run took enough work: then the
+line is cut. Every integrator runs by its fast form if it has one. Gauss methods and exponential methods in the
 co-rotating frame have a line at a loose tolerance too. First every run is made once and looked at; then all are timed,
 in turns, so that a slow minute of the machine falls on all alike. Then the duels (lib/duels.py) follow. Counts and
 errors of published forms are those of OpenBLAS's products, times those of the backend that was the faster at the start:
@@ -59,7 +59,7 @@ STEPS = (2, 3, 5, 7, 10, 14, 20, 28, 35, 50, 70, 100, 140, 200, 280, 400, 560, 8
 COARSE_STEPS = (3, 6, 12, 25, 50, 100, 200, 400, 800, 1600, 3200, 6400)
 
 # A line is cut by the first run, of Table 1's step or a shorter one, that takes so much work: floating-point operations
-# of its products. A core does some 5e10 a second.
+# of its products. A core does some 5e10 to 1.2e11 a second.
 ENOUGH_WORK = ((33, 16e9), (65, 30e9), (129, 100e9), (math.inf, 200e9))  # by the largest n, to T = 5 in the frame
 LONG_TIMES, PLAIN_TIMES, QUICK_TIMES = 2.5, 0.3, 0.25  # times that: to T = 50, out of the frame, in the quick study
 
