@@ -37,7 +37,8 @@ from lib.output import replace_file
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 MODULE = os.path.join(os.environ.get("ISOSYRK_BUILD") or os.path.join(ROOT, "build"), "python")
 JOURNAL = "isosyrk journal 1"
-KEPT_CONDITIONS = ("commit", "dirty", "cpu", "blas_kernels")  # what results depend on
+RESULTS_DEPEND_ON = ("commit", "dirty")  # conditions, of all work
+TIMES_DEPEND_ON = ("cpu", "blas_kernels")  # and of timed work
 NOT_OF_THE_STUDY = ("out", "scheduler", "workers", "repetitions", "processes")  # options that leave results as they are
 MOST_LOSSES = 3  # of workers, without a job finished between
 LOST = "a worker was lost; its jobs are done again"
@@ -130,8 +131,8 @@ def progress(total, what):
 class Journal:
     """Finished work of an unfinished study, as JSON lines: what it belongs to, then a key and a result each.
 
-    One that belongs to anything else, as another commit, is begun anew, and that is told. `context` holds the
-    conditions of the first start.
+    One that belongs to anything else, as another commit, is begun anew, and that is told. On another processor untimed
+    work is kept and timed work is done again. `context` holds the conditions of the first start on this processor.
     """
 
     def __init__(self, study, options, conditions):
@@ -141,14 +142,18 @@ class Journal:
         now = conditions()
         arguments = {name: value for name, value in vars(options).items() if name not in NOT_OF_THE_STUDY}
         head = {"format": JOURNAL, "study": study, "arguments": arguments,
-                "conditions": {name: now.get(name) for name in KEPT_CONDITIONS}}
+                "conditions": {name: now.get(name) for name in RESULTS_DEPEND_ON}}
         begun, *results = self._lines() or [{}]
         goes_on = {**begun, "context": None} == {**head, "context": None}
+        same_processor = goes_on and all(begun["context"].get(name) == now.get(name) for name in TIMES_DEPEND_ON)
         if goes_on:
             say(f"{one_line(self.path)}: going on after {len(results)} results")
         elif os.path.exists(self.path):
             say(f"{one_line(self.path)}: belongs to something else, begun anew")
-        self.context = begun["context"] if goes_on else now
+        if goes_on and not same_processor:
+            say(f"{one_line(self.path)}: begun on another processor, timed work is done again")
+            now["untimed_work_begun_on"] = begun["context"].get("cpu", "an unknown processor")
+        self.context = begun["context"] if same_processor else now
         self.found = dict(results) if goes_on else {}
         # Anew, without a last line that was cut.
         lines = (json.dumps(each) + "\n" for each in ({**head, "context": self.context}, *self.found.items()))
@@ -175,6 +180,10 @@ class Journal:
         """Returns the product backend that was the faster at n as the study began. Beyond 257 it is the same."""
         chosen = dict(re.findall(r"n=(\d+) (\w+)", self.context["products"]))
         return chosen[str(min(n, 257))]
+
+    def key_of_timed(self, what, job):
+        """Returns the key of a result that only this processor can give."""
+        return key_of(f"{what} on {', '.join(str(self.context.get(name)) for name in TIMES_DEPEND_ON)}", job)
 
 
 def key_of(what, job):
@@ -319,7 +328,7 @@ def in_turns(points, repetitions, time_one, journal, what, enough=ENOUGH_TIMED):
             for repetition in range(repetitions):
                 for point, found in zip(points, seconds):
                     if sum(found) < enough:
-                        key = key_of(f"{what} {repetition}", point)
+                        key = journal.key_of_timed(f"{what} {repetition}", point)
                         if key not in journal.found:
                             journal.add(key, time_one(point))
                         found.append(journal.found[key])
@@ -348,7 +357,7 @@ def by_processes(blocks, command, further, journal, what):
                 part = {**block, "rows": [row for row in block["rows"] if each[row] > 0]}
                 if not part["rows"]:
                     continue
-                key = key_of(f"{what}, process {process}", part)
+                key = journal.key_of_timed(f"{what}, process {process}", part)
                 if key not in journal.found:
                     times, disturbance = fresh_process.undisturbed(
                         partial(printed, core, command(part, process), len(part["rows"]), what),

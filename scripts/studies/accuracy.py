@@ -135,7 +135,7 @@ def time_one(point, folder):
 
 def rate_of(n, journal):
     """Returns the product rates at n, as measured when the study began."""
-    key = study.key_of("rates", n)
+    key = journal.key_of_timed("rates", n)
     if key not in journal.found:
         journal.add(key, [statistics.median(isosyrk.product_rate(n, solver) for _ in range(RATES))
                           for solver in (PUBLISHED, FAST)])

@@ -181,6 +181,26 @@ class Work(SquaresTest):
                 self.assertIn(f"going on after {kept} results" if kept else "belongs to something else", done.stderr)
                 self.assertEqual(len(self.begun()), 12 - kept)
 
+    def test_another_processor_keeps_untimed_work_and_times_anew(self):
+        ends = "    print(squares, seconds,"
+        for cpu, timed in ((None, 0), ("another", 4)):
+            with self.subTest(cpu=cpu):
+                self.write("squares.py", SQUARES.replace(ends, f"    raise KeyboardInterrupt\n{ends}"))
+                self.assertEqual(self.squares().returncode, INTERRUPTED)
+                begun, *finished = self.journal()
+                self.assertEqual(len(finished), 12 + 4)
+                if cpu:
+                    begun = begun.replace('"context": {', f'"context": {{"cpu": "{cpu}", ')
+                self.write("raw.json.journal", "\n".join([begun, *finished, ""]))
+                os.unlink(self.log)
+                counted = "    print(len(journal.found), file=sys.stderr)\n"
+                self.write("squares.py", SQUARES.replace(ends, counted + ends))
+                done = self.squares()
+                self.assert_result(done)
+                self.assertFalse(os.path.exists(self.log))  # no square was done again
+                self.assertEqual("begun on another processor" in done.stderr, bool(cpu))
+                self.assertRegex(done.stderr, f"\\n{16 + timed}\\n")
+
     def test_sigterm_ends_a_study_also_within_what_catches_every_exception(self):
         catching = "try:\n        os.kill(os.getpid(), 15)\n    except Exception:\n        pass\n    options ="
         self.assert_ends(catching, TERMINATED, "squares: terminated; the same command goes on")
