@@ -191,6 +191,7 @@ class Work(SquaresTest):
                 self.assertEqual(len(finished), 12 + 4)
                 if cpu:
                     begun = begun.replace('"context": {', f'"context": {{"cpu": "{cpu}", ')
+                    finished = [line.replace("on None", f"on {cpu}") for line in finished]
                 self.write("raw.json.journal", "\n".join([begun, *finished, ""]))
                 os.unlink(self.log)
                 counted = "    print(len(journal.found), file=sys.stderr)\n"
