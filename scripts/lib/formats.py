@@ -164,6 +164,8 @@ def printable_context(context):
 STUDY_FORMAT = "isosyrk study 1"
 CONVERGED, SWEEP_CAP, UNSTABLE = "converged", "sweep cap", "unstable"
 STATUSES = (CONVERGED, "diverged", "stagnated", SWEEP_CAP, UNSTABLE)
+# What a run may lose though its iterations converge, where that is told apart; elsewhere UNSTABLE.
+LOSSES = NOT_FINITE, UNSTABLE_SPECTRUM, UNSTABLE_ENERGY = ("not finite", "spectrum lost", "energy lost")
 CASIMIRS = (2, 3, 4, 5)
 SOLVERS = PUBLISHED, FAST = ("published", "fast")
 status = one_of(*STATUSES)

@@ -1,7 +1,7 @@
 """Whether a step size works, tried on some steps, and the largest that does.
 
-A trial is a short run from the initial data of a scene. Step sizes are told by h‖B(W₀)‖₂, which governs plain
-fixed-point iteration. Needs NumPy and isosyrk.
+A trial is a run from initial data with one step size, which is told by h‖B(W₀)‖₂ of the flow without co-rotating frame.
+It fails by its solver, or it is unstable: what it conserves did not stay. Needs NumPy and isosyrk.
 """
 
 import math
@@ -9,16 +9,22 @@ import math
 import isosyrk
 import numpy
 from lib import study
-from lib.formats import CONVERGED, LARGEST, UNSTABLE
+from lib.formats import CONVERGED, LARGEST, NOT_FINITE, UNSTABLE_ENERGY, UNSTABLE_SPECTRUM
 
-MAX_SWEEPS = 400  # tells a slow iteration from one that fails without the cost of Table 1's thousand
-GRID = [2.0 ** (k / 2) for k in range(-6, 8)]  # h‖B(W₀)‖₂ from 1/8 to 11.3
-CLOSE = 1.02  # bisection ends when the failing step is at most this many times the working one
+TIME = 5.0  # a trial lasts so long at least,
+LEAST_STEPS = {False: 50, True: 400}  # and takes so many steps at least: implicit methods, explicit ones
+LOOKS = 20  # at the energy in a trial
 
-# Losses that a trial does not survive. What is promised to be isospectral is held to 1e-8, far more than a tolerance of
-# 1e-13 leaves in a few hundred steps; other methods, to a tenth of the largest eigenvalue, which is 1. Every method
-# keeps W skew-Hermitian to 1e-8 and its energy within a factor of two.
-PROMISED_LOSS, SPECTRUM_LOSS, ENERGY_LOSS = 1e-8, 0.1, 1.0
+# Losses that a trial does not survive: of the spectrum, whose largest eigenvalue is 1, where the method keeps it and
+# elsewhere, and of the energy, relative.
+KEPT_SPECTRUM_LOSS, SPECTRUM_LOSS, ENERGY_LOSS = 1e-6, 0.1, 0.1
+
+GRID_STEP = 2.0 ** 0.5  # h‖B‖ from one trial of the grid to the next
+GRID_START = 0.5
+# The grid ends after so many failures in a row, a factor of 4 in h. An island of steps that work beyond them is missed.
+FAILURES_THAT_END = 4
+LARGEST_STEP, SMALLEST_STEP = 100.0, 0.01  # h‖B‖ that the grid does not exceed
+CLOSE, SAFE_CLOSE = 1.03, 1.10  # bisection ends where the failing step is so many times the working one
 
 
 class Setting:
@@ -28,9 +34,6 @@ class Setting:
         self.scene = scene
         self.norm_B, self.norm_ad_B = self.scene.generator_norms()
         self.initial_energy = self.scene.energy(self.scene.initial)
-
-    def integrator(self, name, solver="published"):
-        return isosyrk.integrator(self.scene, name, solver=solver, max_sweeps=MAX_SWEEPS)
 
     def energy_error(self, W):
         return abs(self.scene.energy(W) / self.initial_energy - 1.0)
@@ -54,21 +57,44 @@ class Setting:
         return (*run(integrator, self.scene.initial, h, steps, watch, every), energy_error)
 
 
-def trial_steps(n, explicit):
-    """Returns the steps of a trial: enough for a growth to show, fewer where they are dear."""
-    if explicit:
-        return 400 if n <= 129 else 100
-    return next((steps for most, steps in ((33, 50), (65, 10), (129, 3)) if n <= most), 1)
+class Method:
+    """A listed integrator in a Setting, to be tried with step sizes."""
+
+    def __init__(self, setting, name, solver):
+        (self.entry,) = study.entries([name])
+        self.setting = setting
+        self.integrator = isosyrk.integrator(setting.scene, name, solver=solver)  # with its default sweep cap
+
+    def outcome(self, h_norm_B, time=TIME):
+        """Returns how a trial of at least `time` ends: CONVERGED, a status of the solver, or a loss."""
+        h = h_norm_B / self.setting.norm_B
+        steps = max(math.ceil(time / h * (1 - 1e-12)), LEAST_STEPS[self.entry.explicit])
+        energy_lost = False
+
+        def look(_step, W, _report):
+            nonlocal energy_lost
+            energy_lost |= not self.setting.energy_error(W) <= ENERGY_LOSS  # so that NaN is a loss
+            return energy_lost
+
+        W, _, status, _ = run(self.integrator, self.setting.scene.initial, h, steps, look, math.ceil(steps / LOOKS))
+        if status != CONVERGED:
+            return status
+        look(steps, W, None)  # the last state may be none that was looked at
+        return loss(W, self.setting.scene.initial, energy_lost, self.entry.isospectral)
+
+
+def loss(W, W0, energy_lost, isospectral):
+    """Returns what a run that converged has lost, or CONVERGED: an entry that is finite, the spectrum, the energy."""
+    if not numpy.abs(W).max() <= LARGEST:
+        return NOT_FINITE
+    if not isosyrk.spectrum_error(W, W0) <= (KEPT_SPECTRUM_LOSS if isospectral else SPECTRUM_LOSS):
+        return UNSTABLE_SPECTRUM
+    return UNSTABLE_ENERGY if energy_lost else CONVERGED
 
 
 def larger(first, second):
     """Returns the larger number, or NaN if one of them is."""
     return float(numpy.maximum(first, second))
-
-
-def finite(error):
-    """Returns an error, or None where it is NaN or beyond all measure: what blew up has no error."""
-    return error if error <= LARGEST else None
 
 
 def run(integrator, W, h, steps, observe, every=1):
@@ -79,47 +105,63 @@ def run(integrator, W, h, steps, observe, every=1):
         return problem.W, problem.report, problem.status, problem.step
 
 
-def sweeps_per_step(report):
-    return report.sweeps / report.steps if report.steps else 0.0
+def grid_of(tried):
+    """Returns the outcomes of trials on the grid, by h‖B‖ rising. `tried(h‖B‖)` returns the outcome of one.
+
+    The grid begins at GRID_START, or below where that fails, and ends after FAILURES_THAT_END failures in a row.
+    """
+    outcomes = {}
+
+    def works(place):
+        h_norm_B = GRID_START * GRID_STEP**place
+        outcomes[h_norm_B] = tried(h_norm_B)
+        return outcomes[h_norm_B] == CONVERGED
+
+    lowest = 0
+    while not works(lowest) and GRID_START * GRID_STEP**lowest > SMALLEST_STEP:
+        lowest -= 1
+    place, failures = 1, -lowest
+    while failures < FAILURES_THAT_END and GRID_START * GRID_STEP**place <= LARGEST_STEP:
+        failures = 0 if works(place) else failures + 1
+        place += 1
+    return dict(sorted(outcomes.items()))
 
 
-def invariants_lost(errors, isospectral):
-    allowed = {"spectrum_error": PROMISED_LOSS if isospectral else SPECTRUM_LOSS, "skew_defect": PROMISED_LOSS,
-               "energy_error": ENERGY_LOSS}
-    return not all(errors[name] <= most for name, most in allowed.items())  # so that NaN is a loss
+def first_failure(outcomes):
+    """Returns (works, fails, outcome) of the first failure above a success on a grid; None where there is none."""
+    found = list(outcomes.items())
+    return next(((works, fails, outcome) for (works, before), (fails, outcome) in zip(found, found[1:])
+                 if before == CONVERGED and outcome != CONVERGED), None)
 
 
-def trial_of(setting, name, solver):
-    """Returns a function of h‖B(W₀)‖₂ that tries a listed integrator, and returns the trial as columns of a table."""
-    (kept,) = study.entries([name])
-    integrator = setting.integrator(name, solver)
-    steps = trial_steps(setting.scene.n, kept.explicit)
-
-    def trial(h_norm_B):
-        W, report, status, failed_step, energy_error = setting.run(integrator, h_norm_B / setting.norm_B, steps)
-        errors = {**setting.errors(W), "energy_error": energy_error}
-        if status == CONVERGED and invariants_lost(errors, kept.isospectral):
-            status = UNSTABLE
-        return {"h_norm_B": h_norm_B, "status": status, "steps": report.steps,
-                "sweeps_per_step": sweeps_per_step(report),
-                **{name: finite(error) for name, error in errors.items()}, "failed_step": failed_step}
-
-    return trial
+def bisected(tried, works, fails, outcome, close):
+    """Returns h‖B‖ that works, one that fails, and how, narrowed by bisection until fails ≤ close · works."""
+    while fails > close * works:
+        middle = math.sqrt(works * fails)
+        found = tried(middle)
+        if found == CONVERGED:
+            works = middle
+        else:
+            fails, outcome = middle, found
+    return works, fails, outcome
 
 
-def find_edge(setting, name, solver="published"):
-    """Returns the trials of a listed integrator over the grid, and (works, fails) around the first failure above a
-    success, bisected until they differ by the factor CLOSE at most; None in its place if there is no such failure."""
-    tried = trial_of(setting, name, solver)
-    trials = [tried(h_norm_B) for h_norm_B in GRID]
-    bracket = next(((first, second) for first, second in zip(trials, trials[1:]) if works(first) and not works(second)),
-                   None)
-    while bracket and bracket[1]["h_norm_B"] > CLOSE * bracket[0]["h_norm_B"]:
-        inside, outside = bracket
-        middle = tried(math.sqrt(inside["h_norm_B"] * outside["h_norm_B"]))
-        bracket = (middle, outside) if works(middle) else (inside, middle)
-    return trials, bracket
+def critical(tried):
+    """Returns the outcomes of the grid, and (works, fails, outcome) around its first failure, or None."""
+    outcomes = grid_of(tried)
+    bracket = first_failure(outcomes)
+    return outcomes, bracket and bisected(tried, *bracket, CLOSE)
 
 
-def works(trial):
-    return trial["status"] == CONVERGED
+def safe(tried, bracket):
+    """Returns (works, fails, outcome) for trials that last longer than those of the critical `bracket`.
+
+    It is the same bracket where its working step still works; else the step falls until one does, to SAFE_CLOSE.
+    """
+    works, fails, outcome = bracket
+    while (found := tried(works)) != CONVERGED:
+        fails, outcome = works, found
+        works /= GRID_STEP
+        if works < SMALLEST_STEP:
+            return None
+    return bisected(tried, works, fails, outcome, SAFE_CLOSE)

@@ -1,0 +1,45 @@
+"""The initial states that limits of step sizes are measured on: a scene's own, and others drawn like it.
+
+Draws come from seeds and are not kept. Needs NumPy and isosyrk.
+"""
+
+import functools
+import math
+
+import isosyrk
+import numpy
+
+SMOOTH, ROUGH, DEVELOPED = SCENES = ("smooth", "rough", "developed")
+SMOOTHEST = 4  # largest l of the smooth scene
+DEVELOPED_TIME, DEVELOPING_STEP = 100.0, 0.25  # the developed scene is the smooth one at this time
+STATES = 5  # of a scene: its own, number 0, and the drawn ones
+
+
+def drawn_modes(scene, n, number):
+    """Returns the modes (l, m, re, im) of drawn state `number` ≥ 1, with E|ω_lm|² as in the named scene.
+
+    In the smooth scene all modes with l ≤ 4 have one variance. In the rough scene E|ω_lm|² = (l + 1) / (l² (2l + 1)),
+    so that energy falls as l⁻³ on average. A mode is the same for every n. Source: core/scenes/modes.h.
+    """
+    modes = []
+    for degree in range(1, n if scene == ROUGH else SMOOTHEST + 1):
+        random = numpy.random.default_rng((SCENES.index(scene), number, degree))
+        size = math.sqrt((degree + 1) / (degree**2 * (2 * degree + 1))) if scene == ROUGH else 1.0
+        modes.append((degree, 0, size * random.standard_normal(), 0.0))
+        for order in range(1, degree + 1):
+            real, imaginary = random.standard_normal(2) * size / math.sqrt(2)
+            modes.append((degree, order, real, imaginary))
+    return modes
+
+
+@functools.lru_cache(maxsize=8)
+def scene_of(scene, n, number):
+    """Returns the isosyrk scene of initial state `number` (0 … STATES - 1), with spectral norm 1."""
+    if scene == DEVELOPED:
+        start = scene_of(SMOOTH, n, number)
+        develop = isosyrk.integrator(start, "elp6_frame", solver="fast")
+        W, _ = develop.run(start.initial, h=DEVELOPING_STEP, steps=round(DEVELOPED_TIME / DEVELOPING_STEP))
+        return isosyrk.scene(DEVELOPED, initial=W)
+    if number == 0:
+        return isosyrk.scene(scene, n=n)
+    return isosyrk.scene(scene, n=n, modes=drawn_modes(scene, n, number))

@@ -1,0 +1,172 @@
+"""The raw file of scripts/studies/limits.py: up to which step size each integrator works, and how it fails beyond.
+
+Step sizes are told by h‖B(W₀)‖₂ of the flow without co-rotating frame, at the initial data W₀ of a state. The critical
+step is where trials to T = 5 begin to fail, the safe step where trials to T = 50 do.
+"""
+
+from typing import Dict, NamedTuple, Tuple
+
+from lib import formats
+from lib.formats import (CONVERGED, LOSSES, SOLVERS, STATUSES, SWEEP_CAP, UNSTABLE, Integrator, Schema, keyed, number,
+                         one_of, optional, positive, text, truth, whole)
+from lib.messages import UnusableFile
+
+SCENES = ("smooth", "rough", "developed")
+OUTCOMES = (*(status for status in STATUSES if status != UNSTABLE), *LOSSES)
+# A letter for each outcome, so that a row holds those of a whole grid.
+LETTERS = dict(zip(OUTCOMES, "+dscnpe"))
+NAMES = {letter: outcome for outcome, letter in LETTERS.items()}
+outcome = one_of(*OUTCOMES)
+
+
+class Settings(NamedTuple):
+    quick: truth
+    time: positive  # of a trial, at least
+    safe_time: positive
+    implicit_steps: whole(1)  # of a trial, at least
+    explicit_steps: whole(1)
+    grid_step: positive  # factor of h from one trial of the grid to the next
+    close: positive  # factor between the failing and the working step where bisection ended
+    safe_close: positive
+
+
+class State(NamedTuple):
+    """The initial data of some trials: state 0 of a scene is its own, the others were drawn."""
+
+    scene: one_of(*SCENES)
+    n: whole(2)
+    state: whole()
+    norm_B: positive
+    norm_ad_B: positive
+
+
+class Limit(NamedTuple):
+    """The critical step of one form of an integrator from one state."""
+
+    solver: one_of(*SOLVERS)
+    scene: one_of(*SCENES)
+    n: whole(2)
+    integrator: text
+    state: whole()
+    first: positive  # h‖B‖₂ of the first trial of the grid
+    grid: text  # its outcomes, by LETTERS
+    works: optional(positive)  # h‖B‖₂ on both sides of the first failure; None where no trial failed above one that
+    fails: optional(positive)  # worked
+    fails_as: optional(outcome)
+
+    def trials(self, grid_step):
+        """Returns (h‖B‖₂, outcome) of each trial of the grid, h rising."""
+        return [(self.first * grid_step**place, NAMES[letter]) for place, letter in enumerate(self.grid)]
+
+    @property
+    def has_island(self):
+        """Whether a longer step works beyond the first failure."""
+        return LETTERS[CONVERGED] in self.grid.lstrip(LETTERS[CONVERGED])
+
+
+class Safe(NamedTuple):
+    """The safe step of one form of an integrator, from a scene's own initial data."""
+
+    solver: one_of(*SOLVERS)
+    scene: one_of(*SCENES)
+    n: whole(2)
+    integrator: text
+    works: positive
+    fails: positive
+    fails_as: outcome
+
+
+class Theory(NamedTuple):
+    """What linear theory, B frozen at B(W₀), says of the iteration of a published form, or of an explicit step."""
+
+    scene: one_of(*SCENES)
+    n: whole(2)
+    integrator: text
+    limit: number  # h‖B(W₀)‖₂
+
+
+SCHEMA = Schema("limits", Settings, {"integrators": Integrator, "states": State, "limits": Limit, "safe": Safe,
+                                     "theory": Theory})
+
+
+class Line(NamedTuple):
+    """The limits of one form of an integrator in one scene at one n, over its states."""
+
+    limits: Tuple[Limit, ...]
+
+    @property
+    def least(self):
+        """The least critical h‖B‖₂ over the states; None where a state has none."""
+        found = [limit.works for limit in self.limits]
+        return None if None in found else min(found)
+
+    @property
+    def largest(self):
+        found = [limit.works for limit in self.limits]
+        return None if None in found else max(found)
+
+    @property
+    def fails_as(self):
+        """How the states fail, each way once, in the order of the states."""
+        return list(dict.fromkeys(limit.fails_as for limit in self.limits if limit.fails_as))
+
+    @property
+    def set_by_cap(self):
+        """Whether a state fails at the cap of sweeps: a larger cap would move its limit."""
+        return SWEEP_CAP in self.fails_as
+
+    @property
+    def has_island(self):
+        return any(limit.has_island for limit in self.limits)
+
+
+class Limits(NamedTuple):
+    context: Dict[str, str]
+    settings: Settings
+    integrators: Dict[str, Integrator]
+    states: Dict[Tuple[str, int, int], State]
+    lines: Dict[Tuple[str, str, int, str], Line]  # by solver, scene, n, integrator
+    safe: Dict[Tuple[str, str, int, str], Safe]
+    theory: Dict[Tuple[str, int, str], float]
+
+    def sizes(self, solver):
+        return sorted({n for each, _, n, _ in self.lines if each == solver})
+
+    def scenes(self):
+        return [scene for scene in SCENES if any(scene == each for _, each, _, _ in self.lines)]
+
+    def names(self, solver):
+        """Returns the integrators that have limits by a solver, in the order of the list."""
+        found = {name for each, _, _, name in self.lines if each == solver}
+        return [name for name in self.integrators if name in found]
+
+    def critical(self, solver, n, name):
+        """Returns the least critical h‖B‖₂ over scenes and states; None where nothing is known or nothing failed."""
+        found = [line.least for (by, _, at, each), line in self.lines.items() if (by, at, each) == (solver, n, name)]
+        return None if not found or None in found else min(found)
+
+    def largest_safe(self, solver, name):
+        """Returns the least safe h‖B‖₂ over scenes and n; None where there is none."""
+        return min((each.works for (by, _, _, one), each in self.safe.items() if (by, one) == (solver, name)),
+                   default=None)
+
+
+def read_limits(path):
+    """Returns the Limits in `path`. Throws UnusableFile with one line that names the file and what is wrong."""
+    return formats.read_study(path, SCHEMA, limits_of)
+
+
+def limits_of(study):
+    tables = study.tables
+    if not tables["limits"]:
+        raise UnusableFile("has no limits")
+    rows = {}
+    for limit in tables["limits"]:
+        if not set(limit.grid) <= set(NAMES):
+            raise UnusableFile(f"has a grid with unknown outcomes: {limit.grid}")
+        rows.setdefault((limit.solver, limit.scene, limit.n, limit.integrator), []).append(limit)
+    return Limits(study.context, study.settings, keyed(tables["integrators"], "name"),
+                  keyed(tables["states"], "scene", "n", "state"),
+                  {key: Line(tuple(found)) for key, found in rows.items()},
+                  keyed(tables["safe"], "solver", "scene", "n", "integrator"),
+                  {(each.scene, each.n, each.integrator): each.limit for each in tables["theory"]})
