@@ -76,13 +76,14 @@ Start start_of(const IntegrateRequest& request) {
 }
 
 // Before a long run, not after it.
-void warn_beyond_limit(const std::string& integrator, double h_norm_B) {
-  const std::optional<double> limit = measured_limit(integrator);
+void warn_beyond_limit(const IntegrateRequest& request, double h_norm_B) {
+  const std::string& integrator = request.integrator.name;
+  const std::optional<double> limit = measured_limit(integrator, request.solver, request.n);
   if (!limit || h_norm_B <= *limit) return;
   print_error("integrate",
-              fmt::format("note: h_norm_B = {:.3g} is beyond {:.3g}, the largest at "
-                          "which {} worked in every recorded trial; see results/README.md",
-                          h_norm_B, *limit, integrator));
+              fmt::format("note: h_norm_B = {:.3g} is beyond {:.3g}, the largest at which the {} "
+                          "form of {} worked in every recorded run; see results/README.md",
+                          h_norm_B, *limit, name(request.solver), integrator));
 }
 
 // W.interrupted.npy beside W.npy.
@@ -107,10 +108,7 @@ Outcome integrate(const IntegrateRequest& request, const Scene& scene, ProductBa
   Outcome outcome;
   outcome.W = scene.initial;
   outcome.h_norm_B = request.step * generator_norm(scene);
-  // The trials were of published forms of Euler-Zeitlin.  Fast forms work with longer steps.
-  if (request.solver == Solver::published && request.is_euler_zeitlin()) {
-    warn_beyond_limit(request.integrator.name, outcome.h_norm_B);
-  }
+  if (request.is_euler_zeitlin()) warn_beyond_limit(request, outcome.h_norm_B);  // as it was tried
   ConservationWatch watch(scene);
   double watching = 0.0;
   watch_signals();

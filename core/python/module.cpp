@@ -179,8 +179,6 @@ void bind_integrators(py::module_& module) {
       .def_property_readonly("lie_poisson", &keeps<&Properties::lie_poisson>)
       .def_property_readonly("symmetric", &keeps<&Properties::symmetric>)
       .def_readonly("explicit", &IntegratorEntry::is_explicit)
-      .def_property_readonly("measured_limit",
-                             [](const IntegratorEntry& e) { return measured_limit(e.name); })
       .def(
           "linear_limit",
           [](const IntegratorEntry& e, const Scene& scene) -> std::optional<double> {
@@ -190,6 +188,9 @@ void bind_integrators(py::module_& module) {
           },
           Aside());
   module.def("integrators", &integrators);
+  module.def("measured_limit", [](const std::string& name, const std::string& solver, Index n) {
+    return measured_limit(integrator_entry(name).name, solver_from_name(solver), n);
+  });
   module.def("integrator_entry",
              [](const std::string& name) -> IntegratorEntry { return integrator_entry(name); });
 

@@ -41,8 +41,9 @@ CARE = (  # what was tried and paid
 )
 
 
-def accuracy_sections(study, charts):
-    """Returns the document; `charts` are the names of the charts beside it."""
+def accuracy_sections(study, charts, limits=None):
+    """Returns the document; `charts` are the names of the charts beside it, `limits` those that no recommended step
+    exceeds."""
     return [
         Heading("Accuracy against cost", 1),
         Paragraph("Integrators over step sizes on every problem; errors are relative, in the Frobenius norm. Duels give"
@@ -61,7 +62,7 @@ def accuracy_sections(study, charts):
         *integrators_section(study),
         *tolerance_section(study),
         Heading("The cheapest sufficient method"),
-        *recommendation_tables(study),
+        *recommendation_tables(study, limits),
         *ends_section(study),
         *failures_section(study),
         conditions(study.context),

@@ -4,6 +4,7 @@ Step sizes are told by h‖B(W₀)‖₂ of the flow without co-rotating frame, 
 step is where trials to T = 5 begin to fail, the safe step where trials to T = 50 do.
 """
 
+import os
 from typing import Dict, NamedTuple, Tuple
 
 from lib import formats
@@ -11,6 +12,8 @@ from lib.formats import (CONVERGED, LOSSES, SOLVERS, STATUSES, SWEEP_CAP, UNSTAB
                          one_of, optional, positive, text, truth, whole)
 from lib.messages import UnusableFile
 
+RECORDED = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__)))), "results",
+                        "recorded", "limits", "raw.json")
 SCENES = ("smooth", "rough", "developed")
 OUTCOMES = (*(status for status in STATUSES if status != UNSTABLE), *LOSSES)
 # A letter for each outcome, so that a row holds those of a whole grid.
@@ -145,13 +148,29 @@ class Limits(NamedTuple):
         found = [line.least for (by, _, at, each), line in self.lines.items() if (by, at, each) == (solver, n, name)]
         return None if not found or None in found else min(found)
 
-    def largest_safe(self, solver, name):
-        """Returns the least safe h‖B‖₂ over scenes and n; None where there is none."""
-        return min((each.works for (by, _, _, one), each in self.safe.items() if (by, one) == (solver, name)),
-                   default=None)
+    def safe_and_critical(self):
+        """Returns the Safe and the Limit of the same state, for each Safe."""
+        return [(safe, self.lines[key].limits[0]) for key, safe in self.safe.items()]
+
+    def least_safe(self):
+        """Returns the least safe h‖B‖₂ over scenes by (integrator, solver, n), n rising within a form."""
+        found = {}
+        for (solver, _, n, name), safe in self.safe.items():
+            key = (name, solver, n)
+            found[key] = min(safe.works, found.get(key, safe.works))
+        order = list(self.integrators)
+        return {key: found[key] for key in sorted(found, key=lambda key: (order.index(key[0]), key[1], key[2]))}
+
+    def safe_around(self, solver, scene, n, name):
+        """Returns the safe h‖B‖₂ in a scene at the recorded n on both sides of n, the lesser one; None where n is
+        beyond them."""
+        known = {at: safe.works for (by, where, at, each), safe in self.safe.items()
+                 if (by, where, each) == (solver, scene, name)}
+        below, above = [at for at in known if at <= n], [at for at in known if at >= n]
+        return min(known[max(below)], known[min(above)]) if below and above else None
 
 
-def read_limits(path):
+def read_limits(path=RECORDED):
     """Returns the Limits in `path`. Throws UnusableFile with one line that names the file and what is wrong."""
     return formats.read_study(path, SCHEMA, limits_of)
 

@@ -3,7 +3,7 @@
 What is offered is a Form: an integrator at a tolerance of its iteration. The step for an error is interpolated along
 the line of a Form, between two neighbouring runs that worked. Between recorded n and between recorded times, steps and
 seconds are interpolated too. All interpolation is linear in the logarithms. No step is offered beyond a failure, beyond
-a stability limit, or beyond the longest recorded step that worked.
+a stability limit, beyond the longest recorded step that worked, or beyond the safe step that the study of limits found.
 """
 
 import itertools
@@ -169,10 +169,6 @@ def blend(weights, values):
     return math.exp(sum(weight * math.log(value) for weight, value in zip(weights, values)))
 
 
-def is_safe(run):
-    return run.usable and not run.beyond_limit
-
-
 def cost_of(runs, error):
     """Returns the least Cost of an error on safe runs, the shortest step first; None if they do not reach it."""
     runs = list(itertools.dropwhile(lambda run: error < run.error < NEAR_ROUNDING, runs))
@@ -186,8 +182,9 @@ def cost_of(runs, error):
 class Recorded:
     """The recorded problems that a question is answered from. Throws Stop if there are none that tell the error."""
 
-    def __init__(self, study, question):
-        self.study, self.question = study, question
+    def __init__(self, study, question, limits=None):
+        """`limits` are the Limits that no step exceeds, or None."""
+        self.study, self.question, self.limits = study, question, limits
         self.margin, self.said = MARGIN, []
         sizes = {}
         for problem in study.problems():
@@ -255,6 +252,11 @@ class Recorded:
     def safe_runs(self, problem, form):
         """Returns the runs of a line from the shortest step to the longest safe one: the next failed or is beyond a
         limit."""
+        most = self.limits and self.limits.safe_around(FAST, problem.scene, problem.n, form.integrator)
+
+        def is_safe(run):
+            return run.usable and not run.beyond_limit and (most is None or run.h_norm_B <= most)
+
         runs = itertools.dropwhile(lambda run: not is_safe(run), reversed(self.judged.line(problem, *form)))
         return list(itertools.takewhile(is_safe, runs))
 
@@ -314,9 +316,9 @@ class Recorded:
                 " error was reached"]
 
 
-def answer(study, question, path, rates_here=lambda sizes: None):
+def answer(study, question, path, rates_here=lambda sizes: None, limits=None):
     """Returns the answer as answer_data() does. `rates_here` returns products per second here for each n, or None."""
-    recorded = Recorded(study, question)
+    recorded = Recorded(study, question, limits)
     around = neighbours(study.rates, question.n) if study.rates else {}
     here = rates_here(around) if around else None
     speedup = here and blend(around.values(), [rate / study.rates[n].fast for rate, n in zip(here, around)])
@@ -404,12 +406,12 @@ def answer_document(data):
 # ---- the table
 
 
-def recommendation_tables(study):
+def recommendation_tables(study, limits=None):
     """Returns a table of the cheapest method by structure, problem and error; then how to read it."""
     def entry(structure, problem, exponent):
         try:
             question = Question(problem.scene, problem.n, problem.time, 10.0**exponent, structure)
-            best = Recorded(study, question).ranking()[0]
+            best = Recorded(study, question, limits).ranking()[0]
         except (Stop, IndexError):
             return MISSING
         return f"{best.name}, h = {best.step:.3g}, {three_digits(best.seconds)} s"

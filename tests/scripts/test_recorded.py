@@ -31,8 +31,7 @@ STUDIES = {
     "tables": ("render_tables", "tables/raw.json"),
     "scaling": ("render_scaling", "scaling/raw.json"),
     "theorem": ("render_theorem", "theorem/raw.json"),
-    "stability": ("render_stability", "stability/map.json", "--fast", "stability/fast_map.json",
-                  "--long", "stability/long_runs.json")}
+    "limits": ("render_limits", "limits/raw.json")}
 DRAWN_BY = "3.6"  # matplotlib: another one draws other bytes
 
 
@@ -89,7 +88,7 @@ class Recorded(FolderTest):
                 self.assertLess(abs(difference), 0.25)
 
     def test_every_chart_of_a_report_is_there(self):
-        for study in ("accuracy", "stability"):
+        for study in ("accuracy", "limits"):
             charts = {name[:-4] for name in os.listdir(os.path.join(RECORDED, study)) if name.endswith(".svg")}
             shown = re.findall(r"^!\[.*\]\((.*)\.svg\)$", text(RECORDED, study, "report.md"), re.M)
             self.assertEqual((set(shown), len(shown) > 1), (charts, True))

@@ -17,15 +17,15 @@ import time
 
 from programs import (BAD_ARGUMENTS, DONE, ROOT, SOLVER_FAILED, FolderTest, end, environment, run,
                       snapshot, start, text_of)
-from stability_documents import SETTINGS, long_study, map_study, write
+from limits_documents import limits_study
+from limits_documents import write as write_limits
 from study_documents import small_study, write_study
 
 HOST_NAME = "a-host-to-keep-private"
 RESULTS = {"raw.json", "table.txt", "table.md", "table.tex", "verdicts.json"}
 STUDY_RESULTS = {"raw.json", "report.md", "figures.json"}
-STABILITY = {"map.json", "fast_map.json", "long_runs.json"}
 PROGRAMS = (*(f"build/benchmarks/{name}" for name in ("table1", "table2")),
-            *(f"scripts/studies/{name}.py" for name in ("accuracy", "stability", "long_runs", "scaling", "theorem")))
+            *(f"scripts/studies/{name}.py" for name in ("accuracy", "limits", "scaling", "theorem")))
 CORES = len(os.sched_getaffinity(0))
 
 STAND_INS = {
@@ -58,7 +58,6 @@ PROGRAM = """#!/bin/sh
 program=$(basename "$0" .py)
 echo "$program[${OPENBLAS_CORETYPE-none}] $* on $(nproc) cores" >>"$CALLS"
 file=$program
-case "$*" in *"--solver fast"*) file=fast_map ;; esac
 while [ $# -gt 0 ]; do
   case $1 in --out) out=$2 ;; esac
   shift
@@ -106,7 +105,7 @@ sys.exit(int(os.environ.get("BENCHMARK_STATUS", "0")))
 RENDERER = """#!/bin/sh
 for out; do :; done
 echo drawn >"$out/report.md"
-case $0 in *theorem) echo drawn >"$out/figures.json" ;; esac
+echo drawn >"$out/figures.json"
 """
 
 
@@ -175,9 +174,7 @@ class ReproduceTest(CopyTest):
         self.prepare("table1", one_process())
         self.prepare("table2", one_process(tables=("table2", "table1")))
         write_study(self.folder, small_study(), name="accuracy.json")
-        for name, study in (("stability", map_study(SETTINGS[:1], ("group1",))), ("long_runs", long_study(("group1",))),
-                            ("fast_map", map_study(SETTINGS[:1], ("group1",), "fast"))):
-            write(self.folder, study, f"{name}.json")
+        write_limits(self.folder, limits_study())
         shutil.copy(os.path.join(ROOT, "results", "recorded", "scaling", "raw.json"), self.path("scaling.json"))
         self.write("theorem.json", "{}")
 
@@ -219,7 +216,7 @@ class Arguments(CopyTest):
     def test_what_is_wrong_and_what_is_allowed_are_named(self):
         # Found before it is told that CMake is missing.
         for argument in ("table3", "--quik", "--quick=yes", ""):
-            self.refuses("reproduce", ["--quick", argument], argument, "table1", "table2", "accuracy", "stability",
+            self.refuses("reproduce", ["--quick", argument], argument, "table1", "table2", "accuracy", "limits",
                          "scaling",
                          "--quick", "--out", "--no-install", MISSING="cmake")
         path = self.write("plain", "a file")
@@ -334,7 +331,7 @@ class EndToEnd(ReproduceTest):
             row.update(relative_error=1e-3, reference_uncertainty=1e-14)
         self.prepare("table2", raw)
         # Drawing takes seconds.
-        for name in ("stability", "theorem"):
+        for name in ("limits", "theorem"):
             self.write(f"root/scripts/render_{name}", RENDERER, executable=True)
         told = self.reproduced("all").stderr.splitlines()
         self.assertIn("Job 2 of 6: table2", told)
@@ -342,21 +339,18 @@ class EndToEnd(ReproduceTest):
         found = {job: set(os.listdir(self.path("out", job))) for job in os.listdir(self.out)}
         self.assertLessEqual({"raw.json", "report.md", "figures.json", "error_against_time.svg"}, found.pop("accuracy"))
         self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS, "theorem": STUDY_RESULTS,
-                                 "scaling": STUDY_RESULTS,
-                                 "stability": {"report.md", *STABILITY}})
+                                 "scaling": STUDY_RESULTS, "limits": STUDY_RESULTS})
         self.assertTrue(all("--published" in call for call in self.calls("table2")))
 
     def test_a_study_measures_and_ends_with_its_report(self):
-        done = self.reproduced("stability")
+        done = self.reproduced("limits")
         found = snapshot(self.out)
         charts = {name for name in found if name.endswith((".svg", ".png"))}
         self.assertGreater(len(charts), 2)
-        self.assertEqual(set(found) - charts, {"report.md", *STABILITY})
+        self.assertEqual(set(found) - charts, STUDY_RESULTS)
         self.assertEqual(done.stdout, found["report.md"].decode())
-        self.assertIn("Largest errors of long runs", done.stdout)
-        self.assertIn("--solver fast", self.calls("stability[")[1])
-        untimed = [*self.calls("stability["), *self.calls("long_runs[")]
-        self.assertEqual([call.endswith(f" on {CORES} cores") for call in untimed], [True] * 3)
+        self.assertIn("Up to which step methods work", done.stdout)
+        self.assertEqual([call.endswith(f" on {CORES} cores") for call in self.calls("limits[")], [True])
         self.assertFalse(any("--quick" in call for call in self.calls()))
 
     def test_every_study_can_be_executed(self):
@@ -372,9 +366,8 @@ class EndToEnd(ReproduceTest):
             self.assertEqual(set(filters), set(map(str, sizes)))
             self.assertGreaterEqual(min(map(filters.count, filters)), 6)
             self.assertTrue(all(call.endswith(" on 1 cores") for call in self.calls("table1")))
-        self.reproduce("stability", "--quick", FAILING="long_runs")
-        for program in ("stability", "long_runs"):
-            self.assertIn("--quick", self.calls(program + "[")[0])
+        self.reproduce("limits", "--quick", FAILING="limits")
+        self.assertIn("--quick", self.calls("limits[")[0])
 
 
 class FailedRuns(ReproduceTest):
@@ -406,10 +399,10 @@ class FailedRuns(ReproduceTest):
     def test_a_failed_or_killed_program_passes_its_status_on(self):
         self.ends("table1", 7, "some reason", "exit status 7", FAILING="table1")
         self.ends("table1", 128 + signal.SIGKILL, "exit status 137", BENCHMARK="die")
-        self.ends("stability", 7, "some reason", FAILING="long_runs")
+        self.ends("limits", 7, "some reason", FAILING="limits")
 
     def test_a_raw_file_that_cannot_be_used_is_told(self):
-        for job in ("table1", "stability"):
+        for job in ("table1", "limits"):
             self.ends(job, BAD_ARGUMENTS, "is not whole JSON", BENCHMARK="scribble")
         self.prepare("table1", {"context": {}, "benchmarks": []})
         self.ends("table1", BAD_ARGUMENTS, "table1 wrote is no raw file of table1")
@@ -418,9 +411,10 @@ class FailedRuns(ReproduceTest):
         for commit, runs in (("0123456789ab", 1), ("ba9876543210", 2)):  # the files are of the first
             self.write("tools/git", f"#!/bin/sh\necho {commit}\n", executable=True)
             self.write("calls", "")
-            self.reproduce("stability", FAILING="long_runs")
-            self.reproduced("stability")
-            self.assertEqual((len(self.calls("stability[")), len(self.calls("long_runs["))), (2 * runs, 2))
+            for body in ("exit 1\n", RENDERER):
+                self.write("root/scripts/render_limits", "#!/bin/sh\n" + body, executable=True)
+                self.reproduce("limits")
+            self.assertEqual(len(self.calls("limits[")), runs)
 
     def test_rows_that_did_not_converge_are_shown_and_end_with_3(self):
         self.prepare("table1", one_process(failed=True))
@@ -452,7 +446,7 @@ class KilledRuns(ReproduceTest):
     """kill -9 of the script alone, which can do nothing any more."""
 
     def test_what_it_started_ends_and_the_same_command_goes_on(self):
-        for job, expected in (("table1", RESULTS), ("stability", STABILITY | {"report.md"})):
+        for job, expected in (("table1", RESULTS), ("limits", STUDY_RESULTS)):
             with self.subTest(job=job):
                 self.out = self.path("out", job)
                 self.write("calls", "")
@@ -471,10 +465,10 @@ class KilledRuns(ReproduceTest):
         # Killed between the last study and the end: no study is left that could set a status.
         self.write("tools/git", "#!/bin/sh\necho 0123456789ab\n", executable=True)
         for name, body in (("first", "exit 1\n"), ("then", RENDERER)):
-            self.write("root/scripts/render_stability", "#!/bin/sh\n" + body, executable=True)
-            done = self.reproduce("stability")
+            self.write("root/scripts/render_limits", "#!/bin/sh\n" + body, executable=True)
+            done = self.reproduce("limits")
         self.assertEqual((done.returncode, done.stdout), (DONE, "drawn\n"), done.stderr)
-        self.assertEqual((len(self.calls("stability[")), len(self.calls("long_runs["))), (2, 1))
+        self.assertEqual(len(self.calls("limits[")), 1)
 
     def test_a_build_ends_too(self):
         self.write("tools/cmake", """#!/bin/sh
@@ -493,7 +487,7 @@ done
 class OneAtATime(ReproduceTest):
     def test_a_second_run_into_the_same_folder_is_refused(self):
         process = self.waiting("table1")
-        for job in ("table1", "stability"):
+        for job in ("table1", "limits"):
             with self.subTest(job=job), self.unchanged():
                 self.assert_refused(self.reproduce(job), "--out", self.out, "another run")
         other = self.script("reproduce", "--out", self.path("elsewhere"))  # beside it another may run

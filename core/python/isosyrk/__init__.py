@@ -38,8 +38,8 @@ if not _waits_as_asked:
     del os.environ["GOMP_SPINCOUNT"]
 
 __all__ = ["Integrator", "IntegratorRecord", "Report", "Scene", "SolverError", "angular_momentum_error",
-           "casimir_errors", "conditions", "integrator", "integrators", "product_rate", "relative_error", "scene",
-           "scenes", "skew_defect", "spectrum", "spectrum_error"]
+           "casimir_errors", "conditions", "integrator", "integrators", "measured_limit", "product_rate", "relative_error",
+           "scene", "scenes", "skew_defect", "spectrum", "spectrum_error"]
 
 __version__ = _core.version
 
@@ -98,7 +98,6 @@ class IntegratorRecord(NamedTuple):
     symmetric: bool  # a step of -h inverts a step of h
     explicit: bool  # no iteration
     stability_limit: float  # largest stable h*norm(ad_B) for a constant generator; inf if there is none
-    measured_limit: Optional[float]  # h*norm(B), 2-norm, up to which every recorded trial of the published form worked
     has_fast_form: bool  # for solver "fast"
 
 
@@ -405,6 +404,16 @@ def integrators() -> List[IntegratorRecord]:
     """Returns the list of integrators."""
     return [IntegratorRecord(*(getattr(entry, field) for field in IntegratorRecord._fields))
             for entry in _core.integrators()]
+
+
+def measured_limit(name: str, n: int, solver: str = "published") -> Optional[float]:
+    """Returns the largest h*norm(B(W0)) (2-norm) at which a form of an integrator worked in every recorded run.
+
+    The runs were of Euler-Zeitlin to T = 50 (smooth, rough and developed scene), at the recorded n on both sides of n, or
+    at the nearest one. B is that of the flow without co-rotating frame. None where the form was not tried. Raises
+    ValueError for an unknown integrator or solver. Source: results/recorded/limits.
+    """
+    return _core.measured_limit(_text(name, "name"), _solver(solver), _whole(n, "n", 2, LARGEST_N))
 
 
 def conditions(products: str = "fastest", sizes: Iterable[int] = ()) -> Dict[str, str]:

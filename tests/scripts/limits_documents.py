@@ -1,0 +1,51 @@
+"""A small study of limits, made up: two forms of three integrators, from two states of each scene."""
+
+import os
+
+import programs  # noqa: F401 (finds the modules of scripts/lib)
+
+from lib import formats
+from lib.formats import FAST, PUBLISHED, Integrator
+from lib.limits_files import SCHEMA, Limit, Safe, Settings, State, Theory
+
+SIZES = (9, 17)
+SCENES = ("smooth", "developed")
+STATES = 2
+GRID_STEP, CLOSE, SAFE_CLOSE = 2**0.5, 1.03, 1.10
+NORM_B = 2.0
+INTEGRATORS = {"group2": Integrator("group2", 2, 4, True, True, True, False, None),
+               "algebra1": Integrator("algebra1", 1, 2, True, True, True, False, None),
+               "elp4_frame": Integrator("elp4_frame", 1, 4, True, True, True, False, None),
+               "rk4": Integrator("rk4", 4, 4, False, False, False, True, 2.83)}
+# Of the published form at n = 9: the critical h‖B‖₂, how it fails there, and the outcomes on the grid.
+CRITICAL = {"group2": (1.5, "diverged", "++++dddd"), "algebra1": (1.2, "sweep cap", "+++csdd"),
+            "rk4": (0.6, "spectrum lost", "+pppd"), "elp4_frame": (5.0, "energy lost", "+++++++ee+eeee")}
+
+
+def limits_study():
+    """Returns the Study: the fast form works to twice the step, n = 17 to 1.5 times, state 1 to 1.1 times."""
+    limits, safe = [], []
+    for solver, gain in ((PUBLISHED, 1.0), (FAST, 2.0)):
+        for scene in SCENES:
+            for n in SIZES:
+                for name, (critical, status, grid) in CRITICAL.items():
+                    if name == "elp4_frame" and solver == PUBLISHED:
+                        continue
+                    works = critical * gain * (1.5 if n == 17 else 1.0)
+                    for state in range(STATES):
+                        value = works * 1.1**state
+                        limits.append(Limit(solver, scene, n, name, state, 0.5, grid, value, value * CLOSE, status))
+                    safe.append(Safe(solver, scene, n, name, 0.8 * works, 0.85 * works, status))
+    settings = Settings(False, 5.0, 50.0, 50, 400, GRID_STEP, CLOSE, SAFE_CLOSE)
+    states = [State(scene, n, state, NORM_B, 3.0) for scene in SCENES for n in SIZES for state in range(STATES)]
+    theory = [Theory("smooth", n, name, 3.4) for n in SIZES for name in ("group2", "rk4")]
+    return formats.Study({"commit": "0123456789ab", "dirty": "no", "cpu": "a processor"}, settings,
+                         {"integrators": list(INTEGRATORS.values()), "states": states, "limits": limits, "safe": safe,
+                          "theory": theory})
+
+
+def write(folder, study, name="limits.json"):
+    """Writes the raw file of a study and returns its path."""
+    path = os.path.join(folder, name)
+    formats.write_study(path, SCHEMA, study.context, study.settings, study.tables)
+    return path
