@@ -100,7 +100,8 @@ class Files(DrawingTest):
 
     def test_another_file_is_refused(self):
         path = self.write("other.json", "{}")
-        self.assert_refused(self.render(path, "--out", self.path("charts")), "other.json", "raw file of the study limits")
+        self.assert_refused(self.render(path, "--out", self.path("charts")), "other.json",
+                            "raw file of the study limits")
 
 
 class Charts(DrawingTest):

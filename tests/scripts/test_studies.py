@@ -278,8 +278,8 @@ class StudyTest(FolderTest):
 
 
 class Limits(StudyTest):
-    # Critical h‖B‖₂ of published forms in the smooth scene at n = 17, found by an independent earlier program. It judged
-    # the energy to a factor of two, which these methods do not lose before the step fails.
+    # Critical h‖B‖₂ of published forms in the smooth scene at n = 17, found by an independent earlier program, which
+    # judged the energy to a factor of two. These methods do not lose it before the step fails.
     CRITICAL = {"group2": 1.54, "algebra1": 1.23}
 
     def test_critical_and_safe_steps(self):
