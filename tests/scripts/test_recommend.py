@@ -14,6 +14,7 @@ import resource
 import shlex
 import sys
 import unittest
+from types import SimpleNamespace
 from dataclasses import replace
 from unittest import mock
 
@@ -109,6 +110,19 @@ class Step(RecommendTest):
         self.assertEqual(self.steps("rk4", 33, 0.01), steps_for("rk4", 0.01 / MARGIN))
         run_of(self.document, "rk4", 33, 200)["beyond_limit"] = True  # of the shortest step
         self.assertEqual(self.steps("rk4", 33, 0.01), steps_for("rk4", 0.01 / MARGIN))
+
+    def test_no_step_beyond_what_the_study_of_limits_found_safe(self):
+        asked = []
+
+        def safe_around(*place):
+            asked.append(place)
+            return 0.71 if place[3] == "rkmk4" else None  # h‖B‖₂, which is 1.4 h at n = 17
+
+        question = Question("smooth", 17, 5.0, 0.5, "spectrum")
+        free, bound = (Recorded(accuracy_of(self.document), question, limits).offer(Form("rkmk4", TIGHT))
+                       for limits in (None, SimpleNamespace(safe_around=safe_around)))
+        self.assertEqual((free.steps, bound.steps), (5, 10))
+        self.assertIn(("fast", "smooth", 17, "rkmk4"), asked)
 
     def test_no_step_beyond_a_failure_and_no_interpolation_across_it(self):
         self.assertEqual(self.steps("group2", 17, 0.01), steps_for("group2", 0.01 / MARGIN))

@@ -175,6 +175,8 @@ class ReproduceTest(CopyTest):
         self.prepare("table2", one_process(tables=("table2", "table1")))
         write_study(self.folder, small_study(), name="accuracy.json")
         write_limits(self.folder, limits_study())
+        os.makedirs(self.path("root", "results", "recorded", "limits"))  # which render_accuracy reads
+        write_limits(self.path("root", "results", "recorded", "limits"), limits_study(), "raw.json")
         shutil.copy(os.path.join(ROOT, "results", "recorded", "scaling", "raw.json"), self.path("scaling.json"))
         self.write("theorem.json", "{}")
 
