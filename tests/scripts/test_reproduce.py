@@ -17,15 +17,15 @@ import time
 
 from programs import (BAD_ARGUMENTS, DONE, ROOT, SOLVER_FAILED, FolderTest, end, environment, run,
                       snapshot, start, text_of)
-from stability_documents import SETTINGS, long_study, map_study, write
+from stability_documents import SETTINGS, map_study, write
 from study_documents import small_study, write_study
 
 HOST_NAME = "a-host-to-keep-private"
 RESULTS = {"raw.json", "table.txt", "table.md", "table.tex", "verdicts.json"}
 STUDY_RESULTS = {"raw.json", "report.md", "figures.json"}
-STABILITY = {"map.json", "fast_map.json", "long_runs.json"}
+STABILITY = {"map.json", "fast_map.json"}
 PROGRAMS = (*(f"build/benchmarks/{name}" for name in ("table1", "table2")),
-            *(f"scripts/studies/{name}.py" for name in ("accuracy", "stability", "long_runs", "scaling", "theorem")))
+            *(f"scripts/studies/{name}.py" for name in ("accuracy", "stability", "longruns", "scaling", "theorem")))
 CORES = len(os.sched_getaffinity(0))
 
 STAND_INS = {
@@ -52,8 +52,8 @@ echo "chatter of $tool"
 """),
 }
 
-# A study: writes down how it was called, then does what $BENCHMARK says, and fails if it is $FAILING. What it measured
-# is prepared under its name.
+# A study: writes down how it was called, then does what $BENCHMARK says, and fails if it, or its file, is $FAILING.
+# What it measured is prepared under its name.
 PROGRAM = """#!/bin/sh
 program=$(basename "$0" .py)
 echo "$program[${OPENBLAS_CORETYPE-none}] $* on $(nproc) cores" >>"$CALLS"
@@ -64,7 +64,7 @@ while [ $# -gt 0 ]; do
   shift
 done
 echo "chatter of $program"
-[ "$program" = "$FAILING" ] && { echo "some reason"; exit 7; }
+case $FAILING in "$program"|"$file") echo "some reason"; exit 7 ;; esac
 case $BENCHMARK in
   finish) cp "$PREPARED/$file.json" "$out" ;;
   scribble) echo '{"context": {' >"$out" ;;
@@ -106,7 +106,7 @@ sys.exit(int(os.environ.get("BENCHMARK_STATUS", "0")))
 RENDERER = """#!/bin/sh
 for out; do :; done
 echo drawn >"$out/report.md"
-case $0 in *theorem) echo drawn >"$out/figures.json" ;; esac
+case $0 in *theorem|*longruns) echo drawn >"$out/figures.json" ;; esac
 """
 
 
@@ -175,11 +175,12 @@ class ReproduceTest(CopyTest):
         self.prepare("table1", one_process())
         self.prepare("table2", one_process(tables=("table2", "table1")))
         write_study(self.folder, small_study(), name="accuracy.json")
-        for name, study in (("stability", map_study(SETTINGS[:1], ("group1",))), ("long_runs", long_study(("group1",))),
+        for name, study in (("stability", map_study(SETTINGS[:1], ("group1",))),
                             ("fast_map", map_study(SETTINGS[:1], ("group1",), "fast"))):
             write(self.folder, study, f"{name}.json")
         shutil.copy(os.path.join(ROOT, "results", "recorded", "scaling", "raw.json"), self.path("scaling.json"))
-        self.write("theorem.json", "{}")
+        for name in ("theorem", "longruns"):
+            self.write(f"{name}.json", "{}")
 
     def prepare(self, program, raw):
         self.write(f"{program}.json", json.dumps(raw))
@@ -220,7 +221,7 @@ class Arguments(CopyTest):
         # Found before it is told that CMake is missing.
         for argument in ("table3", "--quik", "--quick=yes", ""):
             self.refuses("reproduce", ["--quick", argument], argument, "table1", "table2", "accuracy", "stability",
-                         "scaling",
+                         "longruns", "scaling",
                          "--quick", "--out", "--no-install", MISSING="cmake")
         path = self.write("plain", "a file")
         for arguments, *parts in ((["table1", "all"], "all"), (["--out"], "--out"), (["--out", ""], "--out"),
@@ -334,15 +335,15 @@ class EndToEnd(ReproduceTest):
             row.update(relative_error=1e-3, reference_uncertainty=1e-14)
         self.prepare("table2", raw)
         # Drawing takes seconds.
-        for name in ("stability", "theorem"):
+        for name in ("stability", "longruns", "theorem"):
             self.write(f"root/scripts/render_{name}", RENDERER, executable=True)
         told = self.reproduced("all").stderr.splitlines()
-        self.assertIn("Job 2 of 6: table2", told)
+        self.assertIn("Job 2 of 7: table2", told)
         self.assertEqual(told[-1], f"All results are in {self.out}")
         found = {job: set(os.listdir(self.path("out", job))) for job in os.listdir(self.out)}
         self.assertLessEqual({"raw.json", "report.md", "figures.json", "error_against_time.svg"}, found.pop("accuracy"))
         self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS, "theorem": STUDY_RESULTS,
-                                 "scaling": STUDY_RESULTS,
+                                 "scaling": STUDY_RESULTS, "longruns": STUDY_RESULTS,
                                  "stability": {"report.md", *STABILITY}})
         self.assertTrue(all("--published" in call for call in self.calls("table2")))
 
@@ -353,10 +354,9 @@ class EndToEnd(ReproduceTest):
         self.assertGreater(len(charts), 2)
         self.assertEqual(set(found) - charts, {"report.md", *STABILITY})
         self.assertEqual(done.stdout, found["report.md"].decode())
-        self.assertIn("Largest errors of long runs", done.stdout)
+        self.assertIn("Critical h", done.stdout)
         self.assertIn("--solver fast", self.calls("stability[")[1])
-        untimed = [*self.calls("stability["), *self.calls("long_runs[")]
-        self.assertEqual([call.endswith(f" on {CORES} cores") for call in untimed], [True] * 3)
+        self.assertEqual([call.endswith(f" on {CORES} cores") for call in self.calls("stability[")], [True] * 2)
         self.assertFalse(any("--quick" in call for call in self.calls()))
 
     def test_every_study_can_be_executed(self):
@@ -372,8 +372,8 @@ class EndToEnd(ReproduceTest):
             self.assertEqual(set(filters), set(map(str, sizes)))
             self.assertGreaterEqual(min(map(filters.count, filters)), 6)
             self.assertTrue(all(call.endswith(" on 1 cores") for call in self.calls("table1")))
-        self.reproduce("stability", "--quick", FAILING="long_runs")
-        for program in ("stability", "long_runs"):
+        for program in ("stability", "longruns"):
+            self.reproduce(program, "--quick", FAILING=program)
             self.assertIn("--quick", self.calls(program + "[")[0])
 
 
@@ -406,7 +406,8 @@ class FailedRuns(ReproduceTest):
     def test_a_failed_or_killed_program_passes_its_status_on(self):
         self.ends("table1", 7, "some reason", "exit status 7", FAILING="table1")
         self.ends("table1", 128 + signal.SIGKILL, "exit status 137", BENCHMARK="die")
-        self.ends("stability", 7, "some reason", FAILING="long_runs")
+        self.ends("stability", 7, "some reason", FAILING="fast_map")
+        self.ends("longruns", 7, "some reason", FAILING="longruns")
 
     def test_a_raw_file_that_cannot_be_used_is_told(self):
         for job in ("table1", "stability"):
@@ -418,9 +419,9 @@ class FailedRuns(ReproduceTest):
         for commit, runs in (("0123456789ab", 1), ("ba9876543210", 2)):  # the files are of the first
             self.write("tools/git", f"#!/bin/sh\necho {commit}\n", executable=True)
             self.write("calls", "")
-            self.reproduce("stability", FAILING="long_runs")
+            self.reproduce("stability", FAILING="fast_map")
             self.reproduced("stability")
-            self.assertEqual((len(self.calls("stability[")), len(self.calls("long_runs["))), (2 * runs, 2))
+            self.assertEqual(len(self.calls("stability[")), runs + 2)
 
     def test_rows_that_did_not_converge_are_shown_and_end_with_3(self):
         self.prepare("table1", one_process(failed=True))
@@ -474,7 +475,7 @@ class KilledRuns(ReproduceTest):
             self.write("root/scripts/render_stability", "#!/bin/sh\n" + body, executable=True)
             done = self.reproduce("stability")
         self.assertEqual((done.returncode, done.stdout), (DONE, "drawn\n"), done.stderr)
-        self.assertEqual((len(self.calls("stability[")), len(self.calls("long_runs["))), (2, 1))
+        self.assertEqual(len(self.calls("stability[")), 2)
 
     def test_a_build_ends_too(self):
         self.write("tools/cmake", """#!/bin/sh

@@ -23,7 +23,7 @@ from lib import scaling_table
 from lib.formats import FAST, PUBLISHED
 from lib.integrator_names import in_frame, method_name
 from lib.accuracy_lines import CONTENDERS, GOOD_ENOUGH, SCHEMA, Problem, read_accuracy
-from lib.stability_files import read_long_runs, read_map
+from lib.stability_files import read_map
 
 if HAS_MODULE:
     sys.path.insert(0, os.path.join(BUILD, "python"))
@@ -308,22 +308,6 @@ class Stability(StudyTest):
         self.assertGreater(fast.works, 1.1 * published.works)  # what fails is tried again with acceleration
         self.assert_as_close(fast.works, self.CRITICAL_FAST)
 
-    def test_samples_shares_and_controls_of_long_runs(self):
-        runs = read_long_runs(self.made("long_runs", "--n", "9", "--steps", "300", "--integrator", "group1"))
-        names = ["group1", "algebra2_two_products", "algebra3_two_products"]
-        self.assertEqual(list(runs.integrators), names)
-        self.assertEqual(list(runs.runs), [("smooth", 9, name, share) for name in names for share in (0.9, 0.3)])
-        for each in runs.runs.values():
-            self.assertAlmostEqual(each.row.h_norm_B, each.row.share * each.row.critical)
-            steps = [sample.step for sample in each.samples]
-            self.assertEqual((steps[0], steps), (1, sorted(set(steps))))
-        kept, lost = (runs.runs["smooth", 9, name, 0.3] for name in names[:2])
-        self.assertEqual((kept.survived, kept.samples[-1].step), (True, 300))
-        self.assertLess(kept.samples[-1].spectrum_error, 1e-10)
-        # The control is seen to lose skewness where nothing else fails, and ends when all is lost.
-        self.assertEqual((lost.row.status, lost.row.failed_step), ("unstable", lost.samples[-1].step))
-        self.assertGreater(lost.samples[-1].skew_defect, 1e3 * lost.samples[0].skew_defect)
-
 
 class Scaling(StudyTest):
     def test_every_rung_on_the_same_stretch(self):
@@ -360,8 +344,6 @@ class Refusals(StudyTest):
                 ("scaling", ("--scheduler", "here"), "--scheduler", "'here'"), ("scaling", ("--scale",), "--scale"),
                 ("scaling", ("--out", self.folder), "--out", self.folder),
                 ("stability", ("--scene", "calm"), "calm", "smooth"),
-                ("long_runs", ("--solver", "fast"), "--solver"),
-                ("long_runs", ("--steps", "9"), "--steps", "9"),
                 ("accuracy", ("--integrator", "euler"), "'euler'", "rkmk4"),
                 ("references", ("--integrator", "rk4"), "--integrator"),
                 ("references", ("--n", "21", "--scene", "rough"), "no problem")):
@@ -457,7 +439,7 @@ class Accuracy(StudyTest):
             return {re.match("[a-z_]*[a-z]", each.name)[0] for each in entries}
 
         self.assertEqual(kinds(quick), kinds(known.values()))
-        # Of the two compositions of order 4 one is enough; products written twice are a control of long runs.
+        # Of the two compositions of order 4 one is enough; products written twice are a control of their own.
         self.assertEqual(families(known.values()) - families(quick), {"suzuki"})
         self.assertLess(2 * len(quick), len(known))
         arguments = ("--quick", "--n", "17", "--scene", "rough")
