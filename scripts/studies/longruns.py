@@ -49,36 +49,36 @@ STEPS_AT_ONE_STEP = {17: 2, 33: 10, 65: 20, 129: 8}
 # one core of an AMD EPYC with AVX-512; the raw file has what they cost where it was made.
 STEPS_AT_EQUAL_COST = {
     (17, "smooth"): {
-        "algebra1": (40, 85), "group2": (6, 45), "group2_loose": (20, 45), "group3": (2, 30), "elp4": (6, 21),
-        "elp6": (4, 17), "elp6_tight": (4, 17), "magnus5": (7, 21), "rkmk4": (7, 18), "rk4": (35, 85),
-        "rk4_projected": (30, 80)},
+        "algebra1": (25, 105), "group2": (7, 45), "group2_loose": (20, 45), "group3": (3, 25), "elp4": (8, 25),
+        "elp6": (5, 15), "elp6_tight": (3, 13), "magnus5": (7, 21), "rkmk4": (7, 16), "rk4": (35, 85),
+        "rk4_projected": (30, 75)},
     (17, "rough"): {
-        "algebra1": (25, 105), "group2": (5, 45), "group2_loose": (18, 45), "group3": (2, 25), "elp4": (7, 25),
-        "elp6": (3, 17), "elp6_tight": (3, 17), "magnus5": (8, 20), "rkmk4": (6, 17), "rk4": (35, 85),
+        "algebra1": (23, 105), "group2": (6, 40), "group2_loose": (18, 45), "group3": (3, 25), "elp4": (9, 22),
+        "elp6": (5, 15), "elp6_tight": (3, 14), "magnus5": (8, 20), "rkmk4": (6, 18), "rk4": (35, 85),
         "rk4_projected": (30, 80)},
     (33, "smooth"): {
         "algebra1": (165, 700), "group2": (20, 220), "group2_loose": (90, 235), "group3": (8, 90),
-        "elp4": (50, 140), "elp6": (23, 90), "elp6_tight": (23, 90), "magnus5": (40, 100), "rkmk4": (30, 80),
+        "elp4": (45, 140), "elp6": (23, 90), "elp6_tight": (20, 80), "magnus5": (40, 100), "rkmk4": (30, 80),
         "rk4": (185, 450), "rk4_projected": (150, 425)},
     (33, "rough"): {
         "algebra1": (150, 700), "group2": (19, 225), "group2_loose": (90, 250), "group3": (9, 85),
-        "elp4": (35, 145), "elp6": (22, 90), "elp6_tight": (22, 90), "magnus5": (40, 100), "rkmk4": (30, 85),
-        "rk4": (180, 475), "rk4_projected": (160, 425)},
+        "elp4": (35, 145), "elp6": (20, 90), "elp6_tight": (16, 75), "magnus5": (40, 100), "rkmk4": (35, 85),
+        "rk4": (180, 475), "rk4_projected": (150, 425)},
     (65, "smooth"): {
-        "algebra1": (500, 1150), "group2": (40, 325), "group2_loose": (145, 300), "group3": (16, 115),
-        "elp4": (90, 205), "elp6": (50, 130), "elp6_tight": (50, 130), "magnus5": (65, 145), "rkmk4": (50, 115),
+        "algebra1": (450, 1150), "group2": (40, 275), "group2_loose": (145, 325), "group3": (16, 115),
+        "elp4": (85, 225), "elp6": (50, 150), "elp6_tight": (35, 130), "magnus5": (65, 150), "rkmk4": (50, 120),
         "rk4": (300, 700), "rk4_projected": (275, 650)},
     (65, "rough"): {
-        "algebra1": (475, 1075), "group2": (40, 275), "group2_loose": (130, 325), "group3": (14, 110),
-        "elp4": (75, 215), "elp6": (40, 150), "elp6_tight": (40, 150), "magnus5": (60, 145), "rkmk4": (50, 125),
+        "algebra1": (425, 1175), "group2": (40, 275), "group2_loose": (145, 325), "group3": (14, 110),
+        "elp4": (65, 190), "elp6": (35, 130), "elp6_tight": (30, 110), "magnus5": (60, 145), "rkmk4": (55, 125),
         "rk4": (300, 700), "rk4_projected": (275, 650)},
     (129, "smooth"): {
         "algebra1": (125, 375), "group2": (20, 65), "group2_loose": (35, 85), "group3": (5, 35),
-        "elp4": (30, 75), "elp6": (21, 55), "elp6_tight": (21, 55), "magnus5": (21, 50), "rkmk4": (16, 40),
+        "elp4": (30, 75), "elp6": (21, 55), "elp6_tight": (16, 40), "magnus5": (21, 50), "rkmk4": (16, 40),
         "rk4": (105, 220), "rk4_projected": (95, 220)},
     (129, "rough"): {
         "algebra1": (125, 300), "group2": (20, 60), "group2_loose": (40, 85), "group3": (6, 35),
-        "elp4": (30, 70), "elp6": (21, 50), "elp6_tight": (21, 50), "magnus5": (22, 50), "rkmk4": (18, 40),
+        "elp4": (30, 70), "elp6": (21, 50), "elp6_tight": (16, 40), "magnus5": (22, 50), "rkmk4": (18, 40),
         "rk4": (105, 225), "rk4_projected": (105, 205)},
 }
 
