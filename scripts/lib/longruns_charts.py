@@ -9,8 +9,8 @@ from lib.longruns_files import COARSE, ENERGY, LOOSE, ONE_STEP, SCENES, SPECTRUM
 from lib.numbers import scientific
 
 AGAINST_TIME = ("algebra1", "group2", "elp6", "elp6_tight", "rkmk4", "rk4_projected", "rk4")  # lines of the first chart
-TOLD = {"rkmk4": "RKMK4", "elp6": "the exponential method of order 6", "elp6_tight": "that one at tolerance 1e-10",
-        "group2": "the Gauss method of order 4"}  # in its title
+TOLD = {"rkmk4": "RKMK4", "elp6": "exponential 6", "elp6_tight": "exponential 6 at tolerance 1e-10",
+        "group2": "Gauss 4"}  # in its title
 PREFERRED_N = 33  # of the charts; else the smallest that there is
 LEAST_SPECTRUM = 1e-16  # where an exact 0 is drawn
 LABEL_POINTS = 10
@@ -68,18 +68,18 @@ def energy_against_time(runs, scene="smooth"):
     plan = runs.plans[n]
     note(figure, f"n = {n}, {scene} scene, in the co-rotating frame, equal CPU time for all methods, {plan.windows}"
          " windows. Tolerance 1e-13 of Gauss, 1e-8 of exponential and Magnus methods; numbers are orders. Solid: keeps"
-         " the Lie–Poisson structure; dashed: the spectrum only; dotted: neither. Cross: the run failed there.")
+         " the Lie–Poisson structure; dashed: the spectrum only; dotted: neither. Powers are those of the last decade.")
     return figure
 
 
 def time_title(lines, n):
-    """Returns the powers by which some energy errors grow in the last decade of time."""
+    """Returns the powers of time by which some energy errors grow, fitted to the last decade."""
     powers = {words: lines[method].judged(ENERGY).growth for method, words in TOLD.items() if method in lines}
     told = [f"t^{round(growth.power, 1) + 0.0} for {words}" for words, growth in powers.items() if growth]
     if not told:
         return f"Energy error over time at equal cost, n = {n}"
-    return (f"At equal cost the energy error grows like {', '.join(told[:-1])}{' and ' * (len(told) > 1)}{told[-1]}"
-            f" (n = {n}, last decade of time)")
+    last = f" and {told[-1]}" if len(told) > 1 else told[-1]
+    return f"Energy error at equal cost, n = {n}: grows like {', '.join(told[:-1])}{last}"
 
 
 # ---- energy against spectrum, a dot a method

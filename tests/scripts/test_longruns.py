@@ -259,9 +259,13 @@ class Render(DrawingTest):
         lines = lines_of(panel)
         self.assertEqual(list(lines), ["group2", "elp6", "rkmk4", "rk4"])
         self.assertEqual(lines["rkmk4"], [[time, error] for time, error in zip(TIMES, of_power(TIMES, 3e-3, 1))])
+        self.assertEqual(panel.figure.texts[0].get_text().replace("\n", " "),
+                         "Energy error at equal cost, n = 33: grows like t^1.0 for RKMK4, t^0.0 for exponential 6 and"
+                         " t^0.0 for Gauss 4")
         panels = self.panels("longruns_charts", "energy_against_spectrum", runs)
         self.assertEqual(list(panels), ["smooth scene", "rough scene"])
         (smooth,), (rough,) = panels.values()
+        self.assertIn("RK4 loses 2.0e-1 of the spectrum", smooth.figure.texts[0].get_text())
         dots = lines_of(smooth)
         self.assertEqual(dots["RK4"], [[0.2, 5e-3]])
         self.assertEqual(dots["Gauss 4, 1e-7"], [[1e-5, 1e-6]])
