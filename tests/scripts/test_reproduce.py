@@ -25,7 +25,7 @@ HOST_NAME = "a-host-to-keep-private"
 RESULTS = {"raw.json", "table.txt", "table.md", "table.tex", "verdicts.json"}
 STUDY_RESULTS = {"raw.json", "report.md", "figures.json"}
 PROGRAMS = (*(f"build/benchmarks/{name}" for name in ("table1", "table2")),
-            *(f"scripts/studies/{name}.py" for name in ("accuracy", "limits", "scaling", "theorem")))
+            *(f"scripts/studies/{name}.py" for name in ("accuracy", "limits", "longruns", "scaling", "theorem")))
 CORES = len(os.sched_getaffinity(0))
 
 STAND_INS = {
@@ -52,8 +52,8 @@ echo "chatter of $tool"
 """),
 }
 
-# A study: writes down how it was called, then does what $BENCHMARK says, and fails if it is $FAILING. What it measured
-# is prepared under its name.
+# A study: writes down how it was called, then does what $BENCHMARK says, and fails if it, or its file, is $FAILING.
+# What it measured is prepared under its name.
 PROGRAM = """#!/bin/sh
 program=$(basename "$0" .py)
 echo "$program[${OPENBLAS_CORETYPE-none}] $* on $(nproc) cores" >>"$CALLS"
@@ -63,7 +63,7 @@ while [ $# -gt 0 ]; do
   shift
 done
 echo "chatter of $program"
-[ "$program" = "$FAILING" ] && { echo "some reason"; exit 7; }
+case $FAILING in "$program"|"$file") echo "some reason"; exit 7 ;; esac
 case $BENCHMARK in
   finish) cp "$PREPARED/$file.json" "$out" ;;
   scribble) echo '{"context": {' >"$out" ;;
@@ -178,7 +178,8 @@ class ReproduceTest(CopyTest):
         os.makedirs(self.path("root", "results", "recorded", "limits"))  # which render_accuracy reads
         write_limits(self.path("root", "results", "recorded", "limits"), limits_study(), "raw.json")
         shutil.copy(os.path.join(ROOT, "results", "recorded", "scaling", "raw.json"), self.path("scaling.json"))
-        self.write("theorem.json", "{}")
+        for name in ("theorem", "longruns"):
+            self.write(f"{name}.json", "{}")
 
     def prepare(self, program, raw):
         self.write(f"{program}.json", json.dumps(raw))
@@ -219,7 +220,7 @@ class Arguments(CopyTest):
         # Found before it is told that CMake is missing.
         for argument in ("table3", "--quik", "--quick=yes", ""):
             self.refuses("reproduce", ["--quick", argument], argument, "table1", "table2", "accuracy", "limits",
-                         "scaling",
+                         "longruns", "scaling",
                          "--quick", "--out", "--no-install", MISSING="cmake")
         path = self.write("plain", "a file")
         for arguments, *parts in ((["table1", "all"], "all"), (["--out"], "--out"), (["--out", ""], "--out"),
@@ -333,15 +334,16 @@ class EndToEnd(ReproduceTest):
             row.update(relative_error=1e-3, reference_uncertainty=1e-14)
         self.prepare("table2", raw)
         # Drawing takes seconds.
-        for name in ("limits", "theorem"):
+        for name in ("limits", "longruns", "theorem"):
             self.write(f"root/scripts/render_{name}", RENDERER, executable=True)
         told = self.reproduced("all").stderr.splitlines()
-        self.assertIn("Job 2 of 6: table2", told)
+        self.assertIn("Job 2 of 7: table2", told)
         self.assertEqual(told[-1], f"All results are in {self.out}")
         found = {job: set(os.listdir(self.path("out", job))) for job in os.listdir(self.out)}
         self.assertLessEqual({"raw.json", "report.md", "figures.json", "error_against_time.svg"}, found.pop("accuracy"))
         self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS, "theorem": STUDY_RESULTS,
-                                 "scaling": STUDY_RESULTS, "limits": STUDY_RESULTS})
+                                 "scaling": STUDY_RESULTS, "limits": STUDY_RESULTS,
+                                 "longruns": STUDY_RESULTS})
         self.assertTrue(all("--published" in call for call in self.calls("table2")))
 
     def test_a_study_measures_and_ends_with_its_report(self):
@@ -368,8 +370,9 @@ class EndToEnd(ReproduceTest):
             self.assertEqual(set(filters), set(map(str, sizes)))
             self.assertGreaterEqual(min(map(filters.count, filters)), 6)
             self.assertTrue(all(call.endswith(" on 1 cores") for call in self.calls("table1")))
-        self.reproduce("limits", "--quick", FAILING="limits")
-        self.assertIn("--quick", self.calls("limits[")[0])
+        for program in ("limits", "longruns"):
+            self.reproduce(program, "--quick", FAILING=program)
+            self.assertIn("--quick", self.calls(program + "[")[0])
 
 
 class FailedRuns(ReproduceTest):
@@ -402,6 +405,7 @@ class FailedRuns(ReproduceTest):
         self.ends("table1", 7, "some reason", "exit status 7", FAILING="table1")
         self.ends("table1", 128 + signal.SIGKILL, "exit status 137", BENCHMARK="die")
         self.ends("limits", 7, "some reason", FAILING="limits")
+        self.ends("longruns", 7, "some reason", FAILING="longruns")
 
     def test_a_raw_file_that_cannot_be_used_is_told(self):
         for job in ("table1", "limits"):

@@ -448,7 +448,7 @@ class Accuracy(StudyTest):
             return {re.match("[a-z_]*[a-z]", each.name)[0] for each in entries}
 
         self.assertEqual(kinds(quick), kinds(known.values()))
-        # Of the two compositions of order 4 one is enough; products written twice are a control of long runs.
+        # Of the two compositions of order 4 one is enough; products written twice are a control of their own.
         self.assertEqual(families(known.values()) - families(quick), {"suzuki"})
         self.assertLess(2 * len(quick), len(known))
         arguments = ("--quick", "--n", "17", "--scene", "rough")
