@@ -14,8 +14,8 @@ from lib.claims import CLAIMS, judged, sizes
 from lib.claims_files import SWEEPS, WHOLE, draw_runs, octave_run
 from lib.comparison import three_digits
 from lib.document import Column, Entry, Table
-from lib.formats import (FAST, FORMULATIONS, PUBLISHED, an_object, checked, list_of, number, one_of, optional,
-                         read_json, require, text, whole)
+from lib.formats import (FAST, FORMULATIONS, PUBLISHED, an_object, any_text, checked, list_of, number, one_of,
+                         optional, read_json, require, text, whole)
 from lib.parallel_model import PROCESSORS, Rates, sweep_seconds, work_seconds
 from lib.theorem_table import AT_ROUNDING
 from lib.verdicts import FAILS, FASTER, HOLDS, MARGIN, SLOWER, TIE, UNDECIDED, fastest, ratio_of, verdict
@@ -286,7 +286,8 @@ def read_claims_table(path):
 def claims_of(document):
     require(document, "table of claims", "format", FORMAT)
     found = checked(document, {"claims": list_of(an_object), "choices": list_of(an_object)}, "it")
-    kinds = {"claim": text, "statement": text, "stages": optional(whole(1)), "evidence": list_of(text), "findings": an_object}
+    kinds = {"claim": text, "statement": any_text, "stages": optional(whole(1)), "evidence": list_of(text),
+             "findings": an_object}
     rows = []
     for row in found["claims"]:
         values = checked(row, kinds, "a claim")
