@@ -255,7 +255,7 @@ class Script(MeasureTest):
 
     def test_wrong_arguments_are_refused(self):
         plain = self.write("plain", "")
-        for arguments, part in ((("--out", "x", "--quik"), "--quik"), ((), "--out"),
+        for arguments, part in ((("--out", "x", "--quik"), "--quik"), ((), "--out"), (("--n", "21"), "--n"),
                                 (("--out", "x", "--kept", os.path.join(plain, "kept")), "--kept")):
             done = run(self.line(*arguments), env=self.surroundings())
             self.assertEqual(done.returncode, BAD_ARGUMENTS)

@@ -1,4 +1,4 @@
-"""Tests of benchmarks/octave: its answers are those of the published forms in C++, and bad input is told in one line."""
+"""Tests of benchmarks/octave: its answers are those of the published forms in C++; bad input is told in one line."""
 
 import json
 import os
@@ -6,7 +6,14 @@ import shutil
 import sys
 import unittest
 
-from programs import BUILD, HAS_MODULE, ROOT, FolderTest, environment, run
+from programs import BUILD, ROOT, FolderTest, environment, run
+
+sys.path.insert(0, os.path.join(BUILD, "python"))
+import numpy as np
+
+import isosyrk
+from lib import octave_cells
+from lib.command_line import Stop
 
 OCTAVE = shutil.which("octave-cli")
 FOLDER = os.path.join(ROOT, "benchmarks", "octave")
@@ -14,19 +21,8 @@ CELLS = [f"{form}{s}" for form in ("cotangent", "group", "algebra") for s in (1,
 STEP, STEPS = 0.1, 50
 EQUAL = 1e-11  # largest entry of a difference; both are within some 50 tolerances of 1e-13 of the exact step
 
-if HAS_MODULE:
-    sys.path.insert(0, os.path.join(BUILD, "python"))
-    try:
-        import isosyrk
-        import numpy as np
-    except ImportError:  # the module is for another Python
-        HAS_MODULE = False
 
-from lib import octave_cells
-from lib.command_line import Stop
-
-
-@unittest.skipUnless(OCTAVE and HAS_MODULE, "needs GNU Octave and the module")
+@unittest.skipUnless(OCTAVE, "needs GNU Octave")
 class Octave(FolderTest):
     N = 9
 

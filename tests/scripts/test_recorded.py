@@ -33,6 +33,9 @@ STUDIES = {
     "theorem": ("render_theorem", "theorem/raw.json"),
     "stability": ("render_stability", "stability/map.json", "--fast", "stability/fast_map.json",
                   "--long", "stability/long_runs.json")}
+if os.path.exists(raw("claims")):
+    AVX2 = ("--avx2", "claims/avx2.json") if os.path.exists(raw("claims", "avx2.json")) else ()
+    STUDIES["claims"] = ("render_claims", "claims/raw.json", *AVX2)
 DRAWN_BY = "3.6"  # matplotlib: another one draws other bytes
 
 
