@@ -186,6 +186,41 @@ class Rendering(FolderTest):
         self.assertEqual(read_claims_table(path), (rows, []))
 
 
+class Page(FolderTest):
+    """In a copy of the repository with the study recorded, results/README.md shows the table of all claims."""
+
+    def setUp(self):
+        super().setUp()
+        for name in ("scripts", os.path.join("results", "recorded", "tables"), os.path.join("results", "paper")):
+            shutil.copytree(os.path.join(ROOT, name), self.path(name), ignore=shutil.ignore_patterns("__pycache__"))
+        for page in ("README.md", os.path.join("results", "README.md")):
+            self.write(page, text_of(ROOT, page))
+        done = run_script(RENDER, write_claims(self.folder), "--out", self.path("results", "recorded", "claims"))
+        self.assertEqual(done.returncode, DONE, done.stderr)
+
+    def update(self, *arguments):
+        return run_script(self.path("scripts", "update_readme"), *arguments)
+
+    def page(self):
+        return text_of(self.path("results", "README.md"))
+
+    def test_the_table_is_kept_up_to_date_between_its_markers(self):
+        if "<!-- claims:begin -->" not in self.page():
+            self.assert_refused(self.update(), "claims", "markers are missing")
+            self.write("results/README.md", self.page() + "<!-- claims:begin -->\n<!-- claims:end -->\n")
+        self.assertEqual(self.update().returncode, DONE)
+        table = self.page().partition("<!-- claims:begin -->")[2].partition("<!-- claims:end -->")[0]
+        for part in ("| paper's MATLAB", "| (b): group is fastest", "holds 1.20",
+                     "[table1](recorded/tables/table1.md), [table2](recorded/tables/table2.md),"
+                     " [claims](recorded/claims/report.md)", "[theorem](recorded/theorem/report.md)"):
+            self.assertIn(part, table)
+        self.assertEqual(self.update("--check").returncode, DONE)
+        self.write("results/README.md", self.page().replace("holds 1.20", "holds 1.30", 1))
+        stale = self.update("--check")
+        self.assertEqual(stale.returncode, 1)
+        self.assert_one_line(stale.stderr, "results/README.md", "claims.json", "scripts/update_readme")
+
+
 class Study(FolderTest):
     def study(self, *arguments, **changes):
         return run([sys.executable, "-B", STUDY, "--out", self.path("raw.json"), *arguments], timeout=300,
