@@ -112,20 +112,26 @@ def figures(runs):
     ratios of the fastest rows, gain.s3.n129, the time of plain code over that of optimised code, and what a run took,
     such as plain.s3.group.products.n129.
     """
-    found = {f"{code}.s{key.stages}.{key.formulation}.{name}.n{key.n}": cell.counters[name]
-             for code, run in runs.items() for key, cell in run.measurements.items() for name in COUNTED
-             if name in cell.counters}
+    found = {}
     for code, run in runs.items():
-        for stages in stage_counts(run):
-            for row, other in itertools.permutations(FORMULATIONS, 2):
-                times = {n: run.times(n, stages) for n in sizes(run)}
-                ratios = {f"n{n}": ratio_of(block[row], block[other]).ratio for n, block in times.items()
-                          if {row, other} <= block.keys()}
-                if ratios:
-                    ratios |= {"least": min(ratios.values()), "most": max(ratios.values())}
-                found |= {f"{code}.s{stages}.{row}_over_{other}.{at}": ratio for at, ratio in ratios.items()}
+        found |= figures_of(code, run)
     found |= {f"gain.s{stages}.{at}": ratio for stages in stage_counts(runs["plain"])
               for at, ratio in gains(runs["plain"], runs["optimised"], stages).items()}
+    return found
+
+
+def figures_of(code, run):
+    """Returns the figures of one run, as figures() has them."""
+    found = {f"{code}.s{key.stages}.{key.formulation}.{name}.n{key.n}": cell.counters[name]
+             for key, cell in run.measurements.items() for name in COUNTED if name in cell.counters}
+    for stages in stage_counts(run):
+        for row, other in itertools.permutations(FORMULATIONS, 2):
+            times = {n: run.times(n, stages) for n in sizes(run)}
+            ratios = {f"n{n}": ratio_of(block[row], block[other]).ratio for n, block in times.items()
+                      if {row, other} <= block.keys()}
+            if ratios:
+                ratios |= {"least": min(ratios.values()), "most": max(ratios.values())}
+            found |= {f"{code}.s{stages}.{row}_over_{other}.{at}": ratio for at, ratio in ratios.items()}
     return found
 
 

@@ -6,6 +6,8 @@ PACKAGES=(build-essential cmake git libeigen3-dev libopenblas-pthread-dev liblap
           libbenchmark-dev libfmt-dev libgtest-dev libcli11-dev nlohmann-json3-dev python3)
 # What the NumPy module, the studies on it and charts need besides.
 STUDY_PACKAGES=(python3-dev pybind11-dev python3-numpy python3-matplotlib python3-tqdm python3-distributed)
+# What the study of the paper's claims needs besides: the paper's language but for the name.
+CLAIMS_PACKAGES=(octave)
 # What the tests need besides: the module is installed by pip.
 TEST_PACKAGES=(python3-venv python3-pip python3-setuptools python3-wheel)
 # What looking for data races needs besides.
@@ -49,6 +51,9 @@ install_packages() {
   "${as_root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >&2 ||
     die 2 "apt-get install failed for: ${missing[*]}"
 }
+
+# has_avx512: tells whether this processor has the units.
+has_avx512() { lscpu | grep -qw avx512f; }
 
 child=  # what a script waits for, to be ended with it
 

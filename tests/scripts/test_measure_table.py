@@ -253,9 +253,15 @@ class Script(MeasureTest):
             self.assertEqual(os.stat(self.path("kept", name)).st_mtime_ns, written, "measured again")
         self.assertRegex(done.stderr, r"\[12 of 12\]")
 
+    def test_only_the_sizes_that_are_named_are_measured(self):
+        self.write("plan.json", json.dumps({"times": {"17": DECIDED, "33": DECIDED}}))
+        done = run(self.line("--out", self.path("raw.json"), "--n", "33"), env=self.surroundings())
+        self.assertEqual(done.returncode, DONE, done.stderr)
+        self.assertEqual((len(self.calls(17)), len(self.calls(33)) >= FEWEST), (0, True))
+
     def test_wrong_arguments_are_refused(self):
         plain = self.write("plain", "")
-        for arguments, part in ((("--out", "x", "--quik"), "--quik"), ((), "--out"),
+        for arguments, part in ((("--out", "x", "--quik"), "--quik"), ((), "--out"), (("--n", "21"), "--n"),
                                 (("--out", "x", "--kept", os.path.join(plain, "kept")), "--kept")):
             done = run(self.line(*arguments), env=self.surroundings())
             self.assertEqual(done.returncode, BAD_ARGUMENTS)

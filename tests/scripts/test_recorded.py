@@ -32,6 +32,9 @@ STUDIES = {
     "scaling": ("render_scaling", "scaling/raw.json"),
     "theorem": ("render_theorem", "theorem/raw.json"),
     "limits": ("render_limits", "limits/raw.json")}
+if os.path.exists(raw("claims")):
+    AVX2 = ("--avx2", "claims/avx2.json") if os.path.exists(raw("claims", "avx2.json")) else ()
+    STUDIES["claims"] = ("render_claims", "claims/raw.json", *AVX2)
 DRAWN_BY = "3.6"  # matplotlib: another one draws other bytes
 
 

@@ -17,6 +17,7 @@ import time
 
 from programs import (BAD_ARGUMENTS, DONE, ROOT, SOLVER_FAILED, FolderTest, end, environment, run,
                       snapshot, start, text_of)
+from claims_documents import write_claims
 from limits_documents import limits_study
 from limits_documents import write as write_limits
 from study_documents import small_study, write_study
@@ -24,8 +25,9 @@ from study_documents import small_study, write_study
 HOST_NAME = "a-host-to-keep-private"
 RESULTS = {"raw.json", "table.txt", "table.md", "table.tex", "verdicts.json"}
 STUDY_RESULTS = {"raw.json", "report.md", "figures.json"}
-PROGRAMS = (*(f"build/benchmarks/{name}" for name in ("table1", "table2")),
-            *(f"scripts/studies/{name}.py" for name in ("accuracy", "limits", "longruns", "scaling", "theorem")))
+PROGRAMS = (*(f"build/benchmarks/{name}" for name in ("table1", "table2")), "build-avx2/benchmarks/table2",
+            *(f"scripts/studies/{name}.py" for name in ("accuracy", "limits", "longruns", "scaling", "theorem",
+                                                        "claims")))
 CORES = len(os.sched_getaffinity(0))
 
 STAND_INS = {
@@ -43,6 +45,9 @@ exec env -i PATH="$PATH" CALLS="$CALLS" "$@"
 """,
     "id": """
 echo "${USER_ID:-0}"
+""",
+    "lscpu": """
+echo "Flags: fpu avx2 ${UNITS-avx512f}"
 """,
     **dict.fromkeys(("apt-get", "cmake", "ctest"), """
 tool=${0##*/}
@@ -106,6 +111,7 @@ RENDERER = """#!/bin/sh
 for out; do :; done
 echo drawn >"$out/report.md"
 echo drawn >"$out/figures.json"
+case $0 in *claims) echo drawn >"$out/claims.json" ;; esac
 """
 
 
@@ -180,6 +186,7 @@ class ReproduceTest(CopyTest):
         shutil.copy(os.path.join(ROOT, "results", "recorded", "scaling", "raw.json"), self.path("scaling.json"))
         for name in ("theorem", "longruns"):
             self.write(f"{name}.json", "{}")
+        write_claims(self.folder)
 
     def prepare(self, program, raw):
         self.write(f"{program}.json", json.dumps(raw))
@@ -334,16 +341,17 @@ class EndToEnd(ReproduceTest):
             row.update(relative_error=1e-3, reference_uncertainty=1e-14)
         self.prepare("table2", raw)
         # Drawing takes seconds.
-        for name in ("limits", "longruns", "theorem"):
+        for name in ("limits", "longruns", "theorem", "claims"):
             self.write(f"root/scripts/render_{name}", RENDERER, executable=True)
         told = self.reproduced("all").stderr.splitlines()
-        self.assertIn("Job 2 of 7: table2", told)
+        self.assertIn("Job 2 of 8: table2", told)
         self.assertEqual(told[-1], f"All results are in {self.out}")
         found = {job: set(os.listdir(self.path("out", job))) for job in os.listdir(self.out)}
         self.assertLessEqual({"raw.json", "report.md", "figures.json", "error_against_time.svg"}, found.pop("accuracy"))
         self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS, "theorem": STUDY_RESULTS,
                                  "scaling": STUDY_RESULTS, "limits": STUDY_RESULTS,
-                                 "longruns": STUDY_RESULTS})
+                                 "longruns": STUDY_RESULTS,
+                                 "claims": {*STUDY_RESULTS, "avx2.json", "claims.json"}})
         self.assertTrue(all("--published" in call for call in self.calls("table2")))
 
     def test_a_study_measures_and_ends_with_its_report(self):
@@ -356,6 +364,37 @@ class EndToEnd(ReproduceTest):
         self.assertIn("Up to which step methods work", done.stdout)
         self.assertEqual([call.endswith(f" on {CORES} cores") for call in self.calls("limits[")], [True])
         self.assertFalse(any("--quick" in call for call in self.calls()))
+
+    def test_claims_are_measured_with_avx2_kernels_too_where_there_are_others(self):
+        for study, name in (("tables", "raw.json"), ("theorem", "figures.json"), ("accuracy", "figures.json")):
+            self.write(f"root/results/recorded/{study}/{name}", text_of(ROOT, "results", "recorded", study, name))
+        raw = one_process(tables=("table2", "table1"))
+        raw["context"].update(blas_kernels="Haswell", products="split, avx2 kernels")
+        self.prepare("table2", raw)
+        done = self.reproduced("claims")
+        self.assertEqual(set(os.listdir(self.out)), {*STUDY_RESULTS, "avx2.json", "claims.json"})
+        self.assertEqual(done.stdout, text_of(self.out, "report.md"))
+        self.assertTrue(all(call.startswith("table2[Haswell]") for call in self.calls("table2")))
+        self.assertGreaterEqual(len(self.calls("table2")), 4 * 6)
+        configured = next(call for call in self.calls("cmake") if f"-B {self.path('root', 'build-avx2')}" in call)
+        for option in ("-DISOSYRK_NATIVE=OFF", "-march=x86-64-v3", "-DISOSYRK_COMPILER_HAS_AVX512=OFF"):
+            self.assertIn(option, configured)
+        self.assertTrue(self.calls("claims[none]"))  # on the kernels of this processor
+        self.write("calls", "")
+        self.reproduced("claims", "--quick")
+        self.assertEqual({re.search(r"filter=/n:(\d+)/", call)[1] for call in self.calls("table2")}, {"17"})
+        self.write("calls", "")
+        self.out = self.path("without")
+        done = self.reproduce("claims", UNITS="")
+        self.assertEqual((done.returncode, self.calls("table2")), (DONE, []))
+        self.assertIn("no AVX-512", done.stderr)
+        self.assertEqual(set(os.listdir(self.out)), {*STUDY_RESULTS, "claims.json"})
+
+    def test_only_claims_need_octave(self):
+        for job, status in (("claims", BAD_ARGUMENTS), ("all", BAD_ARGUMENTS), ("theorem", DONE)):
+            self.write("root/scripts/render_theorem", RENDERER, executable=True)
+            done = self.reproduce(job, "--no-install", MISSING="octave")
+            self.assertEqual((done.returncode, "octave" in done.stderr), (status, status != DONE), done.stderr)
 
     def test_every_study_can_be_executed(self):
         folder = os.path.join(ROOT, "scripts", "studies")

@@ -1,0 +1,104 @@
+"""The raw file of scripts/studies/claims.py: its settings and tables."""
+
+from typing import NamedTuple
+
+from lib import formats
+from lib.formats import (FORMULATIONS, SOLVERS, CellKey, Measurement, Run, Schema, list_of, number, one_of, positive,
+                         text, whole)
+
+HBARS = ("paper", "standard")
+
+# Codes of the table of threads: fast forms that take plain Picard sweeps from a cold start, as published forms do, on
+# full matrices; and fast forms with all that they have.
+SWEEPS, WHOLE = THREAD_CODES = ("sweeps", "whole")
+WITHOUT = {SWEEPS: ("predictor", "newton", "bands"), WHOLE: ()}
+
+
+class Settings(NamedTuple):
+    step: positive
+    steps: whole(1)  # of a run of the cells of Table 1
+    tolerance: positive
+    octave: text  # its version
+    octave_kernels: text  # of OpenBLAS, that Octave ran on
+
+
+class OctaveCell(NamedTuple):
+    """A cell of Table 1 in GNU Octave."""
+
+    formulation: one_of(*FORMULATIONS)
+    n: whole(2)
+    stages: whole(1)
+    sweeps: whole(1)  # of the run
+    products: whole(1)  # of the run
+    difference: number  # of W at the end from that of the published form in C++: the largest entry
+    seconds: list_of(positive)  # CPU time of the run without set-up, one entry a process
+
+
+class OctaveProduct(NamedTuple):
+    """Octave's own product of n x n complex matrices, in the processes that timed its cells."""
+
+    n: whole(2)
+    seconds: list_of(positive)
+
+
+class DrawCell(NamedTuple):
+    """A cell of Table 1 in C++, with initial modes drawn at random."""
+
+    n: whole(2)
+    hbar: one_of(*HBARS)
+    draw: whole()
+    implementation: one_of(*SOLVERS)
+    formulation: one_of(*FORMULATIONS)
+    stages: whole(1)
+    seconds: list_of(positive)  # CPU time of the run, one entry a process
+
+
+class ThreadCell(NamedTuple):
+    """A fast form by some threads; the run is its first steps from the initial data."""
+
+    n: whole(2)
+    step: positive
+    steps: whole(1)
+    formulation: one_of(*FORMULATIONS)
+    stages: whole(1)
+    code: one_of(*THREAD_CODES)
+    threads: whole(1)
+    sweeps: whole(1)  # of the run
+    equivalent_products: number  # of the run
+    seconds: list_of(positive)  # time that passed, one entry a process
+
+
+class Rate(NamedTuple):
+    """What one product of the fast forms and one pass over matrices take, in the processes of the table of threads."""
+
+    n: whole(2)
+    product_seconds: list_of(positive)
+    pass_seconds: list_of(positive)  # the sum of two n x n complex matrices into a third
+
+
+SCHEMA = Schema("claims", Settings, {"octave": OctaveCell, "octave_products": OctaveProduct, "draws": DrawCell,
+                                     "threads": ThreadCell, "rates": Rate})
+
+
+def read_claims(path, make=lambda study: study):
+    """Returns what `make` makes of the study in a raw file. Throws UnusableFile with one line that names the file."""
+    return formats.read_study(path, SCHEMA, make)
+
+
+def run_of(cells, context):
+    """Returns cells of one implementation as the Run of a table; its times are by process."""
+    return Run(context, {CellKey(cell.formulation, cell.n, cell.stages): Measurement(dict(enumerate(cell.seconds)))
+                         for cell in cells})
+
+
+def octave_run(study):
+    """Returns the cells of GNU Octave as the Run of a table."""
+    return run_of(study.tables["octave"], study.context)
+
+
+def draw_runs(study):
+    """Returns Runs by (implementation, ħ, draw)."""
+    found = {}
+    for cell in study.tables["draws"]:
+        found.setdefault((cell.implementation, cell.hbar, cell.draw), []).append(cell)
+    return {key: run_of(cells, study.context) for key, cells in found.items()}

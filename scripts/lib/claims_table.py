@@ -1,0 +1,358 @@
+"""The table of the paper's claims, as data: claims.json. One row a claim, and for each code what was found.
+
+The codes are the paper's MATLAB (ratios only), GNU Octave, plain and optimised C++, and these with AVX2 kernels.
+A claim about speed is judged by processes (lib/verdicts); others by the figures of the recorded studies, with the rule
+that stands at each row. Standard library only.
+"""
+
+import json
+import math
+import statistics
+from typing import Dict, List, NamedTuple, Optional, Tuple
+
+from lib.claims import CLAIMS, judged, sizes
+from lib.claims_files import SWEEPS, WHOLE, draw_runs, octave_run
+from lib.comparison import three_digits
+from lib.document import Column, Entry, Table
+from lib.formats import (FAST, FORMULATIONS, PUBLISHED, an_object, any_text, checked, list_of, number, one_of,
+                         optional, read_json, require, text, whole)
+from lib.parallel_model import PROCESSORS, Rates, sweep_seconds, work_seconds
+from lib.theorem_table import AT_ROUNDING
+from lib.verdicts import FAILS, FASTER, HOLDS, MARGIN, SLOWER, TIE, UNDECIDED, fastest, ratio_of, verdict
+
+CODES = {"paper": "paper's MATLAB", "octave": "Octave", "plain": "plain C++", "optimised": "optimised C++",
+         "plain_avx2": "plain, AVX2", "optimised_avx2": "optimised, AVX2"}
+SPLIT = "split"  # in place of a number of processors: all work split evenly
+RESULTS = (HOLDS, FAILS, TIE, UNDECIDED)
+FORMAT = "isosyrk claims 1"
+EQUAL = 1e-11  # largest entry of a difference of two formulations after 50 steps
+# Pages, from results/.
+OF_TABLES = ("recorded/tables/table1.md", "recorded/tables/table2.md", "recorded/claims/report.md")
+OF_THEOREM, OF_ACCURACY, OF_CLAIMS = ((f"recorded/{study}/report.md",) for study in ("theorem", "accuracy", "claims"))
+ERRORS = ("1e-2", "1e-4", "1e-6", "1e-8")  # at which the order that pays is asked for
+
+
+class Finding(NamedTuple):
+    """What was found in one place: one block that was timed, or several that came out alike.
+
+    The ratio of one block has its 95 % interval. Of several there is none, and low and high are the least and the
+    largest ratio of all blocks there. The row on the order has orders in place of ratios: median, least, largest.
+    """
+
+    where: text  # such as "n = 17"
+    result: optional(one_of(*RESULTS))  # None of what is no verdict: printed seconds, or an order
+    ratio: optional(number)
+    low: optional(number)
+    high: optional(number)
+    count: whole(0)  # of blocks
+
+
+class Row(NamedTuple):
+    claim: str
+    statement: str
+    stages: Optional[int]
+    evidence: Tuple[str, ...]  # pages, from results/
+    findings: Dict[str, List[Finding]]  # by code
+
+
+class Choice(NamedTuple):
+    """A claim over what the paper left open: all draws of initial modes and both ħ, at one n and s."""
+
+    claim: text
+    stages: whole(1)
+    n: whole(2)
+    implementation: one_of(PUBLISHED, FAST)
+    least: number  # ratio
+    most: number
+    results: an_object  # how often each came out
+
+
+# ---- claims about the formulations' times
+
+
+def speed_rows(runs):
+    """Returns a Row for each claim and s; `runs` are Runs by code, that of the paper its printed seconds."""
+    found = []
+    for claim in CLAIMS:
+        for stages in claim.stages:
+            findings = {code: [finding(each, code) for n in sizes(run) for each in judged(run, n)
+                               if (each.claim, each.stages) == (claim, stages)] for code, run in runs.items()}
+            found.append(Row(f"({claim.label})", claim.statement, stages, OF_TABLES, findings))
+    return found
+
+
+def finding(each, code):
+    """Returns a Judged as a Finding; printed seconds have no verdict."""
+    ratio = each.ratio
+    if code == "paper":
+        return Finding(f"n = {each.n}", None, ratio.ratio, None, None, 1)
+    has_interval = ratio.low > 0 and math.isfinite(ratio.high)
+    return Finding(f"n = {each.n}", each.result, ratio.ratio, ratio.low if has_interval else None,
+                   ratio.high if has_interval else None, 1)
+
+
+def choices(study):
+    """Returns the Choices of a study: whether a verdict depends on the initial modes or on ħ."""
+    found = {}
+    for (implementation, _, _), run in draw_runs(study).items():
+        for n in sizes(run):
+            for each in judged(run, n):
+                found.setdefault((each.claim.label, each.stages, n, implementation), []).append(each)
+    result = []
+    for (label, stages, n, implementation), cases in sorted(found.items()):
+        ratios = [each.ratio.ratio for each in cases]
+        said = [each.result for each in cases]
+        result.append(Choice(f"({label})", stages, n, implementation, min(ratios), max(ratios),
+                             {each: said.count(each) for each in RESULTS if each in said}))
+    return result
+
+
+# ---- claims judged by recorded studies
+
+
+def counted(where, counts, least=None, most=None):
+    """Returns a Finding for each result that came out; `counts` are by result, least and most ratios of them all.
+
+    Blocks that could not be judged are counted under None.
+    """
+    return [Finding(where, result, None, least, most, counts[result]) for result in (*RESULTS, None)
+            if counts.get(result)]
+
+
+def theorem_row(theorem, study):
+    """Holds where no difference of two formulations is above its bound; in Octave, above EQUAL."""
+    within, of = theorem["coincidence.within"], theorem["coincidence.settings"]
+    findings = {"plain": counted("seven scenes", {HOLDS: int(within), FAILS: int(of - within)})}
+    cells = study.tables["octave"]
+    if cells:
+        equal = sum(cell.difference <= EQUAL for cell in cells)
+        findings["octave"] = counted("cells of Table 1", {HOLDS: equal, FAILS: len(cells) - equal})
+    return Row("theorem", "the three formulations coincide", None, OF_THEOREM, findings)
+
+
+def footnote_rows(theorem):
+    """Counts the blocks of scene, n, h and method in which the DIRK method is fastest on g."""
+    scenes = {"smooth": "su(n)", "rigid_body": "so(n)", "spin_chain": "su(2)^N"}
+    findings = []
+    for scene, algebra in scenes.items():
+        findings += counted(algebra, {result: int(theorem.get(f"claims.footnote.{scene}.{result or 'none'}", 0))
+                                      for result in (*RESULTS, None)})
+    return [Row("footnote", "isospectral DIRK methods are fastest on g", None, OF_THEOREM,
+                {"plain": findings})]
+
+
+def partitioned_rows(theorem):
+    """Judges steps by Lobatto IIIA–IIIB on T*G: the spectrum, and whether a form on G is the same map."""
+    pairs = ("iiia_iiib_iiia_s2", "iiia_iiib_iiia_s3", "iiia_iiib_iiib_s2", "iiia_iiib_iiib_s3")
+    keeps = sum(theorem[f"ends.{pair}.casimirs.cotangent"] < AT_ROUNDING for pair in pairs)
+    differs = sum(theorem[f"ends.{pair}.cotangent-group"] > AT_ROUNDING for pair in pairs)
+    return [Row("remark", statement, None, OF_THEOREM,
+                {"plain": counted("so(6), s = 2, 3", {HOLDS: held, FAILS: len(pairs) - held})})
+            for statement, held in (("a partitioned pair on T*G keeps the spectrum", keeps),
+                                    ("a partitioned pair on T*G is no form on G of either tableau", differs))]
+
+
+def exponentials_row(accuracy):
+    """Counts duels at equal error: the claim holds where Gauss is faster. The ratio is its time over the other's."""
+    counts = {result: int(accuracy[f"gauss_over_elp.{said}"]) for result, said in
+              ((HOLDS, "faster"), (FAILS, "slower"), (TIE, "tie"), (UNDECIDED, "undecided"))}
+    ratios = [value for key, value in accuracy.items() if key.startswith("gauss_over_elp.") and ".at_" in key]
+    return Row("exponentials", "exponential maps make a method inefficient", None, OF_ACCURACY,
+               {"optimised": counted("duels", counts, min(ratios), max(ratios))})
+
+
+def order_row(accuracy):
+    """Says which order of Gauss methods is the cheapest, the median over the problems, and its range."""
+    findings = [Finding(f"at {error}", None, *(accuracy[f"gauss_order.at_{error}.{each}"]
+                                               for each in ("median", "least", "largest")),
+                        int(accuracy[f"gauss_order.at_{error}.problems"])) for error in ERRORS
+                if f"gauss_order.at_{error}.median" in accuracy]
+    return Row("order", "is high order needed? The order that pays", None, OF_ACCURACY,
+               {"optimised": findings})
+
+
+# ---- threads
+
+
+def thread_times(study, n, stages, code, threads):
+    """Returns the seconds of the formulations by process."""
+    return {cell.formulation: cell.seconds for cell in study.tables["threads"]
+            if (cell.n, cell.stages, cell.code, cell.threads) == (n, stages, code, threads)}
+
+
+def competitive(times):
+    """Judges "algebra is competitive": it is faster than, or a tie with, the fastest other formulation.
+
+    Returns the result and the Ratio of that one's time to algebra's.
+    """
+    others = {name: seconds for name, seconds in times.items() if name != "algebra"}
+    best = others[fastest(others)]
+    results = {FASTER: HOLDS, TIE: HOLDS, SLOWER: FAILS, UNDECIDED: UNDECIDED}
+    return results[verdict(ratio_of(times["algebra"], best))], ratio_of(best, times["algebra"])
+
+
+def thread_blocks(study):
+    """Returns (n, stages, code, threads) of the blocks in which all formulations were timed."""
+    keys = dict.fromkeys((cell.n, cell.stages, cell.code, cell.threads) for cell in study.tables["threads"])
+    return [key for key in keys if len(thread_times(study, *key)) == len(FORMULATIONS)]
+
+
+def parallel_rows(study):
+    codes = {SWEEPS: "plain", WHOLE: "optimised"}
+    findings = {name: [] for name in codes.values()}
+    for n, stages, code, threads in thread_blocks(study):
+        if threads > 1:
+            result, ratio = competitive(thread_times(study, n, stages, code, threads))
+            findings[codes[code]].append(Finding(f"n = {n}, s = {stages}", result, ratio.ratio, ratio.low or None,
+                                                 ratio.high if math.isfinite(ratio.high) else None, 1))
+    return [Row("parallel", "on two threads ISOSYRK is competitive", None, OF_CLAIMS, findings),
+            Row("parallel", f"on {PROCESSORS[-1]} processors, by a model", None, OF_CLAIMS,
+                {"plain": modelled_findings(study)})]
+
+
+def modelled_findings(study):
+    """Judges the same on as many processors as the model goes to: no interval, since a model has none."""
+    found = []
+    for (n, stages), by_processors in model_ratios(study).items():
+        ratios = by_processors[PROCESSORS[-1]]
+        ratio = min(ratios[form] for form in FORMULATIONS if form != "algebra") / ratios["algebra"]
+        found.append(Finding(f"n = {n}, s = {stages}", HOLDS if ratio >= 1 / MARGIN else FAILS, ratio, None, None, 1))
+    return found
+
+
+def rates_of(study, n):
+    """Returns what a product and a pass take at n, as a Rates."""
+    row = next(each for each in study.tables["rates"] if each.n == n)
+    return Rates(statistics.geometric_mean(row.product_seconds), statistics.geometric_mean(row.pass_seconds))
+
+
+def plain_sweeps(study, **wanted):
+    """Returns the cells of fast forms with plain sweeps that have these values."""
+    wanted["code"] = SWEEPS
+    return [cell for cell in study.tables["threads"] if wanted.items() <= cell._asdict().items()]
+
+
+def modelled(study, cell, processors, seconds=sweep_seconds):
+    """Returns the seconds of a run by the model; the update of a step is counted as a sweep."""
+    return (cell.sweeps + cell.steps) * seconds(cell.formulation, cell.stages, rates_of(study, cell.n), processors)
+
+
+def model_ratios(study):
+    """Returns the model's times over the least of them, {(n, s): {p: {formulation: ratio}}}, with SPLIT as a p."""
+    found = {}
+    for n, stages in dict.fromkeys((cell.n, cell.stages) for cell in plain_sweeps(study)):
+        cells = {cell.formulation: cell for cell in plain_sweeps(study, n=n, stages=stages, threads=1)}
+        if len(cells) < len(FORMULATIONS):
+            continue
+        times = {p: {form: modelled(study, cell, p) for form, cell in cells.items()} for p in PROCESSORS}
+        times[SPLIT] = {form: modelled(study, cell, 1, work_seconds) for form, cell in cells.items()}
+        found[n, stages] = {p: {form: each / min(by_form.values()) for form, each in by_form.items()}
+                            for p, by_form in times.items()}
+    return found
+
+
+def all_rows(study, runs, theorem, accuracy):
+    """Returns the Rows. `runs` are those of tables by code but Octave's; `theorem` and `accuracy` figures by key."""
+    order = [code for code in CODES if code in {*runs, "octave"}]
+    known = {**runs, **({"octave": octave_run(study)} if study.tables["octave"] else {})}
+    return [theorem_row(theorem, study), *speed_rows({code: known[code] for code in order if code in known}),
+            *footnote_rows(theorem), *partitioned_rows(theorem), exponentials_row(accuracy), *parallel_rows(study),
+            order_row(accuracy)]
+
+
+# ---- claims.json
+
+
+def as_json(rows, open_choices):
+    """Returns claims.json as bytes, a finding a line."""
+    def row_text(row):
+        codes = ",\n".join(f"  {json.dumps(code)}: [" + ",\n   ".join(json.dumps(each._asdict()) for each in found)
+                           + "]" for code, found in row.findings.items() if found)
+        head = ", ".join(f"{json.dumps(name)}: {json.dumps(getattr(row, name))}"
+                         for name in ("claim", "statement", "stages", "evidence"))
+        return f' {{{head}, "findings": {{\n{codes}}}}}'
+
+    claims, of_choices = (",\n".join(each) for each in (map(row_text, rows),
+                                                        (json.dumps(each._asdict()) for each in open_choices)))
+    return (f'{{"format": {json.dumps(FORMAT)},\n"claims": [\n{claims}\n],\n"choices": [\n{of_choices}\n]}}\n'
+            ).encode("utf-8")
+
+
+def read_claims_table(path):
+    """Returns the Rows and the Choices in claims.json. Throws UnusableFile with one line that names the file."""
+    return read_json(path, claims_of)
+
+
+def claims_of(document):
+    require(document, "table of claims", "format", FORMAT)
+    found = checked(document, {"claims": list_of(an_object), "choices": list_of(an_object)}, "it")
+    kinds = {"claim": text, "statement": any_text, "stages": optional(whole(1)), "evidence": list_of(text),
+             "findings": an_object}
+    rows = []
+    for row in found["claims"]:
+        values = checked(row, kinds, "a claim")
+        findings = {code: [record(Finding, each) for each in checked(values["findings"], {code: list_of(an_object)},
+                                                                     "a claim's findings")[code]]
+                    for code in values["findings"] if code in CODES}
+        rows.append(Row(**{**values, "findings": findings}))
+    return rows, [record(Choice, each) for each in found["choices"]]
+
+
+def record(kind, values):
+    return kind(**checked(values, kind.__annotations__, kind.__name__.lower()))
+
+
+# ---- as a table
+
+
+def claims_table(rows):
+    """Returns the table of Rows; the last column names the pages."""
+    codes = [code for code in CODES if any(row.findings.get(code) for row in rows)]
+    columns = (Column("claim", align="left"), Column("s"), *(Column(CODES[code], align="left") for code in codes),
+               Column("evidence", align="left"))
+    return Table(columns, [[[Entry(f"{row.claim}: {row.statement}"), Entry(str(row.stages or "")),
+                             *(Entry(cell_text(row.findings.get(code))) for code in codes),
+                             Entry(", ".join(row.evidence))] for row in rows]])
+
+
+def cell_text(findings):
+    """Writes what was found: results in the order of n, the range of ratios, and in brackets that of intervals."""
+    if not findings:
+        return "–"
+    if findings[0].result is None and findings[0].where.startswith("at "):
+        return ", ".join(f"{each.ratio:g} {each.where}" for each in findings)
+    if any(each.ratio is None for each in findings):
+        return counts_text(findings)
+    results = " … ".join(dict.fromkeys(each.result for each in findings if each.result))
+    ratios = range_text([each.ratio for each in findings])
+    intervals = [each for each in findings if each.low is not None and each.high is not None]
+    ends = (f" [{three_digits(min(each.low for each in intervals))},"
+            f" {three_digits(max(each.high for each in intervals))}]" if intervals else "")
+    return f"{results} {ratios}{ends}".strip()
+
+
+def counts_text(findings):
+    """Writes counts of results by place, and the range of ratios where there is one."""
+    places = {}
+    for each in findings:
+        places.setdefault(each.where, []).append(each)
+    parts = []
+    for place, found in places.items():
+        of = sum(each.count for each in found)
+        said = ", ".join(f"{each.result or 'not judged'} {each.count}" for each in found)
+        ends = f": {range_text([found[0].low, found[0].high])}" if found[0].low is not None else ""
+        parts.append(f"{said} of {of} ({place}){ends}")
+    return "; ".join(parts)
+
+
+def range_text(values):
+    ends = dict.fromkeys(three_digits(each) for each in (min(values), max(values)))
+    return "–".join(ends)
+
+
+def product_shares(study):
+    """Returns the share of products in the time of each of Octave's cells, by (formulation, n, stages)."""
+    products = {each.n: each.seconds for each in study.tables["octave_products"]}
+    return {(cell.formulation, cell.n, cell.stages): statistics.geometric_mean(
+        cell.products * product / seconds for product, seconds in zip(products[cell.n], cell.seconds))
+        for cell in study.tables["octave"]}

@@ -1,0 +1,293 @@
+"""Tests of the study of the paper's claims, of its model of threads, and of scripts/render_claims."""
+
+import json
+import os
+import shutil
+import sys
+import unittest
+from unittest import mock
+
+from programs import BUILD, DONE, ROOT, FolderTest, environment, run, run_script, text_of
+from claims_documents import OCTAVE, RATES, THREAD_OVERHEAD, tables, write_claims
+
+sys.path[:0] = [os.path.join(BUILD, "python"), os.path.join(ROOT, "scripts", "studies")]
+
+import isosyrk  # noqa: F401 (CTest leaves this file out where there is no module)
+import claims as claims_study
+from lib import claims_report, claims_table
+from lib.claims_files import read_claims
+from lib.claims_table import Finding, Row, cell_text, competitive, read_claims_table
+from lib.command_line import Stop
+from lib.figures import read_figures
+from lib.formats import FORMULATIONS, parse_json
+from lib.messages import UnusableFile
+from lib.parallel_model import PROCESSORS, Rates, Task, makespan, path_products, phases, sweep_seconds, work_seconds
+from lib.verdicts import FAILS, FEWEST, HOLDS, TIE, UNDECIDED
+
+STUDY = os.path.join(ROOT, "scripts", "studies", "claims.py")
+RENDER = os.path.join(ROOT, "scripts", "render_claims")
+RECORDED = os.path.join(ROOT, "results", "recorded")
+CELLS = ("cotangent2", "group2", "algebra2")
+
+
+def avx2_raw():
+    """Returns the recorded raw file of both tables as if AVX2 kernels had written it."""
+    raw = parse_json(text_of(RECORDED, "tables", "raw.json"))
+    raw["context"].update(blas_kernels="Haswell", products="split, avx2 kernels")
+    return raw
+
+
+class Model(unittest.TestCase):
+    def test_products_of_a_sweep_are_those_that_the_fast_forms_count(self):
+        scene = isosyrk.scene("smooth", n=17)
+        for form in FORMULATIONS:
+            for s in (2, 3):
+                method = isosyrk.integrator(scene, f"{form}{s}", solver="fast",
+                                            without=("predictor", "newton", "bands"))
+                counts = [method.run(scene.initial, h, 1)[1] for h in (0.1, 0.3)]
+                self.assertGreater(counts[1].sweeps, counts[0].sweeps)
+                a_sweep = ((counts[1].equivalent_products - counts[0].equivalent_products)
+                           / (counts[1].sweeps - counts[0].sweeps))
+                modelled = sum(task.products for phase in phases(form, s) for task in phase)
+                self.assertAlmostEqual(modelled, a_sweep, msg=f"{form}{s}")
+
+    def test_a_makespan_is_that_of_whole_tasks(self):
+        for durations, processors, wanted in (([1.0] * 5, 1, 5.0), ([1.0] * 5, 2, 3.0), ([1.0] * 5, 64, 1.0),
+                                              ([2.0, 1.0, 1.0], 2, 2.0), ([], 3, 0.0)):
+            self.assertEqual(makespan(durations, processors), wanted)
+
+    def test_more_processors_take_less_down_to_the_critical_path(self):
+        for form in FORMULATIONS:
+            for s in (1, 2, 3):
+                times = [sweep_seconds(form, s, RATES, p) for p in PROCESSORS]
+                self.assertEqual(times, sorted(times, reverse=True))
+                self.assertAlmostEqual(times[0], work_seconds(form, s, RATES, 1))
+                self.assertTrue(all(each >= work_seconds(form, s, RATES, p) * (1 - 1e-12)
+                                    for each, p in zip(times, PROCESSORS)))
+                self.assertAlmostEqual(sweep_seconds(form, s, Rates(1.0, 0.0), 64), path_products(form, s))
+        self.assertEqual([path_products(form, 3) for form in FORMULATIONS], [1.5, 2.5, 1.0])
+
+    def test_a_task_costs_its_products_and_its_passes(self):
+        self.assertAlmostEqual(Rates(40.0, 4.0).seconds(Task(0.5, 3.0)), 32.0)
+
+
+class Judging(unittest.TestCase):
+    def test_competitive_is_faster_or_a_tie(self):
+        for algebra, wanted in ((0.5, HOLDS), (1.0, HOLDS), (1.2, FAILS)):
+            times = {"cotangent": [2.0] * FEWEST, "group": [1.0] * FEWEST, "algebra": [algebra] * FEWEST}
+            result, ratio = competitive(times)
+            self.assertEqual(result, wanted)
+            self.assertAlmostEqual(ratio.ratio, 1 / algebra)
+        self.assertEqual(competitive({name: [1.0] for name in FORMULATIONS})[0], UNDECIDED)
+
+    def test_cells_of_the_table(self):
+        def text(*findings):
+            return cell_text([Finding(*each) for each in findings])
+
+        self.assertEqual(cell_text([]), "–")
+        self.assertEqual(text(("n = 17", None, 1.2, None, None, 1), ("n = 33", None, 2.0, None, None, 1)), "1.20–2.00")
+        self.assertEqual(text(("n = 17", TIE, 1.0, 0.99, 1.01, 1), ("n = 33", HOLDS, 1.5, 1.4, 1.6, 1)),
+                         "tie … holds 1.00–1.50 [0.990, 1.60]")
+        self.assertEqual(text(("su(n)", HOLDS, None, None, None, 18)), "holds 18 of 18 (su(n))")
+        self.assertEqual(text(("duels", HOLDS, None, 0.9, 8.0, 2), ("duels", FAILS, None, 0.9, 8.0, 3)),
+                         "holds 2, fails 3 of 5 (duels): 0.900–8.00")
+        self.assertEqual(text(("at 1e-2", None, 2.0, 2.0, 4.0, 17)), "2 at 1e-2")
+
+    def test_rules_of_the_rows_that_recorded_studies_judge(self):
+        theorem = read_figures(os.path.join(RECORDED, "theorem", "figures.json"))
+        keeps, differs = claims_table.partitioned_rows(theorem)
+        self.assertEqual([each.result for row in (keeps, differs) for each in row.findings["plain"]], [HOLDS, HOLDS])
+        worse = {**theorem, "ends.iiia_iiib_iiia_s2.casimirs.cotangent": 1e-6,
+                 "ends.iiia_iiib_iiib_s3.cotangent-group": 1e-15}
+        for row in claims_table.partitioned_rows(worse):
+            self.assertEqual([(each.result, each.count) for each in row.findings["plain"]], [(HOLDS, 3), (FAILS, 1)])
+        footnote, = claims_table.footnote_rows({"claims.footnote.smooth.holds": 3, "claims.footnote.smooth.none": 1})
+        self.assertEqual(cell_text(footnote.findings["plain"]), "holds 3, not judged 1 of 4 (su(n))")
+
+
+class Rendering(FolderTest):
+    def render(self, path, *arguments):
+        return run_script(RENDER, path, "--out", self.path("out"), *arguments)
+
+    def rendered(self, made=None, *arguments):
+        done = self.render(write_claims(self.folder, made), *arguments)
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (DONE, "", ""))
+        self.assertEqual(set(os.listdir(self.path("out"))), {"report.md", "figures.json", "claims.json"})
+        return {(row.claim, row.stages, row.statement): row.findings
+                for row in read_claims_table(self.path("out", "claims.json"))[0]}
+
+    def by_claim(self, rows, claim, stages):
+        found, = [findings for (label, s, _), findings in rows.items() if (label, s) == (claim, stages)]
+        return found
+
+    def test_octave_is_judged_by_processes_beside_the_other_codes(self):
+        rows = self.rendered()
+        for claim, stages, result, ratio in (("(a)", 1, HOLDS, 2.0), ("(b)", 2, HOLDS, 1.2), ("(b)", 3, HOLDS, 1.2),
+                                             ("(c)", 3, HOLDS, OCTAVE["algebra"][2])):
+            found = self.by_claim(rows, claim, stages)
+            self.assertEqual(list(found), ["paper", "octave", "plain", "optimised"])
+            self.assertEqual([each.result for each in found["octave"]], [result] * 2)
+            self.assertAlmostEqual(found["octave"][0].ratio, ratio)
+            self.assertIsNone(found["paper"][0].low)
+        few = self.rendered(tables(FEWEST - 1))
+        self.assertEqual(self.by_claim(few, "(a)", 1)["octave"][0].result, UNDECIDED)
+
+    def test_figures_choices_and_shares(self):
+        self.rendered()
+        figures = read_figures(self.path("out", "figures.json"))
+        for key, value in (("octave.s3.algebra_over_group.n17", 3), ("octave.difference", 2e-14),
+                           ("share.octave.s1.group.n17", 0.1), ("open.b.s2.published.n17.least", 1),
+                           ("open.b.s2.published.n17.most", 2), ("open.b.s2.published.n17.holds", 2),
+                           ("open.b.s2.published.n17.tie", 2), ("model.check.least", 1 / THREAD_OVERHEAD),
+                           ("model.check.most", 1 / THREAD_OVERHEAD), ("model.path.s3.group", 2.5)):
+            self.assertAlmostEqual(figures[key], value, msg=key, places=5)
+        report = text_of(self.path("out", "report.md"))
+        self.assertIn("no AVX-512", report)
+        _, choices = read_claims_table(self.path("out", "claims.json"))
+        self.assertIn({HOLDS: 2, TIE: 2}, [each.results for each in choices])
+
+    def test_a_wrong_answer_of_octave_is_counted(self):
+        made = tables()
+        made["octave"][0] = made["octave"][0]._replace(difference=1e-9)
+        found = self.by_claim(self.rendered(made), "theorem", None)["octave"]
+        self.assertEqual([(each.result, each.count) for each in found], [(HOLDS, 17), (FAILS, 1)])
+
+    def test_avx2_tables_are_codes_of_their_own_and_other_kernels_are_refused(self):
+        raw = avx2_raw()
+        rows = self.rendered(None, "--avx2", self.write("avx2.json", json.dumps(raw)))
+        found = self.by_claim(rows, "(c)", 3)
+        self.assertEqual(list(found)[-2:], ["plain_avx2", "optimised_avx2"])
+        self.assertEqual(found["plain_avx2"], found["plain"])  # the raw file is the same
+        self.assertNotIn("no AVX-512", text_of(self.path("out", "report.md")))
+        for change in ({"blas_kernels": "Cooperlake"}, {"products": "split, avx512 kernels"}):
+            wrong = {**raw, "context": {**raw["context"], **change}}
+            self.assert_refused(self.render(write_claims(self.folder), "--avx2",
+                                            self.write("wrong.json", json.dumps(wrong))), "wrong.json", "AVX2")
+
+    def test_parts_that_are_missing_are_left_out(self):
+        rows = self.rendered({name: [] for name in tables()})
+        self.assertNotIn("octave", self.by_claim(rows, "(a)", 1))
+        self.assertIn("paper", self.by_claim(rows, "(a)", 1))
+
+    def test_files_that_cannot_be_used_are_refused(self):
+        self.assert_refused(self.render(self.path("none.json")), "none.json")
+        self.assert_refused(self.render(self.write("half.json", "{")), "half.json", "whole JSON")
+        self.assert_refused(self.render(write_claims(self.folder), "--avx2", self.path("gone.json")), "gone.json")
+        self.assert_refused(self.render(write_claims(self.folder), "--recorded", self.path("nowhere")), "nowhere")
+        self.assert_refused(run_script(RENDER, write_claims(self.folder)), "--out")
+        for text, part in (('{"format": "x"}', "table of claims"), ('{"format": "isosyrk claims 1"}', "no claims")):
+            with self.assertRaisesRegex(UnusableFile, part):
+                read_claims_table(self.write("claims.json", text))
+
+    def test_claims_are_read_back_as_written(self):
+        rows = [Row("(a)", "a statement of more words than a short text may have, which is told in full", 1,
+                    ("recorded/x/report.md",), {"plain": [Finding("n = 17", HOLDS, 1.5, 1.4, 1.6, 1)]})]
+        path = self.write("claims.json", claims_table.as_json(rows, []))
+        self.assertEqual(read_claims_table(path), (rows, []))
+
+
+class Page(FolderTest):
+    """In a copy of the repository with the study recorded, results/README.md shows the table of all claims."""
+
+    def setUp(self):
+        super().setUp()
+        for name in ("scripts", os.path.join("results", "recorded", "tables"), os.path.join("results", "paper")):
+            shutil.copytree(os.path.join(ROOT, name), self.path(name), ignore=shutil.ignore_patterns("__pycache__"))
+        for page in ("README.md", os.path.join("results", "README.md")):
+            self.write(page, text_of(ROOT, page))
+        done = run_script(RENDER, write_claims(self.folder), "--out", self.path("results", "recorded", "claims"))
+        self.assertEqual(done.returncode, DONE, done.stderr)
+
+    def update(self, *arguments):
+        return run_script(self.path("scripts", "update_readme"), *arguments)
+
+    def page(self):
+        return text_of(self.path("results", "README.md"))
+
+    def test_the_table_is_kept_up_to_date_between_its_markers(self):
+        if "<!-- claims:begin -->" not in self.page():
+            self.assert_refused(self.update(), "claims", "markers are missing")
+            self.write("results/README.md", self.page() + "<!-- claims:begin -->\n<!-- claims:end -->\n")
+        self.assertEqual(self.update().returncode, DONE)
+        table = self.page().partition("<!-- claims:begin -->")[2].partition("<!-- claims:end -->")[0]
+        for part in ("| paper's MATLAB", "| (b): group is fastest", "holds 1.20",
+                     "[table1](recorded/tables/table1.md), [table2](recorded/tables/table2.md),"
+                     " [claims](recorded/claims/report.md)", "[theorem](recorded/theorem/report.md)"):
+            self.assertIn(part, table)
+        self.assertEqual(self.update("--check").returncode, DONE)
+        self.write("results/README.md", self.page().replace("holds 1.20", "holds 1.30", 1))
+        stale = self.update("--check")
+        self.assertEqual(stale.returncode, 1)
+        self.assert_one_line(stale.stderr, "results/README.md", "claims.json", "scripts/update_readme")
+
+
+class Study(FolderTest):
+    def study(self, *arguments, **changes):
+        return run([sys.executable, "-B", STUDY, "--out", self.path("raw.json"), *arguments], timeout=300,
+                   env=environment(ISOSYRK_BUILD=BUILD, **changes))
+
+    @unittest.skipUnless(shutil.which("octave-cli"), "needs GNU Octave")
+    def test_a_small_study(self):
+        done = self.study("--n", "17", "--integrator", *CELLS, "--processes", "1")
+        self.assertEqual(done.returncode, DONE, done.stderr)
+        found = read_claims(self.path("raw.json"))
+        self.assertEqual([f"{cell.formulation}{cell.stages}" for cell in found.tables["octave"]], list(CELLS))
+        for cell in found.tables["octave"]:
+            self.assertEqual((cell.n, len(cell.seconds)), (17, 1))
+            self.assertLess(cell.difference, claims_study.EQUAL)
+        draws = {(cell.hbar, cell.draw) for cell in found.tables["draws"]}
+        self.assertEqual(len(draws), 2 * claims_study.DRAWS)
+        self.assertEqual(found.settings.octave_kernels, found.context["blas_kernels"])
+        self.assertEqual(os.listdir(self.folder), ["raw.json"])  # no journal is left
+
+    def test_threads_and_their_rates(self):
+        block = {"n": 65, "step": 0.1, "steps": 2, "cores": sorted(os.sched_getaffinity(0)), "process": 0,
+                 "rows": ["product", "pass", "sweeps group2 1", "whole algebra2 1"]}
+        product, single_pass, sweeps, whole = claims_study.time_threads(block)
+        self.assertLess(single_pass, product)
+        self.assertGreater(sweeps, product)
+        self.assertGreater(whole, 0)
+        counts = [claims_study.count_threads({"n": 65, "name": "group2", "code": code, "step": 0.1, "steps": 2})
+                  for code in ("sweeps", "whole")]
+        self.assertGreater(counts[0]["sweeps"], counts[1]["sweeps"])
+
+    def test_modes_are_the_draw_of_their_seed(self):
+        modes = claims_study.drawn_modes(3)
+        self.assertEqual(modes, claims_study.drawn_modes(3))
+        self.assertNotEqual(modes, claims_study.drawn_modes(4))
+        self.assertEqual([mode[:2] for mode in modes], [(degree, order) for degree in (1, 2, 3, 4)
+                                                        for order in range(degree + 1)])
+        self.assertTrue(all(mode[3] == 0 for mode in modes if mode[1] == 0))
+
+    def test_another_blas_and_other_answers_are_refused(self):
+        with self.assertRaisesRegex(Stop, "unknown or reference.*update-alternatives"):
+            claims_study.require_same_kernels({"blas": "unknown or reference"}, {"blas_kernels": "Haswell"})
+        blas = "OpenBLAS (config: OpenBLAS 0.3.21 DYNAMIC_ARCH Haswell MAX_THREADS=64)"
+        claims_study.require_same_kernels({"blas": blas}, {"blas_kernels": "Haswell"})
+        claims_study.require_equal(17, "group2", {"difference": 1e-12})
+        for difference in (1e-10, float("nan")):
+            with self.assertRaisesRegex(Stop, "group2 at n = 17"):
+                claims_study.require_equal(17, "group2", {"difference": difference})
+
+    def test_without_octave_it_says_what_to_install(self):
+        with mock.patch("shutil.which", return_value=None), self.assertRaisesRegex(Stop, "install octave"):
+            claims_study.octave_cells.run("initial.npy", ["group1"], 0.1, 1)
+
+    def test_bad_arguments(self):
+        for arguments, *parts in ((("--n", "21"), "21", "17", "257"), (("--integrator", "rk4"), "rk4", "group1"),
+                                  (("--processes", "0"), "--processes"), (("--nn",), "--nn")):
+            with self.subTest(arguments=arguments):
+                self.assert_refused(self.study(*arguments), *parts)
+                self.assertEqual(os.listdir(self.folder), [])
+
+
+class Reports(unittest.TestCase):
+    def test_kernels(self):
+        claims_report.require_avx2({"blas_kernels": "Haswell", "products": "split, avx2 kernels"})
+        for context in ({}, {"blas_kernels": "Haswell"}, {"blas_kernels": "SkylakeX", "products": "split, avx2"}):
+            with self.assertRaises(UnusableFile):
+                claims_report.require_avx2(context)
+
+
+if __name__ == "__main__":
+    unittest.main()
