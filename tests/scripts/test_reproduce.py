@@ -25,7 +25,8 @@ RESULTS = {"raw.json", "table.txt", "table.md", "table.tex", "verdicts.json"}
 STUDY_RESULTS = {"raw.json", "report.md", "figures.json"}
 STABILITY = {"map.json", "fast_map.json", "long_runs.json"}
 PROGRAMS = (*(f"build/benchmarks/{name}" for name in ("table1", "table2")),
-            *(f"scripts/studies/{name}.py" for name in ("accuracy", "stability", "long_runs", "scaling", "theorem")))
+            *(f"scripts/studies/{name}.py" for name in ("accuracy", "stability", "long_runs", "scaling", "theorem",
+                                                    "turbulence")))
 CORES = len(os.sched_getaffinity(0))
 
 STAND_INS = {
@@ -106,7 +107,7 @@ sys.exit(int(os.environ.get("BENCHMARK_STATUS", "0")))
 RENDERER = """#!/bin/sh
 for out; do :; done
 echo drawn >"$out/report.md"
-case $0 in *theorem) echo drawn >"$out/figures.json" ;; esac
+case $0 in *theorem|*turbulence) echo drawn >"$out/figures.json" ;; esac
 """
 
 
@@ -180,6 +181,7 @@ class ReproduceTest(CopyTest):
             write(self.folder, study, f"{name}.json")
         shutil.copy(os.path.join(ROOT, "results", "recorded", "scaling", "raw.json"), self.path("scaling.json"))
         self.write("theorem.json", "{}")
+        self.write("turbulence.json", "{}")
 
     def prepare(self, program, raw):
         self.write(f"{program}.json", json.dumps(raw))
@@ -334,15 +336,15 @@ class EndToEnd(ReproduceTest):
             row.update(relative_error=1e-3, reference_uncertainty=1e-14)
         self.prepare("table2", raw)
         # Drawing takes seconds.
-        for name in ("stability", "theorem"):
+        for name in ("stability", "theorem", "turbulence"):
             self.write(f"root/scripts/render_{name}", RENDERER, executable=True)
         told = self.reproduced("all").stderr.splitlines()
-        self.assertIn("Job 2 of 6: table2", told)
+        self.assertIn("Job 2 of 7: table2", told)
         self.assertEqual(told[-1], f"All results are in {self.out}")
         found = {job: set(os.listdir(self.path("out", job))) for job in os.listdir(self.out)}
         self.assertLessEqual({"raw.json", "report.md", "figures.json", "error_against_time.svg"}, found.pop("accuracy"))
         self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS, "theorem": STUDY_RESULTS,
-                                 "scaling": STUDY_RESULTS,
+                                 "scaling": STUDY_RESULTS, "turbulence": STUDY_RESULTS,
                                  "stability": {"report.md", *STABILITY}})
         self.assertTrue(all("--published" in call for call in self.calls("table2")))
 
