@@ -34,7 +34,8 @@ def turbulence_sections(study, charts):
         cheapest_table(found),
         Heading("The largest faithful step"),
         Paragraph(f"Of the steps tried, at a tolerance of 1e-8. {MISSING}: none. Over 30 settings are judged at an n,"
-                  " and one in 20 of those that are right is called unfaithful by chance."),
+                  " and one in 20 of those that are right is called unfaithful by chance. A step"
+                  " that fails in one draw is not faithful."),
         steps_table(found),
         *(part for n in study.sizes for part in size_sections(study, n, found[n])),
         Heading("How it is judged"),
