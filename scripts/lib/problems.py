@@ -7,6 +7,7 @@ The developed scene is the smooth one at t = DEVELOPED_TIME. Since a flow amplif
 definition the matrices in its subfolder; their energies by degree l are listed with them. Needs NumPy and isosyrk.
 """
 
+import functools
 import os
 
 import isosyrk
@@ -135,22 +136,30 @@ def unpacked(matrix):
 
 
 def energies_by_degree(W):
-    """Returns the energies E(l), l = 1 … n − 1, which add up to that of W.
-
-    −Δ maps each diagonal to itself, as a symmetric tridiagonal matrix with the eigenvalues l(l + 1), l from the
-    diagonal's number on: MATHEMATICS, Euler–Zeitlin on su(n).
-    """
+    """Returns the energies E(l), l = 1 … n − 1, which add up to that of W."""
     n = len(W)
-    total = (n * n - 1) / 4  # j(j + 1)
-    magnetic = (n - 1) / 2 - numpy.arange(n)
-    lower = numpy.sqrt(numpy.maximum(total - magnetic * (magnetic - 1), 0))
     energies = numpy.zeros(n)
-    for m in range(n):
-        kept = n - m
-        coupling = -lower[:kept - 1] * lower[m:n - 1]
-        laplacian = numpy.diag(2 * (total - magnetic[:kept] * magnetic[m:])) + numpy.diag(coupling, 1)
-        _, vectors = numpy.linalg.eigh(laplacian + numpy.diag(coupling, -1))
+    for m, vectors in enumerate(degree_vectors(n)):
         degrees = numpy.arange(max(m, 1), n)
         parts = (vectors.T @ numpy.diagonal(W, m))[degrees - m]
         energies[degrees] += (1 if m == 0 else 2) * abs(parts) ** 2 / (2 * degrees * (degrees + 1))
     return energies[1:]
+
+
+@functools.lru_cache(maxsize=2)
+def degree_vectors(n):
+    """Returns, for each diagonal m = 0 … n − 1, the eigenvectors of −Δ on it, as columns, degree rising from m.
+
+    −Δ maps each diagonal to itself, as a symmetric tridiagonal matrix with the eigenvalues l(l + 1), l from the
+    diagonal's number on: MATHEMATICS, Euler–Zeitlin on su(n).
+    """
+    total = (n * n - 1) / 4  # j(j + 1)
+    magnetic = (n - 1) / 2 - numpy.arange(n)
+    lower = numpy.sqrt(numpy.maximum(total - magnetic * (magnetic - 1), 0))
+    found = []
+    for m in range(n):
+        kept = n - m
+        coupling = -lower[:kept - 1] * lower[m:n - 1]
+        laplacian = numpy.diag(2 * (total - magnetic[:kept] * magnetic[m:])) + numpy.diag(coupling, 1)
+        found.append(numpy.linalg.eigh(laplacian + numpy.diag(coupling, -1))[1])
+    return found

@@ -27,7 +27,7 @@ RESULTS = {"raw.json", "table.txt", "table.md", "table.tex", "verdicts.json"}
 STUDY_RESULTS = {"raw.json", "report.md", "figures.json"}
 PROGRAMS = (*(f"build/benchmarks/{name}" for name in ("table1", "table2")), "build-avx2/benchmarks/table2",
             *(f"scripts/studies/{name}.py" for name in ("accuracy", "limits", "longruns", "scaling", "theorem",
-                                                        "claims")))
+                                                        "claims", "turbulence")))
 CORES = len(os.sched_getaffinity(0))
 
 STAND_INS = {
@@ -184,7 +184,7 @@ class ReproduceTest(CopyTest):
         os.makedirs(self.path("root", "results", "recorded", "limits"))  # which render_accuracy reads
         write_limits(self.path("root", "results", "recorded", "limits"), limits_study(), "raw.json")
         shutil.copy(os.path.join(ROOT, "results", "recorded", "scaling", "raw.json"), self.path("scaling.json"))
-        for name in ("theorem", "longruns"):
+        for name in ("theorem", "longruns", "turbulence"):
             self.write(f"{name}.json", "{}")
         write_claims(self.folder)
 
@@ -341,16 +341,16 @@ class EndToEnd(ReproduceTest):
             row.update(relative_error=1e-3, reference_uncertainty=1e-14)
         self.prepare("table2", raw)
         # Drawing takes seconds.
-        for name in ("limits", "longruns", "theorem", "claims"):
+        for name in ("limits", "longruns", "theorem", "claims", "turbulence"):
             self.write(f"root/scripts/render_{name}", RENDERER, executable=True)
         told = self.reproduced("all").stderr.splitlines()
-        self.assertIn("Job 2 of 8: table2", told)
+        self.assertIn("Job 2 of 9: table2", told)
         self.assertEqual(told[-1], f"All results are in {self.out}")
         found = {job: set(os.listdir(self.path("out", job))) for job in os.listdir(self.out)}
         self.assertLessEqual({"raw.json", "report.md", "figures.json", "error_against_time.svg"}, found.pop("accuracy"))
         self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS, "theorem": STUDY_RESULTS,
                                  "scaling": STUDY_RESULTS, "limits": STUDY_RESULTS,
-                                 "longruns": STUDY_RESULTS,
+                                 "longruns": STUDY_RESULTS, "turbulence": STUDY_RESULTS,
                                  "claims": {*STUDY_RESULTS, "avx2.json", "claims.json"}})
         self.assertTrue(all("--published" in call for call in self.calls("table2")))
 

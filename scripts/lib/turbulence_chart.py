@@ -1,0 +1,97 @@
+"""Draws the study of turbulence: statistical error against cost."""
+
+from lib.chart_panels import (FAMILIES, cross, draw_line, label_ends, logarithmic, look, new_figure, note, short_name)
+from lib.numbers import two_digits
+from lib.turbulence_figures import findings_of, line_of
+
+LINES = ("algebra1", "group2", "group3", "elp4", "magnus5", "rk4", "rk4_projected")
+STAR = {"marker": "*", "markersize": 15, "linestyle": "none", "zorder": 6}
+
+
+def statistical_error(study):
+    """Draws the distance from the reference against the CPU time of a run over that of the practice, a panel an n.
+
+    Only an n at which some method has two steps has a panel. None if there is none.
+    """
+    found = {n: findings_of(study, n) for n in study.sizes}
+    lines = {n: {name: points for name in LINES if (points := points_of(findings, name))}
+             for n, findings in found.items()}
+    lines = {n: drawn for n, drawn in lines.items() if any(len(points) > 1 for points in drawn.values())}
+    if not lines:
+        return None
+    labels = {name: short_name(study.integrators[name]) for drawn in lines.values() for name in drawn}
+    figure, (panels,) = new_figure(title_of(study, {n: found[n] for n in lines}), 1, len(lines), 5.0, keys=2,
+                                   labels=labels.values(), sharex=True, sharey=True)
+    for axes, (n, drawn) in zip(panels, lines.items()):
+        logarithmic(axes)
+        axes.set(title=f"n = {n}", xlabel="CPU time of a run over that of the practice")
+        for name, points in drawn.items():
+            draw_line(axes, name, points, **look(study.integrators[name]))
+            draw_failure(axes, found[n], name)
+        practice = found[n].practice
+        if practice and practice.distance:
+            axes.plot(1, practice.distance, color=FAMILIES["algebra"][0], label="_practice", **STAR)
+    low, high = limits(lines, found)
+    panels[0].set(ylabel="distance of E(l) from the reference", ylim=(low, high))
+    least = min(cost for drawn in lines.values() for points in drawn.values() for cost, _ in points)
+    most = max(cost for drawn in lines.values() for points in drawn.values() for cost, _ in points)
+    panels[0].set_xlim(least / 1.2, 1.05 * max(1.0, most))
+    panels[0].set_yticks(*ticks(low, high, percent))
+    panels[0].set_xticks(*ticks(*panels[0].get_xlim(), lambda place: f"{place:g}"))
+    for axes, (n, drawn) in zip(panels, lines.items()):
+        if study.is_unpredictable(n):
+            axes.axhspan(low, found[n].reference.threshold, color="0.92", zorder=0, label="_faithful")
+            axes.text(0.02, 0.02, "faithful", transform=axes.transAxes, color="0.35")
+        label_ends(axes, [(points[-1], labels[name], look(study.integrators[name])["color"])
+                          for name, points in drawn.items()])
+    note(figure, "Star: the practice, isospectral midpoint with h = ħ/4, at the end of the line of Gauss 2. Else the"
+         " step doubles from a point to its neighbour. Tolerance 1e-8; numbers are orders. Cross: the next longer step"
+         " fails. Solid: keeps the Lie–Poisson structure; dashed: the spectrum only; dotted: nothing.")
+    return figure
+
+
+def points_of(findings, integrator):
+    """Returns (cost over the practice's, distance) of the settings of a line that have both, the longest step first."""
+    return [(findings.over_practice(judged), judged.distance) for judged in line_of(findings, integrator)
+            if judged.distance and findings.over_practice(judged)]
+
+
+def draw_failure(axes, findings, integrator):
+    """Marks the longest step that works, if one that is longer was tried and fails."""
+    line = line_of(findings, integrator)
+    failed = [judged for judged in line if not judged.ensemble.works]
+    points = points_of(findings, integrator)
+    if failed and points:
+        cross(axes, points[0])
+
+
+def limits(lines, found):
+    """Returns the ends of the axis of distances, which hold every point and threshold."""
+    values = [distance for drawn in lines.values() for points in drawn.values() for _, distance in points]
+    values += [found[n].reference.threshold for n in lines]
+    return min(values) / 1.5, max(values) * 1.5
+
+
+def ticks(low, high, write):
+    """Returns ticks at 1, 2 and 5 of each decade of a logarithmic axis, and their labels by `write`."""
+    places = [digit * 10.0 ** power for power in range(-6, 3) for digit in (1, 2, 5)]
+    inside = [place for place in places if low <= place <= high]
+    return inside, list(map(write, inside))
+
+
+def percent(share):
+    return f"{100 * share:g} %"
+
+
+def title_of(study, found):
+    """Returns what the cheapest faithful run costs at the largest n."""
+    n, findings = max(found.items())
+    best = findings.cheapest()
+    over = findings.over_practice(best)
+    if over is None:
+        return "Error of the statistics of turbulence against cost"
+    setting = best.setting
+    name = short_name(study.integrators[setting.integrator])
+    return (f"Turbulence at n\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}{n}: {name} with"
+            f" h\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}{setting.step:g} is faithful at {two_digits(over)} of the"
+            " practice's cost")
