@@ -17,6 +17,7 @@ import time
 
 from programs import (BAD_ARGUMENTS, DONE, ROOT, SOLVER_FAILED, FolderTest, end, environment, run,
                       snapshot, start, text_of)
+from scaling_documents import write_scaling
 from stability_documents import SETTINGS, long_study, map_study, write
 from study_documents import small_study, write_study
 
@@ -178,7 +179,7 @@ class ReproduceTest(CopyTest):
         for name, study in (("stability", map_study(SETTINGS[:1], ("group1",))), ("long_runs", long_study(("group1",))),
                             ("fast_map", map_study(SETTINGS[:1], ("group1",), "fast"))):
             write(self.folder, study, f"{name}.json")
-        shutil.copy(os.path.join(ROOT, "results", "recorded", "scaling", "raw.json"), self.path("scaling.json"))
+        shutil.copy(write_scaling(self.folder), self.path("scaling.json"))
         self.write("theorem.json", "{}")
 
     def prepare(self, program, raw):
