@@ -22,7 +22,8 @@ def scaling_sections(study, charts):
         Heading("What a step costs, and what each idea buys", 1),
         Paragraph(f"Steps of the {study.settings.scene} scene from {starts_text(study)} on. A repetition repeats the"
                   " same steps from the same state. A fast form with a predictor runs for"
-                  f" T = {study.settings.warmup:g} before them, untimed. What it means is said in results/README.md."),
+                  f" T = {study.settings.warmup:g} before them, untimed. Beyond n = 257 steps and this time fall as"
+                  " 1/(n - 1), since longer steps fail. What it means is said in results/README.md."),
         *shown(((CHART, CAPTION),), charts),
         *line_sections(study),
         *memory_sections(study),
@@ -101,10 +102,10 @@ def line_sections(study):
     return [
         Heading("A step against n"),
         Paragraph("Methods in the co-rotating frame; Gauss methods and RK4 with h = 0.1 and the tolerance 1e-13,"
-                  " exponential ones with h = 0.25 and 1e-8. Medians ± half the interquartile range of repetitions in"
-                  f" turns. {SINGLE_MEANS} Share of products: the time of the equivalent products by themselves over"
-                  " that of the step. It can exceed 100 %, since products within bands and in single precision are"
-                  " counted as parts of one full product."),
+                  " exponential ones with h = 0.25 and 1e-8; h is a half of that at n = 513, a quarter at n = 1025."
+                  " Medians ± half the interquartile range of repetitions in turns."
+                  f" {SINGLE_MEANS} Share of products: the time of the equivalent products by themselves over that of"
+                  " the step."),
         plain_table(columns, rows),
         *slope_sections(study),
     ]

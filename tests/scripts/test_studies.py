@@ -424,6 +424,11 @@ class Scaling(StudyTest):
         self.assertEqual(found[1025], {("group2_frame", "fast"), ("elp4_frame", "fast")})
         self.assertEqual({each["start"] for each in points if each["n"] == 1025}, {5.0})
         self.assertEqual(len(found[513]), 6)
+        steps = {(each["n"], each["integrator"]): each["step"] for each in points if each["n"] >= 257}
+        self.assertEqual([(steps[n, "group2_frame"], steps[n, "elp4_frame"]) for n in (257, 513, 1025)],
+                         [(0.1, 0.25), (0.05, 0.125), (0.025, 0.0625)])
+        self.assertEqual({(self.scaling.warm_steps(each), self.scaling.begin_of(each)) for each in points
+                          if each["n"] == 1025}, {(15, 4.625), (6, 4.625)})
         self.assertEqual(found[257], {(name, rung) for name in scaling_table.LINES for rung in scaling_table.BASIC})
         self.assertEqual({name for name, _ in found[129]}, {entry.name for entry in entries})
         self.assertLess(found[129], found[65])
