@@ -4,12 +4,14 @@ A pilot is a short run of the scene. All of this follows from the Outcomes of th
 how long that takes, is no matter here. Standard library only.
 """
 
+import itertools
 import math
 from dataclasses import replace
 
 from lib.accuracy_lines import keeping_tolerance
 from lib.formats import CONVERGED
-from lib.recommendation import MOST_OFFERED, SMALLEST_ERROR, Outcome, beyond_predictability, energy_growth
+from lib.recommendation import (MOST_OFFERED, PREDICTABLE, SMALLEST_ERROR, Outcome, below_reference,
+                                beyond_predictability, energy_growth)
 
 STOPPED = "stopped"  # status of a pilot at TOO_DEAR times the cheapest good one, or at the end of the budget
 
@@ -60,7 +62,10 @@ class Planner:
         # Of the part that pilots go over.
         self.time = question.time / 2 ** max(0, math.floor(math.log2(question.time * norm_B / FIRST_TIME)))
 
+    # ---- pilots
+
     def outcome(self, integrator, time, steps, error, seconds, status="expected"):
+        """Returns the Outcome of a run at the tolerance that keeps what the integrator keeps."""
         return Outcome(integrator, self.question.n, time, steps, error, seconds,
                        keeping_tolerance(integrator.name), status)
 
@@ -69,6 +74,94 @@ class Planner:
         failed = [each.step for each in self.pilots
                   if each.integrator == integrator and each.status not in (CONVERGED, STOPPED)]
         return min(self.limits[integrator], min(failed, default=math.inf) / BELOW_FAILURE)
+
+    # ---- the part that pilots go over
+
+    def lengthen(self, fits):
+        """Takes a longer part of the time: at least twice it, if the budget has room for `fits` such parts.
+
+        Of a part that is not finished, the cheapest methods are.
+        """
+        self.time = min(self.question.time, self.time * 2 ** max(1, math.floor(math.log2(fits))))
+
+    def proportional_error(self):
+        """Returns the error that a trajectory may have over the part if it grows in proportion to time."""
+        return self.question.error * (self.time / self.question.time)
+
+    def error_over_part(self, integrator):
+        """Returns the error that a pilot may have over the part; 0 where none can be extrapolated.
+
+        That of a trajectory grows at least in proportion to time.
+        """
+        if not self.trajectory:
+            return self.error_of_energy(integrator, self.time)
+        return min(self.question.error, max(self.proportional_error(), SHARP_ENOUGH * self.uncertainty))
+
+    def refinements(self, error, second):
+        """Yields the steps of pairs of reference solutions, until two agree or at rounding no longer come closer.
+
+        Each time it is to be sent (pair, found): the pilots, and their distance or None if one did not come to a usable
+        end. `second` is the Integrator of the second. At the end the reference is chosen. Throws Stop where rounding
+        keeps them from agreeing to what is asked for.
+        """
+        before, steps = math.inf, even(self.time / self.reference_step)
+        for tries in itertools.count(1):
+            pair, found = yield steps
+            if found is None:
+                steps = even(1.5 * steps)
+                continue
+            if found <= error / SHARP or (found > before / 2 and (before < FLOOR or tries > MOST_TRIES)):
+                break
+            before = found
+            self.unsettled = replace(pair[1], error=found)
+            steps = even(steps * refinement(2 * SHARP * found, error, second, 1.2, 3.0))
+        self.reference_step = self.time / steps / refinement(2 * SHARP * found, error, second, 0.5, 1.0)
+        self.choose_reference(pair, found)
+
+    def choose_reference(self, pair, found):
+        """Takes the first of two reference solutions with this distance; if it is large, judges no trajectory any more.
+
+        Throws Stop where it is larger than the error that is asked for.
+        """
+        for each in pair:
+            each.error = found
+        self.reference, self.uncertainty, self.unsettled = pair[0], found, None
+        if found > PREDICTABLE or found > max(FLOOR, self.question.error):
+            self.trajectory, self.good = False, {}
+            self.why = f"two reference solutions differ by {found:.2g}"
+        elif found > self.question.error:
+            raise below_reference(self.question.error, found, self.time)
+        for each in pair if self.trajectory else ():
+            if each.integrator in self.candidates:
+                self.good.setdefault(each.integrator, each)
+
+    def tries(self, integrator, error, most_seconds):
+        """Yields the steps of pilots of an integrator over the part, and is to be sent each of these pilots.
+
+        Returns the cheapest that has the error, None if none has. One that would take longer than `most_seconds` is not
+        tried.
+        """
+        if integrator in self.good:
+            steps = self.expected(self.good[integrator], self.time, error, cautious=False).steps
+        else:
+            steps = even(self.time * self.norm_B * max(1.0, error ** (-1 / integrator.order) / FIRST_STEP))
+        best, wanted = None, steps
+        for _ in range(MOST_TRIES):
+            steps = max(wanted, even(self.time / self.longest_step(integrator)))
+            pilot = yield steps
+            if pilot.status == STOPPED or (best and pilot.status != CONVERGED):
+                break
+            if pilot.status != CONVERGED:
+                continue
+            if pilot.error <= error and (best is None or pilot.seconds < best.seconds):
+                best = pilot
+            wanted = even(steps * refinement(pilot.error * AIM, error, integrator, 0.25, 4.0))
+            enough = error / ENOUGH < pilot.error <= error
+            if enough or wanted == steps or pilot.seconds * wanted / steps > most_seconds:
+                break
+        return best
+
+    # ---- what is expected over a longer time
 
     def growth(self, pilot, time, cautious=True):
         """Returns how much larger the error of a pilot is expected to be over a longer time.

@@ -7,11 +7,9 @@ has it: that is exact and costs nothing. At last some steps of each offer that f
 from where the longest pilot ended: a step of another size takes another time. Needs NumPy and isosyrk.
 """
 
-import itertools
 import math
 import signal
 from argparse import ArgumentTypeError
-from dataclasses import replace
 
 import isosyrk
 import numpy
@@ -21,9 +19,8 @@ from lib.formats import CONVERGED, FAST, UNSTABLE, read_text
 from lib.messages import UnusableFile, one_line
 from lib.command_line import number, whole_number
 from lib.integrator_names import FRAME
-from lib.pilot_planner import (AIM, ENOUGH, FIRST_STEP, FLOOR, MOST_TRIES, SHARP, SHARP_ENOUGH, STOPPED, TOO_DEAR,
-                               Planner, even, refinement)
-from lib.recommendation import MOST_OFFERED, PREDICTABLE, Question, answer_data, below_reference
+from lib.pilot_planner import STOPPED, TOO_DEAR, Planner
+from lib.recommendation import MOST_OFFERED, Question, answer_data
 from lib.trials import Setting, invariants_lost
 
 REFERENCES = ("group6", "group5")
@@ -163,53 +160,27 @@ class Search(Planner):
 
         Throws Stop where rounding keeps them from agreeing to what is asked for.
         """
-        second, before = self.references[1], math.inf
-        steps = even(self.time / self.reference_step)
-        for tries in itertools.count(1):
+        refinements = self.refinements(error, self.references[1])
+        steps = next(refinements)
+        while True:
             pair, states = zip(*(self.run(each, steps) for each in self.references))
-            if not all(states):
-                steps = even(1.5 * steps)
-                continue
-            found = isosyrk.relative_error(states[1][1], states[0][1])
-            if found <= error / SHARP or (found > before / 2 and (before < FLOOR or tries > MOST_TRIES)):
+            found = isosyrk.relative_error(states[1][1], states[0][1]) if all(states) else None
+            try:
+                steps = refinements.send((pair, found))
+            except StopIteration:
                 break
-            before = found
-            self.unsettled = replace(pair[1], error=found)
-            steps = even(steps * refinement(2 * SHARP * found, error, second, 1.2, 3.0))
-        for each in pair:
-            each.error = found
-        self.reference, self.exact, self.uncertainty, self.unsettled = pair[0], states[0], found, None
-        self.reference_step = self.time / steps / refinement(2 * SHARP * found, error, second, 0.5, 1.0)
-        if self.uncertainty > PREDICTABLE or self.uncertainty > max(FLOOR, self.question.error):
-            self.trajectory, self.good = False, {}
-            self.why = f"two reference solutions differ by {self.uncertainty:.2g}"
-        elif self.uncertainty > self.question.error:
-            raise below_reference(self.question.error, self.uncertainty, self.time)
-        for each in pair if self.trajectory else ():
-            if each.integrator in self.candidates:
-                self.good.setdefault(each.integrator, each)
+        self.exact = states[0]
 
     def search(self, integrator, error, most_seconds):
         """Returns the pilot with the longest step that has an error over the part; None if none has."""
-        if integrator in self.good:
-            steps = self.expected(self.good[integrator], self.time, error, cautious=False).steps
-        else:
-            steps = even(self.time * self.setting.norm_B * max(1.0, error ** (-1 / integrator.order) / FIRST_STEP))
-        best, wanted = None, steps
-        for _ in range(MOST_TRIES):
-            steps = max(wanted, even(self.time / self.longest_step(integrator)))
+        tries = self.tries(integrator, error, most_seconds)
+        steps = next(tries)
+        while True:
             pilot, _ = self.run(integrator, steps, most_seconds)
-            if pilot.status == STOPPED or (best and pilot.status != CONVERGED):
-                break
-            if pilot.status != CONVERGED:
-                continue
-            if pilot.error <= error and (best is None or pilot.seconds < best.seconds):
-                best = pilot
-            wanted = even(steps * refinement(pilot.error * AIM, error, integrator, 0.25, 4.0))
-            enough = error / ENOUGH < pilot.error <= error
-            if enough or wanted == steps or pilot.seconds * wanted / steps > most_seconds:
-                break
-        return best
+            try:
+                steps = tries.send(pilot)
+            except StopIteration as end:
+                return end.value
 
     def time_offers(self):
         """Times steps of each offer that is shown and was not run; one whose steps fail is offered no more as it is."""
@@ -243,22 +214,17 @@ class Search(Planner):
             if self.time == self.question.time or fits < 1:
                 return
             integrators, spared = self.most_promising() or integrators, 0.0
-            # At least twice the time: of a part that is not finished, the cheapest methods are.
-            self.time = min(self.question.time, self.time * 2 ** max(1, math.floor(math.log2(fits))))
+            self.lengthen(fits)
 
     def try_all(self, integrators, spared):
         """Makes the pilots of integrators over the part; if one is good, none is begun in the last `spared` seconds."""
-        share = self.time / self.question.time
         if self.trajectory:
-            self.refer(self.question.error * share)
+            self.refer(self.proportional_error())
         cheapest = min((each.seconds for each in self.good.values() if each.time == self.time), default=math.inf)
         for each in integrators:
             if self.good and seconds_left() < spared:
                 break
-            if self.trajectory:  # whose error grows at least in proportion to time
-                error = min(self.question.error, max(self.question.error * share, SHARP_ENOUGH * self.uncertainty))
-            else:
-                error = self.error_of_energy(each, self.time)
+            error = self.error_over_part(each)
             if not error:
                 continue
             best = self.search(each, error, TOO_DEAR * cheapest)
