@@ -8,6 +8,7 @@ processes.
 """
 
 import base64
+import contextlib
 import json
 import math
 import os
@@ -30,7 +31,7 @@ import isosyrk
 import numpy
 from lib import formats, problems, verdicts
 from lib.accuracy_lines import LOOSE_EXPONENTIAL, TIGHT
-from lib.command_line import say, whole_number
+from lib.command_line import NO_ANSWER, Stop, say, whole_number
 from lib.formats import FAST, PUBLISHED
 from lib.integrator_names import TABLE1_CELLS
 from lib.scaling_table import (ANY, BANDS, BASIC, LINES, SCHEMA, Memory, Point, Rate, Settings, Threads, family_of,
@@ -49,11 +50,12 @@ LARGEST_OF_ALL, LARGEST_OF_OTHERS = 129, 65
 FEW, ONCE, ONCE_START = ("group2_frame", "elp4_frame"), 1025, 5.0
 STEPS, STEPS_LARGE, LARGE = 8, 2, 513  # that are timed; fewer from LARGE on
 REPETITIONS, QUICK_REPETITIONS = 6, 3
-ENOUGH = 0.8  # CPU seconds of timed steps of a point, after which it is repeated no more
-LEAST_MEMORY = 6e9  # bytes that must be free for n = ONCE
+ENOUGH = 1.2  # CPU seconds of timed steps of a point, after which it is repeated no more
+LEAST_MEMORY = 4e9  # bytes that must be free for n = ONCE; the process that times it takes 1.9e9
 
 # States: an exponential method of order 6 at steps that are far more accurate than a state for timing must be.
 STATES_BY, STATES_STEP, STATES_TOLERANCE = "elp6_frame", 0.25, 1e-10
+MOST_HALVINGS = 3  # of that step, where it fails
 
 THREAD_SIZES, QUICK_THREAD_SIZES, THREADS_START = (65, 129, 257), (33,), 50.0
 ROWS = {"one": 1, "two": 2}  # of threads
@@ -138,14 +140,22 @@ def decoded(text, n):
 
 
 def states_of(n, times):
-    """Returns the states of the scene at times, by time."""
-    integrator = isosyrk.integrator(scene_of(n), STATES_BY, solver=FAST, tolerance=STATES_TOLERANCE)
+    """Returns the states of the scene at times, by time. Throws Stop where no step leads there."""
     found, W, now = {}, scene_of(n).initial, 0.0
     for each in sorted(times):
-        steps = math.ceil((each - now) / shrunk(n, STATES_STEP) - 1e-9)
-        W, _ = integrator.run(W, (each - now) / steps, steps)
+        W = state_after(n, W, each - now)
         found[each], now = W, each
     return found
+
+
+def state_after(n, W, length):
+    """Returns the state a time after W, with half the step as often as one fails."""
+    integrator = isosyrk.integrator(scene_of(n), STATES_BY, solver=FAST, tolerance=STATES_TOLERANCE)
+    steps = math.ceil(length / shrunk(n, STATES_STEP) - 1e-9)
+    for halvings in range(MOST_HALVINGS + 1):
+        with contextlib.suppress(isosyrk.SolverError):
+            return integrator.run(W, length / steps / 2**halvings, steps * 2**halvings)[0]
+    raise Stop(f"states at n = {n}: {STATES_BY} fails with h = {length / steps / 2**MOST_HALVINGS:.3g} too", NO_ANSWER)
 
 
 def count(point, W):

@@ -374,6 +374,30 @@ class Scaling(StudyTest):
         self.assertLess(abs(W - states[5.0]).max(), 1e-15)
         self.assertEqual(abs(W + W.conj().T).max(), 0)
 
+    def test_states_are_reached_by_shorter_steps_where_one_fails(self):
+        expected, calls = self.scaling.states_of(9, (5.0,))[5.0], []
+
+        class Method:
+            """Fails with steps above `longest`."""
+
+            def run(self, W, h, steps):
+                calls.append(h)
+                if h > longest:
+                    raise isosyrk.SolverError(1, "diverged", 1.0, W, mock.Mock(sweeps=9))
+                return real.run(W, h, steps)
+
+        real = isosyrk.integrator(self.scaling.scene_of(9), "elp6_frame", solver="fast", tolerance=1e-10)
+        with mock.patch.object(self.scaling.isosyrk, "integrator", lambda *_, **options: Method()):
+            longest = 0.1
+            found = self.scaling.states_of(9, (5.0,))[5.0]
+            self.assertEqual(calls, [0.25, 0.125, 0.0625])
+            self.assertLess(isosyrk.relative_error(found, expected), 1e-7)
+            longest = 0.0
+            told = "^states at n = 9: elp6_frame fails with h = 0.0312 too$"
+            with self.assertRaisesRegex(study.Stop, told) as caught:
+                self.scaling.states_of(9, (5.0,))
+            self.assertEqual(caught.exception.status, NO_ANSWER)
+
     def test_forms_with_a_memory_are_warm_when_the_timed_steps_start(self):
         for changes, memory in (({}, True), ({"rung": "without bands"}, True), ({"rung": "without predictor"}, True),
                                 ({"rung": "published"}, False), ({"rung": "without any"}, False),
