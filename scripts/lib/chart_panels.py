@@ -81,6 +81,11 @@ def short_name(integrator):
     return f"{method}{order}" if method.isupper() else f"{method} {order}"
 
 
+def equals(name, value):
+    """Returns an equation that no title breaks into two lines."""
+    return f"{name}\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}{value}"
+
+
 def new_figure(title, rows, columns, panel_height, keys=1, row_gap=0.75, labels=(), **subplots):
     """Returns a figure and its rows of panels, with room for the longest of `labels` right of each.
 

@@ -7,8 +7,8 @@ from typing import NamedTuple
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from lib.accuracy_lines import CUT, GOOD_ENOUGH, TABLE1_STEP, TIGHT, Form, keeping_tolerance
-from lib.chart_panels import (FAMILIES, LINES, cross, draw_line, extended, label_ends, logarithmic, look, new_figure,
-                              note, short_name)
+from lib.chart_panels import (FAMILIES, LINES, cross, draw_line, equals, extended, label_ends, logarithmic, look,
+                              new_figure, note, short_name)
 from lib.equal_error import (HEADLINE, ISOSPECTRAL_ONLY, cheapest_contender, headline_problems, ratio_in,
                              runs_at_table1_step)
 from lib.integrator_names import FRAME, in_frame, is_exponential
@@ -178,11 +178,6 @@ def written_ratio(duel, first, second):
     """Returns the time of a contender over another's in a duel as text; None where one has no row."""
     found = ratio_in(duel, first, second)
     return found and two_digits(found[0].ratio)
-
-
-def equals(name, value):
-    """Returns an equation that no title breaks into two lines."""
-    return f"{name}\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}{value}"
 
 
 # ---- time against n

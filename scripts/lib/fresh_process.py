@@ -1,4 +1,4 @@
-"""Runs a measurement in a fresh process on one core, again where something disturbed it. Standard library only.
+"""Runs a measurement in a fresh process on chosen cores, again where something disturbed it. Standard library only.
 
 Whether a process was disturbed is told by the operating system, and never by what it measured: a rule that saw the
 ratios would choose among them.
@@ -57,19 +57,22 @@ def undisturbed(measure, say):
 
 
 def run_on(core, command, **streams):
-    """Runs a command on one core. Returns its exit status, negative for a signal, and the Disturbance meanwhile.
+    """Runs a command on one core, or on those of a set.
+
+    Returns its exit status, negative for a signal, and the Disturbance meanwhile: the mean over the cores.
 
     The process ends with this one, however it ends.
     """
+    cores = {core} if isinstance(core, int) else core
     parent, prctl = os.getpid(), ctypes.CDLL(None).prctl  # loaded before the fork
 
     def prepare():
-        os.sched_setaffinity(0, {core})
+        os.sched_setaffinity(0, cores)
         prctl(PR_SET_PDEATHSIG, int(signal.SIGKILL))
         if os.getppid() != parent:  # it had ended already
             os.kill(os.getpid(), signal.SIGKILL)
 
-    before, begun = stolen_seconds(core), time.monotonic()
+    before, begun = sum(map(stolen_seconds, cores)), time.monotonic()
     process = subprocess.Popen(command, stdin=subprocess.DEVNULL, preexec_fn=prepare, **streams)
     try:
         _, status, used = os.wait4(process.pid, 0)
@@ -79,7 +82,8 @@ def run_on(core, command, **streams):
         raise
     process.returncode = os.waitstatus_to_exitcode(status)  # so that nobody waits for it again
     passed = max(time.monotonic() - begun, 1e-3)
-    return process.returncode, Disturbance((stolen_seconds(core) - before) / passed, used.ru_nivcsw / passed)
+    stolen = sum(map(stolen_seconds, cores)) - before
+    return process.returncode, Disturbance(stolen / len(cores) / passed, used.ru_nivcsw / passed)
 
 
 def stolen_seconds(core):

@@ -7,11 +7,9 @@ has it: that is exact and costs nothing. At last some steps of each offer that f
 from where the longest pilot ended: a step of another size takes another time. Needs NumPy and isosyrk.
 """
 
-import itertools
 import math
 import signal
 from argparse import ArgumentTypeError
-from dataclasses import replace
 
 import isosyrk
 import numpy
@@ -21,31 +19,14 @@ from lib.formats import CONVERGED, FAST, UNSTABLE, read_text
 from lib.messages import UnusableFile, one_line
 from lib.command_line import number, whole_number
 from lib.integrator_names import FRAME
-from lib.recommendation import (MOST_OFFERED, PREDICTABLE, SMALLEST_ERROR, Outcome, Question, answer_data,
-                            below_reference, beyond_predictability, energy_growth)
+from lib.pilot_planner import STOPPED, TOO_DEAR, Planner
+from lib.recommendation import MOST_OFFERED, Question, answer_data
 from lib.trials import Setting, invariants_lost
 
 REFERENCES = ("group6", "group5")
 CANDIDATES = ("rk4", "magnus5", "elp4", "elp6", "rk4_projected", "group3", "group4", "rkmk4", "group5", "group2",
               "group6", "kahan_li6", "yoshida4", "direct2", "group1")
-STOPPED = "stopped"  # status of a pilot at TOO_DEAR times the cheapest good one, or at the end of the budget
 
-FIRST_TIME, FIRST_REFERENCE = 10.0, 2.0  # T‖B(W₀)‖₂ of the first part, h‖B(W₀)‖₂ of its first reference
-FIRST_STEP = 15.0  # times error^(1/order), at most 1: h‖B(W₀)‖₂ of the first pilot of a method
-MOST_UNTRIED = 3.5  # h‖B(W₀)‖₂ over a longer time than tried: long runs were seen to fail from 5.2 on, short ones later
-AIM, ENOUGH = 1.3, 4.0  # steps are for the error over AIM; a pilot more than ENOUGH times better is made coarser
-MOST_TRIES = 4  # of a method on a part of the time
-BELOW_FAILURE = 1.3  # a step that failed, over the longest one that is tried next
-SHARP, SHARP_ENOUGH = 10, 4  # the uncertainty of the reference aims at, and has to reach, the error over that
-FLOOR = 1e-6  # below, two references that no longer come closer are at rounding
-TOO_DEAR = 8.0  # times the seconds of the cheapest good pilot over the part, where others are stopped
-MOST_KEPT = 6  # methods that go on to the next part
-# Least growth of the error as a power of time, for methods that keep the spectrum and others. Short runs show too
-# little. Where trajectories part, errors grow exponentially, which a power fitted to one pilot does not show. So none
-# is trusted that grew faster than MOST_GROWTH, and none over more than FARTHEST times the time of its pilot. (A scene
-# of n = 48, all of l <= 6: two references to T = 1000 part, while pilots to T = 125 show a power of 2.6.)
-LEAST_GROWTH, LEAST_GROWTH_OF_OTHERS, MOST_GROWTH, FARTHEST = 1.5, 4.0, 3.0, 2.0
-MOST_DOUBLINGS = 100  # of an error, far more than is offered
 LOOKS = 100  # at the energy and the cost of a pilot of many steps
 FIRST_SHARE = 1 / 3  # of the budget; after it, no further method is begun on the first part
 # Of the budget, kept for timing steps of the offers; the steps and the CPU seconds that are timed of one at least. As
@@ -106,16 +87,6 @@ def scene_of(options):
     return scene
 
 
-def even(steps):
-    """Returns the even number of steps at or above this, at least 2: pilots are judged at half their time too."""
-    return max(2, 2 * math.ceil(steps / 2 * (1 - 1e-9)))
-
-
-def refinement(error, wanted, integrator, least, most=math.inf):
-    """Returns the factor of the steps that takes an error to the wanted one, within bounds."""
-    return min(most, max(least, (max(error, SMALLEST_ERROR) / wanted) ** (1 / integrator.order)))
-
-
 # ---- pilots
 
 
@@ -124,46 +95,28 @@ def seconds_left():
     return signal.getitimer(signal.ITIMER_REAL)[0]
 
 
-class Search:
-    """The pilots of one scene and the best of them. At the end of the budget, any method may throw TimeoutError."""
+class Search(Planner):
+    """Runs the pilots of one scene as they are planned, and times steps of the offers.
+
+    At the end of the budget, any method may throw TimeoutError.
+    """
 
     def __init__(self, scene, question):
-        self.setting, self.question = Setting(scene), question
+        self.setting = Setting(scene)
         self.size = float(numpy.linalg.norm(scene.initial, 2))
         listed = {each.name: study.record_of(each) for each in isosyrk.integrators()}
         self.references, candidates = ([listed.get(name + FRAME, listed[name]) for name in names]
                                        for names in (REFERENCES, CANDIDATES))
-        self.candidates = [each for each in candidates if each.keeps(question.keep)]
-        self.limits = {each: (self.method(each).linear_limit() or math.inf) / self.setting.norm_B
-                       for each in self.candidates}
-        self.pilots = []
-        # Whether errors are those of the trajectory; if of energy and spectrum, why.
-        self.trajectory, self.why = True, ""
-        # A pilot, its states at half time and at the end, and how far it is off.
-        self.reference, self.exact, self.uncertainty = None, (), math.inf
-        self.reference_step = FIRST_REFERENCE / self.setting.norm_B  # of the next part
-        self.unsettled = None  # the last two references over a part that do not agree, as one Outcome
-        self.spent = False  # whether the budget ended before all pilots were made
-        self.good = {}  # by integrator: the best pilot over the longest part that it did
-        self.end = 0.0, scene.initial  # the longest time of a pilot that came to a usable end, and its last state
-        self.paces = {}  # by integrator and steps of an offer: CPU seconds a step, as timed
-        # Of the part that pilots go over.
-        self.time = question.time / 2 ** max(0, math.floor(math.log2(question.time * self.setting.norm_B / FIRST_TIME)))
+        candidates = [each for each in candidates if each.keeps(question.keep)]
+        limits = {each: (self.method(each).linear_limit() or math.inf) / self.setting.norm_B for each in candidates}
+        super().__init__(question, self.setting.norm_B, candidates, limits)
+        self.end = 0.0, scene.initial
+        self.exact = ()  # the states of the reference at half time and at the end
 
     def method(self, integrator):
         """Returns the module's integrator of the scene."""
         return isosyrk.integrator(self.setting.scene, integrator.name, solver=FAST,
                                   tolerance=keeping_tolerance(integrator.name))
-
-    def outcome(self, integrator, time, steps, error, seconds, status="expected"):
-        return Outcome(integrator, self.setting.scene.n, time, steps, error, seconds,
-                       keeping_tolerance(integrator.name), status)
-
-    def longest_step(self, integrator):
-        """Returns the longest step that may work, by linear theory and by the pilots that failed."""
-        failed = [each.step for each in self.pilots
-                  if each.integrator == integrator and each.status not in (CONVERGED, STOPPED)]
-        return min(self.limits[integrator], min(failed, default=math.inf) / BELOW_FAILURE)
 
     def run(self, integrator, steps, most_seconds=math.inf):
         """Returns the pilot of an even number of steps over the part, and its states at half time and at the end.
@@ -207,95 +160,32 @@ class Search:
 
         Throws Stop where rounding keeps them from agreeing to what is asked for.
         """
-        second, before = self.references[1], math.inf
-        steps = even(self.time / self.reference_step)
-        for tries in itertools.count(1):
+        refinements = self.refinements(error, self.references[1])
+        steps = next(refinements)
+        while True:
             pair, states = zip(*(self.run(each, steps) for each in self.references))
-            if not all(states):
-                steps = even(1.5 * steps)
-                continue
-            found = isosyrk.relative_error(states[1][1], states[0][1])
-            if found <= error / SHARP or (found > before / 2 and (before < FLOOR or tries > MOST_TRIES)):
+            found = isosyrk.relative_error(states[1][1], states[0][1]) if all(states) else None
+            try:
+                steps = refinements.send((pair, found))
+            except StopIteration:
                 break
-            before = found
-            self.unsettled = replace(pair[1], error=found)
-            steps = even(steps * refinement(2 * SHARP * found, error, second, 1.2, 3.0))
-        for each in pair:
-            each.error = found
-        self.reference, self.exact, self.uncertainty, self.unsettled = pair[0], states[0], found, None
-        self.reference_step = self.time / steps / refinement(2 * SHARP * found, error, second, 0.5, 1.0)
-        if self.uncertainty > PREDICTABLE or self.uncertainty > max(FLOOR, self.question.error):
-            self.trajectory, self.good = False, {}
-            self.why = f"two reference solutions differ by {self.uncertainty:.2g}"
-        elif self.uncertainty > self.question.error:
-            raise below_reference(self.question.error, self.uncertainty, self.time)
-        for each in pair if self.trajectory else ():
-            if each.integrator in self.candidates:
-                self.good.setdefault(each.integrator, each)
+        self.exact = states[0]
 
     def search(self, integrator, error, most_seconds):
         """Returns the pilot with the longest step that has an error over the part; None if none has."""
-        if integrator in self.good:
-            steps = self.expected(self.good[integrator], self.time, error, cautious=False).steps
-        else:
-            steps = even(self.time * self.setting.norm_B * max(1.0, error ** (-1 / integrator.order) / FIRST_STEP))
-        best, wanted = None, steps
-        for _ in range(MOST_TRIES):
-            steps = max(wanted, even(self.time / self.longest_step(integrator)))
+        tries = self.tries(integrator, error, most_seconds)
+        steps = next(tries)
+        while True:
             pilot, _ = self.run(integrator, steps, most_seconds)
-            if pilot.status == STOPPED or (best and pilot.status != CONVERGED):
-                break
-            if pilot.status != CONVERGED:
-                continue
-            if pilot.error <= error and (best is None or pilot.seconds < best.seconds):
-                best = pilot
-            wanted = even(steps * refinement(pilot.error * AIM, error, integrator, 0.25, 4.0))
-            enough = error / ENOUGH < pilot.error <= error
-            if enough or wanted == steps or pilot.seconds * wanted / steps > most_seconds:
-                break
-        return best
-
-    def growth(self, pilot, time, cautious=True):
-        """Returns how much larger the error of a pilot is expected to be over a longer time.
-
-        If cautious: as the power of time or the exponential that the two halves of the pilot show, whichever grows
-        more.
-        """
-        if not self.trajectory:
-            return energy_growth(pilot.integrator, pilot.time, time)
-        seen = max(1.0, pilot.growth or 0.0)
-        if not cautious:
-            return (time / pilot.time) ** min(seen, MOST_GROWTH)
-        least = LEAST_GROWTH if pilot.integrator.isospectral else LEAST_GROWTH_OF_OTHERS
-        ratio = time / pilot.time
-        return 2 ** min(MOST_DOUBLINGS, max(max(least, seen) * math.log2(ratio), 2 * seen * (ratio - 1)))
-
-    def expected(self, pilot, time, error, cautious=True):
-        """Returns a pilot over this time as it is; from one over a shorter time, the Outcome with the error."""
-        if pilot.time == time:
-            return pilot
-        at_time = max(pilot.error, SMALLEST_ERROR) * self.growth(pilot, time, cautious)
-        steps = even(time / pilot.step * refinement(at_time * AIM, error, pilot.integrator, 0.5))
-        longest = min(MOST_UNTRIED / self.setting.norm_B, self.longest_step(pilot.integrator))
-        steps = max(steps, even(time / longest))
-        pace = self.paces.get((pilot.integrator, steps), pilot.seconds / pilot.steps)
-        return self.outcome(pilot.integrator, time, steps,
-                            at_time * (time / steps / pilot.step) ** pilot.integrator.order, pace * steps)
-
-    def ranking(self):
-        """Returns the expected run of each good integrator over the whole time, the cheapest first."""
-        found = [(each, replace(self.expected(each, self.question.time, self.question.error), evidence=self.pilots))
-                 for each in self.good.values()]
-        return [offer for pilot, offer in sorted(found, key=lambda pair: (-pair[0].time, pair[1].seconds))
-                if not self.is_refuted(offer, pilot)]
+            try:
+                steps = tries.send(pilot)
+            except StopIteration as end:
+                return end.value
 
     def time_offers(self):
         """Times steps of each offer that is shown and was not run; one whose steps fail is offered no more as it is."""
         while untimed := [each for each in self.ranking()[:MOST_OFFERED] if not self.is_timed(each)]:
             self.time_steps(untimed[0], seconds_left() / len(untimed))
-
-    def is_timed(self, offer):
-        return offer.status == CONVERGED or (offer.integrator, offer.steps) in self.paces
 
     def time_steps(self, offer, seconds):
         """Times steps of an offer from the end of the longest pilot on, in about so many seconds at most.
@@ -314,77 +204,6 @@ class Search:
         else:
             self.paces[offer.integrator, offer.steps] = taken / steps
 
-    def is_refuted(self, offer, pilot):
-        """Tells whether an offer cannot follow from a pilot over a shorter time: that is too short, its error grew too
-        fast, or references over a longer time disagree by more than the error, with steps no longer than those
-        offered."""
-        tried = self.unsettled
-        return self.trajectory and pilot.time < offer.time and (
-            offer.time > FARTHEST * pilot.time or (pilot.growth or 0.0) > MOST_GROWTH
-            or (tried is not None and tried.time > pilot.time and tried.step <= offer.step
-                and tried.error > self.question.error))
-
-    def most_promising(self):
-        """Returns the integrators that go on to a longer part: those that seem cheapest over the whole time."""
-        found = [self.expected(each, self.question.time, self.question.error, cautious=False)
-                 for each in self.good.values()]
-        return [each.integrator for each in sorted(found, key=lambda each: each.seconds)[:MOST_KEPT]]
-
-    def settle(self):
-        """Judges energy and spectrum if nothing can be offered so far, by each integrator's longest pilot."""
-        if self.ranking():
-            return
-        finished = [each for each in self.pilots if each.status == CONVERGED and each.kept is not None]
-        if not finished:
-            return
-        if self.trajectory:
-            shown = max((each.time for each in finished if each.error is not None), default=0)
-            self.why = (f"what pilots show of trajectories: they end at T = {shown:g}, and errors that grow fast, or"
-                        f" over more than {FARTHEST:g} times that, are not extrapolated")
-        self.trajectory, self.good = False, {}
-        for integrator in self.candidates:
-            longest = max((each.time for each in finished if each.integrator == integrator), default=None)
-            error = longest and self.error_of_energy(integrator, longest)
-            good = [replace(each, error=each.kept) for each in finished
-                    if error and each.integrator == integrator and each.time == longest and each.kept <= error]
-            if good:
-                self.good[integrator] = min(good, key=lambda each: each.seconds)
-
-    def error_of_energy(self, integrator, time):
-        """Returns the error of energy and spectrum that a pilot may have; 0 where that cannot be extrapolated."""
-        growth = energy_growth(integrator, time, self.question.time)
-        return self.question.error / growth if integrator.isospectral else 0.0
-
-    def nearest(self):
-        """Returns the pilot with the smallest error over the longest part; None if no candidate has an error."""
-        tried = [each for each in self.pilots if each.error is not None and each.integrator in self.candidates]
-        return min(tried, key=lambda each: (-each.time, each.error), default=None)
-
-    @property
-    def statements(self):
-        """Says what stands behind the answer."""
-        said, whole, reference = [], self.question.time, self.reference
-        if reference:
-            said.append(f"reference solution: {reference.integrator.name} with {reference.steps} steps to T ="
-                        f" {reference.time:g}, with an uncertainty of {self.uncertainty:.2g}")
-        if not self.trajectory:
-            said += beyond_predictability(whole, self.why)
-        offers = self.ranking()[:MOST_OFFERED]
-        best = self.good[offers[0].integrator]
-        if best.time < whole:
-            said.append(f"the pilots of the answer end at T = {best.time:g}: its error is extrapolated, as growing by a"
-                        f" factor of {self.growth(best, whole):.2g}")
-            if self.is_timed(offers[0]):
-                said.append("the seconds of the answer follow from some of its steps, timed from T ="
-                            f" {self.end[0]:g} on")
-        untimed = [each.integrator.name for each in offers if not self.is_timed(each)]
-        if untimed:
-            said.append(f"the budget was spent before steps of {', '.join(untimed)} were timed: these seconds are"
-                        " scaled from pilots with another step")
-        if self.spent:
-            said.append("the budget was spent before all pilots were made")
-        return said
-
     def go_on(self):
         """Makes pilots over longer and longer parts of the time, until it is whole or the next part takes too long."""
         integrators, spared = self.candidates, seconds_left() * (1 - FIRST_SHARE)
@@ -395,22 +214,17 @@ class Search:
             if self.time == self.question.time or fits < 1:
                 return
             integrators, spared = self.most_promising() or integrators, 0.0
-            # At least twice the time: of a part that is not finished, the cheapest methods are.
-            self.time = min(self.question.time, self.time * 2 ** max(1, math.floor(math.log2(fits))))
+            self.lengthen(fits)
 
     def try_all(self, integrators, spared):
         """Makes the pilots of integrators over the part; if one is good, none is begun in the last `spared` seconds."""
-        share = self.time / self.question.time
         if self.trajectory:
-            self.refer(self.question.error * share)
+            self.refer(self.proportional_error())
         cheapest = min((each.seconds for each in self.good.values() if each.time == self.time), default=math.inf)
         for each in integrators:
             if self.good and seconds_left() < spared:
                 break
-            if self.trajectory:  # whose error grows at least in proportion to time
-                error = min(self.question.error, max(self.question.error * share, SHARP_ENOUGH * self.uncertainty))
-            else:
-                error = self.error_of_energy(each, self.time)
+            error = self.error_over_part(each)
             if not error:
                 continue
             best = self.search(each, error, TOO_DEAR * cheapest)

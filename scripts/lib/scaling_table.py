@@ -1,29 +1,21 @@
-"""The raw file of scripts/studies/scaling.py, its tables and figures: what a step costs, and what each idea buys."""
+"""The raw file of scripts/studies/scaling.py and its figures: what a step costs against n, and what each idea buys."""
 
+import math
 import re
 import statistics
 from typing import NamedTuple
 
 from lib import formats
-from lib.formats import (FAST, FORMULATIONS, PUBLISHED, Schema, keyed, list_of, number, one_of, optional, positive,
-                         text, whole)
+from lib.formats import (FAST, FORMULATIONS, PUBLISHED, SOLVERS, Schema, keyed, list_of, number, one_of, optional,
+                         positive, text, whole)
+from lib.integrator_names import TABLE1_CELLS, frameless, is_exponential
 from lib.messages import UnusableFile
-from lib.comparison import MISSING, percentage, three_digits, time_with_spread
-from lib.document import Column, Entry, Heading, Paragraph, Table, conditions, plain_table
+from lib.trend import trend_of
+from lib.verdicts import ratio_of
 
-# A rung: the solver, and what its fast form goes without.
-RUNGS = {
-    PUBLISHED: (PUBLISHED, ()),
-    "without any": (FAST, ("bands", "predictor", "newton")),
-    "without newton": (FAST, ("newton",)),
-    "without predictor": (FAST, ("predictor",)),
-    "without bands": (FAST, ("bands",)),
-    FAST: (FAST, ()),
-}
-STAGES = (1, 2, 3)  # of the cells of Table 1
-NEEDS_ITERATION = {"newton", "predictor"}  # ideas that explicit methods have no use for
-
-# Exponential methods: the ideas of each family.
+# The ideas of fast forms by family, as the module names them.
+GAUSS_IDEAS = ("bands", "predictor", "newton")  # of all implicit methods but exponential ones
+EXPLICIT_IDEAS = ("bands",)
 LIE_POISSON = "elp"
 FAMILIES = {
     LIE_POISSON: ("bands", "predictor", "newton", "explicit_start", "error_estimates", "single_precision",
@@ -31,272 +23,281 @@ FAMILIES = {
     "magnus": ("bands",),  # and single precision, from a tolerance of 1e-6 on
     "rkmk": ("bands", "single_precision", "graded_series"),
 }
-EXPONENTIAL_RUNGS = {
-    PUBLISHED: (PUBLISHED, ()),
-    "without any": (FAST, FAMILIES[LIE_POISSON]),
-    "without newton": (FAST, ("newton",)),
-    "without predictor": (FAST, ("predictor",)),
-    "without explicit start": (FAST, ("explicit_start",)),
-    "without either start": (FAST, ("predictor", "explicit_start")),
-    "without estimates": (FAST, ("error_estimates",)),
-    "without single precision": (FAST, ("single_precision",)),
-    "without graded series": (FAST, ("graded_series",)),
-    "without bands": (FAST, ("bands",)),
-    FAST: (FAST, ()),
+
+# A rung: the published form, or the fast form without these ideas; ANY stands for all that a method has.
+ANY = "without any"
+RUNGS = {
+    PUBLISHED: (),
+    ANY: (),
+    "without newton": ("newton",),
+    "without predictor": ("predictor",),
+    "without explicit start": ("explicit_start",),
+    "without either start": ("predictor", "explicit_start"),
+    "without estimates": ("error_estimates",),
+    "without single precision": ("single_precision",),
+    "without graded series": ("graded_series",),
+    "without bands": ("bands",),
+    FAST: (),
 }
+BANDS = "without bands"
+BASIC = (PUBLISHED, BANDS, FAST)  # the rungs of an integrator whose ideas are not told apart
+STAGES = (1, 2, 3)  # of the cells of Table 1
+
+# The lines of a step's time against n, all in the co-rotating frame, and the sizes between which they have a slope.
+LINES = ("algebra1_frame", "group2_frame", "elp4_frame", "rk4_frame")
+SMALLEST_SLOPE = 65
 
 
 class Settings(NamedTuple):
     scene: text
-    step: positive
-    steps: whole(1)  # of the stretch that is timed, from the initial data
+    warmup: positive  # time that a form with a memory runs before the timed steps
 
 
 class Point(NamedTuple):
-    """A rung of an integrator at one n; all costs are those of a step."""
+    """A rung of an integrator at one n, on steps from one time on; costs are those of a step, or None if one fails."""
 
-    integrator: text
+    start: positive  # time of the state from which the timed steps start
     n: whole(2)
+    integrator: text
     rung: one_of(*RUNGS)
-    sweeps: number
-    equivalent_products: number
-    seconds: list_of(positive)  # CPU time, one for each repetition, at least one
-
-
-class ExponentialPoint(NamedTuple):
-    """The same of an exponential method, on a stretch of its own."""
-
-    integrator: text
-    n: whole(2)
-    rung: one_of(*EXPONENTIAL_RUNGS)
     step: positive
     tolerance: positive
-    sweeps: number
-    equivalent_products: number
+    steps: whole(1)  # that are timed
+    sweeps: optional(number)
+    equivalent_products: optional(number)
+    seconds: list_of(positive)  # CPU time, one for each repetition, each of the same steps; none if one fails
+
+    @property
+    def time(self):
+        """Returns the CPU seconds of a step, the median of the repetitions; None if a step fails."""
+        return statistics.median(self.seconds) if self.seconds else None
+
+    @property
+    def is_single(self):
+        return len(self.seconds) == 1
+
+
+class Rate(NamedTuple):
+    """The CPU seconds of a product of n × n matrices by itself, one for each repetition."""
+
+    n: whole(2)
+    solver: one_of(*SOLVERS)
     seconds: list_of(positive)
 
 
-class LargePoint(NamedTuple):
-    """A fast form at a large n, timed once; all costs are those of a step, and None where one fails."""
-
-    scene: text
-    integrator: text
+class Memory(NamedTuple):
     n: whole(2)
+    peak_bytes: positive  # of the process that times, up to and with this n
+
+
+class Threads(NamedTuple):
+    """A fast form on one thread and on two: seconds that pass for a step, one entry a process, in the same order."""
+
+    start: positive
+    n: whole(2)
+    integrator: text
     step: positive
     tolerance: positive
-    sweeps: optional(number)
-    equivalent_products: optional(number)
-    product_rate: positive  # products a second, by themselves
-    seconds: optional(positive)
-
-    @property
-    def share_of_products(self):
-        """Returns the part of the time that the products would take by themselves."""
-        return self.equivalent_products / self.product_rate / self.seconds
+    one: list_of(positive)
+    two: list_of(positive)
 
 
-SCHEMA = Schema("scaling", Settings, {"points": Point, "exponential": ExponentialPoint, "large": LargePoint},
-                later=("exponential", "large"))
+SCHEMA = Schema("scaling", Settings, {"points": Point, "rates": Rate, "memory": Memory, "threads": Threads})
+
+
+# ---- rungs
 
 
 def family_of(integrator):
-    """Returns the family of an exponential method, in the frame or not, or None for any other."""
+    """Returns the family of an integrator with ideas of its own, in the frame or not, or None for any other."""
     match = re.match("[a-z]+", integrator)
     return match[0] if match and match[0] in FAMILIES else None
 
 
-def exponential_rungs(integrator):
-    """Returns the rungs of an exponential method. Without any: where that is more than without bands."""
-    ideas = {*FAMILIES[family_of(integrator)]}
-    return [rung for rung, (_, without) in EXPONENTIAL_RUNGS.items()
-            if {*without} <= ideas or (rung == "without any" and len(ideas) > 1)]
+def ideas_of(integrator, explicit):
+    """Returns the ideas that the fast form of an integrator has."""
+    family = family_of(integrator)
+    if family:
+        return FAMILIES[family]
+    return EXPLICIT_IDEAS if explicit else GAUSS_IDEAS
 
 
-def rendered(path):
-    """Returns the document of a raw file and its figures. Throws UnusableFile with one line that names the file."""
-    return formats.read_study(path, SCHEMA, lambda study: (sections(study), all_figures(study)))
+def without(integrator, explicit, rung):
+    """Returns what the fast form of an integrator goes without on a rung."""
+    return ideas_of(integrator, explicit) if rung == ANY else RUNGS[rung]
 
 
-def points_of(study):
-    """Returns the points by (integrator, n, rung). Throws UnusableFile."""
-    points = keyed(study.tables["points"], "integrator", "n", "rung")
-    if not points and not any(study.tables.values()):
-        raise UnusableFile("has no points")
-    return points
+def rungs_of(integrator, explicit):
+    """Returns the rungs of an integrator: all for a cell of Table 1 and for a family, BASIC for others.
+
+    ANY is left out where it is the same as BANDS.
+    """
+    if integrator not in TABLE1_CELLS and (family_of(integrator) is None or frameless(integrator) != integrator):
+        return BASIC
+    ideas = {*ideas_of(integrator, explicit)}
+    return tuple(rung for rung, gone in RUNGS.items() if {*gone} <= ideas and (rung != ANY or len(ideas) > 1))
 
 
-def exponential_points_of(study):
-    """Returns the points of exponential methods by (integrator, n, rung)."""
-    return keyed(study.tables["exponential"], "integrator", "n", "rung")
+# ---- reading
 
 
-# ---- means over the cells of Table 1
+class Scaling:
+    """A raw file, with its points by (start, n, integrator, rung)."""
+
+    def __init__(self, study):
+        """Throws UnusableFile for a study without points, or with costs that contradict each other."""
+        self.context, self.settings = study.context, study.settings
+        self.points = keyed(study.tables["points"], "start", "n", "integrator", "rung")
+        self.rates = keyed(study.tables["rates"], "n", "solver")
+        self.memory, self.threads = study.tables["memory"], study.tables["threads"]
+        if not self.points:
+            raise UnusableFile("has no points")
+        for point in self.points.values():
+            if (point.sweeps is None) == bool(point.seconds):
+                raise UnusableFile("has a point with sweeps and no time, or with times and no sweeps")
+        for row in self.threads:
+            if not row.one or len(row.one) != len(row.two):
+                raise UnusableFile("has a row of threads whose two sides are not of the same processes")
+
+    def starts(self):
+        return sorted({start for start, *_ in self.points})
+
+    def sizes(self, start=None, integrators=None):
+        """Returns the n of all points, or of those from a start, or of some integrators."""
+        return sorted({n for begin, n, name, _ in self.points
+                       if start in (None, begin) and (integrators is None or name in integrators)})
+
+    def integrators(self):
+        return list(dict.fromkeys(name for _, _, name, _ in self.points))
+
+    def ratios(self, start, n, name, rung):
+        """Returns the times of a rung over those of the fast form, each within a round; none where one failed."""
+        theirs, ours = (self.points.get((start, n, name, each)) for each in (rung, FAST))
+        return [first / second for first, second in zip(theirs.seconds, ours.seconds)] if theirs and ours else []
+
+    def gain(self, start, n, rung, names):
+        """Returns the geometric mean, over integrators, of a rung's time over the fast form's; None without any."""
+        found = [self.ratios(start, n, name, rung) for name in names]
+        medians = [statistics.median(each) for each in found if each]
+        return statistics.geometric_mean(medians) if medians else None
+
+    def share_of_products(self, point):
+        """Returns the part of a step's time that its products take by themselves; None if that is not known."""
+        rate = self.rates.get((point.n, PUBLISHED if point.rung == PUBLISHED else FAST))
+        if not (rate and point.seconds):
+            return None
+        return point.equivalent_products * statistics.median(rate.seconds) / point.time
+
+    def line(self, start, name, rung):
+        """Returns the points of a line against n that did not fail, the smallest n first."""
+        found = [self.points.get((start, n, name, rung)) for n in self.sizes(start)]
+        return [point for point in found if point and point.seconds]
+
+    def singles(self):
+        return [point for point in self.points.values() if point.is_single]
+
+    def trend(self):
+        """Returns the Trend of all repetitions with their order, or None."""
+        return trend_of([point.seconds for point in self.points.values()])
 
 
-def sizes_of(points):
-    return list(dict.fromkeys(n for _, n, _ in points))
+def read_scaling(path):
+    """Returns the Scaling in a raw file. Throws UnusableFile with one line that names the file."""
+    return formats.read_study(path, SCHEMA, Scaling)
 
 
-def gain(points, rung, n, forms=FORMULATIONS):
-    """Returns the geometric mean, over s and over formulations, of a rung's time over the fast form's, or None."""
-    found = [ratios(points, f"{form}{s}", n, rung) for form in forms for s in STAGES]
-    times = [statistics.median(each) for each in found if each]
-    return statistics.geometric_mean(times) if times else None
+# ---- groups of integrators whose gains are averaged
 
 
-def figures(points):
-    """Returns the means by key: over the formulations, of each, and what an idea costs that costs the most."""
-    found = {f"{rung.replace(' ', '_')}.n{n}{suffix}": gain(points, rung, n, forms)
-             for rung in RUNGS if rung != FAST for n in sizes_of(points)
-             for suffix, forms in (("", FORMULATIONS), *((f".{form}", (form,)) for form in FORMULATIONS))}
-    known = {key: mean for key, mean in found.items() if mean}
-    ideas = [mean for key, mean in known.items() if key.startswith("without") and key.endswith(FORMULATIONS)]
-    return {**known, **({"costliest_idea": max(0.0, 1 / min(ideas) - 1)} if ideas else {})}
+def cells(forms=FORMULATIONS):
+    """Returns the integrators of Table 1 in some formulations."""
+    return [f"{form}{s}" for form in forms for s in STAGES]
 
 
-def exponential_gain(points, rung, n, names):
-    """Returns the geometric mean, over exponential methods, of a rung's time over the fast form's, or None."""
-    found = [ratios(points, name, n, rung) for name in names]
-    times = [statistics.median(each) for each in found if each]
-    return statistics.geometric_mean(times) if times else None
+def exponential(study):
+    """Returns the integrators of a study whose ideas are those of exponential methods; RKMK4 is one."""
+    return [name for name in study.integrators() if family_of(name) and frameless(name) == name]
 
 
-def exponential_figures(points):
-    """Returns the gains by key: of each method, and the mean over those that are Lie–Poisson."""
-    names = names_of(points)
-    groups = {"": [name for name in names if family_of(name) == LIE_POISSON], **{f".{name}": [name] for name in names}}
-    found = {f"exponential.{rung.replace(' ', '_')}.n{n}{suffix}": exponential_gain(points, rung, n, members)
-             for rung in EXPONENTIAL_RUNGS if rung != FAST for n in sizes_of(points)
-             for suffix, members in groups.items()}
+def lie_poisson(study):
+    return [name for name in exponential(study) if family_of(name) == LIE_POISSON]
+
+
+# ---- figures
+
+
+def figures(study):
+    """Returns the figures that pages may quote, by key.
+
+    RUNG.nN.tT[.FORM] and exponential.RUNG.nN.tT[.NAME] are gains of the fast forms. step.*, share.* and slope.* are of
+    the lines against n: milliseconds, part of the products, power of n. bands.* are gains by bands on lines; threads.*
+    gains by a second thread with their intervals; trend.* tells of all repetitions, single of single timings.
+    """
+    found = {}
+    for start in study.starts():
+        found.update(gain_figures(study, start))
+        for name in LINES:
+            for rung in (PUBLISHED, FAST):
+                found.update(line_figures(study, start, name, rung))
+    ideas = [mean for key, mean in found.items() if key.startswith("without") and key.endswith(FORMULATIONS)]
+    if ideas:
+        found["costliest_idea"] = max(0.0, 1 / min(ideas) - 1)
+    for row in study.threads:
+        key, ratio = f"threads.{row.integrator}.n{row.n}.t{row.start:g}", ratio_of(row.one, row.two)
+        found[key] = ratio.ratio
+        if math.isfinite(ratio.high):
+            found.update({f"{key}.low": ratio.low, f"{key}.high": ratio.high})
+    found.update({f"memory.n{row.n}": row.peak_bytes / 1e9 for row in study.memory})
+    found.update({"points": len(study.points), "single": len(study.singles())})
+    trend = study.trend()
+    return {**found, **({f"trend.{name}": value for name, value in trend._asdict().items()} if trend else {})}
+
+
+def gain_figures(study, start):
+    """Returns the gains of the fast forms from one start, where there are any."""
+    groups = {"": cells(), **{f".{form}": cells((form,)) for form in FORMULATIONS}}
+    exponential_groups = {"": lie_poisson(study), **{f".{name}": [name] for name in exponential(study)}}
+    found = {}
+    for n in study.sizes(start):
+        where = f"n{n}.t{start:g}"
+        for rung in RUNGS:
+            if rung == FAST:
+                continue
+            key = rung.replace(" ", "_")
+            found.update({f"{key}.{where}{suffix}": study.gain(start, n, rung, names)
+                          for suffix, names in groups.items()})
+            found.update({f"exponential.{key}.{where}{suffix}": study.gain(start, n, rung, names)
+                          for suffix, names in exponential_groups.items()})
+        found.update({f"bands.{where}.{name}": study.gain(start, n, BANDS, [name]) for name in LINES})
+        found.update({f"published_line.{where}.{name}": study.gain(start, n, PUBLISHED, [name]) for name in LINES})
     return {key: mean for key, mean in found.items() if mean}
 
 
-def all_figures(study):
-    return {**figures(points_of(study)), **exponential_figures(exponential_points_of(study))}
+def line_figures(study, start, name, rung):
+    """Returns milliseconds, shares and the slope of a line."""
+    line, what = study.line(start, name, rung), f"{name}.{rung}"
+    found = {f"step.{what}.n{point.n}.t{start:g}": 1e3 * point.time for point in line}
+    for point in line:
+        share = study.share_of_products(point)
+        if share is not None:
+            found[f"share.{what}.n{point.n}.t{start:g}"] = share
+    ends = slope_ends(line)
+    if ends:
+        found[f"slope.{what}.n{ends[0].n}_n{ends[1].n}.t{start:g}"] = slope(*ends)
+    return found
 
 
-def names_of(points):
-    return list(dict.fromkeys(name for name, _, _ in points))
+def slope_ends(line):
+    """Returns the points between which a line has its slope: SMALLEST_SLOPE and its largest n. None without both."""
+    first = next((point for point in line if point.n == SMALLEST_SLOPE), None)
+    return (first, line[-1]) if first and line[-1].n > first.n else None
 
 
-def means_table(points):
-    rows = [[rung, *(MISSING if mean is None else three_digits(mean) for mean in
-                     (gain(points, rung, n) for n in sizes_of(points)))] for rung in RUNGS if rung != FAST]
-    return plain_table((Column("form", align="left"), *(Column(f"n = {n}") for n in sizes_of(points))), rows)
+def slope(first, last):
+    """Returns the power of n with which the time of a step grows between two points."""
+    return math.log(last.time / first.time) / math.log(last.n / first.n)
 
 
-# ---- the document
-
-
-def sections(study):
-    points, exponential = points_of(study), exponential_points_of(study)
-    return [Heading("What a step costs, and what each idea buys", 1),
-            *(sections_on_all(points, study.settings) if points else []),
-            *(exponential_sections(exponential, study.settings) if exponential else []),
-            *(large_sections(study.tables["large"], study.settings) if study.tables["large"] else []),
-            conditions(study.context)]
-
-
-def sections_on_all(points, settings):
-    columns = (Column("n"), Column("integrator", align="left"), Column("sweeps"), Column("equivalent products"),
-               Column("CPU seconds"),
-               *(Column(rung, "time over that of the fast form") for rung in RUNGS if rung != FAST))
-    return [
-        Paragraph(f"The first {settings.steps} steps from the initial data of the {settings.scene} scene, h ="
-                  f" {settings.step:g}, the same stretch everywhere."),
-        Heading("Time over that of the fast form"),
-        Paragraph("Geometric means over the cells of Table 1. Published: the published form. Without newton: plain"
-                  " Picard sweeps. Without predictor: a cold start each step. Without bands: full products. Without"
-                  " any: split-complex storage, its products, triangles and single precision of late terms are left."
-                  " Below 1 an idea does not pay in these steps."),
-        means_table(points),
-        Heading("Every integrator"),
-        Paragraph("All figures are those of a step; sweeps, products and CPU seconds are those of the fast form."
-                  " Equivalent products: multiplications in units of one full complex product. Medians ± half the"
-                  " interquartile range of repetitions in turns; ratios are within the same round. No range: single"
-                  f" timing. {MISSING}: steps that fail, and ideas that an explicit method has no use for."),
-        Table(columns, [[row(points, name, n) for name in dict.fromkeys(name for name, size, _ in points if size == n)]
-                        for n in sizes_of(points)]),
-    ]
-
-
-def exponential_sections(points, settings):
-    steps, tolerances = ({getattr(point, name) for point in points.values()} for name in ("step", "tolerance"))
-    names, sizes = names_of(points), sizes_of(points)
-    rungs = [rung for rung in EXPONENTIAL_RUNGS if rung != FAST]
-
-    def ratio(name, n, rung):
-        found = ratios(points, name, n, rung)
-        return time_with_spread(found) if found else MISSING
-
-    blocks = [[[Entry(each) for each in (name, rung, *(ratio(name, n, rung) for n in sizes))]
-               for rung in rungs if any((name, n, rung) in points for n in sizes)] for name in names]
-    costs = [[[Entry(each) for each in (str(n), name, *costs_of(points.get((name, n, FAST))))] for name in names
-              if any(key[:2] == (name, n) for key in points)] for n in sizes]
-    return [
-        Heading("What each idea buys, exponential methods"),
-        Paragraph("Time over that of the fast form. These methods are for long steps, and keep the spectrum at any"
-                  f" tolerance: the first {settings.steps} steps from the initial data of the {settings.scene} scene"
-                  f" with h = {listed(steps)} and a tolerance of {listed(tolerances)}, published forms too. Without"
-                  " newton: plain Picard sweeps. Without predictor: no start values from past steps. Without explicit"
-                  " start: none from a step of an explicit Magnus method. Without either start: a cold start each step."
-                  " Without estimates: a correction is accepted by one more sweep, not by its estimated error. Without"
-                  " single precision: late terms of series, start values and corrections in double precision. Without"
-                  " graded series: each is summed to rounding, not to the accuracy that is wanted of it. Without bands:"
-                  " full products. Without any: of all that the method has. Below 1 an idea does not pay in these"
-                  " steps."),
-        Table((Column("integrator", align="left"), Column("form", align="left"),
-               *(Column(f"n = {n}") for n in sizes)), blocks),
-        Heading("Every exponential method"),
-        Paragraph("A step of the fast form on that stretch. Medians ± half the interquartile range of repetitions in"
-                  f" turns. {MISSING}: steps that fail."),
-        Table((Column("n"), Column("integrator", align="left"), Column("sweeps"), Column("equivalent products"),
-               Column("CPU seconds")), costs),
-    ]
-
-
-def listed(numbers):
-    return " and ".join(f"{each:g}" for each in sorted(numbers))
-
-
-def large_sections(points, settings):
-    def costs(point):
-        if point.seconds is None:
-            return [MISSING] * 4
-        return [three_digits(point.sweeps), three_digits(point.equivalent_products),
-                percentage(point.share_of_products), three_digits(point.seconds)]
-
-    rows = [[str(point.n), point.scene, point.integrator, f"{point.step:g}", f"{point.tolerance:g}", *costs(point)]
-            for point in points]
-    return [
-        Heading("Large n"),
-        Paragraph(f"A step of fast forms: the mean of the first {settings.steps}, timed once: a disturbed minute shows."
-                  " Share of products: what the equivalent products would take by themselves, at the rate of"
-                  f" products measured here. {MISSING}: steps that fail."),
-        plain_table((Column("n"), Column("scene", align="left"), Column("integrator", align="left"), Column("h"),
-                     Column("tolerance"), Column("sweeps"), Column("equivalent products"), Column("share of products"),
-                     Column("CPU seconds")), rows),
-    ]
-
-
-def costs_of(fast):
-    """Returns the texts of the costs of a fast form's step; None stands for one that failed."""
-    return ([three_digits(fast.sweeps), three_digits(fast.equivalent_products), time_with_spread(fast.seconds)]
-            if fast else [MISSING] * 3)
-
-
-def row(points, name, n):
-    """Returns the row of an integrator at one n; what failed is shown without figures."""
-    fast = points.get((name, n, FAST))
-
-    def ratio(rung):
-        found = ratios(points, name, n, rung)
-        return time_with_spread(found) if found else MISSING
-
-    return [Entry(each) for each in (str(n), name, *costs_of(fast), *(ratio(rung) for rung in RUNGS if rung != FAST))]
-
-
-def ratios(points, name, n, rung):
-    """Returns the times of a rung over those of the fast form, each within a round; none where one failed."""
-    rung, fast = points.get((name, n, rung)), points.get((name, n, FAST))
-    return [theirs / ours for theirs, ours in zip(rung.seconds, fast.seconds)] if rung and fast else []
+def long_step(integrator):
+    """Tells whether an integrator is timed at the long step and the loose tolerance of exponential methods."""
+    return is_exponential(integrator) or family_of(integrator) is not None

@@ -305,12 +305,13 @@ def dask(address, folders):
 # ---- timed work
 
 
-def seconds_of(method, W, h, steps):
-    """Returns the CPU seconds of a run: the mean of as many as fill LEAST_SECONDS."""
-    first = method.timed_run(W, h, steps, repetitions=1)[0]
+def seconds_of(method, W, h, steps, warmup=0):
+    """Returns the CPU seconds of a run after `warmup` untimed steps: the mean of as many as fill LEAST_SECONDS."""
+    first = method.timed_run(W, h, steps, repetitions=1, warmup=warmup)[0]
     if first >= LEAST_SECONDS:
         return first
-    return statistics.fmean(method.timed_run(W, h, steps, repetitions=math.ceil(LEAST_SECONDS / max(first, 1e-6))))
+    repetitions = math.ceil(LEAST_SECONDS / max(first, 1e-6))
+    return statistics.fmean(method.timed_run(W, h, steps, repetitions=repetitions, warmup=warmup))
 
 
 def in_turns(points, repetitions, time_one, journal, what, enough=ENOUGH_TIMED):
@@ -338,16 +339,18 @@ def in_turns(points, repetitions, time_one, journal, what, enough=ENOUGH_TIMED):
     return seconds
 
 
-def by_processes(blocks, command, further, journal, what):
+def by_processes(blocks, command, further, journal, what, cores=None):
     """Returns the CPU seconds of the rows of each block, as dicts from a row to a list with an entry for each process.
 
     A block is an object of JSON whose "rows" are names. `command(block, process)` is a command that times the rows of a
     block in turns and prints their seconds, a list of JSON; `process` counts from 0. `further(seconds)` returns, given
     the dict of a block so far, how many further processes each row wants; it is asked again when these are done. Every
-    block gets its first process, then every block its second, on the last core: a slow minute of the machine falls on
-    all alike. A disturbed process is repeated; those that stayed disturbed are counted in the journal's context.
+    block gets its first process, then every block its second: a slow minute of the machine falls on all alike. They
+    run on the last core, or on `cores`, a set; the journal's context names them, a set under WHAT_timed_on.
+    A disturbed process is repeated; those that stayed disturbed are counted in the journal's context.
     """
-    core = fresh_process.last_core()
+    where = "timed_on" if cores is None else f"{what.replace(' ', '_')}_timed_on"
+    cores = cores or {fresh_process.last_core()}
     seconds = [{row: [] for row in block["rows"]} for block in blocks]
     wanted = [further(found) for found in seconds]
     disturbed = done = process = 0
@@ -360,7 +363,7 @@ def by_processes(blocks, command, further, journal, what):
                 key = journal.key_of_timed(f"{what}, process {process}", part)
                 if key not in journal.found:
                     times, disturbance = fresh_process.undisturbed(
-                        partial(printed, core, command(part, process), len(part["rows"]), what),
+                        partial(printed, cores, command(part, process), len(part["rows"]), what),
                         partial(bar.write, file=sys.stderr))
                     journal.add(key, {"seconds": times, "disturbed": bool(disturbance)})
                 disturbed += journal.found[key]["disturbed"]
@@ -372,7 +375,8 @@ def by_processes(blocks, command, further, journal, what):
             process += 1
             wanted = [each if most(each) else further(found) for found, each in zip(seconds, wanted)]
             bar.total = done + sum(map(most, wanted))
-    journal.context.update(timed_on=f"core {core}", disturbed_processes=f"{disturbed} of {done}")
+    named = f"core{'s' if len(cores) > 1 else ''} {', '.join(map(str, sorted(cores)))}"
+    journal.context.update({where: named, "disturbed_processes": f"{disturbed} of {done}"})
     return seconds
 
 
@@ -380,10 +384,10 @@ def most(counts):
     return max(counts.values(), default=0)
 
 
-def printed(core, command, count, what):
-    """Runs a command on a core. Returns the list of `count` numbers that it printed, and the Disturbance meanwhile."""
+def printed(cores, command, count, what):
+    """Runs a command on cores. Returns the list of `count` numbers that it printed, and the Disturbance meanwhile."""
     with tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as errors:
-        status, disturbance = fresh_process.run_on(core, command, stdout=output, stderr=errors)
+        status, disturbance = fresh_process.run_on(cores, command, stdout=output, stderr=errors)
         output.seek(0)
         errors.seek(0)
         *_, last = [""] + errors.read().decode("utf-8", "replace").split("\n")[:-1]

@@ -1,14 +1,23 @@
 #!/usr/bin/env python3
-"""Times a step of every integrator in its published and fast form, and without each idea of the fast form in turn.
+"""Times a step of every integrator against n, published and fast, and without each idea of the fast form in turn.
 
-Everything is timed on the same stretch: the first steps from the initial data of the smooth scene, h = 0.1. Exponential
-methods, which are for long steps at a loose tolerance, are timed on one of their own. A few fast forms are timed once
-at large n.
+The timed steps start at t = 5 and t = 50 of the smooth scene, from states that the study computes first. A repetition
+repeats the same steps from the same state. Before them a fast form with a memory runs there by itself, for its
+predictor saves more with every past step. In the end fast forms run on one thread and on two, in turns in fresh
+processes.
 """
 
+import base64
+import contextlib
+import json
+import math
 import os
+import random
+import resource
 import sys
-from functools import partial
+import tempfile
+import time
+from functools import lru_cache, partial
 
 sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 
@@ -19,116 +28,349 @@ if __name__ == "__main__":
     study.require_module(PROGRAM)
 
 import isosyrk
-from lib import formats
-from lib.accuracy_lines import LOOSE_EXPONENTIAL, TIGHT, keeping_tolerance
-from lib.command_line import whole_number
-from lib.formats import FAST
-from lib.integrator_names import is_exponential
-from lib.scaling_table import (EXPONENTIAL_RUNGS, NEEDS_ITERATION, RUNGS, SCHEMA, ExponentialPoint,
-                               LargePoint, Point, Settings, exponential_rungs, family_of)
+import numpy
+from lib import formats, problems, verdicts
+from lib.accuracy_lines import LOOSE_EXPONENTIAL, TIGHT
+from lib.command_line import NO_ANSWER, Stop, say, whole_number
+from lib.formats import FAST, PUBLISHED
+from lib.integrator_names import TABLE1_CELLS
+from lib.scaling_table import (ANY, BANDS, BASIC, LINES, SCHEMA, Memory, Point, Rate, Settings, Threads, family_of,
+                               long_step, rungs_of, without)
 
-SIZES, QUICK_SIZES = (17, 33, 65, 129), (17, 33)
-QUICK_INTEGRATORS = ("cotangent2", "group2", "algebra2", "kahan_li6", "elp4", "magnus5", "rkmk4", "rk4")
-SCENE, STEP, STEPS, REPETITIONS = "smooth", 0.1, 20, 7
-EXPONENTIAL_STEP = 0.5  # of these methods and of RKMK4, at the loose tolerance of exponential methods
-LARGE_SIZES, LARGE_SCENES = (257, 513), ("smooth", "rough")
-LARGE_EXPONENTIAL_STEP = 0.25  # a step of 0.5 fails in the rough scene at n = 513
-LARGE_INTEGRATORS = ("elp4_frame", "elp6_frame", "group2_frame", "rk4_frame")
+SCENE, STARTS = "smooth", (5.0, 50.0)
+WARMUP = 1.5  # time before the timed steps; predictors save more up to some 16 steps of a Gauss method
+SIZES, QUICK_SIZES = (9, 17, 33, 65, 129, 257, 513, 1025), (9, 17, 33)
+QUICK_INTEGRATORS = ("cotangent2", "group2", "algebra2", "elp4", "magnus5", "rkmk4", "rk4", *LINES)
+STEP, LONG_STEP = 0.1, 0.25  # of Table 1; of exponential methods, with which a step of 0.5 fails at n = 257
+FULL_STEPS = 257  # the largest n with these steps; at n = 1025 both fail in the first step from t = 0
+
+# What is affordable. Every integrator up to n = 129, but those whose ideas are not told apart as fast forms only beyond
+# 65; beyond 129 the lines against n; from LARGE on no published forms, and bands apart only of FEW; they alone at ONCE.
+LARGEST_OF_ALL, LARGEST_OF_OTHERS = 129, 65
+FEW, ONCE, ONCE_START = ("group2_frame", "elp4_frame"), 1025, 5.0
+STEPS, STEPS_LARGE, LARGE = 8, 2, 513  # that are timed; fewer from LARGE on
+REPETITIONS, QUICK_REPETITIONS = 6, 3
+ENOUGH = 1.2  # CPU seconds of timed steps of a point, after which it is repeated no more
+LEAST_MEMORY = 4e9  # bytes that must be free for n = ONCE; the process that times it takes 1.9e9
+
+# States: an exponential method of order 6 at steps that are far more accurate than a state for timing must be.
+STATES_BY, STATES_STEP, STATES_TOLERANCE = "elp6_frame", 0.25, 1e-10
+MOST_HALVINGS = 3  # of that step, where it fails
+
+THREAD_SIZES, QUICK_THREAD_SIZES, THREADS_START = (65, 129, 257), (33,), 50.0
+ROWS = {"one": 1, "two": 2}  # of threads
+THREAD_REPETITIONS = 2  # in turns within a process, of which the least counts; once for runs of
+LONG = 1.0  # seconds or more
+PROCESSES, QUICK_PROCESSES = 8, 2  # at most, of one block
+PROCESS = "--process"  # the hidden mode: what follows is one block to time
+
+
+# ---- what is timed
+
+
+def points_of(entries, sizes, products):
+    """Returns the points as objects of JSON. `products(n)` names the backend of published forms."""
+    return [{"start": start, "n": n, "integrator": entry.name, "rung": rung, "explicit": entry.explicit,
+             "step": shrunk(n, LONG_STEP if long_step(entry.name) else STEP),
+             "steps": STEPS if n < LARGE else STEPS_LARGE,
+             "tolerance": LOOSE_EXPONENTIAL if long_step(entry.name) else TIGHT, "products": products(n)}
+            for n in sizes for start in STARTS for entry in entries for rung in rungs_at(entry, n, start)]
+
+
+def shrunk(n, length):
+    """Returns a step, or a time that is some steps long, as it is at n: beyond FULL_STEPS it falls as 1/(n - 1)."""
+    return length * min(1.0, (FULL_STEPS - 1) / (n - 1))
+
+
+def rungs_at(entry, n, start):
+    """Returns the rungs of an integrator that are timed at an n."""
+    name = entry.name
+    if n == ONCE:
+        return (FAST,) if name in FEW and start == ONCE_START else ()
+    if n >= LARGE:
+        rungs = (BANDS, FAST) if name in FEW else (FAST,)
+        return rungs if name in LINES else ()
+    if n > LARGEST_OF_ALL:
+        return BASIC if name in LINES else ()
+    if n > LARGEST_OF_OTHERS and not (name in (*TABLE1_CELLS, *LINES) or family_of(name)):
+        return (FAST,)
+    return rungs_of(name, entry.explicit)
+
+
+def has_memory(point):
+    """Tells whether the past steps of a run make the next one cheaper, so that it has to be warm."""
+    gone = without(point["integrator"], point["explicit"], point["rung"])
+    return point["rung"] not in (PUBLISHED, ANY) and not point["explicit"] and not {"predictor", "newton"} <= {*gone}
+
+
+def warm_steps(point):
+    """Returns the steps of a point before those that are timed."""
+    return round(shrunk(point["n"], WARMUP) / point["step"]) if has_memory(point) else 0
+
+
+def begin_of(point):
+    """Returns the time of the state from which a point begins."""
+    return point["start"] - (shrunk(point["n"], WARMUP) if has_memory(point) else 0.0)
+
+
+@lru_cache(maxsize=1)
+def scene_of(n):
+    return isosyrk.scene(SCENE, n=n)
 
 
 def made(point):
-    """Returns the scene of a point, and its integrator as new, so that no repetition knows of the one before."""
-    solver, without = {**RUNGS, **EXPONENTIAL_RUNGS}[point["rung"]]
-    scene = isosyrk.scene(point["scene"], n=point["n"])
-    products = {} if solver == FAST else {"products": point["products"]}
-    return scene, isosyrk.integrator(scene, point["integrator"], solver=solver, tolerance=point["tolerance"],
-                                     without=without, **products)
+    """Returns the integrator of a point as new, so that no repetition knows of the one before."""
+    options = {"solver": FAST, "without": without(point["integrator"], point["explicit"], point["rung"])}
+    if point["rung"] == PUBLISHED:
+        options = {"solver": PUBLISHED, "products": point["products"]}
+    return isosyrk.integrator(scene_of(point["n"]), point["integrator"], tolerance=point["tolerance"], **options)
 
 
-def count(point):
-    """Returns the counts of a point, each for a step; None where a step fails."""
-    scene, integrator = made(point)
+# ---- untimed: the states, and counts from them
+
+
+def encoded(W):
+    """Returns a skew-Hermitian matrix as text."""
+    return base64.b64encode(problems.packed(W).tobytes()).decode("ascii")
+
+
+def decoded(text, n):
+    """Returns the matrix of shape (n, n) in a text."""
+    return problems.unpacked(numpy.frombuffer(base64.b64decode(text)).reshape(n, n))
+
+
+def states_of(n, times):
+    """Returns the states of the scene at times, by time. Throws Stop where no step leads there."""
+    found, W, now = {}, scene_of(n).initial, 0.0
+    for each in sorted(times):
+        W = state_after(n, W, each - now)
+        found[each], now = W, each
+    return found
+
+
+def state_after(n, W, length):
+    """Returns the state a time after W, with half the step as often as one fails."""
+    integrator = isosyrk.integrator(scene_of(n), STATES_BY, solver=FAST, tolerance=STATES_TOLERANCE)
+    steps = math.ceil(length / shrunk(n, STATES_STEP) - 1e-9)
+    for halvings in range(MOST_HALVINGS + 1):
+        with contextlib.suppress(isosyrk.SolverError):
+            return integrator.run(W, length / steps / 2**halvings, steps * 2**halvings)[0]
+    raise Stop(f"states at n = {n}: {STATES_BY} fails with h = {length / steps / 2**MOST_HALVINGS:.3g} too", NO_ANSWER)
+
+
+def count(point, W):
+    """Returns the counts of a point over its timed steps, each for a step; None where a step fails."""
+    warm, steps, seen = warm_steps(point), point["steps"], {0: (0, 0.0)}
+
+    def look(step, _, report):
+        seen[step] = report.sweeps, report.equivalent_products
+
     try:
-        _, report = integrator.run(scene.initial, h=point["step"], steps=STEPS)
+        made(point).run(W, point["step"], warm + steps, look)
     except isosyrk.SolverError:
         return None
-    return {"sweeps": report.sweeps / STEPS, "equivalent_products": report.equivalent_products / STEPS}
+    sweeps, products = (last - first for first, last in zip(seen[warm], seen[warm + steps]))
+    return {"sweeps": sweeps / steps, "equivalent_products": products / steps}
 
 
-def time_one(point):
-    """Returns the CPU seconds of the stretch: as the mean of a few runs of it."""
-    scene, integrator = made(point)
-    return study.seconds_of(integrator, scene.initial, point["step"], STEPS)
+def prepare(job):
+    """Returns the states of one n as texts by time, and the counts of its points.
+
+    The states are rounded to what a text keeps of them, so that counts and times begin alike.
+    """
+    states = {f"{at:g}": encoded(W) for at, W in states_of(job["n"], set(map(begin_of, job["points"]))).items()}
+    matrices = {at: decoded(text, job["n"]) for at, text in states.items()}
+    return {"states": states, "counts": [count(point, matrices[f"{begin_of(point):g}"]) for point in job["points"]]}
 
 
-def rungs_of(entry):
-    """Returns the rungs that there are for an integrator."""
-    return [rung for rung, (solver, without) in RUNGS.items()
-            if not (entry.explicit and NEEDS_ITERATION & {*without}) and (solver != FAST or entry.has_fast_form)]
+# ---- timed, in turns
 
 
-def stretch(name):
-    """Returns the step and the tolerance at which a method is timed at large n."""
-    return {"step": LARGE_EXPONENTIAL_STEP if is_exponential(name) else STEP, "tolerance": keeping_tolerance(name)}
+class Timer:
+    """Times points in turns, from prepared states, and keeps in the journal how much memory the process has taken."""
+
+    def __init__(self, texts, journal):
+        """`texts` are the states by n and time."""
+        self.texts, self.journal, self.largest = texts, journal, 0
+        self.state = lru_cache(maxsize=8)(lambda n, at: decoded(texts[n][at], n))
+
+    def __call__(self, point):
+        """Returns the CPU seconds of the timed steps of a point, or of a product if it is one."""
+        if "solver" in point:
+            return 1 / isosyrk.product_rate(point["n"], point["solver"])
+        W, integrator = self.state(point["n"], f"{begin_of(point):g}"), made(point)
+        warm = warm_steps(point)
+        if not warm:
+            integrator.step(W, point["step"])  # so that its workspace is in place
+        seconds = study.seconds_of(integrator, W, point["step"], point["steps"], warm)
+        self.look_at_memory(point["n"])
+        return seconds
+
+    def look_at_memory(self, n):
+        """Keeps the most memory that this process has taken, unless a larger n was timed before."""
+        self.largest = max(self.largest, n)
+        if n == self.largest > LARGEST_OF_ALL:
+            taken = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+            self.journal.add(self.memory_key(n), max(taken, self.memory(n) or 0))
+
+    def memory_key(self, n):
+        return self.journal.key_of_timed("memory", n)
+
+    def memory(self, n):
+        """Returns the bytes that the process had taken when it had timed n and nothing larger; None if not known."""
+        return self.journal.found.get(self.memory_key(n))
 
 
-def points_on_the_stretch(entries, sizes, journal):
-    """Returns the points of all methods but exponential ones. RKMK4 has both kinds of points."""
-    return [{"integrator": entry.name, "n": n, "rung": rung, "products": journal.products(n), "scene": SCENE,
-             "step": STEP, "tolerance": TIGHT}
-            for n in sizes for entry in entries if family_of(entry.name) in (None, "rkmk") for rung in rungs_of(entry)]
+# ---- timed, in fresh processes: one thread and two
 
 
-def exponential_points(entries, sizes, journal):
-    return [{"integrator": entry.name, "n": n, "rung": rung, "products": journal.products(n), "scene": SCENE,
-             "step": EXPONENTIAL_STEP, "tolerance": LOOSE_EXPONENTIAL}
-            for n in sizes for entry in entries if family_of(entry.name) for rung in exponential_rungs(entry.name)]
+def thread_blocks(entries, sizes):
+    """Returns what is timed together: a fast form on one thread and on two."""
+    return [{**{name: point[name] for name in ("start", "n", "integrator", "step", "tolerance", "steps")},
+             "explicit": point["explicit"], "rung": FAST, "rows": list(ROWS)}
+            for point in points_of(entries, sizes, lambda n: None)
+            if point["integrator"] in LINES and (point["rung"], point["start"]) == (FAST, THREADS_START)]
 
 
-def large_points():
-    return [{"integrator": name, "n": n, "rung": FAST, "scene": scene, **stretch(name)}
-            for n in LARGE_SIZES for scene in LARGE_SCENES for name in LARGE_INTEGRATORS]
+def time_threads(block):
+    """Returns the seconds that pass for a step, of each row, the least of repetitions in turns, in changing order.
+
+    `process` of the block tells the orders of one process from those of another, `state` names the file of its state.
+    The clock is read at steps of one run, since a run begins with work that is no part of a step.
+    """
+    W, shuffled = numpy.load(block["state"]), random.Random(block["process"])
+    warm = max(warm_steps(block), 2)
+    found = {row: [] for row in block["rows"]}
+    for _ in range(THREAD_REPETITIONS):
+        for row in shuffled.sample(block["rows"], len(block["rows"])):
+            if found[row] and min(found[row]) * block["steps"] >= LONG:
+                continue
+            read = {}
+            integrator = isosyrk.integrator(scene_of(block["n"]), block["integrator"], solver=FAST,
+                                            tolerance=block["tolerance"], threads=ROWS[row])
+
+            def look(step, *_):
+                if step in (warm, warm + block["steps"]):
+                    read[step] = time.perf_counter()
+
+            integrator.run(W, block["step"], warm + block["steps"], look)
+            found[row].append((read[warm + block["steps"]] - read[warm]) / block["steps"])
+    return [min(each) for each in found.values()]
 
 
-def record(kind, point, **found):
-    """Returns a point as a row of its table."""
-    values = {**point, **found}
-    return kind(*(values[name] for name in kind._fields))
+def further_processes(most, seconds):
+    """Returns how many further processes the rows of a block want, given their seconds by process so far."""
+    done = len(seconds["one"])
+    said = [verdicts.compared(seconds["one"], seconds["two"])] if done >= verdicts.FEWEST else []
+    return dict.fromkeys(seconds, max(0, min(most - done, verdicts.more_processes(done, said))))
+
+
+def time_all_threads(blocks, texts, most, journal):
+    """Returns the seconds of the rows of each block by process. Two threads have all cores of this process."""
+    with tempfile.TemporaryDirectory() as folder:
+        def command(block, process):
+            path = os.path.join(folder, f"n{block['n']}_{begin_of(block):g}.npy")
+            if not os.path.exists(path):
+                numpy.save(path, decoded(texts[block["n"]][f"{begin_of(block):g}"], block["n"]))
+            return [sys.executable, "-B", os.path.realpath(__file__), PROCESS,
+                    json.dumps({**block, "process": process, "state": path})]
+
+        return study.by_processes(blocks, command, partial(further_processes, most), journal, "threads",
+                                  os.sched_getaffinity(0))
+
+
+# ---- the study
+
+
+def free_memory():
+    """Returns the bytes that this machine can give without swapping; infinity where it does not tell."""
+    try:
+        with open("/proc/meminfo", encoding="ascii") as lines:
+            return next(1024.0 * int(line.split()[1]) for line in lines if line.startswith("MemAvailable:"))
+    except (OSError, StopIteration, ValueError):
+        return math.inf
+
+
+def sizes_asked_for(options):
+    """Returns the n of the study, the smallest first; without n = ONCE, which is told, where memory is short."""
+    sizes = sorted(set(options.n or (QUICK_SIZES if options.quick else SIZES)))
+    if options.no_large:
+        sizes = [n for n in sizes if n <= LARGEST_OF_ALL]
+    if ONCE in sizes and free_memory() < LEAST_MEMORY:
+        say(f"n = {ONCE} is left out: it wants {LEAST_MEMORY / 1e9:g} GB of free memory")
+        sizes.remove(ONCE)
+    return sizes
+
+
+def entries_asked_for(options):
+    """Returns the module's records of those integrators, by default of all and of the lines."""
+    if options.integrator:
+        return study.entries(options.integrator)
+    if options.quick:
+        return study.entries(QUICK_INTEGRATORS)
+    return [*study.entries(None), *study.entries(LINES)]
+
+
+def thread_sizes(options, sizes):
+    """Returns the n at which threads are timed; none, which is told, where there is one core only."""
+    if len(os.sched_getaffinity(0)) < 2:
+        say("two threads are not timed: there is one core only")
+        return []
+    wanted = QUICK_THREAD_SIZES if options.quick else THREAD_SIZES
+    return [n for n in sizes if n in wanted]
 
 
 def main(arguments):
     parser = study.parser(PROGRAM, __doc__.splitlines()[0])
-    parser.add_argument("--repetitions", type=whole_number(1, 1000), default=REPETITIONS, help="(default: %(default)s)")
-    parser.add_argument("--no-large", action="store_true",
-                        help=f"not n = {' and '.join(map(str, LARGE_SIZES))}; nor with --quick, --n, --integrator")
+    parser.add_argument("--repetitions", type=whole_number(1, 1000),
+                        help=f"(default: {REPETITIONS}, quick {QUICK_REPETITIONS})")
+    parser.add_argument("--processes", type=whole_number(1, 100), help="that time threads at most; with fewer than"
+                        f" {verdicts.FEWEST} all is undecided (default: {PROCESSES}, quick {QUICK_PROCESSES})")
+    parser.add_argument("--no-large", action="store_true", help=f"no n above {LARGEST_OF_ALL}")
     options = parser.parse_args(arguments)
-    sizes = sorted(set(options.n or (QUICK_SIZES if options.quick else SIZES)))
-    entries = study.entries(options.integrator or (QUICK_INTEGRATORS if options.quick else None))
-    has_large = not (options.no_large or options.quick or options.n or options.integrator)
+    repetitions = options.repetitions or (QUICK_REPETITIONS if options.quick else REPETITIONS)
+    most = options.processes or (QUICK_PROCESSES if options.quick else PROCESSES)
+    sizes, entries = sizes_asked_for(options), entries_asked_for(options)
 
-    journal = study.Journal(PROGRAM, options, partial(isosyrk.conditions, products="fastest", sizes=sizes))
-    exponential = exponential_points(entries, sizes, journal)
-    points = [*points_on_the_stretch(entries, sizes, journal), *exponential]
-    counts = study.untimed(points, count, journal, options, "counting")
-    done = [(point, found) for point, found in zip(points, counts) if found]
-    large = large_points() if has_large else []
-    of_large = study.untimed(large, count, journal, options, "counting at large n") if large else []
-    seconds = study.in_turns([point for point, _ in done], options.repetitions, time_one, journal, "timing")
-    once = iter(study.in_turns([point for point, found in zip(large, of_large) if found], 1, time_one, journal,
-                               "timing at large n") if large else [])
-    rates = {n: isosyrk.product_rate(n) for n in sorted({point["n"] for point in large})}
+    journal = study.Journal(PROGRAM, options, partial(isosyrk.conditions, products="fastest",
+                                                      sizes=sorted({min(n, 257) for n in sizes})))
+    points = points_of(entries, sizes, journal.products)
+    jobs = [{"n": n, "points": found} for n in sizes if (found := [each for each in points if each["n"] == n])]
+    prepared = study.untimed(jobs, prepare, journal, options, "states and counts")
+    texts = {job["n"]: each["states"] for job, each in zip(jobs, prepared)}
+    counts = [found for each in prepared for found in each["counts"]]
 
-    tables = {"points": [], "exponential": [], "large": []}
-    for (point, found), times in zip(done, seconds):
-        name, kind = ("exponential", ExponentialPoint) if point in exponential else ("points", Point)
-        tables[name].append(record(kind, point, **found, seconds=[each / STEPS for each in times]))
-    failed = dict.fromkeys(("sweeps", "equivalent_products"))
-    for point, found in zip(large, of_large):
-        tables["large"].append(record(LargePoint, point, **(found or failed), product_rate=rates[point["n"]],
-                                      seconds=next(once)[0] / STEPS if found else None))
-    formats.write_study(options.out, SCHEMA, journal.context, Settings(SCENE, STEP, STEPS), tables)
+    timer = Timer(texts, journal)
+    working = [point for point, found in zip(points, counts) if found]
+    products = [{"n": job["n"], "solver": solver} for job in jobs for solver in (FAST, PUBLISHED)]
+    times = study.in_turns([*products, *working], repetitions, timer, journal, "timing", ENOUGH)
+    rates, seconds = times[:len(products)], iter(times[len(products):])
+    tables = {"points": [record(point, found, next(seconds) if found else []) for point, found in zip(points, counts)],
+              "rates": [Rate(each["n"], each["solver"], rounded(found)) for each, found in zip(products, rates)],
+              "memory": [Memory(n, taken) for n in sizes if (taken := timer.memory(n))]}
+
+    blocks = thread_blocks(entries, thread_sizes(options, sizes))
+    found = time_all_threads(blocks, texts, most, journal) if blocks else []
+    tables["threads"] = [Threads(**{name: block[name] for name in Threads._fields[:-2]},
+                                 **{row: rounded(each[row]) for row in ROWS}) for block, each in zip(blocks, found)]
+    formats.write_study(options.out, SCHEMA, journal.context, Settings(SCENE, WARMUP), tables)
     journal.remove()
 
 
+def record(point, found, seconds):
+    """Returns a point as a row of its table; `seconds` are those of all its steps, by repetition."""
+    costs = found or dict.fromkeys(("sweeps", "equivalent_products"))
+    values = {**point, **costs, "seconds": rounded(each / point["steps"] for each in seconds)}
+    return Point(*(values[name] for name in Point._fields))
+
+
+def rounded(seconds):
+    """Returns times with five digits, far more than they are worth."""
+    return [float(f"{each:.5g}") for each in seconds]
+
+
 if __name__ == "__main__":
-    study.run(PROGRAM, main, sys.argv[1:])
+    if sys.argv[1:2] == [PROCESS]:
+        print(json.dumps(time_threads(json.loads(sys.argv[2]))))
+    else:
+        study.run(PROGRAM, main, sys.argv[1:])

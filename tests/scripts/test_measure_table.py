@@ -218,6 +218,12 @@ run_on({fresh_process.last_core()}, ["sh", "-c", "echo $$; exec sleep 60"])
             self.assertLess(time.monotonic(), deadline, "it went on")
             time.sleep(0.02)
 
+    def test_a_process_runs_on_the_cores_of_a_set(self):
+        cores = os.sched_getaffinity(0)
+        tell = "import os, sys; sys.exit(len(os.sched_getaffinity(0)))"
+        self.assertEqual(run_on(cores, [sys.executable, "-c", tell])[0], len(cores))
+        self.assertEqual(run_on(max(cores), [sys.executable, "-c", tell])[0], 1)
+
     def test_exit_statuses_and_signals_are_returned(self):
         self.assertEqual(run_on(0, ["sh", "-c", "exit 5"])[0], 5)
         self.assertEqual(run_on(0, ["sh", "-c", "kill -KILL $$"])[0], -signal.SIGKILL)

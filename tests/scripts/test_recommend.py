@@ -23,7 +23,7 @@ from programs import (BUILD, DATA, HAS_MODULE, ROOT, FolderTest, program, run, r
                       strict_json)
 from study_documents import INTEGRATORS, accuracy_of, run_of, study_document, write_study
 
-from lib import recommendation
+from lib import pilot_planner, recommendation
 from lib import study
 from lib.accuracy_lines import BELOW, CUT, FLOOR, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT, Form
 from lib.document import as_text
@@ -430,7 +430,7 @@ class Pilots(FolderTest):
     def search(self):
         """Returns pilots, a Search of a scene to T = 8, one of its integrators, and a pilot to T = 4 of that."""
         sys.path.insert(0, os.path.join(BUILD, "python"))
-        from lib import pilots
+        from lib import pilots  # only now: it needs the module
         search = pilots.Search(pilots.isosyrk.scene("smooth", n=9), Question("smooth", 9, 8.0, 1e-6, "spectrum"))
         (rkmk4,) = (each for each in search.candidates if each.name == "rkmk4_frame")
         return pilots, search, rkmk4, recommendation.Outcome(rkmk4, 9, 4.0, 40, 1e-7, 1.0, growth=2.0)
@@ -455,7 +455,7 @@ class Pilots(FolderTest):
         search.method = lambda integrator: Method()
         search.time_offers()
         (after,) = search.ranking()
-        self.assertLessEqual(after.step, before.step / pilots.BELOW_FAILURE)
+        self.assertLessEqual(after.step, before.step / pilot_planner.BELOW_FAILURE)
         self.assertAlmostEqual(after.seconds, after.steps * 1e-3 / after.step)
         self.assertEqual(set(calls), {"the state at T = 4"})
         self.assertIn("timed from T = 4 on", search.statements[-1])

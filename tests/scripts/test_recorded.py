@@ -11,6 +11,8 @@ from programs import ROOT, FolderTest, environment, run, run_script, snapshot
 
 from lib.accuracy_lines import CUT, TIGHT, read_accuracy
 from lib.figures import KEYS, MARKER, faults, recorded_figures
+from lib.scaling_table import read_scaling
+from lib.trend import trend_of
 
 RECORDED = os.path.join(ROOT, "results", "recorded")
 MOST_BYTES = 8_000_000
@@ -38,6 +40,17 @@ if os.path.exists(raw("claims")):
 DRAWN_BY = "3.6"  # matplotlib: another one draws other bytes
 
 
+SECTIONS = {"theorem": "## The theorem on other algebras", "scaling": "## The fast forms"}  # of results/README.md
+
+
+def is_measured_anew(study):
+    """Tells whether the section of a study says so."""
+    if study not in SECTIONS:
+        return False
+    section = text("results", "README.md").partition(SECTIONS[study])[2].partition("\n## ")[0]
+    return "eing measured anew" in section
+
+
 def recorded(path):
     return os.path.join(RECORDED, *path.split("/")) if path.endswith(".json") else path
 
@@ -53,10 +66,8 @@ class Recorded(FolderTest):
 
     def test_reports_figures_and_charts_are_what_the_raw_files_give(self):
         version = run([drawing.PYTHON, "-c", "import matplotlib; print(matplotlib.__version__)"]).stdout
-        section = text("results", "README.md").partition("## The theorem on other algebras")[2].partition("\n## ")[0]
-        self.assertTrue(section)
         for study in STUDIES:
-            if study == "theorem" and "being measured anew" in section:
+            if is_measured_anew(study):
                 continue  # what is recorded has the columns of before
             raw_files = {path.split("/")[1] for path in STUDIES[study] if path.startswith(f"{study}/")}
             found, kept = self.rendered(study), snapshot(os.path.join(RECORDED, study))
@@ -68,15 +79,26 @@ class Recorded(FolderTest):
                         self.assertTrue(data == kept[name], f"{study}/{name}: render it again")
 
     def test_a_changed_raw_file_gives_another_report_and_figures(self):  # so the comparison can fail
-        document = json.loads(text(raw("scaling")))
-        table = document["tables"]["points"]
+        document = json.loads(text(raw("theorem")))
+        table = document["tables"]["cost"]
         at = table["columns"].index("seconds")
         table["rows"][0][at] = [1.1 * seconds for seconds in table["rows"][0][at]]
         path = self.write("raw.json", json.dumps(document))
-        done = run_script(os.path.join(ROOT, "scripts", "render_scaling"), path, "--out", self.path("scaling"))
+        done = run_script(os.path.join(ROOT, "scripts", "render_theorem"), path, "--out", self.path("theorem"))
         self.assertEqual(done.returncode, 0, done.stderr)
         for name in ("report.md", "figures.json"):
-            self.assertNotEqual(text(self.path("scaling", name)), text(RECORDED, "scaling", name))
+            self.assertNotEqual(text(self.path("theorem", name)), text(RECORDED, "theorem", name))
+
+    def test_repetitions_show_no_trend(self):
+        if is_measured_anew("scaling"):
+            self.skipTest("what is recorded has no such figures")
+        study = read_scaling(raw("scaling"))
+        trend = study.trend()
+        self.assertFalse(trend.is_shown(), trend)
+        self.assertGreater(trend.series, 500)
+        # Control: times that rise by 1 % a repetition are caught.
+        rising = [[time * 1.01**k for k, time in enumerate(point.seconds)] for point in study.points.values()]
+        self.assertTrue(trend_of(rising).is_shown())
 
     def test_lines_show_the_order_of_their_integrator(self):
         study = read_accuracy(raw("accuracy"))

@@ -20,6 +20,7 @@ from programs import (BAD_ARGUMENTS, DONE, ROOT, SOLVER_FAILED, FolderTest, end,
 from claims_documents import write_claims
 from limits_documents import limits_study
 from limits_documents import write as write_limits
+from scaling_documents import write_scaling
 from study_documents import small_study, write_study
 
 HOST_NAME = "a-host-to-keep-private"
@@ -183,7 +184,7 @@ class ReproduceTest(CopyTest):
         write_limits(self.folder, limits_study())
         os.makedirs(self.path("root", "results", "recorded", "limits"))  # which render_accuracy reads
         write_limits(self.path("root", "results", "recorded", "limits"), limits_study(), "raw.json")
-        shutil.copy(os.path.join(ROOT, "results", "recorded", "scaling", "raw.json"), self.path("scaling.json"))
+        shutil.copy(write_scaling(self.folder), self.path("scaling.json"))
         for name in ("theorem", "longruns", "turbulence"):
             self.write(f"{name}.json", "{}")
         write_claims(self.folder)

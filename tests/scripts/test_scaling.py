@@ -1,134 +1,215 @@
-"""Tests of scripts/render_scaling, as a user runs it."""
+"""Tests of scripts/render_scaling, as a user runs it, and of what its figures are made of."""
 
 import json
 import os
+import re
 import unittest
-from unittest import mock
 
-from programs import DONE, ROOT, FolderTest, run_script, text_of
+import drawing
+from programs import DONE, ROOT, run_script, text_of
+from scaling_documents import NOISE, failed, line, point, write_scaling, write_tables
 
-from lib import formats
 from lib.figures import read_figures
-from lib.scaling_table import (EXPONENTIAL_RUNGS, RUNGS, SCHEMA, ExponentialPoint, LargePoint, Point, Settings,
-                               exponential_rungs)
+from lib.scaling_table import RUNGS, Memory, Rate, Threads, figures, read_scaling, rungs_of, without
+from lib.trend import rank_correlation
 
 RENDER = os.path.join(ROOT, "scripts", "render_scaling")
-TIMES_AS_FAST = {"published": 1.0, "fast": 5.0}
 
 
-def write_scaling(folder, rungs=tuple(RUNGS)):
-    """Writes a raw file with these rungs at n = 17, a made-up one, and returns its path.
+class ScalingTest(drawing.DrawingTest):
+    script = "render_scaling"
 
-    A step of group2 takes 17 microseconds in the published form, a fifth of it in the fast one, and half of it on the
-    rungs between.
-    """
-    path = os.path.join(folder, "raw.json")
-    points = [Point("group2", 17, rung, 12.0, 100.0 / TIMES_AS_FAST.get(rung, 2.0),
-                    [noise * 17e-6 / TIMES_AS_FAST.get(rung, 2.0) for noise in (1.0, 1.1, 1.3)]) for rung in rungs]
-    return write_tables(path, points=points)
+    def report(self, **tables):
+        """Returns the lines of the report on these tables, as lists of cells."""
+        self.files = self.rendered("out", write_tables(self.path("raw.json"), **tables))
+        lines = self.files["report.md"].decode("utf-8").splitlines()
+        return [[cell.strip() for cell in each.strip("|").split("|")] for each in lines]
 
+    def text(self):
+        return self.files["report.md"].decode("utf-8")
 
-def write_tables(path, **tables):
-    """Writes a raw file with these tables and returns its path."""
-    formats.write_study(path, SCHEMA, {"cpu": "a processor"}, Settings("smooth", 0.1, 20), {"points": [], **tables})
-    return path
+    def study(self, **tables):
+        return read_scaling(write_tables(self.path("raw.json"), **tables))
 
 
-def exponential_points(name, n, unit=1.0):
-    """Returns made-up points of all rungs: a step takes two, three ... times as long as that of the fast form."""
-    rungs = [rung for rung in exponential_rungs(name) if rung != "fast"]
-    times = {"fast": 1.0, **{rung: float(k) for k, rung in enumerate(rungs, 2)}}
-    return [ExponentialPoint(name, n, rung, 0.5, 1e-8, 1.0, 30.0, [unit * time * 1e-4] * 2)
-            for rung, time in times.items()]
-
-
-class Report(FolderTest):
-    def render(self, rungs=RUNGS):
-        return run_script(RENDER, write_scaling(self.folder, rungs), "--out", self.path("out"))
-
-    def row(self, rungs=RUNGS):
-        """Returns the cells of the row of group2."""
-        done = self.render(rungs)
-        self.assertEqual((done.returncode, done.stdout, done.stderr), (DONE, "", ""))
-        self.assertEqual(set(os.listdir(self.path("out"))), {"report.md", "figures.json"})
-        lines = text_of(self.path("out", "report.md")).splitlines()
-        return [cell.strip() for cell in next(line for line in lines if "| group2" in line).strip("|").split("|")]
-
-    def figures(self, **seconds):
-        """Returns the figures of a file whose rungs take so many times as long as they do."""
-        with mock.patch.dict(TIMES_AS_FAST, seconds):
-            self.render()
-        return read_figures(self.path("out", "figures.json"))
-
+class Report(ScalingTest):
     def test_ratios_are_of_the_same_round(self):
         # However much slower a round was, both forms were so.
-        self.assertEqual(self.row(), ["17", "group2", "12.0", "20.0", "3.74e-06 ±6.8 %", "5.00 ±0.0 %",
-                                      *["2.50 ±0.0 %"] * 4])
+        lines = self.report(points=[point(rung=rung) for rung in RUNGS])
+        self.assertIn(["5", "17", "group2", "12.0", "20.0", "–", "0.00374 ±6.8 %", "5.00 ±0.0 %", "2.50 ±0.0 %"], lines)
 
     def test_what_failed_has_no_figures(self):
-        self.assertEqual(self.row(["without any", "fast"])[5:], ["–", "2.50 ±0.0 %", "–", "–", "–"])
-        self.assertEqual(self.row(["published"])[2:], ["–"] * 8)
-        self.assertEqual(read_figures(self.path("out", "figures.json")), {})
+        lines = self.report(points=[point(rung="without bands"), failed(rung="fast")])
+        self.assertIn(["5", "17", "group2", *"––––––"], lines)
+        self.assertEqual([key for key in read_figures(self.path("out", "figures.json")) if "n17" in key], [])
 
-    def test_means(self):
-        found = self.figures()
-        self.assertEqual([found[key] for key in ("published.n17", "published.n17.group", "without_bands.n17")],
-                         [5, 5, 2.5])
-        self.assertNotIn("published.n17.algebra", found)  # it was not timed
-        self.assertEqual(found["costliest_idea"], 0)
-        self.assertAlmostEqual(self.figures(**{"without newton": 5.5})["costliest_idea"], 0.1)
-        self.assertIn("| published         |   5.00 |", text_of(self.path("out", "report.md")))
+    def test_every_single_timing_is_marked(self):
+        lines = self.report(points=[point(rung="fast"), point(rung="published", seconds=[3.4e-6]),
+                                    point("rk4", 17, "fast", seconds=[1e-6])])
+        group2, rk4 = (next(cells for cells in lines if cells[1:3] == ["17", name]) for name in ("group2", "rk4"))
+        self.assertEqual((group2[6], group2[7]), ("0.00374 ±6.8 %", "1.00¹"))
+        self.assertEqual(rk4[6], "0.00100¹")
+        self.assertIn(["published", "1.00¹"], lines)  # of the means too
+        self.assertIn("2 of 3 points were timed once", self.text())
+        found = read_figures(self.path("out", "figures.json"))
+        self.assertEqual((found["single"], found["points"]), (2, 3))
 
-    def lines_of(self, **tables):
-        """Returns the cells of each line of the report on these tables."""
-        done = run_script(RENDER, write_tables(self.path("raw.json"), **tables), "--out", self.path("out"))
-        self.assertEqual((done.returncode, done.stdout, done.stderr), (DONE, "", ""))
-        lines = text_of(self.path("out", "report.md")).splitlines()
-        return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+    def test_the_two_starts_stand_apart(self):
+        slow = [4 * second for second in point(rung="published").seconds]
+        lines = self.report(points=[point(), point(rung="published"), point(start=50.0),
+                                    point(start=50.0, rung="published", seconds=slow)])
+        self.assertIn(["form", "t = 5, n = 17", "t = 50, n = 17"], lines)
+        self.assertIn(["published", "5.00", "20.0"], lines)
+        found = read_figures(self.path("out", "figures.json"))
+        self.assertEqual([found[f"published.n17.t{start}{form}"] for start in (5, 50) for form in ("", ".group")],
+                         [5, 5, 20, 20])
+        self.assertNotIn("published.n17.t5.algebra", found)  # it was not timed
+
+    def test_the_costliest_idea(self):
+        for newton, expected in ((2.0, 0.0), (5.5, 0.1)):
+            seconds = [noise * 17e-6 / newton for noise in NOISE]
+            study = self.study(points=[point(), point(rung="without newton", seconds=seconds)])
+            self.assertAlmostEqual(figures(study)["costliest_idea"], expected)
 
     def test_exponential_methods_have_a_table_of_their_own(self):
-        points = [*exponential_points("elp2", 17), *exponential_points("elp4", 17),
-                  *exponential_points("elp4", 33, 8.0), *exponential_points("rkmk4", 33)]
-        lines = self.lines_of(exponential=points)
-        self.assertIn(["elp4", "without explicit start", "6.00 ±0.0 %", "6.00 ±0.0 %"], lines)
-        self.assertIn(["rkmk4", "without graded series", "–", "5.00 ±0.0 %"], lines)
-        self.assertNotIn("without newton", [line[1] for line in lines if line[0] == "rkmk4"])
-        self.assertIn(["33", "elp4", "1.00", "30.0", "0.000800 ±0.0 %"], lines)
-        text = text_of(self.path("out", "report.md"))
-        for part in ("h = 0.5", "1e-08", "## Every exponential method"):
-            self.assertIn(part, text)
-        self.assertNotIn("h = 0.1,", text)
+        lines = self.report(points=[point(name, n, rung) for name in ("elp2", "elp4", "rkmk4") for n in (17, 33)
+                                    for rung in rungs_of(name, name == "rkmk4") if (name, n) != ("elp2", 33)])
+        self.assertIn(["elp2", "without explicit start", "2.50 ±0.0 %", "–"], lines)
+        self.assertIn(["rkmk4", "without graded series", "2.50 ±0.0 %", "2.50 ±0.0 %"], lines)
         found = read_figures(self.path("out", "figures.json"))
-        self.assertEqual(found["exponential.without_predictor.n17"], 5)
-        self.assertEqual(found["exponential.without_graded_series.n33.rkmk4"], 5)
-        self.assertAlmostEqual(found["exponential.without_graded_series.n33"], 10)  # without rkmk4
+        self.assertEqual(found["exponential.published.n33.t5"], 5)
+        self.assertEqual(found["exponential.without_graded_series.n33.t5.rkmk4"], 2.5)
+        self.assertNotIn("published.n17.t5", found)  # no cell of Table 1
         self.assertNotIn("costliest_idea", found)
 
-    def test_rungs_of_exponential_methods(self):
-        self.assertEqual(exponential_rungs("elp6_frame"), list(EXPONENTIAL_RUNGS))
-        self.assertEqual(exponential_rungs("magnus5"), ["published", "without bands", "fast"])
-        self.assertEqual(exponential_rungs("rkmk4"), ["published", "without any", "without single precision",
-                                                      "without graded series", "without bands", "fast"])
+    def test_shares_of_products(self):
+        rates = [Rate(17, "fast", [4e-8] * 3), Rate(17, "published", [1e-7] * 3)]
+        found = figures(self.study(points=[point("group2_frame"), point("group2_frame", rung="published")],
+                                   rates=rates))
+        # 20 products in 3.74 µs, and 100 in 18.7 µs.
+        self.assertAlmostEqual(found["share.group2_frame.fast.n17.t5"], 20 * 4e-8 / 3.74e-6)
+        self.assertAlmostEqual(found["share.group2_frame.published.n17.t5"], 100 * 1e-7 / 18.7e-6)
 
-    def test_large_n(self):
-        lines = self.lines_of(large=[LargePoint("rough", "elp4_frame", 513, 0.5, 1e-8, 1.0, 20.0, 40.0, 0.8),
-                                     LargePoint("rough", "rk4_frame", 513, 0.5, 1e-8, None, None, 40.0, None)])
-        self.assertIn(["513", "rough", "rk4\\_frame", "0.5", "1e-08", *"––––"], lines)
-        self.assertIn(["513", "rough", "elp4\\_frame", "0.5", "1e-08", "1.00", "20.0", "62.5 %", "0.800"], lines)
+    def test_slopes(self):
+        cube = {n: 1e-9 * n**3 for n in (17, 65, 129, 513)}
+        points = [*line("group2_frame", "fast", 5.0, {**cube, 17: 1.0}), *line("rk4_frame", "fast", 5.0, {65: 1.0})]
+        found = figures(self.study(points=points))
+        self.assertAlmostEqual(found["slope.group2_frame.fast.n65_n513.t5"], 3)
+        self.assertEqual([key for key in found if key.startswith("slope.rk4")], [])
+        self.assertIn(["group2\\_frame", "fast", "5", "65 to 513", "3.00¹"], self.report(points=points))
 
-    def test_a_file_of_before_has_neither(self):
-        write_scaling(self.folder)
-        document = json.loads(text_of(self.path("raw.json")))
-        self.assertEqual(list(document["tables"]), ["points"])
-        self.assertNotIn("xponential", " ".join(map(str, self.row())))
-        self.assertNotIn("xponential", text_of(self.path("out", "report.md")))
+    def test_bands_on_and_off(self):
+        points = [each for n in (17, 33) for rung in ("fast", "without bands")
+                  for each in (point("elp4_frame", n, rung), point("group1", n, rung))]
+        lines = self.report(points=points)
+        self.assertIn(["elp4\\_frame", "2.50 ±0.0 %", "2.50 ±0.0 %"], lines)
+        self.assertIn(["cells of Table 1", "2.50", "2.50"], lines)
 
-    def test_a_file_that_cannot_be_used_and_a_folder_that_cannot_be_written(self):
-        self.assert_refused(self.render([]), "raw.json", "no points")
-        self.assert_refused(run_script(RENDER, self.path("none.json"), "--out", self.path("out")), "none.json")
-        self.assert_refused(run_script(RENDER, write_scaling(self.folder)), "--out")
+    def test_threads_have_an_interval_and_undecided_ones_a_mark(self):
+        one = [1.8e-3, 1.82e-3, 1.78e-3, 1.8e-3, 1.81e-3, 1.79e-3]
+        rows = [Threads(50.0, 129, "group2_frame", 0.1, 1e-13, one, [1e-3] * 6),
+                Threads(50.0, 65, "group2_frame", 0.1, 1e-13, one[:2], [1e-3] * 2)]
+        lines = self.report(points=[point()], threads=rows)
+        decided, undecided = (next(cells for cells in lines if cells[:2] == ["group2\\_frame", n])
+                              for n in ("129", "65"))
+        self.assertEqual((decided[3:5], decided[6]), (["1.78", "1.00"], "6"))
+        self.assertRegex(decided[5], r"^1\.80 ±0\.8 %$")
+        self.assertEqual(undecided[5], "1.81 †")
+        found = read_figures(self.path("out", "figures.json"))
+        keys = [f"threads.group2_frame.n129.t50{end}" for end in (".low", "", ".high")]
+        self.assertEqual([found[key] for key in keys], sorted(found[key] for key in keys))
+        self.assertAlmostEqual(found[keys[1]], 1.8, places=3)
+
+    def test_memory(self):
+        self.assertIn(["1025", "3.9"], self.report(points=[point()], memory=[Memory(1025, 3.9e9)]))
+        self.assertAlmostEqual(read_figures(self.path("out", "figures.json"))["memory.n1025"], 3.9)
+
+    def test_repetitions_with_a_trend_are_caught(self):
+        level = [1.0, 1.02, 0.99, 1.01, 0.98, 1.03, 1.0]
+        for times, shown in ((level, False), (sorted(level), True), (sorted(level, reverse=True), True)):
+            study = self.study(points=[point(n=n, seconds=[1e-6 * n * each for each in times]) for n in (9, 17, 33)])
+            with self.subTest(times=times):
+                self.assertEqual(study.trend().is_shown(), shown)
+                self.assertEqual(figures(study)["trend.series"], 3)
+                self.assertAlmostEqual(figures(study)["trend.correlation"], rank_correlation(times))
+        self.assertNotIn("trend.series", figures(self.study(points=[point()])))
+
+    def test_rungs(self):
+        self.assertEqual(rungs_of("group2", False), ("published", "without any", "without newton", "without predictor",
+                                                     "without bands", "fast"))
+        self.assertEqual(rungs_of("elp6", False), tuple(RUNGS))
+        self.assertEqual(rungs_of("magnus5", True), ("published", "without bands", "fast"))
+        self.assertEqual(rungs_of("rkmk4", True), ("published", "without any", "without single precision",
+                                                   "without graded series", "without bands", "fast"))
+        for name in ("group5", "elp4_frame", "rk4"):
+            self.assertEqual(rungs_of(name, name == "rk4"), ("published", "without bands", "fast"))
+        self.assertEqual([without(name, name == "rk4", "without any") for name in ("group2", "rk4", "magnus4")],
+                         [("bands", "predictor", "newton"), ("bands",), ("bands",)])
+
+
+class Chart(ScalingTest):
+    def tables(self):
+        """Returns points in which published forms gain 6 at t = 5 and 3 at t = 50, at n = 33; n = 65 is timed once."""
+        points = []
+        for start, gain in ((5.0, 6.0), (50.0, 3.0)):
+            for name in ("group2_frame", "elp4_frame", "rk4_frame"):
+                points += line(name, "published", start, {n: [gain * 1e-7 * n * n] * 2 for n in (17, 33)})
+                points += line(name, "fast", start, {17: [1e-7 * 17**2] * 2, 33: [1e-7 * 33**2] * 2,
+                                                     65: [1e-7 * 65**2]})
+        return points
+
+    def test_lines(self):
+        found = self.panels("scaling_chart", "step_against_n", self.study(points=self.tables()))
+        self.assertEqual(list(found), ["from t = 5 on", "from t = 50 on"])
+        for (axes,) in found.values():
+            lines = drawing.lines_of(axes)
+            self.assertEqual(set(lines), {"Gauss 4, published", "exponential 4, published", "Gauss 4, fast",
+                                          "exponential 4, fast", "RK4, fast"})
+            self.assertEqual([n for n, _ in lines["Gauss 4, published"]], [17, 33])
+            self.assertAlmostEqual(lines["Gauss 4, fast"][1][1], 1e-4 * 33**2)  # milliseconds
+            open_marks = [line for line in axes.lines if line.get_label().endswith(", once")]
+            self.assertEqual([drawing.finite_points(each)[0][0] for each in open_marks], [65.0] * 3)
+            self.assertEqual({each.get_markerfacecolor() for each in open_marks}, {"white"})
+
+    def test_title_tells_the_gain_at_the_largest_common_n(self):
+        files = self.rendered("out", write_tables(self.path("raw.json"), points=self.tables()))
+        self.assert_whole(files, "step_against_n")
+        words = " ".join(re.findall(r">([^<>]+)</text>", files["step_against_n.svg"].decode())).replace("\xa0", " ")
+        for part in ("gains a factor of 6 at t = 5 and 3 at t = 50 over its published form at n = 33", "timed once"):
+            self.assertIn(part, words)
+        self.assertIn("step_against_n.svg", files["report.md"].decode())
+
+    def test_nothing_to_draw(self):
+        files = self.rendered("out", write_tables(self.path("raw.json"), points=[point()]))
+        self.assertEqual(set(files), {"report.md", "figures.json"})
+        self.assertNotIn(".svg", files["report.md"].decode())
+
+
+class Refused(ScalingTest):
+    def refused(self, *parts, **tables):
+        self.assert_refused(run_script(RENDER, write_tables(self.path("raw.json"), **tables), "--out",
+                                       self.path("out")), "raw.json", *parts)
         self.assertFalse(os.path.exists(self.path("out")))
+
+    def test_files_that_cannot_be_used(self):
+        self.refused("no points")
+        self.refused("sweeps and no time", points=[point(seconds=[])])
+        self.refused("times and no sweeps", points=[point(sweeps=None)])
+        self.refused("not of the same processes", points=[point()],
+                     threads=[Threads(50.0, 65, "rk4_frame", 0.1, 1e-13, [1.0, 2.0], [1.0])])
+        self.assert_refused(run_script(RENDER, self.path("none.json"), "--out", self.path("out")), "none.json")
+
+    def test_a_file_of_the_study_before(self):
+        path = write_scaling(self.folder)
+        document = json.loads(text_of(path))
+        document["tables"]["points"]["columns"][0] = "begin"
+        self.write("raw.json", json.dumps(document))
+        self.assert_refused(run_script(RENDER, path, "--out", self.path("out")), "raw.json", "points", "other columns")
+
+    def test_folders_that_cannot_be_written(self):
+        self.assert_refused(run_script(RENDER, write_scaling(self.folder)), "--out")
         self.assert_refused(run_script(RENDER, write_scaling(self.folder), "--out", self.write("taken", "")), "taken")
+        self.assertEqual(run_script(RENDER, write_scaling(self.folder), "--out", self.path("out")).returncode, DONE)
 
 
 if __name__ == "__main__":

@@ -24,6 +24,7 @@ from lib.formats import FAST, PUBLISHED
 from lib.integrator_names import in_frame, method_name
 from lib.accuracy_lines import CONTENDERS, GOOD_ENOUGH, SCHEMA, Problem, read_accuracy
 from lib.limits_files import read_limits
+from lib.scaling_table import read_scaling
 
 if HAS_MODULE:
     sys.path.insert(0, os.path.join(BUILD, "python"))
@@ -319,31 +320,174 @@ class Limits(StudyTest):
 
 
 class Scaling(StudyTest):
-    def test_every_rung_on_the_same_stretch(self):
-        found = formats.read_study(self.made("scaling", "--n", "9", "--integrator", "group1", "--repetitions", "2"),
-                                scaling_table.SCHEMA)
-        self.assertEqual([(point.integrator, point.n, point.rung, len(point.seconds))
-                          for point in found.tables["points"]],
-                         [("group1", 9, rung, 2) for rung in scaling_table.RUNGS])
-        self.assertIn("timed_on", found.context)
-        sweeps = {point.rung: point.sweeps for point in found.tables["points"]}
-        self.assertEqual(round(sweeps["without any"]), round(sweeps["published"]))  # plain sweeps from a cold start
-        self.assertLess(sweeps["fast"], 0.5 * sweeps["published"])
-        self.assertEqual((found.tables["exponential"], found.tables["large"]), ([], []))
+    def setUp(self):
+        super().setUp()
+        sys.path.insert(0, STUDIES)
+        self.addCleanup(sys.path.remove, STUDIES)
+        import scaling
+        self.scaling = scaling
 
-    def test_exponential_methods_have_a_stretch_of_their_own(self):
-        names = ("elp4", "magnus4", "rkmk4")
-        found = formats.read_study(self.made("scaling", "--n", "17", "--integrator", *names, "--repetitions", "2"),
-                                   scaling_table.SCHEMA)
-        self.assertEqual({point.integrator for point in found.tables["points"]}, {"rkmk4"})
-        points = {(point.integrator, point.rung): point for point in found.tables["exponential"]}
-        self.assertEqual(list(points), [(name, rung) for name in names
-                                        for rung in scaling_table.exponential_rungs(name)])
-        self.assertEqual({(point.step, point.tolerance) for point in points.values()}, {(0.5, 1e-8)})
-        for (name, rung), point in points.items():
-            if rung not in ("fast", "without bands", "without predictor"):  # which save nothing at this n
-                fast = points[name, "fast"].equivalent_products
-                self.assertGreater(point.equivalent_products, 1.05 * fast, (name, rung))
+    def options(self, **values):
+        return SimpleNamespace(**{"n": None, "quick": False, "no_large": False, "integrator": None, **values})
+
+    def point(self, **values):
+        return {"start": 5.0, "n": 17, "integrator": "group2", "rung": "fast", "explicit": False, "step": 0.1,
+                "tolerance": 1e-13, "steps": 8, "products": "eigen", **values}
+
+    def test_every_rung_from_both_starts(self):
+        found = read_scaling(self.made("scaling", "--n", "9", "--integrator", "group1", "elp4", "rk4", "--repetitions",
+                                       "2"))
+        expected = [(at, 9, name, rung) for at in (5.0, 50.0)
+                    for name in ("group1", "elp4", "rk4") for rung in scaling_table.rungs_of(name, name == "rk4")]
+        self.assertEqual(sorted(found.points), sorted(expected))
+        self.assertEqual({len(point.seconds) for point in found.points.values()}, {2})
+        self.assertIn("timed_on", found.context)
+        self.assertEqual((found.memory, found.threads), ([], []))
+        self.assertEqual({key for key in found.rates}, {(9, "fast"), (9, "published")})
+        for at in found.starts():
+            sweeps = {rung: point.sweeps for (begin, _, name, rung), point in found.points.items()
+                      if (begin, name) == (at, "group1")}
+            self.assertEqual(round(sweeps["without any"]), round(sweeps["published"]))  # plain, from a cold start
+            self.assertLess(sweeps["fast"], 0.5 * sweeps["published"])
+            steps = {(point.integrator, point.step, point.tolerance) for point in found.points.values()}
+            self.assertEqual(steps, {("group1", 0.1, 1e-13), ("elp4", 0.25, 1e-8), ("rk4", 0.1, 1e-13)})
+            for rung in scaling_table.RUNGS:
+                point = found.points[at, 9, "elp4", rung]
+                if rung in ("published", "without any", "without either start", "without graded series"):
+                    fast = found.points[at, 9, "elp4", "fast"].equivalent_products
+                    self.assertGreater(point.equivalent_products, 1.05 * fast, (at, rung))
+
+    def test_states_are_those_of_the_flow(self):
+        states = self.scaling.states_of(17, (3.5, 5.0, 50.0))
+        for at, bound in ((5.0, 1e-7), (50.0, 1e-5)):
+            reference, _ = problems.reference_of(Problem("smooth", at, 17), REFERENCES)
+            self.assertLess(self.scaling.isosyrk.relative_error(states[at], reference), bound)
+            self.assertGreater(self.scaling.isosyrk.relative_error(states[3.5], reference), 1e-2)  # the control
+        W = self.scaling.decoded(self.scaling.encoded(states[5.0]), 17)
+        self.assertLess(abs(W - states[5.0]).max(), 1e-15)
+        self.assertEqual(abs(W + W.conj().T).max(), 0)
+
+    def test_states_are_reached_by_shorter_steps_where_one_fails(self):
+        expected, calls = self.scaling.states_of(9, (5.0,))[5.0], []
+
+        class Method:
+            """Fails with steps above `longest`."""
+
+            def run(self, W, h, steps):
+                calls.append(h)
+                if h > longest:
+                    raise isosyrk.SolverError(1, "diverged", 1.0, W, mock.Mock(sweeps=9))
+                return real.run(W, h, steps)
+
+        real = isosyrk.integrator(self.scaling.scene_of(9), "elp6_frame", solver="fast", tolerance=1e-10)
+        with mock.patch.object(self.scaling.isosyrk, "integrator", lambda *_, **options: Method()):
+            longest = 0.1
+            found = self.scaling.states_of(9, (5.0,))[5.0]
+            self.assertEqual(calls, [0.25, 0.125, 0.0625])
+            self.assertLess(isosyrk.relative_error(found, expected), 1e-7)
+            longest = 0.0
+            told = "^states at n = 9: elp6_frame fails with h = 0.0312 too$"
+            with self.assertRaisesRegex(study.Stop, told) as caught:
+                self.scaling.states_of(9, (5.0,))
+            self.assertEqual(caught.exception.status, NO_ANSWER)
+
+    def test_forms_with_a_memory_are_warm_when_the_timed_steps_start(self):
+        for changes, memory in (({}, True), ({"rung": "without bands"}, True), ({"rung": "without predictor"}, True),
+                                ({"rung": "published"}, False), ({"rung": "without any"}, False),
+                                ({"integrator": "rk4", "explicit": True}, False)):
+            point = self.point(**changes)
+            with self.subTest(changes=changes):
+                self.assertEqual((self.scaling.has_memory(point), self.scaling.warm_steps(point)),
+                                 (memory, 15 if memory else 0))
+                self.assertAlmostEqual(self.scaling.begin_of(point) + point["step"] * self.scaling.warm_steps(point),
+                                       point["start"])
+        # And that is worth it: cold, the same steps take more products.
+        states = self.scaling.states_of(17, (3.5, 5.0))
+        warm = self.scaling.count(self.point(), states[3.5])
+        with mock.patch.object(self.scaling, "warm_steps", lambda point: 0):
+            cold = self.scaling.count(self.point(), states[5.0])
+        self.assertGreater(cold["equivalent_products"], 1.2 * warm["equivalent_products"])
+
+    def test_a_step_that_fails_has_no_counts(self):
+        W = self.scaling.states_of(17, (5.0,))[5.0]
+        self.assertIsNone(self.scaling.count(self.point(rung="published", step=50.0), W))
+        self.assertEqual(self.scaling.record(self.point(), None, []).seconds, [])
+
+    def test_repetitions_begin_at_the_same_state(self):
+        begun = []
+        W = self.scaling.states_of(17, (3.5,))[3.5]
+        timer = self.scaling.Timer({17: {"3.5": self.scaling.encoded(W)}}, mock.Mock())
+        with mock.patch.object(study, "seconds_of", lambda method, W, h, steps, warmup: begun.append(
+                (W.tobytes(), h, steps, warmup)) or 1.0):
+            self.assertEqual([timer(self.point()) for _ in range(3)], [1.0] * 3)
+        self.assertEqual(len(set(begun)), 1)
+        self.assertEqual(begun[0][1:], (0.1, 8, 15))
+
+    def test_memory_is_that_of_no_larger_n(self):
+        journal = mock.Mock(found={}, key_of_timed=lambda what, n: n, add=lambda key, value: journal.found.update(
+            {key: value}))
+        timer, peaks = self.scaling.Timer({}, journal), iter((1000, 2000, 3000))
+        usage = mock.Mock(side_effect=lambda who: SimpleNamespace(ru_maxrss=next(peaks)))
+        with mock.patch.object(self.scaling.resource, "getrusage", usage):
+            for n in (129, 257, 513, 129, 257, 513):
+                timer.look_at_memory(n)
+        self.assertEqual([timer.memory(n) for n in (129, 257, 513)], [None, 1000 * 1024, 3000 * 1024])
+
+    def test_what_is_timed_at_large_n(self):
+        entries = self.scaling.entries_asked_for(self.options())
+        points = self.scaling.points_of(entries, self.scaling.SIZES, lambda n: "eigen")
+        found = {n: {(each["integrator"], each["rung"]) for each in points if each["n"] == n}
+                 for n in self.scaling.SIZES}
+        self.assertEqual(found[1025], {("group2_frame", "fast"), ("elp4_frame", "fast")})
+        self.assertEqual({each["start"] for each in points if each["n"] == 1025}, {5.0})
+        self.assertEqual(len(found[513]), 6)
+        steps = {(each["n"], each["integrator"]): each["step"] for each in points if each["n"] >= 257}
+        self.assertEqual([(steps[n, "group2_frame"], steps[n, "elp4_frame"]) for n in (257, 513, 1025)],
+                         [(0.1, 0.25), (0.05, 0.125), (0.025, 0.0625)])
+        self.assertEqual({(self.scaling.warm_steps(each), self.scaling.begin_of(each)) for each in points
+                          if each["n"] == 1025}, {(15, 4.625), (6, 4.625)})
+        self.assertEqual(found[257], {(name, rung) for name in scaling_table.LINES for rung in scaling_table.BASIC})
+        self.assertEqual({name for name, _ in found[129]}, {entry.name for entry in entries})
+        self.assertLess(found[129], found[65])
+
+    def test_short_memory_leaves_out_the_largest_n_and_tells(self):
+        for free, largest, told in ((1e12, 1025, 0), (1e9, 513, 1)):
+            with mock.patch.object(self.scaling, "free_memory", lambda: free), \
+                    mock.patch.object(self.scaling, "say") as say:
+                self.assertEqual(max(self.scaling.sizes_asked_for(self.options())), largest)
+                self.assertEqual(say.call_count, told)
+        self.assertEqual(max(self.scaling.sizes_asked_for(self.options(no_large=True))), 129)
+        self.assertGreater(self.scaling.free_memory(), 1e6)
+
+    def test_two_threads_want_two_cores(self):
+        for cores, expected, told in (({0, 1}, [65, 129], 0), ({0}, [], 1)):
+            with mock.patch("os.sched_getaffinity", lambda process: cores), \
+                    mock.patch.object(self.scaling, "say") as say:
+                self.assertEqual(self.scaling.thread_sizes(self.options(), [17, 65, 129]), expected)
+                self.assertEqual(say.call_count, told)
+
+    def test_threads_are_timed_in_turns_after_a_warm_up(self):
+        W = self.scaling.states_of(9, (5.0,))[5.0]
+        path = self.path("state.npy")
+        self.scaling.numpy.save(path, W)
+        made, real = [], self.scaling.isosyrk.integrator
+
+        def integrator(*arguments, threads=1, **options):
+            made.append(threads)
+            return real(*arguments, threads=threads, **options)
+
+        (block,) = self.scaling.thread_blocks(study.entries(["group2_frame"]), [9])
+        with mock.patch.object(self.scaling.isosyrk, "integrator", integrator):
+            seconds = self.scaling.time_threads({**block, "process": 0, "state": path})
+        self.assertEqual((sorted(made[:2]), sorted(made[2:])), ([1, 2], [1, 2]))
+        self.assertTrue(all(1e-7 < each < 1 for each in seconds), seconds)
+
+    def test_further_processes(self):
+        clear, level = [2.0, 2.01, 1.99, 2.0, 2.02, 1.98], [1.0] * 6
+        for one, two, expected in (([], [], 6), (clear, level, 0), (level, [0.9, 1.2, 0.8, 1.1, 1.3, 0.7], 2)):
+            found = self.scaling.further_processes(8, {"one": one, "two": two})
+            self.assertEqual(found, {"one": expected, "two": expected})
+        self.assertEqual(self.scaling.further_processes(2, {"one": [], "two": []})["one"], 2)
 
 
 class Refusals(StudyTest):
@@ -352,6 +496,9 @@ class Refusals(StudyTest):
                 ("scaling", ("--n", "4"), "--n", "5 to 513"), ("scaling", ("--workers", "0"), "--workers"),
                 ("scaling", ("--scheduler", "here"), "--scheduler", "'here'"), ("scaling", ("--scale",), "--scale"),
                 ("scaling", ("--out", self.folder), "--out", self.folder),
+                ("scaling", ("--integrator", "euler"), "'euler'", "rkmk4"),
+                ("scaling", ("--processes", "0"), "--processes"), ("scaling", ("--n", "1025"), "--n", "5 to 513"),
+                ("scaling", ("--repetitions", "none"), "--repetitions"),
                 ("limits", ("--scene", "calm"), "calm", "smooth"), ("limits", ("--solver", "slow"), "--solver"),
                 ("accuracy", ("--integrator", "euler"), "'euler'", "rkmk4"),
                 ("references", ("--integrator", "rk4"), "--integrator"),

@@ -173,12 +173,13 @@ class ByProcesses(FolderTest):
     def told(self, line, **_):
         self.told_lines.append(line)
 
-    def by_processes(self, further, disturbances=(), fails=False):
+    def by_processes(self, further, disturbances=(), fails=False, cores=None):
         """Returns the seconds and the journal's context. `disturbances` are those of the first runs."""
         disturbances = iter(disturbances)
 
         def run_on(core, told, stdout, stderr):
             block, process = told
+            self.ran_on = core
             self.runs.append((block["scene"], tuple(block["rows"]), process))
             if fails:
                 stderr.write(b"a long story\nno such scene\n")
@@ -192,7 +193,8 @@ class ByProcesses(FolderTest):
         options = types.SimpleNamespace(out=self.path("raw.json"))
         journal = study.Journal("made up", options, lambda: {"commit": "1"})
         with mock.patch("lib.fresh_process.run_on", run_on):
-            return study.by_processes(self.BLOCKS, lambda *told: told, further, journal, "timing"), journal.context
+            found = study.by_processes(self.BLOCKS, lambda *told: told, further, journal, "timing", cores)
+        return found, journal.context
 
     @staticmethod
     def until(counts):
@@ -205,6 +207,13 @@ class ByProcesses(FolderTest):
         self.assertEqual(self.runs, [("first", ("a", "b"), 0), ("second", ("b",), 0), ("first", ("b",), 1),
                                      ("second", ("b",), 1)])
         self.assertEqual(context["timed_on"], f"core {max(os.sched_getaffinity(0))}")
+
+    def test_processes_have_the_last_core_or_those_that_are_named(self):
+        self.by_processes(self.until({"a": 1, "b": 1}))
+        self.assertEqual(self.ran_on, {max(os.sched_getaffinity(0))})
+        _, context = self.by_processes(self.until({"a": 2, "b": 2}), cores={3, 5})
+        self.assertEqual((self.ran_on, context["timing_timed_on"]), ({3, 5}, "cores 3, 5"))
+        self.assertNotIn("timed_on", context)
 
     def test_further_processes_are_asked_for_only_when_the_last_ones_are_done(self):
         asked = []
