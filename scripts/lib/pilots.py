@@ -19,9 +19,9 @@ from lib.formats import CONVERGED, FAST, UNSTABLE, read_text
 from lib.messages import UnusableFile, one_line
 from lib.command_line import number, whole_number
 from lib.integrator_names import FRAME
-from lib.pilot_planner import STOPPED, TOO_DEAR, Planner
+from lib.pilot_planner import STOPPED, TOO_DEAR, Planner, invariants_lost
 from lib.recommendation import MOST_OFFERED, Question, answer_data
-from lib.trials import Setting, invariants_lost
+from lib.trials import Setting
 
 REFERENCES = ("group6", "group5")
 CANDIDATES = ("rk4", "magnus5", "elp4", "elp6", "rk4_projected", "group3", "group4", "rkmk4", "group5", "group2",

@@ -43,6 +43,7 @@ NOT_OF_THE_STUDY = ("out", "scheduler", "workers", "repetitions", "processes")  
 MOST_LOSSES = 3  # of workers, without a job finished between
 LOST = "a worker was lost; its jobs are done again"
 ENOUGH_TIMED = 0.6  # CPU seconds of timed work on a point, after which it is repeated no more
+WARM_STEPS = 32  # untimed, of a method with a predictor, which knows 24 past steps at most (core/solver/tuning.h)
 LEAST_SECONDS = 0.01  # that a repetition fills with runs, so that clock and interruptions do not weigh
 
 

@@ -92,6 +92,11 @@ def loss(W, W0, energy_lost, isospectral):
     return UNSTABLE_ENERGY if energy_lost else CONVERGED
 
 
+def finite(error):
+    """Returns an error, or None where it is NaN or beyond all measure: what blew up has no error."""
+    return error if error <= LARGEST else None
+
+
 def larger(first, second):
     """Returns the larger number, or NaN if one of them is."""
     return float(numpy.maximum(first, second))

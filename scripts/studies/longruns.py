@@ -85,7 +85,6 @@ STEPS_AT_EQUAL_COST = {
 # What is timed: a stretch from the state at MIDWAY, or from half the run if that is sooner.
 MIDWAY, MIDWAY_STEP, MIDWAY_INTEGRATOR = 100.0, 0.25, "elp6_frame"
 STRETCH = 2.0  # units of time
-WARM_UP = 12  # untimed steps, after which a predictor knows enough past steps
 REPETITIONS = 5
 
 
@@ -186,7 +185,7 @@ def time_one(point):
     scene, W = midway(point["scene"], point["n"])
     method = isosyrk.integrator(scene, point["integrator"], solver=FAST, tolerance=point["tolerance"])
     steps = math.ceil(STRETCH / point["step"])
-    (seconds,) = method.timed_run(W, point["step"], steps, repetitions=1, warmup=WARM_UP)
+    (seconds,) = method.timed_run(W, point["step"], steps, repetitions=1, warmup=study.WARM_STEPS)
     return seconds / (steps * point["step"])
 
 

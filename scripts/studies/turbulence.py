@@ -31,7 +31,7 @@ from lib.turbulence_files import (LOOSE, METHOD, PRACTICE, PRACTICE_INTEGRATOR, 
 SIZES, QUICK_SIZES = (33, 65, 129), (33,)
 REFERENCE_METHOD = Setting("elp6", 0.25, 1e-10)
 REPETITIONS = 5  # of timed steps, in turns
-WARM_STEPS, TIMED_STEPS = 20, 50  # warm: the longest predictor has its past steps
+TIMED_STEPS = 50
 
 # Steps of each method, up to where it fails. Nothing is in the co-rotating frame: the data have no part with l = 1, so
 # that it would change nothing.
@@ -132,7 +132,7 @@ def count(point):
 def time_one(point):
     """Returns the CPU seconds of TIMED_STEPS steps of a point, after WARM_STEPS from its developed state."""
     method, W = begun(point)
-    return method.timed_run(W, point["step"], TIMED_STEPS, repetitions=1, warmup=WARM_STEPS)[0]
+    return method.timed_run(W, point["step"], TIMED_STEPS, repetitions=1, warmup=study.WARM_STEPS)[0]
 
 
 # ---- the study

@@ -12,7 +12,7 @@ from lib import pilot_planner
 from lib.command_line import Stop
 from lib.formats import CONVERGED, Integrator
 from lib.pilot_planner import (AIM, BELOW_FAILURE, ENOUGH, FARTHEST, FIRST_TIME, MOST_KEPT, MOST_TRIES, MOST_UNTRIED,
-                               SHARP, STOPPED, Planner, even, refinement)
+                               SHARP, STOPPED, Planner, even, invariants_lost, refinement)
 from lib.recommendation import Question
 
 FAILED = "diverged"
@@ -49,6 +49,22 @@ def drive(generator, answer):
             steps = generator.send(answer(steps))
     except StopIteration as end:
         return asked, end.value
+
+
+class Losses(unittest.TestCase):
+    # A loss that a pilot does not survive, and one that it does, of each invariant.
+    LOSSES = {"spectrum_error": (1.1e-8, 9e-9), "skew_defect": (1.1e-8, 9e-9), "energy_error": (1.1, 0.9)}
+
+    def test_each_invariant_that_is_lost_ends_a_pilot(self):
+        for name, (lost, kept) in self.LOSSES.items():
+            for loss, fails in ((lost, True), (kept, False), (math.nan, True)):
+                with self.subTest(name=name, loss=loss):
+                    errors = {**dict.fromkeys(self.LOSSES, 0.0), name: loss}
+                    self.assertEqual(invariants_lost(errors, isospectral=True), fails)
+        # Others than isospectral methods may lose a tenth of the spectrum.
+        for loss, fails in ((0.09, False), (0.11, True)):
+            errors = {**dict.fromkeys(self.LOSSES, 0.0), "spectrum_error": loss}
+            self.assertEqual(invariants_lost(errors, isospectral=False), fails)
 
 
 class Steps(unittest.TestCase):
