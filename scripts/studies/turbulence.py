@@ -122,7 +122,7 @@ def count(point):
     """Returns the equivalent products of a step of a point, or None where a step fails."""
     method, W = begun(point)
     try:
-        W, _ = method.run(W, point["step"], WARM_STEPS)
+        W, _ = method.run(W, point["step"], study.WARM_STEPS)
         _, report = method.run(W, point["step"], TIMED_STEPS)
     except isosyrk.SolverError:
         return None
