@@ -28,10 +28,13 @@ std::optional<double> measured_limit(std::string_view integrator, Solver solver,
   for (const Limit& limit : limits) {
     if (limit.integrator != integrator || limit.solver != solver) continue;
     if (limit.n == n) return limit.h_norm_B;
-    if (limit.n > n) return below ? std::min(*below, limit.h_norm_B) : limit.h_norm_B;
+    if (limit.n > n) {
+      if (!below) return {};
+      return std::min(*below, limit.h_norm_B);
+    }
     below = limit.h_norm_B;
   }
-  return below;
+  return {};
 }
 
 }  // namespace isosyrk

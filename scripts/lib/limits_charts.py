@@ -8,7 +8,7 @@ from matplotlib.ticker import FixedLocator, NullLocator
 from lib.chart_panels import draw_line, extended, key, label_ends, logarithmic, look, new_figure, note
 from lib.charts import label_sizes
 from lib.comparison import three_digits
-from lib.formats import CONVERGED, FAST, LOSSES, PUBLISHED, SWEEP_CAP
+from lib.formats import CONVERGED, FAST, NOT_FINITE, PUBLISHED, SWEEP_CAP, UNSTABLE_ENERGY, UNSTABLE_SPECTRUM
 from lib.integrator_names import in_frame
 
 # At most seven a panel.
@@ -17,13 +17,14 @@ DRAWN = {PUBLISHED: ("group2", "algebra1", "algebra2", "elp4", "rkmk4", "magnus5
 TITLES = {PUBLISHED: "published forms", FAST: "fast forms"}
 WITH_THEORY = ("group2", "algebra1", "rk4")
 THEORY = {"linewidth": 1.0, "linestyle": (0, (4, 3))}
-EXAMPLE = (PUBLISHED, "smooth", "algebra1")
-COLOURS = {CONVERGED: "#d3e4f3", SWEEP_CAP: "#eda63a", "stagnated": "#cc6a36", "diverged": "#8f2f2f",
-           **dict.fromkeys(LOSSES, "#33184a")}
+SCENE = "smooth"
+EXAMPLE = (PUBLISHED, SCENE, "algebra1")
+COLOURS = {CONVERGED: "#dfeaf5", SWEEP_CAP: "#f0b95c", "stagnated": "#cc6a36", "diverged": "#8f2f2f",
+           UNSTABLE_ENERGY: "#8fa3c8", UNSTABLE_SPECTRUM: "#55489a", NOT_FINITE: "#1d0f33"}
 
 
 def critical_steps(limits):
-    """Draws the least critical h‖B(W₀)‖₂ over scenes and states against n. None without two n."""
+    """Draws the critical h‖B(W₀)‖₂ from the smooth scene's own initial data against n. None without two n."""
     lines = {solver: {name: points for name in names if len(points := line_of(limits, solver, name)) > 1}
              for solver, names in DRAWN.items()}
     lines = {solver: found for solver, found in lines.items() if found}
@@ -46,31 +47,30 @@ def critical_steps(limits):
     for axes, found in zip(panels, lines.values()):
         label_ends(axes, [(extended(points, sizes[-1]), name, look(limits.integrators[name])["color"])
                           for name, points in found.items()])
-    note(figure, "The least over scenes and initial states that were tried at each n. Dotted: in the co-rotating frame,"
-         " told by the norm of the flow without it. Dashed: linear theory, the smooth scene's B frozen at W₀, of"
-         " iterations and of RK4's step.")
+    note(figure, "Smooth scene, its own initial data. Dotted: in the co-rotating frame, where ‖B‖ is still that of the"
+         " flow without it. Dashed: linear theory, with B frozen at W₀, of iterations and of RK4's step.")
     return figure
 
 
 def line_of(limits, solver, name):
-    points = [(n, limits.critical(solver, n, name)) for n in limits.sizes(solver)]
+    points = [(n, limits.own(solver, SCENE, n, name)) for n in limits.sizes(solver)]
     return [(n, value) for n, value in points if value]
 
 
 def theory_of(limits, name):
-    return sorted((n, limit) for (scene, n, each), limit in limits.theory.items() if (scene, each) == ("smooth", name))
+    return sorted((n, limit) for (scene, n, each), limit in limits.theory.items() if (scene, each) == (SCENE, name))
 
 
 def title(limits):
-    """Returns how far apart methods fail at the largest n at which the fast forms of the first and last line were
-    tried."""
-    n = max((n for n in limits.sizes(FAST) if limits.critical(FAST, n, "elp4_frame")
-             and limits.critical(FAST, n, "group2")), default=None)
+    """Returns how far apart fast methods fail at the largest n where both of the title were tried."""
+    def critical(n):
+        return [limits.own(FAST, SCENE, n, name) for name in ("elp4_frame", "group2_frame")]
+
+    n = max((n for n in limits.sizes(FAST) if all(critical(n))), default=None)
     if n is None:
         return "Critical step against n"
-    longest, gauss = (limits.critical(FAST, n, name) for name in ("elp4_frame", "group2"))
-    return (f"At n = {n} fast elp4_frame works up to h‖B‖₂ = {three_digits(longest)}, fast group2 up to"
-            f" {three_digits(gauss)}")
+    longest, gauss = map(three_digits, critical(n))
+    return f"At n = {n} fast elp4_frame works up to h‖B‖₂ = {longest}, fast group2_frame up to {gauss}"
 
 
 def failure_map(limits):

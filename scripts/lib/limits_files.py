@@ -1,6 +1,6 @@
 """The raw file of scripts/studies/limits.py: up to which step size each integrator works, and how it fails beyond.
 
-Step sizes are told by h‖B(W₀)‖₂ of the flow without co-rotating frame, at the initial data W₀ of a state. The critical
+Step sizes are given as h‖B(W₀)‖₂ of the flow without co-rotating frame, at the initial data W₀ of a state. The critical
 step is where trials to T = 5 begin to fail, the safe step where trials to T = 50 do.
 """
 
@@ -93,20 +93,18 @@ SCHEMA = Schema("limits", Settings, {"integrators": Integrator, "states": State,
 
 
 class Line(NamedTuple):
-    """The limits of one form of an integrator in one scene at one n, over its states."""
+    """The limits of one form of an integrator in one scene at one n, over its states; the first is the scene's own."""
 
     limits: Tuple[Limit, ...]
 
     @property
     def least(self):
-        """The least critical h‖B‖₂ over the states; None where a state has none."""
-        found = [limit.works for limit in self.limits]
-        return None if None in found else min(found)
+        """The least critical h‖B‖₂ over the states that have one; None if none has."""
+        return min((limit.works for limit in self.limits if limit.works), default=None)
 
     @property
     def largest(self):
-        found = [limit.works for limit in self.limits]
-        return None if None in found else max(found)
+        return max((limit.works for limit in self.limits if limit.works), default=None)
 
     @property
     def fails_as(self):
@@ -143,31 +141,36 @@ class Limits(NamedTuple):
         found = {name for each, _, _, name in self.lines if each == solver}
         return [name for name in self.integrators if name in found]
 
-    def critical(self, solver, n, name):
-        """Returns the least critical h‖B‖₂ over scenes and states; None where nothing is known or nothing failed."""
-        found = [line.least for (by, _, at, each), line in self.lines.items() if (by, at, each) == (solver, n, name)]
-        return None if not found or None in found else min(found)
+    def own(self, solver, scene, n, name):
+        """Returns the critical h‖B‖₂ from a scene's own initial data; None where nothing is known or nothing failed."""
+        line = self.lines.get((solver, scene, n, name))
+        return line and line.limits[0].works
 
     def safe_and_critical(self):
         """Returns the Safe and the Limit of the same state, for each Safe."""
         return [(safe, self.lines[key].limits[0]) for key, safe in self.safe.items()]
+
+    def held(self, safe):
+        """Returns the h‖B‖₂ of a Safe, or the least critical one of the drawn states where that is less."""
+        return min(safe.works, self.lines[safe.solver, safe.scene, safe.n, safe.integrator].least or safe.works)
 
     def least_safe(self):
         """Returns the least safe h‖B‖₂ over scenes by (integrator, solver, n), n rising within a form."""
         found = {}
         for (solver, _, n, name), safe in self.safe.items():
             key = (name, solver, n)
-            found[key] = min(safe.works, found.get(key, safe.works))
+            found[key] = min(self.held(safe), found.get(key, safe.works))
         order = list(self.integrators)
         return {key: found[key] for key in sorted(found, key=lambda key: (order.index(key[0]), key[1], key[2]))}
 
     def safe_around(self, solver, scene, n, name):
-        """Returns the safe h‖B‖₂ in a scene at the recorded n on both sides of n, the lesser one; None where n is
-        beyond them."""
-        known = {at: safe.works for (by, where, at, each), safe in self.safe.items()
+        """Returns the safe h‖B‖₂ in a scene at the recorded n on both sides of n, the lesser one, or at the nearest
+        recorded n. None where the form has none in the scene."""
+        known = {at: self.held(safe) for (by, where, at, each), safe in self.safe.items()
                  if (by, where, each) == (solver, scene, name)}
         below, above = [at for at in known if at <= n], [at for at in known if at >= n]
-        return min(known[max(below)], known[min(above)]) if below and above else None
+        around = [max(below, default=None), min(above, default=None)]
+        return min((known[at] for at in around if at), default=None)
 
 
 def read_limits(path=RECORDED):
@@ -180,12 +183,16 @@ def limits_of(study):
     if not tables["limits"]:
         raise UnusableFile("has no limits")
     rows = {}
+    integrators, states = keyed(tables["integrators"], "name"), keyed(tables["states"], "scene", "n", "state")
     for limit in tables["limits"]:
+        if limit.integrator not in integrators or (limit.scene, limit.n, limit.state) not in states:
+            raise UnusableFile(f"has limits of {limit.integrator} from a state that it does not list")
         if not set(limit.grid) <= set(NAMES):
             raise UnusableFile(f"has a grid with unknown outcomes: {limit.grid}")
         rows.setdefault((limit.solver, limit.scene, limit.n, limit.integrator), []).append(limit)
-    return Limits(study.context, study.settings, keyed(tables["integrators"], "name"),
-                  keyed(tables["states"], "scene", "n", "state"),
-                  {key: Line(tuple(found)) for key, found in rows.items()},
-                  keyed(tables["safe"], "solver", "scene", "n", "integrator"),
+    safe = keyed(tables["safe"], "solver", "scene", "n", "integrator")
+    if not safe.keys() <= rows.keys():
+        raise UnusableFile("has safe steps without critical ones")
+    return Limits(study.context, study.settings, integrators, states,
+                  {key: Line(tuple(found)) for key, found in rows.items()}, safe,
                   {(each.scene, each.n, each.integrator): each.limit for each in tables["theory"]})

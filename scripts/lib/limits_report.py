@@ -10,7 +10,11 @@ from lib.numbers import span
 
 CHARTS = {"limits": "Critical h‖B(W₀)‖₂ against n, published and fast forms.",
           "failure_map": "How steps of published `algebra1` end, smooth scene."}
-CAP, ISLAND = "*", "°"
+CAP, ISLAND, NONE = "*", "°", "none"
+# Whose critical steps pages may quote.
+QUOTED = ("group1", "group2", "group3", "algebra1", "algebra2", "algebra3", "elp4", "elp6", "rkmk4", "magnus5",
+          "rk4_projected", "rk4", "group2_frame", "group3_frame", "elp4_frame", "elp6_frame", "magnus5_frame",
+          "rk4_frame")
 FORMS = {PUBLISHED: "Published forms", FAST: "Fast forms"}
 
 
@@ -26,14 +30,16 @@ def sections(limits, charts):
                   " more than a tenth. The critical step is the first failure on a grid of steps, each"
                   f" {settings.grid_step:.3g} times the one before, narrowed to {settings.close:.3g}. The safe step is"
                   f" the same to T = {settings.safe_time:g}, narrowed to {settings.safe_close:.3g}."),
-        Paragraph("Steps are told by h‖B(W₀)‖₂ of the flow without co-rotating frame, also for methods in the frame."
-                  " A range is that over initial states: the scene's own and drawn ones. Tolerance 1e-13."
+        Paragraph("Step sizes are given as h‖B(W₀)‖₂ of the flow without co-rotating frame, also for methods in the"
+                  " frame; tables show the step that still works. A range is that over initial states: the scene's own"
+                  " and drawn ones. Tolerance 1e-13."
                   f' "{CAP}": a state fails at the cap of sweeps, which sets the limit. "{ISLAND}": a longer step works'
-                  f' again beyond a failure. "{MISSING}": not tried, or nothing failed.'),
+                  f' again beyond a failure. "{NONE}": no step that was tried works. "{MISSING}": not tried.'),
         *shown(list(CHARTS.items()), charts),
         *safe_step_section(limits),
         *(part for solver in FORMS if limits.sizes(solver) for part in critical_sections(limits, solver)),
         *(part for solver in FORMS for part in safe_sections(limits, solver)),
+        *coverage_section(limits),
         *states_section(limits),
         conditions(limits.context),
     ]
@@ -57,8 +63,10 @@ def critical_sections(limits, solver):
 
 def range_text(line):
     """Returns the range of critical h‖B‖₂ over states, with its marks."""
-    if line is None or line.least is None:
+    if line is None:
         return MISSING
+    if line.least is None:
+        return NONE
     return (span([line.least, line.largest], three_digits) + CAP * line.set_by_cap + ISLAND * line.has_island)
 
 
@@ -107,6 +115,20 @@ def safe_step(limits, solver, scene, n, name):
     return safe and safe.works / limits.states[scene, n, 0].norm_B
 
 
+def coverage_section(limits):
+    """Returns what was tried: for each solver, n and scene the integrators by how many states they have."""
+    counts = {}
+    for (solver, scene, n, _), line in limits.lines.items():
+        place = counts.setdefault((solver, n, scene), {})
+        place[len(line.limits)] = place.get(len(line.limits), 0) + 1
+    safe = [(solver, n, scene) for solver, scene, n, _ in limits.safe]
+    rows = [[solver, str(n), scene, str(integrators), str(states), str(safe.count((solver, n, scene)))]
+            for (solver, n, scene), place in sorted(counts.items()) for states, integrators in sorted(place.items())]
+    columns = (Column("forms", align="left"), Column("n"), Column("scene", align="left"), Column("integrators"),
+               Column("states of each"), Column("safe steps in this scene"))
+    return [Heading("What was tried"), plain_table(columns, rows)]
+
+
 def states_section(limits):
     rows = [[state.scene, str(state.n), "own" if state.state == 0 else str(state.state), three_digits(state.norm_B),
              three_digits(state.norm_ad_B)] for state in limits.states.values()]
@@ -115,20 +137,16 @@ def states_section(limits):
 
 
 def figures(limits):
-    """Returns figures by key, such as critical.fast.group2.n65.least and safe_step.fast.smooth.group2.n65.
+    """Returns figures by key, such as critical.fast.smooth.group2.n65.least and safe_step.fast.smooth.group2.n65.
 
-    Critical values are h‖B(W₀)‖₂, least and largest over scenes and states; safe steps are h. Then counts, and the
+    Critical values are h‖B(W₀)‖₂, least and largest over the states of a scene; safe steps are h. Then counts, and the
     spread of a limit over states: largest over least, as its median over all lines of several states.
     """
     found = {}
-    for solver in FORMS:
-        for name in limits.names(solver):
-            for n in limits.sizes(solver):
-                lines = [line for key, line in limits.lines.items() if (key[0], key[2], key[3]) == (solver, n, name)]
-                if lines and all(line.least for line in lines):
-                    key = f"critical.{solver}.{name}.n{n}"
-                    found[f"{key}.least"] = min(line.least for line in lines)
-                    found[f"{key}.largest"] = max(line.largest for line in lines)
+    for (solver, scene, n, name), line in limits.lines.items():
+        if name in QUOTED and line.least:
+            key = f"critical.{solver}.{scene}.{name}.n{n}"
+            found |= {f"{key}.least": line.least, f"{key}.largest": line.largest}
     for solver, scene, n, name in limits.safe:
         found[f"safe_step.{solver}.{scene}.{name}.n{n}"] = safe_step(limits, solver, scene, n, name)
     every = list(limits.lines.values())

@@ -1,6 +1,6 @@
 """Whether a step size works, tried on some steps, and the largest that does.
 
-A trial is a run from initial data with one step size, which is told by h‖B(W₀)‖₂ of the flow without co-rotating frame.
+A trial is a run from initial data with one step size, given as h‖B(W₀)‖₂ of the flow without co-rotating frame.
 It fails by its solver, or it is unstable: what it conserves did not stay. Needs NumPy and isosyrk.
 """
 
@@ -28,7 +28,7 @@ CLOSE, SAFE_CLOSE = 1.03, 1.10  # bisection ends where the failing step is so ma
 
 
 class Setting:
-    """A scene, with what step sizes are told by."""
+    """A scene, with the norms that a step size is multiplied with and the energy that it begins with."""
 
     def __init__(self, scene):
         self.scene = scene

@@ -50,8 +50,10 @@ class Plan(NamedTuple):
 def plans(quick):
     """Returns the Plans of the study. A form is in one Plan at each n.
 
-    The dearer a trial, the fewer: at n = 33 methods that are not in MAIN, and from n = 65 on those that are not among
-    the SIX, have the scene's own state only. Published forms in the co-rotating frame are not tried.
+    All trials of all forms would take days. At n = 33 methods outside MAIN, and published forms outside Table 1 that
+    are not explicit, have the smooth scene's own state only. At n = 65 published forms of Table 1 and methods of MAIN have
+    each scene's own state, and fast forms of the SIX all states. Beyond, the SIX and published forms of Table 1 on
+    fewer scenes. Published forms in the co-rotating frame are not tried.
     """
     if quick:
         return [Plan(solver, (9, 17), QUICK, (SMOOTH,), 2, QUICK) for solver in SOLVERS]
@@ -63,7 +65,8 @@ def plans(quick):
             Plan(PUBLISHED, (33,), cells, safe=cells),
             Plan(PUBLISHED, (33,), without(cells, plain), (SMOOTH,), 1),
             Plan(PUBLISHED, (65,), TABLE1_CELLS, states=1),
-            Plan(PUBLISHED, (129,), without(COTANGENT, TABLE1_CELLS), (SMOOTH,), 1),  # whose limits are group's
+            # Cotangent has group's limits, to bisection, at n = 17 and 33.
+            Plan(PUBLISHED, (129,), without(COTANGENT, TABLE1_CELLS), (SMOOTH,), 1),
             Plan(FAST, (17,), fast, safe=fast),
             Plan(FAST, (33,), MAIN, safe=MAIN),
             Plan(FAST, (33,), without(MAIN, fast), (SMOOTH,), 1),

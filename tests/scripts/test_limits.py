@@ -7,7 +7,7 @@ from limits_documents import CLOSE, CRITICAL, NORM_B, SIZES, limits_study, write
 
 from lib.document import as_markdown
 from lib.formats import FAST, PUBLISHED
-from lib.limits_files import LETTERS, limits_of
+from lib.limits_files import LETTERS, OUTCOMES, limits_of
 from lib.limits_report import figures, sections
 from lib.messages import UnusableFile
 
@@ -18,30 +18,44 @@ class RawFiles(unittest.TestCase):
         study.tables["limits"][0] = study.tables["limits"][0]._replace(grid="++?")
         with self.assertRaisesRegex(UnusableFile, "unknown outcomes"):
             limits_of(study)
-        study.tables["limits"] = []
-        with self.assertRaisesRegex(UnusableFile, "no limits"):
-            limits_of(study)
+        for table, kept, told in (("limits", 0, "no limits"), ("states", 1, "a state that it does not list"),
+                                  ("integrators", 1, "limits of"), ("limits", 1, "safe steps without critical ones")):
+            study = limits_study()
+            study.tables[table] = study.tables[table][:kept]
+            with self.subTest(table=table), self.assertRaisesRegex(UnusableFile, told):
+                limits_of(study)
 
     def test_every_outcome_has_a_letter_of_its_own(self):
-        self.assertEqual(len(set(LETTERS.values())), len(LETTERS))
+        self.assertEqual(set(LETTERS), set(OUTCOMES))
+        self.assertEqual(len(set(LETTERS.values())), len(OUTCOMES))
 
 
 class Questions(unittest.TestCase):
     def setUp(self):
         self.limits = limits_of(limits_study())
 
-    def test_the_least_over_states_and_scenes(self):
-        self.assertAlmostEqual(self.limits.critical(PUBLISHED, 9, "group2"), 1.5)
-        self.assertAlmostEqual(self.limits.critical(FAST, 17, "group2"), 4.5)
-        self.assertIsNone(self.limits.critical(PUBLISHED, 9, "elp4_frame"))
+    def test_the_own_state_and_the_range_over_states(self):
+        self.assertAlmostEqual(self.limits.own(PUBLISHED, "smooth", 9, "group2"), 1.5)
+        line = self.limits.lines[FAST, "smooth", 17, "group2"]
+        self.assertAlmostEqual(line.least, 4.5)
+        self.assertAlmostEqual(line.largest, 4.95)
+        self.assertIsNone(self.limits.own(PUBLISHED, "smooth", 9, "elp4_frame"))
 
     def test_safe_steps_around_an_n(self):
         around = self.limits.safe_around
-        self.assertAlmostEqual(around(FAST, "smooth", 9, "rk4"), 0.96)
-        self.assertAlmostEqual(around(FAST, "smooth", 13, "rk4"), 0.96)  # the lesser one
-        self.assertAlmostEqual(around(FAST, "smooth", 17, "rk4"), 1.44)
-        for unknown in (("smooth", 33, "rk4"), ("smooth", 5, "rk4"), ("rough", 9, "rk4"), ("smooth", 9, "rkmk4")):
+        for n, expected in ((5, 0.96), (9, 0.96), (13, 0.96), (17, 1.44), (33, 1.44)):  # the lesser, the nearest one
+            self.assertAlmostEqual(around(FAST, "smooth", n, "rk4"), expected)
+        for unknown in (("rough", 9, "rk4"), ("smooth", 9, "rkmk4")):
             self.assertIsNone(around(FAST, *unknown))
+
+    def test_a_safe_step_is_no_longer_than_what_drawn_states_bear(self):
+        study = limits_study()
+        study.tables["limits"] = [limit._replace(works=0.5) if limit.state == 1 and limit.integrator == "rk4" else limit
+                                  for limit in study.tables["limits"]]
+        limits = limits_of(study)
+        self.assertEqual(limits.safe_around(FAST, "smooth", 9, "rk4"), 0.5)
+        self.assertEqual(limits.least_safe()["rk4", FAST, 9], 0.5)
+        self.assertAlmostEqual(limits.safe_around(FAST, "smooth", 9, "group2"), 2.4)
 
     def test_least_safe_is_in_the_order_of_the_list_and_of_n(self):
         keys = [key for key in self.limits.least_safe() if key[1] == FAST]
@@ -63,14 +77,24 @@ class Report(unittest.TestCase):
         self.assertEqual(self.row("algebra1", "Published forms: critical")[1], "1.20 to 1.32*")
         self.assertEqual(self.row("elp4_frame", "Fast forms: critical")[1], "10.0 to 11.0°")
 
+    def test_a_form_of_which_no_step_works_and_one_that_was_not_tried(self):
+        study = limits_study()
+        study.tables["limits"] = [limit._replace(works=None, fails=None, fails_as=None, grid="dddd")
+                                  if limit.integrator == "group2" else limit for limit in study.tables["limits"]
+                                  if (limit.integrator, limit.n, limit.solver) != ("rk4", 17, PUBLISHED)]
+        study.tables["safe"] = []
+        self.report = as_markdown(sections(limits_of(study), ()))
+        self.assertEqual(self.row("group2", "Published forms: critical")[1:3], ["none", "none"])
+        self.assertEqual(self.row("rk4", "Published forms: critical")[2], "–")
+
     def test_safe_steps_in_h_at_the_largest_n(self):
         self.assertIn("Safe steps at n = 17, fast forms", self.report)
         self.assertEqual(self.row("group2", "Safe steps at n = 17")[1], "1.80")  # 0.8 · 4.5 / ‖B‖₂
 
     def test_figures(self):
         found = figures(limits_of(limits_study()))
-        self.assertAlmostEqual(found["critical.fast.group2.n9.least"], 3.0)
-        self.assertAlmostEqual(found["critical.fast.group2.n9.largest"], 3.3)
+        self.assertAlmostEqual(found["critical.fast.smooth.group2.n9.least"], 3.0)
+        self.assertAlmostEqual(found["critical.fast.smooth.group2.n9.largest"], 3.3)
         self.assertAlmostEqual(found["safe_step.fast.smooth.rk4.n9"], 0.96 / NORM_B)
         self.assertAlmostEqual(found["spread.median"], 1.1)
         self.assertEqual((found["limits"], found["lines"], found["safe"]), (56, 28, 28))
@@ -105,7 +129,7 @@ class Files(DrawingTest):
 
 
 class Charts(DrawingTest):
-    def test_lines_are_the_least_limits_and_theory_is_apart(self):
+    def test_lines_are_the_limits_of_the_own_state_and_theory_is_apart(self):
         panels = self.panels("limits_charts", "critical_steps", limits_of(limits_study()))
         (published,), (fast,) = panels["published forms"], panels["fast forms"]
         self.assertEqual(set(lines_of(published)), {"group2", "algebra1", "rk4"})
@@ -120,6 +144,12 @@ class Charts(DrawingTest):
         ((panel,),) = self.panels("limits_charts", "failure_map", limits_of(limits_study())).values()
         self.assertEqual(len(panel.patches), len(SIZES) * len(CRITICAL["algebra1"][2]))
         self.assertEqual(len({patch.get_facecolor() for patch in panel.patches}), 4)
+        self.assertEqual(len(set(limits_charts_colours())), len(OUTCOMES))
+
+
+def limits_charts_colours():
+    from lib import limits_charts  # only now: it needs matplotlib
+    return [limits_charts.COLOURS[outcome] for outcome in OUTCOMES]
 
 
 if __name__ == "__main__":
