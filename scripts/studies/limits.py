@@ -51,9 +51,9 @@ def plans(quick):
     """Returns the Plans of the study. A form is in one Plan at each n.
 
     All trials of all forms would take days. At n = 33 methods outside MAIN, and published forms outside Table 1 that
-    are not explicit, have the smooth scene's own state only. At n = 65 published forms of Table 1 and methods of MAIN have
-    each scene's own state, and fast forms of the SIX all states. Beyond, the SIX and published forms of Table 1 on
-    fewer scenes. Published forms in the co-rotating frame are not tried.
+    are not explicit, have the smooth scene's own state only. At n = 65 published forms of Table 1 and methods of MAIN
+    have each scene's own state, and fast forms of the SIX all states. Beyond, the SIX and published forms of Table 1
+    have fewer scenes. Published forms in the co-rotating frame are not tried.
     """
     if quick:
         return [Plan(solver, (9, 17), QUICK, (SMOOTH,), 2, QUICK) for solver in SOLVERS]
