@@ -127,11 +127,13 @@ def reference_figures(study, n, found):
             "reference.energy_error": max(run.energy_error for run in runs),
             "reference.spectrum_error": max(run.spectrum_error for run in runs)}
     for displacement in (study.settings.displacement, study.settings.small_displacement):
-        partings = [parting for parting in study.partings[n] if parting.displacement == displacement]
-        times = [parting.time for parting in partings if parting.time is not None]
+        times = [parting.time for parting in study.partings[n]
+                 if parting.displacement == displacement and parting.time is not None]
         key = f"parted.{displacement:.0e}".replace("e-0", "e-")
         kept[f"{key}.draws"] = len(times)
-        kept[f"{key}.at_window"] = statistics.median(parting.at_window for parting in partings)
+        differences = study.at_window(n, displacement)
+        kept[f"{key}.at_window"] = statistics.median(differences)
+        kept[f"{key}.at_window_least"] = min(differences)
         if times:
             kept.update({f"{key}.least": min(times), f"{key}.most": max(times)})
     return kept

@@ -207,7 +207,7 @@ class Faithful(unittest.TestCase):
 
 # ---- the raw file, the report and the figures
 
-ENTRIES = ("algebra1", "elp4", "rk4", "magnus5")
+ENTRIES = ("algebra1", "elp4", "rk4", "magnus5", "elp6")
 HBAR_OVER_4 = 0.02
 N = 33
 
@@ -312,6 +312,15 @@ class Report(DrawingTest):
         files = self.rendered("out", self.raw(at_window=1e-3))
         self.assertIn("Nothing is judged here", files["report.md"].decode())
 
+    def test_every_draw_is_to_be_independent(self):
+        def nearer(difference):
+            return lambda rows: [row._replace(at_window=difference) if row[1:3] == (2, 1e-6) else row for row in rows]
+
+        for difference, judged in ((1.0, True), (0.99, False), (0.5, False)):  # correlations 0.5, 0.51 and 0.875
+            with self.subTest(difference=difference):
+                study = read_turbulence(self.raw(partings=nearer(difference)))
+                self.assertEqual(study.is_unpredictable(N), judged)
+
     def test_the_report(self):
         files = self.rendered("out", self.raw())
         self.assertEqual(set(files), {"report.md", "figures.json", "statistical_error.svg", "statistical_error.png"})
@@ -355,7 +364,10 @@ class Report(DrawingTest):
         for changes, told in (
                 ({"runs": lambda rows: []}, "no runs"),
                 ({"sizes": lambda rows: []}, "runs at n = 33"),
-                ({"partings": without(displacement=1e-6)}, "how two runs part at n = 33"),
+                ({"partings": without(displacement=1e-6)}, "how two runs of every draw part at n = 33"),
+                ({"partings": lambda rows: [row for row in rows if row[1:3] != (2, 1e-6)]}, "of every draw part"),
+                ({"integrators": without(name="rk4")}, "does not list the integrator rk4"),
+                ({"integrators": without(name="elp6")}, "does not list the integrator elp6"),
                 ({"runs": lambda rows: [row for row in rows if (row.role, row.draw) != (METHOD, 1)]},
                  "not every draw of elp4"),
                 ({"runs": lambda rows: rows[1:]}, "not every reference run at n = 33")):
