@@ -7,8 +7,8 @@ A *draw* is one set of initial data, counted from 0. A *setting* is an integrato
 from typing import Dict, NamedTuple, Tuple
 
 from lib import formats
-from lib.formats import (CONVERGED, FAST, SOLVERS, Integrator, Schema, keyed, list_of, number, one_of, optional,
-                         positive, status, text, whole)
+from lib.formats import (CONVERGED, FAST, SOLVERS, SWEEP_CAP, Integrator, Schema, keyed, list_of, number, one_of,
+                         optional, positive, status, text, whole)
 from lib.messages import UnusableFile
 
 REFERENCE, METHOD, PRACTICE = ROLES = ("reference", "method", "practice")
@@ -27,7 +27,8 @@ class Settings(NamedTuple):
     displacement: positive  # of reference ensembles, relative to ‖W₀‖
     small_displacement: positive  # of the runs that are watched as they part, beside this one
     energy_loss: positive  # relative: a run that is off by more is unstable
-    max_sweeps: whole(1)  # of a step
+    max_sweeps: whole(1)  # of a step of a fast form
+    warm_steps: whole()  # before those that are timed
 
 
 class Size(NamedTuple):
@@ -78,15 +79,16 @@ class RunRow(NamedTuple):
 
 
 class Cost(NamedTuple):
-    """CPU time of a step from a developed state; no seconds where a step fails there."""
+    """CPU time of a step, from the state of the first draw at T/2; no seconds where a step fails there."""
 
     n: whole(2)
     integrator: text
     step: positive
     tolerance: positive
     solver: one_of(*SOLVERS)
+    steps: whole(1)  # that are timed, after some that are not
     equivalent_products: optional(number)  # a step
-    seconds: list_of(positive)  # of a step, one for each repetition in turns
+    seconds: list_of(positive)  # of a step, by process; each process times all that has a cost at its n
 
 
 SCHEMA = Schema("turbulence", Settings, {"integrators": Integrator, "sizes": Size, "partings": Parting,
@@ -117,6 +119,11 @@ class Ensemble(NamedTuple):
         """The number of draws whose run failed."""
         return sum(not run.works for run in self.runs)
 
+    @property
+    def capped(self):
+        """The number of draws whose run was ended by the sweep cap, which is lower here than the default."""
+        return sum(run.status == SWEEP_CAP for run in self.runs)
+
 
 class Turbulence(NamedTuple):
     """A whole study, by n."""
@@ -140,7 +147,7 @@ class Turbulence(NamedTuple):
         return [parting.at_window for parting in self.partings[n] if parting.displacement == displacement]
 
     def is_unpredictable(self, n):
-        """Tells whether reference ensembles are independent at T/2 in every draw, so that averages compare ensembles."""
+        """Tells whether reference ensembles are independent at T/2 in every draw: averages compare ensembles then."""
         return min(self.at_window(n, self.settings.displacement)) >= INDEPENDENT
 
     def cost(self, n, setting, solver=FAST):
@@ -186,6 +193,9 @@ def turbulence(study):
         ensembles[n] = ensembles_of([row for row in rows if row.role != REFERENCE], size)
     partings = {n: tuple(row for row in tables["partings"] if row.n == n) for n in sizes}
     costs = {(row.n, setting_of(row), row.solver): row for row in tables["costs"]}
+    for n in sizes:
+        if len({len(row.seconds) for row in tables["costs"] if row.n == n and row.seconds}) > 1:
+            raise UnusableFile(f"has costs at n = {n} from different numbers of processes")
     return Turbulence(study.settings, integrators, sizes, partings, references, ensembles,
                       costs, study.context)
 
