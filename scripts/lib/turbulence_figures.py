@@ -58,18 +58,18 @@ class Findings(NamedTuple):
             return None
         return verdicts.ratio_of(judged.times, self.practice.times)
 
-    def faithful(self, allowed):
+    def candidates(self, allowed):
         """Returns the faithful settings of those that are allowed, but the practice, whose cost is known."""
         return [each for each in self.judged.values() if each.faithful and each.times and allowed(each)
                 and each.ensemble.role != PRACTICE]
 
     def cheapest(self, allowed=lambda judged: True):
         """Returns the cheapest faithful setting of those that are allowed, but the practice, as Judged; or None."""
-        return min(self.faithful(allowed), key=lambda each: each.seconds, default=None)
+        return min(self.candidates(allowed), key=lambda each: each.seconds, default=None)
 
     def level_with_cheapest(self, allowed=lambda judged: True):
         """Returns the other faithful settings that tie with the cheapest, and those not decided against it."""
-        found = {each.setting: each for each in self.faithful(allowed)}
+        found = {each.setting: each for each in self.candidates(allowed)}
         times = {setting: each.times for setting, each in found.items()}
         best = verdicts.fastest(times) if times else None
         ties, undecided = verdicts.level_rows(times)
