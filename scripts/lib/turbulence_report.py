@@ -176,9 +176,8 @@ def how_parts(study, found):
                   " of equal variance by a seeded generator, real where m = 0, the same at every n; then ‖W₀‖₂ = 1."
                   " They have no part with l = 1, so the co-rotating frame changes nothing."),
         Paragraph("The reference: ensembles displaced by"
-                  f" {settings.displacement:g} along the coadjoint orbit, relative to ‖W₀‖. Last but one column: the"
-                  " relative change of W(20) of the first draw with half the step. Last: the median distance of two"
-                  " reference ensembles."),
+                  f" {settings.displacement:g} along the coadjoint orbit, relative to ‖W₀‖. Change by h/2: of"
+                  " W(20) of the first draw, relative. Distance: the median of two reference ensembles."),
         reference_table(study, found),
         Paragraph("How two runs of the reference method part that begin close to each other: the time from which they"
                   f" differ by {PARTED:g} of ‖W‖, a correlation of {correlation(PARTED):.3g}, and their difference at"
