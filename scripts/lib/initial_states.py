@@ -21,10 +21,21 @@ def drawn_modes(scene, n, number):
     In the smooth scene all modes with l ≤ 4 have one variance. In the rough scene E|ω_lm|² = (l + 1) / (l² (2l + 1)),
     so that energy falls as l⁻³ on average. A mode is the same for every n. Source: core/scenes/modes.h.
     """
+    degrees = range(1, n if scene == ROUGH else SMOOTHEST + 1)
+    sizes = {degree: math.sqrt((degree + 1) / (degree**2 * (2 * degree + 1))) if scene == ROUGH else 1.0
+             for degree in degrees}
+    return modes_of_sizes(sizes, (SCENES.index(scene), number))
+
+
+def modes_of_sizes(sizes, seed):
+    """Returns drawn modes (l, m, re, im) with E|ω_lm|² = size², given a dict of sizes by degree l.
+
+    `seed` is a tuple of whole numbers. A mode does not depend on the other degrees. A mode with m = 0 is real, so that
+    the vorticity is.
+    """
     modes = []
-    for degree in range(1, n if scene == ROUGH else SMOOTHEST + 1):
-        random = numpy.random.default_rng((SCENES.index(scene), number, degree))
-        size = math.sqrt((degree + 1) / (degree**2 * (2 * degree + 1))) if scene == ROUGH else 1.0
+    for degree, size in sizes.items():
+        random = numpy.random.default_rng((*seed, degree))
         modes.append((degree, 0, size * random.standard_normal(), 0.0))
         for order in range(1, degree + 1):
             real, imaginary = random.standard_normal(2) * size / math.sqrt(2)

@@ -4,13 +4,12 @@ from matplotlib.ticker import LogLocator
 
 from lib.chart_panels import (cross, draw_line, label_ends, logarithmic, look, mixed, new_figure, note, short_name,
                               spread)
-from lib.drift import ROUNDING
+from lib.drift import BOUNDED, GROWS, KEPT, ROUNDING
 from lib.longruns_files import COARSE, ENERGY, LOOSE, ONE_STEP, SCENES, SPECTRUM, TIGHTER
 from lib.numbers import scientific
 
 AGAINST_TIME = ("algebra1", "group2", "elp6", "elp6_tight", "rkmk4", "rk4_projected", "rk4")  # lines of the first chart
-TOLD = {"rkmk4": "RKMK4", "elp6": "exponential 6", "elp6_tight": "exponential 6 at tolerance 1e-10",
-        "group2": "Gauss 4"}  # in its title
+DOT_TITLE = (("rk4", SPECTRUM), ("rkmk4", ENERGY), ("elp6", ENERGY))  # errors in the title of the second
 PREFERRED_N = 33  # of the charts; else the smallest that there is
 LEAST_SPECTRUM = 1e-16  # where an exact 0 is drawn
 LABEL_POINTS = 10
@@ -51,7 +50,7 @@ def energy_against_time(runs, scene="smooth"):
     lines = {method: found[method] for method in AGAINST_TIME if method in found and found[method].series(ENERGY)}
     if not lines:
         return None
-    labels = {method: name_of(runs, run) for method, run in lines.items()}
+    labels = {method: f"{name_of(runs, run)} ({drift_of(run)})" for method, run in lines.items()}
     figure, ((axes,),) = new_figure(time_title(lines, n), 1, 1, 5.4, keys=2, labels=labels.values())
     logarithmic(axes)
     axes.set(xlabel="time", ylabel="relative energy error, largest in a window")
@@ -68,18 +67,21 @@ def energy_against_time(runs, scene="smooth"):
     plan = runs.plans[n]
     note(figure, f"n = {n}, {scene} scene, in the co-rotating frame, equal CPU time for all methods, {plan.windows}"
          " windows. Tolerance 1e-13 of Gauss, 1e-8 of exponential and Magnus methods; numbers are orders. Solid: keeps"
-         " the Lie–Poisson structure; dashed: the spectrum only; dotted: neither. Powers are those of the last decade.")
+         " the Lie–Poisson structure; dashed: the spectrum only; dotted: neither. In brackets: how the error grows over"
+         " the last decade of time, or how it is judged. Cross: the run failed.")
     return figure
 
 
+def drift_of(run):
+    """Writes the power of time by which an energy error grows if it is judged to grow; otherwise the verdict."""
+    verdict, growth = run.judged(ENERGY)
+    return f"t^{growth.power:.1f}" if verdict == GROWS else verdict
+
+
 def time_title(lines, n):
-    """Returns the powers of time by which some energy errors grow, fitted to the last decade."""
-    powers = {words: lines[method].judged(ENERGY).growth for method, words in TOLD.items() if method in lines}
-    told = [f"t^{round(growth.power, 1) + 0.0} for {words}" for words, growth in powers.items() if growth]
-    if not told:
-        return f"Energy error over time at equal cost, n = {n}"
-    last = f" and {told[-1]}" if len(told) > 1 else told[-1]
-    return f"Energy error at equal cost, n = {n}: grows like {', '.join(told[:-1])}{last}"
+    """Returns for how many of the lines the energy error is bounded."""
+    bounded = [run for run in lines.values() if run.judged(ENERGY).verdict in (KEPT, BOUNDED)]
+    return f"Energy error at equal cost, n = {n}: bounded for {len(bounded)} of {len(lines)} methods"
 
 
 # ---- energy against spectrum, a dot a method
@@ -155,11 +157,16 @@ def columns_of(places, width=150):
 
 
 def dot_title(runs, dots, n):
-    """Returns what RK4, its projection and the exponential method of order 6 lose, in the first scene drawn."""
+    """Returns the errors of RK4, RKMK4 and the exponential method of order 6 in the first scene drawn.
+
+    If one of them did not come to its end, the title has no figures.
+    """
     scene = next(iter(dots))
     found = runs.at(scene, n, ONE_STEP)
-    told = [(words, found[method].last(quantity)) for words, method, quantity in (
-        ("RK4 loses {} of the spectrum", "rk4", SPECTRUM), ("projected RK4 {} of the energy", "rk4_projected", ENERGY),
-        ("RKMK4 {}", "rkmk4", ENERGY), ("the exponential method of order 6 {}", "elp6", ENERGY)) if method in found]
-    told = [words.format(scientific(value)) for words, value in told if value]
-    return f"What is lost by the end (n = {n}, {scene}): {', '.join(told)}" if told else f"Errors at the end, n = {n}"
+    told = [found[method].last(quantity) for method, quantity in DOT_TITLE
+            if method in found and found[method].run.finished]
+    if len(told) < len(DOT_TITLE) or None in told:
+        return f"Errors at the end, n = {n}"
+    spectrum, energy, exponential = map(scientific, told)
+    return (f"At the end (n = {n}, {scene}) RK4 is off by {spectrum} in an eigenvalue; in energy RKMK4 by {energy},"
+            f" exponential 6 by {exponential}")

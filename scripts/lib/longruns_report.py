@@ -9,7 +9,7 @@ from lib.numbers import scientific
 from lib.verdicts import UNDECIDED
 
 CHARTS = (
-    ("energy_against_spectrum", "What is lost by the end of runs with one step size for all methods: energy error"
+    ("energy_against_spectrum", "Errors at the end of runs with one step size for all methods: energy error"
      " against spectrum error, a dot a method. Both panels have the same scales."),
     ("energy_against_time", "Largest energy error in each window of time, at the coarse equal cost."),
 )

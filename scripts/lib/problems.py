@@ -7,6 +7,7 @@ The developed scene is the smooth one at t = DEVELOPED_TIME. Since a flow amplif
 definition the matrices in its subfolder; their energies by degree l are listed with them. Needs NumPy and isosyrk.
 """
 
+import base64
 import functools
 import os
 
@@ -133,6 +134,16 @@ def packed(W):
 def unpacked(matrix):
     real, imaginary = numpy.triu(matrix, 1), numpy.tril(matrix)
     return real - real.T + 1j * (imaginary + numpy.tril(matrix, -1).T)
+
+
+def encoded(W):
+    """Returns a skew-Hermitian matrix as text."""
+    return base64.b64encode(packed(W).tobytes()).decode("ascii")
+
+
+def decoded(text, n):
+    """Returns the matrix of shape (n, n) in a text."""
+    return unpacked(numpy.frombuffer(base64.b64decode(text)).reshape(n, n))
 
 
 def energies_by_degree(W):

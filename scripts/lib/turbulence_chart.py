@@ -5,6 +5,7 @@ from lib.numbers import two_digits
 from lib.turbulence_figures import findings_of, line_of
 
 LINES = ("algebra1", "group2", "group3", "elp4", "magnus5", "rk4", "rk4_projected")
+CAP = {"marker": "+", "markersize": 8, "color": "black", "zorder": 7, "label": "_cap"}
 STAR = {"marker": "*", "markersize": 15, "linestyle": "none", "zorder": 6}
 
 
@@ -46,22 +47,28 @@ def statistical_error(study):
                           for name, points in drawn.items()])
     note(figure, "Star: the practice, isospectral midpoint with h = ħ/4, at the end of the line of Gauss 2. Else the"
          " step doubles from a point to its neighbour. Tolerance 1e-8; numbers are orders. Cross: the next longer step"
-         " fails. Solid: keeps the Lie–Poisson structure; dashed: the spectrum only; dotted: nothing.")
+         f" fails; plus: it takes more than {study.settings.max_sweeps} sweeps. Solid: keeps the Lie–Poisson structure;"
+         " dashed: the spectrum only; dotted: nothing.")
     return figure
 
 
 def points_of(findings, integrator):
     """Returns (cost over the practice's, distance) of the settings of a line that have both, the longest step first."""
-    return [(findings.over_practice(judged), judged.distance) for judged in line_of(findings, integrator)
-            if judged.distance and findings.over_practice(judged)]
+    return [(over.ratio, judged.distance) for judged in line_of(findings, integrator)
+            if judged.distance and (over := findings.over_practice(judged))]
 
 
 def draw_failure(axes, findings, integrator):
-    """Marks the longest step that works, if one that is longer was tried and fails."""
-    line = line_of(findings, integrator)
-    failed = [judged for judged in line if not judged.ensemble.works]
+    """Marks the longest step that works, if the next longer one fails; apart if the sweep cap alone ends its runs."""
+    line = [judged.ensemble for judged in line_of(findings, integrator)]
+    longest = max((ensemble.setting.step for ensemble in line if ensemble.works), default=0.0)
+    longer = [ensemble for ensemble in line if ensemble.setting.step > longest]
     points = points_of(findings, integrator)
-    if failed and points:
+    if not longer or not points:
+        return
+    if longer[-1].capped == longer[-1].failed:
+        axes.plot(*points[0], **CAP)
+    else:
         cross(axes, points[0])
 
 
@@ -84,14 +91,17 @@ def percent(share):
 
 
 def title_of(study, found):
-    """Returns what the cheapest faithful run costs at the largest n."""
+    """Returns what the cheapest faithful run costs at the largest n, with its name if no other is level with it."""
     n, findings = max(found.items())
     best = findings.cheapest()
     over = findings.over_practice(best)
     if over is None:
         return "Error of the statistics of turbulence against cost"
-    setting = best.setting
+    over, setting = two_digits(over.ratio), best.setting
+    if any(findings.level_with_cheapest()):
+        return (f"Turbulence at n\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}{n}: the cheapest faithful runs take {over} of"
+                " the practice's cost")
     name = short_name(study.integrators[setting.integrator])
     return (f"Turbulence at n\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}{n}: {name} with"
-            f" h\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}{setting.step:g} is faithful at {two_digits(over)} of the"
+            f" h\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}{setting.step:g} is faithful at {over} of the"
             " practice's cost")

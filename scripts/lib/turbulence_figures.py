@@ -2,8 +2,9 @@
 
 import math
 import statistics
-from typing import NamedTuple, Optional
+from typing import NamedTuple, Optional, Tuple
 
+from lib import verdicts
 from lib.formats import FAST, PUBLISHED
 from lib.integrator_names import KEPT
 from lib.turbulence_files import LOOSE, PRACTICE, TIGHT, Ensemble
@@ -14,10 +15,7 @@ CLOSE = 0.01  # a conserved average that is off by no more is kept, for the stri
 
 
 class Judged(NamedTuple):
-    """A setting at one n. Where a run of it failed all but the first two has no value.
-
-    `seconds` is None too where no step was timed.
-    """
+    """A setting at one n. Where a run of it failed all but the first two has no value."""
 
     ensemble: Ensemble
     keeps: str  # strongest structure of the method, of KEPT
@@ -26,11 +24,16 @@ class Judged(NamedTuple):
     changes: Optional[dict] = None  # of CONSERVED averages, relative, the mean over the draws
     tail: Optional[float] = None  # change of E(l) over the upper third of the compared degrees, relative
     spectrum_error: Optional[float] = None  # at the end, the largest of the draws
-    seconds: Optional[float] = None  # CPU time of one run to T
+    times: Tuple[float, ...] = ()  # CPU seconds of one run to T, by process; none where no step was timed
 
     @property
     def setting(self):
         return self.ensemble.setting
+
+    @property
+    def seconds(self):
+        """The geometric mean of the times, or None."""
+        return statistics.geometric_mean(self.times) if self.times else None
 
     def has(self, structure):
         """Tells whether the method keeps a structure of KEPT, or a stronger one."""
@@ -50,16 +53,28 @@ class Findings(NamedTuple):
     practice: Optional[Judged]  # at the loose tolerance
 
     def over_practice(self, judged):
-        """Returns the cost of a setting over that of the practice, or None where one is not known."""
-        if not (judged and judged.seconds and self.practice and self.practice.seconds):
+        """Returns the Ratio of the cost of a setting to that of the practice, or None where one is not known."""
+        if not (judged and judged.times and self.practice and self.practice.times):
             return None
-        return judged.seconds / self.practice.seconds
+        return verdicts.ratio_of(judged.times, self.practice.times)
+
+    def candidates(self, allowed):
+        """Returns the faithful settings of those that are allowed, but the practice, whose cost is known."""
+        return [each for each in self.judged.values() if each.faithful and each.times and allowed(each)
+                and each.ensemble.role != PRACTICE]
 
     def cheapest(self, allowed=lambda judged: True):
         """Returns the cheapest faithful setting of those that are allowed, but the practice, as Judged; or None."""
-        found = [each for each in self.judged.values() if each.faithful and each.seconds and allowed(each)
-                 and each.ensemble.role != PRACTICE]
-        return min(found, key=lambda each: each.seconds, default=None)
+        return min(self.candidates(allowed), key=lambda each: each.seconds, default=None)
+
+    def level_with_cheapest(self, allowed=lambda judged: True):
+        """Returns the other faithful settings that tie with the cheapest, and those not decided against it."""
+        found = {each.setting: each for each in self.candidates(allowed)}
+        times = {setting: each.times for setting, each in found.items()}
+        best = verdicts.fastest(times) if times else None
+        ties, undecided = verdicts.level_rows(times)
+        return ([each for setting, each in found.items() if setting in ties and setting != best],
+                [each for setting, each in found.items() if setting in undecided])
 
 
 def findings_of(study, n):
@@ -80,7 +95,7 @@ def judged_of(study, n, ensemble, reference):
     changes = {name: statistics.fmean(getattr(run, name) for run in ensemble.runs) - 1 for name in CONSERVED}
     faithful = study.is_unpredictable(n) and reference.is_faithful(spectra)
     return Judged(ensemble, strongest, reference.distance(spectra), faithful, changes, tail_change(reference, spectra),
-                  max(run.spectrum_error for run in ensemble.runs), seconds_of_run(study, n, ensemble.setting))
+                  max(run.spectrum_error for run in ensemble.runs), times_of_run(study, n, ensemble.setting))
 
 
 def tail_change(reference, spectra):
@@ -90,10 +105,17 @@ def tail_change(reference, spectra):
     return math.expm1(statistics.fmean(value for draw in reference.differences(spectra) for value in draw[upper:]))
 
 
-def seconds_of_run(study, n, setting, solver=FAST):
-    """Returns the CPU seconds of a run to T, from the median of the timed steps; None where none was timed."""
+def times_of_run(study, n, setting, solver=FAST):
+    """Returns the CPU seconds of a run to T by process, from the timed steps; none where none was timed."""
     cost = study.cost(n, setting, solver)
-    return cost and statistics.median(cost.seconds) * steps_to(study.sizes[n].time, setting.step)
+    steps = steps_to(study.sizes[n].time, setting.step)
+    return tuple(seconds * steps for seconds in cost.seconds) if cost else ()
+
+
+def published_over_fast(study, n, setting):
+    """Returns the Ratio of the cost of a setting's published form to that of the fast one; None without both."""
+    published, fast = (times_of_run(study, n, setting, solver) for solver in (PUBLISHED, FAST))
+    return verdicts.ratio_of(published, fast) if published and fast else None
 
 
 def steps_to(time, step):
@@ -123,15 +145,18 @@ def reference_figures(study, n, found):
     size = study.sizes[n]
     runs = [run for draw in study.references[n] for run in draw]
     kept = {"threshold": found.reference.threshold, "typical": found.reference.typical,
-            "degrees": len(found.reference.degrees), "draws": size.draws, "reference.error": size.reference_error,
+            "degrees": len(found.reference.degrees), "draws": size.draws, "judged": len(found.judged),
+            "reference.error": size.reference_error,
             "reference.energy_error": max(run.energy_error for run in runs),
             "reference.spectrum_error": max(run.spectrum_error for run in runs)}
     for displacement in (study.settings.displacement, study.settings.small_displacement):
-        partings = [parting for parting in study.partings[n] if parting.displacement == displacement]
-        times = [parting.time for parting in partings if parting.time is not None]
+        times = [parting.time for parting in study.partings[n]
+                 if parting.displacement == displacement and parting.time is not None]
         key = f"parted.{displacement:.0e}".replace("e-0", "e-")
         kept[f"{key}.draws"] = len(times)
-        kept[f"{key}.at_window"] = statistics.median(parting.at_window for parting in partings)
+        differences = study.at_window(n, displacement)
+        kept[f"{key}.at_window"] = statistics.median(differences)
+        kept[f"{key}.at_window_least"] = min(differences)
         if times:
             kept.update({f"{key}.least": min(times), f"{key}.most": max(times)})
     return kept
@@ -145,20 +170,28 @@ def practice_figures(study, n, found):
         if ensemble is None:
             continue
         judged = found.judged[ensemble.setting]
-        published = seconds_of_run(study, n, ensemble.setting, PUBLISHED)
         kept[f"{name}.step"] = ensemble.setting.step
         kept.update({f"{name}.{key}": value for key, value in figures_of(found, judged).items()})
-        if published and judged.seconds:
-            kept[f"{name}.published_over_fast"] = published / judged.seconds
+        published = published_over_fast(study, n, ensemble.setting)
+        kept.update(ratio_figures(f"{name}.published_over_fast", published))
     return kept
+
+
+def ratio_figures(key, ratio):
+    """Returns a Ratio or None as figures: KEY, and with enough processes for an interval KEY_low and KEY_high."""
+    if ratio is None:
+        return {}
+    ends = {f"{key}_low": ratio.low, f"{key}_high": ratio.high} if ratio.processes >= verdicts.FEWEST else {}
+    return {key: ratio.ratio, **ends}
 
 
 def figures_of(found, judged):
     """Returns the figures of one setting, by the ends of their keys."""
-    kept = {"failed": judged.ensemble.failed, "faithful": int(judged.faithful)}
+    kept = {"failed": judged.ensemble.failed, "capped": judged.ensemble.capped, "faithful": int(judged.faithful)}
     if judged.ensemble.works:
         kept.update(distance=judged.distance, tail=judged.tail, spectrum_error=judged.spectrum_error,
-                    **judged.changes, seconds=judged.seconds, over_practice=found.over_practice(judged))
+                    **judged.changes, seconds=judged.seconds,
+                    **ratio_figures("over_practice", found.over_practice(judged)))
     return kept
 
 
@@ -177,25 +210,37 @@ def winner_figures(study, n, found):
     each method; and the largest faithful step of each method at the loose tolerance."""
     kept = {}
     for structure in KEPT:
-        best = found.cheapest(lambda judged: judged.has(structure))
-        close = found.cheapest(lambda judged: judged.has(structure) and judged.conserves)
-        kept.update(winner(found, f"cheapest.{structure}", best))
-        kept.update(winner(found, f"cheapest.{structure}.close", close))
+        kept.update(winner(found, f"cheapest.{structure}", lambda judged: judged.has(structure)))
+        kept.update(winner(found, f"cheapest.{structure}.close",
+                           lambda judged: judged.has(structure) and judged.conserves))
     for name in methods_of(found):
         best = found.cheapest(lambda judged: judged.setting.integrator == name)
         if best:
-            kept.update({f"cheapest_of.{name}.step": best.setting.step,
-                         f"cheapest_of.{name}.over_practice": found.over_practice(best)})
+            kept[f"cheapest_of.{name}.step"] = best.setting.step
+            kept.update(ratio_figures(f"cheapest_of.{name}.over_practice", found.over_practice(best)))
         kept[f"largest_faithful.{name}"] = largest_faithful_step(found, name)
     return kept
 
 
-def winner(found, key, judged):
+def winner(found, start, allowed):
+    """Returns the figures of the cheapest faithful setting of those that are allowed.
+
+    START.tie.SETTING is the cost over the practice's of each setting that ties with it, START.undecided counts those
+    that are not decided against it.
+    """
+    judged = found.cheapest(allowed)
     if judged is None:
         return {}
-    over, key = found.over_practice(judged), f"{key}.{key_of(judged.setting)}"
-    return {f"{key}.seconds": judged.seconds, f"{key}.over_practice": over,
-            f"{key}.practice_over": over and 1 / over}
+    key, over = f"{start}.{key_of(judged.setting)}", found.over_practice(judged)
+    ties, undecided = found.level_with_cheapest(allowed)
+    kept = {f"{key}.seconds": judged.seconds, **ratio_figures(f"{key}.over_practice", over),
+            f"{start}.ties": len(ties), f"{start}.undecided": len(undecided)}
+    if over:
+        inverse = verdicts.ratio_of(found.practice.times, judged.times)
+        kept.update(ratio_figures(f"{key}.practice_over", inverse))
+    for each in ties:
+        kept.update(ratio_figures(f"{start}.tie.{key_of(each.setting)}.over_practice", found.over_practice(each)))
+    return kept
 
 
 def methods_of(found):

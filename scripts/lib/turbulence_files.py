@@ -4,18 +4,21 @@ A *draw* is one set of initial data, counted from 0. A *setting* is an integrato
 *reference ensemble* has one run a draw, from data that were moved by DISPLACEMENT along their coadjoint orbit.
 """
 
-import statistics
 from typing import Dict, NamedTuple, Tuple
 
 from lib import formats
-from lib.formats import (CONVERGED, FAST, SOLVERS, Integrator, Schema, keyed, list_of, number, one_of, optional,
-                         positive, status, text, whole)
+from lib.formats import (CONVERGED, FAST, SOLVERS, SWEEP_CAP, Integrator, Schema, keyed, list_of, number, one_of,
+                         optional, positive, status, text, whole)
 from lib.messages import UnusableFile
 
 REFERENCE, METHOD, PRACTICE = ROLES = ("reference", "method", "practice")
 PRACTICE_INTEGRATOR, PRACTICE_SHARE = "algebra1", 0.25  # isospectral midpoint, h = ħ/4
 PRACTICE_TOLERANCES = LOOSE, TIGHT = (1e-8, 1e-13)
-PARTED = 0.5  # relative difference of two runs that no longer know of each other; independent states differ by √2
+# Relative differences d of two states of one norm, whose correlation is 1 − d²/2; that of independent states is √2.
+PARTED = 0.5  # told as the time of parting; a correlation of 0.875
+# A correlation of one half, which every pair of reference runs is to have at T/2. Their difference grows on during the
+# averages over T/2 … T.
+INDEPENDENT = 1.0
 
 
 class Settings(NamedTuple):
@@ -24,7 +27,8 @@ class Settings(NamedTuple):
     displacement: positive  # of reference ensembles, relative to ‖W₀‖
     small_displacement: positive  # of the runs that are watched as they part, beside this one
     energy_loss: positive  # relative: a run that is off by more is unstable
-    max_sweeps: whole(1)  # of a step
+    max_sweeps: whole(1)  # of a step of a fast form
+    warm_steps: whole()  # before those that are timed
 
 
 class Size(NamedTuple):
@@ -75,15 +79,16 @@ class RunRow(NamedTuple):
 
 
 class Cost(NamedTuple):
-    """CPU time of a step from a developed state; no seconds where a step fails there."""
+    """CPU time of a step, from the state of the first draw at T/2; no seconds where a step fails there."""
 
     n: whole(2)
     integrator: text
     step: positive
     tolerance: positive
     solver: one_of(*SOLVERS)
+    steps: whole(1)  # that are timed, after some that are not
     equivalent_products: optional(number)  # a step
-    seconds: list_of(positive)  # of a step, one for each repetition in turns
+    seconds: list_of(positive)  # of a step, by process; each process times all that has a cost at its n
 
 
 SCHEMA = Schema("turbulence", Settings, {"integrators": Integrator, "sizes": Size, "partings": Parting,
@@ -114,6 +119,11 @@ class Ensemble(NamedTuple):
         """The number of draws whose run failed."""
         return sum(not run.works for run in self.runs)
 
+    @property
+    def capped(self):
+        """The number of draws whose run was ended by the sweep cap, which is lower here than the default."""
+        return sum(run.status == SWEEP_CAP for run in self.runs)
+
 
 class Turbulence(NamedTuple):
     """A whole study, by n."""
@@ -132,14 +142,13 @@ class Turbulence(NamedTuple):
         return next((each for each in self.ensembles[n].values()
                      if each.role == PRACTICE and each.setting.tolerance == tolerance), None)
 
-    def at_window(self, n):
-        """Returns the median difference at T/2 of two runs that begin as far apart as reference ensembles."""
-        return statistics.median(parting.at_window for parting in self.partings[n]
-                                 if parting.displacement == self.settings.displacement)
+    def at_window(self, n, displacement):
+        """Returns the differences at T/2 of the pairs of runs that begin with a displacement, a draw each."""
+        return [parting.at_window for parting in self.partings[n] if parting.displacement == displacement]
 
     def is_unpredictable(self, n):
-        """Tells whether reference ensembles are independent at T/2, so that averages compare ensembles."""
-        return self.at_window(n) >= PARTED
+        """Tells whether reference ensembles are independent at T/2 in every draw: averages compare ensembles then."""
+        return min(self.at_window(n, self.settings.displacement)) >= INDEPENDENT
 
     def cost(self, n, setting, solver=FAST):
         """Returns the Cost of a setting's step, or None where there is none."""
@@ -164,6 +173,11 @@ def turbulence(study):
         raise UnusableFile("has no runs")
     if unknown := {row.n for row in tables["runs"]} - set(sizes):
         raise UnusableFile(f"has runs at n = {min(unknown)}, which its sizes do not list")
+    integrators = keyed(tables["integrators"], "name")
+    named = [row.reference_integrator for row in tables["sizes"]]
+    named += [row.integrator for row in (*tables["runs"], *tables["costs"])]
+    if unknown := set(named) - set(integrators):
+        raise UnusableFile(f"does not list the integrator {min(unknown)}")
     references, ensembles = {}, {}
     for n, size in sizes.items():
         rows = [row for row in tables["runs"] if row.n == n]
@@ -171,14 +185,18 @@ def turbulence(study):
         wanted = {(draw, ensemble) for draw in range(size.draws) for ensemble in range(size.references)}
         if set(own) != wanted or not all(row.works for row in own.values()):
             raise UnusableFile(f"has not every reference run at n = {n}")
-        if not any(row.n == n and row.displacement == study.settings.displacement for row in tables["partings"]):
-            raise UnusableFile(f"does not say how two runs part at n = {n}")
+        parted = {(row.displacement, row.draw) for row in tables["partings"] if row.n == n}
+        if not {(study.settings.displacement, draw) for draw in range(size.draws)} <= parted:
+            raise UnusableFile(f"does not say how two runs of every draw part at n = {n}")
         references[n] = tuple(tuple(own[draw, ensemble] for ensemble in range(size.references))
                               for draw in range(size.draws))
         ensembles[n] = ensembles_of([row for row in rows if row.role != REFERENCE], size)
     partings = {n: tuple(row for row in tables["partings"] if row.n == n) for n in sizes}
     costs = {(row.n, setting_of(row), row.solver): row for row in tables["costs"]}
-    return Turbulence(study.settings, keyed(tables["integrators"], "name"), sizes, partings, references, ensembles,
+    for n in sizes:
+        if len({len(row.seconds) for row in tables["costs"] if row.n == n and row.seconds}) > 1:
+            raise UnusableFile(f"has costs at n = {n} from different numbers of processes")
+    return Turbulence(study.settings, integrators, sizes, partings, references, ensembles,
                       costs, study.context)
 
 

@@ -44,9 +44,8 @@ DIGITS = 3  # that errors are written with
 
 # Steps in a window at one step size for all methods: h = 0.5, 0.5, 0.25 and 0.125.
 STEPS_AT_ONE_STEP = {17: 2, 33: 10, 65: 20, 129: 8}
-# Steps in a window at the coarse and at the fine equal cost. A unit of time costs about 0.25 and 0.6 ms of CPU time at
-# n = 17, 1.2 and 3 at n = 33, 13 and 30 at n = 65, 160 and 350 at n = 129; group3 cannot do with much less. Chosen on
-# one core of an AMD EPYC with AVX-512; the raw file has what they cost where it was made.
+# Steps in a window at the coarse and at the fine equal cost. group3 cannot do with much less than the coarse cost.
+# Chosen on one core with AVX-512; the table "Costs" of the report has what they cost where the raw file was made.
 STEPS_AT_EQUAL_COST = {
     (17, "smooth"): {
         "algebra1": (25, 105), "group2": (7, 45), "group2_loose": (20, 45), "group3": (3, 25), "elp4": (8, 25),

@@ -7,7 +7,6 @@ predictor saves more with every past step. In the end fast forms run on one thre
 processes.
 """
 
-import base64
 import contextlib
 import json
 import math
@@ -29,11 +28,12 @@ if __name__ == "__main__":
 
 import isosyrk
 import numpy
-from lib import formats, problems, verdicts
+from lib import formats, verdicts
 from lib.accuracy_lines import LOOSE_EXPONENTIAL, TIGHT
 from lib.command_line import NO_ANSWER, Stop, say, whole_number
 from lib.formats import FAST, PUBLISHED
 from lib.integrator_names import TABLE1_CELLS
+from lib.problems import decoded, encoded
 from lib.scaling_table import (ANY, BANDS, BASIC, LINES, SCHEMA, Memory, Point, Rate, Settings, Threads, family_of,
                                long_step, rungs_of, without)
 
@@ -127,16 +127,6 @@ def made(point):
 
 
 # ---- untimed: the states, and counts from them
-
-
-def encoded(W):
-    """Returns a skew-Hermitian matrix as text."""
-    return base64.b64encode(problems.packed(W).tobytes()).decode("ascii")
-
-
-def decoded(text, n):
-    """Returns the matrix of shape (n, n) in a text."""
-    return problems.unpacked(numpy.frombuffer(base64.b64decode(text)).reshape(n, n))
 
 
 def states_of(n, times):

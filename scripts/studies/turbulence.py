@@ -3,11 +3,15 @@
 
 Initial data are drawn: modes l = 6 … 10, ‖W₀‖₂ = 1, the same draws at every n, each made anew from its number. Two runs
 that begin close to each other are strangers before T/2, so that averages over the second half of a run compare
-ensembles, not trajectories. Runs are untimed. The cost of a step is timed apart, from the first draw at T/2.
+ensembles, not trajectories. Runs are untimed. The cost of a step is timed apart, from the state of the first draw at
+T/2, in fresh processes, each of which times all settings of one n in turns.
 """
 
+import json
 import os
+import random
 import sys
+import tempfile
 from functools import partial
 from typing import NamedTuple
 
@@ -20,18 +24,28 @@ if __name__ == "__main__":
     study.require_module(PROGRAM)
 
 import isosyrk
+import numpy
 from lib import formats
 from lib import turbulence_runs as runs
+from lib import verdicts
 from lib.command_line import Stop, whole_number
 from lib.formats import FAST, PUBLISHED
 from lib.messages import one_line
+from lib.problems import decoded
+from lib.turbulence_figures import steps_to
 from lib.turbulence_files import (LOOSE, METHOD, PRACTICE, PRACTICE_INTEGRATOR, PRACTICE_SHARE, PRACTICE_TOLERANCES,
                                   REFERENCE, SCHEMA, TIGHT, Cost, Parting, RunRow, Setting, Settings, Size)
 
 SIZES, QUICK_SIZES = (33, 65, 129), (33,)
 REFERENCE_METHOD = Setting("elp6", 0.25, 1e-10)
-REPETITIONS = 5  # of timed steps, in turns
-TIMED_STEPS = 50
+
+# What is timed: steps that fill a stretch of time behind WARM_STEPS others from T/2 on, or so many if they are longer.
+STRETCH, LEAST_TIMED = 10.0, 8
+PUBLISHED_STRETCH = 1.0  # of the practice in its published form, whose step is the shortest and expensive
+TURNS = 2  # of all settings within a process, of which the least counts; one for those of
+LONG = 0.3  # CPU seconds or more
+PROCESSES, QUICK_PROCESSES = 8, 2
+PROCESS = "--process"  # the hidden mode: what follows is one block to time
 
 # Steps of each method, up to where it fails. Nothing is in the co-rotating frame: the data have no part with l = 1, so
 # that it would change nothing.
@@ -65,9 +79,9 @@ class Plan(NamedTuple):
     practice: tuple  # its tolerances
 
 
-WHOLE = Plan(10, 5, 1000.0, STEPS, LADDER, PRACTICE_TOLERANCES)
-LARGE = Plan(3, 5, 1000.0, FEW_STEPS, {}, (LOOSE,))
-QUICK = Plan(2, 3, 100.0, QUICK_STEPS, {}, PRACTICE_TOLERANCES)
+WHOLE = Plan(draws=10, references=5, time=1000.0, steps=STEPS, ladder=LADDER, practice=PRACTICE_TOLERANCES)
+LARGE = Plan(draws=3, references=5, time=1000.0, steps=FEW_STEPS, ladder={}, practice=(LOOSE,))
+QUICK = Plan(draws=2, references=3, time=100.0, steps=QUICK_STEPS, ladder={}, practice=PRACTICE_TOLERANCES)
 LARGE_N = 129  # from which n on
 
 
@@ -109,30 +123,96 @@ def points_of(n, plan, rows):
                              and row[2:5] == setting]) and all(row.works for row in found)]
     solvers = [(setting, FAST) for _, setting in working]
     solvers += [(setting, PUBLISHED) for role, setting in working if role == PRACTICE]
-    return [{"n": n, **setting._asdict(), "solver": solver, "time": plan.time} for setting, solver in solvers]
+    return [{"n": n, **setting._asdict(), "solver": solver, "steps": timed_steps(setting.step, solver)}
+            for setting, solver in solvers]
 
 
-def begun(point):
-    """Returns the integrator of a point as new, and the developed state that its steps begin from."""
-    scene, W = runs.developed(point["n"], *REFERENCE_METHOD, point["time"])
-    return runs.method_of(point, scene), W
+def timed_steps(step, solver):
+    """Returns how many steps of a setting are timed."""
+    return max(LEAST_TIMED, steps_to(PUBLISHED_STRETCH if solver == PUBLISHED else STRETCH, step))
 
 
-def count(point):
-    """Returns the equivalent products of a step of a point, or None where a step fails."""
-    method, W = begun(point)
+def prepare(job):
+    """Returns the state that points are timed from, as text, and what count() returns of each.
+
+    A job is that of the first draw by the reference method, with `points` besides.
+    """
+    text = runs.developed(job)
+    W = decoded(text, job["n"])
+    return {"state": text, "counts": [count(point, W) for point in job["points"]]}
+
+
+def count(point, W):
+    """Returns the equivalent products of a timed step of a point, or None where a step fails."""
+    method, seen = runs.method_of(point, runs.drawn_scene(point["n"], 0)), []
+    stretches = study.WARM_STEPS, study.WARM_STEPS + point["steps"]
+
+    def look(step, _, report):
+        if step in stretches:
+            seen.append(report.equivalent_products)
+
     try:
-        W, _ = method.run(W, point["step"], study.WARM_STEPS)
-        _, report = method.run(W, point["step"], TIMED_STEPS)
+        method.run(W, point["step"], stretches[1], look)
     except isosyrk.SolverError:
         return None
-    return runs.recorded(report.equivalent_products / TIMED_STEPS)
+    return runs.recorded((seen[1] - seen[0]) / point["steps"])
 
 
-def time_one(point):
-    """Returns the CPU seconds of TIMED_STEPS steps of a point, after WARM_STEPS from its developed state."""
-    method, W = begun(point)
-    return method.timed_run(W, point["step"], TIMED_STEPS, repetitions=1, warmup=study.WARM_STEPS)[0]
+def row_of(point):
+    """Returns the name of a point among those of its n."""
+    return f"{point['integrator']}, h = {point['step']:g}, {point['tolerance']:g}, {point['solver']}"
+
+
+def blocks_of(points):
+    """Returns what is timed together: all points of one n as rows, by name."""
+    return [{"n": n, "rows": list(rows), "points": rows} for n in dict.fromkeys(point["n"] for point in points)
+            if (rows := {row_of(point): point for point in points if point["n"] == n})]
+
+
+def time_block(block):
+    """Returns the CPU seconds of a step of each row, the least of TURNS in changing order.
+
+    `process` of the block tells the orders of one process from those of another, `state` names the file of its state.
+    """
+    W, scene = numpy.load(block["state"]), runs.drawn_scene(block["n"], 0)
+    shuffled = random.Random(block["process"])
+    found = {row: [] for row in block["rows"]}
+    for _ in range(TURNS):
+        for row in shuffled.sample(block["rows"], len(block["rows"])):
+            point = block["points"][row]
+            if found[row] and min(found[row]) * point["steps"] >= LONG:
+                continue
+            method = runs.method_of(point, scene)  # as new, so that no repetition knows of the one before
+            seconds = study.seconds_of(method, W, point["step"], point["steps"], study.WARM_STEPS)
+            found[row].append(seconds / point["steps"])
+    return [min(each) for each in found.values()]
+
+
+def further_processes(most, seconds):
+    """Returns how many further processes each row wants: all rows have the same, so that any two can be compared."""
+    return {row: most - len(each) for row, each in seconds.items()}
+
+
+def time_all(points, texts, most, journal):
+    """Returns the CPU seconds of a step of each point by process, as dicts by row and n; `texts` are states by n."""
+    blocks = blocks_of(points)
+    with tempfile.TemporaryDirectory() as folder:
+        files = {block["n"]: os.path.join(folder, f"n{block['n']}.npy") for block in blocks}
+        for n, path in files.items():
+            numpy.save(path, decoded(texts[n], n))
+
+        def command(block, process):
+            return [sys.executable, "-B", os.path.realpath(__file__), PROCESS,
+                    json.dumps({**block, "process": process, "state": files[block["n"]]})]
+
+        times = study.by_processes(blocks, command, partial(further_processes, most), journal, "timing")
+    return {(block["n"], row): seconds for block, found in zip(blocks, times) for row, seconds in found.items()}
+
+
+def cost_of(point, products, seconds):
+    """Returns a point as a row of its table, with times of five digits."""
+    return Cost(**{name: point[name] for name in Cost._fields[:-2]}, equivalent_products=products,
+                seconds=[float(f"{each:.5g}") for each in seconds])
 
 
 # ---- the study
@@ -157,13 +237,21 @@ def sizes_of(wanted):
 
 def size_row(n, plan, reference_error):
     norms = [runs.drawn_scene(n, draw).generator_norms()[0] for draw in range(plan.draws)]
-    return Size(n, plan.draws, plan.references, plan.time, REFERENCE_METHOD.integrator, REFERENCE_METHOD.step,
-                reference_error, runs.recorded(sum(norms) / len(norms)))
+    return Size(n=n, draws=plan.draws, references=plan.references, time=plan.time,
+                reference_integrator=REFERENCE_METHOD.integrator, reference_step=REFERENCE_METHOD.step,
+                reference_error=reference_error, norm_B=runs.recorded(sum(norms) / len(norms)))
+
+
+def run_row(role, job, found):
+    """Returns a run as a row of its table, given what carry_out() returned."""
+    named = {name: job[name] for name in ("n", "integrator", "step", "tolerance", "draw")}
+    return RunRow(**named, role=role, ensemble=job.get("ensemble", 0), **found)
 
 
 def main(arguments):
     parser = study.parser(PROGRAM, __doc__.splitlines()[0])
-    parser.add_argument("--repetitions", type=whole_number(1, 1000), default=REPETITIONS, help="(default: %(default)s)")
+    parser.add_argument("--processes", type=whole_number(1, 100), help="that time a step; with fewer than"
+                        f" {verdicts.FEWEST} all is undecided (default: {PROCESSES}, quick {QUICK_PROCESSES})")
     options = parser.parse_args(arguments)
     sizes = sizes_of(options.n or (QUICK_SIZES if options.quick else SIZES))
     names = names_of(options.integrator)
@@ -177,27 +265,32 @@ def main(arguments):
     partings = untimed(pairs, runs.part, what="watching runs part")
     roles, jobs = zip(*(each for n in sizes for each in run_jobs(n, plans[n], names)))
     found = untimed(jobs, runs.carry_out, what="runs")
-    rows = [RunRow(job["n"], role, job["integrator"], job["step"], job["tolerance"], job["draw"],
-                   job.get("ensemble", 0), **each) for role, job, each in zip(roles, jobs, found)]
-    points = [point for n in sizes for point in points_of(n, plans[n], rows)]
-    products = untimed(points, count, what="counting")
-    timed = [point for point, each in zip(points, products) if each is not None]
-    seconds = iter(study.in_turns(timed, options.repetitions, time_one, journal, "timing"))
-    costs = [Cost(point["n"], point["integrator"], point["step"], point["tolerance"], point["solver"], each,
-                  [] if each is None else [time / TIMED_STEPS for time in next(seconds)])
-             for point, each in zip(points, products)]
+    rows = [run_row(*each) for each in zip(roles, jobs, found)]
+    points = {n: points_of(n, plans[n], rows) for n in sizes}
+    prepared = untimed([{**job_of(n, plans[n], REFERENCE_METHOD, 0), "points": points[n]} for n in sizes], prepare,
+                       what="states and counts")
+    counted = [each for n, state in zip(sizes, prepared) for each in zip(points[n], state["counts"])]
+    most = options.processes or (QUICK_PROCESSES if options.quick else PROCESSES)
+    seconds = time_all([point for point, products in counted if products is not None],
+                       {n: state["state"] for n, state in zip(sizes, prepared)}, most, journal)
+    costs = [cost_of(point, products, seconds.get((point["n"], row_of(point)), ())) for point, products in counted]
 
-    settings = Settings(runs.DEGREES[0], runs.DEGREES[-1], runs.DISPLACEMENT, runs.SMALL_DISPLACEMENT,
-                        runs.ENERGY_LOSS, runs.MAX_SWEEPS)
+    settings = Settings(lowest_degree=runs.DEGREES[0], highest_degree=runs.DEGREES[-1], displacement=runs.DISPLACEMENT,
+                        small_displacement=runs.SMALL_DISPLACEMENT, energy_loss=runs.ENERGY_LOSS,
+                        max_sweeps=runs.MAX_SWEEPS, warm_steps=study.WARM_STEPS)
     listed = dict.fromkeys((PRACTICE_INTEGRATOR, REFERENCE_METHOD.integrator, *names))
     formats.write_study(options.out, SCHEMA, journal.context, settings, {
         "integrators": [study.record_of(entry) for entry in study.entries(listed)],
         "sizes": [size_row(n, plans[n], error) for n, error in zip(sizes, errors)],
-        "partings": [Parting(pair["n"], pair["draw"], displacement, *each) for pair, found in zip(pairs, partings)
-                     for displacement, each in zip(runs.DISPLACEMENTS, found)],
+        "partings": [Parting(n=pair["n"], draw=pair["draw"], displacement=displacement, time=time, at_window=at_window)
+                     for pair, found in zip(pairs, partings)
+                     for displacement, (time, at_window) in zip(runs.DISPLACEMENTS, found)],
         "runs": rows, "costs": costs})
     journal.remove()
 
 
 if __name__ == "__main__":
-    study.run(PROGRAM, main, sys.argv[1:])
+    if sys.argv[1:2] == [PROCESS]:
+        print(json.dumps(time_block(json.loads(sys.argv[2]))))
+    else:
+        study.run(PROGRAM, main, sys.argv[1:])

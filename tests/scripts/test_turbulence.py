@@ -8,6 +8,7 @@ import math
 import os
 import random
 import sys
+import tempfile
 import unittest
 from unittest import mock
 
@@ -21,7 +22,7 @@ import isosyrk
 import turbulence
 from lib import formats, problems, turbulence_figures, turbulence_runs, turbulence_statistics
 from lib.figures import read_figures
-from lib.formats import CONVERGED, FAST, PUBLISHED, UNSTABLE
+from lib.formats import CONVERGED, FAST, PUBLISHED, SWEEP_CAP, UNSTABLE
 from lib.messages import UnusableFile
 from lib.turbulence_files import (LOOSE, METHOD, PRACTICE, REFERENCE, SCHEMA, TIGHT, Cost, Parting, RunRow, Setting,
                                   Settings, Size, read_turbulence)
@@ -207,7 +208,7 @@ class Faithful(unittest.TestCase):
 
 # ---- the raw file, the report and the figures
 
-ENTRIES = ("algebra1", "elp4", "rk4", "magnus5")
+ENTRIES = ("algebra1", "elp4", "rk4", "magnus5", "elp6")
 HBAR_OVER_4 = 0.02
 N = 33
 
@@ -223,6 +224,12 @@ def rows_of(role, setting, spectra, **changes):
     return found
 
 
+def cost(setting, seconds, solver=FAST, processes=6):
+    """Returns a Cost whose times alternate by 1 % from process to process, as those of all others do."""
+    times = [] if seconds is None else [seconds * 1.01 ** (-1) ** process for process in range(processes)]
+    return Cost(N, *setting, solver, 40, None if seconds is None else 20.0, times)
+
+
 def write_turbulence(path, at_window=1.3, **changed):
     """Writes a made-up raw file; `changed` tables are functions of their rows.
 
@@ -235,7 +242,8 @@ def write_turbulence(path, at_window=1.3, **changed):
     wrong = [[0.8 * value for value in draw[5]] for draw in data]
     tables = {
         "integrators": [turbulence.study.record_of(entry) for entry in turbulence.study.entries(ENTRIES)],
-        "sizes": [Size(N, 4, 5, 100.0, "elp6", 0.25, 1e-9, 0.24)],
+        "sizes": [Size(n=N, draws=4, references=5, time=100.0, reference_integrator="elp6", reference_step=0.25,
+                       reference_error=1e-9, norm_B=0.24)],
         "partings": [Parting(N, draw, size, time, at_window) for draw in range(4)
                      for size, time in ((1e-6, 30.0 + draw), (1e-8, None))],
         "runs": [RunRow(N, REFERENCE, "elp6", 0.25, 1e-10, draw, ensemble, CONVERGED, 100.0, 1e-9, 1e-15, 1.0, 1.0,
@@ -247,16 +255,17 @@ def write_turbulence(path, at_window=1.3, **changed):
         + rows_of(METHOD, ("elp4", 2.0, LOOSE), [*faithful[:2], None, None])
         + rows_of(METHOD, ("magnus5", 1.0, LOOSE), faithful, energy=1.02)
         + rows_of(METHOD, ("rk4", 0.5, LOOSE), wrong, enstrophy=0.95),
-        "costs": [Cost(N, "algebra1", HBAR_OVER_4, LOOSE, FAST, 2.0, [1e-5, 1e-5, 9e-5]),
-                  Cost(N, "algebra1", HBAR_OVER_4, LOOSE, PUBLISHED, 9.0, [4e-5]),
-                  Cost(N, "algebra1", HBAR_OVER_4, TIGHT, FAST, 2.0, [2e-5]),
-                  Cost(N, "elp4", 0.5, LOOSE, FAST, 20.0, [1e-4]), Cost(N, "elp4", 1.0, LOOSE, FAST, 20.0, [1e-4]),
-                  Cost(N, "elp4", 0.5, 1e-6, FAST, None, []),
-                  Cost(N, "magnus5", 1.0, LOOSE, FAST, 20.0, [5e-5]),
-                  Cost(N, "rk4", 0.5, LOOSE, FAST, 8.0, [2.5e-5])]}
+        "costs": [cost(Setting("algebra1", HBAR_OVER_4, LOOSE), 1e-5),
+                  cost(Setting("algebra1", HBAR_OVER_4, LOOSE), 4e-5, PUBLISHED),
+                  cost(Setting("algebra1", HBAR_OVER_4, TIGHT), 2e-5),
+                  cost(Setting("elp4", 0.5, LOOSE), 1e-4), cost(Setting("elp4", 1.0, LOOSE), 1e-4),
+                  cost(Setting("elp4", 0.5, 1e-6), None), cost(Setting("magnus5", 1.0, LOOSE), 5e-5),
+                  cost(Setting("rk4", 0.5, LOOSE), 2.5e-5)]}
     for name, change in changed.items():
         tables[name] = change(tables[name])
-    formats.write_study(path, SCHEMA, {"cpu": "a processor"}, Settings(6, 10, 1e-6, 1e-8, 0.1, 60), tables)
+    settings = Settings(lowest_degree=6, highest_degree=10, displacement=1e-6, small_displacement=1e-8, energy_loss=0.1,
+                        max_sweeps=60, warm_steps=32)
+    formats.write_study(path, SCHEMA, {"cpu": "a processor"}, settings, tables)
     return path
 
 
@@ -281,9 +290,48 @@ class Report(DrawingTest):
             self.assertAlmostEqual(found[f"n33.cheapest.{structure}.{name}.practice_over"], 1 / over)
         # rk4 is the cheapest of all, and not faithful.
         self.assertAlmostEqual(found["n33.rk4.h0.5.over_practice"], 0.1)
-        self.assertEqual(len([key for key in found if key.startswith("n33.cheapest.nothing.magnus5")]), 3)
+        self.assertEqual(len([key for key in found if key.startswith("n33.cheapest.nothing.magnus5")]), 7)
+        self.assertEqual((found["n33.cheapest.nothing.ties"], found["n33.cheapest.nothing.undecided"]), (0, 0))
         self.assertAlmostEqual(found["n33.cheapest_of.elp4.over_practice"], 0.2)
         self.assertEqual(found["n33.cheapest_of.elp4.step"], 1)
+
+    def test_costs_within_5_percent_tie(self):
+        def elp4(share, spread=1.0):
+            """Gives elp4 with h = 1 a cost that is a share of that of magnus5, with another spread over processes."""
+            return lambda rows: [row._replace(seconds=[share * 5e-5 * 1.01 ** (-1) ** k * spread ** (k % 3 - 1)
+                                                       for k in range(6)])
+                                 if (row.integrator, row.step) == ("elp4", 1.0) else row for row in rows]
+
+        for costs, ties, undecided in ((elp4(1.03), 1, 0), (elp4(1.2), 0, 0), (elp4(1.04, spread=1.1), 0, 1)):
+            found = self.figures(costs=costs)
+            self.assertEqual((found["n33.cheapest.nothing.ties"], found["n33.cheapest.nothing.undecided"]),
+                             (ties, undecided))
+            self.assertEqual("n33.cheapest.nothing.tie.elp4.h1.over_practice" in found, bool(ties))
+            self.assertIn("n33.cheapest.nothing.magnus5.h1.over_practice", found)
+        self.assertLess(found["n33.elp4.h1.over_practice_low"], found["n33.elp4.h1.over_practice"])
+        self.assertGreater(found["n33.elp4.h1.over_practice_high"], found["n33.elp4.h1.over_practice"])
+        report = self.rendered("out", self.raw(costs=elp4(1.03)))["report.md"].decode()
+        self.assertIn("elp4 with h = 1 |", report)
+
+    def test_few_processes_decide_nothing(self):
+        found = self.figures(costs=lambda rows: [row._replace(seconds=row.seconds[:3]) for row in rows])
+        self.assertEqual((found["n33.cheapest.nothing.ties"], found["n33.cheapest.nothing.undecided"]), (0, 2))
+        self.assertNotIn("n33.elp4.h1.over_practice_low", found)
+
+    def test_what_the_sweep_cap_ends_is_told_apart(self):
+        def capped(rows):
+            return [row._replace(status=SWEEP_CAP) if row.status == UNSTABLE else row for row in rows]
+
+        for change, label in ((list, "_failure"), (capped, "_cap")):
+            raw = self.raw(runs=change)
+            study = read_turbulence(raw)
+            found = turbulence_figures.figures(study)
+            self.assertEqual((found["n33.elp4.h2.failed"], found["n33.elp4.h2.capped"]),
+                             (2, 2 if label == "_cap" else 0))
+            (axes,), = self.panels("turbulence_chart", "statistical_error", study).values()
+            self.assertEqual([line.get_label() for line in axes.lines if line.get_label() in ("_failure", "_cap")],
+                             [label])
+        self.assertIn("2 of 4 sweep cap", self.rendered("out", raw)["report.md"].decode())
 
     def test_what_is_faithful(self):
         found = self.figures()
@@ -312,6 +360,15 @@ class Report(DrawingTest):
         files = self.rendered("out", self.raw(at_window=1e-3))
         self.assertIn("Nothing is judged here", files["report.md"].decode())
 
+    def test_every_draw_is_to_be_independent(self):
+        def nearer(difference):
+            return lambda rows: [row._replace(at_window=difference) if row[1:3] == (2, 1e-6) else row for row in rows]
+
+        for difference, judged in ((1.0, True), (0.99, False), (0.5, False)):  # correlations 0.5, 0.51 and 0.875
+            with self.subTest(difference=difference):
+                study = read_turbulence(self.raw(partings=nearer(difference)))
+                self.assertEqual(study.is_unpredictable(N), judged)
+
     def test_the_report(self):
         files = self.rendered("out", self.raw())
         self.assertEqual(set(files), {"report.md", "figures.json", "statistical_error.svg", "statistical_error.png"})
@@ -320,18 +377,25 @@ class Report(DrawingTest):
         self.assertNotIn("Nothing is judged", report)
         cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in report.splitlines()
                  if line.startswith("|")]
-        self.assertIn(["33", "any", "magnus5", "1", "1e-08", "0.00500", "0.1"], [row[:7] for row in cells])
-        self.assertIn(["33", "any, close", "elp4", "1", "1e-08", "0.0100", "0.2"], [row[:7] for row in cells])
+        self.assertIn(["33", "any", "magnus5", "1", "1e-08", "0.00500", "0.100 (0.100 to 0.100)"],
+                      [row[:7] for row in cells])
+        self.assertIn(["33", "any, close", "elp4", "1", "1e-08", "0.0100", "0.200 (0.200 to 0.200)"],
+                      [row[:7] for row in cells])
+        self.assertIn(["settings judged", "8"], cells)
+        self.assertIn(["draws", "4"], cells)
+        self.assertIn(["33", "1e-06", "4 of 4", "30 to 33", "1.3", "1.3"], cells)
+        self.assertIn(["33", "1e-08", "0 of 4", "–", "1.3", "1.3"], cells)
         self.assertIn(["elp4", "1"], cells)
         self.assertIn(["rk4", "–"], cells)
         self.assertIn(["elp4", "2", "1e-08", "–", "–", "2 of 4 unstable, t = 42 to 43", *"–––––"], cells)
         practice = next(row for row in cells if row[:3] == ["algebra1", "0.02", "1e-08"])
-        self.assertEqual(practice[3:5], ["0.0500", "1"])
+        self.assertEqual(practice[3:5], ["0.0500", "1.00 (1.00 to 1.00)"])
         self.assertTrue(practice[5].startswith("**"), practice)
         rk4 = next(row for row in cells if row[:2] == ["rk4", "0.5"])
         self.assertFalse(rk4[5].startswith("**"), rk4)
         self.assertEqual(rk4[8], "-5 %")
-        self.assertIn("4 times the fast one", report)
+        self.assertIn(["33", "0.02", "1e-08", "0.200", "4.00 (4.00 to 4.00)"], cells)
+        self.assertIn(["33", "fast", "6", "40", "0.8 to 40"], cells)
         self.assertEqual(read_figures(self.path("out", "figures.json"))["n33.draws"], 4)
 
     def test_the_chart(self):
@@ -355,10 +419,14 @@ class Report(DrawingTest):
         for changes, told in (
                 ({"runs": lambda rows: []}, "no runs"),
                 ({"sizes": lambda rows: []}, "runs at n = 33"),
-                ({"partings": without(displacement=1e-6)}, "how two runs part at n = 33"),
+                ({"partings": without(displacement=1e-6)}, "how two runs of every draw part at n = 33"),
+                ({"partings": lambda rows: [row for row in rows if row[1:3] != (2, 1e-6)]}, "of every draw part"),
+                ({"integrators": without(name="rk4")}, "does not list the integrator rk4"),
+                ({"integrators": without(name="elp6")}, "does not list the integrator elp6"),
                 ({"runs": lambda rows: [row for row in rows if (row.role, row.draw) != (METHOD, 1)]},
                  "not every draw of elp4"),
-                ({"runs": lambda rows: rows[1:]}, "not every reference run at n = 33")):
+                ({"runs": lambda rows: rows[1:]}, "not every reference run at n = 33"),
+                ({"costs": lambda rows: [rows[0]._replace(seconds=[1e-5]), *rows[1:]]}, "numbers of processes")):
             with self.subTest(told=told):
                 raw = self.raw(**changes)
                 with self.assertRaisesRegex(UnusableFile, told):
@@ -391,11 +459,25 @@ class Plan(unittest.TestCase):
         self.assertEqual(points, [*[("algebra1", step, FAST)] * 2, ("rk4", 0.25, FAST),
                                   *[("algebra1", step, PUBLISHED)] * 2])
 
-    def test_counts_of_a_step(self):
-        point = {**Setting("elp4", 0.5, LOOSE)._asdict(), "n": 17, "time": 20.0, "solver": FAST}
-        self.assertGreater(turbulence.count(point), 1)
-        self.assertIsNone(turbulence.count({**point, "step": 50.0}))
-        self.assertGreater(turbulence.time_one(point), 0)
+    def test_the_timed_stretch(self):
+        self.assertEqual([turbulence.timed_steps(step, FAST) for step in (0.01, 0.5, 4.0)], [1000, 20, 8])
+        self.assertEqual(turbulence.timed_steps(0.01, PUBLISHED), 100)
+
+    def test_counts_and_times_of_a_step(self):
+        point = {**Setting("elp4", 0.5, LOOSE)._asdict(), "n": 17, "solver": FAST, "steps": 8}
+        prepared = turbulence.prepare({**SHORT, "points": [point, {**point, "step": 50.0}]})
+        self.assertGreater(prepared["counts"][0], 1)
+        self.assertIsNone(prepared["counts"][1])
+        W = problems.decoded(prepared["state"], 17)
+        self.assertLess(isosyrk.spectrum_error(W, turbulence_runs.drawn_scene(17, 0).initial),
+                        40 * 1e-10)  # that many steps to T/2, at that tolerance
+        block, = turbulence.blocks_of([point, {**point, "step": 0.25}])
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "W.npy")
+            np.save(path, W)
+            seconds = turbulence.time_block({**block, "process": 0, "state": path})
+        self.assertEqual(len(seconds), 2)
+        self.assertGreater(min(seconds), 0)
 
 
 class Study(FolderTest):
@@ -404,7 +486,7 @@ class Study(FolderTest):
 
     def test_a_quick_study_ends_with_a_report(self):
         raw = self.path("raw.json")
-        done = self.study("--quick", "--n", "17", "--integrator", "rk4", "--repetitions", "1", "--out", raw)
+        done = self.study("--quick", "--n", "17", "--integrator", "rk4", "--processes", "1", "--out", raw)
         self.assertEqual(done.returncode, DONE, done.stderr)
         self.assertEqual(os.listdir(self.folder), ["raw.json"])  # and no journal
         found = read_turbulence(raw)
