@@ -11,6 +11,9 @@ HBARS = ("paper", "standard")
 # Codes of the table of threads: fast forms that take plain Picard sweeps from a cold start, as published forms do, on
 # full matrices; and fast forms with all that they have.
 SWEEPS, WHOLE = THREAD_CODES = ("sweeps", "whole")
+# Largest entry of a difference of two answers that are called equal. Each of 50 steps may end up to the tolerance 1e-13
+# from the solution of its stage equations, in both runs.
+EQUAL = 2 * 50 * 1e-13
 WITHOUT = {SWEEPS: ("predictor", "newton", "bands"), WHOLE: ()}
 
 
@@ -32,6 +35,16 @@ class OctaveCell(NamedTuple):
     products: whole(1)  # of the run
     difference: number  # of W at the end from that of the published form in C++: the largest entry
     seconds: list_of(positive)  # CPU time of the run without set-up, one entry a process
+
+
+class OctavePair(NamedTuple):
+    """Two formulations at one n and s in GNU Octave."""
+
+    n: whole(2)
+    stages: whole(1)
+    row: one_of(*FORMULATIONS)
+    other: one_of(*FORMULATIONS)
+    difference: number  # of their W at the end: the largest entry
 
 
 class OctaveProduct(NamedTuple):
@@ -76,8 +89,8 @@ class Rate(NamedTuple):
     pass_seconds: list_of(positive)  # the sum of two n x n complex matrices into a third
 
 
-SCHEMA = Schema("claims", Settings, {"octave": OctaveCell, "octave_products": OctaveProduct, "draws": DrawCell,
-                                     "threads": ThreadCell, "rates": Rate})
+SCHEMA = Schema("claims", Settings, {"octave": OctaveCell, "octave_pairs": OctavePair, "octave_products": OctaveProduct,
+                                     "draws": DrawCell, "threads": ThreadCell, "rates": Rate})
 
 
 def read_claims(path, make=lambda study: study):

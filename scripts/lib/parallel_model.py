@@ -6,8 +6,8 @@ products, in full complex products, and passes, in sums of two n x n matrices in
 fast forms with plain sweeps (core/fast): products with a skew-Hermitian result form one triangle and count half, and
 algebra forms M_jk for j <= k alone, s + s(s+1)/2 products for the paper's s + s².
 
-The model is an idealisation, and bounds no library: processors share no memory bandwidth, and starting and ending a phase
-costs nothing. Two cases are modelled: whole tasks (no product is split), and split ones (all work in p even parts).
+The model is an idealisation, and bounds no library: processors share no memory bandwidth, and starting and ending a
+phase costs nothing. Two cases are modelled: whole tasks (no product is split), and split ones (p even parts).
 """
 
 import heapq
