@@ -19,8 +19,8 @@ from lib.parallel_model import PROCESSORS, path_products
 from lib.verdicts import ratio_of
 
 AVX2_KERNELS = ("Haswell", "Zen")  # of OpenBLAS
-NO_AVX2 = ("Not measured: this processor has no AVX-512 units, so that Tables 1 and 2 as they are recorded on it have"
-           " AVX2 kernels.")
+NO_AVX2 = "Tables 1 and 2 as they are recorded have AVX2 kernels."
+NOT_MEASURED = "Not measured: the tables that are recorded have other kernels, and none with AVX2 kernels was given."
 
 
 class Evidence(NamedTuple):
@@ -30,16 +30,26 @@ class Evidence(NamedTuple):
     runs: Dict[str, Run]  # of tables, by code; not Octave's
     published: Run  # the paper's seconds
     avx2: Optional[Dict[str, str]]  # the context of the tables with AVX2 kernels
-    theorem: Dict[str, float]  # figures of recorded studies
-    accuracy: Dict[str, float]
+    recorded: Dict[str, Dict[str, float]]  # figures of recorded studies: theorem, accuracy, turbulence if there is one
 
     def rows(self):
-        return claims_table.all_rows(self.study, {"paper": self.published, **self.runs}, self.theorem, self.accuracy)
+        return claims_table.all_rows(self.study, {"paper": self.published, **self.runs}, self.recorded)
+
+    def processors(self):
+        """Returns where each raw file was measured: its cpu and blas_kernels, by the name of the file."""
+        contexts = {"claims": self.study.context, "tables": self.runs["optimised"].context, "avx2": self.avx2}
+        return {name: {each: context.get(each, "not recorded") for each in ("cpu", "blas_kernels")}
+                for name, context in contexts.items() if context is not None}
+
+
+def has_avx2_kernels(context):
+    """Tells whether a table was measured with AVX2 kernels, in OpenBLAS and in ours."""
+    return context.get("blas_kernels") in AVX2_KERNELS and "avx512" not in context.get("products", "avx512").lower()
 
 
 def require_avx2(context):
-    """Throws UnusableFile unless a table was measured with AVX2 kernels, in OpenBLAS and in ours."""
-    if context.get("blas_kernels") not in AVX2_KERNELS or "avx512" in context.get("products", "avx512").lower():
+    """Throws UnusableFile unless a table was measured with AVX2 kernels."""
+    if not has_avx2_kernels(context):
         raise UnusableFile(f"was not measured with AVX2 kernels (OpenBLAS: {context.get('blas_kernels')}; products:"
                            f" {context.get('products')})")
 
@@ -55,7 +65,10 @@ def sections(evidence):
                   " ratios: for (a) and (b) the fastest other row over the row that is said to be fastest, for (c)"
                   " algebra over the fastest other; range over n, in brackets that of the 95 % intervals. Exponentials:"
                   " Gauss over the exponential method at equal error. Parallel: the fastest other formulation over"
-                  " algebra, range over n and s. The paper's column has ratios of its printed seconds only."),
+                  " algebra, range over n and s. Order: of the cheapest setting, no verdict. Fast forms, plain sweeps:"
+                  " Picard sweeps from a cold start on full matrices. The paper's column has ratios of its printed"
+                  " seconds only."),
+        *processor_sections(evidence.processors()),
         claims_table.claims_table(evidence.rows()),
         *(octave_sections(study, evidence.published) if study.tables["octave"] else []),
         *avx2_sections(evidence),
@@ -65,22 +78,37 @@ def sections(evidence):
         conditions(study.context)]
 
 
+def processor_sections(processors):
+    """Says so where parts of the evidence are of different processors or kernels; AVX2 kernels are others by design."""
+    claims, tables = processors["claims"], processors["tables"]
+    same_cpu = all(each["cpu"] == tables["cpu"] for each in processors.values())
+    if same_cpu and claims["blas_kernels"] == tables["blas_kernels"]:
+        return []
+    names = {"claims": "Octave, draws and threads", "tables": "plain and optimised C++", "avx2": "AVX2 tables"}
+    places = "; ".join(f"{names[name]}: {each['cpu']}, OpenBLAS kernels {each['blas_kernels']}"
+                       for name, each in processors.items())
+    return [Paragraph(f"Columns of the table were not all measured on one processor with the same kernels. {places}.")]
+
+
 def octave_sections(study, published):
     comparison = Comparison(octave_run(study), published)
     worst = max(cell.difference for cell in study.tables["octave"])
+    apart = max((pair.difference for pair in study.tables["octave_pairs"]), default=0.0)
     heading, *rest = claims_section(comparison)
     return [
         *times_section(comparison, "GNU Octave", "CPU seconds of the 50-step run (T = 5, h = 0.1) by plain GNU Octave"
-                       f" {study.settings.octave}, benchmarks/octave, beside the paper's MATLAB. One thread, the same"
-                       " OpenBLAS kernels as C++. Answers differ from those in C++ by at most"
-                       f" {scientific(worst)} in an entry."),
+                       f" {study.settings.octave}, benchmarks/octave, beside the paper's MATLAB. One thread, OpenBLAS"
+                       f" kernels {study.settings.octave_kernels}. Answers differ from those in C++ by at most"
+                       f" {scientific(worst)} in an entry, those of two formulations in Octave by at most"
+                       f" {scientific(apart)}."),
         *ratios_section(comparison),
         Heading("Claims in GNU Octave"), *rest]
 
 
 def avx2_sections(evidence):
     if evidence.avx2 is None:
-        return [Heading("AVX2 kernels"), Paragraph(NO_AVX2)]
+        recorded = has_avx2_kernels(evidence.runs["optimised"].context)
+        return [Heading("AVX2 kernels"), Paragraph(NO_AVX2 if recorded else NOT_MEASURED)]
     found = [Heading("AVX2 kernels"),
              Paragraph(f"Tables 1 and 2 again, built for x86-64-v3, OpenBLAS with the kernels"
                        f" {evidence.avx2['blas_kernels']}, products: {evidence.avx2['products']}.")]
@@ -102,7 +130,7 @@ def choice_sections(study):
     columns = (Column("claim", align="left"), Column("s"), Column("n"), Column("implementation", align="left"),
                Column("results", align="left"), Column("least ratio"), Column("largest ratio"))
     return [Heading("What the paper leaves open"),
-            Paragraph(f"The claims with {draws} seeded draws of the initial modes up to l = 4, normally distributed,"
+            Paragraph(f"The claims with {draws} seeded draws of the initial modes up to l = 4, all of one variance,"
                       " each with both ħ: how often each result came out, and the range of the ratio."),
             plain_table(columns, rows)]
 
@@ -116,8 +144,7 @@ def share_sections(evidence):
         equivalent = optimised.counters.get("equivalent_products") if optimised else None
         blocks.append([str(cell.n), str(cell.stages), cell.formulation, three_digits(cell.sweeps),
                        three_digits(cell.products), three_digits(equivalent) if equivalent else MISSING,
-                       percentage(shares[key]), *(percentage(each.counters["product_share"]) if each else MISSING
-                                                  for each in (plain, optimised))])
+                       percentage(shares[key]), *map(share_text, (plain, optimised))])
     columns = (Column("n"), Column("s"), Column("formulation", align="left"), Column("sweeps"), Column("products"),
                Column("full products, optimised"), *(Column(name, "share of products")
                                                      for name in ("Octave", "plain C++", "optimised C++")))
@@ -128,6 +155,12 @@ def share_sections(evidence):
                       " solves, sums over stages and norms, all O(n²), and in Octave to interpretation. Above 100 %"
                       " products of an adjoint took less than a plain one."),
             plain_table(columns, blocks)]
+
+
+def share_text(cell):
+    """Writes the share of products in the time of a cell of a table, which may be missing or have failed."""
+    share = cell and cell.counters.get("product_share")
+    return MISSING if share is None else percentage(share)
 
 
 # ---- threads
@@ -203,12 +236,14 @@ def model_table(study):
 def figures(evidence):
     """Returns the figures that results/README.md may quote, by key.
 
-    octave.s3.algebra_over_group.n129 and so on, also of plain_avx2 and optimised_avx2; share.CODE.s3.group.n129;
+    octave.difference from C++, octave.apart of two formulations in Octave; octave.s3.algebra_over_group.n129 and so on,
+    also of plain_avx2 and optimised_avx2; share.CODE.s3.group.n129;
     open.a.s1.fast.n17.least, .most and .holds; threads.CODE.n65.s3.t2.others_over_algebra and .FORM.speedup;
     model.n65.s3.p64.FORM, and model.check.least and .most.
     """
     study = evidence.study
-    found = {"octave.difference": max((cell.difference for cell in study.tables["octave"]), default=0.0)}
+    found = {name: max(row.difference for row in rows) for name, rows in
+             (("octave.difference", study.tables["octave"]), ("octave.apart", study.tables["octave_pairs"])) if rows}
     runs = {"octave": octave_run(study), **{code: evidence.runs[code] for code in ("plain_avx2", "optimised_avx2")
                                             if code in evidence.runs}}
     for code, run in runs.items():

@@ -1,34 +1,39 @@
 """The table of the paper's claims, as data: claims.json. One row a claim, and for each code what was found.
 
-The codes are the paper's MATLAB (ratios only), GNU Octave, plain and optimised C++, and these with AVX2 kernels.
+The codes are the paper's MATLAB (ratios only), GNU Octave, plain C++ (the published forms), optimised C++ (the fast
+forms), fast forms with plain Picard sweeps, and plain and optimised C++ with AVX2 kernels.
 A claim about speed is judged by processes (lib/verdicts); others by the figures of the recorded studies, with the rule
 that stands at each row. Standard library only.
 """
 
 import json
 import math
+import re
 import statistics
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from lib.claims import CLAIMS, judged, sizes
-from lib.claims_files import SWEEPS, WHOLE, draw_runs, octave_run
+from lib.claims_files import EQUAL, SWEEPS, WHOLE, draw_runs, octave_run
 from lib.comparison import three_digits
 from lib.document import Column, Entry, Table
 from lib.formats import (FAST, FORMULATIONS, PUBLISHED, an_object, any_text, checked, list_of, number, one_of,
                          optional, read_json, require, text, whole)
+from lib.integrator_names import frameless, gauss_stages
+from lib.messages import UnusableFile
 from lib.parallel_model import PROCESSORS, Rates, sweep_seconds, work_seconds
 from lib.theorem_table import AT_ROUNDING
+from lib.turbulence_files import PRACTICE_INTEGRATOR
 from lib.verdicts import FAILS, FASTER, HOLDS, MARGIN, SLOWER, TIE, UNDECIDED, fastest, ratio_of, verdict
 
 CODES = {"paper": "paper's MATLAB", "octave": "Octave", "plain": "plain C++", "optimised": "optimised C++",
-         "plain_avx2": "plain, AVX2", "optimised_avx2": "optimised, AVX2"}
+         SWEEPS: "fast forms, plain sweeps", "plain_avx2": "plain, AVX2", "optimised_avx2": "optimised, AVX2"}
 SPLIT = "split"  # in place of a number of processors: all work split evenly
 RESULTS = (HOLDS, FAILS, TIE, UNDECIDED)
 FORMAT = "isosyrk claims 1"
-EQUAL = 1e-11  # largest entry of a difference of two formulations after 50 steps
 # Pages, from results/.
 OF_TABLES = ("recorded/tables/table1.md", "recorded/tables/table2.md", "recorded/claims/report.md")
-OF_THEOREM, OF_ACCURACY, OF_CLAIMS = ((f"recorded/{study}/report.md",) for study in ("theorem", "accuracy", "claims"))
+OF_THEOREM, OF_ACCURACY, OF_CLAIMS, OF_TURBULENCE = ((f"recorded/{study}/report.md",) for study in
+                                                     ("theorem", "accuracy", "claims", "turbulence"))
 ERRORS = ("1e-2", "1e-4", "1e-6", "1e-8")  # at which the order that pays is asked for
 
 
@@ -110,6 +115,31 @@ def choices(study):
 # ---- claims judged by recorded studies
 
 
+PARTITIONED = ("iiia_iiib_iiia_s2", "iiia_iiib_iiia_s3", "iiia_iiib_iiib_s2", "iiia_iiib_iiib_s3")
+DUELS = {HOLDS: "gauss_over_elp.faster", FAILS: "gauss_over_elp.slower", TIE: "gauss_over_elp.tie",
+         UNDECIDED: "gauss_over_elp.undecided"}
+NEEDED = {"theorem": ("coincidence.within", "coincidence.settings",
+                      *(f"ends.{pair}.{what}" for pair in PARTITIONED
+                        for what in ("casimirs.cotangent", "cotangent-group"))),
+          "accuracy": tuple(DUELS.values())}
+ORDER_FIGURES = ("median", "least", "largest", "problems")  # at an error, if any
+
+
+def require_figures(study, figures):
+    """Throws UnusableFile unless the figures of a recorded study have all that the table needs."""
+    of_orders = ([f"gauss_order.at_{error}.{what}" for what in ORDER_FIGURES] for error in ERRORS)
+    partial = [key for keys in of_orders if any(key in figures for key in keys) for key in keys]
+    for key in (*NEEDED.get(study, ()), *partial):
+        if key not in figures:
+            raise UnusableFile(f"has no figure {key}")
+    if study == "accuracy" and not duel_ratios(figures):
+        raise UnusableFile("has no ratio gauss_over_elp.….at_…")
+
+
+def duel_ratios(accuracy):
+    return [value for key, value in accuracy.items() if key.startswith("gauss_over_elp.") and ".at_" in key]
+
+
 def counted(where, counts, least=None, most=None):
     """Returns a Finding for each result that came out; `counts` are by result, least and most ratios of them all.
 
@@ -120,13 +150,13 @@ def counted(where, counts, least=None, most=None):
 
 
 def theorem_row(theorem, study):
-    """Holds where no difference of two formulations is above its bound; in Octave, above EQUAL."""
+    """Holds where no difference of two formulations is above its bound; in Octave, for each pair, above EQUAL."""
     within, of = theorem["coincidence.within"], theorem["coincidence.settings"]
     findings = {"plain": counted("seven scenes", {HOLDS: int(within), FAILS: int(of - within)})}
-    cells = study.tables["octave"]
-    if cells:
-        equal = sum(cell.difference <= EQUAL for cell in cells)
-        findings["octave"] = counted("cells of Table 1", {HOLDS: equal, FAILS: len(cells) - equal})
+    pairs = study.tables["octave_pairs"]
+    if pairs:
+        equal = sum(pair.difference <= EQUAL for pair in pairs)
+        findings["octave"] = counted("pairs of rows of Table 1", {HOLDS: equal, FAILS: len(pairs) - equal})
     return Row("theorem", "the three formulations coincide", None, OF_THEOREM, findings)
 
 
@@ -143,32 +173,82 @@ def footnote_rows(theorem):
 
 def partitioned_rows(theorem):
     """Judges steps by Lobatto IIIA–IIIB on T*G: the spectrum, and whether a form on G is the same map."""
-    pairs = ("iiia_iiib_iiia_s2", "iiia_iiib_iiia_s3", "iiia_iiib_iiib_s2", "iiia_iiib_iiib_s3")
-    keeps = sum(theorem[f"ends.{pair}.casimirs.cotangent"] < AT_ROUNDING for pair in pairs)
-    differs = sum(theorem[f"ends.{pair}.cotangent-group"] > AT_ROUNDING for pair in pairs)
+    keeps = sum(theorem[f"ends.{pair}.casimirs.cotangent"] < AT_ROUNDING for pair in PARTITIONED)
+    differs = sum(theorem[f"ends.{pair}.cotangent-group"] > AT_ROUNDING for pair in PARTITIONED)
     return [Row("remark", statement, None, OF_THEOREM,
-                {"plain": counted("so(6), s = 2, 3", {HOLDS: held, FAILS: len(pairs) - held})})
+                {"plain": counted("so(6), s = 2, 3", {HOLDS: held, FAILS: len(PARTITIONED) - held})})
             for statement, held in (("a partitioned pair on T*G keeps the spectrum", keeps),
                                     ("a partitioned pair on T*G is no form on G of either tableau", differs))]
 
 
 def exponentials_row(accuracy):
     """Counts duels at equal error: the claim holds where Gauss is faster. The ratio is its time over the other's."""
-    counts = {result: int(accuracy[f"gauss_over_elp.{said}"]) for result, said in
-              ((HOLDS, "faster"), (FAILS, "slower"), (TIE, "tie"), (UNDECIDED, "undecided"))}
-    ratios = [value for key, value in accuracy.items() if key.startswith("gauss_over_elp.") and ".at_" in key]
+    counts, ratios = {result: int(accuracy[key]) for result, key in DUELS.items()}, duel_ratios(accuracy)
     return Row("exponentials", "exponential maps make a method inefficient", None, OF_ACCURACY,
                {"optimised": counted("duels", counts, min(ratios), max(ratios))})
 
 
-def order_row(accuracy):
+TURBULENT = "is high order needed? In turbulence, once predictability is lost:"
+
+
+def order_rows(turbulence):
+    """Returns what turbulence says of order, n by n, from the cheapest faithful settings; `turbulence` may be None.
+
+    The practice (the isospectral midpoint at h = ħ/4) is a setting of order 2 like the others. There is no interval:
+    the cost of a setting is one figure.
+    """
+    orders, prices, winners = [], [], []
+    for n in sorted({int(match[1]) for key in turbulence or () if (match := re.match(r"n([0-9]+)\.", key))}):
+        costs = gauss_costs(turbulence, n)
+        if costs:
+            best = min(costs, key=costs.get)
+            orders.append(Finding(f"at n = {n} ({best})", None, order_of(best), None, None, len(costs)))
+        low, high = ([cost for name, cost in costs.items() if (order_of(name) > 2) is is_high]
+                     for is_high in (False, True))
+        if low and high:
+            prices.append(Finding(f"n = {n}", None, min(low) / min(high), None, None, 1))
+        name = cheapest_of_all(turbulence, n)
+        if name:
+            winners.append(Finding(f"at n = {n} ({name})", None, order_of(name), None, None, 1))
+    rows = ((f"{TURBULENT} order of the cheapest faithful Gauss method", orders),
+            (f"{TURBULENT} cost of order 2 over that of the cheapest higher order, Gauss", prices),
+            (f"{TURBULENT} order of the cheapest faithful method of any kind", winners))
+    return [Row("order", statement, None, OF_TURBULENCE, {"optimised": findings}) for statement, findings in rows
+            if findings]
+
+
+def gauss_costs(turbulence, n):
+    """Returns the costs of the cheapest faithful setting of each Gauss method over that of the practice, by name."""
+    found = {match[1]: value for key, value in turbulence.items()
+             if (match := re.fullmatch(rf"n{n}\.cheapest_of\.(\w+)\.over_practice", key))}
+    costs = {name: cost for name, cost in found.items() if gauss_stages(frameless(name))}
+    if turbulence.get(f"n{n}.practice.faithful") == 1 and f"n{n}.practice.seconds" in turbulence:
+        costs[PRACTICE_INTEGRATOR] = min(1.0, costs.get(PRACTICE_INTEGRATOR, 1.0))
+    return costs
+
+
+def cheapest_of_all(turbulence, n):
+    """Returns the integrator of the cheapest faithful setting, the practice included; None without a faithful one."""
+    pattern = re.compile(rf"n{n}\.cheapest\.nothing\.(\w+)\.h.+\.over_practice")
+    costs = {match[1]: value for key, value in turbulence.items() if (match := pattern.fullmatch(key))}
+    costs |= {name: min(cost, costs.get(name, cost)) for name, cost in gauss_costs(turbulence, n).items()}
+    return min(costs, key=costs.get, default=None)
+
+
+def order_of(name):
+    """Returns the order of an integrator, by its name: 2s of a Gauss method, otherwise the number that it has."""
+    stages = gauss_stages(frameless(name))
+    return 2 * stages if stages else int(re.search("[0-9]+", name)[0])
+
+
+def predictable_order_row(accuracy):
     """Says which order of Gauss methods is the cheapest, the median over the problems, and its range."""
     findings = [Finding(f"at {error}", None, *(accuracy[f"gauss_order.at_{error}.{each}"]
                                                for each in ("median", "least", "largest")),
                         int(accuracy[f"gauss_order.at_{error}.problems"])) for error in ERRORS
                 if f"gauss_order.at_{error}.median" in accuracy]
-    return Row("order", "is high order needed? The order that pays", None, OF_ACCURACY,
-               {"optimised": findings})
+    return Row("order", "is high order needed? While predictable: the order that pays at an error", None,
+               OF_ACCURACY, {"optimised": findings})
 
 
 # ---- threads
@@ -198,7 +278,7 @@ def thread_blocks(study):
 
 
 def parallel_rows(study):
-    codes = {SWEEPS: "plain", WHOLE: "optimised"}
+    codes = {WHOLE: "optimised", SWEEPS: SWEEPS}
     findings = {name: [] for name in codes.values()}
     for n, stages, code, threads in thread_blocks(study):
         if threads > 1:
@@ -207,7 +287,7 @@ def parallel_rows(study):
                                                  ratio.high if math.isfinite(ratio.high) else None, 1))
     return [Row("parallel", "on two threads ISOSYRK is competitive", None, OF_CLAIMS, findings),
             Row("parallel", f"on {PROCESSORS[-1]} processors, by a model", None, OF_CLAIMS,
-                {"plain": modelled_findings(study)})]
+                {SWEEPS: modelled_findings(study)})]
 
 
 def modelled_findings(study):
@@ -251,20 +331,24 @@ def model_ratios(study):
     return found
 
 
-def all_rows(study, runs, theorem, accuracy):
-    """Returns the Rows. `runs` are those of tables by code but Octave's; `theorem` and `accuracy` figures by key."""
+def all_rows(study, runs, recorded):
+    """Returns the Rows. `runs` are those of tables by code but Octave's; `recorded` has figures by study and key."""
+    theorem, accuracy = recorded["theorem"], recorded["accuracy"]
     order = [code for code in CODES if code in {*runs, "octave"}]
     known = {**runs, **({"octave": octave_run(study)} if study.tables["octave"] else {})}
     return [theorem_row(theorem, study), *speed_rows({code: known[code] for code in order if code in known}),
             *footnote_rows(theorem), *partitioned_rows(theorem), exponentials_row(accuracy), *parallel_rows(study),
-            order_row(accuracy)]
+            *order_rows(recorded.get("turbulence")), predictable_order_row(accuracy)]
 
 
 # ---- claims.json
 
 
-def as_json(rows, open_choices):
-    """Returns claims.json as bytes, a finding a line."""
+def as_json(rows, open_choices, processors):
+    """Returns claims.json as bytes, a finding a line.
+
+    `processors` says of each raw file, "claims", "tables" and "avx2", where it was measured: its conditions by name.
+    """
     def row_text(row):
         codes = ",\n".join(f"  {json.dumps(code)}: [" + ",\n   ".join(json.dumps(each._asdict()) for each in found)
                            + "]" for code, found in row.findings.items() if found)
@@ -274,8 +358,8 @@ def as_json(rows, open_choices):
 
     claims, of_choices = (",\n".join(each) for each in (map(row_text, rows),
                                                         (json.dumps(each._asdict()) for each in open_choices)))
-    return (f'{{"format": {json.dumps(FORMAT)},\n"claims": [\n{claims}\n],\n"choices": [\n{of_choices}\n]}}\n'
-            ).encode("utf-8")
+    return (f'{{"format": {json.dumps(FORMAT)},\n"processors": {json.dumps(processors)},\n"claims": [\n{claims}\n],\n'
+            f'"choices": [\n{of_choices}\n]}}\n').encode("utf-8")
 
 
 def read_claims_table(path):
@@ -285,7 +369,8 @@ def read_claims_table(path):
 
 def claims_of(document):
     require(document, "table of claims", "format", FORMAT)
-    found = checked(document, {"claims": list_of(an_object), "choices": list_of(an_object)}, "it")
+    found = checked(document, {"claims": list_of(an_object), "choices": list_of(an_object), "processors": an_object},
+                    "it")
     kinds = {"claim": text, "statement": any_text, "stages": optional(whole(1)), "evidence": list_of(text),
              "findings": an_object}
     rows = []
@@ -316,19 +401,36 @@ def claims_table(rows):
 
 
 def cell_text(findings):
-    """Writes what was found: results in the order of n, the range of ratios, and in brackets that of intervals."""
+    """Writes what was found: results, the range of ratios, and in brackets that of intervals."""
     if not findings:
         return "–"
     if findings[0].result is None and findings[0].where.startswith("at "):
         return ", ".join(f"{each.ratio:g} {each.where}" for each in findings)
     if any(each.ratio is None for each in findings):
         return counts_text(findings)
-    results = " … ".join(dict.fromkeys(each.result for each in findings if each.result))
+    results = results_text(findings)
     ratios = range_text([each.ratio for each in findings])
     intervals = [each for each in findings if each.low is not None and each.high is not None]
     ends = (f" [{three_digits(min(each.low for each in intervals))},"
             f" {three_digits(max(each.high for each in intervals))}]" if intervals else "")
     return f"{results} {ratios}{ends}".strip()
+
+
+def results_text(findings):
+    """Writes the result that all have, or else each result with the places where it came out."""
+    places = {}
+    for each in findings:
+        if each.result:
+            places.setdefault(each.result, []).append(each.where)
+    if len(places) < 2:
+        return "".join(places)
+    return ", ".join(f"{result} ({places_text(where)})" for result, where in places.items())
+
+
+def places_text(places):
+    """Writes places, "n = 17, 33" where they are sizes alone."""
+    sizes_alone = all(re.fullmatch("n = [0-9]+", each) for each in places)
+    return "n = " + ", ".join(each[4:] for each in places) if sizes_alone else "; ".join(places)
 
 
 def counts_text(findings):

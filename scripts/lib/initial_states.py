@@ -1,6 +1,6 @@
 """The initial states that limits of step sizes are measured on: a scene's own, and others drawn like it.
 
-Draws come from seeds and are not kept. Needs NumPy and isosyrk.
+The study of claims draws its modes here too. Draws come from seeds and are not kept. Needs NumPy and isosyrk.
 """
 
 import functools

@@ -20,10 +20,8 @@ def run(initial, cells, step, steps, repetitions=1, folder=NO_FILES, hbar="paper
 
     Octave has one thread, and the core that this process has. Throws Stop for a run that fails.
     """
-    program = shutil.which(PROGRAM)
-    if program is None:
-        raise Stop(f"{PROGRAM}: not found; install octave, or scripts/reproduce claims does", BAD_ARGUMENTS)
-    command = [program, "-qf", SCRIPT, initial, hbar, repr(step), str(steps), str(repetitions), folder, *cells]
+    numbers = repr(step), str(steps), str(repetitions)
+    command = [path_of_program(), "-qf", SCRIPT, initial, hbar, *numbers, folder, *cells]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, encoding="utf-8", errors="replace",
                           env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}, check=False)
     if done.returncode != 0:
@@ -31,6 +29,22 @@ def run(initial, cells, step, steps, repetitions=1, folder=NO_FILES, hbar="paper
         raise Stop(f"{PROGRAM}: exit status {done.returncode}: {one_line(said[0] if said else 'no reason given')}"
                    + failed_cell(done.stdout), NO_ANSWER)
     return json.loads(done.stdout)
+
+
+def path_of_program():
+    program = shutil.which(PROGRAM)
+    if program is None:
+        raise Stop(f"{PROGRAM}: not found; install octave, or scripts/reproduce claims does", BAD_ARGUMENTS)
+    return program
+
+
+def version():
+    """Returns the version of GNU Octave here, such as "7.3.0"."""
+    done = subprocess.run([path_of_program(), "-qf", "--eval", "disp(version())"], stdin=subprocess.DEVNULL,
+                          capture_output=True, encoding="utf-8", errors="replace", check=False)
+    if done.returncode != 0:
+        raise Stop(f"{PROGRAM}: exit status {done.returncode}: {one_line(done.stderr)}", NO_ANSWER)
+    return done.stdout.strip()
 
 
 def failed_cell(output):

@@ -6,7 +6,8 @@ products, in full complex products, and passes, in sums of two n x n matrices in
 fast forms with plain sweeps (core/fast): products with a skew-Hermitian result form one triangle and count half, and
 algebra forms M_jk for j <= k alone, s + s(s+1)/2 products for the paper's s + s².
 
-Two bounds enclose what a real library can do: whole tasks (no product is split), and split ones (all work in p parts).
+The model is an idealisation, and bounds no library: processors share no memory bandwidth, and starting and ending a
+phase costs nothing. Two cases are modelled: whole tasks (no product is split), and split ones (p even parts).
 """
 
 import heapq
@@ -68,7 +69,7 @@ def sweep_seconds(formulation, s, rates, processors):
 
 
 def work_seconds(formulation, s, rates, processors):
-    """Returns the seconds of a sweep if all its work were split evenly: no library takes less."""
+    """Returns the seconds of a sweep if all its work were split evenly, at the rates of one processor."""
     return sum(rates.seconds(task) for phase in phases(formulation, s) for task in phase) / processors
 
 

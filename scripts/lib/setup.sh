@@ -52,8 +52,9 @@ install_packages() {
     die 2 "apt-get install failed for: ${missing[*]}"
 }
 
-# has_avx512: tells whether this processor has the units.
-has_avx512() { lscpu | grep -qw avx512f; }
+# has_avx512: tells whether this processor has the units. grep reads all: with -q it may end before lscpu, whose broken
+# pipe would be the status under pipefail.
+has_avx512() { lscpu | grep -w avx512f >/dev/null; }
 
 child=  # what a script waits for, to be ended with it
 

@@ -6,6 +6,7 @@ lib/verdicts.py says how many processes tell which formulation is fastest. Table
 renderer reads those recorded, and scripts/reproduce measures them with AVX2 kernels beside this study.
 """
 
+import itertools
 import json
 import math
 import os
@@ -26,28 +27,27 @@ if __name__ == "__main__":
 
 import isosyrk
 import numpy as np
-from lib import claims, formats, octave_cells, verdicts
-from lib.claims_files import (HBARS, SCHEMA, WITHOUT, DrawCell, OctaveCell, OctaveProduct, Rate, Settings,
-                              ThreadCell)
+from lib import claims, formats, initial_states, octave_cells, verdicts
+from lib.claims_files import (EQUAL, HBARS, SCHEMA, WITHOUT, DrawCell, OctaveCell, OctavePair, OctaveProduct, Rate,
+                              Settings, ThreadCell)
 from lib.command_line import NO_ANSWER, Stop, whole_number
 from lib.formats import FAST, SOLVERS, CellKey, Measurement, Run
 from lib.integrator_names import TABLE1_CELLS, gauss_stages
 from lib.messages import one_line
 
 STEP, STEPS, TOLERANCE = 0.1, 50, 1e-13
-EQUAL = 1e-11  # largest entry of the difference of Octave's answer from that in C++
 SIZES, QUICK_SIZES = (17, 33, 65, 129), (17, 33)
 SEVERAL_UP_TO = 33  # the n up to which a process runs a cell more than once
 REPETITIONS = 2  # of which the least counts
 DRAWS, QUICK_DRAWS = 5, 2  # with each ħ
 DRAW_SIZES, QUICK_DRAW_SIZES = (17, 33, 65), (17,)
-LARGEST_DEGREE = 4  # of the modes that are drawn, as the paper's
 # n of the runs by threads, with their h and number of steps: h‖B(W₀)‖₂ is that of n = 129 in Table 1 from there on.
 THREAD_RUNS = {65: (0.1, 20), 129: (0.1, 10), 257: (0.05, 5)}
 QUICK_THREAD_SIZES = (65,)
 THREAD_STAGES, THREADS = (2, 3), (1, 2)
 PRODUCT, PASS = "product", "pass"  # rows of what is timed beside cells
 SECONDS_OF_PASSES = 0.02
+NOT_RUN = "not run"  # in place of Octave's version
 PROCESS = "--process"  # the hidden mode: what follows is one block to time
 
 
@@ -55,17 +55,29 @@ PROCESS = "--process"  # the hidden mode: what follows is one block to time
 
 
 def octave_answers(job):
-    """Returns the counts of cells at one n in GNU Octave and how far their answers are from those in C++."""
+    """Runs the cells of one n and s in GNU Octave.
+
+    Returns each cell's counts and how far its answer is from that in C++, and how far the answers of two cells are
+    apart: the largest entry of a difference.
+    """
     scene = isosyrk.scene("smooth", n=job["n"])
+    answers, cells = {}, {}
     with tempfile.TemporaryDirectory(prefix="isosyrk-") as folder:
         initial = os.path.join(folder, "initial.npy")
         np.save(initial, scene.initial)
-        found = octave_cells.run(initial, [job["cell"]], STEP, STEPS, folder=folder)
-        W = np.load(os.path.join(folder, f"{job['cell']}.npy"))
-    ours, _ = isosyrk.integrator(scene, job["cell"], tolerance=TOLERANCE).run(scene.initial, STEP, STEPS)
-    cell, = found["cells"]
-    return {"sweeps": cell["sweeps"], "products": cell["products"], "difference": float(abs(W - ours).max()),
-            "octave": found["octave"], "blas": found["blas"]}
+        for cell in octave_cells.run(initial, job["cells"], STEP, STEPS, folder=folder)["cells"]:
+            name = cell["cell"]
+            answers[name] = np.load(os.path.join(folder, f"{name}.npy"))
+            ours, _ = isosyrk.integrator(scene, name, tolerance=TOLERANCE).run(scene.initial, STEP, STEPS)
+            cells[name] = {"sweeps": cell["sweeps"], "products": cell["products"],
+                           "difference": largest_entry(answers[name] - ours)}
+    return {"cells": cells, "pairs": [{"row": row, "other": other,
+                                       "difference": largest_entry(answers[row] - answers[other])}
+                                      for row, other in itertools.combinations(job["cells"], 2)]}
+
+
+def largest_entry(matrix):
+    return float(abs(matrix).max())
 
 
 def time_octave(block):
@@ -76,16 +88,16 @@ def time_octave(block):
         initial = os.path.join(folder, "initial.npy")
         np.save(initial, isosyrk.scene("smooth", n=block["n"]).initial)
         found = octave_cells.run(initial, cells, STEP, STEPS, block["repetitions"])
+    require_same_kernels(found["blas"], block["kernels"])
     seconds = {cell["cell"]: cell["seconds"] for cell in found["cells"]}
     return [{**seconds, PRODUCT: found["product_seconds"]}[row] for row in block["rows"]]
 
 
-def require_same_kernels(answers, context):
+def require_same_kernels(blas, kernels):
     """Throws Stop unless Octave runs on the kernels of OpenBLAS that the module runs on."""
-    kernels = octave_cells.kernels(answers["blas"])
-    if kernels != context["blas_kernels"]:
-        raise Stop(f"octave: its BLAS is {one_line(answers['blas'])}, not OpenBLAS with kernels"
-                   f" {context['blas_kernels']}; choose it with update-alternatives", NO_ANSWER)
+    if octave_cells.kernels(blas) != kernels:
+        raise Stop(f"octave: its BLAS is {one_line(blas)}, not OpenBLAS with kernels {kernels}; choose it with"
+                   " update-alternatives", NO_ANSWER)
 
 
 def require_equal(n, cell, answers):
@@ -97,16 +109,10 @@ def require_equal(n, cell, answers):
 # ---- other initial data
 
 
-def drawn_modes(draw):
-    """Returns coefficients (l, m, re, im) of all modes up to LARGEST_DEGREE, normally distributed, for a seed."""
-    numbers = np.random.default_rng(draw)
-    return [(degree, order, *map(float, numbers.standard_normal(2) * (1, order > 0)))
-            for degree in range(1, LARGEST_DEGREE + 1) for order in range(degree + 1)]
-
-
 def time_draw(block):
     """Returns the CPU seconds of the rows of a block, "published group2" and so on, the least of its repetitions."""
-    scene = isosyrk.scene("drawn", n=block["n"], hbar=block["hbar"], modes=drawn_modes(block["draw"]))
+    modes = initial_states.drawn_modes(initial_states.SMOOTH, block["n"], block["draw"] + 1)  # 0 is the scene's own
+    scene = isosyrk.scene("drawn", n=block["n"], hbar=block["hbar"], modes=modes)
     shuffled = random.Random(block["process"])
     found = {row: [] for row in block["rows"]}
     for _ in range(block["repetitions"]):
@@ -211,26 +217,37 @@ def command(block, process):
     return [sys.executable, "-B", os.path.realpath(__file__), PROCESS, json.dumps({**block, "process": process})]
 
 
+def row_of(name):
+    """Returns the fields of a row on a cell such as "group2"."""
+    return {"formulation": name[:-1], "stages": gauss_stages(name)}
+
+
 def timed(blocks, verdicts_on, journal, options, what):
     return study.by_processes(blocks, command, partial(further, options, verdicts_on), journal, what) if blocks else []
 
 
 def octave_tables(options, sizes, names, journal):
-    """Returns the rows of Octave's cells and of its products, and what Octave says of itself."""
-    jobs = [{"n": n, "cell": name} for n in sizes for name in names]
-    answers = study.untimed(jobs, octave_answers, journal, options, "checking Octave's answers")
+    """Returns the tables of Octave: its cells, their pairs, and its products.
+
+    The journal keeps answers of any processor; on which kernels Octave runs is asked where it is timed.
+    """
+    by_stages = {s: [name for name in names if gauss_stages(name) == s] for s in map(gauss_stages, names)}
+    jobs = [{"n": n, "cells": cells} for n in sizes for cells in by_stages.values()]
+    answers = study.untimed(jobs, octave_answers, journal, options, "checking Octave's answers") if jobs else []
+    counted, pairs = {}, []
     for job, each in zip(jobs, answers):
-        require_same_kernels(each, journal.context)
-        require_equal(job["n"], job["cell"], each)
-    blocks = [{"what": "octave", "n": n, "rows": [*names, PRODUCT],
+        for name, counts in each["cells"].items():
+            require_equal(job["n"], name, counts)
+            counted[job["n"], name] = counts
+        pairs += [OctavePair(n=job["n"], stages=gauss_stages(pair["row"]), row=pair["row"][:-1],
+                             other=pair["other"][:-1], difference=pair["difference"]) for pair in each["pairs"]]
+    blocks = [{"what": "octave", "n": n, "rows": [*names, PRODUCT], "kernels": journal.context["blas_kernels"],
                "repetitions": REPETITIONS if n <= SEVERAL_UP_TO else 1} for n in sizes]
     seconds = timed(blocks, of_octave, journal, options, "timing Octave")
-    counted = {(job["n"], job["cell"]): each for job, each in zip(jobs, answers)}
-    cells = [OctaveCell(name[:-1], block["n"], gauss_stages(name),
-                        *(counted[block["n"], name][each] for each in ("sweeps", "products", "difference")),
-                        found[name]) for block, found in zip(blocks, seconds) for name in names]
+    cells = [OctaveCell(**row_of(name), n=block["n"], **counted[block["n"], name], seconds=found[name])
+             for block, found in zip(blocks, seconds) for name in names]
     products = [OctaveProduct(block["n"], found[PRODUCT]) for block, found in zip(blocks, seconds)]
-    return cells, products, answers[0]
+    return {"octave": cells, "octave_pairs": pairs, "octave_products": products}
 
 
 def draw_table(options, sizes, names, journal):
@@ -240,13 +257,13 @@ def draw_table(options, sizes, names, journal):
                "rows": [f"{solver} {name}" for solver in SOLVERS for name in names]}
               for n in sizes for hbar in HBARS for draw in range(draws)]
     seconds = timed(blocks, of_draws, journal, options, "timing draws")
-    return [DrawCell(block["n"], block["hbar"], block["draw"], solver, name[:-1], gauss_stages(name),
-                     found[f"{solver} {name}"])
+    return [DrawCell(**{field: block[field] for field in ("n", "hbar", "draw")}, implementation=solver, **row_of(name),
+                     seconds=found[f"{solver} {name}"])
             for block, found in zip(blocks, seconds) for solver in SOLVERS for name in names]
 
 
 def thread_tables(options, sizes, names, journal):
-    """Returns the rows of fast forms by threads and of rates; without a second core those of one thread."""
+    """Returns the tables of fast forms by threads and of rates; without a second core those of one thread."""
     cores = sorted(os.sched_getaffinity(0))
     threads = [each for each in THREADS if each <= len(cores)]
     journal.context["cores"] = f"{len(cores)}"
@@ -260,10 +277,11 @@ def thread_tables(options, sizes, names, journal):
                "rows": [PRODUCT, PASS, *(f"{code} {name} {each}" for code in WITHOUT for name in names
                                          for each in threads)]} for n in sizes]
     seconds = timed(blocks, of_threads, journal, options, "timing threads")
-    cells = [ThreadCell(n := block["n"], *THREAD_RUNS[n], name[:-1], gauss_stages(name), code, each,
-                        **counted[n, name, code], seconds=found[f"{code} {name} {each}"])
+    cells = [ThreadCell(n=block["n"], **runs[block["n"]], **row_of(name), code=code, threads=each,
+                        **counted[block["n"], name, code], seconds=found[f"{code} {name} {each}"])
              for block, found in zip(blocks, seconds) for code in WITHOUT for name in names for each in threads]
-    return cells, [Rate(block["n"], found[PRODUCT], found[PASS]) for block, found in zip(blocks, seconds)]
+    return {"threads": cells,
+            "rates": [Rate(block["n"], found[PRODUCT], found[PASS]) for block, found in zip(blocks, seconds)]}
 
 
 def chosen(sizes, wanted):
@@ -292,12 +310,12 @@ def main(arguments):
 
     journal = study.Journal(PROGRAM, options, partial(isosyrk.conditions, products="fastest",
                                                       sizes=sorted({*sizes[0], *sizes[1]})))
-    cells, products, octave = octave_tables(options, sizes[0], names, journal) if sizes[0] else ([], [], {})
-    threads, rates = thread_tables(options, sizes[2], names, journal)
-    tables = {"octave": cells, "octave_products": products, "draws": draw_table(options, sizes[1], names, journal),
-              "threads": threads, "rates": rates}
-    settings = Settings(STEP, STEPS, TOLERANCE, octave.get("octave", "not run"),
-                        octave_cells.kernels(octave.get("blas", "")) or "not run")
+    tables = octave_tables(options, sizes[0], names, journal)
+    tables |= thread_tables(options, sizes[2], names, journal)
+    tables["draws"] = draw_table(options, sizes[1], names, journal)
+    octave = {"octave": octave_cells.version(), "octave_kernels": journal.context["blas_kernels"]} if sizes[0] else \
+        {"octave": NOT_RUN, "octave_kernels": NOT_RUN}
+    settings = Settings(step=STEP, steps=STEPS, tolerance=TOLERANCE, **octave)
     formats.write_study(options.out, SCHEMA, journal.context, settings, tables)
     journal.remove()
 

@@ -5,13 +5,14 @@ the time of a run divided by its products. With the drawn modes plain formulatio
 and group takes half of it with the other. On threads a run takes what the model says, times THREAD_OVERHEAD.
 """
 
+import itertools
 import os
 
 import programs  # noqa: F401 (finds the modules of scripts/lib)
 
 from lib import formats
-from lib.claims_files import (HBARS, SCHEMA, THREAD_CODES, DrawCell, OctaveCell, OctaveProduct, Rate, Settings,
-                              ThreadCell)
+from lib.claims_files import (HBARS, SCHEMA, THREAD_CODES, DrawCell, OctaveCell, OctavePair, OctaveProduct, Rate,
+                              Settings, ThreadCell)
 from lib.formats import FORMULATIONS, SOLVERS
 from lib.parallel_model import Rates, sweep_seconds
 
@@ -37,8 +38,10 @@ def tables(count=len(PROCESSES)):
     threads = [ThreadCell(65, 0.1, STEPS, form, s, code, p, 400, 2000.0,
                           processes(THREAD_OVERHEAD * (400 + STEPS) * sweep_seconds(form, s, RATES, p), count))
                for s in (2, 3) for code in THREAD_CODES for form in FORMULATIONS for p in (1, 2)]
-    return {"octave": octave, "octave_products": [OctaveProduct(n, processes(1e-4, count)) for n in (17, 33)],
-            "draws": draws, "threads": threads,
+    pairs = [OctavePair(n, s, row, other, 3e-14) for n in (17, 33) for s in (1, 2, 3)
+             for row, other in itertools.combinations(FORMULATIONS, 2)]
+    products = [OctaveProduct(n, processes(1e-4, count)) for n in (17, 33)]
+    return {"octave": octave, "octave_pairs": pairs, "octave_products": products, "draws": draws, "threads": threads,
             "rates": [Rate(65, processes(RATES.product, count), processes(RATES.single_pass, count))]}
 
 

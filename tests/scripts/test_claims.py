@@ -1,5 +1,6 @@
 """Tests of the study of the paper's claims, of its model of threads, and of scripts/render_claims."""
 
+import itertools
 import json
 import os
 import shutil
@@ -87,7 +88,13 @@ class Judging(unittest.TestCase):
         self.assertEqual(cell_text([]), "–")
         self.assertEqual(text(("n = 17", None, 1.2, None, None, 1), ("n = 33", None, 2.0, None, None, 1)), "1.20–2.00")
         self.assertEqual(text(("n = 17", TIE, 1.0, 0.99, 1.01, 1), ("n = 33", HOLDS, 1.5, 1.4, 1.6, 1)),
-                         "tie … holds 1.00–1.50 [0.990, 1.60]")
+                         "tie (n = 17), holds (n = 33) 1.00–1.50 [0.990, 1.60]")
+        self.assertEqual(text(*((f"n = {n}", result, 1.0, None, None, 1)
+                                for n, result in ((17, HOLDS), (33, FAILS), (65, HOLDS)))),
+                         "holds (n = 17, 65), fails (n = 33) 1.00")
+        self.assertEqual(text(*((f"n = 65, s = {s}", result, 1.0, None, None, 1)
+                                for s, result in ((2, HOLDS), (3, FAILS)))),
+                         "holds (n = 65, s = 2), fails (n = 65, s = 3) 1.00")
         self.assertEqual(text(("su(n)", HOLDS, None, None, None, 18)), "holds 18 of 18 (su(n))")
         self.assertEqual(text(("duels", HOLDS, None, 0.9, 8.0, 2), ("duels", FAILS, None, 0.9, 8.0, 3)),
                          "holds 2, fails 3 of 5 (duels): 0.900–8.00")
@@ -103,6 +110,32 @@ class Judging(unittest.TestCase):
             self.assertEqual([(each.result, each.count) for each in row.findings["plain"]], [(HOLDS, 3), (FAILS, 1)])
         footnote, = claims_table.footnote_rows({"claims.footnote.smooth.holds": 3, "claims.footnote.smooth.none": 1})
         self.assertEqual(cell_text(footnote.findings["plain"]), "holds 3, not judged 1 of 4 (su(n))")
+
+    def test_order_in_turbulence_is_that_of_the_cheapest_faithful_setting(self):
+        figures = {"n33.practice.faithful": 1, "n33.practice.seconds": 9.0, "n33.threshold": 0.1,
+                   "n33.cheapest_of.algebra1.over_practice": 0.5, "n33.cheapest_of.group2.over_practice": 0.2,
+                   "n33.cheapest_of.group3.over_practice": 0.4, "n33.cheapest_of.rk4.over_practice": 0.1,
+                   "n33.cheapest.nothing.rk4.h0.25.over_practice": 0.1,
+                   "n33.cheapest.nothing.close.elp4.h0.5.over_practice": 0.01,
+                   "n65.practice.faithful": 1, "n65.practice.seconds": 9.0,
+                   "n65.cheapest_of.group3.over_practice": 2.0,
+                   "n65.cheapest.nothing.group3.h0.5.tolerance_1e-6.over_practice": 2.0,
+                   "n129.practice.faithful": 0, "n129.practice.seconds": 9.0}
+        orders, prices, winners = claims_table.order_rows(figures)
+        self.assertEqual(cell_text(orders.findings["optimised"]), "4 at n = 33 (group2), 2 at n = 65 (algebra1)")
+        self.assertEqual([each.ratio for each in prices.findings["optimised"]], [2.5, 0.5])
+        self.assertEqual(cell_text(winners.findings["optimised"]), "4 at n = 33 (rk4), 2 at n = 65 (algebra1)")
+        self.assertEqual(orders.evidence, ("recorded/turbulence/report.md",))
+        self.assertEqual(claims_table.order_rows(None), [])
+
+    def test_figures_that_a_row_needs_are_asked_for(self):
+        for study, left_out in (("theorem", "coincidence.within"), ("accuracy", "gauss_over_elp.tie"),
+                                ("accuracy", "gauss_order.at_1e-4.least")):
+            figures = read_figures(os.path.join(RECORDED, study, "figures.json"))
+            claims_table.require_figures(study, figures)
+            del figures[left_out]
+            with self.assertRaisesRegex(UnusableFile, left_out):
+                claims_table.require_figures(study, figures)
 
 
 class Rendering(FolderTest):
@@ -136,19 +169,20 @@ class Rendering(FolderTest):
         self.rendered()
         figures = read_figures(self.path("out", "figures.json"))
         for key, value in (("octave.s3.algebra_over_group.n17", 3), ("octave.difference", 2e-14),
+                           ("octave.apart", 3e-14),
                            ("share.octave.s1.group.n17", 0.1), ("open.b.s2.published.n17.least", 1),
                            ("open.b.s2.published.n17.most", 2), ("open.b.s2.published.n17.holds", 2),
                            ("open.b.s2.published.n17.tie", 2), ("model.check.least", 1 / THREAD_OVERHEAD),
                            ("model.check.most", 1 / THREAD_OVERHEAD), ("model.path.s3.group", 2.5)):
             self.assertAlmostEqual(figures[key], value, msg=key, places=5)
         report = text_of(self.path("out", "report.md"))
-        self.assertIn("no AVX-512", report)
+        self.assertIn(claims_report.NOT_MEASURED, report)
         _, choices = read_claims_table(self.path("out", "claims.json"))
         self.assertIn({HOLDS: 2, TIE: 2}, [each.results for each in choices])
 
-    def test_a_wrong_answer_of_octave_is_counted(self):
+    def test_formulations_that_differ_in_octave_are_counted(self):
         made = tables()
-        made["octave"][0] = made["octave"][0]._replace(difference=1e-9)
+        made["octave_pairs"][0] = made["octave_pairs"][0]._replace(difference=1e-9)
         found = self.by_claim(self.rendered(made), "theorem", None)["octave"]
         self.assertEqual([(each.result, each.count) for each in found], [(HOLDS, 17), (FAILS, 1)])
 
@@ -158,11 +192,43 @@ class Rendering(FolderTest):
         found = self.by_claim(rows, "(c)", 3)
         self.assertEqual(list(found)[-2:], ["plain_avx2", "optimised_avx2"])
         self.assertEqual(found["plain_avx2"], found["plain"])  # the raw file is the same
-        self.assertNotIn("no AVX-512", text_of(self.path("out", "report.md")))
+        report = text_of(self.path("out", "report.md"))
+        self.assertNotIn(claims_report.NOT_MEASURED, report)
+        self.assertNotIn(claims_report.NO_AVX2, report)
         for change in ({"blas_kernels": "Cooperlake"}, {"products": "split, avx512 kernels"}):
             wrong = {**raw, "context": {**raw["context"], **change}}
             self.assert_refused(self.render(write_claims(self.folder), "--avx2",
                                             self.write("wrong.json", json.dumps(wrong))), "wrong.json", "AVX2")
+
+    def test_another_processor_is_told(self):
+        self.rendered()
+        self.assertIn("not all measured on one processor", text_of(self.path("out", "report.md")))
+        processors = parse_json(text_of(self.path("out", "claims.json")))["processors"]
+        self.assertEqual(processors["claims"], {"cpu": "a processor", "blas_kernels": "Cooperlake"})
+        self.assertEqual(list(processors), ["claims", "tables"])
+
+    def test_processors_are_compared(self):
+        here = {"cpu": "a processor", "blas_kernels": "Cooperlake"}
+        other, avx2 = {**here, "cpu": "another"}, {**here, "blas_kernels": "Haswell"}
+        for processors, is_told in (({"claims": here, "tables": here, "avx2": avx2}, False),
+                                    ({"claims": here, "tables": other}, True), ({"claims": avx2, "tables": here}, True),
+                                    ({"claims": here, "tables": here, "avx2": {**avx2, "cpu": "another"}}, True)):
+            self.assertEqual(bool(claims_report.processor_sections(processors)), is_told)
+
+    def test_a_part_of_a_raw_file_is_refused(self):
+        whole = tables()
+        for name, change, part in (("rates", [], "rates has no n = 65"),
+                                   ("octave_products", whole["octave_products"][:1], "n = 33"),
+                                   ("threads", [cell for cell in whole["threads"] if cell.threads > 1],
+                                    "no single thread"),
+                                   ("threads", [cell._replace(seconds=cell.seconds[:cell.threads + 1])
+                                                for cell in whole["threads"]], "unequally many"),
+                                   ("octave", [whole["octave"][0]._replace(seconds=[])], "one time or more")):
+            path = self.path("part.json")
+            document = parse_json(text_of(write_claims(self.folder)))
+            document["tables"][name]["rows"] = [list(row) for row in change]
+            self.write("part.json", json.dumps(document))
+            self.assert_refused(self.render(path), "part.json", part)
 
     def test_parts_that_are_missing_are_left_out(self):
         rows = self.rendered({name: [] for name in tables()})
@@ -182,7 +248,7 @@ class Rendering(FolderTest):
     def test_claims_are_read_back_as_written(self):
         rows = [Row("(a)", "a statement of more words than a short text may have, which is told in full", 1,
                     ("recorded/x/report.md",), {"plain": [Finding("n = 17", HOLDS, 1.5, 1.4, 1.6, 1)]})]
-        path = self.write("claims.json", claims_table.as_json(rows, []))
+        path = self.write("claims.json", claims_table.as_json(rows, [], {}))
         self.assertEqual(read_claims_table(path), (rows, []))
 
 
@@ -235,6 +301,11 @@ class Study(FolderTest):
         for cell in found.tables["octave"]:
             self.assertEqual((cell.n, len(cell.seconds)), (17, 1))
             self.assertLess(cell.difference, claims_study.EQUAL)
+        self.assertEqual({(pair.row, pair.other, pair.stages) for pair in found.tables["octave_pairs"]},
+                         {(row, other, 2) for row, other in itertools.combinations(FORMULATIONS, 2)})
+        for pair in found.tables["octave_pairs"]:
+            self.assertGreater(pair.difference, 0)
+            self.assertLess(pair.difference, claims_study.EQUAL)
         draws = {(cell.hbar, cell.draw) for cell in found.tables["draws"]}
         self.assertEqual(len(draws), 2 * claims_study.DRAWS)
         self.assertEqual(found.settings.octave_kernels, found.context["blas_kernels"])
@@ -251,19 +322,11 @@ class Study(FolderTest):
                   for code in ("sweeps", "whole")]
         self.assertGreater(counts[0]["sweeps"], counts[1]["sweeps"])
 
-    def test_modes_are_the_draw_of_their_seed(self):
-        modes = claims_study.drawn_modes(3)
-        self.assertEqual(modes, claims_study.drawn_modes(3))
-        self.assertNotEqual(modes, claims_study.drawn_modes(4))
-        self.assertEqual([mode[:2] for mode in modes], [(degree, order) for degree in (1, 2, 3, 4)
-                                                        for order in range(degree + 1)])
-        self.assertTrue(all(mode[3] == 0 for mode in modes if mode[1] == 0))
-
     def test_another_blas_and_other_answers_are_refused(self):
         with self.assertRaisesRegex(Stop, "unknown or reference.*update-alternatives"):
-            claims_study.require_same_kernels({"blas": "unknown or reference"}, {"blas_kernels": "Haswell"})
+            claims_study.require_same_kernels("unknown or reference", "Haswell")
         blas = "OpenBLAS (config: OpenBLAS 0.3.21 DYNAMIC_ARCH Haswell MAX_THREADS=64)"
-        claims_study.require_same_kernels({"blas": blas}, {"blas_kernels": "Haswell"})
+        claims_study.require_same_kernels(blas, "Haswell")
         claims_study.require_equal(17, "group2", {"difference": 1e-12})
         for difference in (1e-10, float("nan")):
             with self.assertRaisesRegex(Stop, "group2 at n = 17"):
