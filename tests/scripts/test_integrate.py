@@ -329,12 +329,17 @@ class Notes(IntegrateTest):
     """A line before the run, which goes on."""
 
     def test_a_step_longer_than_any_that_worked_everywhere(self):
-        done = run(command(SHORT, n="33", step="0.6", time="0.6"))
+        rk4 = {"stages": None, "formulation": None, "integrator": "rk4", "n": "33", "step": "0.6", "time": "0.6"}
+        done = run(command(SHORT, **rk4))
         self.assertEqual(done.returncode, DONE, done.stderr)
-        self.assert_one_line(done.stderr, "integrate: note", "h_norm_B = 1.52", "group2", "results/README.md")
+        self.assert_one_line(done.stderr, "integrate: note", "h_norm_B = 1.52", "published form of rk4",
+                             "results/README.md")
+        self.assert_one_line(run(command(SHORT, solver="fast", **rk4)).stderr, "fast form of rk4")
         for lines, changes in ((2, {"step": "5", "time": "5"}),  # fails: both are named
                                (0, {"step": "0.5"}), (0, {"step": "0.5", "scene": "rough"}),
-                               (1, {"stages": "7", "step": "5", "time": "5"})):  # was not mapped, and is not judged
+                               (0, {**rk4, "step": "0.1", "time": "0.1"}),
+                               (0, {**rk4, "n": "129", "solver": "published"}),  # beyond the recorded n of this form
+                               (1, {"n": "65", "stages": "7", "step": "5", "time": "5"})):  # which was not tried
             errors = run(command(SHORT, **changes)).stderr.splitlines()
             self.assertEqual([line[:11] for line in errors], ["integrate: "] * lines, changes)
 
