@@ -5,7 +5,7 @@ import math
 from matplotlib.patches import Patch
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from lib.chart_panels import draw_line, extended, key, label_ends, logarithmic, look, new_figure, note
+from lib.chart_panels import draw_line, key, label_ends, logarithmic, look, new_figure, note
 from lib.charts import label_sizes
 from lib.comparison import three_digits
 from lib.formats import CONVERGED, FAST, NOT_FINITE, PUBLISHED, SWEEP_CAP, UNSTABLE_ENERGY, UNSTABLE_SPECTRUM
@@ -17,6 +17,7 @@ DRAWN = {PUBLISHED: ("group2", "algebra1", "algebra2", "elp4", "rkmk4", "magnus5
 TITLES = {PUBLISHED: "published forms", FAST: "fast forms"}
 WITH_THEORY = ("group2", "algebra1", "rk4")
 THEORY = {"linewidth": 1.0, "linestyle": (0, (4, 3))}
+TICKS = (0.5, 1, 2, 5, 10, 20)
 SCENE = "smooth"
 EXAMPLE = (PUBLISHED, SCENE, "algebra1")
 COLOURS = {CONVERGED: "#dfeaf5", SWEEP_CAP: "#f0b95c", "stagnated": "#cc6a36", "diverged": "#8f2f2f",
@@ -43,9 +44,9 @@ def critical_steps(limits):
                 draw_line(axes, "_theory", theory_of(limits, name), color=style["color"], **THEORY)
     panels[0].set_ylabel("critical h‖B(W₀)‖₂")
     label_sizes(panels, sizes)
-    panels[0].yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+    panels[0].set_yticks(TICKS, list(map(str, TICKS)))
     for axes, found in zip(panels, lines.values()):
-        label_ends(axes, [(extended(points, sizes[-1]), name, look(limits.integrators[name])["color"])
+        label_ends(axes, [((sizes[-1], points[-1][1]), name, look(limits.integrators[name])["color"])
                           for name, points in found.items()])
     note(figure, "Smooth scene, its own initial data. Dotted: in the co-rotating frame, where ‖B‖ is still that of the"
          " flow without it. Dashed: linear theory, with B frozen at W₀, of iterations and of RK4's step.")
@@ -80,7 +81,8 @@ def failure_map(limits):
              if (solver, scene, n, name) in limits.lines}
     if not lines:
         return None
-    figure, ((axes,),) = new_figure(f"How steps of {solver} {name} end, {scene} scene", 1, 1, 4.2, keys=2)
+    figure, ((axes,),) = new_figure(f"How steps of {solver} {name} end, {scene} scene, and the longest that works", 1, 1,
+                                    4.2, keys=2)
     axes.grid(False)
     axes.set(xlabel="n", ylabel="h‖B(W₀)‖₂")
     axes.set_yscale("log", base=2)

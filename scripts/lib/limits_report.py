@@ -139,7 +139,8 @@ def states_section(limits):
 def figures(limits):
     """Returns figures by key, such as critical.fast.smooth.group2.n65.least and safe_step.fast.smooth.group2.n65.
 
-    Critical values are h‖B(W₀)‖₂, least and largest over the states of a scene; safe steps are h. Then counts, and the
+    Critical values are h‖B(W₀)‖₂, least and largest over the states of a scene, and theory is what linear theory has in
+    their place; safe steps are h. Then counts, and the
     spread of a limit over states: largest over least, as its median over all lines of several states.
     """
     found = {}
@@ -147,6 +148,8 @@ def figures(limits):
         if name in QUOTED and line.least:
             key = f"critical.{solver}.{scene}.{name}.n{n}"
             found |= {f"{key}.least": line.least, f"{key}.largest": line.largest}
+    found |= {f"theory.{scene}.{name}.n{n}": limit for (scene, n, name), limit in limits.theory.items()
+              if name in QUOTED}
     for solver, scene, n, name in limits.safe:
         found[f"safe_step.{solver}.{scene}.{name}.n{n}"] = safe_step(limits, solver, scene, n, name)
     every = list(limits.lines.values())
