@@ -32,7 +32,7 @@ def critical_steps(limits):
     if not lines:
         return None
     labels = [name for found in lines.values() for name in found]
-    figure, (panels,) = new_figure(title(limits), 1, len(lines), 5.2, keys=2, labels=labels, sharex=True, sharey=True)
+    figure, (panels,) = new_figure(message(limits), 1, len(lines), 5.2, keys=2, labels=labels, sharex=True, sharey=True)
     sizes = sorted({n for found in lines.values() for points in found.values() for n, _ in points})
     for axes, (solver, found) in zip(panels, lines.items()):
         logarithmic(axes)
@@ -62,7 +62,7 @@ def theory_of(limits, name):
     return sorted((n, limit) for (scene, n, each), limit in limits.theory.items() if (scene, each) == (SCENE, name))
 
 
-def title(limits):
+def message(limits):
     """Returns how far apart fast methods fail at the largest n where both of the title were tried."""
     def critical(n):
         return [limits.own(FAST, SCENE, n, name) for name in ("elp4_frame", "group2_frame")]
@@ -81,8 +81,8 @@ def failure_map(limits):
              if (solver, scene, n, name) in limits.lines}
     if not lines:
         return None
-    figure, ((axes,),) = new_figure(f"How steps of {solver} {name} end, {scene} scene, and the longest that works", 1, 1,
-                                    4.2, keys=2)
+    title = f"How steps of {solver} {name} end, {scene} scene, and the longest that works"
+    figure, ((axes,),) = new_figure(title, 1, 1, 4.2, keys=2)
     axes.grid(False)
     axes.set(xlabel="n", ylabel="h‖B(W₀)‖₂")
     axes.set_yscale("log", base=2)
