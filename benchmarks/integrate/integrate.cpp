@@ -75,9 +75,16 @@ Start start_of(const IntegrateRequest& request) {
   }
 }
 
+// The name in the list of integrators: that of a fast form has a prefix.
+std::string listed_name(const IntegratorEntry& integrator) {
+  constexpr std::string_view prefix = "fast_";
+  const std::string& name = integrator.name;
+  return name.starts_with(prefix) ? name.substr(prefix.size()) : name;
+}
+
 // Before a long run, not after it.
 void warn_beyond_limit(const IntegrateRequest& request, double h_norm_B) {
-  const std::string& integrator = request.integrator.name;
+  const std::string integrator = listed_name(request.integrator);
   const std::optional<double> limit = measured_limit(integrator, request.solver, request.n);
   if (!limit || h_norm_B <= *limit) return;
   print_error("integrate",
@@ -134,13 +141,6 @@ Outcome integrate(const IntegrateRequest& request, const Scene& scene, ProductBa
   if (outcome.interrupted && outputs) outputs->interrupted.write(npy(outcome.W));
   outcome.kept = watch.report(outcome.W);
   return outcome;
-}
-
-// The name in the list of integrators: that of a fast form has a prefix.
-std::string listed_name(const IntegratorEntry& integrator) {
-  constexpr std::string_view prefix = "fast_";
-  const std::string& name = integrator.name;
-  return name.starts_with(prefix) ? name.substr(prefix.size()) : name;
 }
 
 // What forms the products.
