@@ -528,6 +528,17 @@ def vortices(count=3):
 
 
 class OwnFlow(unittest.TestCase):
+    def test_measured_limits_are_those_of_a_form_around_an_n(self):
+        limit = isosyrk.measured_limit
+        self.assertEqual(limit("group2", 24), min(limit("group2", 17), limit("group2", 33)))
+        self.assertGreater(limit("group2", 33, "fast"), 1.3 * limit("group2", 33))
+        self.assertIsNotNone(limit("elp4_frame", 129, "fast"))
+        for nothing in (("group2", 65), ("group2", 16), ("elp4_frame", 130, "fast"), ("elp4_frame", 33)):
+            self.assertIsNone(limit(*nothing), nothing)  # beyond the recorded n, and a form that was not tried
+        for wrong in (("euler", 33), ("group2", 33, "slow")):
+            with self.assertRaises(ValueError):
+                limit(*wrong)
+
     def test_every_published_method_integrates_flows_of_ones_own(self):
         controls = ["algebra2_two_products", "algebra3_two_products", "yoshida4_group", "yoshida4_cotangent"]
         orders = {entry.name: entry.order for entry in isosyrk.integrators() if not entry.name.endswith("_frame")}

@@ -90,6 +90,8 @@ class Files(AccuracyTest):
 
     def test_what_is_recorded_is_svg_and_markdown_only(self):
         shutil.copytree(os.path.join(programs.ROOT, "scripts"), self.path("root", "scripts"))  # whose results/ this is
+        limits = ("results", "recorded", "limits")
+        shutil.copytree(os.path.join(programs.ROOT, *limits), self.path("root", *limits))
         out = self.path("root", "results", "recorded", "study")
         with mock.patch.object(programs, "ROOT", self.path("root")):
             self.assertEqual(self.render(write_study(self.folder), "--out", out).returncode, 0)

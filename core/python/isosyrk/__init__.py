@@ -38,8 +38,8 @@ if not _waits_as_asked:
     del os.environ["GOMP_SPINCOUNT"]
 
 __all__ = ["Integrator", "IntegratorRecord", "Report", "Scene", "SolverError", "angular_momentum_error",
-           "casimir_errors", "conditions", "integrator", "integrators", "measured_limit", "product_rate", "relative_error",
-           "scene", "scenes", "skew_defect", "spectrum", "spectrum_error"]
+           "casimir_errors", "conditions", "integrator", "integrators", "measured_limit", "product_rate",
+           "relative_error", "scene", "scenes", "skew_defect", "spectrum", "spectrum_error"]
 
 __version__ = _core.version
 
@@ -409,10 +409,10 @@ def integrators() -> List[IntegratorRecord]:
 def measured_limit(name: str, n: int, solver: str = "published") -> Optional[float]:
     """Returns the largest h*norm(B(W0)) (2-norm) at which a form of an integrator worked in every recorded run.
 
-    The runs were of Euler-Zeitlin: to T = 50 from the smooth, rough and developed scene (n = 129: smooth), to T = 5 from
-    four other states of each kind. Taken is the lesser value of the recorded n on both sides of n. B is that of the flow
-    without co-rotating frame. None beyond the recorded n, and where the form was not tried or has no safe step. Raises
-    ValueError for an unknown integrator or solver. Source: results/recorded/limits.
+    The runs were of Euler-Zeitlin: to T = 50 from the smooth, rough and developed scene (n = 129: smooth), to T = 5
+    from four other states of each kind. Taken is the lesser value of the recorded n on both sides of n. B is that of
+    the flow without co-rotating frame. None beyond the recorded n, and where the form was not tried or has no safe
+    step. Raises ValueError for an unknown integrator or solver. Source: results/recorded/limits.
     """
     return _core.measured_limit(_text(name, "name"), _solver(solver), _whole(n, "n", 2, LARGEST_N))
 
