@@ -5,10 +5,8 @@ found by bisection: no method spends time on a smaller error than the one wanted
 """
 
 import itertools
-import json
 import os
 import random
-import sys
 from functools import partial
 
 import isosyrk
@@ -26,7 +24,6 @@ WANTED_PUBLISHED, LARGEST_PUBLISHED, TIME_PUBLISHED = 1e-6, 129, 5.0
 CLOSE = 1.02  # bisection ends when the failing number of steps is at most this far from the working one
 REPETITIONS = 2  # in turns within a process, of which the least counts; once for runs of
 LONG = 0.3  # CPU seconds or more
-PROCESS = "--duel"  # the hidden mode of the study: what follows is one block to time
 
 
 # ---- who stands for a contender
@@ -143,10 +140,8 @@ def further_processes(most, seconds):
     The rows stop together, once the exponential method, or else the first, is told from each of the others.
     """
     first = "elp" if "elp" in seconds else next(iter(seconds))
-    done = len(seconds[first])
-    said = [] if done < verdicts.FEWEST else [verdicts.compared(seconds[first], seconds[other])
-                                              for other in seconds if other != first]
-    return dict.fromkeys(seconds, max(0, min(most - done, verdicts.more_processes(done, said))))
+    return dict.fromkeys(seconds, verdicts.further_processes(most, seconds, lambda found: [
+        verdicts.compared(found[first], found[other]) for other in found if other != first]))
 
 
 def duels(found, options, journal, program):
@@ -157,9 +152,7 @@ def duels(found, options, journal, program):
     rows = study.untimed(jobs, fewest_steps, journal, options, "duels")
     blocks = blocks_of(rows, references, journal.products)
 
-    def command(block, process):
-        return [sys.executable, "-B", program, PROCESS, json.dumps({**block, "process": process})]
-
+    command = partial(study.process_command, program)
     times = study.by_processes(blocks, command, partial(further_processes, options.processes), journal, "duels")
     seconds = [each for block in times for each in block.values()]
     return [rounded(Duel(**{**row, "cpu_seconds": each})) for row, each in zip(rows, seconds)]

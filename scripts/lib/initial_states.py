@@ -8,10 +8,12 @@ import math
 
 import isosyrk
 import numpy
+from lib.accuracy_lines import SCENES
+from lib.problems import DEVELOPED_TIME
 
-SMOOTH, ROUGH, DEVELOPED = SCENES = ("smooth", "rough", "developed")
+SMOOTH, ROUGH, DEVELOPED = SCENES
 SMOOTHEST = 4  # largest l of the smooth scene
-DEVELOPED_TIME, DEVELOPING_STEP = 100.0, 0.25  # the developed scene is the smooth one at this time
+DEVELOPING_STEP = 0.25  # to DEVELOPED_TIME
 STATES = 5  # of a scene: its own, number 0, and the drawn ones
 
 

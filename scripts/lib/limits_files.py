@@ -7,14 +7,13 @@ step is where trials to T = 5 begin to fail, the safe step where trials to T = 5
 import os
 from typing import Dict, NamedTuple, Tuple
 
-from lib import formats
+from lib import formats, rendering
+from lib.accuracy_lines import SCENES
 from lib.formats import (CONVERGED, LOSSES, SOLVERS, STATUSES, SWEEP_CAP, UNSTABLE, Integrator, Schema, keyed, number,
                          one_of, optional, positive, text, truth, whole)
 from lib.messages import UnusableFile
 
-RECORDED = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__)))), "results",
-                        "recorded", "limits", "raw.json")
-SCENES = ("smooth", "rough", "developed")
+RECORDED = os.path.join(rendering.RECORDED, "limits", "raw.json")
 OUTCOMES = (*(status for status in STATUSES if status != UNSTABLE), *LOSSES)
 # A letter for each outcome, so that a row holds those of a whole grid.
 LETTERS = dict(zip(OUTCOMES, "+dscnpe"))

@@ -140,8 +140,8 @@ def figures(limits):
     """Returns figures by key, such as critical.fast.smooth.group2.n65.least and safe_step.fast.smooth.group2.n65.
 
     Critical values are h‖B(W₀)‖₂, least and largest over the states of a scene, and theory is what linear theory has in
-    their place; safe steps are h. Then counts, and the
-    spread of a limit over states: largest over least, as its median over all lines of several states.
+    their place; safe steps are h. Then counts, and the spread of a limit over states: largest over least, as its median
+    over all lines of several states.
     """
     found = {}
     for (solver, scene, n, name), line in limits.lines.items():
@@ -153,7 +153,7 @@ def figures(limits):
     for solver, scene, n, name in limits.safe:
         found[f"safe_step.{solver}.{scene}.{name}.n{n}"] = safe_step(limits, solver, scene, n, name)
     every = list(limits.lines.values())
-    several = [line for line in every if len(line.limits) > 1 and line.least]
+    several = [line for line in every if len(line.limits) > 1 and all(limit.works for limit in line.limits)]
     counted = {"limits": sum(len(line.limits) for line in every), "lines": len(every),
                "lines_set_by_cap": sum(line.set_by_cap for line in every),
                "lines_with_island": sum(line.has_island for line in every),
@@ -167,7 +167,7 @@ def figures(limits):
 
 def own_within_drawn(line):
     """Tells whether the limit of the scene's own state lies within the range of the drawn ones, to bisection."""
-    own, *drawn = (limit for limit in line.limits)
+    own, *drawn = line.limits
     return min(each.works for each in drawn) <= own.fails and max(each.fails for each in drawn) >= own.works
 
 

@@ -37,6 +37,7 @@ from lib.output import replace_file
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 MODULE = os.path.join(os.environ.get("ISOSYRK_BUILD") or os.path.join(ROOT, "build"), "python")
 JOURNAL = "isosyrk journal 1"
+PROCESS = "--process"  # the hidden mode of a study: what follows is one block to time
 RESULTS_DEPEND_ON = ("commit", "dirty")  # conditions, of all work
 TIMES_DEPEND_ON = ("cpu", "blas_kernels")  # and of timed work
 NOT_OF_THE_STUDY = ("out", "scheduler", "workers", "repetitions", "processes")  # options that leave results as they are
@@ -108,8 +109,23 @@ def require_writable(path):
         raise Stop(f"--out {one_line(path)}: cannot be written")
 
 
-def run(program, main, arguments):
-    """Runs a study's main and exits. What the user can mend is one line; Ctrl-C and SIGTERM end all its processes."""
+def process_command(program, block, process, **further):
+    """Returns the command by which a fresh process of a study times a block; `program` is the path of the study.
+
+    The block gets the fields `process`, its number, and `further`.
+    """
+    return [sys.executable, "-B", os.path.realpath(program), PROCESS,
+            json.dumps({**block, "process": process, **further})]
+
+
+def run(program, main, arguments, time_block=None):
+    """Runs a study's main and exits. What the user can mend is one line; Ctrl-C and SIGTERM end all its processes.
+
+    In a process of process_command() it prints what `time_block` returns of the block instead.
+    """
+    if arguments[:1] == [PROCESS]:
+        command_line.run(program, lambda block: print(json.dumps(time_block(json.loads(block)))), arguments[1])
+
     def resumable(arguments):
         try:
             main(arguments)

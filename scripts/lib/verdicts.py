@@ -78,6 +78,15 @@ def more_processes(count, verdicts):
     return min(MORE, MOST - count) if UNDECIDED in verdicts else 0
 
 
+def further_processes(most, seconds, verdicts_on):
+    """Returns how many further processes rows want, `most` in all at most, given their seconds by process so far.
+
+    All rows have as many processes; `verdicts_on(seconds)` returns the verdicts that are to be decided.
+    """
+    done = len(next(iter(seconds.values())))
+    return max(0, min(most - done, more_processes(done, verdicts_on(seconds) if done >= FEWEST else ())))
+
+
 # ---- claims
 
 

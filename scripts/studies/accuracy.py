@@ -10,7 +10,6 @@ errors of published forms are those of OpenBLAS's products, times those of the b
 counts that followed the clock would differ from machine to machine.
 """
 
-import json
 import math
 import os
 import re
@@ -232,7 +231,4 @@ def reference_row(problem, record):
 
 
 if __name__ == "__main__":
-    if sys.argv[1:2] == [duels.PROCESS]:
-        print(json.dumps(duels.time_block(json.loads(sys.argv[2]))))
-    else:
-        study.run(PROGRAM, main, sys.argv[1:])
+    study.run(PROGRAM, main, sys.argv[1:], duels.time_block)

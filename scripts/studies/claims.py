@@ -7,7 +7,6 @@ renderer reads those recorded, and scripts/reproduce measures them with AVX2 ker
 """
 
 import itertools
-import json
 import math
 import os
 import random
@@ -48,7 +47,6 @@ THREAD_STAGES, THREADS = (2, 3), (1, 2)
 PRODUCT, PASS = "product", "pass"  # rows of what is timed beside cells
 SECONDS_OF_PASSES = 0.02
 NOT_RUN = "not run"  # in place of Octave's version
-PROCESS = "--process"  # the hidden mode: what follows is one block to time
 
 
 # ---- GNU Octave
@@ -184,9 +182,7 @@ def table_of(times):
 
 def further(options, verdicts_on, seconds):
     """Returns how many further processes each row of a block wants; all rows of a block stop together."""
-    done = len(next(iter(seconds.values())))
-    found = verdicts_on(seconds) if done >= verdicts.FEWEST else ()
-    return dict.fromkeys(seconds, max(0, min(options.processes - done, verdicts.more_processes(done, found))))
+    return dict.fromkeys(seconds, verdicts.further_processes(options.processes, seconds, verdicts_on))
 
 
 def of_octave(seconds):
@@ -212,9 +208,9 @@ def of_threads(seconds):
 TIMED = {"octave": time_octave, "draws": time_draw, "threads": time_threads}
 
 
-def command(block, process):
-    """Returns the command that times a block in a fresh process."""
-    return [sys.executable, "-B", os.path.realpath(__file__), PROCESS, json.dumps({**block, "process": process})]
+def time_block(block):
+    """Returns the CPU seconds of each row of a block."""
+    return TIMED[block["what"]](block)
 
 
 def row_of(name):
@@ -223,7 +219,8 @@ def row_of(name):
 
 
 def timed(blocks, verdicts_on, journal, options, what):
-    return study.by_processes(blocks, command, partial(further, options, verdicts_on), journal, what) if blocks else []
+    return study.by_processes(blocks, partial(study.process_command, __file__),
+                              partial(further, options, verdicts_on), journal, what) if blocks else []
 
 
 def octave_tables(options, sizes, names, journal):
@@ -321,11 +318,4 @@ def main(arguments):
 
 
 if __name__ == "__main__":
-    if sys.argv[1:2] == [PROCESS]:
-        block = json.loads(sys.argv[2])
-        try:
-            print(json.dumps(TIMED[block["what"]](block)))
-        except Stop as problem:
-            sys.exit(f"{PROGRAM}: {problem}")
-    else:
-        study.run(PROGRAM, main, sys.argv[1:])
+    study.run(PROGRAM, main, sys.argv[1:], time_block)

@@ -8,7 +8,6 @@ processes.
 """
 
 import contextlib
-import json
 import math
 import os
 import random
@@ -62,7 +61,6 @@ ROWS = {"one": 1, "two": 2}  # of threads
 THREAD_REPETITIONS = 2  # in turns within a process, of which the least counts; once for runs of
 LONG = 1.0  # seconds or more
 PROCESSES, QUICK_PROCESSES = 8, 2  # at most, of one block
-PROCESS = "--process"  # the hidden mode: what follows is one block to time
 
 
 # ---- what is timed
@@ -250,9 +248,8 @@ def time_threads(block):
 
 def further_processes(most, seconds):
     """Returns how many further processes the rows of a block want, given their seconds by process so far."""
-    done = len(seconds["one"])
-    said = [verdicts.compared(seconds["one"], seconds["two"])] if done >= verdicts.FEWEST else []
-    return dict.fromkeys(seconds, max(0, min(most - done, verdicts.more_processes(done, said))))
+    return dict.fromkeys(seconds, verdicts.further_processes(
+        most, seconds, lambda found: [verdicts.compared(found["one"], found["two"])]))
 
 
 def time_all_threads(blocks, texts, most, journal):
@@ -262,8 +259,7 @@ def time_all_threads(blocks, texts, most, journal):
             path = os.path.join(folder, f"n{block['n']}_{begin_of(block):g}.npy")
             if not os.path.exists(path):
                 numpy.save(path, decoded(texts[block["n"]][f"{begin_of(block):g}"], block["n"]))
-            return [sys.executable, "-B", os.path.realpath(__file__), PROCESS,
-                    json.dumps({**block, "process": process, "state": path})]
+            return study.process_command(__file__, block, process, state=path)
 
         return study.by_processes(blocks, command, partial(further_processes, most), journal, "threads",
                                   os.sched_getaffinity(0))
@@ -360,7 +356,4 @@ def rounded(seconds):
 
 
 if __name__ == "__main__":
-    if sys.argv[1:2] == [PROCESS]:
-        print(json.dumps(time_threads(json.loads(sys.argv[2]))))
-    else:
-        study.run(PROGRAM, main, sys.argv[1:])
+    study.run(PROGRAM, main, sys.argv[1:], time_threads)

@@ -8,7 +8,6 @@ all formulations of one scene, n and h in turns; lib/verdicts.py says how many p
 
 import contextlib
 import itertools
-import json
 import math
 import os
 import random
@@ -52,7 +51,6 @@ QUICK_PROCESSES = 8  # at most
 SMALL_N = 65  # up to it a process has a warm run and repeats; beyond it a run is so long that neither shows
 STEPS, TIMED_STEPS, TOLERANCE, REPETITIONS = 10, 5, 1e-13, 3
 LEAST_SECONDS = 0.004  # of CPU time that a repetition fills with runs: 1e5 readings of the clock
-PROCESS = "--process"  # the hidden mode: what follows is one block to time
 ENDS_N, ENDS_STEP = 6, 0.3
 
 
@@ -229,17 +227,13 @@ def further_processes(most, seconds):
     """
     wanted = {}
     for _, rows in itertools.groupby(seconds, lambda name: CELLS[name].method):
-        rows = list(rows)
-        done = len(seconds[rows[0]])
-        said = [] if done < verdicts.FEWEST else [verdicts.compared(seconds[row], seconds[other])
-                                                  for row, other in itertools.combinations(rows, 2)]
-        wanted.update(dict.fromkeys(rows, max(0, min(most - done, verdicts.more_processes(done, said)))))
+        compared = {row: seconds[row] for row in rows}
+        wanted.update(dict.fromkeys(compared, verdicts.further_processes(most, compared, verdicts_on_pairs)))
     return wanted
 
 
-def command(block, process):
-    """Returns the command that times a block in a fresh process."""
-    return [sys.executable, "-B", os.path.realpath(__file__), PROCESS, json.dumps({**block, "process": process})]
+def verdicts_on_pairs(seconds):
+    return [verdicts.compared(row, other) for row, other in itertools.combinations(seconds.values(), 2)]
 
 
 def main(arguments):
@@ -266,7 +260,8 @@ def main(arguments):
     counts = [{row: next(counts) for row in block["rows"]} for block in blocks]
     converging = [{**block, "rows": [row for row in block["rows"] if costs[row]["sweeps"]]}
                   for block, costs in zip(blocks, counts)]
-    times = study.by_processes(converging, command, partial(further_processes, most), journal, "timing")
+    times = study.by_processes(converging, partial(study.process_command, __file__),
+                               partial(further_processes, most), journal, "timing")
     for block, costs, seconds in zip(blocks, counts, times):
         for row in block["rows"]:
             cell = CELLS[row]
@@ -278,7 +273,4 @@ def main(arguments):
 
 
 if __name__ == "__main__":
-    if sys.argv[1:2] == [PROCESS]:
-        print(json.dumps(time_block(json.loads(sys.argv[2]))))
-    else:
-        study.run(PROGRAM, main, sys.argv[1:])
+    study.run(PROGRAM, main, sys.argv[1:], time_block)

@@ -7,7 +7,6 @@ ensembles, not trajectories. Runs are untimed. The cost of a step is timed apart
 T/2, in fresh processes, each of which times all settings of one n in turns.
 """
 
-import json
 import os
 import random
 import sys
@@ -45,7 +44,6 @@ PUBLISHED_STRETCH = 1.0  # of the practice in its published form, whose step is 
 TURNS = 2  # of all settings within a process, of which the least counts; one for those of
 LONG = 0.3  # CPU seconds or more
 PROCESSES, QUICK_PROCESSES = 8, 2
-PROCESS = "--process"  # the hidden mode: what follows is one block to time
 
 # Steps of each method, up to where it fails. Nothing is in the co-rotating frame: the data have no part with l = 1, so
 # that it would change nothing.
@@ -202,8 +200,7 @@ def time_all(points, texts, most, journal):
             numpy.save(path, decoded(texts[n], n))
 
         def command(block, process):
-            return [sys.executable, "-B", os.path.realpath(__file__), PROCESS,
-                    json.dumps({**block, "process": process, "state": files[block["n"]]})]
+            return study.process_command(__file__, block, process, state=files[block["n"]])
 
         times = study.by_processes(blocks, command, partial(further_processes, most), journal, "timing")
     return {(block["n"], row): seconds for block, found in zip(blocks, times) for row, seconds in found.items()}
@@ -290,7 +287,4 @@ def main(arguments):
 
 
 if __name__ == "__main__":
-    if sys.argv[1:2] == [PROCESS]:
-        print(json.dumps(time_block(json.loads(sys.argv[2]))))
-    else:
-        study.run(PROGRAM, main, sys.argv[1:])
+    study.run(PROGRAM, main, sys.argv[1:], time_block)
