@@ -17,6 +17,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(ROOT, "scripts"))  # its modules are tested from inside, too
 
 DONE, BAD_ARGUMENTS, SOLVER_FAILED = 0, 2, 3
+PATIENCE = 180  # seconds: longer than whatever is waited for takes on a busy machine
 FORMULATIONS = ("cotangent", "group", "algebra")
 
 
@@ -64,7 +65,7 @@ def default_signals():
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
-def run(command, timeout=60, env=None, prepare=None, **streams):
+def run(command, timeout=PATIENCE, env=None, prepare=None, **streams):
     """Runs a command to its end; its output is text. `prepare` is called in the child before it starts."""
     streams = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **streams}
     return subprocess.run(command, timeout=timeout, env=env or environment(), preexec_fn=prepare, check=False,

@@ -202,12 +202,12 @@ class Disturbances(unittest.TestCase):
         self.assertGreater(disturbance.switches, MOST_SWITCHES)
 
     def test_a_process_ends_with_the_one_that_started_it_even_if_that_is_killed(self):
-        # The inner one writes down its number, and would wait for a minute.
+        # The inner one writes down its number, and would wait for ten minutes.
         outer = f"""
 import sys
 sys.path.insert(0, {os.path.join(ROOT, 'scripts')!r})
 from lib.fresh_process import run_on
-run_on({fresh_process.last_core()}, ["sh", "-c", "echo $$; exec sleep 60"])
+run_on({fresh_process.last_core()}, ["sh", "-c", "echo $$; exec sleep 600"])
 """
         with subprocess.Popen([sys.executable, "-B", "-c", outer], stdout=subprocess.PIPE, encoding="ascii") as process:
             inner = int(process.stdout.readline())

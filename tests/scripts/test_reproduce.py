@@ -15,7 +15,7 @@ import subprocess
 import sys
 import time
 
-from programs import (BAD_ARGUMENTS, DONE, ROOT, SOLVER_FAILED, FolderTest, end, environment, run,
+from programs import (BAD_ARGUMENTS, DONE, PATIENCE, ROOT, SOLVER_FAILED, FolderTest, end, environment, run,
                       snapshot, start, text_of)
 from claims_documents import write_claims
 from limits_documents import limits_study
@@ -74,7 +74,7 @@ case $BENCHMARK in
   finish) cp "$PREPARED/$file.json" "$out" ;;
   scribble) echo '{"context": {' >"$out" ;;
   die) echo half >"$out.1.partial"; kill -KILL $$ ;;
-  wait) echo half >"$out.1.partial"; echo started >>"$CALLS"; exec sleep 60 ;;
+  wait) echo half >"$out.1.partial"; echo started >>"$CALLS"; exec sleep 600 ;;
 esac
 exit "${BENCHMARK_STATUS:-0}"
 """
@@ -103,7 +103,7 @@ if what == "die":
 if what == "wait":
     with open(os.environ["CALLS"], "a") as calls:
         calls.write("started\\n")
-    time.sleep(60)
+    time.sleep(600)
 sys.exit(int(os.environ.get("BENCHMARK_STATUS", "0")))
 """ % sys.executable
 
@@ -172,6 +172,20 @@ class CopyTest(FolderTest):
     def calls(self, tool=""):
         return [line for line in text_of(self.calls_path).splitlines() if line.startswith(tool)]
 
+    def await_start(self):
+        """Waits until a stand-in has written down that it started."""
+        deadline = time.monotonic() + PATIENCE
+        while "started" not in self.calls():
+            self.assertLess(time.monotonic(), deadline, "nothing was started")
+            time.sleep(0.02)
+
+    def assert_all_end(self, process):
+        """All that a script started has ended soon after it."""
+        with self.assertRaises(ProcessLookupError, msg="something went on"):
+            for _ in range(10 * PATIENCE):
+                os.killpg(process.pid, 0)
+                time.sleep(0.1)
+
 
 class ReproduceTest(CopyTest):
     def setUp(self):
@@ -200,18 +214,8 @@ class ReproduceTest(CopyTest):
         process = start(self.line("reproduce", job, "--out", self.out), env=self.surroundings(BENCHMARK="wait"),
                         stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
         self.addCleanup(end, process)
-        deadline = time.monotonic() + 60
-        while "started" not in self.calls():
-            self.assertLess(time.monotonic(), deadline, "nothing was started")
-            time.sleep(0.02)
+        self.await_start()
         return process
-
-    def assert_all_end(self, process):
-        """All that a script started has ended soon after it."""
-        with self.assertRaises(ProcessLookupError, msg="something went on"):
-            for _ in range(100):
-                os.killpg(process.pid, 0)
-                time.sleep(0.1)
 
     def reproduced(self, *arguments):
         done = self.reproduce(*arguments)
@@ -473,7 +477,7 @@ class FailedRuns(ReproduceTest):
         """Starts, sends a signal by `send(process, number)` while the program runs, and returns the ended process."""
         process = self.waiting("table1")
         send(process, number)
-        _, errors = process.communicate(timeout=60)
+        _, errors = process.communicate(timeout=PATIENCE)
         self.assertEqual(process.returncode, 128 + number)
         last = errors.splitlines()[-1]
         self.assertRegex(last, "^reproduce: (interrupted|terminated); .*the same command goes on: ")
@@ -539,11 +543,14 @@ class OneAtATime(ReproduceTest):
         other = self.script("reproduce", "--out", self.path("elsewhere"))  # beside it another may run
         self.assertEqual(other.returncode, DONE, other.stderr)
         end(process)  # with all that it started: kill -9
+        self.assert_all_end(process)  # and with it the lock that they hold
         self.reproduced()
 
     def test_a_second_build_in_the_same_folder_waits(self):
         os.makedirs(self.path("root", "build"), exist_ok=True)
-        with subprocess.Popen(["flock", self.path("root", "build"), "sleep", "60"], start_new_session=True) as holder:
+        with subprocess.Popen(["flock", self.path("root", "build"), "sh", "-c", "echo locked; exec sleep 600"],
+                              stdout=subprocess.PIPE, start_new_session=True) as holder:
+            self.assertEqual(holder.stdout.readline(), b"locked\n")
             process = start(self.line("reproduce", "--out", self.out), env=self.surroundings(), stderr=subprocess.PIPE,
                             stdout=subprocess.DEVNULL)
             self.addCleanup(end, process)
@@ -551,7 +558,7 @@ class OneAtATime(ReproduceTest):
             self.assertIn("waiting for its end", process.stderr.readline())
             self.assertEqual(self.calls("cmake"), [])
             os.killpg(holder.pid, signal.SIGKILL)
-        _, errors = process.communicate(timeout=60)
+        _, errors = process.communicate(timeout=PATIENCE)
         self.assertEqual(process.returncode, DONE, errors)
 
 
@@ -625,6 +632,30 @@ class TestScript(CopyTest):
             self.assertIn(f"-B {self.path('root', folder)} ", self.calls("cmake")[0])
             self.assertEqual("-DISOSYRK_SANITIZE=ON" in self.calls("cmake")[0], bool(arguments))
             self.assertIn(f"--test-dir {self.path('root', folder)} ", self.calls("ctest")[0])
+
+    def test_what_failed_is_said_once_more_at_the_end(self):
+        self.write("root/build/Testing/Temporary/LastTest.log", """12/13 Testing: scripts.test_some
+FAIL: test_a_thing (test_some.Some)
+Traceback (most recent call last):
+  File "test_some.py", line 7, in test_a_thing
+AssertionError: 1 != 2
+[  FAILED  ] Some.Other (2 ms)
+[       OK ] Some.Third (2 ms)
+""")
+        told = self.script("test", FAILING="ctest").stderr.splitlines()
+        self.assertEqual(told[-3:], ["FAIL: test_a_thing (test_some.Some)", "AssertionError: 1 != 2",
+                                     "[  FAILED  ] Some.Other (2 ms)"])
+        self.assertNotIn("FAIL", self.script("test").stderr)
+
+    def test_a_termination_ends_the_suite_with_it(self):
+        self.write("tools/ctest", '#!/bin/sh\necho started >>"$CALLS"\nexec sleep 600\n', executable=True)
+        process = start(self.line("test"), env=self.surroundings(), stdout=subprocess.DEVNULL,
+                        stderr=subprocess.DEVNULL)
+        self.addCleanup(end, process)
+        self.await_start()
+        process.terminate()
+        self.assertEqual(process.wait(timeout=PATIENCE), -signal.SIGTERM)
+        self.assert_all_end(process)
 
     def test_a_failed_build_runs_no_tests(self):
         done = self.script("test", FAILING="cmake")
