@@ -11,7 +11,7 @@ import statistics
 from typing import Dict, List, NamedTuple, Optional
 
 from lib import formats
-from lib.formats import (CASIMIRS, CONVERGED, SOLVERS, Integrator, Schema, keyed, list_of, number, one_of, optional,
+from lib.formats import (CONVERGED, SOLVERS, Integrator, Schema, keyed, list_of, number, one_of, optional,
                          positive, status, text, truth, whole)
 from lib.messages import UnusableFile
 from lib.integrator_names import frameless, gauss_stages, is_exponential
@@ -115,16 +115,12 @@ class Run(NamedTuple):
     error: optional(positive)  # ‖W(T) − reference‖_F / ‖reference‖_F
     solver_error: optional(number)  # of tolerance_runs: relative distance from the tightest tolerance that converged
     spectrum_error: optional(number)
-    casimir_errors: optional(list_of(number, len(CASIMIRS)))
     energy_error: optional(number)  # relative, largest over the steps
-    angular_momentum_error: optional(number)
-    skew_defect: optional(number)
     h_norm_B: number
     beyond_limit: truth  # the step is longer than the integrator is stable for, by linear theory
     sweeps: whole()
     products: whole()
     equivalent_products: number
-    poisson_solves: whole()
     cpu_seconds: list_of(positive)  # one for each repetition; none for a run that failed
 
     @property

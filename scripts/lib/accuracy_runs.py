@@ -55,14 +55,11 @@ class Setting(trials.Setting):
         found.update(self.problem._asdict(), integrator=self.entry.name, solver=self.solver, steps=steps, step=h,
                      tolerance=tolerance, status=status, h_norm_B=h * self.norm_B,
                      beyond_limit=h * self.own_norm_ad_B > self.entry.stability_limit, sweeps=report.sweeps,
-                     products=report.products, equivalent_products=report.equivalent_products,
-                     poisson_solves=report.poisson_solves, cpu_seconds=[])
+                     products=report.products, equivalent_products=report.equivalent_products, cpu_seconds=[])
         if status != CONVERGED:
             return Run(**found), None
-        found.update(error=isosyrk.relative_error(W, self.reference), **self.errors(W),
-                     energy_error=energy_error,
-                     casimir_errors=list(isosyrk.casimir_errors(W, initial)),
-                     angular_momentum_error=isosyrk.angular_momentum_error(W, initial))
+        found.update(error=isosyrk.relative_error(W, self.reference), energy_error=energy_error,
+                     spectrum_error=isosyrk.spectrum_error(W, initial))
         return Run(**found), W
 
 

@@ -43,6 +43,8 @@ class Plan(NamedTuple):
 def measure(plan):
     """Returns a document in Google Benchmark's form, each row with its process, and the largest exit status.
 
+    Of the repetitions within a process the document has the quickest, unless one of them failed.
+
     Throws Stop if a process gives no rows.
     """
     core = fresh_process.last_core()
@@ -152,8 +154,20 @@ def merged(processes, core, disturbed):
     context["processes"] = "; ".join(f"n={n}: {len(found)}" for n, found in processes.items())
     context["disturbed_processes"] = ", ".join(disturbed)
     context["pinned_to"] = f"core {core}"
-    rows = [row for found in processes.values() for each in found for row in each["benchmarks"]]
+    rows = [row for found in processes.values() for each in found for row in quickest(each["benchmarks"])]
     return {"context": context, "benchmarks": rows}
+
+
+def quickest(rows):
+    """Returns of the rows of a process the quickest repetition of each cell, which counts; all of one that failed."""
+    cells = {}
+    for row in rows:
+        cells.setdefault(row["run_name"], []).append(row)
+    kept = []
+    for cell in cells.values():
+        failed = any(row.get("error_occurred") for row in cell)
+        kept += cell if failed else [min(cell, key=lambda row: row["cpu_time"])]
+    return kept
 
 
 # ---- what is kept

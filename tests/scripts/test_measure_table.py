@@ -15,7 +15,7 @@ from lib import fresh_process
 from lib.command_line import Stop
 from lib.formats import read_run
 from lib.fresh_process import MOST_STOLEN, MOST_SWITCHES, MOST_TRIES, Disturbance, run_on, undisturbed
-from lib.table_processes import Plan, measure
+from lib.table_processes import Plan, measure, quickest
 from lib.verdicts import FEWEST, MOST
 
 SCRIPT = os.path.join(ROOT, "scripts", "measure_table")
@@ -100,7 +100,7 @@ class Processes(MeasureTest):
         self.assertEqual((status, len(self.calls(17)), len(self.calls(33))), (DONE, FEWEST, MOST))
         self.assertEqual(document["context"]["processes"], f"n=17: {FEWEST}; n=33: {MOST}")
         self.assertNotIn("host_name", document["context"])
-        self.assertEqual(len(rows), 3 * 3 * (FEWEST + MOST))
+        self.assertEqual(len(rows), 3 * (FEWEST + MOST))  # of each cell the quickest of three repetitions
         self.assertNotIn("family_index", rows[0])
         path = self.write("raw.json", json.dumps(document))
         found = read_run(path, ("table1",), ("energy_error",), (), "table1")
@@ -128,10 +128,18 @@ class Processes(MeasureTest):
         # Their runs are the same to the last bit, and so is the energy error.
         self.assertEqual([row["energy_error"] for row in rows], [1e-5] * len(rows))
 
+    def test_of_repetitions_the_quickest_is_kept(self):
+        rows = [{"run_name": name, "cpu_time": seconds, "product_share": share}
+                for name, seconds, share in (("a", 2.0, 0.5), ("b", 3.0, 0.6), ("a", 1.9, 0.4), ("b", 3.1, 0.7))]
+        self.assertEqual(quickest(rows), [rows[2], rows[1]])
+        rows[1]["error_occurred"] = True
+        self.assertEqual(quickest(rows), [rows[2], rows[1], rows[3]])
+
     def test_a_failed_row_is_kept_and_ends_with_3(self):
         _, status, rows = self.measured(17, times={"17": {**DECIDED, "group": "diverged at step 3"}})
         self.assertEqual(status, SOLVER_FAILED)
         self.assertEqual({row.get("error_message") for row in rows}, {None, "diverged at step 3"})
+        self.assertEqual(len([row for row in rows if "error_message" in row]), 3 * FEWEST)  # each repetition
         self.assertEqual(len(self.calls(17)), FEWEST)
 
     def test_a_program_that_dies_ends_the_measurement_and_what_ended_before_is_kept(self):

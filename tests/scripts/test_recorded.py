@@ -15,7 +15,7 @@ from lib.scaling_table import read_scaling
 from lib.trend import trend_of
 
 RECORDED = os.path.join(ROOT, "results", "recorded")
-MOST_BYTES = 6_500_000
+MOST_BYTES = 6 * 2**20
 
 
 def text(*path):
