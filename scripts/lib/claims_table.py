@@ -14,7 +14,7 @@ from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from lib.claims import CLAIMS, judged, sizes
 from lib.claims_files import EQUAL, SWEEPS, WHOLE, draw_runs, octave_run
-from lib.comparison import three_digits
+from lib.comparison import MISSING, three_digits
 from lib.document import Column, Entry, Table
 from lib.formats import (FAST, FORMULATIONS, PUBLISHED, an_object, any_text, checked, list_of, number, one_of,
                          optional, read_json, require, text, whole)
@@ -188,7 +188,7 @@ def exponentials_row(accuracy):
                {"optimised": counted("duels", counts, min(ratios), max(ratios))})
 
 
-TURBULENT = "is high order needed? In turbulence, once predictability is lost:"
+TURBULENT = "is a high one needed? Turbulence:"
 
 
 def order_rows(turbulence):
@@ -210,9 +210,9 @@ def order_rows(turbulence):
         name = cheapest_of_all(turbulence, n)
         if name:
             winners.append(Finding(f"at n = {n} ({name})", None, order_of(name), None, None, 1))
-    rows = ((f"{TURBULENT} order of the cheapest faithful Gauss method", orders),
-            (f"{TURBULENT} cost of order 2 over that of the cheapest higher order, Gauss", prices),
-            (f"{TURBULENT} order of the cheapest faithful method of any kind", winners))
+    rows = ((f"{TURBULENT} that of the cheapest faithful Gauss method", orders),
+            (f"{TURBULENT} time of order 2 over that of higher ones, Gauss", prices),
+            (f"{TURBULENT} that of the cheapest faithful method of all", winners))
     return [Row("order", statement, None, OF_TURBULENCE, {"optimised": findings}) for statement, findings in rows
             if findings]
 
@@ -247,7 +247,7 @@ def predictable_order_row(accuracy):
                                                for each in ("median", "least", "largest")),
                         int(accuracy[f"gauss_order.at_{error}.problems"])) for error in ERRORS
                 if f"gauss_order.at_{error}.median" in accuracy]
-    return Row("order", "is high order needed? While predictable: the order that pays at an error", None,
+    return Row("order", "is a high one needed? While predictable: that of the cheapest Gauss method", None,
                OF_ACCURACY, {"optimised": findings})
 
 
@@ -390,20 +390,35 @@ def record(kind, values):
 # ---- as a table
 
 
+# What stands in one column of the table: codes, and how all but the first are named there.
+COLUMNS = {"paper": {}, "octave": {}, "plain": {"plain_avx2": "AVX2"},
+           "optimised": {SWEEPS: "plain sweeps", "optimised_avx2": "AVX2"}}
+
+
 def claims_table(rows):
-    """Returns the table of Rows; the last column names the pages."""
-    codes = [code for code in CODES if any(row.findings.get(code) for row in rows)]
-    columns = (Column("claim", align="left"), Column("s"), *(Column(CODES[code], align="left") for code in codes),
+    """Returns the table of Rows, a column for each code and its variants; the last column names the pages."""
+    codes = [code for code, variants in COLUMNS.items()
+             if any(row.findings.get(each) for row in rows for each in (code, *variants))]
+    columns = (Column("claim", align="left"), *(Column(CODES[code], align="left") for code in codes),
                Column("evidence", align="left"))
-    return Table(columns, [[[Entry(f"{row.claim}: {row.statement}"), Entry(str(row.stages or "")),
-                             *(Entry(cell_text(row.findings.get(code))) for code in codes),
+    return Table(columns, [[[Entry(statement_text(row)), *(Entry(column_text(row, code)) for code in codes),
                              Entry(", ".join(row.evidence))] for row in rows]])
+
+
+def statement_text(row):
+    of_stages = f", s = {row.stages}" if row.stages else ""
+    return f"{row.claim}{of_stages}: {row.statement}"
+
+
+def column_text(row, code):
+    """Writes what was found by a code and, named, by its variants."""
+    names = {code: "", **{each: f"{name}: " for each, name in COLUMNS[code].items()}}
+    return "; ".join(name + cell_text(row.findings[each]) for each, name in names.items()
+                     if row.findings.get(each)) or MISSING
 
 
 def cell_text(findings):
     """Writes what was found: results, the range of ratios, and in brackets that of intervals."""
-    if not findings:
-        return "–"
     if findings[0].result is None and findings[0].where.startswith("at "):
         return ", ".join(f"{each.ratio:g} {each.where}" for each in findings)
     if any(each.ratio is None for each in findings):

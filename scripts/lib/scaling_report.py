@@ -3,28 +3,24 @@
 import math
 
 from lib.comparison import MISSING, UNDECIDED_MARK, percentage, spread_text, three_digits, time_with_spread
-from lib.document import Column, Entry, Heading, Paragraph, Table, conditions, plain_table, shown
+from lib.document import Column, Entry, Heading, Paragraph, Table, conditions, plain_table
 from lib.formats import FAST, PUBLISHED
 from lib.numbers import scientific
 from lib.scaling_table import BANDS, LINES, RUNGS, cells, exponential, rungs_of, slope, slope_ends
 from lib.verdicts import FEWEST, UNDECIDED, ratio_of, verdict
 
 SINGLE = "¹"  # follows what was timed once
-CHART = "step_against_n"
-CAPTION = ("The CPU time of a step against n, a panel for each start: published and fast forms of a Gauss and an"
-           " exponential method, the midpoint rule on g, and RK4.")
 SINGLE_MEANS = f"{SINGLE}: timed once."
 
 
-def scaling_sections(study, charts):
-    """Returns the report of a Scaling as a document; `charts` names those that were drawn."""
+def scaling_sections(study):
+    """Returns the report of a Scaling as a document."""
     return [
         Heading("What a step costs, and what each idea buys", 1),
         Paragraph(f"Steps of the {study.settings.scene} scene from {starts_text(study)} on. A repetition repeats the"
                   " same steps from the same state. A fast form with a predictor runs for"
                   f" T = {study.settings.warmup:g} before them, untimed. Beyond n = 257 steps and this time fall as"
                   " 1/(n - 1), since longer steps fail. What it means is said in results/README.md."),
-        *shown(((CHART, CAPTION),), charts),
         *line_sections(study),
         *memory_sections(study),
         *band_sections(study),

@@ -1,7 +1,8 @@
 """Pages and data say the same of the paper's claims: README.md, results/README.md, the pages of the tables,
-verdicts.json, and claims.json once the study of claims is recorded.
+verdicts.json and claims.json.
 
-Each place is read into one form: from (claim, s, n, code) to its result and its ratio with three digits.
+Each place is read into one form: from (claim, s, n, code) to its result and its ratio with three digits. The table of
+results/README.md has results by n, but of the ratios the range: in_ranges() gives that of the others.
 """
 
 import json
@@ -63,15 +64,42 @@ def said_by_claims(rows):
             for each in row.findings.get(code, ())}
 
 
+def said_by_table_of_claims(text):
+    """Returns what the table of all claims says of plain and optimised code, as in_ranges() does."""
+    table = text.partition("<!-- claims:begin -->")[2].partition("<!-- claims:end -->")[0]
+    head, *rows = rows_of(table, "claim")
+    columns = {code: head.index(f"{code} C++") for code in CODES.values()}
+    found = {}
+    for row in rows:
+        named = re.match(r"\((\w)\), s = (\d):", row[0])
+        for code, column in columns.items() if named else ():
+            said = re.match(r"(.*?) ?([0-9.]+(?:–[0-9.]+)?) \\\[", row[column])
+            places = re.findall(r"(\w+) \(n = ([0-9, ]+)\)", said[1])
+            by_n = {int(n): result for result, sizes in places for n in sizes.split(", ")}
+            found[named[1], int(named[2]), code] = by_n or {None: said[1]}, said[2]
+    return found
+
+
+def in_ranges(said):
+    """Returns what a place says as (claim, s, code): results by n, or the one of them all, and the range of ratios."""
+    found = {}
+    for (claim, stages, n, code), (result, ratio) in said.items():
+        by_n, ratios = found.setdefault((claim, stages, code), ({}, []))
+        by_n[n] = result
+        ratios.append(ratio)
+    return {key: (by_n if len(set(by_n.values())) > 1 else {None: next(iter(by_n.values()))},
+                  "–".join(dict.fromkeys((min(ratios, key=float), max(ratios, key=float)))))
+            for key, (by_n, ratios) in found.items()}
+
+
 def sayings():
     """Returns what each place says, by its name."""
-    found = {name: said_by_page(text_of(ROOT, name)) for name in ("README.md", os.path.join("results", "README.md"))}
+    found = {"README.md": said_by_page(text_of(ROOT, "README.md"))}
     tables = {code: said_by_table(text_of(RECORDED, "tables", f"{table}.md"), code)
               for table, code in (("table1", "plain"), ("table2", "optimised"))}
     found["table1.md and table2.md"] = {**tables["plain"], **tables["optimised"]}
     found["verdicts.json"] = said_by_verdicts(json.loads(text_of(RECORDED, "tables", "verdicts.json")))
-    if os.path.exists(ALL_CLAIMS):
-        found["claims.json"] = said_by_claims(read_claims_table(ALL_CLAIMS)[0])
+    found["claims.json"] = said_by_claims(read_claims_table(ALL_CLAIMS)[0])
     return found
 
 
@@ -87,6 +115,17 @@ class Agreement(unittest.TestCase):
         self.assertGreaterEqual(len(found), 4)
         self.assertEqual(len(next(iter(found.values()))), 4 * 4 * 2)  # claims with their s, n, and codes
         self.assertEqual(differences(found), [])
+
+    def test_the_table_of_all_claims_says_the_same(self):
+        page = text_of(ROOT, "results", "README.md")
+        wanted = in_ranges(sayings()["README.md"])
+        self.assertEqual(len(wanted), 4 * 2)
+        self.assertEqual(said_by_table_of_claims(page), wanted)
+        head, name, rest = page.partition("| (a), s = 1:")
+        row, end, rest = rest.partition("\n")
+        for said, other in (("holds ", "fails "), (" ([0-9.]+)–", r" 1\1–"), (r"tie \(", "undecided (")):
+            edited = head + name + re.sub(said, other, row) + end + rest
+            self.assertNotEqual(said_by_table_of_claims(edited), wanted, said)
 
     def test_each_place_can_be_wrong(self):
         found = sayings()

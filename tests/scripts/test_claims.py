@@ -85,7 +85,6 @@ class Judging(unittest.TestCase):
         def text(*findings):
             return cell_text([Finding(*each) for each in findings])
 
-        self.assertEqual(cell_text([]), "–")
         self.assertEqual(text(("n = 17", None, 1.2, None, None, 1), ("n = 33", None, 2.0, None, None, 1)), "1.20–2.00")
         self.assertEqual(text(("n = 17", TIE, 1.0, 0.99, 1.01, 1), ("n = 33", HOLDS, 1.5, 1.4, 1.6, 1)),
                          "tie (n = 17), holds (n = 33) 1.00–1.50 [0.990, 1.60]")
@@ -99,6 +98,19 @@ class Judging(unittest.TestCase):
         self.assertEqual(text(("duels", HOLDS, None, 0.9, 8.0, 2), ("duels", FAILS, None, 0.9, 8.0, 3)),
                          "holds 2, fails 3 of 5 (duels): 0.900–8.00")
         self.assertEqual(text(("at 1e-2", None, 2.0, 2.0, 4.0, 17)), "2 at 1e-2")
+
+    def test_a_column_has_a_code_and_its_variants(self):
+        def found(ratio):
+            return [Finding("n = 17", HOLDS, ratio, None, None, 1)]
+
+        row = Row("(a)", "algebra is fastest", 1, ("page",), {"plain": found(1.2), "plain_avx2": found(1.4),
+                                                              "optimised_avx2": found(1.6)})
+        (((claim, *cells, evidence),),) = claims_table.claims_table([row]).blocks
+        self.assertEqual((claim.text, evidence.text), ("(a), s = 1: algebra is fastest", "page"))
+        self.assertEqual([cell.text for cell in cells], ["holds 1.20; AVX2: holds 1.40", "AVX2: holds 1.60"])
+        empty = row._replace(findings={"octave": found(1.0)})
+        self.assertEqual([[cell.text for cell in line][1:-1] for line in claims_table.claims_table([row, empty]).blocks[0]],
+                         [["–", "holds 1.20; AVX2: holds 1.40", "AVX2: holds 1.60"], ["holds 1.00", "–", "–"]])
 
     def test_rules_of_the_rows_that_recorded_studies_judge(self):
         theorem = read_figures(os.path.join(RECORDED, "theorem", "figures.json"))
@@ -271,12 +283,13 @@ class Page(FolderTest):
         return text_of(self.path("results", "README.md"))
 
     def test_the_table_is_kept_up_to_date_between_its_markers(self):
-        if "<!-- claims:begin -->" not in self.page():
-            self.assert_refused(self.update(), "claims", "markers are missing")
-            self.write("results/README.md", self.page() + "<!-- claims:begin -->\n<!-- claims:end -->\n")
+        recorded = self.page()
+        self.write("results/README.md", recorded.replace("<!-- claims:begin -->", ""))
+        self.assert_refused(self.update(), "claims", "markers are missing")
+        self.write("results/README.md", recorded)
         self.assertEqual(self.update().returncode, DONE)
         table = self.page().partition("<!-- claims:begin -->")[2].partition("<!-- claims:end -->")[0]
-        for part in ("| paper's MATLAB", "| (b): group is fastest", "holds 1.20",
+        for part in ("| paper's MATLAB", "| (b), s = 2: group is fastest", "holds 1.20",
                      "[table1](recorded/tables/table1.md), [table2](recorded/tables/table2.md),"
                      " [claims](recorded/claims/report.md)", "[theorem](recorded/theorem/report.md)"):
             self.assertIn(part, table)

@@ -2,7 +2,6 @@
 
 import json
 import os
-import re
 import unittest
 
 import drawing
@@ -145,44 +144,6 @@ class Report(ScalingTest):
             self.assertEqual(rungs_of(name, name == "rk4"), ("published", "without bands", "fast"))
         self.assertEqual([without(name, name == "rk4", "without any") for name in ("group2", "rk4", "magnus4")],
                          [("bands", "predictor", "newton"), ("bands",), ("bands",)])
-
-
-class Chart(ScalingTest):
-    def tables(self):
-        """Returns points in which published forms gain 6 at t = 5 and 3 at t = 50, at n = 33; n = 65 is timed once."""
-        points = []
-        for start, gain in ((5.0, 6.0), (50.0, 3.0)):
-            for name in ("group2_frame", "elp4_frame", "rk4_frame"):
-                points += line(name, "published", start, {n: [gain * 1e-7 * n * n] * 2 for n in (17, 33)})
-                points += line(name, "fast", start, {17: [1e-7 * 17**2] * 2, 33: [1e-7 * 33**2] * 2,
-                                                     65: [1e-7 * 65**2]})
-        return points
-
-    def test_lines(self):
-        found = self.panels("scaling_chart", "step_against_n", self.study(points=self.tables()))
-        self.assertEqual(list(found), ["from t = 5 on", "from t = 50 on"])
-        for (axes,) in found.values():
-            lines = drawing.lines_of(axes)
-            self.assertEqual(set(lines), {"Gauss 4, published", "exponential 4, published", "Gauss 4, fast",
-                                          "exponential 4, fast", "RK4, fast"})
-            self.assertEqual([n for n, _ in lines["Gauss 4, published"]], [17, 33])
-            self.assertAlmostEqual(lines["Gauss 4, fast"][1][1], 1e-4 * 33**2)  # milliseconds
-            open_marks = [line for line in axes.lines if line.get_label().endswith(", once")]
-            self.assertEqual([drawing.finite_points(each)[0][0] for each in open_marks], [65.0] * 3)
-            self.assertEqual({each.get_markerfacecolor() for each in open_marks}, {"white"})
-
-    def test_title_tells_the_gain_at_the_largest_common_n(self):
-        files = self.rendered("out", write_tables(self.path("raw.json"), points=self.tables()))
-        self.assert_whole(files, "step_against_n")
-        words = " ".join(re.findall(r">([^<>]+)</text>", files["step_against_n.svg"].decode())).replace("\xa0", " ")
-        for part in ("gains a factor of 6 at t = 5 and 3 at t = 50 over its published form at n = 33", "timed once"):
-            self.assertIn(part, words)
-        self.assertIn("step_against_n.svg", files["report.md"].decode())
-
-    def test_nothing_to_draw(self):
-        files = self.rendered("out", write_tables(self.path("raw.json"), points=[point()]))
-        self.assertEqual(set(files), {"report.md", "figures.json"})
-        self.assertNotIn(".svg", files["report.md"].decode())
 
 
 class Refused(ScalingTest):
