@@ -109,7 +109,8 @@ class Judging(unittest.TestCase):
         self.assertEqual((claim.text, evidence.text), ("(a), s = 1: algebra is fastest", "page"))
         self.assertEqual([cell.text for cell in cells], ["holds 1.20; AVX2: holds 1.40", "AVX2: holds 1.60"])
         empty = row._replace(findings={"octave": found(1.0)})
-        self.assertEqual([[cell.text for cell in line][1:-1] for line in claims_table.claims_table([row, empty]).blocks[0]],
+        lines = claims_table.claims_table([row, empty]).blocks[0]
+        self.assertEqual([[cell.text for cell in line[1:-1]] for line in lines],
                          [["–", "holds 1.20; AVX2: holds 1.40", "AVX2: holds 1.60"], ["holds 1.00", "–", "–"]])
 
     def test_rules_of_the_rows_that_recorded_studies_judge(self):
