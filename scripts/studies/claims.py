@@ -139,11 +139,7 @@ def count_threads(job):
 
 
 def time_threads(block):
-    """Returns the seconds that pass in the rows of a block, "sweeps group2 2" and so on, and those of its rates.
-
-    The rows with two threads need two cores, which this process takes back.
-    """
-    os.sched_setaffinity(0, block["cores"])
+    """Returns the seconds that pass in the rows of a block, "sweeps group2 2" and so on, and those of its rates."""
     scene = isosyrk.scene("smooth", n=block["n"])
     found = {PRODUCT: 1 / isosyrk.product_rate(block["n"]), PASS: seconds_of_pass(scene.initial)}
     rows = [row for row in block["rows"] if row not in found]
@@ -218,9 +214,9 @@ def row_of(name):
     return {"formulation": name[:-1], "stages": gauss_stages(name)}
 
 
-def timed(blocks, verdicts_on, journal, options, what):
+def timed(blocks, verdicts_on, journal, options, what, cores=None):
     return study.by_processes(blocks, partial(study.process_command, __file__),
-                              partial(further, options, verdicts_on), journal, what) if blocks else []
+                              partial(further, options, verdicts_on), journal, what, cores) if blocks else []
 
 
 def octave_tables(options, sizes, names, journal):
@@ -260,8 +256,12 @@ def draw_table(options, sizes, names, journal):
 
 
 def thread_tables(options, sizes, names, journal):
-    """Returns the tables of fast forms by threads and of rates; without a second core those of one thread."""
-    cores = sorted(os.sched_getaffinity(0))
+    """Returns the tables of fast forms by threads and of rates; without a second core those of one thread.
+
+    A process that times threads has all cores from its beginning: what OpenMP finds then decides if threads wait for
+    each other by looking or asleep, and asleep a run at n = 65 takes up to five times as long.
+    """
+    cores = os.sched_getaffinity(0)
     threads = [each for each in THREADS if each <= len(cores)]
     journal.context["cores"] = f"{len(cores)}"
     names = [name for name in names if gauss_stages(name) in THREAD_STAGES]
@@ -270,10 +270,10 @@ def thread_tables(options, sizes, names, journal):
     jobs = [{"n": n, "name": name, "code": code, **runs[n]} for n in sizes for name in names for code in WITHOUT]
     counts = study.untimed(jobs, count_threads, journal, options, "counting for threads") if jobs else []
     counted = {(job["n"], job["name"], job["code"]): each for job, each in zip(jobs, counts)}
-    blocks = [{"what": "threads", "n": n, "cores": cores, **runs[n],
+    blocks = [{"what": "threads", "n": n, **runs[n],
                "rows": [PRODUCT, PASS, *(f"{code} {name} {each}" for code in WITHOUT for name in names
                                          for each in threads)]} for n in sizes]
-    seconds = timed(blocks, of_threads, journal, options, "timing threads")
+    seconds = timed(blocks, of_threads, journal, options, "threads", cores)
     cells = [ThreadCell(n=block["n"], **runs[block["n"]], **row_of(name), code=code, threads=each,
                         **counted[block["n"], name, code], seconds=found[f"{code} {name} {each}"])
              for block, found in zip(blocks, seconds) for code in WITHOUT for name in names for each in threads]

@@ -1,11 +1,13 @@
 """Tests of the study of the paper's claims, of its model of threads, and of scripts/render_claims."""
 
+import argparse
 import itertools
 import json
 import os
 import shutil
 import sys
 import unittest
+from collections import defaultdict
 from unittest import mock
 
 from programs import BUILD, DONE, ROOT, FolderTest, environment, run, run_script, text_of
@@ -326,7 +328,7 @@ class Study(FolderTest):
         self.assertEqual(os.listdir(self.folder), ["raw.json"])  # no journal is left
 
     def test_threads_and_their_rates(self):
-        block = {"n": 65, "step": 0.1, "steps": 2, "cores": sorted(os.sched_getaffinity(0)), "process": 0,
+        block = {"n": 65, "step": 0.1, "steps": 2, "process": 0,
                  "rows": ["product", "pass", "sweeps group2 1", "whole algebra2 1"]}
         product, single_pass, sweeps, whole = claims_study.time_threads(block)
         self.assertLess(single_pass, product)
@@ -335,6 +337,16 @@ class Study(FolderTest):
         counts = [claims_study.count_threads({"n": 65, "name": "group2", "code": code, "step": 0.1, "steps": 2})
                   for code in ("sweeps", "whole")]
         self.assertGreater(counts[0]["sweeps"], counts[1]["sweeps"])
+
+    def test_threads_have_all_cores_from_the_beginning_of_their_process(self):
+        options, journal = argparse.Namespace(processes=1), argparse.Namespace(context={})
+        counts = [{"sweeps": 1, "equivalent_products": 1.0}] * 2
+        with mock.patch("lib.study.untimed", return_value=counts), \
+                mock.patch("lib.study.by_processes", return_value=[defaultdict(lambda: [1.0])]) as measured:
+            claims_study.thread_tables(options, (65,), ["group2"], journal)
+            self.assertEqual(measured.call_args.args[-1], os.sched_getaffinity(0))
+            claims_study.timed([{"rows": ["group2"]}], claims_study.of_draws, journal, options, "draws")
+            self.assertIsNone(measured.call_args.args[-1])  # which means the last core alone
 
     def test_another_blas_and_other_answers_are_refused(self):
         with self.assertRaisesRegex(Stop, "unknown or reference.*update-alternatives"):
