@@ -46,8 +46,8 @@ EXCEPTED = tuple(re.compile(pattern, re.MULTILINE) for pattern in (
     r"^\s*[0-9]+\. ",  # numbers of lists
     r"[A-Za-z]{1,2}\([0-9]+(?:,\s*[0-9]+)*\)|\b[A-Za-z]+-[0-9]+|[0-9]+(?:st|nd|rd|th)\b",  # W(5), so(3), AVX-512, 5th
     rf"(?<!\w)[nslmkNpq]{RELATION}[0-9]+(?:{SEPARATOR}[0-9]+{ENDS})*",  # n = 17, 33 and 65; s ≥ 2
-    # h = 0.1, T = 5 and 50, h‖B‖₂ up to 0.6
-    rf"(?<!\w)(?:[hT]|h‖B(?:\(W₀\))?‖₂?){RELATION}{VALUE}(?:\s+(?:and|or|to)\s+{VALUE}{ENDS})*",
+    # h = 0.1, T = 5 and 50, a state at t = 5, h‖B‖₂ up to 0.6
+    rf"(?<!\w)(?:[htT]|h‖B(?:\(W₀\))?‖₂?){RELATION}{VALUE}(?:\s+(?:and|or|to)\s+{VALUE}{ENDS})*",
     rf"\b[Tt]olerance(?:\s+of)?\s+{VALUE}",
     # the errors compared at
     rf"\b[Aa]t\s+(?:(?:an?\s+|equal\s+)?errors?\s+(?:of\s+)?)?{POWERS}(?:{SEPARATOR}{POWERS})*",

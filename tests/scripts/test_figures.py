@@ -56,6 +56,7 @@ class Page(unittest.TestCase):
 
     def test_what_needs_no_key(self):
         for page in ("at n = 17, 33 and 65.", "n = 17 to 257, s ≥ 2, s = 1, 2, 3;", "h = 0.1 to T = 5", "T = 5 and 50,",
+                     "from t = 5 and t = 50 on",
                      "h‖B(W₀)‖₂ = 0.25", "h‖B‖₂ up to 0.6", "tolerance 1e-13", "tolerance of 1e-13", "At 1e-6 the",
                      "at an error of 1e-6", "at errors 1e-4 … 1e-8", "order 4", "orders 4 and 6,",
                      "on 23 November 2026", "2026-11-23",

@@ -40,17 +40,6 @@ STUDIES = {
 DRAWN_BY = "3.6"  # matplotlib: another one draws other bytes
 
 
-SECTIONS = {"theorem": "## The theorem on other algebras", "scaling": "## The fast forms"}  # of results/README.md
-
-
-def is_measured_anew(study):
-    """Tells whether the section of a study says so."""
-    if study not in SECTIONS:
-        return False
-    section = text("results", "README.md").partition(SECTIONS[study])[2].partition("\n## ")[0]
-    return "eing measured anew" in section
-
-
 def recorded(path):
     return os.path.join(RECORDED, *path.split("/")) if path.endswith(".json") else path
 
@@ -67,8 +56,6 @@ class Recorded(FolderTest):
     def test_reports_figures_and_charts_are_what_the_raw_files_give(self):
         version = run([drawing.PYTHON, "-c", "import matplotlib; print(matplotlib.__version__)"]).stdout
         for study in STUDIES:
-            if is_measured_anew(study):
-                continue  # what is recorded has the columns of before
             raw_files = {path.split("/")[1] for path in STUDIES[study] if path.startswith(f"{study}/")}
             found, kept = self.rendered(study), snapshot(os.path.join(RECORDED, study))
             with self.subTest(study=study):
@@ -90,8 +77,6 @@ class Recorded(FolderTest):
             self.assertNotEqual(text(self.path("theorem", name)), text(RECORDED, "theorem", name))
 
     def test_repetitions_show_no_trend(self):
-        if is_measured_anew("scaling"):
-            self.skipTest("what is recorded has no such figures")
         study = read_scaling(raw("scaling"))
         trend = study.trend()
         self.assertFalse(trend.is_shown(), trend)
