@@ -11,7 +11,6 @@ import textwrap
 import matplotlib.style
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullLocator
 
 from lib.integrator_names import method_name
@@ -24,7 +23,6 @@ NOTE_CHARACTERS = 165  # a line
 LABEL_SIZE = 11  # points
 LABEL_CHARACTER = 0.082  # inches a character, at this size
 LABEL_GAP = 1.3  # least distance of two labels, over their size
-METHOD_KEYS = 3
 SETTINGS = {"svg.hashsalt": "isosyrk", "svg.fonttype": "none", "font.size": 10.5, "axes.titlesize": 12,
             "axes.titleweight": "bold", "axes.titlelocation": "left", "axes.grid": True, "grid.color": "0.9",
             "grid.linewidth": 0.6, "axes.axisbelow": True, "axes.spines.top": False, "axes.spines.right": False,
@@ -43,8 +41,6 @@ MARKERS = {"1": "o", "2": "s", "3": "^", "4": "D", "5": "P", "6": "v"}
 SHORT_METHODS = {"Runge–Kutta": "RK", "exponential Lie–Poisson": "exponential", "explicit Magnus": "Magnus",
                  "projected Runge–Kutta": "projected RK"}
 LINES = {"poisson": "-", "spectrum": "--", "nothing": ":"}
-LINES_IN_WORDS = ("Solid lines: keeps the Lie–Poisson structure and the spectrum. Dashed: keeps the spectrum only."
-                  " Dotted: keeps neither.")
 
 
 def own_style():
@@ -108,16 +104,6 @@ def new_figure(title, rows, columns, panel_height, keys=1, row_gap=0.75, labels=
 def key(figure, handles, rows=1, title=None):
     """Puts a key under the panels."""
     figure.legend(handles=handles, loc="lower left", ncol=-(-len(handles) // rows), title=title, alignment="left")
-
-
-def handle(label, **style):
-    return Line2D([], [], label=label, **style)
-
-
-def method_key(figure, integrators):
-    """Says under the panels whose line is whose, in METHOD_KEYS lines."""
-    handles = [handle(each.name, **look(each)) for each in integrators]
-    key(figure, handles, METHOD_KEYS - 1, LINES_IN_WORDS)
 
 
 def note(figure, text):
