@@ -188,7 +188,7 @@ def exponentials_row(accuracy):
                {"optimised": counted("duels", counts, min(ratios), max(ratios))})
 
 
-TURBULENT = "is a high one needed? Turbulence:"
+HIGH_ORDER = "is high order needed"
 
 
 def order_rows(turbulence):
@@ -210,10 +210,10 @@ def order_rows(turbulence):
         name = cheapest_of_all(turbulence, n)
         if name:
             winners.append(Finding(f"at n = {n} ({name})", None, order_of(name), None, None, 1))
-    rows = ((f"{TURBULENT} that of the cheapest faithful Gauss method", orders),
-            (f"{TURBULENT} time of order 2 over that of higher ones, Gauss", prices),
-            (f"{TURBULENT} that of the cheapest faithful method of all", winners))
-    return [Row("order", statement, None, OF_TURBULENCE, {"optimised": findings}) for statement, findings in rows
+    rows = (("in turbulence, order of the cheapest faithful Gauss method", orders),
+            ("in turbulence, time of order 2 over that of the cheapest higher order, Gauss methods", prices),
+            ("in turbulence, order of the cheapest faithful method of any kind", winners))
+    return [Row(HIGH_ORDER, statement, None, OF_TURBULENCE, {"optimised": findings}) for statement, findings in rows
             if findings]
 
 
@@ -247,7 +247,7 @@ def predictable_order_row(accuracy):
                                                for each in ("median", "least", "largest")),
                         int(accuracy[f"gauss_order.at_{error}.problems"])) for error in ERRORS
                 if f"gauss_order.at_{error}.median" in accuracy]
-    return Row("order", "is a high one needed? While predictable: that of the cheapest Gauss method", None,
+    return Row(HIGH_ORDER, "while predictable, order of the cheapest Gauss method at an error", None,
                OF_ACCURACY, {"optimised": findings})
 
 
