@@ -150,6 +150,7 @@ class Journal:
 
     One that belongs to anything else, as another commit, is begun anew, and that is told. On another processor untimed
     work is kept and timed work is done again. `context` holds the conditions of the first start on this processor.
+    `processes` and `disturbed` count those that timed, over all timed parts of the study.
     """
 
     def __init__(self, study, options, conditions):
@@ -172,6 +173,7 @@ class Journal:
             now["untimed_work_begun_on"] = begun["context"].get("cpu", "an unknown processor")
         self.context = begun["context"] if same_processor else now
         self.found = dict(results) if goes_on else {}
+        self.processes = self.disturbed = 0
         # Anew, without a last line that was cut.
         lines = (json.dumps(each) + "\n" for each in ({**head, "context": self.context}, *self.found.items()))
         replace_file(self.path, "".join(lines).encode("utf-8"))
@@ -364,13 +366,14 @@ def by_processes(blocks, command, further, journal, what, cores=None):
     the dict of a block so far, how many further processes each row wants; it is asked again when these are done. Every
     block gets its first process, then every block its second: a slow minute of the machine falls on all alike. They
     run on the last core, or on `cores`, a set; the journal's context names them, a set under WHAT_timed_on.
-    A disturbed process is repeated; those that stayed disturbed are counted in the journal's context.
+    A disturbed process is repeated; those that stayed disturbed are counted in the journal's context, over all parts of
+    the study.
     """
     where = "timed_on" if cores is None else f"{what.replace(' ', '_')}_timed_on"
     cores = cores or {fresh_process.last_core()}
     seconds = [{row: [] for row in block["rows"]} for block in blocks]
     wanted = [further(found) for found in seconds]
-    disturbed = done = process = 0
+    done = process = 0
     with progress(sum(most(each) for each in wanted), what) as bar:
         while any(map(most, wanted)):
             for block, found, each in zip(blocks, seconds, wanted):
@@ -383,7 +386,7 @@ def by_processes(blocks, command, further, journal, what, cores=None):
                         partial(printed, cores, command(part, process), len(part["rows"]), what),
                         partial(bar.write, file=sys.stderr))
                     journal.add(key, {"seconds": times, "disturbed": bool(disturbance)})
-                disturbed += journal.found[key]["disturbed"]
+                journal.disturbed += journal.found[key]["disturbed"]
                 for row, passed in zip(part["rows"], journal.found[key]["seconds"]):
                     found[row].append(passed)
                     each[row] -= 1
@@ -392,8 +395,9 @@ def by_processes(blocks, command, further, journal, what, cores=None):
             process += 1
             wanted = [each if most(each) else further(found) for found, each in zip(seconds, wanted)]
             bar.total = done + sum(map(most, wanted))
+    journal.processes += done
     named = f"core{'s' if len(cores) > 1 else ''} {', '.join(map(str, sorted(cores)))}"
-    journal.context.update({where: named, "disturbed_processes": f"{disturbed} of {done}"})
+    journal.context.update({where: named, "disturbed_processes": f"{journal.disturbed} of {journal.processes}"})
     return seconds
 
 

@@ -173,8 +173,9 @@ class ByProcesses(FolderTest):
     def told(self, line, **_):
         self.told_lines.append(line)
 
-    def by_processes(self, further, disturbances=(), fails=False, cores=None):
-        """Returns the seconds and the journal's context. `disturbances` are those of the first runs."""
+    def by_processes(self, further, disturbances=(), fails=False, cores=None, parts=("timing",)):
+        """Returns the seconds of the last part and the journal's context. `disturbances` are those of the first runs.
+        """
         disturbances = iter(disturbances)
 
         def run_on(core, told, stdout, stderr):
@@ -193,7 +194,8 @@ class ByProcesses(FolderTest):
         options = types.SimpleNamespace(out=self.path("raw.json"))
         journal = study.Journal("made up", options, lambda: {"commit": "1"})
         with mock.patch("lib.fresh_process.run_on", run_on):
-            found = study.by_processes(self.BLOCKS, lambda *told: told, further, journal, "timing", cores)
+            for what in parts:
+                found = study.by_processes(self.BLOCKS, lambda *told: told, further, journal, what, cores)
         return found, journal.context
 
     @staticmethod
@@ -248,6 +250,11 @@ class ByProcesses(FolderTest):
         for _ in range(2):
             _, context = self.by_processes(self.until({"a": 1, "b": 1}), [BUSY] * MOST_TRIES)
             self.assertEqual((len(self.runs), context["disturbed_processes"]), (MOST_TRIES + 1, "1 of 2"))
+
+    def test_disturbed_processes_are_counted_over_all_parts_of_a_study(self):
+        for _ in range(2):
+            _, context = self.by_processes(self.until({"a": 1, "b": 1}), [BUSY] * MOST_TRIES, parts=("one", "two"))
+            self.assertEqual(context["disturbed_processes"], "1 of 4")
 
     def test_a_process_that_fails_ends_the_study(self):
         with self.assertRaisesRegex(study.Stop, "timing: .*status 1.*: no such scene$") as caught:
