@@ -109,7 +109,6 @@ class Run(NamedTuple):
     integrator: text
     solver: one_of(*SOLVERS)
     steps: whole(1)
-    step: positive
     tolerance: positive
     status: status
     error: optional(positive)  # ‖W(T) − reference‖_F / ‖reference‖_F
@@ -130,6 +129,10 @@ class Run(NamedTuple):
     @property
     def form(self):
         return Form(self.integrator, self.tolerance)
+
+    @property
+    def step(self):
+        return self.time / self.steps
 
     @property
     def usable(self):

@@ -52,7 +52,7 @@ class Setting(trials.Setting):
         if status == CONVERGED and not isosyrk.spectrum_error(W, initial) <= LOST_SPECTRUM:
             status = UNSTABLE
         found = dict.fromkeys(Run._fields)
-        found.update(self.problem._asdict(), integrator=self.entry.name, solver=self.solver, steps=steps, step=h,
+        found.update(self.problem._asdict(), integrator=self.entry.name, solver=self.solver, steps=steps,
                      tolerance=tolerance, status=status, h_norm_B=h * self.norm_B,
                      beyond_limit=h * self.own_norm_ad_B > self.entry.stability_limit, sweeps=report.sweeps,
                      products=report.products, equivalent_products=report.equivalent_products, cpu_seconds=[])

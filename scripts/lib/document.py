@@ -9,6 +9,7 @@ import textwrap
 from typing import List, NamedTuple, Tuple
 
 TEXT_WIDTH = 100
+WIDEST_ALIGNED = 120  # columns of a row of Markdown; the source of a wider table is not aligned, only what it renders to
 
 
 class Heading(NamedTuple):
@@ -165,14 +166,19 @@ def markdown_strong(text):
 
 
 def markdown_table(table):
-    """Writes a pipe table whose source is aligned too; it has one heading row, so groups go into the names."""
+    """Writes a pipe table, whose source is aligned too if it is not too wide to be read in a terminal.
+
+    It has one heading row, so groups go into the names.
+    """
     headings = [markdown_escape(f"{column.group}, {column.heading}" if column.group else column.heading)
                 for column in table.columns]
     rows = [[markdown_strong(entry.text) if entry.marked else markdown_escape(entry.text) for entry in row]
             for row in table.rows()]
     widths = [max(width, 3) for width in column_widths([headings] + rows)]
-    rule = ["-" * (width - 1) + ":" if column.align == "right" else ":" + "-" * (width - 1)
-            for width, column in zip(widths, table.columns)]
+    if sum(widths) + 3 * len(widths) + 1 > WIDEST_ALIGNED:
+        widths = [0] * len(widths)
+    rules = ["-" * max(width - 1, 2) for width in widths]
+    rule = [dashes + ":" if column.align == "right" else ":" + dashes for dashes, column in zip(rules, table.columns)]
     lines = [padded(headings, widths, table.columns), rule]
     lines += [padded(row, widths, table.columns) for row in rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)

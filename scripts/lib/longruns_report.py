@@ -211,7 +211,7 @@ def figures_of(run):
     for quantity in (ENERGY, SPECTRUM):
         growth = run.judged(quantity).growth
         found[f"{quantity}_error"] = run.last(quantity)
-        found.update({f"{quantity}_{name}": value for name, value in (growth._asdict() if growth else {}).items()})
+        found[f"{quantity}_power"] = growth and growth.power
     return found
 
 

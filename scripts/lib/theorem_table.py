@@ -288,9 +288,8 @@ def misprints_table(rows):
 def figures(study):
     """Returns the figures that results/README.md may quote, by key.
 
-    cost.SCENE.H.METHOD.FORM-over-OTHER.least and .most (and dirk.…) are the ratio of two formulations' times, over all
-    n; METHOD is s1 or yoshida4. Over all h too they stand under SCENE, and over all scenes but the spin chain under
-    others.H and others.
+    cost.SCENE.H.sS.FORM-over-OTHER.least and .most are the ratio of two formulations' times, over all n. Over all h too
+    they stand under SCENE, and over all scenes but the spin chain under others.H and others.
     """
     tables = study.tables
     rows, found = tables["coincidence"], {}
@@ -306,8 +305,7 @@ def figures(study):
         found[f"{key}.from_g"] = row.algebra_defect
         if row.order:
             found[f"{key}.order"] = row.order
-    for name in ("cost", "dirk"):
-        found.update(ratio_figures(name, tables[name]))
+    found.update(ratio_figures(tables["cost"]))
     for claim, name, methods, wanted in CLAIMS:
         found.update(claim_figures(claim.strip("()"), comparisons(tables[name]), methods, wanted))
     return {**found, **chain_power([row for row in tables["cost"] if row.scene == CHAIN and row.seconds])}
@@ -319,7 +317,7 @@ def key_part(name):
     return "_".join(plain.split())
 
 
-def ratio_figures(name, rows):
+def ratio_figures(rows):
     spans = {}
     for (scene, _, norm, method), block in comparisons(rows).items():
         times, method = times_of(block), key_part(method)
@@ -327,7 +325,7 @@ def ratio_figures(name, rows):
             pair, ratio = f"{method}.{form}-over-{other}", ratio_of(times[form], times[other]).ratio
             for where in (scene, *(("others",) if scene != CHAIN else ())):
                 for over in (f"{where}.{norm:g}", where):
-                    spans.setdefault(f"{name}.{over}.{pair}", []).append(ratio)
+                    spans.setdefault(f"cost.{over}.{pair}", []).append(ratio)
     found = {f"{key}.least": min(values) for key, values in spans.items()}
     found.update({f"{key}.most": max(values) for key, values in spans.items()})
     return found

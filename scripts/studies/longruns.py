@@ -40,7 +40,7 @@ SIZES, QUICK_SIZES = (33, 65, 129), (17,)
 WINDOWS_A_SAMPLE = 5
 ENERGIES_A_WINDOW = 20  # at least, or one after every step
 GONE = 1e3  # a relative energy error that ends a run
-DIGITS = 3  # that errors are written with
+DIGITS, SECONDS_DIGITS = 3, 5  # that errors and times are written with
 
 # Steps in a window at one step size for all methods: h = 0.5, 0.5, 0.25 and 0.125.
 STEPS_AT_ONE_STEP = {17: 2, 33: 10, 65: 20, 129: 8}
@@ -185,7 +185,7 @@ def time_one(point):
     method = isosyrk.integrator(scene, point["integrator"], solver=FAST, tolerance=point["tolerance"])
     steps = math.ceil(STRETCH / point["step"])
     (seconds,) = method.timed_run(W, point["step"], steps, repetitions=1, warmup=study.WARM_STEPS)
-    return seconds / (steps * point["step"])
+    return float(f"{seconds / (steps * point['step']):.{SECONDS_DIGITS}g}")
 
 
 # ---- the study

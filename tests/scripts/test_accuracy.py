@@ -87,11 +87,11 @@ class LineTest(FolderTest):
                     self.assertEqual(found and round(found, 12), order)
 
     def test_an_order_needs_three_steps_that_can_be_told_apart(self):
-        # Three counts of steps whose step sizes are the same to the last digit: damage, but each comes to the time.
+        # Three counts of steps so large that the logarithms of their step sizes are the same double.
         line = [run_of(self.document, "rkmk4", 17, steps) for steps in STEPS]
         self.document["runs"] = [run for run in self.document["runs"] if run not in line[3:]]
         for index, run in enumerate(line[:3]):
-            run.update(steps=10**14 + index, step=5e-14)
+            run.update(steps=10**15 - 3 + index)
         self.assertIsNone(self.study().observed_order(SMOOTH[0], "rkmk4"))
 
     def test_stretches_end_at_failures_limits_and_the_floor_and_no_cost_bridges_a_gap(self):

@@ -285,6 +285,16 @@ class Formats(TableTest):
         line = next(line for line in text.splitlines() if "flags" in line)
         self.assertEqual(re.findall(r"(?<!\\)[`_|<\[~$#&]|(?<!\\)\*(?!\*|flags)", line.replace("**flags**", "")), [])
 
+    def test_markdown_tables_are_aligned_unless_a_row_is_wider_than_a_terminal(self):
+        def lines(text):
+            columns = document.Column("a", align="left"), document.Column("b")
+            return document.markdown_table(document.plain_table(columns, [["x", text], ["longer", "1"]])).splitlines()
+
+        fits = document.WIDEST_ALIGNED - len("| longer |  |")
+        self.assertEqual(set(map(len, lines("y" * fits))), {document.WIDEST_ALIGNED})
+        self.assertEqual(lines("y" * (fits + 1)),
+                         ["| a | b |", "| :-- | --: |", f"| x | {'y' * (fits + 1)} |", "| longer | 1 |"])
+
     def test_latex_tables_are_whole(self):
         text = self.render(raw(flags=self.NASTY), "latex")
         self.assertTrue(text.isascii())
