@@ -216,7 +216,10 @@ def figures_of(run):
 
 
 def counts_of(runs, quantity):
-    """Returns, by key, how many runs there are of each method and of Lie–Poisson methods, and how they were judged."""
+    """Returns, by key, how many runs there are of each method and of Lie–Poisson methods, and how they were judged.
+
+    Where an error grows is told by n too, since the times of runs differ.
+    """
     groups = {method: runs_of(runs, method) for method in runs.methods()}
     groups["lie_poisson"] = [run for run in runs.runs.values() if runs.integrator_of(run).lie_poisson
                              and not run.run.is_variant]
@@ -226,4 +229,8 @@ def counts_of(runs, quantity):
         found[f"{quantity}.{name}.runs"] = len(members)
         found.update({f"{quantity}.{name}.{verdict}": verdicts.count(verdict)
                       for verdict in (KEPT, BOUNDED, UNDECIDED, GROWS, ALL_LOST, FAILED)})
+        for n in runs.plans:
+            verdicts = [run.judged(quantity).verdict for run in members if run.run.n == n]
+            found[f"{quantity}.{name}.n{n}.runs"] = len(verdicts)
+            found[f"{quantity}.{name}.n{n}.{GROWS}"] = verdicts.count(GROWS)
     return found

@@ -220,7 +220,8 @@ class Render(DrawingTest):
         for key, value in (("smooth.n33.coarse.rkmk4.energy_error", 3e-3),
                            ("rough.n33.one_step.rk4.spectrum_error", 0.2),
                            ("energy.lie_poisson.runs", 12), ("energy.lie_poisson.bounded", 12),
-                           ("energy.rkmk4.grows", 6), ("spectrum.rk4.lost", 6), ("equal_cost.unequal", 0),
+                           ("energy.rkmk4.grows", 6), ("energy.rkmk4.n33.grows", 6), ("energy.rkmk4.n33.runs", 6),
+                           ("spectrum.rk4.lost", 6), ("spectrum.rk4.n33.grows", 0), ("equal_cost.unequal", 0),
                            ("smooth.n33.coarse.elp6.energy_change", -2e-8)):
             self.assertAlmostEqual(figures[key], value, msg=key)
         self.assertAlmostEqual(figures["smooth.n33.coarse.rkmk4.energy_power"], 1, places=5)
