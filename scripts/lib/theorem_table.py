@@ -288,8 +288,8 @@ def misprints_table(rows):
 def figures(study):
     """Returns the figures that results/README.md may quote, by key.
 
-    cost.SCENE.H.sS.FORM-over-OTHER.least and .most are the ratio of two formulations' times, over all n. Over all h too
-    they stand under SCENE, and over all scenes but the spin chain under others.H and others.
+    cost.SCENE.H.sS.FORM-over-OTHER.least and .most are the ratio of two formulations' times, one of them group, over
+    all n. Over all h too they stand under SCENE, and over all scenes but the spin chain under others.H and others.
     """
     tables = study.tables
     rows, found = tables["coincidence"], {}
@@ -322,6 +322,8 @@ def ratio_figures(rows):
     for (scene, _, norm, method), block in comparisons(rows).items():
         times, method = times_of(block), key_part(method)
         for form, other in itertools.permutations(times, 2):
+            if "group" not in (form, other):
+                continue
             pair, ratio = f"{method}.{form}-over-{other}", ratio_of(times[form], times[other]).ratio
             for where in (scene, *(("others",) if scene != CHAIN else ())):
                 for over in (f"{where}.{norm:g}", where):

@@ -4,7 +4,7 @@ from lib.chart_panels import (FAMILIES, cross, draw_line, label_ends, logarithmi
 from lib.numbers import two_digits
 from lib.turbulence_figures import findings_of, line_of
 
-LINES = ("algebra1", "group2", "group3", "elp4", "magnus5", "rk4", "rk4_projected")
+LINES = ("algebra1", "group2", "group3", "elp4", "rkmk4", "rk4", "rk4_projected")
 CAP = {"marker": "+", "markersize": 8, "color": "black", "zorder": 7, "label": "_cap"}
 STAR = {"marker": "*", "markersize": 15, "linestyle": "none", "zorder": 6}
 
