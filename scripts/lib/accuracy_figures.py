@@ -28,11 +28,10 @@ def name_of(problem, wanted):
 
 
 def duel_times(study):
-    """CPU seconds of the rows of duels, their equivalent products, and the spectrum error that results."""
+    """CPU seconds of the rows of duels, and the spectrum error that results."""
     return {f"{what}.{contender}.{name_of(*key)}": getattr(row, value)
             for key, duel in study.duels.items() for contender, row in duel.items()
-            for what, value in (("seconds", "seconds"), ("products", "equivalent_products"),
-                                ("spectrum", "spectrum_error"))}
+            for what, value in (("seconds", "seconds"), ("spectrum", "spectrum_error"))}
 
 
 def duel_ratios(study):

@@ -9,7 +9,7 @@ import textwrap
 from typing import List, NamedTuple, Tuple
 
 TEXT_WIDTH = 100
-WIDEST_ALIGNED = 120  # columns of a row of Markdown; the source of a wider table is not aligned, only what it shows
+WIDEST_ALIGNED = 128  # columns of a row of Markdown; the source of a wider table is not aligned, only what it shows
 
 
 class Heading(NamedTuple):

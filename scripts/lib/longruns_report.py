@@ -189,8 +189,7 @@ def figures(runs):
     found = {}
     for (scene, n, method, level), run in runs.runs.items():
         key = f"{scene}.n{n}.{level.replace(' ', '_')}.{method}"
-        values = {**figures_of(run), "cost_share": runs.cost_share(run)}
-        found.update({f"{key}.{name}": value for name, value in values.items() if value is not None})
+        found.update({f"{key}.{name}": value for name, value in figures_of(run).items() if value is not None})
     for quantity in (ENERGY, SPECTRUM):
         found.update(counts_of(runs, quantity))
     return {**found, **figures_of_costs(runs)}
@@ -207,7 +206,7 @@ def figures_of_costs(runs):
 
 def figures_of(run):
     """Returns the figures of a run by name; None where there is none."""
-    found = {"energy_change": run.run.energy_change, "milliseconds": run.run.seconds and 1e3 * run.run.seconds}
+    found = {"energy_change": run.run.energy_change}
     for quantity in (ENERGY, SPECTRUM):
         growth = run.judged(quantity).growth
         found[f"{quantity}_error"] = run.last(quantity)

@@ -288,8 +288,9 @@ def misprints_table(rows):
 def figures(study):
     """Returns the figures that results/README.md may quote, by key.
 
-    cost.SCENE.H.sS.FORM-over-OTHER.least and .most are the ratio of two formulations' times, one of them group, over
-    all n. Over all h too they stand under SCENE, and over all scenes but the spin chain under others.H and others.
+    cost.SCENE.sS.FORM-over-OTHER.least and .most are the ratio of two formulations' times, one of them group, over all
+    n and h. All scenes but the spin chain stand under others too, and these and the chain at one h under others.H and
+    spin_chain.H.
     """
     tables = study.tables
     rows, found = tables["coincidence"], {}
@@ -325,9 +326,9 @@ def ratio_figures(rows):
             if "group" not in (form, other):
                 continue
             pair, ratio = f"{method}.{form}-over-{other}", ratio_of(times[form], times[other]).ratio
-            for where in (scene, *(("others",) if scene != CHAIN else ())):
-                for over in (f"{where}.{norm:g}", where):
-                    spans.setdefault(f"cost.{over}.{pair}", []).append(ratio)
+            together = CHAIN if scene == CHAIN else "others"
+            for over in dict.fromkeys((scene, together, f"{together}.{norm:g}")):
+                spans.setdefault(f"cost.{over}.{pair}", []).append(ratio)
     found = {f"{key}.least": min(values) for key, values in spans.items()}
     found.update({f"{key}.most": max(values) for key, values in spans.items()})
     return found

@@ -370,11 +370,11 @@ class Report(FolderTest):
     def test_figures(self):
         found = self.figures
         for key, value in {
-                "cost.rigid_body.0.1.s1.group-over-algebra.least": 3,
-                "cost.rigid_body.0.1.s1.algebra-over-group.most": 1 / 3,
+                "cost.others.0.1.s1.group-over-algebra.least": 3,
+                "cost.others.0.1.s1.algebra-over-group.most": 1 / 3,
                 "cost.rigid_body.s2.cotangent-over-group.least": 1.01,
                 "cost.rigid_body.s2.cotangent-over-group.most": 2,
-                "cost.rigid_body.0.5.s2.cotangent-over-group.least": 2,
+                "cost.others.0.5.s2.cotangent-over-group.least": 2,
                 "cost.others.s1.group-over-algebra.least": 3,
                 "cost.spin_chain.s1.algebra-over-group.most": 2,
                 "coincidence.settings": 1, "coincidence.within": 1, "coincidence.failed": 1,
