@@ -208,7 +208,7 @@ class Faithful(unittest.TestCase):
 
 # ---- the raw file, the report and the figures
 
-ENTRIES = ("algebra1", "elp4", "rk4", "magnus5", "elp6")
+ENTRIES = ("algebra1", "elp4", "rk4", "rkmk4", "elp6")
 HBAR_OVER_4 = 0.02
 N = 33
 
@@ -253,13 +253,13 @@ def write_turbulence(path, at_window=1.3, **changed):
         + rows_of(METHOD, ("elp4", 0.5, LOOSE), faithful) + rows_of(METHOD, ("elp4", 1.0, LOOSE), faithful)
         + rows_of(METHOD, ("elp4", 0.5, 1e-6), faithful)
         + rows_of(METHOD, ("elp4", 2.0, LOOSE), [*faithful[:2], None, None])
-        + rows_of(METHOD, ("magnus5", 1.0, LOOSE), faithful, energy=1.02)
+        + rows_of(METHOD, ("rkmk4", 1.0, LOOSE), faithful, energy=1.02)
         + rows_of(METHOD, ("rk4", 0.5, LOOSE), wrong, enstrophy=0.95),
         "costs": [cost(Setting("algebra1", HBAR_OVER_4, LOOSE), 1e-5),
                   cost(Setting("algebra1", HBAR_OVER_4, LOOSE), 4e-5, PUBLISHED),
                   cost(Setting("algebra1", HBAR_OVER_4, TIGHT), 2e-5),
                   cost(Setting("elp4", 0.5, LOOSE), 1e-4), cost(Setting("elp4", 1.0, LOOSE), 1e-4),
-                  cost(Setting("elp4", 0.5, 1e-6), None), cost(Setting("magnus5", 1.0, LOOSE), 5e-5),
+                  cost(Setting("elp4", 0.5, 1e-6), None), cost(Setting("rkmk4", 1.0, LOOSE), 5e-5),
                   cost(Setting("rk4", 0.5, LOOSE), 2.5e-5)]}
     for name, change in changed.items():
         tables[name] = change(tables[name])
@@ -284,20 +284,20 @@ class Report(DrawingTest):
         self.assertAlmostEqual(found["n33.practice.published_over_fast"], 4)
         self.assertAlmostEqual(found["n33.practice_1e-13.over_practice"], 2)
         self.assertNotIn("n33.practice_1e-13.published_over_fast", found)  # not timed
-        for structure, name, over in (("nothing", "magnus5.h1", 0.1), ("spectrum", "magnus5.h1", 0.1),
+        for structure, name, over in (("nothing", "rkmk4.h1", 0.1), ("spectrum", "rkmk4.h1", 0.1),
                                       ("nothing.close", "elp4.h1", 0.2), ("poisson", "elp4.h1", 0.2)):
             self.assertAlmostEqual(found[f"n33.cheapest.{structure}.{name}.over_practice"], over)
             self.assertAlmostEqual(found[f"n33.cheapest.{structure}.{name}.practice_over"], 1 / over)
         # rk4 is the cheapest of all, and not faithful.
         self.assertAlmostEqual(found["n33.rk4.h0.5.over_practice"], 0.1)
-        self.assertEqual(len([key for key in found if key.startswith("n33.cheapest.nothing.magnus5")]), 7)
+        self.assertEqual(len([key for key in found if key.startswith("n33.cheapest.nothing.rkmk4")]), 7)
         self.assertEqual((found["n33.cheapest.nothing.ties"], found["n33.cheapest.nothing.undecided"]), (0, 0))
         self.assertAlmostEqual(found["n33.cheapest_of.elp4.over_practice"], 0.2)
         self.assertEqual(found["n33.cheapest_of.elp4.step"], 1)
 
     def test_costs_within_5_percent_tie(self):
         def elp4(share, spread=1.0):
-            """Gives elp4 with h = 1 a cost that is a share of that of magnus5, with another spread over processes."""
+            """Gives elp4 with h = 1 a cost that is a share of that of rkmk4, with another spread over processes."""
             return lambda rows: [row._replace(seconds=[share * 5e-5 * 1.01 ** (-1) ** k * spread ** (k % 3 - 1)
                                                        for k in range(6)])
                                  if (row.integrator, row.step) == ("elp4", 1.0) else row for row in rows]
@@ -307,7 +307,7 @@ class Report(DrawingTest):
             self.assertEqual((found["n33.cheapest.nothing.ties"], found["n33.cheapest.nothing.undecided"]),
                              (ties, undecided))
             self.assertEqual("n33.cheapest.nothing.tie.elp4.h1.over_practice" in found, bool(ties))
-            self.assertIn("n33.cheapest.nothing.magnus5.h1.over_practice", found)
+            self.assertIn("n33.cheapest.nothing.rkmk4.h1.over_practice", found)
         self.assertLess(found["n33.elp4.h1.over_practice_low"], found["n33.elp4.h1.over_practice"])
         self.assertGreater(found["n33.elp4.h1.over_practice_high"], found["n33.elp4.h1.over_practice"])
         report = self.rendered("out", self.raw(costs=elp4(1.03)))["report.md"].decode()
@@ -336,12 +336,12 @@ class Report(DrawingTest):
     def test_what_is_faithful(self):
         found = self.figures()
         self.assertEqual([found[f"n33.{key}.faithful"] for key in (
-            "practice", "practice_1e-13", "elp4.h0.5", "elp4.h0.5.tolerance_1e-6", "elp4.h2", "magnus5.h1",
+            "practice", "practice_1e-13", "elp4.h0.5", "elp4.h0.5.tolerance_1e-6", "elp4.h2", "rkmk4.h1",
             "rk4.h0.5")], [1, 1, 1, 1, 0, 1, 0])
         self.assertEqual(found["n33.largest_faithful.elp4"], 1)
         self.assertNotIn("n33.largest_faithful.rk4", found)
         self.assertAlmostEqual(found["n33.rk4.h0.5.enstrophy"], -0.05)
-        self.assertAlmostEqual(found["n33.magnus5.h1.energy"], 0.02)
+        self.assertAlmostEqual(found["n33.rkmk4.h1.energy"], 0.02)
         self.assertAlmostEqual(found["n33.rk4.h0.5.tail"], 0.8 * (1 + found["n33.elp4.h0.5.tail"]) - 1)
         self.assertEqual(found["n33.elp4.h2.failed"], 2)
         self.assertNotIn("n33.elp4.h2.distance", found)
@@ -377,7 +377,7 @@ class Report(DrawingTest):
         self.assertNotIn("Nothing is judged", report)
         cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in report.splitlines()
                  if line.startswith("|")]
-        self.assertIn(["33", "any", "magnus5", "1", "1e-08", "0.00500", "0.100 (0.100 to 0.100)"],
+        self.assertIn(["33", "any", "rkmk4", "1", "1e-08", "0.00500", "0.100 (0.100 to 0.100)"],
                       [row[:7] for row in cells])
         self.assertIn(["33", "any, close", "elp4", "1", "1e-08", "0.0100", "0.200 (0.200 to 0.200)"],
                       [row[:7] for row in cells])
@@ -401,7 +401,7 @@ class Report(DrawingTest):
     def test_the_chart(self):
         (axes,), = self.panels("turbulence_chart", "statistical_error", read_turbulence(self.raw())).values()
         drawn = lines_of(axes)
-        self.assertEqual(set(drawn), {"algebra1", "elp4", "magnus5", "rk4"})
+        self.assertEqual(set(drawn), {"algebra1", "elp4", "rkmk4", "rk4"})
         np.testing.assert_allclose([x for x, _ in drawn["elp4"]], [0.2, 0.4])
         np.testing.assert_allclose([x for x, _ in drawn["algebra1"]], [1.0])
         failures = [line for line in axes.lines if line.get_label() == "_failure"]
@@ -501,7 +501,7 @@ class Study(FolderTest):
     def test_refusals(self):
         out = ("--out", self.path("raw.json"))
         self.assert_refused(self.study("--n", "9", *out), "--n 9", "at least 11")
-        self.assert_refused(self.study("--integrator", "suzuki4", *out), "--integrator 'suzuki4'", "magnus5")
+        self.assert_refused(self.study("--integrator", "suzuki4", *out), "--integrator 'suzuki4'", "rkmk4")
         self.assert_refused(self.study("--quick", "--out", self.path("none", "raw.json")), "--out")
         self.assertEqual(os.listdir(self.folder), [])
 
