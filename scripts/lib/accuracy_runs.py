@@ -8,7 +8,7 @@ from lib import problems
 from lib import study
 from lib import trials
 from lib.accuracy_lines import Problem, Run
-from lib.formats import CONVERGED, FAST, PUBLISHED, UNSTABLE
+from lib.formats import CONVERGED, FAST, PUBLISHED, UNSTABLE, to_digits
 from lib.integrator_names import in_frame
 
 LOOKS = 50  # at the energy in a run, at least while there are as many steps
@@ -68,7 +68,7 @@ def rounded(record):
     def digits(value):
         if isinstance(value, (list, tuple)):
             return [digits(each) for each in value]
-        return float(f"{value:.4g}") if isinstance(value, float) else value
+        return to_digits(value, 4) if isinstance(value, float) else value
 
-    return type(record)(*(value if name in ("time", "step", "tolerance", "wanted") else digits(value)
+    return type(record)(*(value if name in ("time", "tolerance", "wanted") else digits(value)
                           for name, value in record._asdict().items()))

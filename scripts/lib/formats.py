@@ -255,6 +255,11 @@ def write_study(path, schema, context, settings, tables):
     replace_file(path, whole_file.encode("utf-8"))
 
 
+def to_digits(value, digits):
+    """Returns a number with so many significant digits: what raw files hold of what was measured."""
+    return float(f"{value:.{digits}g}")
+
+
 def compact(value):
     return json.dumps(value, separators=(",", ":"), allow_nan=False)
 

@@ -224,12 +224,12 @@ def counts_of(runs, quantity):
                              and not run.run.is_variant]
     found = {}
     for name, members in groups.items():
-        verdicts = [run.judged(quantity).verdict for run in members]
+        judged = [(run.run.n, run.judged(quantity).verdict) for run in members]
+        verdicts = [verdict for _, verdict in judged]
         found[f"{quantity}.{name}.runs"] = len(members)
         found.update({f"{quantity}.{name}.{verdict}": verdicts.count(verdict)
                       for verdict in (KEPT, BOUNDED, UNDECIDED, GROWS, ALL_LOST, FAILED)})
         for n in runs.plans:
-            verdicts = [run.judged(quantity).verdict for run in members if run.run.n == n]
-            found[f"{quantity}.{name}.n{n}.runs"] = len(verdicts)
-            found[f"{quantity}.{name}.n{n}.{GROWS}"] = verdicts.count(GROWS)
+            found[f"{quantity}.{name}.n{n}.runs"] = sum(each == n for each, _ in judged)
+            found[f"{quantity}.{name}.n{n}.{GROWS}"] = judged.count((n, GROWS))
     return found

@@ -386,6 +386,7 @@ def by_processes(blocks, command, further, journal, what, cores=None):
                         partial(printed, cores, command(part, process), len(part["rows"]), what),
                         partial(bar.write, file=sys.stderr))
                     journal.add(key, {"seconds": times, "disturbed": bool(disturbance)})
+                journal.processes += 1
                 journal.disturbed += journal.found[key]["disturbed"]
                 for row, passed in zip(part["rows"], journal.found[key]["seconds"]):
                     found[row].append(passed)
@@ -395,7 +396,6 @@ def by_processes(blocks, command, further, journal, what, cores=None):
             process += 1
             wanted = [each if most(each) else further(found) for found, each in zip(seconds, wanted)]
             bar.total = done + sum(map(most, wanted))
-    journal.processes += done
     named = f"core{'s' if len(cores) > 1 else ''} {', '.join(map(str, sorted(cores)))}"
     journal.context.update({where: named, "disturbed_processes": f"{journal.disturbed} of {journal.processes}"})
     return seconds

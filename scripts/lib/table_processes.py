@@ -14,7 +14,7 @@ from typing import NamedTuple, Tuple
 from lib import fresh_process
 from lib.claims import block_verdicts
 from lib.command_line import BAD_ARGUMENTS, Stop, say
-from lib.formats import parse_json, read_text, run_of
+from lib.formats import parse_json, read_text, run_of, to_digits
 from lib.messages import UnusableFile, one_line
 from lib.output import replace_file
 from lib.verdicts import FEWEST, MOST, more_processes
@@ -129,7 +129,7 @@ def measured_rows(rows, number):
 
 def rounded(value):
     """Returns a number to the digits that are measured, which keeps raw files small."""
-    return float(f"{value:.7g}") if isinstance(value, float) else value
+    return to_digits(value, 7) if isinstance(value, float) else value
 
 
 def take_energy_errors(rows, first):

@@ -322,9 +322,7 @@ def ratio_figures(rows):
     spans = {}
     for (scene, _, norm, method), block in comparisons(rows).items():
         times, method = times_of(block), key_part(method)
-        for form, other in itertools.permutations(times, 2):
-            if "group" not in (form, other):
-                continue
+        for form, other in (pair for pair in itertools.permutations(times, 2) if "group" in pair):
             pair, ratio = f"{method}.{form}-over-{other}", ratio_of(times[form], times[other]).ratio
             together = CHAIN if scene == CHAIN else "others"
             for over in dict.fromkeys((scene, together, f"{together}.{norm:g}")):

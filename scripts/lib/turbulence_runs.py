@@ -9,7 +9,7 @@ import math
 import isosyrk
 import numpy
 from lib import trials
-from lib.formats import CONVERGED, FAST, UNSTABLE
+from lib.formats import CONVERGED, FAST, UNSTABLE, to_digits
 from lib.initial_states import modes_of_sizes
 from lib.problems import encoded, energies_by_degree
 from lib.turbulence_files import PARTED
@@ -133,13 +133,13 @@ def steps_of(job):
 
 
 def recorded(value, digits=DIGITS):
-    return float(f"{value:.{digits}g}")
+    return to_digits(value, digits)
 
 
 def error_of(value):
     """Returns an error with two digits, or None where it is NaN or beyond all measure."""
     found = trials.finite(value)
-    return found if found is None else float(f"{found:.2g}")
+    return found if found is None else to_digits(found, 2)
 
 
 # ---- predictability, and the reference

@@ -23,7 +23,7 @@ import isosyrk
 from lib import formats
 from lib.accuracy_lines import LOOSE_GAUSS, keeping_tolerance
 from lib.command_line import Stop, whole_number
-from lib.formats import CONVERGED, FAST, UNSTABLE
+from lib.formats import CONVERGED, FAST, UNSTABLE, to_digits
 from lib.integrator_names import FRAME, frameless
 from lib.longruns_files import (COARSE, FINE, LOOSE, ONE_STEP, SCENES, SCHEMA, TIGHTER, Plan, Run, Settings,
                                 without_variant)
@@ -98,8 +98,7 @@ def integrator_of(method):
 
 
 def rounded(value):
-    """Returns a number with the DIGITS that are written."""
-    return float(f"{value:.{DIGITS}g}")
+    return to_digits(value, DIGITS)
 
 
 # ---- untimed: one run
@@ -185,7 +184,7 @@ def time_one(point):
     method = isosyrk.integrator(scene, point["integrator"], solver=FAST, tolerance=point["tolerance"])
     steps = math.ceil(STRETCH / point["step"])
     (seconds,) = method.timed_run(W, point["step"], steps, repetitions=1, warmup=study.WARM_STEPS)
-    return float(f"{seconds / (steps * point['step']):.{SECONDS_DIGITS}g}")
+    return to_digits(seconds / (steps * point["step"]), SECONDS_DIGITS)
 
 
 # ---- the study

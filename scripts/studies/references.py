@@ -25,7 +25,7 @@ import numpy
 import isosyrk
 from lib import problems
 from lib.accuracy_lines import Problem
-from lib.formats import FAST
+from lib.formats import FAST, to_digits
 from lib.messages import UnusableFile
 from lib.command_line import NO_ANSWER, Stop, say
 from lib.output import make_folder, replace_file
@@ -103,7 +103,7 @@ def solve(job):
 
 
 def digits(energy):
-    return float(f"{energy:.7g}")
+    return to_digits(energy, 7)
 
 
 def is_whole(problem, folder):

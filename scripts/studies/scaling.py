@@ -352,7 +352,7 @@ def record(point, found, seconds):
 
 def rounded(seconds):
     """Returns times with five digits, far more than they are worth."""
-    return [float(f"{each:.5g}") for each in seconds]
+    return [formats.to_digits(each, 5) for each in seconds]
 
 
 if __name__ == "__main__":

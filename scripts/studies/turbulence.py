@@ -61,7 +61,7 @@ STEPS = {
 }
 LADDER = {"group2": (1e-4, 1e-6, TIGHT), "elp4": (1e-4, 1e-6)}  # further tolerances, at one step
 LADDER_STEP = 0.5
-# At large n, with the practice at one tolerance: eight settings. About half the longest faithful steps at n = 65.
+# At large n, with the practice at one tolerance: eight settings. Half the longest faithful steps at n = 65.
 FEW_STEPS = {"algebra1": (0.25,), "group2": (0.5,), "elp4": (0.5,), "magnus5": (0.25,), "rkmk4": (0.5,),
              "rk4": (0.0625,), "rk4_projected": (0.0625,)}
 QUICK_STEPS = {"algebra1": (0.5, 2.0), "group2": (0.5,), "elp4": (0.5, 1.0), "rk4": (0.25, 0.5)}
@@ -211,7 +211,7 @@ def time_all(points, texts, most, journal):
 def cost_of(point, products, seconds):
     """Returns a point as a row of its table, with times of five digits."""
     return Cost(**{name: point[name] for name in Cost._fields[:-2]}, equivalent_products=products,
-                seconds=[float(f"{each:.5g}") for each in seconds])
+                seconds=[formats.to_digits(each, 5) for each in seconds])
 
 
 # ---- the study
