@@ -138,7 +138,7 @@ TEST(SplitProducts, RefuseAliasesOtherSizesAndThreads) {
 
 TEST(SplitRow, IsWholeVectorsAndTwoAreNoMultipleOfAPage) {
   for (Index n = 1; n <= 2000; ++n) {
-    EXPECT_GE(split_row<double>(n), n + 3);
+    EXPECT_GE(split_row<double>(n), n + 7);
     EXPECT_EQ(split_row<double>(n) % 8, 0);
     EXPECT_NE(2 * split_row<double>(n) % 512, 0);
     EXPECT_EQ(split_row<float>(n) % 16, 0);

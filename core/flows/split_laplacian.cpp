@@ -50,7 +50,7 @@ SplitLaplacianOf<Real>::SplitLaplacianOf(const Laplacian& laplacian)
       row_(split_row<Real>(n_)),
       lower_(Reals::Zero(n_ * row_)),
       reciprocal_pivot_(Reals::Zero(n_ * row_)),
-      no_factors_(Reals::Zero(4)),
+      no_factors_(Reals::Zero(lanes<Real>)),
       identity_solution_(laplacian.identity_solution().template cast<Real>()) {
   for (Index i = 0; i < n_; ++i) {
     for (Index m = 0; m < n_ - i; ++m) {
@@ -70,8 +70,8 @@ void SplitLaplacianOf<Real>::solve_upper(std::span<const SplitMatrixOf<Real>> W,
 template <class Real>
 void SplitLaplacianOf<Real>::solve_upper(const SplitMatrixOf<Real>& W, Real scale, Index band,
                                          SplitMatrixOf<Real>& P, Share share) const {
-  // All diagonals at once, four in each vector.  Past the end of a row the factors are 0, and `put`
-  // writes zeros there, since the padding must stay 0.
+  // All diagonals at once, a few in each vector.  Past the end of a row the factors are 0, and
+  // `put` writes zeros there, since the padding must stay 0.
   const Index n = n_;
   const Index row = row_;
   const Index stride = W.stride();
@@ -81,15 +81,15 @@ void SplitLaplacianOf<Real>::solve_upper(const SplitMatrixOf<Real>& W, Real scal
   const Real* w_im = W.im();
   Real* p_re = P.re();
   Real* p_im = P.im();
-  const auto put = [=](Index at, Index left, const Four<Real>& re, const Four<Real>& im) {
-    Four<Real> kept_re = re;
-    Four<Real> kept_im = im;
-    if (left < 4) {
+  const auto put = [=](Index at, Index left, const Lanes<Real>& re, const Lanes<Real>& im) {
+    Lanes<Real> kept_re = re;
+    Lanes<Real> kept_im = im;
+    if (left < lanes<Real>) {
       clear_from<Real>(left, kept_re);
       clear_from<Real>(left, kept_im);
     }
-    store_four(p_re + at, kept_re);
-    store_four(p_im + at, kept_im);
+    store_lanes(p_re + at, kept_re);
+    store_lanes(p_im + at, kept_im);
   };
 
   const Index first = first_diagonal(n, band, share.first, share.parts);
@@ -103,10 +103,10 @@ void SplitLaplacianOf<Real>::solve_upper(const SplitMatrixOf<Real>& W, Real scal
     const Index here = i * stride + i;
     const Index above = here - stride - 1;
     const Index behind = end(i);
-    for (Index m = first; m < behind; m += 4) {
-      const Four<Real> factor = load_four(l + i * row + m);
-      const Four<Real> re = load_four(w_re + here + m) - factor * load_four(p_re + above + m);
-      const Four<Real> im = load_four(w_im + here + m) - factor * load_four(p_im + above + m);
+    for (Index m = first; m < behind; m += lanes<Real>) {
+      const Lanes<Real> factor = load_lanes(l + i * row + m);
+      const Lanes<Real> re = load_lanes(w_re + here + m) - factor * load_lanes(p_re + above + m);
+      const Lanes<Real> im = load_lanes(w_im + here + m) - factor * load_lanes(p_im + above + m);
       put(here + m, behind - m, re, im);
     }
   }
@@ -118,13 +118,13 @@ void SplitLaplacianOf<Real>::solve_upper(const SplitMatrixOf<Real>& W, Real scal
     const Index below = last_row ? here : here + stride + 1;
     const Real* l_below = last_row ? no_factors_.data() : l + (i + 1) * row;
     const Index behind = end(i);
-    for (Index m = first; m < behind; m += 4) {
-      const Four<Real> pivot = -scale * load_four(d + i * row + m);
-      const Four<Real> factor = load_four(l_below + m);
-      const Four<Real> re =
-          pivot * load_four(p_re + here + m) - factor * load_four(p_re + below + m);
-      const Four<Real> im =
-          pivot * load_four(p_im + here + m) - factor * load_four(p_im + below + m);
+    for (Index m = first; m < behind; m += lanes<Real>) {
+      const Lanes<Real> pivot = -scale * load_lanes(d + i * row + m);
+      const Lanes<Real> factor = load_lanes(l_below + m);
+      const Lanes<Real> re =
+          pivot * load_lanes(p_re + here + m) - factor * load_lanes(p_re + below + m);
+      const Lanes<Real> im =
+          pivot * load_lanes(p_im + here + m) - factor * load_lanes(p_im + below + m);
       put(here + m, behind - m, re, im);
     }
   }

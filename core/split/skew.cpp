@@ -10,37 +10,39 @@ namespace isosyrk {
 namespace {
 
 // Returns the column c such that part / parts of the upper triangle lies left of c, rounded down to
-// a multiple of 4.
-Index first_column(Index n, Index part, Index parts) {
+// a multiple of `of_block`.
+Index first_column(Index n, Index part, Index parts, Index of_block) {
   if (part == parts) return n;
   const double share = static_cast<double>(part) / static_cast<double>(parts);
-  return static_cast<Index>(static_cast<double>(n) * std::sqrt(share)) / 4 * 4;
+  return static_cast<Index>(static_cast<double>(n) * std::sqrt(share)) / of_block * of_block;
 }
 
 // Visits the entries of a share within a band, by their places in C:
-//   block(upper, lower) for the 4 x 4 blocks at (r, c) and (c, r), r < c, that lie in the band;
+//   block(upper, lower) for the Blocks at (r, c) and (c, r), r < c, that lie in the band;
 //   pair(upper, lower) for all other entries (r, c) and (c, r), r < c: in blocks on the diagonal or
-//     across the edge of the band, and in the last columns if they are fewer than four;
+//     across the edge of the band, and in the last columns if they are fewer than a block has;
 //   on_diagonal(place) for (r, r).
 template <class Real, class OnBlock, class OnPair, class OnDiagonal>
 void for_pairs(const SplitMatrixOf<Real>& C, Index band, Share share, OnBlock&& block,
                OnPair&& pair, OnDiagonal&& on_diagonal) {
   const Index n = C.size();
   const Index stride = C.stride();
-  const Index begin = first_column(n, share.first, share.parts);
-  const Index end = first_column(n, share.end, share.parts);
+  constexpr Index size = Block<Real>::size;
+  const Index begin = first_column(n, share.first, share.parts, size);
+  const Index end = first_column(n, share.end, share.parts, size);
   const auto pair_at = [&](Index r, Index c) { pair(r * stride + c, c * stride + r); };
   Index c = begin;
-  for (; c + 4 <= end; c += 4) {
-    Index r = std::max<Index>(0, c - 3 - band) / 4 * 4;  // the first block that reaches the band
-    for (; r < c && c + 3 - r > band; r += 4) {
-      for (Index i = r; i < r + 4; ++i) {
-        for (Index k = c; k < std::min(c + 4, i + band + 1); ++k) pair_at(i, k);
+  for (; c + size <= end; c += size) {
+    const Index first = std::max<Index>(0, c - (size - 1) - band);  // row that reaches the band
+    Index r = first / size * size;
+    for (; r < c && c + (size - 1) - r > band; r += size) {
+      for (Index i = r; i < r + size; ++i) {
+        for (Index k = c; k < std::min(c + size, i + band + 1); ++k) pair_at(i, k);
       }
     }
-    for (; r < c; r += 4) block(r * stride + c, c * stride + r);
-    for (Index i = c; i < c + 4; ++i) {
-      for (Index k = i + 1; k < c + 4; ++k) {
+    for (; r < c; r += size) block(r * stride + c, c * stride + r);
+    for (Index i = c; i < c + size; ++i) {
+      for (Index k = i + 1; k < c + size; ++k) {
         if (k - i <= band) pair_at(i, k);
       }
     }
@@ -51,14 +53,14 @@ void for_pairs(const SplitMatrixOf<Real>& C, Index band, Share share, OnBlock&& 
   for (Index i = begin; i < end; ++i) on_diagonal(i * stride + i);
 }
 
-// Stores the transpose of a 4 x 4 block, or its negative.
+// Stores the transpose of a block, or its negative.
 template <class Real>
 inline __attribute__((always_inline)) void turn(const Real* from, Real* to, Index stride,
                                                 bool negative) {
   Block<Real> block;
   block.load(from, stride);
   if (negative) {
-    for (Four<Real>& row : block.row) row = -row;
+    for (Lanes<Real>& row : block.row) row = -row;
   }
   block.transpose();
   block.store(to, stride);
@@ -117,10 +119,11 @@ void form_skew_part(SplitMatrixOf<Real>& out, Index band, const SplitMatrixOf<Re
     sum.load(from + upper, stride);
     other.load(from + lower, stride);
     other.transpose();
-    for (int r = 0; r < 4; ++r) sum.row[r] = scale * (sum.row[r] + sign * other.row[r]);
+    for (int r = 0; r < Block<Real>::size; ++r)
+      sum.row[r] = scale * (sum.row[r] + sign * other.row[r]);
     sum.store(to + upper, stride);
     if constexpr (below) {
-      for (Four<Real>& row : sum.row) row = sign * row;
+      for (Lanes<Real>& row : sum.row) row = sign * row;
       sum.transpose();
       sum.store(to + lower, stride);
     }
@@ -258,6 +261,7 @@ template void mirror_all_skew(SingleMatrix&);
 template void mirror_skew_in_band(SplitMatrix&);
 template void mirror_skew_in_band(SingleMatrix&);
 template void mirror_all_hermitian(SplitMatrix&);
+template void mirror_all_hermitian(SingleMatrix&);
 template void mirror_skew(SplitMatrix&, Share);
 template void mirror_skew(SingleMatrix&, Share);
 template void mirror_skew_within(SplitMatrix&, Index, Share);

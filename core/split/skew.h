@@ -1,4 +1,4 @@
-// Skew-Hermitian parts, mirrored triangles and adjoints of split matrices, in blocks of 4 x 4.
+// Skew-Hermitian parts, mirrored triangles and adjoints of split matrices, in small blocks.
 #pragma once
 
 #include "isosyrk/split/parallel.h"

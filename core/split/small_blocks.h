@@ -1,4 +1,5 @@
-// Vectors of 4 and blocks of 4 x 4 real numbers, for transposes and for loops along diagonals.
+// Vectors of a few real numbers and square blocks of them, for transposes and for loops along
+// diagonals.
 #pragma once
 
 #include <cstdint>
@@ -8,58 +9,86 @@
 
 namespace isosyrk {
 
-/// Four consecutive real numbers, in the vectors that the compiler chooses.
+/// The numbers in one vector of 32 bytes: 4 in double, 8 in single precision.
 template <class Real>
-struct FourOf {
-  typedef Real type __attribute__((vector_size(4 * sizeof(Real))));
+inline constexpr int lanes = 32 / sizeof(Real);
+
+/// Consecutive real numbers, as many as `lanes`.
+template <class Real>
+struct VectorOf {
+  typedef Real type __attribute__((vector_size(32)));
   using Integer = std::conditional_t<sizeof(Real) == 8, std::int64_t, std::int32_t>;
-  typedef Integer Bits __attribute__((vector_size(4 * sizeof(Real))));
+  typedef Integer Bits __attribute__((vector_size(32)));
 };
 template <class Real>
-using Four = typename FourOf<Real>::type;
+using Lanes = typename VectorOf<Real>::type;
 
 // `at` need not be aligned.  Copied by memcpy, since clang assumes that a reference to a vector is
 // aligned, whatever the alignment of the vector type.
 template <class Real>
-inline __attribute__((always_inline)) Four<Real> load_four(const Real* at) {
-  Four<Real> values;
+inline __attribute__((always_inline)) Lanes<Real> load_lanes(const Real* at) {
+  Lanes<Real> values;
   __builtin_memcpy(&values, at, sizeof values);
   return values;
 }
 template <class Real>
-inline __attribute__((always_inline)) void store_four(Real* at, const Four<Real>& values) {
+inline __attribute__((always_inline)) void store_lanes(Real* at, const Lanes<Real>& values) {
   __builtin_memcpy(at, &values, sizeof values);
 }
 
-/// Sets all but the first `count` of four numbers to 0, even if they are NaN.
+/// Sets all but the first `count` numbers to 0, even if they are NaN.
 template <class Real>
-void clear_from(Index count, Four<Real>& values) {
-  using Bits = typename FourOf<Real>::Bits;
-  const auto limit = static_cast<typename FourOf<Real>::Integer>(count);
-  const Bits kept = Bits{0, 1, 2, 3} < Bits{limit, limit, limit, limit};
-  values = reinterpret_cast<Four<Real>>(reinterpret_cast<Bits>(values) & kept);
+void clear_from(Index count, Lanes<Real>& values) {
+  using Integer = typename VectorOf<Real>::Integer;
+  using Bits = typename VectorOf<Real>::Bits;
+  Bits places;
+  for (int i = 0; i < lanes<Real>; ++i) places[i] = i;
+  const Bits kept = places < static_cast<Integer>(count);
+  values = reinterpret_cast<Lanes<Real>>(reinterpret_cast<Bits>(values) & kept);
 }
 
-/// A block of four rows of four numbers, `stride` apart in memory.
+/// A square block of rows of `lanes` numbers, `stride` apart in memory.
 template <class Real>
 struct Block {
-  Four<Real> row[4];
+  static constexpr int size = lanes<Real>;
+  Lanes<Real> row[size];
 
   void load(const Real* at, Index stride) {
-    for (Index r = 0; r < 4; ++r) row[r] = load_four(at + r * stride);
+    for (Index r = 0; r < size; ++r) row[r] = load_lanes(at + r * stride);
   }
   void store(Real* at, Index stride) const {
-    for (Index r = 0; r < 4; ++r) store_four(at + r * stride, row[r]);
+    for (Index r = 0; r < size; ++r) store_lanes(at + r * stride, row[r]);
   }
+  // Exchanges the off-diagonal entries of all 2 x 2 blocks, then those of blocks of blocks.
   void transpose() {
-    const Four<Real> a = __builtin_shufflevector(row[0], row[1], 0, 4, 2, 6);
-    const Four<Real> b = __builtin_shufflevector(row[0], row[1], 1, 5, 3, 7);
-    const Four<Real> c = __builtin_shufflevector(row[2], row[3], 0, 4, 2, 6);
-    const Four<Real> d = __builtin_shufflevector(row[2], row[3], 1, 5, 3, 7);
-    row[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
-    row[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
-    row[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
-    row[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
+    if constexpr (size == 4) {
+      for (const int r : {0, 2}) {
+        const Lanes<Real> even = row[r], odd = row[r + 1];
+        row[r] = __builtin_shufflevector(even, odd, 0, 4, 2, 6);
+        row[r + 1] = __builtin_shufflevector(even, odd, 1, 5, 3, 7);
+      }
+      for (const int r : {0, 1}) {
+        const Lanes<Real> upper = row[r], lower = row[r + 2];
+        row[r] = __builtin_shufflevector(upper, lower, 0, 1, 4, 5);
+        row[r + 2] = __builtin_shufflevector(upper, lower, 2, 3, 6, 7);
+      }
+    } else {
+      for (const int r : {0, 2, 4, 6}) {
+        const Lanes<Real> even = row[r], odd = row[r + 1];
+        row[r] = __builtin_shufflevector(even, odd, 0, 8, 2, 10, 4, 12, 6, 14);
+        row[r + 1] = __builtin_shufflevector(even, odd, 1, 9, 3, 11, 5, 13, 7, 15);
+      }
+      for (const int r : {0, 1, 4, 5}) {
+        const Lanes<Real> upper = row[r], lower = row[r + 2];
+        row[r] = __builtin_shufflevector(upper, lower, 0, 1, 8, 9, 4, 5, 12, 13);
+        row[r + 2] = __builtin_shufflevector(upper, lower, 2, 3, 10, 11, 6, 7, 14, 15);
+      }
+      for (const int r : {0, 1, 2, 3}) {
+        const Lanes<Real> upper = row[r], lower = row[r + 4];
+        row[r] = __builtin_shufflevector(upper, lower, 0, 1, 2, 3, 8, 9, 10, 11);
+        row[r + 4] = __builtin_shufflevector(upper, lower, 4, 5, 6, 7, 12, 13, 14, 15);
+      }
+    }
   }
 };
 

@@ -11,13 +11,13 @@ template <class Real>
 class LinearCombination;
 
 /// Returns the length, in numbers, of the real or imaginary part of a row with its padding.  It is
-/// at least n + 3, so that four numbers may be read from any column on, and a multiple of 64 bytes.
+/// at least n + 7, so that 32 bytes may be read from any column on, and a multiple of 64 bytes.
 /// The stride, twice this length, is never a multiple of 4 KiB, where all rows would share cache
 /// sets.
 template <class Real>
 Index split_row(Index n) {
   constexpr Index vector = 64 / sizeof(Real);
-  const Index row = (n + 3 + vector - 1) / vector * vector;
+  const Index row = (n + 7 + vector - 1) / vector * vector;
   return row % (32 * vector) == 0 ? row + vector : row;
 }
 
