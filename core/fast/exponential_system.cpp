@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "isosyrk/split/linear_combination.h"
+#include "isosyrk/split/skew.h"
 
 namespace isosyrk {
 namespace {
@@ -85,6 +86,11 @@ std::vector<Attempt> ExponentialSystem::attempts(bool newton) const {
   return all;
 }
 
+void ExponentialSystem::forget() {
+  share_of_terms_ = unknown_shares;
+  largest_change_ = change_before_ = 0.0;
+}
+
 void ExponentialSystem::bind(const SplitMatrix& W0, double h, double tolerance) {
   W0_ = &W0;
   h_ = h;
@@ -92,6 +98,27 @@ void ExponentialSystem::bind(const SplitMatrix& W0, double h, double tolerance) 
   size_of_W0_ = norm(W0);
   round_to_single(W0_single_, W0);
   bands_.truncate_symmetric_to_part(W0_single_, tuning.single_roundoff);
+  change_before_ = largest_change_;
+  largest_change_ = 0.0;
+  choose_nodes();
+}
+
+// True if one node is too few for K δ of a δ of this size, with this error.
+bool ExponentialSystem::needs_pair(double size, double error) {
+  return !(error_of_one_node * contraction_of_K * size <= error);  // NaN included
+}
+
+// Chooses what the correction of the first sweep will need of e^{s ad_Ω} W₀, if that sweep changes
+// as much as in the step before.
+void ExponentialSystem::choose_nodes() {
+  const double forcing_term =
+      tolerance_ * (acceptance_.by == Acceptance::By::error_estimate ? tuning.forcing_of_estimate
+                                                                     : tuning.forcing_of_tolerance);
+  const double allowed = tuning.neumann_term * forcing_term;
+  const bool is_known = change_before_ > 0.0;  // false for NaN
+  has_pair_ = !is_known || needs_pair(1.5 * change_before_, allowed);
+  const double part = is_known ? std::min(allowed / change_before_, coarsest_part) : 0.0;
+  error_of_moved_ = std::max(0.1 * part, tuning.single_roundoff) * size_of_W0_;
 }
 
 void ExponentialSystem::start(Unknowns& x, Start how) {
@@ -115,14 +142,18 @@ double ExponentialSystem::unit(const Unknowns& x) const {
   return size > 0.0 ? size : 1.0;
 }
 
-// Sets mu_ to φ₁(ad_Ω) W₀ with this error, and e^{s ad_Ω} W₀ at all nodes.
+// Sets mu_ to φ₁(ad_Ω) W₀ with this error, and e^{s ad_Ω} W₀ at the nodes.
 bool ExponentialSystem::form_average(const SplitMatrix& Omega, double error) {
+  return double_ ? form_average(Omega, error, double_->linearization, *W0_)
+                 : form_average(Omega, error, single_, W0_single_);
+}
+
+template <class Real>
+bool ExponentialSystem::form_average(const SplitMatrix& Omega, double error,
+                                     Linearization<Real>& at, const SplitMatrixOf<Real>& W0) {
+  const std::span<SplitMatrixOf<Real>> moved(at.moved.data(), has_pair_ ? at.moved.size() : 1);
   mu_ = 1.0 * *W0_;
-  if (double_) {
-    for (SplitMatrix& moved : double_->linearization.moved) moved = 1.0 * *W0_;
-  } else {
-    for (SingleMatrix& moved : single_.moved) moved = 1.0 * W0_single_;
-  }
+  for (SplitMatrixOf<Real>& each : moved) each = 1.0 * W0;
   series_.truncate(bands_, 0.1 * error);
   series_.begin(Omega, *W0_, error);
   bool goes_on = true;
@@ -130,16 +161,17 @@ bool ExponentialSystem::form_average(const SplitMatrix& Omega, double error) {
     goes_on = series_.advance();
     if (series_.failed()) return false;
     const int k = series_.k();
-    series_.add_to(mu_, 1.0 / static_cast<double>(k + 1));
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
+    std::array<Addition<Real>, 3> additions;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < moved.size(); ++i) {
       const double weight = std::pow(nodes[i].s, k);
-      if (double_) {
-        series_.add_to(double_->linearization.moved[i], weight);
-      } else {
-        series_.add_to(single_.moved[i], weight);
-      }
+      if (weight * series_.size() > error_of_moved_) additions[count++] = {&moved[i], weight};
     }
+    series_.add_upper_to({&mu_, 1.0 / static_cast<double>(k + 1)},
+                         std::span<const Addition<Real>>(additions.data(), count));
   }
+  mirror_skew_in_band(mu_);
+  for (SplitMatrixOf<Real>& each : moved) mirror_skew_in_band(each);
   return true;
 }
 
@@ -213,6 +245,7 @@ ResidualSize ExponentialSystem::residual(Corrections& R, Unknowns& x, double acc
   form_gradient(relative);
   const double change = form_residual(
       R[0], [&](std::size_t) { return h_ * v_; }, x[0]);
+  largest_change_ = larger(largest_change_, change / unit(x));
   return {.change = change, .neglected = 0.5 * accuracy};
 }
 
@@ -220,8 +253,8 @@ Correction ExponentialSystem::correct(Corrections& delta, const Unknowns& x, con
                                       const CorrectionRequest& request,
                                       const IterationOptions& options) {
   // K is needed to few digits, and its derivative of the term in h² to fewer.
-  const double part =
-      std::min(tuning.neumann_term * request.forcing_term / request.size, coarsest_part);
+  const double allowed = tuning.neumann_term * request.forcing_term;
+  const double part = std::min(allowed / request.size, coarsest_part);
   if (double_) {
     double_->linearization.Omega = 1.0 * x[0][0];
     cut(double_->linearization, lie_, part);
@@ -230,6 +263,9 @@ Correction ExponentialSystem::correct(Corrections& delta, const Unknowns& x, con
     cut(single_, single_lie_, part);
   }
   Correction correction = correction_.solve(delta, *this, R, request, options);
+  if (!has_pair_ && needs_pair(request.size, allowed)) {
+    correction.error += error_of_one_node * contraction_of_K * request.size;
+  }
   if (order_ == 6) {  // the derivative that K leaves out
     correction.error += part_in_K(share_of_terms_[1]) * request.size;
   }
@@ -241,7 +277,8 @@ template <class Real>
 void ExponentialSystem::cut(Linearization<Real>& at, SplitLie<Real>& lie, double part) {
   at.is_current = false;
   lie.cut_to_part(at.Omega, part);
-  for (SplitMatrixOf<Real>& moved : at.moved) lie.cut_to_part(moved, part);
+  const std::size_t count = has_pair_ ? at.moved.size() : 1;
+  for (std::size_t i = 0; i < count; ++i) lie.cut_to_part(at.moved[i], part);
   if (order_ == 2) return;
   const double of_terms = std::min(part / part_in_K(share_of_terms_[0]), coarsest_part);
   lie.cut_to_part(at.mu, of_terms);
@@ -271,9 +308,9 @@ void ExponentialSystem::couple(SplitMatrixOf<Real>& coupled, const SplitMatrixOf
                                SplitModifiedGradient<Real>& gradient) {
   const double size = norm(delta);
   lie.neglect(std::max(accuracy / size, double{tuning.single_roundoff}));
-  const bool one_node = error_of_one_node * contraction_of_K * size <= accuracy;
-  const std::size_t first = one_node ? 0 : 1;
-  const std::size_t count = one_node ? 1 : 2;
+  const bool takes_pair = has_pair_ && needs_pair(size, accuracy);
+  const std::size_t first = takes_pair ? 1 : 0;
+  const std::size_t count = takes_pair ? 2 : 1;
   at.c = 1.0 * delta;
   lie.cut(at.c);
   for (std::size_t i = 0; i < count; ++i) at.inner[i] = 1.0 * at.c;

@@ -27,8 +27,9 @@ namespace isosyrk {
 ///     K δ = h B(D),   D = ∫₀¹ [s Σ_j s^j c_j, e^{s ad_Ω} W₀] ds
 ///
 /// by Gauss quadrature of weight s: one node, s = 2/3, or two, (6 ∓ √6)/10, where more digits are
-/// wanted.  The derivative of the term of B̃ in h² is added where it shows; that of the term in h⁴
-/// is left out, and its size enters the estimated error.
+/// wanted and were to be expected from the step before.  The derivative of the term of B̃ in h² is
+/// added where it shows; that of the term in h⁴ is left out, and its size enters the estimated
+/// error.
 ///
 /// Products of a residual: 1 for each T_k, in double precision only where it has to be, and those
 /// of B̃ - B.  Of the coupling, in single precision: 1 for each c_j, 1 for each node, and 6 for the
@@ -43,7 +44,7 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   Unknowns unknowns() const override { return {split_stages(1, n_)}; }
   /// Newton from past steps, from an explicit step and from a cold start; then Picard and Anderson.
   std::vector<Attempt> attempts(bool newton) const override;
-  void forget() override { share_of_terms_ = unknown_shares; }
+  void forget() override;
   void bind(const SplitMatrix& W0, double h, double tolerance) override;
   /// Explicit: Ω of magnus4, or of magnus5 for order 6.  Cold: Ω = h B(W₀).
   void start(Unknowns& x, Start how) override;
@@ -72,7 +73,7 @@ class ExponentialSystem final : public StageSystem, private Coupling {
 
     // Of the last residual.
     M mu, v;                  // μ and B(μ)
-    std::array<M, 3> moved;   // e^{s ad_Ω} W₀ at s = 2/3 and at the two nodes
+    std::array<M, 3> moved;   // e^{s ad_Ω} W₀ at s = 2/3 and, if has_pair_, at the two nodes
     bool is_current = false;  // derivatives of the gradient are those at μ
 
     // Of the coupling.
@@ -94,7 +95,12 @@ class ExponentialSystem final : public StageSystem, private Coupling {
 
   void couple(Corrections& coupled, const Corrections& delta, double accuracy) override;
   static double part_in_K(double share);
+  static bool needs_pair(double size, double error);
+  void choose_nodes();
   bool form_average(const SplitMatrix& Omega, double error);
+  template <class Real>
+  bool form_average(const SplitMatrix& Omega, double error, Linearization<Real>& at,
+                    const SplitMatrixOf<Real>& W0);
   void form_gradient(double accuracy);
   template <class Real>
   void form_terms(SplitMatrixOf<Real>& terms, SplitModifiedGradient<Real>& gradient,
@@ -136,6 +142,11 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   SplitMatrix v_;      // B(μ), and then B̃(μ)
   SplitMatrix terms_;  // B̃ - B in double precision
   SingleMatrix terms_single_;
+  // Largest relative change of a sweep, in this step and in the one before; 0 if unknown.
+  double largest_change_ = 0.0;
+  double change_before_ = 0.0;
+  bool has_pair_ = true;         // e^{s ad_Ω} W₀ is formed at the two nodes too
+  double error_of_moved_ = 0.0;  // allowed in it
   // ‖h² ∇F₂‖ / ‖v‖ and ‖h⁴ ∇F₄‖ / ‖v‖, last seen.
   std::array<double, 2> share_of_terms_ = unknown_shares;
 

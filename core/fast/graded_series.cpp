@@ -23,7 +23,6 @@ GradedSeries::GradedSeries(SplitProducts& products, SingleProducts& single_produ
       term_single_(n),
       next_single_(n),
       product_single_(n),
-      rounded_(n),
       squares_of_Omega_(RealVector::Zero(n)) {}
 
 void GradedSeries::begin(const SplitMatrix& Omega, const SplitMatrix& W, double error) {
@@ -82,17 +81,18 @@ bool GradedSeries::advance() {
   return !failed_ && size_ > end_;
 }
 
-void GradedSeries::add_to(SplitMatrix& sum, double weight) const {
+void GradedSeries::add_upper_to(Addition<double> first,
+                                std::span<const Addition<float>> others) const {
   if (in_single_) {
-    add(sum, term_single_, weight);
+    add_upper(first, others, term_single_);
   } else {
-    sum = sum + weight * term_;
+    add_upper(first, others, term_);
   }
 }
 
-void GradedSeries::add_to(SingleMatrix& sum, double weight) {
-  if (!in_single_) round_to_single(rounded_, term_);
-  sum = sum + weight * (in_single_ ? term_single_ : rounded_);
+void GradedSeries::add_upper_to(Addition<double> first,
+                                std::span<const Addition<double>> others) const {
+  add_upper(first, others, term_);
 }
 
 bool GradedSeries::conjugate(SplitMatrix& out, const SplitMatrix& Omega, const SplitMatrix& W,
@@ -103,8 +103,9 @@ bool GradedSeries::conjugate(SplitMatrix& out, const SplitMatrix& Omega, const S
   while (goes_on) {
     goes_on = advance();
     if (failed()) return false;
-    add_to(out, 1.0);
+    add_upper_to({&out, 1.0});
   }
+  mirror_skew_in_band(out);
   return true;
 }
 

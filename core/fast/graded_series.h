@@ -16,7 +16,8 @@ namespace isosyrk {
 /// takes one product: [Ω, T] = M - M† with M = Ω T.  It is formed in single precision where the
 /// rounding of that is below the wanted error, and added to sums in double precision.
 ///
-/// Usage: begin(); then, until advance() says that T_k is negligible, add_to() each sum.
+/// Usage: begin(); then, until advance() says that T_k is negligible, add_upper_to() the sums; then
+/// mirror_skew_in_band() of each.
 class GradedSeries {
  public:
   /// For n x n matrices.  Products must outlive it.  Only the constructor allocates.  Without
@@ -35,9 +36,13 @@ class GradedSeries {
   /// Returns the number k of the present term.
   int k() const { return k_; }
 
-  /// sum += weight T_k.
-  void add_to(SplitMatrix& sum, double weight) const;
-  void add_to(SingleMatrix& sum, double weight);
+  /// Returns ‖T_k‖_F of the present term.
+  double size() const { return size_; }
+
+  /// Adds T_k to sums, in the upper triangles and unspecified entries below.  At most three others.
+  void add_upper_to(Addition<double> first, std::span<const Addition<float>> others = {}) const;
+  /// The same without single precision.
+  void add_upper_to(Addition<double> first, std::span<const Addition<double>> others) const;
 
   /// Sets the norm that may be cut from each T_k.  Called before begin().
   void truncate(BandTruncation& bands, double tail) {
@@ -74,7 +79,6 @@ class GradedSeries {
   SingleMatrix Omega_single_;
   SingleMatrix term_single_;  // T_k where it is in single precision
   SingleMatrix next_single_, product_single_;
-  SingleMatrix rounded_;         // T_k rounded, for sums in single precision
   RealVector squares_of_Omega_;  // over its diagonals
 };
 

@@ -278,6 +278,66 @@ void add(SplitMatrix& X, const SingleMatrix& S, double weight) {
       1, X.size(), [&](std::size_t, parallel::Rows rows, Index) { add_rows(X, S, weight, rows); });
 }
 
+namespace {
+
+// add_upper in some rows, with `count` other sums.
+template <std::size_t count, class Sum, class Term>
+void add_upper_rows(Addition<double> first, std::span<const Addition<Sum>> others,
+                    const SplitMatrixOf<Term>& term, parallel::Rows rows) {
+  const Index n = term.size();
+  std::array<Sum*, count> to;
+  std::array<Sum, count> weights;
+  for (std::size_t i = 0; i < count; ++i) {
+    to[i] = others[i].sum->entries().data();
+    weights[i] = static_cast<Sum>(others[i].weight);
+  }
+  using Sums = Eigen::Array<Sum, mixed_length, 1>;
+  double* const to_first = first.sum->entries().data();
+  for (Index r = rows.begin; r < rows.end; ++r) {
+    const Index begin = r / mixed_length * mixed_length;
+    const Index end = std::min(n, r + term.band() + 1);
+    for (const Index part : {2 * r, 2 * r + 1}) {
+      const Term* const from = term.entries().data() + part * split_row<Term>(n);
+      for (Index c = begin; c < end; c += mixed_length) {
+        const auto numbers = view<mixed_length>(from + c);
+        Doubles::Map(to_first + part * split_row<double>(n) + c) +=
+            first.weight * numbers.template cast<double>();
+        const Sums converted = numbers.template cast<Sum>();
+        for (std::size_t i = 0; i < count; ++i) {
+          Sums::Map(to[i] + part * split_row<Sum>(n) + c) += weights[i] * converted;
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+template <class Sum, class Term>
+void add_upper(Addition<double> first, std::span<const Addition<Sum>> others,
+               const SplitMatrixOf<Term>& term) {
+  parallel::for_each_block(1, term.size(), [&](std::size_t, parallel::Rows rows, Index) {
+    switch (others.size()) {
+      case 0:
+        return add_upper_rows<0>(first, others, term, rows);
+      case 1:
+        return add_upper_rows<1>(first, others, term, rows);
+      case 2:
+        return add_upper_rows<2>(first, others, term, rows);
+      default:
+        return add_upper_rows<3>(first, others, term, rows);
+    }
+  });
+  first.sum->set_band(std::max(first.sum->band(), term.band()));
+  for (const Addition<Sum>& each : others) {
+    each.sum->set_band(std::max(each.sum->band(), term.band()));
+  }
+}
+
+template void add_upper(Addition<double>, std::span<const Addition<float>>, const SplitMatrix&);
+template void add_upper(Addition<double>, std::span<const Addition<float>>, const SingleMatrix&);
+template void add_upper(Addition<double>, std::span<const Addition<double>>, const SplitMatrix&);
+
 void add_identity(SingleStages& X, float scale) {
   for (SingleMatrix& each : X) {
     for (Index i = 0; i < each.size(); ++i) each.re()[i * each.stride() + i] += scale;

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <type_traits>
 
 #include "isosyrk/split/parallel.h"
@@ -291,6 +292,19 @@ void widen(SplitMatrix& X, const SingleMatrix& S);
 void add(SplitStages& X, const SingleStages& S);
 /// X += weight S, formed in double.  The band of X becomes the wider of the two.
 void add(SplitMatrix& X, const SingleMatrix& S, double weight = 1.0);
+
+/// What a term adds to a sum: weight times itself.
+template <class Real>
+struct Addition {
+  SplitMatrixOf<Real>* sum;
+  double weight;
+};
+/// Adds a term to several sums at once, to `first` in double precision, in the upper triangles and
+/// unspecified entries below: the term is read once.  The band of each sum becomes the wider of its
+/// own and that of the term.  At most three others.
+template <class Sum, class Term>
+void add_upper(Addition<double> first, std::span<const Addition<Sum>> others,
+               const SplitMatrixOf<Term>& term);
 
 /// X_i += scale I.
 void add_identity(SingleStages& X, float scale);
