@@ -399,6 +399,7 @@ Matrix conjugated(const Matrix& W, const Matrix& Omega) {
 TEST(SplitExponential, ConjugatesToRoundingForEveryLengthOfItsSeriesAndRefusesLongerOnes) {
   for (const Index n : {2, 6, 50}) {
     SplitProducts products(n);
+    SingleProducts single_products(n);
     const Matrix W = random_skew_hermitian(n, 2);
     for (const bool has_bands : {false, true}) {
       BandTruncation bands(has_bands, 1, n);
@@ -415,7 +416,8 @@ TEST(SplitExponential, ConjugatesToRoundingForEveryLengthOfItsSeriesAndRefusesLo
           }
           Omega *= size / spectral_norm(Omega);
           SplitMatrix W1(n);
-          ASSERT_TRUE(of.conjugate(W1, SplitMatrix(Omega), SplitMatrix(W), products));
+          ASSERT_TRUE(
+              of.conjugate(W1, SplitMatrix(Omega), SplitMatrix(W), 0.0, products, single_products));
           EXPECT_LE((W1.interleaved() - conjugated(W, Omega)).norm(), 1e-14 * (1.0 + size));
           EXPECT_LE(spectrum_error(W1.interleaved(), W), 1e-14);
           EXPECT_EQ(skew_defect(W1.interleaved()), 0.0);
@@ -427,8 +429,48 @@ TEST(SplitExponential, ConjugatesToRoundingForEveryLengthOfItsSeriesAndRefusesLo
       SplitMatrix W1(n);
       const Matrix unit = random_skew_hermitian(n, 1);
       for (const double size : {20.0, 1e10, 1e200, std::nan("")}) {
-        EXPECT_FALSE(of.conjugate(W1, SplitMatrix(Matrix(size * unit)), SplitMatrix(W), products));
+        EXPECT_FALSE(of.conjugate(W1, SplitMatrix(Matrix(size * unit)), SplitMatrix(W), 0.0,
+                                  products, single_products));
       }
+    }
+  }
+}
+
+// The state of a smooth scene and the exponent of a step of it, with the bands that smooth scenes
+// have.
+TEST(SplitExponential, WithAnErrorAllowedStaysUnitaryToRoundingAndMultipliesLess) {
+  constexpr Index n = 97;
+  const auto falling = [](Matrix W, double rate) {
+    for (Index r = 0; r < n; ++r) {
+      for (Index c = 0; c < n; ++c)
+        W(r, c) *= std::exp(-rate * static_cast<double>(std::abs(r - c)));
+    }
+    return W;
+  };
+  const Matrix W = falling(random_skew_hermitian(n, 2), 0.5);
+  Matrix Omega = falling(random_skew_hermitian(n, 1), 0.7);
+  Omega *= 2.0 / spectral_norm(Omega);
+  const Matrix expected = conjugated(W, Omega);
+  BandTruncation bands(true, 1, n);
+  SplitExponential of(n, bands);
+  double work_to_rounding = 0.0;
+  for (const double error : {0.0, 1e-11, 1e-9, 1e-6, 1e-2}) {
+    SCOPED_TRACE(error);
+    SplitProducts products(n);
+    SingleProducts single_products(n);
+    SplitMatrix Omega_cut(Omega), W1(n);
+    bands.truncate(Omega_cut, std::min(error, 1e-9));
+    ASSERT_TRUE(of.conjugate(W1, Omega_cut, SplitMatrix(W), error, products, single_products));
+    const double found = (W1.interleaved() - expected).norm() / W.norm();
+    EXPECT_LE(found, 2.0 * error + 1e-15);
+    EXPECT_LE(spectrum_error(W1.interleaved(), W), 1e-14 * W.norm());
+    EXPECT_EQ(skew_defect(W1.interleaved()), 0.0);
+    const double work = products.equivalents() + 0.5 * single_products.equivalents();
+    if (error == 0.0) {
+      work_to_rounding = work;
+    } else {
+      EXPECT_GT(found, 1e-14);  // the control: there is an error to be seen
+      EXPECT_LT(work, 0.8 * work_to_rounding);
     }
   }
 }

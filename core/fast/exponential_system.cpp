@@ -343,8 +343,9 @@ void ExponentialSystem::couple(SplitMatrixOf<Real>& coupled, const SplitMatrixOf
 
 void ExponentialSystem::update(SplitMatrix& W1, const Unknowns& x) {
   Omega_cut_ = 1.0 * x[0][0];
-  bands_.truncate(Omega_cut_, 0.1 * tolerance_ * unit(x));
-  if (!exponential_.conjugate(W1, Omega_cut_, *W0_, products_)) {
+  const double error = 0.1 * tolerance_ * unit(x);
+  bands_.truncate(Omega_cut_, error);
+  if (!exponential_.conjugate(W1, Omega_cut_, *W0_, error, products_, single_products_)) {
     W1.re()[0] = std::numeric_limits<double>::quiet_NaN();  // the step diverges
   }
 }

@@ -100,9 +100,11 @@ void FastMuntheKaas4::form_exponent(std::size_t stage) {
   Omega_[0] = Omega;
 }
 
-// W1 = Ad(Ω) W₀ to rounding.
-bool FastMuntheKaas4::conjugate(SplitMatrix& W1, const SplitMatrix& W0) {
-  if (exponential_.conjugate(W1, Omega_[0], W0, products_)) return true;
+// W1 = U W₀ U†, with U = e^Ω to this error and unitary to rounding.
+bool FastMuntheKaas4::conjugate(SplitMatrix& W1, const SplitMatrix& W0, double error_of_U) {
+  if (exponential_.conjugate(W1, Omega_[0], W0, error_of_U, products_, single_products_)) {
+    return true;
+  }
   const double error = tuning.conjugation_error * scale_;
   series_.truncate(bands(), error);
   return series_.conjugate(W1, Omega_[0], W0, error);
@@ -124,7 +126,7 @@ bool FastMuntheKaas4::take_explicit_step(SplitStages& W1, const SplitStages& W0,
   }
   form_exponent(k_.size());
   bands().truncate(Omega_, of_Omega);
-  if (!conjugate(W1[0], W0[0])) return false;
+  if (!conjugate(W1[0], W0[0], of_Omega)) return false;
   // e, from the last stage
   W_stage_[0] = W1[0] - W_stage_[0];
   const double change = scale_ > 0.0 ? norm(W_stage_[0]) / scale_ : 0.0;
@@ -159,7 +161,8 @@ bool FastMagnus::take_explicit_step(SplitStages& W1, const SplitStages& W0, doub
     magnus_->form_exponent(Omega_, W0[0], h);
   }
   bands().truncate_symmetric_to_part(Omega_, left_out());
-  return exponential_.conjugate(W1[0], Omega_, W0[0], products_);
+  const double error = left_out() * norm(Omega_);
+  return exponential_.conjugate(W1[0], Omega_, W0[0], error, products_, single_products_);
 }
 
 }  // namespace isosyrk

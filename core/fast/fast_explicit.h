@@ -94,7 +94,7 @@ class FastMuntheKaas4 final : public FastExplicit {
   void forget() override { h_of_run_ = 0.0; }
   void form_exponent(std::size_t stage);
   void set_stage_error(double error);
-  bool conjugate(SplitMatrix& W1, const SplitMatrix& W0);
+  bool conjugate(SplitMatrix& W1, const SplitMatrix& W0, double error_of_U);
 
   MuntheKaasScheme scheme_;
   double tolerance_;

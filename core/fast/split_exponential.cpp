@@ -11,21 +11,15 @@
 namespace isosyrk {
 namespace {
 
-// A series of degree m in X is used for ‖Ω‖ up to `norm`: the first term left out is then 1e-18.
-// A tail of 1e-16 would be a bias: the spectrum would err by 2e-13 after 8000 steps.
+// A series of degree m in X, in blocks of q.
 struct Series {
-  double norm;
-  int m;  // degree
-  int q;  // block
+  int m;
+  int q;
 };
-constexpr std::array<Series, 8> all_series = {{{0.07, 4, 2},
-                                               {0.31, 6, 3},
-                                               {0.75, 8, 4},
-                                               {1.35, 10, 5},
-                                               {2.1, 12, 4},
-                                               {3.5, 15, 5},
-                                               {5.0, 18, 6},
-                                               {6.7, 21, 7}}};
+constexpr std::array<Series, 8> all_series = {
+    {{4, 2}, {6, 3}, {8, 4}, {10, 5}, {12, 4}, {15, 5}, {18, 6}, {21, 7}}};
+// At this ‖Ω‖₂ the first term that the longest series leaves out is 1e-18.
+constexpr double largest_norm = 6.7;
 constexpr int most_powers = 7;
 
 // The coefficient of X^j in C (odd = 0) or S (odd = 1).
@@ -42,19 +36,32 @@ double rest_of_coefficient(int j, int odd) {
   return static_cast<double>(exact_coefficient(j, odd) - coefficient(j, odd));
 }
 
-// Returns the shortest series for this ‖Ω‖, or the end if there is none, as for NaN.
-const Series* series_for(double size) {
-  const Series* series = all_series.begin();
-  while (series != all_series.end() && !(size <= series->norm)) ++series;
-  return series;
+// Returns the shortest series of which the first term left out is at most `tail` at this ‖Ω‖₂, or
+// the end if there is none, as for NaN.
+const Series* series_for(double size, double tail) {
+  if (!(size <= largest_norm)) return all_series.end();
+  const auto suffices = [&](const Series& series) {
+    return std::pow(size, 2 * series.m + 2) * coefficient(series.m + 1, 0) <= tail;
+  };
+  const Series* last = all_series.end() - 1;  // suffices at largest_norm
+  return std::find_if(all_series.begin(), last, suffices);
 }
 
 void add_to_diagonal(SplitMatrix& X, double number) {
   for (Index i = 0; i < X.size(); ++i) X.re()[i * X.stride() + i] += number;
 }
 
-// What a cut may change in e^Ω, and, times ‖W₀‖, in W₁.
-constexpr double left_out = 1e-18;
+// What a cut may change in e^Ω, and, times ‖W₀‖, in W₁, to rounding.  A tail of 1e-16 would be a
+// bias: the spectrum would err by 2e-13 after 8000 steps.
+constexpr double exact_left_out = 1e-18;
+// The same where U is made unitary, as a part of the error: there are about ten cuts.
+constexpr double part_left_out = 0.1;
+// Largest error of A: E² is then a few 1e-18.
+constexpr double largest_error = 3e-9;
+// Where it is worth to make U unitary: from this error on, and up to this band of Ω, as a part of
+// n.
+constexpr double smallest_error = 1e-12;
+constexpr double widest_band = 0.75;
 // Largest term of a polynomial that is not added: of the coefficients' rests most are smaller.  At
 // 0 steps take 3 to 5 % more time at n = 129, smooth, and the same spectrum.
 constexpr double negligible = 1e-20;
@@ -69,7 +76,11 @@ SplitExponential::SplitExponential(Index n, BandTruncation& bands)
       cut_(n),
       Omega_sine_(n),
       adjoint_(n),
-      scratch_(n) {}
+      scratch_(n),
+      defect_(n),
+      V_(n),
+      EV_(n),
+      repair_(n) {}
 
 const SplitMatrix& SplitExponential::cut_copy(SplitMatrix& copy, const SplitMatrix& X,
                                               double tail) {
@@ -84,19 +95,20 @@ void SplitExponential::form_power(int j, const SplitMatrix& A, const SplitMatrix
                                   SplitProducts& products) {
   SplitMatrix& result = powers_[static_cast<std::size_t>(j - 1)];
   products.form(into(result, A * B).upper_triangle());
+  bands_.truncate_symmetric(result, left_out_ / coefficient(j, 0));
   mirror_all_hermitian(result);
-  bands_.truncate_symmetric(result, left_out / coefficient(j, 0));
 }
 
 // C = Σ_j X^j / (2j)! and S = Σ_j X^j / (2j+1)!, j = 0 ... m, by Horner in Y = X^q.
 void SplitExponential::form_polynomials(int m, int q, double size, SplitProducts& products) {
+  const double least = std::max(negligible, 0.01 * left_out_);
   const auto add_block = [&](SplitMatrix& to, int odd, int block, int terms, bool is_top) {
     LinearCombination<double> sum_of_block;
     if (!is_top) sum_of_block += to;
     for (int j = 1; j < terms; ++j) {
       const int k = block * q + j;
       const double rest = rest_of_coefficient(k, odd);
-      if (std::abs(rest) * std::pow(size, k) > negligible) sum_of_block += rest * power(j);
+      if (std::abs(rest) * std::pow(size, k) > least) sum_of_block += rest * power(j);
     }
     for (int j = 1; j < terms; ++j) sum_of_block += coefficient(block * q + j, odd) * power(j);
     to = sum_of_block;
@@ -109,7 +121,7 @@ void SplitExponential::form_polynomials(int m, int q, double size, SplitProducts
   while (block-- > 0) {
     // The sum of the blocks so far, about 1/(2(block + 1)q)!, is multiplied by Y here, and the
     // result by Y^block later.
-    const double allowed = left_out / std::pow(std::max(1.0, size), block * q);
+    const double allowed = left_out_ / std::pow(std::max(1.0, size), block * q);
     const SplitMatrix& Y = cut_copy(cut_, power(q), allowed / coefficient((block + 1) * q, 0));
     for (const int odd : {0, 1}) {
       SplitMatrix& sum_so_far = odd == 0 ? cosine_ : sine_;
@@ -122,13 +134,17 @@ void SplitExponential::form_polynomials(int m, int q, double size, SplitProducts
   }
 }
 
-bool SplitExponential::conjugate(SplitMatrix& W1, const SplitMatrix& Omega, const SplitMatrix& W0,
-                                 SplitProducts& products) {
+// Sets A to e^(-Ω).  Returns false if Ω is too large.
+bool SplitExponential::form_adjoint(const SplitMatrix& Omega, SplitProducts& products) {
   form_power(1, Omega, Omega, products);
   form_power(2, power(1), power(1), products);
   // ‖Ω‖₂ <= ‖Ω⁴‖_F^{1/4}.
   double size = std::sqrt(std::sqrt(norm(power(2))));
-  const Series* series = series_for(size);
+  // Of the largest eigenvalue to rounding, of the Frobenius norm otherwise.
+  const double tail = left_out_ > exact_left_out
+                          ? left_out_ / std::sqrt(static_cast<double>(Omega.size()))
+                          : exact_left_out;
+  const Series* series = series_for(size, tail);
   if (series == all_series.end()) return false;
   int formed = 2;
   const auto form_powers = [&](int last) {
@@ -141,16 +157,42 @@ bool SplitExponential::conjugate(SplitMatrix& W1, const SplitMatrix& Omega, cons
   if (series->q >= 4) {
     form_powers(4);
     size = std::min(size, std::sqrt(std::sqrt(std::sqrt(norm(power(4))))));
-    series = series_for(size);
+    series = series_for(size, tail);
   }
   form_powers(series->q);
   form_polynomials(series->m, series->q, size * size, products);
-  bands_.truncate_symmetric(sine_, left_out / std::max(1.0, size));
+  bands_.truncate_symmetric(sine_, left_out_ / std::max(1.0, size));
   products.form(into(Omega_sine_, Omega * sine_).upper_triangle());
   mirror_all_skew(Omega_sine_);
   adjoint_ = cosine_ - Omega_sine_;
-  bands_.truncate(adjoint_, left_out);
-  congruence(W1, scratch_, products, adjoint_, cut_copy(cut_, W0, left_out * norm(W0)));
+  bands_.truncate(adjoint_, left_out_);
+  return true;
+}
+
+// W1 = V - (EV + VE) / 2, where W1 holds V.
+void SplitExponential::make_unitary(SplitMatrix& W1, SplitProducts& products,
+                                    SingleProducts& single_products) {
+  products.form(into(scratch_, adjoint(adjoint_) * adjoint_).upper_triangle());
+  add_to_diagonal(scratch_, -1.0);
+  round_to_single(defect_, scratch_);
+  mirror_all_hermitian(defect_);
+  round_to_single(V_, W1);
+  bands_.truncate_symmetric_to_part(V_, exact_left_out / norm(defect_));
+  single_products.form(into(EV_, defect_ * V_));
+  skew_part(repair_, EV_, -0.5);
+  add(W1, repair_);
+}
+
+bool SplitExponential::conjugate(SplitMatrix& W1, const SplitMatrix& Omega, const SplitMatrix& W0,
+                                 double error, SplitProducts& products,
+                                 SingleProducts& single_products) {
+  const auto band = static_cast<double>(Omega.band());
+  const bool is_made_unitary =
+      error >= smallest_error && band <= widest_band * static_cast<double>(Omega.size());
+  left_out_ = is_made_unitary ? part_left_out * std::min(error, largest_error) : exact_left_out;
+  if (!form_adjoint(Omega, products)) return false;
+  congruence(W1, scratch_, products, adjoint_, cut_copy(cut_, W0, exact_left_out * norm(W0)));
+  if (is_made_unitary) make_unitary(W1, products, single_products);
   return true;
 }
 
