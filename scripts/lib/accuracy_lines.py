@@ -165,7 +165,7 @@ class Line(NamedTuple):
 
 
 class Duel(NamedTuple):
-    """A row of a duel: the fewest steps of a method that reach the error, or cheaper ones that do."""
+    """A row of a duel: the method that stands for a contender, with the steps that reach the error with least work."""
 
     scene: one_of(*SCENES)
     time: positive

@@ -109,7 +109,7 @@ def duels_section(study):
                                *map(Column, heads)), rows)]
     return [Heading("Time at equal error"),
             Paragraph("For each contender stands the method of its kind that reaches the error at the least cost, in"
-                      " the co-rotating frame, with the fewest steps that do; the published form takes the steps of the"
+                      " the co-rotating frame, with the steps that take least work; the published form takes the steps of the"
                       " best Gauss method. Loose: Gauss at 1e-7. Exponential and Magnus: at 1e-8 unless said. Times:"
                       " whole runs in fresh processes, in turns. First table: time over that of the exponential method"
                       f" ({100 * LEVEL:.0f} % interval over processes); †: undecided, the interval is on both sides of"

@@ -205,8 +205,8 @@ def time_against_n(study):
     for axes, drawn in zip(panels, lines.values()):
         largest = max(stretches[-1][-1][0] for _, stretches in drawn)
         label_ends(axes, [(extended(stretches[-1], largest), each.label, each.colour) for each, stretches in drawn])
-    note(figure, "T = 5. The methods ran in turns, in fresh processes and in the co-rotating frame, with the fewest"
-         " steps that reach the error. Exponential methods have the tolerance 1e-8, Gauss methods 1e-13. Spectrum only:"
+    note(figure, "T = 5. The methods ran in turns, in fresh processes and in the co-rotating frame, with the steps"
+         " that reach the error with least work. Exponential methods have the tolerance 1e-8, Gauss methods 1e-13. Spectrum only:"
          " the cheapest of Magnus, RKMK4 and projected RK4. Nothing kept: RK4.")
     return figure
 

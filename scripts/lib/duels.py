@@ -1,10 +1,12 @@
 """The duels of the study of accuracy: methods at one error of one problem, timed in turns in fresh processes.
 
-The lines of the study tell which method stands for a contender. The fewest steps with which it reaches the error are
-found by bisection: no method spends time on a smaller error than the one wanted. Needs isosyrk.
+The lines of the study tell which methods may stand for a contender. Of each the fewest steps that reach the error are
+found by bisection, and then whether some more steps, each with fewer sweeps, take less work: no method spends time on a
+smaller error than the one wanted unless that is cheaper. The method with the least work stands. Needs isosyrk.
 """
 
 import itertools
+import math
 import os
 import random
 from functools import partial
@@ -14,7 +16,7 @@ from lib import study
 from lib import verdicts
 from lib.accuracy_lines import CONTENDERS, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT, Duel, Problem
 from lib.accuracy_runs import MAX_SWEEPS, Setting, rounded, scene_of
-from lib.equal_error import cheapest
+from lib.equal_error import cheap_forms
 from lib.formats import FAST, PUBLISHED
 from lib.integrator_names import frameless, gauss_stages, in_frame
 
@@ -22,6 +24,8 @@ WANTED = (1e-4, 1e-6)  # the errors of duels
 # The published form of the Gauss method that wins takes ten times as long: once a problem is enough.
 WANTED_PUBLISHED, LARGEST_PUBLISHED, TIME_PUBLISHED = 1e-6, 129, 5.0
 CLOSE = 1.02  # bisection ends when the failing number of steps is at most this far from the working one
+FURTHER, MOST_FURTHER = 1.1, 1.6  # more steps are tried by this factor, up to this many times the fewest
+CLOSE_COST = 1.25  # a method whose line costs at most so many times the least may stand as well
 REPETITIONS = 2  # in turns within a process, of which the least counts; once for runs of
 LONG = 0.3  # CPU seconds or more
 
@@ -42,25 +46,25 @@ def may_stand(contender, form):
 
 
 def champions(found, problem, wanted):
-    """Returns the Form and Cost of each contender by which it reaches an error at the least cost, in the frame.
+    """Returns the [(Form, Cost), ...] of each contender by which it reaches an error at or near the least cost.
 
-    `found` is an Accuracy without duels. A contender that reaches it by no line is left out; so is one with a line that
-    was cut and might have been the cheaper.
+    In the co-rotating frame, the cheapest first. `found` is an Accuracy without duels. A contender that reaches the error
+    by no line is left out; so is one with a line that was cut and might have been the cheaper.
     """
     result = {}
     for contender in CONTENDERS:
         forms = [form for form in found.forms() if in_frame(form.integrator) and may_stand(contender, form)]
-        if best := cheapest(found, problem, wanted, forms):
-            result[contender] = best
+        if cheap := cheap_forms(found, problem, wanted, forms, CLOSE_COST):
+            result[contender] = cheap
     return result
 
 
 def jobs_of(found, problem, wanted, references):
-    """Returns a job for each contender of a duel: between which numbers of steps fewest_steps() looks."""
+    """Returns a job for each method that may stand in a duel: between which numbers of steps cheapest_steps() looks."""
     jobs = [{**problem._asdict(), "wanted": wanted, "contender": contender, "integrator": form.integrator,
              "solver": cost.fine.solver, "tolerance": form.tolerance, "coarse": cost.coarse.steps,
              "fine": cost.fine.steps, "references": references}
-            for contender, (form, cost) in champions(found, problem, wanted).items()]
+            for contender, cheap in champions(found, problem, wanted).items() for form, cost in cheap]
     if wanted == WANTED_PUBLISHED and problem.n <= LARGEST_PUBLISHED and problem.time == TIME_PUBLISHED:
         jobs += [{**job, "contender": "gauss_published", "solver": PUBLISHED} for job in jobs
                  if job["contender"] == "gauss" and job["solver"] == FAST]
@@ -70,29 +74,59 @@ def jobs_of(found, problem, wanted, references):
 # ---- its steps
 
 
-def fewest_steps(job):
-    """Returns the row of a contender as fields of Duel, without its times: the fewest steps that reach the error.
+def cheapest_steps(job):
+    """Returns the row of a method as fields of Duel, without its times: the steps that reach the error with least work.
 
-    With `fine` steps it does, with `coarse` steps it does not, unless both are the same. A published form takes the
-    steps of the fast form, with the same answer.
+    With `fine` steps it does, with `coarse` steps it does not, unless both are the same. Work is counted in equivalent
+    products. A published form takes the steps of the fast form, with the same answer.
     """
     setting = Setting({**job, "solver": FAST if job["solver"] == PUBLISHED else job["solver"]})
 
     def look(steps):
         return setting.look(setting.method(job["tolerance"]), steps, job["tolerance"])[0]
 
-    failing, works = job["coarse"], look(job["fine"])
-    while failing < works.steps - 1 and works.steps > CLOSE * failing:
-        middle = look(round((failing * works.steps) ** 0.5))
-        if middle.usable and middle.error <= job["wanted"]:
-            works = middle
+    def reaches(run):
+        return run.usable and run.error <= job["wanted"]
+
+    failing, fewest = job["coarse"], look(job["fine"])
+    while failing < fewest.steps - 1 and fewest.steps > CLOSE * failing:
+        middle = look(round((failing * fewest.steps) ** 0.5))
+        if reaches(middle):
+            fewest = middle
         else:
             failing = middle.steps
+    best = fewest
+    steps = math.ceil(FURTHER * fewest.steps)
+    while steps <= MOST_FURTHER * fewest.steps:
+        run = look(steps)
+        if not reaches(run) or run.equivalent_products >= best.equivalent_products:
+            break
+        best, steps = run, math.ceil(FURTHER * steps)
     if job["solver"] == PUBLISHED:
         published = Setting(job)
-        works = published.look(published.method(job["tolerance"]), works.steps, job["tolerance"])[0]
-    return {**{name: getattr(works, name) for name in Duel._fields if hasattr(works, name)},
+        best = published.look(published.method(job["tolerance"]), best.steps, job["tolerance"])[0]
+    return {**{name: getattr(best, name) for name in Duel._fields if hasattr(best, name)},
             "wanted": job["wanted"], "contender": job["contender"]}
+
+
+def standing(rows):
+    """Returns the rows of the methods that stand for the contenders: of those of cheapest_steps() with the least work.
+
+    The published form of the Gauss method that stands goes with it.
+    """
+    def key(row):
+        return *(row[name] for name in Problem._fields), row["wanted"], row["contender"]
+
+    best = {}
+    for row in rows:
+        if key(row) not in best or row["equivalent_products"] < best[key(row)]["equivalent_products"]:
+            best[key(row)] = row
+    for row in rows:
+        if row["contender"] == "gauss_published":
+            gauss = best[(*key(row)[:-1], "gauss")]
+            if row["integrator"] == gauss["integrator"]:
+                best[key(row)] = row
+    return list(best.values())
 
 
 # ---- its times
@@ -101,7 +135,7 @@ def fewest_steps(job):
 def blocks_of(rows, references, products):
     """Returns what is timed together: for each problem and error the runs of its contenders.
 
-    `rows` are those of fewest_steps(); `products(n)` names the backend of published forms.
+    `rows` are those of standing(); `products(n)` names the backend of published forms.
     """
     blocks = []
     for key, group in itertools.groupby(rows, lambda row: (*(row[name] for name in Problem._fields), row["wanted"])):
@@ -149,7 +183,7 @@ def duels(found, options, journal, program):
     references = os.path.realpath(options.references)
     jobs = [job for problem in found.problems() for wanted in WANTED
             for job in jobs_of(found, problem, wanted, references)]
-    rows = study.untimed(jobs, fewest_steps, journal, options, "duels")
+    rows = standing(study.untimed(jobs, cheapest_steps, journal, options, "duels"))
     blocks = blocks_of(rows, references, journal.products)
 
     command = partial(study.process_command, program)

@@ -63,17 +63,22 @@ def cheapest_contender(duel, among):
 # ---- lines
 
 
-def cheapest(study, problem, error, forms):
-    """Returns (Form, Cost) of the form that has this error or a smaller one at the least cost.
+def cheap_forms(study, problem, error, forms, within):
+    """Returns (Form, Cost) of the forms that have this error or a smaller one at up to `within` times the least cost.
 
-    None if no line reaches it, or if one that was cut might have reached it sooner.
+    The cheapest first, and none if no line reaches the error, or if one that was cut might have reached it sooner.
     """
     costs = [(form, cost) for form in forms if (cost := study.cost(problem, form.integrator, error, form.tolerance))]
-    best = min(costs, key=lambda each: each[1].seconds, default=None)
-    if best and any(study.may_reach(problem, form.integrator, error, best[1].seconds, form.tolerance)
-                    for form in forms):
-        return None
-    return best
+    costs.sort(key=lambda each: each[1].seconds)
+    least = costs[0][1].seconds if costs else math.inf
+    if any(study.may_reach(problem, form.integrator, error, least, form.tolerance) for form in forms):
+        return []
+    return [(form, cost) for form, cost in costs if cost.seconds <= within * least]
+
+
+def cheapest(study, problem, error, forms):
+    """Returns the first of cheap_forms(), or None."""
+    return next(iter(cheap_forms(study, problem, error, forms, within=1.0)), None)
 
 
 def gauss_forms(study):

@@ -11,7 +11,7 @@ from study_documents import (CONTENDERS, INTEGRATORS, ROUGH, SMOOTH, SOONER, STE
 from lib.accuracy_figures import figures
 from lib.accuracy_lines import CUT, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT, Form, keeps, read_accuracy
 from lib.accuracy_report import accuracy_sections
-from lib.equal_error import cheapest
+from lib.equal_error import cheap_forms, cheapest
 from lib.messages import UnusableFile
 from lib.document import as_markdown
 
@@ -191,6 +191,17 @@ class Compared(unittest.TestCase):
         for line in document["lines"]:
             line["end"] = "floor"
         self.assertEqual(cheapest(accuracy_of(document), SMOOTH[0], 1e-8, forms)[0], forms[1])
+
+    def test_forms_that_cost_little_more_are_cheap_too(self):
+        study, forms = accuracy_of(study_document()), [Form("cotangent1"), Form("rkmk4"), Form("group1")]
+        found = cheap_forms(study, SMOOTH[0], 1e-3, forms, within=1e9)
+        seconds = [cost.seconds for _, cost in found]
+        self.assertGreater(len(found), 1)
+        self.assertEqual(seconds, sorted(seconds))
+        within = seconds[1] / seconds[0]
+        self.assertEqual(cheap_forms(study, SMOOTH[0], 1e-3, forms, within=1.001 * within), found[:2])
+        self.assertEqual(cheap_forms(study, SMOOTH[0], 1e-3, forms, within=1.0), found[:1])
+        self.assertEqual(cheap_forms(study, SMOOTH[0], 1e-99, forms, within=2.0), [])
 
     def test_duels_are_found_by_problem_and_error(self):
         study = accuracy_of(study_document())

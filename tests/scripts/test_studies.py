@@ -547,7 +547,7 @@ class Accuracy(StudyTest):
                 self.assertIn(len(here.cpu_seconds), (1, 2) if here.usable else (0,))
         self.assertLessEqual({"commit", "cpu", "product_rate", "timed_on"}, set(found.context))
 
-    def test_duels_take_the_fewest_steps_that_reach_the_error(self):
+    def test_duels_take_the_steps_that_reach_the_error_with_least_work(self):
         found = self.study("raw.json")
         self.assertEqual({wanted for _, wanted in found.duels}, set(duels.WANTED))
         for wanted in duels.WANTED:
@@ -567,10 +567,29 @@ class Accuracy(StudyTest):
         # By bisection: one step less errs by more. With the numbers of steps the wrong way round nothing is sought.
         job = {**self.PROBLEM._asdict(), "wanted": 1e-6, "contender": "rk4", "integrator": "rk4_frame", "solver": FAST,
                "tolerance": 1e-13, "references": REFERENCES}
-        row = duels.fewest_steps({**job, "coarse": 10, "fine": 200})
-        self.assertEqual(duels.fewest_steps({**job, "coarse": row["steps"] - 1, "fine": row["steps"]}), row)
-        fewer = duels.fewest_steps({**job, "coarse": row["steps"] - 1, "fine": row["steps"] - 1})
+        row = duels.cheapest_steps({**job, "coarse": 10, "fine": 200})
+        self.assertEqual(duels.cheapest_steps({**job, "coarse": row["steps"] - 1, "fine": row["steps"]}), row)
+        fewer = duels.cheapest_steps({**job, "coarse": row["steps"] - 1, "fine": row["steps"] - 1})
         self.assertGreater(fewer["error"], 1e-6)
+        # Steps so long that each takes many sweeps: more of them take less work, and are taken up to the least.
+        long = {**job, "wanted": 1.0, "integrator": "group2_frame"}
+        row = duels.cheapest_steps({**long, "coarse": 2, "fine": 2})
+        self.assertGreater(row["steps"], 2)
+        setting = accuracy_runs.Setting(long)
+        work = {steps: setting.look(setting.method(1e-13), steps, 1e-13)[0].equivalent_products
+                for steps in range(2, row["steps"] + 1)}
+        self.assertEqual(min(work, key=work.get), row["steps"])
+        self.assertEqual(work[row["steps"]], row["equivalent_products"])
+
+    def test_of_close_methods_that_with_least_work_stands(self):
+        row = {**self.PROBLEM._asdict(), "wanted": 1e-6, "solver": FAST, "steps": 9}
+        two = {**row, "contender": "gauss", "integrator": "group2_frame", "equivalent_products": 90.0}
+        three = {**two, "integrator": "group3_frame", "equivalent_products": 80.0}
+        other = {**row, "contender": "rk4", "integrator": "rk4_frame", "equivalent_products": 85.0}
+        published = [{**each, "contender": "gauss_published", "solver": PUBLISHED, "equivalent_products": products}
+                     for each, products in ((two, 800.0), (three, 900.0))]
+        self.assertEqual(duels.standing([two, three, other, *published]), [three, other, published[1]])
+        self.assertEqual(duels.standing([three, two, {**two, "wanted": 1e-4}]), [three, {**two, "wanted": 1e-4}])
 
     def test_how_a_line_ends(self):
         job = {**self.PROBLEM._asdict(), "solver": FAST, "references": REFERENCES, "quick": False}
