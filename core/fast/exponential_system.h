@@ -27,9 +27,9 @@ namespace isosyrk {
 ///     K δ = h B(D),   D = ∫₀¹ [s Σ_j s^j c_j, e^{s ad_Ω} W₀] ds
 ///
 /// by Gauss quadrature of weight s: one node, s = 2/3, or two, (6 ∓ √6)/10, where more digits are
-/// wanted and were to be expected from the step before.  The derivative of the term of B̃ in h² is
-/// added where it shows; that of the term in h⁴ is left out, and its size enters the estimated
-/// error.
+/// wanted.  The step before tells whether they will be; where it does not, the estimated error says
+/// that one node was too few.  The derivative of the term of B̃ in h² is added where it shows; that
+/// of the term in h⁴ is left out, and its size enters the estimated error.
 ///
 /// Products of a residual: 1 for each T_k, in double precision only where it has to be, and those
 /// of B̃ - B.  Of the coupling, in single precision: 1 for each c_j, 1 for each node, and 6 for the
