@@ -109,11 +109,12 @@ def duels_section(study):
                                *map(Column, heads)), rows)]
     return [Heading("Time at equal error"),
             Paragraph("For each contender stands the method of its kind that reaches the error at the least cost, in"
-                      " the co-rotating frame, with the steps that take least work; the published form takes the steps of the"
-                      " best Gauss method. Loose: Gauss at 1e-7. Exponential and Magnus: at 1e-8 unless said. Times:"
-                      " whole runs in fresh processes, in turns. First table: time over that of the exponential method"
-                      f" ({100 * LEVEL:.0f} % interval over processes); †: undecided, the interval is on both sides of"
-                      f" a bound of the tie within {100 * (MARGIN - 1):.0f} %, or from fewer than {FEWEST} processes."),
+                      " the co-rotating frame, with the steps that take least work; the published form takes the steps"
+                      " of the best Gauss method. Loose: Gauss at 1e-7. Exponential and Magnus: at 1e-8 unless said."
+                      " Times: whole runs in fresh processes, in turns. First table: time over that of the"
+                      f" exponential method ({100 * LEVEL:.0f} % interval over processes); †: undecided, the interval"
+                      f" is on both sides of a bound of the tie within {100 * (MARGIN - 1):.0f} %, or from fewer than"
+                      f" {FEWEST} processes."),
             *parts] if parts else []
 
 

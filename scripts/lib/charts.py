@@ -206,8 +206,8 @@ def time_against_n(study):
         largest = max(stretches[-1][-1][0] for _, stretches in drawn)
         label_ends(axes, [(extended(stretches[-1], largest), each.label, each.colour) for each, stretches in drawn])
     note(figure, "T = 5. The methods ran in turns, in fresh processes and in the co-rotating frame, with the steps"
-         " that reach the error with least work. Exponential methods have the tolerance 1e-8, Gauss methods 1e-13. Spectrum only:"
-         " the cheapest of Magnus, RKMK4 and projected RK4. Nothing kept: RK4.")
+         " that reach the error with least work. Exponential methods have the tolerance 1e-8, Gauss methods 1e-13."
+         " Spectrum only: the cheapest of Magnus, RKMK4 and projected RK4. Nothing kept: RK4.")
     return figure
 
 

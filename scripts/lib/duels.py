@@ -48,8 +48,8 @@ def may_stand(contender, form):
 def champions(found, problem, wanted):
     """Returns the [(Form, Cost), ...] of each contender by which it reaches an error at or near the least cost.
 
-    In the co-rotating frame, the cheapest first. `found` is an Accuracy without duels. A contender that reaches the error
-    by no line is left out; so is one with a line that was cut and might have been the cheaper.
+    In the co-rotating frame, the cheapest first. `found` is an Accuracy without duels. A contender that reaches the
+    error by no line is left out; so is one with a line that was cut and might have been the cheaper.
     """
     result = {}
     for contender in CONTENDERS:
