@@ -108,15 +108,13 @@ bool ExponentialSystem::needs_pair(double size, double error) {
   return !(error_of_one_node * contraction_of_K * size <= error);  // NaN included
 }
 
-// Chooses what the correction of the first sweep will need of e^{s ad_Ω} W₀, if that sweep changes
-// as much as in the step before.
+// Chooses the nodes and the error of e^{s ad_Ω} W₀ that the first correction of the step will need,
+// if the first sweep changes Ω by as much as in the step before.
 void ExponentialSystem::choose_nodes() {
-  const double forcing_term =
-      tolerance_ * (acceptance_.by == Acceptance::By::error_estimate ? tuning.forcing_of_estimate
-                                                                     : tuning.forcing_of_tolerance);
-  const double allowed = tuning.neumann_term * forcing_term;
-  const bool is_known = change_before_ > 0.0;  // false for NaN
-  has_pair_ = !is_known || needs_pair(1.5 * change_before_, allowed);
+  const double allowed = tuning.neumann_term * acceptance_.least_forcing_term(tolerance_);
+  const bool is_known = change_before_ > 0.0;                          // false for NaN
+  has_pair_ = !is_known || needs_pair(1.5 * change_before_, allowed);  // it may be a little more
+  // correct() cuts what is formed here to this part.
   const double part = is_known ? std::min(allowed / change_before_, coarsest_part) : 0.0;
   error_of_moved_ = std::max(0.1 * part, tuning.single_roundoff) * size_of_W0_;
 }
@@ -151,7 +149,7 @@ bool ExponentialSystem::form_average(const SplitMatrix& Omega, double error) {
 template <class Real>
 bool ExponentialSystem::form_average(const SplitMatrix& Omega, double error,
                                      Linearization<Real>& at, const SplitMatrixOf<Real>& W0) {
-  const std::span<SplitMatrixOf<Real>> moved(at.moved.data(), has_pair_ ? at.moved.size() : 1);
+  const std::span<SplitMatrixOf<Real>> moved = moved_in_use(at);
   mu_ = 1.0 * *W0_;
   for (SplitMatrixOf<Real>& each : moved) each = 1.0 * W0;
   series_.truncate(bands_, 0.1 * error);
@@ -277,8 +275,7 @@ template <class Real>
 void ExponentialSystem::cut(Linearization<Real>& at, SplitLie<Real>& lie, double part) {
   at.is_current = false;
   lie.cut_to_part(at.Omega, part);
-  const std::size_t count = has_pair_ ? at.moved.size() : 1;
-  for (std::size_t i = 0; i < count; ++i) lie.cut_to_part(at.moved[i], part);
+  for (SplitMatrixOf<Real>& moved : moved_in_use(at)) lie.cut_to_part(moved, part);
   if (order_ == 2) return;
   const double of_terms = std::min(part / part_in_K(share_of_terms_[0]), coarsest_part);
   lie.cut_to_part(at.mu, of_terms);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 
 #include "isosyrk/fast/fast_options.h"
 #include "isosyrk/fast/graded_series.h"
@@ -97,6 +98,11 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   static double part_in_K(double share);
   static bool needs_pair(double size, double error);
   void choose_nodes();
+  // e^{s ad_Ω} W₀ at the nodes that were chosen.
+  template <class Real>
+  std::span<SplitMatrixOf<Real>> moved_in_use(Linearization<Real>& at) const {
+    return {at.moved.data(), has_pair_ ? at.moved.size() : 1};
+  }
   bool form_average(const SplitMatrix& Omega, double error);
   template <class Real>
   bool form_average(const SplitMatrix& Omega, double error, Linearization<Real>& at,

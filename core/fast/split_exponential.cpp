@@ -58,8 +58,9 @@ constexpr double exact_left_out = 1e-18;
 constexpr double part_left_out = 0.1;
 // Largest error of A: E² is then a few 1e-18.
 constexpr double largest_error = 3e-9;
-// Where it is worth to make U unitary: from this error on, and up to this band of Ω, as a part of
-// n.
+// Where U is made unitary: from this error on, and up to this band of Ω, as a part of n.  At 0.2 to
+// 0.4 (n = 129, smooth, 1e-8) steps of elp4 and elp6 take about 5 % less time, at 0.5 to 0.7 (n =
+// 65) about 3 %.  Of a full Ω it counts as many products as e^Ω to rounding.
 constexpr double smallest_error = 1e-12;
 constexpr double widest_band = 0.75;
 // Largest term of a polynomial that is not added: of the coefficients' rests most are smaller.  At
@@ -140,7 +141,7 @@ bool SplitExponential::form_adjoint(const SplitMatrix& Omega, SplitProducts& pro
   form_power(2, power(1), power(1), products);
   // ‖Ω‖₂ <= ‖Ω⁴‖_F^{1/4}.
   double size = std::sqrt(std::sqrt(norm(power(2))));
-  // Of the largest eigenvalue to rounding, of the Frobenius norm otherwise.
+  // Allowed in each eigenvalue of e^Ω.  An allowed error is a Frobenius norm, of n of them.
   const double tail = left_out_ > exact_left_out
                           ? left_out_ / std::sqrt(static_cast<double>(Omega.size()))
                           : exact_left_out;

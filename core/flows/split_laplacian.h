@@ -14,9 +14,9 @@ class SplitLaplacianOf {
  public:
   explicit SplitLaplacianOf(const Laplacian& laplacian);
 
-  /// Sets the upper triangles of P_i = scale Δ⁻¹ W_i within a band, trace-free.  Up to lanes
-  /// - 1 entries of a row beyond the band become 0; other entries of P_i are unchanged.  P_i is not
-  /// W_i.  Allocates nothing.
+  /// Sets the upper triangles of P_i = scale Δ⁻¹ W_i within a band, trace-free.  Fewer than
+  /// `lanes` entries of a row beyond the band become 0; other entries of P_i are unchanged.  P_i is
+  /// not W_i.  Allocates nothing.
   void solve_upper(std::span<const SplitMatrixOf<Real>> W, Real scale, Index band,
                    std::span<SplitMatrixOf<Real>> P) const;
 

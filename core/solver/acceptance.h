@@ -1,6 +1,8 @@
 // When a solver accepts x as the solution of x = G(x).
 #pragma once
 
+#include "isosyrk/solver/tuning.h"
+
 namespace isosyrk {
 
 /// Rule of acceptance of an iteration with corrections.  All sizes are relative to the unit of the
@@ -28,6 +30,11 @@ struct Acceptance {
     if (sweep.change < tolerance) return true;
     const double largest = sweep.is_confirmed ? confirmed_guard : guard;
     return by == By::error_estimate && sweep.change < largest && sweep.error < tolerance;
+  }
+  /// Returns the least forcing term of a correction: no correction has to err less.
+  double least_forcing_term(double tolerance) const {
+    return tolerance *
+           (by == By::error_estimate ? tuning.forcing_of_estimate : tuning.forcing_of_tolerance);
   }
 };
 

@@ -43,9 +43,7 @@ SolveReport Newton::solve(FixedPointSystem& system, const IterationOptions& opti
   const Acceptance rule = system.acceptance();
   const double tolerance = options.tolerance;
   const double accepting = tuning.accepting_accuracy * tolerance;
-  const double least_forcing =
-      tolerance * (rule.by == Acceptance::By::error_estimate ? tuning.forcing_of_estimate
-                                                             : tuning.forcing_of_tolerance);
+  const double least_forcing = rule.least_forcing_term(tolerance);
   double uncorrected = 0.0;         // change of the last sweep if that was a Picard sweep, else 0
   double expected = start_change_;  // change expected of the next sweep
   double corrected = 0.0;           // change of the last sweep if that was corrected, else 0

@@ -119,8 +119,9 @@ void form_skew_part(SplitMatrixOf<Real>& out, Index band, const SplitMatrixOf<Re
     sum.load(from + upper, stride);
     other.load(from + lower, stride);
     other.transpose();
-    for (int r = 0; r < Block<Real>::size; ++r)
+    for (int r = 0; r < Block<Real>::size; ++r) {
       sum.row[r] = scale * (sum.row[r] + sign * other.row[r]);
+    }
     sum.store(to + upper, stride);
     if constexpr (below) {
       for (Lanes<Real>& row : sum.row) row = sign * row;
