@@ -25,6 +25,7 @@ TABLE_EXPONENTS = (-2, -4, -6, -8)  # powers of ten, as errors for which tables 
 # keeps the spectrum to about the tolerance only, an exponential method to rounding.
 TIGHT = 1e-13
 LOOSE_GAUSS, LOOSE_EXPONENTIAL = 1e-7, 1e-8
+MATCHED = 100  # so many times smaller than an error is a tolerance that is matched to it
 
 # A line has reached its floor where the error is within this of the reference's uncertainty, ...
 FLOOR_MARGIN = 10
@@ -41,7 +42,8 @@ FLOOR, BELOW, CUT = "floor", "below", "cut"
 GOOD_ENOUGH = 1e-9
 
 # The rows of a duel. Each is one method, or the best of several, in the co-rotating frame.
-CONTENDERS = ("gauss", "gauss_loose", "gauss_published", "elp", "elp_tight", "magnus", "rkmk4", "rk4_projected", "rk4")
+CONTENDERS = ("gauss", "gauss_loose", "gauss_matched", "gauss_published", "elp", "elp_matched", "elp_tight", "magnus",
+              "rkmk4", "rk4_projected", "rk4")
 
 
 class Problem(NamedTuple):

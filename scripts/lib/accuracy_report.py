@@ -4,7 +4,7 @@ import itertools
 import math
 
 from lib.accuracy_figures import AGAINST_N
-from lib.accuracy_lines import CONTENDERS, CUT, FLOOR_MARGIN, GOOD_ENOUGH, TABLE1_STEP, TIGHT
+from lib.accuracy_lines import CONTENDERS, CUT, FLOOR_MARGIN, GOOD_ENOUGH, MATCHED, TABLE1_STEP, TIGHT
 from lib.comparison import MISSING, percentage, three_digits
 from lib.document import Column, Heading, Items, Paragraph, conditions, plain_table, shown
 from lib.equal_error import (CONTENDER_NAMES, MEAN_OVER, contenders_of, duel_errors, frame_gains, headline_problems,
@@ -111,6 +111,7 @@ def duels_section(study):
             Paragraph("For each contender stands the method of its kind that reaches the error at the least cost, in"
                       " the co-rotating frame, with the steps that take least work; the published form takes the steps"
                       " of the best Gauss method. Loose: Gauss at 1e-7. Exponential and Magnus: at 1e-8 unless said."
+                      f" Matched: at a tolerance {MATCHED} times smaller than the error, where that is looser."
                       " Times: whole runs in fresh processes, in turns. First table: time over that of the"
                       f" exponential method ({100 * LEVEL:.0f} % interval over processes); †: undecided, the interval"
                       f" is on both sides of a bound of the tie within {100 * (MARGIN - 1):.0f} %, or from fewer than"

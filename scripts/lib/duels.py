@@ -2,7 +2,8 @@
 
 The lines of the study tell which methods may stand for a contender. Of each the fewest steps that reach the error are
 found by bisection, and then whether some more steps, each with fewer sweeps, take less work: no method spends time on a
-smaller error than the one wanted unless that is cheaper. The method with the least work stands. Needs isosyrk.
+smaller error than the one wanted unless that is cheaper. The method with the least work stands. Gauss and exponential
+methods compete at a tolerance matched to the error too, where that is looser. Needs isosyrk.
 """
 
 import itertools
@@ -14,7 +15,7 @@ from functools import partial
 import isosyrk
 from lib import study
 from lib import verdicts
-from lib.accuracy_lines import CONTENDERS, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT, Duel, Problem
+from lib.accuracy_lines import CONTENDERS, LOOSE_EXPONENTIAL, LOOSE_GAUSS, MATCHED, TIGHT, Duel, Problem
 from lib.accuracy_runs import MAX_SWEEPS, Setting, rounded, scene_of
 from lib.equal_error import cheap_forms
 from lib.formats import FAST, PUBLISHED
@@ -23,8 +24,9 @@ from lib.integrator_names import frameless, gauss_stages, in_frame
 WANTED = (1e-4, 1e-6)  # the errors of duels
 # The published form of the Gauss method that wins takes ten times as long: once a problem is enough.
 WANTED_PUBLISHED, LARGEST_PUBLISHED, TIME_PUBLISHED = 1e-6, 129, 5.0
+MATCHED_TO = {"gauss_loose": "gauss_matched", "elp": "elp_matched"}  # contenders that compete at that tolerance too
 CLOSE = 1.02  # bisection ends when the failing number of steps is at most this far from the working one
-FURTHER, MOST_FURTHER = 1.1, 1.6  # more steps are tried by this factor, up to this many times the fewest
+FURTHER, MOST_FURTHER = 1.1, 1.6  # other numbers of steps are tried by this factor, up to this many times the first
 CLOSE_COST = 1.25  # a method whose line costs at most so many times the least may stand as well
 REPETITIONS = 2  # in turns within a process, of which the least counts; once for runs of
 LONG = 0.3  # CPU seconds or more
@@ -68,6 +70,9 @@ def jobs_of(found, problem, wanted, references):
     if wanted == WANTED_PUBLISHED and problem.n <= LARGEST_PUBLISHED and problem.time == TIME_PUBLISHED:
         jobs += [{**job, "contender": "gauss_published", "solver": PUBLISHED} for job in jobs
                  if job["contender"] == "gauss" and job["solver"] == FAST]
+    matched = wanted / MATCHED
+    jobs += [{**job, "contender": MATCHED_TO[job["contender"]], "tolerance": matched} for job in jobs
+             if job["contender"] in MATCHED_TO and job["tolerance"] < matched]
     return jobs
 
 
@@ -77,8 +82,9 @@ def jobs_of(found, problem, wanted, references):
 def cheapest_steps(job):
     """Returns the row of a method as fields of Duel, without its times: the steps that reach the error with least work.
 
-    With `fine` steps it does, with `coarse` steps it does not, unless both are the same. Work is counted in equivalent
-    products. A published form takes the steps of the fast form, with the same answer.
+    On its line `fine` steps do, `coarse` steps do not, unless both are the same. Work is counted in equivalent
+    products. A published form takes the steps of the fast form, with the same answer. None if no steps reach the error,
+    as at a tolerance that is looser than that of the line.
     """
     setting = Setting({**job, "solver": FAST if job["solver"] == PUBLISHED else job["solver"]})
 
@@ -88,20 +94,30 @@ def cheapest_steps(job):
     def reaches(run):
         return run.usable and run.error <= job["wanted"]
 
+    def improved(first, factor):
+        """Returns the run of least work from `first` on, with more and more or fewer and fewer steps while it falls."""
+        best, to_whole = first, math.ceil if factor > 1 else math.floor
+        while first.steps / MOST_FURTHER <= (steps := to_whole(factor * best.steps)) <= MOST_FURTHER * first.steps:
+            run = look(steps)
+            if not reaches(run) or run.equivalent_products >= best.equivalent_products:
+                break
+            best = run
+        return best
+
     failing, fewest = job["coarse"], look(job["fine"])
+    while not reaches(fewest):
+        if fewest.steps > MOST_FURTHER * job["fine"]:
+            return None
+        failing, fewest = fewest.steps, look(math.ceil(FURTHER * fewest.steps))
     while failing < fewest.steps - 1 and fewest.steps > CLOSE * failing:
         middle = look(round((failing * fewest.steps) ** 0.5))
         if reaches(middle):
             fewest = middle
         else:
             failing = middle.steps
-    best = fewest
-    steps = math.ceil(FURTHER * fewest.steps)
-    while steps <= MOST_FURTHER * fewest.steps:
-        run = look(steps)
-        if not reaches(run) or run.equivalent_products >= best.equivalent_products:
-            break
-        best, steps = run, math.ceil(FURTHER * steps)
+    best = improved(fewest, FURTHER)
+    if best is fewest and job["coarse"] == job["fine"]:  # the line was not searched for fewer steps that do
+        best = improved(fewest, 1 / FURTHER)
     if job["solver"] == PUBLISHED:
         published = Setting(job)
         best = published.look(published.method(job["tolerance"]), best.steps, job["tolerance"])[0]
@@ -183,7 +199,7 @@ def duels(found, options, journal, program):
     references = os.path.realpath(options.references)
     jobs = [job for problem in found.problems() for wanted in WANTED
             for job in jobs_of(found, problem, wanted, references)]
-    rows = standing(study.untimed(jobs, cheapest_steps, journal, options, "duels"))
+    rows = standing(filter(None, study.untimed(jobs, cheapest_steps, journal, options, "duels")))
     blocks = blocks_of(rows, references, journal.products)
 
     command = partial(study.process_command, program)

@@ -22,13 +22,15 @@ MEAN_OVER = f"1e{MEAN_EXPONENTS[0]} … 1e{MEAN_EXPONENTS[-1]}"
 
 # What the tables call contenders.
 CONTENDER_NAMES = {
-    "gauss": "Gauss", "gauss_loose": "Gauss, loose", "gauss_published": "Gauss, published form", "elp": "exponential",
+    "gauss": "Gauss", "gauss_loose": "Gauss, loose", "gauss_matched": "Gauss, matched",
+    "gauss_published": "Gauss, published form", "elp": "exponential", "elp_matched": "exponential, matched",
     "elp_tight": "exponential, 1e-13", "magnus": "Magnus", "rkmk4": "RKMK4", "rk4_projected": "projected RK4",
     "rk4": "RK4"}
 ISOSPECTRAL_ONLY = ("magnus", "rkmk4", "rk4_projected")  # contenders that keep the spectrum and nothing else
 
 # The duels that figures tell: time of the first over that of the second.
 PAIRS = (("gauss", "elp"), ("gauss_loose", "elp"), ("elp_tight", "elp"), ("gauss_published", "gauss"),
+         ("elp_matched", "elp"), *((gauss, "elp_matched") for gauss in ("gauss", "gauss_loose", "gauss_matched")),
          *(("elp", other) for other in (*ISOSPECTRAL_ONLY, "rk4")), ("gauss", "rkmk4"), ("gauss", "rk4"))
 
 

@@ -217,7 +217,8 @@ class Figures(unittest.TestCase):
         # tolerance; rkmk4 8.9 steps of 1 ms; rk4 15.8 of 0.1 ms. At 1e-6: 50, 28.1 and 50 steps.
         for key, wanted in {
                 "problems": 3, "gauss_over_elp.smooth_t5.n17.at_1e-4": 4,
-                "gauss_loose_over_elp.smooth_t5.n17.at_1e-4": 2,
+                "gauss_loose_over_elp.smooth_t5.n17.at_1e-4": 2, "elp_matched_over_elp.smooth_t5.n17.at_1e-4": 1,
+                "gauss_matched_over_elp_matched.smooth_t5.n17.at_1e-4": 2,
                 "gauss_published_over_gauss.smooth_t5.n33.at_1e-6": 4, "elp_over_rkmk4.smooth_t5.n17.at_1e-4": 16 / 9,
                 "elp_over_rkmk4.smooth_t5.n17.at_1e-6": 50 / 29, "elp_over_rk4.smooth_t5.n33.at_1e-6": 10,
                 "elp_over_isospectral.smooth_t5.n17.at_1e-6": 50 / 29, "elp_over_rkmk4.slower": 4,

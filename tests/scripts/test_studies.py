@@ -553,7 +553,8 @@ class Accuracy(StudyTest):
         for wanted in duels.WANTED:
             duel = found.duel(self.PROBLEM, wanted)
             self.assertEqual(set(duel), {"gauss", "gauss_loose", "elp", "elp_tight", "rk4",
-                                         *(["gauss_published"] if wanted == duels.WANTED_PUBLISHED else [])})
+                                         *(["gauss_published"] if wanted == duels.WANTED_PUBLISHED else
+                                           ["gauss_matched", "elp_matched"])})
             for contender, row in duel.items():
                 with self.subTest(wanted=wanted, contender=contender):
                     self.assertTrue(in_frame(row.integrator))
@@ -564,13 +565,27 @@ class Accuracy(StudyTest):
                     setting = accuracy_runs.Setting(job)
                     run, _ = setting.look(setting.method(row.tolerance), row.steps, row.tolerance)
                     self.assertLess(abs(run.error / row.error - 1), 1e-3 + 100 * row.tolerance / row.error)
-        # By bisection: one step less errs by more. With the numbers of steps the wrong way round nothing is sought.
+        duel = found.duel(self.PROBLEM, 1e-4)
+        for loose, matched in duels.MATCHED_TO.items():
+            row = duel[matched]
+            self.assertEqual(row.tolerance, 1e-6)
+            self.assertLess(row.equivalent_products, duel[loose].equivalent_products)
+
+    def test_how_the_steps_of_a_duel_are_sought(self):
+        # By bisection: one step less errs by more.
         job = {**self.PROBLEM._asdict(), "wanted": 1e-6, "contender": "rk4", "integrator": "rk4_frame", "solver": FAST,
                "tolerance": 1e-13, "references": REFERENCES}
         row = duels.cheapest_steps({**job, "coarse": 10, "fine": 200})
         self.assertEqual(duels.cheapest_steps({**job, "coarse": row["steps"] - 1, "fine": row["steps"]}), row)
-        fewer = duels.cheapest_steps({**job, "coarse": row["steps"] - 1, "fine": row["steps"] - 1})
-        self.assertGreater(fewer["error"], 1e-6)
+        # Steps that are too few, as they may be at a looser tolerance, become more; none reach an error below rounding.
+        more = duels.cheapest_steps({**job, "coarse": row["steps"] - 1, "fine": row["steps"] - 1})
+        self.assertLessEqual(more["error"], 1e-6)
+        self.assertLess(more["steps"], duels.CLOSE * row["steps"] + 1)
+        self.assertIsNone(duels.cheapest_steps({**job, "wanted": 1e-17, "coarse": 10, "fine": 20}))
+        # Fewer steps than those of a run of the line are tried too.
+        fewer = duels.cheapest_steps({**job, "coarse": 2 * row["steps"], "fine": 2 * row["steps"]})
+        self.assertLess(fewer["steps"], 2 * row["steps"])
+        self.assertLessEqual(fewer["error"], 1e-6)
         # Steps so long that each takes many sweeps: more of them take less work, and are taken up to the least.
         long = {**job, "wanted": 1.0, "integrator": "group2_frame"}
         row = duels.cheapest_steps({**long, "coarse": 2, "fine": 2})
@@ -630,7 +645,7 @@ class Accuracy(StudyTest):
             self.assertGreaterEqual(len(found.line(Problem("rough", 5.0, 17), name)), 4)
         # Every contender has a row, each by enough processes for a verdict.
         for duel in found.duels.values():
-            self.assertEqual(set(duel) | {"gauss_published"}, set(CONTENDERS))
+            self.assertEqual(set(duel) | {"gauss_published", "gauss_matched", "elp_matched"}, set(CONTENDERS))
             self.assertEqual({len(row.cpu_seconds) for row in duel.values()}, {verdicts.FEWEST})
 
     def test_methods_have_names_of_their_own(self):
