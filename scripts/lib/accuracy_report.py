@@ -107,12 +107,13 @@ def duels_section(study):
         parts += [Heading(f"Error {wanted:g}", 3), plain_table(columns, ratios),
                   plain_table((*(Column(head, align="left") for head in ("problem", "contender", "method")),
                                *map(Column, heads)), rows)]
+    matched = f" Matched: at a tolerance {MATCHED} times smaller than the error, where that is looser."
+    matched *= not {"gauss_matched", "elp_matched"}.isdisjoint(contenders)
     return [Heading("Time at equal error"),
             Paragraph("For each contender stands the method of its kind that reaches the error at the least cost, in"
                       " the co-rotating frame, with the steps that take least work; the published form takes the steps"
                       " of the best Gauss method. Loose: Gauss at 1e-7. Exponential and Magnus: at 1e-8 unless said."
-                      f" Matched: at a tolerance {MATCHED} times smaller than the error, where that is looser."
-                      " Times: whole runs in fresh processes, in turns. First table: time over that of the"
+                      f"{matched} Times: whole runs in fresh processes, in turns. First table: time over that of the"
                       f" exponential method ({100 * LEVEL:.0f} % interval over processes); †: undecided, the interval"
                       f" is on both sides of a bound of the tie within {100 * (MARGIN - 1):.0f} %, or from fewer than"
                       f" {FEWEST} processes."),

@@ -84,7 +84,7 @@ def cheapest_steps(job):
 
     On its line `fine` steps do, `coarse` steps do not, unless both are the same. Work is counted in equivalent
     products. A published form takes the steps of the fast form, with the same answer. None if no steps reach the error,
-    as at a tolerance that is looser than that of the line.
+    as at a tolerance that is looser than that of the line, or if the sweeps of a published form fail with those steps.
     """
     setting = Setting({**job, "solver": FAST if job["solver"] == PUBLISHED else job["solver"]})
 
@@ -121,6 +121,8 @@ def cheapest_steps(job):
     if job["solver"] == PUBLISHED:
         published = Setting(job)
         best = published.look(published.method(job["tolerance"]), best.steps, job["tolerance"])[0]
+        if not reaches(best):
+            return None
     return {**{name: getattr(best, name) for name in Duel._fields if hasattr(best, name)},
             "wanted": job["wanted"], "contender": job["contender"]}
 
