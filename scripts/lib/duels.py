@@ -92,7 +92,7 @@ def cheapest_steps(job):
         return setting.look(setting.method(job["tolerance"]), steps, job["tolerance"])[0]
 
     def reaches(run):
-        return run.usable and run.error <= job["wanted"]
+        return run.usable and not run.beyond_limit and run.error <= job["wanted"]
 
     def improved(first, factor):
         """Returns the run of least work from `first` on, with more and more or fewer and fewer steps while it falls."""

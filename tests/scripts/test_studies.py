@@ -586,6 +586,15 @@ class Accuracy(StudyTest):
         fewer = duels.cheapest_steps({**job, "coarse": 2 * row["steps"], "fine": 2 * row["steps"]})
         self.assertLess(fewer["steps"], 2 * row["steps"])
         self.assertLessEqual(fewer["error"], 1e-6)
+        # But none beyond the limit of stability, even if their run comes to an end.
+        loose = {**job, "wanted": 1.0}
+        setting, first = accuracy_runs.Setting(loose), 30
+        runs = {steps: setting.look(setting.method(1e-13), steps, 1e-13)[0] for steps in range(2, first + 1)}
+        short = min(steps for steps, run in runs.items() if not run.beyond_limit)
+        self.assertTrue(runs[short - 1].usable and runs[short - 1].error < 1)
+        found = {duels.cheapest_steps({**loose, "coarse": steps, "fine": steps})["steps"]
+                 for steps in range(short, first + 1)}
+        self.assertEqual(min(found), short)
         # A published form whose sweeps diverge with the steps of the fast form, which does not, has no row.
         gauss = {**job, "integrator": "group6_frame", "solver": PUBLISHED, "scene": "developed", "n": 33, "coarse": 3,
                  "fine": 4}
