@@ -107,8 +107,8 @@ def duels_section(study):
         parts += [Heading(f"Error {wanted:g}", 3), plain_table(columns, ratios),
                   plain_table((*(Column(head, align="left") for head in ("problem", "contender", "method")),
                                *map(Column, heads)), rows)]
-    matched = f" Matched: at a tolerance {MATCHED} times smaller than the error, where that is looser."
-    matched *= not {"gauss_matched", "elp_matched"}.isdisjoint(contenders)
+    matched = (f" Matched: at a tolerance {MATCHED} times smaller than the error, where that is looser."
+               if {"gauss_matched", "elp_matched"} & {*contenders} else "")
     return [Heading("Time at equal error"),
             Paragraph("For each contender stands the method of its kind that reaches the error at the least cost, in"
                       " the co-rotating frame, with the steps that take least work; the published form takes the steps"

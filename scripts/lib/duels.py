@@ -116,7 +116,7 @@ def cheapest_steps(job):
         else:
             failing = middle.steps
     best = improved(fewest, FURTHER)
-    if best is fewest and job["coarse"] == job["fine"]:  # the line was not searched for fewer steps that do
+    if best is fewest and job["coarse"] == job["fine"]:  # no fewer steps are known to fail
         best = improved(fewest, 1 / FURTHER)
     if job["solver"] == PUBLISHED:
         published = Setting(job)
