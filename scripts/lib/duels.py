@@ -67,9 +67,6 @@ def jobs_of(found, problem, wanted, references):
              "solver": cost.fine.solver, "tolerance": form.tolerance, "coarse": cost.coarse.steps,
              "fine": cost.fine.steps, "references": references}
             for contender, cheap in champions(found, problem, wanted).items() for form, cost in cheap]
-    if wanted == WANTED_PUBLISHED and problem.n <= LARGEST_PUBLISHED and problem.time == TIME_PUBLISHED:
-        jobs += [{**job, "contender": "gauss_published", "solver": PUBLISHED} for job in jobs
-                 if job["contender"] == "gauss" and job["solver"] == FAST]
     matched = wanted / MATCHED
     jobs += [{**job, "contender": MATCHED_TO[job["contender"]], "tolerance": matched} for job in jobs
              if job["contender"] in MATCHED_TO and job["tolerance"] < matched]
@@ -83,16 +80,15 @@ def cheapest_steps(job):
     """Returns the row of a method as fields of Duel, without its times: the steps that reach the error with least work.
 
     On its line `fine` steps do, `coarse` steps do not, unless both are the same. Work is counted in equivalent
-    products. A published form takes the steps of the fast form, with the same answer. None if no steps reach the error,
-    as at a tolerance that is looser than that of the line, or if the sweeps of a published form fail with those steps.
+    products. None if no steps reach the error, as at a tolerance that is looser than that of the line.
     """
-    setting = Setting({**job, "solver": FAST if job["solver"] == PUBLISHED else job["solver"]})
+    setting = Setting(job)
 
     def look(steps):
         return setting.look(setting.method(job["tolerance"]), steps, job["tolerance"])[0]
 
     def reaches(run):
-        return run.usable and not run.beyond_limit and run.error <= job["wanted"]
+        return is_reached(job["wanted"], run)
 
     def improved(first, factor):
         """Returns the run of least work from `first` on, with more and more or fewer and fewer steps while it falls."""
@@ -118,33 +114,45 @@ def cheapest_steps(job):
     best = improved(fewest, FURTHER)
     if best is fewest and job["coarse"] == job["fine"]:  # no fewer steps are known to fail
         best = improved(fewest, 1 / FURTHER)
-    if job["solver"] == PUBLISHED:
-        published = Setting(job)
-        best = published.look(published.method(job["tolerance"]), best.steps, job["tolerance"])[0]
-        if not reaches(best):
-            return None
-    return {**{name: getattr(best, name) for name in Duel._fields if hasattr(best, name)},
+    return row_of(job, best)
+
+
+def is_reached(wanted, run):
+    """Tells whether a run came to its end within the limit of stability with an error that is small enough."""
+    return run.usable and not run.beyond_limit and run.error <= wanted
+
+
+def row_of(job, run):
+    """Returns a run as fields of Duel, without its times."""
+    return {**{name: getattr(run, name) for name in Duel._fields if hasattr(run, name)},
             "wanted": job["wanted"], "contender": job["contender"]}
 
 
 def standing(rows):
-    """Returns the rows of the methods that stand for the contenders: of those of cheapest_steps() with the least work.
-
-    The published form of the Gauss method that stands goes with it.
-    """
-    def key(row):
-        return *(row[name] for name in Problem._fields), row["wanted"], row["contender"]
-
+    """Returns the rows of the methods that stand for the contenders: those of cheapest_steps() with the least work."""
     best = {}
     for row in rows:
-        if key(row) not in best or row["equivalent_products"] < best[key(row)]["equivalent_products"]:
-            best[key(row)] = row
-    for row in rows:
-        if row["contender"] == "gauss_published":
-            gauss = best[(*key(row)[:-1], "gauss")]
-            if row["integrator"] == gauss["integrator"]:
-                best[key(row)] = row
+        key = (*(row[name] for name in Problem._fields), row["wanted"], row["contender"])
+        if key not in best or row["equivalent_products"] < best[key]["equivalent_products"]:
+            best[key] = row
     return list(best.values())
+
+
+def with_published(row):
+    """Tells whether the published form of a row is timed beside it."""
+    return (row["contender"] == "gauss" and row["solver"] == FAST and row["wanted"] == WANTED_PUBLISHED
+            and row["n"] <= LARGEST_PUBLISHED and row["time"] == TIME_PUBLISHED)
+
+
+def published_form(job):
+    """Returns the row of the published form of a row of cheapest_steps(), with the same steps and the same answer.
+
+    None if its sweeps fail with those steps. The job is the row and the folder of `references`.
+    """
+    job = {**job, "contender": "gauss_published", "solver": PUBLISHED}
+    setting = Setting(job)
+    run, _ = setting.look(setting.method(job["tolerance"]), job["steps"], job["tolerance"])
+    return row_of(job, run) if is_reached(job["wanted"], run) else None
 
 
 # ---- its times
@@ -153,7 +161,7 @@ def standing(rows):
 def blocks_of(rows, references, products):
     """Returns what is timed together: for each problem and error the runs of its contenders.
 
-    `rows` are those of standing(); `products(n)` names the backend of published forms.
+    `rows` are those of duels(), a duel's together; `products(n)` names the backend of published forms.
     """
     blocks = []
     for key, group in itertools.groupby(rows, lambda row: (*(row[name] for name in Problem._fields), row["wanted"])):
@@ -201,7 +209,10 @@ def duels(found, options, journal, program):
     references = os.path.realpath(options.references)
     jobs = [job for problem in found.problems() for wanted in WANTED
             for job in jobs_of(found, problem, wanted, references)]
-    rows = standing(filter(None, study.untimed(jobs, cheapest_steps, journal, options, "duels")))
+    fast = standing(filter(None, study.untimed(jobs, cheapest_steps, journal, options, "duels")))
+    published = iter(study.untimed([{**row, "references": references} for row in fast if with_published(row)],
+                                   published_form, journal, options, "published forms"))
+    rows = [each for row in fast for each in ((row, next(published)) if with_published(row) else (row,)) if each]
     blocks = blocks_of(rows, references, journal.products)
 
     command = partial(study.process_command, program)

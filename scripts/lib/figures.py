@@ -38,7 +38,7 @@ VALUE = r"[0-9]+(?:\.[0-9]+)?(?:e-?[0-9]+)?"
 ENDS = r"(?=\s*(?:[,;:)|…–]|\.(?![0-9])|$|(?:and|or|to)\b))"
 SEPARATOR = r"(?:\s*(?:,|…|–)\s*(?:and\s+)?|\s+(?:and|or|to)\s+)"
 RELATION = r"\s*(?:[=≤≥<>]|up\s+to)\s*"
-POWERS = r"1e-[0-9]+(?![0-9.])"
+POWERS = r"1e-[0-9]+(?![0-9]|\.[0-9])"
 MONTHS = "January|February|March|April|May|June|July|August|September|October|November|December"
 EXCEPTED = tuple(re.compile(pattern, re.MULTILINE) for pattern in (
     r"```[\s\S]*?(?:\n```|\Z)|`[^`]*`",  # code

@@ -43,7 +43,8 @@ class Page(unittest.TestCase):
     def test_a_missing_key(self):
         for page in ("takes 1.8 times", "1.8<!-- a comment --> times", "1.8<!-- study.ratio -->", "- 7 problems",
                      "1.8<!-- study:ratio --> to 1.9", "# 3 answers", "| n | time |\n| --: | --: |\n| 17 | 1.8 |",
-                     "n = 129, 12 times", "n = 17 and 1.8 times", "an error 1e-12", "h‖B‖₂ between 1.58 and", "T 50"):
+                     "n = 129, 12 times", "n = 17 and 1.8 times", "an error 1e-12", "h‖B‖₂ between 1.58 and", "T 50",
+                     "at 1e-4.5"):
             with self.subTest(page=page):
                 self.assert_faults(page, "without a key")
         for page in ("1.8 and 1.9<!-- study:ratio -->", "<!-- study:ratio -->", "1.8<!-- study:ratio study:other -->"):
@@ -58,7 +59,7 @@ class Page(unittest.TestCase):
         for page in ("at n = 17, 33 and 65.", "n = 17 to 257, s ≥ 2, s = 1, 2, 3;", "h = 0.1 to T = 5", "T = 5 and 50,",
                      "from t = 5 and t = 50 on",
                      "h‖B(W₀)‖₂ = 0.25", "h‖B‖₂ up to 0.6", "tolerance 1e-13", "tolerance of 1e-13", "At 1e-6 the",
-                     "at an error of 1e-6", "at errors 1e-4 … 1e-8", "order 4", "orders 4 and 6,",
+                     "at an error of 1e-6", "at errors 1e-4 … 1e-8.", "order 4", "orders 4 and 6,",
                      "on 23 November 2026", "2026-11-23",
                      "commit 0f714c93e0c6", "51d0c50e6a43", "1. first\n2. second", "Table 1", "Tables 1 and 2",
                      "`--n 17`", "```sh\nrun 17\n```", "[a](b/17.md)", "group6, RKMK4, AVX-512, AVX2", "W(5), so(3)",
