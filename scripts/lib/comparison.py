@@ -103,7 +103,9 @@ def time_with_interval(times):
 
 
 def ratio_text(found):
-    """Writes a Ratio with its interval, if it has one."""
+    """Writes a Ratio, or None, with its interval, if it has one."""
+    if found is None:
+        return MISSING
     if not found.low or math.isinf(found.high):
         return three_digits(found.ratio)
     return f"{three_digits(found.ratio)} ({three_digits(found.low)}–{three_digits(found.high)})"

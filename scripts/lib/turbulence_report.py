@@ -2,7 +2,7 @@
 
 import statistics
 
-from lib.comparison import MISSING, percentage, three_digits
+from lib.comparison import MISSING, percentage, ratio_text, three_digits
 from lib.document import Column, Entry, Heading, Paragraph, Table, conditions, plain_table, shown
 from lib.formats import PUBLISHED, SOLVERS
 from lib.integrator_names import KEPT
@@ -76,15 +76,7 @@ def setting_cells(findings, judged):
     if judged is None:
         return [MISSING] * 6
     return [judged.setting.integrator, f"{judged.setting.step:.3g}", f"{judged.setting.tolerance:g}",
-            three_digits(judged.seconds), with_interval(findings.over_practice(judged)), percentage(judged.distance)]
-
-
-def with_interval(ratio):
-    """Writes a Ratio, or None, with its interval if it has enough processes for one."""
-    if ratio is None:
-        return MISSING
-    interval = f" ({three_digits(ratio.low)} to {three_digits(ratio.high)})" if ratio.processes >= FEWEST else ""
-    return three_digits(ratio.ratio) + interval
+            three_digits(judged.seconds), ratio_text(findings.over_practice(judged)), percentage(judged.distance)]
 
 
 def steps_table(found):
@@ -131,7 +123,7 @@ def setting_row(findings, judged):
         return [*map(Entry, head), Entry(MISSING), Entry(MISSING), Entry(failure_text(judged.ensemble)),
                 *[Entry(MISSING)] * 5]
     return [*map(Entry, head), Entry(MISSING if judged.seconds is None else three_digits(judged.seconds)),
-            Entry(with_interval(findings.over_practice(judged))),
+            Entry(ratio_text(findings.over_practice(judged))),
             Entry(percentage(judged.distance), judged.faithful), Entry(signed(judged.tail)),
             *(Entry(signed(judged.changes[name])) for name in CONSERVED), Entry(scientific(judged.spectrum_error))]
 
@@ -163,7 +155,7 @@ def published_table(study):
             if ensemble.role == PRACTICE and over:
                 seconds = statistics.geometric_mean(times_of_run(study, n, setting, PUBLISHED))
                 rows.append([str(n), f"{setting.step:.3g}", f"{setting.tolerance:g}", three_digits(seconds),
-                             with_interval(over)])
+                             ratio_text(over)])
     return plain_table((Column("n"), Column("h"), Column("tolerance"), Column("CPU seconds, published"),
                         Column("over the fast form")), rows)
 

@@ -377,9 +377,9 @@ class Report(DrawingTest):
         self.assertNotIn("Nothing is judged", report)
         cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in report.splitlines()
                  if line.startswith("|")]
-        self.assertIn(["33", "any", "rkmk4", "1", "1e-08", "0.00500", "0.100 (0.100 to 0.100)"],
+        self.assertIn(["33", "any", "rkmk4", "1", "1e-08", "0.00500", "0.100 (0.100–0.100)"],
                       [row[:7] for row in cells])
-        self.assertIn(["33", "any, close", "elp4", "1", "1e-08", "0.0100", "0.200 (0.200 to 0.200)"],
+        self.assertIn(["33", "any, close", "elp4", "1", "1e-08", "0.0100", "0.200 (0.200–0.200)"],
                       [row[:7] for row in cells])
         self.assertIn(["settings judged", "8"], cells)
         self.assertIn(["draws", "4"], cells)
@@ -389,12 +389,12 @@ class Report(DrawingTest):
         self.assertIn(["rk4", "–"], cells)
         self.assertIn(["elp4", "2", "1e-08", "–", "–", "2 of 4 unstable, t = 42 to 43", *"–––––"], cells)
         practice = next(row for row in cells if row[:3] == ["algebra1", "0.02", "1e-08"])
-        self.assertEqual(practice[3:5], ["0.0500", "1.00 (1.00 to 1.00)"])
+        self.assertEqual(practice[3:5], ["0.0500", "1.00 (1.00–1.00)"])
         self.assertTrue(practice[5].startswith("**"), practice)
         rk4 = next(row for row in cells if row[:2] == ["rk4", "0.5"])
         self.assertFalse(rk4[5].startswith("**"), rk4)
         self.assertEqual(rk4[8], "-5 %")
-        self.assertIn(["33", "0.02", "1e-08", "0.200", "4.00 (4.00 to 4.00)"], cells)
+        self.assertIn(["33", "0.02", "1e-08", "0.200", "4.00 (4.00–4.00)"], cells)
         self.assertIn(["33", "fast", "6", "40", "0.8 to 40"], cells)
         self.assertEqual(read_figures(self.path("out", "figures.json"))["n33.draws"], 4)
 
