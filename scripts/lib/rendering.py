@@ -61,12 +61,17 @@ def verdicts_text(data):
     return "{\n" + ",\n".join(lists) + "\n}\n"
 
 
-def render_report(program, description, wrote, made):
-    """Runs a script that renders a study without charts: `made(raw file)` returns its document and its figures
-    or None."""
+def render_report(program, description, wrote, made, **others):
+    """Runs a script that renders a study without charts.
+
+    `made(raw file, *further ones)` returns its document and its figures or None. `others` are options that name the
+    further files, with their help.
+    """
     def main(arguments):
-        options = folder_parser(program, description, wrote, "report and figures").parse_args(arguments)
-        write_folder(options.out, report_files(*made(options.raw)))
+        parser = folder_parser(program, description, wrote, "report and figures")
+        add_further_files(parser, others)
+        options = parser.parse_args(arguments)
+        write_folder(options.out, report_files(*made(options.raw, *(getattr(options, name) for name in others))))
 
     run(program, main, sys.argv[1:])
 
@@ -80,8 +85,7 @@ def render_study(program, description, wrote, drawn, **others):
     """
     def main(arguments):
         parser = folder_parser(program, description, wrote, "charts, report and figures, no PNG in results/recorded")
-        for name, wrote_it in others.items():
-            parser.add_argument(f"--{name}", metavar=f"{name.upper()}.json", help=wrote_it)
+        add_further_files(parser, others)
         options = parser.parse_args(arguments)
         require_matplotlib(program)
         from lib.chart_panels import encode, own_style  # only now: it needs matplotlib
@@ -95,6 +99,11 @@ def render_study(program, description, wrote, drawn, **others):
         write_folder(options.out, {**contents, **report_files(report(set(charts)), figures)})
 
     run(program, main, sys.argv[1:])
+
+
+def add_further_files(parser, others):
+    for name, wrote in others.items():
+        parser.add_argument(f"--{name}", metavar=f"{name.upper()}.json", help=wrote)
 
 
 def folder_parser(program, description, wrote, what):

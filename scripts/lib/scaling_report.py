@@ -13,8 +13,8 @@ SINGLE = "¹"  # follows what was timed once
 SINGLE_MEANS = f"{SINGLE}: timed once."
 
 
-def scaling_sections(study):
-    """Returns the report of a Scaling as a document."""
+def scaling_sections(study, rough=None):
+    """Returns the report of a Scaling as a document. `rough` is None or the Scaling of the rough scene."""
     return [
         Heading("What a step costs, and what each idea buys", 1),
         Paragraph(f"Steps of the {study.settings.scene} scene from {starts_text(study)} on. A repetition repeats the"
@@ -22,6 +22,7 @@ def scaling_sections(study):
                   f" T = {study.settings.warmup:g} before them, untimed. Beyond n = 257 steps and this time fall as"
                   " 1/(n - 1), since longer steps fail. What it means is said in results/README.md."),
         *line_sections(study),
+        *(rough_sections(rough) if rough else ()),
         *memory_sections(study),
         *band_sections(study),
         *gauss_sections(study),
@@ -83,7 +84,8 @@ def share_entry(study, point):
 # ---- a step against n
 
 
-def line_sections(study):
+def line_table(study):
+    """Returns the table of what a step costs on each of the lines; None without any."""
     rows = []
     for start in study.starts():
         for name in LINES:
@@ -91,10 +93,15 @@ def line_sections(study):
                 rows += [[f"{start:g}", name, rung, str(point.n), time_entry(point, 1e3), three_digits(point.sweeps),
                           three_digits(point.equivalent_products), share_entry(study, point)]
                          for point in study.line(start, name, rung)]
-    if not rows:
-        return []
     columns = (Column("t"), *lefts("integrator", "form"), Column("n"), Column("ms a step"), Column("sweeps"),
                Column("equivalent products"), Column("share of products"))
+    return plain_table(columns, rows) if rows else None
+
+
+def line_sections(study):
+    table = line_table(study)
+    if table is None:
+        return []
     return [
         Heading("A step against n"),
         Paragraph("Methods in the co-rotating frame; Gauss methods and RK4 with h = 0.1 and the tolerance 1e-13,"
@@ -102,9 +109,19 @@ def line_sections(study):
                   " Medians ± half the interquartile range of repetitions in turns."
                   f" {SINGLE_MEANS} Share of products: the time of the equivalent products by themselves over that of"
                   " the step."),
-        plain_table(columns, rows),
+        table,
         *slope_sections(study),
     ]
+
+
+def rough_sections(study):
+    table = line_table(study)
+    if table is None:
+        return []
+    return [Heading("A step against n, rough scene"),
+            Paragraph(f"The same steps from {starts_text(study)} of the rough scene on, measured by themselves."
+                      f" {SINGLE_MEANS}"),
+            table, conditions(study.context)]
 
 
 def slope_sections(study):

@@ -1,5 +1,6 @@
 """The raw file of scripts/studies/scaling.py and its figures: what a step costs against n, and what each idea buys."""
 
+import itertools
 import math
 import re
 import statistics
@@ -45,7 +46,9 @@ STAGES = (1, 2, 3)  # of the cells of Table 1
 
 # The lines of a step's time against n, all in the co-rotating frame, and the sizes between which they have a slope.
 LINES = ("algebra1_frame", "group2_frame", "elp4_frame", "rk4_frame")
+ROUGH = "rough"  # the scene of the further raw file, of which the lines alone are told
 SMALLEST_SLOPE = 65
+WITH_PRODUCTS = 257  # the least n whose equivalent products are figures too
 
 
 class Settings(NamedTuple):
@@ -206,6 +209,17 @@ def read_scaling(path):
     return formats.read_study(path, SCHEMA, Scaling)
 
 
+def read_rough(path):
+    """Returns the Scaling in a raw file of the rough scene. Throws UnusableFile with one line that names the file."""
+    return formats.read_study(path, SCHEMA, rough_of)
+
+
+def rough_of(study):
+    if study.settings.scene != ROUGH:
+        raise UnusableFile(f"is of the {study.settings.scene} scene, not of the {ROUGH} one")
+    return Scaling(study)
+
+
 # ---- groups of integrators whose gains are averaged
 
 
@@ -226,19 +240,19 @@ def lie_poisson(study):
 # ---- figures
 
 
-def figures(study):
-    """Returns the figures that pages may quote, by key.
+def figures(study, rough=None):
+    """Returns the figures that pages may quote, by key. `rough` is None or the Scaling of the rough scene.
 
     RUNG.nN.tT[.FORM] and exponential.RUNG.nN.tT[.NAME] are gains of the fast forms. step.*, share.* and slope.* are of
-    the lines against n: milliseconds, part of the products, power of n. bands.* are gains by bands on lines; threads.*
-    gains by a second thread with their intervals; trend.* tells of all repetitions, single of single timings.
+    the lines against n: milliseconds, part of the products, power of n; products.* the equivalent products of a step;
+    rough.* the same of the rough scene. bands.* are gains by bands on lines; threads.* gains by a second thread with
+    their intervals; trend.* tells of all repetitions, single of single timings.
     """
-    found = {}
+    found = line_figures(study)
+    if rough:
+        found.update({f"{ROUGH}.{key}": value for key, value in line_figures(rough).items()})
     for start in study.starts():
         found.update(gain_figures(study, start))
-        for name in LINES:
-            for rung in (PUBLISHED, FAST):
-                found.update(line_figures(study, start, name, rung))
     ideas = [mean for key, mean in found.items() if key.startswith("without") and key.endswith(FORMULATIONS)]
     if ideas:
         found["costliest_idea"] = max(0.0, 1 / min(ideas) - 1)
@@ -273,18 +287,24 @@ def gain_figures(study, start):
     return {key: mean for key, mean in found.items() if mean}
 
 
-def line_figures(study, start, name, rung):
-    """Returns milliseconds, shares and the slope of a line."""
-    line, what = study.line(start, name, rung), f"{name}.{rung}"
-    found = {f"step.{what}.n{point.n}.t{start:g}": 1e3 * point.time for point in line}
-    for point in line:
-        share = study.share_of_products(point)
-        if share is not None:
-            found[f"share.{what}.n{point.n}.t{start:g}"] = share
-    ends = slope_ends(line)
-    if ends:
-        found[f"slope.{what}.n{ends[0].n}_n{ends[1].n}.t{start:g}"] = slope(*ends)
+def line_figures(study):
+    """Returns what a step costs on each of the lines, and their slopes."""
+    found = {}
+    for start, name, rung in itertools.product(study.starts(), LINES, (PUBLISHED, FAST)):
+        line = study.line(start, name, rung)
+        for point in line:
+            found.update(step_figures(study, point))
+        if ends := slope_ends(line):
+            found[f"slope.{name}.{rung}.n{ends[0].n}_n{ends[1].n}.t{start:g}"] = slope(*ends)
     return found
+
+
+def step_figures(study, point):
+    """Returns the milliseconds of a step and, from WITH_PRODUCTS on, its equivalent products; their share if known."""
+    where, share = f"{point.integrator}.{point.rung}.n{point.n}.t{point.start:g}", study.share_of_products(point)
+    return {f"step.{where}": 1e3 * point.time,
+            **({f"products.{where}": point.equivalent_products} if point.n >= WITH_PRODUCTS else {}),
+            **({f"share.{where}": share} if share is not None else {})}
 
 
 def slope_ends(line):

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Times a step of every integrator against n, published and fast, and without each idea of the fast form in turn.
 
-The timed steps start at t = 5 and t = 50 of the smooth scene, from states that the study computes first. A repetition
-repeats the same steps from the same state. Before them a fast form with a memory runs there by itself, for its
-predictor saves more with every past step. In the end fast forms run on one thread and on two, in turns in fresh
-processes.
+The timed steps start at t = 5 and t = 50 of the smooth scene unless others are asked for, from states that the study
+computes first. A repetition repeats the same steps from the same state. Before them a fast form with a memory runs
+there by itself, for its predictor saves more with every past step. In the end fast forms run on one thread and on two,
+in turns in fresh processes.
 """
 
 import contextlib
@@ -36,7 +36,7 @@ from lib.problems import decoded, encoded
 from lib.scaling_table import (ANY, BANDS, BASIC, LINES, SCHEMA, Memory, Point, Rate, Settings, Threads, family_of,
                                long_step, rungs_of, without)
 
-SCENE, STARTS = "smooth", (5.0, 50.0)
+SCENES, STARTS = ("smooth", "rough"), (5.0, 50.0)  # the first scene by default
 WARMUP = 1.5  # time before the timed steps; predictors save more up to some 16 steps of a Gauss method
 SIZES, QUICK_SIZES = (9, 17, 33, 65, 129, 257, 513, 1025), (9, 17, 33)
 QUICK_INTEGRATORS = ("cotangent2", "group2", "algebra2", "elp4", "magnus5", "rkmk4", "rk4", *LINES)
@@ -66,13 +66,13 @@ PROCESSES, QUICK_PROCESSES = 8, 2  # at most, of one block
 # ---- what is timed
 
 
-def points_of(entries, sizes, products):
+def points_of(entries, sizes, products, scene=SCENES[0], starts=STARTS):
     """Returns the points as objects of JSON. `products(n)` names the backend of published forms."""
-    return [{"start": start, "n": n, "integrator": entry.name, "rung": rung, "explicit": entry.explicit,
+    return [{"scene": scene, "start": start, "n": n, "integrator": entry.name, "rung": rung, "explicit": entry.explicit,
              "step": shrunk(n, LONG_STEP if long_step(entry.name) else STEP),
              "steps": STEPS if n < LARGE else STEPS_LARGE,
              "tolerance": LOOSE_EXPONENTIAL if long_step(entry.name) else TIGHT, "products": products(n)}
-            for n in sizes for start in STARTS for entry in entries for rung in rungs_at(entry, n, start)]
+            for n in sizes for start in starts for entry in entries for rung in rungs_at(entry, n, start)]
 
 
 def shrunk(n, length):
@@ -112,8 +112,8 @@ def begin_of(point):
 
 
 @lru_cache(maxsize=1)
-def scene_of(n):
-    return isosyrk.scene(SCENE, n=n)
+def scene_of(scene, n):
+    return isosyrk.scene(scene, n=n)
 
 
 def made(point):
@@ -121,24 +121,25 @@ def made(point):
     options = {"solver": FAST, "without": without(point["integrator"], point["explicit"], point["rung"])}
     if point["rung"] == PUBLISHED:
         options = {"solver": PUBLISHED, "products": point["products"]}
-    return isosyrk.integrator(scene_of(point["n"]), point["integrator"], tolerance=point["tolerance"], **options)
+    return isosyrk.integrator(scene_of(point["scene"], point["n"]), point["integrator"], tolerance=point["tolerance"],
+                              **options)
 
 
 # ---- untimed: the states, and counts from them
 
 
-def states_of(n, times):
-    """Returns the states of the scene at times, by time. Throws Stop where no step leads there."""
-    found, W, now = {}, scene_of(n).initial, 0.0
+def states_of(scene, n, times):
+    """Returns the states of a scene at times, by time. Throws Stop where no step leads there."""
+    found, W, now = {}, scene_of(scene, n).initial, 0.0
     for each in sorted(times):
-        W = state_after(n, W, each - now)
+        W = state_after(scene, n, W, each - now)
         found[each], now = W, each
     return found
 
 
-def state_after(n, W, length):
+def state_after(scene, n, W, length):
     """Returns the state a time after W, with half the step as often as one fails."""
-    integrator = isosyrk.integrator(scene_of(n), STATES_BY, solver=FAST, tolerance=STATES_TOLERANCE)
+    integrator = isosyrk.integrator(scene_of(scene, n), STATES_BY, solver=FAST, tolerance=STATES_TOLERANCE)
     steps = math.ceil(length / shrunk(n, STATES_STEP) - 1e-9)
     for halvings in range(MOST_HALVINGS + 1):
         with contextlib.suppress(isosyrk.SolverError):
@@ -162,11 +163,12 @@ def count(point, W):
 
 
 def prepare(job):
-    """Returns the states of one n as texts by time, and the counts of its points.
+    """Returns the states of one scene and n as texts by time, and the counts of its points.
 
     The states are rounded to what a text keeps of them, so that counts and times begin alike.
     """
-    states = {f"{at:g}": encoded(W) for at, W in states_of(job["n"], set(map(begin_of, job["points"]))).items()}
+    times = set(map(begin_of, job["points"]))
+    states = {f"{at:g}": encoded(W) for at, W in states_of(job["scene"], job["n"], times).items()}
     matrices = {at: decoded(text, job["n"]) for at, text in states.items()}
     return {"states": states, "counts": [count(point, matrices[f"{begin_of(point):g}"]) for point in job["points"]]}
 
@@ -212,12 +214,11 @@ class Timer:
 # ---- timed, in fresh processes: one thread and two
 
 
-def thread_blocks(entries, sizes):
-    """Returns what is timed together: a fast form on one thread and on two."""
-    return [{**{name: point[name] for name in ("start", "n", "integrator", "step", "tolerance", "steps")},
-             "explicit": point["explicit"], "rung": FAST, "rows": list(ROWS)}
-            for point in points_of(entries, sizes, lambda n: None)
-            if point["integrator"] in LINES and (point["rung"], point["start"]) == (FAST, THREADS_START)]
+def thread_blocks(points, sizes):
+    """Returns what is timed together, of the points at some n: a fast form on one thread and on two."""
+    return [{**point, "rows": list(ROWS)} for point in points
+            if point["n"] in sizes and point["integrator"] in LINES
+            and (point["rung"], point["start"]) == (FAST, THREADS_START)]
 
 
 def time_threads(block):
@@ -234,7 +235,7 @@ def time_threads(block):
             if found[row] and min(found[row]) * block["steps"] >= LONG:
                 continue
             read = {}
-            integrator = isosyrk.integrator(scene_of(block["n"]), block["integrator"], solver=FAST,
+            integrator = isosyrk.integrator(scene_of(block["scene"], block["n"]), block["integrator"], solver=FAST,
                                             tolerance=block["tolerance"], threads=ROWS[row])
 
             def look(step, *_):
@@ -312,6 +313,10 @@ def main(arguments):
                         help=f"(default: {REPETITIONS}, quick {QUICK_REPETITIONS})")
     parser.add_argument("--processes", type=whole_number(1, 100), help="that time threads at most; with fewer than"
                         f" {verdicts.FEWEST} all is undecided (default: {PROCESSES}, quick {QUICK_PROCESSES})")
+    parser.add_argument("--scene", choices=SCENES, default=SCENES[0])
+    parser.add_argument("--start", type=float, choices=STARTS, nargs="+", default=STARTS, metavar="T",
+                        help=f"times from which steps are timed, of {', '.join(f'{start:g}' for start in STARTS)}"
+                        " (default: all)")
     parser.add_argument("--no-large", action="store_true", help=f"no n above {LARGEST_OF_ALL}")
     options = parser.parse_args(arguments)
     repetitions = options.repetitions or (QUICK_REPETITIONS if options.quick else REPETITIONS)
@@ -320,8 +325,9 @@ def main(arguments):
 
     journal = study.Journal(PROGRAM, options, partial(isosyrk.conditions, products="fastest",
                                                       sizes=sorted({min(n, 257) for n in sizes})))
-    points = points_of(entries, sizes, journal.products)
-    jobs = [{"n": n, "points": found} for n in sizes if (found := [each for each in points if each["n"] == n])]
+    points = points_of(entries, sizes, journal.products, options.scene, sorted(set(options.start)))
+    jobs = [{"scene": options.scene, "n": n, "points": found} for n in sizes
+            if (found := [each for each in points if each["n"] == n])]
     prepared = study.untimed(jobs, prepare, journal, options, "states and counts")
     texts = {job["n"]: each["states"] for job, each in zip(jobs, prepared)}
     counts = [found for each in prepared for found in each["counts"]]
@@ -335,11 +341,11 @@ def main(arguments):
               "rates": [Rate(each["n"], each["solver"], rounded(found)) for each, found in zip(products, rates)],
               "memory": [Memory(n, taken) for n in sizes if (taken := timer.memory(n))]}
 
-    blocks = thread_blocks(entries, thread_sizes(options, sizes))
+    blocks = thread_blocks(points, thread_sizes(options, sizes))
     found = time_all_threads(blocks, texts, most, journal) if blocks else []
     tables["threads"] = [Threads(**{name: block[name] for name in Threads._fields[:-2]},
                                  **{row: rounded(each[row]) for row in ROWS}) for block, each in zip(blocks, found)]
-    formats.write_study(options.out, SCHEMA, journal.context, Settings(SCENE, WARMUP), tables)
+    formats.write_study(options.out, SCHEMA, journal.context, Settings(options.scene, WARMUP), tables)
     journal.remove()
 
 

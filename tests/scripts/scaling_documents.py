@@ -32,9 +32,9 @@ def line(name, rung, start, seconds):
     return [point(name, n, rung, start, each if isinstance(each, list) else [each]) for n, each in seconds.items()]
 
 
-def write_tables(path, **tables):
+def write_tables(path, scene="smooth", **tables):
     """Writes a raw file with these tables and returns its path."""
-    formats.write_study(path, SCHEMA, {"cpu": "a processor"}, Settings("smooth", 2.0),
+    formats.write_study(path, SCHEMA, {"cpu": "a processor"}, Settings(scene, 2.0),
                         {**{name: [] for name in SCHEMA.tables}, **tables})
     return path
 

@@ -89,6 +89,23 @@ class Report(ScalingTest):
         self.assertAlmostEqual(found["share.group2_frame.fast.n17.t5"], 20 * 4e-8 / 3.74e-6)
         self.assertAlmostEqual(found["share.group2_frame.published.n17.t5"], 100 * 1e-7 / 18.7e-6)
 
+    def test_the_rough_scene_beside_the_smooth_one(self):
+        times = {"smooth": 2e-6, "rough": 3e-6}
+        paths = {scene: write_tables(self.path(f"{scene}.json"), scene, rates=[Rate(257, "fast", [1e-8])],
+                                     points=[point("elp4_frame", 257, seconds=[time] * 3)])
+                 for scene, time in times.items()}
+        self.files = self.rendered("out", paths["smooth"], "--rough", paths["rough"])
+        smooth, rough = self.text().split("## A step against n, rough scene")
+        self.assertRegex(smooth, r"0\.00200 ±0\.0 % \| +12\.0 \| +20\.0 \| +10\.0 % ")
+        self.assertRegex(rough, r"0\.00300 ±0\.0 % \| +12\.0 \| +20\.0 \| +6\.67 % ")
+        found = read_figures(self.path("out", "figures.json"))
+        for key, value in (("step", 2e-3), ("products", 20), ("share", 0.1), ("rough.step", 3e-3),
+                           ("rough.products", 20), ("rough.share", 0.2 / 3)):
+            self.assertAlmostEqual(found[f"{key}.elp4_frame.fast.n257.t5"], value, places=6)
+        self.report(points=[point("elp4_frame", 129)])
+        self.assertNotIn("rough scene", self.text())
+        self.assertFalse({key for key in read_figures(self.path("out", "figures.json")) if "products." in key})
+
     def test_slopes(self):
         cube = {n: 1e-9 * n**3 for n in (17, 65, 129, 513)}
         points = [*line("group2_frame", "fast", 5.0, {**cube, 17: 1.0}), *line("rk4_frame", "fast", 5.0, {65: 1.0})]
@@ -159,6 +176,12 @@ class Refused(ScalingTest):
         self.refused("not of the same processes", points=[point()],
                      threads=[Threads(50.0, 65, "rk4_frame", 0.1, 1e-13, [1.0, 2.0], [1.0])])
         self.assert_refused(run_script(RENDER, self.path("none.json"), "--out", self.path("out")), "none.json")
+
+    def test_a_further_file_of_the_smooth_scene(self):
+        path = write_scaling(self.folder)
+        self.assert_refused(run_script(RENDER, path, "--rough", path, "--out", self.path("out")), "raw.json",
+                            "smooth scene, not of the rough one")
+        self.assertFalse(os.path.exists(self.path("out")))
 
     def test_a_file_of_the_study_before(self):
         path = write_scaling(self.folder)

@@ -24,7 +24,7 @@ from lib.formats import FAST, PUBLISHED
 from lib.integrator_names import in_frame, method_name
 from lib.accuracy_lines import CONTENDERS, GOOD_ENOUGH, SCHEMA, Problem, read_accuracy
 from lib.limits_files import read_limits
-from lib.scaling_table import read_scaling
+from lib.scaling_table import read_rough, read_scaling
 
 if HAS_MODULE:
     sys.path.insert(0, os.path.join(BUILD, "python"))
@@ -331,8 +331,8 @@ class Scaling(StudyTest):
         return SimpleNamespace(**{"n": None, "quick": False, "no_large": False, "integrator": None, **values})
 
     def point(self, **values):
-        return {"start": 5.0, "n": 17, "integrator": "group2", "rung": "fast", "explicit": False, "step": 0.1,
-                "tolerance": 1e-13, "steps": 8, "products": "eigen", **values}
+        return {"scene": "smooth", "start": 5.0, "n": 17, "integrator": "group2", "rung": "fast", "explicit": False,
+                "step": 0.1, "tolerance": 1e-13, "steps": 8, "products": "eigen", **values}
 
     def test_every_rung_from_both_starts(self):
         found = read_scaling(self.made("scaling", "--n", "9", "--integrator", "group1", "elp4", "rk4", "--repetitions",
@@ -357,8 +357,22 @@ class Scaling(StudyTest):
                     fast = found.points[at, 9, "elp4", "fast"].equivalent_products
                     self.assertGreater(point.equivalent_products, 1.05 * fast, (at, rung))
 
+    def test_another_scene_and_one_start(self):
+        found = read_rough(self.made("scaling", "--n", "9", "--scene", "rough", "--start", "5", "--integrator",
+                                     "rk4_frame", "group2_frame", "--repetitions", "1"))
+        self.assertEqual({start for start, *_ in found.points}, {5.0})
+        # Steps of another flow: the fast form forms other numbers of products.
+        (point,) = (each for each in self.scaling.points_of(study.entries(["group2_frame"]), [9], lambda n: "eigen",
+                                                           "rough", (5.0,)) if each["rung"] == "fast")
+        counted = {}
+        for scene in ("smooth", "rough"):
+            (W,) = self.scaling.states_of(scene, 9, (3.5,)).values()
+            counted[scene] = self.scaling.count({**point, "scene": scene}, W)["sweeps"]
+        self.assertEqual(found.points[5.0, 9, "group2_frame", "fast"].sweeps, counted["rough"])
+        self.assertNotEqual(counted["rough"], counted["smooth"])
+
     def test_states_are_those_of_the_flow(self):
-        states = self.scaling.states_of(17, (3.5, 5.0, 50.0))
+        states = self.scaling.states_of("smooth", 17, (3.5, 5.0, 50.0))
         for at, bound in ((5.0, 1e-7), (50.0, 1e-5)):
             reference, _ = problems.reference_of(Problem("smooth", at, 17), REFERENCES)
             self.assertLess(self.scaling.isosyrk.relative_error(states[at], reference), bound)
@@ -368,7 +382,7 @@ class Scaling(StudyTest):
         self.assertEqual(abs(W + W.conj().T).max(), 0)
 
     def test_states_are_reached_by_shorter_steps_where_one_fails(self):
-        expected, calls = self.scaling.states_of(9, (5.0,))[5.0], []
+        expected, calls = self.scaling.states_of("smooth", 9, (5.0,))[5.0], []
 
         class Method:
             """Fails with steps above `longest`."""
@@ -379,16 +393,16 @@ class Scaling(StudyTest):
                     raise isosyrk.SolverError(1, "diverged", 1.0, W, mock.Mock(sweeps=9))
                 return real.run(W, h, steps)
 
-        real = isosyrk.integrator(self.scaling.scene_of(9), "elp6_frame", solver="fast", tolerance=1e-10)
+        real = isosyrk.integrator(self.scaling.scene_of("smooth", 9), "elp6_frame", solver="fast", tolerance=1e-10)
         with mock.patch.object(self.scaling.isosyrk, "integrator", lambda *_, **options: Method()):
             longest = 0.1
-            found = self.scaling.states_of(9, (5.0,))[5.0]
+            found = self.scaling.states_of("smooth", 9, (5.0,))[5.0]
             self.assertEqual(calls, [0.25, 0.125, 0.0625])
             self.assertLess(isosyrk.relative_error(found, expected), 1e-7)
             longest = 0.0
             told = "^states at n = 9: elp6_frame fails with h = 0.0312 too$"
             with self.assertRaisesRegex(study.Stop, told) as caught:
-                self.scaling.states_of(9, (5.0,))
+                self.scaling.states_of("smooth", 9, (5.0,))
             self.assertEqual(caught.exception.status, NO_ANSWER)
 
     def test_forms_with_a_memory_are_warm_when_the_timed_steps_start(self):
@@ -402,20 +416,20 @@ class Scaling(StudyTest):
                 self.assertAlmostEqual(self.scaling.begin_of(point) + point["step"] * self.scaling.warm_steps(point),
                                        point["start"])
         # And that is worth it: cold, the same steps take more products.
-        states = self.scaling.states_of(17, (3.5, 5.0))
+        states = self.scaling.states_of("smooth", 17, (3.5, 5.0))
         warm = self.scaling.count(self.point(), states[3.5])
         with mock.patch.object(self.scaling, "warm_steps", lambda point: 0):
             cold = self.scaling.count(self.point(), states[5.0])
         self.assertGreater(cold["equivalent_products"], 1.2 * warm["equivalent_products"])
 
     def test_a_step_that_fails_has_no_counts(self):
-        W = self.scaling.states_of(17, (5.0,))[5.0]
+        W = self.scaling.states_of("smooth", 17, (5.0,))[5.0]
         self.assertIsNone(self.scaling.count(self.point(rung="published", step=50.0), W))
         self.assertEqual(self.scaling.record(self.point(), None, []).seconds, [])
 
     def test_repetitions_begin_at_the_same_state(self):
         begun = []
-        W = self.scaling.states_of(17, (3.5,))[3.5]
+        W = self.scaling.states_of("smooth", 17, (3.5,))[3.5]
         timer = self.scaling.Timer({17: {"3.5": self.scaling.encoded(W)}}, mock.Mock())
         with mock.patch.object(study, "seconds_of", lambda method, W, h, steps, warmup: begun.append(
                 (W.tobytes(), h, steps, warmup)) or 1.0):
@@ -467,7 +481,7 @@ class Scaling(StudyTest):
                 self.assertEqual(say.call_count, told)
 
     def test_threads_are_timed_in_turns_after_a_warm_up(self):
-        W = self.scaling.states_of(9, (5.0,))[5.0]
+        W = self.scaling.states_of("smooth", 9, (5.0,))[5.0]
         path = self.path("state.npy")
         self.scaling.numpy.save(path, W)
         made, real = [], self.scaling.isosyrk.integrator
@@ -476,7 +490,8 @@ class Scaling(StudyTest):
             made.append(threads)
             return real(*arguments, threads=threads, **options)
 
-        (block,) = self.scaling.thread_blocks(study.entries(["group2_frame"]), [9])
+        points = self.scaling.points_of(study.entries(["group2_frame"]), [9, 17], lambda n: "eigen")
+        (block,) = self.scaling.thread_blocks(points, [9])
         with mock.patch.object(self.scaling.isosyrk, "integrator", integrator):
             seconds = self.scaling.time_threads({**block, "process": 0, "state": path})
         self.assertEqual((sorted(made[:2]), sorted(made[2:])), ([1, 2], [1, 2]))
@@ -497,7 +512,9 @@ class Refusals(StudyTest):
                 ("scaling", ("--scheduler", "here"), "--scheduler", "'here'"), ("scaling", ("--scale",), "--scale"),
                 ("scaling", ("--out", self.folder), "--out", self.folder),
                 ("scaling", ("--integrator", "euler"), "'euler'", "rkmk4"),
-                ("scaling", ("--processes", "0"), "--processes"), ("scaling", ("--n", "1025"), "--n", "5 to 513"),
+                ("scaling", ("--processes", "0"), "--processes"),
+                ("scaling", ("--scene", "developed"), "--scene", "rough"),
+                ("scaling", ("--start", "7"), "--start", "50"), ("scaling", ("--n", "1025"), "--n", "5 to 513"),
                 ("scaling", ("--repetitions", "none"), "--repetitions"),
                 ("limits", ("--scene", "calm"), "calm", "smooth"), ("limits", ("--solver", "slow"), "--solver"),
                 ("accuracy", ("--integrator", "euler"), "'euler'", "rkmk4"),
