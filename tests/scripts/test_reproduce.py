@@ -20,7 +20,7 @@ from programs import (BAD_ARGUMENTS, DONE, PATIENCE, ROOT, SOLVER_FAILED, Folder
 from claims_documents import write_claims
 from limits_documents import limits_study
 from limits_documents import write as write_limits
-from scaling_documents import write_scaling
+from scaling_documents import point, write_scaling, write_tables
 from study_documents import small_study, write_study
 
 HOST_NAME = "a-host-to-keep-private"
@@ -65,7 +65,7 @@ program=$(basename "$0" .py)
 echo "$program[${OPENBLAS_CORETYPE-none}] $* on $(nproc) cores" >>"$CALLS"
 file=$program
 while [ $# -gt 0 ]; do
-  case $1 in --out) out=$2 ;; esac
+  case $1 in --out) out=$2 ;; --scene) file=$program-$2 ;; esac
   shift
 done
 echo "chatter of $program"
@@ -199,6 +199,7 @@ class ReproduceTest(CopyTest):
         os.makedirs(self.path("root", "results", "recorded", "limits"))  # which render_accuracy reads
         write_limits(self.path("root", "results", "recorded", "limits"), limits_study(), "raw.json")
         shutil.copy(write_scaling(self.folder), self.path("scaling.json"))
+        write_tables(self.path("scaling-rough.json"), "rough", points=[point("elp4_frame", 257)])
         for name in ("theorem", "longruns", "turbulence"):
             self.write(f"{name}.json", "{}")
         write_claims(self.folder)
@@ -354,7 +355,7 @@ class EndToEnd(ReproduceTest):
         found = {job: set(os.listdir(self.path("out", job))) for job in os.listdir(self.out)}
         self.assertLessEqual({"raw.json", "report.md", "figures.json", "error_against_time.svg"}, found.pop("accuracy"))
         self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS, "theorem": STUDY_RESULTS,
-                                 "scaling": STUDY_RESULTS, "limits": STUDY_RESULTS,
+                                 "scaling": {*STUDY_RESULTS, "rough.json"}, "limits": STUDY_RESULTS,
                                  "longruns": STUDY_RESULTS, "turbulence": STUDY_RESULTS,
                                  "claims": {*STUDY_RESULTS, "avx2.json", "claims.json"}})
         self.assertTrue(all("--published" in call for call in self.calls("table2")))
@@ -369,6 +370,16 @@ class EndToEnd(ReproduceTest):
         self.assertIn("Up to which step methods work", done.stdout)
         self.assertEqual([call.endswith(f" on {CORES} cores") for call in self.calls("limits[")], [True])
         self.assertFalse(any("--quick" in call for call in self.calls()))
+
+    def test_a_step_is_timed_in_the_rough_scene_too(self):
+        done = self.reproduced("scaling", "--quick")
+        self.assertIn("A step against n, rough scene", done.stdout)
+        smooth, rough = self.calls("scaling[")
+        self.assertNotIn("--scene", smooth)
+        for option in ("--scene rough", "--start 5", "--n 33", "--integrator algebra1_frame", "--quick"):
+            self.assertIn(option, rough)
+        self.reproduced("scaling")
+        self.assertIn("--n 257 513", self.calls("scaling[")[-1])
 
     def test_claims_are_measured_with_avx2_kernels_too_where_there_are_others(self):
         for study, name in (("tables", "raw.json"), ("theorem", "figures.json"), ("accuracy", "figures.json")):
