@@ -82,13 +82,7 @@ def cheapest_steps(job):
     On its line `fine` steps do, `coarse` steps do not, unless both are the same. Work is counted in equivalent
     products. None if no steps reach the error, as at a tolerance that is looser than that of the line.
     """
-    setting = Setting(job)
-
-    def look(steps):
-        return setting.look(setting.method(job["tolerance"]), steps, job["tolerance"])[0]
-
-    def reaches(run):
-        return is_reached(job["wanted"], run)
+    look, reaches = partial(run_of, job, Setting(job)), partial(is_reached, job["wanted"])
 
     def improved(first, factor):
         """Returns the run of least work from `first` on, with more and more or fewer and fewer steps while it falls."""
@@ -115,6 +109,11 @@ def cheapest_steps(job):
     if best is fewest and job["coarse"] == job["fine"]:  # no fewer steps are known to fail
         best = improved(fewest, 1 / FURTHER)
     return row_of(job, best)
+
+
+def run_of(job, setting, steps):
+    """Returns the Run of a job with so many steps."""
+    return setting.look(setting.method(job["tolerance"]), steps, job["tolerance"])[0]
 
 
 def is_reached(wanted, run):
@@ -150,8 +149,7 @@ def published_form(job):
     None if its sweeps fail with those steps. The job is the row and the folder of `references`.
     """
     job = {**job, "contender": "gauss_published", "solver": PUBLISHED}
-    setting = Setting(job)
-    run, _ = setting.look(setting.method(job["tolerance"]), job["steps"], job["tolerance"])
+    run = run_of(job, Setting(job), job["steps"])
     return row_of(job, run) if is_reached(job["wanted"], run) else None
 
 
@@ -161,7 +159,8 @@ def published_form(job):
 def blocks_of(rows, references, products):
     """Returns what is timed together: for each problem and error the runs of its contenders.
 
-    `rows` are those of duels(), a duel's together; `products(n)` names the backend of published forms.
+    `rows` are those of duels(), where a duel's rows follow each other. `products(n)` names the backend of published
+    forms.
     """
     blocks = []
     for key, group in itertools.groupby(rows, lambda row: (*(row[name] for name in Problem._fields), row["wanted"])):
