@@ -362,7 +362,7 @@ class Smoothing final : public FixedPointSystem, public Coupling {
 constexpr double tolerance = 1e-12;
 
 // One more digit than the error that a sweep leaves is never asked of it, and of no sweep more than
-// a tenth of the tolerance: accepting_accuracy.
+// a tenth of the tolerance, or a fifth: accepting_accuracy.
 TEST(NewtonWithNeumannCorrection, AsksOfNoResidualMoreAccuracyThanTheStepNeeds) {
   for (const auto by : {Acceptance::By::change, Acceptance::By::error_estimate}) {
     Smoothing system(0.1, by);
@@ -378,7 +378,7 @@ TEST(NewtonWithNeumannCorrection, AsksOfNoResidualMoreAccuracyThanTheStepNeeds) 
       // What is accepted errs by the neglected, by what the correction leaves and, by the change of
       // a sweep, by its contraction.
       EXPECT_LE(system.error_of(x), 1.5 * tolerance);
-      const double accepting = tuning.accepting_accuracy * tolerance;
+      const double accepting = Acceptance{.by = by}.accepting_accuracy(tolerance);
       for (std::size_t k = 0; k < system.accuracies.size(); ++k) {
         EXPECT_GE(system.accuracies[k], accepting) << k;
         if (step == 0 && k == 0) continue;  // nothing is known of the start

@@ -42,7 +42,7 @@ bool Newton::sweeps_alone_converge(double change, double tolerance) const {
 SolveReport Newton::solve(FixedPointSystem& system, const IterationOptions& options, Unknowns& x) {
   const Acceptance rule = system.acceptance();
   const double tolerance = options.tolerance;
-  const double accepting = tuning.accepting_accuracy * tolerance;
+  const double accepting = rule.accepting_accuracy(tolerance);
   const double least_forcing = rule.least_forcing_term(tolerance);
   double uncorrected = 0.0;         // change of the last sweep if that was a Picard sweep, else 0
   double expected = start_change_;  // change expected of the next sweep
