@@ -41,11 +41,11 @@ struct Tuning {
   /// exponential methods take 1 to 3 % more products, at 0.3 up to 9 % more in single cells, where
   /// the estimate then fails (elp4, elp6 at 1e-8, n = 33, 65, 129, T = 5).
   double accepting_accuracy_of_estimate = 0.2;
-  /// Accuracy of each term of a Neumann series, as a part of the forcing term.  At 0.15 exponential
-  /// methods take up to 12 % more products, at 1 up to 9 % fewer in rough scenes (elp4, elp6 at
-  /// 1e-8, n = 33, 65, 129, T = 5).  The energy of 4000 steps of 0.5 does not show the difference
-  /// (n = 33, smooth and rough: elp4 6e-6 to 9e-6, elp6 3e-7 to 4.4e-7 at 0.15, 0.4 and 1).
-  double neumann_term = 0.4;
+  /// Accuracy of each term of a Neumann series, as a part of the forcing term.  At 0.4 exponential
+  /// methods take up to 4 % more products, at 1 up to 2 % fewer, and answers err alike (elp4, elp6
+  /// at 1e-8, n = 33, 65, 129, T = 5).  The energy of 4000 steps of 0.5 shows a difference at 1
+  /// alone (n = 33, rough: elp6 4.3e-7 at 1, 2.4e-7 and 2.8e-7 at 0.4 and 0.7).
+  double neumann_term = 0.7;
   /// Largest growth of the change from one frozen sweep to the next before T counts as not
   /// contracting.  T is not normal, so its norm may exceed 1.
   double growth = 4.0;
