@@ -419,6 +419,21 @@ TEST(NewtonWithNeumannCorrection, IsAcceptedByEstimateInFewerSweepsButNotFarFrom
   EXPECT_GE(sweeps(Acceptance::By::error_estimate, 0.1), 3) << "beyond the guard";
 }
 
+// At this n three Picard sweeps cost less than a correction and the sweep that accepts it, but not
+// less than a correction that is accepted by itself.
+TEST(NewtonWithNeumannCorrection, TakesThreeSweepsForACorrectionOnlyWhereThatSavesASweep) {
+  for (const auto by : {Acceptance::By::change, Acceptance::By::error_estimate}) {
+    Smoothing system(0.1, by);
+    Newton solver(system.started(0.0));
+    Unknowns x = system.started(1e-10);
+    const SolveReport report = solver.solve(system, {.tolerance = tolerance}, x);
+    const bool by_estimate = by == Acceptance::By::error_estimate;
+    EXPECT_EQ(report.sweeps == 1, by_estimate);
+    EXPECT_EQ(system.couplings > 0, by_estimate);
+    EXPECT_LE(system.error_of(x), 1.5 * tolerance);
+  }
+}
+
 TEST(NewtonWithNeumannCorrection, ATermThatGrowsIsNoCorrection) {
   Smoothing system(0.1, Acceptance::By::change);
   system.sign_of_K_told = 12.0;  // K told is 1.2

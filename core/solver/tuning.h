@@ -18,7 +18,8 @@ struct Tuning {
   /// which the coupling K contracts.
   double likely_contraction = 0.1;
   /// Number of Picard sweeps that are taken in place of a correction where they converge.  At n =
-  /// 17 three cost less than a correction; at n = 33 one does.
+  /// 17 three cost less than a correction; at n = 33 one does.  Where a correction is accepted by
+  /// its estimated error, it saves sweeps at any n, and one is the number.
   int sweeps_for_a_correction(Index n) const { return n < 24 ? 3 : 1; }
   /// The forcing term is the error allowed in a correction of a residual R: the largest of
   /// forcing_relative ‖R‖, the limit of single precision, forcing_of_tolerance times the tolerance,
