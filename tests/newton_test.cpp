@@ -362,7 +362,7 @@ class Smoothing final : public FixedPointSystem, public Coupling {
 constexpr double tolerance = 1e-12;
 
 // One more digit than the error that a sweep leaves is never asked of it, and of no sweep more than
-// a tenth of the tolerance: accepting_accuracy.
+// a tenth of the tolerance, or a fifth: accepting_accuracy.
 TEST(NewtonWithNeumannCorrection, AsksOfNoResidualMoreAccuracyThanTheStepNeeds) {
   for (const auto by : {Acceptance::By::change, Acceptance::By::error_estimate}) {
     Smoothing system(0.1, by);
@@ -378,7 +378,7 @@ TEST(NewtonWithNeumannCorrection, AsksOfNoResidualMoreAccuracyThanTheStepNeeds) 
       // What is accepted errs by the neglected, by what the correction leaves and, by the change of
       // a sweep, by its contraction.
       EXPECT_LE(system.error_of(x), 1.5 * tolerance);
-      const double accepting = tuning.accepting_accuracy * tolerance;
+      const double accepting = Acceptance{.by = by}.accepting_accuracy(tolerance);
       for (std::size_t k = 0; k < system.accuracies.size(); ++k) {
         EXPECT_GE(system.accuracies[k], accepting) << k;
         if (step == 0 && k == 0) continue;  // nothing is known of the start
@@ -417,6 +417,21 @@ TEST(NewtonWithNeumannCorrection, IsAcceptedByEstimateInFewerSweepsButNotFarFrom
   EXPECT_EQ(sweeps(Acceptance::By::error_estimate, 1e-7), 1);
   EXPECT_EQ(sweeps(Acceptance::By::change, 1e-7), 2);
   EXPECT_GE(sweeps(Acceptance::By::error_estimate, 0.1), 3) << "beyond the guard";
+}
+
+// At this n three Picard sweeps cost less than a correction and the sweep that accepts it, but not
+// less than a correction that is accepted by itself.
+TEST(NewtonWithNeumannCorrection, TakesThreeSweepsForACorrectionOnlyWhereThatSavesASweep) {
+  for (const auto by : {Acceptance::By::change, Acceptance::By::error_estimate}) {
+    Smoothing system(0.1, by);
+    Newton solver(system.started(0.0));
+    Unknowns x = system.started(1e-10);
+    const SolveReport report = solver.solve(system, {.tolerance = tolerance}, x);
+    const bool by_estimate = by == Acceptance::By::error_estimate;
+    EXPECT_EQ(report.sweeps == 1, by_estimate);
+    EXPECT_EQ(system.couplings > 0, by_estimate);
+    EXPECT_LE(system.error_of(x), 1.5 * tolerance);
+  }
 }
 
 TEST(NewtonWithNeumannCorrection, ATermThatGrowsIsNoCorrection) {

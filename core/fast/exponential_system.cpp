@@ -33,6 +33,15 @@ constexpr double contraction_of_K = 0.1;
 // smooth and rough): a bound for states of which little is known yet.
 constexpr double coarsest_part = 1e-2;
 
+// ‖E δ‖ / ‖δ‖, where E is the derivative of a term of B̃, as a multiple of the term's part of B̃,
+// unless it was seen.  It is 0.8 to 2.5 at steps for errors of 1e-4 to 1e-6, 5 at the coarsest.
+constexpr double likely_derivative = 2.5;
+// A derivative is left out of a correction if the error stays below this multiple of the forcing
+// term.  The estimated error of x is then below the tolerance still.
+constexpr double most_left_out = 1.4;
+// Forcing term of what a derivative adds, as a part of that of the whole correction.
+constexpr double forcing_of_derivative = 0.3;
+
 // Order of the explicit method that gives the start values.
 int magnus_order(int order) { return order == 6 ? 5 : 4; }
 
@@ -40,7 +49,7 @@ int magnus_order(int order) { return order == 6 ? 5 : 4; }
 
 template <class Real>
 ExponentialSystem::Linearization<Real>::Linearization(Index n)
-    : mu(n), v(n), Omega(n), c(n), next_c(n), D(n), BD(n), terms_of_D(n) {
+    : mu(n), v(n), Omega(n), c(n), next_c(n), D(n), sum_of_D(n), BD(n), E_delta(n) {
   moved.fill(M(n));
   inner.fill(M(n));
 }
@@ -71,6 +80,9 @@ ExponentialSystem::ExponentialSystem(const Flow& flow, int order, const FastOpti
       terms_(n_),
       terms_single_(n_),
       single_(n_),
+      derivative_per_share_(likely_derivative),
+      E_delta_({split_stages<float>(1, n_)}),
+      more_delta_(E_delta_),
       Omega_cut_(n_) {
   if (options.error_estimates) acceptance_.by = Acceptance::By::error_estimate;
   if (!options.single_precision) double_.emplace(lie_, order, n_);
@@ -87,7 +99,8 @@ std::vector<Attempt> ExponentialSystem::attempts(bool newton) const {
 }
 
 void ExponentialSystem::forget() {
-  share_of_terms_ = unknown_shares;
+  knows_shares_ = false;
+  derivative_per_share_ = likely_derivative;
   largest_change_ = change_before_ = 0.0;
 }
 
@@ -153,7 +166,7 @@ bool ExponentialSystem::form_average(const SplitMatrix& Omega, double error,
   mu_ = 1.0 * *W0_;
   for (SplitMatrixOf<Real>& each : moved) each = 1.0 * W0;
   series_.truncate(bands_, 0.1 * error);
-  series_.begin(Omega, *W0_, error);
+  series_.begin(Omega, *W0_, error, GradedSeries::Sum::average);
   bool goes_on = true;
   while (goes_on) {
     goes_on = series_.advance();
@@ -173,6 +186,12 @@ bool ExponentialSystem::form_average(const SplitMatrix& Omega, double error,
   return true;
 }
 
+// Returns the part of B(μ) that something of this norm is, at most 1.
+double ExponentialSystem::share_of(double size) const {
+  const double whole = norm(v_);
+  return size < whole ? size / whole : 1.0;  // 1 for NaN
+}
+
 // Sets `terms` to the chosen ones and takes their size beside v_.
 template <class Real>
 void ExponentialSystem::form_terms(SplitMatrixOf<Real>& terms,
@@ -180,22 +199,27 @@ void ExponentialSystem::form_terms(SplitMatrixOf<Real>& terms,
                                    const SplitMatrixOf<Real>& mu, const SplitMatrixOf<Real>& v,
                                    typename SplitModifiedGradient<Real>::Terms which) {
   gradient.evaluate(terms, mu, v, h_, which);
-  share_of_terms_[which.second ? 0 : 1] = norm(terms) / norm(v_);
+  share_of_terms_[which.second ? 0 : 1] = share_of(norm(terms));
 }
 
 // Sets v_ to B̃(mu_), to a relative accuracy.  The terms in h² and h⁴ are formed in single precision
 // where its rounding does not show, by their last sizes.
-void ExponentialSystem::form_gradient(double accuracy) {
+void ExponentialSystem::form_gradient(const SplitMatrix& Omega, double accuracy) {
   lie_.neglect(0.1 * accuracy);
   lie_.cut(mu_);
   lie_.generate(v_, mu_);
   if (order_ == 2) return;
+  if (!knows_shares_) {  // Ω is about h B̃(μ)
+    terms_ = Omega - h_ * v_;
+    share_of_terms_.fill(share_of(norm(terms_) / std::abs(h_)));
+  }
   if (double_) {
     double_->linearization.mu = 1.0 * mu_;
     double_->linearization.v = 1.0 * v_;
   } else {
     round_to_single(single_.mu, mu_);
     round_to_single(single_.v, v_);
+    single_.is_current = false;
   }
   // The terms are small, and may err by a larger part of themselves.
   const bool has_fourth = order_ == 6;
@@ -207,26 +231,39 @@ void ExponentialSystem::form_gradient(double accuracy) {
     single_lie_.cut(single_.mu);
     single_lie_.cut(single_.v);
   }
-  if (has_fourth && share_of_terms_ == unknown_shares) {  // to see its size alone
-    if (double_) {
-      form_terms(terms_, gradient_, mu_, v_, {.second = false, .fourth = true});
-    } else {
-      form_terms(terms_single_, single_gradient_, single_.mu, single_.v,
-                 {.second = false, .fourth = true});
-    }
-  }
+  using Single = SplitModifiedGradient<float>::Terms;
+  using InDouble = SplitModifiedGradient<double>::Terms;
+  const auto form_in_single = [&](Single which) {
+    form_terms(terms_single_, single_gradient_, single_.mu, single_.v, which);
+    single_.is_current = true;
+  };
+  const auto form_in_double = [&](InDouble which) {
+    form_terms(terms_, gradient_, mu_, v_, which);
+    if (double_) double_->linearization.is_current = true;
+  };
   const auto may_be_single = [&](std::size_t term) {
     return !double_ && tuning.single_roundoff * share_of_terms_[term] <= accuracy;
   };
-  using Single = SplitModifiedGradient<float>::Terms;
-  using InDouble = SplitModifiedGradient<double>::Terms;
-  const Single in_single = {.second = may_be_single(0), .fourth = has_fourth && may_be_single(1)};
+  bool adds_fourth = has_fourth;
+  if (has_fourth && !knows_shares_) {  // alone, to see its size
+    if (double_) {
+      form_in_double({.second = false, .fourth = true});
+    } else {
+      form_in_single({.second = false, .fourth = true});
+      if (may_be_single(0) && may_be_single(1)) {
+        add(v_, terms_single_);
+        adds_fourth = false;
+      }
+    }
+  }
+  knows_shares_ = true;
+  const Single in_single = {.second = may_be_single(0), .fourth = adds_fourth && may_be_single(1)};
   const InDouble in_double = {.second = !in_single.second,
-                              .fourth = has_fourth && !in_single.fourth};
+                              .fourth = adds_fourth && !in_single.fourth};
   const bool any_in_double = in_double.second || in_double.fourth;
-  if (any_in_double) form_terms(terms_, gradient_, mu_, v_, in_double);
+  if (any_in_double) form_in_double(in_double);
   if (in_single.second || in_single.fourth) {
-    form_terms(terms_single_, single_gradient_, single_.mu, single_.v, in_single);
+    form_in_single(in_single);
     add(v_, terms_single_);
   }
   if (any_in_double) v_ = v_ + terms_;
@@ -240,7 +277,7 @@ ResidualSize ExponentialSystem::residual(Corrections& R, Unknowns& x, double acc
   if (!form_average(Omega, error_of_average * relative * size_of_W0_)) {
     return {.change = std::numeric_limits<double>::quiet_NaN(), .neglected = 0.0};
   }
-  form_gradient(relative);
+  form_gradient(Omega, relative);
   const double change = form_residual(
       R[0], [&](std::size_t) { return h_ * v_; }, x[0]);
   largest_change_ = larger(largest_change_, change / unit(x));
@@ -250,7 +287,7 @@ ResidualSize ExponentialSystem::residual(Corrections& R, Unknowns& x, double acc
 Correction ExponentialSystem::correct(Corrections& delta, const Unknowns& x, const Corrections& R,
                                       const CorrectionRequest& request,
                                       const IterationOptions& options) {
-  // K is needed to few digits, and its derivative of the term in h² to fewer.
+  // K is needed to few digits.
   const double allowed = tuning.neumann_term * request.forcing_term;
   const double part = std::min(allowed / request.size, coarsest_part);
   if (double_) {
@@ -260,12 +297,12 @@ Correction ExponentialSystem::correct(Corrections& delta, const Unknowns& x, con
     round_to_single(single_.Omega, x[0][0]);
     cut(single_, single_lie_, part);
   }
-  Correction correction = correction_.solve(delta, *this, R, request, options);
+  Correction correction = solve(delta, R, request, options);
   if (!has_pair_ && needs_pair(request.size, allowed)) {
     correction.error += error_of_one_node * contraction_of_K * request.size;
   }
-  if (order_ == 6) {  // the derivative that K leaves out
-    correction.error += part_in_K(share_of_terms_[1]) * request.size;
+  if (order_ == 6) {  // the derivative of the term in h⁴
+    correction.error += derivative_per_share_ * share_of_terms_[1] * request.size;
   }
   return correction;
 }
@@ -273,69 +310,123 @@ Correction ExponentialSystem::correct(Corrections& delta, const Unknowns& x, con
 // Cuts what K is formed from, which is new.
 template <class Real>
 void ExponentialSystem::cut(Linearization<Real>& at, SplitLie<Real>& lie, double part) {
-  at.is_current = false;
   lie.cut_to_part(at.Omega, part);
   for (SplitMatrixOf<Real>& moved : moved_in_use(at)) lie.cut_to_part(moved, part);
-  if (order_ == 2) return;
-  const double of_terms = std::min(part / part_in_K(share_of_terms_[0]), coarsest_part);
-  lie.cut_to_part(at.mu, of_terms);
-  lie.cut_to_part(at.v, of_terms);
 }
 
-// Estimates the part of δ that the derivative of terms of this share adds to K δ.  Newton replaces
-// the estimate by what a correction was seen to leave, where that is more.
-double ExponentialSystem::part_in_K(double share) {
-  return 2.0 * std::min(share, 1.0) * contraction_of_K;
+// Solves (1 - K - E) δ = R, with E the derivative of the term in h²: δ = Σ_k δ_k, where
+//     (1 - K) δ₀ = R,   (1 - K) δ_k = E δ_{k-1}.
+Correction ExponentialSystem::solve(Corrections& delta, const Corrections& R,
+                                    const CorrectionRequest& request,
+                                    const IterationOptions& options) {
+  const double most_left = most_left_out * request.forcing_term;
+  double left = order_ == 2 ? 0.0 : derivative_per_share_ * share_of_terms_[0] * request.size;
+  const auto expect = [&](double size_of_E_delta) {
+    left = size_of_E_delta;
+    sums_D_ = left > most_left - request.forcing_term;
+    has_sum_of_D_ = false;
+  };
+  expect(left);
+  Correction correction = correction_.solve(delta, *this, R, request, options);
+  double size = request.size;
+  while (correction.usable && has_sum_of_D_ && correction.error + left > most_left) {
+    differentiate(0.1 * most_left / left);
+    const double added = largest_norm(E_delta_[0]);
+    if (!(added < size)) return {};  // NaN included
+    if (size == request.size) derivative_per_share_ = added / size / share_of_terms_[0];
+    expect(added * added / size);
+    size = added;
+    const CorrectionRequest of_E_delta = {
+        .size = size, .forcing_term = forcing_of_derivative * request.forcing_term};
+    const Correction more = correction_.solve(more_delta_, *this, E_delta_, of_E_delta, options);
+    if (!more.usable) return {};
+    delta[0][0] = delta[0][0] + more_delta_[0][0];
+    correction.error += more.error;
+  }
+  correction.error += left;
+  return correction;
 }
 
 void ExponentialSystem::couple(Corrections& coupled, const Corrections& delta, double accuracy) {
   const SingleMatrix& t = delta[0][0];
   if (double_) {
     widen(double_->delta, t);
-    couple(double_->coupled, double_->delta, accuracy, double_->linearization, lie_, gradient_);
+    couple(double_->coupled, double_->delta, accuracy, double_->linearization, lie_);
     round_to_single(coupled[0][0], double_->coupled);
   } else {
-    couple(coupled[0][0], t, accuracy, single_, single_lie_, single_gradient_);
+    couple(coupled[0][0], t, accuracy, single_, single_lie_);
   }
 }
 
 template <class Real>
 void ExponentialSystem::couple(SplitMatrixOf<Real>& coupled, const SplitMatrixOf<Real>& delta,
-                               double accuracy, Linearization<Real>& at, SplitLie<Real>& lie,
-                               SplitModifiedGradient<Real>& gradient) {
+                               double accuracy, Linearization<Real>& at, SplitLie<Real>& lie) {
   const double size = norm(delta);
   lie.neglect(std::max(accuracy / size, double{tuning.single_roundoff}));
   const bool takes_pair = has_pair_ && needs_pair(size, accuracy);
   const std::size_t first = takes_pair ? 1 : 0;
   const std::size_t count = takes_pair ? 2 : 1;
+  const double largest_node = nodes[first + count - 1].s;
   at.c = 1.0 * delta;
   lie.cut(at.c);
   for (std::size_t i = 0; i < count; ++i) at.inner[i] = 1.0 * at.c;
   constexpr int most_terms = 60;
   const double end = is_graded_ ? accuracy : std::min(accuracy, tuning.single_roundoff * size);
+  TermGrowth growth;
+  growth.begin(size);
   for (int j = 1; j < most_terms; ++j) {
-    lie.bracket(at.next_c, at.Omega, at.c, 1.0 / static_cast<double>(j + 1));
+    const double factor = 1.0 / static_cast<double>(j + 1);
+    lie.bracket(at.next_c, at.Omega, at.c, factor);
     std::swap(at.c, at.next_c);
     for (std::size_t i = 0; i < count; ++i) {
       at.inner[i] = at.inner[i] + std::pow(nodes[first + i].s, j) * at.c;
     }
-    if (!(contraction_of_K * norm(at.c) > end)) break;
+    // c_j and c_{j+1} in K δ
+    const double size_of_c = norm(at.c);
+    growth.saw(size_of_c, factor);
+    const double next = largest_node * growth.next(1.0 / static_cast<double>(j + 2));
+    const double weight = contraction_of_K * std::pow(largest_node, j);
+    if (!(weight * std::min(size_of_c, next) > end)) break;  // NaN included
   }
   lie.bracket(at.D, at.inner[0], at.moved[first], nodes[first].weight);
   if (count == 2) {
     lie.add_bracket(at.D, at.inner[1], at.moved[first + 1], nodes[first + 1].weight);
   }
   lie.generate(at.BD, at.D);
-  if (order_ == 2 || part_in_K(share_of_terms_[0]) * size < accuracy) {
-    coupled = h_ * at.BD;
-    return;
+  coupled = h_ * at.BD;
+  if (!sums_D_) return;
+  if (has_sum_of_D_) {
+    at.sum_of_D = at.sum_of_D + at.D;
+  } else {
+    std::swap(at.sum_of_D, at.D);
   }
-  const double of_terms = accuracy / (part_in_K(share_of_terms_[0]) * size);
-  lie.neglect(std::min(of_terms, coarsest_part));
+  has_sum_of_D_ = true;
+}
+
+// Sets E_delta_ to E δ for the δ that K was applied to since sums_D_ was set.  Of its norm, `part`
+// may be left out.
+void ExponentialSystem::differentiate(double part) {
+  if (double_) {
+    differentiate(double_->linearization, lie_, gradient_, part);
+    round_to_single(E_delta_[0][0], double_->linearization.E_delta);
+  } else {
+    differentiate(single_, single_lie_, single_gradient_, part);
+    E_delta_[0][0] = 1.0 * single_.E_delta;
+  }
+}
+
+template <class Real>
+void ExponentialSystem::differentiate(Linearization<Real>& at, SplitLie<Real>& lie,
+                                      SplitModifiedGradient<Real>& gradient, double part) {
+  lie.neglect(std::min(part, coarsest_part));
+  lie.cut(at.mu);
+  lie.cut(at.v);
+  lie.cut(at.sum_of_D);
+  lie.generate(at.BD, at.sum_of_D);
   if (!at.is_current) gradient.linearize(at.mu, at.v);
   at.is_current = true;
-  gradient.derivative_of_second(at.terms_of_D, at.mu, at.v, at.D, at.BD, h_);
-  coupled = h_ * at.BD + h_ * at.terms_of_D;
+  gradient.derivative_of_second(at.E_delta, at.mu, at.v, at.sum_of_D, at.BD, h_);
+  at.E_delta = h_ * at.E_delta;
 }
 
 void ExponentialSystem::update(SplitMatrix& W1, const Unknowns& x) {

@@ -22,20 +22,21 @@ namespace isosyrk {
 /// with T_k of GradedSeries and B̃ of SplitModifiedGradient.  Tolerance and accuracy are relative to
 /// ‖Ω‖_F.  A step is isospectral for any Ω, and Lie-Poisson to the tolerance.
 ///
-/// The Jacobian is the coupling of B alone.  With c₀ = δ, c_j = [Ω, c_{j-1}] / (j+1), and
-/// e^{s ad_Ω} W₀ from the same series as μ,
+/// The Jacobian is K + E.  K is the coupling of B alone: with c₀ = δ, c_j = [Ω, c_{j-1}] / (j+1),
+/// and e^{s ad_Ω} W₀ from the same series as μ,
 ///
 ///     K δ = h B(D),   D = ∫₀¹ [s Σ_j s^j c_j, e^{s ad_Ω} W₀] ds
 ///
 /// by Gauss quadrature of weight s: one node, s = 2/3, or two, (6 ∓ √6)/10, where more digits are
 /// wanted.  The step before tells whether they will be; where it does not, the estimated error says
-/// that one node was too few.  The derivative of the term of B̃ in h² is added where it shows; that
-/// of the term in h⁴ is left out, and its size enters the estimated error.
+/// that one node was too few.  E δ = h³ (∇F₂)'(μ) D is the derivative of the term of B̃ in h², about
+/// as small beside δ as the term beside B.  It is taken where it shows; what is left out of it, and
+/// the derivative of the term in h⁴, enter the estimated error.
 ///
 /// Products of a residual: 1 for each T_k, in double precision only where it has to be, and those
-/// of B̃ - B.  Of the coupling, in single precision: 1 for each c_j, 1 for each node, and 6 for the
-/// derivative.  Without options.single_precision all of these are in double.  Of the update: those
-/// of SplitExponential.  Poisson solves: those of B̃, 1 for K, 2 for the derivative.
+/// of B̃ - B.  In single precision, of K δ: 1 for each c_j and 1 for each node; of E δ: 6.
+/// Without options.single_precision all of these are in double.  Of the update: those of
+/// SplitExponential.  Poisson solves: those of B̃, 1 for K δ, 3 for E δ.
 class ExponentialSystem final : public StageSystem, private Coupling {
  public:
   /// Bands are truncated if options.bands is true.  Throws std::invalid_argument for a flow without
@@ -63,7 +64,6 @@ class ExponentialSystem final : public StageSystem, private Coupling {
 
  private:
   static constexpr std::size_t most_nodes = 2;
-  static constexpr std::array<double, 2> unknown_shares = {1.0, 1.0};
 
   // What the Jacobian is formed from and in, in one precision.
   template <class Real>
@@ -75,15 +75,15 @@ class ExponentialSystem final : public StageSystem, private Coupling {
     // Of the last residual.
     M mu, v;                  // μ and B(μ)
     std::array<M, 3> moved;   // e^{s ad_Ω} W₀ at s = 2/3 and, if has_pair_, at the two nodes
-    bool is_current = false;  // derivatives of the gradient are those at μ
+    bool is_current = false;  // the gradient has what derivative_of_second() needs
 
     // Of the coupling.
     M Omega;
     M c, next_c;                      // c_j and c_{j+1}
     std::array<M, most_nodes> inner;  // Σ_j s^j c_j at the nodes
-    M D;
-    M BD;          // B(D)
-    M terms_of_D;  // h² (∇F₂)'(μ) D
+    M D, sum_of_D;
+    M BD;  // B(D), or B of the sum
+    M E_delta;
   };
   // What takes the place of single precision where that is left out.
   struct Double {
@@ -95,7 +95,6 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   };
 
   void couple(Corrections& coupled, const Corrections& delta, double accuracy) override;
-  static double part_in_K(double share);
   static bool needs_pair(double size, double error);
   void choose_nodes();
   // e^{s ad_Ω} W₀ at the nodes that were chosen.
@@ -107,16 +106,23 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   template <class Real>
   bool form_average(const SplitMatrix& Omega, double error, Linearization<Real>& at,
                     const SplitMatrixOf<Real>& W0);
-  void form_gradient(double accuracy);
+  double share_of(double size) const;
+  void form_gradient(const SplitMatrix& Omega, double accuracy);
   template <class Real>
   void form_terms(SplitMatrixOf<Real>& terms, SplitModifiedGradient<Real>& gradient,
                   const SplitMatrixOf<Real>& mu, const SplitMatrixOf<Real>& v,
                   typename SplitModifiedGradient<Real>::Terms which);
   template <class Real>
   void cut(Linearization<Real>& at, SplitLie<Real>& lie, double part);
+  Correction solve(Corrections& delta, const Corrections& R, const CorrectionRequest& request,
+                   const IterationOptions& options);
   template <class Real>
   void couple(SplitMatrixOf<Real>& coupled, const SplitMatrixOf<Real>& delta, double accuracy,
-              Linearization<Real>& at, SplitLie<Real>& lie, SplitModifiedGradient<Real>& gradient);
+              Linearization<Real>& at, SplitLie<Real>& lie);
+  void differentiate(double part);
+  template <class Real>
+  void differentiate(Linearization<Real>& at, SplitLie<Real>& lie,
+                     SplitModifiedGradient<Real>& gradient, double part);
 
   Index n_;
   int order_;
@@ -153,11 +159,19 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   double change_before_ = 0.0;
   bool has_pair_ = true;         // e^{s ad_Ω} W₀ is formed at the two nodes too
   double error_of_moved_ = 0.0;  // allowed in it
-  // ‖h² ∇F₂‖ / ‖v‖ and ‖h⁴ ∇F₄‖ / ‖v‖, last seen.
-  std::array<double, 2> share_of_terms_ = unknown_shares;
+  // ‖h² ∇F₂‖ / ‖v‖ and ‖h⁴ ∇F₄‖ / ‖v‖, last seen; at first, what both may be at most.
+  std::array<double, 2> share_of_terms_ = {1.0, 1.0};
+  bool knows_shares_ = false;
 
   Linearization<float> single_;
   std::optional<Double> double_;  // without single precision
+
+  // Of a correction.
+  double derivative_per_share_;  // ‖E δ‖ / ‖δ‖ over the share of the term in h², last seen
+  bool sums_D_ = false;          // D is summed over the couplings, for E δ
+  bool has_sum_of_D_ = false;
+  Corrections E_delta_;
+  Corrections more_delta_;  // δ_k
 
   // Of the update.
   SplitMatrix Omega_cut_;  // Ω, cut to its band

@@ -25,9 +25,15 @@ GradedSeries::GradedSeries(SplitProducts& products, SingleProducts& single_produ
       product_single_(n),
       squares_of_Omega_(RealVector::Zero(n)) {}
 
-void GradedSeries::begin(const SplitMatrix& Omega, const SplitMatrix& W, double error) {
+// Returns the factor of T_k in the sum.
+double GradedSeries::weight(int k) const {
+  return sum_ == Sum::average ? 1.0 / static_cast<double>(k + 1) : 1.0;
+}
+
+void GradedSeries::begin(const SplitMatrix& Omega, const SplitMatrix& W, double error, Sum sum) {
   Omega_ = 1.0 * Omega;
   error_ = error;
+  sum_ = sum;
   tail_now_ = tail_;
   k_ = 0;
   in_single_ = failed_ = false;
@@ -39,6 +45,13 @@ void GradedSeries::begin(const SplitMatrix& Omega, const SplitMatrix& W, double 
   }
   end_ = tuning.series_end * error;
   size_ = cut(term_);
+  growth_.begin(size_);
+}
+
+// True if T_k, or what T_{k+1} is expected to be, is negligible.
+bool GradedSeries::is_last() const {
+  const double next = growth_.next(1.0 / static_cast<double>(k_ + 1));
+  return weight(k_) * size_ <= end_ || weight(k_ + 1) * next <= end_;
 }
 
 // Cuts Ω to the band beyond which it adds less than the tail to T_k = [Ω, T_{k-1}] / k: the smaller
@@ -46,19 +59,21 @@ void GradedSeries::begin(const SplitMatrix& Omega, const SplitMatrix& W, double 
 template <class Real>
 void GradedSeries::cut_Omega(SplitMatrixOf<Real>& Omega) {
   if (bands_ == nullptr) return;
-  const double tail = tail_now_ * static_cast<double>(k_) / (2.0 * size_);
+  const double tail = tail_now_ / weight(k_) * static_cast<double>(k_) / (2.0 * size_);
   change_band(Omega, std::min(Omega.band(), bands_->band_of(squares_of_Omega_, tail)));
 }
 
 // Cuts T_k to its band.  Returns its norm.
 template <class Real>
 double GradedSeries::cut(SplitMatrixOf<Real>& term) {
-  return bands_ != nullptr ? bands_->measure_and_truncate_symmetric(term, tail_now_) : norm(term);
+  return bands_ != nullptr ? bands_->measure_and_truncate_symmetric(term, tail_now_ / weight(k_))
+                           : norm(term);
 }
 
 bool GradedSeries::advance() {
   constexpr int most_terms = 200;
-  if (may_be_single_ && !in_single_ && size_ * tuning.single_roundoff <= error_) {
+  const double roundoff = weight(k_ + 1) * size_ * tuning.single_roundoff;
+  if (may_be_single_ && !in_single_ && roundoff <= error_) {
     in_single_ = true;
     round_to_single(Omega_single_, Omega_);
     round_to_single(term_single_, term_);
@@ -78,7 +93,8 @@ bool GradedSeries::advance() {
     size_ = cut(term_);
   }
   failed_ = !std::isfinite(size_) || k_ >= most_terms;
-  return !failed_ && size_ > end_;
+  growth_.saw(size_, factor);
+  return !failed_ && !is_last();
 }
 
 void GradedSeries::add_upper_to(Addition<double> first,
@@ -98,7 +114,7 @@ void GradedSeries::add_upper_to(Addition<double> first,
 bool GradedSeries::conjugate(SplitMatrix& out, const SplitMatrix& Omega, const SplitMatrix& W,
                              double error) {
   out = 1.0 * W;
-  begin(Omega, W, error);
+  begin(Omega, W, error, Sum::conjugate);
   bool goes_on = true;
   while (goes_on) {
     goes_on = advance();

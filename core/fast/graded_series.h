@@ -2,6 +2,7 @@
 #pragma once
 
 #include "isosyrk/fast/fast_options.h"
+#include "isosyrk/fast/term_growth.h"
 #include "isosyrk/split/bands.h"
 #include "isosyrk/split/linear_combination.h"
 #include "isosyrk/split/split_products.h"
@@ -14,9 +15,10 @@ namespace isosyrk {
 ///
 /// from which also φ₁(ad_Ω) W = Σ_k T_k / (k+1) and e^{s ad_Ω} W = Σ_k s^k T_k follow.  Each term
 /// takes one product: [Ω, T] = M - M† with M = Ω T.  It is formed in single precision where the
-/// rounding of that is below the wanted error, and added to sums in double precision.
+/// rounding of that is below the wanted error, and added to sums in double precision.  No term is
+/// formed that is expected to be negligible.
 ///
-/// Usage: begin(); then, until advance() says that T_k is negligible, add_upper_to() the sums; then
+/// Usage: begin(); then, until advance() says that T_k is the last, add_upper_to() the sums; then
 /// mirror_skew_in_band() of each.
 class GradedSeries {
  public:
@@ -26,10 +28,15 @@ class GradedSeries {
   GradedSeries(SplitProducts& products, SingleProducts& single_products, Index n,
                const FastOptions& options = {});
 
-  /// Begins with T₀ = W.  The terms left out and the rounding of single precision have about the
-  /// Frobenius norm `error` each.
-  void begin(const SplitMatrix& Omega, const SplitMatrix& W, double error);
-  /// Forms the next term.  Returns false if it is negligible, or if the series has failed.
+  /// The sum that has the wanted error.
+  enum class Sum {
+    conjugate,  ///< e^Ω W e^(-Ω) = Σ_k T_k
+    average     ///< φ₁(ad_Ω) W = Σ_k T_k / (k+1)
+  };
+  /// Begins with T₀ = W.  In the sum, the terms left out and the rounding of single precision have
+  /// about the Frobenius norm `error` each.
+  void begin(const SplitMatrix& Omega, const SplitMatrix& W, double error, Sum sum);
+  /// Forms the next term.  Returns false if it is the last, or if the series has failed.
   bool advance();
   /// True if a term was not finite, or 200 did not suffice.
   bool failed() const { return failed_; }
@@ -54,6 +61,8 @@ class GradedSeries {
   bool conjugate(SplitMatrix& out, const SplitMatrix& Omega, const SplitMatrix& W, double error);
 
  private:
+  double weight(int k) const;
+  bool is_last() const;
   template <class Real>
   void cut_Omega(SplitMatrixOf<Real>& Omega);
   template <class Real>
@@ -67,9 +76,11 @@ class GradedSeries {
   double tail_ = 0.0;
   double error_ = 0.0;
   double tail_now_ = 0.0;  // norm that may be cut from each T_k of this series
-  double end_ = 0.0;       // norm of the first term that is negligible
+  Sum sum_ = Sum::conjugate;
+  double end_ = 0.0;  // norm of a negligible part of the sum
   int k_ = 0;
   double size_ = 0.0;  // ‖T_k‖_F
+  TermGrowth growth_;
   bool in_single_ = false;
   bool failed_ = false;
   SplitMatrix Omega_;    // cut to what the next term needs

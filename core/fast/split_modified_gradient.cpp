@@ -47,6 +47,7 @@ template <class Real>
 void SplitModifiedGradient<Real>::derivative_of_second(M& out, const M& mu, const M& v, const M& D,
                                                        const M& BD, double h) {
   const double k = 2.0 * h * h * f_Bf;
+  lie_.cut(v1_);
   lie_.bracket(df_, BD, mu);
   lie_.add_bracket(df_, v, D);
   lie_.generate(dv1_, df_);

@@ -32,7 +32,7 @@ class SplitModifiedGradient {
   /// Sets what derivative_of_second() needs, from μ and v = B(μ).  Products: 1.  Poisson solves: 1.
   void linearize(const M& mu, const M& v);
   /// out = h² (∇F₂)'(μ) D, with BD = B(D).  Products: 6.  Poisson solves: 2.  Only after
-  /// linearize() with the same μ and v, and no evaluate() since.
+  /// evaluate() or linearize() with this μ and v.
   void derivative_of_second(M& out, const M& mu, const M& v, const M& D, const M& BD, double h);
 
  private:

@@ -31,6 +31,16 @@ struct Acceptance {
     const double largest = sweep.is_confirmed ? confirmed_guard : guard;
     return by == By::error_estimate && sweep.change < largest && sweep.error < tolerance;
   }
+  /// Returns the number of Picard sweeps that are taken in place of a correction where they
+  /// converge.
+  int sweeps_for_a_correction(Index n) const {
+    return by == By::error_estimate ? 1 : tuning.sweeps_for_a_correction(n);
+  }
+  /// Returns the accuracy of the residual of a sweep that may be accepted.
+  double accepting_accuracy(double tolerance) const {
+    return tolerance * (by == By::error_estimate ? tuning.accepting_accuracy_of_estimate
+                                                 : tuning.accepting_accuracy);
+  }
   /// Returns the least forcing term of a correction: no correction has to err less.
   double least_forcing_term(double tolerance) const {
     return tolerance *

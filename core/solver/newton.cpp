@@ -18,9 +18,7 @@ double forcing_term(double size, double least) {
 }  // namespace
 
 Newton::Newton(const Unknowns& like)
-    : sweeps_(tuning.sweeps_for_a_correction(like[0][0].size())),
-      R_(corrections_like(like)),
-      delta_(R_) {
+    : n_(like[0][0].size()), R_(corrections_like(like)), delta_(R_) {
   forget();
 }
 
@@ -35,14 +33,14 @@ double Newton::first_factor() const { return std::min(1.0, 2.0 * contraction_); 
 
 // The sweep now made multiplies the change by the first factor, each further one by the
 // contraction.
-bool Newton::sweeps_alone_converge(double change, double tolerance) const {
-  return first_factor() * std::pow(contraction_, sweeps_ - 1) * change < tolerance;
+bool Newton::sweeps_alone_converge(int sweeps, double change, double tolerance) const {
+  return first_factor() * std::pow(contraction_, sweeps - 1) * change < tolerance;
 }
 
 SolveReport Newton::solve(FixedPointSystem& system, const IterationOptions& options, Unknowns& x) {
   const Acceptance rule = system.acceptance();
   const double tolerance = options.tolerance;
-  const double accepting = tuning.accepting_accuracy * tolerance;
+  const double accepting = rule.accepting_accuracy(tolerance);
   const double least_forcing = rule.least_forcing_term(tolerance);
   double uncorrected = 0.0;         // change of the last sweep if that was a Picard sweep, else 0
   double expected = start_change_;  // change expected of the next sweep
@@ -65,7 +63,8 @@ SolveReport Newton::solve(FixedPointSystem& system, const IterationOptions& opti
     is_first = false;
     if (uncorrected > 0.0) contraction_ = change / uncorrected;
     if (corrected > 0.0) left_by_correction_ = change / corrected;
-    const bool is_plain = sweeps_alone_converge(change, tolerance);
+    const bool is_plain =
+        sweeps_alone_converge(rule.sweeps_for_a_correction(n_), change, tolerance);
     Correction correction;
     if (!is_plain && change <= tuning.largest_corrected) {
       correction = system.correct(

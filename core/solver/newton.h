@@ -12,7 +12,7 @@ namespace isosyrk {
 /// enter the acceptance test only where the system says so (Acceptance).
 ///
 /// If the last observed contraction predicts that a few Picard sweeps
-/// (Tuning::sweeps_for_a_correction) will converge, no correction is computed.
+/// (Acceptance::sweeps_for_a_correction) will converge, no correction is computed.
 /// Source: R. S. Dembo, S. C. Eisenstat, T. Steihaug, SIAM J. Numer. Anal. 19, 1982.
 class Newton {
  public:
@@ -31,9 +31,9 @@ class Newton {
 
  private:
   double first_factor() const;
-  bool sweeps_alone_converge(double change, double tolerance) const;
+  bool sweeps_alone_converge(int sweeps, double change, double tolerance) const;
 
-  int sweeps_;  // Tuning::sweeps_for_a_correction
+  Index n_;
   Corrections R_, delta_;
   double contraction_ = 0.0;   // last observed, of a Picard sweep near the solution
   double start_change_ = 0.0;  // of the first sweep of the last iteration; 0 if unknown

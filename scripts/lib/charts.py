@@ -170,7 +170,7 @@ def price_title(study, problems):
         if told:
             (words, ratio), *others = told
             return (f"What structure costs: at {equals('n', problem.n)} and error {DUEL_ERROR_WORD} {words} take"
-                    f" {ratio} times the time of RK4" + "".join(f", {words} {ratio} times" for words, ratio in others))
+                    f" {as_long(ratio)} as RK4" + "".join(f", {words} {as_long(ratio)}" for words, ratio in others))
     return "What structure costs: CPU seconds of errors"
 
 
@@ -178,6 +178,10 @@ def written_ratio(duel, first, second):
     """Returns the time of a contender over another's in a duel as text; None where one has no row."""
     found = ratio_in(duel, first, second)
     return found and two_digits(found[0].ratio)
+
+
+def as_long(ratio):
+    return "as long" if ratio == "1" else f"{ratio} times as long"
 
 
 # ---- time against n
@@ -245,11 +249,11 @@ def trend_title(study):
     if not ratios:
         return f"CPU seconds to an error of {DUEL_ERROR_WORD}, by what a method keeps"
     least, largest = min(ratios), max(ratios)
-    title = f"Smooth scene: {EXPONENTIAL} methods take {ratios[least]} times as long as RK4 at {equals('n', least)}"
+    title = f"Smooth scene: {EXPONENTIAL} methods take {as_long(ratios[least])} as RK4 at {equals('n', least)}"
     if largest > least:
-        title += f" and {ratios[largest]} times at {equals('n', largest)}"
+        title += f" and {as_long(ratios[largest])} at {equals('n', largest)}"
     gauss = written_ratio(duels[largest], "gauss", "elp")
-    return title + (f"; there Gauss methods take {gauss} times as long as exponential ones" if gauss else "")
+    return title + (f"; there Gauss methods take {as_long(gauss)} as exponential ones" if gauss else "")
 
 
 # ---- the same step at every n

@@ -1,9 +1,9 @@
 """The duels of the study of accuracy: methods at one error of one problem, timed in turns in fresh processes.
 
 The lines of the study tell which methods may stand for a contender. Of each the fewest steps that reach the error are
-found by bisection, and then whether some more steps, each with fewer sweeps, take less work: no method spends time on a
-smaller error than the one wanted unless that is cheaper. The method with the least work stands. Gauss and exponential
-methods compete at a tolerance matched to the error too, where that is looser. Needs isosyrk.
+found by bisection, and then whether some more, whose steps may have fewer sweeps, take less work: no method spends time
+on a smaller error than the one wanted unless that is cheaper. The method with the least work stands. Gauss and
+exponential methods compete at a tolerance matched to the error too, where that is looser. Needs isosyrk.
 """
 
 import itertools
@@ -84,15 +84,19 @@ def cheapest_steps(job):
     """
     look, reaches = partial(run_of, job, Setting(job)), partial(is_reached, job["wanted"])
 
-    def improved(first, factor):
-        """Returns the run of least work from `first` on, with more and more or fewer and fewer steps while it falls."""
-        best, to_whole = first, math.ceil if factor > 1 else math.floor
-        while first.steps / MOST_FURTHER <= (steps := to_whole(factor * best.steps)) <= MOST_FURTHER * first.steps:
+    def others(first, factor):
+        """Returns the runs with more and more or fewer and fewer steps than a first one, while they reach the error.
+
+        All of them, since work may rise from one number of steps to the next and fall again: a step that needs one
+        sweep less may be only a little shorter.
+        """
+        runs, steps, to_whole = [], first.steps, math.ceil if factor > 1 else math.floor
+        while first.steps / MOST_FURTHER <= (steps := to_whole(factor * steps)) <= MOST_FURTHER * first.steps:
             run = look(steps)
-            if not reaches(run) or run.equivalent_products >= best.equivalent_products:
+            if not reaches(run):
                 break
-            best = run
-        return best
+            runs.append(run)
+        return runs
 
     failing, fewest = job["coarse"], look(job["fine"])
     while not reaches(fewest):
@@ -105,10 +109,10 @@ def cheapest_steps(job):
             fewest = middle
         else:
             failing = middle.steps
-    best = improved(fewest, FURTHER)
-    if best is fewest and job["coarse"] == job["fine"]:  # no fewer steps are known to fail
-        best = improved(fewest, 1 / FURTHER)
-    return row_of(job, best)
+    runs = [fewest, *others(fewest, FURTHER)]
+    if job["coarse"] == job["fine"]:  # no fewer steps are known to fail
+        runs += others(fewest, 1 / FURTHER)
+    return row_of(job, min(runs, key=lambda run: run.equivalent_products))
 
 
 def run_of(job, setting, steps):
