@@ -181,6 +181,7 @@ def written_ratio(duel, first, second):
 
 
 def as_long(ratio):
+    """Returns how long one takes as another, from a written ratio: "12 times as long", for 1 "as long"."""
     return "as long" if ratio == "1" else f"{ratio} times as long"
 
 
