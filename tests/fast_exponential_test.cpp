@@ -5,6 +5,7 @@
 #include "isosyrk/fast/graded_series.h"
 #include "isosyrk/fast/stage_generator.h"
 #include "isosyrk/fast/start_choice.h"
+#include "isosyrk/fast/start_error.h"
 #include "isosyrk/fast/term_growth.h"
 #include "isosyrk/flows/co_rotating_frame.h"
 #include "isosyrk/flows/euler_zeitlin.h"
@@ -488,6 +489,8 @@ TEST(SplitExponential, WithAnErrorAllowedStaysUnitaryToRoundingAndMultipliesLess
   const Matrix expected = conjugated(W, Omega);
   BandTruncation bands(true, 1, n);
   SplitExponential of(n, bands);
+  SplitProducts products_to_carry(n);
+  SingleProducts single_products_to_carry(n);
   double work_to_rounding = 0.0;
   for (const double error : {0.0, 1e-11, 1e-9, 1e-6, 1e-2}) {
     SCOPED_TRACE(error);
@@ -500,6 +503,14 @@ TEST(SplitExponential, WithAnErrorAllowedStaysUnitaryToRoundingAndMultipliesLess
     EXPECT_LE(found, 2.0 * error + 1e-15);
     EXPECT_LE(spectrum_error(W1.interleaved(), W), 1e-14 * W.norm());
     EXPECT_EQ(skew_defect(W1.interleaved()), 0.0);
+    SplitMatrix carried(n);
+    of.carry(carried, SplitMatrix(W), products_to_carry);
+    EXPECT_LE((carried.interleaved() - expected).norm() / W.norm(), 2.0 * error + 1e-8);
+    SingleMatrix W_single(n), carried_single(n);
+    round_to_single(W_single, SplitMatrix(W));
+    of.carry(carried_single, W_single, single_products_to_carry);
+    EXPECT_LE((carried_single.interleaved().cast<Complex>() - expected).norm() / W.norm(),
+              2.0 * error + 2e-3);
     const double work = products.equivalents() + 0.5 * single_products.equivalents();
     if (error == 0.0) {
       work_to_rounding = work;
@@ -677,6 +688,94 @@ TEST(GradedSeries, FailsWhereItsTermsAreNotFinite) {
   EXPECT_TRUE(
       series.conjugate(out, SplitMatrix(random_skew_hermitian(n, 1)), SplitMatrix(W), 1e-10))
       << "and works afterwards";
+}
+
+// ---- the error of explicit start values
+
+// The error of the explicit start values of steps in a row: each step turns it by e^A and moves it
+// by a constant.
+class StartErrors : public ::testing::Test {
+ protected:
+  static constexpr Index n = 20;
+
+  // Takes a step.  Returns the error of its start values as they are mended, over that before, if
+  // errors are carried by e^(this).
+  double left_of_error(StartError& errors, const Matrix& turn) {
+    SplitMatrix x(Omega - E);
+    errors.mend(x, [&](SingleMatrix& out, const SingleMatrix& X) {
+      round_to_single(out, SplitMatrix(conjugated(X.interleaved().cast<Complex>(), turn)));
+    });
+    const double left = (x.interleaved() - Omega).norm() / E.norm();
+    errors.saw(SplitMatrix(Omega));
+    E = conjugated(E, A) + moved;
+    return left;
+  }
+
+  Matrix Omega = random_skew_hermitian(n, 1);
+  Matrix E = 1e-4 * random_skew_hermitian(n, 2);
+  Matrix moved = 1e-6 * random_skew_hermitian(n, 3);
+  Matrix A = 0.3 * random_skew_hermitian(n, 4);
+};
+
+TEST_F(StartErrors, AreForetoldAsTheyAreCarriedAndByWhatThatMissed) {
+  StartError errors(n);
+  EXPECT_NEAR(left_of_error(errors, A), 1.0, 1e-9) << "nothing is known yet";
+  EXPECT_NEAR(left_of_error(errors, A), 1e-2, 3e-3) << "carried alone";
+  EXPECT_LE(left_of_error(errors, A), 1e-4);
+  EXPECT_LE(left_of_error(errors, A), 1e-4);
+  EXPECT_GT(left_of_error(errors, 0.0 * A), 0.1) << "the control: not carried";
+}
+
+TEST_F(StartErrors, AreNotForetoldWhereTheyAreSmallOrNotOfTheStepBefore) {
+  StartError errors(n);
+  left_of_error(errors, A);
+  EXPECT_LT(left_of_error(errors, A), 0.1) << "the control";
+  errors.forget();
+  EXPECT_NEAR(left_of_error(errors, A), 1.0, 1e-9);
+  EXPECT_LT(left_of_error(errors, A), 0.1) << "the control";
+  errors.saw(SplitMatrix(Omega));  // of a step that started otherwise
+  EXPECT_NEAR(left_of_error(errors, A), 1.0, 1e-9);
+  SplitMatrix x(Omega);
+  errors.mend(x, [](SingleMatrix&, const SingleMatrix&) {});
+  errors.forget();                 // the step failed
+  errors.saw(SplitMatrix(Omega));  // and the next one started otherwise
+  EXPECT_NEAR(left_of_error(errors, A), 1.0, 1e-9);
+  moved.setZero();
+  E *= 5e-7 * Omega.norm() / E.norm();  // rounding to single precision leaves as much
+  left_of_error(errors, A);
+  EXPECT_NEAR(left_of_error(errors, A), 1.0, 1e-6);
+}
+
+// The first change of a step is the error of its start values.
+TEST(StartError, IsMostlyForetoldInARun) {
+  const Scene scene = rough_scene(33);
+  bool steps_beside = false;  // another state takes a step too
+  const auto error_of_last_start = [&](const char* name, double h, const FastOptions& options,
+                                       long steps) {
+    const auto method = made(fast_entry(name, options), *scene.flow, options.iteration);
+    method->set_state(scene.initial);
+    StepReport report;
+    for (long k = 0; k < steps; ++k) {
+      Matrix other = scene.initial.reverse();
+      if (steps_beside) method->step(other, h);
+      report = method->step(h);
+    }
+    EXPECT_EQ(report.sweeps, 1);
+    return report.last_change;
+  };
+  FastOptions in_double = complete;
+  in_double.single_precision = false;
+  for (const FastOptions& options : {complete, in_double}) {
+    for (const auto& [name, h] : {std::pair("elp4_frame", 5.0 / 14.0), {"elp6_frame", 5.0 / 8.0}}) {
+      const double first = error_of_last_start(name, h, options, 1);
+      EXPECT_LT(error_of_last_start(name, h, options, 2), 0.2 * first) << name;
+      EXPECT_LT(error_of_last_start(name, h, options, 5), 0.15 * first) << name;
+    }
+  }
+  steps_beside = true;
+  const double first = error_of_last_start("elp4_frame", 5.0 / 14.0, complete, 1);
+  EXPECT_NEAR(error_of_last_start("elp4_frame", 5.0 / 14.0, complete, 4), first, 0.1 * first)
+      << "what the other state showed is not taken";
 }
 
 }  // namespace

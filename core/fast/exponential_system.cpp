@@ -73,6 +73,7 @@ ExponentialSystem::ExponentialSystem(const Flow& flow, int order, const FastOpti
       single_gradient_(single_lie_, order == 6),
       magnus_(single_lie_, magnus_order(order)),
       exponential_(n_, bands_),
+      start_error_(n_),
       correction_({split_stages(1, n_)}),
       W0_single_(n_),
       mu_(n_),
@@ -101,6 +102,7 @@ std::vector<Attempt> ExponentialSystem::attempts(bool newton) const {
 void ExponentialSystem::forget() {
   knows_shares_ = false;
   derivative_per_share_ = likely_derivative;
+  start_error_.forget();
   largest_change_ = change_before_ = 0.0;
 }
 
@@ -145,6 +147,20 @@ void ExponentialSystem::start(Unknowns& x, Start how) {
     lie_.neglect(0.0);
     lie_.generate(Omega, *W0_);
     Omega = h_ * Omega;
+  }
+  if (how == Start::stepped) {
+    start_error_.mend(Omega, [&](SingleMatrix& out, const SingleMatrix& X) { carry(out, X); });
+  }
+}
+
+// Sets out to U X U† with the U of the last step.
+void ExponentialSystem::carry(SingleMatrix& out, const SingleMatrix& X) {
+  if (double_) {
+    widen(double_->delta, X);
+    exponential_.carry(double_->coupled, double_->delta, products_);
+    round_to_single(out, double_->coupled);
+  } else {
+    exponential_.carry(out, X, single_products_);
   }
 }
 
@@ -436,6 +452,7 @@ void ExponentialSystem::update(SplitMatrix& W1, const Unknowns& x) {
   if (!exponential_.conjugate(W1, Omega_cut_, *W0_, error, products_, single_products_)) {
     W1.re()[0] = std::numeric_limits<double>::quiet_NaN();  // the step diverges
   }
+  start_error_.saw(x[0][0]);
 }
 
 }  // namespace isosyrk

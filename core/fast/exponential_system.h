@@ -11,6 +11,7 @@
 #include "isosyrk/fast/split_magnus.h"
 #include "isosyrk/fast/split_modified_gradient.h"
 #include "isosyrk/fast/stage_system.h"
+#include "isosyrk/fast/start_error.h"
 #include "isosyrk/solver/neumann_correction.h"
 
 namespace isosyrk {
@@ -33,10 +34,13 @@ namespace isosyrk {
 /// as small beside δ as the term beside B.  It is taken where it shows; what is left out of it, and
 /// the derivative of the term in h⁴, enter the estimated error.
 ///
+/// An explicit start is mended by the error that earlier ones had (StartError).
+///
 /// Products of a residual: 1 for each T_k, in double precision only where it has to be, and those
 /// of B̃ - B.  In single precision, of K δ: 1 for each c_j and 1 for each node; of E δ: 6.
 /// Without options.single_precision all of these are in double.  Of the update: those of
-/// SplitExponential.  Poisson solves: those of B̃, 1 for K δ, 3 for E δ.
+/// SplitExponential.  Of an explicit start: 6 for magnus4 and 12 for magnus5 in single precision,
+/// and 1.5 to carry its error.  Poisson solves: those of B̃, 1 for K δ, 3 for E δ.
 class ExponentialSystem final : public StageSystem, private Coupling {
  public:
   /// Bands are truncated if options.bands is true.  Throws std::invalid_argument for a flow without
@@ -48,7 +52,7 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   std::vector<Attempt> attempts(bool newton) const override;
   void forget() override;
   void bind(const SplitMatrix& W0, double h, double tolerance) override;
-  /// Explicit: Ω of magnus4, or of magnus5 for order 6.  Cold: Ω = h B(W₀).
+  /// Explicit: Ω of magnus4, or of magnus5 for order 6, mended.  Cold: Ω = h B(W₀).
   void start(Unknowns& x, Start how) override;
   ResidualSize residual(Corrections& R, Unknowns& x, double accuracy) override;
   Correction correct(Corrections& delta, const Unknowns& x, const Corrections& R,
@@ -102,6 +106,7 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   std::span<SplitMatrixOf<Real>> moved_in_use(Linearization<Real>& at) const {
     return {at.moved.data(), has_pair_ ? at.moved.size() : 1};
   }
+  void carry(SingleMatrix& out, const SingleMatrix& X);
   bool form_average(const SplitMatrix& Omega, double error);
   template <class Real>
   bool form_average(const SplitMatrix& Omega, double error, Linearization<Real>& at,
@@ -140,6 +145,7 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   SplitModifiedGradient<float> single_gradient_;
   SplitMagnus<float> magnus_;
   SplitExponential exponential_;
+  StartError start_error_;
   NeumannCorrection correction_;
 
   // Of the step.

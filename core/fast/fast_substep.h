@@ -52,7 +52,7 @@ class FastSubstep {
   std::unique_ptr<StageSystem> system_;
   IterationOptions options_;
   std::vector<Attempt> attempts_;
-  double h_ = 0.0;    // of the last step
+  double h_ = 0.0;    // of the last step, 0 if nothing seen there holds in the next
   bool predicts_;     // an attempt starts from past steps
   bool offers_both_;  // and another from an explicit step
   Unknowns x_;

@@ -7,8 +7,9 @@
 namespace isosyrk {
 
 /// out = Q† W Q, exactly skew-Hermitian, by one product and one triangle.  WQ becomes W Q.
-inline void congruence(SplitMatrix& out, SplitMatrix& WQ, SplitProducts& products,
-                       const SplitMatrix& Q, const SplitMatrix& W) {
+template <class Real>
+void congruence(SplitMatrixOf<Real>& out, SplitMatrixOf<Real>& WQ, SplitProductsOf<Real>& products,
+                const SplitMatrixOf<Real>& Q, const SplitMatrixOf<Real>& W) {
   products.form(into(WQ, W * Q));
   products.form(into(out, adjoint(Q) * WQ).upper_triangle());
   mirror_skew(out);
