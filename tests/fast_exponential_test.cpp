@@ -698,8 +698,8 @@ class StartErrors : public ::testing::Test {
  protected:
   static constexpr Index n = 20;
 
-  // Takes a step.  Returns the error of its start values as they are mended, over that before, if
-  // errors are carried by e^(this).
+  // Takes a step, with errors carried by e^turn.  Returns the error of its start values with what
+  // was foretold, over the error without.
   double left_of_error(StartError& errors, const Matrix& turn) {
     SplitMatrix x(Omega - E);
     errors.mend(x, [&](SingleMatrix& out, const SingleMatrix& X) {

@@ -136,21 +136,21 @@ void ExponentialSystem::choose_nodes() {
 
 void ExponentialSystem::start(Unknowns& x, Start how) {
   SplitMatrix& Omega = x[0][0];
-  if (how == Start::stepped && double_) {
-    lie_.neglect(tuning.single_roundoff);
-    double_->magnus.form_exponent(Omega, *W0_, h_);
-  } else if (how == Start::stepped) {
-    single_lie_.neglect(tuning.single_roundoff);
-    magnus_.form_exponent(single_.Omega, W0_single_, h_);
-    widen(Omega, single_.Omega);
-  } else {
+  if (how != Start::stepped) {
     lie_.neglect(0.0);
     lie_.generate(Omega, *W0_);
     Omega = h_ * Omega;
+    return;
   }
-  if (how == Start::stepped) {
-    start_error_.mend(Omega, [&](SingleMatrix& out, const SingleMatrix& X) { carry(out, X); });
+  if (double_) {
+    lie_.neglect(tuning.single_roundoff);
+    double_->magnus.form_exponent(Omega, *W0_, h_);
+  } else {
+    single_lie_.neglect(tuning.single_roundoff);
+    magnus_.form_exponent(single_.Omega, W0_single_, h_);
+    widen(Omega, single_.Omega);
   }
+  start_error_.mend(Omega, [&](SingleMatrix& out, const SingleMatrix& X) { carry(out, X); });
 }
 
 // Sets out to U X U† with the U of the last step.

@@ -34,7 +34,7 @@ namespace isosyrk {
 /// as small beside δ as the term beside B.  It is taken where it shows; what is left out of it, and
 /// the derivative of the term in h⁴, enter the estimated error.
 ///
-/// An explicit start is mended by the error that earlier ones had (StartError).
+/// The error of explicit start values is foretold from that of the step before (StartError).
 ///
 /// Products of a residual: 1 for each T_k, in double precision only where it has to be, and those
 /// of B̃ - B.  In single precision, of K δ: 1 for each c_j and 1 for each node; of E δ: 6.
@@ -52,7 +52,8 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   std::vector<Attempt> attempts(bool newton) const override;
   void forget() override;
   void bind(const SplitMatrix& W0, double h, double tolerance) override;
-  /// Explicit: Ω of magnus4, or of magnus5 for order 6, mended.  Cold: Ω = h B(W₀).
+  /// Explicit: Ω of magnus4, or of magnus5 for order 6, less its expected error.  Cold: Ω = h
+  /// B(W₀).
   void start(Unknowns& x, Start how) override;
   ResidualSize residual(Corrections& R, Unknowns& x, double accuracy) override;
   Correction correct(Corrections& delta, const Unknowns& x, const Corrections& R,

@@ -76,7 +76,7 @@ StepReport FastSubstep::advance(SplitMatrix& W1, const SplitMatrix& W0, double h
     newton_.forget();
     system_->forget();
   }
-  h_ = past == Past::left_out ? 0.0 : h;  // what a step beside a run shows does not hold in it
+  h_ = past == Past::left_out ? 0.0 : h;  // what a lone step shows holds in no run
   system_->bind(W0, h, options_.tolerance);
   StepReport report;
   for (const Attempt& attempt : attempts_) {

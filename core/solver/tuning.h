@@ -70,7 +70,7 @@ struct Tuning {
 
   /// Largest error of a prediction, as a multiple of that of an explicit start, at which the
   /// prediction is preferred: it saves the products of the explicit step.  At 3 exponential methods
-  /// take up to 15 % more products over T = 50, at 30 between 12 % more and 5 % fewer (elp4, elp6
+  /// take up to 18 % more products over T = 50, at 30 between 12 % more and 6 % fewer (elp4, elp6
   /// at 1e-8, n = 17, 33, 65, smooth and rough, 40 to 400 steps).
   double predicted_error = 10.0;
 
