@@ -4,21 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include "isosyrk/fast/coupling_nodes.h"
 #include "isosyrk/split/linear_combination.h"
 #include "isosyrk/split/skew.h"
 
 namespace isosyrk {
 namespace {
 
-// Gauss quadrature of ∫₀¹ f(s) s ds, with one node and with two.  Σ w = 1/2, Σ w s = 1/3.
-struct Node {
-  double s;
-  double weight;
-};
-const double root6 = std::sqrt(6.0);
-const std::array<Node, 3> nodes = {{{2.0 / 3.0, 0.5},
-                                    {(6.0 - root6) / 10.0, 0.25 - 1.0 / (6.0 * root6)},
-                                    {(6.0 + root6) / 10.0, 0.25 + 1.0 / (6.0 * root6)}}};
+const std::array<CouplingNode, 3> nodes = coupling_nodes();
 
 // Error of μ, relative to ‖W₀‖, as a multiple of the accuracy of Ω: B damps the fine scales, where
 // most of it lies.  At two fifths of this value steps take 1 to 2 % more products, and the solver's
@@ -287,8 +280,7 @@ void ExponentialSystem::form_gradient(const SplitMatrix& Omega, double accuracy)
 
 ResidualSize ExponentialSystem::residual(Corrections& R, Unknowns& x, double accuracy) {
   SplitMatrix& Omega = x[0][0];
-  const double size = norm(Omega);
-  const double relative = size > 0.0 ? accuracy / size : accuracy;
+  const double relative = accuracy / unit(x);
   bands_.truncate(x[0], 0.1 * accuracy);
   if (!form_average(Omega, error_of_average * relative * size_of_W0_)) {
     return {.change = std::numeric_limits<double>::quiet_NaN(), .neglected = 0.0};
