@@ -11,6 +11,7 @@
 
 #include "benchmarks/build_info.h"
 #include "benchmarks/peak.h"
+#include "isosyrk/split/split_products.h"
 
 extern "C" char** environ;  // NOLINT(readability-redundant-declaration)
 
@@ -111,6 +112,11 @@ std::string notice() {
   return fmt::format("{}", fmt::join(remarks, "; "));
 }
 
+std::string kernel_sets() {
+  return fmt::format("OpenBLAS {}, split products {}, other code compiled for {}", kernel_set(),
+                     gemm_kernels().front().name, compiled_vector_units());
+}
+
 Conditions machine_conditions(const std::string& program, BackendChoice choice,
                               const std::vector<BackendRates>& rates) {
   return {
@@ -127,6 +133,7 @@ Conditions machine_conditions(const std::string& program, BackendChoice choice,
       {"load_average", load_average()},
       {"blas_library", openblas_get_config()},
       {"blas_kernels", kernel_set()},
+      {"split_kernels", gemm_kernels().front().name},
       {"blas_threads", fmt::format("{}", openblas_get_num_threads())},
       {"environment", relevant_environment()},
       {"products", chosen_text(choice, rates)},

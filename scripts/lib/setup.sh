@@ -56,6 +56,43 @@ install_packages() {
 # pipe would be the status under pipefail.
 has_avx512() { lscpu | grep -w avx512f >/dev/null; }
 
+# For which processor a script builds, so that rounding can be varied on one machine: options for CMake, and where.
+MACHINES="native, x86-64-v3 or x86-64"
+MACHINE=native MACHINE_OPTIONS=() BUILD=$ROOT/build
+
+# choose_machine NAME: sets MACHINE_OPTIONS and BUILD, the build folder.
+choose_machine() {
+  MACHINE=$1
+  case $1 in
+    native) MACHINE_OPTIONS=() ;;
+    # The compiler fuses no product with a sum, by which its code rounds as on a processor that cannot.
+    x86-64-v3) MACHINE_OPTIONS=(-DISOSYRK_NATIVE=OFF -DISOSYRK_KERNELS=avx2
+                                "-DCMAKE_CXX_FLAGS=-march=x86-64-v3 -ffp-contract=off") ;;
+    x86-64) MACHINE_OPTIONS=(-DISOSYRK_NATIVE=OFF -DISOSYRK_KERNELS=portable) ;;
+    *) die 2 "--machine '$1': must be $MACHINES" ;;
+  esac
+  [ "$1" = native ] || BUILD=$ROOT/build-$1
+}
+
+# settle_coretype yes|no: keeps or clears an inherited choice of OpenBLAS's kernels, and says so.
+settle_coretype() {
+  [ -n "${OPENBLAS_CORETYPE:-}" ] || return 0
+  if [ "$1" = yes ]; then
+    say "Note: OPENBLAS_CORETYPE=$OPENBLAS_CORETYPE is kept; it decides which kernels OpenBLAS runs."
+  else
+    say "Note: cleared the inherited OPENBLAS_CORETYPE=$OPENBLAS_CORETYPE, so that OpenBLAS picks its" \
+        "kernels for this processor (--keep-coretype keeps it)."
+    unset OPENBLAS_CORETYPE
+  fi
+}
+
+# show_kernels FOLDER: says which kernels a build runs here, by which results and counts round.
+show_kernels() {
+  local kernels
+  kernels=$("$1/benchmarks/kernel_sets") || die 2 "$1/benchmarks/kernel_sets: cannot tell the kernels that run here"
+  say "Kernels: $kernels"
+}
+
 child=  # what a script waits for, to be ended with it
 
 # begin_lock FILE_OR_FOLDER: takes its lock, which ends with the process, however that ends. Status 1 if another has it.

@@ -43,9 +43,13 @@ def program(name):
 
 
 def environment(**changes):
-    """Returns this environment without what steers OpenBLAS and Google Benchmark; None removes a variable."""
+    """Returns this environment without what steers OpenBLAS and Google Benchmark; None removes a variable.
+
+    A choice of OpenBLAS's kernels stays: all processes of a test round alike, and the suite can be run under each.
+    """
     steering = ("OPENBLAS_", "OMP_", "BENCHMARK_")
-    result = {name: value for name, value in os.environ.items() if not name.startswith(steering)}
+    result = {name: value for name, value in os.environ.items()
+              if not name.startswith(steering) or name == "OPENBLAS_CORETYPE"}
     result["LC_ALL"] = "C"
     # Scripts run in the Python that runs the tests: what a version manager puts on PATH in its place takes longer to
     # start than most of them take to run.

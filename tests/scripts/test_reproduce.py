@@ -29,6 +29,7 @@ STUDY_RESULTS = {"raw.json", "report.md", "figures.json"}
 PROGRAMS = (*(f"build/benchmarks/{name}" for name in ("table1", "table2")), "build-avx2/benchmarks/table2",
             *(f"scripts/studies/{name}.py" for name in ("accuracy", "limits", "longruns", "scaling", "theorem",
                                                         "claims", "turbulence")))
+BUILDS = ("build", "build-sanitize", "build-threads", "build-x86-64", "build-x86-64-v3")
 CORES = len(os.sched_getaffinity(0))
 
 STAND_INS = {
@@ -57,6 +58,12 @@ echo "chatter of $tool"
 [ "$tool" != "$FAILING" ]
 """),
 }
+
+# What a build says of its kernels.
+KERNEL_SETS = """#!/bin/sh
+[ "$FAILING" != kernel_sets ] || exit 1
+echo "OpenBLAS ${OPENBLAS_CORETYPE:-Zen}, split products avx2, in $0"
+"""
 
 # A study: writes down how it was called, then does what $BENCHMARK says, and fails if it, or its file, is $FAILING.
 # What it measured is prepared under its name.
@@ -153,6 +160,8 @@ class CopyTest(FolderTest):
         shutil.copytree(os.path.join(ROOT, "results", "paper"), self.path("root", "results", "paper"))
         for name, body in STAND_INS.items():
             self.write(f"tools/{name}", "#!/bin/sh\n" + body, executable=True)
+        for folder in BUILDS:
+            self.write(f"root/{folder}/benchmarks/kernel_sets", KERNEL_SETS, executable=True)
         os.mkdir(self.path("tmp"))
         self.calls_path = self.write("calls", "")
         self.out = self.path("out")
@@ -163,7 +172,8 @@ class CopyTest(FolderTest):
     def surroundings(self, **changes):
         settings = {"PATH": self.path("tools") + os.pathsep + environment()["PATH"], "TMPDIR": self.path("tmp"),
                     "CALLS": self.calls_path, "BENCHMARK": "finish", "PREPARED": self.folder,
-                    "PYTHONDONTWRITEBYTECODE": "1", "DEBIAN_FRONTEND": None, "ASAN_OPTIONS": None}
+                    "PYTHONDONTWRITEBYTECODE": "1", "DEBIAN_FRONTEND": None, "ASAN_OPTIONS": None,
+                    "OPENBLAS_CORETYPE": None}
         return environment(**{**settings, **changes})
 
     def script(self, name, *arguments, **changes):
@@ -243,10 +253,17 @@ class Arguments(CopyTest):
             self.refuses("reproduce", arguments, *parts)
         for argument in ("all", "--sanitise"):
             self.refuses("test", ["--sanitize", argument], argument, "--sanitize", "--no-install", MISSING="cmake")
+        for script in ("reproduce", "test"):
+            for arguments in (["--machine"], ["--machine", ""], ["--machine", "x86-64-v4"], ["--machine", "--quick"]):
+                self.refuses(script, arguments, "--machine", *arguments[1:], "native", "x86-64-v3", "x86-64")
+        for what in ("--sanitize", "--threads"):
+            for arguments in ([what, "--machine", "x86-64"], ["--machine", "native", what]):
+                self.refuses("test", arguments, "--machine", what)
 
     def test_help_explains_the_options(self):
-        for script, *options in (("reproduce", "table1", "--quick", "--out", "--no-install", "--keep-coretype"),
-                                 ("test", "--sanitize", "--no-install")):
+        for script, *options in (("reproduce", "table1", "--quick", "--out", "--no-install", "--keep-coretype",
+                                  "--machine"),
+                                 ("test", "--sanitize", "--machine", "x86-64-v3", "--no-install", "--keep-coretype")):
             with self.unchanged():
                 done = self.script(script, "--help")
             self.assertEqual((done.returncode, done.stderr), (DONE, ""))
@@ -307,6 +324,17 @@ class EndToEnd(ReproduceTest):
             self.assertTrue(call.startswith(f"table1[{asked_for}]"), call)
             self.assertRegex(done.stderr, said)
         self.assertNotIn("OPENBLAS_CORETYPE", self.reproduce(FAILING="table1").stderr)
+
+    def test_each_machine_has_a_build_of_its_own_and_its_kernels_are_said(self):
+        for machine, folder in (("native", "build"), ("x86-64-v3", "build-x86-64-v3"), ("x86-64", "build-x86-64")):
+            self.write("calls", "")
+            self.write(f"root/{folder}/benchmarks/table1", TABLE_PROGRAM, executable=True)
+            done = self.reproduce("--machine", machine, "--quick")
+            self.assertEqual(done.returncode, DONE, done.stderr)
+            self.assertRegex(done.stderr, f"Kernels: OpenBLAS Zen, split products avx2, in .*/{folder}/benchmarks/")
+            self.assertIn(f"-B {self.path('root', folder)} ", self.calls("cmake")[0])
+            self.assertTrue(self.calls("table1"))
+        self.assertIn("cannot tell the kernels", self.reproduce("--quick", FAILING="kernel_sets").stderr)
 
     def test_results_replace_earlier_ones_and_other_files_stay(self):
         self.out = self.path("my results", "of today")
@@ -393,7 +421,7 @@ class EndToEnd(ReproduceTest):
         self.assertTrue(all(call.startswith("table2[Haswell]") for call in self.calls("table2")))
         self.assertGreaterEqual(len(self.calls("table2")), 4 * 6)
         configured = next(call for call in self.calls("cmake") if f"-B {self.path('root', 'build-avx2')}" in call)
-        for option in ("-DISOSYRK_NATIVE=OFF", "-march=x86-64-v3", "-DISOSYRK_COMPILER_HAS_AVX512=OFF"):
+        for option in ("-DISOSYRK_NATIVE=OFF", "-march=x86-64-v3", "-DISOSYRK_KERNELS=avx2"):
             self.assertIn(option, configured)
         self.assertTrue(self.calls("claims[none]"))  # on the kernels of this processor
         self.write("calls", "")
@@ -643,6 +671,30 @@ class TestScript(CopyTest):
             self.assertIn(f"-B {self.path('root', folder)} ", self.calls("cmake")[0])
             self.assertEqual("-DISOSYRK_SANITIZE=ON" in self.calls("cmake")[0], bool(arguments))
             self.assertIn(f"--test-dir {self.path('root', folder)} ", self.calls("ctest")[0])
+
+    def test_rounding_is_varied_by_the_machine_built_for_and_by_a_kept_choice_of_kernels(self):
+        for machine, folder, options in (
+                ("native", "build", ()),
+                ("x86-64-v3", "build-x86-64-v3", ("-DISOSYRK_NATIVE=OFF", "-DISOSYRK_KERNELS=avx2",
+                                                  "-DCMAKE_CXX_FLAGS=-march=x86-64-v3 -ffp-contract=off")),
+                ("x86-64", "build-x86-64", ("-DISOSYRK_NATIVE=OFF", "-DISOSYRK_KERNELS=portable"))):
+            for kept, kernels in (((), "Zen"), (("--keep-coretype",), "Nehalem")):
+                self.write("calls", "")
+                done = self.script("test", "--machine", machine, *kept, OPENBLAS_CORETYPE="Nehalem")
+                self.assertEqual(done.returncode, DONE, done.stderr)
+                self.assertRegex(done.stderr, f"Kernels: OpenBLAS {kernels}, .* in .*/{folder}/benchmarks/")
+                self.assertIn("kept" if kept else "cleared", done.stderr)
+                self.assertIn(f"-B {self.path('root', folder)} ", self.calls("cmake")[0])
+                self.assertIn(f"--test-dir {self.path('root', folder)} ", self.calls("ctest")[0])
+                for option in options:
+                    self.assertIn(option, self.calls("cmake")[0])
+                self.assertEqual("-DISOSYRK_KERNELS" in self.calls("cmake")[0], machine != "native")
+
+    def test_kernels_that_cannot_be_told_end_it_before_the_tests(self):
+        done = self.script("test", FAILING="kernel_sets")
+        self.assertEqual(done.returncode, BAD_ARGUMENTS)
+        self.assertIn("cannot tell the kernels", done.stderr.splitlines()[-1])
+        self.assertEqual(self.calls("ctest"), [])
 
     def test_what_failed_is_said_once_more_at_the_end(self):
         self.write("root/build/Testing/Temporary/LastTest.log", """12/13 Testing: scripts.test_some
