@@ -4,7 +4,6 @@ Whether a process was disturbed is told by the operating system, and never by wh
 ratios would choose among them.
 """
 
-import ctypes
 import os
 import signal
 import subprocess
@@ -15,7 +14,10 @@ from typing import NamedTuple
 # second another program took the core. Quiet machines show less than a third of either, one with a busy neighbour on
 # the same core more than ten times as much.
 MOST_STOLEN, MOST_SWITCHES = 0.02, 30.0
-PR_SET_PDEATHSIG = 1  # prctl(2): the signal that a process gets when the one that started it ends
+# Starts the command behind the number of the process that starts it and a list of cores. Python's own way, a function
+# between fork and exec, may hang where other threads run. If that process has ended already, no signal will come.
+LAUNCHER = ("setpriv", "--pdeathsig", "KILL", "--", "sh", "-c",
+            '[ "$PPID" = "$1" ] || exit 1; shift; exec taskset --cpu-list "$@"', "sh")
 MOST_TRIES = 2  # of one process, since a busy machine may stay busy; the less disturbed is kept then, and that is told
 
 
@@ -64,16 +66,9 @@ def run_on(core, command, **streams):
     The process ends with this one, however it ends.
     """
     cores = {core} if isinstance(core, int) else core
-    parent, prctl = os.getpid(), ctypes.CDLL(None).prctl  # loaded before the fork
-
-    def prepare():
-        os.sched_setaffinity(0, cores)
-        prctl(PR_SET_PDEATHSIG, int(signal.SIGKILL))
-        if os.getppid() != parent:  # it had ended already
-            os.kill(os.getpid(), signal.SIGKILL)
-
+    launch = [*LAUNCHER, str(os.getpid()), ",".join(map(str, sorted(cores)))]
     before, begun = sum(map(stolen_seconds, cores)), time.monotonic()
-    process = subprocess.Popen(command, stdin=subprocess.DEVNULL, preexec_fn=prepare, **streams)
+    process = subprocess.Popen([*launch, *command], stdin=subprocess.DEVNULL, **streams)
     try:
         _, status, used = os.wait4(process.pid, 0)
     except BaseException:

@@ -8,9 +8,12 @@ algebra forms M_jk for j <= k alone, s + s(s+1)/2 products for the paper's s + s
 
 The model is an idealisation, and bounds no library: processors share no memory bandwidth, and starting and ending a
 phase costs nothing. Two cases are modelled: whole tasks (no product is split), and split ones (p even parts).
+
+Seconds are added by math.fsum, here as elsewhere in scripts/: the built-in sum rounds otherwise from Python 3.12 on.
 """
 
 import heapq
+import math
 from typing import NamedTuple
 
 PROCESSORS = (1, 2, 4, 8, 16, 32, 64)
@@ -65,12 +68,12 @@ class Rates(NamedTuple):
 
 def sweep_seconds(formulation, s, rates, processors):
     """Returns the seconds of a sweep on so many processors, no task being split."""
-    return sum(makespan([rates.seconds(task) for task in phase], processors) for phase in phases(formulation, s))
+    return math.fsum(makespan([rates.seconds(task) for task in phase], processors) for phase in phases(formulation, s))
 
 
 def work_seconds(formulation, s, rates, processors):
     """Returns the seconds of a sweep if all its work were split evenly, at the rates of one processor."""
-    return sum(rates.seconds(task) for phase in phases(formulation, s) for task in phase) / processors
+    return math.fsum(rates.seconds(task) for phase in phases(formulation, s) for task in phase) / processors
 
 
 def path_products(formulation, s):

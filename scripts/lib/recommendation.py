@@ -166,7 +166,7 @@ def neighbours(values, wanted):
 
 def blend(weights, values):
     """Returns the weighted geometric mean of values."""
-    return math.exp(sum(weight * math.log(value) for weight, value in zip(weights, values)))
+    return math.exp(math.fsum(weight * math.log(value) for weight, value in zip(weights, values)))
 
 
 def cost_of(runs, error):

@@ -16,6 +16,7 @@ import logging
 import math
 import multiprocessing
 import os
+import pickle
 import re
 import signal
 import site
@@ -39,7 +40,7 @@ MODULE = os.path.join(os.environ.get("ISOSYRK_BUILD") or os.path.join(ROOT, "bui
 JOURNAL = "isosyrk journal 1"
 PROCESS = "--process"  # the hidden mode of a study: what follows is one block to time
 RESULTS_DEPEND_ON = ("commit", "dirty")  # conditions, of all work
-TIMES_DEPEND_ON = ("cpu", "blas_kernels")  # and of timed work
+TIMES_DEPEND_ON = ("cpu", "blas_kernels", "split_kernels")  # and of timed work
 NOT_OF_THE_STUDY = ("out", "scheduler", "workers", "repetitions", "processes")  # options that leave results as they are
 MOST_LOSSES = 3  # of workers, without a job finished between
 LOST = "a worker was lost; its jobs are done again"
@@ -285,6 +286,29 @@ def follow_parent():
     threading.Thread(target=lambda: (parent.join(), os._exit(1)), daemon=True).start()
 
 
+class Call:
+    """work(job) as a pickle: who loads it makes the call and gets its result."""
+
+    def __init__(self, work, job):
+        self.work, self.job = work, job
+
+    def __reduce__(self):
+        return self.work, (self.job,)
+
+
+class DaskExecutor:
+    """Submits calls to a Dask cluster as bytes.
+
+    Schedulers of newer releases load what they pass on, and know neither the study nor the module isosyrk.
+    """
+
+    def __init__(self, client):
+        self.executor = client.get_executor(pure=False)
+
+    def submit(self, work, job):
+        return self.executor.submit(pickle.loads, pickle.dumps(Call(work, job)))
+
+
 @contextlib.contextmanager
 def dask(address, folders):
     """Yields the same for a Dask cluster, whose scheduler gives the jobs of a lost worker to others, up to three times.
@@ -316,7 +340,7 @@ def dask(address, folders):
 
     lost = (distributed.scheduler.KilledWorker, concurrent.futures.CancelledError)
     try:
-        yield client.get_executor(pure=False), watch, lost
+        yield DaskExecutor(client), watch, lost
     finally:
         client.close()
 

@@ -63,7 +63,7 @@ def reference_of(spectra):
 def compared_degrees(spectra):
     """Returns the degrees that have more than LEAST_SHARE of the energy, in the mean over some spectra."""
     energies = [statistics.fmean(column) for column in zip(*spectra)]
-    return tuple(degree for degree, energy in enumerate(energies, 1) if energy > LEAST_SHARE * sum(energies))
+    return tuple(degree for degree, energy in enumerate(energies, 1) if energy > LEAST_SHARE * math.fsum(energies))
 
 
 def logarithms(spectrum, degrees):
@@ -84,7 +84,7 @@ def null_distances(values):
 
 def against_others(runs):
     """Returns the difference of each run of a draw from the mean of the others, as lists over the degrees."""
-    sums, others = [sum(column) for column in zip(*runs)], len(runs) - 1
+    sums, others = [math.fsum(column) for column in zip(*runs)], len(runs) - 1
     return [[value - (total - value) / others for value, total in zip(run, sums)] for run in runs]
 
 

@@ -9,6 +9,7 @@ T/2, in fresh processes, each of which times all settings of one n in turns.
 
 import os
 import random
+import statistics
 import sys
 import tempfile
 from functools import partial
@@ -238,7 +239,7 @@ def size_row(n, plan, reference_error):
     norms = [runs.drawn_scene(n, draw).generator_norms()[0] for draw in range(plan.draws)]
     return Size(n=n, draws=plan.draws, references=plan.references, time=plan.time,
                 reference_integrator=REFERENCE_METHOD.integrator, reference_step=REFERENCE_METHOD.step,
-                reference_error=reference_error, norm_B=runs.recorded(sum(norms) / len(norms)))
+                reference_error=reference_error, norm_B=runs.recorded(statistics.fmean(norms)))
 
 
 def run_row(role, job, found):
