@@ -1,6 +1,6 @@
 # Sourced by scripts/reproduce, scripts/test and scripts/lint: packages, configuration, build.
 #
-# Packages are those of Debian 12 (bookworm) or newer and of Ubuntu 22.04 or newer.
+# Packages are those of Debian 12 (bookworm) and 13 (trixie), and of Ubuntu 22.04 and 24.04.
 
 PACKAGES=(build-essential cmake git libeigen3-dev libopenblas-pthread-dev liblapacke-dev
           libbenchmark-dev libfmt-dev libgtest-dev libcli11-dev nlohmann-json3-dev python3)
@@ -14,7 +14,7 @@ TEST_PACKAGES=(python3-venv python3-pip python3-setuptools python3-wheel)
 CLANG_PACKAGES=(clang libomp-dev)
 # The runtime of its sanitizers, which Ubuntu 22.04 (jammy) has in another package that clang depends on.
 grep -qs '^VERSION_CODENAME=jammy' /etc/os-release || CLANG_PACKAGES+=(libclang-rt-dev)
-# What scripts/lint needs besides; formatting differs from version to version.
+# What scripts/lint needs besides; formatting differs from version to version, and Debian 13 has not this one.
 LINT_PACKAGES=(clang-format-14 clang-tidy-14 flake8)
 
 say() { printf '%s\n' "$*" >&2; }
@@ -32,11 +32,20 @@ missing_packages() {
   done
 }
 
-# install_packages yes|no: installs what is missing, or only names it.
+# absent_packages PACKAGE ...: those that no source of this machine's packages has.
+absent_packages() {
+  local package
+  for package in "$@"; do
+    apt-cache show --no-all-versions "$package" >/dev/null 2>&1 || printf '%s\n' "$package"
+  done
+}
+
+# install_packages yes|no [HINT]: installs what is missing, or only names it. HINT says what to do where this release has
+# no such package.
 install_packages() {
   command -v dpkg-query >/dev/null ||
     die 2 "needs a Debian or Ubuntu machine (no dpkg-query here); install by hand: ${PACKAGES[*]}"
-  local missing
+  local missing absent
   mapfile -t missing < <(missing_packages)
   [ "${#missing[@]}" -eq 0 ] && return 0
   [ "$1" = yes ] || die 2 "missing packages, not installed because of --no-install: ${missing[*]}"
@@ -48,6 +57,8 @@ install_packages() {
   fi
   say "Installing: ${missing[*]}"
   "${as_root[@]}" apt-get update -qq >&2 || die 2 "apt-get update failed"
+  mapfile -t absent < <(absent_packages "${missing[@]}")
+  [ "${#absent[@]}" -eq 0 ] || die 2 "no package of this release: ${absent[*]}${2:+; $2}"
   "${as_root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >&2 ||
     die 2 "apt-get install failed for: ${missing[*]}"
 }

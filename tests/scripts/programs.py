@@ -3,6 +3,7 @@
 import contextlib
 import json
 import os
+import pty
 import shutil
 import signal
 import subprocess
@@ -91,6 +92,14 @@ def start(command, env=None, **streams):
     streams = {"stdin": subprocess.DEVNULL, **streams}
     return subprocess.Popen(command, env=env or environment(), preexec_fn=default_signals, start_new_session=True,
                             encoding="utf-8", errors="replace", **streams)
+
+
+def open_terminal(test):
+    """Returns both ends of a terminal; skips a test where the system has none, as a bare chroot without /dev/pts."""
+    try:
+        return pty.openpty()
+    except OSError as problem:
+        return test.skipTest(f"this system has no terminal: {problem}")
 
 
 def cpu_seconds_of(process):

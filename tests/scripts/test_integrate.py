@@ -3,7 +3,6 @@
 import io
 import math
 import os
-import pty
 import select
 import signal
 import stat
@@ -15,7 +14,8 @@ import unittest
 import numpy
 
 from programs import (BAD_ARGUMENTS, DATA, DONE, FORMULATIONS, SANITIZED, SOLVER_FAILED, FolderTest, cpu_seconds_of,
-                      default_signals, end, environment, program, run, run_on_full_disk, start, strict_json)
+                      default_signals, end, environment, open_terminal, program, run, run_on_full_disk, start,
+                      strict_json)
 
 # The project's answers must agree with the references to 1e-11; see tests/data.
 TOLERANCE = 1e-11
@@ -543,7 +543,7 @@ class Terminal(IntegrateTest):
 
     def seen(self, *flags, lines=0, **streams):
         """Returns what a terminal shows of a run that gets Ctrl-C after so many lines, and after half a second."""
-        terminal, stderr = pty.openpty()
+        terminal, stderr = open_terminal(self)
         process = start(command(Interrupted.LONG, *flags), stderr=stderr, **streams)
         self.addCleanup(end, process)
         os.close(stderr)

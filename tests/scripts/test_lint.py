@@ -81,6 +81,12 @@ class LintTest(FolderTest):
     def test_what_keeps_it_from_running_is_told(self):
         self.assert_refused(self.script("lint", "--fix"), "lint: '--fix'", "--no-install")
         self.assert_refused(self.script("lint", "--no-install", MISSING="flake8"), "flake8")
+        for tool in ("apt-get", "apt-cache"):
+            self.write(f"tools/{tool}", "#!/bin/sh\n[ $1 = update ]\n", executable=True)
+        self.write("tools/id", "#!/bin/sh\necho 0\n", executable=True)
+        done = self.script("lint", MISSING="clang-format-14")
+        self.assertEqual(done.returncode, BAD_ARGUMENTS)
+        self.assertRegex(done.stderr, "\nlint: no package of this release: clang-format-14; lint on Debian 12 or .*\n$")
         done = self.script("lint", FINDING="cmake")
         self.assertEqual(done.returncode, BAD_ARGUMENTS)
         self.assertIn("chatter of cmake", done.stderr)

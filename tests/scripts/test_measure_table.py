@@ -226,6 +226,18 @@ run_on({fresh_process.last_core()}, ["sh", "-c", "echo $$; exec sleep 600"])
             self.assertLess(time.monotonic(), deadline, "it went on")
             time.sleep(0.02)
 
+    def test_it_starts_beside_other_threads_without_a_fork_of_python_s_own(self):
+        # Python 3.12 and newer warn of such a fork; nothing else may run then, since the child may hang.
+        beside_a_thread = f"""
+import os, sys, threading
+sys.path.insert(0, {os.path.join(ROOT, 'scripts')!r})
+from lib.fresh_process import last_core, run_on
+os.register_at_fork(before=lambda: os._exit(9))
+threading.Thread(target=threading.Event().wait, daemon=True).start()
+sys.exit(run_on(last_core(), ["true"])[0])
+"""
+        self.assertEqual(run([sys.executable, "-W", "error", "-B", "-c", beside_a_thread]).returncode, 0)
+
     def test_a_process_runs_on_the_cores_of_a_set(self):
         cores = os.sched_getaffinity(0)
         tell = "import os, sys; sys.exit(len(os.sched_getaffinity(0)))"

@@ -7,7 +7,6 @@ write down how they were called.
 import contextlib
 import json
 import os
-import pty
 import re
 import shutil
 import signal
@@ -16,7 +15,7 @@ import sys
 import time
 
 from programs import (BAD_ARGUMENTS, DONE, PATIENCE, ROOT, SOLVER_FAILED, FolderTest, end, environment, run,
-                      snapshot, start, text_of)
+                      open_terminal, snapshot, start, text_of)
 from claims_documents import write_claims
 from limits_documents import limits_study
 from limits_documents import write as write_limits
@@ -47,6 +46,10 @@ exec env -i PATH="$PATH" CALLS="$CALLS" "$@"
 """,
     "id": """
 echo "${USER_ID:-0}"
+""",
+    "apt-cache": """
+for package; do :; done
+[ "$package" != "$ABSENT" ]
 """,
     "lscpu": """
 echo "Flags: fpu avx2 ${UNITS-avx512f}"
@@ -257,8 +260,8 @@ class Arguments(CopyTest):
             for arguments in (["--machine"], ["--machine", ""], ["--machine", "x86-64-v4"], ["--machine", "--quick"]):
                 self.refuses(script, arguments, "--machine", *arguments[1:], "native", "x86-64-v3", "x86-64")
         for what in ("--sanitize", "--threads"):
-            for arguments in ([what, "--machine", "x86-64"], ["--machine", "native", what]):
-                self.refuses("test", arguments, "--machine", what)
+            for arguments in ([what, "--machine", "x86-64"], ["--machine", "native", what], [what, "--rounding"]):
+                self.refuses("test", arguments, "--rounding" if "--rounding" in arguments else "--machine", what)
 
     def test_help_explains_the_options(self):
         for script, *options in (("reproduce", "table1", "--quick", "--out", "--no-install", "--keep-coretype",
@@ -306,6 +309,12 @@ class MissingPackages(CopyTest):
             os.symlink(self.path("tools", tool), self.path("few", tool))
             done = self.install(MISSING="libfmt-dev", USER_ID="1000", PATH=self.path("few"))
             self.assert_refused(done, part, "libfmt-dev")
+
+    def test_what_this_release_does_not_have_is_named(self):
+        done = self.install(MISSING="libfmt-dev git", ABSENT="libfmt-dev")
+        self.assertEqual(done.returncode, BAD_ARGUMENTS)
+        self.assertEqual(done.stderr.splitlines()[-1], "reproduce: no package of this release: libfmt-dev")
+        self.assertEqual(len(self.calls("apt-get")), 1)  # which brings the lists up to date
 
     def test_a_failed_installation_ends_there(self):
         done = self.install(MISSING="libfmt-dev", FAILING="apt-get")
@@ -613,7 +622,7 @@ echo "[3/12] Building CXX object of Ninja"
 """, executable=True)
 
     def test_on_a_terminal_by_one_line(self):
-        terminal, stderr = pty.openpty()
+        terminal, stderr = open_terminal(self)
         process = start(self.line("reproduce", "--out", self.out), env=self.surroundings(FAILING="table1"),
                         stdout=subprocess.DEVNULL, stderr=stderr)
         self.addCleanup(end, process)
@@ -689,6 +698,12 @@ class TestScript(CopyTest):
                 for option in options:
                     self.assertIn(option, self.calls("cmake")[0])
                 self.assertEqual("-DISOSYRK_KERNELS" in self.calls("cmake")[0], machine != "native")
+
+    def test_what_rounding_may_change_is_run_by_itself(self):
+        self.assertEqual(self.script("test", "--rounding", "--machine", "x86-64-v3").returncode, DONE)
+        (_, built), (tested,) = self.calls("cmake"), self.calls("ctest")
+        self.assertIn(f"--build {self.path('root', 'build-x86-64-v3')} --target rounding ", built)
+        self.assertRegex(tested, "--label-regex [a-z_|]*rounding")
 
     def test_kernels_that_cannot_be_told_end_it_before_the_tests(self):
         done = self.script("test", FAILING="kernel_sets")
