@@ -92,6 +92,23 @@ class InstalledLibrary(FolderTest):
         self.assertIn(f"\nversion: {VERSION}\n", text_of(ROOT, "CITATION.cff"))
         self.assertIn(f"find_package(isosyrk {VERSION.rpartition('.')[0]})", text_of(ROOT, "README.md"))
 
+    def test_what_a_user_s_machine_lacks_is_named_in_one_line(self):
+        for variable, needed in (("ISOSYRK_OPENBLAS_LIBRARY", "OpenBLAS (libopenblas-dev)"),
+                                 ("ISOSYRK_LAPACKE_INCLUDE_DIR", "LAPACKE (liblapacke-dev)")):
+            code, printed = command(*self.configure, "-B", self.path(variable), f"-DEXPECTED_VERSION={VERSION}",
+                                    f"-D{variable}=")
+            self.assertNotEqual(code, 0)
+            self.assertIn(f"isosyrk needs {needed}\n", printed)
+            self.assertEqual(printed.count("CMake Error"), 1, printed)
+
+    def test_openblas_is_found_without_its_cmake_package(self):
+        broken = self.path("broken")
+        self.write("broken/OpenBLASConfig.cmake", 'set(OpenBLAS_LIBRARIES "/lib/lib/libopenblas.so")\n')
+        self.done(*self.configure, "-B", self.path("build"), f"-DEXPECTED_VERSION={VERSION}",
+                  f"-DOpenBLAS_DIR={broken}")
+        self.done("cmake", "--build", self.path("build"), "--target", "example")
+        self.assertRegex(self.done(self.path("build", "example")), "sweeps")
+
     def test_internals_are_not_installed(self):
         rooms = os.path.join(self.prefix, "include", "isosyrk")
         self.assertFalse(set(os.listdir(rooms)) & set(INTERNAL_ROOMS))

@@ -1,6 +1,10 @@
-"""Tests of the options of the build: a package is asked for only where something that needs it is built."""
+"""Tests of the options of the build: a package is asked for only where something that needs it is built, and found
+by what is there."""
 
 import os
+import platform
+import re
+import shutil
 import unittest
 
 from compiled import launcher
@@ -12,6 +16,8 @@ NEEDED = {"ISOSYRK_TESTS": {"GTest": "libgtest-dev"},
 OPTIONS = (*NEEDED, "ISOSYRK_MODULE")
 PACKAGES = [package for packages in NEEDED.values() for package in packages] + ["Python", "Python3", "pybind11"]
 
+IS_X86 = platform.machine() in ("x86_64", "AMD64")
+
 
 class Options(FolderTest):
     def setUp(self):
@@ -19,12 +25,13 @@ class Options(FolderTest):
         self.build = self.path("build")
         self.copied, self.settings = launcher(self.folder, self.build)
 
-    def configured(self, on, hidden):
+    def configured(self, on, hidden, *further):
         """Configures with only the options `on`, as if the packages `hidden` were not installed."""
         options = [f"-D{option}={'ON' if option in on else 'OFF'}" for option in OPTIONS]
         options += [f"-DCMAKE_DISABLE_FIND_PACKAGE_{package}={'ON' if package in hidden else 'OFF'}"
                     for package in PACKAGES]
-        return run(["cmake", "-S", ROOT, "-B", self.build, self.copied, "-DCMAKE_BUILD_TYPE=Release", *options],
+        return run(["cmake", "-S", ROOT, "-B", self.build, self.copied, "-DCMAKE_BUILD_TYPE=Release", *options,
+                    *further],
                    env=environment(**self.settings), timeout=300)
 
     def compiled(self):
@@ -51,6 +58,41 @@ class Options(FolderTest):
                     self.assertNotEqual(done.returncode, 0)
                     self.assertIn(f"\n  {option}: needs {package} ({debian}), or must be OFF\n", done.stderr)
                     self.assertEqual(done.stderr.count("CMake Error"), 1, done.stderr)
+
+    def test_what_the_library_needs_is_named_in_one_line(self):
+        for setting, needed in (("-DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON", "Eigen3 (libeigen3-dev)"),
+                                ("-DCMAKE_DISABLE_FIND_PACKAGE_fmt=ON", "fmt (libfmt-dev)"),
+                                ("-DCMAKE_DISABLE_FIND_PACKAGE_OpenMP=ON", "OpenMP (that of the compiler;"),
+                                ("-DISOSYRK_OPENBLAS_LIBRARY=", "OpenBLAS (libopenblas-dev)"),
+                                ("-DISOSYRK_LAPACKE_INCLUDE_DIR=", "LAPACKE (liblapacke-dev)")):
+            with self.subTest(needed):
+                done = self.configured((), PACKAGES, setting)
+                self.assertNotEqual(done.returncode, 0)
+                self.assertIn(f"\n  isosyrk needs {needed}", done.stderr)
+                self.assertEqual(done.stderr.count("CMake Error"), 1, done.stderr)
+                shutil.rmtree(self.build)
+
+    def test_openblas_is_found_by_what_is_there(self):
+        # Not by its CMake package: that of Debian 13 names a library in a folder that does not exist.
+        self.write("broken/OpenBLASConfig.cmake", 'set(OpenBLAS_LIBRARIES "/lib/lib/libopenblas.so")\n')
+        done = self.configured((), PACKAGES, f"-DOpenBLAS_DIR={self.path('broken')}")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        found = dict(re.findall(r"^(ISOSYRK_\w+)(?:_LIBRARY|_INCLUDE_DIR):\w+=(.*)$",
+                                text_of(self.build, "CMakeCache.txt"), re.M))
+        self.assertEqual(set(found), {"ISOSYRK_OPENBLAS", "ISOSYRK_LAPACKE"})
+        for path in found.values():
+            self.assertTrue(os.path.exists(path), path)
+
+    def test_kernels_are_compiled_in_as_chosen(self):
+        for chosen, absent in (("all", ()), ("avx2", ("avx512",)), ("portable", ("avx512", "avx2"))):
+            done = self.configured((), PACKAGES, f"-DISOSYRK_KERNELS={chosen}")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            for unit in ("avx512", "avx2", "portable"):
+                with self.subTest(chosen=chosen, unit=unit):
+                    self.assertEqual(f"gemm_kernel_{unit}.cpp" in self.compiled(),
+                                     unit not in absent and (unit == "portable" or IS_X86))
+        done = self.configured((), PACKAGES, "-DISOSYRK_KERNELS=avx")
+        self.assertIn("\n  ISOSYRK_KERNELS=avx: must be all, avx2 or portable\n", done.stderr)
 
     def test_each_part_is_built_without_the_others(self):
         programs = NEEDED["ISOSYRK_PROGRAMS"]
