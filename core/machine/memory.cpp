@@ -3,15 +3,21 @@
 #include <fmt/format.h>
 #include <malloc.h>
 #include <sys/resource.h>
+#include <sys/time.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <csignal>
 #include <fstream>
 #include <limits>
 #include <optional>
 #include <stdexcept>
 
 #include "isosyrk/flows/euler_zeitlin.h"
+#include "isosyrk/linalg/products.h"
 #include "isosyrk/split/split_matrix.h"
 
 namespace isosyrk {
@@ -20,8 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double unlimited = std::numeric_limits<double>::infinity();
-// Address space of the buffer of one thread of OpenBLAS, as built for any x86-64 processor.
-constexpr double blas_buffer = 128.0 * 1024.0 * 1024.0;
+constexpr double megabyte = 1e6;
 
 // The number behind a key in a file of words, or without a key the number that the file holds.
 // None for "max" and for a file that is not there.
@@ -94,15 +99,41 @@ double allocated_bytes() {
   return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
 }
 
+// OpenBLAS takes its buffers at the first product that is not small.
+void form_a_product() {
+  constexpr Index n = 64;
+  const Matrix A = Matrix::Zero(n, n);
+  Matrix C(n, n);
+  Products(ProductBackend::openblas, n).multiply(A, A, C);
+}
+
+// Returns true if a copy of this process can form a product.  A copy that takes more CPU time than
+// thousands of them tries for ever, and is ended.
+bool copy_can_form_a_product() {
+  const pid_t copy = fork();
+  if (copy == -1) return true;  // not known
+  if (copy == 0) {
+    constexpr itimerval longest = {{0, 0}, {0, 250'000}};
+    std::signal(SIGPROF, SIG_DFL);
+    setitimer(ITIMER_PROF, &longest, nullptr);
+    form_a_product();
+    _exit(0);
+  }
+  int status = 0;
+  while (waitpid(copy, &status, 0) == -1 && errno == EINTR) {
+  }
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
 }  // namespace
 
 MemoryLimit available_memory(const fs::path& root) {
   constexpr double kilobyte = 1024.0;
   const auto of_machine = number_in(root / "proc/meminfo", "MemAvailable:");
   MemoryLimit least = {kilobyte * of_machine.value_or(unlimited), "the machine"};
-  const MemoryLimit others[] = {{available_in_cgroups(root), "the cgroup"},
-                                {std::max(0.0, address_space_left(root) - blas_buffer),
-                                 "the limit of this process (ulimit -v)"}};
+  const MemoryLimit others[] = {
+      {available_in_cgroups(root), "the cgroup"},
+      {std::max(0.0, address_space_left(root)), "the limit of this process (ulimit -v)"}};
   for (const MemoryLimit& other : others) {
     if (other.bytes < least.bytes) least = other;
   }
@@ -140,14 +171,20 @@ void require_memory(const std::string& what, const IntegratorEntry& integrator, 
 }
 
 void require_memory_of_blas() {
-  constexpr double megabyte = 1e6;
   constexpr double for_the_rest = 16.0 * megabyte;
-  const double left = address_space_left("/");
-  if (left >= blas_buffer + for_the_rest) return;
+  static std::atomic<bool> has_buffers = false;
+  double left = address_space_left("/");
+  if (left == unlimited) return;
+  if (!has_buffers && copy_can_form_a_product()) {
+    form_a_product();
+    has_buffers = true;
+    left = address_space_left("/");
+  }
+  if (has_buffers && left >= for_the_rest) return;
   throw std::invalid_argument(fmt::format(
-      "OpenBLAS needs {:.0f} MB of address space for its buffer, and the limit of this process "
-      "(ulimit -v) has {:.0f} MB left; it must be higher",
-      (blas_buffer + for_the_rest) / megabyte, left / megabyte));
+      "OpenBLAS needs more address space for its buffers than the limit of this process "
+      "(ulimit -v) leaves, {:.0f} MB; it must be higher",
+      left / megabyte));
 }
 
 }  // namespace isosyrk
