@@ -2,15 +2,22 @@
 // in one JSON object, or, as a server, how long a cell takes whenever asked.  A cell of Table 2 is
 // named by its fast form: fast_group/n:17/s:2.
 //
+// A count depends on rounding, which decides in which sweep an iteration ends.  With --roundings N
+// each cell is also run from N states that differ from its initial one by rounding: what counts of
+// two builds may differ by, though both do the same.
+//
 // The server answers each line `CELL STEPS RUNS` on its input, CELL being a place in the list of
 // cells, with the CPU seconds of that many runs; so two builds can take turns without starting
 // anew.
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <cstdio>
 #include <iostream>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <regex>
 #include <sstream>
 #include <tuple>
@@ -84,7 +91,34 @@ Json entries_of(const Matrix& W) {
   return entries;
 }
 
-Measured measure(const Cell& cell, const Scene& scene) {
+// Returns W₀ with each number moved by a unit in the last place or none, skew-Hermitian as before.
+Matrix moved_by_rounding(const Matrix& W0, std::uint64_t draw) {
+  std::mt19937_64 random(draw);
+  const auto moved = [&random](double number) {
+    const double units = static_cast<double>(random() % 3) - 1.0;
+    return number * (1.0 + units * std::numeric_limits<double>::epsilon());
+  };
+  Matrix W = W0;
+  for (Index c = 0; c < W.cols(); ++c) {
+    for (Index r = c; r < W.rows(); ++r) {
+      W(r, c) = Complex(moved(W0(r, c).real()), moved(W0(r, c).imag()));
+      if (r != c) W(c, r) = -std::conj(W(r, c));
+    }
+  }
+  return W;
+}
+
+Json counts_of(const Cell& cell, const RunReport& report) {
+  Json counts = {{"sweeps", report.sweeps}, {"poisson_solves", report.work.poisson_solves}};
+  if (cell.is_fast()) {  // whose sweeps take more or fewer products, as their corrections do
+    counts["equivalent_products"] = report.work.equivalent_products;
+  } else {
+    counts["products"] = report.work.products;
+  }
+  return counts;
+}
+
+Measured measure(const Cell& cell, const Scene& scene, int roundings) {
   const IntegratorEntry entry = gauss_entry(cell.formulation, cell.s);
   const auto integrator = make(cell, scene);
   Matrix W = scene.initial;
@@ -100,13 +134,14 @@ Measured measure(const Cell& cell, const Scene& scene) {
                {"tolerance", IterationOptions{}.tolerance},
                {"norm", scene.initial.norm()},
                {"contraction", step_size / entry.linear_limit(generator_frequencies(scene))},
-               {"sweeps", report.sweeps},
-               {"poisson_solves", report.work.poisson_solves},
                {"allocations", allocations}};
-  if (cell.is_fast()) {  // whose sweeps take more or fewer products, as their corrections do
-    json["equivalent_products"] = report.work.equivalent_products;
-  } else {
-    json["products"] = report.work.products;
+  json.update(counts_of(cell, report));
+  json["other_roundings"] = Json::array();
+  for (int draw = 1; draw <= roundings; ++draw) {
+    Matrix V = moved_by_rounding(scene.initial, static_cast<std::uint64_t>(draw));
+    const RunReport other = run(*make(cell, scene), V, step_size, step_total);
+    if (!other.converged()) json["status"] = name(other.status);
+    json["other_roundings"].push_back(counts_of(cell, other));
   }
   if (report.converged()) {
     ConservationWatch watch(scene);
@@ -118,13 +153,13 @@ Measured measure(const Cell& cell, const Scene& scene) {
   return {std::move(json), std::move(W)};
 }
 
-int report(const std::vector<Cell>& cells) {
+int report(const std::vector<Cell>& cells, int roundings) {
   Scenes scenes;
   std::vector<Measured> measured;
   std::map<std::tuple<Formulation, Index, int>, const Matrix*> published;
   measured.reserve(cells.size());
   for (const Cell& cell : cells) {
-    measured.push_back(measure(cell, scene_of(cell, scenes)));
+    measured.push_back(measure(cell, scene_of(cell, scenes), roundings));
     if (!cell.is_fast()) published[{cell.formulation, cell.n, cell.s}] = &measured.back().W;
   }
   Json json = {{"format", "isosyrk regression_cells 2"}};
@@ -197,6 +232,9 @@ int main_program(int argc, char** argv) {
   CLI::App line{"Counts and errors of cells of Tables 1 and 2 as JSON, or their times on demand."};
   std::vector<std::string> names;
   line.add_option("cells", names, "names like group/n:17/s:2 and fast_group/n:17/s:2")->required();
+  int roundings = 0;
+  add_value(line, "--roundings", roundings, Whole<int>{0, 100},
+            "count also from so many states moved by rounding (default: 0)");
   bool as_server = false;
   line.add_flag("--serve", as_server, "answer lines `CELL STEPS RUNS` with CPU seconds")
       ->disable_flag_override();
@@ -204,7 +242,7 @@ int main_program(int argc, char** argv) {
   use_one_blas_thread();
   std::vector<Cell> cells;
   for (const std::string& name : names) cells.push_back(read_cell(name));
-  return as_server ? serve(cells) : report(cells);
+  return as_server ? serve(cells) : report(cells, roundings);
 }
 
 }  // namespace isosyrk::regression_cells

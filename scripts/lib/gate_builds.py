@@ -10,9 +10,13 @@ from lib.command_line import Stop, say
 
 PROGRAM = "check_regression"
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
-HEAD = os.path.join(ROOT, "build")  # where this tree is built
+CORETYPE = "OPENBLAS_CORETYPE"  # chooses the kernels of OpenBLAS
 ANSWERS = os.path.join(ROOT, "tests", "data")  # reference answers
 SETUP = os.path.join(ROOT, "scripts", "lib", "setup.sh")
+MACHINES = NATIVE, *_ = "native", "x86-64-v3", "x86-64"  # those of choose_machine in setup.sh
+# Chooses the kernels of split products in a tree that has no ISOSYRK_KERNELS yet: what the compiler is said to lack.
+KERNELS_OF_BEFORE = {NATIVE: [], "x86-64-v3": ["-DISOSYRK_COMPILER_HAS_AVX512=OFF"],
+                     "x86-64": ["-DISOSYRK_COMPILER_HAS_AVX512=OFF", "-DISOSYRK_COMPILER_HAS_AVX2=OFF"]}
 
 
 def git(*arguments):
@@ -61,35 +65,50 @@ def install(allowed):
     in_setup('install_packages "$1"', ROOT, "yes" if allowed else "no")
 
 
-def build(folder, target, source=ROOT):
+def folder_of(machine, place=ROOT):
+    """Returns where a tree in `place` is built for a machine."""
+    return os.path.join(place, "build" if machine == NATIVE else f"build-{machine}")
+
+
+def build(folder, target, machine, source=ROOT):
     """Configures and builds a target of the tree at `source` in `folder`. Throws Stop."""
-    in_setup('build "$@"', source, folder, target, "-DCMAKE_BUILD_TYPE=Release")
+    before = [] if knows_kernels(source) else KERNELS_OF_BEFORE[machine]
+    in_setup('choose_machine "$1"; shift; build "$@" "${MACHINE_OPTIONS[@]}"', source, machine, folder, target,
+             "-DCMAKE_BUILD_TYPE=Release", *before)
+
+
+def knows_kernels(source):
+    with open(os.path.join(source, "CMakeLists.txt"), encoding="utf-8") as file:
+        return "ISOSYRK_KERNELS" in file.read()
 
 
 def cells_program(folder):
     return os.path.join(folder, "benchmarks", "regression_cells")
 
 
-def program_environment():
-    """Returns the environment of what is measured: OpenBLAS picks its kernels for this processor, one thread."""
+def program_environment(keep_coretype):
+    """Returns the environment of what is measured: one thread, and OpenBLAS picks its kernels for this processor, if
+    none were chosen that are to be kept."""
     steering = ("OPENBLAS_", "OMP_", "BENCHMARK_")
-    kept = {name: value for name, value in os.environ.items() if not name.startswith(steering)}
+    kept = {name: value for name, value in os.environ.items()
+            if not name.startswith(steering) or keep_coretype and name == CORETYPE}
     return {**kept, "OPENBLAS_NUM_THREADS": "1"}
 
 
-def build_base(commit):
+def build_base(commit, machine):
     """Returns the folder of a commit's programs; kept, so that the next gate finds them. Throws Stop."""
     home = os.path.join(ROOT, "build-base")
     place = os.path.join(home, commit)
-    folder = os.path.join(place, "build")
+    folder = folder_of(machine, place)
     if os.path.exists(cells_program(folder)):
         return folder
-    shutil.rmtree(home, ignore_errors=True)  # of an earlier base
     source = os.path.join(place, "source")
-    os.makedirs(source)
     try:
-        in_setup('git -C "$ROOT" archive "$1" | tar -x -C "$2"', ROOT, commit, source)
-        build(folder, "regression_cells", source)
+        if not os.path.exists(os.path.join(source, "CMakeLists.txt")):
+            shutil.rmtree(home, ignore_errors=True)  # of an earlier base
+            os.makedirs(source)
+            in_setup('git -C "$ROOT" archive "$1" | tar -x -C "$2"', ROOT, commit, source)
+        build(folder, "regression_cells", machine, source)
     except Stop as problem:
         raise Stop(f"base {commit[:12]}: {problem}") from None
     return folder

@@ -8,8 +8,9 @@ from programs import DATA
 from lib.gate_cells import SIZES, cells_of, is_fast
 from lib.gate_layers import read_answer
 
-CONTEXT = {"commit": "0123456789ab", "dirty": "no", "blas_kernels": "Zen", "vector_units": "avx2",
-           "compiler": "GNU 12.2.0"}
+CONTEXT = {"commit": "0123456789ab", "dirty": "no", "cpu": "AMD EPYC", "blas_library": "OpenBLAS 0.3.21",
+           "blas_kernels": "Zen", "split_kernels": "avx2", "vector_units": "avx2; compiled for AVX2 with FMA",
+           "compiler": "GNU 12.2.0", "flags": "-O3"}
 
 
 def cell_document(name):
@@ -40,6 +41,15 @@ def build_document():
 
 def cell_of(document, name):
     return next(cell for cell in document["cells"] if cell["name"] == name)
+
+
+def with_other_roundings(document, name, *steps):
+    """Gives a cell further runs, each of so many sweeps more than that from W₀ and with their work."""
+    cell = cell_of(document, name)
+    counts = ["sweeps", "poisson_solves", "equivalent_products" if is_fast(name) else "products"]
+    cell["other_roundings"] = [{count: cell[count] + step * cell[count] // cell["sweeps"] for count in counts}
+                               for step in steps]
+    return document
 
 
 def change(document, name, **values):
