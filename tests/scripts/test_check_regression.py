@@ -3,6 +3,7 @@
 The copy is a git repository of its own with two commits; what is built of the first is the base.
 """
 
+import copy
 import json
 import os
 import shutil
@@ -20,14 +21,18 @@ from gate_documents import build_document, change
 REGRESSION, NOT_JUDGED = 1, 3
 BASELINE = os.path.join("results", "baseline", "baseline.json")
 
-# Of head it is $FACTOR times slower than of base.
+# Of head it is $FACTOR times slower than of base; base reports what stands in $REPORT_OF_BASE, if that is set.
 REGRESSION_CELLS = f"""#!{sys.executable}
 import json, os, sys, time
 is_base = "build-base" in os.path.abspath(sys.argv[0])
 with open(os.environ["CALLS"], "a") as calls:
-    calls.write("regression_cells" + (" of base " if is_base else " ") + " ".join(sys.argv[1:]) + "\\n")
+    calls.write("regression_cells" + (" of base " if is_base else " ") + " ".join(sys.argv[1:])
+                + " with " + os.environ.get("OPENBLAS_CORETYPE", "its own") + "\\n")
+if sys.argv[1] == "--help":
+    print("--roundings")
+    sys.exit()
 if sys.argv[1] != "--serve":
-    with open(os.environ["REPORT"]) as file:
+    with open(is_base and os.environ.get("REPORT_OF_BASE") or os.environ["REPORT"]) as file:
         document = json.load(file)
     document["cells"] = [cell for cell in document["cells"] if cell["name"] in sys.argv[1:]]
     json.dump(document, sys.stdout)
@@ -56,6 +61,7 @@ class GateTest(CopyTest):
         self.write("root/build/benchmarks/regression_cells", REGRESSION_CELLS, executable=True)
         self.write("tools/cmake", CMAKE, executable=True)
         self.write("root/.gitignore", "/build*/\n")
+        self.write("root/CMakeLists.txt", "set(ISOSYRK_KERNELS all)\n")
         shutil.copytree(DATA, os.path.join(self.root, "tests", "data"))
         self.report(build_document())
         self.git("init", "-q")
@@ -74,8 +80,12 @@ class GateTest(CopyTest):
         self.git("commit", "-q", "--allow-empty", "-m", message)
         return self.git("rev-parse", "HEAD")
 
-    def report(self, document):
-        self.write("report.json", json.dumps(document))
+    def report(self, document, name="report.json"):
+        return self.write(name, json.dumps(document))
+
+    def on_other_kernels(self, document, name="report.json"):
+        document["context"]["blas_kernels"] = "Haswell"
+        return self.report(document, name)
 
     def settings(self, **changes):
         return self.surroundings(**{"REPORT": self.path("report.json"), "PROGRAM": self.program, **changes})
@@ -122,6 +132,39 @@ class Verdicts(GateTest):
         self.assertEqual([(layer["name"], layer["verdict"], len(layer["checks"]) > 5) for layer in found["layers"]],
                          [(name, "regression", True) for name in ("exact", "accuracy", "timing")])
 
+    def test_kernels_of_head_and_base_are_shown(self):
+        base = build_document()
+        base["context"]["flags"] = "-O2"
+        done = self.check("--quick", REPORT_OF_BASE=self.report(base, "base.json"))
+        for what, flags in (("head", "-O3"), ("base", "-O2")):
+            kernels = f"OpenBLAS Zen, split products avx2, compiled for AVX2 with FMA; GNU 12.2.0 {flags}"
+            self.assertIn(f"Kernels of {what}: {kernels}\n", done.stderr)
+            self.assertIn(f"{what}: {kernels}", " ".join(done.stdout.split()))
+
+    def test_on_other_kernels_counts_are_those_of_base(self):
+        moved = change(build_document(), "fast_group/n:33/s:2", sweeps=110, equivalent_products=880.0,
+                       poisson_solves=440)
+        self.on_other_kernels(moved)
+        base = self.on_other_kernels(copy.deepcopy(moved), "base.json")
+        for options in ([], ["--no-timing"]):
+            done = self.check("--quick", *options, REPORT_OF_BASE=base)
+            self.assertEqual(done.returncode, NOT_JUDGED if options else DONE, done.stderr)
+            self.assertIn("head is counted against base", " ".join(done.stdout.split()))
+        asked = [call for call in self.calls("regression_cells") if "--roundings 4" in call]
+        self.assertEqual([" of base " in call for call in asked], [False, True] * 2)
+        done = self.check("--quick", REPORT_OF_BASE=self.on_other_kernels(build_document(), "base.json"))
+        self.assertEqual(done.returncode, REGRESSION)
+        self.assertRegex(done.stdout, r"fast_group/n:33/s:2\*? +sweeps\*? +110\*? +100 ± 1")
+
+    def test_a_base_of_other_kernels_than_head_judges_neither_counts_nor_times(self):
+        self.on_other_kernels(build_document())
+        done = self.check("--quick", REPORT_OF_BASE=self.report(build_document(), "base.json"))
+        self.assertEqual(done.returncode, NOT_JUDGED, done.stderr)
+        for layer in ("exact", "timing"):
+            self.assertIn(f"{layer} not judged: base runs other kernels: blas_kernels Zen for Haswell",
+                          " ".join(done.stdout.split()))
+        self.assertEqual([call for call in self.calls("regression_cells") if "--serve" in call], [])
+
     def test_ctrl_c_ends_it_and_what_it_started(self):
         process = start(self.line("check_regression", "--quick"), env=self.settings(SLEEP="60"), cwd=self.folder,
                         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -164,6 +207,39 @@ class Base(GateTest):
             if not os.path.exists(os.path.join(self.root, ".git")):
                 shutil.move(os.path.join(shallow, ".git"), os.path.join(self.root, ".git"))
 
+    def test_a_clone_without_it_on_other_kernels_is_not_judged_in_counts_either(self):
+        self.on_other_kernels(change(build_document(), "group/n:17/s:2", sweeps=9))
+        shutil.move(os.path.join(self.root, ".git"), self.path("whole.git"))
+        done = self.check("--quick")
+        self.assertEqual(done.returncode, NOT_JUDGED, done.stderr)
+        self.assertIn("exact not judged: these are not the recorded kernels, and this tree is no git repository",
+                      " ".join(done.stdout.split()))
+
+    def test_of_a_build_for_another_machine_is_built_for_that_too(self):
+        done = self.check("--quick", "--machine", "x86-64-v3")
+        self.assertEqual(done.returncode, DONE, done.stderr)
+        configured = [call for call in self.calls("cmake -S")]
+        self.assertEqual(len(configured), 2)
+        for call, folder in zip(configured, ("root/build-x86-64-v3", f"build-base/{self.first}/build-x86-64-v3")):
+            self.assertIn(f"{folder} -DCMAKE_BUILD_TYPE=Release", call)
+            for option in ("-DISOSYRK_NATIVE=OFF", "-DISOSYRK_KERNELS=avx2", "-march=x86-64-v3 -ffp-contract=off"):
+                self.assertIn(option, call)
+            self.assertNotIn("ISOSYRK_COMPILER_HAS", call)
+        self.assertEqual(self.check("--quick").returncode, DONE)
+        self.assertEqual(set(os.listdir(os.path.join(self.root, "build-base", self.first))),
+                         {"source", "build", "build-x86-64-v3"})
+
+    def test_from_before_the_choice_of_kernels_gets_the_same_by_other_means(self):
+        self.write("root/CMakeLists.txt", "")
+        before = self.commit("before")
+        self.write("root/CMakeLists.txt", "set(ISOSYRK_KERNELS all)\n")
+        self.commit("after")
+        self.assertEqual(self.check("--quick", "--machine", "x86-64", "--base", before).returncode, DONE)
+        head, base = self.calls("cmake -S")
+        for option in ("-DISOSYRK_COMPILER_HAS_AVX512=OFF", "-DISOSYRK_COMPILER_HAS_AVX2=OFF"):
+            self.assertIn(option, base)
+            self.assertNotIn(option, head)
+
     def test_no_timing_times_nothing_and_json_is_printed_in_place_of_text(self):
         done = self.check("--quick", "--no-timing", "--json")
         self.assertEqual(done.returncode, NOT_JUDGED, done.stderr)
@@ -171,14 +247,24 @@ class Base(GateTest):
         self.assertEqual((found["exit_code"], found["layers"][2]["not_judged"]), (NOT_JUDGED, "--no-timing was given"))
         self.assertEqual([call for call in self.calls("regression_cells") if "--serve" in call], [])
 
-    def test_an_inherited_kernel_choice_is_cleared_and_said(self):
-        self.assertIn("OPENBLAS_CORETYPE=Nehalem", self.check("--no-timing", OPENBLAS_CORETYPE="Nehalem").stderr)
+    def test_an_inherited_kernel_choice_is_cleared_or_kept_in_every_process_and_said(self):
+        for options, told, ran in (([], "cleared the inherited", "with its own"),
+                                   (["--keep-coretype"], "kept the inherited", "with Nehalem")):
+            self.write("calls", "")
+            done = self.check("--quick", *options, OPENBLAS_CORETYPE="Nehalem")
+            self.assertEqual(done.returncode, DONE, done.stderr)
+            self.assertIn(f"Note: {told} OPENBLAS_CORETYPE=Nehalem", done.stderr)
+            calls = self.calls("regression_cells")
+            self.assertGreater(len(calls), 5)
+            self.assertEqual([call for call in calls if not call.endswith(ran)], [])
 
 
 class BadInput(GateTest):
     def test_arguments(self):
         for arguments, part in ((["--fast"], "--fast"), (["--update-baseline", "--quick"], "--update-baseline"),
-                                (["--base", "HEAD", "--no-timing"], "--base")):
+                                (["--update-baseline", "--machine", "x86-64"], "--update-baseline"),
+                                (["--update-baseline", "--keep-coretype"], "--update-baseline"),
+                                (["--machine", "i386"], "--machine")):
             self.refuses(arguments, part)
 
     def test_an_unknown_revision(self):
