@@ -154,7 +154,7 @@ class Verdicts(GateTest):
         self.assertEqual([" of base " in call for call in asked], [False, True] * 2)
         done = self.check("--quick", REPORT_OF_BASE=self.on_other_kernels(build_document(), "base.json"))
         self.assertEqual(done.returncode, REGRESSION)
-        self.assertRegex(done.stdout, r"fast_group/n:33/s:2\*? +sweeps\*? +110\*? +100 ± 1")
+        self.assertRegex(done.stdout, r"fast_group/n:33/s:2\*? +sweeps\*? +110\*? +100 ± 2")
 
     def test_a_base_of_other_kernels_than_head_judges_neither_counts_nor_times(self):
         self.on_other_kernels(build_document())
