@@ -91,7 +91,7 @@ class FastMuntheKaas4 final : public FastExplicit {
  private:
   StepReport take_step(SplitStages& W1, const SplitStages& W0, double h, Past past) override;
   bool take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) override;
-  void forget() override { h_of_run_ = 0.0; }
+  void forget() override { h_of_run_.reset(); }
   void form_exponent(std::size_t stage);
   void set_stage_error(double error);
   bool conjugate(SplitMatrix& W1, const SplitMatrix& W0, double error_of_U);
@@ -108,8 +108,9 @@ class FastMuntheKaas4 final : public FastExplicit {
   double scale_ = 0.0;        // ‖W₀‖_F
   double stage_error_ = 0.0;  // Frobenius norm that the series of a stage may leave out
   double error_ = 0.0;        // e of the step just taken
-  // |h| and e of the last step of a run; 0 if there is none
-  double h_of_run_ = 0.0, error_of_run_ = 0.0;
+  // Of the last step of a run, if there is one.
+  std::optional<double> h_of_run_;  // |h|
+  double error_of_run_ = 0.0;       // e
 };
 
 /// The explicit Magnus methods of order 4 or 5: W₁ = e^Ω W₀ e^(-Ω) to rounding, with Ω to the

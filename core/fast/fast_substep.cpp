@@ -76,7 +76,8 @@ StepReport FastSubstep::advance(SplitMatrix& W1, const SplitMatrix& W0, double h
     newton_.forget();
     system_->forget();
   }
-  h_ = past == Past::left_out ? 0.0 : h;  // what a lone step shows holds in no run
+  h_.reset();  // what a lone step shows holds in no run
+  if (past == Past::used) h_ = h;
   system_->bind(W0, h, options_.tolerance);
   StepReport report;
   for (const Attempt& attempt : attempts_) {
@@ -102,7 +103,7 @@ StepReport FastSubstep::advance(SplitMatrix& W1, const SplitMatrix& W0, double h
 void FastSubstep::forget() {
   predictor_.forget();
   choice_.forget();
-  h_ = 0.0;
+  h_.reset();
 }
 
 double FastSubstep::change_of_one_more_sweep(const SplitMatrix& W0, double h) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "isosyrk/fast/fast_options.h"
@@ -52,9 +53,9 @@ class FastSubstep {
   std::unique_ptr<StageSystem> system_;
   IterationOptions options_;
   std::vector<Attempt> attempts_;
-  double h_ = 0.0;    // of the last step, 0 if nothing seen there holds in the next
-  bool predicts_;     // an attempt starts from past steps
-  bool offers_both_;  // and another from an explicit step
+  std::optional<double> h_;  // of the last step, if what was seen there may hold in the next
+  bool predicts_;            // an attempt starts from past steps
+  bool offers_both_;         // and another from an explicit step
   Unknowns x_;
   Newton newton_;
   PicardIteration picard_;
