@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "isosyrk/fast/fast_options.h"
 #include "isosyrk/fast/graded_series.h"
@@ -51,6 +52,15 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   /// Newton from past steps, from an explicit step and from a cold start; then Picard and Anderson.
   std::vector<Attempt> attempts(bool newton) const override;
   void forget() override;
+  // The change of the step before the last is not read again: bind() takes that of the last.
+  void exchange_memory() override {
+    std::swap(largest_change_, other_.largest_change);
+    std::swap(share_of_terms_, other_.share_of_terms);
+    std::swap(knows_shares_, other_.knows_shares);
+    std::swap(derivative_per_share_, other_.derivative_per_share);
+    std::swap(start_error_, other_.start_error);
+    exponential_.exchange(other_.adjoint);
+  }
   void bind(const SplitMatrix& W0, double h, double tolerance) override;
   /// Explicit: Ω of magnus4, or of magnus5 for order 6, less its expected error.  Cold: Ω = h
   /// B(W₀).
@@ -182,6 +192,19 @@ class ExponentialSystem final : public StageSystem, private Coupling {
 
   // Of the update.
   SplitMatrix Omega_cut_;  // Ω, cut to its band
+
+  // What steps leave to later ones, for other steps: see the members of the same names.
+  struct Memory {
+    explicit Memory(Index n) : start_error(n), adjoint(n) {}
+
+    double largest_change = 0.0;
+    std::array<double, 2> share_of_terms = {1.0, 1.0};
+    bool knows_shares = false;
+    double derivative_per_share = 0.0;
+    StartError start_error;
+    SplitMatrix adjoint;  // of exponential_, which carries the error
+  };
+  Memory other_ = Memory(n_);
 };
 
 }  // namespace isosyrk

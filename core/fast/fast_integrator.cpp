@@ -1,5 +1,7 @@
 #include "isosyrk/fast/fast_integrator.h"
 
+#include <utility>
+
 #include "isosyrk/split/parallel.h"
 
 namespace isosyrk {
@@ -8,7 +10,8 @@ FastIntegrator::FastIntegrator(const SharedFlow& flow, const MakeSystem& make_sy
                                const FastOptions& options, std::vector<double> fractions)
     : SplitIntegrator(flow, options.threads),
       fractions_(std::move(fractions)),
-      between_(split_stages(static_cast<Index>(fractions_.size()) - 1, flow->size())) {
+      between_(split_stages(static_cast<Index>(fractions_.size()) - 1, flow->size())),
+      other_between_(between_) {
   for (std::size_t k = 0; k < fractions_.size(); ++k)
     substeps_.emplace_back(make_system(), options);
 }
@@ -21,6 +24,12 @@ double FastIntegrator::change_of_one_more_sweep() {
 
 void FastIntegrator::forget() {
   for (FastSubstep& substep : substeps_) substep.forget();
+}
+
+void FastIntegrator::exchange_memory() {
+  for (FastSubstep& substep : substeps_) substep.exchange_memory();
+  between_.swap(other_between_);
+  std::swap(h_, other_h_);
 }
 
 Work FastIntegrator::work() const {

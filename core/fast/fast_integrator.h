@@ -26,7 +26,7 @@ class FastIntegrator final : public SplitIntegrator {
 
   /// Returns the change of one more Picard sweep of the last substep, without band truncation, from
   /// the unknowns of the last step of a run, which must have converged.  Checks the tolerance
-  /// independently of the solver.
+  /// independently of the solver, and disturbs no later step.
   double change_of_one_more_sweep();
 
   /// True if products skip entries outside bands.
@@ -36,11 +36,15 @@ class FastIntegrator final : public SplitIntegrator {
   StepReport take_step(SplitStages& W1, const SplitStages& W0, double h, Past past) override;
   Work work() const override;
   void forget() override;
+  void exchange_memory() override;
 
   std::vector<double> fractions_;
   std::vector<FastSubstep> substeps_;
   SplitStages between_;  // after each substep but the last
   double h_ = 0.0;       // of the last step
+  // between_ and h_ of other steps.
+  SplitStages other_between_;
+  double other_h_ = 0.0;
 };
 
 }  // namespace isosyrk

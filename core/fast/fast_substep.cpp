@@ -26,7 +26,8 @@ FastSubstep::FastSubstep(std::unique_ptr<StageSystem> system, const FastOptions&
       picard_(x_),
       anderson_(x_),
       predictor_(predicts_ ? options.past_steps.value_or(tuning.past_steps(x_[0][0].size())) : 0,
-                 x_) {
+                 x_),
+      other_x_(x_) {
   if (offers_both_) trial_ = x_;
 }
 
@@ -76,7 +77,6 @@ StepReport FastSubstep::advance(SplitMatrix& W1, const SplitMatrix& W0, double h
     newton_.forget();
     system_->forget();
   }
-  h_.reset();  // what a lone step shows holds in no run
   if (past == Past::used) h_ = h;
   system_->bind(W0, h, options_.tolerance);
   StepReport report;
@@ -106,7 +106,15 @@ void FastSubstep::forget() {
   h_.reset();
 }
 
+void FastSubstep::exchange_memory() {
+  x_.swap(other_x_);
+  newton_.exchange_memory(other_newton_);
+  system_->exchange_memory();
+}
+
 double FastSubstep::change_of_one_more_sweep(const SplitMatrix& W0, double h) {
+  const Exchanged memory([&] { system_->exchange_memory(); });
+  system_->forget();
   const bool truncates = system_->truncates();
   system_->truncate(false);
   system_->bind(W0, h, options_.tolerance);

@@ -36,9 +36,13 @@ class FastSubstep {
   StepReport advance(SplitMatrix& W1, const SplitMatrix& W0, double h, Past past);
   /// Forgets all past steps.
   void forget();
+  /// Exchanges all that the last step has left to the next, but the past steps of the predictor,
+  /// with what was left at the call before.  A lone step (Past::left_out) between two calls
+  /// disturbs no run.  Allocates nothing.
+  void exchange_memory();
 
   /// Returns the change of one more Picard sweep, without band truncation, from the unknowns of the
-  /// last step, which must have converged from W₀ with this h.
+  /// last step, which must have converged from W₀ with this h.  Disturbs no later step.
   double change_of_one_more_sweep(const SplitMatrix& W0, double h);
 
   const StageSystem& system() const { return *system_; }
@@ -63,6 +67,9 @@ class FastSubstep {
   Predictor predictor_;
   StartChoice choice_;
   Unknowns trial_;  // a prediction of x_, made to see its error
+  // x_ and the memory of newton_ of other steps.
+  Unknowns other_x_;
+  Newton::Memory other_newton_;
 };
 
 }  // namespace isosyrk

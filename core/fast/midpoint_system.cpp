@@ -1,5 +1,7 @@
 #include "isosyrk/fast/midpoint_system.h"
 
+#include <utility>
+
 #include "isosyrk/split/linear_combination.h"
 #include "isosyrk/split/skew.h"
 
@@ -20,7 +22,13 @@ MidpointSystem::MidpointSystem(const Flow& flow, int threads, bool truncates)
       K_right_(singles(1)),
       dB_(singles(1)),
       product_(singles(1)),
-      other_(singles(1)) {}
+      other_(singles(1)),
+      other_V_(singles(1)) {}
+
+void MidpointSystem::exchange_memory() {
+  V_.swap(other_V_);
+  std::swap(knows_V_, knows_other_V_);
+}
 
 void MidpointSystem::start(Unknowns& x, Start) {
   x[0][0].entries().setZero();

@@ -31,6 +31,7 @@ class MidpointSystem final : public SplitSystem {
   void linearise(const Unknowns& x, double accuracy) override;
   double frozen_sweep(Corrections& delta, const Corrections& rhs) override;
   bool solves_frozen() const override { return true; }
+  void exchange_memory() override;
   void couple(Corrections& coupled, const Corrections& delta) override;
   void update(SplitMatrix& W1, const Unknowns& x) override;
 
@@ -53,6 +54,9 @@ class MidpointSystem final : public SplitSystem {
   SingleStages dB_;               // B(δ)
   SingleStages product_, other_;  // of a product and of the next one
   bool knows_V_ = false;          // V_ holds the inverse of an earlier correction
+  // V_ and knows_V_ of other steps.
+  SingleStages other_V_;
+  bool knows_other_V_ = false;
 };
 
 }  // namespace isosyrk

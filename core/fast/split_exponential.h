@@ -1,6 +1,7 @@
 // The exponential of a skew-Hermitian matrix, and conjugation by it.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "isosyrk/split/bands.h"
@@ -40,6 +41,8 @@ class SplitExponential {
   bool conjugate(SplitMatrix& W1, const SplitMatrix& Omega, const SplitMatrix& W0, double error,
                  SplitProducts& products, SingleProducts& single_products);
 
+  /// Exchanges the U of the last conjugate() with another one, given by its adjoint.
+  void exchange(SplitMatrix& adjoint) { std::swap(adjoint_, adjoint); }
   /// out = U X U†, exactly skew-Hermitian, with the U of the last conjugate() and a skew-Hermitian
   /// X.  In single precision it errs by up to 2e-3 ‖X‖_F where bands are cut.  Products: 1.5.
   void carry(SingleMatrix& out, const SingleMatrix& X, SingleProducts& single_products);

@@ -10,7 +10,8 @@ namespace isosyrk {
 
 /// An integrator whose state V = W / scale stays in split-complex storage through a run, with a
 /// power of two for the scale (StateScale).  W is converted where the state is set or asked for,
-/// and compared with the state where it is set, not at every step.
+/// and compared with the state where it is set, not at every step.  A lone step has a state and a
+/// memory of its own.
 ///
 /// B is linear (SplitGenerator), so that V' = [B(V), V] in the time scale t: a step of size h for W
 /// is one of size scale h for V.
@@ -29,9 +30,12 @@ class SplitIntegrator : public Integrator {
   virtual Work work() const = 0;
   /// Forgets all past steps, after which the next one starts cold.
   virtual void forget() {}
+  /// Exchanges all that the last step has left, but what only Past::used reads, with what was left
+  /// at the call before.  A lone step is made between two calls.  Allocates nothing.
+  virtual void exchange_memory() {}
 
   /// Returns the V0 of the last step of a run.
-  const SplitMatrix& before_last_step() const { return next_[0]; }
+  const SplitMatrix& before_last_step() const { return state_.next[0]; }
 
  private:
   void load(const ConstMatrixView& W) final;
@@ -40,14 +44,21 @@ class SplitIntegrator : public Integrator {
   void store(MatrixView W) const final;
   StepReport step_alone(MatrixView W, double h) final;
   StepReport advance(double h, Past past);
-  void take(const StateScale& found);
-  void exchange(MatrixView W, const StateScale& of_W);
+  void take(const ConstMatrixView& W, const StateScale& found);
+
+  // Of a run, or of a lone step.
+  struct State {
+    explicit State(Index n) : V(split_stages(1, n)), next(V) {}
+
+    StateScale scale;
+    SplitStages V;     // a single matrix
+    SplitStages next;  // V1 of the step, and then the V before it
+  };
 
   int threads_;
   ScaleFinder finder_;
-  StateScale scale_;
-  SplitStages state_;  // a single matrix
-  SplitStages next_;   // V1 of the step, and then the state before it
+  State state_;
+  State other_state_;  // of a lone step; during that, of the run
 };
 
 }  // namespace isosyrk

@@ -25,6 +25,9 @@ class StageSystem : public FixedPointSystem {
 
   /// Forgets what earlier steps have shown, other than the unknowns.
   virtual void forget() {}
+  /// Exchanges all that steps leave to later ones, other than the unknowns, with what was there at
+  /// the call before.  So a step between two calls disturbs none outside.  Allocates nothing.
+  virtual void exchange_memory() {}
 
   /// Begins a step from W₀ of size h, to be solved to the tolerance.  W₀ must stay unchanged until
   /// update().

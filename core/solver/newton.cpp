@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "isosyrk/iteration/picard.h"
 #include "isosyrk/solver/tuning.h"
@@ -26,6 +27,12 @@ void Newton::forget() {
   contraction_ = tuning.likely_contraction;
   start_change_ = 0.0;
   left_by_correction_.reset();
+}
+
+void Newton::exchange_memory(Memory& other) {
+  std::swap(contraction_, other.contraction);
+  std::swap(start_change_, other.start_change);
+  std::swap(left_by_correction_, other.left_by_correction);
 }
 
 // The contraction was seen in an earlier sweep, so that of the next is taken twice as large.

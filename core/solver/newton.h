@@ -25,6 +25,15 @@ class Newton {
   /// Returns the change of the first sweep of the last iteration, relative to the unit.
   double start_change() const { return start_change_; }
 
+  /// What iterations have shown to later ones.
+  struct Memory {
+    double contraction = 0.0;   ///< last observed, of a Picard sweep near the solution
+    double start_change = 0.0;  ///< of the first sweep of the last iteration; 0 if unknown
+    /// Change after a correction, as a part of the change before; the last seen.
+    std::optional<double> left_by_correction;
+  };
+  /// Exchanges what earlier iterations have shown with that of others.
+  void exchange_memory(Memory& other);
   /// Forgets what earlier iterations have shown: the contraction, the error of start values, and
   /// that of corrections.
   void forget();
