@@ -26,10 +26,7 @@ void SplitIntegrator::take(const ConstMatrixView& W, const StateScale& found) {
   if (found.value != 1.0) state_.V[0].entries() *= 1.0 / found.value;
 }
 
-// Past steps predict only a step that continues from where they ended.
 void SplitIntegrator::load(const ConstMatrixView& W) {
-  other_state_.V[0].load(W);
-  if (other_state_.V[0].entries() == state_.scale.value * state_.V[0].entries()) return;
   forget();
   take(W, finder_.find(W));
 }
@@ -43,6 +40,12 @@ void SplitIntegrator::amend(const ConstMatrixView& W) {
 void SplitIntegrator::store(MatrixView W) const {
   state_.V[0].store(W);
   if (state_.scale.value != 1.0) W *= state_.scale.value;
+}
+
+double SplitIntegrator::energy() const {
+  Matrix W(flow().size(), flow().size());
+  store(W);
+  return flow().energy(W);
 }
 
 StepReport SplitIntegrator::advance(double h, Past past) {

@@ -10,14 +10,13 @@ namespace isosyrk {
 
 /// An integrator whose state V = W / scale stays in split-complex storage through a run, with a
 /// power of two for the scale (StateScale).  W is converted where the state is set or asked for,
-/// and compared with the state where it is set, not at every step.  A lone step has a state and a
-/// memory of its own.
+/// not at every step.  A lone step has a state and a memory of its own.
 ///
 /// B is linear (SplitGenerator), so that V' = [B(V), V] in the time scale t: a step of size h for W
 /// is one of size scale h for V.
 class SplitIntegrator : public Integrator {
  public:
-  double energy() const final { return flow().energy(state()); }
+  double energy() const final;
   int threads() const { return threads_; }
 
  protected:

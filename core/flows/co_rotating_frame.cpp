@@ -32,6 +32,7 @@ class CoRotatingFlow final : public Flow {
 
   // So is B' = B (1 - P), since B commutes with the orthogonal projection P onto l = 1.
   bool has_self_adjoint_generator() const override { return true; }
+  bool ignores_trace() const override { return true; }
 
   std::unique_ptr<SplitGenerator> split_generator() const override {
     return std::make_unique<SplitEulerZeitlin>(

@@ -34,6 +34,8 @@ class EulerZeitlin final : public Flow {
   double hamiltonian(const Matrix& W) const override;
   /// Δ⁻¹ is a symmetric matrix on each diagonal of W.
   bool has_self_adjoint_generator() const override { return true; }
+  /// The multiple of I in W is not in the range of Δ.
+  bool ignores_trace() const override { return true; }
   std::unique_ptr<SplitGenerator> split_generator() const override;
 
   HbarConvention convention() const { return convention_; }

@@ -38,6 +38,9 @@ class Flow {
   /// the gradient of the quadratic Hamiltonian ½ <W, B(W)>, of which hamiltonian() may be a
   /// multiple.  Methods that differentiate B need this.  False unless the flow says so.
   virtual bool has_self_adjoint_generator() const { return false; }
+  /// Returns whether B(W + icI) = B(W) for every real c, where J = I.  W + icI then moves as W
+  /// does, and integrators set the trace of W aside.  False unless the flow says so.
+  virtual bool ignores_trace() const { return false; }
   /// Returns B in split-complex storage for the fast forms, or null if the flow has none.
   virtual std::unique_ptr<SplitGenerator> split_generator() const;
 

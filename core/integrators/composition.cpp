@@ -18,6 +18,7 @@ Composition<Scalar>::Composition(SharedFlowIn<Scalar> flow, const CompositionSch
       fractions_(scheme.fractions),
       midpoint_(make_formulation_in<Scalar>(formulation, flow, gauss_tableau(1), options, backend)),
       state_(flow->algebra().template zero<Scalar>()) {
+  midpoint_->make_inner();
   const double sum = std::accumulate(fractions_.begin(), fractions_.end(), 0.0);
   if (std::abs(sum - 1.0) > 1e-14 ||
       !std::equal(fractions_.begin(), fractions_.end(), fractions_.rbegin())) {

@@ -16,7 +16,9 @@ FrameIntegrator::FrameIntegrator(const SharedFlow& flow, const Make& make, Produ
     : Integrator(flow),
       frame_(euler_zeitlin(flow), backend),
       V_(flow->size(), flow->size()),
-      method_(make(frame_.flow())) {}
+      method_(make(frame_.flow())) {
+  method_->make_inner();
+}
 
 double FrameIntegrator::energy() const {
   method_->state(V_);

@@ -10,7 +10,8 @@ namespace isosyrk {
 
 /// Solves V' = [B'(V), V] by another method, and turns V to W = e^{tR} V e^{-tR} where W is asked
 /// for (flows/co_rotating_frame.h).  A run turns once, at its end, which its reports do not count.
-/// Single steps from W each begin a frame of their own.
+/// In parts it goes on in the same frame, turned by its time since the run began.  Single steps
+/// from W each begin a frame of their own.
 ///
 /// If W is amended, the frame goes on from where it is, with the rate of the new W: V then changes
 /// as little as W does, and past steps predict.

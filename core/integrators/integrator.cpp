@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <stdexcept>
+#include <utility>
+
+#include "isosyrk/integrators/state_trace.h"
 
 namespace isosyrk {
 
@@ -29,37 +32,104 @@ void require_finite(double h) {
     throw std::invalid_argument(fmt::format("step: h = {}, must be finite", h));
 }
 
+// W + icI.
+void add_to_trace(MatrixView W, double c) { W.diagonal().array() += Complex(0.0, c); }
+
+SharedFlow present(SharedFlow flow) {
+  if (flow == nullptr) throw std::invalid_argument("integrator: flow is null");
+  return flow;
+}
+
 }  // namespace
 
-Integrator::Integrator(SharedFlow flow) : flow_(std::move(flow)) {
-  if (flow_ == nullptr) throw std::invalid_argument("integrator: flow is null");
+Integrator::Integrator(SharedFlow flow)
+    : flow_(present(std::move(flow))),
+      known_(Matrix::Zero(flow_->size(), flow_->size())),
+      diagonal_(flow_->size()) {}
+
+void Integrator::make_inner() {
+  is_inner_ = true;
+  is_known_ = false;
+  known_.resize(0, 0);
+}
+
+// Returns the c that is to be set aside.
+double Integrator::trace_of(const ConstMatrixView& W) const {
+  return !is_inner_ && flow_->ignores_trace() ? trace_part(W) : 0.0;
+}
+
+// Calls take(V) for a W that is not known.
+template <class Take>
+void Integrator::change_state(const ConstMatrixView& W, const Take& take) {
+  require_size(W, flow_->size());
+  if (is_inner_) return take(W);
+  if (is_known_ && W == known_) return;
+  const double trace = trace_of(W);
+  if (trace == 0.0) {
+    take(W);
+  } else {
+    is_known_ = false;
+    known_ = W;
+    add_to_trace(known_, -trace);
+    take(known_);
+  }
+  trace_ = trace;
+  known_ = W;
+  is_known_ = true;
 }
 
 void Integrator::set_state(const ConstMatrixView& W) {
-  require_size(W, flow_->size());
-  load(W);
+  change_state(W, [&](const ConstMatrixView& V) { load(V); });
 }
 
 void Integrator::amend_state(const ConstMatrixView& W) {
-  require_size(W, flow_->size());
-  amend(W);
+  change_state(W, [&](const ConstMatrixView& V) { amend(V); });
 }
 
 StepReport Integrator::step(double h) {
   require_finite(h);
-  return advance_state(h);
+  const StepReport report = advance_state(h);
+  if (report.status == Status::converged) is_known_ = false;
+  return report;
+}
+
+void Integrator::state(MatrixView W) const {
+  if (is_inner_) return store(W);
+  if (!is_known_) {
+    store(known_);
+    if (trace_ != 0.0) add_to_trace(known_, trace_);
+    is_known_ = true;
+  }
+  W = known_;
 }
 
 Matrix Integrator::state() const {
   Matrix W(flow_->size(), flow_->size());
-  store(W);
+  state(W);
   return W;
 }
 
 StepReport Integrator::step(MatrixView W, double h) {
   require_size(W, flow_->size());
   require_finite(h);
-  return step_alone(W, h);
+  const double trace = trace_of(W);
+  if (trace == 0.0) return step_alone(W, h);
+
+  diagonal_ = W.diagonal();
+  add_to_trace(W, -trace);
+  StepReport report;
+  try {
+    report = step_alone(W, h);
+  } catch (...) {
+    W.diagonal() = diagonal_;
+    throw;
+  }
+  if (report.status == Status::converged) {
+    add_to_trace(W, trace);
+  } else {
+    W.diagonal() = diagonal_;
+  }
+  return report;
 }
 
 template <class Scalar>

@@ -30,45 +30,61 @@ struct StepReport {
 ///
 /// A run keeps its state in the integrator: set_state(W₀), then step(h) as often as wanted, then
 /// state().  step(W, h) is a single step beside any run.
+///
+/// **A run in parts.**  The matrix that was set or returned last is known, bit for bit, until a
+/// step changes the state.  To set it again changes nothing: the run goes on as if it had not been
+/// left, with its past steps, its scale, its frame and its trace.
+///
+/// **A trace.**  For a flow that ignores_trace(), W = V + icI moves as V does, but ISOSYRK methods
+/// do not commute with the shift.  So integrators hold V, with c = Im tr W / n, and add icI where
+/// the state is asked for.  Scale, tolerance and energy are those of V.  The diagonal of the state
+/// is rounded to a unit in the last place of c where |c| is larger than V.  A state that no step
+/// has changed is returned bit for bit.  A trace of the size of rounding stays in V.
 class Integrator {
  public:
   virtual ~Integrator() = default;
   Integrator(const Integrator&) = delete;
   Integrator& operator=(const Integrator&) = delete;
 
-  /// Sets the state to W, n x n.  Past steps predict the next one only if W is the state already.
-  /// Throws std::invalid_argument for another size, and as QuadraticAlgebra::pack; the state is
-  /// then unchanged.  Allocates nothing.
+  /// Sets the state to W, n x n.  A new run begins, unless W is known.  Throws
+  /// std::invalid_argument for another size, and as QuadraticAlgebra::pack; the state is then
+  /// unchanged.  Allocates nothing.
   void set_state(const ConstMatrixView& W);
   /// Sets the state to W, as a run changes it between two of its steps.  Past steps go on
   /// predicting the next one, for its start values only.  The scale is found again only if ‖W‖_F
-  /// has changed twofold since it was found.  Throws as set_state.
+  /// has changed twofold since it was found.  If W is known, nothing changes.  Throws as set_state.
   void amend_state(const ConstMatrixView& W);
   /// Advances the state by a step h, which may be negative, and reports the work.  The state is
   /// unchanged unless the status is `converged`.  Allocates nothing.  Throws std::invalid_argument
   /// unless h is finite.
   StepReport step(double h);
   /// Copies the state to W, n x n.
-  void state(MatrixView W) const { store(W); }
+  void state(MatrixView W) const;
   /// Returns the state, n x n.
   Matrix state() const;
-  /// Returns H of the state.
+  /// Returns H of the state, without a trace that the flow ignores.
   virtual double energy() const = 0;
 
-  /// Advances W, n x n, in place by a step h, and leaves the state and the past steps of a run as
-  /// they are.  No past steps predict it: for several steps keep the state in the integrator.  W is
+  /// Advances W, n x n, in place by a step h, and leaves a run with all that its steps use as it
+  /// is.  No past steps predict the step: for several steps keep the state in the integrator.  W is
   /// unchanged unless the status is `converged`.  During the step W is workspace.  Allocates
   /// nothing.  Throws as set_state and step.
   StepReport step(MatrixView W, double h);
 
   const Flow& flow() const { return *flow_; }
 
+  /// Makes this the inner method of another integrator, which knows its states and sets traces
+  /// aside.  This one then does neither.
+  void make_inner();
+
  protected:
   /// Throws std::invalid_argument for a null flow.
   explicit Integrator(SharedFlow flow);
 
  private:
-  /// Takes W, n x n, as the state.  If it throws, the state is unchanged.
+  // All of these see W without a trace that is set aside.
+
+  /// Begins a run from W, n x n.  If it throws, the state is unchanged.
   virtual void load(const ConstMatrixView& W) = 0;
   /// Implements amend_state.
   virtual void amend(const ConstMatrixView& W) = 0;
@@ -79,7 +95,17 @@ class Integrator {
   /// Implements step(W, h), for W, n x n, and finite h.
   virtual StepReport step_alone(MatrixView W, double h) = 0;
 
+  double trace_of(const ConstMatrixView& W) const;
+  template <class Take>
+  void change_state(const ConstMatrixView& W, const Take& take);
+
   SharedFlow flow_;
+  bool is_inner_ = false;
+  double trace_ = 0.0;  // c, set aside from the state
+  // The state as it was set or returned last, if no step has changed it since.
+  mutable Matrix known_;
+  mutable bool is_known_ = false;
+  Eigen::VectorXcd diagonal_;  // of the W of a lone step
 };
 
 /// Calls exchange() when it is made and when it ends, by an exception too.

@@ -34,13 +34,12 @@ ProjectedRungeKutta4::ProjectedRungeKutta4(const SharedFlow& flow,
       is_real_(dynamic_cast<const RealFlow*>(flow.get()) != nullptr),
       drift_of_norm_(likely_drift_of_norm) {
   require_identity_J(*flow, "rk4_projected");
+  method_->make_inner();
   V_ = next_ = W_ = Matrix::Zero(flow->size(), flow->size());
   eigenvalues_ = eigenvalues_alone_ = RealVector::Zero(flow->size());
 }
 
-// A run that ended with W goes on from the V of which W is the projection.
 void ProjectedRungeKutta4::load(const ConstMatrixView& W) {
-  if (is_projected_ && W == W_) return;
   method_->set_state(W);  // refuses what storage cannot hold
   V_ = W;
   begin();

@@ -12,8 +12,8 @@ namespace isosyrk {
 ///
 ///     V = U (iΛ) U†  ->  W = U (iΛ₀) U†
 ///
-/// onto the eigenvalues Λ₀ of the state that the run began with.  A state that is amended, or
-/// set to another than it is, begins anew.  For flows with J = I.  Order 4, isospectral, not
+/// onto the eigenvalues Λ₀ of the state that the run began with.  A state that is amended, or set
+/// to another than the known one, begins anew.  For flows with J = I.  Order 4, isospectral, not
 /// Lie-Poisson.  Unlike the Runge-Kutta step, the projection changes the angular momentum. Unstable
 /// where the Runge-Kutta method is.
 ///
@@ -21,8 +21,8 @@ namespace isosyrk {
 /// seldom as the error of the steps allows:
 ///
 /// - where the state is asked for.  Whatever a user sees has the spectrum Λ₀ to rounding.  The run
-///   itself goes on from V, so observing a run does not change it, and what an observed state cost
-///   is in no report, as with FrameIntegrator;
+///   itself goes on from V, so observing it or running it in parts does not change it, and what an
+///   observed state cost is in no report, as with FrameIntegrator;
 /// - after a step, where ‖Λ - Λ₀‖_F is estimated to exceed `largest_drift` ‖Λ₀‖_F.  The run then
 ///   goes on from W.
 ///

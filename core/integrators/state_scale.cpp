@@ -21,6 +21,8 @@ double frobenius_norm(const ConstMatrixView& W, int exponent) {
 
 }  // namespace
 
+double frobenius_norm(const ConstMatrixView& W) { return frobenius_norm(W, exponent_of(W)); }
+
 ScaleFinder::ScaleFinder(Index n) : start_(n), x_(n), y_(n) {
   std::minstd_rand numbers;  // the same everywhere
   const auto next = [&] {
@@ -60,7 +62,7 @@ StateScale ScaleFinder::find(const ConstMatrixView& W) {
 }
 
 bool ScaleFinder::changed_twofold(const StateScale& scale, const ConstMatrixView& W) {
-  const double norm = frobenius_norm(W, exponent_of(W));
+  const double norm = frobenius_norm(W);
   return !(norm <= 2.0 * scale.frobenius_norm && norm >= 0.5 * scale.frobenius_norm);
 }
 

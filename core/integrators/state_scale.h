@@ -13,6 +13,9 @@ struct StateScale {
   double frobenius_norm = 0.0;  ///< ‖W‖_F
 };
 
+/// Returns ‖W‖_F, whose squares neither overflow nor underflow where they count.
+double frobenius_norm(const ConstMatrixView& W);
+
 /// Finds scales of n x n matrices.  Only the constructor allocates.
 class ScaleFinder {
  public:
