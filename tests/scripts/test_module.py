@@ -381,6 +381,56 @@ class Between(unittest.TestCase):
         self.assertTrue(np.array_equal(raised.exception.W, seen[-1]))
 
 
+class Parts(unittest.TestCase):
+    """A run from the W that the call before has returned is the rest of the run in one go, bit for bit."""
+
+    SCENES = (SMOOTH, isosyrk.scene(initial=SMOOTH.initial + 100j * np.eye(SMOOTH.n)))  # the other has a trace
+
+    def for_each(self):
+        for scene in self.SCENES:
+            for solver in isosyrk.SOLVERS:
+                for name in ("group2", "elp4", "rk4_projected", "group2_frame", "rkmk4_frame", "rk4_projected_frame"):
+                    with self.subTest(trace=scene is not SMOOTH, solver=solver, name=name):
+                        yield scene, lambda: isosyrk.integrator(scene, name, solver=solver)
+
+    @staticmethod
+    def work(report):
+        return np.array([report.steps, report.sweeps, report.products, report.poisson_solves])
+
+    def test_runs_and_single_steps_are_the_run_in_one_go(self):
+        for scene, make in self.for_each():
+            whole, expected = make().run(scene.initial, 0.1, 20)
+            method, W, total = make(), scene.initial, 0
+            for _ in range(2):
+                W, report = method.run(W, 0.1, 10)
+                total = total + self.work(report)
+            self.assertTrue(np.array_equal(W, whole))
+            self.assertEqual(total.tolist(), self.work(expected).tolist())
+            method, W = make(), scene.initial
+            for _ in range(20):
+                W = method.step(W, 0.1)
+            self.assertTrue(np.array_equal(W, whole))
+
+    def test_what_between_leaves_is_where_the_next_part_begins(self):
+        for scene, make in self.for_each():
+            def damp(step, W):
+                W *= 0.999
+
+            whole, _ = make().run(scene.initial, 0.1, 8, between=damp)
+            method, W = make(), scene.initial
+            for _ in range(2):
+                W, _ = method.run(W, 0.1, 4, between=damp)
+            self.assertTrue(np.array_equal(W, whole))
+
+    def test_a_step_of_another_state_in_between_begins_both_anew(self):
+        for scene, make in self.for_each():
+            method = make()
+            W, _ = method.run(scene.initial, 0.1, 5)
+            other = 0.5 * W
+            self.assertTrue(np.array_equal(method.step(other, 0.1), make().step(other, 0.1)))
+            self.assertTrue(np.array_equal(method.run(W, 0.1, 5)[0], make().run(W, 0.1, 5)[0]))
+
+
 class Ended(unittest.TestCase):
     """What a run that an exception ends leaves."""
 

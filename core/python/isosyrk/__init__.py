@@ -156,7 +156,8 @@ def scene(name: Optional[str] = None, n: Optional[int] = None, hbar: Optional[st
                that is not in scenes(), are a label only.
       modes    coefficients (l, m, re, im) with 1 <= l < n, 0 <= m <= l, im = 0 where m = 0; needs n. W is scaled to
                norm 1.
-      initial  W itself, shape (n, n), skew-Hermitian to 1e-10 relative; taken as it is.
+      initial  W itself, shape (n, n), skew-Hermitian to 1e-10 relative; taken as it is. A trace costs nothing:
+               integrators set the part icI aside, which B ignores, and add it again. In other equations they do not.
     hbar is "paper" (the default, 2/sqrt(n(n-1))) or "standard" (2/sqrt(n^2-1), as quflow has it).
 
     Other names of scenes() have equations of their own; n is always the size of W:
@@ -254,7 +255,7 @@ class Integrator:
     """A one-step method for the flow of a scene, with its workspace. Made by integrator().
 
     A fast integrator predicts from its past steps, so that a run is cheaper than as many single steps from other
-    states.
+    states. A run from the W that the call before has returned goes on: runs in parts are the run in one go, bit by bit.
     One call at a time: a second one from another thread, or from `observe`, raises RuntimeError.
     """
 
