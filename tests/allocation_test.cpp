@@ -72,6 +72,34 @@ TEST(Step, AllocatesNothingInAFastFormColdOrWarm) {
   }
 }
 
+// What a run calls beside its steps, with a trace and without.
+TEST(Run, AllocatesNothingWhereItsStateIsSetAmendedOrAskedFor) {
+  const Scene scene = smooth_scene(33);
+  for (const IntegratorEntry& listed : integrators()) {
+    for (const IntegratorEntry& entry : forms_of(listed)) {
+      const auto integrator = made(entry, *scene.flow);
+      Matrix W = scene.initial, alone = scene.initial;
+      integrator->step(alone, 1e-3);
+      for (const double c : {0.0, 3.0}) {
+        W.diagonal().array() += Complex(0.0, c);
+        alone = W;
+        const auto calls = [&] {
+          integrator->set_state(W);
+          integrator->step(1e-3);
+          integrator->state(W);
+          integrator->set_state(W);
+          integrator->step(alone, 1e-3);
+          W *= 0.9;
+          integrator->amend_state(W);
+          integrator->step(1e-3);
+          integrator->state(W);
+        };
+        EXPECT_EQ(allocations_during(calls), 0) << entry.name << " c = " << c;
+      }
+    }
+  }
+}
+
 TEST(Step, AllocatesNothingWhereJIsNotTheIdentity) {
   const ConjugationFlow flow(QuadraticAlgebra(symplectic_J(3)), 1);
   // ConjugationFlow's own products allocate.
