@@ -61,8 +61,8 @@ class InstalledLibrary(FolderTest):
         python = re.search(r"^_?Python_EXECUTABLE:\w+=(.*)$", text_of(BUILD, "CMakeCache.txt"), re.M).group(1)
         printed = self.done("env", f"PYTHONPATH={os.path.dirname(os.path.dirname(package))}", python, "-c",
                             "import isosyrk; print(isosyrk.__file__, isosyrk.scene('smooth', n=9).initial.shape,"
-                            " isosyrk.conditions()['version'])")
-        self.assertEqual(printed, f"{package} (9, 9) {VERSION}\n")
+                            " isosyrk.conditions()['version'], isosyrk.quflow.integrator('elp4').name)")
+        self.assertEqual(printed, f"{package} (9, 9) {VERSION} elp4\n")
 
     def test_module_is_built_for_the_python_that_has_numpy(self):
         # Without packages, and so without NumPy.

@@ -38,7 +38,7 @@ if not _waits_as_asked:
     del os.environ["GOMP_SPINCOUNT"]
 
 __all__ = ["Integrator", "IntegratorRecord", "Report", "Scene", "SolverError", "angular_momentum_error",
-           "casimir_errors", "conditions", "integrator", "integrators", "measured_limit", "product_rate",
+           "casimir_errors", "conditions", "integrator", "integrators", "measured_limit", "product_rate", "quflow",
            "relative_error", "scene", "scenes", "skew_defect", "spectrum", "spectrum_error"]
 
 __version__ = _core.version
@@ -102,10 +102,15 @@ class IntegratorRecord(NamedTuple):
 
 
 class Scene:
-    """A flow with initial data. Made by scene()."""
+    """A flow with initial data. Made by scene().
+
+    It pickles and copies as the arguments of scene() that it was made with: a generator of the user's own must pickle,
+    and modes are summed again.
+    """
 
     def __init__(self, core, hbar, modes_hash, generator=None, hamiltonian=None):
         self._core = core
+        self._arguments = {}  # of scene(), which sets them; `initial` is None where there is one
         self._generator = generator  # kept here, since the compiled half only borrows it
         self._hamiltonian = hamiltonian
         self.name: str = core.name
@@ -120,7 +125,10 @@ class Scene:
         return self._core.initial
 
     def energy(self, W: ArrayLike) -> float:
-        """Returns the Hamiltonian H(W); NaN where a user's own flow has none."""
+        """Returns the Hamiltonian H(W), for W of any norm; NaN where a user's own flow has none.
+
+        Raises ValueError where no double holds it: for norms beyond about 1e154 and below 1e-154.
+        """
         W = _square(W, self.n)
         if self._hamiltonian is not None:
             return _real(self._hamiltonian(W.copy()), "hamiltonian: its result", finite=False)
@@ -140,8 +148,18 @@ class Scene:
             raise ValueError("co_rotating: for Euler-Zeitlin only")
         return self._core.generator_norms(bool(co_rotating))
 
+    def __reduce__(self):
+        arguments = dict(self._arguments)
+        if "initial" in arguments:
+            arguments["initial"] = self.initial
+        return _scene_again, (arguments,)
+
     def __repr__(self):
         return f"<isosyrk.Scene {self.name}, n = {self.n}>"
+
+
+def _scene_again(arguments):
+    return scene(**arguments)
 
 
 def scene(name: Optional[str] = None, n: Optional[int] = None, hbar: Optional[str] = None, *,
@@ -174,6 +192,19 @@ def scene(name: Optional[str] = None, n: Optional[int] = None, hbar: Optional[st
     first of them is made. `hamiltonian` maps W to a number.
     Raises ValueError for values out of range.
     """
+    if modes is not None:
+        modes = list(modes)
+    made = _made_scene(name, n, hbar, modes, initial, signature, generator, hamiltonian)
+    arguments = dict(name=name, n=n, hbar=hbar, modes=modes, initial=initial, signature=signature, generator=generator,
+                     hamiltonian=hamiltonian)
+    made._arguments = {what: value for what, value in arguments.items() if value is not None}
+    if initial is not None:
+        made._arguments["initial"] = None  # the scene has it
+    return made
+
+
+def _made_scene(name, n, hbar, modes, initial, signature, generator, hamiltonian):
+    """Returns the scene of these arguments of scene()."""
     if modes is not None and initial is not None:
         raise ValueError("scene: has modes and initial; must have one of them")
     if name is None and modes is None and initial is None:
@@ -257,9 +288,10 @@ class Integrator:
     A fast integrator predicts from its past steps, so that a run is cheaper than as many single steps from other
     states. A run from the W that the call before has returned goes on: runs in parts are the run in one go, bit by bit.
     One call at a time: a second one from another thread, or from `observe`, raises RuntimeError.
+    It pickles and copies as its scene and options: the copy has no past steps.
     """
 
-    def __init__(self, scene, entry, solver, threads, core):
+    def __init__(self, scene, entry, solver, threads, core, options):
         self.scene: Scene = scene
         self.name: str = entry.name
         self.stages: int = entry.stages
@@ -267,6 +299,7 @@ class Integrator:
         self.threads: int = threads
         self._entry = entry
         self._core = core
+        self._options = options  # of integrator(), beside scene and name
 
     def step(self, W: ArrayLike, h: float, out: Optional[Matrix] = None) -> Matrix:
         """Returns the state after one step of size h, which may be negative, from W. `out` as in run()."""
@@ -344,6 +377,9 @@ class Integrator:
         """
         return self._entry.linear_limit(self.scene._core)
 
+    def __reduce__(self):
+        return _integrator_again, (self.scene, self.name, self._options)
+
     def __repr__(self):
         return f"<isosyrk.Integrator {self.name}, {self.solver}, n = {self.scene.n}>"
 
@@ -353,6 +389,10 @@ class Integrator:
         if outcome.status != "converged":
             raise SolverError(outcome.failed_step, outcome.status, outcome.last_change, W, report)
         return report
+
+
+def _integrator_again(scene, name, options):
+    return integrator(scene, name, **options)
 
 
 def integrator(scene: Scene, name: str, solver: str = "published", tolerance: float = 1e-13, threads: int = 1, *,
@@ -395,10 +435,10 @@ def integrator(scene: Scene, name: str, solver: str = "published", tolerance: fl
         raise ValueError("solver 'fast': not for a generator of your own; must be published")
     if solver == "fast" and products != "openblas":
         raise ValueError("products: goes with solver 'published' only; fast forms have products of their own")
-    max_sweeps = _whole(max_sweeps, "max_sweeps", 1, 10**6)
-    core = _core.Stepper(scene._core, entry.name, solver=solver, tolerance=tolerance, max_sweeps=max_sweeps,
-                         threads=threads, products=_products(products, scene.n), without=set(without))
-    return Integrator(scene, entry, solver, threads, core)
+    options = dict(solver=solver, tolerance=tolerance, threads=threads, without=without,
+                   max_sweeps=_whole(max_sweeps, "max_sweeps", 1, 10**6), products=_products(products, scene.n))
+    core = _core.Stepper(scene._core, entry.name, **{**options, "without": set(without)})
+    return Integrator(scene, entry, solver, threads, core, options)
 
 
 def integrators() -> List[IntegratorRecord]:
@@ -445,7 +485,7 @@ def spectrum(W: ArrayLike) -> NDArray[np.float64]:
 
 
 def spectrum_error(W: ArrayLike, W0: ArrayLike) -> float:
-    """Returns the largest difference of the sorted spectra of two skew-Hermitian matrices."""
+    """Returns the largest difference of the sorted spectra of two skew-Hermitian matrices: absolute, in units of W."""
     W = _square(W)
     return _core.spectrum_error(W, _square(W0, len(W)))
 
@@ -456,13 +496,19 @@ def skew_defect(W: ArrayLike) -> float:
 
 
 def casimir_errors(W: ArrayLike, W0: ArrayLike) -> List[float]:
-    """Returns |tr W^k - tr W0^k| over the sum of |lambda|^k, for k = 2 ... 5."""
+    """Returns |tr W^k - tr W0^k| over the sum of |lambda|^k, for k = 2 ... 5, with lambda the eigenvalues of W0.
+
+    Both have shape (n, n), are skew-Hermitian and of any norm. Raises ValueError unless W0 is finite.
+    """
     W = _square(W)
     return _core.casimir_errors(W, _square(W0, len(W)))
 
 
 def angular_momentum_error(W: ArrayLike, W0: ArrayLike) -> float:
-    """Returns the largest change of a component of the angular momentum, relative to its norm at W0; n >= 2."""
+    """Returns the largest change of a component of the angular momentum, relative to its norm at W0; n >= 2.
+
+    Where W0 has no part with l = 1, the result says nothing: rounding over rounding, inf or NaN.
+    """
     W = _square(W)
     if len(W) < 2:
         raise ValueError("W: its shape is (1, 1), must be (n, n) with n >= 2")
@@ -470,9 +516,19 @@ def angular_momentum_error(W: ArrayLike, W0: ArrayLike) -> float:
 
 
 def relative_error(W: ArrayLike, reference: ArrayLike) -> float:
-    """Returns the Frobenius norm of W - reference over that of the reference."""
+    """Returns the Frobenius norm of W - reference over that of the reference, right at any norm."""
     reference = _square(reference)
-    return float(np.linalg.norm(_square(W, len(reference)) - reference) / np.linalg.norm(reference))
+    # Squares overflow at 1e154, and a power of two as unit changes no digit.
+    _, exponent = np.frexp(np.abs(reference).max())
+    reference = _times_power_of_two(reference, -exponent)
+    W = _times_power_of_two(_square(W, len(reference)), -exponent)
+    return float(np.linalg.norm(W - reference) / np.linalg.norm(reference))
+
+
+def _times_power_of_two(W, exponent):
+    """Returns 2^exponent W. Each half of the exponent is that of a double, also where the whole is not."""
+    half = int(exponent) // 2
+    return W * 2.0**half * 2.0**(int(exponent) - half)
 
 
 def _measuring():
@@ -623,3 +679,6 @@ def _real(value, what, finite=True):
     if finite and not math.isfinite(number):
         raise ValueError(f"{what} = {number}: must be finite")
     return number
+
+
+from . import quflow  # noqa: E402  it uses what stands above
