@@ -42,7 +42,7 @@ void SplitIntegrator::store(MatrixView W) const {
   if (state_.scale.value != 1.0) W *= state_.scale.value;
 }
 
-double SplitIntegrator::energy() const {
+Energy SplitIntegrator::energy() const {
   Matrix W(flow().size(), flow().size());
   store(W);
   return flow().energy(W);

@@ -16,7 +16,7 @@ namespace isosyrk {
 /// is one of size scale h for V.
 class SplitIntegrator : public Integrator {
  public:
-  double energy() const final;
+  Energy energy() const final;
   int threads() const { return threads_; }
 
  protected:

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "isosyrk/flows/energy.h"
 #include "isosyrk/linalg/matrix.h"
 #include "isosyrk/linalg/quadratic_algebra.h"
 
@@ -32,7 +33,8 @@ class Flow {
   /// argument().  Allocates nothing, unless the flow is a RealFlow, of which integrators call
   /// real_generator().  B is not W.  For Euler-Zeitlin this is one Poisson solve.
   virtual void generator(const Matrix& W, Matrix& B) const = 0;
-  /// Returns H(W), which the exact flow conserves, for W in storage.
+  /// Returns H(W), which the exact flow conserves, for W in storage.  Squares may overflow:
+  /// energy() and stored_energy() are for W of any norm.
   virtual double hamiltonian(const Matrix& W) const = 0;
   /// Returns whether B is linear on g and self-adjoint in the pairing <A, B> = -tr(AB).  B is then
   /// the gradient of the quadratic Hamiltonian ½ <W, B(W)>, of which hamiltonian() may be a
@@ -41,6 +43,8 @@ class Flow {
   /// Returns whether B(W + icI) = B(W) for every real c, where J = I.  W + icI then moves as W
   /// does, and integrators set the trace of W aside.  False unless the flow says so.
   virtual bool ignores_trace() const { return false; }
+  /// Returns whether H(cW) = c² H(W).  The energy is then computed from W / 2^e of norm about 1.
+  virtual bool has_quadratic_hamiltonian() const { return has_self_adjoint_generator(); }
   /// Returns B in split-complex storage for the fast forms, or null if the flow has none.
   virtual std::unique_ptr<SplitGenerator> split_generator() const;
 
@@ -56,8 +60,11 @@ class Flow {
 
   /// Returns B(W), n x n, for an n x n matrix W.  Throws as QuadraticAlgebra::pack.
   Matrix dense_generator(const Matrix& W) const;
-  /// Returns H(W) for an n x n matrix W.  Throws as QuadraticAlgebra::pack.
-  double energy(const Matrix& W) const;
+  /// Returns H(W) for an n x n matrix W of any norm, if H is quadratic.  Throws as
+  /// QuadraticAlgebra::pack.
+  Energy energy(const Matrix& W) const;
+  /// Returns H(2^exponent V) for V in storage.
+  Energy stored_energy(const Matrix& V, int exponent = 0) const;
 
  protected:
   explicit Flow(QuadraticAlgebra algebra, Generator kind = Generator::of_algebra)
@@ -77,6 +84,10 @@ class RealFlow : public Flow {
   /// B = B(W) and H(W), as above, for real matrices.
   virtual void real_generator(const MatrixOf<double>& W, MatrixOf<double>& B) const = 0;
   virtual double real_hamiltonian(const MatrixOf<double>& W) const = 0;
+
+  using Flow::stored_energy;
+  /// Returns H(2^exponent V) for a real V in storage.
+  Energy stored_energy(const MatrixOf<double>& V, int exponent) const;
 
   /// The same for complex matrices whose imaginary parts are 0.  Both allocate.
   void generator(const Matrix& W, Matrix& B) const final;

@@ -20,7 +20,7 @@ FrameIntegrator::FrameIntegrator(const SharedFlow& flow, const Make& make, Produ
   method_->make_inner();
 }
 
-double FrameIntegrator::energy() const {
+Energy FrameIntegrator::energy() const {
   method_->state(V_);
   return flow().energy(V_);
 }

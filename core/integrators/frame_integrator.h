@@ -24,7 +24,7 @@ class FrameIntegrator final : public Integrator {
   FrameIntegrator(const SharedFlow& flow, const Make& make, ProductBackend backend);
 
   /// H is the same for W and V.
-  double energy() const override;
+  Energy energy() const override;
 
  private:
   void load(const ConstMatrixView& W) override;

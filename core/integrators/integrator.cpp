@@ -213,13 +213,8 @@ void IntegratorIn<Scalar>::evaluate(const Stored& V, Stored& B) {
 }
 
 template <class Scalar>
-double IntegratorIn<Scalar>::energy() const {
-  const Stored W = scale_ * state_;
-  if constexpr (std::is_same_v<Scalar, double>) {
-    return flow_.real_hamiltonian(W);
-  } else {
-    return flow_.hamiltonian(W);
-  }
+Energy IntegratorIn<Scalar>::energy() const {
+  return flow_.stored_energy(state_, std::ilogb(scale_));
 }
 
 template <class Scalar>

@@ -62,8 +62,8 @@ class Integrator {
   void state(MatrixView W) const;
   /// Returns the state, n x n.
   Matrix state() const;
-  /// Returns H of the state, without a trace that the flow ignores.
-  virtual double energy() const = 0;
+  /// Returns H of the state, without a trace that the flow ignores, at any norm if H is quadratic.
+  virtual Energy energy() const = 0;
 
   /// Advances W, n x n, in place by a step h, and leaves a run with all that its steps use as it
   /// is.  No past steps predict the step: for several steps keep the state in the integrator.  W is
@@ -141,7 +141,7 @@ class IntegratorIn : public Integrator {
   /// Sets the scale, a power of two, for advance().
   virtual void set_scale(double scale) { scale_ = scale; }
 
-  double energy() const final;
+  Energy energy() const final;
 
  protected:
   explicit IntegratorIn(SharedFlowIn<Scalar> flow);

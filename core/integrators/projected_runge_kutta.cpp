@@ -104,7 +104,7 @@ const Matrix& ProjectedRungeKutta4::projected() const {
 
 void ProjectedRungeKutta4::store(MatrixView W) const { W = projected(); }
 
-double ProjectedRungeKutta4::energy() const { return flow().energy(projected()); }
+Energy ProjectedRungeKutta4::energy() const { return flow().energy(projected()); }
 
 StepReport ProjectedRungeKutta4::step_alone(MatrixView W, double h) {
   next_ = W;

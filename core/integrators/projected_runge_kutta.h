@@ -51,7 +51,7 @@ class ProjectedRungeKutta4 final : public Integrator {
   ProjectedRungeKutta4(const SharedFlow& flow, std::unique_ptr<Integrator> runge_kutta4,
                        ProductBackend backend);
 
-  double energy() const override;
+  Energy energy() const override;
 
  private:
   void load(const ConstMatrixView& W) override;

@@ -25,7 +25,8 @@ double spectral_norm(const Matrix& W);
 /// Returns the spectral norm of any square matrix.  Throws as spectrum().
 double operator_norm(const Matrix& B);
 
-/// Returns the Casimir tr(W^k), by k - 1 products.  Throws std::invalid_argument for k < 1.
+/// Returns the Casimir tr(W^k), by k - 1 products.  It overflows for norms beyond about 1e(308/k);
+/// casimir_errors() does not.  Throws std::invalid_argument for k < 1.
 Complex casimir(const Matrix& W, int k);
 
 /// Returns the largest entry of |W + W†|.

@@ -38,8 +38,19 @@ std::vector<Mode> modes_of(const std::vector<ModeTuple>& tuples) {
 
 Scene scene_of_generator(const std::string& name, const Array& initial, py::handle generator) {
   Matrix W0 = matrix_of(initial);
-  auto flow = std::make_shared<PythonFlow>(W0.rows(), W0.norm(), generator);
+  auto flow = std::make_shared<PythonFlow>(W0.rows(), W0.stableNorm(), generator);
   return {name, std::move(flow), std::move(W0), 5.0};
+}
+
+double energy_of(const Scene& scene, const Matrix& W) {
+  const Energy energy = scene.flow->energy(W);
+  if (!energy.is_double()) {
+    throw py::value_error(fmt::format(
+        "energy: is about 1e{:.0f} for this W of norm {:.3g}, which no double holds; that "
+        "of c W is c^2 times as large",
+        energy.log10(), W.stableNorm()));
+  }
+  return energy.value();
 }
 
 struct Switch {
@@ -114,7 +125,7 @@ void bind_scenes(py::module_& module) {
                                return view;
                              })
       .def("energy",
-           [](const Scene& scene, const Array& W) { return scene.flow->energy(matrix_of(W)); })
+           [](const Scene& scene, const Array& W) { return energy_of(scene, matrix_of(W)); })
       .def("generator",
            [](const Scene& scene, const Array& W) {
              return copy_of(scene.flow->dense_generator(matrix_of(W)));

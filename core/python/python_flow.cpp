@@ -54,10 +54,11 @@ bool PythonFlow::is_self_adjoint_on_samples() const {
   generator(A, BA);
   generator(C, BC);
   generator(sum, B_of_sum);
-  const double size_of_B = BA.norm() + BC.norm();
-  const double not_linear = (B_of_sum - (0.6 * BA - 0.8 * BC)).norm();
-  const double not_adjoint = std::abs(pairing(A, BC) - pairing(BA, C));
-  return not_linear <= tolerance * size_of_B && not_adjoint <= tolerance * size_ * size_of_B;
+  // Norms that do not overflow, and A and C of norm 1 in the pairings: W may be of any norm.
+  const double size_of_B = BA.stableNorm() + BC.stableNorm();
+  const double not_linear = (B_of_sum - (0.6 * BA - 0.8 * BC)).stableNorm();
+  const double not_adjoint = std::abs(pairing(A / size_, BC) - pairing(BA, C / size_));
+  return not_linear <= tolerance * size_of_B && not_adjoint <= tolerance * size_of_B;
 }
 
 void PythonFlow::generator(const Matrix& W, Matrix& B) const {

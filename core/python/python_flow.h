@@ -24,6 +24,7 @@ class PythonFlow final : public Flow {
   void generator(const Matrix& W, Matrix& B) const override;
   /// Returns NaN: energies are computed in Python.
   double hamiltonian(const Matrix& W) const override;
+  bool has_quadratic_hamiltonian() const override { return false; }
   /// Returns whether the function is linear and self-adjoint to 1e-10 on seeded matrices of the
   /// given norm.  Three calls of the function the first time that this is asked, and none after
   /// that. Throws as generator().

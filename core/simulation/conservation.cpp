@@ -4,14 +4,15 @@
 
 #include "isosyrk/flows/co_rotating_frame.h"
 #include "isosyrk/flows/invariants.h"
+#include "isosyrk/linalg/power_of_two.h"
 
 namespace isosyrk {
 
 ConservationWatch::ConservationWatch(const Scene& scene)
     : scene_(scene), initial_energy_(scene.flow->energy(scene.initial)) {}
 
-void ConservationWatch::observe(double energy) {
-  energy_error_ = larger(energy_error_, std::abs(energy / initial_energy_ - 1.0));
+void ConservationWatch::observe(const Energy& energy) {
+  energy_error_ = larger(energy_error_, std::abs(energy.over(initial_energy_) - 1.0));
 }
 
 Conservation ConservationWatch::report(const Matrix& W) const {
@@ -19,7 +20,21 @@ Conservation ConservationWatch::report(const Matrix& W) const {
   return {spectrum_error(algebra, W, scene_.initial), algebra.algebra_defect(W), energy_error_};
 }
 
-std::array<double, 4> casimir_errors(const Matrix& W, const Matrix& W0) {
+namespace {
+
+// Two matrices in units of a power of two near the norm of the second: ratios of their powers are
+// the same, and do not overflow.
+struct InUnits {
+  InUnits(const Matrix& matrix, const Matrix& initial)
+      : unit(exponent_of_largest(initial)),
+        W(times_power_of_two(matrix, -unit)),
+        W0(times_power_of_two(initial, -unit)) {}
+  int unit;
+  Matrix W;
+  Matrix W0;
+};
+
+std::array<double, 4> casimir_errors_in_units(const Matrix& W, const Matrix& W0) {
   const RealVector eigenvalues = spectrum(W0).cwiseAbs();
   std::array<double, 4> errors{};
   for (std::size_t i = 0; i < errors.size(); ++i) {
@@ -30,12 +45,24 @@ std::array<double, 4> casimir_errors(const Matrix& W, const Matrix& W0) {
   return errors;
 }
 
-double angular_momentum_error(const Matrix& W, const Matrix& W0) {
+double angular_momentum_error_in_units(const Matrix& W, const Matrix& W0) {
   const std::array<double, 3> momentum = angular_momentum(W);
   const std::array<double, 3> initial = angular_momentum(W0);
   double change = 0.0;
   for (std::size_t a = 0; a < 3; ++a) change = larger(change, std::abs(momentum[a] - initial[a]));
   return change / std::hypot(initial[0], initial[1], initial[2]);
+}
+
+}  // namespace
+
+std::array<double, 4> casimir_errors(const Matrix& W, const Matrix& W0) {
+  const InUnits in_units(W, W0);
+  return casimir_errors_in_units(in_units.W, in_units.W0);
+}
+
+double angular_momentum_error(const Matrix& W, const Matrix& W0) {
+  const InUnits in_units(W, W0);
+  return angular_momentum_error_in_units(in_units.W, in_units.W0);
 }
 
 RealVector generator_frequencies(const Scene& scene, bool co_rotating) {

@@ -3,14 +3,15 @@
 
 #include <array>
 
+#include "isosyrk/flows/energy.h"
 #include "isosyrk/scenes/scene.h"
 
 namespace isosyrk {
 
 /// Errors of a matrix W against the initial data of its scene.
 struct Conservation {
-  double spectrum_error = 0.0;  ///< largest |λ_k(W) - λ_k(W₀)|
-  double skew_defect = 0.0;     ///< largest entry of |W + W†|, or of |W†J + JW|
+  double spectrum_error = 0.0;  ///< largest |λ_k(W) - λ_k(W₀)|: absolute, in units of W
+  double skew_defect = 0.0;     ///< largest entry of |W + W†|, or of |W†J + JW|: in units of W
   double energy_error = 0.0;    ///< largest |H(W)/H(W₀) - 1| over the steps observed
 };
 
@@ -20,9 +21,9 @@ class ConservationWatch {
   explicit ConservationWatch(const Scene& scene);
 
   /// Records the energy error of W, n x n, or of a state whose energy is known; to be called after
-  /// every step.
+  /// every step.  Right at any norm of W, if H is quadratic.
   void observe(const Matrix& W) { observe(scene_.flow->energy(W)); }
-  void observe(double energy);
+  void observe(const Energy& energy);
 
   /// Returns the errors of W and the largest energy error observed.  Throws std::invalid_argument
   /// unless W is finite.
@@ -30,16 +31,18 @@ class ConservationWatch {
 
  private:
   const Scene& scene_;
-  double initial_energy_;
+  Energy initial_energy_;
   double energy_error_ = 0.0;
 };
 
-/// Returns |tr W^k - tr W₀^k| / Σ|λ|^k for k = 2..5, with λ the eigenvalues of W₀.  Takes 20 matrix
-/// products and a spectrum.
+/// Returns |tr W^k - tr W₀^k| / Σ|λ|^k for k = 2..5, with λ the eigenvalues of W₀; both matrices
+/// are n x n, skew-Hermitian and of any norm.  Takes 20 matrix products and a spectrum.  Throws as
+/// spectrum().
 std::array<double, 4> casimir_errors(const Matrix& W, const Matrix& W0);
 
 /// Returns the largest component of the change of the angular momentum, relative to its Euclidean
-/// norm at W₀.
+/// norm at W₀; both matrices are n x n, of any norm.  Where W₀ has no part with l = 1 to rounding,
+/// the result says nothing: rounding over rounding, infinite or NaN.
 double angular_momentum_error(const Matrix& W, const Matrix& W0);
 
 /// Returns the eigenvalues of -iB(W₀), ascending, for the scene's initial data W₀; with
