@@ -200,11 +200,8 @@ void IntegratorIn<Scalar>::generate(const Stored& W, Stored& B) const {
 
 template <class Scalar>
 void IntegratorIn<Scalar>::evaluate(const Stored& V, Stored& B) {
-  if (scale_ == 1.0) {
+  if (scale_ == 1.0 || flow_.kind() == Generator::linear) {
     generate(flow_.argument(V, argument_), B);
-  } else if (flow_.kind() == Generator::linear) {
-    generate(V, B);
-    B *= scale_;
   } else {
     flow_.argument(V, argument_);
     argument_ *= scale_;
@@ -219,7 +216,10 @@ Energy IntegratorIn<Scalar>::energy() const {
 
 template <class Scalar>
 StepReport IntegratorIn<Scalar>::advance_state(double h) {
-  StepReport report = advance(state_, h, next_);
+  // V' = [B(V), V] in the time scale t, if B is linear.  B(scale V) in its place would overflow in
+  // products of two.
+  const bool is_linear = flow_.kind() == Generator::linear;
+  StepReport report = advance(state_, is_linear ? scale_ * h : h, next_);
   // Stages can converge and the update still overflow.
   if (report.status == Status::converged && !next_.allFinite()) report.status = Status::diverged;
   if (report.status == Status::converged) state_.swap(next_);

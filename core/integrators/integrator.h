@@ -128,14 +128,15 @@ template <class Scalar>
 using SharedFlowIn = std::shared_ptr<const FlowIn<Scalar>>;
 
 /// An integrator whose state is a matrix V = W / scale in storage (linalg/quadratic_algebra.h), of
-/// real or complex numbers, with a power of two for the scale (StateScale).  B is called with W.
+/// real or complex numbers, with a power of two for the scale (StateScale).  A linear B is called
+/// with V, which obeys V' = [B(V), V] in the time scale t; another B is called with W.
 template <class Scalar>
 class IntegratorIn : public Integrator {
  public:
   using Stored = MatrixOf<Scalar>;
 
-  /// Computes W1 from W0, both in storage and in units of the scale, without the state.  W1 is read
-  /// only if the status is `converged`.
+  /// Computes W1 from W0, both in storage and in units of the scale, without the state; if B is
+  /// linear h is scale times the step.  W1 is read only if the status is `converged`.
   virtual StepReport advance(const Stored& W0, double h, Stored& W1) = 0;
 
   /// Sets the scale, a power of two, for advance().
@@ -146,7 +147,7 @@ class IntegratorIn : public Integrator {
  protected:
   explicit IntegratorIn(SharedFlowIn<Scalar> flow);
 
-  /// B = B(scale V), of V projected onto g unless B is linear.
+  /// B = B(V) if B is linear, otherwise B(scale V), of V projected onto g.
   void evaluate(const Stored& V, Stored& B);
 
  private:

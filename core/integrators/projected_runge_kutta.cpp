@@ -63,15 +63,15 @@ void ProjectedRungeKutta4::begin() {
 bool ProjectedRungeKutta4::project(const RealVector& eigenvalues, Matrix& V) const {
   if (!projection_.project(eigenvalues, V)) return false;
   if (is_real_) V.imag().setZero();  // rounding of complex eigenvectors
-  return projection_.distance() <= 0.5 * eigenvalues.norm();
+  return projection_.distance() <= 0.5 * eigenvalues.stableNorm();
 }
 
 StepReport ProjectedRungeKutta4::advance_state(double h) {
   StepReport report = method_->step(h);
   if (report.status != Status::converged) return report;
   method_->state(next_);
-  const double norm = eigenvalues_.norm();  // ‖W₀‖_F
-  const double change = std::abs(next_.norm() - norm);
+  const double norm = eigenvalues_.stableNorm();  // ‖W₀‖_F, of any size
+  const double change = std::abs(next_.stableNorm() - norm);
   bool is_good = change <= 0.5 * norm;  // false if either is NaN
   const bool is_due = is_good && drift_of_norm_ * change > largest_drift * norm;
   if (is_due) {

@@ -69,16 +69,18 @@ bool SpectralProjection::find_spectrum(const Matrix& W, RealVector& eigenvalues)
 bool SpectralProjection::project(const RealVector& eigenvalues, Matrix& W) {
   if (!eigenvalues.allFinite() || !W.allFinite()) return false;
   const Complex half_i(0.0, 0.5);
-  double squares = 0.0;
+  double distance = 0.0;
   for (Index at = 0; at < W.rows(); at += block_) {
     if (!decompose(W, at, true)) return false;
-    squares += (values_ - eigenvalues.segment(at, block_)).squaredNorm();
+    // Of matrices of any norm, whose squares may overflow.
+    const double of_block = (values_ - eigenvalues.segment(at, block_)).stableNorm();
+    distance = std::hypot(distance, of_block);
     make_unitary();
     scratch_ = eigenvalues.segment(at, block_).asDiagonal() * rows_;
     products_.multiply_adjoint_left(rows_, scratch_, product_);
     W.block(at, at, block_, block_) = half_i * (product_ + product_.adjoint());
   }
-  distance_ = std::sqrt(squares);
+  distance_ = distance;
   return true;
 }
 
