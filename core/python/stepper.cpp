@@ -31,14 +31,25 @@ class Stepper::InUse {
 
 namespace {
 
+// Adds the CPU time of its life, which an exception may end.
+class TimeAside {
+ public:
+  explicit TimeAside(double& seconds) : seconds_(seconds) {}
+  ~TimeAside() { seconds_ += cpu_seconds() - begin_; }
+  TimeAside(const TimeAside&) = delete;
+  TimeAside& operator=(const TimeAside&) = delete;
+
+ private:
+  double& seconds_;
+  double begin_ = cpu_seconds();
+};
+
 // Returns whether a function of Python's returns True, and adds the CPU time that it takes.
 template <class Argument>
 bool says_true(double& seconds, const py::object& function, const Argument& argument) {
-  const double before = cpu_seconds();
+  const TimeAside time(seconds);
   const py::gil_scoped_acquire gil;
-  const bool result = function(argument).is(py::bool_(true));
-  seconds += cpu_seconds() - before;
-  return result;
+  return function(argument).is(py::bool_(true));
 }
 
 // The state of a run that `between` may change after each step.
