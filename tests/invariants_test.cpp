@@ -113,6 +113,57 @@ TEST(ConservationWatch, EnergyErrorIsTheLargestOfTheRunOrNan) {
   EXPECT_TRUE(std::isnan(error_after(std::nan(""))));
 }
 
+// A power of two changes no digit.
+TEST(ConservationWatch, ErrorsOfAnyNormAreThoseOfNormOne) {
+  const auto errors = [](double factor) {
+    Scene scene = smooth_scene(n);
+    const Matrix W = factor * (1.01 * scene.initial);
+    scene.initial *= factor;
+    ConservationWatch watch(scene);
+    watch.observe(W);
+    const auto [c2, c3, c4, c5] = casimir_errors(W, scene.initial);
+    return std::array{watch.report(W).energy_error, c2, c4,
+                      angular_momentum_error(W, scene.initial)};
+  };
+  const auto expected = errors(1.0);
+  for (const int exponent : {-1000, -515, -100, 100, 515, 1000}) {
+    const auto found = errors(std::ldexp(1.0, exponent));
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      EXPECT_NEAR(found[i], expected[i], 1e-13) << exponent << " " << i;
+    }
+  }
+  EXPECT_NEAR(expected[0], 1.01 * 1.01 - 1.0, 1e-13);
+}
+
+TEST(Energy, OfAnyNormIsThatOfNormOneTimesTheSquareOrThrows) {
+  for (const std::string& name : scene_names()) {
+    const Scene scene = scene_by_name(name, name == "euler_top" ? 3 : 8);
+    const double energy = scene.flow->energy(scene.initial);
+    if (scene.flow->algebra().is_dense()) {
+      EXPECT_EQ(energy, scene.flow->hamiltonian(scene.initial)) << name;
+    }
+    for (const int exponent : {-1000, -515, -100, -3, 3, 100, 515, 1000}) {
+      const Energy scaled = scene.flow->energy(std::ldexp(1.0, exponent) * scene.initial);
+      EXPECT_EQ(scaled.over(scene.flow->energy(scene.initial)), std::ldexp(1.0, 2 * exponent));
+      if (std::abs(exponent) > 512) {
+        EXPECT_FALSE(scaled.is_double());
+        EXPECT_THROW(scaled.value(), std::range_error);
+        EXPECT_NEAR(scaled.log10(), std::log10(std::abs(energy)) + 2 * exponent * std::log10(2.0),
+                    1e-9);
+      } else {
+        EXPECT_EQ(scaled.value(), std::ldexp(energy, 2 * exponent)) << name << " " << exponent;
+      }
+    }
+  }
+}
+
+TEST(Energy, OfZeroAndOfWhatIsNotFiniteIsReturned) {
+  const Scene scene = smooth_scene(n);
+  EXPECT_EQ(scene.flow->energy(0.0 * scene.initial).value(), 0.0);
+  EXPECT_TRUE(std::isnan(scene.flow->energy(std::nan("") * scene.initial).value()));
+  EXPECT_TRUE(std::isinf(Energy(std::numeric_limits<double>::infinity()).value()));
+}
+
 TEST(ConservationWatch, ASkewDefectOfASingleEntryIsSeen) {
   const Scene scene = smooth_scene(n);
   Matrix W = scene.initial;

@@ -68,6 +68,19 @@ class EachNorm : public ::testing::TestWithParam<IntegratorEntry> {
   }
 };
 
+// Products of two B's, or of two W's, neither overflow nor underflow.
+TEST_P(EachNorm, MayBeNearTheEndsOfTheDoubles) {
+  const Scene scene = smooth_scene(9);
+  for (const IntegratorEntry& entry : forms_of(GetParam())) {
+    const auto [expected, sweeps] = end(entry, scene, 0.125, 1.0);
+    for (const double power : {0x1p-997, 0x1p-515, 0x1p-332, 0x1p332, 0x1p515, 0x1p997}) {
+      const auto [W, count] = end(entry, scene, 0.125, power);
+      EXPECT_LE((W - expected).norm(), bound) << entry.name << " " << power;
+      EXPECT_EQ(count, sweeps) << entry.name << " " << power;
+    }
+  }
+}
+
 // A power of two moves no bit, and another factor no more than the tolerance.
 TEST_P(EachNorm, GivesTheRelativeErrorsOfNormOne) {
   for (const IntegratorEntry& entry : forms_of(GetParam())) {
