@@ -29,11 +29,12 @@ def name_of(problem, wanted):
 
 
 def duel_times(study):
-    """CPU seconds of the rows of duels, and the spectrum error of those whose tolerance is loose."""
+    """CPU seconds and steps of the rows of duels, and the spectrum error of those whose tolerance is loose."""
     found = {}
     for key, duel in study.duels.items():
         for contender, row in duel.items():
             found[f"seconds.{contender}.{name_of(*key)}"] = row.seconds
+            found[f"steps.{contender}.{name_of(*key)}"] = row.steps
             if contender in WITH_SPECTRUM:
                 found[f"spectrum.{contender}.{name_of(*key)}"] = row.spectrum_error
     return found

@@ -50,6 +50,8 @@ def accuracy_sections(study, charts, limits=None):
                   " the verdicts. The cost of an error on a line is that of the cheapest run with this error or a"
                   " smaller one, interpolated between neighbouring runs that worked. A line ends at its floor, below"
                   f" {GOOD_ENOUGH:g}, or is cut by work; nothing is compared with a cut line that might be cheaper."),
+        Paragraph("Explicit methods of order 8 are not in the study. Where the cheapest method stands below, that is"
+                  " among the methods that were run. To be measured anew against explicit methods of order 8."),
         *shown(CHARTS, charts),
         *duels_section(study),
         Heading("Reference solutions"),
@@ -116,7 +118,9 @@ def duels_section(study):
                       f"{matched} Times: whole runs in fresh processes, in turns. First table: time over that of the"
                       f" exponential method ({100 * LEVEL:.0f} % interval over processes); †: undecided, the interval"
                       f" is on both sides of a bound of the tie within {100 * (MARGIN - 1):.0f} %, or from fewer than"
-                      f" {FEWEST} processes."),
+                      f" {FEWEST} processes. Runs of few steps time starts: compare the numbers of steps. An error is"
+                      " reached by a whole number of steps and may be smaller than asked for. No row takes a step"
+                      " beyond the limit of stability, though a run of a few such steps can reach the error."),
             *parts] if parts else []
 
 

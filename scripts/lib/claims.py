@@ -29,7 +29,7 @@ class Claim(NamedTuple):
 CLAIMS = (
     Claim("a", "algebra is fastest", (1,), lambda times: claim_of_fastest("algebra", times)),
     Claim("b", "group is fastest", (2, 3), lambda times: claim_of_fastest("group", times)),
-    Claim("c", "algebra takes more than twice the time of the fastest other row", (3,),
+    Claim("c", "algebra takes more than twice the time of the fastest other row, our reading of “really poor”", (3,),
           lambda times: claim_of_multiple("algebra", POOR, times)),
 )
 

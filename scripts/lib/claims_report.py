@@ -16,8 +16,9 @@ from lib.messages import UnusableFile
 from lib.numbers import scientific
 from lib.paper_table import claims_section
 from lib.parallel_model import PROCESSORS, path_products
-from lib.verdicts import ratio_of
+from lib.verdicts import FEWEST, ratio_of
 
+HALF = 0.5  # of the time of a cell; below, it is not products that are timed
 AVX2_KERNELS = ("Haswell", "Zen")  # of OpenBLAS
 NO_AVX2 = "Tables 1 and 2 as they are recorded have AVX2 kernels."
 NOT_MEASURED = "Not measured: the tables that are recorded have other kernels, and none with AVX2 kernels was given."
@@ -64,10 +65,11 @@ def sections(evidence):
         Paragraph("Each claim against the codes it was looked at in. What it means is said in results/README.md. Time"
                   " ratios: for (a) and (b) the fastest other row over the row that is said to be fastest, for (c)"
                   " algebra over the fastest other; range over n, in brackets that of the 95 % intervals. Exponentials:"
-                  " Gauss over the exponential method at equal error. Parallel: the fastest other formulation over"
-                  " algebra, range over n and s. Order: of the cheapest setting, no verdict. Fast forms, plain sweeps:"
-                  " Picard sweeps from a cold start on full matrices. The paper's column has ratios of its printed"
-                  " seconds only."),
+                  " the paper speaks of the methods of Bogfjellmo and Marthinsen, which were not run. Ours are other"
+                  " methods; their ratio is Gauss over the exponential method at equal error. Parallel: the fastest"
+                  " other formulation over algebra, range over n and s. Order: of the cheapest setting, undecided with"
+                  f" fewer than {FEWEST} draws. Fast forms, plain sweeps: Picard sweeps from a cold start on full"
+                  " matrices. The paper's column has ratios of its printed seconds only."),
         *processor_sections(evidence.processors()),
         claims_table.claims_table(evidence.rows()),
         *(octave_sections(study, evidence.published) if study.tables["octave"] else []),
@@ -100,9 +102,27 @@ def octave_sections(study, published):
                        f" {study.settings.octave}, benchmarks/octave, beside the paper's MATLAB. One thread, OpenBLAS"
                        f" kernels {study.settings.octave_kernels}. Answers differ from those in C++ by at most"
                        f" {scientific(worst)} in an entry, those of two formulations in Octave by at most"
-                       f" {scientific(apart)}."),
+                       f" {scientific(apart)}.{interpreted(study)}"),
         *ratios_section(comparison),
         Heading("Claims in GNU Octave"), *rest]
+
+
+def interpreted(study):
+    """Says at which n Octave's times are those of its interpreter: products take less than half the time there."""
+    shares = shares_by_size(study)
+    sizes = [n for n, found in shares.items() if max(found) < HALF]
+    if not sizes:
+        return ""
+    ranges = ", ".join(f"{percentage(min(shares[n]))} to {percentage(max(shares[n]))} at n = {n}" for n in sizes)
+    return f" Share of products in the time: {ranges}. These cells time an interpreter more than formulations."
+
+
+def shares_by_size(study):
+    """Returns the shares of products in the times of Octave's cells, by n."""
+    found = {}
+    for (_, n, _), share in product_shares(study).items():
+        found.setdefault(n, []).append(share)
+    return found
 
 
 def avx2_sections(evidence):
@@ -170,8 +190,8 @@ def thread_sections(study):
     return [Heading("Threads"),
             Paragraph("Time that passes in the first steps of the smooth scene by the fast forms. Plain sweeps: Picard"
                       " sweeps from a cold start on full matrices, as the paper's iteration; whole: with predictor,"
-                      " Newton corrections and bands. Competitive: algebra is faster than the fastest other"
-                      " formulation at as many threads, or a tie; the ratio is that one's time over algebra's."
+                      " Newton corrections and bands. Competitive, as we read it: algebra is faster than the fastest"
+                      " other formulation at as many threads, or a tie; the ratio is that one's time over algebra's."
                       " Speed-up: one thread over two. " + verdict_rules()),
             threads_table(study),
             Heading("A model of more processors"),
@@ -179,11 +199,14 @@ def thread_sections(study):
                       " phases (scripts/lib/parallel_model.py). Within a phase tasks are independent. Algebra forms all"
                       " products of a sweep in one phase, cotangent in two, of which one forms triangles, group in"
                       " three. A product and a pass take what they took in the same processes. Model over measured:"
-                      " the time by the model over that of plain sweeps."),
+                      " the time by the model over that of plain sweeps. What it says of many processors is no verdict:"
+                      " a ratio of two times of the model errs by as much as the largest entry of this table over the"
+                      " least."),
             check_table(study),
             Paragraph("The model's time of a run on p processors, relative to that of the fastest formulation there;"
-                      " algebra is competitive where its entry is 1. Path: full products on the critical path of a"
-                      " sweep. Split: if the work of each formulation were split evenly, at any p."),
+                      " which of two is faster is not told where they differ by less than the model's error. Path:"
+                      " full products on the critical path of a sweep. Split: if the work of each formulation were"
+                      " split evenly, at any p."),
             model_table(study)]
 
 
@@ -237,7 +260,7 @@ def figures(evidence):
     """Returns the figures that results/README.md may quote, by key.
 
     octave.difference from C++, octave.apart of two formulations in Octave; octave.s3.algebra_over_group.n129 and so on,
-    also of plain_avx2 and optimised_avx2; share.CODE.s3.group.n129;
+    also of plain_avx2 and optimised_avx2; share.CODE.s3.group.n129, and share.CODE.n129.least and .most;
     open.a.s1.fast.n17.least, .most and .holds; threads.CODE.n65.s3.t2.others_over_algebra and .FORM.speedup;
     model.n65.s3.p64.FORM, and model.check.least and .most.
     """
@@ -252,6 +275,8 @@ def figures(evidence):
               for cell in study.tables["octave"]}
     found |= {f"share.octave.s{stages}.{form}.n{n}": share for (form, n, stages), share
               in product_shares(study).items()}
+    found |= {f"share.octave.n{n}.{which}": of(shares) for n, shares in shares_by_size(study).items()
+              for which, of in (("least", min), ("most", max))}
     for each in choices(study):
         key = f"open.{each.claim.strip('()')}.s{each.stages}.{each.implementation}.n{each.n}"
         found |= {f"{key}.least": each.least, f"{key}.most": each.most, f"{key}.of": sum(each.results.values()),

@@ -149,6 +149,16 @@ class Limits(NamedTuple):
         """Returns the Safe and the Limit of the same state, for each Safe."""
         return [(safe, self.lines[key].limits[0]) for key, safe in self.safe.items()]
 
+    def is_longer(self, key):
+        """Tells whether a trial to the safe time, at the step that is critical, has more steps than one to the first.
+
+        Both have the least number of steps where that is enough to reach the time, and then they are the same run.
+        """
+        solver, scene, n, name = key
+        least = self.settings.explicit_steps if self.integrators[name].explicit else self.settings.implicit_steps
+        step = self.lines[key].limits[0].works / self.states[scene, n, 0].norm_B
+        return self.settings.safe_time / step > least * (1 + 1e-12)
+
     def held(self, safe):
         """Returns the h‖B‖₂ of a Safe, or the least critical one of the drawn states where that is less."""
         return min(safe.works, self.lines[safe.solver, safe.scene, safe.n, safe.integrator].least or safe.works)

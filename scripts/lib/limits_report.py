@@ -29,7 +29,11 @@ def sections(limits, charts):
                   " spectrum is off by more than 1e-6 where the method keeps it and by 0.1 elsewhere, or the energy by"
                   " more than a tenth. The critical step is the first failure on a grid of steps, each"
                   f" {settings.grid_step:.3g} times the one before, narrowed to {settings.close:.3g}. The safe step is"
-                  f" the same to T = {settings.safe_time:g}, narrowed to {settings.safe_close:.3g}."),
+                  f" the same to T = {settings.safe_time:g}, narrowed to {settings.safe_close:.3g}. It is the longest"
+                  " step whose run survived, and promises neither accuracy nor a longer run. A long step gives both"
+                  " trials the least number of steps, and then they are one run: only"
+                  f" {sum(map(limits.is_longer, limits.safe))} of {len(limits.safe)} trials to"
+                  f" T = {settings.safe_time:g} last longer."),
         Paragraph("Step sizes are given as h‖B(W₀)‖₂ of the flow without co-rotating frame, also for methods in the"
                   " frame; tables show the step that still works. A range is that over initial states: the scene's own"
                   " and drawn ones. Tolerance 1e-13."
@@ -158,7 +162,8 @@ def figures(limits):
                "lines_set_by_cap": sum(line.set_by_cap for line in every),
                "lines_with_island": sum(line.has_island for line in every),
                "lines_of_several_states": len(several), "own_state_within_drawn": sum(map(own_within_drawn, several)),
-               "safe": len(limits.safe), "safe_below_critical": sum(map(falls, limits.safe_and_critical()))}
+               "safe": len(limits.safe), "safe_below_critical": sum(map(falls, limits.safe_and_critical())),
+               "safe_of_longer_runs": sum(map(limits.is_longer, limits.safe))}
     if several:
         spreads = [line.largest / line.least for line in several]
         found |= {"spread.median": statistics.median(spreads), "spread.largest": max(spreads)}

@@ -39,7 +39,8 @@ def sections(runs, charts):
                   " fast form and the co-rotating frame. Tolerance 1e-13 of Gauss methods, 1e-7 where the name ends in"
                   " _loose; 1e-8 of exponential and Magnus methods, 1e-10 where it ends in _tight. Each runs with"
                   " one step size that all share, and with steps at which all cost the same: a coarse and a fine equal"
-                  " cost."),
+                  " cost. A tolerance above rounding leaves an error of the structure in each step, and these add up:"
+                  " growth at 1e-7, 1e-8 or 1e-10 need not be that of the method."),
         *shown(CHARTS, charts),
         Heading("First findings"),
         Paragraph("Errors at the end, with the power of time that they grow by. How powers are found, and what the"

@@ -105,7 +105,8 @@ def line_sections(study):
     return [
         Heading("A step against n"),
         Paragraph("Methods in the co-rotating frame; Gauss methods and RK4 with h = 0.1 and the tolerance 1e-13,"
-                  " exponential ones with h = 0.25 and 1e-8; h is a half of that at n = 513, a quarter at n = 1025."
+                  " exponential ones with h = 0.25 and 1e-8; for all of them h is a half of that at n = 513, a quarter"
+                  " at n = 1025. Two steps were timed at these n."
                   " Medians ± half the interquartile range of repetitions in turns."
                   f" {SINGLE_MEANS} Share of products: the time of the equivalent products by themselves over that of"
                   " the step."),

@@ -244,9 +244,10 @@ def figures(study, rough=None):
     """Returns the figures that pages may quote, by key. `rough` is None or the Scaling of the rough scene.
 
     RUNG.nN.tT[.FORM] and exponential.RUNG.nN.tT[.NAME] are gains of the fast forms. step.*, share.* and slope.* are of
-    the lines against n: milliseconds, part of the products, power of n; products.* the equivalent products of a step;
-    rough.* the same of the rough scene. bands.* are gains by bands on lines; threads.* gains by a second thread with
-    their intervals; trend.* tells of all repetitions, single of single timings.
+    the lines against n: milliseconds, part of the products, power of n; per_time.* seconds a unit of time, whose steps
+    differ with n; products.* the equivalent products of a step; rough.* the same of the rough scene. bands.* are gains
+    by bands on lines; threads.* gains by a second thread with their intervals; trend.* tells of all repetitions, single
+    of single timings.
     """
     found = line_figures(study)
     if rough:
@@ -300,9 +301,12 @@ def line_figures(study):
 
 
 def step_figures(study, point):
-    """Returns the milliseconds of a step and, from WITH_PRODUCTS on, its equivalent products; their share if known."""
+    """Returns the milliseconds of a step, the seconds of a unit of time, and the share of products if it is known.
+
+    From WITH_PRODUCTS on the equivalent products of a step too.
+    """
     where, share = f"{point.integrator}.{point.rung}.n{point.n}.t{point.start:g}", study.share_of_products(point)
-    return {f"step.{where}": 1e3 * point.time,
+    return {f"step.{where}": 1e3 * point.time, f"per_time.{where}": point.time / point.step,
             **({f"products.{where}": point.equivalent_products} if point.n >= WITH_PRODUCTS else {}),
             **({f"share.{where}": share} if share is not None else {})}
 

@@ -38,7 +38,9 @@ def turbulence_sections(study, charts):
         Heading("The largest faithful step"),
         Paragraph(f"Of the steps tried, at a tolerance of 1e-8. {MISSING}: none. One in 20 settings that are right is"
                   " called unfaithful by chance. The fewer the draws, the larger the distance that counts as"
-                  " faithful. A step that fails in one draw is not faithful."),
+                  " faithful. A step that fails in one draw is not faithful. Where few settings are judged, the largest"
+                  " is one of those few, and no limit."),
+        *few_draws_paragraphs(study),
         steps_table(found),
         *(part for n in study.sizes for part in size_sections(study, n, found[n])),
         *published_parts(study),
@@ -181,7 +183,10 @@ def how_parts(study, found):
                   " ensembles of the same draw; mean over the draws; root mean square over the degrees that have more"
                   f" than {LEAST_SHARE:g} of the energy. Faithful: at most the {LEVEL:.0%} quantile of {COUNT}"
                   " bootstrap samples, each as many draws with replacement and of each one reference run against the"
-                  " mean of the others. With few draws this threshold is wide, and a faithful setting is less sure."),
+                  " mean of the others. With few draws this threshold is wide, and a faithful setting is less sure."
+                  " Every degree weighs alike: the energy of the largest scales, best known and the largest part,"
+                  " counts as one degree of all. A setting may be off by many of its standard errors there and be"
+                  " called faithful."),
         Paragraph("A run fails by its solver, or as unstable: not finite, or its energy off by more than"
                   f" {settings.energy_loss:.0%}. Sweep cap: a step took more than {settings.max_sweeps} sweeps, which"
                   " would be expensive; with the default cap of 1000 such a run may go on. A setting with a failed draw"
@@ -234,6 +239,16 @@ def timing_table(study):
                              span([cost.steps * cost.step for cost in costs], lambda time: f"{time:.3g}")])
     return plain_table((Column("n"), Column("form", align="left"), Column("processes"), Column("timed steps"),
                         Column("units of time")), rows)
+
+
+def few_draws_paragraphs(study):
+    """Says where verdicts are not supported: by few draws, whose references begin close and share a history."""
+    sizes = [n for n, size in study.sizes.items() if size.draws < FEWEST]
+    if not sizes:
+        return []
+    return [Paragraph(f"At n = {', '.join(map(str, sizes))} the verdicts decide nothing. There are fewer than"
+                      f" {FEWEST} draws, and reference ensembles that begin close to each other have one history until"
+                      " they part, with the same large vortices. To be measured anew with independent references.")]
 
 
 def unjudged_paragraphs(study, n):

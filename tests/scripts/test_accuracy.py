@@ -223,7 +223,7 @@ class Figures(unittest.TestCase):
                 "elp_over_rkmk4.smooth_t5.n17.at_1e-6": 50 / 29, "elp_over_rk4.smooth_t5.n33.at_1e-6": 10,
                 "elp_over_isospectral.smooth_t5.n17.at_1e-6": 50 / 29, "elp_over_rkmk4.slower": 4,
                 "elp_over_rkmk4.faster": 0, "elp_over_rkmk4.undecided": 0, "elp_over_rkmk4.duels": 4,
-                "seconds.elp.smooth_t5.n17.at_1e-6": 0.05,
+                "seconds.elp.smooth_t5.n17.at_1e-6": 0.05, "steps.elp.smooth_t5.n17.at_1e-6": 50,
                 "spectrum.gauss_loose.smooth_t5.n17.at_1e-6": 1e-7, "spectrum.elp.smooth_t5.n17.at_1e-6": 1e-15,
                 "frame_gain": 10**0.25, "frame_gain.comparisons": 8,  # group2 itself ends above 1e-8
                 "gauss_order.at_1e-2.least": 4, "gauss_order.at_1e-8.largest": 4,

@@ -17,7 +17,7 @@ sys.path[:0] = [os.path.join(BUILD, "python"), os.path.join(ROOT, "scripts", "st
 
 import isosyrk  # noqa: F401 (CTest leaves this file out where there is no module)
 import claims as claims_study
-from lib import claims_report, claims_table
+from lib import claims_report, claims_table, formats
 from lib.claims_files import read_claims
 from lib.claims_table import Finding, Row, cell_text, competitive, read_claims_table
 from lib.command_line import Stop
@@ -123,11 +123,36 @@ class Judging(unittest.TestCase):
                  "ends.iiia_iiib_iiib_s3.cotangent-group": 1e-15}
         for row in claims_table.partitioned_rows(worse):
             self.assertEqual([(each.result, each.count) for each in row.findings["plain"]], [(HOLDS, 3), (FAILS, 1)])
-        footnote, = claims_table.footnote_rows({"claims.footnote.smooth.holds": 3, "claims.footnote.smooth.none": 1})
+
+    def test_what_the_paper_does_not_claim_is_no_part_of_its_footnote(self):
+        footnote, beyond = claims_table.footnote_rows({
+            "claims.footnote.smooth.holds": 3, "claims.footnote.smooth.none": 1, "claims.footnote.spin_chain.fails": 2})
         self.assertEqual(cell_text(footnote.findings["plain"]), "holds 3, not judged 1 of 4 (su(n))")
+        self.assertEqual((beyond.claim, cell_text(beyond.findings["plain"])),
+                         ("beyond the footnote", "fails 2 of 2 (su(2)^N)"))
+
+    def test_exponentials_of_the_paper_are_not_tested_and_ours_are_judged_at_both_tolerances(self):
+        accuracy = {f"{pair}.{said}": 0 for pair in claims_table.EXPONENTIALS for said in claims_table.DUELS.values()}
+        accuracy |= {"gauss_over_elp.slower": 2, "gauss_over_elp.smooth_t5.n17.at_1e-4": 1.9,
+                     "gauss_over_elp.smooth_t5.n33.at_1e-4": 2.8, "gauss_over_elp_tight.faster": 1,
+                     "gauss_over_elp_tight.slower": 1, "gauss_over_elp_tight.smooth_t5.n17.at_1e-4": 0.7,
+                     "gauss_over_elp_tight.smooth_t5.n33.at_1e-4": 1.1}
+        claims_table.require_figures("accuracy", accuracy)
+        paper, usual, equal = claims_table.exponentials_rows(accuracy)
+        self.assertEqual({cell_text(found) for found in paper.findings.values()}, {claims_table.NOT_TESTED})
+        self.assertEqual(cell_text(usual.findings["optimised"]), "fails 2 of 2 (duels): 1.90–2.80")
+        self.assertEqual(cell_text(equal.findings["optimised"]), "holds 1, fails 1 of 2 (duels): 0.700–1.10")
+        for row in (usual, equal):  # not the paper's claim
+            self.assertNotEqual(row.claim, paper.claim)
+
+    def test_a_model_gives_ratios_and_no_verdict(self):
+        for findings in claims_table.modelled_findings(formats.Study({}, None, tables())).values():
+            self.assertEqual({each.result for each in findings}, {None})
+            self.assertRegex(cell_text(findings), r"^[0-9.–]+$")
 
     def test_order_in_turbulence_is_that_of_the_cheapest_faithful_setting(self):
-        figures = {"n33.practice.faithful": 1, "n33.practice.seconds": 9.0, "n33.threshold": 0.1,
+        figures = {"n33.draws": 10, "n65.draws": FEWEST, "n129.draws": 10,
+                   "n33.practice.faithful": 1, "n33.practice.seconds": 9.0, "n33.threshold": 0.1,
                    "n33.cheapest_of.algebra1.over_practice": 0.5, "n33.cheapest_of.group2.over_practice": 0.2,
                    "n33.cheapest_of.group3.over_practice": 0.4, "n33.cheapest_of.rk4.over_practice": 0.1,
                    "n33.cheapest.nothing.rk4.h0.25.over_practice": 0.1,
@@ -142,9 +167,16 @@ class Judging(unittest.TestCase):
         self.assertEqual(cell_text(winners.findings["optimised"]), "4 at n = 33 (rk4), 2 at n = 65 (algebra1)")
         self.assertEqual(orders.evidence, ("recorded/turbulence/report.md",))
         self.assertEqual(claims_table.order_rows(None), [])
+        # By fewer draws than that, no order is named, and none is compared with another.
+        few = {**figures, "n33.draws": FEWEST - 1}
+        orders, prices, winners = claims_table.order_rows(few)
+        for row in (orders, winners):
+            self.assertRegex(cell_text(row.findings["optimised"]), r"^undecided at n = 33, 2 at n = 65")
+        self.assertEqual([each.where for each in prices.findings["optimised"]], ["n = 65"])
 
     def test_figures_that_a_row_needs_are_asked_for(self):
         for study, left_out in (("theorem", "coincidence.within"), ("accuracy", "gauss_over_elp.tie"),
+                                ("accuracy", "gauss_over_elp_tight.slower"),
                                 ("accuracy", "gauss_order.at_1e-4.least")):
             figures = read_figures(os.path.join(RECORDED, study, "figures.json"))
             claims_table.require_figures(study, figures)
@@ -191,6 +223,8 @@ class Rendering(FolderTest):
                            ("model.check.most", 1 / THREAD_OVERHEAD), ("model.path.s3.group", 2.5)):
             self.assertAlmostEqual(figures[key], value, msg=key, places=5)
         report = text_of(self.path("out", "report.md"))
+        self.assertIn("10.0 % to", report)  # products take less than half of Octave's time, which is said
+        self.assertIn("time an interpreter", report)
         self.assertIn(claims_report.NOT_MEASURED, report)
         _, choices = read_claims_table(self.path("out", "claims.json"))
         self.assertIn({HOLDS: 2, TIE: 2}, [each.results for each in choices])

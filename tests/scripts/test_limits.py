@@ -100,6 +100,9 @@ class Report(unittest.TestCase):
         self.assertEqual((found["limits"], found["lines"], found["safe"]), (56, 28, 28))
         self.assertEqual((found["lines_set_by_cap"], found["lines_with_island"]), (8, 4))
         self.assertEqual(found["safe_below_critical"], 28)
+        # To T = 50 a run has more than the least 50 steps if h is below 1, of RK4 more than 400 if below 1/8. Here h is
+        # half of h‖B‖₂: published, n = 9, group2 0.75 and algebra1 0.6; n = 17, algebra1 0.9; in two scenes.
+        self.assertEqual(found["safe_of_longer_runs"], 6)
         # State 1 is 1.1 times as far, beyond what bisection leaves open.
         self.assertEqual((found["own_state_within_drawn"], found["lines_of_several_states"]), (0, 28))
 

@@ -249,7 +249,8 @@ class Answers(RecommendTest):
 
 class Tolerances(RecommendTest):
     KEPT_TO_ROUNDING = ("at the tolerance 1e-08 the spectrum is kept to rounding, and the Lie–Poisson structure to"
-                        " about the tolerance")
+                        " about the tolerance; over a long run these errors add to the energy, less at a tighter"
+                        " tolerance")
     CUT_LINE = "its recorded line was cut before the error was reached"
 
     def test_a_gauss_method_at_a_loose_one_is_offered_for_nothing_only(self):
