@@ -223,7 +223,7 @@ class Rendering(FolderTest):
                            ("model.check.most", 1 / THREAD_OVERHEAD), ("model.path.s3.group", 2.5)):
             self.assertAlmostEqual(figures[key], value, msg=key, places=5)
         report = text_of(self.path("out", "report.md"))
-        self.assertIn("10.0 % to", report)  # products take less than half of Octave's time, which is said
+        self.assertIn("3.33 % to 20.0 % at n = 17", report)  # less than half of the time, so that a sentence says it
         self.assertIn("time an interpreter", report)
         self.assertIn(claims_report.NOT_MEASURED, report)
         _, choices = read_claims_table(self.path("out", "claims.json"))
