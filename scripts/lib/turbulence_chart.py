@@ -3,7 +3,9 @@
 from lib.chart_panels import (FAMILIES, cross, draw_line, label_ends, logarithmic, look, new_figure, note, short_name)
 from lib.numbers import two_digits
 from lib.turbulence_figures import findings_of, line_of
+from lib.verdicts import FEWEST
 
+PLAIN_TITLE = "Error of the statistics of turbulence against cost"
 LINES = ("algebra1", "group2", "group3", "elp4", "rkmk4", "rk4", "rk4_projected")
 CAP = {"marker": "+", "markersize": 8, "color": "black", "zorder": 7, "label": "_cap"}
 STAR = {"marker": "*", "markersize": 15, "linestyle": "none", "zorder": 6}
@@ -91,12 +93,18 @@ def percent(share):
 
 
 def title_of(study, found):
-    """Returns what the cheapest faithful run costs at the largest n, with its name if no other is level with it."""
-    n, findings = max(found.items())
+    """Returns what the cheapest faithful run costs, with its name if no other is level with it.
+
+    At the largest n of which enough draws decide; a plain title without one.
+    """
+    decided = [n for n in found if study.sizes[n].draws >= FEWEST]
+    if not decided:
+        return PLAIN_TITLE
+    n, findings = max(decided), found[max(decided)]
     best = findings.cheapest()
     over = findings.over_practice(best)
     if over is None:
-        return "Error of the statistics of turbulence against cost"
+        return PLAIN_TITLE
     over, setting = two_digits(over.ratio), best.setting
     if any(findings.level_with_cheapest()):
         return (f"Turbulence at n\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}{n}: the cheapest faithful runs take {over} of"

@@ -20,13 +20,15 @@ import numpy as np
 
 import isosyrk
 import turbulence
-from lib import formats, problems, turbulence_figures, turbulence_runs, turbulence_statistics
+from lib import (formats, problems, turbulence_chart, turbulence_figures, turbulence_report, turbulence_runs,
+                 turbulence_statistics)
 from lib.figures import read_figures
 from lib.formats import CONVERGED, FAST, PUBLISHED, SWEEP_CAP, UNSTABLE
 from lib.messages import UnusableFile
 from lib.turbulence_files import (LOOSE, METHOD, PRACTICE, REFERENCE, SCHEMA, TIGHT, Cost, Parting, RunRow, Setting,
                                   Settings, Size, read_turbulence)
 from lib.turbulence_statistics import LEVEL, reference_of
+from lib.verdicts import FEWEST
 
 SCRIPT = os.path.join(ROOT, "scripts", "studies", "turbulence.py")
 RENDER = os.path.join(ROOT, "scripts", "render_turbulence")
@@ -406,6 +408,14 @@ class Report(DrawingTest):
         np.testing.assert_allclose([x for x, _ in drawn["algebra1"]], [1.0])
         failures = [line for line in axes.lines if line.get_label() == "_failure"]
         np.testing.assert_allclose([line.get_xdata()[0] for line in failures], [0.2])  # that of elp4
+
+    def test_few_draws_decide_nothing(self):
+        few = read_turbulence(self.raw())  # four draws
+        enough = few._replace(sizes={N: few.sizes[N]._replace(draws=FEWEST)})
+        for study, is_decided in ((few, False), (enough, True)):
+            title = turbulence_chart.title_of(study, {N: turbulence_figures.findings_of(study, N)})
+            self.assertEqual("faithful" in title, is_decided, title)
+            self.assertEqual(bool(turbulence_report.few_draws_paragraphs(study)), not is_decided)
 
     def test_no_chart_without_a_line(self):
         self.assertEqual(set(self.rendered("out", self.raw(
