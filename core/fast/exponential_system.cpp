@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "isosyrk/fast/coupling_nodes.h"
+#include "isosyrk/integrators/unit_of_exponent.h"
 #include "isosyrk/split/linear_combination.h"
 #include "isosyrk/split/skew.h"
 
@@ -16,11 +17,19 @@ const std::array<CouplingNode, 3> nodes = coupling_nodes();
 // Error of μ, relative to ‖W₀‖, as a multiple of the accuracy of Ω: B damps the fine scales, where
 // most of it lies.  At two fifths of this value steps take 1 to 2 % more products, and the solver's
 // part in the energy of long runs stays the same (n = 33, h = 0.5, smooth and rough).
-constexpr double error_of_average = 5.0;
+constexpr double error_of_average_of_unit = 5.0;
+// Least factor by which hB is taken to damp an error of μ.  It damps rounding and other errors that
+// are spread over all l by h/2, whatever state Ω is formed from.
+constexpr double least_gain = 0.05;
 // The error that one node makes in K δ is about this part of it; seen at h = 0.1 ... 0.5.
 constexpr double error_of_one_node = 0.02;
 // K contracts by about this factor.
 constexpr double contraction_of_K = 0.1;
+// K contracts by at least about this multiple of h ‖W₀‖_F / √n: by 0.1 to 0.4 of it for an error
+// that is spread over all l, in smooth, rough and steady states, n = 5 to 129.
+constexpr double contraction_of_size = 0.1;
+// That K is formed from matrices with this many times the error wanted does not show.
+constexpr double most_of_moved = 10.0;
 // Largest part of its norm that is cut from a matrix, however few digits are wanted.  At 5e-3 ... 1
 // steps take the same products, at 1e-4 up to 3 % more (elp4 and elp6 at 1e-8, n = 33, 65 and 129,
 // smooth and rough): a bound for states of which little is known yet.
@@ -35,6 +44,10 @@ constexpr double most_left_out = 1.4;
 // Forcing term of what a derivative adds, as a part of that of the whole correction.
 constexpr double forcing_of_derivative = 0.3;
 
+// An explicit start is of no use where the rounding of a rotation left out of B is a larger part of
+// Ω. In single precision that rounding is about n u ‖hR‖_F.
+constexpr double largest_rounding = 0.1;
+
 // Order of the explicit method that gives the start values.
 int magnus_order(int order) { return order == 6 ? 5 : 4; }
 
@@ -42,7 +55,7 @@ int magnus_order(int order) { return order == 6 ? 5 : 4; }
 
 template <class Real>
 ExponentialSystem::Linearization<Real>::Linearization(Index n)
-    : mu(n), v(n), Omega(n), c(n), next_c(n), D(n), sum_of_D(n), BD(n), E_delta(n) {
+    : Omega(n), c(n), next_c(n), D(n), sum_of_D(n), BD(n), E_delta(n) {
   moved.fill(M(n));
   inner.fill(M(n));
 }
@@ -62,8 +75,7 @@ ExponentialSystem::ExponentialSystem(const Flow& flow, int order, const FastOpti
       lie_(products_, generator_, bands_),
       single_lie_(single_products_, generator_, bands_),
       series_(products_, single_products_, n_, options),
-      gradient_(lie_, order == 6),
-      single_gradient_(single_lie_, order == 6),
+      gradient_(lie_, single_lie_, n_, order, options.single_precision),
       magnus_(single_lie_, magnus_order(order)),
       exponential_(n_, bands_),
       start_error_(n_),
@@ -71,8 +83,6 @@ ExponentialSystem::ExponentialSystem(const Flow& flow, int order, const FastOpti
       W0_single_(n_),
       mu_(n_),
       v_(n_),
-      terms_(n_),
-      terms_single_(n_),
       single_(n_),
       derivative_per_share_(likely_derivative),
       E_delta_({split_stages<float>(1, n_)}),
@@ -93,7 +103,7 @@ std::vector<Attempt> ExponentialSystem::attempts(bool newton) const {
 }
 
 void ExponentialSystem::forget() {
-  knows_shares_ = false;
+  gradient_.forget();
   derivative_per_share_ = likely_derivative;
   start_error_.forget();
   largest_change_ = change_before_ = 0.0;
@@ -104,6 +114,10 @@ void ExponentialSystem::bind(const SplitMatrix& W0, double h, double tolerance) 
   h_ = h;
   tolerance_ = tolerance;
   size_of_W0_ = norm(W0);
+  rotation_ = std::abs(h) * generator_.rotation_left_out(W0);
+  least_unit_ = least_unit_of_exponent(rotation_, tolerance);
+  least_contraction_ =
+      contraction_of_size * std::abs(h) * size_of_W0_ / std::sqrt(static_cast<double>(n_));
   round_to_single(W0_single_, W0);
   bands_.truncate_symmetric_to_part(W0_single_, tuning.single_roundoff);
   change_before_ = largest_change_;
@@ -124,17 +138,17 @@ void ExponentialSystem::choose_nodes() {
   has_pair_ = !is_known || needs_pair(1.5 * change_before_, allowed);  // it may be a little more
   // correct() cuts what is formed here to this part.
   const double part = is_known ? std::min(allowed / change_before_, coarsest_part) : 0.0;
-  error_of_moved_ = std::max(0.1 * part, tuning.single_roundoff) * size_of_W0_;
+  error_of_moved_ = moved_error(part);
+}
+
+// Returns the error of e^{s ad_Ω} W₀ that goes unseen beside a cut to this part.
+double ExponentialSystem::moved_error(double part) const {
+  return std::max(0.1 * part, tuning.single_roundoff) * size_of_W0_;
 }
 
 void ExponentialSystem::start(Unknowns& x, Start how) {
   SplitMatrix& Omega = x[0][0];
-  if (how != Start::stepped) {
-    lie_.neglect(0.0);
-    lie_.generate(Omega, *W0_);
-    Omega = h_ * Omega;
-    return;
-  }
+  if (how != Start::stepped) return start_cold(Omega);
   if (double_) {
     lie_.neglect(tuning.single_roundoff);
     double_->magnus.form_exponent(Omega, *W0_, h_);
@@ -142,8 +156,16 @@ void ExponentialSystem::start(Unknowns& x, Start how) {
     single_lie_.neglect(tuning.single_roundoff);
     magnus_.form_exponent(single_.Omega, W0_single_, h_);
     widen(Omega, single_.Omega);
+    const double rounding = tuning.single_roundoff * static_cast<double>(n_) * rotation_;
+    if (rounding > largest_rounding * norm(Omega)) return start_cold(Omega);
   }
   start_error_.mend(Omega, [&](SingleMatrix& out, const SingleMatrix& X) { carry(out, X); });
+}
+
+void ExponentialSystem::start_cold(SplitMatrix& Omega) {
+  lie_.neglect(0.0);
+  lie_.generate(Omega, *W0_);
+  Omega = h_ * Omega;
 }
 
 // Sets out to U X U† with the U of the last step.
@@ -158,8 +180,7 @@ void ExponentialSystem::carry(SingleMatrix& out, const SingleMatrix& X) {
 }
 
 double ExponentialSystem::unit(const Unknowns& x) const {
-  const double size = norm(x[0][0]);
-  return size > 0.0 ? size : 1.0;
+  return unit_of_exponent(norm(x[0][0]), least_unit_);
 }
 
 // Sets mu_ to φ₁(ad_Ω) W₀ with this error, and e^{s ad_Ω} W₀ at the nodes.
@@ -195,97 +216,20 @@ bool ExponentialSystem::form_average(const SplitMatrix& Omega, double error,
   return true;
 }
 
-// Returns the part of B(μ) that something of this norm is, at most 1.
-double ExponentialSystem::share_of(double size) const {
-  const double whole = norm(v_);
-  return size < whole ? size / whole : 1.0;  // 1 for NaN
-}
-
-// Sets `terms` to the chosen ones and takes their size beside v_.
-template <class Real>
-void ExponentialSystem::form_terms(SplitMatrixOf<Real>& terms,
-                                   SplitModifiedGradient<Real>& gradient,
-                                   const SplitMatrixOf<Real>& mu, const SplitMatrixOf<Real>& v,
-                                   typename SplitModifiedGradient<Real>::Terms which) {
-  gradient.evaluate(terms, mu, v, h_, which);
-  share_of_terms_[which.second ? 0 : 1] = share_of(norm(terms));
-}
-
-// Sets v_ to B̃(mu_), to a relative accuracy.  The terms in h² and h⁴ are formed in single precision
-// where its rounding does not show, by their last sizes.
-void ExponentialSystem::form_gradient(const SplitMatrix& Omega, double accuracy) {
-  lie_.neglect(0.1 * accuracy);
-  lie_.cut(mu_);
-  lie_.generate(v_, mu_);
-  if (order_ == 2) return;
-  if (!knows_shares_) {  // Ω is about h B̃(μ)
-    terms_ = Omega - h_ * v_;
-    share_of_terms_.fill(share_of(norm(terms_) / std::abs(h_)));
-  }
-  if (double_) {
-    double_->linearization.mu = 1.0 * mu_;
-    double_->linearization.v = 1.0 * v_;
-  } else {
-    round_to_single(single_.mu, mu_);
-    round_to_single(single_.v, v_);
-    single_.is_current = false;
-  }
-  // The terms are small, and may err by a larger part of themselves.
-  const bool has_fourth = order_ == 6;
-  const double share = std::max(share_of_terms_[0], has_fourth ? share_of_terms_[1] : 0.0);
-  const double of_terms = std::min(0.1 * accuracy / share, coarsest_part);
-  lie_.neglect(of_terms);
-  single_lie_.neglect(of_terms);
-  if (!double_) {
-    single_lie_.cut(single_.mu);
-    single_lie_.cut(single_.v);
-  }
-  using Single = SplitModifiedGradient<float>::Terms;
-  using InDouble = SplitModifiedGradient<double>::Terms;
-  const auto form_in_single = [&](Single which) {
-    form_terms(terms_single_, single_gradient_, single_.mu, single_.v, which);
-    single_.is_current = true;
-  };
-  const auto form_in_double = [&](InDouble which) {
-    form_terms(terms_, gradient_, mu_, v_, which);
-    if (double_) double_->linearization.is_current = true;
-  };
-  const auto may_be_single = [&](std::size_t term) {
-    return !double_ && tuning.single_roundoff * share_of_terms_[term] <= accuracy;
-  };
-  bool adds_fourth = has_fourth;
-  if (has_fourth && !knows_shares_) {  // alone, to see its size
-    if (double_) {
-      form_in_double({.second = false, .fourth = true});
-    } else {
-      form_in_single({.second = false, .fourth = true});
-      if (may_be_single(0) && may_be_single(1)) {
-        add(v_, terms_single_);
-        adds_fourth = false;
-      }
-    }
-  }
-  knows_shares_ = true;
-  const Single in_single = {.second = may_be_single(0), .fourth = adds_fourth && may_be_single(1)};
-  const InDouble in_double = {.second = !in_single.second,
-                              .fourth = adds_fourth && !in_single.fourth};
-  const bool any_in_double = in_double.second || in_double.fourth;
-  if (any_in_double) form_in_double(in_double);
-  if (in_single.second || in_single.fourth) {
-    form_in_single(in_single);
-    add(v_, terms_single_);
-  }
-  if (any_in_double) v_ = v_ + terms_;
+// Returns the error that μ may have, in the Frobenius norm, for an Ω of this accuracy.
+double ExponentialSystem::error_of_average(double accuracy, const Unknowns& x) const {
+  const double by_size = error_of_average_of_unit * accuracy / unit(x) * size_of_W0_;
+  return std::min(by_size, accuracy / (std::abs(h_) * least_gain));
 }
 
 ResidualSize ExponentialSystem::residual(Corrections& R, Unknowns& x, double accuracy) {
   SplitMatrix& Omega = x[0][0];
   const double relative = accuracy / unit(x);
   bands_.truncate(x[0], 0.1 * accuracy);
-  if (!form_average(Omega, error_of_average * relative * size_of_W0_)) {
+  if (!form_average(Omega, error_of_average(accuracy, x))) {
     return {.change = std::numeric_limits<double>::quiet_NaN(), .neglected = 0.0};
   }
-  form_gradient(Omega, relative);
+  gradient_.evaluate(v_, mu_, Omega, h_, relative, least_unit_ / std::abs(h_));
   const double change = form_residual(
       R[0], [&](std::size_t) { return h_ * v_; }, x[0]);
   largest_change_ = larger(largest_change_, change / unit(x));
@@ -309,8 +253,12 @@ Correction ExponentialSystem::correct(Corrections& delta, const Unknowns& x, con
   if (!has_pair_ && needs_pair(request.size, allowed)) {
     correction.error += error_of_one_node * contraction_of_K * request.size;
   }
+  // K errs by what the nodes' matrices do, which were formed for a residual as expected.
+  if (error_of_moved_ > most_of_moved * moved_error(part)) {
+    correction.error += error_of_moved_ / size_of_W0_ * request.size;
+  }
   if (order_ == 6) {  // the derivative of the term in h⁴
-    correction.error += derivative_per_share_ * share_of_terms_[1] * request.size;
+    correction.error += derivative_per_share_ * gradient_.share_of_fourth() * request.size;
   }
   return correction;
 }
@@ -328,7 +276,8 @@ Correction ExponentialSystem::solve(Corrections& delta, const Corrections& R,
                                     const CorrectionRequest& request,
                                     const IterationOptions& options) {
   const double most_left = most_left_out * request.forcing_term;
-  double left = order_ == 2 ? 0.0 : derivative_per_share_ * share_of_terms_[0] * request.size;
+  double left =
+      order_ == 2 ? 0.0 : derivative_per_share_ * gradient_.share_of_second() * request.size;
   const auto expect = [&](double size_of_E_delta) {
     left = size_of_E_delta;
     sums_D_ = left > most_left - request.forcing_term;
@@ -341,7 +290,7 @@ Correction ExponentialSystem::solve(Corrections& delta, const Corrections& R,
     differentiate(0.1 * most_left / left);
     const double added = largest_norm(E_delta_[0]);
     if (!(added < size)) return {};  // NaN included
-    if (size == request.size) derivative_per_share_ = added / size / share_of_terms_[0];
+    if (size == request.size) derivative_per_share_ = added / size / gradient_.share_of_second();
     expect(added * added / size);
     size = added;
     const CorrectionRequest of_E_delta = {
@@ -415,25 +364,20 @@ void ExponentialSystem::couple(SplitMatrixOf<Real>& coupled, const SplitMatrixOf
 // may be left out.
 void ExponentialSystem::differentiate(double part) {
   if (double_) {
-    differentiate(double_->linearization, lie_, gradient_, part);
+    differentiate(double_->linearization, lie_, part);
     round_to_single(E_delta_[0][0], double_->linearization.E_delta);
   } else {
-    differentiate(single_, single_lie_, single_gradient_, part);
+    differentiate(single_, single_lie_, part);
     E_delta_[0][0] = 1.0 * single_.E_delta;
   }
 }
 
 template <class Real>
-void ExponentialSystem::differentiate(Linearization<Real>& at, SplitLie<Real>& lie,
-                                      SplitModifiedGradient<Real>& gradient, double part) {
+void ExponentialSystem::differentiate(Linearization<Real>& at, SplitLie<Real>& lie, double part) {
   lie.neglect(std::min(part, coarsest_part));
-  lie.cut(at.mu);
-  lie.cut(at.v);
   lie.cut(at.sum_of_D);
   lie.generate(at.BD, at.sum_of_D);
-  if (!at.is_current) gradient.linearize(at.mu, at.v);
-  at.is_current = true;
-  gradient.derivative_of_second(at.E_delta, at.mu, at.v, at.sum_of_D, at.BD, h_);
+  gradient_.derivative_of_second(at.E_delta, at.sum_of_D, at.BD, lie, h_);
   at.E_delta = h_ * at.E_delta;
 }
 

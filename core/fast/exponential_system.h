@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "isosyrk/fast/fast_options.h"
+#include "isosyrk/fast/graded_gradient.h"
 #include "isosyrk/fast/graded_series.h"
 #include "isosyrk/fast/split_exponential.h"
 #include "isosyrk/fast/split_magnus.h"
-#include "isosyrk/fast/split_modified_gradient.h"
 #include "isosyrk/fast/stage_system.h"
 #include "isosyrk/fast/start_error.h"
 #include "isosyrk/solver/neumann_correction.h"
@@ -21,8 +21,9 @@ namespace isosyrk {
 ///
 ///     Ω  = G(Ω) = h B̃(μ),   μ = φ₁(ad_Ω) W₀ = Σ_k T_k / (k+1),   W₁ = e^Ω W₀ e^(-Ω)
 ///
-/// with T_k of GradedSeries and B̃ of SplitModifiedGradient.  Tolerance and accuracy are relative to
-/// ‖Ω‖_F.  A step is isospectral for any Ω, and Lie-Poisson to the tolerance.
+/// with T_k of GradedSeries and B̃ of GradedGradient.  Tolerance and accuracy are relative to ‖Ω‖_F,
+/// or to more as in the published form (integrators/unit_of_exponent.h).  A step is isospectral for
+/// any Ω, and Lie-Poisson to the tolerance.
 ///
 /// The Jacobian is K + E.  K is the coupling of B alone: with c₀ = δ, c_j = [Ω, c_{j-1}] / (j+1),
 /// and e^{s ad_Ω} W₀ from the same series as μ,
@@ -55,8 +56,7 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   // The change of the step before the last is not read again: bind() takes that of the last.
   void exchange_memory() override {
     std::swap(largest_change_, other_.largest_change);
-    std::swap(share_of_terms_, other_.share_of_terms);
-    std::swap(knows_shares_, other_.knows_shares);
+    gradient_.exchange_memory(other_.gradient);
     std::swap(derivative_per_share_, other_.derivative_per_share);
     std::swap(start_error_, other_.start_error);
     exponential_.exchange(other_.adjoint);
@@ -69,6 +69,7 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   Correction correct(Corrections& delta, const Unknowns& x, const Corrections& R,
                      const CorrectionRequest& request, const IterationOptions& options) override;
   double unit(const Unknowns& x) const override;
+  double least_contraction() const override { return least_contraction_; }
   Acceptance acceptance() const override { return acceptance_; }
   /// W1 is not finite where ‖Ω‖ is beyond SplitExponential.
   void update(SplitMatrix& W1, const Unknowns& x) override;
@@ -88,9 +89,7 @@ class ExponentialSystem final : public StageSystem, private Coupling {
     explicit Linearization(Index n);
 
     // Of the last residual.
-    M mu, v;                  // μ and B(μ)
-    std::array<M, 3> moved;   // e^{s ad_Ω} W₀ at s = 2/3 and, if has_pair_, at the two nodes
-    bool is_current = false;  // the gradient has what derivative_of_second() needs
+    std::array<M, 3> moved;  // e^{s ad_Ω} W₀ at s = 2/3 and, if has_pair_, at the two nodes
 
     // Of the coupling.
     M Omega;
@@ -112,6 +111,8 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   void couple(Corrections& coupled, const Corrections& delta, double accuracy) override;
   static bool needs_pair(double size, double error);
   void choose_nodes();
+  void start_cold(SplitMatrix& Omega);
+  double moved_error(double part) const;
   // e^{s ad_Ω} W₀ at the nodes that were chosen.
   template <class Real>
   std::span<SplitMatrixOf<Real>> moved_in_use(Linearization<Real>& at) const {
@@ -122,12 +123,7 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   template <class Real>
   bool form_average(const SplitMatrix& Omega, double error, Linearization<Real>& at,
                     const SplitMatrixOf<Real>& W0);
-  double share_of(double size) const;
-  void form_gradient(const SplitMatrix& Omega, double accuracy);
-  template <class Real>
-  void form_terms(SplitMatrixOf<Real>& terms, SplitModifiedGradient<Real>& gradient,
-                  const SplitMatrixOf<Real>& mu, const SplitMatrixOf<Real>& v,
-                  typename SplitModifiedGradient<Real>::Terms which);
+  double error_of_average(double accuracy, const Unknowns& x) const;
   template <class Real>
   void cut(Linearization<Real>& at, SplitLie<Real>& lie, double part);
   Correction solve(Corrections& delta, const Corrections& R, const CorrectionRequest& request,
@@ -137,8 +133,7 @@ class ExponentialSystem final : public StageSystem, private Coupling {
               Linearization<Real>& at, SplitLie<Real>& lie);
   void differentiate(double part);
   template <class Real>
-  void differentiate(Linearization<Real>& at, SplitLie<Real>& lie,
-                     SplitModifiedGradient<Real>& gradient, double part);
+  void differentiate(Linearization<Real>& at, SplitLie<Real>& lie, double part);
 
   Index n_;
   int order_;
@@ -152,8 +147,7 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   SplitLie<double> lie_;
   SplitLie<float> single_lie_;
   GradedSeries series_;
-  SplitModifiedGradient<double> gradient_;
-  SplitModifiedGradient<float> single_gradient_;
+  GradedGradient gradient_;
   SplitMagnus<float> magnus_;
   SplitExponential exponential_;
   StartError start_error_;
@@ -164,21 +158,19 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   double h_ = 0.0;
   double tolerance_ = 0.0;
   double size_of_W0_ = 0.0;
+  double rotation_ = 0.0;    // ‖hR‖_F of the rotation R that B is left without
+  double least_unit_ = 0.0;  // least_unit_of_exponent()
+  double least_contraction_ = 0.0;
   SingleMatrix W0_single_;
 
   // Of the last residual.
-  SplitMatrix mu_;     // μ
-  SplitMatrix v_;      // B(μ), and then B̃(μ)
-  SplitMatrix terms_;  // B̃ - B in double precision
-  SingleMatrix terms_single_;
+  SplitMatrix mu_;  // μ
+  SplitMatrix v_;   // B̃(μ)
   // Largest relative change of a sweep, in this step and in the one before; 0 if unknown.
   double largest_change_ = 0.0;
   double change_before_ = 0.0;
   bool has_pair_ = true;         // e^{s ad_Ω} W₀ is formed at the two nodes too
   double error_of_moved_ = 0.0;  // allowed in it
-  // ‖h² ∇F₂‖ / ‖v‖ and ‖h⁴ ∇F₄‖ / ‖v‖, last seen; at first, what both may be at most.
-  std::array<double, 2> share_of_terms_ = {1.0, 1.0};
-  bool knows_shares_ = false;
 
   Linearization<float> single_;
   std::optional<Double> double_;  // without single precision
@@ -198,8 +190,7 @@ class ExponentialSystem final : public StageSystem, private Coupling {
     explicit Memory(Index n) : start_error(n), adjoint(n) {}
 
     double largest_change = 0.0;
-    std::array<double, 2> share_of_terms = {1.0, 1.0};
-    bool knows_shares = false;
+    GradedGradient::Memory gradient;
     double derivative_per_share = 0.0;
     StartError start_error;
     SplitMatrix adjoint;  // of exponential_, which carries the error

@@ -29,6 +29,8 @@ class SplitLie {
 
   /// Sets the part of its Frobenius norm that may be cut from each result.
   void neglect(double part) { neglected_ = part; }
+  /// True if anything is cut.
+  bool cuts() const { return bands_.enabled(); }
   /// Cuts X in the same way.
   void cut(M& X) { cut_to_part(X, neglected_); }
   /// Cuts X to a band outside which it has at most this part of its Frobenius norm.

@@ -56,6 +56,8 @@ class StageGenerator {
   /// dB_i = B(dW_i) within a band.  Reads the upper triangles of dW_i.
   void generate_within(SingleStages& dB, Index band, const SingleStages& dW);
 
+  /// As SplitGenerator::rotation_left_out.
+  double rotation_left_out(const SplitMatrix& W) const { return generator_->rotation_left_out(W); }
   /// Returns a c with ‖B(W)‖_F <= c ‖W‖_F.
   double norm_bound() const { return generator_->norm_bound(); }
   /// Returns the number of evaluations of B since construction.

@@ -24,6 +24,13 @@ class CoRotatingFlow final : public Flow {
     subtract_rotation(B);
   }
 
+  // R = B(V_1) = -V_1 / (2ħ), where V_1 = i (c · S) with c_a = L_a / tr S_a².
+  double rotation_left_out(const Matrix& V) const override {
+    const auto [x, y, z] = angular_momentum(V);
+    return std::hypot(x, y, z) / std::sqrt(Spin(size()).squared_norm()) /
+           (2.0 * hbar(flow_->convention(), size()));
+  }
+
   double hamiltonian(const Matrix& V) const override {
     Matrix B(size(), size());
     generator(V, B);

@@ -45,6 +45,9 @@ class Flow {
   virtual bool ignores_trace() const { return false; }
   /// Returns whether H(cW) = c² H(W).  The energy is then computed from W / 2^e of norm about 1.
   virtual bool has_quadratic_hamiltonian() const { return has_self_adjoint_generator(); }
+  /// Returns ‖R‖_F of a rotation R that B(W) is computed with and left without, 0 unless the flow
+  /// says so: B(W) errs by the rounding of R.  W is n x n, in storage.
+  virtual double rotation_left_out(const Matrix&) const { return 0.0; }
   /// Returns B in split-complex storage for the fast forms, or null if the flow has none.
   virtual std::unique_ptr<SplitGenerator> split_generator() const;
 

@@ -20,6 +20,10 @@ class SplitGenerator {
   virtual void upper_within(Index band, std::span<const SingleMatrix> W,
                             std::span<SingleMatrix> B) const = 0;
 
+  /// Returns ‖R‖_F of a rotation R that B(W) is computed with and left without, as
+  /// Flow::rotation_left_out.  Reads the upper triangle of W.
+  virtual double rotation_left_out(const SplitMatrix&) const { return 0.0; }
+
   /// Returns a c with ‖B(W)‖_F <= c ‖W‖_F.
   virtual double norm_bound() const = 0;
   /// True if B damps entries far from the diagonal, as Δ⁻¹ does.  The coupling through B is then

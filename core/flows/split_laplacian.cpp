@@ -1,6 +1,7 @@
 #include "isosyrk/flows/split_laplacian.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "isosyrk/flows/spin.h"
 #include "isosyrk/split/small_blocks.h"
@@ -18,20 +19,34 @@ Index first_diagonal(Index n, Index band, Index part, Index parts) {
   return std::min(m / 8 * 8, band + 1);
 }
 
+// The part with l = 1 of a skew-Hermitian matrix: i of_z m_k on the diagonal, and of_ladder times
+// the ladder of S beside it.
+struct RotationPart {
+  double of_z = 0.0;
+  Complex of_ladder = 0.0;
+};
+
+// Reads the upper triangle of B.
+template <class Real>
+RotationPart rotation_part(const Spin& spin, const SplitMatrixOf<Real>& B) {
+  const Index next = B.stride() + 1;  // from an entry to the next of its diagonal
+  RotationPart part;
+  for (Index i = 0; i < spin.n; ++i) part.of_z += spin.magnetic(i) * B.im()[i * next];
+  for (Index i = 0; i + 1 < spin.n; ++i) {
+    part.of_ladder += spin.ladder(i) * Complex(B.re()[i * next + 1], B.im()[i * next + 1]);
+  }
+  part.of_z /= spin.squared_norm();
+  part.of_ladder /= 2.0 * spin.squared_norm();
+  return part;
+}
+
 // Subtracts from the upper triangles of B_i their parts with l = 1.
 template <class Real>
 void subtract_rotation(std::span<SplitMatrixOf<Real>> B) {
   const Spin spin(B.front().size());
   for (SplitMatrixOf<Real>& Bi : B) {
-    const Index next = Bi.stride() + 1;  // from an entry to the next of its diagonal
-    double of_z = 0.0;
-    Complex of_ladder = 0.0;
-    for (Index i = 0; i < spin.n; ++i) of_z += spin.magnetic(i) * Bi.im()[i * next];
-    for (Index i = 0; i + 1 < spin.n; ++i) {
-      of_ladder += spin.ladder(i) * Complex(Bi.re()[i * next + 1], Bi.im()[i * next + 1]);
-    }
-    of_z /= spin.squared_norm();
-    of_ladder /= 2.0 * spin.squared_norm();
+    const Index next = Bi.stride() + 1;
+    const auto [of_z, of_ladder] = rotation_part(spin, Bi);
     for (Index i = 0; i < spin.n; ++i) {
       Bi.im()[i * next] -= static_cast<Real>(of_z * spin.magnetic(i));
     }
@@ -155,6 +170,15 @@ SplitEulerZeitlin::SplitEulerZeitlin(const Laplacian& laplacian, double reciproc
       single_laplacian_(laplacian),
       reciprocal_hbar_(reciprocal_hbar),
       rotation_(rotation) {}
+
+// R = B(W_1) = -W_1 / (2ħ).  tr S_a² is the sum of m_k², and half the sum of the ladder's squares.
+double SplitEulerZeitlin::rotation_left_out(const SplitMatrix& W) const {
+  if (rotation_ == Rotation::kept) return 0.0;
+  const Spin spin(n_);
+  const auto [of_z, of_ladder] = rotation_part(spin, W);
+  return 0.5 * reciprocal_hbar_ *
+         std::sqrt(spin.squared_norm() * (of_z * of_z + 4.0 * std::norm(of_ladder)));
+}
 
 void SplitEulerZeitlin::upper_within(Index band, std::span<const SplitMatrix> W,
                                      std::span<SplitMatrix> B) const {

@@ -48,6 +48,7 @@ class SplitEulerZeitlin final : public SplitGenerator {
                     std::span<SplitMatrix> B) const override;
   void upper_within(Index band, std::span<const SingleMatrix> W,
                     std::span<SingleMatrix> B) const override;
+  double rotation_left_out(const SplitMatrix& W) const override;
   /// Returns 1/(l(l+1)ħ) for the least l that is left: 1 or 2.
   double norm_bound() const override {
     return reciprocal_hbar_ / (rotation_ == Rotation::kept ? 2.0 : 6.0);

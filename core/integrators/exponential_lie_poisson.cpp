@@ -5,16 +5,10 @@
 #include <limits>
 
 #include "isosyrk/integrators/flow_requirements.h"
+#include "isosyrk/integrators/unit_of_exponent.h"
 
 namespace isosyrk {
 namespace {
-
-// ‖fresh - old‖_F / ‖fresh‖_F.  0 for a zero that stays: without B or h nothing moves.
-template <class Scalar>
-double relative_change(const MatrixOf<Scalar>& fresh, const MatrixOf<Scalar>& old) {
-  const double change = std::sqrt(squared_change(fresh, old));
-  return change == 0.0 ? 0.0 : change / fresh.norm();
-}
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
@@ -25,6 +19,7 @@ ExponentialLiePoisson<Scalar>::ExponentialLiePoisson(SharedFlowIn<Scalar> flow, 
                                                      const IterationOptions& options,
                                                      ProductBackend backend)
     : Form(std::move(flow), options, backend),
+      tolerance_(options.tolerance),
       rotation_(algebra()),
       gradient_(order, algebra(),
                 {[this](const Stored& W, Stored& B) { generator(W, B); },
@@ -48,7 +43,9 @@ double ExponentialLiePoisson<Scalar>::sweep(const Stored& W0, double h) {
   gradient_.evaluate(mu_, h, Omega_next_);
   Omega_next_ *= h;
   Omega_.swap(Omega_next_);
-  return relative_change(Omega_, Omega_next_);
+  const double change = std::sqrt(squared_change(Omega_, Omega_next_));
+  const double least = least_unit_of_exponent(std::abs(h) * rotation_left_out(W0), tolerance_);
+  return change / unit_of_exponent(Omega_.norm(), least);
 }
 
 template <class Scalar>

@@ -16,9 +16,10 @@ namespace isosyrk {
 /// 2, and with terms in h² and h⁴ for orders 4 and 6.  The step is isospectral for any Ω, and
 /// Lie-Poisson for any F: the map that hF generates in exponential coordinates.
 ///
-/// A sweep is Ω ← h B̃(φ₁(ad_Ω) W₀) from Ω = 0.  The change of Ω is relative to ‖Ω‖_F.
-/// AdjointRotation sums both series to rounding, so that the spectrum does not depend on the
-/// tolerance.  A step diverges if it fails: Ω is far too long then.
+/// A sweep is Ω ← h B̃(φ₁(ad_Ω) W₀) from Ω = 0.  The change of Ω is relative to ‖Ω‖_F, or to more
+/// where Ω is less than the rounding of a rotation that B is left without
+/// (integrators/unit_of_exponent.h). AdjointRotation sums both series to rounding, so that the
+/// spectrum does not depend on the tolerance.  A step diverges if it fails: Ω is far too long then.
 /// Products: 0, 3, 12 for order 2, 4, 6 and 1 for each term of the series a sweep; 1 for each term
 /// for the update.  Poisson solves: 1, 3, 6 a sweep.
 /// Source: generating functions of Ge and Marsden 1988, in the coordinates of Channell and Scovel
@@ -26,7 +27,7 @@ namespace isosyrk {
 template <class Scalar>
 class ExponentialLiePoisson final : public ImplicitForm<Scalar> {
   using Form = ImplicitForm<Scalar>;
-  using Form::algebra, Form::generator, Form::products_, Form::zero;
+  using Form::algebra, Form::generator, Form::products_, Form::rotation_left_out, Form::zero;
   using typename Form::Stored;
 
  public:
@@ -41,6 +42,7 @@ class ExponentialLiePoisson final : public ImplicitForm<Scalar> {
   double sweep(const Stored& W0, double h) override;
   void update(const Stored& W0, double h, Stored& W1) override;
 
+  double tolerance_;
   AdjointRotation<Scalar> rotation_;
   ModifiedGradient<Scalar> gradient_;
   Stored Omega_;

@@ -210,6 +210,15 @@ void IntegratorIn<Scalar>::evaluate(const Stored& V, Stored& B) {
 }
 
 template <class Scalar>
+double IntegratorIn<Scalar>::rotation_left_out(const Stored& V) const {
+  if constexpr (std::is_same_v<Scalar, double>) {
+    return 0.0;
+  } else {
+    return scale_ * flow_.rotation_left_out(V);
+  }
+}
+
+template <class Scalar>
 Energy IntegratorIn<Scalar>::energy() const {
   return flow_.stored_energy(state_, std::ilogb(scale_));
 }

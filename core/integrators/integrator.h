@@ -150,6 +150,9 @@ class IntegratorIn : public Integrator {
   /// B = B(V) if B is linear, otherwise B(scale V), of V projected onto g.
   void evaluate(const Stored& V, Stored& B);
 
+  /// Returns Flow::rotation_left_out of scale V.
+  double rotation_left_out(const Stored& V) const;
+
  private:
   void load(const ConstMatrixView& W) final;
   void amend(const ConstMatrixView& W) final;

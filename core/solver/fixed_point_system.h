@@ -54,6 +54,10 @@ class FixedPointSystem {
   /// Returns the size of x to which the tolerance is relative.
   virtual double unit(const Unknowns&) const { return 1.0; }
 
+  /// Returns a factor by which a Picard sweep contracts the error of any x, or less.  Earlier steps
+  /// may have shown a lesser one, where their errors had a symmetry.
+  virtual double least_contraction() const { return 0.0; }
+
   /// Returns the rule by which a solver accepts x.
   virtual Acceptance acceptance() const { return {}; }
 };

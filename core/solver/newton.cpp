@@ -11,6 +11,10 @@
 namespace isosyrk {
 namespace {
 
+// A start that errs by this many times what the one before did, errs in a way not seen before. Past
+// steps may err by ten times what an explicit start does (Tuning::predicted_error).
+constexpr double new_error = 16.0;
+
 // The error that a correction of a residual of this size may have, given its least value.
 double forcing_term(double size, double least) {
   return std::max({least, tuning.forcing_relative * size, tuning.forcing_quadratic * size * size});
@@ -38,6 +42,12 @@ void Newton::exchange_memory(Memory& other) {
 // The contraction was seen in an earlier sweep, so that of the next is taken twice as large.
 double Newton::first_factor() const { return std::min(1.0, 2.0 * contraction_); }
 
+// What earlier steps have shown says nothing of the error of this one.
+void Newton::distrust() {
+  contraction_ = std::max(contraction_, tuning.likely_contraction);
+  left_by_correction_.reset();
+}
+
 // The sweep now made multiplies the change by the first factor, each further one by the
 // contraction.
 bool Newton::sweeps_alone_converge(int sweeps, double change, double tolerance) const {
@@ -54,6 +64,7 @@ SolveReport Newton::solve(FixedPointSystem& system, const IterationOptions& opti
   double corrected = 0.0;           // change of the last sweep if that was corrected, else 0
   double estimate = 0.0;            // of the error of x
   bool is_first = true;
+  contraction_ = std::max(contraction_, system.least_contraction());
   const auto sweep = [&] {
     const double unit = system.unit(x);
     // G need not be more accurate than the error that the correction will leave.
@@ -66,9 +77,15 @@ SolveReport Newton::solve(FixedPointSystem& system, const IterationOptions& opti
       size = system.residual(R_, x, unit * accepting);  // to be accepted, it must be complete
     }
     const double change = size.change / unit;
-    if (is_first) start_change_ = change;
+    if (is_first) {
+      const bool is_new = !(change <= new_error * start_change_);  // NaN included
+      if (is_new && rule.by == Acceptance::By::error_estimate) distrust();
+      start_change_ = change;
+    }
     is_first = false;
-    if (uncorrected > 0.0) contraction_ = change / uncorrected;
+    if (uncorrected > 0.0) {
+      contraction_ = std::max(change / uncorrected, system.least_contraction());
+    }
     if (corrected > 0.0) left_by_correction_ = change / corrected;
     const bool is_plain =
         sweeps_alone_converge(rule.sweeps_for_a_correction(n_), change, tolerance);

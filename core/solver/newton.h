@@ -39,6 +39,7 @@ class Newton {
   void forget();
 
  private:
+  void distrust();
   double first_factor() const;
   bool sweeps_alone_converge(int sweeps, double change, double tolerance) const;
 
