@@ -185,6 +185,13 @@ class Disturbances(unittest.TestCase):
                                             (0, MOST_SWITCHES * 1.01, True), (MOST_STOLEN, MOST_SWITCHES, False)):
             self.assertEqual(bool(Disturbance(stolen, switches)), disturbed)
 
+    def test_stolen_seconds_are_the_eighth_number_of_the_core(self):
+        """Those of proc(5): user, nice, system, idle, iowait, irq, softirq, steal, guest and guest_nice."""
+        stat = "cpu  0 0 0 0 0 0 0 0 0 0\ncpu3 1 2 4 8 16 32 64 5000 256 512\ncpu30 0 0 0 0 0 0 0 7 0 0\n"
+        for core, stolen in ((3, 5000), (30, 7), (4, 0)):
+            with mock.patch("builtins.open", mock.mock_open(read_data=stat)):
+                self.assertEqual(fresh_process.stolen_seconds(core), stolen / os.sysconf("SC_CLK_TCK"), core)
+
     def test_the_first_undisturbed_try_is_taken_or_else_the_least_disturbed(self):
         worse = Disturbance(0.0, 200.0)
         for tries, taken in (((QUIET,), 0), ((BUSY, QUIET), 1), ((worse, BUSY), 1), ((BUSY, worse), 0)):

@@ -231,6 +231,15 @@ class Offers(unittest.TestCase):
         self.assertAlmostEqual(offer.seconds, 0.25 * offer.steps)
         self.assertTrue(plan.is_timed(offer))
 
+    def test_shorter_steps_over_a_longer_time_have_the_error_of_their_order(self):
+        for kind in (GROUP, integrator("elp2", order=2)):
+            plan = planner(error=1.0, norm_B=20.0, time=0.8, candidates=(kind,))
+            plan.good[kind] = pilot(plan, kind, time=0.4, steps=2, error=1e-9, growth=1.0)
+            (offer,) = plan.ranking()
+            self.assertLess(offer.step, 0.75 * 0.2)
+            grown = 1e-9 * plan.growth(plan.good[kind], 0.8)
+            self.assertAlmostEqual(offer.error / grown, (offer.step / 0.2) ** kind.order)
+
     def test_none_is_offered_from_a_pilot_that_is_too_short_or_grew_too_fast(self):
         for time, growth, offered in ((4.0, 1.0, 1), (8.0 / FARTHEST / 1.1, 1.0, 0), (4.0, 3.5, 0)):
             plan = planner()

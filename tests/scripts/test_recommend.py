@@ -97,6 +97,14 @@ class Step(RecommendTest):
         self.keep_only("cotangent1", "group1")
         self.assertEqual(self.answer(17, 0.9, "poisson")["integrator"], "cotangent1")
 
+    def test_a_step_that_fits_into_the_time_has_the_error_of_its_own_size(self):
+        for name, error in (("rkmk4", 1e-3), ("group1", 0.02)):  # of order 4 and 2
+            _, order, *_, factor, _ = INTEGRATORS[name]
+            offer = self.recorded(17, error).offer(Form(name, TIGHT))
+            wanted = (error / MARGIN / factor) ** (1 / order)
+            self.assertLess(offer.step, 0.999 * wanted)  # a whole number of steps fits
+            self.assertAlmostEqual(offer.error / (error / MARGIN), (offer.step / wanted) ** order, 3)
+
     def test_no_step_beyond_the_longest_safe_run(self):
         self.assertEqual(self.steps("rkmk4", 17, 0.5), 5)
         self.assertEqual(self.steps("rk4", 33, 0.01), 10)
@@ -442,22 +450,24 @@ class Pilots(FolderTest):
         (before,) = search.ranking()
         self.assertAlmostEqual(before.seconds, before.steps / pilot.steps)
         self.assertIn("steps of rkmk4_frame were timed: these seconds are scaled", search.statements[-1])
-        calls = []
+        calls, timed = [], []
 
         class Method:
             """Fails at once; later a step takes as much longer as it is shorter."""
 
             def timed_run(self, W, h, steps, repetitions, warmup):
                 calls.append(W)
+                timed.append(steps)
                 if len(calls) == 1:
                     raise pilots.isosyrk.SolverError(1, "diverged", 1.0, W, mock.Mock(sweeps=9))
-                return [steps * 1e-3 / h]
+                return [steps * 1e-5 / h]
 
         search.method = lambda integrator: Method()
         search.time_offers()
         (after,) = search.ranking()
         self.assertLessEqual(after.step, before.step / pilot_planner.BELOW_FAILURE)
-        self.assertAlmostEqual(after.seconds, after.steps * 1e-3 / after.step)
+        self.assertGreater(timed[-1], pilots.LEAST_STEPS)  # steps as short as these take more of them to be timed
+        self.assertAlmostEqual(after.seconds, after.steps * 1e-5 / after.step)
         self.assertEqual(set(calls), {"the state at T = 4"})
         self.assertIn("timed from T = 4 on", search.statements[-1])
         # What was run over the whole time is not timed again.
@@ -465,6 +475,22 @@ class Pilots(FolderTest):
         done = len(calls)
         search.time_offers()
         self.assertEqual((len(calls), search.ranking()[0].seconds), (done, 1.0))
+
+    def test_the_growth_of_a_pilot_is_the_power_of_time_that_its_error_follows(self):
+        pilots, search, rkmk4, _ = self.search()
+        W = search.setting.scene.initial
+        search.exact, search.uncertainty = (W, W), 0.0
+        search.reference = recommendation.Outcome(rkmk4, 9, search.time, 40, 1e-12, 1.0)
+        for power in (1, 3):
+
+            def run(method, h, steps, every, look):
+                for step in (steps // 2, steps):
+                    look(step, (1 + 1e-6 * (step / steps) ** power) * W, SimpleNamespace(seconds=0.0))
+                return W, SimpleNamespace(seconds=0.0, steps=steps), CONVERGED, None, 0.0
+
+            with mock.patch.object(search.setting, "run", run):
+                pilot, _ = search.run(rkmk4, 8)
+            self.assertAlmostEqual(pilot.growth, power, 5)
 
     def test_what_does_not_follow_from_a_shorter_time(self):
         _, search, rkmk4, pilot = self.search()

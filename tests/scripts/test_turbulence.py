@@ -271,6 +271,14 @@ def write_turbulence(path, at_window=1.3, **changed):
     return path
 
 
+class Judged(unittest.TestCase):
+    def test_what_is_lost_is_conserved_no_better_than_what_is_gained(self):
+        close = turbulence_figures.CLOSE
+        for change, conserves in ((-0.5, False), (0.5, False), (-0.9 * close, True), (0.9 * close, True)):
+            judged = turbulence_figures.Judged(None, None, None, changes={"energy": 0.0, "enstrophy": change})
+            self.assertEqual(judged.conserves, conserves, change)
+
+
 class Report(DrawingTest):
     script = "render_turbulence"
 
