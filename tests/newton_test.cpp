@@ -281,6 +281,16 @@ TEST(Newton, ANumberLostInACorrectionCostsTheCorrectionOnly) {
   }
 }
 
+// x moves by a Picard sweep where the correction is lost, and that sweep shows the contraction.
+TEST(Newton, ASweepAfterALostCorrectionShowsTheContraction) {
+  Known system({1e-3, 0.0});
+  system.loses_sweeps = true;
+  // Changes of 1e-2, 1e-5, 1e-8 ...: three sweeps end the iteration from 1e-5 on, as is then known.
+  const SolveReport report = newton(system, beside_the_solution(system));
+  EXPECT_EQ(report.status, Status::converged);
+  EXPECT_EQ(system.linearisations, 1);
+}
+
 TEST(Newton, ANumberLostInAResidualDiverges) {
   for (const int at : {1, 2, 3}) {
     Known system({0.5, 0.1});
@@ -442,6 +452,45 @@ TEST(NewtonWithNeumannCorrection, ATermThatGrowsIsNoCorrection) {
   EXPECT_EQ(solver.solve(system, {.tolerance = tolerance}, x).status, Status::converged);
   EXPECT_GT(system.couplings, 0);
   EXPECT_LE(system.error_of(x), 1.5 * tolerance) << "by Picard sweeps";
+}
+
+// G(x) = X, of which a residual sees nothing that is below the accuracy it is asked for.
+class Coarse final : public FixedPointSystem {
+ public:
+  explicit Coarse(Acceptance::By by) { rule_.by = by; }
+
+  ResidualSize residual(Corrections& R, Unknowns& x, double accuracy) override {
+    const Matrix change = X - x[0][0].interleaved();
+    const bool is_seen = change.norm() > accuracy;
+    R[0][0].load(is_seen ? change : nothing);
+    return {.change = is_seen ? change.norm() : 0.0, .neglected = is_seen ? 0.0 : accuracy};
+  }
+  Correction correct(Corrections& delta, const Unknowns&, const Corrections& R,
+                     const CorrectionRequest&, const IterationOptions&) override {
+    copy(delta, R);
+    return {.usable = true, .error = 0.0};
+  }
+  Acceptance acceptance() const override { return rule_; }
+
+  const Matrix X = random_matrix(n, 4).normalized();
+
+ private:
+  Acceptance rule_;
+};
+
+// After a step that started 0.1 off, the first residual of the next is asked for few digits.  It
+// sees no change where that step starts 1e-6 off, which is 1e6 times the tolerance.
+TEST(Newton, AcceptsNoChangeThatIsSmallByWhatWasNeglected) {
+  for (const auto by : {Acceptance::By::change, Acceptance::By::error_estimate}) {
+    Coarse system(by);
+    Newton solver(start_at(system.X));
+    for (const double distance : {0.1, 1e-6}) {
+      Unknowns x = start_at(system.X + distance * rotation(5));
+      const SolveReport report = solver.solve(system, {.tolerance = tolerance}, x);
+      EXPECT_EQ(report.status, Status::converged);
+      EXPECT_LE((x[0][0].interleaved() - system.X).norm(), tolerance) << distance;
+    }
+  }
 }
 
 }  // namespace

@@ -59,12 +59,16 @@ SolveReport Newton::solve(FixedPointSystem& system, const IterationOptions& opti
   const double tolerance = options.tolerance;
   const double accepting = rule.accepting_accuracy(tolerance);
   const double least_forcing = rule.least_forcing_term(tolerance);
-  double uncorrected = 0.0;         // change of the last sweep if that was a Picard sweep, else 0
+  // Change of the last sweep if that was a Picard sweep near the solution, else 0.
+  double near = 0.0;
+  double far = 0.0;                 // the same of a Picard sweep far from it
+  bool freezes = false;             // far from the solution Picard sweeps do not contract
   double expected = start_change_;  // change expected of the next sweep
   double corrected = 0.0;           // change of the last sweep if that was corrected, else 0
   double estimate = 0.0;            // of the error of x
   bool is_first = true;
   contraction_ = std::max(contraction_, system.least_contraction());
+  const auto move = [&](const Correction& by) { add(x, by.usable ? delta_ : R_); };
   const auto sweep = [&] {
     const double unit = system.unit(x);
     // G need not be more accurate than the error that the correction will leave.
@@ -83,22 +87,25 @@ SolveReport Newton::solve(FixedPointSystem& system, const IterationOptions& opti
       start_change_ = change;
     }
     is_first = false;
-    if (uncorrected > 0.0) {
-      contraction_ = std::max(change / uncorrected, system.least_contraction());
-    }
+    if (near > 0.0) contraction_ = std::max(change / near, system.least_contraction());
+    if (far > 0.0 && change > tuning.far_contraction * far) freezes = true;
     if (corrected > 0.0) left_by_correction_ = change / corrected;
     const bool is_plain =
         sweeps_alone_converge(rule.sweeps_for_a_correction(n_), change, tolerance);
+    const bool is_far = !is_plain && !(change <= tuning.largest_corrected);  // NaN included
+    CorrectionRequest request = {.size = size.change,
+                                 .forcing_term = unit * forcing_term(change, least_forcing)};
     Correction correction;
-    if (!is_plain && change <= tuning.largest_corrected) {
-      correction = system.correct(
-          delta_, x, R_,
-          {.size = size.change, .forcing_term = unit * forcing_term(change, least_forcing)},
-          options);
+    if (is_far && freezes) {
+      request.part = JacobianPart::frozen;
+      move(system.correct(delta_, x, R_, request, options));
+    } else {
+      if (!is_far && !is_plain) correction = system.correct(delta_, x, R_, request, options);
+      move(correction);
     }
-    uncorrected = is_plain ? change : 0.0;
+    near = is_far || correction.usable ? 0.0 : change;
+    far = is_far && !freezes ? change : 0.0;
     corrected = correction.usable ? change : 0.0;
-    add(x, correction.usable ? delta_ : R_);
     const double left = tuning.forcing_quadratic * change * change;  // by the Jacobian's change
     expected = correction.usable ? std::max(correction.error / unit, left) : contraction_ * change;
     if (is_plain) {
