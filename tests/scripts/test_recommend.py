@@ -483,12 +483,12 @@ class Pilots(FolderTest):
         search.reference = recommendation.Outcome(rkmk4, 9, search.time, 40, 1e-12, 1.0)
         for power in (1, 3):
 
-            def run(method, h, steps, every, look):
+            def known(method, h, steps, every, look):
                 for step in (steps // 2, steps):
                     look(step, (1 + 1e-6 * (step / steps) ** power) * W, SimpleNamespace(seconds=0.0))
                 return W, SimpleNamespace(seconds=0.0, steps=steps), CONVERGED, None, 0.0
 
-            with mock.patch.object(search.setting, "run", run):
+            with mock.patch.object(search.setting, "run", known):
                 pilot, _ = search.run(rkmk4, 8)
             self.assertAlmostEqual(pilot.growth, power, 5)
 
