@@ -77,7 +77,7 @@ TEST_P(EachFastForm, TakesAsManySweepsAfterALargeNumberOfSteps) {
     const auto integrator = form(scene);
     const auto [first, last] = sweeps_first_and_last(*integrator, scene);
     // Below n = 24 three Picard sweeps after the first are cheaper than a correction, and more of
-    // them may be needed later; no more are taken.
+    // them may be needed later; no more are taken.  Rounding adds one in some steps, a tenth here.
     const bool sweeps_first = scene.flow->size() < 24;
     EXPECT_LE(static_cast<double>(last), sweeps_first ? 410.0 : 1.1 * static_cast<double>(first));
   };

@@ -87,6 +87,7 @@ TEST_P(EachCell, CoincidesKeepsItsSpectrumAndTakesTheExpectedSweeps) {
     const RunReport report = run(*integrator, W, 0.1, 50);
     ASSERT_TRUE(report.converged()) << name(formulation);
     const bool algebra = formulation == Formulation::algebra;  // exactly skew-Hermitian
+    // Other products round otherwise, which ends a step a sweep sooner or later at most.
     EXPECT_NEAR(report.sweeps_per_step(), algebra ? cell.sweeps_algebra : cell.sweeps_group, 1.0)
         << name(formulation);
     // The group forms are isospectral to what the iteration leaves: 50 steps of the tolerance,
