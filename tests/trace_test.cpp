@@ -49,8 +49,8 @@ TEST(TracePart, IsNoneWhereItIsRounding) {
     }
   }
   Matrix W = smooth_scene(9).initial;
-  EXPECT_EQ(trace_part(with_trace(W, 0.5 * epsilon * W.norm())), 0.0);
-  EXPECT_NE(trace_part(with_trace(W, 3.0 * epsilon * W.norm())), 0.0);
+  EXPECT_EQ(trace_part(with_trace(W, 0.5 * 9.0 * epsilon * W.norm())), 0.0);
+  EXPECT_NE(trace_part(with_trace(W, 2.0 * 9.0 * epsilon * W.norm())), 0.0);
   EXPECT_EQ(trace_part(Matrix::Zero(3, 3)), 0.0);
   for (const double bad : {std::nan(""), infinity}) {
     W(4, 4) = Complex(0.0, bad);
