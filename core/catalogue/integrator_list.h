@@ -42,8 +42,8 @@ struct IntegratorEntry {
   /// Largest h‖ad_B‖₂ at which the step is stable for a constant generator.  In a longer step
   /// perturbations grow, whatever the tolerance.
   double stability_limit = std::numeric_limits<double>::infinity();
-  /// Largest h that linear theory allows (integrators/step_limits.h), from the eigenvalues of
-  /// -iB(W₀).  Empty if linear theory sets no limit.
+  /// Largest h that linear theory allows (integrators/step_limits.h), in units of t, from the
+  /// eigenvalues of -iB(W₀) in ascending order.  Empty if linear theory sets no limit.
   std::function<double(const RealVector&)> linear_limit = {};
   /// True if the list has it in the co-rotating frame too.  For methods that keep the angular
   /// momentum, which turns the frame, or hardly change it.

@@ -15,9 +15,11 @@ namespace isosyrk {
 /// Result and work of one step.
 struct StepReport {
   Status status = Status::converged;
-  Attempt attempt = {};      ///< the last attempt, to which the status belongs
-  int sweeps = 0;            ///< Picard sweeps of all attempts; 0 for explicit methods
-  double last_change = 0.0;  ///< of the last sweep, as SolveReport::change
+  Attempt attempt = {};  ///< the last attempt, to which the status belongs
+  int sweeps = 0;        ///< Picard sweeps of all attempts; 0 for explicit methods
+  /// Largest change of an unknown in the last sweep, Frobenius norm.  Unknowns that scale with W
+  /// are in units of StateScale, those of the group absolute; Ω is relative to its norm.
+  double last_change = 0.0;
   double contraction = 0.0;  ///< as in SolveReport; 0 for explicit methods
   Work work = {};
 

@@ -17,7 +17,7 @@ struct Scene {
   std::string name;
   std::shared_ptr<const Flow> flow;
   Matrix initial;  ///< W at time 0, n x n; of spectral norm 1 where it is made of modes
-  double time;     ///< end of the time span
+  double time;     ///< end of the time span, in the time t of W' = [B(W), W], in which steps are h
 };
 
 /// What a scene of the list is made of, beside its name.
