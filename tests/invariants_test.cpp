@@ -43,6 +43,18 @@ TEST(Spectrum, OfAnotherAlgebraIsComparedInPairs) {
   EXPECT_EQ(error(diagonal(1.0, 1.0), diagonal(1.0, 1.25)), 0.25);
 }
 
+TEST(Spectrum, OfBlocksIsThatOfTheWorstWhereverItStands) {
+  const Scene scene = scene_by_name("spin_chain", 8);
+  const Matrix& W = scene.initial;
+  for (Index at = 0; at < W.rows(); at += 2) {
+    Matrix disturbed = W;
+    disturbed.block(at, at, 2, 2) *= 1.5;
+    const double size = std::sqrt(std::abs(W.block(at, at, 2, 2).determinant()));  // of ±i size
+    EXPECT_NEAR(spectrum_error(scene.flow->algebra(), disturbed, W), 0.5 * size, 1e-14) << at;
+    EXPECT_NEAR(spectrum_error(scene.flow->algebra(), W, disturbed), 0.5 * size, 1e-14) << at;
+  }
+}
+
 TEST(Casimir, IsTheTraceOfThePower) {
   const Matrix W = random_matrix(5, 1);
   EXPECT_LE(std::abs(casimir(W, 1) - W.trace()), 1e-15);
