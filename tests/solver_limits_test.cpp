@@ -3,7 +3,7 @@
 #include <cstring>
 #include <limits>
 
-#include "isosyrk/fast/fast_options.h"
+#include "isosyrk/catalogue/fast_forms.h"
 #include "isosyrk/flows/invariants.h"
 #include "tests/support.h"
 
