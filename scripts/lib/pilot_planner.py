@@ -13,7 +13,7 @@ from lib.formats import CONVERGED
 from lib.recommendation import (MOST_OFFERED, PREDICTABLE, SMALLEST_ERROR, Outcome, below_reference,
                                 beyond_predictability, energy_growth)
 
-STOPPED = "stopped"  # status of a pilot at TOO_DEAR times the cheapest good one, or at the end of the budget
+STOPPED = "stopped"  # status of a pilot at TOO_EXPENSIVE times the cheapest good one, or at the end of the budget
 
 FIRST_TIME, FIRST_REFERENCE = 10.0, 2.0  # T‖B(W₀)‖₂ of the first part, h‖B(W₀)‖₂ of its first reference
 FIRST_STEP = 15.0  # times error^(1/order), at most 1: h‖B(W₀)‖₂ of the first pilot of a method
@@ -23,7 +23,7 @@ MOST_TRIES = 4  # of a method on a part of the time
 BELOW_FAILURE = 1.3  # a step that failed, over the longest one that is tried next
 SHARP, SHARP_ENOUGH = 10, 4  # the uncertainty of the reference aims at, and has to reach, the error over that
 FLOOR = 1e-6  # below, two references that no longer come closer are at rounding
-TOO_DEAR = 8.0  # times the seconds of the cheapest good pilot over the part, where others are stopped
+TOO_EXPENSIVE = 8.0  # times the seconds of the cheapest good pilot over the part, where others are stopped
 MOST_KEPT = 6  # methods that go on to the next part
 # Least growth of the error as a power of time, for methods that keep the spectrum and others. Short runs show too
 # little. Where trajectories part, errors grow exponentially, which a power fitted to one pilot does not show. So none

@@ -1,6 +1,6 @@
 """Finds the cheapest method and step for a user's own scene by runs of that scene, called pilots, within a budget.
 
-Pilots go over a part T/2^k of the time first, where the dear methods drop out; then over the longest part that the
+Pilots go over a part T/2^k of the time first, where the expensive methods drop out; then over the longest part that the
 budget allows, at best all of it. The reference solution of each part is the first of two integrators that are refined
 together until they agree; their distance is its uncertainty. Fast forms only, in the co-rotating frame where the list
 has it: that is exact and costs nothing. At last some steps of each offer that follows from a shorter pilot are timed
@@ -19,7 +19,7 @@ from lib.formats import CONVERGED, FAST, UNSTABLE, read_text
 from lib.messages import UnusableFile, one_line
 from lib.command_line import number, whole_number
 from lib.integrator_names import FRAME
-from lib.pilot_planner import STOPPED, TOO_DEAR, Planner, invariants_lost
+from lib.pilot_planner import STOPPED, TOO_EXPENSIVE, Planner, invariants_lost
 from lib.recommendation import MOST_OFFERED, Question, answer_data
 from lib.trials import Setting
 
@@ -227,7 +227,7 @@ class Search(Planner):
             error = self.error_over_part(each)
             if not error:
                 continue
-            best = self.search(each, error, TOO_DEAR * cheapest)
+            best = self.search(each, error, TOO_EXPENSIVE * cheapest)
             self.good.pop(each, None)
             if best:
                 self.good[each] = best

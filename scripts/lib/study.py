@@ -62,13 +62,13 @@ def require_module(program, modules=("isosyrk", "numpy", "tqdm")):
                          "build it with scripts/reproduce accuracy, or install python3-numpy and python3-tqdm")
 
 
-def parser(program, description, out="FILE"):
+def parser(program, description, out="FILE", largest_n=513):
     """Returns a parser with the options that all studies have. `out` is FILE or FOLDER."""
     options = OneLineParser(prog=program, description=description, allow_abbrev=False)
     options.add_argument("--out", metavar=out, required=True,
                         help="what to write; a journal beside it keeps what is done")
     options.add_argument("--quick", action="store_true", help="the smaller study")
-    options.add_argument("--n", metavar="N", type=whole_number(5, 513), nargs="+", action="extend", help="matrix sizes")
+    options.add_argument("--n", metavar="N", type=whole_number(5, largest_n), nargs="+", action="extend", help="matrix sizes")
     options.add_argument("--integrator", metavar="NAME", nargs="+", action="extend", help="integrators (default: all)")
     options.add_argument("--scheduler", metavar="tcp://HOST:PORT", type=address,
                         help="Dask scheduler that untimed work is given to")
@@ -197,9 +197,9 @@ class Journal:
         os.unlink(self.path)
 
     def products(self, n):
-        """Returns the product backend that was the faster at n as the study began. Beyond 257 it is the same."""
-        chosen = dict(re.findall(r"n=(\d+) (\w+)", self.context["products"]))
-        return chosen[str(min(n, 257))]
+        """Returns the product backend that was the faster as the study began, at n or the nearest n that was tried."""
+        chosen = {int(tried): backend for tried, backend in re.findall(r"n=(\d+) (\w+)", self.context["products"])}
+        return chosen[min(chosen, key=lambda tried: abs(tried - n))]
 
     def key_of_timed(self, what, job):
         """Returns the key of a result that only this processor can give."""

@@ -308,7 +308,7 @@ def thread_sizes(options, sizes):
 
 
 def main(arguments):
-    parser = study.parser(PROGRAM, __doc__.splitlines()[0])
+    parser = study.parser(PROGRAM, __doc__.splitlines()[0], largest_n=SIZES[-1])
     parser.add_argument("--repetitions", type=whole_number(1, 1000),
                         help=f"(default: {REPETITIONS}, quick {QUICK_REPETITIONS})")
     parser.add_argument("--processes", type=whole_number(1, 100), help="that time threads at most; with fewer than"
