@@ -86,7 +86,7 @@ TEST_P(EachScene, HasAFastFormIfAndOnlyIfItsGeneratorIsInSplitStorage) {
   if (is_euler_zeitlin(scene.name)) {
     EXPECT_NO_THROW(make());
   } else {
-    expect_refused(make, "fast forms are for Euler-Zeitlin");
+    expect_refused(make, "no generator in split storage");
   }
 }
 

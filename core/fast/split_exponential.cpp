@@ -37,14 +37,15 @@ double rest_of_coefficient(int j, int odd) {
 }
 
 // Returns the shortest series of which the first term left out is at most `tail` at this ‖Ω‖₂, or
-// the end if there is none, as for NaN.
+// `none`, as for NaN.
+const Series* const none = all_series.data() + all_series.size();
 const Series* series_for(double size, double tail) {
-  if (!(size <= largest_norm)) return all_series.end();
+  if (!(size <= largest_norm)) return none;
   const auto suffices = [&](const Series& series) {
     return std::pow(size, 2 * series.m + 2) * coefficient(series.m + 1, 0) <= tail;
   };
-  const Series* last = all_series.end() - 1;  // suffices at largest_norm
-  return std::find_if(all_series.begin(), last, suffices);
+  const Series* last = none - 1;  // suffices at largest_norm
+  return std::find_if(all_series.data(), last, suffices);
 }
 
 void add_to_diagonal(SplitMatrix& X, double number) {
@@ -149,7 +150,7 @@ bool SplitExponential::form_adjoint(const SplitMatrix& Omega, SplitProducts& pro
                           ? left_out_ / std::sqrt(static_cast<double>(Omega.size()))
                           : exact_left_out;
   const Series* series = series_for(size, tail);
-  if (series == all_series.end()) return false;
+  if (series == none) return false;
   int formed = 2;
   const auto form_powers = [&](int last) {
     for (; formed < last; ++formed) {

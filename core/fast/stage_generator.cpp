@@ -12,8 +12,7 @@ StageGenerator::StageGenerator(const Flow& flow)
     : n_(flow.size()), generator_(flow.split_generator()) {
   if (generator_ == nullptr) {
     throw std::invalid_argument(
-        "solver fast: fast forms are for Euler-Zeitlin; this flow has no generator in split "
-        "storage "
+        "solver fast: this flow has no generator in split storage, as Euler-Zeitlin has "
         "(published forms need none)");
   }
 }

@@ -5,9 +5,10 @@
 
 namespace isosyrk {
 
-/// All constants chosen by measurement.  They were measured in the cells of Table 2 (50 steps of
-/// 0.1 of the smooth scene, s = 1, 2, 3) and in runs of 2000 steps of both scenes, on processors
-/// with AVX2 and with AVX-512.
+/// The tuned constants that several parts share, or that belong to the solver.  A constant of one
+/// part alone stands in the file of that part, with what was measured.  These were measured in the
+/// cells of Table 2 (50 steps of 0.1 of the smooth scene, s = 1, 2, 3) and in runs of 2000 steps of
+/// both scenes, on processors with AVX2 and with AVX-512.
 struct Tuning {
   // Inexact Newton.
   /// Largest change of a Picard sweep that is corrected.  For larger changes the Jacobian is a poor

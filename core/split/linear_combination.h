@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <span>
 #include <type_traits>
@@ -44,7 +45,7 @@ template <class Real>
 class LinearCombination {
  public:
   /// Largest number of terms, enough for any stage equation: X_j and M_jk, j <= k, of 20 stages
-  /// (catalogue/fast_forms.cpp asserts it).  Not checked.
+  /// (catalogue/fast_forms.cpp asserts it).  Checked in debug builds only.
   static constexpr std::size_t most = 230;
 
   // Initialises and copies only the terms in use, since the arrays have room for many.
@@ -62,6 +63,7 @@ class LinearCombination {
 
   /// Adds `weight` times a term.
   void add(double weight, const SplitMatrixOf<Real>& X) {
+    assert(count_ < most);
     weights_[count_] = weight;
     terms_[count_++] = &X;
   }
