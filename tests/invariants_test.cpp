@@ -154,7 +154,7 @@ TEST(Energy, OfAnyNormIsThatOfNormOneTimesTheSquareOrThrows) {
     if (scene.flow->algebra().is_dense()) {
       EXPECT_EQ(energy, scene.flow->hamiltonian(scene.initial)) << name;
     }
-    for (const int exponent : {-1000, -515, -100, -3, 3, 100, 515, 1000}) {
+    for (const int exponent : {-1000, -560, -100, -3, 3, 100, 560, 1000}) {
       const Energy scaled = scene.flow->energy(std::ldexp(1.0, exponent) * scene.initial);
       EXPECT_EQ(scaled.over(scene.flow->energy(scene.initial)), std::ldexp(1.0, 2 * exponent));
       if (std::abs(exponent) > 512) {
