@@ -59,7 +59,7 @@ class Energies(unittest.TestCase):
         energy = SMOOTH.energy(SMOOTH.initial)
         exponent = (1023 - math.frexp(energy)[1]) // 2
         self.assertEqual(SMOOTH.energy(2.0**exponent * SMOOTH.initial), math.ldexp(energy, 2 * exponent))
-        exponent = -(1021 + math.frexp(energy)[1]) // 2
+        exponent = -((1021 + math.frexp(energy)[1]) // 2)
         self.assertEqual(SMOOTH.energy(2.0**exponent * SMOOTH.initial), math.ldexp(energy, 2 * exponent))
 
     def test_of_0_and_of_what_is_not_finite(self):
