@@ -214,7 +214,7 @@ double IntegratorIn<Scalar>::rotation_left_out(const Stored& V) const {
   if constexpr (std::is_same_v<Scalar, double>) {
     return 0.0;
   } else {
-    return scale_ * flow_.rotation_left_out(V);
+    return flow_.rotation_left_out(V);
   }
 }
 
