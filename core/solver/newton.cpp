@@ -88,7 +88,7 @@ SolveReport Newton::solve(FixedPointSystem& system, const IterationOptions& opti
     }
     is_first = false;
     if (near > 0.0) contraction_ = std::max(change / near, system.least_contraction());
-    if (far > 0.0 && change > tuning.far_contraction * far) freezes = true;
+    if (far > 0.0 && change >= far) freezes = true;
     if (corrected > 0.0) left_by_correction_ = change / corrected;
     const bool is_plain =
         sweeps_alone_converge(rule.sweeps_for_a_correction(n_), change, tolerance);

@@ -15,12 +15,6 @@ struct Tuning {
   /// model.  At twice this value, corrections diverge at h‖B‖ = 1.9; at half, cold starts take one
   /// more sweep.
   double largest_corrected = 0.3;
-  /// Largest contraction of Picard sweeps at changes above largest_corrected.  Sweeps that contract
-  /// less are followed by sweeps with B frozen, which still contract where h‖B‖ exceeds 1.  Without
-  /// them, steps of h‖B‖ >= 1.4 fail to start in 50 sweeps and more (algebra1, rough scene, n = 17
-  /// to 513).  At 0.5 the counts are the same within 3 %; at 1 algebra1 takes up to 40 % more
-  /// sweeps (all Gauss forms, h‖B‖ = 0.9 to 2.8, n = 17, 33, 65).
-  double far_contraction = 0.7;
   /// Initial estimate of the contraction of a Picard sweep near the solution, and of the factor by
   /// which the coupling K contracts.
   double likely_contraction = 0.1;
