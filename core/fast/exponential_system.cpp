@@ -38,6 +38,10 @@ constexpr double coarsest_part = 1e-2;
 // ‖E δ‖ / ‖δ‖, where E is the derivative of a term of B̃, as a multiple of the term's part of B̃,
 // unless it was seen.  It is 0.8 to 2.5 at steps for errors of 1e-4 to 1e-6, 5 at the coarsest.
 constexpr double likely_derivative = 2.5;
+// The least that is taken for it, whatever was seen: the rounding of a start, which is spread over
+// all l, shows less of it than an error of large scales does.  It suffices that E is formed where
+// it might show: at the tolerance 1e-13 steps take up to 2 % more products than with what was seen.
+constexpr double least_derivative = 0.25;
 // A derivative is left out of a correction if the error stays below this multiple of the forcing
 // term.  The estimated error of x is then below the tolerance still.
 constexpr double most_left_out = 1.4;
@@ -290,7 +294,10 @@ Correction ExponentialSystem::solve(Corrections& delta, const Corrections& R,
     differentiate(0.1 * most_left / left);
     const double added = largest_norm(E_delta_[0]);
     if (!(added < size)) return {};  // NaN included
-    if (size == request.size) derivative_per_share_ = added / size / gradient_.share_of_second();
+    if (size == request.size) {
+      derivative_per_share_ =
+          std::max(least_derivative, added / size / gradient_.share_of_second());
+    }
     expect(added * added / size);
     size = added;
     const CorrectionRequest of_E_delta = {

@@ -16,8 +16,8 @@ namespace {
 constexpr double rounding_of_bracket = 0.01;
 // Least part of h² ‖μ‖² / n that the term in h² is in a state without symmetry.
 constexpr double typical_share = 0.01;
-// The same parts of the term in h⁴, beside those of the term in h², are this times h² ‖v‖² / n and
-// h² ‖μ‖² / n.
+// The same parts of the term in h⁴, beside those of the term in h², are this times h² ‖μ‖² / n, and
+// for rounding times h² ‖v‖² / n where that is more.
 constexpr double fourth_beside_second = 0.1;
 // What is cut may change a term by this part of the accuracy.
 constexpr double part_of_cuts = 0.1;
@@ -104,10 +104,12 @@ void GradedGradient::measure(const SplitMatrix& v, const SplitMatrix& mu, double
   const double unit = h * h * size_of_v / (static_cast<double>(mu.size()) * whole_);
   const double of_mu = unit * size_of_mu * size_of_mu;
   const double of_v = unit * size_of_v * size_of_v;
+  const double of_larger =
+      std::max(of_mu, of_v);  // B damps rounding less than it damps fine scales
   typical_[0] = typical_share * of_mu;
   typical_[1] = fourth_beside_second * of_mu * typical_[0];
   rounded_[0] = rounding_of_bracket * unit * size_of_v * size_of_mu;
-  rounded_[1] = fourth_beside_second * of_v * rounded_[0];
+  rounded_[1] = fourth_beside_second * of_larger * rounded_[0];
 }
 
 // True if the rounding of single precision does not show in a term.
