@@ -23,6 +23,10 @@ constexpr double error_of_average_of_unit = 5.0;
 constexpr double least_gain = 0.05;
 // The error that one node makes in K δ is about this part of it; seen at h = 0.1 ... 0.5.
 constexpr double error_of_one_node = 0.02;
+// The error that two nodes make is this part of K δ, times the fourth power of ‖Ω‖_F / √n: 1 /
+// 14400 for each (ad_Ω)⁴ / 5 that the quadrature leaves out, beside a weight of 1/2, and about 9
+// such powers for a δ that is spread over all l, as the rounding of a start is.
+constexpr double error_of_fourth_power = 2.5e-4;
 // K contracts by about this factor.
 constexpr double contraction_of_K = 0.1;
 // K contracts by at least about this multiple of h ‖W₀‖_F / √n: by 0.1 to 0.4 of it for an error
@@ -132,6 +136,12 @@ void ExponentialSystem::bind(const SplitMatrix& W0, double h, double tolerance) 
 // True if one node is too few for K δ of a δ of this size, with this error.
 bool ExponentialSystem::needs_pair(double size, double error) {
   return !(error_of_one_node * contraction_of_K * size <= error);  // NaN included
+}
+
+// Returns the error of K δ with two nodes, relative to ‖δ‖, for an Ω of this norm.
+double ExponentialSystem::error_of_two_nodes(double size_of_Omega) const {
+  const double mean_square = size_of_Omega * size_of_Omega / static_cast<double>(n_);
+  return error_of_fourth_power * mean_square * mean_square * 1.5 * least_contraction_;
 }
 
 // Chooses the nodes and the error of e^{s ad_Ω} W₀ that the first correction of the step will need,
@@ -257,6 +267,8 @@ Correction ExponentialSystem::correct(Corrections& delta, const Unknowns& x, con
   if (!has_pair_ && needs_pair(request.size, allowed)) {
     correction.error += error_of_one_node * contraction_of_K * request.size;
   }
+  const double of_two_nodes = error_of_two_nodes(norm(x[0][0])) * request.size;
+  if (of_two_nodes > allowed) correction.error += of_two_nodes;
   // K errs by what the nodes' matrices do, which were formed for a residual as expected.
   if (error_of_moved_ > most_of_moved * moved_error(part)) {
     correction.error += error_of_moved_ / size_of_W0_ * request.size;

@@ -110,6 +110,7 @@ class ExponentialSystem final : public StageSystem, private Coupling {
 
   void couple(Corrections& coupled, const Corrections& delta, double accuracy) override;
   static bool needs_pair(double size, double error);
+  double error_of_two_nodes(double size_of_Omega) const;
   void choose_nodes();
   void start_cold(SplitMatrix& Omega);
   double moved_error(double part) const;
