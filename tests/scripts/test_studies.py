@@ -509,13 +509,13 @@ class Scaling(StudyTest):
 class Refusals(StudyTest):
     def test_bad_arguments(self):
         for name, arguments, *parts in (
-                ("scaling", ("--n", "4"), "--n", "5 to 513"), ("scaling", ("--workers", "0"), "--workers"),
+                ("scaling", ("--n", "4"), "--n", "5 to 1025"), ("scaling", ("--workers", "0"), "--workers"),
                 ("scaling", ("--scheduler", "here"), "--scheduler", "'here'"), ("scaling", ("--scale",), "--scale"),
                 ("scaling", ("--out", self.folder), "--out", self.folder),
                 ("scaling", ("--integrator", "euler"), "'euler'", "rkmk4"),
                 ("scaling", ("--processes", "0"), "--processes"),
                 ("scaling", ("--scene", "developed"), "--scene", "rough"),
-                ("scaling", ("--start", "7"), "--start", "50"), ("scaling", ("--n", "1025"), "--n", "5 to 513"),
+                ("scaling", ("--start", "7"), "--start", "50"), ("scaling", ("--n", "1026"), "--n", "5 to 1025"),
                 ("scaling", ("--repetitions", "none"), "--repetitions"),
                 ("limits", ("--scene", "calm"), "calm", "smooth"), ("limits", ("--solver", "slow"), "--solver"),
                 ("accuracy", ("--integrator", "euler"), "'euler'", "rkmk4"),
