@@ -36,7 +36,7 @@ class GradedGradient {
   /// Sizes of the terms, as a residual leaves them to the next one.
   struct Memory {
     std::array<double, 2> shares = {1.0, 1.0};  ///< ‖h² ∇F₂‖ and ‖h⁴ ∇F₄‖ as parts of ‖B(μ)‖
-    bool knows_shares = false;                  ///< false until they were seen
+    bool knows_shares = false;  ///< false until they were seen
   };
   /// Forgets the sizes of the terms.
   void forget() { knows_shares_ = false; }

@@ -152,7 +152,8 @@ class IntegratorIn : public Integrator {
   /// B = B(V) if B is linear, otherwise B(scale V), of V projected onto g.
   void evaluate(const Stored& V, Stored& B);
 
-  /// Returns Flow::rotation_left_out of V, for an h as of advance().  Only a linear B leaves one out.
+  /// Returns Flow::rotation_left_out of V, for an h as of advance().  Only a linear B leaves one
+  /// out.
   double rotation_left_out(const Stored& V) const;
 
  private:

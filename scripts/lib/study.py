@@ -68,7 +68,8 @@ def parser(program, description, out="FILE", largest_n=513):
     options.add_argument("--out", metavar=out, required=True,
                         help="what to write; a journal beside it keeps what is done")
     options.add_argument("--quick", action="store_true", help="the smaller study")
-    options.add_argument("--n", metavar="N", type=whole_number(5, largest_n), nargs="+", action="extend", help="matrix sizes")
+    options.add_argument("--n", metavar="N", type=whole_number(5, largest_n), nargs="+", action="extend",
+                         help="matrix sizes")
     options.add_argument("--integrator", metavar="NAME", nargs="+", action="extend", help="integrators (default: all)")
     options.add_argument("--scheduler", metavar="tcp://HOST:PORT", type=address,
                         help="Dask scheduler that untimed work is given to")

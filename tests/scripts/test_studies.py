@@ -347,7 +347,7 @@ class Scaling(StudyTest):
         for at in found.starts():
             sweeps = {rung: point.sweeps for (begin, _, name, rung), point in found.points.items()
                       if (begin, name) == (at, "group1")}
-            # Plain, from a cold start: products that round otherwise end a step a sweep sooner or later, not every step.
+            # From a cold start: products that round otherwise end a step a sweep sooner or later, not every step.
             self.assertLess(abs(sweeps["without any"] - sweeps["published"]), 1)
             self.assertLess(sweeps["fast"], 0.5 * sweeps["published"])
             steps = {(point.integrator, point.step, point.tolerance) for point in found.points.values()}
