@@ -12,7 +12,7 @@ std::atomic<long> bytes{0};
 
 }  // namespace
 
-#if defined(__SANITIZE_ADDRESS__)
+#ifdef ISOSYRK_SANITIZED
 
 extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*malloc_hook)(const volatile void*,
                                                                              size_t),
