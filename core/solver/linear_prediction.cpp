@@ -8,6 +8,14 @@
 #include <stdexcept>
 
 namespace isosyrk {
+namespace {
+
+// Of the diagonal of the normal equations, relative to its mean.  The rounding of a Cholesky
+// factorisation with q terms is at most about q² roundoffs: 6e-14.
+constexpr double smallest_raise = 1e-15;
+constexpr double largest_raise = 64e-15;
+
+}  // namespace
 
 LinearPrediction::LinearPrediction(Index numbers, int q) {
   if (q < 0 || q > most) {
@@ -37,13 +45,19 @@ LinearPrediction::Weights LinearPrediction::weights() const {
     c(j) = dots_(place(j + 1), place(0));
     for (Index i = j; i < q; ++i) A(i, j) = dots_(place(i + 1), place(j + 1));
   }
-  // Keeps a singular A from becoming indefinite by rounding.
-  constexpr double rounding = 1e-15;
-  if (q > 0) A.diagonal().array() += rounding * A.trace() / static_cast<double>(q);
-  const Eigen::LLT<Eigen::Ref<Normal>> factors(A);
-  if (q == 0 || factors.info() != Eigen::Success) return Weights(0);
-  factors.solveInPlace(c);
-  return c.allFinite() ? c : Weights(0);
+  if (q == 0) return Weights(0);
+  // Keeps a singular A from becoming indefinite by rounding.  How large that is depends on the
+  // order in which a processor adds, so a raise that is too small is followed by a larger one.
+  const double mean = A.trace() / static_cast<double>(q);
+  for (double raise = smallest_raise; raise <= largest_raise; raise *= 4.0) {
+    Normal raised = A;
+    raised.diagonal().array() += raise * mean;
+    const Eigen::LLT<Eigen::Ref<Normal>> factors(raised);
+    if (factors.info() != Eigen::Success) continue;
+    factors.solveInPlace(c);
+    return c.allFinite() ? c : Weights(0);
+  }
+  return Weights(0);
 }
 
 }  // namespace isosyrk
