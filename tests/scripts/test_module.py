@@ -933,7 +933,8 @@ class Beside(unittest.TestCase):
                          "time.sleep(0.3)\n")
 
     def test_threads_in_a_forked_process_are_refused(self):
-        code = ("import isosyrk, os, sys\n"
+        code = ("import isosyrk, os, sys, warnings\n"
+                "warnings.simplefilter('ignore', DeprecationWarning)\n"  # Python 3.12 warns of what is tried here
                 "scene = isosyrk.scene('smooth', n=65)\n"
                 "method = isosyrk.integrator(scene, 'group2', solver='fast', threads=2)\n"
                 "PARENT\n"
