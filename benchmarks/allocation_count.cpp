@@ -12,7 +12,7 @@ std::atomic<long> bytes{0};
 
 }  // namespace
 
-#ifdef ISOSYRK_SANITIZED
+#if defined(__SANITIZE_ADDRESS__)
 
 extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*malloc_hook)(const volatile void*,
                                                                              size_t),

@@ -8,7 +8,7 @@
 namespace isosyrk::testing {
 namespace {
 
-#ifdef ISOSYRK_SANITIZED
+#ifdef __SANITIZE_ADDRESS__
 const std::vector<Index> sizes = {5, 17, 34};  // larger ones take too long
 #else
 const std::vector<Index> sizes = {5, 17, 66, 129};
@@ -113,7 +113,7 @@ TEST(Step, AllocatesNothingWhereJIsNotTheIdentity) {
 }
 
 // A sanitizer's malloc tells glibc's statistics nothing, so that nothing could be asked for.
-#ifndef ISOSYRK_SANITIZED
+#ifndef __SANITIZE_ADDRESS__
 // What is asked for before an integrator is made is between these multiples of what it takes.
 void expect_bytes(const IntegratorEntry& entry, Index n, double least, double most) {
   const Scene scene = smooth_scene(n);

@@ -165,18 +165,7 @@ configure() {
     flock "${LOCKS[-1]}"
   fi
   { : >"$folder/build.log"; } 2>/dev/null || die 2 "$folder/build.log: cannot be written"
-  forget_other_compiler "$folder" "$@"
   logged "$folder" cmake -S "$ROOT" -B "$folder" "$@"
-}
-
-# forget_other_compiler FOLDER [CMAKE_ARGUMENT ...]: forgets how a folder was configured for another compiler than the
-# arguments ask for. CMake would begin anew by itself, but without the other arguments.
-forget_other_compiler() {
-  local cache=$1/CMakeCache.txt argument
-  for argument; do
-    [[ $argument == -DCMAKE_CXX_COMPILER=* && -f $cache ]] || continue
-    [ "$(sed -n 's/^CMAKE_CXX_COMPILER:[A-Z]*=//p' "$cache")" = "$(command -v "${argument#*=}")" ] || rm "$cache"
-  done
 }
 
 # build FOLDER TARGET [CMAKE_ARGUMENT ...]: configures and builds.

@@ -655,18 +655,6 @@ echo "[3/12] Building CXX object of Ninja"
         self.assertEqual(done.stderr.splitlines()[-2:], ["1000", failed])
 
 
-class BuildFolders(FolderTest):
-    def test_only_one_of_another_compiler_is_configured_anew(self):
-        setup = os.path.join(ROOT, "scripts", "lib", "setup.sh")
-        for made_by, is_kept in (("clang++", False), ("g++", True)):
-            path = shutil.which("g++") if is_kept else f"/usr/bin/{made_by}"
-            self.write("CMakeCache.txt", f"CMAKE_CXX_COMPILER:FILEPATH={path}\n")
-            done = run(["bash", "-c", '. "$0"; forget_other_compiler "$@"', setup, self.folder, "-DX=1",
-                        "-DCMAKE_CXX_COMPILER=g++"])
-            self.assertEqual((done.returncode, done.stderr), (0, ""))
-            self.assertEqual(os.path.exists(self.path("CMakeCache.txt")), is_kept, made_by)
-
-
 class SymbolicLinks(CopyTest):
     def test_every_script_finds_its_modules_through_one(self):
         os.mkdir(self.path("bin"))
