@@ -95,7 +95,6 @@ TEST(Predictor, IsExactOnPolynomialsOfADegreeBelowSixWhenItFits) {
 // The normal equations carry half the digits: with a diagonal raised by 1e-15 of its mean, weights
 // c that would be exact leave sqrt(1e-15) |c| of the differences.  Here |c| < 7, and the sixth
 // differences of 3 matrices of n² entries come to (2 sin(ωh/2))^6 |x| < 25: 6e-6 of an oscillation.
-// Where rounding asks for a raise four times as large, twice that.
 // Growth and decay by e^(h/2) a step have differences of (h/2)^6, with nothing left of these.
 TEST(Predictor, IsExactOnAFewExponentialsOnceItFitsAndThePolynomialIsNot) {
   const auto exponentials = [](double t, double phase) {
@@ -106,9 +105,9 @@ TEST(Predictor, IsExactOnAFewExponentialsOnceItFitsAndThePolynomialIsNot) {
   };
   const auto fast = [](double t, double phase) { return std::cos(10.0 * t + phase); };
   for (const int steps : {10, 16, 30}) {
-    EXPECT_LT(miss(16, steps, exponentials), 12e-6) << steps;
-    EXPECT_LT(miss(16, steps, damped), 12e-6) << steps;
-    EXPECT_LT(miss(16, steps, fast), 12e-6) << steps;
+    EXPECT_LT(miss(16, steps, exponentials), 6e-6) << steps;
+    EXPECT_LT(miss(16, steps, damped), 6e-6) << steps;
+    EXPECT_LT(miss(16, steps, fast), 6e-6) << steps;
     EXPECT_GT(miss(7, steps, damped), 6e-5) << steps;
     EXPECT_GT(miss(7, steps, fast), 1e-2) << steps;
     EXPECT_GT(miss(7, steps, oscillations), 1e-3) << steps;
