@@ -208,9 +208,6 @@ TEST_P(EachRun, OfStepsOfSize0IsThatOfANewIntegrator) {
   });
 }
 
-const auto name_of_method = [](const auto& tested) {
-  return ::testing::PrintToString(std::get<1>(tested.param));
-};
 INSTANTIATE_TEST_SUITE_P(Small, EachRun,
                          ::testing::Combine(::testing::Values(9),
                                             ::testing::ValuesIn(integrators())),

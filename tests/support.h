@@ -10,6 +10,7 @@
 #include <ostream>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -89,6 +90,12 @@ bool takes(const IntegratorEntry& entry, const Flow& flow);
 
 /// The entries of integrators() that have a fast form.
 std::vector<IntegratorEntry> fast_integrators();
+
+/// Names a test whose parameter is (n, method) by its method.
+inline std::string name_of_method(
+    const ::testing::TestParamInfo<std::tuple<Index, IntegratorEntry>>& tested) {
+  return ::testing::PrintToString(std::get<1>(tested.param));
+}
 
 /// A scene of the list with a size at which it is tested.
 struct SceneCase {

@@ -160,9 +160,6 @@ TEST_P(EachTrace, MayBeAmendedAndSteppedAlone) {
   });
 }
 
-const auto name_of_method = [](const auto& tested) {
-  return ::testing::PrintToString(std::get<1>(tested.param));
-};
 INSTANTIATE_TEST_SUITE_P(Small, EachTrace,
                          ::testing::Combine(::testing::Values(9),
                                             ::testing::ValuesIn(integrators())),
