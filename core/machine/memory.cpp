@@ -1,5 +1,6 @@
 #include "isosyrk/machine/memory.h"
 
+#include <cblas.h>
 #include <fmt/format.h>
 #include <malloc.h>
 #include <sys/resource.h>
@@ -99,24 +100,26 @@ double allocated_bytes() {
   return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
 }
 
-// OpenBLAS takes its buffers at the first product that is not small.
-void form_a_product() {
+// OpenBLAS takes its buffers at the first product that is not small, and those of its threads, which
+// a fork takes away, when their number is set.
+void take_buffers() {
+  openblas_set_num_threads(openblas_get_num_threads());
   constexpr Index n = 64;
   const Matrix A = Matrix::Zero(n, n);
   Matrix C(n, n);
   Products(ProductBackend::openblas, n).multiply(A, A, C);
 }
 
-// Returns true if a copy of this process can form a product.  A copy that takes more CPU time than
-// thousands of them tries for ever, and is ended.
-bool copy_can_form_a_product() {
+// Returns true if a copy of this process can take the buffers.  A copy that takes more CPU time than
+// thousands of products tries for ever, and is ended.
+bool copy_can_take_buffers() {
   const pid_t copy = fork();
   if (copy == -1) return true;  // not known
   if (copy == 0) {
     constexpr itimerval longest = {{0, 0}, {0, 250'000}};
     std::signal(SIGPROF, SIG_DFL);
     setitimer(ITIMER_PROF, &longest, nullptr);
-    form_a_product();
+    take_buffers();
     _exit(0);
   }
   int status = 0;
@@ -175,8 +178,8 @@ void require_memory_of_blas() {
   static std::atomic<bool> has_buffers = false;
   double left = address_space_left("/");
   if (left == unlimited) return;
-  if (!has_buffers && copy_can_form_a_product()) {
-    form_a_product();
+  if (!has_buffers && copy_can_take_buffers()) {
+    take_buffers();
     has_buffers = true;
     left = address_space_left("/");
   }
