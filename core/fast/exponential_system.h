@@ -128,7 +128,7 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   template <class Real>
   void cut(Linearization<Real>& at, SplitLie<Real>& lie, double part);
   Correction solve(Corrections& delta, const Corrections& R, const CorrectionRequest& request,
-                   const IterationOptions& options);
+                   double derivative, const IterationOptions& options);
   template <class Real>
   void couple(SplitMatrixOf<Real>& coupled, const SplitMatrixOf<Real>& delta, double accuracy,
               Linearization<Real>& at, SplitLie<Real>& lie);
@@ -172,13 +172,15 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   double change_before_ = 0.0;
   bool has_pair_ = true;         // e^{s ad_Ω} W₀ is formed at the two nodes too
   double error_of_moved_ = 0.0;  // allowed in it
+  bool is_first_correction_ = true;
 
   Linearization<float> single_;
   std::optional<Double> double_;  // without single precision
 
   // Of a correction.
-  double derivative_per_share_;  // ‖E δ‖ / ‖δ‖ over the share of the term in h², last seen
-  bool sums_D_ = false;          // D is summed over the couplings, for E δ
+  // ‖E δ‖ / ‖δ‖ over the share of the term in h², last seen in the first correction of a step.
+  double derivative_per_share_;
+  bool sums_D_ = false;  // D is summed over the couplings, for E δ
   bool has_sum_of_D_ = false;
   Corrections E_delta_;
   Corrections more_delta_;  // δ_k

@@ -109,6 +109,7 @@ void GradedGradient::measure(const SplitMatrix& v, const SplitMatrix& mu, double
   typical_[0] = typical_share * of_mu;
   typical_[1] = fourth_beside_second * of_mu * typical_[0];
   rounded_[0] = rounding_of_bracket * unit * size_of_v * size_of_mu;
+  of_derivative_ = fourth_beside_second * typical_share * of_larger * of_larger;
   rounded_[1] = fourth_beside_second * of_larger * rounded_[0];
 }
 

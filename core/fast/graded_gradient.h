@@ -55,6 +55,9 @@ class GradedGradient {
   /// without symmetry, whatever cancels.
   double share_of_second() const { return std::max(shares_[0], typical_[0]); }
   double share_of_fourth() const { return std::max(shares_[1], typical_[1]); }
+  /// The same of the term in h⁴ for its derivative, which does not cancel where v is a multiple of
+  /// μ: made of v in place of μ where v is larger, as at large scales.
+  double share_of_derivative_of_fourth() const { return std::max(shares_[1], of_derivative_); }
 
   /// out = h² (∇F₂)'(μ) D with BD = B(D), at the μ of the last evaluate().  What the factors are
   /// made of is cut as `lie` says.
@@ -106,6 +109,7 @@ class GradedGradient {
   // What they would be without symmetry, at least, and what counts for rounding.
   std::array<double, 2> typical_ = {0.0, 0.0};
   std::array<double, 2> rounded_ = {0.0, 0.0};
+  double of_derivative_ = 0.0;
 };
 
 }  // namespace isosyrk
