@@ -4,7 +4,7 @@
 
 namespace isosyrk {
 
-using namespace modified_hamiltonian;
+namespace of = modified_hamiltonian;  // its coefficients
 
 template <class Real>
 SplitModifiedGradient<Real>::SplitModifiedGradient(SplitLie<Real>& lie, bool has_fourth)
@@ -23,7 +23,7 @@ SplitModifiedGradient<Real>::SplitModifiedGradient(SplitLie<Real>& lie, bool has
 template <class Real>
 void SplitModifiedGradient<Real>::evaluate(M& out, const M& mu, const M& v, double h, Terms terms) {
   linearize(mu, v);
-  f_bar_ = (terms.second ? 2.0 * h * h * f_Bf : 0.0) * v1_;
+  f_bar_ = (terms.second ? 2.0 * h * h * of::f_Bf : 0.0) * v1_;
   if (terms.fourth) {
     add_fourth(mu, v, h);
     lie_.add_bracket(v_bar_, mu, f_bar_);
@@ -46,7 +46,7 @@ void SplitModifiedGradient<Real>::linearize(const M& mu, const M& v) {
 template <class Real>
 void SplitModifiedGradient<Real>::derivative_of_second(M& out, const M& mu, const M& v, const M& D,
                                                        const M& BD, double h) {
-  const double k = 2.0 * h * h * f_Bf;
+  const double k = 2.0 * h * h * of::f_Bf;
   lie_.cut(v1_);
   lie_.bracket(df_, BD, mu);
   lie_.add_bracket(df_, v, D);
@@ -66,13 +66,13 @@ void SplitModifiedGradient<Real>::add_fourth(const M& mu, const M& v, double h) 
   lie_.bracket(c_, v1_, mu);
   lie_.bracket(w_, v, v1_);
 
-  term_ = (2.0 * k * p_Bp) * p_ + (k * p_Bc) * c_;
+  term_ = (2.0 * k * of::p_Bp) * p_ + (k * of::p_Bc) * c_;
   lie_.generate(p_bar_, term_);
-  p_bar_ = p_bar_ + (k * p_w) * w_;
-  term_ = (k * p_Bc) * p_ + (2.0 * k * c_Bc) * c_;
+  p_bar_ = p_bar_ + (k * of::p_w) * w_;
+  term_ = (k * of::p_Bc) * p_ + (2.0 * k * of::c_Bc) * c_;
   lie_.generate(c_bar_, term_);
-  c_bar_ = c_bar_ + (k * c_w) * w_;
-  w_bar_ = (k * p_w) * p_ + (k * c_w) * c_;
+  c_bar_ = c_bar_ + (k * of::c_w) * w_;
+  w_bar_ = (k * of::p_w) * p_ + (k * of::c_w) * c_;
 
   M& v1_bar = v_bar_;
   lie_.bracket(v1_bar, mu, c_bar_);

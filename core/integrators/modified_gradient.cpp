@@ -2,7 +2,7 @@
 
 namespace isosyrk {
 
-using namespace modified_hamiltonian;
+namespace of = modified_hamiltonian;  // its coefficients
 
 template <class Scalar>
 ModifiedGradient<Scalar>::ModifiedGradient(int order, const QuadraticAlgebra& algebra,
@@ -26,7 +26,7 @@ void ModifiedGradient<Scalar>::evaluate(const Stored& mu, double h, Stored& out)
   if (order_ == 2) return;
   lie_.bracket(v_, mu, f_);
   lie_.generator(f_, v1_);
-  f_bar_ = (2.0 * h * h * f_Bf) * v1_;
+  f_bar_ = (2.0 * h * h * of::f_Bf) * v1_;
   v_bar_.setZero();
   mu_bar_.setZero();
   if (order_ == 6) add_fourth_power(mu, h);
@@ -44,13 +44,13 @@ void ModifiedGradient<Scalar>::add_fourth_power(const Stored& mu, double h) {
   lie_.bracket(v1_, mu, c_);
   lie_.bracket(v_, v1_, w_);
 
-  term_ = (2.0 * k * p_Bp) * p_ + (k * p_Bc) * c_;
+  term_ = (2.0 * k * of::p_Bp) * p_ + (k * of::p_Bc) * c_;
   lie_.generator(term_, p_bar_);
-  p_bar_ += (k * p_w) * w_;
-  term_ = (k * p_Bc) * p_ + (2.0 * k * c_Bc) * c_;
+  p_bar_ += (k * of::p_w) * w_;
+  term_ = (k * of::p_Bc) * p_ + (2.0 * k * of::c_Bc) * c_;
   lie_.generator(term_, c_bar_);
-  c_bar_ += (k * c_w) * w_;
-  w_bar_ = (k * p_w) * p_ + (k * c_w) * c_;
+  c_bar_ += (k * of::c_w) * w_;
+  w_bar_ = (k * of::p_w) * p_ + (k * of::c_w) * c_;
 
   Stored& v1_bar = v_bar_;
   lie_.bracket(mu, c_bar_, v1_bar);

@@ -28,7 +28,7 @@ STUDY_RESULTS = {"raw.json", "report.md", "figures.json"}
 PROGRAMS = (*(f"build/benchmarks/{name}" for name in ("table1", "table2")), "build-avx2/benchmarks/table2",
             *(f"scripts/studies/{name}.py" for name in ("accuracy", "limits", "longruns", "scaling", "theorem",
                                                         "claims", "turbulence")))
-BUILDS = ("build", "build-sanitize", "build-threads", "build-x86-64", "build-x86-64-v3")
+BUILDS = ("build", "build-sanitize", "build-threads", "build-x86-64", "build-x86-64-v3", "build-x86-64-v3-sanitize")
 CORES = len(os.sched_getaffinity(0))
 
 STAND_INS = {
@@ -260,8 +260,9 @@ class Arguments(CopyTest):
             for arguments in (["--machine"], ["--machine", ""], ["--machine", "x86-64-v4"], ["--machine", "--quick"]):
                 self.refuses(script, arguments, "--machine", *arguments[1:], "native", "x86-64-v3", "x86-64")
         for what in ("--sanitize", "--threads"):
-            for arguments in ([what, "--machine", "x86-64"], ["--machine", "native", what], [what, "--rounding"]):
-                self.refuses("test", arguments, "--rounding" if "--rounding" in arguments else "--machine", what)
+            self.refuses("test", [what, "--rounding"], "--rounding", what)
+        for arguments in (["--threads", "--machine", "x86-64"], ["--machine", "native", "--threads"]):
+            self.refuses("test", arguments, "--machine", "--threads")
 
     def test_help_explains_the_options(self):
         for script, *options in (("reproduce", "table1", "--quick", "--out", "--no-install", "--keep-coretype",
@@ -686,10 +687,12 @@ class TestScript(CopyTest):
                 ("native", "build", ()),
                 ("x86-64-v3", "build-x86-64-v3", ("-DISOSYRK_NATIVE=OFF", "-DISOSYRK_KERNELS=avx2",
                                                   "-DCMAKE_CXX_FLAGS=-march=x86-64-v3 -ffp-contract=off")),
-                ("x86-64", "build-x86-64", ("-DISOSYRK_NATIVE=OFF", "-DISOSYRK_KERNELS=portable"))):
+                ("x86-64", "build-x86-64", ("-DISOSYRK_NATIVE=OFF", "-DISOSYRK_KERNELS=portable")),
+                ("x86-64-v3 --sanitize", "build-x86-64-v3-sanitize", ("-DISOSYRK_KERNELS=avx2",
+                                                                      "-DISOSYRK_SANITIZE=ON"))):
             for kept, kernels in (((), "Zen"), (("--keep-coretype",), "Nehalem")):
                 self.write("calls", "")
-                done = self.script("test", "--machine", machine, *kept, OPENBLAS_CORETYPE="Nehalem")
+                done = self.script("test", "--machine", *machine.split(), *kept, OPENBLAS_CORETYPE="Nehalem")
                 self.assertEqual(done.returncode, DONE, done.stderr)
                 self.assertRegex(done.stderr, f"Kernels: OpenBLAS {kernels}, .* in .*/{folder}/benchmarks/")
                 self.assertIn("kept" if kept else "cleared", done.stderr)
