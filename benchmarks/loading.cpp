@@ -44,6 +44,10 @@ void guard_loading(const char* program, char** argv, char** environment) {
   environ = environment;  // the C library sets it only later
   restart_with_thread_settings(argv);
   std::signal(SIGPROF, give_up);
+  sigset_t of_timer;
+  sigemptyset(&of_timer);
+  sigaddset(&of_timer, SIGPROF);
+  sigprocmask(SIG_UNBLOCK, &of_timer, nullptr);
   setitimer(ITIMER_PROF, &longest, nullptr);
 }
 

@@ -6,13 +6,13 @@
 # choose a file.  ISOSYRK_LAPACK_MISSING is what was not found, empty if all was.
 
 # Debian has builds of OpenBLAS beside one another, others have one folder for its headers.
-set(suffixes openblas-pthread openblas-openmp openblas-serial openblas)
-find_library(ISOSYRK_OPENBLAS_LIBRARY NAMES openblas openblasp PATH_SUFFIXES ${suffixes})
+set(_isosyrk_suffixes openblas-pthread openblas-openmp openblas-serial openblas)
+find_library(ISOSYRK_OPENBLAS_LIBRARY NAMES openblas openblasp PATH_SUFFIXES ${_isosyrk_suffixes})
 # A cblas.h may be of any BLAS; that of OpenBLAS lies beside its configuration.
-find_path(ISOSYRK_OPENBLAS_INCLUDE_DIR openblas_config.h PATH_SUFFIXES ${suffixes})
-find_library(ISOSYRK_LAPACKE_LIBRARY lapacke PATH_SUFFIXES ${suffixes})
-find_path(ISOSYRK_LAPACKE_INCLUDE_DIR lapacke.h PATH_SUFFIXES lapacke ${suffixes})
-unset(suffixes)
+find_path(ISOSYRK_OPENBLAS_INCLUDE_DIR openblas_config.h PATH_SUFFIXES ${_isosyrk_suffixes})
+find_library(ISOSYRK_LAPACKE_LIBRARY lapacke PATH_SUFFIXES ${_isosyrk_suffixes})
+find_path(ISOSYRK_LAPACKE_INCLUDE_DIR lapacke.h PATH_SUFFIXES lapacke ${_isosyrk_suffixes})
+unset(_isosyrk_suffixes)
 mark_as_advanced(ISOSYRK_OPENBLAS_LIBRARY ISOSYRK_OPENBLAS_INCLUDE_DIR
                  ISOSYRK_LAPACKE_LIBRARY ISOSYRK_LAPACKE_INCLUDE_DIR)
 

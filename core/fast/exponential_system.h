@@ -178,7 +178,7 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   std::optional<Double> double_;  // without single precision
 
   // Of a correction.
-  // ‖E δ‖ / ‖δ‖ over the share of the term in h², last seen in the first correction of a step.
+  // ‖E δ‖ / ‖δ‖ over the share of the term in h², as last seen.
   double derivative_per_share_;
   bool sums_D_ = false;  // D is summed over the couplings, for E δ
   bool has_sum_of_D_ = false;

@@ -18,7 +18,8 @@ struct StepReport {
   Attempt attempt = {};  ///< the last attempt, to which the status belongs
   int sweeps = 0;        ///< Picard sweeps of all attempts; 0 for explicit methods
   /// Largest change of an unknown in the last sweep, Frobenius norm.  Unknowns that scale with W
-  /// are in units of StateScale, those of the group absolute; Ω is relative to its norm.
+  /// are in units of StateScale, those of the group absolute; Ω is relative to its norm, or to
+  /// more in the frame (integrators/unit_of_exponent.h).
   double last_change = 0.0;
   double contraction = 0.0;  ///< as in SolveReport; 0 for explicit methods
   Work work = {};

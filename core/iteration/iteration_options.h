@@ -5,7 +5,8 @@ namespace isosyrk {
 
 /// Stopping rule of an iteration.  Changes of unknowns that scale with W (W̃, P, X, K) are in units
 /// of a power of two near ‖W‖₂ (integrators/state_scale.h), and so relative; those of Q are
-/// absolute, those of Ω of exponential methods relative to ‖Ω‖_F.
+/// absolute, those of Ω of exponential methods relative to ‖Ω‖_F, or to more in the frame
+/// (integrators/unit_of_exponent.h).
 struct IterationOptions {
   double tolerance = 1e-13;  ///< on the largest change of an unknown, Frobenius norm
   int max_sweeps = 1000;

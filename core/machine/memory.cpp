@@ -1,6 +1,7 @@
 #include "isosyrk/machine/memory.h"
 
 #include <cblas.h>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <malloc.h>
 #include <sys/resource.h>
@@ -9,6 +10,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
@@ -110,22 +112,37 @@ void take_buffers() {
   Products(ProductBackend::openblas, n).multiply(A, A, C);
 }
 
-// Returns true if a copy of this process can take the buffers.  A copy that takes more CPU time than
-// thousands of products tries for ever, and is ended.
+// Ends this process by a signal when it has taken more CPU time than thousands of products.
+void end_soon() {
+  constexpr itimerval longest = {{0, 0}, {0, 250'000}};
+  sigset_t of_timer;
+  sigemptyset(&of_timer);
+  sigaddset(&of_timer, SIGPROF);
+  std::signal(SIGPROF, SIG_DFL);
+  sigprocmask(SIG_UNBLOCK, &of_timer, nullptr);
+  setitimer(ITIMER_PROF, &longest, nullptr);
+}
+
+// Returns true if a copy of this process can take the buffers.  Where they find no room it tries for
+// ever, and is ended.  It tells by a byte: its status is lost where SIGCHLD is ignored.
 bool copy_can_take_buffers() {
+  std::array<int, 2> ends{};
+  if (pipe2(ends.data(), O_CLOEXEC) != 0) return true;  // not known
   const pid_t copy = fork();
-  if (copy == -1) return true;  // not known
   if (copy == 0) {
-    constexpr itimerval longest = {{0, 0}, {0, 250'000}};
-    std::signal(SIGPROF, SIG_DFL);
-    setitimer(ITIMER_PROF, &longest, nullptr);
+    end_soon();
     take_buffers();
-    _exit(0);
+    _exit(write(ends[1], "", 1) == 1 ? 0 : 1);
   }
-  int status = 0;
-  while (waitpid(copy, &status, 0) == -1 && errno == EINTR) {
+  close(ends[1]);
+  char told = 0;
+  ssize_t count = copy == -1 ? 1 : -1;  // without a copy not known
+  while (count == -1 && (count = read(ends[0], &told, 1)) == -1 && errno == EINTR) {
   }
-  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  close(ends[0]);
+  while (copy != -1 && waitpid(copy, nullptr, 0) == -1 && errno == EINTR) {
+  }
+  return count == 1;
 }
 
 }  // namespace

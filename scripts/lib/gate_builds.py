@@ -104,10 +104,12 @@ def build_base(commit, machine):
         return folder
     source = os.path.join(place, "source")
     try:
-        if not os.path.exists(os.path.join(source, "CMakeLists.txt")):
-            shutil.rmtree(home, ignore_errors=True)  # of an earlier base
-            os.makedirs(source)
-            in_setup('git -C "$ROOT" archive "$1" | tar -x -C "$2"', ROOT, commit, source)
+        if not os.path.exists(source):
+            shutil.rmtree(home, ignore_errors=True)  # of an earlier base, or a part of this one
+            part = f"{source}.part"
+            os.makedirs(part)
+            in_setup('git -C "$ROOT" archive "$1" | tar -x -C "$2"', ROOT, commit, part)
+            os.replace(part, source)
         build(folder, "regression_cells", machine, source)
     except Stop as problem:
         raise Stop(f"base {commit[:12]}: {problem}") from None

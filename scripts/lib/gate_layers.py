@@ -137,6 +137,7 @@ def exact_layer(baseline, head, base, names, why_none=None):
         layer.notes.append(f"not the recorded kernels ({in_words(baseline.rounding)}): "
                            + (f"head is counted against base, within what rounding moves in {OTHER_ROUNDINGS + 1} runs"
                               f" of a cell" if not layer.not_judged else "no sweeps, products or Poisson solves"))
+    compares = not layer.not_judged
     for name in names:
         status = head.cells[name].status if name in head.cells else "missing"
         layer.add(name, "status", status, CONVERGED, status == CONVERGED)
@@ -147,7 +148,7 @@ def exact_layer(baseline, head, base, names, why_none=None):
                   cell.counts["allocations"] <= wanted["allocations"])
         if recorded:
             check_recorded_counts(layer, cell, wanted)
-        elif not layer.not_judged:
+        elif compares:
             check_counts_of_base(layer, cell, base.cells.get(name))
     return layer
 
@@ -173,7 +174,9 @@ def check_recorded_counts(layer, cell, wanted):
 def check_counts_of_base(layer, cell, base):
     """Checks that the ranges of head's counts and of base's are no further apart than the module's text says."""
     if base is None or base.status != CONVERGED:
-        layer.notes.append(f"{cell.name}: base has no counts, {base.status if base else 'and no such cell'}")
+        why = f"{cell.name}: base has no counts, {base.status if base else 'and no such cell'}"
+        layer.notes.append(why)
+        layer.not_judged = layer.not_judged or why
         return
     for count in counted(cell):
         found, wanted = cell.runs(count), base.runs(count)

@@ -69,11 +69,10 @@ has_avx512() { lscpu | grep -w avx512f >/dev/null; }
 
 # For which processor a script builds, so that rounding can be varied on one machine: options for CMake, and where.
 MACHINES="native, x86-64-v3 or x86-64"
-MACHINE=native MACHINE_OPTIONS=() BUILD=$ROOT/build
+MACHINE_OPTIONS=() BUILD=$ROOT/build
 
 # choose_machine NAME: sets MACHINE_OPTIONS and BUILD, the build folder.
 choose_machine() {
-  MACHINE=$1
   case $1 in
     native) MACHINE_OPTIONS=() ;;
     # The compiler fuses no product with a sum, by which its code rounds as on a processor that cannot.
@@ -82,7 +81,8 @@ choose_machine() {
     x86-64) MACHINE_OPTIONS=(-DISOSYRK_NATIVE=OFF -DISOSYRK_KERNELS=portable) ;;
     *) die 2 "--machine '$1': must be $MACHINES" ;;
   esac
-  [ "$1" = native ] || BUILD=$ROOT/build-$1
+  BUILD=$ROOT/build
+  [ "$1" = native ] || BUILD+=-$1
 }
 
 # settle_coretype yes|no: keeps or clears an inherited choice of OpenBLAS's kernels, and says so.

@@ -188,6 +188,11 @@ class Base(GateTest):
             self.assertIn(f"build-base/{self.first}/build --target regression_cells", build)
         source = os.path.join(self.root, "build-base", self.first, "source")
         self.assertTrue(os.path.exists(os.path.join(source, "scripts", "check_regression")))
+        shutil.rmtree(os.path.dirname(source))  # and one whose unpacking was interrupted is unpacked anew
+        os.makedirs(f"{source}.part/core")
+        self.assertEqual(self.check("--quick").returncode, DONE)
+        self.assertTrue(os.path.exists(os.path.join(source, "scripts", "check_regression")))
+        self.assertFalse(os.path.exists(f"{source}.part"))
 
         done = self.check("--quick", "--base", "HEAD")
         self.assertEqual(done.returncode, DONE, done.stderr)

@@ -137,10 +137,11 @@ class ExactOnOtherKernels(LayerTest):
     def test_allocations_are_those_of_the_record(self):
         self.assert_caught(change(self.document(), CELL, allocations=1), CELL, "allocations 1, allowed 0")
 
-    def test_a_cell_that_base_does_not_have_is_told(self):
+    def test_a_cell_that_base_does_not_have_is_not_judged_and_the_others_are(self):
         change(self.base, CELL, status="stagnated")
         layer = self.layer(read_build(self.document()))
-        self.assertEqual((layer.verdict(), layer.notes[1:]), ("passed", [f"{CELL}: base has no counts, stagnated"]))
+        self.assertEqual((layer.verdict(), layer.not_judged), ("not judged", f"{CELL}: base has no counts, stagnated"))
+        self.assertIn(FAST_CELL, {check.cell for check in layer.checks if check.quantity == "sweeps"})
 
     def test_without_base_or_with_one_of_other_kernels_it_is_not_judged_and_says_why(self):
         head = read_build(change(self.moved(CELL, 50), FAST_CELL, status="converged"))

@@ -283,10 +283,12 @@ class Refusals(Tested):
                 ("^hamiltonian: must be quflow's solve_poisson; for a P.W. of your own run",
                  dict(hamiltonian=lambda W: W)),
                 ("^hamiltonian: must be", dict(hamiltonian=mock.Mock(spec=[]))),
+                ("^hamiltonian: must be", dict(hamiltonian=types.SimpleNamespace(
+                    __module__="quflow.laplacian.gpu", __name__="solve_poisson"))),
                 ("^forcing: not taken here; use between=f", dict(forcing=lambda P, W: 0 * W)),
                 ("^strang_splitting: not taken here; use between=f", dict(strang_splitting=lambda dt, W: W)),
                 ("^tol: .*tolerance=…", dict(tol=1e-9)), ("^tol: ", dict(tol=np.float64(1e-9))),
-                ("^tol: ", dict(tol=0)), ("^maxit: .*max_sweeps=…", dict(maxit=20)), ("^minit: ", dict(minit=2)),
+                ("^tol: ", dict(tol=0)), ("^tol: ", dict(tol=np.ones(2))), ("^maxit: ", dict(maxit=np.ones(2))), ("^maxit: .*max_sweeps=…", dict(maxit=20)), ("^minit: ", dict(minit=2)),
                 ("^compsum: ", dict(compsum=True)), ("^reinitialize: .*without='predictor'", dict(reinitialize=True))):
             with self.subTest(arguments):
                 self.refused(ValueError, message, self.quflow.solve, W, 0.05, 2, 1, isosyrk.quflow.integrator(),

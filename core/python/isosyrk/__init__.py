@@ -406,7 +406,8 @@ def integrator(scene: Scene, name: str, solver: str = "published", tolerance: fl
                several times sooner; for Euler-Zeitlin, otherwise ValueError.
     tolerance  of the iteration, at least 1e-15: the largest change of an unknown, Frobenius norm. Unknowns that scale
                with W are measured in units of the power of two nearest to the 2-norm of W; those of the group are
-               absolute; Omega of elp2, elp4 and elp6 is relative to its own norm.
+               absolute; Omega of elp2, elp4 and elp6 is relative to its own norm, in the frame at least to the
+               rounding of the rotation that the frame takes away.
     threads    of the fast solver, 1 to 64; the answer is bit for bit the same. A process forked after a run with
                several threads raises RuntimeError: OpenMP hangs there.
     max_sweeps of a step, 1 to 1000000.

@@ -68,7 +68,7 @@ class Integrator:
         given = dict(forcing=forcing, strang_splitting=strang_splitting, tol=_automatic(tol), maxit=maxit, minit=minit,
                      compsum=compsum, reinitialize=reinitialize)
         for what, (default, instead) in _ELSEWHERE.items():
-            if given[what] is not default and given[what] != default:
+            if given[what] is not default and not (np.isscalar(given[what]) and given[what] == default):
                 raise ValueError(f"{what}: not taken here; {instead}")
         for what, value in (("stats", stats), ("callback", callback)):
             _require_kind(what, value)
@@ -76,13 +76,15 @@ class Integrator:
         dt, steps = _real(dt, "dt"), _whole(steps, "steps", 0)
         state = self._state(W)
         method = self._method(state)
+        before = state.copy()
         observe = None if callback is None else _observer(callback, state, W.dtype)
         try:
             _, report = method.run(state, dt, steps, observe=observe, out=state)
         except BaseException as error:
             if getattr(error, "W", None) is state:
                 error.W = W
-            W[...] = state
+            if not np.array_equal(state, before):  # a run that did not begin leaves W as it is
+                W[...] = state
             raise
         W[...] = state
         if W.dtype == np.complex64:
@@ -141,14 +143,15 @@ def _require_poisson(hamiltonian):
     if hamiltonian is None:
         return
     module, name = getattr(hamiltonian, "__module__", None), getattr(hamiltonian, "__name__", None)
-    if name != "solve_poisson" or not str(module).startswith("quflow.laplacian."):
+    module = str(module)
+    if name != "solve_poisson" or not module.startswith("quflow.laplacian.") or module.endswith(".gpu"):
         raise ValueError("hamiltonian: must be quflow's solve_poisson; for a P(W) of your own run isosyrk.integrator()"
                          " on isosyrk.scene(initial=W, generator=lambda W: P(W) / hbar)")
 
 
 def _automatic(tol):
     """Returns "auto" for what quflow takes as such."""
-    return "auto" if not isinstance(tol, str) and tol is not None and tol < 0 else tol
+    return "auto" if isinstance(tol, (int, float, np.number)) and tol < 0 else tol
 
 
 def _require_kind(what, value):
