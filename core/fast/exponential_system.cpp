@@ -40,10 +40,10 @@ constexpr double most_of_moved = 10.0;
 constexpr double coarsest_part = 1e-2;
 
 // ‖E δ‖ / ‖δ‖, where E is the derivative of a term of B̃, as a multiple of the term's part of B̃,
-// unless it was seen.  It is 0.8 to 2.5 at steps for errors of 1e-4 to 1e-6, 5 at the coarsest.  What
-// was seen holds for the first correction of a step: of what a correction leaves
-// the derivatives take more, since they are what it leaves out (0.02 to 0.04 of all in place of
-// 0.001, elp6 near steady states, n = 9 and 17).
+// unless it was seen.  It is 0.8 to 2.5 at steps for errors of 1e-4 to 1e-6, 5 at the coarsest.
+// What was seen holds for the first correction of a step: of what a correction leaves the
+// derivatives take more, since they are what it leaves out (0.02 to 0.04 of all in place of 0.001,
+// elp6 near steady states, n = 9 and 17).
 constexpr double likely_derivative = 2.5;
 // The least that is taken for it, whatever was seen: the rounding of a start, which is spread over
 // all l, shows less of it than an error of large scales does.  E suffices where it might show: with

@@ -103,8 +103,9 @@ class GradedGradient {
   // Of evaluate().
   double accuracy_ = 0.0;
   double whole_ = 0.0;  // norm to which shares and the accuracy are relative
-  // ‖h² ∇F₂‖ and ‖h⁴ ∇F₄‖ as parts of that, last seen: the second alone in the first evaluation of a
-  // run, later in the first number, as the norm of their sum.  At first, what both may be at most.
+  // ‖h² ∇F₂‖ and ‖h⁴ ∇F₄‖ as parts of that, last seen: the second alone in the first evaluation of
+  // a run, later in the first number, as the norm of their sum.  At first, what both may be at
+  // most.
   std::array<double, 2> shares_ = {1.0, 1.0};
   bool knows_shares_ = false;
   // What they would be without symmetry, at least, and what counts for rounding.

@@ -102,8 +102,8 @@ double allocated_bytes() {
   return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
 }
 
-// OpenBLAS takes its buffers at the first product that is not small, and those of its threads, which
-// a fork takes away, when their number is set.
+// OpenBLAS takes its buffers at the first product that is not small, and those of its threads,
+// which a fork takes away, when their number is set.
 void take_buffers() {
   openblas_set_num_threads(openblas_get_num_threads());
   constexpr Index n = 64;
@@ -123,8 +123,8 @@ void end_soon() {
   setitimer(ITIMER_PROF, &longest, nullptr);
 }
 
-// Returns true if a copy of this process can take the buffers.  Where they find no room it tries for
-// ever, and is ended.  It tells by a byte: its status is lost where SIGCHLD is ignored.
+// Returns true if a copy of this process can take the buffers.  Where they find no room it tries
+// for ever, and is ended.  It tells by a byte: its status is lost where SIGCHLD is ignored.
 bool copy_can_take_buffers() {
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) return true;  // not known
