@@ -289,8 +289,9 @@ class Refusals(Tested):
                 ("^strang_splitting: not taken here; use between=f", dict(strang_splitting=lambda dt, W: W)),
                 ("^tol: .*tolerance=…", dict(tol=1e-9)), ("^tol: ", dict(tol=np.float64(1e-9))),
                 ("^tol: ", dict(tol=0)), ("^tol: ", dict(tol=np.ones(2))),
-                ("^maxit: ", dict(maxit=np.ones(2))), ("^maxit: .*max_sweeps=…", dict(maxit=20)), ("^minit: ", dict(minit=2)),
-                ("^compsum: ", dict(compsum=True)), ("^reinitialize: .*without='predictor'", dict(reinitialize=True))):
+                ("^maxit: ", dict(maxit=np.ones(2))), ("^maxit: .*max_sweeps=…", dict(maxit=20)),
+                ("^minit: ", dict(minit=2)), ("^compsum: ", dict(compsum=True)),
+                ("^reinitialize: .*without='predictor'", dict(reinitialize=True))):
             with self.subTest(arguments):
                 self.refused(ValueError, message, self.quflow.solve, W, 0.05, 2, 1, isosyrk.quflow.integrator(),
                              integrator_callback=lambda *_: steps.append(1), **arguments)
