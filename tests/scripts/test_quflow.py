@@ -342,6 +342,15 @@ class Refusals(Tested):
             self.refused(error, message, isosyrk.quflow.integrator, name, **options)
         isosyrk.quflow.integrator("yoshida4_group", solver="published")(self.W.copy(), 0.05, 1)
 
+    def test_a_run_that_does_not_begin_leaves_W_as_it_is(self):
+        W = self.W.astype(np.complex64)
+        W[0, 1] = np.nextafter(W[0, 1].real, np.float32(9)) + 1j * W[0, 1].imag  # skew-Hermitian to rounding only
+        method, before = isosyrk.quflow.integrator(), W.tobytes()
+        method._methods[len(W)] = mock.Mock(run=mock.Mock(side_effect=RuntimeError("no threads here")))
+        with self.assertRaisesRegex(RuntimeError, "no threads here"):
+            method(W, 0.05, 1)
+        self.assertEqual(W.tobytes(), before)
+
     def test_a_step_that_fails_leaves_the_last_state_in_W(self):
         for dtype in (np.complex128, np.complex64):
             W, seen = self.W.astype(dtype), []

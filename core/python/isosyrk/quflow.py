@@ -76,14 +76,13 @@ class Integrator:
         dt, steps = _real(dt, "dt"), _whole(steps, "steps", 0)
         state = self._state(W)
         method = self._method(state)
-        before = state.copy()
         observe = None if callback is None else _observer(callback, state, W.dtype)
         try:
             _, report = method.run(state, dt, steps, observe=observe, out=state)
         except BaseException as error:
             if getattr(error, "W", None) is state:
                 error.W = W
-            if not np.array_equal(state, before):  # a run that did not begin leaves W as it is
+            if not np.array_equal(state, self._state(W)):  # a run that did not begin leaves W as it is
                 W[...] = state
             raise
         W[...] = state
