@@ -430,10 +430,15 @@ class Pilots(FolderTest):
             children = resource.getrusage(resource.RUSAGE_CHILDREN)
             return children.ru_utime + children.ru_stime
 
-        before = used()
-        found = self.answer("--n", "65", "--modes", self.MODES, "--time", "1600", budget=2)
-        self.assertLess(used() - before, 2 + 2)  # and the start of two Pythons
-        self.assertGreater(found["seconds"], 4)
+        for budget in (2, 4, 8, 16):  # a slow or busy machine finishes no pilot run in the least
+            before = used()
+            result = self.pilots("--n", "65", "--modes", self.MODES, "--time", "1600", "--json", budget=budget)
+            self.assertLess(used() - before, budget + 2)  # and the start of two Pythons
+            if result.returncode == 0:
+                break
+            self.assert_one_line(result.stderr, "within the budget; no run that is to be trusted was finished")
+        found = strict_json(result.stdout)
+        self.assertGreater(found["seconds"], 2 * budget)
         self.assertIn("extrapolated", json.dumps(found["statements"]))
 
     def search(self):
