@@ -177,7 +177,7 @@ std::vector<Row> all_rows() {
     for (const GemmKernel& kernel : gemm_kernels()) {
       for (const auto& [part, time] : split_parts) {
         rows.push_back({fmt::format("kernels/{}/split_{}/n:{}", part, kernel.name, n),
-                        [=, time = time](State& state) { time(state, kernel, n); }});
+                        [=, run = time](State& state) { run(state, kernel, n); }});
       }
     }
     rows.push_back(

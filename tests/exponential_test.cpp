@@ -273,7 +273,7 @@ TEST(Requirements, AreToldInOneLine) {
     const SharedFlow flow = scene_by_name(scene, parameters).flow;
     for (const std::string& name : names) {
       if (takes(integrator_entry(name), *flow)) continue;
-      expect_refused([&, &flow = flow] { make_integrator(flow, name); },
+      expect_refused([&] { make_integrator(flow, name); },
                      name + ": for flows of skew-Hermitian matrices");
     }
   }
@@ -381,9 +381,9 @@ TEST(ProjectedRungeKutta, KeepsTheSpectrumOfTheStateThatWasSet) {
 TEST(SpectralProjection, IsTheNearestMatrixWithTheSpectrum) {
   for (const auto& [n, b] : {std::pair<Index, Index>{8, 8}, {65, 65}, {8, 2}}) {
     const QuadraticAlgebra algebra = QuadraticAlgebra::skew_hermitian(n, b);
-    const auto in_blocks = [&, n = n, b = b](unsigned seed) {
-      return entries_of(random_skew_hermitian(n, seed),
-                        [b](Index r, Index c) { return r / b == c / b; });
+    const auto in_blocks = [size = n, block = b](unsigned seed) {
+      return entries_of(random_skew_hermitian(size, seed),
+                        [block](Index r, Index c) { return r / block == c / block; });
     };
     SpectralProjection projection(algebra, ProductBackend::openblas);
     const Matrix W0 = in_blocks(1);

@@ -189,8 +189,8 @@ TEST(ModifiedGradient, WithHalfOfItsFourthPowerIsAGradientAndTheOrderIsFour) {
     const Matrix exact = integrated(*gauss(Formulation::group, *small.flow, 6, tolerance), small.W0,
                                     time / 40.0, 40);
     for (const auto& [h4, order] : {std::pair{1.0, 6.0}, {0.5, 4.0}, {0.0, 4.0}}) {
-      const auto error = [&, h4 = h4](double h, long count) {
-        const FlowOf flow = modified_flow(small, 6, h, {.h4 = h4});
+      const auto error = [&, of_h4 = h4](double h, long count) {
+        const FlowOf flow = modified_flow(small, 6, h, {.h4 = of_h4});
         const auto method = made(integrator_entry("elp2"), flow, {.tolerance = tolerance});
         return largest_difference(integrated(*method, small.W0, h, count), exact);
       };
