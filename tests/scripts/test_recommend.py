@@ -437,6 +437,7 @@ class Pilots(FolderTest):
             if result.returncode == 0:
                 break
             self.assert_one_line(result.stderr, "within the budget; no run that is to be trusted was finished")
+        self.assertEqual(result.returncode, 0, result.stderr)
         found = strict_json(result.stdout)
         self.assertGreater(found["seconds"], 2 * budget)
         self.assertIn("extrapolated", json.dumps(found["statements"]))
