@@ -12,7 +12,6 @@
 #include "isosyrk/fast/fast_integrator.h"
 #include "isosyrk/fast/group_system.h"
 #include "isosyrk/fast/midpoint_system.h"
-#include "isosyrk/integrators/projected_runge_kutta.h"
 #include "isosyrk/split/linear_combination.h"
 #include "isosyrk/tableaux/gauss_tableau.h"
 
@@ -112,12 +111,10 @@ MakeFast fast_magnus(int order) {
 }
 
 MakeFast fast_munthe_kaas4() { return fast_explicit<FastMuntheKaas4>(); }
-MakeFast fast_runge_kutta4() { return fast_explicit<FastRungeKutta4>(); }
 
-MakeFast fast_projected() {
-  return [make = fast_runge_kutta4()](const auto& flow, const FastOptions& options) {
-    return std::make_unique<ProjectedRungeKutta4>(flow, make(flow, options),
-                                                  ProductBackend::openblas);
+MakeFast fast_runge_kutta(const Tableau& tableau) {
+  return [tableau](const auto& flow, const FastOptions& options) {
+    return std::make_unique<FastRungeKutta>(flow, tableau, chosen_for(flow, 1, options));
   };
 }
 

@@ -39,9 +39,8 @@ MakeFast fast_munthe_kaas4();
 MakeFast fast_exponential(int order);
 /// The explicit Magnus method of order 4 or 5.
 MakeFast fast_magnus(int order);
-MakeFast fast_runge_kutta4();
-/// ProjectedRungeKutta4 of the fast form of the classical Runge-Kutta method.
-MakeFast fast_projected();
+/// An explicit Runge-Kutta method applied to W.
+MakeFast fast_runge_kutta(const Tableau& tableau);
 
 /// Returns the entry with the fast form in place of the published one, and "fast_" before its name.
 /// Its integrators have these options, except options.iteration, which `make` replaces.  Throws

@@ -12,8 +12,9 @@
 #include "isosyrk/integrators/explicit_methods.h"
 #include "isosyrk/integrators/exponential_lie_poisson.h"
 #include "isosyrk/integrators/frame_integrator.h"
-#include "isosyrk/integrators/projected_runge_kutta.h"
+#include "isosyrk/integrators/projected.h"
 #include "isosyrk/integrators/step_limits.h"
+#include "isosyrk/tableaux/explicit_tableaux.h"
 #include "isosyrk/tableaux/gauss_tableau.h"
 
 namespace isosyrk {
@@ -36,16 +37,12 @@ MakePublished make_implicit(const Data&... data) {
   };
 }
 
-template <template <class> class Method>
-MakePublished make_explicit() {
-  return [](const auto& flow, const IterationOptions&, ProductBackend backend) {
-    return make_in_arithmetic_of<Method>(flow, backend);
+template <template <class> class Method, class... Data>
+MakePublished make_explicit(const Data&... data) {
+  return [=](const auto& flow, const IterationOptions&, ProductBackend backend) {
+    return make_in_arithmetic_of<Method>(flow, data..., backend);
   };
 }
-
-// Largest y with |R(iy)| <= 1 for R(z) = 1 + z + z²/2 + z³/6 + z⁴/24.  A constant generator gives
-// W' = ad_B W, and ad_B has imaginary eigenvalues.
-const double rk4_limit = 2.0 * std::sqrt(2.0);
 
 // Limit of the midpoint rule over the largest |fraction|: each substep is a midpoint step.
 std::function<double(const RealVector&)> composition_limit(const CompositionScheme& scheme) {
@@ -96,33 +93,41 @@ IntegratorEntry exponential_entry(int order) {
           .in_frame = true};
 }
 
-IntegratorEntry projected_entry() {
-  return {.name = "rk4_projected",
-          .stages = 4,
-          .order = 4,
-          .keeps = explicit_isospectral_properties,
+IntegratorEntry runge_kutta_entry(const ExplicitScheme& scheme) {
+  const Tableau& tableau = scheme.tableau;
+  const double limit = scheme.imaginary_limit;
+  return {.name = tableau.name,
+          .stages = tableau.stages(),
+          .order = tableau.order,
+          .keeps = {.isospectral = false, .lie_poisson = false, .symmetric = false},
           .is_explicit = true,
-          .make =
-              [](const auto& flow, const IterationOptions&, ProductBackend backend) {
-                return std::make_unique<ProjectedRungeKutta4>(flow, backend);
-              },
-          .make_fast = fast_projected(),
-          .stability_limit = rk4_limit,
+          .make = make_explicit<ExplicitRungeKutta>(tableau),
+          .make_fast = fast_runge_kutta(tableau),
+          .stability_limit = limit,
+          .linear_limit =
+              [limit](const RealVector& frequencies) { return adjoint_limit(limit, frequencies); },
           .in_frame = true};
 }
 
-IntegratorEntry runge_kutta4_entry() {
-  return {.name = "rk4",
-          .stages = 4,
-          .order = 4,
-          .keeps = {.isospectral = false, .lie_poisson = false, .symmetric = false},
-          .is_explicit = true,
-          .make = make_explicit<ClassicalRungeKutta4>(),
-          .make_fast = fast_runge_kutta4(),
-          .stability_limit = rk4_limit,
-          .linear_limit =
-              [](const RealVector& frequencies) { return adjoint_limit(rk4_limit, frequencies); },
-          .in_frame = true};
+// The entry of a method with a projection onto the spectrum.
+IntegratorEntry projected_entry(const IntegratorEntry& method) {
+  IntegratorEntry entry = method;
+  entry.name += "_projected";
+  entry.keeps = explicit_isospectral_properties;
+  entry.linear_limit = {};
+  entry.make = [make = method.make, name = entry.name](
+                   const auto& flow, const IterationOptions& options, ProductBackend backend) {
+    return std::make_unique<Projected>(flow, make(flow, options, backend), name, backend);
+  };
+  entry.make_fast = [make = method.make_fast, name = entry.name](const auto& flow,
+                                                                 const FastOptions& options) {
+    return std::make_unique<Projected>(flow, make(flow, options), name, ProductBackend::openblas);
+  };
+  return entry;
+}
+
+std::vector<const ExplicitScheme*> explicit_schemes() {
+  return {&classical_runge_kutta4()};
 }
 
 std::vector<IntegratorEntry> make_list() {
@@ -159,10 +164,14 @@ std::vector<IntegratorEntry> make_list() {
                   .make = make_explicit<ExplicitMagnus5>(),
                   .make_fast = fast_magnus(5),
                   .in_frame = true});
-  list.push_back(projected_entry());
+  for (const ExplicitScheme* scheme : explicit_schemes()) {
+    list.push_back(projected_entry(runge_kutta_entry(*scheme)));
+  }
   // Controls: methods that do not keep the structure.
   for (int s = 1; s <= 3; ++s) list.push_back(direct_entry(s));
-  list.push_back(runge_kutta4_entry());
+  for (const ExplicitScheme* scheme : explicit_schemes()) {
+    list.push_back(runge_kutta_entry(*scheme));
+  }
   // A new method is one entry here.
   const std::vector<IntegratorEntry> methods = list;
   for (const IntegratorEntry& method : methods) {

@@ -33,15 +33,18 @@ void FastExplicit::generate(Generators& B, SplitStages& W, double of_W, double o
   generator_.generate(B, W, bands_, of_hB / std::abs(h_));
 }
 
-FastRungeKutta4::FastRungeKutta4(const SharedFlow& flow, const FastOptions& options)
+FastRungeKutta::FastRungeKutta(const SharedFlow& flow, const Tableau& tableau,
+                               const FastOptions& options)
     : FastExplicit(flow, options),
-      tableau_(classical_runge_kutta4()),
+      tableau_(tableau),
       W_stage_(zeros(1)),
       B_(generators()),
       slope_(zeros(1)),
-      k_(zeros(tableau_.stages())) {}
+      k_(zeros(tableau_.stages())) {
+  require_explicit(tableau_);
+}
 
-bool FastRungeKutta4::take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) {
+bool FastRungeKutta::take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) {
   for (std::size_t i = 0; i < k_.size(); ++i) {
     W_stage_[0] = W0[0] + h * sum(tableau_.a.row(static_cast<Index>(i)), k_);
     generate(B_, W_stage_);

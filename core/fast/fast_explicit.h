@@ -49,11 +49,12 @@ class FastExplicit : public SplitIntegrator {
   SplitStages product_;  // A X
 };
 
-/// ClassicalRungeKutta4 to rounding: k_i = [B(W_i), W_i] with W_i = W₀ + h Σ_j a_ij k_j, and
-/// W₁ = W₀ + h Σ_i b_i k_i.  Products: 4.  Poisson solves: 4.
-class FastRungeKutta4 final : public FastExplicit {
+/// ExplicitRungeKutta to rounding: k_i = [B(W_i), W_i] with W_i = W₀ + h Σ_j a_ij k_j, and
+/// W₁ = W₀ + h Σ_i b_i k_i.  Products: s.  Poisson solves: s.
+class FastRungeKutta final : public FastExplicit {
  public:
-  FastRungeKutta4(const SharedFlow& flow, const FastOptions& options);
+  /// Throws std::invalid_argument unless the tableau is consistent and explicit.
+  FastRungeKutta(const SharedFlow& flow, const Tableau& tableau, const FastOptions& options);
 
  private:
   bool take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) override;
@@ -62,7 +63,7 @@ class FastRungeKutta4 final : public FastExplicit {
   SplitStages W_stage_;  // W_i
   Generators B_;         // B(W_i)
   SplitStages slope_;    // k_i
-  SplitStages k_;        // k_1 ... k_4
+  SplitStages k_;        // k_1 ... k_s
 };
 
 /// MuntheKaas4, with the exponents of MuntheKaasScheme.  The three series of the stages are summed

@@ -4,7 +4,7 @@ namespace isosyrk {
 
 template <class Real>
 SplitMagnus<Real>::SplitMagnus(SplitLie<Real>& lie, int order)
-    : lie_(lie), order_(order), tableau_(classical_runge_kutta4()) {
+    : lie_(lie), order_(order), tableau_(classical_runge_kutta4().tableau) {
   const M zero = lie.zero();
   start_ = end_ = {zero, zero, zero, zero};
   k_.assign(static_cast<std::size_t>(tableau_.stages()), zero);

@@ -11,7 +11,7 @@ ExplicitMagnus<Scalar>::ExplicitMagnus(SharedFlowIn<Scalar> flow, std::string_vi
     : Form(std::move(flow), backend),
       rotation_(algebra()),
       is_linear_(this->flow().kind() == Generator::linear),
-      tableau_(classical_runge_kutta4()) {
+      tableau_(classical_runge_kutta4().tableau) {
   require_identity_J(this->flow(), name);
   Omega_ = B_stage_ = W_stage_ = zero();
   k_ = this->zeros(tableau_.stages());

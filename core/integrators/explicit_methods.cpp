@@ -46,15 +46,16 @@ StepReport MuntheKaas4<Scalar>::take_step(const Stored& W0, double h, Stored& W1
 }
 
 template <class Scalar>
-ClassicalRungeKutta4<Scalar>::ClassicalRungeKutta4(SharedFlowIn<Scalar> flow,
-                                                   ProductBackend backend)
-    : Form(std::move(flow), backend), tableau_(classical_runge_kutta4()), series_(algebra()) {
+ExplicitRungeKutta<Scalar>::ExplicitRungeKutta(SharedFlowIn<Scalar> flow, const Tableau& tableau,
+                                               ProductBackend backend)
+    : Form(std::move(flow), backend), tableau_(tableau), series_(algebra()) {
+  require_explicit(tableau_);
   k_ = zeros(tableau_.stages());
   B_ = W_stage_ = zero();
 }
 
 template <class Scalar>
-StepReport ClassicalRungeKutta4<Scalar>::take_step(const Stored& W0, double h, Stored& W1) {
+StepReport ExplicitRungeKutta<Scalar>::take_step(const Stored& W0, double h, Stored& W1) {
   for (std::size_t i = 0; i < k_.size(); ++i) {
     W_stage_ = W0;
     add_slopes(h * tableau_.a.row(static_cast<Index>(i)), k_, W_stage_);
@@ -68,7 +69,7 @@ StepReport ClassicalRungeKutta4<Scalar>::take_step(const Stored& W0, double h, S
 
 template class MuntheKaas4<double>;
 template class MuntheKaas4<Complex>;
-template class ClassicalRungeKutta4<double>;
-template class ClassicalRungeKutta4<Complex>;
+template class ExplicitRungeKutta<double>;
+template class ExplicitRungeKutta<Complex>;
 
 }  // namespace isosyrk

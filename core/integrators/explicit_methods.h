@@ -1,5 +1,5 @@
-// Explicit methods: the Runge-Kutta method of Munthe-Kaas on the group, and as a control the
-// classical Runge-Kutta method applied to W.
+// Explicit methods: the Runge-Kutta method of Munthe-Kaas on the group, and Runge-Kutta methods
+// applied to W.
 #pragma once
 
 #include "isosyrk/integrators/published_form.h"
@@ -41,18 +41,22 @@ class MuntheKaas4 final : public PublishedForm<Scalar> {
   Stored W_stage_;     // Ad(Ω_i) W₀
 };
 
-/// Control: the classical Runge-Kutta method of order 4 applied to W' = [B(W), W].  Neither
-/// isospectral nor symmetric.  Unstable for h ‖ad_B‖₂ > 2√2.
-/// Products: 4.  Poisson solves: 4.
+/// An explicit Runge-Kutta method applied to W' = [B(W), W]: with W_i = W₀ + h Σ_j a_ij k_j,
+///
+///     k_i = [B(W_i), W_i]     W₁ = W₀ + h Σ_i b_i k_i
+///
+/// Neither isospectral nor symmetric.  Unstable for h ‖ad_B‖₂ beyond the limit of its scheme.
+/// Products: s.  Poisson solves: s.
 template <class Scalar>
-class ClassicalRungeKutta4 final : public PublishedForm<Scalar> {
+class ExplicitRungeKutta final : public PublishedForm<Scalar> {
   using Form = PublishedForm<Scalar>;
   using Form::algebra, Form::generator, Form::products_, Form::zero, Form::zeros;
   using typename Form::Stages;
   using typename Form::Stored;
 
  public:
-  ClassicalRungeKutta4(SharedFlowIn<Scalar> flow, ProductBackend backend);
+  /// Throws std::invalid_argument unless the tableau is consistent and explicit.
+  ExplicitRungeKutta(SharedFlowIn<Scalar> flow, const Tableau& tableau, ProductBackend backend);
 
  private:
   StepReport take_step(const Stored& W0, double h, Stored& W1) override;

@@ -7,10 +7,24 @@
 
 namespace isosyrk {
 
-/// Returns the classical Runge-Kutta tableau with 4 stages, order 4.
+/// An explicit Runge-Kutta method with a limit of linear stability.
+struct ExplicitScheme {
+  Tableau tableau;
+  /// Largest y with |R(iz)| <= 1 for 0 <= z <= y, R the stability function.  A constant generator
+  /// gives W' = ad_B W, and ad_B has imaginary eigenvalues.
+  double imaginary_limit;
+};
+
+/// Returns the classical Runge-Kutta method, order 4, 4 stages, imaginary limit 2√2.
 /// Source: Kutta 1901; Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, table
 /// II.1.2.
-Tableau classical_runge_kutta4();
+const ExplicitScheme& classical_runge_kutta4();
+
+/// Returns R(z) = 1 + z b† (I - zA)⁻¹ 1 of an explicit method, at z = iy.
+Complex stability_function(const Tableau& tableau, double y);
+
+/// Throws std::invalid_argument unless a tableau is consistent and a_ij = 0 for j >= i.
+void require_explicit(const Tableau& tableau);
 
 /// A Runge-Kutta method of Munthe-Kaas: exponents Ω_i in the algebra, with k_i = h B(Ad(Ω_i) W₀),
 ///

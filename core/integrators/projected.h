@@ -1,5 +1,8 @@
-// The classical Runge-Kutta method with a projection onto the spectrum of the initial state.
+// Any method, with a projection onto the spectrum of the initial state.
 #pragma once
+
+#include <memory>
+#include <string_view>
 
 #include "isosyrk/integrators/integrator.h"
 #include "isosyrk/linalg/product_backend.h"
@@ -7,18 +10,18 @@
 
 namespace isosyrk {
 
-/// Steps V₀ -> V₁ -> ... of the classical Runge-Kutta method applied to W (ClassicalRungeKutta4),
-/// and the projection
+/// Steps V₀ -> V₁ -> ... of a method that loses the spectrum (ExplicitRungeKutta), and the
+/// projection
 ///
 ///     V = U (iΛ) U†  ->  W = U (iΛ₀) U†
 ///
 /// onto the eigenvalues Λ₀ of the state that the run began with.  A state that is amended, or set
-/// to another than the known one, begins anew.  For flows with J = I.  Order 4, isospectral, not
-/// Lie-Poisson.  Unlike the Runge-Kutta step, the projection changes the angular momentum. Unstable
-/// where the Runge-Kutta method is.
+/// to another than the known one, begins anew.  For flows with J = I.  Of the order of the method,
+/// isospectral, not Lie-Poisson.  Unlike a Runge-Kutta step, the projection changes the angular
+/// momentum.  Unstable where the method is.
 ///
-/// **When V is projected.**  A projection costs as much as two to seven steps, so it is made as
-/// seldom as the error of the steps allows:
+/// **When V is projected.**  A projection costs as much as two to seven steps of RK4, so it is made
+/// as seldom as the error of the steps allows:
 ///
 /// - where the state is asked for.  Whatever a user sees has the spectrum Λ₀ to rounding.  The run
 ///   itself goes on from V, so observing it or running it in parts does not change it, and what an
@@ -29,27 +32,25 @@ namespace isosyrk {
 /// By the theorem of Hoffman and Wielandt ‖W - V‖_F = ‖Λ - Λ₀‖_F is at most the error of V.  So a
 /// projection at most doubles the error, however late it comes.  Measured, the drift is 3 to 12 %
 /// of the error, and projecting after each step instead changes the error by less than 10 %
-/// (Euler-Zeitlin, smooth and rough, n = 33 to 129, T = 5, errors from 1e-2 to 1e-10).
+/// (RK4, Euler-Zeitlin, smooth and rough, n = 33 to 129, T = 5, errors from 1e-2 to 1e-10).
 ///
 /// A step diverges if it changes ‖V‖_F by half of ‖W₀‖_F, if a projection would move V by that
 /// much, or if LAPACK finds no eigenvalues.  Where that happens as the state is asked for, the
-/// state is NaN.  Products: 4, and 3 for a projection, which also computes all eigenvectors.
-/// Poisson solves: 4.
+/// state is NaN.  Products: those of the method, and 3 for a projection, which also computes all
+/// eigenvectors.
 /// Source: projection methods in general, Hairer, Lubich and Wanner, Geometric Numerical
 /// Integration, section IV.4.
-class ProjectedRungeKutta4 final : public Integrator {
+class Projected final : public Integrator {
  public:
   /// Largest ‖Λ - Λ₀‖_F / ‖Λ₀‖_F of V in a run, as it is estimated.  At a tenth of it coarse runs
   /// (rough, T = 5, errors above 3e-3) project up to nine times as often, for up to 6 % less error.
   /// At ten times it the error grows by up to 4 %.
   static constexpr double largest_drift = 1e-3;
 
-  /// The published form.  Throws std::invalid_argument for a flow with another J than I.
-  ProjectedRungeKutta4(const SharedFlow& flow, ProductBackend backend);
-  /// Projects what another form of the classical Runge-Kutta method for this flow computes.  Throws
-  /// as above.
-  ProjectedRungeKutta4(const SharedFlow& flow, std::unique_ptr<Integrator> runge_kutta4,
-                       ProductBackend backend);
+  /// Projects what a method for this flow computes.  Throws std::invalid_argument, with this name,
+  /// for a flow with another J than I.
+  Projected(const SharedFlow& flow, std::unique_ptr<Integrator> method, std::string_view name,
+            ProductBackend backend);
 
   Energy energy() const override;
 
