@@ -1,11 +1,12 @@
 // Explicit methods that leave something to the error of their steps: the stages of the fast
-// Munthe-Kaas method, and the projections of the projected Runge-Kutta method.
+// Munthe-Kaas method, and the projections of projected methods; and the past of multistep methods.
 #include <fmt/format.h>
 
 #include "isosyrk/catalogue/fast_forms.h"
 #include "isosyrk/linalg/spectrum.h"
 #include "isosyrk/simulation/conservation.h"
 #include "isosyrk/simulation/run.h"
+#include "isosyrk/tableaux/multistep_schemes.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -143,10 +144,11 @@ TEST(FastMuntheKaas, IsThePublishedFormWhereOmegaIsLarge) {
 
 class EachFormOfProjection : public ::testing::TestWithParam<const char*> {
  protected:
-  static IntegratorEntry entry(const std::string& suffix = "") {
-    const IntegratorEntry& published = integrator_entry("rk4_projected" + suffix);
+  static IntegratorEntry form_of(const std::string& name) {
+    const IntegratorEntry& published = integrator_entry(name);
     return GetParam() == std::string("fast") ? fast_entry(published) : published;
   }
+  static IntegratorEntry entry() { return form_of("rk4_projected"); }
 };
 INSTANTIATE_TEST_SUITE_P(Forms, EachFormOfProjection, ::testing::Values("published", "fast"),
                          [](const auto& tested) { return std::string(tested.param); });
@@ -172,14 +174,25 @@ TEST_P(EachFormOfProjection, ErrsAsIfItProjectedAfterEachStep) {
 
 TEST_P(EachFormOfProjection, ProjectsInARunWhereTheSpectrumDriftsAndElseNowhere) {
   const Scene scene = rough_scene(17);
-  const auto projections = [&](double h, long steps) {
-    const Outcome result = run_of(entry(), scene, h, steps);
-    return static_cast<double>(result.work.products - 4 * steps) / 3.0;
+  const auto projections = [&](const char* name, double h, long steps) {
+    const Work with = run_of(form_of(name), scene, h, steps).work;
+    const std::string bare(name, std::string(name).find("_projected"));
+    const Work without = run_of(form_of(bare), scene, h, steps).work;
+    EXPECT_EQ(with.products - without.products, 3 * with.projections);
+    return with.projections;
   };
-  EXPECT_EQ(projections(0.02, 100), 0.0);
-  const double coarse = projections(0.3, 100);
-  EXPECT_GE(coarse, 3.0);
-  EXPECT_LE(coarse, 50.0);
+  for (const char* name : {"rk4_projected", "rk5_projected", "rk8_projected", "rk10_projected",
+                           "abm8_projected"}) {
+    EXPECT_EQ(projections(name, 0.02, 100), 0) << name;
+  }
+  const long coarse = projections("rk4_projected", 0.3, 100);
+  EXPECT_GE(coarse, 3);
+  EXPECT_LE(coarse, 50);
+  EXPECT_GT(projections("rk8_projected", 0.7, 1000), 0);
+  // A projection changes the state, and so begins a multistep method anew.
+  const Work anew = run_of(form_of("abm8_projected"), scene, 0.14, 500).work;
+  EXPECT_GT(anew.projections, 0);
+  EXPECT_GE(anew.products, 2 * 500 + (3 + 10) * anew.projections + 10 * 6);
 }
 
 // The drift within a run is that of the steps since the last projection, so that the energy is as
@@ -202,8 +215,9 @@ TEST_P(EachFormOfProjection, KeepsTheNormOfALongRunThatRungeKuttaLoses) {
 
 TEST_P(EachFormOfProjection, IsNotDisturbedByAnObserverNorByRunningInParts) {
   const Scene scene = rough_scene(17);
-  for (const char* suffix : {"", "_frame"}) {
-    const auto integrator = made(entry(suffix), *scene.flow);
+  for (const char* name : {"rk4_projected", "rk4_projected_frame", "rk8_projected",
+                           "abm8_projected", "abm8_projected_frame"}) {
+    const auto integrator = made(form_of(name), *scene.flow);
     Matrix W = scene.initial, observed = scene.initial;
     ASSERT_TRUE(run(*integrator, W, 0.2, 30).converged());
     double worst = 0.0;
@@ -237,9 +251,77 @@ TEST_P(EachFormOfProjection, DivergesWhereRungeKuttaIsUnstableAndKeepsTheState) 
   EXPECT_EQ(integrator->step(0.01).status, Status::converged);  // goes on from there
 }
 
+// Of AdamsBashforthMoulton: its own steps take 2 products, those of its start 12.
+class EachFormOfAMultistepMethod : public EachFormOfProjection {
+ protected:
+  const Scene scene = smooth_scene(17);
+  const std::unique_ptr<Integrator> integrator = made(form_of("abm8"), *scene.flow);
+
+  std::vector<long> products_of(const std::vector<double>& sizes) const {
+    std::vector<long> found;
+    for (const double h : sizes) found.push_back(integrator->step(h).work.products);
+    return found;
+  }
+  // Of a start: six steps, and then two.
+  const std::vector<long> start = {12, 12, 12, 12, 12, 12, 2, 2};
+};
+INSTANTIATE_TEST_SUITE_P(Forms, EachFormOfAMultistepMethod,
+                         ::testing::Values("published", "fast"),
+                         [](const auto& tested) { return std::string(tested.param); });
+
+TEST_P(EachFormOfAMultistepMethod, BeginsAnewWhereItsPastIsOfAnotherStateOrStep) {
+  integrator->set_state(scene.initial);
+  EXPECT_EQ(products_of(std::vector<double>(8, 0.1)), start);
+  EXPECT_EQ(products_of(std::vector<double>(8, 0.05)), start) << "another h";
+  const Matrix W = integrator->state();
+  EXPECT_EQ(products_of({0.05}), std::vector<long>{2}) << "the state was asked for";
+  integrator->amend_state((1.0 + 1e-12) * integrator->state());
+  EXPECT_EQ(products_of(std::vector<double>(8, 0.05)), start) << "amended";
+  EXPECT_EQ(integrator->step(1e200).status, Status::diverged);
+  EXPECT_EQ(products_of(std::vector<double>(8, 0.05)), start) << "a step that failed";
+  integrator->set_state(W);
+  EXPECT_EQ(products_of(std::vector<double>(8, 0.05)), start) << "another state";
+  Matrix beside = scene.initial;
+  EXPECT_EQ(integrator->step(beside, 0.05).work.products, 12);
+  EXPECT_EQ(products_of({0.05, 0.0, 0.05}), (std::vector<long>{2, 12, 12})) << "a lone step";
+}
+
+TEST_P(EachFormOfAMultistepMethod, TakesLoneStepsOfTheMethodOfItsStart) {
+  Matrix W = scene.initial, expected = scene.initial;
+  made(form_of("abm8"), *scene.flow)->step(W, 0.3);
+  made(form_of("rk8"), *scene.flow)->step(expected, 0.3);
+  EXPECT_EQ(W, expected);
+}
+
+// The coefficients, and which slope each belongs to: a run by the definition.
+TEST_P(EachFormOfAMultistepMethod, IsItsDefinition) {
+  const MultistepScheme& scheme = adams_bashforth_moulton8();
+  const double h = 0.1;
+  const auto slope = [&](const Matrix& W) {
+    return commutator(scene.flow->dense_generator(W), W);
+  };
+  const auto rk8 = made(form_of("rk8"), *scene.flow);
+  Matrix W = scene.initial;
+  std::vector<Matrix> slopes;
+  for (int k = 0; k < 20; ++k) {
+    slopes.insert(slopes.begin(), slope(W));
+    if (k < 6) {
+      rk8->step(W, h);
+      continue;
+    }
+    Matrix predicted = W, corrected = W;
+    for (Index j = 0; j < 7; ++j) predicted += h * scheme.predictor(j) * slopes[static_cast<std::size_t>(j)];
+    corrected += h * scheme.of_predicted * slope(predicted);
+    for (Index j = 0; j < 7; ++j) corrected += h * scheme.corrector(j) * slopes[static_cast<std::size_t>(j)];
+    W = corrected;
+  }
+  EXPECT_LE(largest_difference(integrated(*integrator, scene.initial, h, 20), W), 1e-14);
+  EXPECT_GE(largest_difference(integrated(*rk8, scene.initial, h, 20), W), 1e-12);
+}
+
 TEST(FastExplicitForms, AreTheSameBitForBitWithEveryNumberOfThreads) {
   const Scene scene = smooth_scene(98);
-  for (const char* name : {"rkmk4", "rk4_projected"}) {
+  for (const char* name : {"rkmk4", "rk4_projected", "rk8", "abm8"}) {
     const auto result = [&](int threads) {
       const IntegratorEntry entry = fast_entry(name, {.iteration = {}, .threads = threads});
       return run_of(entry, scene, 0.1, 3).W;

@@ -51,7 +51,10 @@ TEST_P(StepLimit, BelowItNothingGrowsAndBeyondItPerturbationsDo) {
     return W.norm() / W0.norm();
   };
   EXPECT_LE(growth(0.99 * limit), 1.0 + 1e-10);
-  EXPECT_GT(growth(1.05 * limit), 100.0);
+  // Beyond, rk5 and rk10 grow by less than a thousandth a step for a while, and what grows in abm8
+  // begins at rounding.
+  const bool at_once = GetParam().name.starts_with("rk4") || GetParam().name.starts_with("rk8");
+  EXPECT_GT(growth((at_once ? 1.05 : 2.5) * limit), 100.0);
 }
 
 std::vector<IntegratorEntry> limited(bool is_explicit) {

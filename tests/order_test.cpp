@@ -13,6 +13,9 @@ class EachIntegrator : public ::testing::TestWithParam<IntegratorEntry> {
   const Scene scene = smooth_scene(17);
   const std::unique_ptr<Integrator> integrator = made(entry, *scene.flow);
 
+  // Of an explicit method of order 8 or 10, that its errors are seen.
+  double long_step() const { return entry.co_rotating ? 2.0 : 1.0; }
+
   static void expect_small_if_and_only_if(bool kept, double error, double small = 1e-11,
                                           double large = 1e-9) {
     if (kept) {
@@ -30,9 +33,12 @@ struct OrderRuns {
   std::vector<long> counts;
 };
 
+// Explicit methods of order 8 and 10 lose nothing that is seen at the steps of the others.
+bool errs_little(const IntegratorEntry& entry) { return entry.is_explicit && entry.order >= 8; }
+
 // From order 12 on, 10 in the frame, they take steps at which only fast forms converge.
 bool is_of_highest_order(const IntegratorEntry& entry) {
-  return entry.order > (entry.co_rotating ? 8 : 10);
+  return !entry.is_explicit && entry.order > (entry.co_rotating ? 8 : 10);
 }
 
 // High orders reach the plateau at once where the flow is slow: they get a faster one, and steps
@@ -43,6 +49,8 @@ OrderRuns order_runs(const IntegratorEntry& entry) {
     const std::vector<long> of_the_frame = {11, 12, 13, 14, 15, 16, 17, 18, 20, 22, 24, 26, 28, 30};
     return {rough_scene(17), 36.0, entry.co_rotating ? of_the_frame : counts};
   }
+  // After its start, which is more accurate.
+  if (entry.name.starts_with("abm8")) return {rough_scene(17), 6.0, {48, 56, 64, 72, 80, 88, 96}};
   if (entry.order > 6) return {smooth_scene(17), 6.0, {8, 9, 10, 11, 12, 14, 16, 20, 24}};
   return {smooth_scene(9), 2.0, {2, 3, 4, 5, 6, 8, 10, 12, 16, 24, 32, 48}};
 }
@@ -68,18 +76,23 @@ TEST_P(EachIntegrator, HasItsOrder) {
     return highest ? 3e-13 : 20.0 * static_cast<double>(count) * tolerance;
   };
   // The highest orders reach rounding before the slope has settled: 15.8 for 16.
-  EXPECT_NEAR(observed_order(runs.time, runs.counts, error, plateau, 4), entry.order,
-              highest ? 0.25 : 0.2);
+  const double order = observed_order(runs.time, runs.counts, error, plateau, 4);
+  EXPECT_GE(order, entry.order - (highest ? 0.25 : 0.2));
+  // Of rk10 the term of its order is so small that the next one is larger down to rounding.
+  const double next = entry.name.starts_with("rk10") ? 1.0 : 0.0;
+  EXPECT_LE(order, entry.order + next + (highest ? 0.25 : 0.2));
 }
 
 TEST_P(EachIntegrator, KeepsTheSpectrumIfAndOnlyIfItSaysSo) {
-  const Matrix W = integrated(*integrator, scene.initial, 0.5, 10);
+  const double h = errs_little(entry) && !entry.keeps.isospectral ? long_step() : 0.5;
+  const Matrix W = integrated(*integrator, scene.initial, h, 10);
   expect_small_if_and_only_if(entry.keeps.isospectral, spectrum_error(W, scene.initial));
 }
 
 TEST_P(EachIntegrator, IsSymmetricIfAndOnlyIfItSaysSo) {
-  const Matrix there = integrated(*integrator, scene.initial, 0.5, 1);
-  const Matrix back = integrated(*integrator, there, -0.5, 1);
+  const double h = errs_little(entry) ? long_step() : 0.5;
+  const Matrix there = integrated(*integrator, scene.initial, h, 1);
+  const Matrix back = integrated(*integrator, there, -h, 1);
   expect_small_if_and_only_if(entry.keeps.symmetric, largest_difference(back, scene.initial));
 }
 
@@ -100,7 +113,9 @@ TEST_P(EachIntegrator, IsAPoissonMapIfAndOnlyIfItSaysSo) {
       {{1, 0, 0.4}, {1, 1, {0.3, -0.8}}, {2, 1, {1.0, 0.3}}, {3, 2, {-0.6, 0.9}}, {3, 0, 0.7}});
   const auto precise = made(entry, *small.flow, {.tolerance = 1e-15});
   expect_small_if_and_only_if(entry.keeps.lie_poisson,
-                              poisson_map_defect(*precise, small.initial, 2.0), 1e-10, 1e-6);
+                              poisson_map_defect(*precise, small.initial,
+                                                 errs_little(entry) ? 4.0 * long_step() : 2.0),
+                              1e-10, 1e-6);
 }
 
 INSTANTIATE_TEST_SUITE_P(List, EachIntegrator, ::testing::ValuesIn(integrators()),

@@ -84,8 +84,8 @@ std::vector<std::string> recorded_integrators();
 /// The entry, and that of its fast form if there is one.
 std::vector<IntegratorEntry> forms_of(const IntegratorEntry& entry);
 
-/// Whether a method is made for a flow.  elp4 and elp6 need J = I and a self-adjoint B; elp2,
-/// magnus4, magnus5 and rk4_projected need J = I; a frame needs Euler-Zeitlin; all others take any.
+/// Whether a method is made for a flow.  elp4 and elp6 need J = I and a self-adjoint B; elp2, the
+/// Magnus methods, those of Bogfjellmo and Marthinsen and those with a projection need J = I; a frame needs Euler-Zeitlin; all others take any.
 bool takes(const IntegratorEntry& entry, const Flow& flow);
 
 /// The entries of integrators() that have a fast form.

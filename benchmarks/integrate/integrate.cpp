@@ -177,6 +177,7 @@ nlohmann::ordered_json as_json(const IntegrateRequest& request, const Start& sta
       {"products", run.work.products},
       {"equivalent_products", run.work.equivalent_products},
       {"poisson_solves", run.work.poisson_solves},
+      {"projections", run.work.projections},
       {"seconds", outcome.seconds},
       {"h_norm_B", outcome.h_norm_B},
       {"spectrum_error", outcome.kept.spectrum_error},

@@ -112,6 +112,12 @@ MakeFast fast_magnus(int order) {
 
 MakeFast fast_munthe_kaas4() { return fast_explicit<FastMuntheKaas4>(); }
 
+MakeFast fast_multistep(const MultistepScheme& scheme) {
+  return [scheme](const auto& flow, const FastOptions& options) {
+    return std::make_unique<FastMultistep>(flow, scheme, chosen_for(flow, 1, options));
+  };
+}
+
 MakeFast fast_runge_kutta(const Tableau& tableau) {
   return [tableau](const auto& flow, const FastOptions& options) {
     return std::make_unique<FastRungeKutta>(flow, tableau, chosen_for(flow, 1, options));

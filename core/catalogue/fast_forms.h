@@ -9,6 +9,8 @@
 #include "isosyrk/fast/fast_options.h"
 #include "isosyrk/fast/stage_system.h"
 #include "isosyrk/tableaux/composition_schemes.h"
+#include "isosyrk/tableaux/explicit_tableaux.h"
+#include "isosyrk/tableaux/multistep_schemes.h"
 
 namespace isosyrk {
 
@@ -41,6 +43,8 @@ MakeFast fast_exponential(int order);
 MakeFast fast_magnus(int order);
 /// An explicit Runge-Kutta method applied to W.
 MakeFast fast_runge_kutta(const Tableau& tableau);
+/// An explicit multistep method applied to W.
+MakeFast fast_multistep(const MultistepScheme& scheme);
 
 /// Returns the entry with the fast form in place of the published one, and "fast_" before its name.
 /// Its integrators have these options, except options.iteration, which `make` replaces.  Throws

@@ -16,6 +16,7 @@
 #include "isosyrk/integrators/step_limits.h"
 #include "isosyrk/tableaux/explicit_tableaux.h"
 #include "isosyrk/tableaux/gauss_tableau.h"
+#include "isosyrk/tableaux/multistep_schemes.h"
 
 namespace isosyrk {
 
@@ -93,20 +94,38 @@ IntegratorEntry exponential_entry(int order) {
           .in_frame = true};
 }
 
-IntegratorEntry runge_kutta_entry(const ExplicitScheme& scheme) {
-  const Tableau& tableau = scheme.tableau;
-  const double limit = scheme.imaginary_limit;
-  return {.name = tableau.name,
-          .stages = tableau.stages(),
-          .order = tableau.order,
+// An explicit method applied to W, with what makes it still to be given.
+IntegratorEntry explicit_entry(const std::string& name, int stages, int order,
+                               double imaginary_limit) {
+  return {.name = name,
+          .stages = stages,
+          .order = order,
           .keeps = {.isospectral = false, .lie_poisson = false, .symmetric = false},
           .is_explicit = true,
-          .make = make_explicit<ExplicitRungeKutta>(tableau),
-          .make_fast = fast_runge_kutta(tableau),
-          .stability_limit = limit,
+          .make = {},
+          .stability_limit = imaginary_limit,
           .linear_limit =
-              [limit](const RealVector& frequencies) { return adjoint_limit(limit, frequencies); },
+              [imaginary_limit](const RealVector& frequencies) {
+                return adjoint_limit(imaginary_limit, frequencies);
+              },
           .in_frame = true};
+}
+
+IntegratorEntry runge_kutta_entry(const ExplicitScheme& scheme) {
+  const Tableau& tableau = scheme.tableau;
+  IntegratorEntry entry =
+      explicit_entry(tableau.name, tableau.stages(), tableau.order, scheme.imaginary_limit);
+  entry.make = make_explicit<ExplicitRungeKutta>(tableau);
+  entry.make_fast = fast_runge_kutta(tableau);
+  return entry;
+}
+
+// Two stages: what is predicted, and the state before it.
+IntegratorEntry multistep_entry(const MultistepScheme& scheme) {
+  IntegratorEntry entry = explicit_entry(scheme.name, 2, scheme.order, scheme.imaginary_limit);
+  entry.make = make_explicit<AdamsBashforthMoulton>(scheme);
+  entry.make_fast = fast_multistep(scheme);
+  return entry;
 }
 
 // The entry of a method with a projection onto the spectrum.
@@ -126,8 +145,11 @@ IntegratorEntry projected_entry(const IntegratorEntry& method) {
   return entry;
 }
 
-std::vector<const ExplicitScheme*> explicit_schemes() {
-  return {&classical_runge_kutta4()};
+// The explicit methods applied to W.
+std::vector<IntegratorEntry> explicit_entries() {
+  return {runge_kutta_entry(classical_runge_kutta4()), runge_kutta_entry(dormand_prince5()),
+          runge_kutta_entry(dormand_prince8()), runge_kutta_entry(feagin10()),
+          multistep_entry(adams_bashforth_moulton8())};
 }
 
 std::vector<IntegratorEntry> make_list() {
@@ -164,14 +186,12 @@ std::vector<IntegratorEntry> make_list() {
                   .make = make_explicit<ExplicitMagnus5>(),
                   .make_fast = fast_magnus(5),
                   .in_frame = true});
-  for (const ExplicitScheme* scheme : explicit_schemes()) {
-    list.push_back(projected_entry(runge_kutta_entry(*scheme)));
+  for (const IntegratorEntry& entry : explicit_entries()) {
+    list.push_back(projected_entry(entry));
   }
   // Controls: methods that do not keep the structure.
   for (int s = 1; s <= 3; ++s) list.push_back(direct_entry(s));
-  for (const ExplicitScheme* scheme : explicit_schemes()) {
-    list.push_back(runge_kutta_entry(*scheme));
-  }
+  for (const IntegratorEntry& entry : explicit_entries()) list.push_back(entry);
   // A new method is one entry here.
   const std::vector<IntegratorEntry> methods = list;
   for (const IntegratorEntry& method : methods) {

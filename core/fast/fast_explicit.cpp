@@ -47,11 +47,45 @@ FastRungeKutta::FastRungeKutta(const SharedFlow& flow, const Tableau& tableau,
 bool FastRungeKutta::take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) {
   for (std::size_t i = 0; i < k_.size(); ++i) {
     W_stage_[0] = W0[0] + h * sum(tableau_.a.row(static_cast<Index>(i)), k_);
-    generate(B_, W_stage_);
-    commutator(slope_, B_[0], W_stage_[0]);
-    std::swap(k_[i], slope_[0]);
+    slope(k_[i], W_stage_);
   }
   W1[0] = W0[0] + h * sum(tableau_.b, k_);
+  return true;
+}
+
+void FastRungeKutta::slope(SplitMatrix& k, SplitStages& W) {
+  generate(B_, W);
+  commutator(slope_, B_[0], W[0]);
+  std::swap(k, slope_[0]);
+}
+
+FastMultistep::FastMultistep(const SharedFlow& flow, const MultistepScheme& scheme,
+                             const FastOptions& options)
+    : FastRungeKutta(flow, scheme.start, options),
+      scheme_(scheme),
+      past_(zeros(scheme.predictor.size())),
+      predicted_(zeros(1)),
+      predicted_slope_(zeros(1)) {}
+
+StepReport FastMultistep::take_step(SplitStages& W1, const SplitStages& W0, double h, Past past) {
+  is_of_run_ = past == Past::used;
+  return FastExplicit::take_step(W1, W0, h, past);
+}
+
+bool FastMultistep::take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) {
+  if (!is_of_run_) return FastRungeKutta::take_explicit_step(W1, W0, h);
+  SplitMatrix& f = past_.join(h);
+  if (!past_.is_complete()) {
+    const bool is_taken = FastRungeKutta::take_explicit_step(W1, W0, h);
+    f = 1.0 * first_slope();
+    return is_taken;
+  }
+  copy(predicted_, W0);
+  slope(f, predicted_);
+  predicted_[0] = W0[0] + h * sum(scheme_.predictor, past_.slopes());
+  slope(predicted_slope_[0], predicted_);
+  W1[0] = W0[0] + (h * scheme_.of_predicted) * predicted_slope_[0] +
+          h * sum(scheme_.corrector, past_.slopes());
   return true;
 }
 

@@ -8,7 +8,9 @@
 #include "isosyrk/fast/split_integrator.h"
 #include "isosyrk/fast/split_magnus.h"
 #include "isosyrk/fast/stage_generator.h"
+#include "isosyrk/integrators/past_slopes.h"
 #include "isosyrk/tableaux/explicit_tableaux.h"
+#include "isosyrk/tableaux/multistep_schemes.h"
 
 namespace isosyrk {
 
@@ -51,19 +53,45 @@ class FastExplicit : public SplitIntegrator {
 
 /// ExplicitRungeKutta to rounding: k_i = [B(W_i), W_i] with W_i = W₀ + h Σ_j a_ij k_j, and
 /// W₁ = W₀ + h Σ_i b_i k_i.  Products: s.  Poisson solves: s.
-class FastRungeKutta final : public FastExplicit {
+class FastRungeKutta : public FastExplicit {
  public:
   /// Throws std::invalid_argument unless the tableau is consistent and explicit.
   FastRungeKutta(const SharedFlow& flow, const Tableau& tableau, const FastOptions& options);
 
- private:
+ protected:
   bool take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) override;
 
+  /// k = [B(W), W].  W is cut to its band.
+  void slope(SplitMatrix& k, SplitStages& W);
+  /// Returns k_1 of the last step.
+  const SplitMatrix& first_slope() const { return k_[0]; }
+
+ private:
   Tableau tableau_;
   SplitStages W_stage_;  // W_i
   Generators B_;         // B(W_i)
   SplitStages slope_;    // k_i
   SplitStages k_;        // k_1 ... k_s
+};
+
+/// AdamsBashforthMoulton to rounding.  Products: 2; of a step of the start, those of
+/// FastRungeKutta.  Poisson solves: the same.
+class FastMultistep final : public FastRungeKutta {
+ public:
+  /// Throws as FastRungeKutta for the tableau of the start.
+  FastMultistep(const SharedFlow& flow, const MultistepScheme& scheme, const FastOptions& options);
+
+ private:
+  StepReport take_step(SplitStages& W1, const SplitStages& W0, double h, Past past) override;
+  bool take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) override;
+  void forget() override { past_.forget(); }
+  void amended() override { past_.forget(); }
+
+  MultistepScheme scheme_;
+  PastSlopes<SplitMatrix> past_;
+  bool is_of_run_ = false;
+  SplitStages predicted_;        // W₀, and then W̃
+  SplitStages predicted_slope_;  // f̃
 };
 
 /// MuntheKaas4, with the exponents of MuntheKaasScheme.  The three series of the stages are summed

@@ -32,7 +32,10 @@ void SplitIntegrator::load(const ConstMatrixView& W) {
 }
 
 void SplitIntegrator::amend(const ConstMatrixView& W) {
-  if (!ScaleFinder::changed_twofold(state_.scale, W)) return take(W, state_.scale);
+  if (!ScaleFinder::changed_twofold(state_.scale, W)) {
+    amended();
+    return take(W, state_.scale);
+  }
   forget();  // past steps are of another scale
   take(W, finder_.find(W));
 }

@@ -29,6 +29,8 @@ class SplitIntegrator : public Integrator {
   virtual Work work() const = 0;
   /// Forgets all past steps, after which the next one starts cold.
   virtual void forget() {}
+  /// Is told that the state is amended, and has the scale that it had.  Past steps still predict.
+  virtual void amended() {}
   /// Exchanges all that the last step has left, but what only Past::used reads, with what was left
   /// at the call before.  A lone step is made between two calls.  Allocates nothing.
   virtual void exchange_memory() {}

@@ -55,15 +55,48 @@ ExplicitRungeKutta<Scalar>::ExplicitRungeKutta(SharedFlowIn<Scalar> flow, const 
 }
 
 template <class Scalar>
+void ExplicitRungeKutta<Scalar>::slope(const Stored& W, Stored& k) {
+  generator(W, B_);
+  series_.commutator(products_, B_, W, k);
+}
+
+template <class Scalar>
 StepReport ExplicitRungeKutta<Scalar>::take_step(const Stored& W0, double h, Stored& W1) {
   for (std::size_t i = 0; i < k_.size(); ++i) {
     W_stage_ = W0;
     add_slopes(h * tableau_.a.row(static_cast<Index>(i)), k_, W_stage_);
-    generator(W_stage_, B_);
-    series_.commutator(products_, B_, W_stage_, k_[i]);
+    slope(W_stage_, k_[i]);
   }
   W1 = W0;
   add_slopes(h * tableau_.b, k_, W1);
+  return {};
+}
+
+template <class Scalar>
+AdamsBashforthMoulton<Scalar>::AdamsBashforthMoulton(SharedFlowIn<Scalar> flow,
+                                                     const MultistepScheme& scheme,
+                                                     ProductBackend backend)
+    : Form(std::move(flow), scheme.start, backend),
+      scheme_(scheme),
+      past_(zeros(scheme.predictor.size())) {
+  predicted_ = predicted_slope_ = zero();
+}
+
+template <class Scalar>
+StepReport AdamsBashforthMoulton<Scalar>::take_step(const Stored& W0, double h, Stored& W1) {
+  if (is_alone()) return Form::take_step(W0, h, W1);
+  Stored& f = past_.join(h);
+  if (!past_.is_complete()) {
+    const StepReport report = Form::take_step(W0, h, W1);
+    f = first_slope();
+    return report;
+  }
+  slope(W0, f);
+  predicted_ = W0;
+  add_slopes(h * scheme_.predictor, past_.slopes(), predicted_);
+  slope(predicted_, predicted_slope_);
+  W1 = W0 + h * scheme_.of_predicted * predicted_slope_;
+  add_slopes(h * scheme_.corrector, past_.slopes(), W1);
   return {};
 }
 
@@ -71,5 +104,7 @@ template class MuntheKaas4<double>;
 template class MuntheKaas4<Complex>;
 template class ExplicitRungeKutta<double>;
 template class ExplicitRungeKutta<Complex>;
+template class AdamsBashforthMoulton<double>;
+template class AdamsBashforthMoulton<Complex>;
 
 }  // namespace isosyrk

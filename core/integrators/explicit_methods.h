@@ -2,9 +2,11 @@
 // applied to W.
 #pragma once
 
+#include "isosyrk/integrators/past_slopes.h"
 #include "isosyrk/integrators/published_form.h"
 #include "isosyrk/linalg/adjoint_series.h"
 #include "isosyrk/tableaux/explicit_tableaux.h"
+#include "isosyrk/tableaux/multistep_schemes.h"
 
 namespace isosyrk {
 
@@ -48,23 +50,64 @@ class MuntheKaas4 final : public PublishedForm<Scalar> {
 /// Neither isospectral nor symmetric.  Unstable for h ‖ad_B‖₂ beyond the limit of its scheme.
 /// Products: s.  Poisson solves: s.
 template <class Scalar>
-class ExplicitRungeKutta final : public PublishedForm<Scalar> {
+class ExplicitRungeKutta : public PublishedForm<Scalar> {
   using Form = PublishedForm<Scalar>;
-  using Form::algebra, Form::generator, Form::products_, Form::zero, Form::zeros;
+  using Form::algebra, Form::generator, Form::products_;
+
+ public:
   using typename Form::Stages;
   using typename Form::Stored;
 
- public:
   /// Throws std::invalid_argument unless the tableau is consistent and explicit.
   ExplicitRungeKutta(SharedFlowIn<Scalar> flow, const Tableau& tableau, ProductBackend backend);
 
- private:
+ protected:
+  using Form::zero, Form::zeros;
+
   StepReport take_step(const Stored& W0, double h, Stored& W1) override;
+
+  /// k = [B(W), W].
+  void slope(const Stored& W, Stored& k);
+  /// Returns k_1 = [B(W₀), W₀] of the last step.
+  const Stored& first_slope() const { return k_[0]; }
+
+ private:
   Tableau tableau_;
   AdjointSeries<Scalar> series_;  // for commutators
   Stages k_;                      // k_i = [B(W_i), W_i]
   Stored B_;                      // B(W_i)
   Stored W_stage_;                // W_i = W₀ + h Σ_j a_ij k_j
+};
+
+/// A multistep method applied to W' = [B(W), W]: with f_j = [B(W), W] at the start of the step j
+/// steps ago, f₀ at that of this one,
+///
+///     W̃ = W₀ + h Σ_j β*_j f_j     W₁ = W₀ + h ( β f̃ + Σ_j β_j f_j ),   f̃ = [B(W̃), W̃]
+///
+/// Until a run has all the past steps that it needs, of one size, a step is one of the method of
+/// its start; so is a lone step.  A state that is set or amended, another h, and a step that fails
+/// begin the past anew.  Neither isospectral nor symmetric.
+/// Products: 2; of a step of the start, those of ExplicitRungeKutta.  Poisson solves: the same.
+template <class Scalar>
+class AdamsBashforthMoulton final : public ExplicitRungeKutta<Scalar> {
+  using Form = ExplicitRungeKutta<Scalar>;
+  using Form::first_slope, Form::is_alone, Form::slope, Form::zero, Form::zeros;
+  using typename Form::Stages;
+  using typename Form::Stored;
+
+ public:
+  /// Throws as ExplicitRungeKutta for the tableau of the start.
+  AdamsBashforthMoulton(SharedFlowIn<Scalar> flow, const MultistepScheme& scheme,
+                        ProductBackend backend);
+
+ private:
+  StepReport take_step(const Stored& W0, double h, Stored& W1) override;
+  void forget() override { past_.forget(); }
+
+  MultistepScheme scheme_;
+  PastSlopes<Stored> past_;
+  Stored predicted_;        // W̃
+  Stored predicted_slope_;  // f̃
 };
 
 }  // namespace isosyrk

@@ -154,12 +154,14 @@ void IntegratorIn<Scalar>::take(const StateScale& found) {
 template <class Scalar>
 void IntegratorIn<Scalar>::load(const ConstMatrixView& W) {
   flow_.algebra().pack(W, next_);  // may throw halfway
+  forget();
   take(finder_.find(W));
 }
 
 template <class Scalar>
 void IntegratorIn<Scalar>::amend(const ConstMatrixView& W) {
   flow_.algebra().pack(W, next_);
+  forget();
   take(ScaleFinder::changed_twofold(found_, W) ? finder_.find(W) : found_);
 }
 
@@ -185,6 +187,7 @@ StepReport IntegratorIn<Scalar>::step_alone(MatrixView W, double h) {
     const StateScale mine = found_;
     exchange(W, other);
     other = mine;
+    is_alone_ = !is_alone_;
   });
   return advance_state(h);
 }
@@ -231,7 +234,11 @@ StepReport IntegratorIn<Scalar>::advance_state(double h) {
   StepReport report = advance(state_, is_linear ? scale_ * h : h, next_);
   // Stages can converge and the update still overflow.
   if (report.status == Status::converged && !next_.allFinite()) report.status = Status::diverged;
-  if (report.status == Status::converged) state_.swap(next_);
+  if (report.status == Status::converged) {
+    state_.swap(next_);
+  } else if (!is_alone_) {
+    forget();
+  }
   return report;
 }
 

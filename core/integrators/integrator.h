@@ -54,7 +54,8 @@ class Integrator {
   /// unchanged.  Allocates nothing.
   void set_state(const ConstMatrixView& W);
   /// Sets the state to W, as a run changes it between two of its steps.  Past steps go on
-  /// predicting the next one, for its start values only.  The scale is found again only if ‖W‖_F
+  /// predicting the next one, for its start values only; a multistep method begins its past anew.
+  /// The scale is found again only if ‖W‖_F
   /// has changed twofold since it was found.  If W is known, nothing changes.  Throws as set_state.
   void amend_state(const ConstMatrixView& W);
   /// Advances the state by a step h, which may be negative, and reports the work.  The state is
@@ -153,6 +154,11 @@ class IntegratorIn : public Integrator {
   /// B = B(V) if B is linear, otherwise B(scale V), of V projected onto g.
   void evaluate(const Stored& V, Stored& B);
 
+  /// Forgets all past steps of the run, after a step that failed and before a state that is set.
+  virtual void forget() {}
+  /// True during a lone step, which neither uses past steps of the run nor joins them.
+  bool is_alone() const { return is_alone_; }
+
   /// Returns Flow::rotation_left_out of V, for an h as of advance().  Only a linear B leaves one
   /// out.
   double rotation_left_out(const Stored& V) const;
@@ -174,6 +180,7 @@ class IntegratorIn : public Integrator {
   Stored state_;
   Stored next_;
   Stored argument_;  // of a B that is not linear; empty otherwise
+  bool is_alone_ = false;
 };
 
 /// Makes Method<double> for a RealFlow, and Method<Complex> for another flow.

@@ -16,7 +16,8 @@ constexpr double likely_drift_of_norm = 10.0;
 constexpr double most_drift_of_norm = 100.0;
 
 constexpr Work work_of_a_projection = {.products = SpectralProjection::products,
-                                       .equivalent_products = SpectralProjection::products};
+                                       .equivalent_products = SpectralProjection::products,
+                                       .projections = 1};
 
 }  // namespace
 

@@ -216,6 +216,7 @@ void bind_integrators(py::module_& module) {
       .def_property_readonly("products", &of_work<&Work::products>)
       .def_property_readonly("equivalent_products", &of_work<&Work::equivalent_products>)
       .def_property_readonly("poisson_solves", &of_work<&Work::poisson_solves>)
+      .def_property_readonly("projections", &of_work<&Work::projections>)
       .def_property_readonly("contraction", &of_run<&RunReport::contraction>)
       .def_property_readonly("last_change", &of_run<&RunReport::last_change>)
       .def_readonly("seconds", &Stepper::Outcome::seconds)

@@ -20,6 +20,20 @@ struct ExplicitScheme {
 /// II.1.2.
 const ExplicitScheme& classical_runge_kutta4();
 
+/// Returns the method of order 5 of the pair 5(4) of Dormand and Prince, with 6 stages, imaginary
+/// limit 0.99.  At a fixed step its seventh stage is the first one of the next step.
+/// Source: Dormand and Prince 1980; Hairer, Nørsett, Wanner, table II.5.2.
+const ExplicitScheme& dormand_prince5();
+
+/// Returns DOP853's method of order 8, with 12 stages, imaginary limit 5.96.
+/// Source: Hairer, Nørsett, Wanner, section II.5; coefficients of their program DOP853.
+const ExplicitScheme& dormand_prince8();
+
+/// Returns Feagin's method of order 10, with 17 stages, imaginary limit 1.15.
+/// Source: Feagin, A tenth-order Runge-Kutta method with error estimate, 2007; coefficients of its
+/// file rk108.
+const ExplicitScheme& feagin10();
+
 /// Returns R(z) = 1 + z b† (I - zA)⁻¹ 1 of an explicit method, at z = iy.
 Complex stability_function(const Tableau& tableau, double y);
 

@@ -28,7 +28,7 @@ def gauss_stages(name):
 
 def is_exponential(name):
     """Tells whether an integrator solves for Ω: such methods keep the spectrum to rounding at any tolerance."""
-    return re.match("elp|magnus", name) is not None
+    return re.match("elp|magnus|bm|cg", name) is not None
 
 
 def frameless(name):
@@ -39,11 +39,13 @@ def frameless(name):
 def method_name(integrator):
     """Returns the name of its method, one for all formulations and in the frame or not, as "Gauss, order 4"."""
     name = frameless(integrator.name)
-    family = "rk_projected" if name == "rk4_projected" else re.match("[a-z_]*[a-z]", name)[0]
+    family = re.match("[a-z_]*[a-z]", name)[0]
     families = {**dict.fromkeys(FORMULATIONS, "Gauss"), "direct": "direct Gauss", "yoshida": "Yoshida",
                 "suzuki": "Suzuki", "kahan_li": "Kahan–Li", "rkmk": "RKMK", "rk": "Runge–Kutta",
-                "rk_projected": "projected Runge–Kutta", "elp": "exponential Lie–Poisson", "magnus": "explicit Magnus"}
-    return f"{families.get(family, family)}, order {integrator.order}"
+                "abm": "Adams–Bashforth–Moulton", "elp": "exponential Lie–Poisson", "magnus": "explicit Magnus",
+                "bm": "Bogfjellmo–Marthinsen", "cg": "Crouch–Grossman"}
+    projected = "projected " if name.endswith("_projected") else ""
+    return f"{projected}{families.get(family, family)}, order {integrator.order}"
 
 
 def strongest_structure(integrator):

@@ -63,6 +63,7 @@ class Report(NamedTuple):
     products: int  # n x n complex matrix products
     equivalent_products: float  # their work in full products in double precision
     poisson_solves: int  # evaluations of B
+    projections: int  # onto the spectrum, each with all eigenvectors of a matrix beside its products
     seconds: float  # CPU time of this process, without `observe` and `between`
     contraction: float  # largest over all steps; 0 for explicit methods
     last_change: float  # of the last sweep: largest change of an unknown, as for the tolerance of integrator()
