@@ -1,4 +1,5 @@
-// The exponential Lie-Poisson methods, Magnus methods and Runge-Kutta methods with a projection: what they keep in every scene that takes them, and what
+// The exponential Lie-Poisson methods, those of Bogfjellmo and Marthinsen, Magnus methods and
+// Runge-Kutta methods with a projection: what they keep in every scene that takes them, and what
 // they refuse.
 #include <fmt/format.h>
 
@@ -16,7 +17,8 @@ namespace isosyrk::testing {
 namespace {
 
 const std::vector<std::string> names = {
-    "elp2", "elp4", "elp6", "magnus4", "magnus5", "rk4_projected", "rk5_projected"};
+    "elp2", "elp4",    "elp6",    "bm1",           "bm2",          "bm3",
+    "cg4",  "magnus4", "magnus5", "rk4_projected", "rk5_projected"};
 
 struct Case {
   std::string scene;

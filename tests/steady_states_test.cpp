@@ -57,7 +57,8 @@ FinishedRun run_of(const IntegratorEntry& entry, const Flow& flow, const Matrix&
 }
 
 bool is_gauss(const IntegratorEntry& entry) {
-  return !entry.is_explicit && !entry.name.starts_with("elp");
+  return !entry.is_explicit && !entry.name.starts_with("elp") && !entry.name.starts_with("bm") &&
+         !entry.name.starts_with("cg");
 }
 
 class EachMethodAtASteadyState : public ::testing::TestWithParam<std::string> {
@@ -75,7 +76,8 @@ class EachMethodAtASteadyState : public ::testing::TestWithParam<std::string> {
           SCOPED_TRACE(::testing::Message() << "n = " << n << ", l = " << l << " + " << perturbation
                                             << ", h|B| = " << size << ", " << tolerance);
           const long sweeps = expect_the_same(flow, W0, tolerance, h, steps);
-          if (entry.is_explicit) continue;
+          // Plain iteration, which is all that a published form has, contracts by h‖W‖.
+          if (entry.is_explicit || !entry.has_fast_form()) continue;
           const FinishedRun moving = run_of(fast_form(), flow, smooth, tolerance, same_h, steps);
           EXPECT_LE(sweeps, moving.report.sweeps + most_more_sweeps * substeps() * steps);
         }
@@ -137,7 +139,8 @@ TEST_P(EachMethodAtASteadyState, ConvergesToOneAnswerAtLargeOnes) {
 }
 TEST_P(EachMethodAtASteadyState, ConvergesToOneAnswerAtTheLargestOnes) {
   // The other Gauss forms take minutes.
-  if (!is_gauss(entry) || entry.name == "algebra1") run_all(129, 0.5, 1, {1e-8});
+  const bool is_slow = is_gauss(entry) || !entry.has_fast_form();
+  if (!is_slow || entry.name == "algebra1") run_all(129, 0.5, 1, {1e-8});
 }
 
 // Exponential, Magnus and explicit methods stay where they are, but for what each step rounds: Ω by

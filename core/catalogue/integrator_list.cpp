@@ -6,6 +6,7 @@
 
 #include "isosyrk/catalogue/fast_forms.h"
 #include "isosyrk/integrators/algebra_form.h"
+#include "isosyrk/integrators/bogfjellmo_marthinsen.h"
 #include "isosyrk/integrators/composition.h"
 #include "isosyrk/integrators/direct_form.h"
 #include "isosyrk/integrators/explicit_magnus.h"
@@ -94,6 +95,24 @@ IntegratorEntry exponential_entry(int order) {
           .in_frame = true};
 }
 
+IntegratorEntry bogfjellmo_marthinsen_entry(int s) {
+  return {.name = fmt::format("bm{}", s),
+          .stages = s,
+          .order = 2 * s,
+          .keeps = {.isospectral = true, .lie_poisson = true, .symmetric = s == 1},
+          .make = make_implicit<BogfjellmoMarthinsen>(gauss_tableau(s)),
+          .in_frame = true};
+}
+
+IntegratorEntry crouch_grossman_entry(const CompositionScheme& weights) {
+  return {.name = fmt::format("cg{}", weights.order),
+          .stages = static_cast<int>(weights.fractions.size()),
+          .order = weights.order,
+          .keeps = isosyrk_properties,
+          .make = make_implicit<CrouchGrossman>(weights),
+          .in_frame = true};
+}
+
 // An explicit method applied to W, with what makes it still to be given.
 IntegratorEntry explicit_entry(const std::string& name, int stages, int order,
                                double imaginary_limit) {
@@ -170,6 +189,8 @@ std::vector<IntegratorEntry> make_list() {
                   .make_fast = fast_munthe_kaas4(),
                   .in_frame = true});
   for (const int order : {2, 4, 6}) list.push_back(exponential_entry(order));
+  for (int s = 1; s <= 3; ++s) list.push_back(bogfjellmo_marthinsen_entry(s));
+  list.push_back(crouch_grossman_entry(yoshida4()));
   list.push_back({.name = "magnus4",
                   .stages = 4,
                   .order = 4,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
 #include "isosyrk/tableaux/gauss_tableau.h"
 
@@ -14,11 +15,18 @@ template <class Scalar>
 Composition<Scalar>::Composition(SharedFlowIn<Scalar> flow, const CompositionScheme& scheme,
                                  Formulation formulation, const IterationOptions& options,
                                  ProductBackend backend)
+    : Composition(flow, scheme,
+                  make_formulation_in<Scalar>(formulation, flow, gauss_tableau(1), options,
+                                              backend)) {}
+
+template <class Scalar>
+Composition<Scalar>::Composition(SharedFlowIn<Scalar> flow, const CompositionScheme& scheme,
+                                 std::unique_ptr<IntegratorIn<Scalar>> substep)
     : IntegratorIn<Scalar>(flow),
       fractions_(scheme.fractions),
-      midpoint_(make_formulation_in<Scalar>(formulation, flow, gauss_tableau(1), options, backend)),
+      substep_(std::move(substep)),
       state_(flow->algebra().template zero<Scalar>()) {
-  midpoint_->make_inner();
+  substep_->make_inner();
   const double sum = std::accumulate(fractions_.begin(), fractions_.end(), 0.0);
   if (std::abs(sum - 1.0) > 1e-14 ||
       !std::equal(fractions_.begin(), fractions_.end(), fractions_.rbegin())) {
@@ -32,7 +40,7 @@ StepReport Composition<Scalar>::advance(const Stored& W0, double h, Stored& W1) 
   state_ = W0;
   StepReport total;
   for (const double fraction : fractions_) {
-    total.append(midpoint_->advance(state_, fraction * h, W1));
+    total.append(substep_->advance(state_, fraction * h, W1));
     if (total.status != Status::converged) break;
     state_ = W1;
   }
@@ -42,7 +50,7 @@ StepReport Composition<Scalar>::advance(const Stored& W0, double h, Stored& W1) 
 template <class Scalar>
 void Composition<Scalar>::set_scale(double scale) {
   IntegratorIn<Scalar>::set_scale(scale);
-  midpoint_->set_scale(scale);
+  substep_->set_scale(scale);
 }
 
 template class Composition<double>;

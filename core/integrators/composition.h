@@ -15,20 +15,23 @@ namespace isosyrk {
 /// fails if a substep fails.
 /// Products and Poisson solves: the sums over the midpoint substeps.
 template <class Scalar>
-class Composition final : public IntegratorIn<Scalar> {
+class Composition : public IntegratorIn<Scalar> {
  public:
   using typename IntegratorIn<Scalar>::Stored;
 
   /// Throws std::invalid_argument unless the fractions are symmetric and sum to 1.
   Composition(SharedFlowIn<Scalar> flow, const CompositionScheme& scheme, Formulation formulation,
               const IterationOptions& options, ProductBackend backend);
+  /// Composes steps of another symmetric method in place of the midpoint rule.  Throws likewise.
+  Composition(SharedFlowIn<Scalar> flow, const CompositionScheme& scheme,
+              std::unique_ptr<IntegratorIn<Scalar>> substep);
 
   StepReport advance(const Stored& W0, double h, Stored& W1) override;
   void set_scale(double scale) override;
 
  private:
   std::vector<double> fractions_;
-  std::unique_ptr<IntegratorIn<Scalar>> midpoint_;
+  std::unique_ptr<IntegratorIn<Scalar>> substep_;
   Stored state_;
 };
 
