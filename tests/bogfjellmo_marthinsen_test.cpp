@@ -154,14 +154,12 @@ TEST_P(Stages, HaveTheirOrderForABThatIsNotLinearAndALowerOneByAShorterSeries) {
   const FlowOf flow = quartic_flow();
   const Matrix W0 = small_scene().initial;
   const double time = 4.0;
-  const Matrix exact =
-      integrated(*gauss(Formulation::group, flow, 6, 1e-15), W0, time / 40.0, 40);
+  const Matrix exact = integrated(*gauss(Formulation::group, flow, 6, 1e-15), W0, time / 40.0, 40);
   const auto order = [&](Integrator& integrator) {
     const auto error = [&](double h, long count) {
       return largest_difference(integrated(integrator, W0, h, count), exact);
     };
-    return observed_order(time, {6, 8, 10, 12, 16, 20, 24, 32}, error,
-                          [](long) { return 1e-12; });
+    return observed_order(time, {6, 8, 10, 12, 16, 20, 24, 32}, error, [](long) { return 1e-12; });
   };
   EXPECT_NEAR(order(*listed(name, flow)), 2 * s, 0.2);
   if (s > 1) {
@@ -189,13 +187,13 @@ TEST(BogfjellmoMarthinsen, WithOneStageIsTheExponentialMethodOfOrderTwo) {
     if (!takes(integrator_entry("bm1"), *scene.flow)) continue;
     const double h = 0.5 / generator_norm(scene);
     const Matrix expected = integrated(*listed("elp2", *scene.flow), scene.initial, h, 10);
-    EXPECT_LE(largest_difference(integrated(*listed("bm1", *scene.flow), scene.initial, h, 10),
-                                 expected),
-              1e-13)
+    EXPECT_LE(
+        largest_difference(integrated(*listed("bm1", *scene.flow), scene.initial, h, 10), expected),
+        1e-13)
         << scene_name;
-    EXPECT_GE(largest_difference(integrated(*listed("bm2", *scene.flow), scene.initial, h, 10),
-                                 expected),
-              1e-6);
+    EXPECT_GE(
+        largest_difference(integrated(*listed("bm2", *scene.flow), scene.initial, h, 10), expected),
+        1e-6);
   }
 }
 
@@ -213,9 +211,7 @@ TEST(BogfjellmoMarthinsen, RefusesAWeightThatIsZeroAndAnotherJ) {
   Tableau tableau = gauss_tableau(2);
   tableau.b << 0.0, 1.0;
   expect_refused(
-      [&] {
-        BogfjellmoMarthinsen<Complex>(scene.flow, tableau, {}, ProductBackend::openblas);
-      },
+      [&] { BogfjellmoMarthinsen<Complex>(scene.flow, tableau, {}, ProductBackend::openblas); },
       "no b_i may be 0");
   const auto& [other_name, parameters] = tested_scenes().back();
   const Scene other = scene_by_name(other_name, parameters);

@@ -181,8 +181,8 @@ TEST_P(EachFormOfProjection, ProjectsInARunWhereTheSpectrumDriftsAndElseNowhere)
     EXPECT_EQ(with.products - without.products, 3 * with.projections);
     return with.projections;
   };
-  for (const char* name : {"rk4_projected", "rk5_projected", "rk8_projected", "rk10_projected",
-                           "abm8_projected"}) {
+  for (const char* name :
+       {"rk4_projected", "rk5_projected", "rk8_projected", "rk10_projected", "abm8_projected"}) {
     EXPECT_EQ(projections(name, 0.02, 100), 0) << name;
   }
   const long coarse = projections("rk4_projected", 0.3, 100);
@@ -265,8 +265,7 @@ class EachFormOfAMultistepMethod : public EachFormOfProjection {
   // Of a start: six steps, and then two.
   const std::vector<long> start = {12, 12, 12, 12, 12, 12, 2, 2};
 };
-INSTANTIATE_TEST_SUITE_P(Forms, EachFormOfAMultistepMethod,
-                         ::testing::Values("published", "fast"),
+INSTANTIATE_TEST_SUITE_P(Forms, EachFormOfAMultistepMethod, ::testing::Values("published", "fast"),
                          [](const auto& tested) { return std::string(tested.param); });
 
 TEST_P(EachFormOfAMultistepMethod, BeginsAnewWhereItsPastIsOfAnotherStateOrStep) {
@@ -297,9 +296,7 @@ TEST_P(EachFormOfAMultistepMethod, TakesLoneStepsOfTheMethodOfItsStart) {
 TEST_P(EachFormOfAMultistepMethod, IsItsDefinition) {
   const MultistepScheme& scheme = adams_bashforth_moulton8();
   const double h = 0.1;
-  const auto slope = [&](const Matrix& W) {
-    return commutator(scene.flow->dense_generator(W), W);
-  };
+  const auto slope = [&](const Matrix& W) { return commutator(scene.flow->dense_generator(W), W); };
   const auto rk8 = made(form_of("rk8"), *scene.flow);
   Matrix W = scene.initial;
   std::vector<Matrix> slopes;
@@ -310,9 +307,11 @@ TEST_P(EachFormOfAMultistepMethod, IsItsDefinition) {
       continue;
     }
     Matrix predicted = W, corrected = W;
-    for (Index j = 0; j < 7; ++j) predicted += h * scheme.predictor(j) * slopes[static_cast<std::size_t>(j)];
+    for (Index j = 0; j < 7; ++j)
+      predicted += h * scheme.predictor(j) * slopes[static_cast<std::size_t>(j)];
     corrected += h * scheme.of_predicted * slope(predicted);
-    for (Index j = 0; j < 7; ++j) corrected += h * scheme.corrector(j) * slopes[static_cast<std::size_t>(j)];
+    for (Index j = 0; j < 7; ++j)
+      corrected += h * scheme.corrector(j) * slopes[static_cast<std::size_t>(j)];
     W = corrected;
   }
   EXPECT_LE(largest_difference(integrated(*integrator, scene.initial, h, 20), W), 1e-14);

@@ -21,8 +21,8 @@ TEST(ExplicitTableaux, IntegratePolynomialsBelowTheirOrderAndNoMore) {
     for (int power = 0; power <= tableau.order; ++power) {
       const RealVector c_power = tableau.c.array().pow(power);
       const double error = std::abs(tableau.b.dot(c_power) - 1.0 / (power + 1));
-      const double between = std::abs(tableau.b.dot(tableau.a * c_power) -
-                                      1.0 / ((power + 1.0) * (power + 2.0)));
+      const double between =
+          std::abs(tableau.b.dot(tableau.a * c_power) - 1.0 / ((power + 1.0) * (power + 2.0)));
       // The nodes are sums over coefficients up to 43.
       EXPECT_EQ(error <= 4e-15, power < tableau.order) << tableau.name << power << " " << error;
       if (power < tableau.order - 1) {

@@ -16,9 +16,9 @@
 namespace isosyrk::testing {
 namespace {
 
-const std::vector<std::string> names = {
-    "elp2", "elp4",    "elp6",    "bm1",           "bm2",          "bm3",
-    "cg4",  "magnus4", "magnus5", "rk4_projected", "rk5_projected"};
+const std::vector<std::string> names = {"elp2",    "elp4",          "elp6",         "bm1",
+                                        "bm2",     "bm3",           "cg4",          "magnus4",
+                                        "magnus5", "rk4_projected", "rk5_projected"};
 
 struct Case {
   std::string scene;

@@ -112,10 +112,10 @@ TEST_P(EachIntegrator, IsAPoissonMapIfAndOnlyIfItSaysSo) {
       4, HbarConvention::paper,
       {{1, 0, 0.4}, {1, 1, {0.3, -0.8}}, {2, 1, {1.0, 0.3}}, {3, 2, {-0.6, 0.9}}, {3, 0, 0.7}});
   const auto precise = made(entry, *small.flow, {.tolerance = 1e-15});
-  expect_small_if_and_only_if(entry.keeps.lie_poisson,
-                              poisson_map_defect(*precise, small.initial,
-                                                 errs_little(entry) ? 4.0 * long_step() : 2.0),
-                              1e-10, 1e-6);
+  expect_small_if_and_only_if(
+      entry.keeps.lie_poisson,
+      poisson_map_defect(*precise, small.initial, errs_little(entry) ? 4.0 * long_step() : 2.0),
+      1e-10, 1e-6);
 }
 
 INSTANTIATE_TEST_SUITE_P(List, EachIntegrator, ::testing::ValuesIn(integrators()),

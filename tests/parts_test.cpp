@@ -11,10 +11,10 @@ namespace {
 // All that a step reports, to be compared bit for bit.  Equivalent products are a difference of
 // sums since construction, rounded to these.
 std::string text(const StepReport& report) {
-  return fmt::format("{} {} {} {:a} {:a} {} {:.9g} {} {}", name(report.status), name(report.attempt),
-                     report.sweeps, report.last_change, report.contraction, report.work.products,
-                     report.work.equivalent_products, report.work.poisson_solves,
-                     report.work.projections);
+  return fmt::format("{} {} {} {:a} {:a} {} {:.9g} {} {}", name(report.status),
+                     name(report.attempt), report.sweeps, report.last_change, report.contraction,
+                     report.work.products, report.work.equivalent_products,
+                     report.work.poisson_solves, report.work.projections);
 }
 
 // What can be seen of a run: reports of its steps and its last state.

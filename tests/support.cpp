@@ -154,10 +154,10 @@ bool takes(const IntegratorEntry& entry, const Flow& flow) {
   if (entry.name.starts_with("elp4") || entry.name.starts_with("elp6")) {
     return flow.algebra().is_skew_hermitian() && flow.has_self_adjoint_generator();
   }
-  const bool needs_identity_J =
-      entry.name.starts_with("elp2") || entry.name.starts_with("magnus") ||
-      entry.name.starts_with("bm") || entry.name.starts_with("cg") ||
-      entry.name.find("_projected") != std::string::npos;
+  const bool needs_identity_J = entry.name.starts_with("elp2") ||
+                                entry.name.starts_with("magnus") || entry.name.starts_with("bm") ||
+                                entry.name.starts_with("cg") ||
+                                entry.name.find("_projected") != std::string::npos;
   return !needs_identity_J || flow.algebra().is_skew_hermitian();
 }
 

@@ -85,7 +85,8 @@ std::vector<std::string> recorded_integrators();
 std::vector<IntegratorEntry> forms_of(const IntegratorEntry& entry);
 
 /// Whether a method is made for a flow.  elp4 and elp6 need J = I and a self-adjoint B; elp2, the
-/// Magnus methods, those of Bogfjellmo and Marthinsen and those with a projection need J = I; a frame needs Euler-Zeitlin; all others take any.
+/// Magnus methods, those of Bogfjellmo and Marthinsen and those with a projection need J = I; a
+/// frame needs Euler-Zeitlin; all others take any.
 bool takes(const IntegratorEntry& entry, const Flow& flow);
 
 /// The entries of integrators() that have a fast form.

@@ -1,4 +1,5 @@
-// The symplectic Lie group methods of Munthe-Kaas type of Bogfjellmo and Marthinsen, on the algebra.
+// The symplectic Lie group methods of Munthe-Kaas type of Bogfjellmo and Marthinsen, on the
+// algebra.
 #pragma once
 
 #include <vector>
@@ -25,14 +26,14 @@ namespace isosyrk {
 /// K = p - 2 is enough for the order p of a symplectic tableau.  Isospectral for any Ω; Lie-Poisson
 /// for any tableau, any K and any
 /// B = ∇H, linear or not (core/integrators/BOGFJELLMO_MARTHINSEN.md).  With one stage it is the
-/// exponential method of order 2.  Symmetric for one stage only, since Ω_i is measured from one end.
+/// exponential method of order 2.  Symmetric for one stage only, since Ω_i is measured from one
+/// end.
 ///
-/// A sweep sets all μ_j, and then all v_i by the new μ_i, from v = B(W₀) and μ = W₀.  The changes of
-/// μ_j are in units of the scale, those of h v_i relative to ‖h v_i‖ or to more, as those of Ω for
-/// ExponentialLiePoisson.  λ and W₁ are summed to rounding, so that the spectrum does not depend on
-/// the tolerance.  A step diverges if that fails.
-/// Products: 3 K s and 1 for each term of the series of λ a sweep; 1 for each term for the update.
-/// Poisson solves: s a sweep, and 1.
+/// A sweep sets all μ_j, and then all v_i by the new μ_i, from v = B(W₀) and μ = W₀.  The changes
+/// of μ_j are in units of the scale, those of h v_i relative to ‖h v_i‖ or to more, as those of Ω
+/// for ExponentialLiePoisson.  λ and W₁ are summed to rounding, so that the spectrum does not
+/// depend on the tolerance.  A step diverges if that fails. Products: 3 K s and 1 for each term of
+/// the series of λ a sweep; 1 for each term for the update. Poisson solves: s a sweep, and 1.
 /// Source: Bogfjellmo and Marthinsen, High-order symplectic partitioned Lie group methods, Found.
 /// Comput. Math. 16 (2016).
 template <class Scalar>
@@ -85,9 +86,9 @@ class CrouchGrossman final : public Composition<Scalar> {
   /// Throws as Composition, and for a flow with another J than I.
   CrouchGrossman(SharedFlowIn<Scalar> flow, const CompositionScheme& weights,
                  const IterationOptions& options, ProductBackend backend)
-      : Composition<Scalar>(flow, weights,
-                            std::make_unique<ExponentialLiePoisson<Scalar>>(flow, 2, options,
-                                                                            backend)) {}
+      : Composition<Scalar>(
+            flow, weights,
+            std::make_unique<ExponentialLiePoisson<Scalar>>(flow, 2, options, backend)) {}
 };
 
 }  // namespace isosyrk

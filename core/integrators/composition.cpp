@@ -15,9 +15,9 @@ template <class Scalar>
 Composition<Scalar>::Composition(SharedFlowIn<Scalar> flow, const CompositionScheme& scheme,
                                  Formulation formulation, const IterationOptions& options,
                                  ProductBackend backend)
-    : Composition(flow, scheme,
-                  make_formulation_in<Scalar>(formulation, flow, gauss_tableau(1), options,
-                                              backend)) {}
+    : Composition(
+          flow, scheme,
+          make_formulation_in<Scalar>(formulation, flow, gauss_tableau(1), options, backend)) {}
 
 template <class Scalar>
 Composition<Scalar>::Composition(SharedFlowIn<Scalar> flow, const CompositionScheme& scheme,
