@@ -24,16 +24,16 @@ namespace isosyrk {
 ///     D_i*(μ) = Σ_{p+q<K} [ad_{Ω_i}^q v_i, (-ad_{Ω_i})^p μ] / (p+q+2)!.
 ///
 /// K = p - 2 is enough for the order p of a symplectic tableau.  Isospectral for any Ω; Lie-Poisson
-/// for any tableau, any K and any
-/// B = ∇H, linear or not (core/integrators/BOGFJELLMO_MARTHINSEN.md).  With one stage it is the
-/// exponential method of order 2.  Symmetric for one stage only, since Ω_i is measured from one
-/// end.
+/// for any tableau, any K and any B = ∇H, linear or not
+/// (core/integrators/BOGFJELLMO_MARTHINSEN.md).  With one stage it is the exponential method of
+/// order 2.  Symmetric for one stage only, since Ω_i is measured from one end.
 ///
 /// A sweep sets all μ_j, and then all v_i by the new μ_i, from v = B(W₀) and μ = W₀.  The changes
 /// of μ_j are in units of the scale, those of h v_i relative to ‖h v_i‖ or to more, as those of Ω
 /// for ExponentialLiePoisson.  λ and W₁ are summed to rounding, so that the spectrum does not
-/// depend on the tolerance.  A step diverges if that fails. Products: 3 K s and 1 for each term of
-/// the series of λ a sweep; 1 for each term for the update. Poisson solves: s a sweep, and 1.
+/// depend on the tolerance.  A step diverges if that fails.
+/// Products: 3 K s and 1 for each term of the series of λ a sweep; 1 for each term for the update.
+/// Poisson solves: s a sweep, and 1.
 /// Source: Bogfjellmo and Marthinsen, High-order symplectic partitioned Lie group methods, Found.
 /// Comput. Math. 16 (2016).
 template <class Scalar>
