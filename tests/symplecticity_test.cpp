@@ -95,7 +95,6 @@ TEST_P(NoSymplecticity, FallsWithTheOrderOfTheStep) {
     const auto defect = [&](double h, long) { return defect_of(entry, small, h); };
     const auto floor = [](long) { return 3e-11; };
     const double order = observed_order(long_step_of(entry), counts, defect, floor, 2) - 1.0;
-    // In the long steps of high orders the next term is seen too, and of rk10 it is the larger one.
     // In the long steps of high orders the next term is seen too; of rk10 it is the larger one.
     const double before = entry.order < 8 ? 0.35 : 0.75;
     const double beyond = entry.order < 5 ? 0.35 : entry.order < 10 ? before + 0.15 : 1.25;
