@@ -13,7 +13,7 @@ from lib.integrator_names import in_frame
 
 # At most seven a panel.
 DRAWN = {PUBLISHED: ("group2", "algebra1", "algebra2", "elp4", "rkmk4", "magnus5", "rk4"),
-         FAST: ("group2", "group2_frame", "algebra1", "elp4_frame", "rkmk4", "magnus5_frame", "rk4")}
+         FAST: ("group2", "group2_frame", "algebra1", "elp4_frame", "magnus5_frame", "rk4_frame", "rk8_frame")}
 TITLES = {PUBLISHED: "published forms", FAST: "fast forms"}
 WITH_THEORY = ("group2", "algebra1", "rk4")
 THEORY = {"linewidth": 1.0, "linestyle": (0, (4, 3))}

@@ -1,7 +1,8 @@
 """The raw file of scripts/studies/limits.py: up to which step size each integrator works, and how it fails beyond.
 
 Step sizes are given as h‖B(W₀)‖₂ of the flow without co-rotating frame, at the initial data W₀ of a state. The critical
-step is where trials to T = 5 begin to fail, the safe step where trials to T = 50 do.
+step is where short trials begin to fail. The survived step is the longest, up to the critical one, whose long trial
+came to its end: it says nothing of accuracy.
 """
 
 import os
@@ -23,13 +24,18 @@ outcome = one_of(*OUTCOMES)
 
 class Settings(NamedTuple):
     quick: truth
-    time: positive  # of a trial, at least
-    safe_time: positive
-    implicit_steps: whole(1)  # of a trial, at least
+    time: positive  # of a short trial, at least
+    implicit_steps: whole(1)  # of a short trial, at least
     explicit_steps: whole(1)
+    longer: whole(2)  # a long trial has so many times the steps of the short one with the same step size
     grid_step: positive  # factor of h from one trial of the grid to the next
     close: positive  # factor between the failing and the working step where bisection ended
-    safe_close: positive
+    long_close: positive  # the same for long trials
+
+    @property
+    def long_time(self):
+        """How long a long trial lasts at least."""
+        return self.longer * self.time
 
 
 class State(NamedTuple):
@@ -66,16 +72,17 @@ class Limit(NamedTuple):
         return LETTERS[CONVERGED] in self.grid.lstrip(LETTERS[CONVERGED])
 
 
-class Safe(NamedTuple):
-    """The safe step of one form of an integrator, from a scene's own initial data."""
+class Survived(NamedTuple):
+    """The longest step of one form of an integrator that survived a long trial, from a scene's own initial data."""
 
     solver: one_of(*SOLVERS)
     scene: one_of(*SCENES)
     n: whole(2)
     integrator: text
-    works: positive
+    works: positive  # h‖B‖₂ of the longest step that survived, and of a step that failed
     fails: positive
     fails_as: outcome
+    energy_error: number  # relative, at the end of the trial that survived
 
 
 class Theory(NamedTuple):
@@ -87,7 +94,7 @@ class Theory(NamedTuple):
     limit: number  # h‖B(W₀)‖₂
 
 
-SCHEMA = Schema("limits", Settings, {"integrators": Integrator, "states": State, "limits": Limit, "safe": Safe,
+SCHEMA = Schema("limits", Settings, {"integrators": Integrator, "states": State, "limits": Limit, "survived": Survived,
                                      "theory": Theory})
 
 
@@ -126,7 +133,7 @@ class Limits(NamedTuple):
     integrators: Dict[str, Integrator]
     states: Dict[Tuple[str, int, int], State]
     lines: Dict[Tuple[str, str, int, str], Line]  # by solver, scene, n, integrator
-    safe: Dict[Tuple[str, str, int, str], Safe]
+    survived: Dict[Tuple[str, str, int, str], Survived]
     theory: Dict[Tuple[str, int, str], float]
 
     def sizes(self, solver):
@@ -145,37 +152,28 @@ class Limits(NamedTuple):
         line = self.lines.get((solver, scene, n, name))
         return line and line.limits[0].works
 
-    def safe_and_critical(self):
-        """Returns the Safe and the Limit of the same state, for each Safe."""
-        return [(safe, self.lines[key].limits[0]) for key, safe in self.safe.items()]
+    def survived_and_critical(self):
+        """Returns the Survived and the Limit of the same state, for each Survived."""
+        return [(survived, self.lines[key].limits[0]) for key, survived in self.survived.items()]
 
-    def is_longer(self, key):
-        """Tells whether a trial to the safe time, at the step that is critical, has more steps than one to the first.
+    def held(self, survived):
+        """Returns the h‖B‖₂ of a Survived, or the least critical one of the drawn states where that is less."""
+        line = self.lines[survived.solver, survived.scene, survived.n, survived.integrator]
+        return min(survived.works, line.least or survived.works)
 
-        Both have the least number of steps where that is enough to reach the time, and then they are the same run.
-        """
-        solver, scene, n, name = key
-        least = self.settings.explicit_steps if self.integrators[name].explicit else self.settings.implicit_steps
-        step = self.lines[key].limits[0].works / self.states[scene, n, 0].norm_B
-        return self.settings.safe_time / step > least * (1 + 1e-12)
-
-    def held(self, safe):
-        """Returns the h‖B‖₂ of a Safe, or the least critical one of the drawn states where that is less."""
-        return min(safe.works, self.lines[safe.solver, safe.scene, safe.n, safe.integrator].least or safe.works)
-
-    def least_safe(self):
-        """Returns the least safe h‖B‖₂ over scenes by (integrator, solver, n), n rising within a form."""
+    def least_survived(self):
+        """Returns the least h‖B‖₂ that survived, over scenes, by (integrator, solver, n), n rising within a form."""
         found = {}
-        for (solver, _, n, name), safe in self.safe.items():
+        for (solver, _, n, name), survived in self.survived.items():
             key = (name, solver, n)
-            found[key] = min(self.held(safe), found.get(key, safe.works))
+            found[key] = min(self.held(survived), found.get(key, survived.works))
         order = list(self.integrators)
         return {key: found[key] for key in sorted(found, key=lambda key: (order.index(key[0]), key[1], key[2]))}
 
-    def safe_around(self, solver, scene, n, name):
-        """Returns the safe h‖B‖₂ in a scene at the recorded n on both sides of n, the lesser one, or at the nearest
-        recorded n. None where the form has none in the scene."""
-        known = {at: self.held(safe) for (by, where, at, each), safe in self.safe.items()
+    def survived_around(self, solver, scene, n, name):
+        """Returns the h‖B‖₂ that survived in a scene at the recorded n on both sides of n, the lesser one, or at the
+        nearest recorded n. None where the form has none in the scene."""
+        known = {at: self.held(survived) for (by, where, at, each), survived in self.survived.items()
                  if (by, where, each) == (solver, scene, name)}
         below, above = [at for at in known if at <= n], [at for at in known if at >= n]
         around = [max(below, default=None), min(above, default=None)]
@@ -199,9 +197,9 @@ def limits_of(study):
         if not set(limit.grid) <= set(NAMES):
             raise UnusableFile(f"has a grid with unknown outcomes: {limit.grid}")
         rows.setdefault((limit.solver, limit.scene, limit.n, limit.integrator), []).append(limit)
-    safe = keyed(tables["safe"], "solver", "scene", "n", "integrator")
-    if not safe.keys() <= rows.keys():
-        raise UnusableFile("has safe steps without critical ones")
+    survived = keyed(tables["survived"], "solver", "scene", "n", "integrator")
+    if not survived.keys() <= rows.keys():
+        raise UnusableFile("has survived steps without critical ones")
     return Limits(study.context, study.settings, integrators, states,
-                  {key: Line(tuple(found)) for key, found in rows.items()}, safe,
+                  {key: Line(tuple(found)) for key, found in rows.items()}, survived,
                   {(each.scene, each.n, each.integrator): each.limit for each in tables["theory"]})

@@ -11,10 +11,11 @@ from lib.numbers import span
 CHARTS = {"limits": "Critical h‖B(W₀)‖₂ against n, published and fast forms.",
           "failure_map": "How steps of published `algebra1` end, smooth scene."}
 CAP, ISLAND, NONE = "*", "°", "none"
-# Whose critical steps pages may quote.
-QUOTED = ("group1", "group2", "group3", "algebra1", "algebra2", "algebra3", "elp4", "elp6", "rkmk4", "magnus5",
-          "rk4_projected", "rk4", "group2_frame", "group3_frame", "elp4_frame", "elp6_frame", "magnus5_frame",
-          "rk4_frame")
+# Whose steps pages may quote.
+QUOTED = ("group1", "group2", "group3", "algebra1", "algebra2", "algebra3", "elp4", "elp6", "bm2", "bm3", "cg4",
+          "rkmk4", "magnus5", "rk4_projected", "rk8_projected", "rk4", "rk5", "rk8", "rk10", "abm8", "group2_frame",
+          "group3_frame", "elp4_frame", "elp6_frame", "magnus5_frame", "rk4_frame", "rk5_frame", "rk8_frame",
+          "abm8_frame")
 FORMS = {PUBLISHED: "Published forms", FAST: "Fast forms"}
 
 
@@ -23,26 +24,26 @@ def sections(limits, charts):
     settings = limits.settings
     return [
         Heading("Up to which step methods work", 1),
-        Paragraph(f"A trial lasts to T = {settings.time:g}, in {settings.implicit_steps} steps at least, of explicit"
-                  f" methods {settings.explicit_steps}. It fails by its solver: diverged, stagnated, or sweep cap,"
-                  " after a thousand sweeps. Or it converges and loses what is conserved: an entry is not finite, the"
-                  " spectrum is off by more than 1e-6 where the method keeps it and by 0.1 elsewhere, or the energy by"
+        Paragraph(f"A short trial lasts to T = {settings.time:g}, in {settings.implicit_steps} steps at least, of"
+                  f" explicit methods {settings.explicit_steps}. It fails by its solver: diverged, stagnated, or sweep"
+                  " cap, after a thousand sweeps. Or it converges and loses what is conserved: an entry is not finite,"
+                  " the spectrum is off by more than 1e-6 where the method keeps it and by 0.1 elsewhere, or the energy by"
                   " more than a tenth. The critical step is the first failure on a grid of steps, each"
-                  f" {settings.grid_step:.3g} times the one before, narrowed to {settings.close:.3g}. The safe step is"
-                  f" the same to T = {settings.safe_time:g}, narrowed to {settings.safe_close:.3g}. It is the longest"
-                  " step whose run survived, and promises neither accuracy nor a longer run. A long step gives both"
-                  " trials the least number of steps, and then they are one run: only"
-                  f" {sum(map(limits.is_longer, limits.safe))} of {len(limits.safe)} trials to"
-                  f" T = {settings.safe_time:g} last longer."),
+                  f" {settings.grid_step:.3g} times the one before, narrowed to {settings.close:.3g}."),
+        Paragraph(f"A long trial has {settings.longer} times the steps of the short one with the same step size, so it"
+                  f" lasts to T = {settings.long_time:g} at least. The step that survived is the longest, up to the"
+                  f" critical one, whose long trial did not fail, narrowed to {settings.long_close:.3g}. It promises"
+                  " neither accuracy nor a longer run: the relative energy error at the end of that trial stands beside"
+                  " it."),
         Paragraph("Step sizes are given as h‖B(W₀)‖₂ of the flow without co-rotating frame, also for methods in the"
                   " frame; tables show the step that still works. A range is that over initial states: the scene's own"
                   " and drawn ones. Tolerance 1e-13."
                   f' "{CAP}": a state fails at the cap of sweeps, which sets the limit. "{ISLAND}": a longer step works'
                   f' again beyond a failure. "{NONE}": no step that was tried works. "{MISSING}": not tried.'),
         *shown(list(CHARTS.items()), charts),
-        *safe_step_section(limits),
+        *survived_step_section(limits),
         *(part for solver in FORMS if limits.sizes(solver) for part in critical_sections(limits, solver)),
-        *(part for solver in FORMS for part in safe_sections(limits, solver)),
+        *(part for solver in FORMS for part in survived_sections(limits, solver)),
         *coverage_section(limits),
         *states_section(limits),
         conditions(limits.context),
@@ -74,9 +75,9 @@ def range_text(line):
     return (span([line.least, line.largest], three_digits) + CAP * line.set_by_cap + ISLAND * line.has_island)
 
 
-def safe_sections(limits, solver):
-    """Returns the safe h‖B‖₂ of every integrator that has one: a column for each scene and n."""
-    found = {key: safe for key, safe in limits.safe.items() if key[0] == solver}
+def survived_sections(limits, solver):
+    """Returns the h‖B‖₂ that survived, of every integrator that has one: a column for each scene and n."""
+    found = {key: survived for key, survived in limits.survived.items() if key[0] == solver}
     if not found:
         return []
     places = [(scene, n) for scene in SCENES for n in sorted({key[2] for key in found}) if
@@ -85,38 +86,43 @@ def safe_sections(limits, solver):
     for name in limits.integrators:
         values = [found.get((solver, scene, n, name)) for scene, n in places]
         if any(values):
-            rows.append([name, *(safe_text(each) for each in values)])
+            rows.append([name, *(survived_text(each) for each in values)])
     columns = (Column("integrator", align="left"), *(Column(f"n = {n}", scene) for scene, n in places))
-    return [Heading(f"{FORMS[solver]}: safe h‖B(W₀)‖₂"), plain_table(columns, rows)]
+    return [Heading(f"{FORMS[solver]}: longest h‖B(W₀)‖₂ that survived"),
+            Paragraph("In brackets: the relative energy error at the end of that trial."), plain_table(columns, rows)]
 
 
-def safe_text(safe):
-    if safe is None:
+def survived_text(survived):
+    if survived is None:
         return MISSING
-    return three_digits(safe.works) + CAP * (safe.fails_as == SWEEP_CAP)
+    mark = CAP * (survived.fails_as == SWEEP_CAP)
+    return f"{three_digits(survived.works)}{mark} ({survived.energy_error:.0e})"
 
 
-def safe_step_section(limits):
-    """Returns the safe steps of fast forms as h, at the largest n that has them in every scene."""
-    sizes = {n for solver, _, n, _ in limits.safe if solver == FAST
-             and {scene for by, scene, at, _ in limits.safe if (by, at) == (FAST, n)} >= set(limits.scenes())}
+def survived_step_section(limits):
+    """Returns the steps that survived, of fast forms, as h, at the largest n that has them in every scene."""
+    sizes = {n for solver, _, n, _ in limits.survived if solver == FAST
+             and {scene for by, scene, at, _ in limits.survived if (by, at) == (FAST, n)} >= set(limits.scenes())}
     if not sizes:
         return []
     n = max(sizes)
     scenes = limits.scenes()
     rows = []
     for name in limits.integrators:
-        steps = [safe_step(limits, FAST, scene, n, name) for scene in scenes]
-        if any(steps):
-            rows.append([name, *(three_digits(step) if step else MISSING for step in steps)])
-    columns = (Column("integrator", align="left"), *(Column(scene, "h up to") for scene in scenes))
-    return [Heading(f"Safe steps at n = {n}, fast forms"), plain_table(columns, rows)]
+        found = [limits.survived.get((FAST, scene, n, name)) for scene in scenes]
+        if any(found):
+            steps = [three_digits(survived_step(limits, each)) if each else MISSING for each in found]
+            errors = [f"{each.energy_error:.0e}" if each else MISSING for each in found]
+            rows.append([name, *steps, *errors])
+    columns = (Column("integrator", align="left"), *(Column(scene, "h up to") for scene in scenes),
+               *(Column(scene, "energy error at the end") for scene in scenes))
+    return [Heading(f"Longest step that survived to T = {limits.settings.long_time:g}, n = {n}, fast forms"),
+            plain_table(columns, rows)]
 
 
-def safe_step(limits, solver, scene, n, name):
-    """Returns the safe step h from a scene's own initial data, or None."""
-    safe = limits.safe.get((solver, scene, n, name))
-    return safe and safe.works / limits.states[scene, n, 0].norm_B
+def survived_step(limits, survived):
+    """Returns h of a Survived."""
+    return survived.works / limits.states[survived.scene, survived.n, 0].norm_B
 
 
 def coverage_section(limits):
@@ -125,11 +131,11 @@ def coverage_section(limits):
     for (solver, scene, n, _), line in limits.lines.items():
         place = counts.setdefault((solver, n, scene), {})
         place[len(line.limits)] = place.get(len(line.limits), 0) + 1
-    safe = [(solver, n, scene) for solver, scene, n, _ in limits.safe]
-    rows = [[solver, str(n), scene, str(integrators), str(states), str(safe.count((solver, n, scene)))]
+    survived = [(solver, n, scene) for solver, scene, n, _ in limits.survived]
+    rows = [[solver, str(n), scene, str(integrators), str(states), str(survived.count((solver, n, scene)))]
             for (solver, n, scene), place in sorted(counts.items()) for states, integrators in sorted(place.items())]
     columns = (Column("forms", align="left"), Column("n"), Column("scene", align="left"), Column("integrators"),
-               Column("states of each"), Column("safe steps in this scene"))
+               Column("states of each"), Column("steps that survived in this scene"))
     return [Heading("What was tried"), plain_table(columns, rows)]
 
 
@@ -141,11 +147,11 @@ def states_section(limits):
 
 
 def figures(limits):
-    """Returns figures by key, such as critical.fast.smooth.group2.n65.least and safe_step.fast.smooth.group2.n65.
+    """Returns figures by key, such as critical.fast.smooth.group2.n65.least and survived_step.fast.smooth.group2.n65.
 
     Critical values are h‖B(W₀)‖₂, least and largest over the states of a scene, and theory is what linear theory has in
-    their place; safe steps are h. Then counts, and the spread of a limit over states: largest over least, as its median
-    over all lines of several states.
+    their place. Steps that survived are h, each with its energy error. Then counts, and the spread of a limit over
+    states: largest over least, as its median over all lines of several states.
     """
     found = {}
     for (solver, scene, n, name), line in limits.lines.items():
@@ -154,16 +160,19 @@ def figures(limits):
             found |= {f"{key}.least": line.least, f"{key}.largest": line.largest}
     found |= {f"theory.{scene}.{name}.n{n}": limit for (scene, n, name), limit in limits.theory.items()
               if name in QUOTED}
-    for solver, scene, n, name in limits.safe:
-        found[f"safe_step.{solver}.{scene}.{name}.n{n}"] = safe_step(limits, solver, scene, n, name)
+    for (solver, scene, n, name), survived in limits.survived.items():
+        if name in QUOTED:
+            form = f"{solver}.{scene}.{name}.n{n}"
+            found |= {f"survived_step.{form}": survived_step(limits, survived),
+                      f"survived_energy_error.{form}": survived.energy_error}
     every = list(limits.lines.values())
     several = [line for line in every if len(line.limits) > 1 and all(limit.works for limit in line.limits)]
     counted = {"limits": sum(len(line.limits) for line in every), "lines": len(every),
                "lines_set_by_cap": sum(line.set_by_cap for line in every),
                "lines_with_island": sum(line.has_island for line in every),
                "lines_of_several_states": len(several), "own_state_within_drawn": sum(map(own_within_drawn, several)),
-               "safe": len(limits.safe), "safe_below_critical": sum(map(falls, limits.safe_and_critical())),
-               "safe_of_longer_runs": sum(map(limits.is_longer, limits.safe))}
+               "survived": len(limits.survived),
+               "survived_below_critical": sum(map(falls, limits.survived_and_critical()))}
     if several:
         spreads = [line.largest / line.least for line in several]
         found |= {"spread.median": statistics.median(spreads), "spread.largest": max(spreads)}
@@ -177,6 +186,6 @@ def own_within_drawn(line):
 
 
 def falls(pair):
-    """Tells whether a safe step is below the critical one by more than bisection."""
-    safe, critical = pair
-    return safe.fails <= critical.works
+    """Tells whether the step that survived is below the critical one by more than bisection."""
+    survived, critical = pair
+    return survived.fails <= critical.works

@@ -3,7 +3,8 @@
 What is offered is a Form: an integrator at a tolerance of its iteration. The step for an error is interpolated along
 the line of a Form, between two neighbouring runs that worked. Between recorded n and between recorded times, steps and
 seconds are interpolated too. All interpolation is linear in the logarithms. No step is offered beyond a failure, beyond
-a stability limit, beyond the longest recorded step that worked, or beyond the safe step that the study of limits found.
+a stability limit, beyond the longest recorded step that worked, or beyond the longest step that survived in the study
+of limits.
 """
 
 import itertools
@@ -170,7 +171,10 @@ def blend(weights, values):
 
 
 def cost_of(runs, error):
-    """Returns the least Cost of an error on safe runs, the shortest step first; None if they do not reach it."""
+    """Returns the least Cost of an error on runs within limits, the shortest step first.
+
+    None if they do not reach it.
+    """
     runs = list(itertools.dropwhile(lambda run: error < run.error < NEAR_ROUNDING, runs))
     good = list(itertools.takewhile(lambda run: run.error <= error, runs))
     costs = [interpolated(run, run, run.error) for run in good]
@@ -217,7 +221,7 @@ class Recorded:
             (problem, *form): [run._replace(error=self.judged_error(run)) if run.usable else run
                                for run in study.line(problem, *form)]
             for problem in self.weights for form in candidates})
-        self.lines = {form: [self.safe_runs(problem, form) for problem in self.weights] for form in candidates}
+        self.lines = {form: [self.runs_within_limits(problem, form) for problem in self.weights] for form in candidates}
 
     def is_candidate(self, form):
         """Tells whether a Form keeps what is asked for, and has an error that can be judged."""
@@ -249,16 +253,15 @@ class Recorded:
         share = min(1.0, self.question.time / self.shortest)
         return run.error * share + self.study.references[run.problem].uncertainty
 
-    def safe_runs(self, problem, form):
-        """Returns the runs of a line from the shortest step to the longest safe one: the next failed or is beyond a
-        limit."""
-        most = self.limits and self.limits.safe_around(FAST, problem.scene, problem.n, form.integrator)
+    def runs_within_limits(self, problem, form):
+        """Returns the runs of a line from the shortest step up to the first that failed or is beyond a limit."""
+        most = self.limits and self.limits.survived_around(FAST, problem.scene, problem.n, form.integrator)
 
-        def is_safe(run):
+        def is_within(run):
             return run.usable and not run.beyond_limit and (most is None or run.h_norm_B <= most)
 
-        runs = itertools.dropwhile(lambda run: not is_safe(run), reversed(self.judged.line(problem, *form)))
-        return list(itertools.takewhile(is_safe, runs))
+        runs = itertools.dropwhile(lambda run: not is_within(run), reversed(self.judged.line(problem, *form)))
+        return list(itertools.takewhile(is_within, runs))
 
     def outcome(self, run):
         return Outcome(self.study.integrators[run.integrator], run.n, run.time, run.steps, run.error, run.seconds,

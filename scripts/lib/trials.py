@@ -1,7 +1,8 @@
 """Whether a step size works, tried on some steps, and the largest that does.
 
 A trial is a run from initial data with one step size, given as h‖B(W₀)‖₂ of the flow without co-rotating frame.
-It fails by its solver, or it is unstable: what it conserves did not stay. Needs NumPy and isosyrk.
+It fails by its solver, or it is unstable: what it conserves did not stay. A long trial takes LONGER times as many steps
+as the short one of the same step size, whatever that is. Needs NumPy and isosyrk.
 """
 
 import math
@@ -11,8 +12,9 @@ import numpy
 from lib import study
 from lib.formats import CONVERGED, LARGEST, NOT_FINITE, UNSTABLE_ENERGY, UNSTABLE_SPECTRUM
 
-TIME = 5.0  # a trial lasts so long at least,
+TIME = 5.0  # a short trial lasts so long at least,
 LEAST_STEPS = {False: 50, True: 400}  # and takes so many steps at least: implicit methods, explicit ones
+LONGER = 10  # times as many steps has a long trial, which lasts so many times TIME at least
 LOOKS = 20  # at the energy in a trial
 
 # Losses that a trial does not survive: of the spectrum, whose largest eigenvalue is 1, where the method keeps it and
@@ -24,7 +26,8 @@ GRID_START = 0.5
 # The grid ends after so many failures in a row, a factor of 4 in h. An island of steps that work beyond them is missed.
 FAILURES_THAT_END = 4
 LARGEST_STEP, SMALLEST_STEP = 100.0, 0.01  # h‖B‖ that the grid does not exceed
-CLOSE, SAFE_CLOSE = 1.03, 1.10  # bisection ends where the failing step is so many times the working one
+# Bisection ends where the failing step is so many times the working one: in short trials, in long ones.
+CLOSE, LONG_CLOSE = 1.03, 1.10
 
 
 class Setting:
@@ -65,10 +68,17 @@ class Method:
         self.setting = setting
         self.integrator = isosyrk.integrator(setting.scene, name, solver=solver)  # with its default sweep cap
 
-    def outcome(self, h_norm_B, time=TIME):
-        """Returns how a trial of at least `time` ends: CONVERGED, a status of the solver, or a loss."""
+    def outcome(self, h_norm_B):
+        """Returns how a short trial ends: CONVERGED, a status of the solver, or a loss."""
+        return self.trial(h_norm_B, short_steps)[0]
+
+    def trial(self, h_norm_B, steps_of):
+        """Returns how a trial ends, as outcome() does, and the relative energy error of its last state.
+
+        `steps_of` is short_steps or long_steps.
+        """
         h = h_norm_B / self.setting.norm_B
-        steps = max(math.ceil(time / h * (1 - 1e-12)), LEAST_STEPS[self.entry.explicit])
+        steps = steps_of(h, self.entry.explicit)
         energy_lost = False
 
         def look(_step, W, _report):
@@ -77,10 +87,25 @@ class Method:
             return energy_lost
 
         W, _, status, _ = run(self.integrator, self.setting.scene.initial, h, steps, look, math.ceil(steps / LOOKS))
-        if status != CONVERGED:
-            return status
-        look(steps, W, None)  # the last state may be none that was looked at
-        return loss(W, self.setting.scene.initial, energy_lost, self.entry.isospectral)
+        if status == CONVERGED:
+            look(steps, W, None)  # the last state may be none that was looked at
+            status = loss(W, self.setting.scene.initial, energy_lost, self.entry.isospectral)
+        return status, self.setting.energy_error(W)
+
+
+def short_steps(h, explicit):
+    """Returns the number of steps of a short trial: TIME at least, and LEAST_STEPS at least."""
+    return max(math.ceil(TIME / h * (1 - 1e-12)), LEAST_STEPS[explicit])
+
+
+def long_steps(h, explicit):
+    """Returns the number of steps of a long trial: LONGER times those of the short one with the same step size.
+
+    A number that grew with the time alone would leave long steps with LEAST_STEPS in both trials: one and the same run.
+    A method fails after some steps, of its iteration or of growing modes, rather than after some time. So the same
+    factor in steps tests every step size alike. The time grows by the factor too.
+    """
+    return LONGER * short_steps(h, explicit)
 
 
 def loss(W, W0, energy_lost, isospectral):
@@ -158,10 +183,11 @@ def critical(tried):
     return outcomes, bracket and bisected(tried, *bracket, CLOSE)
 
 
-def safe(tried, bracket):
-    """Returns (works, fails, outcome) for trials that last longer than those of the critical `bracket`.
+def survived(tried, bracket):
+    """Returns (works, fails, outcome) for trials that are longer than those of the critical `bracket`, or None.
 
-    It is the same bracket where its working step still works; else the step falls until one does, to SAFE_CLOSE.
+    It is the same bracket where its working step still works; else the step falls until one does, to LONG_CLOSE. No
+    accuracy follows: a step survives while solver, spectrum and energy stay within the losses above.
     """
     works, fails, outcome = bracket
     while (found := tried(works)) != CONVERGED:
@@ -169,4 +195,4 @@ def safe(tried, bracket):
         works /= GRID_STEP
         if works < SMALLEST_STEP:
             return None
-    return bisected(tried, works, fails, outcome, SAFE_CLOSE)
+    return bisected(tried, works, fails, outcome, LONG_CLOSE)

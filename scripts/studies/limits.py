@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Finds up to which step size every integrator works, in published and fast form, and how it fails beyond.
 
-A trial runs to T = 5, in 50 steps at least. A grid of step sizes shows islands of steps that work; bisection finds the
-critical step. The safe step is the same to T = 50. Nothing here is timed.
+A short trial runs to T = 5, in 50 steps at least (explicit methods: 400). A grid of step sizes shows islands of steps
+that work; bisection finds the critical step. A long trial has ten times as many steps as the short one of the same step
+size, so it runs to T = 50 at least; the longest step that survives it is found too. Nothing here is timed.
 """
 
 import os
@@ -24,16 +25,15 @@ from lib.command_line import Stop
 from lib.formats import FAST, PUBLISHED, SOLVERS
 from lib.initial_states import DEVELOPED, SMOOTH, STATES
 from lib.integrator_names import TABLE1_CELLS, in_frame
-from lib.limits_files import LETTERS, SCENES, SCHEMA, Limit, Safe, Settings, State, Theory
+from lib.limits_files import LETTERS, SCENES, SCHEMA, Limit, Settings, State, Survived, Theory
 
-SAFE_TIME = 50.0
-# What the project's own comparisons use; the other methods are tried where that is cheap.
-EXPLICIT = ("rkmk4", "magnus5", "rk4_projected", "rk4")
-MAIN = ("group1", "group2", "group3", "algebra1", "elp4", "elp6", *EXPLICIT, "group2_frame", "group3_frame",
-        "elp4_frame", "elp6_frame", "magnus5_frame", "rk4_frame")
-SIX = ("algebra1", "group2_frame", "elp4_frame", "elp6_frame", "magnus5_frame", "rk4_frame")
+# Implicit methods of the project's own comparisons. Explicit ones cost less and are all tried.
+IMPLICIT = ("group1", "group2", "group3", "algebra1", "elp4", "elp6")
+IN_FRAME = ("group2_frame", "group3_frame", "elp4_frame", "elp6_frame")
+# What is tried at large n.
 COTANGENT = ("cotangent1", "cotangent2", "cotangent3")
-QUICK = ("group2", "algebra1", "elp4", "rkmk4", "rk4")
+LARGE = ("algebra1", "group2_frame", "elp4_frame", "elp6_frame", "magnus5_frame", "rk4_frame", "rk8_frame")
+QUICK = ("group2", "algebra1", "elp4", "rkmk4", "rk4", "rk8")
 
 
 class Plan(NamedTuple):
@@ -44,37 +44,32 @@ class Plan(NamedTuple):
     names: Tuple[str, ...]
     scenes: Tuple[str, ...] = SCENES
     states: int = STATES
-    safe: Tuple[str, ...] = ()  # those that are tried to SAFE_TIME too, from the scene's own state
+    long: bool = False  # whether long trials follow, from the scene's own state
 
 
 def plans(quick):
-    """Returns the Plans of the study. A form is in one Plan at each n.
-
-    All trials of all forms would take days. At n = 33 methods outside MAIN, and published forms outside Table 1 that
-    are not explicit, have the smooth scene's own state only. At n = 65 published forms of Table 1 and methods of MAIN
-    have each scene's own state, and fast forms of the SIX all states. Beyond, the SIX and published forms of Table 1
-    have fewer scenes. Published forms in the co-rotating frame are not tried.
+    """Returns the Plans of the study. A form is in one Plan at each n and scene.
     """
     if quick:
-        return [Plan(solver, (9, 17), QUICK, (SMOOTH,), 2, QUICK) for solver in SOLVERS]
+        return [Plan(solver, (9, 17), QUICK, (SMOOTH,), 2, long=True) for solver in SOLVERS]
     listed = isosyrk.integrators()
     plain = tuple(each.name for each in listed if not in_frame(each.name))
     fast = tuple(each.name for each in listed if each.has_fast_form)
-    cells = (*TABLE1_CELLS, *EXPLICIT)
-    return [Plan(PUBLISHED, (17,), plain, safe=plain),
-            Plan(PUBLISHED, (33,), cells, safe=cells),
-            Plan(PUBLISHED, (33,), without(cells, plain), (SMOOTH,), 1),
-            Plan(PUBLISHED, (65,), TABLE1_CELLS, states=1),
-            # Cotangent has group's limits, to bisection, at n = 17 and 33.
+    explicit = tuple(each.name for each in listed if each.explicit and each.has_fast_form)
+    main = (*IMPLICIT, *IN_FRAME, *explicit)
+    return [Plan(PUBLISHED, (17,), plain, long=True),
+            Plan(PUBLISHED, (33,), TABLE1_CELLS, long=True),
+            Plan(PUBLISHED, (33,), without(TABLE1_CELLS, plain), (SMOOTH,), 1),
+            Plan(PUBLISHED, (65,), without(COTANGENT, TABLE1_CELLS), states=1),
             Plan(PUBLISHED, (129,), without(COTANGENT, TABLE1_CELLS), (SMOOTH,), 1),
-            Plan(FAST, (17,), fast, safe=fast),
-            Plan(FAST, (33,), MAIN, safe=MAIN),
-            Plan(FAST, (33,), without(MAIN, fast), (SMOOTH,), 1),
-            Plan(FAST, (65,), SIX, safe=SIX),
-            Plan(FAST, (65,), without(SIX, MAIN), states=1, safe=without(SIX, MAIN)),
-            Plan(FAST, (129,), SIX, (SMOOTH,), 1, SIX),
-            Plan(FAST, (129,), SIX, (DEVELOPED,), 1),
-            Plan(FAST, (257,), SIX, (SMOOTH,), 1)]
+            Plan(FAST, (17,), fast, long=True),
+            Plan(FAST, (33,), main, long=True),
+            Plan(FAST, (33,), without(main, fast), (SMOOTH,), 1),
+            Plan(FAST, (65,), LARGE, long=True),
+            Plan(FAST, (65,), without(LARGE, main), states=1, long=True),
+            Plan(FAST, (129,), LARGE, (SMOOTH,), 1, long=True),
+            Plan(FAST, (129,), LARGE, (DEVELOPED,), 1),
+            Plan(FAST, (257,), LARGE, (SMOOTH,), 1)]
 
 
 def without(some, names):
@@ -84,7 +79,7 @@ def without(some, names):
 def jobs_of(options):
     """Returns the jobs of the study that options ask for, the longest last."""
     jobs = [{"n": n, "solver": plan.solver, "integrator": name, "scene": scene, "state": state,
-             "safe": name in plan.safe and state == 0}
+             "long": plan.long and state == 0}
             for plan in plans(options.quick) for n in plan.sizes for name in plan.names for scene in plan.scenes
             for state in range(plan.states)]
     if options.integrator:
@@ -99,15 +94,26 @@ def jobs_of(options):
 
 
 def find(job):
-    """Returns the limits of a job: fields of a Limit, and of a Safe or None."""
+    """Returns the limits of a job: fields of a Limit, and of a Survived or None."""
     setting = trials.Setting(initial_states.scene_of(job["scene"], job["n"], job["state"]))
     method = trials.Method(setting, job["integrator"], job["solver"])
     outcomes, bracket = trials.critical(method.outcome)
     works, fails, fails_as = bracket or (None, None, None)
     limit = {"first": min(outcomes), "grid": "".join(map(LETTERS.get, outcomes.values())), "works": works,
              "fails": fails, "fails_as": fails_as}
-    safe = trials.safe(partial(method.outcome, time=SAFE_TIME), bracket) if job["safe"] and bracket else None
-    return {"limit": limit, "safe": safe}
+    return {"limit": limit, "survived": survived(method, bracket) if job["long"] and bracket else None}
+
+
+def survived(method, bracket):
+    """Returns the fields of a Survived of a Method with a critical `bracket`, or None if no step survives."""
+    energy_errors = {}
+
+    def outcome(h_norm_B):
+        ending, energy_errors[h_norm_B] = method.trial(h_norm_B, trials.long_steps)
+        return ending
+
+    found = trials.survived(outcome, bracket)
+    return found and (*found, energy_errors[found[0]])
 
 
 def states_of(jobs):
@@ -144,14 +150,14 @@ def main(arguments):
     tried = {job["integrator"] for job in jobs}
     place = ("solver", "scene", "n", "integrator")
     formats.write_study(options.out, SCHEMA, journal.context, Settings(
-        options.quick, trials.TIME, SAFE_TIME, trials.LEAST_STEPS[False], trials.LEAST_STEPS[True], trials.GRID_STEP,
-        trials.CLOSE, trials.SAFE_CLOSE), {
+        options.quick, trials.TIME, trials.LEAST_STEPS[False], trials.LEAST_STEPS[True], trials.LONGER,
+        trials.GRID_STEP, trials.CLOSE, trials.LONG_CLOSE), {
         "integrators": [study.record_of(entry) for entry in isosyrk.integrators() if entry.name in tried],
         "states": states_of(jobs),
         "limits": [Limit(*(job[name] for name in (*place, "state")), **each["limit"])
                    for job, each in zip(jobs, found)],
-        "safe": [Safe(*(job[name] for name in place), *each["safe"]) for job, each in zip(jobs, found)
-                 if each["safe"]],
+        "survived": [Survived(*(job[name] for name in place), *each["survived"]) for job, each in zip(jobs, found)
+                     if each["survived"]],
         "theory": theory_of(jobs)})
     journal.remove()
 

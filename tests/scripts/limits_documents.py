@@ -6,12 +6,12 @@ import programs  # noqa: F401 (finds the modules of scripts/lib)
 
 from lib import formats
 from lib.formats import FAST, PUBLISHED, Integrator
-from lib.limits_files import SCHEMA, Limit, Safe, Settings, State, Theory
+from lib.limits_files import SCHEMA, Limit, Settings, State, Survived, Theory
 
 SIZES = (9, 17)
 SCENES = ("smooth", "developed")
 STATES = 2
-GRID_STEP, CLOSE, SAFE_CLOSE = 2**0.5, 1.03, 1.10
+GRID_STEP, CLOSE, LONG_CLOSE = 2**0.5, 1.03, 1.10
 NORM_B = 2.0
 INTEGRATORS = {"group2": Integrator("group2", 2, 4, True, True, True, False, None),
                "algebra1": Integrator("algebra1", 1, 2, True, True, True, False, None),
@@ -24,7 +24,7 @@ CRITICAL = {"group2": (1.5, "diverged", "++++dddd"), "algebra1": (1.2, "sweep ca
 
 def limits_study():
     """Returns the Study: the fast form works to twice the step, n = 17 to 1.5 times, state 1 to 1.1 times."""
-    limits, safe = [], []
+    limits, survived = [], []
     for solver, gain in ((PUBLISHED, 1.0), (FAST, 2.0)):
         for scene in SCENES:
             for n in SIZES:
@@ -35,13 +35,13 @@ def limits_study():
                     for state in range(STATES):
                         value = works * 1.1**state
                         limits.append(Limit(solver, scene, n, name, state, 0.5, grid, value, value * CLOSE, status))
-                    safe.append(Safe(solver, scene, n, name, 0.8 * works, 0.85 * works, status))
-    settings = Settings(False, 5.0, 50.0, 50, 400, GRID_STEP, CLOSE, SAFE_CLOSE)
+                    survived.append(Survived(solver, scene, n, name, 0.8 * works, 0.85 * works, status, 0.02))
+    settings = Settings(False, 5.0, 50, 400, 10, GRID_STEP, CLOSE, LONG_CLOSE)
     states = [State(scene, n, state, NORM_B, 3.0) for scene in SCENES for n in SIZES for state in range(STATES)]
     theory = [Theory("smooth", n, name, 3.4) for n in SIZES for name in ("group2", "rk4")]
     return formats.Study({"commit": "0123456789ab", "dirty": "no", "cpu": "a processor"}, settings,
-                         {"integrators": list(INTEGRATORS.values()), "states": states, "limits": limits, "safe": safe,
-                          "theory": theory})
+                         {"integrators": list(INTEGRATORS.values()), "states": states, "limits": limits,
+                          "survived": survived, "theory": theory})
 
 
 def write(folder, study, name="limits.json"):

@@ -19,7 +19,8 @@ class RawFiles(unittest.TestCase):
         with self.assertRaisesRegex(UnusableFile, "unknown outcomes"):
             limits_of(study)
         for table, kept, told in (("limits", 0, "no limits"), ("states", 1, "a state that it does not list"),
-                                  ("integrators", 1, "limits of"), ("limits", 1, "safe steps without critical ones")):
+                                  ("integrators", 1, "limits of"),
+                                  ("limits", 1, "survived steps without critical ones")):
             study = limits_study()
             study.tables[table] = study.tables[table][:kept]
             with self.subTest(table=table), self.assertRaisesRegex(UnusableFile, told):
@@ -41,24 +42,24 @@ class Questions(unittest.TestCase):
         self.assertAlmostEqual(line.largest, 4.95)
         self.assertIsNone(self.limits.own(PUBLISHED, "smooth", 9, "elp4_frame"))
 
-    def test_safe_steps_around_an_n(self):
-        around = self.limits.safe_around
+    def test_steps_that_survived_around_an_n(self):
+        around = self.limits.survived_around
         for n, expected in ((5, 0.96), (9, 0.96), (13, 0.96), (17, 1.44), (33, 1.44)):  # the lesser, the nearest one
             self.assertAlmostEqual(around(FAST, "smooth", n, "rk4"), expected)
         for unknown in (("rough", 9, "rk4"), ("smooth", 9, "rkmk4")):
             self.assertIsNone(around(FAST, *unknown))
 
-    def test_a_safe_step_is_no_longer_than_what_drawn_states_bear(self):
+    def test_what_survived_is_taken_no_longer_than_what_drawn_states_bear(self):
         study = limits_study()
         study.tables["limits"] = [limit._replace(works=0.5) if limit.state == 1 and limit.integrator == "rk4" else limit
                                   for limit in study.tables["limits"]]
         limits = limits_of(study)
-        self.assertEqual(limits.safe_around(FAST, "smooth", 9, "rk4"), 0.5)
-        self.assertEqual(limits.least_safe()["rk4", FAST, 9], 0.5)
-        self.assertAlmostEqual(limits.safe_around(FAST, "smooth", 9, "group2"), 2.4)
+        self.assertEqual(limits.survived_around(FAST, "smooth", 9, "rk4"), 0.5)
+        self.assertEqual(limits.least_survived()["rk4", FAST, 9], 0.5)
+        self.assertAlmostEqual(limits.survived_around(FAST, "smooth", 9, "group2"), 2.4)
 
-    def test_least_safe_is_in_the_order_of_the_list_and_of_n(self):
-        keys = [key for key in self.limits.least_safe() if key[1] == FAST]
+    def test_what_survived_is_in_the_order_of_the_list_and_of_n(self):
+        keys = [key for key in self.limits.least_survived() if key[1] == FAST]
         self.assertEqual(keys, [(name, FAST, n) for name in self.limits.integrators for n in SIZES])
 
 
@@ -82,27 +83,28 @@ class Report(unittest.TestCase):
         study.tables["limits"] = [limit._replace(works=None, fails=None, fails_as=None, grid="dddd")
                                   if limit.integrator == "group2" else limit for limit in study.tables["limits"]
                                   if (limit.integrator, limit.n, limit.solver) != ("rk4", 17, PUBLISHED)]
-        study.tables["safe"] = []
+        study.tables["survived"] = []
         self.report = as_markdown(sections(limits_of(study), ()))
         self.assertEqual(self.row("group2", "Published forms: critical")[1:3], ["none", "none"])
         self.assertEqual(self.row("rk4", "Published forms: critical")[2], "–")
 
-    def test_safe_steps_in_h_at_the_largest_n(self):
-        self.assertIn("Safe steps at n = 17, fast forms", self.report)
-        self.assertEqual(self.row("group2", "Safe steps at n = 17")[1], "1.80")  # 0.8 · 4.5 / ‖B‖₂
+    def test_steps_that_survived_in_h_with_their_energy_errors_at_the_largest_n(self):
+        heading = "Longest step that survived to T = 50, n = 17, fast forms"
+        row = self.row("group2", heading)
+        self.assertEqual((row[1], row[-1]), ("1.80", "2e-02"))  # 0.8 · 4.5 / ‖B‖₂
+        self.assertEqual(self.row("algebra1", "Fast forms: longest h‖B(W₀)‖₂ that survived")[1], "1.92* (2e-02)")
+        self.assertNotIn("safe", self.report.lower())
 
     def test_figures(self):
         found = figures(limits_of(limits_study()))
         self.assertAlmostEqual(found["critical.fast.smooth.group2.n9.least"], 3.0)
         self.assertAlmostEqual(found["critical.fast.smooth.group2.n9.largest"], 3.3)
-        self.assertAlmostEqual(found["safe_step.fast.smooth.rk4.n9"], 0.96 / NORM_B)
+        self.assertAlmostEqual(found["survived_step.fast.smooth.rk4.n9"], 0.96 / NORM_B)
+        self.assertEqual(found["survived_energy_error.fast.smooth.rk4.n9"], 0.02)
         self.assertAlmostEqual(found["spread.median"], 1.1)
-        self.assertEqual((found["limits"], found["lines"], found["safe"]), (56, 28, 28))
+        self.assertEqual((found["limits"], found["lines"], found["survived"]), (56, 28, 28))
         self.assertEqual((found["lines_set_by_cap"], found["lines_with_island"]), (8, 4))
-        self.assertEqual(found["safe_below_critical"], 28)
-        # To T = 50 a run has more than the least 50 steps if h is below 1, of RK4 more than 400 if below 1/8. Here h is
-        # half of h‖B‖₂: published, n = 9, group2 0.75 and algebra1 0.6; n = 17, algebra1 0.9; in two scenes.
-        self.assertEqual(found["safe_of_longer_runs"], 6)
+        self.assertEqual(found["survived_below_critical"], 28)
         # State 1 is 1.1 times as far, beyond what bisection leaves open.
         self.assertEqual((found["own_state_within_drawn"], found["lines_of_several_states"]), (0, 28))
 
@@ -136,8 +138,9 @@ class Charts(DrawingTest):
         panels = self.panels("limits_charts", "critical_steps", limits_of(limits_study()))
         (published,), (fast,) = panels["published forms"], panels["fast forms"]
         self.assertEqual(set(lines_of(published)), {"group2", "algebra1", "rk4"})
-        self.assertEqual(set(lines_of(fast)), {"group2", "algebra1", "rk4", "elp4_frame"})
-        for name, (critical, _, _) in CRITICAL.items():
+        self.assertEqual(set(lines_of(fast)), {"group2", "algebra1", "elp4_frame"})
+        for name in lines_of(fast):
+            critical, _, _ = CRITICAL[name]
             points = lines_of(fast)[name]
             self.assertEqual([n for n, _ in points], list(SIZES))
             self.assertAlmostEqual(points[0][1], 2 * critical)

@@ -4,7 +4,7 @@ its pilots on small scenes.
 There errors and seconds of a fast form are, with N = 5/h steps from 5 to 200, rk4 1e-2 h⁴ and 1e-4 N; rkmk4 1e-3 h⁴ and
 1e-3 N; group2 0.1 h⁴ and 4e-3 N, in the frame 1e-2 h⁴; elp4_frame 1e-2 h⁴ and 2e-3 N; group1 h² and 1.5e-3 N;
 cotangent1 h² and 2e-3 N. group2_frame at the tolerance 1e-7 and elp4_frame at 1e-8 take half the time. group1 fails at
-h = 1; rk4 at n = 33 is safe up to h = 0.52 only. The lines of group1 and cotangent1 are cut.
+h = 1; rk4 at n = 33 is within its stability limit up to h = 0.52 only. The lines of group1 and cotangent1 are cut.
 """
 
 import json
@@ -105,7 +105,7 @@ class Step(RecommendTest):
             self.assertLess(offer.step, 0.999 * wanted)  # a whole number of steps fits
             self.assertAlmostEqual(offer.error / (error / MARGIN), (offer.step / wanted) ** order, 3)
 
-    def test_no_step_beyond_the_longest_safe_run(self):
+    def test_no_step_beyond_the_longest_run_within_limits(self):
         self.assertEqual(self.steps("rkmk4", 17, 0.5), 5)
         self.assertEqual(self.steps("rk4", 33, 0.01), 10)
         # Between n = 17 and 33 neither has a larger h‖B‖₂ than the lesser of the two; ‖B‖₂ is in proportion to n.
@@ -119,16 +119,16 @@ class Step(RecommendTest):
         run_of(self.document, "rk4", 33, 200)["beyond_limit"] = True  # of the shortest step
         self.assertEqual(self.steps("rk4", 33, 0.01), steps_for("rk4", 0.01 / MARGIN))
 
-    def test_no_step_beyond_what_the_study_of_limits_found_safe(self):
+    def test_no_step_beyond_what_survived_in_the_study_of_limits(self):
         asked = []
 
-        def safe_around(*place):
+        def survived_around(*place):
             asked.append(place)
             return 0.71 if place[3] == "rkmk4" else None  # h‖B‖₂, which is 1.4 h at n = 17
 
         question = Question("smooth", 17, 5.0, 0.5, "spectrum")
         free, bound = (Recorded(accuracy_of(self.document), question, limits).offer(Form("rkmk4", TIGHT))
-                       for limits in (None, SimpleNamespace(safe_around=safe_around)))
+                       for limits in (None, SimpleNamespace(survived_around=survived_around)))
         self.assertEqual((free.steps, bound.steps), (5, 10))
         self.assertIn(("fast", "smooth", 17, "rkmk4"), asked)
 

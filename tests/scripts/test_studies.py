@@ -283,7 +283,7 @@ class Limits(StudyTest):
     # judged the energy to a factor of two. These methods do not lose it before the step fails.
     CRITICAL = {"group2": 1.54, "algebra1": 1.23}
 
-    def test_critical_and_safe_steps(self):
+    def test_critical_steps_and_those_that_survived(self):
         names = ("group2", "algebra1", "rk4", "rkmk4")
         found = read_limits(self.made("limits", "--n", "17", "--scene", "smooth", "--solver", "published",
                                       "--integrator", *names))
@@ -298,7 +298,10 @@ class Limits(StudyTest):
                     outcomes = [outcome for _, outcome in limit.trials(found.settings.grid_step)]
                     self.assertTrue(1 < limit.fails / limit.works <= 1.0301)
                     self.assertEqual((outcomes[0], "converged" in outcomes[-4:]), ("converged", False))
-                self.assertTrue(1 < found.safe[key].fails / found.safe[key].works <= 1.1001)
+                survived = found.survived[key]
+                self.assertTrue(1 < survived.fails / survived.works <= 1.1001)
+                self.assertLessEqual(survived.works, line.limits[0].works)
+                self.assertLessEqual(survived.energy_error, trials.ENERGY_LOSS)
         self.assertAlmostEqual(found.theory["smooth", 17, "group2"], 12**0.5)
         self.assertNotIn(("smooth", 17, "rkmk4"), found.theory)
         # RK4 loses the spectrum, long before linear theory says that it fails; RKMK4 loses the energy.
@@ -820,12 +823,12 @@ class Trials(unittest.TestCase):
         self.assertIsNone(trials.critical(self.tried())[1])  # nothing works
         self.assertIsNone(trials.critical(self.tried((0, 1e9)))[1])  # nothing fails
 
-    def test_the_safe_step_is_the_critical_one_or_shorter(self):
+    def test_the_step_that_survived_is_the_critical_one_or_shorter(self):
         bracket = (1.0, 1.03, "diverged")
-        self.assertEqual(trials.safe(self.tried((0, 1.0)), bracket), bracket)
-        works, fails, _ = trials.safe(self.tried((0, 0.4)), bracket)
+        self.assertEqual(trials.survived(self.tried((0, 1.0)), bracket), bracket)
+        works, fails, _ = trials.survived(self.tried((0, 0.4)), bracket)
         self.assertTrue(works <= 0.4 < fails <= 1.1 * works)
-        self.assertIsNone(trials.safe(self.tried(), bracket))
+        self.assertIsNone(trials.survived(self.tried(), bracket))
 
 
 @unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")

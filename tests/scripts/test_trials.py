@@ -1,19 +1,26 @@
-"""Tests of lib/trials.py and of the timing of lib/duels.py with made-up outcomes and times.
+"""Tests of lib/trials.py, of what the study of limits tries, and of the timing of lib/duels.py.
+
+Outcomes and times are made up.
 
 Run with: python3 -m unittest test_trials (in tests/scripts; the module is that of ISOSYRK_BUILD, or of build/)
 """
 
+import math
 import os
 import sys
 import unittest
+from types import SimpleNamespace
 from unittest import mock
 
-from programs import BUILD
+from programs import BUILD, ROOT
 
-sys.path.insert(0, os.path.join(BUILD, "python"))
+sys.path[:0] = [os.path.join(BUILD, "python"), os.path.join(ROOT, "scripts", "studies")]
 
+import isosyrk
+import limits
 from lib import duels, formats, trials
-from lib.formats import CONVERGED
+from lib.formats import CONVERGED, FAST, PUBLISHED
+from lib.integrator_names import in_frame
 
 FAILED = "diverged"
 
@@ -42,6 +49,65 @@ class Grid(unittest.TestCase):
 
     def test_it_begins_below_where_the_first_trial_fails(self):
         self.assertEqual(self.places_tried((-2,))[0], -2)
+
+
+class Lengths(unittest.TestCase):
+    STEPS = [10.0**(place / 40) for place in range(-120, 81)]  # h from 0.001 to 100
+
+    def test_a_long_trial_has_more_steps_than_the_short_one_of_every_step_size(self):
+        for explicit in (False, True):
+            for h in self.STEPS:
+                short, long = trials.short_steps(h, explicit), trials.long_steps(h, explicit)
+                self.assertEqual(long, trials.LONGER * short)
+                self.assertGreater(long, short)
+                for steps, time in ((short, trials.TIME), (long, trials.LONGER * trials.TIME)):
+                    self.assertGreaterEqual(steps * h, time * (1 - 1e-11))  # the rounding that short_steps forgives
+                self.assertGreaterEqual(short, trials.LEAST_STEPS[explicit])
+
+    def test_trials_that_differ_in_time_alone_would_be_one_run_at_long_steps(self):
+        """The control: the longer time with the same least number of steps."""
+        for explicit, h in ((False, 1.0), (True, 0.125)):
+            longer_time = trials.LONGER * trials.TIME
+            self.assertEqual(max(math.ceil(longer_time / h), trials.LEAST_STEPS[explicit]),
+                             trials.short_steps(h, explicit))
+
+    def test_both_trials_run_the_steps_they_should(self):
+        method = trials.Method(trials.Setting(isosyrk.scene("smooth", n=9)), "rk4", FAST)
+        taken = []
+
+        def run(_integrator, W, _h, steps, *_):
+            taken.append(steps)
+            return W, None, CONVERGED, None
+
+        with mock.patch.object(trials, "run", run):
+            self.assertEqual(method.outcome(1.0), CONVERGED)
+            self.assertEqual(method.trial(1.0, trials.long_steps), (CONVERGED, 0.0))
+        self.assertEqual(taken, [400, 4000])
+
+
+class Plans(unittest.TestCase):
+    def setUp(self):
+        self.jobs = limits.jobs_of(SimpleNamespace(quick=False, integrator=None, n=None, solver=None, scene=None))
+
+    def test_every_listed_form_has_long_trials_in_every_scene_but_published_ones_in_the_frame(self):
+        """Those are not tried, as core/catalogue/measured_limits.h says."""
+        listed = isosyrk.integrators()
+        wanted = {*((each.name, PUBLISHED) for each in listed if not in_frame(each.name)),
+                  *((each.name, FAST) for each in listed if each.has_fast_form)}
+        for scene in limits.SCENES:
+            self.assertEqual({(job["integrator"], job["solver"]) for job in self.jobs
+                              if job["long"] and job["scene"] == scene}, wanted)
+
+    def test_no_trial_is_made_twice_and_each_begins_with_the_own_state(self):
+        keys = [tuple(job[name] for name in ("n", "solver", "integrator", "scene", "state")) for job in self.jobs]
+        self.assertEqual(len(set(keys)), len(keys))
+        for *place, _ in keys:
+            self.assertIn((*place, 0), keys)
+
+    def test_the_best_explicit_method_is_tried_wherever_others_are_at_large_n(self):
+        tried = {(job["n"], job["scene"]) for job in self.jobs if job["solver"] == FAST and job["n"] >= 65}
+        self.assertEqual({(job["n"], job["scene"]) for job in self.jobs if job["n"] >= 65
+                          and (job["integrator"], job["solver"]) == ("rk8_frame", FAST)}, tried)
 
 
 class Times(unittest.TestCase):
