@@ -15,11 +15,11 @@ namespace isosyrk {
 /// state (n = 129: smooth) lasted to T = 50 or longer, in 500 steps at least, of explicit methods
 /// 4000.  Those from drawn states of each kind were a tenth as long.
 ///
-/// Between two recorded n, the smaller limit.  Published forms are recorded for n = 17, those of
-/// Table 1 for 33 too, fast forms to n = 33, 65 or 129.  Empty beyond the recorded n, where no step
-/// survived, and for published forms in the co-rotating frame: they are not tried, since nobody
-/// runs them for speed.  B is that of the flow without co-rotating frame, also for integrators in
-/// the frame.
+/// Between two recorded n, the smaller limit.  Published forms are recorded for n = 17, group and
+/// algebra forms for 33 too, fast forms to n = 17, 33, 65 or 129.  Empty beyond the recorded n and
+/// where no step survived.  Empty also for published forms in the co-rotating frame, which are not
+/// tried: the frame is there for speed, and so is the fast form.  B is that of the flow without
+/// co-rotating frame, also for integrators in the frame.
 ///
 /// Source: results/recorded/limits/raw.json.
 std::optional<double> measured_limit(std::string_view integrator, Solver solver, Index n);

@@ -14,7 +14,7 @@ from lib.problems import DEVELOPED_TIME
 SMOOTH, ROUGH, DEVELOPED = SCENES
 SMOOTHEST = 4  # largest l of the smooth scene
 DEVELOPING_STEP = 0.25  # to DEVELOPED_TIME
-STATES = 5  # of a scene: its own, number 0, and the drawn ones
+STATES = 3  # of a scene: its own, number 0, and the drawn ones
 
 
 def drawn_modes(scene, n, number):

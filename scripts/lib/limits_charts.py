@@ -12,7 +12,7 @@ from lib.formats import CONVERGED, FAST, NOT_FINITE, PUBLISHED, SWEEP_CAP, UNSTA
 from lib.integrator_names import in_frame
 
 # At most seven a panel.
-DRAWN = {PUBLISHED: ("group2", "algebra1", "algebra2", "elp4", "rkmk4", "magnus5", "rk4"),
+DRAWN = {PUBLISHED: ("group2", "algebra1", "algebra2", "elp4", "rkmk4", "rk4", "rk8"),
          FAST: ("group2", "group2_frame", "algebra1", "elp4_frame", "magnus5_frame", "rk4_frame", "rk8_frame")}
 TITLES = {PUBLISHED: "published forms", FAST: "fast forms"}
 WITH_THEORY = ("group2", "algebra1", "rk4")

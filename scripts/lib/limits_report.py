@@ -25,10 +25,10 @@ def sections(limits, charts):
     return [
         Heading("Up to which step methods work", 1),
         Paragraph(f"A short trial lasts to T = {settings.time:g}, in {settings.implicit_steps} steps at least, of"
-                  f" explicit methods {settings.explicit_steps}. It fails by its solver: diverged, stagnated, or sweep"
-                  " cap, after a thousand sweeps. Or it converges and loses what is conserved: an entry is not finite,"
-                  " the spectrum is off by more than 1e-6 where the method keeps it and by 0.1 elsewhere, or the energy by"
-                  " more than a tenth. The critical step is the first failure on a grid of steps, each"
+                  f" explicit methods {settings.explicit_steps}. It fails by its solver: diverged, stagnated, or"
+                  " sweep cap, after a thousand sweeps. Or it converges and loses what is conserved: an entry is not"
+                  " finite, the spectrum is off by more than 1e-6 where the method keeps it and by 0.1 elsewhere, or"
+                  " the energy by more than a tenth. The critical step is the first failure on a grid of steps, each"
                   f" {settings.grid_step:.3g} times the one before, narrowed to {settings.close:.3g}."),
         Paragraph(f"A long trial has {settings.longer} times the steps of the short one with the same step size, so it"
                   f" lasts to T = {settings.long_time:g} at least. The step that survived is the longest, up to the"

@@ -39,6 +39,9 @@ class Setting:
         self.initial_energy = self.scene.energy(self.scene.initial)
 
     def energy_error(self, W):
+        """Returns the relative energy error of a state; NaN for one that blew up, whose energy may be no double."""
+        if not numpy.abs(W).max() <= LARGEST:
+            return math.nan
         return abs(self.scene.energy(W) / self.initial_energy - 1.0)
 
     def errors(self, W):

@@ -293,7 +293,7 @@ class Limits(StudyTest):
             self.assertLess(max(own, expected) / min(own, expected), 1.05)  # two bisections to 2 and 3 %
         for key, line in found.lines.items():
             with self.subTest(key):
-                self.assertEqual([limit.state for limit in line.limits], [0, 1, 2, 3, 4])
+                self.assertEqual([limit.state for limit in line.limits], list(range(initial_states.STATES)))
                 for limit in line.limits:
                     outcomes = [outcome for _, outcome in limit.trials(found.settings.grid_step)]
                     self.assertTrue(1 < limit.fails / limit.works <= 1.0301)

@@ -18,6 +18,7 @@ sys.path[:0] = [os.path.join(BUILD, "python"), os.path.join(ROOT, "scripts", "st
 
 import isosyrk
 import limits
+import numpy
 from lib import duels, formats, trials
 from lib.formats import CONVERGED, FAST, PUBLISHED
 from lib.integrator_names import in_frame
@@ -83,6 +84,17 @@ class Lengths(unittest.TestCase):
             self.assertEqual(method.outcome(1.0), CONVERGED)
             self.assertEqual(method.trial(1.0, trials.long_steps), (CONVERGED, 0.0))
         self.assertEqual(taken, [400, 4000])
+
+    def test_a_state_that_blew_up_has_no_energy_error_and_ends_a_trial(self):
+        setting = trials.Setting(isosyrk.scene("smooth", n=9))
+        for scale in (1e200, math.inf, math.nan):
+            with self.subTest(scale=scale):
+                W = numpy.full_like(setting.scene.initial, scale)
+                self.assertTrue(math.isnan(setting.energy_error(W)))
+                with mock.patch.object(trials, "run", return_value=(W, None, CONVERGED, None)):
+                    method = trials.Method(setting, "rk8", FAST)
+                    self.assertEqual(method.outcome(1.0), formats.NOT_FINITE)
+        self.assertEqual(setting.energy_error(setting.scene.initial), 0.0)
 
 
 class Plans(unittest.TestCase):
