@@ -89,7 +89,7 @@ void warn_beyond_limit(const IntegrateRequest& request, double h_norm_B) {
   if (!limit || h_norm_B <= *limit) return;
   print_error("integrate",
               fmt::format("note: h_norm_B = {:.3g} is beyond {:.3g}, the largest at which the {} "
-                          "form of {} worked in every recorded run; see results/README.md",
+                          "form of {} survived every recorded run; see results/README.md",
                           h_norm_B, *limit, name(request.solver), integrator));
 }
 

@@ -450,7 +450,7 @@ def integrators() -> List[IntegratorRecord]:
 
 
 def measured_limit(name: str, n: int, solver: str = "published") -> Optional[float]:
-    """Returns the largest h*norm(B(W0)) (2-norm) at which a form of an integrator worked in every recorded run.
+    """Returns the largest h*norm(B(W0)) (2-norm) at which a form of an integrator survived every recorded run.
 
     The longest step that survived says nothing of accuracy: a run may not fail, lose a tenth of its energy, or its
     spectrum. The runs were of Euler-Zeitlin: to T = 50 or longer, in 500 steps at least, of explicit methods 4000, from
