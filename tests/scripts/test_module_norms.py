@@ -109,7 +109,7 @@ class Errors(unittest.TestCase):
 class Steps(unittest.TestCase):
     def test_steps_are_those_of_norm_one(self):
         for entry in isosyrk.integrators():
-            for solver in isosyrk.SOLVERS:
+            for solver in isosyrk.SOLVERS if entry.has_fast_form else ("published",):
                 wanted, _ = isosyrk.integrator(SMOOTH, entry.name, solver=solver).run(SMOOTH.initial, 0.125, 4)
                 for exponent in EXPONENTS:
                     with self.subTest(name=entry.name, solver=solver, exponent=exponent):
