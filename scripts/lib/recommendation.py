@@ -3,8 +3,8 @@
 What is offered is a Form: an integrator at a tolerance of its iteration. The step for an error is interpolated along
 the line of a Form, between two neighbouring runs that worked. Between recorded n and between recorded times, steps and
 seconds are interpolated too. All interpolation is linear in the logarithms. No step is offered beyond a failure, beyond
-a stability limit, beyond the longest recorded step that worked, or beyond the longest step that survived in the study
-of limits.
+a stability limit, beyond the longest recorded step that worked, or, at another n or over a longer time than recorded,
+beyond the longest step that survived in the study of limits.
 """
 
 import itertools
@@ -254,8 +254,13 @@ class Recorded:
         return run.error * share + self.study.references[run.problem].uncertainty
 
     def runs_within_limits(self, problem, form):
-        """Returns the runs of a line from the shortest step up to the first that failed or is beyond a limit."""
-        most = self.limits and self.limits.survived_around(FAST, problem.scene, problem.n, form.integrator)
+        """Returns the runs of a line from the shortest step up to the first that failed or is beyond a limit.
+
+        A step that worked at the n of the question, to its time or longer, needs no limit that another run had.
+        """
+        told = problem.n == self.question.n and problem.time >= self.question.time
+        most = (None if told or not self.limits
+                else self.limits.survived_around(FAST, problem.scene, problem.n, form.integrator))
 
         def is_within(run):
             return run.usable and not run.beyond_limit and (most is None or run.h_norm_B <= most)
