@@ -46,7 +46,7 @@ MAIN_ONLY = re.compile(r"(cotangent[0-9]+|algebra[23]|group[178]|direct1|suzuki4
 # frame, where duels take place.
 QUICK_INTEGRATORS = (*TABLE1_CELLS, "group5", "direct2", "yoshida4", "kahan_li6", "elp4", "elp6_frame", "magnus4",
                      "magnus5_frame", "rk4", "rk4_projected_frame", "rkmk4", "group2_frame", "group3_frame",
-                     "rk4_frame", "rkmk4_frame")
+                     "rk4_frame", "rk8_frame", "abm8_frame", "rkmk4_frame")
 REPETITIONS = 2  # timings of each run; duels, from which verdicts come, have processes
 QUICK_PROCESSES = 6  # at most, that time a duel
 
