@@ -207,12 +207,11 @@ std::vector<IntegratorEntry> make_list() {
                   .make = make_explicit<ExplicitMagnus5>(),
                   .make_fast = fast_magnus(5),
                   .in_frame = true});
-  for (const IntegratorEntry& entry : explicit_entries()) {
-    list.push_back(projected_entry(entry));
-  }
+  const std::vector<IntegratorEntry> explicit_methods = explicit_entries();
+  for (const IntegratorEntry& entry : explicit_methods) list.push_back(projected_entry(entry));
   // Controls: methods that do not keep the structure.
   for (int s = 1; s <= 3; ++s) list.push_back(direct_entry(s));
-  for (const IntegratorEntry& entry : explicit_entries()) list.push_back(entry);
+  list.insert(list.end(), explicit_methods.begin(), explicit_methods.end());
   // A new method is one entry here.
   const std::vector<IntegratorEntry> methods = list;
   for (const IntegratorEntry& method : methods) {

@@ -4,8 +4,10 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <stdexcept>
 
+#include "isosyrk/integrators/exponential_lie_poisson.h"
 #include "isosyrk/integrators/flow_requirements.h"
 #include "isosyrk/integrators/unit_of_exponent.h"
 
@@ -16,6 +18,16 @@ constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 // 1 / k!
 double over_factorial(std::size_t k) { return 1.0 / std::tgamma(static_cast<double>(k) + 1.0); }
+
+// The exponential step of order 2, refused under the name of the method that is composed of it.
+template <class Scalar>
+std::unique_ptr<IntegratorIn<Scalar>> substep_of(SharedFlowIn<Scalar> flow,
+                                                 const CompositionScheme& weights,
+                                                 const IterationOptions& options,
+                                                 ProductBackend backend) {
+  require_identity_J(*flow, fmt::format("cg{}", weights.order));
+  return std::make_unique<ExponentialLiePoisson<Scalar>>(flow, 2, options, backend);
+}
 
 }  // namespace
 
@@ -106,7 +118,14 @@ void BogfjellmoMarthinsen<Scalar>::update(const Stored& W0, double h, Stored& W1
   if (!summed) W1.setConstant(not_a_number);  // the step diverges
 }
 
+template <class Scalar>
+CrouchGrossman<Scalar>::CrouchGrossman(SharedFlowIn<Scalar> flow, const CompositionScheme& weights,
+                                       const IterationOptions& options, ProductBackend backend)
+    : Composition<Scalar>(flow, weights, substep_of<Scalar>(flow, weights, options, backend)) {}
+
 template class BogfjellmoMarthinsen<double>;
 template class BogfjellmoMarthinsen<Complex>;
+template class CrouchGrossman<double>;
+template class CrouchGrossman<Complex>;
 
 }  // namespace isosyrk

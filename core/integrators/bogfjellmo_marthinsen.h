@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "isosyrk/integrators/composition.h"
-#include "isosyrk/integrators/exponential_lie_poisson.h"
 #include "isosyrk/integrators/published_form.h"
 #include "isosyrk/linalg/adjoint_rotation.h"
 #include "isosyrk/tableaux/tableau.h"
@@ -85,10 +84,7 @@ class CrouchGrossman final : public Composition<Scalar> {
  public:
   /// Throws as Composition, and for a flow with another J than I.
   CrouchGrossman(SharedFlowIn<Scalar> flow, const CompositionScheme& weights,
-                 const IterationOptions& options, ProductBackend backend)
-      : Composition<Scalar>(
-            flow, weights,
-            std::make_unique<ExponentialLiePoisson<Scalar>>(flow, 2, options, backend)) {}
+                 const IterationOptions& options, ProductBackend backend);
 };
 
 }  // namespace isosyrk

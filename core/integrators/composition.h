@@ -1,4 +1,4 @@
-// Symmetric compositions of the midpoint rule in one of the formulations.  These are the
+// Symmetric compositions, above all of the midpoint rule in one of the formulations.  These are the
 // isospectral symplectic DIRK methods of the paper's footnote.
 #pragma once
 
@@ -13,7 +13,7 @@ namespace isosyrk {
 /// Midpoint is one of CotangentForm, GroupForm, which take the midpoint tableau, and
 /// IsospectralMidpoint.  Isospectral, Lie-Poisson and symmetric, like the midpoint rule.  The step
 /// fails if a substep fails.
-/// Products and Poisson solves: the sums over the midpoint substeps.
+/// Products and Poisson solves: the sums over the substeps.
 template <class Scalar>
 class Composition : public IntegratorIn<Scalar> {
  public:

@@ -55,8 +55,8 @@ class Integrator {
   void set_state(const ConstMatrixView& W);
   /// Sets the state to W, as a run changes it between two of its steps.  Past steps go on
   /// predicting the next one, for its start values only; a multistep method begins its past anew.
-  /// The scale is found again only if ‖W‖_F
-  /// has changed twofold since it was found.  If W is known, nothing changes.  Throws as set_state.
+  /// The scale is found again only if ‖W‖_F has changed twofold since it was found.  If W is known,
+  /// nothing changes.  Throws as set_state.
   void amend_state(const ConstMatrixView& W);
   /// Advances the state by a step h, which may be negative, and reports the work.  The state is
   /// unchanged unless the status is `converged`.  Allocates nothing.  Throws std::invalid_argument

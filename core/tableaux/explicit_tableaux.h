@@ -21,7 +21,7 @@ struct ExplicitScheme {
 const ExplicitScheme& classical_runge_kutta4();
 
 /// Returns the method of order 5 of the pair 5(4) of Dormand and Prince, with 6 stages, imaginary
-/// limit 0.99.  At a fixed step its seventh stage is the first one of the next step.
+/// limit 0.997.  At a fixed step its seventh stage is the first one of the next step.
 /// Source: Dormand and Prince 1980; Hairer, Nørsett, Wanner, table II.5.2.
 const ExplicitScheme& dormand_prince5();
 
