@@ -90,10 +90,11 @@ class Method:
             return energy_lost
 
         W, _, status, _ = run(self.integrator, self.setting.scene.initial, h, steps, look, math.ceil(steps / LOOKS))
+        energy_error = self.setting.energy_error(W)  # of the last state, which may be none that was looked at
         if status == CONVERGED:
-            look(steps, W, None)  # the last state may be none that was looked at
+            energy_lost |= not energy_error <= ENERGY_LOSS
             status = loss(W, self.setting.scene.initial, energy_lost, self.entry.isospectral)
-        return status, self.setting.energy_error(W)
+        return status, energy_error
 
 
 def short_steps(h, explicit):
