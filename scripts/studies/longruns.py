@@ -38,7 +38,7 @@ SCENES_AT = {513: ("rough",)}  # where not in both
 PLANS = {plan.n: plan for plan in (
     Plan(n=17, time=50.0, steps=25, energies=50, products=100.0),
     Plan(n=33, time=1000.0, steps=500, energies=200, products=300.0),
-    Plan(n=65, time=120.0, steps=120, energies=120, products=300.0),
+    Plan(n=65, time=100.0, steps=100, energies=100, products=300.0),
     Plan(n=129, time=20.0, steps=40, energies=40, products=300.0),
     Plan(n=257, time=5.0, steps=20, energies=20, products=500.0),
     Plan(n=513, time=1.0, steps=8, energies=8, products=500.0))}
