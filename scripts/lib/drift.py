@@ -12,7 +12,7 @@ Source: Künsch, The jackknife and the bootstrap for general stationary observat
 """
 
 import math
-from typing import NamedTuple, Optional, Tuple
+from typing import NamedTuple, Optional
 
 from lib.verdicts import LEVEL, UNDECIDED, student_t
 
@@ -23,9 +23,10 @@ BLOCKS = 10  # of neighbouring points, of equal numbers
 # A relative error below this is at rounding: a million steps that each err at random by some 1e-15 give it.
 ROUNDING = 1e-12
 LOST = 0.1  # one that reaches this is lost, whatever its power
-LEAST_GROWTH = 0.1  # an error grows if the interval of its power lies above this
-# An error is bounded if the interval of its trend holds 0, the trend is below this, and the error does not grow.
-MOST_TREND = 0.2
+# An error grows if the interval of its power lies above LEAST_GROWTH, or that of its drift, the trend of its means with
+# their sign, beyond LEAST_DRIFT on either side: a drift through 0 makes the error fall for a while. It is bounded if it
+# does not grow, and the intervals of trend and drift hold 0 and both are below MOST_TREND.
+LEAST_GROWTH, LEAST_DRIFT, MOST_TREND = 0.1, 1.0, 0.2
 
 KEPT, BOUNDED, GROWS, ALL_LOST, FAILED = "at rounding", "bounded", "growing", "lost", "failed"
 VERDICTS = (KEPT, BOUNDED, GROWS, UNDECIDED, ALL_LOST, FAILED)
@@ -42,7 +43,8 @@ class Estimate(NamedTuple):
 class Judgement(NamedTuple):
     verdict: str  # of VERDICTS
     growth: Optional[Estimate]  # the power; None where too few values are above 0
-    trends: Tuple[Estimate, ...]  # of the error, and of its means with their sign where they were given
+    trend: Optional[Estimate]  # None where there are too few values
+    drift: Optional[Estimate]  # None too where no means were given
 
 
 def growth_of(series):
@@ -88,27 +90,26 @@ def in_blocks(values, count):
     return [values[begin:end] for begin, end in zip(ends, ends[1:])]
 
 
-def judged(series, finished=True, signed=None):
+def judged(series, finished=True, signed=()):
     """Returns the Judgement on a series, a list of (time, error). `finished`: the run came to its end.
 
     `signed` is the same of means with their sign: a drift shows in them while the error still hides it.
     """
     late = [error for time, error in series if 2 * time > series[-1][0]]
     size = math.fsum(late) / len(late) if late else 0.0
-    trends = tuple(trend for each in (series, signed) if each and (trend := trend_of(each, size)))
-    growth = growth_of(series)
-    return Judgement(verdict_on([error for _, error in series], growth, trends, finished), growth, trends)
+    growth, trend, drift = growth_of(series), trend_of(series, size), trend_of(signed, size)
+    return Judgement(verdict_on([error for _, error in series], growth, trend, drift, finished), growth, trend, drift)
 
 
-def verdict_on(errors, growth, trends, finished):
-    """Returns one of VERDICTS for the errors of a run, with their growth and trends as a Judgement has them."""
+def verdict_on(errors, growth, trend, drift, finished):
+    """Returns one of VERDICTS for the errors of a run, with the Estimates of its Judgement."""
     if not finished or not errors:
         return FAILED
     if max(errors) >= LOST:
         return ALL_LOST
     if max(errors) < ROUNDING:
         return KEPT
-    if growth and growth.low > LEAST_GROWTH:
+    if growth and growth.low > LEAST_GROWTH or drift and max(drift.low, -drift.high) > LEAST_DRIFT:
         return GROWS
-    stays = all(trend.low <= 0 <= trend.high and abs(trend.value) < MOST_TREND for trend in trends)
-    return BOUNDED if trends and stays else UNDECIDED
+    stays = all(each.low <= 0 <= each.high and abs(each.value) < MOST_TREND for each in (trend, drift) if each)
+    return BOUNDED if trend and stays else UNDECIDED

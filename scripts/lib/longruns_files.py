@@ -10,7 +10,7 @@ from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from lib import formats
 from lib.accuracy_lines import LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT
-from lib.drift import judged
+from lib.drift import LOST, judged
 from lib.figures import finite
 from lib.formats import (CONVERGED, Integrator, Schema, keyed, list_of, number, one_of, optional, positive, status,
                          text, truth, whole)
@@ -89,8 +89,9 @@ class Point(NamedTuple):
         return self.time / self.steps
 
     @property
-    def finished(self):
-        return self.status == CONVERGED
+    def usable(self):
+        """Tells whether the run came to its end with most of its energy."""
+        return self.status == CONVERGED and self.energy_error < LOST
 
     def error(self, quantity):
         return self.energy_error if quantity == ENERGY else self.spectrum_error
@@ -148,7 +149,7 @@ class LongRun(NamedTuple):
 
     def judged(self, quantity):
         """Returns the Judgement on a quantity; that on the energy looks at its sign too."""
-        signed = self.timed(self.energy_means) if quantity == ENERGY else None
+        signed = self.timed(self.energy_means) if quantity == ENERGY else ()
         return judged(self.series(quantity), self.finished, signed)
 
 
@@ -234,12 +235,12 @@ class LongRuns(NamedTuple):
 def price_on(line, quantity, error):
     """Returns the least Price of this error or a smaller one on a line, or None.
 
-    It is that of a run, or between two neighbours that finished, interpolated in the logarithms.
+    It is that of a run, or between two usable neighbours, interpolated in the logarithms.
     """
     found = [Price(point.equivalent_products, point.method, index == 0) for index, point in enumerate(line)
-             if point.finished and point.error(quantity) <= error]
+             if point.usable and point.error(quantity) <= error]
     for coarse, fine in zip(line, line[1:]):
-        if coarse.finished and fine.finished and coarse.error(quantity) > error >= fine.error(quantity) > 0:
+        if coarse.usable and fine.usable and coarse.error(quantity) > error >= fine.error(quantity) > 0:
             share = (math.log(coarse.error(quantity) / error)
                      / math.log(coarse.error(quantity) / fine.error(quantity)))
             products = coarse.equivalent_products**(1 - share) * fine.equivalent_products**share

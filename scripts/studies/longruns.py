@@ -40,8 +40,8 @@ PLANS = {plan.n: plan for plan in (
     Plan(n=33, time=1000.0, steps=500, energies=200, products=300.0),
     Plan(n=65, time=100.0, steps=100, energies=100, products=300.0),
     Plan(n=129, time=20.0, steps=40, energies=40, products=300.0),
-    Plan(n=257, time=5.0, steps=20, energies=20, products=500.0),
-    Plan(n=513, time=1.0, steps=8, energies=8, products=500.0))}
+    Plan(n=257, time=5.0, steps=20, energies=20, products=400.0),
+    Plan(n=513, time=1.0, steps=8, energies=8, products=400.0))}
 SIZES, QUICK_SIZES = (33, 65, 129, 257, 513), (17,)
 MOST_POINTS = 12  # of a line
 EXACT = 1e-13  # a line ends where energy and spectrum are as good
