@@ -76,8 +76,9 @@ def against_cost(runs, quantity, title, label):
                     ends.append((points[-1], names[method], looks[method]["color"]))
             axes.ends = ends
         row[0].set_ylabel(label)
+    right = max(x for axes in panels.flat for (x, _), _, _ in axes.ends)
     for axes in panels.flat:
-        label_ends(axes, axes.ends)
+        label_ends(axes, [((right, y), *label) for (_, y), *label in axes.ends])
     note(figure, f"In the co-rotating frame, fast forms, from the initial data of a scene. {KINDS}")
     return figure
 
