@@ -4,7 +4,7 @@ from matplotlib.ticker import LogLocator
 
 from lib.chart_panels import (FAMILIES, LINES, cross, draw_line, equals, label_ends, logarithmic, mixed, new_figure,
                               note)
-from lib.drift import GROWS, LEAST_GROWTH
+from lib.drift import BOUNDED, GROWS, KEPT, LEAST_GROWTH
 from lib.longruns_files import (COSTS, ENERGY, EXPLICIT, EXPLICIT_LIE, EXPONENTIAL, EXPONENTIAL_LOOSE, GAUSS,
                                 GAUSS_LOOSE, LOOSE, PROJECTED, SCENES, SPECTRUM, without_variant)
 from lib.longruns_report import places_of
@@ -45,13 +45,19 @@ def styles(runs, drawn):
 
 def energy_against_cost(runs):
     """Draws the largest energy errors of runs against products a unit of time. None without a line."""
-    return against_cost(runs, ENERGY, cost_title(runs), "largest relative energy error")
+    return against_cost(runs, ENERGY, f"Energy error against cost: keeping the structure is cheaper than any explicit"
+                        f" method {where_it_pays(runs, ENERGY)}", "largest relative energy error")
 
 
 def spectrum_against_cost(runs):
     """Draws the spectrum errors at the end of runs against products a unit of time. None without a line."""
-    return against_cost(runs, SPECTRUM, "Error of the eigenvalues at the end against cost",
-                        "largest error of an eigenvalue")
+    return against_cost(runs, SPECTRUM, "Eigenvalues at the end: keeping the structure is cheaper than any explicit"
+                        f" method without projection {where_it_pays(runs, SPECTRUM)}", "largest error of an eigenvalue")
+
+
+def where_it_pays(runs, quantity):
+    places = places_of(runs, quantity)
+    return f"in {sum(place.pays for place in places)} of {len(places)} places (error, n, scene)"
 
 
 def against_cost(runs, quantity, title, label):
@@ -83,13 +89,6 @@ def against_cost(runs, quantity, title, label):
     return figure
 
 
-def cost_title(runs):
-    """Returns at how many places structure is cheaper than every explicit method."""
-    places = places_of(runs, ENERGY)
-    return (f"Energy error against cost: keeping the structure is cheaper than any explicit method in"
-            f" {sum(place.pays for place in places)} of {len(places)} places (error, n, scene)")
-
-
 # ---- energy against time
 
 
@@ -103,8 +102,8 @@ def energy_against_time(runs):
               for method, run in drawn.items()}
     looks = styles(runs, {method: run for drawn in found.values() for method, run in drawn.items()})
     first = next(iter(next(iter(found.values())).values()))
-    figure, (panels,) = new_figure(f"Energy error of long runs at equal cost, {equals('n', first.n)}", 1, len(found),
-                                   5.4, keys=2, labels=labels.values(), sharex=True, sharey=True)
+    figure, (panels,) = new_figure(time_title(found), 1, len(found), 5.4, keys=2, labels=labels.values(),
+                                   sharex=True, sharey=True)
     for axes, (scene, drawn) in zip(panels, found.items()):
         logarithmic(axes)
         axes.set(title=f"{scene} scene", xlabel="time")
@@ -123,6 +122,14 @@ def energy_against_time(runs):
     note(figure, f"{cost} full products a unit of time, {first.windows} windows. In brackets: the power of time by"
          f" which the error grows, or how it is judged. Cross: the run failed. {KINDS}")
     return figure
+
+
+def time_title(found):
+    """Returns how many of the runs, in dicts by method, stay at rounding or bounded, and how many grow."""
+    drawn = [run for each in found.values() for run in each.values()]
+    verdicts = [run.judged(ENERGY).verdict for run in drawn]
+    return (f"Energy error at equal cost ({equals('n', drawn[0].n)}): of {len(drawn)} runs {verdicts.count(KEPT)} are"
+            f" at rounding, {verdicts.count(BOUNDED)} bounded, {verdicts.count(GROWS)} growing")
 
 
 def drift_of(run):

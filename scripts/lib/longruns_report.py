@@ -162,8 +162,18 @@ def long_sections(runs):
                   f" interval is 95 %, by a jackknife over {BLOCKS} blocks of neighbouring windows. Slopes are those"
                   " of the second half. The words:"),
         Items(list(RULES)),
+        Paragraph(f"Lie–Poisson methods: {bounded_text(runs, STRUCTURE)} at the tolerance 1e-13, and"
+                  f" {bounded_text(runs, (EXPONENTIAL_LOOSE,))} at 1e-8. Explicit steps of W, projected or not:"
+                  f" {bounded_text(runs, PLAIN)}."),
         long_table(runs),
     ]
+
+
+def bounded_text(runs, classes):
+    """Writes in how many long runs of some classes the energy is bounded or at rounding, and in how many it grows."""
+    verdicts = [run.judged(ENERGY).verdict for run in runs.long_runs.values() if runs.class_of(run) in classes]
+    return (f"the energy is bounded or at rounding in {verdicts.count(BOUNDED) + verdicts.count(KEPT)} of"
+            f" {len(verdicts)} runs and grows in {verdicts.count(GROWS)}")
 
 
 def long_table(runs):

@@ -365,6 +365,9 @@ class Render(DrawingTest):
                          [["–", "no such step", "–", "–", "–", "–", "–"]])
         ((_, products, *_, drift, _, _),) = self.cells(made_study(runs=runs), "smooth", "150", "group2")
         self.assertEqual((products, drift), ("170 (off by more than 10%)", "bounded"))
+        text = text_of(self.path("out", "report.md"))
+        self.assertIn("rounding in 1 of 1 runs and grows in 0 at the tolerance 1e-13", text)
+        self.assertIn("projected or not: the energy is bounded or at rounding in 0 of 1 runs and grows in 1.", text)
 
     def test_a_failed_run_and_a_drift_are_shown_as_such(self):
         failed = made_long_run("rk4", status="diverged", failed_step=7, energy_change=None, energy_errors=[],
@@ -391,6 +394,7 @@ class Render(DrawingTest):
         self.assertIn("elp6, 1e-13", [text.get_text() for text in panel.texts])
         self.assertIn("2 of 8 places", panel.figure.texts[0].get_text())
         (panel,) = self.panels("longruns_charts", "energy_against_time", runs)["smooth scene"]
+        self.assertIn("of 12 runs 0 are at rounding, 8 bounded, 4 growing", panel.figure.texts[0].get_text())
         self.assertEqual(len(lines_of(panel)["rk4"]), len(TIMES))
         labels = [text.get_text() for text in panel.texts]
         for label in ("group2 (bounded)", "rk4 (t^1.0)", "elp6, 1e-8 (bounded)"):
