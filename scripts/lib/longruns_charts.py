@@ -15,7 +15,8 @@ RED, BLUE = FAMILIES["elp"][0], FAMILIES["group"][0]
 COLOURS = {EXPLICIT: FAMILIES["rk"][0], PROJECTED: FAMILIES["kahan_li"][0], EXPLICIT_LIE: FAMILIES["rkmk"][0],
            EXPONENTIAL: mixed(RED, "black", 0.25), EXPONENTIAL_LOOSE: mixed(RED, "white", 0.35), GAUSS: BLUE,
            GAUSS_LOOSE: mixed(BLUE, "white", 0.45)}
-MARKERS = "osD^vPX"  # of the methods of a class, in their order
+MARKERS = {"o": "○", "s": "□", "D": "◇", "^": "△", "v": "▽"}  # of the methods of a class, in their order, as in labels
+KEPT_BELOW = 1e-11  # spectrum errors whose lines have one label
 KINDS = ("Black: explicit; brown: projected; green: explicit and isospectral; red: exponential Lie–Poisson, lighter at"
          " 1e-8; blue: Gauss, lighter at 1e-7. Solid: keeps the Lie–Poisson structure; dashed: the spectrum only;"
          " dotted: neither.")
@@ -34,7 +35,7 @@ def styles(runs, drawn):
     for method, run in drawn.items():
         kind, integrator = runs.class_of(run), runs.integrator_of(run)
         number = seen[kind] = seen.get(kind, -1) + 1
-        found[method] = {"color": COLOURS.get(kind, "0.5"), "marker": MARKERS[number % len(MARKERS)],
+        found[method] = {"color": COLOURS.get(kind, "0.5"), "marker": list(MARKERS)[number % len(MARKERS)],
                          "markerfacecolor": "none",
                          "linestyle": next(LINES[each] for each in LINES if integrator.keeps(each))}
     return found
@@ -64,8 +65,9 @@ def against_cost(runs, quantity, title, label):
     """Draws errors of a quantity against cost, a row of panels a scene and a column an n."""
     sizes = [n for n in SIZES if n in runs.plans] or list(runs.plans)[:1]
     scenes = [scene for scene in SCENES if (sizes[0], scene) in runs.settings()]
-    names = {method: label_of(line[0]) for (_, _, method), line in runs.lines.items()}
     looks = styles(runs, {method: line[0] for (_, _, method), line in runs.lines.items()})
+    names = {method: f"{MARKERS[looks[method]['marker']]} {label_of(line[0])}"
+             for (_, _, method), line in runs.lines.items()}
     figure, panels = new_figure(title, len(scenes), len(sizes), 5.4, keys=2, labels=names.values(), sharex=True,
                                 sharey=True)
     for row, scene in zip(panels, scenes):
@@ -74,18 +76,23 @@ def against_cost(runs, quantity, title, label):
             axes.xaxis.set_major_locator(LogLocator(numticks=6))
             axes.set(title=f"{scene} scene, n = {n}, T = {runs.plans[n].time:g}",
                      xlabel="full products a unit of time")
-            ends = []
+            ends, kept = [], None
             for method, line in runs.lines_at(scene, n).items():
                 points = [(point.equivalent_products, max(point.error(quantity), LEAST_ERROR))
                           for point in line if point.usable]
-                if draw_line(axes, method, points, **looks[method]):
+                if not draw_line(axes, method, points, **looks[method]):
+                    continue
+                if quantity == ENERGY or max(error for _, error in points) > KEPT_BELOW:
                     ends.append((points[-1], names[method], looks[method]["color"]))
-            axes.ends = ends
+                else:
+                    kept = points[-1]
+            axes.ends = ends + ([(kept, "all others", "0.3")] if kept else [])
         row[0].set_ylabel(label)
-    right = max(x for axes in panels.flat for (x, _), _, _ in axes.ends)
-    for axes in panels.flat:
+    right = max((x for axes in panels.flat for (x, _), _, _ in axes.ends), default=1.0)
+    for axes in filter(lambda axes: axes.ends, panels.flat):
         label_ends(axes, [((right, y), *label) for (_, y), *label in axes.ends])
-    note(figure, f"In the co-rotating frame, fast forms, from the initial data of a scene. {KINDS}")
+    others = f" All others: below {KEPT_BELOW:g}." if quantity == SPECTRUM else ""
+    note(figure, f"In the co-rotating frame, fast forms, from the initial data of a scene. {KINDS}{others}")
     return figure
 
 
@@ -117,7 +124,7 @@ def energy_against_time(runs):
                 cross(axes, points[-1])
             axes.ends.append((points[-1], labels[scene, method], style["color"]))
     panels[0].set_ylabel("relative energy error, largest in a window")
-    for axes in panels:
+    for axes in filter(lambda axes: axes.ends, panels):
         label_ends(axes, axes.ends)
     note(figure, f"{cost} full products a unit of time, {first.windows} windows. In brackets: the power of time by"
          f" which the error grows, or how it is judged. Cross: the run failed. {KINDS}")

@@ -391,7 +391,9 @@ class Render(DrawingTest):
         lines = lines_of(panel)
         self.assertEqual(list(lines), list(MADE))
         self.assertEqual(lines["group2"], [[50 * steps / 1000, 1e-3 * (1000 / steps)**4] for steps in STEPS])
-        self.assertIn("elp6, 1e-13", [text.get_text() for text in panel.texts])
+        labels = [text.get_text() for text in panel.texts]
+        self.assertEqual((len(labels), "○ elp6, 1e-13" in labels), (len(MADE), True))
+        self.assertEqual(panel.lines[-1].get_marker(), "o")
         self.assertIn("2 of 8 places", panel.figure.texts[0].get_text())
         (panel,) = self.panels("longruns_charts", "energy_against_time", runs)["smooth scene"]
         self.assertIn("of 12 runs 0 are at rounding, 8 bounded, 4 growing", panel.figure.texts[0].get_text())
@@ -406,6 +408,7 @@ class Render(DrawingTest):
             made_long_run("rk4", status="unstable", failed_step=900, energy_errors=errors, energy_means=errors)]))
         ((panel,),) = self.panels("longruns_charts", "spectrum_against_cost", runs).values()
         self.assertEqual(lines_of(panel)["elp6"][0], [15.0, 1e-16])
+        self.assertEqual([text.get_text() for text in panel.texts], ["all others"])
         ((panel,),) = self.panels("longruns_charts", "energy_against_time", runs).values()
         crosses = [line.get_xydata().tolist() for line in panel.lines if line.get_label() == "_failure"]
         self.assertEqual(crosses, [[lines_of(panel)["rk4"][-1]]])
