@@ -45,13 +45,13 @@ def styles(runs, drawn):
 
 
 def energy_against_cost(runs):
-    """Draws the largest energy errors of runs against products a unit of time. None without a line."""
+    """Draws the largest energy errors of runs against products a unit of time."""
     return against_cost(runs, ENERGY, f"Energy error against cost: keeping the structure is cheaper than any explicit"
                         f" method {where_it_pays(runs, ENERGY)}", "largest relative energy error")
 
 
 def spectrum_against_cost(runs):
-    """Draws the spectrum errors at the end of runs against products a unit of time. None without a line."""
+    """Draws the spectrum errors at the end of runs against products a unit of time."""
     return against_cost(runs, SPECTRUM, "Eigenvalues at the end: keeping the structure is cheaper than any explicit"
                         f" method without projection {where_it_pays(runs, SPECTRUM)}", "largest error of an eigenvalue")
 

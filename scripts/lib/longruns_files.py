@@ -267,6 +267,8 @@ def long_runs(study):
             raise UnusableFile(f"has a run of {run.integrator} without its integrator")
     if not lines:
         raise UnusableFile("has no runs")
+    if len({run.n for run in tables["long_runs"]}) > 1:
+        raise UnusableFile("has long runs at more than one n")
     in_order = {key: lines[key] for key in dict.fromkeys((point.scene, point.n, point.method)
                                                          for point in tables["points"])}
     return LongRuns(study.context, integrators, plans, in_order, keyed(tables["long_runs"], "scene", "cost", "method"))

@@ -311,6 +311,7 @@ class Files(FolderTest):
     def test_damage(self):
         for study, part in ((made_study([], []), "no runs"),
                             (made_study([made_point("rk4", 500, n=65)]), "without its plan"),
+                            (made_study(runs=[made_long_run("rk4", n=n) for n in (17, 33)]), "more than one n"),
                             (made_study(runs=[made_long_run("rk4", integrator="rk5_frame")]), "its integrator")):
             with self.subTest(part), self.assertRaisesRegex(UnusableFile, part):
                 long_runs(study)
@@ -623,6 +624,7 @@ class Runs(FolderTest):
         records = {entry.name: entry for entry in isosyrk.integrators()}
         self.assertEqual({class_of(records[job["integrator"]], job["tolerance"]) for job in jobs}, set(CLASSES))
         self.assertEqual(len(longruns.long_runs_of(longruns.SIZES, longruns.METHODS)), 40)
+        self.assertEqual({job["n"] for job in longruns.long_runs_of((17, 33, 65), longruns.METHODS)}, {33})
         self.assertEqual(longruns.long_runs_of((65,), longruns.METHODS), [])
 
     def test_bad_arguments(self):
