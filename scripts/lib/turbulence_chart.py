@@ -4,7 +4,6 @@ from lib.chart_panels import (FAMILIES, cross, draw_line, equals, label_ends, lo
                               short_name)
 from lib.numbers import two_digits
 from lib.turbulence_figures import TOLERANCE, line_of
-from lib.verdicts import FEWEST
 
 PLAIN_TITLE = "Error of the statistics of turbulence against cost"
 LINES = ("algebra1", "group2", "elp4", "rkmk4", "rk4", "rk8", "rk4_projected")
@@ -99,16 +98,13 @@ def ticks(low, high, write):
 def title_of(study, found):
     """Returns what the cheapest faithful run costs, with its name if no other is level with it.
 
-    At the largest n of which enough draws decide; a plain title without one.
+    At the largest n that has one; a plain title without any.
     """
-    decided = [n for n in found if study.sizes[n].draws >= FEWEST]
-    if not decided:
+    n = max((n for n in found if found[n].over_practice(found[n].cheapest())), default=None)
+    if n is None:
         return PLAIN_TITLE
-    n, findings = max(decided), found[max(decided)]
-    best = findings.cheapest()
+    findings, best = found[n], found[n].cheapest()
     over = findings.over_practice(best)
-    if over is None:
-        return PLAIN_TITLE
     over, setting = two_digits(over.ratio), best.setting
     run = f"Turbulence at {equals('n', n)} to {equals('T', format(study.sizes[n].time, 'g'))}"
     if any(findings.level_with_cheapest()):

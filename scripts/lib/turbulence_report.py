@@ -149,7 +149,7 @@ def unjudged_paragraphs(findings):
     if findings.spreads.are_independent:
         return []
     return [Paragraph("Nothing is judged here: reference ensembles spread less than those that begin further apart, or"
-                      " there are too few to tell. Their distance from one another may not be that of independent"
+                      " there are too few draws to tell. Their distance from one another may not be that of independent"
                       " ones.")]
 
 
@@ -186,7 +186,8 @@ def trust_parts(study, found):
                   f" {settings.far_displacement:g}, along the coadjoint orbit, at constant energy. The spread of"
                   " reference runs of one draw over that of far runs, with its 95 % interval over resampled draws: it"
                   " is 1 where the distance at the start is forgotten, and smaller where runs share a history. Settings"
-                  f" are judged where the interval of all quantities together begins at {LEAST_SPREAD:g} or above."
+                  f" are judged where the interval of all quantities together begins at {LEAST_SPREAD:g} or above, by"
+                  f" {FEWEST} draws or more."
                   " Deviation: of one run, relative for bands. Least: the mean difference over the draws at which |z|"
                   " reaches the threshold; what is wrong by less passes."),
         spread_table(found),

@@ -14,7 +14,7 @@ The unit is the draw: its run is chosen apart from those of other draws.
 from typing import NamedTuple
 
 import numpy
-from lib.verdicts import student_t
+from lib.verdicts import FEWEST, student_t
 
 LEVEL = 0.95
 COUNT = 4000  # samples behind a threshold
@@ -102,14 +102,15 @@ class Spreads(NamedTuple):
     Arrays with an entry a quantity, and at the end one for their geometric mean.
     """
 
+    draws: int
     ratio: numpy.ndarray
     low: numpy.ndarray
     high: numpy.ndarray
 
     @property
     def are_independent(self):
-        """Tells whether references that begin close to each other spread as far ones do."""
-        return bool(self.low[-1] >= LEAST_SPREAD)
+        """Tells whether references that begin close to each other spread as far ones do, by FEWEST draws or more."""
+        return bool(self.draws >= FEWEST and self.low[-1] >= LEAST_SPREAD)
 
 
 def spreads_of(references, far):
@@ -123,7 +124,8 @@ def spreads_of(references, far):
 
     draws = len(references)
     resampled = ratios(numpy.random.default_rng(SEED + 2).integers(draws, size=(RESAMPLED, draws)))
-    return Spreads(ratios(numpy.arange(draws)), *numpy.quantile(resampled, [(1 - LEVEL) / 2, (1 + LEVEL) / 2], axis=0))
+    ends = numpy.quantile(resampled, [(1 - LEVEL) / 2, (1 + LEVEL) / 2], axis=0)
+    return Spreads(draws, ratios(numpy.arange(draws)), *ends)
 
 
 class Drift(NamedTuple):

@@ -50,20 +50,20 @@ PROCESSES, QUICK_PROCESSES = verdicts.FEWEST, 2
 # Steps of each method around the longest that is faithful, at n = 33; it is about half as long at twice the n. Nothing
 # is in the co-rotating frame: the data have no part with l = 1, so that it would change nothing.
 STEPS = {
-    "algebra1": (0.125, 0.25, 0.5, 1.0),
-    "group2": (0.5, 1.0, 2.0),
+    "algebra1": (0.25, 0.375, 0.5),
+    "group2": (0.5, 1.0),
     "group3": (1.0, 2.0),
-    "elp4": (0.5, 1.0, 2.0),
+    "elp4": (1.0, 2.0),
     "elp6": (1.0, 2.0),
-    "magnus5": (0.5, 1.0, 2.0),
-    "rkmk4": (0.5, 1.0, 2.0),
-    "rk4": (0.125, 0.25, 0.5),
-    "rk8": (0.75, 1.0, 1.5, 2.0),
-    "abm8": (0.25, 0.375, 0.5),
-    "rk4_projected": (0.125, 0.25, 0.5),
-    "rk8_projected": (1.0, 1.5, 2.0),
+    "magnus5": (1.0, 2.0),
+    "rkmk4": (1.0, 2.0),
+    "rk4": (0.25, 0.375, 0.5),
+    "rk8": (1.0, 1.5, 2.0, 3.0),
+    "abm8": (0.2, 0.25, 0.3),
+    "rk4_projected": (0.25, 0.375, 0.5),
+    "rk8_projected": (1.0, 1.5, 2.0, 3.0),
 }
-LADDER = {"group2": (0.5, 1e-4), "elp4": (0.5, 1e-4)}  # a step and a looser tolerance
+LADDER = {"group2": (1.0, 1e-4), "elp4": (1.0, 1e-4)}  # a step and a looser tolerance
 FEW = ("algebra1", "group2", "elp4", "rk4", "rk8")  # methods at large n, with two steps each
 QUICK_STEPS = {"algebra1": (0.5, 1.0), "elp4": (0.5, 1.0), "rk4": (0.25, 0.5), "rk8": (0.75, 1.5)}
 
