@@ -1,6 +1,6 @@
 """Draws the study of turbulence: statistical error against cost."""
 
-from lib.chart_panels import (FAMILIES, cross, draw_line, equals, label_ends, logarithmic, look, new_figure, note,
+from lib.chart_panels import (FAMILIES, LABEL_SIZE, cross, draw_line, equals, logarithmic, look, new_figure, note,
                               short_name)
 from lib.numbers import two_digits
 from lib.turbulence_figures import TOLERANCE, line_of
@@ -23,9 +23,8 @@ def statistical_error(study, found):
     lines = {n: drawn for n, drawn in lines.items() if any(len(points) > 1 for points in drawn.values())}
     if not lines:
         return None
-    labels = {name: short_name(study.integrators[name]) for drawn in lines.values() for name in drawn}
     figure, (panels,) = new_figure(title_of(study, {n: found[n] for n in lines}), 1, len(lines), 5.0, keys=2,
-                                   labels=labels.values(), sharex=True, sharey=True)
+                                   sharex=True, sharey=True)
     for axes, (n, drawn) in zip(panels, lines.items()):
         logarithmic(axes)
         axes.set(title=f"n = {n}", xlabel="CPU time of a run over that of the practice")
@@ -48,8 +47,9 @@ def statistical_error(study, found):
         if found[n].spreads.are_independent:
             axes.axhspan(low, found[n].reference.threshold, color="0.92", zorder=0, label="_faithful")
             axes.text(0.02, 0.02, "within chance", transform=axes.transAxes, color="0.35")
-        label_ends(axes, [(points[-1], labels[name], look(study.integrators[name])["color"])
-                          for name, points in drawn.items()])
+        for name, points in drawn.items():  # beside the longest step: there lines are furthest apart
+            axes.annotate(short_name(study.integrators[name]), points[0], (9, 3), textcoords="offset points",
+                          color=look(study.integrators[name])["color"], fontsize=LABEL_SIZE)
     note(figure, "Star: the practice, isospectral midpoint with h = ħ/4, at the end of the line of Gauss 2. Tolerance"
          " 1e-8; numbers are orders. Red ring: energy or enstrophy of a draw is off by more than"
          f" {TOLERANCE:.0%}. Cross: the next longer step loses a draw; plus: it takes more than"

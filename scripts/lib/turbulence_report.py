@@ -155,9 +155,11 @@ def unjudged_paragraphs(findings):
 
 def lost_parts(study):
     """Returns the table of the draws that lost a run: none if there are none."""
-    rows = [[str(n), run.integrator, f"{run.step:.3g}", f"{run.tolerance:g}", str(run.draw), run.status,
-             three_digits(run.time), MISSING if run.energy_error is None else percentage(run.energy_error)]
-            for n, ensembles in study.ensembles.items() for ensemble in ensembles.values() for run in ensemble.lost]
+    rows = [[str(n), ensemble.setting.integrator, f"{ensemble.setting.step:.3g}", f"{ensemble.setting.tolerance:g}",
+             f"{ensemble.failed} of {len(ensemble.runs)}",
+             ", ".join(dict.fromkeys(run.status for run in ensemble.lost)),
+             ", ".join(f"{run.draw} at {run.time:.3g}" for run in ensemble.lost)]
+            for n, ensembles in study.ensembles.items() for ensemble in ensembles.values() if ensemble.lost]
     if not rows:
         return []
     return [Heading("Draws that were lost"),
@@ -166,7 +168,7 @@ def lost_parts(study):
                       " with the default cap of 1000 such a run may go on. A setting that loses a draw is not"
                       " faithful."),
             plain_table((Column("n"), Column("integrator", align="left"), Column("h"), Column("tolerance"),
-                         Column("draw"), Column("how", align="left"), Column("t"), Column("energy error")), rows)]
+                         Column("lost"), Column("how", align="left"), Column("draw and t", align="left")), rows)]
 
 
 # ---- how far to trust it

@@ -55,13 +55,13 @@ STEPS = {
     "group3": (1.0, 2.0),
     "elp4": (1.0, 2.0),
     "elp6": (1.0, 2.0),
-    "magnus5": (1.0, 2.0),
-    "rkmk4": (1.0, 2.0),
+    "magnus5": (0.5, 1.0),
+    "rkmk4": (0.5, 1.0),
     "rk4": (0.25, 0.375, 0.5),
-    "rk8": (1.0, 1.5, 2.0, 3.0),
-    "abm8": (0.2, 0.25, 0.3),
+    "rk8": (1.0, 1.5, 2.0),
+    "abm8": (0.15, 0.2, 0.25),
     "rk4_projected": (0.25, 0.375, 0.5),
-    "rk8_projected": (1.0, 1.5, 2.0, 3.0),
+    "rk8_projected": (1.5, 2.0, 3.0),
 }
 LADDER = {"group2": (1.0, 1e-4), "elp4": (1.0, 1e-4)}  # a step and a looser tolerance
 FEW = ("algebra1", "group2", "elp4", "rk4", "rk8")  # methods at large n, with two steps each
@@ -91,7 +91,7 @@ def plan_of(n, quick):
     ladder = {name: (step / shorter, tolerance) for name, (step, tolerance) in LADDER.items()}
     if n >= LARGE_N:
         return Plan(6, 4, 3, 1000.0, {name: steps[name][:2] for name in FEW}, {})
-    return Plan(12 if n <= SMALL_N else 10, 6, 3, 1000.0, steps, ladder)
+    return Plan(12 if n <= SMALL_N else 10, 6, 5, 1000.0, steps, ladder)
 
 
 def settings_of(n, plan, names):
