@@ -44,7 +44,7 @@ def statistical_error(study, found):
     panels[0].set_yticks(*ticks(low, high, "{:g}".format))
     panels[0].set_xticks(*ticks(*panels[0].get_xlim(), "{:g}".format))
     for axes, (n, drawn) in zip(panels, lines.items()):
-        if found[n].spreads.are_independent:
+        if found[n].decides:
             axes.axhspan(low, found[n].reference.threshold, color="0.92", zorder=0, label="_faithful")
             axes.text(0.02, 0.02, "within chance", transform=axes.transAxes, color="0.35")
         for name, points in drawn.items():  # beside the longest step: there lines are furthest apart

@@ -70,6 +70,11 @@ class Findings(NamedTuple):
     practice: Optional[Judged]
 
     @property
+    def decides(self):
+        """Tells whether there are draws enough for a verdict."""
+        return len(self.reference.means) >= verdicts.FEWEST
+
+    @property
     def is_stationary(self):
         return all(drift.is_stationary for drift in self.drifts.values())
 
@@ -101,13 +106,19 @@ class Findings(NamedTuple):
 def findings_of(study, n):
     """Returns the Findings of a Turbulence at one n."""
     references, far = (values_of(runs) for runs in (study.references[n], study.far[n]))
-    reference, spreads, keys = reference_of(references), spreads_of(references, far), quantity_keys(study, n)
+    spreads, keys = spreads_of(references, far), quantity_keys(study, n)
+    if spreads.are_independent:
+        reference = reference_of(references)
+        right = numpy.concatenate((references, far), axis=1), reference.ensembles
+    else:  # the wider spread counts
+        reference = reference_of(far).with_means_of(references)
+        right = far, reference.ensembles - 1
     energies = numpy.array([[run.bands for run in (*near, *far)]
                             for near, far in zip(study.references[n], study.far[n])])
-    judged = {setting: judged_of(study, n, ensemble, keys, reference, spreads.are_independent)
+    judged = {setting: judged_of(study, n, ensemble, keys, reference)
               for setting, ensemble in study.ensembles[n].items()}
     practice = study.practice(n)
-    return Findings(keys, reference, false_positives(references, far),
+    return Findings(keys, reference, false_positives(*right),
                     tuple(reference.distance(far[:, ensemble]) for ensemble in range(far.shape[1])), spreads,
                     dict(zip(keys, drifts_of(energies))), judged, practice and judged[practice.setting])
 
@@ -127,8 +138,8 @@ def quantity_keys(study, n):
     return (*bands, *(f"l{study.settings.correlated_degree}.lag{lag:g}" for lag in study.settings.lags))
 
 
-def judged_of(study, n, ensemble, keys, reference, independent):
-    """Returns one setting as Judged; it is faithful only if reference ensembles are `independent`."""
+def judged_of(study, n, ensemble, keys, reference):
+    """Returns one setting as Judged; none is faithful by few draws."""
     setting, cost = ensemble.setting, study.cost(n, ensemble.setting)
     keeps = strongest_structure(study.integrators[setting.integrator])
     products = statistics.fmean(run.products for run in ensemble.runs)
@@ -141,7 +152,7 @@ def judged_of(study, n, ensemble, keys, reference, independent):
                    {name: statistics.fmean(each) for name, each in changes.items()},
                    {name: max(map(abs, each)) for name, each in changes.items()},
                    spectrum_error=max(run.spectrum_error for run in ensemble.runs), times=times)
-    within = independent and found.distance <= reference.threshold
+    within = len(ensemble.runs) >= verdicts.FEWEST and found.distance <= reference.threshold
     return found._replace(within_chance=within, faithful=within and found.conserves)
 
 

@@ -108,7 +108,7 @@ def size_sections(study, n, findings):
                   f" {two_digits(findings.reference.threshold)}. Energy, enstrophy: change of the average from the"
                   f" initial value, the mean over the draws; bold where it is within {TOLERANCE:.0%} in every draw."
                   " Spectrum: the largest error of an eigenvalue at the end. The first block is the practice."),
-        *unjudged_paragraphs(findings),
+        *limited_paragraphs(findings),
         Table(columns, list(blocks.values())),
     ]
 
@@ -126,7 +126,7 @@ def setting_row(findings, judged):
 
 def verdict_text(findings, judged):
     """Writes whether a setting without a lost draw is faithful, or what is not: "no: statistics, energy"."""
-    if not findings.spreads.are_independent:
+    if not findings.decides:
         return "not judged"
     off = ["statistics"] * (not judged.within_chance)
     off += [name for name in INVARIANTS if judged.worst[name] > TOLERANCE]
@@ -144,13 +144,15 @@ def signed(change):
     return f"{100 * change:+.2g} %" if abs(change) >= 5e-7 else "0"
 
 
-def unjudged_paragraphs(findings):
-    """Says that nothing is judged where reference ensembles are not shown to be independent."""
+def limited_paragraphs(findings):
+    """Says where nothing is judged, and where another spread than that of reference runs counts."""
+    if not findings.decides:
+        return [Paragraph(f"Nothing is judged here: there are fewer than {FEWEST} draws.")]
     if findings.spreads.are_independent:
         return []
-    return [Paragraph("Nothing is judged here: reference ensembles spread less than those that begin further apart, or"
-                      " there are too few draws to tell. Their distance from one another may not be that of independent"
-                      " ones.")]
+    return [Paragraph("Reference runs that begin close to each other share a history here: they spread less than those"
+                      " that begin further apart. So scores take the wider spread of the latter. Fewer wrong settings"
+                      " are found, and fewer right ones called wrong.")]
 
 
 def lost_parts(study):
@@ -181,16 +183,17 @@ def trust_parts(study, found):
     return [
         Paragraph(f"False positives: the share of {TRIALS} right ensembles that are called wrong, {1 - LEVEL:.0%} is"
                   " expected. Each takes one run of each draw, chosen at random from all reference and far runs, and is"
-                  " judged by others of them, with a threshold found anew. So a few of the settings that are right"
-                  " are called unfaithful by chance. Far: the largest |z| of each far ensemble."),
+                  " judged by others of them, with a threshold found anew; from far runs alone where reference runs"
+                  " share a history. So a few of the settings that are right are called unfaithful by chance. Far: the"
+                  " largest |z| of each far ensemble."),
         trust_table(study, found),
         Paragraph(f"Independence: reference ensembles begin {settings.displacement:g} apart, far ones"
                   f" {settings.far_displacement:g}, along the coadjoint orbit, at constant energy. The spread of"
                   " reference runs of one draw over that of far runs, with its 95 % interval over resampled draws: it"
-                  " is 1 where the distance at the start is forgotten, and smaller where runs share a history. Settings"
-                  f" are judged where the interval of all quantities together begins at {LEAST_SPREAD:g} or above, by"
-                  f" {FEWEST} draws or more."
-                  " Deviation: of one run, relative for bands. Least: the mean difference over the draws at which |z|"
+                  " is 1 where the distance at the start is forgotten, and smaller where runs share a history. They are"
+                  f" taken to share one unless the interval of all quantities together begins at {LEAST_SPREAD:g} or"
+                  " above; then the spread of far runs counts, with the reference's means. Deviation: of one run that"
+                  " counts, relative for bands. Least: the mean difference over the draws at which |z|"
                   " reaches the threshold; what is wrong by less passes."),
         spread_table(found),
         Paragraph("Stationarity: the change of a band's energy from the first to the last quarter of T/2 … T, by all"

@@ -90,8 +90,8 @@ def plan_of(n, quick):
     steps = {name: tuple(step / shorter for step in each) for name, each in STEPS.items()}
     ladder = {name: (step / shorter, tolerance) for name, (step, tolerance) in LADDER.items()}
     if n >= LARGE_N:
-        return Plan(6, 4, 3, 1000.0, {name: steps[name][:2] for name in FEW}, {})
-    return Plan(12 if n <= SMALL_N else 10, 6, 5, 1000.0, steps, ladder)
+        return Plan(6, 4, 4, 1000.0, {name: steps[name][:2] for name in FEW}, {})
+    return Plan(12 if n <= SMALL_N else 10, 6, 6, 1000.0, steps, ladder)
 
 
 def settings_of(n, plan, names):

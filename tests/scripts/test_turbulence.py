@@ -233,9 +233,9 @@ class Faithful(unittest.TestCase):
     def test_the_measured_rate_of_false_positives(self):
         with mock.patch.multiple(turbulence_statistics, TRIALS=300, TRIAL_COUNT=200):
             values = made_up(3, 10, 8)
-            self.assertTrue(0.02 <= false_positives(values[:, :5], values[:, 5:]) <= 0.085)
+            self.assertTrue(0.02 <= false_positives(values, 5) <= 0.085)
             with mock.patch.object(turbulence_statistics, "LEVEL", 0.8):  # control: a lower threshold
-                self.assertTrue(0.12 <= false_positives(values[:, :5], values[:, 5:]) <= 0.28)
+                self.assertTrue(0.12 <= false_positives(values, 5) <= 0.28)
 
     def test_references_that_share_a_history_are_told(self):
         told = 0
@@ -247,9 +247,6 @@ class Faithful(unittest.TestCase):
             self.assertFalse(shared.are_independent)
             self.assertTrue(shared.low[-1] < 0.5 * 1.3 and 0.5 / 1.3 < shared.high[-1])
         self.assertGreater(told, 42)
-        values = made_up(1, FEWEST, 10)
-        self.assertTrue(spreads_of(values[:, :5], values[:, 5:]).are_independent)
-        self.assertFalse(spreads_of(values[1:, :5], values[1:, 5:]).are_independent)  # too few draws to tell
 
     def test_drifts(self):
         """Right in 95 of 100 cases over all bands, and found where a band falls by a sixth."""
@@ -461,18 +458,30 @@ class Report(DrawingTest):
         files = self.rendered("still", self.raw())
         self.assertIn("No band changes beyond chance", files["report.md"].decode())
 
-    def test_nothing_is_judged_where_references_share_a_history(self):
+    def test_the_wider_spread_counts_where_references_share_a_history(self):
         def wider(rows):
             """Far runs spread three times as much as reference runs."""
             return [row._replace(bands=[[0.01 * (each / 0.01) ** 3 for each in quarter] for quarter in row.bands],
                                  decorrelations=[0.8 + 3 * (each - 0.8) for each in row.decorrelations])
                     for row in rows]
 
-        found = self.figures(far=wider)
-        self.assertEqual(found["n33.are_independent"], 0)
+        found, close = self.figures(far=wider), self.figures()
+        self.assertEqual((found["n33.are_independent"], found["n33.practice.faithful"]), (0, 1))
+        self.assertTrue(0.25 < found["n33.independent"] < 0.45)
+        for key in ("l1-2", "l4.lag24"):
+            self.assertAlmostEqual(found[f"n33.{key}.deviation"] / close[f"n33.{key}.deviation"], 3, 0)
+            self.assertAlmostEqual(close[f"n33.rk4.h0.5.{key}.score"] / found[f"n33.rk4.h0.5.{key}.score"], 3, 0)
+        note = "share a history here"
+        self.assertIn(note, self.rendered("out", self.raw(far=wider))["report.md"].decode())
+        self.assertNotIn(note, self.rendered("close", self.raw())["report.md"].decode())
+
+    def test_few_draws_judge_nothing(self):
+        few = {"runs": lambda rows: [row for row in rows if row.draw < FEWEST - 1],
+               "sizes": lambda rows: [row._replace(draws=FEWEST - 1) for row in rows]}
+        found = self.figures(**few)
         self.assertEqual({value for key, value in found.items() if key.endswith(".faithful")}, {0})
         self.assertFalse(any(".cheapest" in key for key in found))
-        files = self.rendered("out", self.raw(far=wider))
+        files = self.rendered("out", self.raw(**few))
         self.assertIn("Nothing is judged here", files["report.md"].decode())
         self.assertIn("not judged", {row[-1] for row in self.cells(files)})
 
