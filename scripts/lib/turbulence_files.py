@@ -43,8 +43,8 @@ class Size(NamedTuple):
 
     n: whole(2)
     draws: whole(2)
-    references: whole(3)  # ensembles
-    far: whole(2)  # ensembles
+    references: whole(3)  # ensembles, of which two are left if one is held out
+    far: whole(4)  # ensembles, which may be judged by three of them
     time: positive  # T of a run; averages are those of T/2 … T
     reference_integrator: text
     reference_step: positive

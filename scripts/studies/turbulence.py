@@ -85,7 +85,7 @@ SMALL_N, LARGE_N = 33, 129  # up to which n steps are those listed; from which n
 def plan_of(n, quick):
     """Returns the Plan at an n. Steps are half as long from one of n = 33, 65, 129 … to the next."""
     if quick:
-        return Plan(draws=3, references=3, far=2, time=100.0, steps=QUICK_STEPS, ladder={})
+        return Plan(draws=3, references=3, far=4, time=100.0, steps=QUICK_STEPS, ladder={})
     shorter = 2 ** max(0, round(math.log2((n - 1) / (SMALL_N - 1))))
     steps = {name: tuple(step / shorter for step in each) for name, each in STEPS.items()}
     ladder = {name: (step / shorter, tolerance) for name, (step, tolerance) in LADDER.items()}

@@ -546,6 +546,7 @@ class Report(DrawingTest):
         for changes, told in (
                 ({"runs": lambda rows: []}, "no runs"),
                 ({"sizes": lambda rows: []}, "runs at n = 33"),
+                ({"runs": lambda rows: [row for row in rows if row.integrator != "rk8"]}, "not every reference run"),
                 ({"integrators": without(name="rk4")}, "does not list the integrator rk4"),
                 ({"integrators": without(name="rk8")}, "does not list the integrator rk8"),
                 ({"runs": lambda rows: [row for row in rows if (row.role, row.draw) != (METHOD, 1)]},
@@ -622,7 +623,7 @@ class Study(FolderTest):
         self.assertEqual(done.returncode, DONE, done.stderr)
         self.assertEqual(os.listdir(self.folder), ["raw.json"])  # and no journal
         found = read_turbulence(raw)
-        self.assertEqual((found.sizes[17].draws, found.sizes[17].references, found.sizes[17].far), (3, 3, 2))
+        self.assertEqual((found.sizes[17].draws, found.sizes[17].references, found.sizes[17].far), (3, 3, 4))
         self.assertEqual({setting.integrator for setting in found.ensembles[17]}, {"algebra1", "rk4"})
         self.assertTrue(found.cost(17, Setting("rk4", 0.25, LOOSE)))
         done = run_script(RENDER, raw, "--out", self.path("out"))
