@@ -265,8 +265,8 @@ def how_parts(study, times):
                   f" decorrelation of the coefficients with l = {settings.correlated_degree} after {lags} units of"
                   " time, that is the mean |ω(t + lag) − ω(t)|² over twice the mean |ω|². The score z of a setting: the"
                   " difference from the mean of the reference ensembles of the same draw, mean over the draws, over"
-                  " its standard deviation by chance, from the spread of reference runs of one draw. So each quantity"
-                  " is weighted by how well it is known. Within chance: the largest |z| is at most the"
+                  " its standard deviation by chance, from the spread of the runs of one draw that count. So each"
+                  " quantity is weighted by how well it is known. Within chance: the largest |z| is at most the"
                   f" {LEVEL:.0%} quantile of {COUNT} samples, each with one reference run of each draw held out at"
                   " random and judged by the others."),
         Paragraph("Energy and enstrophy have a tolerance of their own: reference runs keep them, so that they have no"

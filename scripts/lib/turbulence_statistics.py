@@ -37,7 +37,10 @@ class Reference(NamedTuple):
     threshold: float
 
     def with_means_of(self, values):
-        """Returns a Reference with the means of other ensembles, draws × ensembles × quantities."""
+        """Returns a Reference with the means of other ensembles, draws × ensembles × quantities.
+
+        Their number is taken for that of its own. If they are more, scores are a little too small.
+        """
         return self._replace(means=values.mean(axis=1))
 
     @property

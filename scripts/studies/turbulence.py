@@ -38,7 +38,7 @@ from lib.turbulence_files import (FAR, LOOSE, METHOD, PRACTICE, PRACTICE_INTEGRA
                                   Cost, RunRow, Setting, Settings, Size)
 
 SIZES, QUICK_SIZES = (33, 65), (33,)
-# Of no family that is judged at this step: its energy is off by 1e-11 at n = 33, T = 1000.
+# More accurate than all that is judged by it: its energy is off by 1e-11 at n = 33, T = 1000.
 REFERENCE_METHOD = Setting("rk8", 0.25, 1e-10)
 
 # What is timed: steps that fill a stretch of time behind WARM_STEPS others from T/2 on, or so many if they are longer.
