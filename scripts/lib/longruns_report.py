@@ -20,7 +20,7 @@ CHARTS = (
     ("energy_against_time", "Largest energy error in each window of the long runs, all at 150 products a unit of"
      " time."),
 )
-ERRORS = {ENERGY: (1e-2, 1e-4, 1e-6, 1e-8), SPECTRUM: (1e-4, 1e-6, 1e-8, 1e-10)}
+ERRORS = {ENERGY: (1e-1, 1e-2, 1e-4, 1e-6, 1e-8, 1e-9), SPECTRUM: (1e-4, 1e-6, 1e-8, 1e-10)}
 CLASS_TITLES = {EXPLICIT: "explicit", PROJECTED: "explicit, projected", EXPLICIT_LIE: "RKMK, Magnus",
                 EXPONENTIAL_LOOSE: "exponential, 1e-8", EXPONENTIAL: "exponential, 1e-13", GAUSS: "Gauss, 1e-13"}
 SHOWN = {ENERGY: tuple(CLASS_TITLES), SPECTRUM: tuple(each for each in CLASS_TITLES if each != PROJECTED)}

@@ -291,7 +291,7 @@ class Files(FolderTest):
     def test_where_structure_pays(self):
         runs = long_runs(made_study())
         places = {place.error: place for place in places_of(runs, ENERGY) if place.scene == "smooth"}
-        self.assertEqual([place.pays for place in places.values()], [False, False, False, True])
+        self.assertEqual([place.pays for place in places.values()], [False, False, False, False, True, True])
         place = places[1e-8]  # where rk4 does not come to
         self.assertIsNone(place.ratio((EXPLICIT,)))
         self.assertEqual(place.structure.method, "elp6_tight")
@@ -333,7 +333,7 @@ class Render(DrawingTest):
                            ("rough.n33.energy.1e-6.exponential.products", 60),
                            ("smooth.n33.energy.1e-6.structure_over_explicit", 15 / 1000**0.25),
                            ("smooth.n33.spectrum.1e-4.explicit.products", 4 * 10**0.5),
-                           ("pays.energy.places", 8), ("pays.energy.cells", 2), ("pays.energy.n33.cells", 2),
+                           ("pays.energy.places", 12), ("pays.energy.cells", 4), ("pays.energy.n33.cells", 4),
                            ("rough.long.150.rkmk4.energy_change", -1e-6), ("smooth.long.150.group2.step", 0.1),
                            ("long.energy.exponential.bounded", 2), ("long.energy.elp6_tight.runs", 2),
                            ("long.energy.rk4.growing", 2), ("long.spectrum.gauss.at_rounding", 2),
@@ -395,7 +395,7 @@ class Render(DrawingTest):
         labels = [text.get_text() for text in panel.texts]
         self.assertEqual((len(labels), "○ elp6, 1e-13" in labels), (len(MADE), True))
         self.assertEqual(panel.lines[-1].get_marker(), "o")
-        self.assertIn("2 of 8 places", panel.figure.texts[0].get_text())
+        self.assertIn("4 of 12 places", panel.figure.texts[0].get_text())
         (panel,) = self.panels("longruns_charts", "energy_against_time", runs)["smooth scene"]
         self.assertIn("of 12 runs 0 are at rounding, 8 bounded, 4 growing", panel.figure.texts[0].get_text())
         self.assertEqual(len(lines_of(panel)["rk4"]), len(TIMES))
