@@ -102,7 +102,7 @@ class Averages:
 
     def invariants(self, W):
         """Returns energy and enstrophy, an array."""
-        return numpy.array([self.scene.energy(W), 0.5 * numpy.linalg.norm(W) ** 2])
+        return numpy.array([trials.energy(self.scene, W), 0.5 * numpy.linalg.norm(W) ** 2])
 
     def __call__(self, step, W, _report):
         found = self.invariants(W) / self.initial

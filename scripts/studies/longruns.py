@@ -20,6 +20,7 @@ if __name__ == "__main__":
 
 import isosyrk
 from lib import formats
+from lib import trials
 from lib.command_line import Stop
 from lib.formats import CONVERGED, FAST, UNSTABLE, to_digits
 from lib.integrator_names import FRAME, frameless
@@ -108,7 +109,7 @@ class Watch:
         self.found = {"energy_change": None, "energy_errors": [], "energy_means": [], "spectrum_errors": []}
 
     def __call__(self, step, W, _report):
-        change = self.scene.energy(W) / self.initial_energy - 1.0
+        change = trials.energy(self.scene, W) / self.initial_energy - 1.0
         if not abs(change) < GONE:  # so that NaN is gone
             self.gone = True
             return True
@@ -217,7 +218,7 @@ def cost_of(job, window, steps_a_window):
         W, report = method.run(W, window / steps_a_window, half)
     except isosyrk.SolverError:
         return 0.0
-    if not abs(scene.energy(W) / scene.energy(scene.initial) - 1.0) < GONE:
+    if not abs(trials.energy(scene, W) / scene.energy(scene.initial) - 1.0) < GONE:
         return 0.0
     return report.equivalent_products / (TRIAL_WINDOWS // 2 * window)
 
