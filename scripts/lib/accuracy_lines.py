@@ -25,6 +25,9 @@ TABLE_EXPONENTS = (-2, -4, -6, -8)  # powers of ten, as errors for which tables 
 # keeps the spectrum to about the tolerance only, an exponential method to rounding.
 TIGHT = 1e-13
 LOOSE_GAUSS, LOOSE_EXPONENTIAL = 1e-7, 1e-8
+# The tolerance at which the energy of exponential Lie–Poisson methods stays bounded, as the study of long runs measures
+# it. At a looser one errors of the Lie–Poisson structure add up, and the energy drifts.
+ENERGY_BOUNDED = 1e-13
 MATCHED = 100  # so many times smaller than an error is a tolerance that is matched to it
 
 # A line has reached its floor where the error is within this of the reference's uncertainty, ...
@@ -41,9 +44,9 @@ ORDER_POINTS = 3
 FLOOR, BELOW, CUT = "floor", "below", "cut"
 GOOD_ENOUGH = 1e-9
 
-# The rows of a duel. Each is one method, or the best of several, in the co-rotating frame.
-CONTENDERS = ("gauss", "gauss_loose", "gauss_matched", "gauss_published", "elp", "elp_matched", "elp_tight", "magnus",
-              "rkmk4", "rk4_projected", "rk4")
+# The rows of a duel, each the best method of a class in the co-rotating frame: lib/contenders.py says of which.
+CONTENDERS = ("explicit", "rk4", "projected", "rkmk", "magnus", "elp", "elp_matched", "elp_bounded", "gauss",
+              "gauss_loose", "gauss_matched", "gauss_published", "named_published")
 
 
 class Problem(NamedTuple):
@@ -69,15 +72,17 @@ def loose_tolerance(integrator):
     return LOOSE_EXPONENTIAL if is_exponential(integrator) else None
 
 
-def keeping_tolerance(integrator):
-    """Returns the loosest tolerance at which an integrator keeps all that it keeps at the tightest."""
-    return LOOSE_EXPONENTIAL if is_exponential(integrator) else TIGHT
+def keeping_tolerance(integrator, structure="spectrum"):
+    """Returns the loosest tolerance at which an integrator keeps a structure that it keeps at the tightest."""
+    if not is_exponential(integrator):
+        return TIGHT
+    return ENERGY_BOUNDED if structure == "poisson" else LOOSE_EXPONENTIAL
 
 
 def keeps(integrator, tolerance, structure):
-    """Tells whether an Integrator keeps a structure at a tolerance: to rounding, Lie–Poisson to the tolerance."""
-    if tolerance > TIGHT and not is_exponential(integrator.name):
-        return structure == "nothing"
+    """Tells whether an Integrator keeps a structure at a tolerance."""
+    if tolerance > TIGHT and structure != "nothing" and tolerance > keeping_tolerance(integrator.name, structure):
+        return False
     return integrator.keeps(structure)
 
 
@@ -180,6 +185,7 @@ class Duel(NamedTuple):
     steps: whole(1)
     error: positive
     spectrum_error: number
+    beyond_limit: truth  # as that of a Run
     equivalent_products: number
     cpu_seconds: list_of(positive)  # of the whole run, one for each process
 
@@ -242,17 +248,21 @@ class Accuracy(NamedTuple):
             kept.append(run)
         return kept
 
-    def stretches(self, problem, integrator, tolerance=TIGHT):
-        """Returns the line above its floor as lists of neighbouring runs that are no failure and not beyond a limit."""
+    def stretches(self, problem, integrator, tolerance=TIGHT, beyond=False):
+        """Returns the line above its floor as lists of neighbouring runs that are no failure, nor beyond a limit unless
+        `beyond` says so."""
         kept = set(map(id, self.above_floor(problem, integrator, tolerance)))
         found = itertools.groupby(self.line(problem, integrator, tolerance),
-                                  lambda run: id(run) in kept and not run.beyond_limit)
+                                  lambda run: id(run) in kept and (beyond or not run.beyond_limit))
         return [list(runs) for good, runs in found if good]
 
-    def cost(self, problem, integrator, error, tolerance=TIGHT) -> Optional[Cost]:
-        """Returns the least cost of this error or a smaller one on a line; None where the line does not reach it."""
+    def cost(self, problem, integrator, error, tolerance=TIGHT, beyond=False) -> Optional[Cost]:
+        """Returns the least cost of this error or a smaller one on a line; None where the line does not reach it.
+
+        Runs beyond a limit count if `beyond` says so.
+        """
         costs = []
-        for stretch in self.stretches(problem, integrator, tolerance):
+        for stretch in self.stretches(problem, integrator, tolerance, beyond):
             costs += [interpolated(run, run, error) for run in stretch if run.error <= error]
             costs += [interpolated(coarse, fine, error) for coarse, fine in zip(stretch, stretch[1:])
                       if coarse.error >= error >= fine.error]
