@@ -8,7 +8,7 @@ import statistics
 
 from lib.accuracy_lines import TABLE_EXPONENTS
 from lib.contenders import CLASSES, EXPLICIT
-from lib.equal_error import (AS_EXPLICIT, PAIRS, cheapest, duel_errors, fastest_class, frame_gains, gauss_forms,
+from lib.equal_error import (PAIRS, beaten_by, cheapest, duel_errors, frame_gains, gauss_forms,
                              headline_problems, is_few, ratio_in, runs_at_table1_step, tolerances)
 from lib.formats import PUBLISHED
 from lib.integrator_names import FRAME, frameless, gauss_stages
@@ -32,8 +32,8 @@ def name_of(problem, wanted):
 
 
 def duel_times(study):
-    """CPU seconds and steps of the rows of duels, and the spectrum error of some; how many rows take fewer steps than
-    FEW, and at which errors the best explicit method is the fastest of all that take part by their fast form.
+    """CPU seconds and steps of the rows of duels, and the spectrum error of some; how many rows take few steps, and in
+    how many duels of an error no class is faster than the best explicit method.
     """
     found = {"rows": sum(map(len, study.duels.values())),
              "rows.of_few_steps": sum(is_few(row) for duel in study.duels.values() for row in duel.values())}
@@ -46,7 +46,7 @@ def duel_times(study):
     for wanted in duel_errors(study):
         duels = [duel for (_, error), duel in study.duels.items() if error == wanted and EXPLICIT in duel]
         error = f"at_1e{round(math.log10(wanted))}"
-        found[f"explicit_fastest.{error}"] = sum(fastest_class(duel) in AS_EXPLICIT for duel in duels)
+        found[f"explicit_fastest.{error}"] = sum(not beaten_by(duel) for duel in duels)
         found[f"explicit_fastest.{error}.duels"] = len(duels)
     return found
 

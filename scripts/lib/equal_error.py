@@ -13,6 +13,7 @@ from lib.accuracy_lines import CONTENDERS, TABLE1_STEP, TIGHT, Form, compared
 from lib.contenders import CLASSES, EXPLICIT
 from lib.formats import FAST, FORMULATIONS
 from lib.integrator_names import frameless, gauss_stages, in_frame
+from lib.verdicts import FASTER
 
 FEW = 10  # steps; a run of fewer is marked
 AS_EXPLICIT = (EXPLICIT, "rk4")  # the classes of explicit methods that keep nothing
@@ -45,25 +46,15 @@ def duel_errors(study):
     return sorted({wanted for _, wanted in study.duels}, reverse=True)
 
 
-def contenders_of(study):
-    """Returns the contenders that have a row in any duel, in the order of CONTENDERS."""
-    found = set(itertools.chain.from_iterable(study.duels.values()))
-    return [contender for contender in CONTENDERS if contender in found]
-
-
 def ratio_in(duel, first, second):
     """Returns (Ratio, verdict) of the time of a contender over another's in a duel; None where one has no row."""
     return compared(duel[first], duel[second]) if first in duel and second in duel else None
 
 
-def cheapest_contender(duel, among):
-    """Returns the contender with the least time in a duel, or None if none of these has a row."""
-    return min((each for each in among if each in duel), key=lambda each: duel[each].seconds, default=None)
-
-
-def fastest_class(duel):
-    """Returns the class with the least time in a duel, RK4 as one of the explicit methods."""
-    return cheapest_contender(duel, CONTENDERS)
+def beaten_by(duel):
+    """Returns the classes that are faster than the best explicit method by the verdict, the fastest first."""
+    return sorted((each for each in duel if each not in AS_EXPLICIT and ratio_in(duel, each, EXPLICIT)[1] == FASTER),
+                  key=lambda each: duel[each].seconds)
 
 
 def is_few(row):
