@@ -39,9 +39,8 @@ DRAWN = {
     "explicit": (FAMILIES["rk"][0], {**NOTHING, "linewidth": 2.4, "marker": "o"})}
 
 # The lines of error_against_n, not in the frame, at the tight tolerance; those with words are told in the title.
-AGAINST_N = {"group1": None, "group2": "the Gauss method of order 4", "group3": None,
-             "elp4": "the exponential method of order 4", "elp6": None, "rk4": None,
-             "rk8": "the explicit one of order 8"}
+AGAINST_N = {"group1": None, "group2": "the Gauss method of order 4", "elp4": "the exponential method of order 4",
+             "elp6": None, "rkmk4": "RKMK4", "rk4": None, "rk8": None}
 GROWS = 10  # a factor beyond which the title says that an error depends on n
 
 
