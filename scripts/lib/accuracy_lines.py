@@ -290,8 +290,9 @@ class Accuracy(NamedTuple):
 
 
 def compared(row, other):
-    """Returns (Ratio, verdict) of the time of a row of a duel over another's."""
-    found = ratio_of(row.cpu_seconds, other.cpu_seconds)
+    """Returns (Ratio, verdict) of the time of a row of a duel over another's, by the processes that timed both."""
+    both = min(len(row.cpu_seconds), len(other.cpu_seconds))
+    found = ratio_of(row.cpu_seconds[:both], other.cpu_seconds[:both])
     return found, verdict(found)
 
 

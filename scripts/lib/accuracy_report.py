@@ -163,7 +163,9 @@ def times_table(study, wanted):
     """Returns a heading and the table of seconds and steps of the chief classes at an error."""
     rows = []
     for problem, duel in duels_at(study, wanted):
-        level, undecided = level_rows({each: duel[each].cpu_seconds for each in CHIEF if each in duel})
+        chief = {each: duel[each].cpu_seconds for each in CHIEF if each in duel}
+        common = min(map(len, chief.values()), default=0)  # processes
+        level, undecided = level_rows({each: times[:common] for each, times in chief.items()})
         found = {each: f"{three_digits(duel[each].seconds)} ({steps_text(duel[each])})" for each in CHIEF
                  if each in duel}
         rows.append([Entry(str(problem)), *(Entry(

@@ -79,7 +79,7 @@ def error_against_time(study):
     panels[0].set_ylabel(SECONDS_LABEL)
     note(figure, f"Smooth scene to T = {next(iter(lines)).time:g}. In the co-rotating frame; tolerance 1e-13 of Gauss,"
          " 1e-8 of exponential and Magnus methods; numbers are orders. Solid: keeps the Lie–Poisson structure; dashed:"
-         " the spectrum only; dotted: nothing. Open triangle: the line was cut, as the next run would have taken too long.")
+         " the spectrum only; dotted: nothing. Open triangle: the line was cut, as the next run would take too long.")
     return figure
 
 

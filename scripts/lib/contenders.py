@@ -8,7 +8,7 @@ from typing import Callable, NamedTuple
 
 from lib.accuracy_lines import CONTENDERS, ENERGY_BOUNDED, LOOSE_EXPONENTIAL, LOOSE_GAUSS, MATCHED, TIGHT, Form
 from lib.formats import FAST, PUBLISHED, Integrator
-from lib.integrator_names import family, frameless, gauss_stages, in_frame
+from lib.integrator_names import family, frameless, in_frame
 
 # Methods of a lower order take ten times the work and more at the errors of duels, so they are not tried.
 LEAST_ORDER = 4
@@ -23,9 +23,11 @@ class Contender(NamedTuple):
     label: str  # in tables and charts
     holds: Callable[[Integrator], bool]  # whether an integrator of LEAST_ORDER or above belongs to it
     tolerance: float = TIGHT
+    line: float = TIGHT  # the tolerance of the lines that tell which methods may stand for it
     # At a tolerance MATCHED times smaller than the error instead, where that is looser or where this one is too loose.
     matched: bool = False
     solver: str = FAST
+    even: bool = False  # whether a step takes the same work at any step size
 
     def tolerance_for(self, error):
         """Returns the tolerance for an error; None where the class does not compete."""
@@ -35,32 +37,32 @@ class Contender(NamedTuple):
         return matched if matched > self.tolerance or error < REACHED * self.tolerance else None
 
     def line_tolerance(self, error):
-        """Returns the tolerance of the lines that tell which methods stand for the class."""
-        return TIGHT if self.matched and error < REACHED * self.tolerance else self.tolerance
-
-
-def is_gauss(integrator):
-    return bool(gauss_stages(frameless(integrator.name)))
+        """Returns the tolerance of the lines that tell which methods may stand for the class at an error."""
+        return TIGHT if self.matched and error < REACHED * self.tolerance else self.line
 
 
 def of_family(*families):
     return lambda integrator: family(frameless(integrator.name)) in families
 
 
+# Formulations give one answer; by fast forms with two stages or more that on G is the fastest, as Table 2 shows.
+is_gauss = of_family("group")
+
+
 def is_table1_gauss(integrator):
     """Tells whether it is a Gauss method of Table 1 on g or on G; that on T*G needs the products of the one on G."""
-    return (of_family("algebra", "group")(integrator) and integrator.stages <= LARGEST_PUBLISHED_STAGES)
+    return of_family("algebra", "group")(integrator) and integrator.stages <= LARGEST_PUBLISHED_STAGES
 
 
 CLASSES = dict(zip(CONTENDERS, (
-    Contender("best explicit", lambda each: each.explicit and not each.isospectral),
-    Contender("RK4", lambda each: frameless(each.name) == "rk4"),
-    Contender("projected", lambda each: frameless(each.name).endswith("_projected")),
+    Contender("best explicit", lambda each: each.explicit and not each.isospectral, even=True),
+    Contender("RK4", lambda each: frameless(each.name) == "rk4", even=True),
+    Contender("projected", lambda each: frameless(each.name).endswith("_projected"), even=True),
     Contender("RKMK", of_family("rkmk")),
-    Contender("Magnus", of_family("magnus"), LOOSE_EXPONENTIAL),
-    Contender("exponential, 1e-8", of_family("elp"), LOOSE_EXPONENTIAL),
-    Contender("exponential, matched", of_family("elp"), LOOSE_EXPONENTIAL, matched=True),
-    Contender("exponential, bounded energy", of_family("elp"), ENERGY_BOUNDED),
+    Contender("Magnus", of_family("magnus"), LOOSE_EXPONENTIAL, LOOSE_EXPONENTIAL),
+    Contender("exponential, 1e-8", of_family("elp"), LOOSE_EXPONENTIAL, LOOSE_EXPONENTIAL),
+    Contender("exponential, matched", of_family("elp"), LOOSE_EXPONENTIAL, LOOSE_EXPONENTIAL, matched=True),
+    Contender("exponential, bounded energy", of_family("elp"), ENERGY_BOUNDED, ENERGY_BOUNDED),
     Contender("Gauss", is_gauss),
     Contender("Gauss, 1e-7", is_gauss, LOOSE_GAUSS),
     Contender("Gauss, matched", is_gauss, LOOSE_GAUSS, matched=True),
@@ -78,7 +80,7 @@ def candidates(integrators, contender, solver=None):
 
 def forms(integrators, contender):
     """Returns the Forms whose lines tell which of some Integrators may stand for a class by its fast form."""
-    return [Form(each.name, CLASSES[contender].tolerance) for each in candidates(integrators, contender, FAST)]
+    return [Form(each.name, CLASSES[contender].line) for each in candidates(integrators, contender, FAST)]
 
 
 def all_forms(integrators):

@@ -17,19 +17,22 @@ import isosyrk
 from lib import study
 from lib import verdicts
 from lib.accuracy_lines import Duel, Form, Problem
-from lib.accuracy_runs import MAX_SWEEPS, Setting, rounded, scene_of
+from lib.accuracy_runs import MAX_SWEEPS, Setting, rounded, scene_of, seconds_of_part
 from lib.contenders import CLASSES, EXPLICIT, candidates
 from lib.equal_error import cheap_forms
 from lib.formats import FAST, PUBLISHED
 from lib.integrator_names import FRAME
 
 WANTED = (1e-4, 1e-6)  # the errors of all duels, ...
-SHARP, SHARP_PROBLEMS, LARGEST_SHARP = 1e-8, (("smooth", 50.0), ("rough", 5.0)), 65  # ... and of some
-# Published forms take ten times as long and more: they compete at one error, to one time, up to one n.
-WANTED_PUBLISHED, PUBLISHED_PROBLEMS, LARGEST_PUBLISHED = 1e-6, (("smooth", 5.0), ("rough", 5.0)), 129
+SHARP, SHARP_PROBLEMS, LARGEST_SHARP = 1e-8, (("smooth", 50.0), ("rough", 5.0)), 65  # ... of some besides, ...
+LONG_PROBLEM, LONG_WANTED = Problem("smooth", 50.0, 129), (1e-6,)  # ... and of one which takes long
+# Published forms take ten times as long and more: they compete at one error, up to an n of each problem.
+WANTED_PUBLISHED, LARGEST_PUBLISHED = 1e-6, {("smooth", 5.0): 129, ("rough", 5.0): 65}
 CLOSE = 1.02  # the search ends when the failing number of steps is at most this far from the working one
-MORE = (1.02, 1.04, 1.06, 1.08, 1.1, 1.2, 1.33, 1.46, 1.6)  # so many times the fewest steps are tried too, ...
-TOO_MUCH = 1.2  # ... until they take so many times the least work
+# So many times the fewest steps are tried too, until they take TOO_MUCH times the least work; none for methods whose
+# step always takes the same.
+MORE = {FAST: (1.02, 1.04, 1.06, 1.08, 1.1, 1.25, 1.5), PUBLISHED: (1.05, 1.1, 1.25)}
+TOO_MUCH = 1.15
 FURTHER, MOST_MORE = 1.2, 8  # more steps while all fail: from one run to the next, and at most
 BY_ORDER, MOST_RUNS = 10, 30  # runs of a search whose order tells the next one, and of all
 CLOSE_COST = 1.25  # a method whose line costs at most so many times the least may stand as well
@@ -42,12 +45,14 @@ LONG = 0.3  # CPU seconds or more
 
 def wanted_of(problem):
     """Returns the errors of the duels of a problem."""
+    if problem == LONG_PROBLEM:
+        return LONG_WANTED
     return (*WANTED, SHARP) if problem.n <= LARGEST_SHARP and problem[:2] in SHARP_PROBLEMS else WANTED
 
 
 def is_published_duel(problem, wanted):
     """Tells whether published forms compete in a duel."""
-    return wanted == WANTED_PUBLISHED and problem.n <= LARGEST_PUBLISHED and problem[:2] in PUBLISHED_PROBLEMS
+    return wanted == WANTED_PUBLISHED and problem.n <= LARGEST_PUBLISHED.get(problem[:2], 0)
 
 
 def jobs_of(found, problem, wanted, references):
@@ -85,7 +90,8 @@ def cheapest_steps(job):
     setting = Setting(job)
     look = partial(run_of, job, setting)
     fewest = best = fewest_steps(look, job["steps"], job["wanted"], setting.entry.order)
-    for steps in dict.fromkeys(math.ceil(times * fewest.steps) for times in MORE) if fewest else ():
+    more = () if fewest is None or CLASSES[job["contender"]].even else MORE[job["solver"]]
+    for steps in dict.fromkeys(math.ceil(times * fewest.steps) for times in more):
         run = look(steps)
         if not is_reached(job["wanted"], run) or run.equivalent_products > TOO_MUCH * best.equivalent_products:
             break
@@ -191,18 +197,26 @@ def time_block(block):
 def further_processes(most, seconds):
     """Returns how many further processes each row of a block wants, given its seconds by process so far.
 
-    The rows stop together, once the best explicit method, or else the first, is told from each of the others.
+    A row stops once it is told from the best explicit method, or else the first row, which stops with the last of them.
     """
     first = EXPLICIT if EXPLICIT in seconds else next(iter(seconds))
-    return dict.fromkeys(seconds, verdicts.further_processes(most, seconds, lambda found: [
-        verdicts.compared(found[first], found[other]) for other in found if other != first]))
+    wanted = {}
+    for row, times in seconds.items():
+        if row != first:
+            pair = {each: seconds[each][:len(times)] for each in (first, row)}
+            stopped = len(times) < len(seconds[first])
+            wanted[row] = 0 if stopped else verdicts.further_processes(most, pair, lambda found: [
+                verdicts.compared(found[first], found[row])])
+    alone = max(0, min(most, verdicts.FEWEST) - len(seconds[first]))
+    return {**wanted, first: max(wanted.values(), default=alone)}
 
 
 def time_row(row, references, products):
-    """Returns the CPU seconds of the run of a row, once."""
-    (block,) = blocks_of([row], references, products)
-    (seconds,) = time_block({**block, "process": 0})
-    return seconds
+    """Returns the CPU seconds of the run of a row, as time_block() times it, or scaled from its first steps."""
+    run = dict(blocks_of([row], references, products)[0]["runs"][row["contender"]])
+    steps, scene = run.pop("steps"), scene_of(row["scene"], row["time"], row["n"], references)
+    method = isosyrk.integrator(scene, run.pop("integrator"), max_sweeps=MAX_SWEEPS[run["solver"]], **run)
+    return seconds_of_part(method, scene.initial, row["time"] / steps, steps, row["equivalent_products"])
 
 
 def duels(found, options, journal, program):

@@ -33,7 +33,7 @@ from lib import verdicts
 from lib.accuracy_figures import AGAINST_N
 from lib.accuracy_lines import (BELOW, CUT, FLOOR, FLOOR_MARGIN, GOOD_ENOUGH, SCHEMA, TABLE1_STEP, Form, Line, Rate,
                                 Reference, Run, Settings, accuracy, is_floor)
-from lib.accuracy_runs import Setting, rounded, scene_of
+from lib.accuracy_runs import Setting, rounded, scene_of, seconds_of_part
 from lib.command_line import whole_number
 from lib.formats import FAST, PUBLISHED, Study
 from lib.integrator_names import FRAME, TABLE1_CELLS, in_frame
@@ -128,13 +128,13 @@ def vary_tolerance(job):
 
 
 def time_one(point, folder):
-    """Returns the CPU seconds of a run [scene, time, n, integrator, solver, tolerance, products, steps], as the mean of
-    a few."""
-    scene, time, n, integrator, solver, tolerance, products, steps = point
+    """Returns the CPU seconds of a run [scene, time, n, integrator, solver, tolerance, backend of products, steps,
+    equivalent products], as the mean of a few."""
+    scene, time, n, integrator, solver, tolerance, products, steps, work = point
     setting = scene_of(scene, time, n, folder)
     method = isosyrk.integrator(setting, integrator, solver=solver, tolerance=tolerance,
                                 **({"products": products} if solver == PUBLISHED else {}))
-    return study.seconds_of(method, setting.initial, time / steps, steps)
+    return seconds_of_part(method, setting.initial, time / steps, steps, work)
 
 
 def rate_of(n, journal):
@@ -215,7 +215,7 @@ def main(arguments):
     runs, tolerance_runs = ([Run(**run) for each in found for run in each]
                             for found in ((line["runs"] for line in lines), cells))
     points = [[*run.problem, run.integrator, run.solver, run.tolerance,
-               journal.products(run.n) if run.solver == PUBLISHED else None, run.steps]
+               journal.products(run.n) if run.solver == PUBLISHED else None, run.steps, run.equivalent_products]
               for run in (*runs, *tolerance_runs) if run.usable]
     seconds = iter(study.in_turns(points, options.repetitions, lambda point: time_one(point, folder), journal,
                                   "timings"))
