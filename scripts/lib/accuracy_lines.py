@@ -41,7 +41,8 @@ STILL_FALLING = 0.5
 ORDER_POINTS = 3
 
 # How a line ends: its error no longer falls, it is below GOOD_ENOUGH, or the next run would have taken too much work.
-FLOOR, BELOW, CUT = "floor", "below", "cut"
+# One of a single step, that of Table 1, is alone.
+FLOOR, BELOW, CUT, ALONE = "floor", "below", "cut", "alone"
 GOOD_ENOUGH = 1e-9
 
 # The rows of a duel, each the best method of a class in the co-rotating frame: lib/contenders.py says of which.
@@ -168,7 +169,7 @@ class Line(NamedTuple):
     n: whole(2)
     integrator: text
     tolerance: positive
-    end: one_of(FLOOR, BELOW, CUT)
+    end: one_of(FLOOR, BELOW, CUT, ALONE)
 
 
 class Duel(NamedTuple):

@@ -18,7 +18,7 @@ from typing import NamedTuple, Optional, Sequence
 from lib.accuracy_lines import (ENERGY_BOUNDED, NEAR_ROUNDING, SCENES, TABLE_EXPONENTS, TIGHT, Form, Problem,
                                 interpolated, keeps)
 from lib.formats import FAST, Integrator
-from lib.integrator_names import FRAME, KEPT, in_frame, is_exponential, strongest_structure
+from lib.integrator_names import KEPT, is_exponential, strongest_structure
 from lib.messages import one_line
 from lib.command_line import NO_ANSWER, Stop
 from lib.comparison import MISSING, three_digits
@@ -226,12 +226,9 @@ class Recorded:
     def is_candidate(self, form):
         """Tells whether a Form keeps what is asked for, and has an error that can be judged.
 
-        Methods out of the frame are no candidates where the study has them in it. Beyond trajectories a method is one
-        only at a tolerance at which it keeps all that it can.
+        Beyond trajectories a method is a candidate only at a tolerance at which it keeps all that it can.
         """
         integrator = self.study.integrators[form.integrator]
-        if not in_frame(form.integrator) and form.integrator + FRAME in self.study.integrators:
-            return False
         return keeps(integrator, form.tolerance, self.question.keep) and (self.trajectory or (
             integrator.isospectral and keeps(integrator, form.tolerance, strongest_structure(integrator))
             and math.isfinite(self.energy_growth(form))))

@@ -31,8 +31,8 @@ from lib import formats
 from lib import problems
 from lib import verdicts
 from lib.accuracy_figures import AGAINST_N
-from lib.accuracy_lines import (BELOW, CUT, FLOOR, FLOOR_MARGIN, GOOD_ENOUGH, SCHEMA, TABLE1_STEP, Form, Line, Rate,
-                                Reference, Run, Settings, accuracy, is_floor)
+from lib.accuracy_lines import (ALONE, BELOW, CUT, FLOOR, FLOOR_MARGIN, GOOD_ENOUGH, SCHEMA, TABLE1_STEP, Form, Line,
+                                Rate, Reference, Run, Settings, accuracy, is_floor)
 from lib.accuracy_runs import Setting, rounded, scene_of, seconds_of_part
 from lib.command_line import whole_number
 from lib.formats import FAST, PUBLISHED, Study
@@ -88,7 +88,7 @@ def draw_line(job):
             end = end or end_of(usable, setting.uncertainty, order)
         if as_in_table1 and (end or took_enough(runs[-1], job["quick"])):
             break
-    return {"end": end or CUT, "runs": [run._asdict() for run in runs]}
+    return {"end": ALONE if job["table1_step"] else end or CUT, "runs": [run._asdict() for run in runs]}
 
 
 def steps_of(job):

@@ -167,7 +167,8 @@ def scattered(document):
     """Has the times of RKMK4 scatter from process to process, about those of the explicit method."""
     for row in document["duels"]:
         if row["contender"] == "rkmk":
-            row["cpu_seconds"] = [time / 5.7 * factor for time, factor in zip(row["cpu_seconds"], (1, 4, 1, 0.2, 3, 0.4))]
+            row["cpu_seconds"] = [time / 5.7 * factor
+                                  for time, factor in zip(row["cpu_seconds"], (1, 4, 1, 0.2, 3, 0.4))]
 
 
 def a_sloppy_spectrum(document):

@@ -252,10 +252,11 @@ class TimeAgainstN(AccuracyTest):
 
         document = study_document()
         first = "In {} of 2 cases no class is faster than the best explicit method; exponential methods with bounded"
-        self.assertEqual(title(), f"{first.format(2)} energy take 20 times its time; Gauss methods take 40 times its time")
+        self.assertEqual(title(), first.format(2) + " energy take 20 times its time; Gauss methods take 40 times its"
+                         " time")
         slower(duel_of(document, "explicit", 33), 80)
-        self.assertEqual(title(), f"{first.format(1)} energy take 0.25 to 20 times its time; Gauss methods take 0.5 to 40"
-                         " times its time")
+        self.assertEqual(title(), first.format(1) + " energy take 0.25 to 20 times its time; Gauss methods take 0.5 to"
+                         " 40 times its time")
         document["duels"] = [row for row in document["duels"] if row["contender"] == "gauss"]
         self.assertEqual(title(), "CPU seconds to an error of 1e-6, by class of methods")
 
