@@ -24,7 +24,7 @@ from lib.formats import FAST, PUBLISHED
 from lib.integrator_names import FRAME
 
 WANTED = (1e-4, 1e-6)  # the errors of all duels, ...
-SHARP, SHARP_PROBLEMS, LARGEST_SHARP = 1e-8, (("smooth", 50.0), ("rough", 5.0)), 65  # ... of some besides, ...
+SHARP, LARGEST_SHARP = 1e-8, {("smooth", 50.0): 33, ("rough", 5.0): 65}  # ... of some besides, up to this n, ...
 LONG_PROBLEM, LONG_WANTED = Problem("smooth", 50.0, 129), (1e-6,)  # ... and of one which takes long
 # Published forms take ten times as long and more: they compete at one error, up to an n of each problem.
 WANTED_PUBLISHED, LARGEST_PUBLISHED = 1e-6, {("smooth", 5.0): 129, ("rough", 5.0): 65}
@@ -47,7 +47,7 @@ def wanted_of(problem):
     """Returns the errors of the duels of a problem."""
     if problem == LONG_PROBLEM:
         return LONG_WANTED
-    return (*WANTED, SHARP) if problem.n <= LARGEST_SHARP and problem[:2] in SHARP_PROBLEMS else WANTED
+    return (*WANTED, SHARP) if problem.n <= LARGEST_SHARP.get(problem[:2], 0) else WANTED
 
 
 def is_published_duel(problem, wanted):

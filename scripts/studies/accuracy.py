@@ -61,8 +61,8 @@ COARSE_STEPS = (3, 6, 12, 25, 50, 100, 200, 400, 800, 1600, 3200, 6400)
 
 # A line is cut by the first run, of Table 1's step or a shorter one, that takes so much work: floating-point operations
 # of its products. A core does some 5e10 to 1.2e11 a second.
-ENOUGH_WORK = ((33, 8e9), (65, 20e9), (129, 60e9), (math.inf, 100e9))  # by the largest n, to T = 5 in the frame
-LONG_TIMES, PLAIN_TIMES, QUICK_TIMES = 2.5, 0.3, 0.25  # times that: to T = 50, out of the frame, in the quick study
+ENOUGH_WORK = ((33, 5e9), (65, 15e9), (129, 40e9), (math.inf, 80e9))  # by the largest n, to T = 5 in the frame
+LONG_TIMES, PLAIN_TIMES, QUICK_TIMES = 4, 0.3, 0.25  # times that: to T = 50, out of the frame, in the quick study
 
 TOLERANCES = tuple(10.0**-exponent for exponent in range(4, 16))
 # The tolerances are not varied beyond, where that would take as long as all else.
