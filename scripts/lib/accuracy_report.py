@@ -264,9 +264,12 @@ def care_section(study):
 
 def integrators_section(study):
     scenes = list(dict.fromkeys(problem[:2] for problem in study.problems()))
+    tightest = {(problem, name): (problem, name, tolerance)  # lines, each the last of these keys
+                for problem, name, tolerance in sorted(study.lines, key=lambda line: -line[2])}.values()
 
     def orders(name, scene):
-        found = [study.observed_order(problem, name) for problem in study.problems() if problem[:2] == scene]
+        found = [study.observed_order(problem, *form) for problem, *form in tightest
+                 if (problem[:2], form[0]) == (scene, name)]
         return span(list(filter(None, found)), "{:.2f}".format) if any(found) else MISSING
 
     rows = [[name, str(each.order), KEPT[strongest_structure(each)], *(orders(name, scene) for scene in scenes)]

@@ -23,7 +23,7 @@ from lib.messages import UnusableFile
 from lib import scaling_table
 from lib.formats import FAST, PUBLISHED
 from lib.integrator_names import in_frame, method_name
-from lib.accuracy_lines import CONTENDERS, GOOD_ENOUGH, SCHEMA, Problem, read_accuracy
+from lib.accuracy_lines import CONTENDERS, GOOD_ENOUGH, SCHEMA, Form, Problem, read_accuracy
 from lib.limits_files import read_limits
 from lib.scaling_table import read_rough, read_scaling
 
@@ -31,7 +31,7 @@ if HAS_MODULE:
     sys.path.insert(0, os.path.join(BUILD, "python"))
     import isosyrk
     import numpy
-    from lib import accuracy_runs, duels, initial_states, problems, study, trials, verdicts
+    from lib import accuracy_runs, contenders, duels, initial_states, problems, study, trials, verdicts
 
 STUDIES = os.path.join(ROOT, "scripts", "studies")
 RECORDED = os.path.join(ROOT, "results", "recorded", "accuracy", "raw.json")
@@ -531,15 +531,16 @@ class Refusals(StudyTest):
 
 
 def accuracy_of_lines(seconds):
-    """Returns an Accuracy of integrators with lines on one problem that take so many seconds a step, and all err as
-    h⁴; one with None has no line."""
+    """Returns an Accuracy of integrators with lines on one problem that take so many seconds a step and err as h⁴; one
+    with None has no line."""
     document = study_documents.small_study()
     listed = {each.name: study.record_of(each) for each in isosyrk.integrators()}
     document["integrators"] = [listed[name]._asdict() for name in seconds]
     lines = [name for name in seconds if seconds[name]]
     (end,) = [each for each in document["lines"] if each["integrator"] == "rk4"]
     document["lines"] = [{**end, "integrator": name} for name in lines]
-    document["runs"] = [{**run, "integrator": name, "beyond_limit": False, "cpu_seconds": [seconds[name] * run["steps"]]}
+    document["runs"] = [{**run, "integrator": name, "beyond_limit": False,
+                         "cpu_seconds": [seconds[name] * run["steps"]]}
                         for name in lines for run in document["runs"] if run["integrator"] == "rk4"]
     document["tolerance_runs"] = document["duels"] = []
     return study_documents.accuracy_of(document)
@@ -664,7 +665,8 @@ class Accuracy(StudyTest):
                                                    ("magnus5_frame", "magnus", 1e-8, 1e-6)):
             with self.subTest(integrator=name):
                 job = {**self.PROBLEM._asdict(), "scene": "rough", "wanted": wanted, "contender": contender,
-                       "integrator": name, "solver": FAST, "tolerance": tolerance, "references": REFERENCES, "steps": 12}
+                       "integrator": name, "solver": FAST, "tolerance": tolerance, "references": REFERENCES,
+                       "steps": 12}
                 row = duels.cheapest_steps(job)
                 setting = accuracy_runs.Setting(job)
                 for steps in range(max(1, math.floor(0.8 * row["steps"])), math.ceil(1.1 * row["steps"]) + 1):
@@ -714,8 +716,8 @@ class Accuracy(StudyTest):
         self.assertIsNone(fewest(lambda steps: None, 10)[0])
 
     def test_which_methods_may_stand_in_a_duel(self):
-        found = accuracy_of_lines({"group2_frame": 4e-3, "group3_frame": 4.5e-3, "group4_frame": 9e-3, "rk4_frame": 5e-3,
-                                   "rk8_frame": 2e-3, "bm2_frame": None, "elp2_frame": 1e-6, "rk8": 1e-6})
+        found = accuracy_of_lines({"group2_frame": 4e-3, "group3_frame": 4.5e-3, "group4_frame": 9e-3,
+                                   "rk4_frame": 5e-3, "rk8_frame": 2e-3, "bm2_frame": None, "elp2_frame": 1e-6, "rk8": 1e-6})
 
         def standing(wanted, problem=self.PROBLEM):
             jobs = duels.jobs_of(found, problem, wanted, REFERENCES)
@@ -746,7 +748,8 @@ class Accuracy(StudyTest):
                          [three, {**two, "wanted": 1e-4}])
 
     def test_how_a_line_ends(self):
-        job = {**self.PROBLEM._asdict(), "solver": FAST, "references": REFERENCES, "quick": False}
+        job = {**self.PROBLEM._asdict(), "solver": FAST, "references": REFERENCES, "quick": False,
+               "table1_step": False}
         for name, tolerance, ends in (("group5_frame", 1e-13, "below"), ("group2_frame", 1e-4, "floor"),
                                       ("group1", 1e-13, "cut")):
             with self.subTest(name=name):
@@ -754,6 +757,30 @@ class Accuracy(StudyTest):
                 self.assertEqual(line["end"], ends)
                 errors = [run["error"] for run in line["runs"] if run["error"]]
                 self.assertEqual(errors[-1] < GOOD_ENOUGH, ends == "below")
+        line = self.accuracy.draw_line({**job, "integrator": "group1", "tolerance": 1e-13, "table1_step": True})
+        self.assertEqual(([run["steps"] for run in line["runs"]], line["end"]), ([50], "alone"))
+
+    def test_which_lines_a_problem_has(self):
+        listed = isosyrk.integrators()
+
+        def lines(problem, entries=listed, asked=False):
+            forms, alone = self.accuracy.lines_of(problem, entries, asked)
+            self.assertEqual(len(forms), len(set(forms)))
+            self.assertLessEqual({*alone}, {*forms})
+            return {*forms} - {*alone}, {*alone}
+
+        needed = set(contenders.all_forms(map(study.record_of, (each for each in listed if each.has_fast_form))))
+        self.assertEqual(lines(Problem("rough", 5.0, 17)), (needed, set()))
+        every, none = lines(self.PROBLEM)
+        self.assertEqual(every - needed, {Form(each.name) for each in listed if each.has_fast_form} - needed)
+        self.assertEqual(none, set())
+        some, alone = lines(Problem("smooth", 5.0, 257))
+        self.assertEqual(some, needed)
+        self.assertTrue({Form("rk8"), Form("group1_frame")} <= alone)
+        # What was asked for has a line on every problem.
+        asked, _ = lines(Problem("rough", 5.0, 17),
+                         [each for each in listed if each.name in ("rk4", "elp6_frame")], True)
+        self.assertEqual(asked, {Form("rk4"), Form("elp6_frame", 1e-13), Form("elp6_frame", 1e-8)})
 
     def test_the_quick_study_has_some_of_every_kind(self):
         accuracy = self.accuracy
@@ -780,8 +807,8 @@ class Accuracy(StudyTest):
         drawn = {run.integrator for run in found.runs}
         self.assertEqual(drawn, {each for each in found.integrators if in_frame(each)})  # others: the main problem
         self.assertLessEqual({run.steps for run in found.runs}, set(accuracy.COARSE_STEPS))
-        for name in drawn:
-            self.assertGreaterEqual(len(found.line(Problem("rough", 5.0, 17), name)), 4)
+        for problem, *form in found.lines:
+            self.assertGreaterEqual(len(found.line(problem, *form)), 4)
         # Every contender has a row, each by enough processes for a verdict.
         for duel in found.duels.values():
             self.assertEqual(set(duel) | {"gauss_published", "named_published", "gauss_matched", "elp_matched"},
