@@ -717,7 +717,8 @@ class Accuracy(StudyTest):
 
     def test_which_methods_may_stand_in_a_duel(self):
         found = accuracy_of_lines({"group2_frame": 4e-3, "group3_frame": 4.5e-3, "group4_frame": 9e-3,
-                                   "rk4_frame": 5e-3, "rk8_frame": 2e-3, "bm2_frame": None, "elp2_frame": 1e-6, "rk8": 1e-6})
+                                   "rk4_frame": 5e-3, "rk8_frame": 2e-3, "bm2_frame": None, "elp2_frame": 1e-6,
+                                   "rk8": 1e-6})
 
         def standing(wanted, problem=self.PROBLEM):
             jobs = duels.jobs_of(found, problem, wanted, REFERENCES)
