@@ -69,7 +69,8 @@ def jobs_of(found, problem, wanted, references):
         if kind.solver == FAST:
             forms = [Form(each.name, kind.line_tolerance(wanted)) for each in entries]
             costs = [(form.integrator, cost)
-                     for form, cost in cheap_forms(found, problem, wanted, forms, CLOSE_COST, beyond=True)]
+                     for form, cost in cheap_forms(found, problem, wanted, forms, CLOSE_COST, beyond=True)
+                     if cost.fine.solver == FAST]
         else:  # from the steps of the fast Gauss method of the same order on
             costs = [(each.name, found.cost(problem, f"group{each.order // 2}{FRAME}", wanted)) for each in entries]
         jobs += [{**problem._asdict(), "wanted": wanted, "contender": contender, "integrator": name,

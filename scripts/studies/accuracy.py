@@ -3,9 +3,11 @@
 
 A line is one integrator at one tolerance on one problem: a scene, n and a time. Its runs take more and more steps (as
 many as in Table 1 at least), until the error no longer falls, is below GOOD_ENOUGH, or a run took enough work: then the
-line is cut. Lines are those of fast forms, and of the methods that may stand for a class in a duel
-(lib/contenders.py), at the tolerances of the classes. The main problem, that of Table 1, has lines of other methods
-too. First every run is made once and looked at; then all are timed, in turns, so that a slow minute of the machine
+line is cut. Every integrator runs by its fast form if it has one. Lines are those of the methods that may stand for a
+class in a duel (lib/contenders.py), at the tolerances of the classes; the main problem, that of Table 1, has lines of
+the others too, at small n.
+
+First every run is made once and looked at; then all are timed, in turns, so that a slow minute of the machine
 falls on all alike. Then the duels (lib/duels.py) follow. Counts and errors of published forms are those of OpenBLAS's
 products, times those of the backend that was the faster at the start: counts that followed the clock would differ from
 machine to machine.
@@ -40,7 +42,7 @@ from lib.integrator_names import FRAME, TABLE1_CELLS, in_frame
 
 REFERENCES = os.path.join(study.ROOT, "results", "recorded", "references")
 
-# On the main problem, every fast form has a line up to this n, and up to the next one the cells of Table 1 and the
+# On the main problem, every integrator has a line up to this n, and up to the next one the cells of Table 1 and the
 # methods whose errors at its step are told; at larger n these run with Table 1's step alone.
 LARGEST_OF_ALL, LARGEST_OF_TABLE1 = 33, 65
 TOLD = {name + suffix for name in AGAINST_N for suffix in ("", FRAME)}
@@ -172,11 +174,10 @@ def is_main(problem):
 def lines_of(problem, entries, asked):
     """Returns the Forms of the lines of a problem, and those of them that run with Table 1's step alone.
 
-    All are of fast forms. Those of a class of duels have a line on every problem, others on the main problem only,
-    unless they were asked for.
+    Those of a class of duels by their fast form have a line on every problem, others on the main problem only, unless
+    they were asked for.
     """
-    entries = [entry for entry in entries if entry.has_fast_form]
-    forms = contenders.all_forms(map(study.record_of, entries))
+    forms = contenders.all_forms(study.record_of(entry) for entry in entries if entry.has_fast_form)
     alone = []
     for entry in entries if asked or is_main(problem) else ():
         told = entry.name in TOLD
@@ -201,11 +202,11 @@ def main(arguments):
 
     folder = os.path.realpath(options.references)
     ordered = sorted(wanted, key=lambda problem: (problem.n, problem.time))  # the longest last
-    jobs = []
+    solvers, jobs = {entry.name: FAST if entry.has_fast_form else PUBLISHED for entry in chosen}, []
     for problem in ordered:
         forms, alone = lines_of(problem, chosen, options.integrator is not None)
-        jobs += [{**problem._asdict(), **form._asdict(), "solver": FAST, "table1_step": form in alone,
-                  "references": folder, "quick": options.quick} for form in forms]
+        jobs += [{**problem._asdict(), **form._asdict(), "solver": solvers[form.integrator],
+                  "table1_step": form in alone, "references": folder, "quick": options.quick} for form in forms]
     lines = study.untimed(jobs, draw_line, journal, options, "lines")
     cells = study.untimed([{**problem._asdict(), "integrator": entry.name, "solver": PUBLISHED, "references": folder}
                            for problem in ordered if is_main(problem) and problem.n <= LARGEST_TOLERANCE_SIZE

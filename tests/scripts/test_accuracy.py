@@ -9,9 +9,13 @@ from study_documents import (CONTENDERS, INTEGRATORS, ROUGH, SMOOTH, SOONER, STE
                              study_document, write_study)
 
 from lib.accuracy_figures import figures
-from lib.accuracy_lines import CUT, ENERGY_BOUNDED, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT, Form, keeps, read_accuracy
+from lib.accuracy_lines import CONTENDERS as ALL_CONTENDERS
+from lib.accuracy_lines import (CUT, ENERGY_BOUNDED, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT, Form, compared, keeps,
+                                read_accuracy)
 from lib.accuracy_report import accuracy_sections
+from lib.contenders import CLASSES, all_forms, candidates
 from lib.equal_error import cheap_forms, cheapest
+from lib.formats import Integrator
 from lib.messages import UnusableFile
 from lib.document import as_markdown
 
@@ -217,6 +221,53 @@ class Compared(unittest.TestCase):
         self.assertEqual(set(study.duel(SMOOTH[0], 1e-4)), set(CONTENDERS))
         self.assertEqual(study.duel(SMOOTH[0], 1e-4)["elp"].tolerance, LOOSE_EXPONENTIAL)
         self.assertEqual((study.duel(ROUGH, 1e-4), study.duel(SMOOTH[0], 1e-5)), ({}, {}))
+
+
+class Classes(unittest.TestCase):
+    """Of methods that compete, found by rule."""
+
+    LISTED = (("rk12_frame", 12, False, False, True), ("rk4_frame", 4, False, False, True),
+              ("rk12", 12, False, False, True), ("rk2_frame", 2, False, False, True),
+              ("rk12_projected_frame", 12, True, False, True), ("rkmk4_frame", 4, True, False, True),
+              ("magnus5_frame", 5, True, False, True), ("elp6_frame", 6, True, True, False),
+              ("elp2_frame", 2, True, True, False), ("group2_frame", 4, True, True, False),
+              ("algebra2_frame", 4, True, True, False), ("group4_frame", 8, True, True, False),
+              ("cotangent2_frame", 4, True, True, False), ("bm2_frame", 4, True, True, False),
+              ("cg4_frame", 4, True, True, False), ("direct2_frame", 4, False, False, False))
+
+    def test_each_finds_its_methods_in_the_frame_from_order_four_on(self):
+        listed = [Integrator(name, order // 2, order, isospectral, lie_poisson, True, explicit, None)
+                  for name, order, isospectral, lie_poisson, explicit in self.LISTED]
+        self.assertEqual(list(CLASSES), list(ALL_CONTENDERS))
+        found = {each: [method.name.removesuffix("_frame") for method in candidates(listed, each)] for each in CLASSES}
+        exponential, gauss = dict.fromkeys(("elp", "elp_matched", "elp_bounded"), ["elp6"]), ["group2", "group4"]
+        self.assertEqual(found, {
+            "explicit": ["rk12", "rk4"], "rk4": ["rk4"], "projected": ["rk12_projected"], "rkmk": ["rkmk4"],
+            "magnus": ["magnus5"], **exponential, **dict.fromkeys(("gauss", "gauss_loose", "gauss_matched"), gauss),
+            "gauss_published": ["group2", "algebra2"], "named_published": ["bm2", "cg4"]})
+        self.assertEqual(all_forms(listed), [Form(f"{name}_frame", tolerance) for name, tolerance in (
+            ("rk12", TIGHT), ("rk4", TIGHT), ("rk12_projected", TIGHT), ("rkmk4", TIGHT),
+            ("magnus5", LOOSE_EXPONENTIAL), ("elp6", LOOSE_EXPONENTIAL), ("elp6", ENERGY_BOUNDED), ("group2", TIGHT),
+            ("group4", TIGHT))])
+
+    def test_a_matched_tolerance_competes_where_it_is_looser_or_needed(self):
+        for name, error, tolerance in (("gauss", 1e-4, TIGHT), ("elp", 1e-8, LOOSE_EXPONENTIAL),
+                                       ("elp_bounded", 1e-4, ENERGY_BOUNDED), ("gauss_matched", 1e-4, 1e-6),
+                                       ("gauss_matched", 1e-6, None), ("gauss_matched", 1e-8, 1e-10),
+                                       ("elp_matched", 1e-4, 1e-6), ("elp_matched", 1e-6, None),
+                                       ("elp_matched", 1e-8, 1e-10)):
+            with self.subTest(name=name, error=error):
+                found = CLASSES[name].tolerance_for(error)
+                self.assertEqual(found and float(f"{found:.6g}"), tolerance)
+        self.assertEqual([CLASSES["elp_matched"].line_tolerance(error) for error in (1e-4, 1e-8)],
+                         [LOOSE_EXPONENTIAL, TIGHT])
+
+    def test_rows_are_compared_by_the_processes_that_timed_both(self):
+        study = accuracy_of(study_document())
+        duel = study.duel(SMOOTH[0], 1e-6)
+        more = duel["elp"]._replace(cpu_seconds=(*duel["elp"].cpu_seconds, 1e3))
+        self.assertEqual(compared(more, duel["gauss"]), compared(duel["elp"], duel["gauss"]))
+        self.assertEqual(compared(duel["gauss"], more)[0].processes, 6)
 
 
 class Figures(unittest.TestCase):
