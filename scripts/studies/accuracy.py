@@ -45,6 +45,7 @@ REFERENCES = os.path.join(study.ROOT, "results", "recorded", "references")
 # On the main problem, every integrator has a line up to this n, and up to the next one the cells of Table 1 and the
 # methods whose errors at its step are told; at larger n these run with Table 1's step alone.
 LARGEST_OF_ALL, LARGEST_OF_TABLE1 = 33, 65
+ORDER_TWO = "algebra1_frame"  # the fastest Gauss method of order 2: claims on orders need it on every problem
 TOLD = {name + suffix for name in AGAINST_N for suffix in ("", FRAME)}
 
 # All that the quick study has: the cells of Table 1 and one or two of each other kind, some of them in the co-rotating
@@ -178,6 +179,7 @@ def lines_of(problem, entries, asked):
     they were asked for.
     """
     forms = contenders.all_forms(study.record_of(entry) for entry in entries if entry.has_fast_form)
+    forms += [Form(entry.name) for entry in entries if entry.name == ORDER_TWO]
     alone = []
     for entry in entries if asked or is_main(problem) else ():
         told = entry.name in TOLD
