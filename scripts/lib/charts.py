@@ -5,13 +5,13 @@ import math
 
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from lib.accuracy_lines import (CUT, ENERGY_BOUNDED, GOOD_ENOUGH, LOOSE_EXPONENTIAL, TABLE1_STEP, TIGHT, Form,
-                                keeping_tolerance)
+from lib.accuracy_lines import (CUT, ENERGY_BOUNDED, GOOD_ENOUGH, LOOSE_EXPONENTIAL, TABLE1_STEP, Form,
+                                keeping_tolerance, keeps)
 from lib.chart_panels import (FAMILIES, LINES, cross, draw_line, equals, extended, label_ends, logarithmic, look,
                               new_figure, note, short_name)
 from lib.contenders import CLASSES, EXPLICIT
 from lib.equal_error import HEADLINE, beaten_by, headline_problems, ratio_in, runs_at_table1_step
-from lib.integrator_names import FRAME, in_frame, is_exponential
+from lib.integrator_names import FRAME, in_frame, strongest_structure
 from lib.numbers import span, two_digits
 
 ERROR_LABEL = "relative error of W(T)"
@@ -21,8 +21,9 @@ EXPONENTIAL = "exponential Lie–Poisson"
 ERROR_TICKS = (1, 1e-3, 1e-6, 1e-9)  # of an axis of errors
 MARGIN = 0.15  # decades beyond the lines
 
-# The lines of the work–precision diagram, Gauss methods at the tight tolerance and exponential ones at the loose one.
-WORK_PRECISION = ("group2", "group4", "elp4", "elp6", "magnus5", "rk4", "rk8")
+# The lines of the work–precision diagram, in the frame if it was run there.
+WORK_PRECISION = (Form("group2"), Form("group4"), Form("elp6", ENERGY_BOUNDED), Form("elp6", LOOSE_EXPONENTIAL),
+                  Form("magnus5", LOOSE_EXPONENTIAL), Form("rk4"), Form("rk8"))
 WORK_PRECISION_OF = ("smooth", 50.0)
 SIZES = (17, 65, 129)
 CUT_MARK = {"marker": ">", "markersize": 8, "markerfacecolor": "white", "zorder": 5, "linestyle": "none"}
@@ -75,10 +76,11 @@ def error_against_time(study):
         axes.axvline(DUEL_ERROR, color="0.6", linewidth=0.9, zorder=1, label="_duels")
         for form, line in drawn.items():
             draw_form(axes, study, problem, form)
-        label_ends(axes, [(line[-1], label_of(study, form), colour_of(study, form)) for form, line in drawn.items()])
+        label_ends(axes, [(line[-1], label_of(study, form), style_of(study, form)["color"])
+                          for form, line in drawn.items()])
     panels[0].set_ylabel(SECONDS_LABEL)
-    note(figure, f"Smooth scene to T = {next(iter(lines)).time:g}. In the co-rotating frame; tolerance 1e-13 of Gauss,"
-         " 1e-8 of exponential and Magnus methods; numbers are orders. Solid: keeps the Lie–Poisson structure; dashed:"
+    note(figure, f"Smooth scene to T = {next(iter(lines)).time:g}. In the co-rotating frame; tolerance 1e-13, of"
+         " Magnus methods 1e-8, unless said; numbers are orders. Solid: keeps the Lie–Poisson structure; dashed:"
          " the spectrum only; dotted: nothing. Open triangle: the line was cut, as the next run would take too long.")
     return figure
 
@@ -94,27 +96,27 @@ def problems_to_draw(study):
 
 
 def forms_to_draw(study):
-    """Returns a Form of each method of WORK_PRECISION that has a line.
-
-    One without the frame, or an exponential one at the tight tolerance, is drawn only if there is no other.
-    """
+    """Returns those of WORK_PRECISION that have a line; one without the frame only if there is no other."""
     problems, found = problems_to_draw(study), []
-    for method in WORK_PRECISION:
-        tolerances = dict.fromkeys((keeping_tolerance(method), TIGHT))
-        wanted = [Form(name, each) for name in (method + FRAME, method) for each in tolerances]
+    for method, tolerance in WORK_PRECISION:
+        wanted = [Form(name, tolerance) for name in (method + FRAME, method)]
         found += [form for form in wanted if any(study.line(problem, *form) for problem in problems)][:1]
     return found
 
 
 def label_of(study, form):
     """Returns the short name of a Form, with what the note under the panels does not say of it."""
-    tight = ", 1e-13" if is_exponential(form.integrator) and form.tolerance == TIGHT else ""
+    integrator = study.integrators[form.integrator]
+    loose = form.tolerance > keeping_tolerance(integrator.name, strongest_structure(integrator))
     frame = "" if in_frame(form.integrator) else ", no frame"
-    return short_name(study.integrators[form.integrator]) + tight + frame
+    return short_name(integrator) + (f", {form.tolerance:.0e}".replace("e-0", "e-") if loose else "") + frame
 
 
-def colour_of(study, form):
-    return look(study.integrators[form.integrator])["color"]
+def style_of(study, form):
+    """Returns how the line of a Form is drawn: by what it keeps at its tolerance."""
+    integrator = study.integrators[form.integrator]
+    return {**look(integrator),
+            "linestyle": next(LINES[each] for each in LINES if keeps(integrator, form.tolerance, each))}
 
 
 def points_of(stretch):
@@ -140,7 +142,7 @@ def point_at_edge(before, after):
 
 def draw_form(axes, study, problem, form):
     """Draws a line, with a mark at its end if it was cut."""
-    style = look(study.integrators[form.integrator])
+    style = style_of(study, form)
     stretches = study.stretches(problem, *form)
     for stretch in stretches:
         draw_line(axes, f"{form.integrator} at {form.tolerance:g}", points_of(stretch), **style)

@@ -1,5 +1,6 @@
 """Tests of scripts/render_accuracy on a made-up study: by running it as a user does, and by what its charts draw."""
 
+import json
 import math
 import os
 import shutil
@@ -13,7 +14,7 @@ from programs import snapshot
 from study_documents import (INTEGRATORS, ROUGH, accuracy_of, duel_row, run_of, small_study, study_document,
                              write_study)
 
-from lib.accuracy_lines import CUT, TIGHT
+from lib.accuracy_lines import CUT
 
 CHARTS = ("error_against_time", "time_against_n", "error_against_n")
 KINDS = ("svg", "png")
@@ -120,23 +121,21 @@ class Files(AccuracyTest):
 
 class ErrorAgainstTime(AccuracyTest):
     def test_lines_tolerances_and_labels(self):
-        (panel,) = self.drawn("error_against_time", study_document()).values()
+        document = json.loads(json.dumps(study_document()).replace("elp4", "elp6"))
+        (panel,) = self.drawn("error_against_time", document).values()
         self.assertEqual(panel.get_title(loc="left"), "n = 17")  # 33 is not of the sizes drawn
         lines = lines_of(panel)
-        self.assertEqual(list(lines), ["group2_frame at 1e-13", "elp4_frame at 1e-08", "rk4 at 1e-13"])
-        self.assertEqual(sorted(texts(panel)), ["Gauss 4", "RK4, no frame", "exponential 4"])
-        for name, seconds_a_step in (("group2_frame at 1e-13", 4e-3), ("elp4_frame at 1e-08", 1e-3)):
+        self.assertEqual(list(lines), ["group2_frame at 1e-13", "elp6_frame at 1e-13", "elp6_frame at 1e-08",
+                                       "rk4 at 1e-13"])
+        self.assertEqual(sorted(texts(panel)), ["Gauss 4", "RK4, no frame", "exponential 4", "exponential 4, 1e-8"])
+        styles = {line.get_label(): line.get_linestyle() for line in panel.lines}
+        # A loose exponential method keeps the spectrum only.
+        self.assertEqual([styles[name] for name in lines], ["-", "-", "--", ":"])
+        for name, seconds_a_step in (("group2_frame at 1e-13", 4e-3), ("elp6_frame at 1e-13", 2e-3),
+                                     ("elp6_frame at 1e-08", 1e-3)):
             for error, seconds in lines[name]:
                 steps = seconds / seconds_a_step / 0.99  # the least of the repetitions
                 self.assertAlmostEqual(error / (1e-2 * (5 / steps)**4), 1)
-
-    def test_the_tight_tolerance_where_there_is_no_loose_one(self):
-        document = study_document()
-        for table in ("runs", "lines"):
-            document[table] = [row for row in document[table] if row["tolerance"] == TIGHT]
-        (panel,) = self.drawn("error_against_time", document).values()
-        self.assertIn("elp4_frame at 1e-13", lines_of(panel))
-        self.assertIn("exponential 4, 1e-13", texts(panel))
 
     def test_no_line_across_a_failure_or_beyond_a_limit(self):
         document = study_document()
