@@ -30,8 +30,8 @@ LONG_PROBLEM, LONG_WANTED = Problem("smooth", 50.0, 129), (1e-6,)  # ... and of 
 WANTED_PUBLISHED, LARGEST_PUBLISHED = 1e-6, {("smooth", 5.0): 129, ("rough", 5.0): 65}
 CLOSE = 1.02  # the search ends when the failing number of steps is at most this far from the working one
 # So many times the fewest steps are tried too, until they take TOO_MUCH times the least work; none for methods whose
-# step always takes the same.
-MORE = {FAST: (1.02, 1.04, 1.06, 1.08, 1.1, 1.25, 1.5), PUBLISHED: (1.05, 1.1, 1.25)}
+# step always takes the same. Near the step at which Picard sweeps no longer contract, up to e times the steps pay.
+MORE = {FAST: (1.02, 1.04, 1.06, 1.08, 1.1, 1.25, 1.5, 2.0), PUBLISHED: (1.05, 1.1, 1.25, 1.5, 1.8, 2.2, 2.7)}
 TOO_MUCH = 1.15
 FURTHER, MOST_MORE = 1.2, 8  # more steps while all fail: from one run to the next, and at most
 BY_ORDER, MOST_RUNS = 10, 30  # runs of a search whose order tells the next one, and of all
