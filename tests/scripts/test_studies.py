@@ -731,6 +731,10 @@ class Accuracy(StudyTest):
         published = {"gauss_published": ["group2_frame", "group3_frame"], "named_published": ["bm2_frame"]}
         self.assertEqual(standing(1e-4), {**usual, "gauss_matched": ["group2_frame", "group3_frame"]})
         self.assertEqual(standing(1e-6), {**usual, **published})
+        # A line of a published form tells nothing of fast ones.
+        slow = found._replace(lines={key: [run._replace(solver=PUBLISHED) for run in runs]
+                                     for key, runs in found.lines.items()})
+        self.assertEqual(duels.jobs_of(slow, self.PROBLEM, 1e-4, REFERENCES), [])
         self.assertEqual(duels.wanted_of(Problem("rough", 5.0, 65)), (1e-4, 1e-6, 1e-8))
         for problem in (self.PROBLEM, Problem("rough", 5.0, 129), Problem("developed", 5.0, 17)):
             self.assertEqual(duels.wanted_of(problem), (1e-4, 1e-6))
