@@ -54,7 +54,8 @@ def accuracy_sections(study, charts, limits=None):
                   " the verdicts. The cost of an error on a line is that of the cheapest run with this error or a"
                   " smaller one, interpolated between neighbouring runs that worked. A line ends at its floor, below"
                   f" {power(GOOD_ENOUGH)}, or is cut by work; nothing is compared with a cut line that might be the"
-                  " cheaper. On lines, of runs of much work the first steps are timed, and their time is scaled by products."),
+                  " cheaper. On lines the first steps of runs of much work are timed, and their time is scaled by"
+                  " products."),
         *losses(study),
         *shown(CHARTS, charts),
         *duels_section(study),
