@@ -50,13 +50,13 @@ def accuracy_sections(study, charts, limits=None):
     exceeds."""
     return [
         Heading("Accuracy against cost", 1),
+        *losses(study),
         Paragraph("Integrators over step sizes on every problem; errors are relative, in the Frobenius norm. Duels give"
                   " the verdicts. The cost of an error on a line is that of the cheapest run with this error or a"
                   " smaller one, interpolated between neighbouring runs that worked. A line ends at its floor, below"
                   f" {power(GOOD_ENOUGH)}, or is cut by work; nothing is compared with a cut line that might be the"
                   " cheaper. On lines the first steps of runs of much work are timed, and their time is scaled by"
                   " products."),
-        *losses(study),
         *shown(CHARTS, charts),
         *duels_section(study),
         Heading("Reference solutions"),

@@ -674,6 +674,13 @@ class Accuracy(StudyTest):
                     if duels.is_reached(wanted, run):
                         self.assertGreater(run.equivalent_products, 0.98 * row["equivalent_products"], steps)
 
+    def test_the_explicit_method_of_order_8_takes_the_steps_that_others_counted(self):
+        # Of DOP853 by another implementation, rough scene.
+        for n, steps in ((33, 9), (65, 16), (129, 29)):
+            job = {**Problem("rough", 5.0, n)._asdict(), "wanted": 1e-6, "contender": "explicit", "solver": FAST,
+                   "integrator": "rk8_frame", "tolerance": 1e-13, "references": REFERENCES, "steps": steps + 2}
+            self.assertEqual(duels.cheapest_steps(job)["steps"], steps)
+
     def test_steps_beyond_a_linear_limit_are_tried_and_marked(self):
         job = {**Problem("smooth", 5.0, 129)._asdict(), "wanted": 1e-4, "contender": "rk4", "integrator": "rk4_frame",
                "solver": FAST, "tolerance": 1e-13, "references": REFERENCES}
