@@ -89,7 +89,7 @@ class Point(NamedTuple):
     @property
     def usable(self):
         """Tells whether the run came to its end with most of its energy."""
-        return self.status == CONVERGED and self.energy_error < LOST
+        return self.status == CONVERGED and max(self.energy_error, self.spectrum_error) < LOST
 
     def error(self, quantity):
         return self.energy_error if quantity == ENERGY else self.spectrum_error

@@ -204,7 +204,7 @@ def made_point(method, steps, scene="smooth", n=33, **changes):
     h = 1000 / steps
     error = factor * h**power
     return Point(scene, n, 1000.0, name, tolerance, steps, "converged", products / h, 0.0, 0.0, error,
-                 1e-15 if keeps else 10 * error, error)._replace(**changes)
+                 1e-15 if keeps else 5 * error, error)._replace(**changes)
 
 
 def made_long_run(method, scene="smooth", cost=COSTS[-1], power=0.0, **changes):
@@ -276,9 +276,10 @@ class Files(FolderTest):
         self.assertIsNone(price_on(line, ENERGY, 1e-7))
         self.assertIsNone(price_on(line, SPECTRUM, 1e-7))
 
-    def test_no_price_beside_a_run_that_failed_or_lost_its_energy(self):
+    def test_no_price_beside_a_run_that_failed_or_lost_energy_or_spectrum(self):
         line = [made_point("rk4", steps) for steps in STEPS]
-        for changes in ({"status": "unstable", "energy_error": None, "spectrum_error": None}, {"energy_error": LOST}):
+        for changes in ({"status": "unstable", "energy_error": None, "spectrum_error": None}, {"energy_error": LOST},
+                        {"spectrum_error": LOST}):
             changed = [line[0]._replace(**changes), *line[1:]]
             self.assertEqual(price_on(changed, ENERGY, 9e-3), Price(4.0, "rk4", False))
             self.assertEqual(price_on(changed, SPECTRUM, 1.0), Price(4.0, "rk4", False))
@@ -332,7 +333,7 @@ class Render(DrawingTest):
         for key, value in (("smooth.n33.energy.1e-4.explicit.products", 4 * 10**0.25),
                            ("rough.n33.energy.1e-6.exponential.products", 60),
                            ("smooth.n33.energy.1e-6.structure_over_explicit", 15 / 1000**0.25),
-                           ("smooth.n33.spectrum.1e-4.explicit.products", 4 * 10**0.5),
+                           ("smooth.n33.spectrum.1e-4.explicit.products", 4 * 50**0.25),
                            ("pays.energy.places", 12), ("pays.energy.cells", 4), ("pays.energy.n33.cells", 4),
                            ("rough.long.150.rkmk4.energy_change", -1e-6), ("smooth.long.150.group2.step", 0.1),
                            ("long.energy.exponential.bounded", 2), ("long.energy.elp6_tight.runs", 2),
@@ -382,7 +383,7 @@ class Render(DrawingTest):
     def test_runs_that_failed_have_their_status_in_the_report(self):
         points = [made_point("rk4", 500, status="unstable", energy_error=None, spectrum_error=None),
                   made_point("rk4", 1000)]
-        self.assertEqual(self.cells(made_study(points, []), "rk4")[-1], ["unstable", "4.00: 1.0e-3, 1.0e-2"])
+        self.assertEqual(self.cells(made_study(points, []), "rk4")[-1], ["unstable", "4.00: 1.0e-3, 5.0e-3"])
 
     def test_lines_of_the_charts(self):
         runs = long_runs(made_study())
