@@ -1,9 +1,12 @@
-"""Whether an error that is watched over a long run stays bounded, grows like a power of time, or is lost.
+"""Whether an error of a long run stays at rounding, stays bounded, grows like a power of time, or is lost.
 
-An error is given as maxima over windows of time, or as samples. A power t^p is fitted to the last decade of time by
-least squares of the logarithms. Neighbouring windows are not independent. So the 95 % interval of p is that of the
-block jackknife: the fit is repeated without each of ten blocks of neighbours, and Student's t is applied to the spread
-of these powers. Standard library only.
+An error is given as maxima over windows of time, or as samples; beside it may stand its means with their sign. Two fits
+are made by least squares. A power t^p is fitted to the logarithms of the last decade of time. A straight line is fitted
+to the second half of the run: its slope, times the length of the run and over the mean error, is the trend.
+
+Neighbouring windows are not independent. So the 95 % interval of both is that of the block jackknife: the fit is
+repeated without each of ten blocks of neighbours, and Student's t is applied to the spread of what they give. Standard
+library only.
 
 Source: Künsch, The jackknife and the bootstrap for general stationary observations, Annals of Statistics 17 (1989).
 """
@@ -13,53 +16,68 @@ from typing import NamedTuple, Optional
 
 from lib.verdicts import LEVEL, UNDECIDED, student_t
 
-DECADE = 10  # the fit begins at the last time over this
-FEWEST_POINTS = 30  # that a fit takes
+DECADE = 10  # the fit of a power begins at the last time over this
+FEWEST_POINTS = 30  # that a power takes
 BLOCKS = 10  # of neighbouring points, of equal numbers
 
-ROUNDING = 1e-10  # a relative error that never reaches this is kept
+# A relative error below this is at rounding: a million steps that each err at random by some 1e-15 give it.
+ROUNDING = 1e-12
 LOST = 0.1  # one that reaches this is lost, whatever its power
-# Powers. An error grows if its interval lies above LEAST_GROWTH, and is bounded if it ends below MOST_BOUNDED. Bounded
-# noise of a tenth of its size gives intervals within ±0.1, or ±0.25 if correlated. A linear drift gives one around 1,
-# a random walk a wide one around 0.5 (tests/scripts/test_longruns.py).
-LEAST_GROWTH, MOST_BOUNDED = 0.1, 0.3
+# An error grows if the interval of its power lies above LEAST_GROWTH, or that of its drift, the trend of its means with
+# their sign, beyond LEAST_DRIFT on either side: a drift through 0 makes the error fall for a while. It is bounded if it
+# does not grow, and the intervals of trend and drift hold 0 and both are below MOST_TREND.
+LEAST_GROWTH, LEAST_DRIFT, MOST_TREND = 0.1, 1.0, 0.2
 
-KEPT, BOUNDED, GROWS, ALL_LOST, FAILED = "kept", "bounded", "grows", "lost", "failed"
+KEPT, BOUNDED, GROWS, ALL_LOST, FAILED = "at rounding", "bounded", "growing", "lost", "failed"
 VERDICTS = (KEPT, BOUNDED, GROWS, UNDECIDED, ALL_LOST, FAILED)
 
 
-class Growth(NamedTuple):
-    """The power p of t^p, with its 95 % interval."""
+class Estimate(NamedTuple):
+    """The power p of t^p, or a trend, with its 95 % interval."""
 
-    power: float
+    value: float
     low: float
     high: float
 
 
 class Judgement(NamedTuple):
     verdict: str  # of VERDICTS
-    growth: Optional[Growth]  # None where too few values are above 0
+    growth: Optional[Estimate]  # the power; None where too few values are above 0
+    trend: Optional[Estimate]  # None where there are too few values
+    drift: Optional[Estimate]  # None too where no means were given
 
 
 def growth_of(series):
-    """Returns the Growth over the last decade of a series, a list of (time, error) with rising times.
+    """Returns the power over the last decade of a series, a list of (time, error) with rising times.
 
     Values of 0 have no logarithm and are left out. None if fewer than FEWEST_POINTS remain.
     """
     last_time = series[-1][0] if series else 0.0
     points = [(math.log(time), math.log(error)) for time, error in series if time * DECADE > last_time and error > 0]
-    if len(points) < FEWEST_POINTS:
-        return None
-    power = power_of(points)
+    return estimate_of(points, 1.0) if len(points) >= FEWEST_POINTS else None
+
+
+def trend_of(series, size):
+    """Returns the trend over the second half of a series: what a straight line gains in the whole time, over `size`.
+
+    None for fewer than two points a block.
+    """
+    points = [(time, value) for time, value in series if 2 * time > series[-1][0]]
+    return estimate_of(points, series[-1][0] / size) if len(points) >= 2 * BLOCKS and size > 0 else None
+
+
+def estimate_of(points, factor):
+    """Returns the slope of points times a factor, with the interval of the block jackknife."""
     blocks = in_blocks(points, BLOCKS)
-    others = [power_of([point for kept in blocks[:k] + blocks[k + 1:] for point in kept]) for k in range(BLOCKS)]
+    others = [slope_of([point for kept in blocks[:k] + blocks[k + 1:] for point in kept]) for k in range(BLOCKS)]
     middle = math.fsum(others) / BLOCKS
     variance = (BLOCKS - 1) / BLOCKS * math.fsum((each - middle)**2 for each in others)
     half = student_t(LEVEL, BLOCKS - 1) * math.sqrt(variance)
-    return Growth(power, power - half, power + half)
+    slope = slope_of(points)
+    return Estimate(factor * slope, factor * (slope - half), factor * (slope + half))
 
 
-def power_of(points):
+def slope_of(points):
     """Returns the slope of the straight line through points by least squares."""
     mean_x, mean_y = (math.fsum(values) / len(points) for values in zip(*points))
     spread = math.fsum((x - mean_x)**2 for x, _ in points)
@@ -72,22 +90,26 @@ def in_blocks(values, count):
     return [values[begin:end] for begin, end in zip(ends, ends[1:])]
 
 
-def judged(series, finished=True):
-    """Returns the Judgement on a series, a list of (time, error). `finished`: the run came to its end."""
-    growth = growth_of(series)
-    return Judgement(verdict_on([error for _, error in series], growth, finished), growth)
+def judged(series, finished=True, signed=()):
+    """Returns the Judgement on a series, a list of (time, error). `finished`: the run came to its end.
+
+    `signed` is the same of means with their sign: a drift shows in them while the error still hides it.
+    """
+    late = [error for time, error in series if 2 * time > series[-1][0]]
+    size = math.fsum(late) / len(late) if late else 0.0
+    growth, trend, drift = growth_of(series), trend_of(series, size), trend_of(signed, size)
+    return Judgement(verdict_on([error for _, error in series], growth, trend, drift, finished), growth, trend, drift)
 
 
-def verdict_on(errors, growth, finished):
-    """Returns one of VERDICTS for the errors of a run and their Growth or None."""
+def verdict_on(errors, growth, trend, drift, finished):
+    """Returns one of VERDICTS for the errors of a run, with the Estimates of its Judgement."""
     if not finished or not errors:
         return FAILED
     if max(errors) >= LOST:
         return ALL_LOST
     if max(errors) < ROUNDING:
         return KEPT
-    if growth is None:
-        return UNDECIDED
-    if growth.low > LEAST_GROWTH:
+    if growth and growth.low > LEAST_GROWTH or drift and max(drift.low, -drift.high) > LEAST_DRIFT:
         return GROWS
-    return BOUNDED if growth.high < MOST_BOUNDED else UNDECIDED
+    stays = all(each.low <= 0 <= each.high and abs(each.value) < MOST_TREND for each in (trend, drift) if each)
+    return BOUNDED if trend and stays else UNDECIDED

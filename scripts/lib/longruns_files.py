@@ -1,28 +1,47 @@
-"""The raw file of scripts/studies/longruns.py: what methods keep over long runs, at one step and at equal cost.
+"""The raw file of scripts/studies/longruns.py: what methods keep, against what they cost.
 
-A method is an integrator, in the co-rotating frame, at a tolerance of its iteration. It runs at three levels: with one
-step size for all methods, and with step sizes at which all cost the same, a coarse and a fine budget.
+A method is an integrator, in the co-rotating frame, at a tolerance of its iteration. A line is its runs in one scene at
+one n, with more and more steps. Beside the lines there are long runs, of methods with steps that cost the same. Costs
+are full products a unit of time, so nothing is timed.
 """
 
-import statistics
-from typing import Dict, NamedTuple, Tuple
+import math
+from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from lib import formats
-from lib.accuracy_lines import keeping_tolerance
-from lib.drift import judged
+from lib.accuracy_lines import LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT
+from lib.drift import LOST, judged
 from lib.figures import finite
 from lib.formats import (CONVERGED, Integrator, Schema, keyed, list_of, number, one_of, optional, positive, status,
                          text, truth, whole)
-from lib.integrator_names import frameless
+from lib.integrator_names import frameless, gauss_stages, is_exponential
 from lib.messages import UnusableFile
 
 SCENES = ("smooth", "rough")
-LEVELS = ONE_STEP, COARSE, FINE = ("one step", "coarse", "fine")
-EQUAL_COSTS = (COARSE, FINE)
 # What ends the name of a method whose tolerance is looser or tighter than its integrator's usual one.
-VARIANTS = LOOSE, TIGHTER = ("_loose", "_tight")
-COST_MARGIN = 0.15  # equal costs differ from their median by this share at most
-ENERGY, SPECTRUM = "energy", "spectrum"
+LOOSE, TIGHTER = "_loose", "_tight"
+# The tolerance at which a Lie–Poisson method bounds the energy, as the long runs show.
+ENERGY_BOUNDED = TIGHT
+COSTS = (50, 150)  # of long runs, in products a unit of time
+COST_MARGIN = 0.1  # what a long run may be off its cost
+ENERGY, SPECTRUM = QUANTITIES = ("energy", "spectrum")
+
+
+def usual_tolerance(integrator):
+    return LOOSE_EXPONENTIAL if is_exponential(integrator) else TIGHT
+
+
+def method_of(integrator, tolerance):
+    """Returns the integrator without its frame, with LOOSE or TIGHTER behind it where its tolerance is such."""
+    name, usual = frameless(integrator), usual_tolerance(integrator)
+    return name + (LOOSE if tolerance > usual else TIGHTER if tolerance < usual else "")
+
+
+def tolerance_of(method):
+    """Returns the tolerance of a method by its name, as method_of has it."""
+    if method.endswith(LOOSE):
+        return LOOSE_GAUSS
+    return TIGHT if method.endswith(TIGHTER) else usual_tolerance(method)
 
 
 def without_variant(method):
@@ -32,119 +51,201 @@ def without_variant(method):
 
 class Settings(NamedTuple):
     quick: truth
-    windows_a_sample: whole(1)  # spectrum and Casimirs are looked at once in so many windows
 
 
 class Plan(NamedTuple):
-    """How long the runs at one n are."""
+    """The runs of a line at one n."""
 
     n: whole(2)
     time: positive
-    windows: whole(1)  # of equal lengths, whose energy errors are kept as maxima
+    steps: whole(1)  # of the first run of a line
+    energies: whole(1)  # that are looked at in a run, at least, or one after every step
+    products: positive  # a unit of time: a line ends before a run that is expected to cost more
 
 
-class Run(NamedTuple):
-    """One run from the initial data of a scene; its lists end where it failed."""
+class Point(NamedTuple):
+    """One run of a line, from the initial data of a scene. Errors are None where it failed."""
 
     scene: one_of(*SCENES)
     n: whole(2)
+    time: positive
     integrator: text
     tolerance: positive
-    level: one_of(*LEVELS)
     steps: whole(1)
-    step: positive
     status: status
-    failed_step: optional(whole(1))
-    sweeps_per_step: number
     equivalent_products: number  # a unit of time
-    energy_change: optional(finite)  # H(W) / H(W₀) - 1 at the last window; None without one
-    energy_errors: list_of(number)  # relative, the largest in each window
-    spectrum_errors: list_of(number)  # largest error of an eigenvalue; ‖W₀‖₂ = 1
-    casimir_errors: list_of(number)  # relative, largest of k = 2 … 5
-    cpu_seconds: list_of(positive)  # a unit of time, one for each repetition; none for a run that failed
+    projections: number  # a unit of time
+    sweeps_per_step: number
+    energy_error: optional(number)  # relative, the largest of the run
+    spectrum_error: optional(number)  # largest error of an eigenvalue at the end; ‖W₀‖₂ = 1
+    symplectic_defect: optional(number)  # of the steps up to t = 2; None too where n has none
 
     @property
     def method(self):
-        """Returns the integrator without its frame, with LOOSE or TIGHTER behind it where its tolerance is such."""
-        name, usual = frameless(self.integrator), keeping_tolerance(self.integrator)
-        if self.tolerance == usual:
-            return name
-        return name + (LOOSE if self.tolerance > usual else TIGHTER)
+        return method_of(self.integrator, self.tolerance)
 
     @property
-    def is_variant(self):
-        """Tells whether the tolerance is another one than the usual."""
-        return self.method.endswith(VARIANTS)
+    def step(self):
+        return self.time / self.steps
+
+    @property
+    def usable(self):
+        """Tells whether the run came to its end with most of its energy."""
+        return self.status == CONVERGED and max(self.energy_error, self.spectrum_error) < LOST
+
+    def error(self, quantity):
+        return self.energy_error if quantity == ENERGY else self.spectrum_error
+
+
+class LongRun(NamedTuple):
+    """One long run from the initial data of a scene; its lists end where it failed."""
+
+    scene: one_of(*SCENES)
+    n: whole(2)
+    time: positive
+    windows: whole(1)  # of equal lengths
+    integrator: text
+    tolerance: positive
+    cost: whole(1)  # products a unit of time that are wanted
+    steps: whole(1)
+    status: status
+    failed_step: optional(whole(1))
+    equivalent_products: number  # a unit of time
+    projections: number  # a unit of time
+    sweeps_per_step: number
+    energy_change: optional(finite)  # H(W) / H(W₀) - 1 at the last window; None without one
+    energy_errors: list_of(number)  # relative, the largest in each window
+    energy_means: list_of(finite)  # the mean of H(W) / H(W₀) - 1 in each window
+    spectrum_errors: list_of(number)  # at the end of each window, as in a Point
+
+    @property
+    def method(self):
+        return method_of(self.integrator, self.tolerance)
+
+    @property
+    def step(self):
+        return self.time / self.steps
 
     @property
     def finished(self):
         return self.status == CONVERGED
 
     @property
-    def seconds(self):
-        """Returns the median of the CPU seconds a unit of time, or None."""
-        return statistics.median(self.cpu_seconds) if self.cpu_seconds else None
-
-
-class LongRun(NamedTuple):
-    run: Run
-    plan: Plan
-    windows_a_sample: int
+    def at_cost(self):
+        """Tells whether it costs what is wanted, to COST_MARGIN."""
+        return abs(self.equivalent_products / self.cost - 1) <= COST_MARGIN
 
     def series(self, quantity):
-        """Returns (time, error) of a quantity, ENERGY or SPECTRUM, at the ends of windows or at samples."""
-        window = self.plan.time / self.plan.windows
-        if quantity == ENERGY:
-            return [(number * window, error) for number, error in enumerate(self.run.energy_errors, 1)]
-        return [(number * window * self.windows_a_sample, error)
-                for number, error in enumerate(self.run.spectrum_errors, 1)]
+        """Returns (time, error) of a quantity at the ends of windows."""
+        return self.timed(self.energy_errors if quantity == ENERGY else self.spectrum_errors)
+
+    def timed(self, values):
+        return [(number * self.time / self.windows, value) for number, value in enumerate(values, 1)]
 
     def last(self, quantity):
-        """Returns the error in the last window or sample, or None."""
+        """Returns the error in the last window, or None."""
         series = self.series(quantity)
         return series[-1][1] if series else None
 
     def judged(self, quantity):
-        """Returns the Judgement on a quantity."""
-        return judged(self.series(quantity), self.run.finished)
+        """Returns the Judgement on a quantity; that on the energy looks at its sign too."""
+        signed = self.timed(self.energy_means) if quantity == ENERGY else ()
+        return judged(self.series(quantity), self.finished, signed)
+
+
+SCHEMA = Schema("longruns", Settings, {"integrators": Integrator, "plans": Plan, "points": Point,
+                                       "long_runs": LongRun})
+
+
+# ---- classes of methods
+
+EXPLICIT, PROJECTED, EXPLICIT_LIE, EXPONENTIAL_LOOSE, EXPONENTIAL, GAUSS, GAUSS_LOOSE = CLASSES = (
+    "explicit", "projected", "rkmk_magnus", "exponential_loose", "exponential", "gauss", "gauss_loose")
+STRUCTURE = (EXPONENTIAL, GAUSS)  # Lie–Poisson, at a tolerance at which the energy is bounded
+PLAIN = (EXPLICIT, PROJECTED)  # explicit steps of W itself
+
+
+def class_of(integrator, tolerance):
+    """Returns which of CLASSES an Integrator belongs to at a tolerance; None for another kind."""
+    bounded = tolerance <= ENERGY_BOUNDED
+    if integrator.lie_poisson:
+        if is_exponential(integrator.name):
+            return EXPONENTIAL if bounded else EXPONENTIAL_LOOSE
+        if gauss_stages(frameless(integrator.name)):
+            return GAUSS if bounded else GAUSS_LOOSE
+        return None
+    if not integrator.explicit:
+        return None
+    if not integrator.isospectral:
+        return EXPLICIT
+    return PROJECTED if "_projected" in integrator.name else EXPLICIT_LIE
+
+
+# ---- the study
+
+
+class Price(NamedTuple):
+    """The least cost of an error in a class of methods."""
+
+    products: float  # a unit of time
+    method: str
+    at_most: bool  # the longest step of the line has the error, so that a longer one might too
 
 
 class LongRuns(NamedTuple):
     context: Dict[str, str]
     integrators: Dict[str, Integrator]
     plans: Dict[int, Plan]
-    runs: Dict[Tuple[str, int, str, str], LongRun]  # by scene, n, method and level
+    lines: Dict[Tuple[str, int, str], List[Point]]  # by scene, n and method, the longest step first
+    long_runs: Dict[Tuple[str, int, str], LongRun]  # by scene, cost and method
 
     def settings(self):
-        """Returns (n, scene) of all runs, n rising."""
-        found = {(n, scene) for scene, n, _, _ in self.runs}
-        return sorted(found, key=lambda each: (each[0], SCENES.index(each[1])))
+        """Returns (n, scene) of all lines, n rising."""
+        return sorted({(n, scene) for scene, n, _ in self.lines},
+                      key=lambda each: (each[0], SCENES.index(each[1])))
 
     def methods(self):
-        return list(dict.fromkeys(method for _, _, method, _ in self.runs))
+        return list(dict.fromkeys(method for _, _, method in self.lines))
 
-    def at(self, scene, n, level):
-        """Returns the long runs of one scene, n and level, by method."""
-        found = ((method, self.runs.get((scene, n, method, level))) for method in self.methods())
-        return {method: run for method, run in found if run}
+    def lines_at(self, scene, n):
+        """Returns the lines in one scene at one n, by method."""
+        return {method: line for (*place, method), line in self.lines.items() if place == [scene, n]}
+
+    def long_methods(self):
+        return list(dict.fromkeys(method for _, _, method in self.long_runs))
+
+    def long_at(self, scene, cost):
+        """Returns the long runs in one scene at one cost, by method."""
+        return {method: run for (*place, method), run in self.long_runs.items() if place == [scene, cost]}
 
     def integrator_of(self, run):
-        return self.integrators[run.run.integrator]
+        """Returns the Integrator of a Point or a LongRun."""
+        return self.integrators[run.integrator]
 
-    def cost_share(self, run):
-        """Returns the cost of a run over the median at its scene, n and level; None if it has none, or no equals."""
-        if run.run.level not in EQUAL_COSTS or not run.run.seconds:
-            return None
-        equals = self.at(run.run.scene, run.run.n, run.run.level).values()
-        return run.run.seconds / statistics.median(each.run.seconds for each in equals if each.run.seconds)
+    def class_of(self, run):
+        return class_of(self.integrator_of(run), run.tolerance)
 
-    def is_unequal(self, run):
-        """Tells whether the cost of a run differs from that of its equals by more than COST_MARGIN."""
-        share = self.cost_share(run)
-        return share is not None and abs(share - 1) > COST_MARGIN
+    def price(self, scene, n, quantity, error, classes) -> Optional[Price]:
+        """Returns the least Price of an error in some classes; None where no line of theirs reaches it."""
+        prices = [price for line in self.lines_at(scene, n).values() if self.class_of(line[0]) in classes
+                  and (price := price_on(line, quantity, error))]
+        return min(prices, key=lambda price: price.products, default=None)
 
 
-SCHEMA = Schema("longruns", Settings, {"integrators": Integrator, "plans": Plan, "runs": Run})
+def price_on(line, quantity, error):
+    """Returns the least Price of this error or a smaller one on a line, or None.
+
+    It is that of a run, or between two usable neighbours, interpolated in the logarithms.
+    """
+    found = [Price(point.equivalent_products, point.method, index == 0) for index, point in enumerate(line)
+             if point.usable and point.error(quantity) <= error]
+    for coarse, fine in zip(line, line[1:]):
+        if coarse.usable and fine.usable and coarse.error(quantity) > error >= fine.error(quantity) > 0:
+            share = (math.log(coarse.error(quantity) / error)
+                     / math.log(coarse.error(quantity) / fine.error(quantity)))
+            products = coarse.equivalent_products**(1 - share) * fine.equivalent_products**share
+            found.append(Price(products, fine.method, False))
+    return min(found, key=lambda price: price.products, default=None)
 
 
 def read_longruns(path):
@@ -154,12 +255,20 @@ def read_longruns(path):
 
 def long_runs(study):
     """Returns the LongRuns of a Study. Throws UnusableFile."""
-    plans, integrators = keyed(study.tables["plans"], "n"), keyed(study.tables["integrators"], "name")
-    runs = {}
-    for run in study.tables["runs"]:
-        if run.n not in plans or run.integrator not in integrators:
-            raise UnusableFile(f"has a run of {run.integrator} at n = {run.n} without its plan or its integrator")
-        runs[run.scene, run.n, run.method, run.level] = LongRun(run, plans[run.n], study.settings.windows_a_sample)
-    if not runs:
+    tables = study.tables
+    plans, integrators = keyed(tables["plans"], "n"), keyed(tables["integrators"], "name")
+    lines = {}
+    for point in sorted(tables["points"], key=lambda point: point.steps):
+        if point.n not in plans:
+            raise UnusableFile(f"has a run of {point.integrator} at n = {point.n} without its plan")
+        lines.setdefault((point.scene, point.n, point.method), []).append(point)
+    for run in [*tables["points"], *tables["long_runs"]]:
+        if run.integrator not in integrators:
+            raise UnusableFile(f"has a run of {run.integrator} without its integrator")
+    if not lines:
         raise UnusableFile("has no runs")
-    return LongRuns(study.context, integrators, plans, runs)
+    if len({run.n for run in tables["long_runs"]}) > 1:
+        raise UnusableFile("has long runs at more than one n")
+    in_order = {key: lines[key] for key in dict.fromkeys((point.scene, point.n, point.method)
+                                                         for point in tables["points"])}
+    return LongRuns(study.context, integrators, plans, in_order, keyed(tables["long_runs"], "scene", "cost", "method"))

@@ -1,31 +1,118 @@
 """The study of long runs as a document, and its figures."""
 
-from lib.comparison import MISSING, percentage, three_digits
-from lib.document import Column, Entry, Heading, Items, Paragraph, Table, conditions, shown
-from lib.drift import (ALL_LOST, BLOCKS, BOUNDED, FAILED, GROWS, KEPT, LEAST_GROWTH, LOST, MOST_BOUNDED,
-                       ROUNDING)
-from lib.longruns_files import COARSE, COST_MARGIN, ENERGY, FINE, LEVELS, ONE_STEP, SPECTRUM
-from lib.numbers import scientific
+import math
+from typing import NamedTuple, Optional
+
+from lib.comparison import MISSING, three_digits
+from lib.document import Column, Entry, Heading, Items, Paragraph, Table, conditions, plain_table, shown
+from lib.drift import (ALL_LOST, BLOCKS, BOUNDED, FAILED, GROWS, KEPT, LEAST_DRIFT, LEAST_GROWTH, LOST, MOST_TREND,
+                       ROUNDING, VERDICTS)
+from lib.longruns_files import (CLASSES, COST_MARGIN, COSTS, ENERGY, EXPLICIT, EXPLICIT_LIE, EXPONENTIAL,
+                                EXPONENTIAL_LOOSE, GAUSS, PLAIN, PROJECTED, QUANTITIES, SCENES, SPECTRUM, STRUCTURE,
+                                Price)
+from lib.numbers import scientific, two_digits
 from lib.verdicts import UNDECIDED
 
 CHARTS = (
-    ("energy_against_spectrum", "Errors at the end of runs with one step size for all methods: energy error"
-     " against spectrum error, a dot a method. Both panels have the same scales."),
-    ("energy_against_time", "Largest energy error in each window of time, at the coarse equal cost."),
+    ("energy_against_cost", "Largest energy error of a run against its cost, a line for each method. Below left is"
+     " best."),
+    ("spectrum_against_cost", "Error of the eigenvalues at the end of the same runs."),
+    ("energy_against_time", "Largest energy error in each window of the long runs, all at 150 products a unit of"
+     " time."),
 )
-LEVEL_TITLES = {ONE_STEP: "one step size", COARSE: "coarse equal cost", FINE: "fine equal cost"}
-FIRST_FINDINGS = (  # heading, method, quantity
-    ("RKMK4, energy", "rkmk4", ENERGY), ("RK4, spectrum", "rk4", SPECTRUM),
-    ("projected RK4, energy", "rk4_projected", ENERGY), ("group2, energy", "group2", ENERGY),
-    ("elp6, energy", "elp6", ENERGY), ("elp6_tight, energy", "elp6_tight", ENERGY),
-    ("elp6, spectrum", "elp6", SPECTRUM))
+ERRORS = {ENERGY: (1e-1, 1e-2, 1e-4, 1e-6, 1e-8, 1e-9), SPECTRUM: (1e-4, 1e-6, 1e-8, 1e-10)}
+CLASS_TITLES = {EXPLICIT: "explicit", PROJECTED: "explicit, projected", EXPLICIT_LIE: "RKMK, Magnus",
+                EXPONENTIAL_LOOSE: "exponential, 1e-8", EXPONENTIAL: "exponential, 1e-13", GAUSS: "Gauss, 1e-13"}
+SHOWN = {ENERGY: tuple(CLASS_TITLES), SPECTRUM: tuple(each for each in CLASS_TITLES if each != PROJECTED)}
+RIVALS = {ENERGY: PLAIN, SPECTRUM: (EXPLICIT,)}  # that structure is compared with: a projection has no spectrum error
+DEFECT_COSTS = COSTS
 RULES = (
-    (FAILED, ": the solver failed, or the energy went beyond all measure"),
-    (ALL_LOST, f": an error of {LOST:g} or more, whatever its power"),
+    (FAILED, ": the solver failed, or the energy was off by its own size"),
+    (ALL_LOST, f": an error of {LOST:g} or more"),
     (KEPT, f": always below {ROUNDING:g}"),
-    (GROWS, f": the interval of the power lies above {LEAST_GROWTH:g}"),
-    (BOUNDED, f": the interval reaches below that, and ends below {MOST_BOUNDED:g}"),
+    (GROWS, f": like t^p, and the interval of p lies above {LEAST_GROWTH:g}; or the mean error drifts by more than"
+     f" {LEAST_DRIFT:g} of its size, which is told instead of p"),
+    (BOUNDED, f": the straight lines through error and mean error have slopes whose intervals hold 0, and gain less"
+     f" than {MOST_TREND:g} of the error in the whole run"),
     (UNDECIDED, ": anything else"))
+
+
+def written_error(error):
+    return f"{error:.0e}".replace("e-0", "e-")
+
+
+# ---- does structure pay?
+
+
+class Place(NamedTuple):
+    """What an error of a quantity costs in one scene at one n."""
+
+    scene: str
+    n: int
+    quantity: str
+    error: float
+    prices: dict  # a Price or None by class
+    structure: Optional[Price]
+
+    def rival(self, classes):
+        """Returns the least Price of some classes, or None."""
+        return min((price for each in classes if (price := self.prices[each])), key=lambda price: price.products,
+                   default=None)
+
+    def ratio(self, classes):
+        """Returns the cost of keeping the structure over that of these classes; None where either has none."""
+        rival = self.rival(classes)
+        return self.structure.products / rival.products if self.structure and rival else None
+
+    @property
+    def pays(self):
+        """Tells whether structure is the cheapest; where no rival reaches the error at all it is."""
+        ratio = self.ratio(RIVALS[self.quantity])
+        return bool(self.structure) and (ratio is None or ratio < 1)
+
+    @property
+    def is_cheaper_than_spectrum(self):
+        """Tells whether structure is cheaper than methods that keep the spectrum alone."""
+        ratio = self.ratio((EXPLICIT_LIE,))
+        return ratio is not None and ratio < 1
+
+
+def places_of(runs, quantity):
+    """Returns the Places of a quantity: by n, scene and falling error."""
+    found = []
+    for n, scene in runs.settings():
+        for error in ERRORS[quantity]:
+            prices = {each: runs.price(scene, n, quantity, error, (each,)) for each in CLASSES}
+            structure = runs.price(scene, n, quantity, error, STRUCTURE)
+            found.append(Place(scene, n, quantity, error, prices, structure))
+    return found
+
+
+def prices_table(runs, quantity):
+    """Returns the table of the cheapest methods, the cheapest of each row marked."""
+    columns = [Column("n"), Column("T"), Column("scene", align="left"), Column(f"{quantity} error")]
+    columns += [Column(CLASS_TITLES[each], align="left") for each in SHOWN[quantity]]
+    columns += [Column("structure over explicit")] + [Column("over projected")] * (quantity == ENERGY)
+    blocks = {}
+    for place in places_of(runs, quantity):
+        prices = [place.prices[each] for each in SHOWN[quantity]]
+        least = min((price.products for price in prices if price), default=None)
+        row = [Entry(text) for text in (str(place.n), f"{runs.plans[place.n].time:g}", place.scene,
+                                        written_error(place.error))]
+        row += [Entry(price_text(price), bool(price) and price.products == least) for price in prices]
+        row += [Entry(ratio_text(place.ratio((each,)))) for each in RIVALS[quantity]]
+        blocks.setdefault((place.n, place.scene), []).append(row)
+    return Table(tuple(columns), list(blocks.values()))
+
+
+def price_text(price):
+    if price is None:
+        return MISSING
+    return f"{'≤ ' if price.at_most else ''}{three_digits(price.products)} {price.method}"
+
+
+def ratio_text(ratio):
+    return MISSING if ratio is None else two_digits(ratio)
 
 
 # ---- the document
@@ -35,98 +122,90 @@ def sections(runs, charts):
     """Returns the document; `charts` are the names of the charts beside it."""
     return [
         Heading("Long runs", 1),
-        Paragraph("Energy, spectrum and Casimirs of long runs from the initial data of a scene. Every method has its"
+        Paragraph("What methods keep, against what they cost, from the initial data of a scene. Every method has its"
                   " fast form and the co-rotating frame. Tolerance 1e-13 of Gauss methods, 1e-7 where the name ends in"
-                  " _loose; 1e-8 of exponential and Magnus methods, 1e-10 where it ends in _tight. Each runs with"
-                  " one step size that all share, and with steps at which all cost the same: a coarse and a fine equal"
-                  " cost. A tolerance above rounding leaves an error of the structure in each step, and these add up:"
-                  " growth at 1e-7, 1e-8 or 1e-10 need not be that of the method."),
+                  " _loose; 1e-8 of exponential and Magnus methods, 1e-13 where it ends in _tight. Costs are full"
+                  " products of n × n matrices a unit of time. The eigenvectors that a projection computes are not in"
+                  " them."),
         *shown(CHARTS, charts),
-        Heading("First findings"),
-        Paragraph("Errors at the end, with the power of time that they grow by. How powers are found, and what the"
-                  " words mean, stands below."),
-        findings_table(runs),
-        Heading("How drift is judged"),
-        Paragraph("The energy error is the largest in each window of time; the spectrum error is that at samples. A"
-                  " power t^p is fitted to the last decade of time, by least squares of the logarithms. Its 95 %"
-                  f" interval is that of the block jackknife: the fit is repeated without each of {BLOCKS} blocks of"
-                  " neighbours, since neighbours are not independent. The words:"),
-        Items(list(RULES)),
-        *counts_section(runs),
-        *[part for n, scene in runs.settings() for part in runs_section(runs, scene, n)],
-        *costs_section(runs),
+        *prices_sections(runs),
+        *long_sections(runs),
+        *defect_sections(runs),
+        *lines_sections(runs),
         conditions(runs.context),
     ]
 
 
-def findings_table(runs):
-    columns = (Column("n"), Column("scene", align="left"), Column("T"), Column("steps", align="left"),
-               *(Column(heading) for heading, _, _ in FIRST_FINDINGS))
-    blocks = []
-    for n, scene in runs.settings():
-        rows = []
-        for level in LEVELS:
-            found = runs.at(scene, n, level)
-            cells = [finding(found.get(method), quantity) for _, method, quantity in FIRST_FINDINGS]
-            rows.append([Entry(text) for text in (str(n), scene, f"{runs.plans[n].time:g}", LEVEL_TITLES[level],
-                                                  *cells)])
-        blocks.append(rows)
-    return Table(columns, blocks)
-
-
-def finding(run, quantity):
-    """Writes the error of a run at its end, with its power where it grows and how it is judged where it does not."""
-    if run is None or run.last(quantity) is None:
-        return MISSING
-    verdict, growth = run.judged(quantity)
-    said = f"t^{two_places(growth.power)}" if verdict == GROWS else verdict
-    return f"{scientific(run.last(quantity))} ({said})"
-
-
-def counts_section(runs):
-    """Returns a table of how many runs of each method were judged how."""
-    counted = (KEPT, BOUNDED, UNDECIDED, GROWS, ALL_LOST, FAILED)
-    columns = [Column("method", align="left"), Column("runs")]
-    columns += [Column(verdict, quantity) for quantity in (ENERGY, SPECTRUM) for verdict in counted]
-    rows = []
-    for method in runs.methods():
-        found = runs_of(runs, method)
-        cells = [str(len(found))]
-        for quantity in (ENERGY, SPECTRUM):
-            verdicts = [run.judged(quantity).verdict for run in found]
-            cells += [str(verdicts.count(verdict)) for verdict in counted]
-        rows.append([Entry(text) for text in (method, *cells)])
-    return [Heading("Runs by what became of energy and spectrum"), Table(tuple(columns), [rows])]
-
-
-def runs_of(runs, method):
-    return [run for (_, _, name, _), run in runs.runs.items() if name == method]
-
-
-def runs_section(runs, scene, n):
-    """Returns the table of all runs at one n in one scene, a block a level."""
-    plan = runs.plans[n]
-    columns = (Column("steps", align="left"), Column("method", align="left"), Column("h"),
-               Column("at the end", "energy error"), Column("change", "energy"), Column("power", "energy error"),
-               Column("drift", "energy error", "left"), Column("at the end", "spectrum error"),
-               Column("power", "spectrum error"), Column("drift", "spectrum error", "left"), Column("Casimir error"))
-    blocks = [[[Entry(text) for text in (LEVEL_TITLES[level], method, three_digits(run.run.step), *run_texts(run))]
-               for method, run in runs.at(scene, n, level).items()] for level in LEVELS]
+def prices_sections(runs):
+    places = {quantity: places_of(runs, quantity) for quantity in QUANTITIES}
+    counts = {quantity: (sum(place.pays for place in found), len(found)) for quantity, found in places.items()}
     return [
-        Heading(f"n = {n}, {scene} scene, T = {plan.time:g}"),
-        Paragraph(f"{plan.windows} windows. Change of energy: of the whole run, with its sign. Casimir error: relative,"
-                  f" the largest of tr Wᵏ, k = 2 … 5, at the end. {MISSING}: the run failed before."),
-        Table(columns, [block for block in blocks if block]),
+        Heading("Does structure pay?"),
+        Paragraph("The least cost of an energy error, the largest of a run, in each class of methods. Interpolated"
+                  " in the logarithms between neighbouring runs of a line, beyond no line. ≤: the longest step tried"
+                  " has the error already. A run that loses a tenth of the energy or of the spectrum, as RK4 with long"
+                  " steps does, counts nowhere. Structure: the cheaper of exponential and Gauss methods at the"
+                  " tolerance 1e-13. It is cheaper than every explicit method, projected or not,"
+                  f" in {counts[ENERGY][0]} of {counts[ENERGY][1]} places. Bold: the cheapest of a row."),
+        prices_table(runs, ENERGY),
+        Heading("Does the spectrum?"),
+        Paragraph("The same for the spectrum error at the end. All but explicit methods keep the spectrum whatever the"
+                  " step, and projected ones by force. Keeping the structure is cheaper than every explicit method"
+                  f" without projection in {counts[SPECTRUM][0]} of {counts[SPECTRUM][1]} places, and cheaper than"
+                  f" keeping the spectrum alone, by RKMK or Magnus, in"
+                  f" {sum(place.is_cheaper_than_spectrum for place in places[SPECTRUM])}."),
+        prices_table(runs, SPECTRUM),
     ]
 
 
-def run_texts(run):
-    """Returns what became of energy, spectrum and Casimirs of a run as texts."""
-    change = run.run.energy_change
-    casimir = run.run.casimir_errors[-1:]
-    energy_drift, spectrum_drift = (drift_texts(run, quantity) for quantity in (ENERGY, SPECTRUM))
-    return [error_text(run.last(ENERGY)), signed_text(change), *energy_drift,
-            error_text(run.last(SPECTRUM)), *spectrum_drift, *(map(scientific, casimir) if casimir else [MISSING])]
+def long_sections(runs):
+    if not runs.long_runs:
+        return []
+    times = ", ".join(f"n = {n} to T = {time:g}"
+                      for n, time in sorted({(run.n, run.time) for run in runs.long_runs.values()}))
+    return [
+        Heading("Energy and spectrum in long runs"),
+        Paragraph(f"{times}, at equal costs. Steps were found by counts. Energy error: the largest in the last window."
+                  " Change: that of the whole run, with its sign. p: the power of time of the last decade. Every"
+                  f" interval is 95 %, by a jackknife over {BLOCKS} blocks of neighbouring windows. Slopes are those"
+                  " of the second half. The words:"),
+        Items(list(RULES)),
+        Paragraph(f"Lie–Poisson methods: {bounded_text(runs, STRUCTURE)} at the tolerance 1e-13, and"
+                  f" {bounded_text(runs, (EXPONENTIAL_LOOSE,))} at 1e-8. Explicit steps of W, projected or not:"
+                  f" {bounded_text(runs, PLAIN)}."),
+        long_table(runs),
+    ]
+
+
+def bounded_text(runs, classes):
+    """Writes in how many long runs of some classes the energy is bounded or at rounding, and in how many it grows."""
+    verdicts = [run.judged(ENERGY).verdict for run in runs.long_runs.values() if runs.class_of(run) in classes]
+    return (f"the energy is bounded or at rounding in {verdicts.count(BOUNDED) + verdicts.count(KEPT)} of"
+            f" {len(verdicts)} runs and grows in {verdicts.count(GROWS)}")
+
+
+def long_table(runs):
+    """Returns the table of long runs, a block for each scene and cost."""
+    columns = (Column("scene", align="left"), Column("cost"), Column("method", align="left"), Column("h"),
+               Column("products"), Column("error", ENERGY), Column("change", ENERGY), Column("verdict", ENERGY, "left"),
+               Column("error", SPECTRUM), Column("verdict", SPECTRUM, "left"))
+    blocks = []
+    for scene in SCENES:
+        for cost in COSTS:
+            found = runs.long_at(scene, cost)
+            blocks.append([[Entry(text) for text in (scene, str(cost), method, *long_texts(found.get(method)))]
+                           for method in runs.long_methods()])
+    return Table(columns, blocks)
+
+
+def long_texts(run):
+    """Returns what became of a long run as texts; None is one whose every step costs something else."""
+    if run is None:
+        return [MISSING, "no such step", *[MISSING] * 5]
+    off = "" if run.at_cost else f" (off by more than {COST_MARGIN:.0%})"
+    return [three_digits(run.step), three_digits(run.equivalent_products) + off, error_text(run.last(ENERGY)),
+            signed_text(run.energy_change), verdict_text(run, ENERGY), error_text(run.last(SPECTRUM)),
+            verdict_text(run, SPECTRUM)]
 
 
 def error_text(error):
@@ -139,13 +218,16 @@ def signed_text(change):
     return ("-" if change < 0 else "+") + scientific(abs(change))
 
 
-def drift_texts(run, quantity):
-    """Returns the power with its interval, and the verdict, of which a failed run gives its status."""
-    verdict, growth = run.judged(quantity)
-    power = "{} ({} to {})".format(*map(two_places, growth)) if growth else MISSING
+def verdict_text(run, quantity):
+    """Writes the verdict, of a failed run with its status, where it grows with the power or the drift."""
+    verdict, growth, _, drift = run.judged(quantity)
     if verdict == FAILED:
-        return [power, f"{run.run.status} at step {run.run.failed_step}"]
-    return [power, verdict]
+        return f"{run.status} at step {run.failed_step}"
+    if verdict != GROWS:
+        return verdict
+    if growth and growth.low > LEAST_GROWTH:
+        return "growing, p = {} ({} to {})".format(*map(two_places, growth))
+    return "growing, drift {} ({} to {})".format(*map(two_places, drift))
 
 
 def two_places(value):
@@ -153,84 +235,127 @@ def two_places(value):
     return f"{round(value, 2) + 0.0:.2f}"
 
 
-def costs_section(runs):
-    """Returns the table of costs, with what each is of the median at its level where costs are to be equal."""
-    columns = [Column("steps", align="left"), Column("method", align="left")]
-    columns += [Column(f"n = {n}, {scene}") for n, scene in runs.settings()]
-    blocks = [[cost_row(runs, level, method) for method in runs.methods()] for level in LEVELS]
+# ---- the symplectic defect
+
+
+def defect_at(line, products):
+    """Returns the symplectic defect of a line at a cost, interpolated in the logarithms; None beyond its runs.
+
+    Of several stretches with this cost that with the shortest steps counts.
+    """
+    points = [point for point in line if point.symplectic_defect]
+    for coarse, fine in reversed(list(zip(points, points[1:]))):
+        low, high = coarse.equivalent_products, fine.equivalent_products
+        if low <= products <= high and low < high:
+            share = math.log(products / low) / math.log(high / low)
+            return coarse.symplectic_defect**(1 - share) * fine.symplectic_defect**share
+    return None
+
+
+def defects(runs):
+    """Returns (scene, n, method, cost, defect) of all lines with defects."""
+    return [(scene, n, method, cost, defect_at(line, cost)) for (scene, n, method), line in runs.lines.items()
+            if any(point.symplectic_defect is not None for point in line) for cost in DEFECT_COSTS]
+
+
+def defect_sections(runs):
+    found = {(n, scene, method, cost): defect for scene, n, method, cost, defect in defects(runs)}
+    if not found:
+        return []
+    places = [(n, scene) for n, scene in runs.settings() if any(key[:2] == (n, scene) for key in found)]
+    columns = [Column("method", align="left")]
+    columns += [Column(f"{cost} products", f"n = {n}, {scene}") for n, scene in places for cost in DEFECT_COSTS]
+    rows = [[method, *(error_text(found.get((n, scene, method, cost))) for n, scene in places for cost in DEFECT_COSTS)]
+            for method in runs.methods()]
     return [
-        Heading("Costs"),
-        Paragraph("CPU milliseconds a unit of time, medians of repetitions in turns, on a stretch from the state at"
-                  " t = 100 or after half the run. At equal cost: in percent of the median over the methods. Marked as"
-                  f" unequal: off it by more than {percentage(COST_MARGIN)}; the errors of such a run are not at equal"
-                  " cost."),
-        Table(tuple(columns), blocks),
+        Heading("Symplectic defect"),
+        Paragraph("Of the steps from t = 0 to t = 2: by how much the form of Kirillov and Kostant on three random pairs"
+                  " of tangent vectors changes, over its usual size on such pairs. Measured by differences, which"
+                  " leave some 1e-12, and more where the tolerance of a step makes it rough. Interpolated along the"
+                  f" lines. {MISSING}: no step costs that."),
+        plain_table(columns, rows),
     ]
 
 
-def cost_row(runs, level, method):
-    found = [runs.runs.get((scene, n, method, level)) for n, scene in runs.settings()]
-    return [Entry(text) for text in (LEVEL_TITLES[level], method, *(cost_text(runs, run) for run in found))]
+# ---- all runs
 
 
-def cost_text(runs, run):
-    if run is None or run.run.seconds is None:
-        return MISSING
-    text, share = three_digits(1e3 * run.run.seconds), runs.cost_share(run)
-    if share is None:
-        return text
-    return f"{text} ({100 * share:.0f} %{', unequal' if runs.is_unequal(run) else ''})"
+def lines_sections(runs):
+    parts = [Heading("All runs"),
+             Paragraph("Products a unit of time: energy error, spectrum error. A run that failed, or whose energy was"
+                       " off by its own size, has its status.")]
+    for n, scene in runs.settings():
+        lines = runs.lines_at(scene, n)
+        steps = sorted({point.step for line in lines.values() for point in line}, reverse=True)
+        rows = [[method, *(cell_of(line, step) for step in steps)] for method, line in lines.items()]
+        parts += [Heading(f"n = {n}, {scene} scene, T = {runs.plans[n].time:g}", 3),
+                  plain_table([Column("method", align="left"),
+                               *(Column(f"h = {step:.4g}", align="left") for step in steps)], rows)]
+    return parts
+
+
+def cell_of(line, step):
+    point = next((point for point in line if math.isclose(point.step, step)), None)
+    if point is None:
+        return ""
+    if point.energy_error is None:
+        return point.status
+    return (f"{three_digits(point.equivalent_products)}: {scientific(point.energy_error)},"
+            f" {scientific(point.spectrum_error)}")
 
 
 # ---- figures
 
 
 def figures(runs):
-    """Returns the figures by key: of each run SCENE.nN.LEVEL.METHOD.QUANTITY, of costs, and counts of verdicts."""
+    """Returns the figures by key: of prices, of where structure pays, of long runs, of defects and of verdicts."""
     found = {}
-    for (scene, n, method, level), run in runs.runs.items():
-        key = f"{scene}.n{n}.{level.replace(' ', '_')}.{method}"
-        found.update({f"{key}.{name}": value for name, value in figures_of(run).items() if value is not None})
-    for quantity in (ENERGY, SPECTRUM):
+    for quantity in QUANTITIES:
+        found.update(figures_of_places(places_of(runs, quantity), quantity))
         found.update(counts_of(runs, quantity))
-    return {**found, **figures_of_costs(runs)}
+    for (scene, cost, method), run in runs.long_runs.items():
+        found.update(figures_of_long_run(f"{scene}.long.{cost}.{method}", run))
+    for scene, n, method, cost, defect in defects(runs):
+        found[f"{scene}.n{n}.defect.{method}.p{cost}"] = defect
+    return {key: value for key, value in found.items() if value is not None}
 
 
-def figures_of_costs(runs):
-    """Returns how equal the equal costs are: how many runs are compared, how many of them are unequal, and by what."""
-    shares = [share for run in runs.runs.values() if (share := runs.cost_share(run))]
-    if not shares:
-        return {}
-    return {"equal_cost.runs": len(shares), "equal_cost.unequal": sum(map(runs.is_unequal, runs.runs.values())),
-            "equal_cost.largest_deviation": max(abs(share - 1) for share in shares)}
+def figures_of_places(places, quantity):
+    found = {}
+    for place in places:
+        key = f"{place.scene}.n{place.n}.{quantity}.{written_error(place.error)}"
+        found.update({f"{key}.{name}.products": price and price.products for name, price in place.prices.items()})
+        found[f"{key}.structure_over_explicit"] = place.ratio((EXPLICIT,))
+        if quantity == SPECTRUM:
+            found[f"{key}.structure_over_lie"] = place.ratio((EXPLICIT_LIE,))
+        else:
+            found[f"{key}.structure_over_projected"] = place.ratio((PROJECTED,))
+    for name, some in {"": places, **{f"n{n}.": [place for place in places if place.n == n]
+                                      for n in {place.n for place in places}}}.items():
+        found[f"pays.{quantity}.{name}places"] = len(some)
+        found[f"pays.{quantity}.{name}cells"] = sum(place.pays for place in some)
+    return found
 
 
-def figures_of(run):
-    """Returns the figures of a run by name; None where there is none."""
-    found = {"energy_change": run.run.energy_change}
-    for quantity in (ENERGY, SPECTRUM):
+def figures_of_long_run(key, run):
+    found = {f"{key}.step": run.step, f"{key}.products": run.equivalent_products,
+             f"{key}.energy_change": run.energy_change}
+    for quantity in QUANTITIES:
         growth = run.judged(quantity).growth
-        found[f"{quantity}_error"] = run.last(quantity)
-        found[f"{quantity}_power"] = growth and growth.power
+        found[f"{key}.{quantity}_error"] = run.last(quantity)
+        found[f"{key}.{quantity}_power"] = growth and growth.value
     return found
 
 
 def counts_of(runs, quantity):
-    """Returns, by key, how many runs there are of each method and of Lie–Poisson methods, and how they were judged.
-
-    Where an error grows is told by n too, since the times of runs differ.
-    """
-    groups = {method: runs_of(runs, method) for method in runs.methods()}
-    groups["lie_poisson"] = [run for run in runs.runs.values() if runs.integrator_of(run).lie_poisson
-                             and not run.run.is_variant]
+    """Returns, by key, how many long runs there are of each method and each class, and how they were judged."""
+    groups = {}
+    for (_, _, method), run in runs.long_runs.items():
+        for name in (method, runs.class_of(run)):
+            groups.setdefault(name, []).append(run.judged(quantity).verdict)
     found = {}
-    for name, members in groups.items():
-        judged = [(run.run.n, run.judged(quantity).verdict) for run in members]
-        verdicts = [verdict for _, verdict in judged]
-        found[f"{quantity}.{name}.runs"] = len(members)
-        found.update({f"{quantity}.{name}.{verdict}": verdicts.count(verdict)
-                      for verdict in (KEPT, BOUNDED, UNDECIDED, GROWS, ALL_LOST, FAILED)})
-        for n in runs.plans:
-            found[f"{quantity}.{name}.n{n}.runs"] = sum(each == n for each, _ in judged)
-            found[f"{quantity}.{name}.n{n}.{GROWS}"] = judged.count((n, GROWS))
+    for name, verdicts in groups.items():
+        found[f"long.{quantity}.{name}.runs"] = len(verdicts)
+        found.update({f"long.{quantity}.{name}.{verdict.replace(' ', '_')}": verdicts.count(verdict)
+                      for verdict in VERDICTS})
     return found

@@ -39,10 +39,8 @@ class Setting:
         self.initial_energy = self.scene.energy(self.scene.initial)
 
     def energy_error(self, W):
-        """Returns the relative energy error of a state; NaN for one that blew up, whose energy may be no double."""
-        if not numpy.abs(W).max() <= LARGEST:
-            return math.nan
-        return abs(self.scene.energy(W) / self.initial_energy - 1.0)
+        """Returns the relative energy error of a state; NaN for one that blew up."""
+        return abs(energy(self.scene, W) / self.initial_energy - 1.0)
 
     def errors(self, W):
         """Returns the errors of a state against the initial data, as columns of a table."""
@@ -119,6 +117,11 @@ def loss(W, W0, energy_lost, isospectral):
     if not isosyrk.spectrum_error(W, W0) <= (KEPT_SPECTRUM_LOSS if isospectral else SPECTRUM_LOSS):
         return UNSTABLE_SPECTRUM
     return UNSTABLE_ENERGY if energy_lost else CONVERGED
+
+
+def energy(scene, W):
+    """Returns the energy of a state; NaN for one that blew up, whose energy may be no double."""
+    return scene.energy(W) if numpy.abs(W).max() <= LARGEST else math.nan
 
 
 def finite(error):

@@ -4,25 +4,27 @@ import math
 import statistics
 from typing import NamedTuple, Optional, Tuple
 
+import numpy
 from lib import verdicts
-from lib.formats import FAST, PUBLISHED
-from lib.integrator_names import KEPT
-from lib.turbulence_files import LOOSE, PRACTICE, TIGHT, Ensemble
-from lib.turbulence_statistics import Reference, reference_of
+from lib.integrator_names import KEPT, strongest_structure
+from lib.turbulence_files import LOOSE, PRACTICE, Ensemble, bands_of
+from lib.turbulence_statistics import Reference, Spreads, drifts_of, false_positives, reference_of, spreads_of
 
-CONSERVED = ("energy", "enstrophy", "quartic")
-CLOSE = 0.01  # a conserved average that is off by no more is kept, for the stricter figures
+INVARIANTS = ("energy", "enstrophy")
+TOLERANCE = 0.01  # relative: averages of energy and enstrophy that are off by more in some draw are not faithful
 
 
 class Judged(NamedTuple):
-    """A setting at one n. Where a run of it failed all but the first two has no value."""
+    """A setting at one n. Where a run of it failed all but the first three have no value."""
 
     ensemble: Ensemble
     keeps: str  # strongest structure of the method, of KEPT
-    distance: Optional[float] = None  # from the reference
+    products: float  # equivalent ones, a unit of time
+    scores: Optional[dict] = None  # z of each quantity by its key
+    changes: Optional[dict] = None  # of averages of INVARIANTS, relative, the mean over the draws
+    worst: Optional[dict] = None  # the largest of these, without sign, of a draw
+    within_chance: bool = False  # the distance is at most the threshold
     faithful: bool = False
-    changes: Optional[dict] = None  # of CONSERVED averages, relative, the mean over the draws
-    tail: Optional[float] = None  # change of E(l) over the upper third of the compared degrees, relative
     spectrum_error: Optional[float] = None  # at the end, the largest of the draws
     times: Tuple[float, ...] = ()  # CPU seconds of one run to T, by process; none where no step was timed
 
@@ -35,22 +37,46 @@ class Judged(NamedTuple):
         """The geometric mean of the times, or None."""
         return statistics.geometric_mean(self.times) if self.times else None
 
-    def has(self, structure):
-        """Tells whether the method keeps a structure of KEPT, or a stronger one."""
-        return list(KEPT).index(self.keeps) >= list(KEPT).index(structure)
+    @property
+    def largest(self):
+        """The key of the quantity that is furthest off."""
+        return max(self.scores, key=lambda key: abs(self.scores[key]))
+
+    @property
+    def distance(self):
+        """The largest |z|, or None."""
+        return abs(self.scores[self.largest]) if self.scores else None
 
     @property
     def conserves(self):
-        """Tells whether energy, enstrophy and tr W⁴ are those of the initial data to CLOSE."""
-        return bool(self.changes) and all(abs(change) <= CLOSE for change in self.changes.values())
+        """Tells whether energy and enstrophy are those of the initial data to TOLERANCE in every draw."""
+        return bool(self.worst) and max(self.worst.values()) <= TOLERANCE
+
+    def has(self, structure):
+        """Tells whether the method keeps a structure of KEPT, or a stronger one."""
+        return list(KEPT).index(self.keeps) >= list(KEPT).index(structure)
 
 
 class Findings(NamedTuple):
     """All that was found at one n."""
 
+    keys: Tuple[str, ...]  # of the quantities
     reference: Reference
+    false_positives: float  # share of right ensembles beyond the threshold
+    far_distances: Tuple[float, ...]  # of the far ensembles from the reference
+    spreads: Spreads
+    drifts: dict  # Drift by the key of a band
     judged: dict  # Judged by Setting
-    practice: Optional[Judged]  # at the loose tolerance
+    practice: Optional[Judged]
+
+    @property
+    def decides(self):
+        """Tells whether there are draws enough for a verdict."""
+        return len(self.reference.means) >= verdicts.FEWEST
+
+    @property
+    def is_stationary(self):
+        return all(drift.is_stationary for drift in self.drifts.values())
 
     def over_practice(self, judged):
         """Returns the Ratio of the cost of a setting to that of the practice, or None where one is not known."""
@@ -79,43 +105,55 @@ class Findings(NamedTuple):
 
 def findings_of(study, n):
     """Returns the Findings of a Turbulence at one n."""
-    reference = reference_of([[run.energy_by_degree for run in draw] for draw in study.references[n]])
-    judged = {setting: judged_of(study, n, ensemble, reference) for setting, ensemble in study.ensembles[n].items()}
+    references, far = (values_of(runs) for runs in (study.references[n], study.far[n]))
+    spreads, keys = spreads_of(references, far), quantity_keys(study, n)
+    if spreads.are_independent:
+        reference = reference_of(references)
+        right = numpy.concatenate((references, far), axis=1), reference.ensembles
+    else:  # the wider spread counts
+        reference = reference_of(far).with_means_of(references)
+        right = far, reference.ensembles - 1
+    energies = numpy.array([[run.bands for run in (*near, *far)]
+                            for near, far in zip(study.references[n], study.far[n])])
+    judged = {setting: judged_of(study, n, ensemble, keys, reference)
+              for setting, ensemble in study.ensembles[n].items()}
     practice = study.practice(n)
-    return Findings(reference, judged, practice and judged[practice.setting])
+    return Findings(keys, reference, false_positives(*right),
+                    tuple(reference.distance(far[:, ensemble]) for ensemble in range(far.shape[1])), spreads,
+                    dict(zip(keys, drifts_of(energies))), judged, practice and judged[practice.setting])
 
 
-def judged_of(study, n, ensemble, reference):
-    """Returns one setting as Judged."""
-    kept = study.integrators[ensemble.setting.integrator]
-    strongest = next(structure for structure in reversed(KEPT) if kept.keeps(structure))
+def values_of(runs):
+    """Returns the quantities of runs by draw and ensemble: the logarithms of the bands' energies, and decorrelations.
+
+    The array is draws × ensembles × quantities.
+    """
+    return numpy.array([[[*numpy.log(numpy.mean(run.bands, axis=0)), *run.decorrelations] for run in draw]
+                        for draw in runs])
+
+
+def quantity_keys(study, n):
+    """Returns the keys of the quantities: lLOW-HIGH of a band of degrees, lL.lagTIME of a decorrelation."""
+    bands = [f"l{low}-{high}" for low, high in bands_of(n)]
+    return (*bands, *(f"l{study.settings.correlated_degree}.lag{lag:g}" for lag in study.settings.lags))
+
+
+def judged_of(study, n, ensemble, keys, reference):
+    """Returns one setting as Judged; none is faithful by few draws."""
+    setting, cost = ensemble.setting, study.cost(n, ensemble.setting)
+    keeps = strongest_structure(study.integrators[setting.integrator])
+    products = statistics.fmean(run.products for run in ensemble.runs)
     if not ensemble.works:
-        return Judged(ensemble, strongest)
-    spectra = [run.energy_by_degree for run in ensemble.runs]
-    changes = {name: statistics.fmean(getattr(run, name) for run in ensemble.runs) - 1 for name in CONSERVED}
-    faithful = study.is_unpredictable(n) and reference.is_faithful(spectra)
-    return Judged(ensemble, strongest, reference.distance(spectra), faithful, changes, tail_change(reference, spectra),
-                  max(run.spectrum_error for run in ensemble.runs), times_of_run(study, n, ensemble.setting))
-
-
-def tail_change(reference, spectra):
-    """Returns the relative change of E(l) against the reference, the geometric mean over draws and the upper third of
-    the compared degrees."""
-    upper = 2 * len(reference.degrees) // 3
-    return math.expm1(statistics.fmean(value for draw in reference.differences(spectra) for value in draw[upper:]))
-
-
-def times_of_run(study, n, setting, solver=FAST):
-    """Returns the CPU seconds of a run to T by process, from the timed steps; none where none was timed."""
-    cost = study.cost(n, setting, solver)
-    steps = steps_to(study.sizes[n].time, setting.step)
-    return tuple(seconds * steps for seconds in cost.seconds) if cost else ()
-
-
-def published_over_fast(study, n, setting):
-    """Returns the Ratio of the cost of a setting's published form to that of the fast one; None without both."""
-    published, fast = (times_of_run(study, n, setting, solver) for solver in (PUBLISHED, FAST))
-    return verdicts.ratio_of(published, fast) if published and fast else None
+        return Judged(ensemble, keeps, products)
+    changes = {name: [getattr(run, name) - 1 for run in ensemble.runs] for name in INVARIANTS}
+    scores = dict(zip(keys, map(float, reference.scores(values_of([[run] for run in ensemble.runs])[:, 0]))))
+    times = tuple(seconds * steps_to(study.sizes[n].time, setting.step) for seconds in cost.seconds) if cost else ()
+    found = Judged(ensemble, keeps, products, scores,
+                   {name: statistics.fmean(each) for name, each in changes.items()},
+                   {name: max(map(abs, each)) for name, each in changes.items()},
+                   spectrum_error=max(run.spectrum_error for run in ensemble.runs), times=times)
+    within = len(ensemble.runs) >= verdicts.FEWEST and found.distance <= reference.threshold
+    return found._replace(within_chance=within, faithful=within and found.conserves)
 
 
 def steps_to(time, step):
@@ -126,15 +164,14 @@ def steps_to(time, step):
 # ---- figures
 
 
-def figures(study):
-    """Returns the figures that results/README.md may quote, by key.
+def figures(study, findings):
+    """Returns the figures that results/README.md may quote, by key, given the Findings by n.
 
-    nN.INTEGRATOR.hSTEP… are those of a setting, `.tolerance_1e-6` where it is not 1e-8. The name of a winner stands in
+    nN.INTEGRATOR.hSTEP… are those of a setting, `.tolerance_1e-4` where it is not 1e-8. The name of a winner stands in
     its key, so that a page that names another one fails its test: nN.cheapest.KEPT.INTEGRATOR.hSTEP….
     """
     found = {}
-    for n in study.sizes:
-        parts = findings_of(study, n)
+    for n, parts in findings.items():
         for figures_at in (reference_figures, practice_figures, setting_figures, winner_figures):
             found.update({f"n{n}.{key}": value for key, value in figures_at(study, n, parts).items()
                           if value is not None})
@@ -144,37 +181,29 @@ def figures(study):
 def reference_figures(study, n, found):
     size = study.sizes[n]
     runs = [run for draw in study.references[n] for run in draw]
-    kept = {"threshold": found.reference.threshold, "typical": found.reference.typical,
-            "degrees": len(found.reference.degrees), "draws": size.draws, "judged": len(found.judged),
-            "reference.error": size.reference_error,
+    kept = {"draws": size.draws, "time": size.time, "references": size.references, "far": size.far,
+            "judged": len(found.judged), "threshold": found.reference.threshold,
+            "false_positives": found.false_positives, "far.distance": max(found.far_distances),
+            "independent": found.spreads.ratio[-1], "independent_low": found.spreads.low[-1],
+            "independent_high": found.spreads.high[-1], "are_independent": int(found.spreads.are_independent),
+            "stationary": int(found.is_stationary), "reference.error": size.reference_error,
             "reference.energy_error": max(run.energy_error for run in runs),
             "reference.spectrum_error": max(run.spectrum_error for run in runs)}
-    for displacement in (study.settings.displacement, study.settings.small_displacement):
-        times = [parting.time for parting in study.partings[n]
-                 if parting.displacement == displacement and parting.time is not None]
-        key = f"parted.{displacement:.0e}".replace("e-0", "e-")
-        kept[f"{key}.draws"] = len(times)
-        differences = study.at_window(n, displacement)
-        kept[f"{key}.at_window"] = statistics.median(differences)
-        kept[f"{key}.at_window_least"] = min(differences)
-        if times:
-            kept.update({f"{key}.least": min(times), f"{key}.most": max(times)})
-    return kept
+    for place, key in enumerate(found.keys):
+        kept.update({f"{key}.deviation": found.reference.deviations[place],
+                     f"{key}.least": found.reference.threshold * found.reference.chance[place],
+                     f"{key}.spread": found.spreads.ratio[place], f"{key}.spread_low": found.spreads.low[place],
+                     f"{key}.spread_high": found.spreads.high[place]})
+    for key, drift in found.drifts.items():
+        kept.update({f"{key}.quarters": drift.change, f"{key}.quarters_score": drift.score})
+    return {key: float(value) for key, value in kept.items()}
 
 
 def practice_figures(study, n, found):
-    """Returns the figures of the practice at each tolerance, and of its published form's cost over the fast one's."""
-    kept = {}
-    for name, tolerance in (("practice", LOOSE), ("practice_1e-13", TIGHT)):
-        ensemble = study.practice(n, tolerance)
-        if ensemble is None:
-            continue
-        judged = found.judged[ensemble.setting]
-        kept[f"{name}.step"] = ensemble.setting.step
-        kept.update({f"{name}.{key}": value for key, value in figures_of(found, judged).items()})
-        published = published_over_fast(study, n, ensemble.setting)
-        kept.update(ratio_figures(f"{name}.published_over_fast", published))
-    return kept
+    if found.practice is None:
+        return {}
+    return {"practice.step": found.practice.setting.step,
+            **{f"practice.{key}": value for key, value in figures_of(found, found.practice).items()}}
 
 
 def ratio_figures(key, ratio):
@@ -187,10 +216,13 @@ def ratio_figures(key, ratio):
 
 def figures_of(found, judged):
     """Returns the figures of one setting, by the ends of their keys."""
-    kept = {"failed": judged.ensemble.failed, "capped": judged.ensemble.capped, "faithful": int(judged.faithful)}
+    kept = {"failed": judged.ensemble.failed, "capped": judged.ensemble.capped, "faithful": int(judged.faithful),
+            "products": judged.products}
     if judged.ensemble.works:
-        kept.update(distance=judged.distance, tail=judged.tail, spectrum_error=judged.spectrum_error,
-                    **judged.changes, seconds=judged.seconds,
+        kept.update(distance=judged.distance, within_chance=int(judged.within_chance), seconds=judged.seconds,
+                    spectrum_error=judged.spectrum_error, **judged.changes,
+                    **{f"{name}_worst": value for name, value in judged.worst.items()},
+                    **{f"{key}.score": value for key, value in judged.scores.items()},
                     **ratio_figures("over_practice", found.over_practice(judged)))
     return kept
 
@@ -201,24 +233,27 @@ def key_of(setting):
 
 
 def setting_figures(study, n, found):
-    return {f"{key_of(setting)}.{key}": value for setting, judged in found.judged.items()
+    """Returns the figures of every setting but the practice; lost.SETTING counts its lost draws, and says when."""
+    kept = {f"{key_of(setting)}.{key}": value for setting, judged in found.judged.items()
             if judged.ensemble.role != PRACTICE for key, value in figures_of(found, judged).items()}
+    for setting, judged in found.judged.items():
+        if lost := judged.ensemble.lost:
+            kept.update({f"lost.{key_of(setting)}.draws": len(lost),
+                         f"lost.{key_of(setting)}.first": min(run.time for run in lost),
+                         f"lost.{key_of(setting)}.last": max(run.time for run in lost)})
+    return kept
 
 
 def winner_figures(study, n, found):
-    """Returns the cheapest faithful settings: by what a method keeps, also with conserved averages to CLOSE, and of
-    each method; and the largest faithful step of each method at the loose tolerance."""
+    """Returns the cheapest faithful settings, by what a method keeps and of each method."""
     kept = {}
     for structure in KEPT:
         kept.update(winner(found, f"cheapest.{structure}", lambda judged: judged.has(structure)))
-        kept.update(winner(found, f"cheapest.{structure}.close",
-                           lambda judged: judged.has(structure) and judged.conserves))
     for name in methods_of(found):
         best = found.cheapest(lambda judged: judged.setting.integrator == name)
         if best:
-            kept[f"cheapest_of.{name}.step"] = best.setting.step
-            kept.update(ratio_figures(f"cheapest_of.{name}.over_practice", found.over_practice(best)))
-        kept[f"largest_faithful.{name}"] = largest_faithful_step(found, name)
+            kept.update({f"cheapest_of.{name}.step": best.setting.step, f"cheapest_of.{name}.products": best.products,
+                         **ratio_figures(f"cheapest_of.{name}.over_practice", found.over_practice(best))})
     return kept
 
 
@@ -233,7 +268,8 @@ def winner(found, start, allowed):
         return {}
     key, over = f"{start}.{key_of(judged.setting)}", found.over_practice(judged)
     ties, undecided = found.level_with_cheapest(allowed)
-    kept = {f"{key}.seconds": judged.seconds, **ratio_figures(f"{key}.over_practice", over),
+    kept = {f"{key}.seconds": judged.seconds, f"{key}.products": judged.products,
+            **ratio_figures(f"{key}.over_practice", over),
             f"{start}.ties": len(ties), f"{start}.undecided": len(undecided)}
     if over:
         inverse = verdicts.ratio_of(found.practice.times, judged.times)
@@ -247,11 +283,6 @@ def methods_of(found):
     """Returns the integrators with settings that are not the practice."""
     return list(dict.fromkeys(setting.integrator for setting, judged in found.judged.items()
                               if judged.ensemble.role != PRACTICE))
-
-
-def largest_faithful_step(found, integrator):
-    """Returns the largest faithful step of an integrator at the loose tolerance, or None."""
-    return max((judged.setting.step for judged in line_of(found, integrator) if judged.faithful), default=None)
 
 
 def line_of(found, integrator):

@@ -1,70 +1,75 @@
 """The report of the study of turbulence: settings against the reference, costs, and how it is judged."""
 
-import statistics
-
 from lib.comparison import MISSING, percentage, ratio_text, three_digits
 from lib.document import Column, Entry, Heading, Paragraph, Table, conditions, plain_table, shown
-from lib.formats import PUBLISHED, SOLVERS
-from lib.integrator_names import KEPT
+from lib.integrator_names import KEPT, gauss_stages
 from lib.numbers import scientific, span, two_digits
-from lib.turbulence_figures import (CLOSE, CONSERVED, findings_of, largest_faithful_step, methods_of,
-                                    published_over_fast, times_of_run)
-from lib.turbulence_files import INDEPENDENT, LOOSE, PARTED, PRACTICE
-from lib.turbulence_statistics import COUNT, LEAST_SHARE, LEVEL
+from lib.turbulence_figures import INVARIANTS, TOLERANCE, methods_of
+from lib.turbulence_files import LOOSE, QUARTERS
+from lib.turbulence_statistics import COUNT, LEAST_SPREAD, LEVEL, TRIALS
 from lib.verdicts import FEWEST, MARGIN
 
 CHART = "statistical_error"
 KEEPING = {**KEPT, next(iter(KEPT)): "any"}  # what is asked of a method, the least first
-CAPTION = ("Error of the time-averaged energy spectrum against the CPU time of a run, over that of the practice. In the"
-           " grey band an ensemble is not told from the reference.")
+CAPTION = ("Error of the statistics, in standard deviations by chance, against the CPU time of a run, over that of the"
+           " practice. In the grey band an ensemble is not told from the reference.")
 
 
-def turbulence_sections(study, charts):
-    """Returns the document of a Turbulence; `charts` are the names of the charts beside it."""
-    found = {n: findings_of(study, n) for n in study.sizes}
+def turbulence_sections(study, found, charts):
+    """Returns the document of a Turbulence and its Findings by n; `charts` are the names of the charts beside it."""
+    times = ", ".join(dict.fromkeys(f"T = {size.time:g}" for size in study.sizes.values()))
     return [
         Heading("Statistics of turbulence, and what they cost", 1),
-        Paragraph("Do runs with other methods, longer steps or looser tolerances average to the same? An ensemble is"
-                  " faithful if its time-averaged energy spectrum is no further from the reference than reference"
-                  " ensembles are from one another."),
+        Paragraph(f"Do runs to {times} with other methods, longer steps or looser tolerances have the same statistics"
+                  " over T/2 … T? An ensemble is faithful if no quantity is further from the reference than chance"
+                  " explains, no draw is lost, and energy and enstrophy of every draw average to the initial values"
+                  f" within {TOLERANCE:.0%}. Nothing follows for longer runs."),
         *shown([(CHART, CAPTION)], charts),
         Heading("The cheapest faithful settings"),
         Paragraph("Of all methods, of those that keep the spectrum, and of Lie–Poisson methods. Times are those of one"
-                  " run to T. The practice: isospectral midpoint rule, h = ħ/4, tolerance 1e-8, fast form."
-                  f" Close: energy, enstrophy and tr W⁴ average to the initial values within {CLOSE:.0%} too."
-                  f" Tie: within {MARGIN - 1:.0%}; undecided: the interval holds a bound of that, or there are too few"
-                  " processes."),
-        cheapest_table(found),
-        Heading("The largest faithful step"),
-        Paragraph(f"Of the steps tried, at a tolerance of 1e-8. {MISSING}: none. One in 20 settings that are right is"
-                  " called unfaithful by chance. The fewer the draws, the larger the distance that counts as"
-                  " faithful. A step that fails in one draw is not faithful. Where few settings are judged, the largest"
-                  " is one of those few, and no limit."),
-        *few_draws_paragraphs(study),
-        steps_table(found),
+                  f" run to {times}. The practice: isospectral midpoint rule, h = ħ/4, tolerance 1e-8, fast form."
+                  f" Products are equivalent ones, a unit of time. Tie: within {MARGIN - 1:.0%}; undecided: the"
+                  " interval holds a bound of that, or there are too few processes."),
+        cheapest_table(study, found),
+        Heading("Gauss methods by order"),
+        Paragraph(f"The cheapest faithful setting of each to {times}."),
+        gauss_table(study, found),
         *(part for n in study.sizes for part in size_sections(study, n, found[n])),
-        *published_parts(study),
+        *lost_parts(study),
+        Heading("How far to trust it"),
+        *trust_parts(study, found),
         Heading("How it is judged"),
-        *how_parts(study, found),
+        *how_parts(study, times),
         conditions(study.context),
     ]
 
 
-def cheapest_table(found):
+# ---- the cheapest
+
+
+def cheapest_table(study, found):
     rows = []
     for n, findings in found.items():
         for structure, words in KEEPING.items():
-            for close in (False, True):
-                def allowed(judged, structure=structure, close=close):
-                    return judged.has(structure) and (judged.conserves or not close)
+            def allowed(judged, structure=structure):
+                return judged.has(structure)
 
-                level = [", ".join(map(setting_text, each)) or MISSING
-                         for each in findings.level_with_cheapest(allowed)]
-                rows.append([str(n), f"{words}, close" if close else words,
-                             *setting_cells(findings, findings.cheapest(allowed)), *level])
-    return plain_table((Column("n"), Column("keeps", align="left"), Column("integrator", align="left"), Column("h"),
-                        Column("tolerance"), Column("CPU seconds"), Column("over the practice"), Column("distance"),
+            level = [", ".join(map(setting_text, each)) or MISSING for each in findings.level_with_cheapest(allowed)]
+            rows.append([str(n), f"{study.sizes[n].time:g}", words,
+                         *setting_cells(findings, findings.cheapest(allowed)), *level])
+    return plain_table((Column("n"), Column("T"), Column("keeps", align="left"), *SETTING_COLUMNS,
                         Column("tie with it", align="left"), Column("undecided", align="left")), rows)
+
+
+SETTING_COLUMNS = (Column("integrator", align="left"), Column("h"), Column("tolerance"), Column("products"),
+                   Column("CPU seconds"), Column("over the practice"), Column("largest |z|"))
+
+
+def gauss_table(study, found):
+    rows = [[str(n), f"{study.sizes[n].time:g}", str(2 * gauss_stages(name)),
+             *setting_cells(findings, findings.cheapest(lambda judged, name=name: judged.setting.integrator == name))]
+            for n, findings in found.items() for name in methods_of(findings) if gauss_stages(name)]
+    return plain_table((Column("n"), Column("T"), Column("order"), *SETTING_COLUMNS), rows)
 
 
 def setting_text(judged):
@@ -74,68 +79,64 @@ def setting_text(judged):
     return f"{setting.integrator} with h = {setting.step:.3g}{tolerance}"
 
 
+def head_cells(judged):
+    return [judged.setting.integrator, f"{judged.setting.step:.3g}", f"{judged.setting.tolerance:g}",
+            two_digits(judged.products)]
+
+
 def setting_cells(findings, judged):
     if judged is None:
-        return [MISSING] * 6
-    return [judged.setting.integrator, f"{judged.setting.step:.3g}", f"{judged.setting.tolerance:g}",
-            three_digits(judged.seconds), ratio_text(findings.over_practice(judged)), percentage(judged.distance)]
+        return [MISSING] * len(SETTING_COLUMNS)
+    return [*head_cells(judged), three_digits(judged.seconds), ratio_text(findings.over_practice(judged)),
+            two_digits(judged.distance)]
 
 
-def steps_table(found):
-    """Returns the largest faithful step of each integrator at each n, below how strictly it was judged there."""
-    names = list(dict.fromkeys(name for findings in found.values() for name in methods_of(findings)))
-
-    def cell(findings, name):
-        step = largest_faithful_step(findings, name)
-        return MISSING if step is None else f"{step:.3g}"
-
-    each = found.values()
-    judging = [["draws", *(str(len(findings.reference.means)) for findings in each)],
-               ["faithful: distance at most", *(percentage(findings.reference.threshold) for findings in each)],
-               ["settings judged", *(str(len(findings.judged)) for findings in each)]]
-    rows = [[name, *(cell(findings, name) for findings in found.values())] for name in names]
-    return Table((Column("integrator", align="left"), *(Column(f"n = {n}") for n in found)),
-                 [[list(map(Entry, row)) for row in block] for block in (judging, rows)])
+# ---- every setting
 
 
 def size_sections(study, n, findings):
     """Returns the table of every setting at one n."""
     size = study.sizes[n]
-    columns = (Column("integrator", align="left"), Column("h"), Column("tolerance"), Column("CPU seconds"),
-               Column("over the practice"), Column("distance"), Column("upper third of E(l)"),
-               *(Column(name) for name in ("energy", "enstrophy", "tr W⁴")), Column("spectrum"))
+    columns = (*SETTING_COLUMNS, Column("of", align="left"), *(Column(name) for name in INVARIANTS),
+               Column("spectrum"), Column("faithful", align="left"))
     blocks = {}
     for judged in findings.judged.values():
         blocks.setdefault((judged.ensemble.role, judged.setting.integrator), []).append(setting_row(findings, judged))
     return [
-        Heading(f"Every setting, n = {n}"),
-        Paragraph(f"{size.draws} draws to T = {size.time:g}; {len(findings.reference.degrees)} degrees are compared."
-                  f" Faithful, and bold: a distance of at most {percentage(findings.reference.threshold)}. Changes of"
-                  " averages are relative: of E(l) against the reference, else against the initial values. Spectrum:"
-                  " the largest error of an eigenvalue at the end. The first block is the practice."),
-        *unjudged_paragraphs(study, n),
+        Heading(f"Every setting, n = {n}, T = {size.time:g}"),
+        Paragraph(f"{size.draws} draws. Within chance, and bold: a largest |z| of at most"
+                  f" {two_digits(findings.reference.threshold)}. Energy, enstrophy: change of the average from the"
+                  f" initial value, the mean over the draws; bold where it is within {TOLERANCE:.0%} in every draw."
+                  " Spectrum: the largest error of an eigenvalue at the end. The first block is the practice."),
+        *limited_paragraphs(findings),
         Table(columns, list(blocks.values())),
     ]
 
 
 def setting_row(findings, judged):
-    setting = judged.setting
-    head = [setting.integrator, f"{setting.step:.3g}", f"{setting.tolerance:g}"]
     if not judged.ensemble.works:
-        return [*map(Entry, head), Entry(MISSING), Entry(MISSING), Entry(failure_text(judged.ensemble)),
-                *[Entry(MISSING)] * 5]
-    return [*map(Entry, head), Entry(MISSING if judged.seconds is None else three_digits(judged.seconds)),
-            Entry(ratio_text(findings.over_practice(judged))),
-            Entry(percentage(judged.distance), judged.faithful), Entry(signed(judged.tail)),
-            *(Entry(signed(judged.changes[name])) for name in CONSERVED), Entry(scientific(judged.spectrum_error))]
+        lost = f"no: {judged.ensemble.failed} of {len(judged.ensemble.runs)} draws lost"
+        return [*map(Entry, head_cells(judged)), *[Entry(MISSING)] * 7, Entry(lost)]
+    return [*map(Entry, head_cells(judged)), Entry(MISSING if judged.seconds is None else three_digits(judged.seconds)),
+            Entry(ratio_text(findings.over_practice(judged))), Entry(two_digits(judged.distance), judged.within_chance),
+            Entry(quantity_text(judged.largest)),
+            *(Entry(signed(judged.changes[name]), judged.worst[name] <= TOLERANCE) for name in INVARIANTS),
+            Entry(scientific(judged.spectrum_error)), Entry(verdict_text(findings, judged), judged.faithful)]
 
 
-def failure_text(ensemble):
-    """Writes how many of the draws failed, how and when, as "3 of 10 unstable, t = 90 to 120"."""
-    failed = [run for run in ensemble.runs if not run.works]
-    how = " or ".join(dict.fromkeys(run.status for run in failed))
-    times = span([run.time for run in failed], lambda time: f"{time:.3g}")
-    return f"{len(failed)} of {len(ensemble.runs)} {how}, t = {times}"
+def verdict_text(findings, judged):
+    """Writes whether a setting without a lost draw is faithful, or what is not: "no: statistics, energy"."""
+    if not findings.decides:
+        return "not judged"
+    off = ["statistics"] * (not judged.within_chance)
+    off += [name for name in INVARIANTS if judged.worst[name] > TOLERANCE]
+    return f"no: {', '.join(off)}" if off else "yes"
+
+
+def quantity_text(key):
+    """Writes the key of a quantity: "l3-5" as "l = 3–5", "l4.lag12" as "l = 4 after 12"."""
+    degrees, _, lag = key[1:].partition(".lag")
+    return f"l = {degrees.replace('-', '–')}" + (f" after {lag}" if lag else "")
 
 
 def signed(change):
@@ -143,117 +144,159 @@ def signed(change):
     return f"{100 * change:+.2g} %" if abs(change) >= 5e-7 else "0"
 
 
-def published_parts(study):
-    table = published_table(study)
-    return [Heading("The practice in its published form"), table] if list(table.rows()) else []
+def limited_paragraphs(findings):
+    """Says where nothing is judged, and where another spread than that of reference runs counts."""
+    if not findings.decides:
+        return [Paragraph(f"Nothing is judged here: there are fewer than {FEWEST} draws.")]
+    if findings.spreads.are_independent:
+        return []
+    return [Paragraph("Reference runs that begin close to each other share a history here: they spread less than those"
+                      " that begin further apart. So scores take the wider spread of the latter. Fewer wrong settings"
+                      " are found, and fewer right ones called wrong.")]
 
 
-def published_table(study):
-    """Returns what the practice costs in its published form and over the fast one, where that was timed."""
+def lost_parts(study):
+    """Returns the table of the draws that lost a run: none if there are none."""
+    rows = [[str(n), ensemble.setting.integrator, f"{ensemble.setting.step:.3g}", f"{ensemble.setting.tolerance:g}",
+             f"{ensemble.failed} of {len(ensemble.runs)}",
+             ", ".join(dict.fromkeys(run.status for run in ensemble.lost)),
+             ", ".join(f"{run.draw} at {run.time:.3g}" for run in ensemble.lost)]
+            for n, ensembles in study.ensembles.items() for ensemble in ensembles.values() if ensemble.lost]
+    if not rows:
+        return []
+    return [Heading("Draws that were lost"),
+            Paragraph(f"By the solver, or unstable: not finite, or the energy off by {study.settings.energy_loss:.0%}."
+                      f" Sweep cap: a step took more than {study.settings.max_sweeps} sweeps, which would be expensive;"
+                      " with the default cap of 1000 such a run may go on. A setting that loses a draw is not"
+                      " faithful."),
+            plain_table((Column("n"), Column("integrator", align="left"), Column("h"), Column("tolerance"),
+                         Column("lost"), Column("how", align="left"), Column("draw and t", align="left")), rows)]
+
+
+# ---- how far to trust it
+
+
+def trust_parts(study, found):
+    """Returns what was measured of the judgement itself: false positives, independence, stationarity."""
+    settings = study.settings
+    moving = [n for n, findings in found.items() if not findings.is_stationary]
+    return [
+        Paragraph(f"False positives: the share of {TRIALS} right ensembles that are called wrong, {1 - LEVEL:.0%} is"
+                  " expected. Each takes one run of each draw, chosen at random from all reference and far runs, and is"
+                  " judged by others of them, with a threshold found anew; from far runs alone where reference runs"
+                  " share a history. So a few of the settings that are right are called unfaithful by chance. Far: the"
+                  " largest |z| of each far ensemble."),
+        trust_table(study, found),
+        Paragraph(f"Independence: reference ensembles begin {settings.displacement:g} apart, far ones"
+                  f" {settings.far_displacement:g}, along the coadjoint orbit, at constant energy. The spread of"
+                  " reference runs of one draw over that of far runs, with its 95 % interval over resampled draws: it"
+                  " is 1 where the distance at the start is forgotten, and smaller where runs share a history. They are"
+                  f" taken to share one unless the interval of all quantities together begins at {LEAST_SPREAD:g} or"
+                  " above; then the spread of far runs counts, with the reference's means. Deviation: of one run that"
+                  " counts, relative for bands. Least: the mean difference over the draws at which |z|"
+                  " reaches the threshold; what is wrong by less passes."),
+        spread_table(found),
+        Paragraph("Stationarity: the change of a band's energy from the first to the last quarter of T/2 … T, by all"
+                  " reference and far runs; in brackets over its standard error by draws. Bold: beyond chance, at 5 %"
+                  " over all bands of an n." + transient_text(study, moving)),
+        drift_table(found),
+    ]
+
+
+def transient_text(study, moving):
+    """Says where averages are those of a transient."""
+    if not moving:
+        return " No band changes beyond chance."
+    places = ", ".join(f"n = {n}, T = {study.sizes[n].time:g}" for n in moving)
+    return (f" So at {places} the averages are those of a transient at equal times, not of a stationary state, and they"
+            " depend on T.")
+
+
+def trust_table(study, found):
+    rows = [[str(n), f"{size.time:g}", str(size.draws), str(size.references), str(size.far),
+             two_digits(found[n].reference.threshold), percentage(found[n].false_positives),
+             ", ".join(map(two_digits, found[n].far_distances))] for n, size in study.sizes.items()]
+    return plain_table((Column("n"), Column("T"), Column("draws"), Column("reference ensembles"),
+                        Column("far ensembles"), Column("threshold of |z|"), Column("false positives"),
+                        Column("far")), rows)
+
+
+def spread_table(found):
     rows = []
-    for n, ensembles in study.ensembles.items():
-        for setting, ensemble in ensembles.items():
-            over = published_over_fast(study, n, setting)
-            if ensemble.role == PRACTICE and over:
-                seconds = statistics.geometric_mean(times_of_run(study, n, setting, PUBLISHED))
-                rows.append([str(n), f"{setting.step:.3g}", f"{setting.tolerance:g}", three_digits(seconds),
-                             ratio_text(over)])
-    return plain_table((Column("n"), Column("h"), Column("tolerance"), Column("CPU seconds, published"),
-                        Column("over the fast form")), rows)
+    for n, findings in found.items():
+        spreads, reference = findings.spreads, findings.reference
+        least = reference.threshold * reference.chance
+        for place, name in enumerate((*map(quantity_text, findings.keys), "all")):
+            own = [percentage(each[place]) if place < len(least) else MISSING
+                   for each in (reference.deviations, least)]
+            rows.append([str(n), name, *own, two_digits(spreads.ratio[place]),
+                         f"{two_digits(spreads.low[place])}–{two_digits(spreads.high[place])}"])
+    return plain_table((Column("n"), Column("quantity", align="left"), Column("deviation"), Column("least"),
+                        Column("spread over that of far runs"), Column("95 %")), rows)
 
 
-def how_parts(study, found):
+def drift_table(found):
+    """Returns the change of each band between quarters, an n a row."""
+    keys = list(dict.fromkeys(key for findings in found.values() for key in findings.drifts))
+
+    def entry(drifts, key):
+        if key not in drifts:
+            return Entry(MISSING)
+        return Entry(f"{signed(drifts[key].change)} ({drifts[key].score:+.1f})", not drifts[key].is_stationary)
+
+    return Table((Column("n"), *(Column(quantity_text(key)) for key in keys)),
+                 [[[Entry(str(n)), *(entry(findings.drifts, key) for key in keys)] for n, findings in found.items()]])
+
+
+# ---- how it is judged
+
+
+def how_parts(study, times):
     """Returns how data, reference, distances and costs come about."""
     settings = study.settings
+    lags = " and ".join(f"{lag:g}" for lag in settings.lags)
     return [
         Paragraph(f"Initial data: modes l = {settings.lowest_degree} … {settings.highest_degree}, complex coefficients"
                   " of equal variance by a seeded generator, real where m = 0, the same at every n; then ‖W₀‖₂ = 1."
                   " They have no part with l = 1, so the co-rotating frame changes nothing."),
-        Paragraph("The reference: ensembles displaced by"
-                  f" {settings.displacement:g} along the coadjoint orbit, relative to ‖W₀‖. Change by h/2: of"
-                  " W(20) of the first draw, relative. Distance: the median of two reference ensembles."),
-        reference_table(study, found),
-        Paragraph("How two runs of the reference method part that begin close to each other: the time from which they"
-                  f" differ by {PARTED:g} of ‖W‖, a correlation of {correlation(PARTED):.3g}, and their difference at"
-                  " T/2; independent states differ by √2. A setting is judged if the least difference at T/2 of the"
-                  f" pairs {settings.displacement:g} apart is at least {INDEPENDENT:g}, a correlation of"
-                  f" {correlation(INDEPENDENT):.3g}. Their difference grows on during the averages over T/2 … T."),
-        parting_table(study),
-        Paragraph("Distance: the logarithms of E(l), averaged over T/2 … T, minus their mean over the reference"
-                  " ensembles of the same draw; mean over the draws; root mean square over the degrees that have more"
-                  f" than {LEAST_SHARE:g} of the energy. Faithful: at most the {LEVEL:.0%} quantile of {COUNT}"
-                  " bootstrap samples, each as many draws with replacement and of each one reference run against the"
-                  " mean of the others. With few draws this threshold is wide, and a faithful setting is less sure."
-                  " Every degree weighs alike: the energy of the largest scales, best known and the largest part,"
-                  " counts as one degree of all. A setting may be off by many of its standard errors there and be"
-                  " called faithful."),
-        Paragraph("A run fails by its solver, or as unstable: not finite, or its energy off by more than"
-                  f" {settings.energy_loss:.0%}. Sweep cap: a step took more than {settings.max_sweeps} sweeps, which"
-                  " would be expensive; with the default cap of 1000 such a run may go on. A setting with a failed draw"
-                  " has no average."),
+        Paragraph("The reference, by a method whose change by h/2 is that of W(20) of the first draw, relative:"),
+        reference_table(study),
+        Paragraph("Quantities: the logarithm of the energy in each band of degrees l, averaged over T/2 … T, and the"
+                  f" decorrelation of the coefficients with l = {settings.correlated_degree} after {lags} units of"
+                  " time, that is the mean |ω(t + lag) − ω(t)|² over twice the mean |ω|². The score z of a setting: the"
+                  " difference from the mean of the reference ensembles of the same draw, mean over the draws, over"
+                  " its standard deviation by chance, from the spread of the runs of one draw that count. So each"
+                  " quantity is weighted by how well it is known. Within chance: the largest |z| is at most the"
+                  f" {LEVEL:.0%} quantile of {COUNT} samples, each with one reference run of each draw held out at"
+                  " random and judged by the others."),
+        Paragraph("Energy and enstrophy have a tolerance of their own: reference runs keep them, so that they have no"
+                  f" spread. The averages are divided into {QUARTERS} quarters for the stationarity alone."),
         Paragraph("CPU seconds: the geometric mean over fresh processes of the time of a step, times the number of"
-                  f" steps. Each process times all settings of one n in turns, from the state of the first draw at T/2,"
-                  f" behind {settings.warm_steps} steps that are not timed. Ratios have the 95 % interval over the"
-                  f" processes; with fewer than {FEWEST} nothing is decided. Sampling is not in it. RK4 has no use for"
-                  " the tolerance, with or without the projection."),
+                  f" steps to {times}. Each process times all settings of one n in turns, from the state of the first"
+                  f" draw at T/2, behind {settings.warm_steps} steps that are not timed. Ratios have the 95 % interval"
+                  f" over the processes; with fewer than {FEWEST} nothing is decided. Sampling is not in it. Explicit"
+                  " methods have no use for the tolerance, with or without the projection."),
         timing_table(study),
     ]
 
 
-def correlation(difference):
-    """Returns the correlation of two states of one norm with this relative difference."""
-    return 1 - difference ** 2 / 2
-
-
-def reference_table(study, found):
-    rows = [[str(n), str(size.draws), f"{size.time:g}", size.reference_integrator, f"{size.reference_step:g}",
-             str(size.references), scientific(size.reference_error), percentage(found[n].reference.typical)]
-            for n, size in study.sizes.items()]
-    return plain_table((Column("n"), Column("draws"), Column("T"), Column("reference", align="left"), Column("h"),
-                        Column("ensembles"), Column("change by h/2"), Column("distance")), rows)
-
-
-def parting_table(study):
-    """Returns when runs that begin close to each other have parted, and how far apart they are at T/2."""
+def reference_table(study):
     rows = []
-    for n in study.sizes:
-        for displacement in (study.settings.displacement, study.settings.small_displacement):
-            times = [parting.time for parting in study.partings[n]
-                     if parting.displacement == displacement and parting.time is not None]
-            differences = study.at_window(n, displacement)
-            rows.append([str(n), f"{displacement:g}", f"{len(times)} of {len(differences)}",
-                         span(times, lambda time: f"{time:.3g}") if times else MISSING, two_digits(min(differences)),
-                         two_digits(statistics.median(differences))])
-    return plain_table((Column("n"), Column("apart at t = 0"), Column("parted"), Column("at t"),
-                        Column("least difference at T/2"), Column("median")), rows)
+    for n, size in study.sizes.items():
+        runs = [run for draw in study.references[n] for run in draw]
+        rows.append([str(n), f"{size.time:g}", size.reference_integrator, f"{size.reference_step:g}",
+                     scientific(size.reference_error), scientific(max(run.energy_error for run in runs)),
+                     scientific(max(run.spectrum_error for run in runs))])
+    return plain_table((Column("n"), Column("T"), Column("reference", align="left"), Column("h"),
+                        Column("change by h/2"), Column("energy error"), Column("spectrum error")), rows)
 
 
 def timing_table(study):
     """Returns over how many processes, steps and units of time costs were measured."""
     rows = []
     for n in study.sizes:
-        for solver in SOLVERS:
-            costs = [cost for (at, _, form), cost in study.costs.items() if (at, form) == (n, solver) and cost.seconds]
-            if costs:
-                rows.append([str(n), solver, str(len(costs[0].seconds)), span([cost.steps for cost in costs], str),
-                             span([cost.steps * cost.step for cost in costs], lambda time: f"{time:.3g}")])
-    return plain_table((Column("n"), Column("form", align="left"), Column("processes"), Column("timed steps"),
-                        Column("units of time")), rows)
-
-
-def few_draws_paragraphs(study):
-    """Says where verdicts are not supported: by few draws, whose references begin close and share a history."""
-    sizes = [n for n, size in study.sizes.items() if size.draws < FEWEST]
-    if not sizes:
-        return []
-    return [Paragraph(f"At n = {', '.join(map(str, sizes))} the verdicts decide nothing. There are fewer than"
-                      f" {FEWEST} draws, and reference ensembles that begin close to each other have one history until"
-                      " they part, with the same large vortices. To be measured anew with independent references.")]
-
-
-def unjudged_paragraphs(study, n):
-    """Says that nothing is judged where runs of reference ensembles are not independent at T/2."""
-    if study.is_unpredictable(n):
-        return []
-    return [Paragraph("Nothing is judged here: in some draw, runs of two reference ensembles are still correlated at"
-                      " T/2, so their distance from one another is not that of independent ones.")]
+        costs = [cost for (at, _), cost in study.costs.items() if at == n]
+        if costs:
+            rows.append([str(n), str(len(costs[0].seconds)), span([cost.steps for cost in costs], str),
+                         span([cost.steps * cost.step for cost in costs], lambda time: f"{time:.3g}")])
+    return plain_table((Column("n"), Column("processes"), Column("timed steps"), Column("units of time")), rows)

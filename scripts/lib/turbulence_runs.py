@@ -1,4 +1,4 @@
-"""Single runs of the study of turbulence: drawn initial data, runs with their averages, and how fast two runs part.
+"""Single runs of the study of turbulence: drawn initial data, and runs with their averages.
 
 Needs NumPy and isosyrk. Every state is computed anew from its number.
 """
@@ -11,22 +11,24 @@ import numpy
 from lib import trials
 from lib.formats import CONVERGED, FAST, UNSTABLE, to_digits
 from lib.initial_states import modes_of_sizes
-from lib.problems import encoded, energies_by_degree
-from lib.turbulence_files import PARTED
+from lib.problems import degree_vectors, encoded, energies_by_degree
+from lib.turbulence_files import FAR, QUARTERS, REFERENCE, bands_of
 
 DEGREES = range(6, 11)  # of the modes that are drawn
 SEED = 33  # of all draws, before their number: apart from those of lib.initial_states
-# Along the coadjoint orbit, relative to ‖W₀‖ in the Frobenius norm: of reference ensembles, and a smaller one.
-DISPLACEMENTS = DISPLACEMENT, SMALL_DISPLACEMENT = 1e-6, 1e-8
-SAMPLE_TIME = 2.0  # between two looks at a run
+# Along the coadjoint orbit at constant energy, relative to ‖W₀‖ in the Frobenius norm.
+DISPLACEMENTS = {REFERENCE: 1e-3, FAR: 1e-1}
+NEWTON_STEPS = 4  # to the energy of the data, from a relative error of some 1e-2: it squares in each
+# Between two looks at a run; a look is after a whole number of steps. All listed steps divide 3 or 4, and so the lags.
+SAMPLE_TIME = 3.0
+CORRELATED_DEGREE = 4  # l of the coefficients whose decorrelation is recorded, over
+LAGS = (12.0, 24.0)
 ENERGY_LOSS = 0.1  # relative
 CONVERGENCE_TIME = 20.0
 # A step of a fast form, whose fallback sweeps too. One that takes more is expensive, and shorter steps are cheaper.
 # Runs that this ends might go on with the default of 1000; their status tells them from failures of the solver.
 MAX_SWEEPS = 30
-PUBLISHED_SWEEPS = 1000
-DIGITS = 6  # that averages are recorded with, but for E(l), whose
-SPECTRUM_DIGITS = 4  # are enough beside the hundredths that ensembles are apart
+DIGITS = 6  # that averages are recorded with
 
 
 # ---- initial data
@@ -41,35 +43,45 @@ def drawn_scene(n, draw):
     return isosyrk.scene("drawn", n=n, modes=modes_of_sizes(dict.fromkeys(DEGREES, 1.0), (SEED, draw)))
 
 
-def displaced(W, size, seed):
-    """Returns Q W Q† for a random unitary Q, such that it differs from W by `size`, relative, in the Frobenius norm.
-
-    The spectrum stays to rounding. `seed` is a sequence of whole numbers. `size` is small beside 1.
-    """
-    rng = numpy.random.default_rng(seed)
-    A = rng.standard_normal(W.shape) + 1j * rng.standard_normal(W.shape)
-    eigenvalues, U = numpy.linalg.eigh(A + A.conj().T)
-    generator = 1j * (U * eigenvalues) @ U.conj().T
-    tangent = generator @ W - W @ generator
-    angle = size * numpy.linalg.norm(W) / numpy.linalg.norm(tangent)
+def rotated(W, generator, angle):
+    """Returns Q W Q† for Q = exp(angle · generator), a skew-Hermitian matrix. The spectrum stays to rounding."""
+    eigenvalues, U = numpy.linalg.eigh(-1j * generator)
     Q = (U * numpy.exp(1j * angle * eigenvalues)) @ U.conj().T
     moved = Q @ W @ Q.conj().T
     return (moved - moved.conj().T) / 2
 
 
+def displaced(scene, size, seed):
+    """Returns the initial data W of a scene moved at random to Q W Q†, by `size`, relative, in the Frobenius norm.
+
+    Q is unitary. Spectrum and energy stay, so that runs from both have the same averages if these depend on nothing
+    else. `seed` is a sequence of whole numbers. `size` is small beside 1.
+    """
+    W, rng = scene.initial, numpy.random.default_rng(seed)
+    A = rng.standard_normal(W.shape) + 1j * rng.standard_normal(W.shape)
+    generator = 1j * (A + A.conj().T)
+    moved = rotated(W, generator, size * numpy.linalg.norm(W) / numpy.linalg.norm(generator @ W - W @ generator))
+    for _ in range(NEWTON_STEPS):  # along the orbit, where the energy changes fastest
+        B = scene.generator(moved)
+        uphill = B @ moved - moved @ B
+        tangent = uphill @ moved - moved @ uphill
+        slope = (scene.energy(moved + tangent) - scene.energy(moved - tangent)) / 2  # exact: the energy is quadratic
+        moved = rotated(moved, uphill, (scene.energy(W) - scene.energy(moved)) / slope)
+    return moved
+
+
 def begun(job):
-    """Returns the scene of a job, and its initial data: displaced for a reference ensemble."""
+    """Returns the scene of a job, and its initial data: displaced for an ensemble of a role of DISPLACEMENTS."""
     scene = drawn_scene(job["n"], job["draw"])
     if "ensemble" not in job:
         return scene, scene.initial
-    return scene, displaced(scene.initial, DISPLACEMENT, (job["draw"], job["n"], job["ensemble"]))
+    place = list(DISPLACEMENTS).index(job["role"])
+    return scene, displaced(scene, DISPLACEMENTS[job["role"]], (job["draw"], job["n"], job["ensemble"], place))
 
 
 def method_of(job, scene):
-    """Returns the integrator of a job, in the form that its solver names; fast if it names none."""
-    solver = job.get("solver", FAST)
-    return isosyrk.integrator(scene, job["integrator"], solver=solver, tolerance=job["tolerance"],
-                              max_sweeps=MAX_SWEEPS if solver == FAST else PUBLISHED_SWEEPS)
+    """Returns the integrator of a job, in its fast form."""
+    return isosyrk.integrator(scene, job["integrator"], solver=FAST, tolerance=job["tolerance"], max_sweeps=MAX_SWEEPS)
 
 
 # ---- a run with its averages
@@ -85,32 +97,56 @@ class Averages:
         self.scene, self.half = scene, half  # steps
         self.initial = self.invariants(W0)
         self.energy_error, self.lost = 0.0, False
-        self.found = []  # one vector a sample: E(l), then energy, enstrophy and tr W⁴
+        # A sample each: energy and enstrophy over the initial ones; energy of each band; coefficients of one degree.
+        self.invariant_samples, self.bands, self.coefficients = [], [], []
 
     def invariants(self, W):
-        """Returns energy, enstrophy and tr W⁴, an array."""
-        return numpy.array([self.scene.energy(W), 0.5 * numpy.linalg.norm(W) ** 2, numpy.linalg.norm(W @ W) ** 2])
+        """Returns energy and enstrophy, an array."""
+        return numpy.array([trials.energy(self.scene, W), 0.5 * numpy.linalg.norm(W) ** 2])
 
     def __call__(self, step, W, _report):
-        error = abs(self.scene.energy(W) / self.initial[0] - 1)
-        self.energy_error = trials.larger(self.energy_error, error)
-        self.lost = not error <= ENERGY_LOSS  # so that NaN is a loss
+        found = self.invariants(W) / self.initial
+        self.energy_error = trials.larger(self.energy_error, abs(found[0] - 1))
+        self.lost = not abs(found[0] - 1) <= ENERGY_LOSS  # so that NaN is a loss
         if step > self.half and not self.lost:
-            self.found.append(numpy.concatenate((energies_by_degree(W), self.invariants(W) / self.initial)))
+            energies = energies_by_degree(W)
+            self.invariant_samples.append(found)
+            self.bands.append([energies[low - 1:high].sum() for low, high in bands_of(len(W))])
+            self.coefficients.append(coefficients(W, CORRELATED_DEGREE))
         return self.lost
 
-    def means(self):
-        """Returns the averages as columns of a row."""
-        *spectrum, energy, enstrophy, quartic = numpy.mean(self.found, axis=0)
-        return {"energy": recorded(energy), "enstrophy": recorded(enstrophy), "quartic": recorded(quartic),
-                "energy_by_degree": [recorded(each, SPECTRUM_DIGITS) for each in spectrum]}
+    def means(self, interval):
+        """Returns the averages as columns of a row, given the time between two samples."""
+        energy, enstrophy = numpy.mean(self.invariant_samples, axis=0)
+        quarters = [quarter.mean(axis=0) for quarter in numpy.array_split(self.bands, QUARTERS)]
+        return {"energy": recorded(energy), "enstrophy": recorded(enstrophy),
+                "bands": [list(map(recorded, quarter)) for quarter in quarters],
+                "decorrelations": [recorded(decorrelation(numpy.array(self.coefficients), round(lag / interval)))
+                                   for lag in LAGS]}
+
+
+def coefficients(W, degree):
+    """Returns the coefficients of a degree l, an array over m = 0 … l, such that ‖·‖² is the sum over m = −l … l."""
+    found = numpy.array([degree_vectors(len(W))[m][:, degree - m] @ numpy.diagonal(W, m) for m in range(degree + 1)])
+    found[1:] *= math.sqrt(2)
+    return found
+
+
+def decorrelation(samples, lag):
+    """Returns the mean |ω(t + lag) − ω(t)|² over twice the mean |ω|², given samples × coefficients, lag in samples.
+
+    It is 0 for what stays, and about 1 for what forgets and has mean 0.
+    """
+    lag = min(lag, len(samples) - 1)
+    differences = samples[lag:] - samples[:len(samples) - lag]
+    return (abs(differences) ** 2).sum(axis=1).mean() / (2 * (abs(samples) ** 2).sum(axis=1).mean())
 
 
 def carry_out(job):
     """Returns what a run gave, as columns of a row: its status, errors, and averages over T/2 … T.
 
-    A job is a dict of n, draw, integrator, step, tolerance and time, and of the number of a reference ensemble for
-    displaced data.
+    A job is a dict of n, draw, integrator, step, tolerance and time; for displaced data also of the role and the number
+    of an ensemble.
     """
     scene, W0 = begun(job)
     h = job["step"]
@@ -121,10 +157,11 @@ def carry_out(job):
         if watch.lost and status == CONVERGED:
             status = UNSTABLE
         spectrum_error = isosyrk.spectrum_error(W, W0) if numpy.isfinite(W).all() else math.inf
-    averages = ("energy", "enstrophy", "quartic", "energy_by_degree")
-    return {"status": status, "time": recorded(report.steps * h), "energy_error": error_of(watch.energy_error),
-            "spectrum_error": error_of(spectrum_error),
-            **(watch.means() if status == CONVERGED else dict.fromkeys(averages))}
+    averages = ("energy", "enstrophy", "bands", "decorrelations")
+    products = report.equivalent_products / (max(1, report.steps) * h)
+    return {"status": status, "time": recorded(report.steps * h), "products": recorded(products),
+            "energy_error": error_of(watch.energy_error), "spectrum_error": error_of(spectrum_error),
+            **(watch.means(every * h) if status == CONVERGED else dict.fromkeys(averages))}
 
 
 def steps_of(job):
@@ -142,28 +179,7 @@ def error_of(value):
     return found if found is None else to_digits(found, 2)
 
 
-# ---- predictability, and the reference
-
-
-def part(job):
-    """Returns how runs from displaced data part from that of a draw: for each of DISPLACEMENTS a list of the time at
-    which they have parted, or None, and of their relative difference at T/2.
-    """
-    scene, W = begun(job)
-    states = [W.copy(), *(displaced(W, size, (job["draw"], job["n"])) for size in DISPLACEMENTS)]
-    methods = [method_of(job, scene) for _ in states]
-    every, steps, done = max(1, round(SAMPLE_TIME / job["step"])), steps_of(job), 0
-    parted, at_window = [None] * len(DISPLACEMENTS), None
-    while at_window is None or (None in parted and done < steps):
-        for method, state in zip(methods, states):
-            method.run(state, job["step"], every, out=state)
-        done += every
-        differences = [isosyrk.relative_error(state, states[0]) for state in states[1:]]
-        parted = [recorded(done * job["step"]) if before is None and now >= PARTED else before
-                  for before, now in zip(parted, differences)]
-        if at_window is None and 2 * done >= steps:
-            at_window = list(map(recorded, differences))
-    return [list(pair) for pair in zip(parted, at_window)]
+# ---- the reference
 
 
 def converge(job):

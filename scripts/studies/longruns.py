@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
-"""Watches energy, spectrum and Casimirs over long runs, at one step size and at two equal costs of all methods.
+"""Runs every kind of method with more and more steps, and some to T = 1e4, and records what they keep and cost.
 
-Every method runs in its fast form in the co-rotating frame, which makes the energy error of each of them smaller. The
-step sizes are data of this file, so that nothing untimed depends on a clock; what a step costs is timed afterwards.
+Every method runs in its fast form in the co-rotating frame, which makes the energy error of each of them smaller. Costs
+are counted, in full products a unit of time: nothing is timed, and other work may run beside it.
 """
 
-import functools
 import math
 import os
 import sys
@@ -21,96 +20,63 @@ if __name__ == "__main__":
 
 import isosyrk
 from lib import formats
-from lib.accuracy_lines import LOOSE_GAUSS, keeping_tolerance
-from lib.command_line import Stop, whole_number
+from lib import trials
+from lib.command_line import Stop
 from lib.formats import CONVERGED, FAST, UNSTABLE, to_digits
 from lib.integrator_names import FRAME, frameless
-from lib.longruns_files import (COARSE, FINE, LOOSE, ONE_STEP, SCENES, SCHEMA, TIGHTER, Plan, Run, Settings,
-                                without_variant)
+from lib.longruns_files import (COST_MARGIN, COSTS, SCENES, SCHEMA, LongRun, Plan, Point, Settings, method_of,
+                                tolerance_of, without_variant)
+from lib.symplectic_defect import symplectic_defect
 
-METHODS = ("algebra1", "group2", "group2" + LOOSE, "group3", "elp4", "elp6", "elp6" + TIGHTER, "magnus5", "rkmk4",
-           "rk4", "rk4_projected")
-TIGHTER_TOLERANCE = 1e-10  # of an exponential method: its energy error drifts at 1e-8
+METHODS = ("rk4", "rk5", "rk8", "rk10", "abm8", "rk4_projected", "rk8_projected", "rkmk4", "magnus5", "elp2_tight",
+           "elp4", "elp4_tight", "elp6", "elp6_tight", "algebra1", "group2", "group2_loose", "group3")
+METHODS_AT_LARGE_N = ("rk4", "rk8", "rk8_projected", "magnus5", "elp6", "elp6_tight", "group2")
+LONG_METHODS = ("rk4", "rk8", "rk8_projected", "rkmk4", "magnus5", "elp4", "elp4_tight", "elp6", "elp6_tight", "group2")
+LARGE_N = 257  # from here on
+LARGEST_N_OF = {"rk10": 33}  # of methods that are not in all lines
+SCENES_AT = {513: ("rough",)}  # where not in both
+# The first step is too long for most methods; it is as long at each n, over the size of B.
 PLANS = {plan.n: plan for plan in (
-    Plan(n=17, time=50.0, windows=50),
-    Plan(n=33, time=1000.0, windows=200),
-    Plan(n=65, time=1000.0, windows=200),
-    Plan(n=129, time=200.0, windows=200))}
-SIZES, QUICK_SIZES = (33, 65, 129), (17,)
-WINDOWS_A_SAMPLE = 5
+    Plan(n=17, time=50.0, steps=25, energies=50, products=100.0),
+    Plan(n=33, time=1000.0, steps=500, energies=200, products=300.0),
+    Plan(n=65, time=100.0, steps=100, energies=100, products=300.0),
+    Plan(n=129, time=20.0, steps=40, energies=40, products=300.0),
+    Plan(n=257, time=5.0, steps=20, energies=20, products=400.0),
+    Plan(n=513, time=1.0, steps=8, energies=8, products=400.0))}
+SIZES, QUICK_SIZES = (33, 65, 129, 257, 513), (17,)
+MOST_POINTS = 12  # of a line
+EXACT = 1e-13  # a line ends where energy and spectrum are as good
+
+LONG_RUNS = {33: (1e4, 200), 17: (200.0, 40)}  # n: time and windows
 ENERGIES_A_WINDOW = 20  # at least, or one after every step
-GONE = 1e3  # a relative energy error that ends a run
-DIGITS, SECONDS_DIGITS = 3, 5  # that errors and times are written with
+# The steps of a long run are sought between these, by trials of so many windows that are counted in their last half.
+LONGEST_STEP, SHORTEST_STEP = 2.0, 1 / 64
+TRIAL_WINDOWS = 4
+NEAR = 1.02  # steps are not told apart further
 
-# Steps in a window at one step size for all methods: h = 0.5, 0.5, 0.25 and 0.125.
-STEPS_AT_ONE_STEP = {17: 2, 33: 10, 65: 20, 129: 8}
-# Steps in a window at the coarse and at the fine equal cost. group3 cannot do with much less than the coarse cost.
-# Chosen on one core with AVX-512; the table "Costs" of the report has what they cost where the raw file was made.
-STEPS_AT_EQUAL_COST = {
-    (17, "smooth"): {
-        "algebra1": (25, 105), "group2": (7, 45), "group2_loose": (20, 45), "group3": (3, 25), "elp4": (8, 25),
-        "elp6": (5, 15), "elp6_tight": (3, 13), "magnus5": (7, 21), "rkmk4": (7, 16), "rk4": (35, 85),
-        "rk4_projected": (30, 75)},
-    (17, "rough"): {
-        "algebra1": (23, 105), "group2": (6, 40), "group2_loose": (18, 45), "group3": (3, 25), "elp4": (9, 22),
-        "elp6": (5, 15), "elp6_tight": (3, 14), "magnus5": (8, 20), "rkmk4": (6, 18), "rk4": (35, 85),
-        "rk4_projected": (30, 80)},
-    (33, "smooth"): {
-        "algebra1": (165, 700), "group2": (20, 220), "group2_loose": (90, 235), "group3": (8, 90),
-        "elp4": (45, 140), "elp6": (23, 90), "elp6_tight": (20, 80), "magnus5": (40, 100), "rkmk4": (30, 80),
-        "rk4": (185, 450), "rk4_projected": (150, 425)},
-    (33, "rough"): {
-        "algebra1": (150, 700), "group2": (19, 225), "group2_loose": (90, 250), "group3": (9, 85),
-        "elp4": (35, 145), "elp6": (20, 90), "elp6_tight": (16, 75), "magnus5": (40, 100), "rkmk4": (35, 85),
-        "rk4": (180, 475), "rk4_projected": (150, 425)},
-    (65, "smooth"): {
-        "algebra1": (450, 1150), "group2": (40, 275), "group2_loose": (145, 325), "group3": (16, 115),
-        "elp4": (85, 225), "elp6": (50, 150), "elp6_tight": (35, 130), "magnus5": (65, 150), "rkmk4": (50, 120),
-        "rk4": (300, 700), "rk4_projected": (275, 650)},
-    (65, "rough"): {
-        "algebra1": (425, 1175), "group2": (40, 275), "group2_loose": (145, 325), "group3": (14, 110),
-        "elp4": (65, 190), "elp6": (35, 130), "elp6_tight": (30, 110), "magnus5": (60, 145), "rkmk4": (55, 125),
-        "rk4": (300, 700), "rk4_projected": (275, 650)},
-    (129, "smooth"): {
-        "algebra1": (125, 375), "group2": (20, 65), "group2_loose": (35, 85), "group3": (5, 35),
-        "elp4": (30, 75), "elp6": (21, 55), "elp6_tight": (16, 40), "magnus5": (21, 50), "rkmk4": (16, 40),
-        "rk4": (105, 220), "rk4_projected": (95, 220)},
-    (129, "rough"): {
-        "algebra1": (125, 300), "group2": (20, 60), "group2_loose": (40, 85), "group3": (6, 35),
-        "elp4": (30, 70), "elp6": (21, 50), "elp6_tight": (16, 40), "magnus5": (22, 50), "rkmk4": (18, 40),
-        "rk4": (105, 225), "rk4_projected": (105, 205)},
-}
-
-# What is timed: a stretch from the state at MIDWAY, or from half the run if that is sooner.
-MIDWAY, MIDWAY_STEP, MIDWAY_INTEGRATOR = 100.0, 0.25, "elp6_frame"
-STRETCH = 2.0  # units of time
-REPETITIONS = 5
-
-
-def integrator_of(method):
-    """Returns the integrator and the tolerance of a method of METHODS."""
-    name = without_variant(method) + FRAME
-    if method.endswith(LOOSE):
-        return name, LOOSE_GAUSS
-    if method.endswith(TIGHTER):
-        return name, TIGHTER_TOLERANCE
-    return name, keeping_tolerance(name)
+DEFECT_SIZES, DEFECT_TIME = (17, 33), 2.0  # n and T of the symplectic defect
+GONE = 1.0  # a relative energy error that ends a run
+DIGITS = 3  # that errors are written with
 
 
 def rounded(value):
-    return to_digits(value, DIGITS)
+    return None if value is None else to_digits(value, DIGITS)
 
 
-# ---- untimed: one run
+# ---- one run
 
 
-def carry_out(job):
-    """Returns what a run came to, as fields of a Run."""
+def made(job):
+    """Returns the scene and the method of a job."""
     scene = isosyrk.scene(job["scene"], n=job["n"])
-    method = isosyrk.integrator(scene, job["integrator"], solver=FAST, tolerance=job["tolerance"])
-    watch = Watch(scene, job["steps_a_window"])
-    steps = PLANS[job["n"]].windows * job["steps_a_window"]
-    step = job["time"] / steps
+    return scene, isosyrk.integrator(scene, job["integrator"], solver=FAST, tolerance=job["tolerance"])
+
+
+def watched(job, time, steps, windows, energies):
+    """Returns what a run came to: its status, its work a unit of time, and what its Watch found."""
+    scene, method = made(job)
+    watch = Watch(scene, steps // windows, energies)
+    step = time / steps
     status, failed_step = CONVERGED, None
     try:
         _, report = method.run(scene.initial, step, steps, watch, watch.every)
@@ -118,89 +84,165 @@ def carry_out(job):
         report, status, failed_step = problem.report, problem.status, problem.step
     if watch.gone:
         status, failed_step = UNSTABLE, report.steps
-    passed = max(report.steps, 1) * step
-    return {"steps": steps, "step": step, "status": status, "failed_step": failed_step,
-            "sweeps_per_step": rounded(report.sweeps / max(report.steps, 1)),
-            "equivalent_products": rounded(report.equivalent_products / passed), **watch.found}
+    passed = max(report.steps, 1)
+    return {"steps": steps, "status": status, "failed_step": failed_step,
+            "equivalent_products": rounded(report.equivalent_products / (passed * step)),
+            "projections": rounded(report.projections / (passed * step)),
+            "sweeps_per_step": rounded(report.sweeps / passed), **watch.found}
 
 
 class Watch:
-    """An observer of a run: keeps the largest energy error of each window, and spectrum and Casimirs now and then.
+    """An observer of a run: keeps the energy errors of each window, and the spectrum error at its end.
 
     `every`  after how many steps it is to be called
-    `gone`   whether the energy has gone beyond all measure, which ends the run
-    `found`  what was seen, as fields of a Run
+    `gone`   whether the energy is lost, which ends the run
+    `found`  what was seen, as fields of a LongRun
     """
 
-    def __init__(self, scene, steps_a_window):
+    def __init__(self, scene, steps_a_window, energies):
         self.scene = scene
         self.initial_energy = scene.energy(scene.initial)
         self.steps_a_window = steps_a_window
-        self.every = steps_between_energies(steps_a_window)
-        self.largest = 0.0
+        self.every = steps_between_energies(steps_a_window, energies)
+        self.changes = []  # in the window at hand
         self.gone = False
-        self.found = {"energy_change": None, "energy_errors": [], "spectrum_errors": [], "casimir_errors": []}
+        self.found = {"energy_change": None, "energy_errors": [], "energy_means": [], "spectrum_errors": []}
 
     def __call__(self, step, W, _report):
-        change = self.scene.energy(W) / self.initial_energy - 1.0
-        if not abs(change) <= GONE:  # so that NaN is gone
+        change = trials.energy(self.scene, W) / self.initial_energy - 1.0
+        if not abs(change) < GONE:  # so that NaN is gone
             self.gone = True
             return True
-        self.largest = max(self.largest, abs(change))
+        self.changes.append(change)
         if step % self.steps_a_window == 0:
-            self.end_window(step // self.steps_a_window, W, change)
+            self.found["energy_change"] = rounded(change)
+            self.found["energy_errors"].append(rounded(max(map(abs, self.changes))))
+            self.found["energy_means"].append(rounded(math.fsum(self.changes) / len(self.changes)))
+            self.found["spectrum_errors"].append(rounded(isosyrk.spectrum_error(W, self.scene.initial)))
+            self.changes = []
         return False
 
-    def end_window(self, number, W, change):
-        self.found["energy_change"] = rounded(change)
-        self.found["energy_errors"].append(rounded(self.largest))
-        self.largest = 0.0
-        if number % WINDOWS_A_SAMPLE == 0:
-            self.found["spectrum_errors"].append(rounded(isosyrk.spectrum_error(W, self.scene.initial)))
-            self.found["casimir_errors"].append(rounded(max(isosyrk.casimir_errors(W, self.scene.initial))))
+
+def steps_between_energies(steps_a_window, energies):
+    """Returns the largest divisor of the steps of a window that leaves so many energies, or 1."""
+    return max((divisor for divisor in range(1, steps_a_window // energies + 1) if steps_a_window % divisor == 0),
+               default=1)
 
 
-def steps_between_energies(steps_a_window):
-    """Returns the largest divisor of the steps of a window that leaves ENERGIES_A_WINDOW energies, or 1."""
-    return max((divisor for divisor in range(1, steps_a_window // ENERGIES_A_WINDOW + 1)
-                if steps_a_window % divisor == 0), default=1)
+# ---- a line
 
 
-# ---- timed: a stretch of each run
+def carry_out_line(job):
+    """Returns the runs of a line, as fields of Points."""
+    plan, points = PLANS[job["n"]], []
+    while not has_ended(points, plan.products):
+        points.append(point_of(job, plan, plan.steps * 2**len(points)))
+    return points
 
 
-@functools.lru_cache(maxsize=None)
-def midway(scene_name, n):
-    """Returns the scene, and its state at MIDWAY or after half the run."""
-    scene = isosyrk.scene(scene_name, n=n)
-    steps = math.ceil(min(MIDWAY, PLANS[n].time / 2) / MIDWAY_STEP)
-    method = isosyrk.integrator(scene, MIDWAY_INTEGRATOR, solver=FAST, tolerance=keeping_tolerance(MIDWAY_INTEGRATOR))
-    return scene, method.run(scene.initial, MIDWAY_STEP, steps)[0]
+def has_ended(points, products):
+    """Tells whether the next run of a line would cost too much, or has nothing left to gain.
+
+    The cost is expected to change as it last did: that of an implicit method hardly rises, and falls at first.
+    """
+    if len(points) == MOST_POINTS:
+        return True
+    finished = [point for point in points if point["status"] == CONVERGED]
+    if not finished or finished[-1] is not points[-1]:
+        return False
+    if len(finished) > 1:
+        before, last = (point["equivalent_products"] for point in finished[-2:])
+        if last**2 / before > products:
+            return True
+    return max(finished[-1]["energy_error"], finished[-1]["spectrum_error"]) < EXACT
 
 
-def time_one(point):
-    """Returns the CPU seconds a unit of time of a run, measured on a stretch from its scene's state midway."""
-    scene, W = midway(point["scene"], point["n"])
-    method = isosyrk.integrator(scene, point["integrator"], solver=FAST, tolerance=point["tolerance"])
-    steps = math.ceil(STRETCH / point["step"])
-    (seconds,) = method.timed_run(W, point["step"], steps, repetitions=1, warmup=study.WARM_STEPS)
-    return to_digits(seconds / (steps * point["step"]), SECONDS_DIGITS)
+def point_of(job, plan, steps):
+    """Returns the run of a line with so many steps."""
+    found = watched(job, plan.time, steps, 1, plan.energies)
+    kept = {name: found[name] for name in Point._fields if name in found}
+    good = found["status"] == CONVERGED
+    return {**kept, "time": plan.time, "energy_error": found["energy_errors"][0] if good else None,
+            "spectrum_error": found["spectrum_errors"][0] if good else None,
+            "symplectic_defect": rounded(defect(job, plan.time / steps)) if good and job["n"] in DEFECT_SIZES else None}
+
+
+def defect(job, step):
+    """Returns the symplectic defect of the steps up to DEFECT_TIME from the scene's initial data.
+
+    None if one fails from a displaced state.
+    """
+    scene, method = made(job)
+    steps = max(1, round(DEFECT_TIME / step))
+    try:
+        return symplectic_defect(lambda W: method.run(W, step, steps)[0], scene.initial)
+    except isosyrk.SolverError:
+        return None
+
+
+# ---- a long run
+
+
+def carry_out_long_run(job):
+    """Returns what a run at a wanted cost came to, as fields of a LongRun; None where no step costs that."""
+    time, windows = LONG_RUNS[job["n"]]
+    steps_a_window = steps_at_cost(partial(cost_of, job, time / windows), time / windows, job["cost"])
+    if steps_a_window is None:
+        return None
+    return {"time": time, "windows": windows,
+            **watched(job, time, windows * steps_a_window, windows, ENERGIES_A_WINDOW)}
+
+
+def steps_at_cost(cost, window, wanted):
+    """Returns the most steps in a window of time that cost what is wanted, to COST_MARGIN; None if none do.
+
+    `cost(steps)` returns the products a unit of time, 0 for a step that fails: those are too long. Source of the cost
+    is a count, never a clock.
+    """
+    low, high = math.ceil(window / LONGEST_STEP), math.ceil(window / SHORTEST_STEP)
+    found = {}
+    while high > max(low + 1, NEAR * low):
+        middle = min(max(round(math.sqrt(low * high)), low + 1), high - 1)
+        found[middle] = cost(middle)
+        low, high = (middle, high) if found[middle] < wanted else (low, middle)
+    nearest = min(found, key=lambda steps: abs(found[steps] / wanted - 1))
+    return nearest if abs(found[nearest] / wanted - 1) <= COST_MARGIN else None
+
+
+def cost_of(job, window, steps_a_window):
+    """Returns the products a unit of time in the last half of a trial; 0 if it fails."""
+    scene, method = made(job)
+    half = TRIAL_WINDOWS // 2 * steps_a_window
+    try:
+        W, _ = method.run(scene.initial, window / steps_a_window, half)
+        W, report = method.run(W, window / steps_a_window, half)
+    except isosyrk.SolverError:
+        return 0.0
+    if not abs(trials.energy(scene, W) / scene.energy(scene.initial) - 1.0) < GONE:
+        return 0.0
+    return report.equivalent_products / (TRIAL_WINDOWS // 2 * window)
 
 
 # ---- the study
 
 
-def jobs_of(n, methods):
-    """Returns the jobs at one n, the longest last."""
-    jobs = []
-    for scene in SCENES:
-        for method in methods:
-            integrator, tolerance = integrator_of(method)
-            at_equal_cost = dict(zip((COARSE, FINE), STEPS_AT_EQUAL_COST[n, scene][method]))
-            jobs += [{"scene": scene, "n": n, "integrator": integrator, "tolerance": tolerance, "level": level,
-                      "time": PLANS[n].time, "steps_a_window": steps}
-                     for level, steps in {ONE_STEP: STEPS_AT_ONE_STEP[n], **at_equal_cost}.items()]
-    return sorted(jobs, key=lambda job: job["level"] == FINE)
+def job_of(scene, n, method, **further):
+    return {"scene": scene, "n": n, "integrator": without_variant(method) + FRAME, "tolerance": tolerance_of(method),
+            **further}
+
+
+def lines_of(sizes, methods):
+    """Returns the jobs of the lines, the longest last."""
+    jobs = [job_of(scene, n, method) for n in sizes for scene in SCENES_AT.get(n, SCENES) for method in methods
+            if n <= LARGEST_N_OF.get(method, n) and (n < LARGE_N or method in METHODS_AT_LARGE_N)]
+    return sorted(jobs, key=lambda job: PLANS[job["n"]].time * job["n"]**3)
+
+
+def long_runs_of(sizes, methods):
+    """Returns the jobs of the long runs, the longest last: at the largest n that has such."""
+    largest = [n for n in sizes if n in LONG_RUNS][-1:]
+    return [job_of(scene, n, method, cost=cost) for n in largest for cost in COSTS for scene in SCENES
+            for method in LONG_METHODS if method in methods]
 
 
 def asked_for(options):
@@ -212,33 +254,35 @@ def asked_for(options):
     if not options.integrator:
         return sizes, METHODS
     names = {frameless(entry.name) for entry in study.entries(options.integrator)}
+    known = dict.fromkeys(map(without_variant, METHODS))
     for name in sorted(names):
-        if name not in METHODS:
-            raise Stop(f"--integrator {name}: has no steps in this study; must be one of {', '.join(METHODS)}")
+        if name not in known:
+            raise Stop(f"--integrator {name}: is not in this study; must be one of {', '.join(known)}")
     return sizes, [method for method in METHODS if without_variant(method) in names]
 
 
+def in_order(row):
+    """Returns where a row stands: by n, scene and method, then by cost and steps."""
+    method = METHODS.index(method_of(row.integrator, row.tolerance))
+    return row.n, SCENES.index(row.scene), getattr(row, "cost", 0), method, row.steps
+
+
 def main(arguments):
-    parser = study.parser(PROGRAM, __doc__.splitlines()[0])
-    parser.add_argument("--repetitions", type=whole_number(1, 1000), default=REPETITIONS,
-                        help="of timed stretches (default: %(default)s)")
-    options = parser.parse_args(arguments)
+    options = study.parser(PROGRAM, __doc__.splitlines()[0]).parse_args(arguments)
     sizes, methods = asked_for(options)
 
-    journal = study.Journal(PROGRAM, options, partial(isosyrk.conditions, products="openblas", sizes=sizes))
-    jobs = [job for n in sizes for job in jobs_of(n, methods)]
-    found = study.untimed(jobs, carry_out, journal, options, "long runs")
-    rows = [{**{name: job[name] for name in ("scene", "n", "integrator", "tolerance", "level")}, **each}
-            for job, each in zip(jobs, found)]
-    points = [{name: row[name] for name in ("scene", "n", "integrator", "tolerance", "step")}
-              for row in rows if row["status"] == CONVERGED]
-    seconds = iter(study.in_turns(points, options.repetitions, time_one, journal, "timing"))
-    runs = [Run(**row, cpu_seconds=next(seconds) if row["status"] == CONVERGED else []) for row in rows]
+    journal = study.Journal(PROGRAM, options, partial(isosyrk.conditions, products="openblas"))
+    lines, long_runs = lines_of(sizes, methods), long_runs_of(sizes, methods)
+    found = study.untimed(lines, carry_out_line, journal, options, "lines")
+    points = [Point(**job, **each) for job, line in zip(lines, found) for each in line]
+    found = study.untimed(long_runs, carry_out_long_run, journal, options, "long runs")
+    runs = [LongRun(**job, **each) for job, each in zip(long_runs, found) if each]
 
     integrators = [study.record_of(entry) for entry in
-                   study.entries(list(dict.fromkeys(run.integrator for run in runs)))]
-    formats.write_study(options.out, SCHEMA, journal.context, Settings(options.quick, WINDOWS_A_SAMPLE),
-                        {"integrators": integrators, "plans": [PLANS[n] for n in sizes], "runs": runs})
+                   study.entries(list(dict.fromkeys(row.integrator for row in sorted([*points, *runs], key=in_order))))]
+    formats.write_study(options.out, SCHEMA, journal.context, Settings(options.quick),
+                        {"integrators": integrators, "plans": [PLANS[n] for n in sizes],
+                         "points": sorted(points, key=in_order), "long_runs": sorted(runs, key=in_order)})
     journal.remove()
 
 

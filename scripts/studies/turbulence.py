@@ -2,11 +2,13 @@
 """Measures what long runs of decaying turbulence average to, and what they cost, by method, step and tolerance.
 
 Initial data are drawn: modes l = 6 … 10, ‖W₀‖₂ = 1, the same draws at every n, each made anew from its number. Two runs
-that begin close to each other are strangers before T/2, so that averages over the second half of a run compare
-ensembles, not trajectories. Runs are untimed. The cost of a step is timed apart, from the state of the first draw at
-T/2, in fresh processes, each of which times all settings of one n in turns.
+that begin near each other are strangers before T/2, so that averages over the second half of a run compare ensembles,
+not trajectories; ensembles that begin further apart show whether that is so. Runs are untimed. The cost of a step is
+timed at the end, from the state of the first draw at T/2, in fresh processes, each of which times all settings of one n
+in turns.
 """
 
+import math
 import os
 import random
 import statistics
@@ -29,43 +31,41 @@ from lib import formats
 from lib import turbulence_runs as runs
 from lib import verdicts
 from lib.command_line import Stop, whole_number
-from lib.formats import FAST, PUBLISHED
 from lib.messages import one_line
 from lib.problems import decoded
 from lib.turbulence_figures import steps_to
-from lib.turbulence_files import (LOOSE, METHOD, PRACTICE, PRACTICE_INTEGRATOR, PRACTICE_SHARE, PRACTICE_TOLERANCES,
-                                  REFERENCE, SCHEMA, TIGHT, Cost, Parting, RunRow, Setting, Settings, Size)
+from lib.turbulence_files import (FAR, LOOSE, METHOD, PRACTICE, PRACTICE_INTEGRATOR, PRACTICE_SHARE, REFERENCE, SCHEMA,
+                                  Cost, RunRow, Setting, Settings, Size)
 
-SIZES, QUICK_SIZES = (33, 65, 129), (33,)
-REFERENCE_METHOD = Setting("elp6", 0.25, 1e-10)
+SIZES, QUICK_SIZES = (33, 65), (33,)
+# More accurate than all that is judged by it: its energy is off by 1e-11 at n = 33, T = 1000.
+REFERENCE_METHOD = Setting("rk8", 0.25, 1e-10)
 
 # What is timed: steps that fill a stretch of time behind WARM_STEPS others from T/2 on, or so many if they are longer.
 STRETCH, LEAST_TIMED = 10.0, 8
-PUBLISHED_STRETCH = 1.0  # of the practice in its published form, whose step is the shortest and expensive
 TURNS = 2  # of all settings within a process, of which the least counts; one for those of
 LONG = 0.3  # CPU seconds or more
-PROCESSES, QUICK_PROCESSES = 8, 2
+PROCESSES, QUICK_PROCESSES = verdicts.FEWEST, 2
 
-# Steps of each method, up to where it fails. Nothing is in the co-rotating frame: the data have no part with l = 1, so
-# that it would change nothing.
+# Steps of each method around the longest that is faithful, at n = 33; it is about half as long at twice the n. Nothing
+# is in the co-rotating frame: the data have no part with l = 1, so that it would change nothing.
 STEPS = {
-    "algebra1": (0.125, 0.25, 0.5, 1.0, 2.0),
-    "group2": (0.25, 0.5, 1.0, 2.0),
-    "group3": (0.5, 1.0, 2.0, 4.0),
-    "group4": (0.5, 1.0, 2.0, 4.0),
-    "elp4": (0.25, 0.5, 1.0, 2.0, 4.0),
-    "elp6": (0.5, 1.0, 2.0, 4.0),
-    "magnus5": (0.25, 0.5, 1.0, 2.0),
-    "rkmk4": (0.25, 0.5, 1.0, 2.0),
-    "rk4": (0.125, 0.25, 0.5, 1.0, 2.0),
-    "rk4_projected": (0.125, 0.25, 0.5, 1.0, 2.0),
+    "algebra1": (0.25, 0.375, 0.5),
+    "group2": (0.5, 1.0),
+    "group3": (1.0, 2.0),
+    "elp4": (1.0, 2.0),
+    "elp6": (1.0, 2.0),
+    "magnus5": (0.5, 1.0),
+    "rkmk4": (0.5, 1.0),
+    "rk4": (0.25, 0.375, 0.5),
+    "rk8": (1.0, 1.5, 2.0),
+    "abm8": (0.15, 0.2, 0.25),
+    "rk4_projected": (0.25, 0.375, 0.5),
+    "rk8_projected": (1.5, 2.0, 3.0),
 }
-LADDER = {"group2": (1e-4, 1e-6, TIGHT), "elp4": (1e-4, 1e-6)}  # further tolerances, at one step
-LADDER_STEP = 0.5
-# At large n, with the practice at one tolerance: eight settings. Half the longest faithful steps at n = 65.
-FEW_STEPS = {"algebra1": (0.25,), "group2": (0.5,), "elp4": (0.5,), "magnus5": (0.25,), "rkmk4": (0.5,),
-             "rk4": (0.0625,), "rk4_projected": (0.0625,)}
-QUICK_STEPS = {"algebra1": (0.5, 2.0), "group2": (0.5,), "elp4": (0.5, 1.0), "rk4": (0.25, 0.5)}
+LADDER = {"group2": (1.0, 1e-4), "elp4": (1.0, 1e-4)}  # a step and a looser tolerance
+FEW = ("algebra1", "group2", "elp4", "rk4", "rk8")  # methods at large n, with two steps each
+QUICK_STEPS = {"algebra1": (0.5, 1.0), "elp4": (0.5, 1.0), "rk4": (0.25, 0.5), "rk8": (0.75, 1.5)}
 
 
 class Plan(NamedTuple):
@@ -73,32 +73,33 @@ class Plan(NamedTuple):
 
     draws: int
     references: int  # ensembles
+    far: int  # ensembles
     time: float
     steps: dict  # of each integrator
     ladder: dict
-    practice: tuple  # its tolerances
 
 
-WHOLE = Plan(draws=10, references=5, time=1000.0, steps=STEPS, ladder=LADDER, practice=PRACTICE_TOLERANCES)
-# The larger n, the later two runs become strangers: at n = 129 one of three pairs is not yet at t = 500.
-LARGE = Plan(draws=3, references=5, time=1200.0, steps=FEW_STEPS, ladder={}, practice=(LOOSE,))
-QUICK = Plan(draws=2, references=3, time=100.0, steps=QUICK_STEPS, ladder={}, practice=PRACTICE_TOLERANCES)
-LARGE_N = 129  # from which n on
+SMALL_N, LARGE_N = 33, 129  # up to which n steps are those listed; from which n on few are run
 
 
 def plan_of(n, quick):
+    """Returns the Plan at an n. Steps are half as long from one of n = 33, 65, 129 … to the next."""
     if quick:
-        return QUICK
-    return LARGE if n >= LARGE_N else WHOLE
+        return Plan(draws=3, references=3, far=4, time=100.0, steps=QUICK_STEPS, ladder={})
+    shorter = 2 ** max(0, round(math.log2((n - 1) / (SMALL_N - 1))))
+    steps = {name: tuple(step / shorter for step in each) for name, each in STEPS.items()}
+    ladder = {name: (step / shorter, tolerance) for name, (step, tolerance) in LADDER.items()}
+    if n >= LARGE_N:
+        return Plan(6, 4, 4, 1000.0, {name: steps[name][:2] for name in FEW}, {})
+    return Plan(12 if n <= SMALL_N else 10, 6, 6, 1000.0, steps, ladder)
 
 
 def settings_of(n, plan, names):
     """Returns the settings at an n with their roles, as (role, Setting). The practice is always among them."""
-    step = PRACTICE_SHARE * 2 / (n * (n - 1)) ** 0.5
-    found = [(PRACTICE, Setting(PRACTICE_INTEGRATOR, step, tolerance)) for tolerance in plan.practice]
+    found = [(PRACTICE, Setting(PRACTICE_INTEGRATOR, PRACTICE_SHARE * 2 / (n * (n - 1)) ** 0.5, LOOSE))]
     for name in names:
         found += [(METHOD, Setting(name, step, LOOSE)) for step in plan.steps.get(name, ())]
-        found += [(METHOD, Setting(name, LADDER_STEP, tolerance)) for tolerance in plan.ladder.get(name, ())]
+        found += [(METHOD, Setting(name, *plan.ladder[name]))] if name in plan.ladder else []
     return found
 
 
@@ -108,8 +109,9 @@ def job_of(n, plan, setting, draw):
 
 def run_jobs(n, plan, names):
     """Returns the jobs of all runs at an n with their roles, as (role, job)."""
-    references = [(REFERENCE, {**job_of(n, plan, REFERENCE_METHOD, draw), "ensemble": ensemble})
-                  for draw in range(plan.draws) for ensemble in range(plan.references)]
+    references = [(role, {**job_of(n, plan, REFERENCE_METHOD, draw), "role": role, "ensemble": ensemble})
+                  for role, count in ((REFERENCE, plan.references), (FAR, plan.far))
+                  for draw in range(plan.draws) for ensemble in range(count)]
     return references + [(role, job_of(n, plan, setting, draw)) for role, setting in settings_of(n, plan, names)
                          for draw in range(plan.draws)]
 
@@ -118,50 +120,35 @@ def run_jobs(n, plan, names):
 
 
 def points_of(n, plan, rows):
-    """Returns what is timed at an n: every setting whose runs all work, and the practice in its published form too."""
-    working = [(role, setting) for role, setting in settings_of(n, plan, plan.steps)
+    """Returns what is timed at an n: every setting whose runs all work."""
+    working = [setting for role, setting in settings_of(n, plan, plan.steps)
                if (found := [row for row in rows if row.n == n and row.role == role
                              and row[2:5] == setting]) and all(row.works for row in found)]
-    solvers = [(setting, FAST) for _, setting in working]
-    solvers += [(setting, PUBLISHED) for role, setting in working if role == PRACTICE]
-    return [{"n": n, **setting._asdict(), "solver": solver, "steps": timed_steps(setting.step, solver)}
-            for setting, solver in solvers]
-
-
-def timed_steps(step, solver):
-    """Returns how many steps of a setting are timed."""
-    return max(LEAST_TIMED, steps_to(PUBLISHED_STRETCH if solver == PUBLISHED else STRETCH, step))
+    return [{"n": n, **setting._asdict(), "steps": max(LEAST_TIMED, steps_to(STRETCH, setting.step))}
+            for setting in working]
 
 
 def prepare(job):
-    """Returns the state that points are timed from, as text, and what count() returns of each.
+    """Returns the state that points are timed from, as text, and those of the points whose steps work there.
 
     A job is that of the first draw by the reference method, with `points` besides.
     """
     text = runs.developed(job)
     W = decoded(text, job["n"])
-    return {"state": text, "counts": [count(point, W) for point in job["points"]]}
+    return {"state": text, "points": [point for point in job["points"] if steps_work(point, W)]}
 
 
-def count(point, W):
-    """Returns the equivalent products of a timed step of a point, or None where a step fails."""
-    method, seen = runs.method_of(point, runs.drawn_scene(point["n"], 0)), []
-    stretches = study.WARM_STEPS, study.WARM_STEPS + point["steps"]
-
-    def look(step, _, report):
-        if step in stretches:
-            seen.append(report.equivalent_products)
-
+def steps_work(point, W):
     try:
-        method.run(W, point["step"], stretches[1], look)
+        runs.method_of(point, runs.drawn_scene(point["n"], 0)).run(W, point["step"], study.WARM_STEPS + point["steps"])
     except isosyrk.SolverError:
-        return None
-    return runs.recorded((seen[1] - seen[0]) / point["steps"])
+        return False
+    return True
 
 
 def row_of(point):
     """Returns the name of a point among those of its n."""
-    return f"{point['integrator']}, h = {point['step']:g}, {point['tolerance']:g}, {point['solver']}"
+    return f"{point['integrator']}, h = {point['step']:g}, {point['tolerance']:g}"
 
 
 def blocks_of(points):
@@ -209,10 +196,9 @@ def time_all(points, texts, most, journal):
     return {(block["n"], row): seconds for block, found in zip(blocks, times) for row, seconds in found.items()}
 
 
-def cost_of(point, products, seconds):
+def cost_of(point, seconds):
     """Returns a point as a row of its table, with times of five digits."""
-    return Cost(**{name: point[name] for name in Cost._fields[:-2]}, equivalent_products=products,
-                seconds=[formats.to_digits(each, 5) for each in seconds])
+    return Cost(**point, seconds=[formats.to_digits(each, 5) for each in seconds])
 
 
 # ---- the study
@@ -237,7 +223,7 @@ def sizes_of(wanted):
 
 def size_row(n, plan, reference_error):
     norms = [runs.drawn_scene(n, draw).generator_norms()[0] for draw in range(plan.draws)]
-    return Size(n=n, draws=plan.draws, references=plan.references, time=plan.time,
+    return Size(n=n, draws=plan.draws, references=plan.references, far=plan.far, time=plan.time,
                 reference_integrator=REFERENCE_METHOD.integrator, reference_step=REFERENCE_METHOD.step,
                 reference_error=reference_error, norm_B=runs.recorded(statistics.fmean(norms)))
 
@@ -261,31 +247,25 @@ def main(arguments):
     untimed = partial(study.untimed, journal=journal, options=options)
     errors = untimed([job_of(n, plans[n], REFERENCE_METHOD, 0) for n in sizes], runs.converge,
                      what="checking the reference")
-    pairs = [job_of(n, plans[n], REFERENCE_METHOD, draw) for n in sizes for draw in range(plans[n].draws)]
-    partings = untimed(pairs, runs.part, what="watching runs part")
     roles, jobs = zip(*(each for n in sizes for each in run_jobs(n, plans[n], names)))
     found = untimed(jobs, runs.carry_out, what="runs")
     rows = [run_row(*each) for each in zip(roles, jobs, found)]
-    points = {n: points_of(n, plans[n], rows) for n in sizes}
-    prepared = untimed([{**job_of(n, plans[n], REFERENCE_METHOD, 0), "points": points[n]} for n in sizes], prepare,
-                       what="states and counts")
-    counted = [each for n, state in zip(sizes, prepared) for each in zip(points[n], state["counts"])]
+    prepared = untimed([{**job_of(n, plans[n], REFERENCE_METHOD, 0), "points": points_of(n, plans[n], rows)}
+                        for n in sizes], prepare, what="states")
+    points = [point for each in prepared for point in each["points"]]
     most = options.processes or (QUICK_PROCESSES if options.quick else PROCESSES)
-    seconds = time_all([point for point, products in counted if products is not None],
-                       {n: state["state"] for n, state in zip(sizes, prepared)}, most, journal)
-    costs = [cost_of(point, products, seconds.get((point["n"], row_of(point)), ())) for point, products in counted]
+    states = {n: each["state"] for n, each in zip(sizes, prepared)}
+    seconds = time_all(points, states, most, journal)  # last: nothing else runs meanwhile
 
-    settings = Settings(lowest_degree=runs.DEGREES[0], highest_degree=runs.DEGREES[-1], displacement=runs.DISPLACEMENT,
-                        small_displacement=runs.SMALL_DISPLACEMENT, energy_loss=runs.ENERGY_LOSS,
+    settings = Settings(lowest_degree=runs.DEGREES[0], highest_degree=runs.DEGREES[-1],
+                        displacement=runs.DISPLACEMENTS[REFERENCE], far_displacement=runs.DISPLACEMENTS[FAR],
+                        correlated_degree=runs.CORRELATED_DEGREE, lags=runs.LAGS, energy_loss=runs.ENERGY_LOSS,
                         max_sweeps=runs.MAX_SWEEPS, warm_steps=study.WARM_STEPS)
     listed = dict.fromkeys((PRACTICE_INTEGRATOR, REFERENCE_METHOD.integrator, *names))
     formats.write_study(options.out, SCHEMA, journal.context, settings, {
         "integrators": [study.record_of(entry) for entry in study.entries(listed)],
         "sizes": [size_row(n, plans[n], error) for n, error in zip(sizes, errors)],
-        "partings": [Parting(n=pair["n"], draw=pair["draw"], displacement=displacement, time=time, at_window=at_window)
-                     for pair, found in zip(pairs, partings)
-                     for displacement, (time, at_window) in zip(runs.DISPLACEMENTS, found)],
-        "runs": rows, "costs": costs})
+        "runs": rows, "costs": [cost_of(point, seconds[point["n"], row_of(point)]) for point in points]})
     journal.remove()
 
 

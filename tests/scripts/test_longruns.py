@@ -1,4 +1,4 @@
-"""Tests of how drift is judged, of the study of long runs, and of its report and charts, as a user runs them."""
+"""Tests of how drift is judged, of the symplectic defect, of the study of long runs, and of its report and charts."""
 
 import math
 import os
@@ -11,24 +11,26 @@ from drawing import DrawingTest, lines_of
 from programs import BUILD, DONE, HAS_MODULE, ROOT, FolderTest, environment, run, text_of
 
 from lib import formats
-from lib.drift import ALL_LOST, BOUNDED, FAILED, GROWS, KEPT, LOST, ROUNDING, growth_of, in_blocks, judged
+from lib.drift import (ALL_LOST, BOUNDED, FAILED, GROWS, KEPT, LOST, ROUNDING, growth_of, in_blocks, judged, trend_of)
 from lib.figures import read_figures
 from lib.formats import Integrator, Study
-from lib.longruns_files import (COARSE, ENERGY, FINE, LEVELS, ONE_STEP, SCHEMA, SPECTRUM, Plan, Run, Settings,
-                                long_runs, read_longruns)
+from lib.longruns_files import (CLASSES, COSTS, ENERGY, EXPLICIT, EXPLICIT_LIE, EXPONENTIAL, EXPONENTIAL_LOOSE, GAUSS,
+                                GAUSS_LOOSE, PROJECTED, SCHEMA, SPECTRUM, STRUCTURE, LongRun, Plan, Point, Price,
+                                Settings, class_of, long_runs, method_of, price_on, read_longruns, tolerance_of)
+from lib.longruns_report import defect_at, figures, places_of
 from lib.messages import UnusableFile
 from lib.verdicts import UNDECIDED
 
 STUDY = os.path.join(ROOT, "scripts", "studies", "longruns.py")
-TIMES = [5.0 * k for k in range(1, 201)]  # of 200 windows to T = 1000
-SAMPLES = [25.0 * k for k in range(1, 41)]
+TIMES = [50.0 * k for k in range(1, 201)]  # of 200 windows to T = 1e4
 
 
 # ---- how drift is judged
 
 
-def noise(generator, correlation=0.0):
+def noise(seed, correlation=0.0):
     """Yields standard normal noise, each value with this correlation to the one before."""
+    generator = random.Random(seed)
     value = generator.gauss(0, 1)
     while True:
         yield value
@@ -37,40 +39,47 @@ def noise(generator, correlation=0.0):
 
 def bounded(seed, correlation=0.0, size=1e-6):
     """Returns a series of maxima that fluctuate by a tenth around a size."""
-    found = noise(random.Random(seed), correlation)
+    found = noise(seed, correlation)
     return [(time, size * math.exp(0.1 * next(found))) for time in TIMES]
 
 
+def means(seed, drift=0.0, size=1e-6):
+    """Returns means with their sign, around half the size of bounded(), which drift by a share of it in the run."""
+    found = noise(1000 + seed)
+    return [(time, size * (0.5 + 0.1 * next(found) + drift * time / TIMES[-1])) for time in TIMES]
+
+
 def drifting(seed, power, at_the_end=1e-4):
-    """Returns the same around a power of time."""
+    """Returns maxima around a power of time."""
     return [(time, error * at_the_end / 1e-6 * (time / TIMES[-1])**power) for time, error in bounded(seed)]
 
 
 def walk(seed, size=1e-6):
-    """Returns the largest |x| in each window of 20 steps of a random walk x."""
+    """Returns the largest |x| and the mean of x in each window of 20 steps of a random walk x."""
     generator = random.Random(seed)
-    x, series = 0.0, []
+    x, series, signed = 0.0, [], []
     for time in TIMES:
-        largest = 0.0
+        values = []
         for _ in range(20):
             x += size * generator.gauss(0, 1)
-            largest = max(largest, abs(x))
-        series.append((time, largest))
-    return series
+            values.append(x)
+        series.append((time, max(map(abs, values))))
+        signed.append((time, math.fsum(values) / len(values)))
+    return series, signed
 
 
-def shares(make, seeds=range(200)):
-    """Returns the share of each verdict on the series that `make` makes of seeds."""
-    found = [judged(make(seed)).verdict for seed in seeds]
+def shares(judge, seeds=range(100)):
+    """Returns the share of each verdict that `judge` finds on seeds."""
+    found = [judge(seed).verdict for seed in seeds]
     return {verdict: found.count(verdict) / len(found) for verdict in set(found)}
 
 
 class Drift(unittest.TestCase):
-    def test_bounded_noise_is_bounded_and_its_interval_holds_zero(self):
-        for correlation in (0.0, 0.8):
-            with self.subTest(correlation=correlation):
-                self.assertEqual(shares(lambda seed: bounded(seed, correlation)), {BOUNDED: 1.0})
-        inside = [growth.low <= 0 <= growth.high for growth in (growth_of(bounded(seed)) for seed in range(300))]
+    def test_bounded_noise_is_bounded_or_undecided_and_never_grows(self):
+        self.assertGreater(shares(lambda seed: judged(bounded(seed)))[BOUNDED], 0.9)
+        self.assertGreater(shares(lambda seed: judged(bounded(seed), True, means(seed)))[BOUNDED], 0.85)
+        self.assertNotIn(GROWS, shares(lambda seed: judged(bounded(seed, 0.8), True, means(seed))))
+        inside = [trend.low <= 0 <= trend.high for trend in (trend_of(bounded(seed), 1.0) for seed in range(300))]
         self.assertGreater(inside.count(True) / 300, 0.90)  # 0.95, but for 300 draws and ten blocks
         self.assertLess(inside.count(True) / 300, 0.99)
 
@@ -86,49 +95,81 @@ class Drift(unittest.TestCase):
     def test_a_power_is_found_and_grows(self):
         for power in (0.3, 0.5, 1.0, 2.0):
             with self.subTest(power=power):
-                self.assertEqual(shares(lambda seed: drifting(seed, power)), {GROWS: 1.0})
+                self.assertEqual(shares(lambda seed: judged(drifting(seed, power))), {GROWS: 1.0})
                 growth = growth_of(drifting(1, power))
-                self.assertAlmostEqual(growth.power, power, delta=0.05)
-                self.assertTrue(growth.low < growth.power < growth.high)
+                self.assertAlmostEqual(growth.value, power, delta=0.05)
+                self.assertTrue(growth.low < growth.value < growth.high)
 
-    def test_a_linear_drift_hidden_by_a_bounded_error_is_not_called_growth_before_it_shows(self):
-        def hidden(share):
-            return [(time, error + share * 1e-6 * time / TIMES[-1]) for time, error in bounded(3)]
+    def test_a_drift_shows_in_the_means_before_the_error_shows_it(self):
+        # In a whole run it gains so much of the error. From a fifth on it is not bounded any more.
+        found = {drift: shares(lambda seed: judged(bounded(seed), True, means(seed, drift)))
+                 for drift in (0.0, 0.3, 0.7, 2.0)}
+        self.assertGreater(found[0.0][BOUNDED], 0.85)
+        self.assertLess(found[0.3].get(BOUNDED, 0), 0.1)
+        self.assertEqual(found[0.7], {UNDECIDED: 1.0})
+        self.assertEqual(found[2.0], {GROWS: 1.0})
+        self.assertGreater(shares(lambda seed: judged(bounded(seed)))[BOUNDED], 0.9)  # the control: without the means
 
-        self.assertEqual(judged(hidden(0.01)).verdict, BOUNDED)
-        self.assertEqual(judged(hidden(10)).verdict, GROWS)
+    def test_a_drift_through_zero_grows_though_the_error_falls(self):
+        signed = [(time, 1e-6 * (1 - 1.6 * time / TIMES[-1])) for time in TIMES]
+        series = [(time, abs(value) + 1e-8) for time, value in signed]
+        found = judged(series, True, signed)
+        self.assertLess(found.growth.low, 0)
+        self.assertEqual(found.verdict, GROWS)
+        self.assertLess(found.drift.high, -1)
+        self.assertEqual(judged(series).verdict, UNDECIDED)  # the control
+
+    def test_an_error_that_gains_a_fifth_in_the_run_is_not_bounded(self):
+        def rising(share):
+            return [(time, 1e-6 * (1 + share * time / TIMES[-1]) + 1e-9 * math.sin(time)) for time in TIMES]
+
+        self.assertEqual(judged([(time, 1e-6 + 1e-9 * math.sin(time)) for time in TIMES]).verdict, BOUNDED)
+        self.assertEqual(judged(rising(0.01)).verdict, UNDECIDED)  # small, but not within its error
+        self.assertEqual(judged(rising(5)).verdict, GROWS)
+        # Wide, but above a fifth: noise as large as the error.
+        rough = [(time, 1e-6 * (1 + 0.9 * math.sin(3 * index) * (index % 20 > 9)))
+                 for index, time in enumerate(TIMES, 1)]
+        self.assertLess(judged(rough).trend.low, 0)
 
     def test_a_random_walk_is_seldom_called_bounded(self):
-        # It may stay where it is by chance; bounded noise of the same size never is anything else.
-        found = shares(walk)
-        self.assertLess(found.get(BOUNDED, 0), 0.2)
-        self.assertGreater(found[GROWS] + found.get(UNDECIDED, 0), 0.75)
+        # It may stay where it is by chance.
+        for found in (shares(lambda seed: judged(walk(seed)[0])), shares(lambda seed: judged(walk(seed)[0], True,
+                                                                                             walk(seed)[1]))):
+            self.assertLess(found.get(BOUNDED, 0), 0.15)
 
     def test_a_loss_is_a_loss_even_if_it_is_bounded(self):
         lost = bounded(1, size=0.97)
         self.assertEqual(judged(lost).verdict, ALL_LOST)
-        self.assertAlmostEqual(judged(lost).growth.power, 0, delta=0.1)
+        self.assertAlmostEqual(judged(lost).growth.value, 0, delta=0.1)
         # Total: all energy goes within a few windows, and nothing grows after that.
         self.assertEqual(judged([(time, -math.expm1(-time)) for time in TIMES]).verdict, ALL_LOST)
         self.assertNotEqual(judged(bounded(1, size=LOST / 2)).verdict, ALL_LOST)
 
-    def test_what_stays_at_rounding_is_kept_whatever_its_power(self):
+    def test_what_stays_at_rounding_is_so_whatever_its_power(self):
         self.assertEqual(judged(drifting(1, 1.0, at_the_end=ROUNDING / 10)).verdict, KEPT)
-        self.assertEqual(judged([(time, 0.0) for time in TIMES]), (KEPT, None))
+        self.assertEqual(judged([(time, 0.0) for time in TIMES]), (KEPT, None, None, None))
         self.assertNotEqual(judged(drifting(1, 1.0, at_the_end=ROUNDING * 10)).verdict, KEPT)
 
     def test_a_run_that_failed_and_one_too_short(self):
         self.assertEqual(judged(bounded(1)[:50], finished=False).verdict, FAILED)
-        self.assertEqual(judged([], finished=True), (FAILED, None))
-        self.assertEqual(judged(bounded(1)[:20]), (UNDECIDED, None))
-        self.assertEqual(judged([(time, 1e-6) for time in SAMPLES]).verdict, BOUNDED)
+        self.assertEqual(judged([], finished=True), (FAILED, None, None, None))
+        self.assertEqual(judged(bounded(1)[:20]), (UNDECIDED, None, None, None))
 
-    def test_only_the_last_decade_counts(self):
+    def test_only_the_last_decade_counts_for_the_power_and_the_second_half_for_the_trend(self):
         series = bounded(1)
-        early = [(time, error * 1e3 if time <= 100 else error) for time, error in series]
+        early = [(time, error * 1e3 if time <= 1000 else error) for time, error in series]
         self.assertEqual(growth_of(early), growth_of(series))
-        late = [(time, error * 1e3 if time <= 200 else error) for time, error in series]
+        late = [(time, error * 1e3 if time <= 2000 else error) for time, error in series]
         self.assertNotEqual(growth_of(late), growth_of(series))
+        self.assertEqual(trend_of(late, 1.0), trend_of(series, 1.0))
+        self.assertEqual(judged(series).verdict, BOUNDED)
+        later = [(time, error * 1e3 if time <= 6000 else error) for time, error in series]
+        self.assertNotEqual(trend_of(later, 1.0), trend_of(series, 1.0))
+
+    def test_a_trend_is_what_a_line_gains_in_the_whole_time(self):
+        line = [(time, 3e-7 * time / TIMES[-1]) for time in TIMES]
+        self.assertAlmostEqual(trend_of(line, 1e-6).value, 0.3)
+        self.assertAlmostEqual(trend_of(line, 1e-6).high, 0.3)
 
     def test_blocks(self):
         self.assertEqual(in_blocks(list(range(7)), 3), [[0, 1], [2, 3], [4, 5, 6]])
@@ -141,32 +182,49 @@ def integrator(name, order, isospectral, lie_poisson, explicit):
     return Integrator(name, 1, order, isospectral, lie_poisson, False, explicit, None)
 
 
-INTEGRATORS = [integrator("group2_frame", 4, True, True, False), integrator("elp6_frame", 6, True, True, False),
-               integrator("rkmk4_frame", 4, True, False, True), integrator("rk4_frame", 4, False, False, True)]
-MADE = {  # method: integrator, tolerance, energy error at the end and its power, the same of the spectrum
-    "group2": ("group2_frame", 1e-13, (1e-6, 0), (1e-14, 0)),
-    "group2_loose": ("group2_frame", 1e-7, (1e-6, 0), (1e-5, 1)),
-    "elp6": ("elp6_frame", 1e-8, (2e-8, 0), (0.0, 0)),
-    "rkmk4": ("rkmk4_frame", 1e-13, (3e-3, 1), (1e-14, 0)),
-    "rk4": ("rk4_frame", 1e-13, (5e-3, 1), (2e-1, 1))}
+INTEGRATORS = {each.name: each for each in (
+    integrator("rk4_frame", 4, False, False, True), integrator("rk4_projected_frame", 4, True, False, True),
+    integrator("rkmk4_frame", 4, True, False, True), integrator("elp6_frame", 6, True, True, False),
+    integrator("group2_frame", 4, True, True, False))}
+KINDS = {("rk4_frame", 1e-13): EXPLICIT, ("rk4_projected_frame", 1e-13): PROJECTED,
+         ("rkmk4_frame", 1e-13): EXPLICIT_LIE, ("elp6_frame", 1e-8): EXPONENTIAL_LOOSE,
+         ("elp6_frame", 1e-13): EXPONENTIAL, ("group2_frame", 1e-13): GAUSS, ("group2_frame", 1e-7): GAUSS_LOOSE}
+MADE = {  # method: integrator, tolerance, products a step, energy error C h^p, whether the spectrum is kept
+    "rk4": ("rk4_frame", 1e-13, 4, 1e-3, 4, False),
+    "rk4_projected": ("rk4_projected_frame", 1e-13, 4, 5e-3, 4, True),
+    "rkmk4": ("rkmk4_frame", 1e-13, 20, 1e-2, 4, True),
+    "elp6": ("elp6_frame", 1e-8, 30, 1e-6, 6, True),
+    "elp6_tight": ("elp6_frame", 1e-13, 60, 1e-6, 6, True),
+    "group2": ("group2_frame", 1e-13, 50, 1e-3, 4, True)}
+STEPS = (500, 1000, 2000, 4000, 8000)
 
 
-def of_power(times, at_the_end, power):
-    return [at_the_end * (time / times[-1])**power for time in times]
+def made_point(method, steps, scene="smooth", n=33, **changes):
+    name, tolerance, products, factor, power, keeps = MADE[method]
+    h = 1000 / steps
+    error = factor * h**power
+    return Point(scene, n, 1000.0, name, tolerance, steps, "converged", products / h, 0.0, 0.0, error,
+                 1e-15 if keeps else 5 * error, error)._replace(**changes)
 
 
-def made_run(method, scene="smooth", level=COARSE, n=33, seconds=(1e-3, 1.1e-3, 1e-3), **changes):
-    name, tolerance, energy, spectrum = MADE[method]
-    return Run(scene, n, name, tolerance, level, 4000, 0.25, "converged", None, 3.0, 100.0, -energy[0],
-               of_power(TIMES, *energy), of_power(SAMPLES, *spectrum), of_power(SAMPLES, *spectrum),
-               list(seconds))._replace(**changes)
+def made_long_run(method, scene="smooth", cost=COSTS[-1], power=0.0, **changes):
+    name, tolerance, products, *_ = MADE[method]
+    errors = [1e-6 * (time / TIMES[-1])**power * math.exp(0.1 * value)
+              for time, value in zip(TIMES, noise(1))] if power else [error for _, error in bounded(1)]
+    return LongRun(scene, 33, 1e4, 200, name, tolerance, cost, 10**5, "converged", None, float(cost), 0.0, 1.0,
+                   -errors[-1], errors, [-error / 2 for error in errors], [1e-14] * 200)._replace(**changes)
 
 
-def made_study(runs=None):
+def made_study(points=None, runs=None):
+    if points is None:
+        points = [made_point(method, steps, scene) for scene in ("smooth", "rough") for method in MADE
+                  for steps in STEPS]
     if runs is None:
-        runs = [made_run(method, scene, level) for scene in ("smooth", "rough") for level in LEVELS for method in MADE]
-    return Study({"cpu": "a processor"}, Settings(False, 5),
-                 {"integrators": INTEGRATORS, "plans": [Plan(33, 1000.0, 200)], "runs": runs})
+        runs = [made_long_run(method, scene, power=1.0 if method in ("rk4", "rkmk4") else 0.0)
+                for scene in ("smooth", "rough") for method in MADE]
+    return Study({"cpu": "a processor"}, Settings(False),
+                 {"integrators": list(INTEGRATORS.values()), "plans": [Plan(33, 1000.0, 500, 200, 300.0)],
+                  "points": points, "long_runs": runs})
 
 
 def write_longruns(folder, study=None, name="raw.json"):
@@ -177,37 +235,92 @@ def write_longruns(folder, study=None, name="raw.json"):
 
 
 class Files(FolderTest):
-    def test_runs_by_method_and_level(self):
-        found = read_longruns(write_longruns(self.folder))
-        self.assertEqual(found.methods(), list(MADE))
-        self.assertEqual(found.settings(), [(33, "smooth"), (33, "rough")])
-        run = found.at("smooth", 33, COARSE)["rkmk4"]
-        self.assertEqual(run.series(ENERGY)[0][0], 5.0)
-        self.assertEqual([time for time, _ in run.series(SPECTRUM)], SAMPLES)
-        self.assertEqual((run.last(ENERGY), run.judged(ENERGY).verdict), (3e-3, GROWS))
-        self.assertEqual(found.at("smooth", 33, COARSE)["rk4"].judged(SPECTRUM).verdict, ALL_LOST)
+    def test_lines_and_long_runs_by_method(self):
+        found = read_longruns(write_longruns(self.folder, made_study(
+            [made_point(method, steps) for method in MADE for steps in reversed(STEPS)])))
+        self.assertEqual((found.methods(), found.settings()), (list(MADE), [(33, "smooth")]))
+        self.assertEqual([point.steps for point in found.lines["smooth", 33, "rk4"]], list(STEPS))
+        run = found.long_at("smooth", COSTS[-1])["rkmk4"]
+        self.assertEqual([time for time, _ in run.series(ENERGY)], TIMES)
+        self.assertEqual((run.judged(ENERGY).verdict, run.judged(SPECTRUM).verdict), (GROWS, KEPT))
+        self.assertEqual(found.long_at("smooth", COSTS[0]), {})
 
-    def test_equal_costs_are_compared_with_their_median(self):
-        runs = [made_run(method) for method in MADE]
-        runs[1] = made_run("group2_loose", seconds=[1.2e-3])
-        runs.append(made_run("rk4", level=ONE_STEP, seconds=[1e-5]))
-        found = long_runs(made_study(runs))
-        (loose, other), one = ((found.at("smooth", 33, COARSE)[name] for name in ("group2_loose", "rk4")),
-                               found.at("smooth", 33, ONE_STEP)["rk4"])
-        self.assertAlmostEqual(found.cost_share(loose), 1.2)
-        self.assertEqual([found.is_unequal(each) for each in (loose, other, one)], [True, False, False])
-        self.assertIsNone(found.cost_share(one))
+    def test_the_verdict_on_the_energy_looks_at_its_sign(self):
+        run = made_long_run("group2")
+        self.assertEqual(run.judged(ENERGY).verdict, BOUNDED)
+        drifts = run._replace(energy_means=[2e-6 * time / 1e4 for time in TIMES])
+        self.assertEqual(drifts.judged(ENERGY).verdict, GROWS)
+
+    def test_classes_come_from_what_a_method_keeps(self):
+        for (name, tolerance), kind in KINDS.items():
+            with self.subTest(name=name, tolerance=tolerance):
+                self.assertEqual(class_of(INTEGRATORS[name], tolerance), kind)
+        self.assertEqual(set(KINDS.values()), set(CLASSES))
+        # Not from its name: one that is said to keep nothing is explicit; an implicit one without structure is none.
+        self.assertEqual(class_of(INTEGRATORS["rkmk4_frame"]._replace(isospectral=False), 1e-13), EXPLICIT)
+        self.assertIsNone(class_of(integrator("direct2", 4, False, False, False), 1e-13))
+        self.assertIsNone(class_of(integrator("yoshida4_frame", 4, True, True, False), 1e-13))
+
+    def test_methods_are_named_by_their_tolerance(self):
+        for method, (name, tolerance, *_) in MADE.items():
+            self.assertEqual((method_of(name, tolerance), tolerance_of(method)), (method, tolerance))
+        self.assertEqual(method_of("group2_frame", 1e-7), "group2_loose")
+
+    def test_a_price_is_interpolated_along_the_line_and_never_beyond_it(self):
+        line = [made_point("rk4", steps) for steps in STEPS]
+        price = price_on(line, ENERGY, 1e-4)
+        h = 10**-0.25  # 1e-3 h⁴ = 1e-4
+        self.assertAlmostEqual(price.products, 4 / h)
+        self.assertEqual((price.method, price.at_most), ("rk4", False))
+        self.assertEqual(price_on(line, ENERGY, 2e-2), Price(2.0, "rk4", True))
+        self.assertIsNone(price_on(line, ENERGY, 1e-7))
+        self.assertIsNone(price_on(line, SPECTRUM, 1e-7))
+
+    def test_no_price_beside_a_run_that_failed_or_lost_energy_or_spectrum(self):
+        line = [made_point("rk4", steps) for steps in STEPS]
+        for changes in ({"status": "unstable", "energy_error": None, "spectrum_error": None}, {"energy_error": LOST},
+                        {"spectrum_error": LOST}):
+            changed = [line[0]._replace(**changes), *line[1:]]
+            self.assertEqual(price_on(changed, ENERGY, 9e-3), Price(4.0, "rk4", False))
+            self.assertEqual(price_on(changed, SPECTRUM, 1.0), Price(4.0, "rk4", False))
+        self.assertLess(price_on(line, ENERGY, 9e-3).products, 4.0)  # the control
+
+    def test_a_line_whose_cost_falls_first_is_priced_at_its_cheapest(self):
+        line = [made_point("elp6_tight", 500, equivalent_products=400.0), made_point("elp6_tight", 1000)]
+        self.assertEqual(price_on(line, ENERGY, 1e-4).products, 60.0)
+
+    def test_where_structure_pays(self):
+        runs = long_runs(made_study())
+        places = {place.error: place for place in places_of(runs, ENERGY) if place.scene == "smooth"}
+        self.assertEqual([place.pays for place in places.values()], [False, False, False, False, True, True])
+        place = places[1e-8]  # where rk4 does not come to
+        self.assertIsNone(place.ratio((EXPLICIT,)))
+        self.assertEqual(place.structure.method, "elp6_tight")
+        self.assertAlmostEqual(place.structure.products, 60 * 100**(1 / 6))
+        place = places[1e-6]
+        self.assertAlmostEqual(place.ratio((EXPLICIT,)), 15 / 1000**0.25)
+        self.assertEqual(runs.price("smooth", 33, ENERGY, 1e-6, STRUCTURE).products, 60.0)
+
+    def test_the_defect_at_a_cost_is_that_of_the_shorter_steps(self):
+        line = [made_point("elp6", 500, equivalent_products=60.0, symplectic_defect=1e-2),
+                made_point("elp6", 1000, equivalent_products=40.0, symplectic_defect=1e-4),
+                made_point("elp6", 2000, equivalent_products=90.0, symplectic_defect=1e-6)]
+        self.assertAlmostEqual(math.log10(defect_at(line, 60.0)), -5)
+        self.assertIsNone(defect_at(line, 150.0))
+        self.assertIsNone(defect_at(line, 30.0))
 
     def test_damage(self):
-        for study, part in ((made_study([]), "no runs"),
-                            (made_study([made_run("rk4", n=65)]), "without its plan")):
+        for study, part in ((made_study([], []), "no runs"),
+                            (made_study([made_point("rk4", 500, n=65)]), "without its plan"),
+                            (made_study(runs=[made_long_run("rk4", n=n) for n in (17, 33)]), "more than one n"),
+                            (made_study(runs=[made_long_run("rk4", integrator="rk5_frame")]), "its integrator")):
             with self.subTest(part), self.assertRaisesRegex(UnusableFile, part):
                 long_runs(study)
 
 
 class Render(DrawingTest):
     script = "render_longruns"
-    CHARTS = ("energy_against_time", "energy_against_spectrum")
+    CHARTS = ("energy_against_cost", "spectrum_against_cost", "energy_against_time")
 
     def test_charts_report_and_figures(self):
         files = self.rendered("out", write_longruns(self.folder))
@@ -217,85 +330,100 @@ class Render(DrawingTest):
             self.assert_whole(files, chart)
             self.assertIn(f"({chart}.svg)".encode(), files["report.md"])
         figures = read_figures(self.path("out", "figures.json"))
-        for key, value in (("smooth.n33.coarse.rkmk4.energy_error", 3e-3),
-                           ("rough.n33.one_step.rk4.spectrum_error", 0.2),
-                           ("energy.lie_poisson.runs", 12), ("energy.lie_poisson.bounded", 12),
-                           ("energy.rkmk4.grows", 6), ("energy.rkmk4.n33.grows", 6), ("energy.rkmk4.n33.runs", 6),
-                           ("spectrum.rk4.lost", 6), ("spectrum.rk4.n33.grows", 0), ("equal_cost.unequal", 0),
-                           ("smooth.n33.coarse.elp6.energy_change", -2e-8)):
-            self.assertAlmostEqual(figures[key], value, msg=key)
-        self.assertAlmostEqual(figures["smooth.n33.coarse.rkmk4.energy_power"], 1, places=5)
+        for key, value in (("smooth.n33.energy.1e-4.explicit.products", 4 * 10**0.25),
+                           ("rough.n33.energy.1e-6.exponential.products", 60),
+                           ("smooth.n33.energy.1e-6.structure_over_explicit", 15 / 1000**0.25),
+                           ("smooth.n33.spectrum.1e-4.explicit.products", 4 * 50**0.25),
+                           ("pays.energy.places", 12), ("pays.energy.cells", 4), ("pays.energy.n33.cells", 4),
+                           ("rough.long.150.rkmk4.energy_change", -1e-6), ("smooth.long.150.group2.step", 0.1),
+                           ("long.energy.exponential.bounded", 2), ("long.energy.elp6_tight.runs", 2),
+                           ("long.energy.rk4.growing", 2), ("long.spectrum.gauss.at_rounding", 2),
+                           ("smooth.n33.defect.group2.p50", 1e-3)):
+            self.assertAlmostEqual(figures[key] / value, 1, delta=0.2 if key.endswith("change") else 1e-4, msg=key)
+        self.assertAlmostEqual(figures["smooth.long.150.rkmk4.energy_power"], 1, delta=0.05)
+        self.assertNotIn("smooth.n33.energy.1e-8.explicit.products", figures)
 
     def cells(self, study, *start):
-        """Returns the rest of the row of the report that starts with some cells, in its last table that has one."""
+        """Returns the rests of the rows of the report that start with some cells."""
         self.render(write_longruns(self.folder, study), "--out", self.path("out"))
         lines = [[cell.strip() for cell in line.strip("|").split("|")]
                  for line in text_of(self.path("out", "report.md")).splitlines() if line.startswith("|")]
         return [line[len(start):] for line in lines if line[:len(start)] == list(start)]
 
-    def test_findings_and_runs_in_the_report(self):
-        (findings,) = self.cells(made_study(), "33", "smooth", "1000", "fine equal cost")
-        self.assertEqual(findings, ["3.0e-3 (t^1.00)", "2.0e-1 (lost)", "–", "1.0e-6 (bounded)", "2.0e-8 (bounded)",
-                                    "–", "0 (kept)"])
-        row = self.cells(made_study(), "fine equal cost", "group2\\_loose")[0]
-        self.assertEqual(row, ["0.250", "1.0e-6", "-1.0e-6", "0.00 (0.00 to 0.00)", "bounded", "1.0e-5",
-                               "1.00 (1.00 to 1.00)", "grows", "1.0e-5"])
+    def test_prices_in_the_report(self):
+        row, spectrum = self.cells(made_study(), "33", "1000", "smooth", "1e-4")
+        self.assertEqual(row, ["**7.11 rk4**", "10.6 rk4\\_projected", "63.2 rkmk4", "≤ 15.0 elp6",
+                               "≤ 30.0 elp6\\_tight", "88.9 group2", "4.2", "2.8"])
+        self.assertEqual(spectrum, ["**12.6 rk4**", "20.0 rkmk4", "≤ 15.0 elp6", "≤ 30.0 elp6\\_tight",
+                                    "≤ 25.0 group2", "2"])
 
-    def test_a_failed_run_is_shown_as_such_and_has_no_cost(self):
-        runs = [made_run(method) for method in MADE]
-        runs[-1] = made_run("rk4", status="diverged", failed_step=7, seconds=(), energy_change=None, energy_errors=[],
-                            spectrum_errors=[], casimir_errors=[])
-        row, cost = self.cells(made_study(runs), "coarse equal cost", "rk4")
-        self.assertEqual(row, ["0.250", "–", "–", "–", "diverged at step 7", "–", "–", "diverged at step 7", "–"])
-        self.assertEqual(cost, ["–"])
+    def test_long_runs_in_the_report(self):
+        runs = [made_long_run("rk4", power=1.0), made_long_run("elp6"), made_long_run("elp6", cost=COSTS[0]),
+                made_long_run("group2", equivalent_products=170.0)]
+        ((*start, error, _, verdict, _, spectrum),) = self.cells(made_study(runs=runs), "smooth", "150", "rk4")
+        self.assertEqual((start, error[-3:], spectrum), (["0.100", "150"], "e-6", "at rounding"))
+        self.assertRegex(verdict, r"^growing, p = (1\.0\d|0\.9\d) \(0\.9\d to 1\.0\d\)$")
+        self.assertEqual(self.cells(made_study(runs=runs), "smooth", "50", "rk4"),
+                         [["–", "no such step", "–", "–", "–", "–", "–"]])
+        ((_, products, *_, drift, _, _),) = self.cells(made_study(runs=runs), "smooth", "150", "group2")
+        self.assertEqual((products, drift), ("170 (off by more than 10%)", "bounded"))
+        text = text_of(self.path("out", "report.md"))
+        self.assertIn("rounding in 1 of 1 runs and grows in 0 at the tolerance 1e-13", text)
+        self.assertIn("projected or not: the energy is bounded or at rounding in 0 of 1 runs and grows in 1.", text)
 
-    def test_unequal_costs_are_marked(self):
-        runs = [made_run(method) for method in MADE]
-        runs[0] = made_run("group2", seconds=[1.3e-3])
-        self.assertEqual(self.cells(made_study(runs), "coarse equal cost", "group2")[-1], ["1.30 (130 %, unequal)"])
+    def test_a_failed_run_and_a_drift_are_shown_as_such(self):
+        failed = made_long_run("rk4", status="diverged", failed_step=7, energy_change=None, energy_errors=[],
+                               energy_means=[], spectrum_errors=[])
+        drifts = made_long_run("elp6", energy_means=[-2e-6 * time / 1e4 for time in TIMES])
+        study = made_study(runs=[failed, drifts])
+        self.assertEqual(self.cells(study, "smooth", "150", "rk4"),
+                         [["0.100", "150", "–", "–", "diverged at step 7", "–", "diverged at step 7"]])
+        self.assertRegex(self.cells(study, "smooth", "150", "elp6")[0][4], r"^growing, drift -[12]\.\d\d \(-")
 
-    def test_lines_and_dots(self):
+    def test_runs_that_failed_have_their_status_in_the_report(self):
+        points = [made_point("rk4", 500, status="unstable", energy_error=None, spectrum_error=None),
+                  made_point("rk4", 1000)]
+        self.assertEqual(self.cells(made_study(points, []), "rk4")[-1], ["unstable", "4.00: 1.0e-3, 5.0e-3"])
+
+    def test_lines_of_the_charts(self):
         runs = long_runs(made_study())
-        (panel,) = self.panels("longruns_charts", "energy_against_time", runs)[""]
+        panels = self.panels("longruns_charts", "energy_against_cost", runs)
+        self.assertEqual(list(panels), ["smooth scene, n = 33, T = 1000", "rough scene, n = 33, T = 1000"])
+        (panel,) = panels["smooth scene, n = 33, T = 1000"]
         lines = lines_of(panel)
-        self.assertEqual(list(lines), ["group2", "elp6", "rkmk4", "rk4"])
-        self.assertEqual(lines["rkmk4"], [[time, error] for time, error in zip(TIMES, of_power(TIMES, 3e-3, 1))])
-        self.assertEqual(panel.figure.texts[0].get_text().replace("\n", " "),
-                         "Energy error at equal cost, n = 33: bounded for 2 of 4 methods")
+        self.assertEqual(list(lines), list(MADE))
+        self.assertEqual(lines["group2"], [[50 * steps / 1000, 1e-3 * (1000 / steps)**4] for steps in STEPS])
         labels = [text.get_text() for text in panel.texts]
-        for label in ("Gauss 4 (bounded)", "exponential 6 (bounded)", "RKMK4 (t^1.0)", "RK4 (t^1.0)"):
+        self.assertEqual((len(labels), "○ elp6, 1e-13" in labels), (len(MADE), True))
+        self.assertEqual(panel.lines[-1].get_marker(), "o")
+        self.assertIn("4 of 12 places", panel.figure.texts[0].get_text())
+        (panel,) = self.panels("longruns_charts", "energy_against_time", runs)["smooth scene"]
+        self.assertIn("of 12 runs 0 are at rounding, 8 bounded, 4 growing", panel.figure.texts[0].get_text())
+        self.assertEqual(len(lines_of(panel)["rk4"]), len(TIMES))
+        labels = [text.get_text() for text in panel.texts]
+        for label in ("group2 (bounded)", "rk4 (t^1.0)", "elp6, 1e-8 (bounded)"):
             self.assertIn(label, labels)
-        panels = self.panels("longruns_charts", "energy_against_spectrum", runs)
-        self.assertEqual(list(panels), ["smooth scene", "rough scene"])
-        (smooth,), (rough,) = panels.values()
-        self.assertEqual(smooth.figure.texts[0].get_text().replace("\n", " "),
-                         "At the end (n = 33, smooth) RK4 is off by 2.0e-1 in an eigenvalue; in energy RKMK4 by 3.0e-3,"
-                         " exponential 6 by 2.0e-8")
-        dots = lines_of(smooth)
-        self.assertEqual(dots["RK4"], [[0.2, 5e-3]])
-        self.assertEqual(dots["Gauss 4, 1e-7"], [[1e-5, 1e-6]])
-        self.assertEqual(dots["exponential 6"], [[1e-16, 2e-8]])  # an exact 0 is drawn at the edge
-        self.assertEqual(smooth.get_xlim(), rough.get_xlim())
-        self.assertEqual(smooth.get_ylim(), rough.get_ylim())
 
-    def test_a_failed_run_ends_with_a_cross_and_has_no_dot(self):
-        runs = [made_run(method, level=level) for level in (ONE_STEP, COARSE) for method in MADE]
-        at = {(each.method, each.level): number for number, each in enumerate(runs)}
-        for level in (ONE_STEP, COARSE):
-            runs[at["rk4", level]] = made_run("rk4", level=level, status="unstable", failed_step=900, seconds=(),
-                                              energy_errors=of_power(TIMES, 5e-3, 1)[:45], spectrum_errors=[1e-3] * 9)
-        found = long_runs(made_study(runs))
-        (panel,) = self.panels("longruns_charts", "energy_against_time", found)[""]
+    def test_an_exact_spectrum_is_drawn_at_the_edge_and_a_failed_run_ends_with_a_cross(self):
+        errors = [error for _, error in bounded(1)][:45]
+        runs = long_runs(made_study([made_point("elp6", 500, spectrum_error=0.0), made_point("elp6", 1000)], [
+            made_long_run("rk4", status="unstable", failed_step=900, energy_errors=errors, energy_means=errors)]))
+        ((panel,),) = self.panels("longruns_charts", "spectrum_against_cost", runs).values()
+        self.assertEqual(lines_of(panel)["elp6"][0], [15.0, 1e-16])
+        self.assertEqual([text.get_text() for text in panel.texts], ["all others"])
+        ((panel,),) = self.panels("longruns_charts", "energy_against_time", runs).values()
         crosses = [line.get_xydata().tolist() for line in panel.lines if line.get_label() == "_failure"]
         self.assertEqual(crosses, [[lines_of(panel)["rk4"][-1]]])
-        self.assertIn("RK4 (failed)", [text.get_text() for text in panel.texts])
-        (dots,) = self.panels("longruns_charts", "energy_against_spectrum", found)["smooth scene"]
-        self.assertNotIn("RK4", lines_of(dots))
-        self.assertEqual(dots.figure.texts[0].get_text(), "Errors at the end, n = 33")
+        self.assertIn("rk4 (failed)", [text.get_text() for text in panel.texts])
+
+    def test_lines_alone_have_a_report(self):
+        files = self.rendered("out", write_longruns(self.folder, made_study(runs=[])))
+        self.assertNotIn("energy_against_time.svg", files)
+        self.assertNotIn("in long runs", files["report.md"].decode())
 
     def test_a_file_that_cannot_be_used(self):
         for path, *parts in ((self.path("none.json"), "none.json"),
-                             (write_longruns(self.folder, made_study([])), "raw.json", "no runs"),
+                             (write_longruns(self.folder, made_study([], [])), "raw.json", "no runs"),
                              (self.write("half.json", '{"format": '), "half.json", "whole JSON")):
             with self.subTest(parts=parts):
                 self.assert_refused(self.render(path, "--out", self.path("out")), *parts)
@@ -309,6 +437,81 @@ if HAS_MODULE:
     sys.path[:0] = [os.path.join(BUILD, "python"), os.path.dirname(STUDY)]
     import isosyrk
     import longruns
+    import numpy
+    from lib import symplectic_defect
+    from lib.symplectic_defect import derivative, form, random_direction
+
+
+@unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")
+class SymplecticDefect(unittest.TestCase):
+    def setUp(self):
+        self.scene = isosyrk.scene("rough", n=9)
+        self.W = self.scene.initial
+
+    def defect(self, map_of):
+        return symplectic_defect.symplectic_defect(map_of, self.W)
+
+    def of_method(self, name, h, tolerance=1e-13, solver="published"):
+        method = isosyrk.integrator(self.scene, name, solver=solver, tolerance=tolerance)
+        return self.defect(lambda W: method.run(W, h, round(1 / h))[0])
+
+    def test_the_form_is_that_of_its_definition(self):
+        random = numpy.random.default_rng(3)
+        a, b = (random_direction(random, 9) for _ in range(2))
+        W = self.W
+        expected = numpy.trace(W @ (a @ b - b @ a)).real
+        self.assertAlmostEqual(form(W, a @ W - W @ a, b @ W - W @ b), expected, places=13)
+        self.assertGreater(abs(expected), 1e-3)
+
+    def test_differences_along_the_orbit_are_derivatives(self):
+        a = random_direction(numpy.random.default_rng(4), 9)
+        v = a @ self.W - self.W @ a
+        found = derivative(lambda W: W @ W @ W, self.W, a)
+        expected = v @ self.W @ self.W + self.W @ v @ self.W + self.W @ self.W @ v
+        self.assertLess(numpy.linalg.norm(found - expected), 1e-11)
+
+    def test_symplectic_maps_have_none(self):
+        U = numpy.linalg.qr(numpy.random.default_rng(5).standard_normal((9, 9)))[0]
+        for map_of in (lambda W: W, lambda W: U @ W @ U.T, numpy.conj):
+            self.assertLess(self.defect(map_of), 1e-11)
+
+    def test_what_keeps_the_spectrum_alone_has_one(self):
+        # The transpose has the same spectrum, and turns the sign of the form.
+        self.assertGreater(self.defect(lambda W: W.T.copy()), 0.5)
+        # So has exp(s C(W)) W exp(-s C(W)), where C is no gradient, by the size of s.
+        C = numpy.diag(1j * numpy.arange(9.0))
+
+        def turned(s):
+            def map_of(W):
+                angles, vectors = numpy.linalg.eigh(-1j * s * abs(W[0, 0]) * C)
+                U = (vectors * numpy.exp(1j * angles)) @ vectors.conj().T
+                return U @ W @ U.conj().T
+            return map_of
+
+        large, small = self.defect(turned(0.1)), self.defect(turned(0.01))
+        self.assertGreater(large, 1e-4)
+        self.assertAlmostEqual(large / small, 10, delta=0.5)
+
+    def test_lie_poisson_methods_have_none_and_others_have_their_order(self):
+        for name in ("elp4", "group1", "group2", "algebra1"):
+            with self.subTest(name=name):
+                self.assertLess(self.of_method(name, 0.25), 1e-10)
+        for name, order, h in (("rk4", 4, 0.5), ("rk8", 8, 1.0), ("rkmk4", 4, 0.5), ("rk8_projected", 8, 1.0)):
+            with self.subTest(name=name):
+                coarse, fine = self.of_method(name, h), self.of_method(name, h / 2)
+                self.assertGreater(fine, 1e-11)
+                self.assertGreater(math.log2(coarse / fine), order - 1.2)
+        self.assertGreater(self.of_method("rk4", 0.5), 1e-4)
+
+    def test_a_loose_tolerance_shows(self):
+        self.assertGreater(self.of_method("elp4", 0.25, 1e-6, "fast"), 1e-8)
+
+    def test_equal_eigenvalues_part_no_tangent_vectors(self):
+        W = numpy.diag([1j, 1j, -2j])
+        a = random_direction(numpy.random.default_rng(6), 3)
+        v = a @ W - W @ a
+        self.assertTrue(math.isfinite(form(W, v, v)))
+        self.assertAlmostEqual(form(W, v, v), 0)
 
 
 @unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")
@@ -318,80 +521,117 @@ class Runs(FolderTest):
                    env=environment(ISOSYRK_BUILD=BUILD))
 
     def test_quick_runs_of_two_methods(self):
-        done = self.study("--quick", "--integrator", "rk4", "elp4", "--repetitions", "2")
+        done = self.study("--quick", "--integrator", "rk4", "elp4")
         self.assertEqual((done.returncode, done.stdout), (DONE, ""), done.stderr)
         self.assertEqual(os.listdir(self.folder), ["raw.json"])
         found = read_longruns(self.path("raw.json"))
-        self.assertEqual((found.methods(), found.settings()), (["elp4", "rk4"], [(17, "smooth"), (17, "rough")]))
-        self.assertEqual(len(found.runs), 2 * 2 * len(LEVELS))
-        self.assertIn("timed_on", found.context)
-        for (scene, n, method, level), each in found.runs.items():
-            with self.subTest(scene=scene, method=method, level=level):
-                self.assertEqual(each.run.status, "converged")
-                self.assertEqual((len(each.run.energy_errors), len(each.run.spectrum_errors)), (50, 10))
-                self.assertAlmostEqual(each.run.steps * each.run.step, 50.0)
-                self.assertTrue(1 <= len(each.run.cpu_seconds) <= 2)
-                self.assertGreaterEqual(max(each.run.energy_errors), abs(each.run.energy_change))
-                spectrum = each.last(SPECTRUM)
-                self.assertTrue(spectrum < 1e-13 if method == "elp4" else spectrum > 1e-11)
+        self.assertEqual((found.methods(), found.settings()),
+                         (["rk4", "elp4", "elp4_tight"], [(17, "smooth"), (17, "rough")]))
+        for (scene, n, method), line in found.lines.items():
+            with self.subTest(scene=scene, method=method):
+                self.assertEqual([point.steps for point in line], [25 * 2**k for k in range(len(line))])
+                self.assertGreater(len(line), 2)
+                self.assertTrue(all(point.symplectic_defect for point in line))
+                self.assertEqual(line[-1].spectrum_error < 1e-13, method != "rk4")
+                self.assertEqual(line[-1].symplectic_defect < 1e-10, method == "elp4_tight")
+        for run_ in found.long_runs.values():
+            with self.subTest(scene=run_.scene, method=run_.method, cost=run_.cost):
+                self.assertEqual((run_.status, len(run_.energy_errors), len(run_.energy_means),
+                                  len(run_.spectrum_errors)), ("converged", 40, 40, 40))
+                self.assertGreaterEqual(run_.energy_errors[-1], abs(run_.energy_change))
+                self.assertLess(abs(run_.equivalent_products / run_.cost - 1), 0.2)  # trials to t = 20 only
+        self.assertNotIn(("smooth", 50, "elp4_tight"), found.long_runs)
+        self.assertIn(("smooth", 150, "elp4_tight"), found.long_runs)
+        self.assertTrue(figures(found))
 
-    def test_windows_hold_the_largest_energy_errors(self):
+    def test_windows_hold_the_largest_energy_errors_and_their_means(self):
         scene = isosyrk.scene("smooth", n=9)
         energy = scene.energy(scene.initial)
         states = {}
         isosyrk.integrator(scene, "rk4").run(scene.initial, 0.3, 30,
                                              lambda step, W, _: states.update({step: W.copy()}))
-        watch = longruns.Watch(scene, 3)
+        watch = longruns.Watch(scene, 3, 20)
         for step, W in states.items():
             watch(step, W, None)
-        errors = [abs(scene.energy(states[step]) / energy - 1) for step in range(1, 31)]
-        expected = [max(errors[k:k + 3]) for k in range(0, 30, 3)]
-        for found, each in zip(watch.found["energy_errors"], expected):
-            self.assertAlmostEqual(found / each, 1, delta=0.01)  # three digits are written
-        self.assertEqual(len(watch.found["spectrum_errors"]), 10 // longruns.WINDOWS_A_SAMPLE)
+        changes = [scene.energy(states[step]) / energy - 1 for step in range(1, 31)]
+        for window, (error, mean) in enumerate(zip(watch.found["energy_errors"], watch.found["energy_means"])):
+            expected = changes[3 * window:3 * window + 3]
+            self.assertAlmostEqual(error / max(map(abs, expected)), 1, delta=0.01)  # three digits are written
+            self.assertAlmostEqual(mean / (sum(expected) / 3), 1, delta=0.01)
+        self.assertEqual(len(watch.found["energy_errors"]), 10)
         self.assertAlmostEqual(watch.found["spectrum_errors"][-1] / isosyrk.spectrum_error(states[30], scene.initial),
                                1, delta=0.01)
 
-    def test_energy_without_measure_ends_a_run(self):
+    def test_a_lost_energy_ends_a_run(self):
         scene = isosyrk.scene("smooth", n=9)
-        for factor, gone in ((2.0, False), (1e4, True), (math.nan, True)):
-            watch = longruns.Watch(scene, 1)
+        for factor, gone in ((1.3, False), (1.5, True), (math.nan, True)):  # energy goes like the square
+            watch = longruns.Watch(scene, 1, 20)
             self.assertEqual((watch(1, factor * scene.initial, None), watch.gone), (gone, gone))
-        job = {"scene": "smooth", "n": 17, "integrator": "rk4_frame", "tolerance": 1e-13, "time": 500.0,
-               "steps_a_window": 1}  # h = 10
-        found = longruns.carry_out(job)
+        job = longruns.job_of("smooth", 17, "rk4")
+        found = longruns.watched(job, 500.0, 50, 1, 20)  # h = 10
         self.assertNotEqual(found["status"], "converged")
         self.assertLess(found["failed_step"], 50)
+        point = longruns.point_of(job, longruns.PLANS[17], 5)
+        self.assertEqual((point["energy_error"], point["spectrum_error"], point["symplectic_defect"]), (None,) * 3)
+        self.assertNotEqual(point["status"], "converged")
 
     def test_energies_are_seen_at_the_ends_of_windows_and_often_enough(self):
         for steps in range(1, 1200):
-            every = longruns.steps_between_energies(steps)
+            every = longruns.steps_between_energies(steps, 20)
             self.assertEqual(steps % every, 0)
-            self.assertGreaterEqual(steps // every, min(steps, longruns.ENERGIES_A_WINDOW))
-        self.assertEqual([longruns.steps_between_energies(steps) for steps in (7, 20, 40, 450, 475)], [1, 1, 2, 18, 19])
+            self.assertGreaterEqual(steps // every, min(steps, 20))
+        self.assertEqual([longruns.steps_between_energies(steps, 20) for steps in (7, 20, 40, 450, 475)],
+                         [1, 1, 2, 18, 19])
 
-    def test_every_method_has_steps_at_every_n(self):
-        self.assertEqual(set(longruns.STEPS_AT_EQUAL_COST),
-                         {(n, scene) for n in longruns.PLANS for scene in ("smooth", "rough")})
-        for place, steps in longruns.STEPS_AT_EQUAL_COST.items():
-            self.assertEqual(set(steps), set(longruns.METHODS), place)
-            for coarse, fine in steps.values():
-                self.assertLess(coarse, fine)
-        self.assertEqual(set(longruns.STEPS_AT_ONE_STEP), set(longruns.PLANS))
-        levels = [job["level"] for job in longruns.jobs_of(33, longruns.METHODS)]
-        self.assertEqual({level: levels.count(level) for level in LEVELS}, dict.fromkeys(LEVELS, 22))
-        self.assertEqual(set(levels[-22:]), {FINE})  # the longest last
+    def test_how_a_line_ends(self):
+        def points(*costs, error=1e-6):
+            return [{"status": "converged" if cost else "diverged", "equivalent_products": cost, "energy_error": error,
+                     "spectrum_error": 0.0} for cost in costs]
 
-    def test_methods_are_named_in_files_as_in_the_study(self):
-        for method in longruns.METHODS:
-            name, tolerance = longruns.integrator_of(method)
-            row = made_run("rk4", integrator=name, tolerance=tolerance)
-            self.assertEqual(row.method, method)
+        for costs, ended in (((), False), ((200,), False), ((40, 80), False), ((80, 160), True), ((0, 0, 250), False),
+                             ((400, 200), False), ((200, 210), False), ((280, 290), True), ((40, 0), False),
+                             ((0,) * 12, True)):
+            with self.subTest(costs=costs):
+                self.assertEqual(longruns.has_ended(points(*costs), 300), ended)
+        self.assertTrue(longruns.has_ended(points(10, error=1e-14), 300))
+
+    def test_steps_at_a_cost(self):
+        self.assertAlmostEqual(longruns.steps_at_cost(lambda steps: 4 * steps / 50, 50.0, 50), 625, delta=0.02 * 625)
+
+        # Cheapest at 100 steps, with 80 products: the shorter of two steps that cost 150, and none that costs 50.
+        def valley(steps):
+            return 40 * (steps / 100 + 100 / steps) if steps > 30 else 0.0
+
+        found = longruns.steps_at_cost(valley, 50.0, 150)
+        self.assertAlmostEqual(valley(found) / 150, 1, delta=0.03)
+        self.assertGreater(found, 100)
+        self.assertIsNone(longruns.steps_at_cost(valley, 50.0, 50))
+        # Whole numbers of steps may leave no cost near enough.
+        self.assertIsNone(longruns.steps_at_cost(lambda steps: 40.0 * steps, 3.0, 140))
+        self.assertEqual(longruns.steps_at_cost(lambda steps: 40.0 * steps, 3.0, 150), 4)
+
+    def test_every_method_has_its_lines(self):
+        jobs = longruns.lines_of(longruns.SIZES, longruns.METHODS)
+        places = {(job["scene"], job["n"]) for job in jobs}
+        self.assertEqual(places, {*((scene, n) for scene in ("smooth", "rough") for n in (33, 65, 129, 257)),
+                                  ("rough", 513)})
+        self.assertEqual(jobs[-1]["n"], 513)  # the longest last
+        counts = {n: sum(job["n"] == n for job in jobs) for n in longruns.SIZES}
+        self.assertEqual(counts, {33: 36, 65: 34, 129: 34, 257: 14, 513: 7})
+        names = {entry.name for entry in isosyrk.integrators() if entry.has_fast_form}
+        for job in jobs:
+            self.assertIn(job["integrator"], names)
+            self.assertIn(method_of(job["integrator"], job["tolerance"]), longruns.METHODS)
+        records = {entry.name: entry for entry in isosyrk.integrators()}
+        self.assertEqual({class_of(records[job["integrator"]], job["tolerance"]) for job in jobs}, set(CLASSES))
+        self.assertEqual(len(longruns.long_runs_of(longruns.SIZES, longruns.METHODS)), 40)
+        self.assertEqual({job["n"] for job in longruns.long_runs_of((17, 33, 65), longruns.METHODS)}, {33})
+        self.assertEqual(longruns.long_runs_of((65,), longruns.METHODS), [])
 
     def test_bad_arguments(self):
         for arguments, *parts in ((("--n", "21"), "--n 21", "17, 33, 65, 129"), (("--integrator", "euler"), "'euler'"),
                                   (("--integrator", "group1"), "--integrator group1", "group2"),
-                                  (("--repetitions", "0"), "--repetitions"), (("--steps", "9"), "--steps")):
+                                  (("--repetitions", "2"), "--repetitions"), (("--steps", "9"), "--steps")):
             with self.subTest(arguments=arguments):
                 self.assert_refused(self.study(*arguments), *parts)
                 self.assertEqual(os.listdir(self.folder), [])

@@ -96,6 +96,14 @@ class Lengths(unittest.TestCase):
                     self.assertEqual(method.outcome(1.0), formats.NOT_FINITE)
         self.assertEqual(setting.energy_error(setting.scene.initial), 0.0)
 
+    def test_a_state_that_blew_up_has_no_energy(self):
+        scene = isosyrk.scene("smooth", n=9)
+        self.assertEqual(trials.energy(scene, scene.initial), scene.energy(scene.initial))
+        for gone in (1e204 * scene.initial, math.nan * scene.initial):
+            self.assertTrue(math.isnan(trials.energy(scene, gone)))
+        with self.assertRaises(ValueError):  # the control
+            scene.energy(1e204 * scene.initial)
+
 
 class Plans(unittest.TestCase):
     def setUp(self):
