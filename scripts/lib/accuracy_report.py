@@ -11,7 +11,7 @@ from lib.equal_error import (CONTENDER_NAMES, MEAN_OVER, contenders_of, duel_err
                              means_by_problem, ratio_in, runs_at_table1_step, tolerances, written_tolerance)
 from lib.formats import SWEEP_CAP, UNSTABLE
 from lib.integrator_names import FRAME, KEPT, strongest_structure
-from lib.numbers import scientific, span
+from lib.numbers import power, scientific, span
 from lib.recommendation import recommendation_tables
 from lib.verdicts import FEWEST, LEVEL, MARGIN, UNDECIDED
 
@@ -73,7 +73,7 @@ def accuracy_sections(study, charts, limits=None):
 
 def written(form):
     """Writes a Form: the integrator, and its tolerance unless that is the tightest."""
-    name, tolerance = form.integrator, f"{form.tolerance:.0e}".replace("e-0", "e-")
+    name, tolerance = form.integrator, power(form.tolerance)
     return name if form.tolerance == TIGHT else f"{name}, {tolerance}"
 
 
