@@ -9,7 +9,7 @@ import math
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from lib import formats
-from lib.accuracy_lines import ENERGY_BOUNDED, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT
+from lib.accuracy_lines import ENERGY_BOUNDED, LOOSE_GAUSS, TIGHT, keeping_tolerance
 from lib.drift import LOST, judged
 from lib.figures import finite
 from lib.formats import (CONVERGED, Integrator, Schema, keyed, list_of, number, one_of, optional, positive, status,
@@ -25,13 +25,9 @@ COST_MARGIN = 0.1  # what a long run may be off its cost
 ENERGY, SPECTRUM = QUANTITIES = ("energy", "spectrum")
 
 
-def usual_tolerance(integrator):
-    return LOOSE_EXPONENTIAL if is_exponential(integrator) else TIGHT
-
-
 def method_of(integrator, tolerance):
     """Returns the integrator without its frame, with LOOSE or TIGHTER behind it where its tolerance is such."""
-    name, usual = frameless(integrator), usual_tolerance(integrator)
+    name, usual = frameless(integrator), keeping_tolerance(integrator)
     return name + (LOOSE if tolerance > usual else TIGHTER if tolerance < usual else "")
 
 
@@ -39,7 +35,7 @@ def tolerance_of(method):
     """Returns the tolerance of a method by its name, as method_of has it."""
     if method.endswith(LOOSE):
         return LOOSE_GAUSS
-    return TIGHT if method.endswith(TIGHTER) else usual_tolerance(method)
+    return TIGHT if method.endswith(TIGHTER) else keeping_tolerance(method)
 
 
 def without_variant(method):
@@ -88,7 +84,7 @@ class Point(NamedTuple):
 
     @property
     def usable(self):
-        """Tells whether the run came to its end with most of its energy."""
+        """Tells whether the run came to its end with most of its energy and its spectrum."""
         return self.status == CONVERGED and max(self.energy_error, self.spectrum_error) < LOST
 
     def error(self, quantity):
