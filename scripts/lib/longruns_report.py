@@ -1,15 +1,14 @@
 """The study of long runs as a document, and its figures."""
 
 import math
-from typing import NamedTuple, Optional
+from typing import NamedTuple
 
 from lib.comparison import MISSING, three_digits
 from lib.document import Column, Entry, Heading, Items, Paragraph, Table, conditions, plain_table, shown
 from lib.drift import (ALL_LOST, BLOCKS, BOUNDED, FAILED, GROWS, KEPT, LEAST_DRIFT, LEAST_GROWTH, LOST, MOST_TREND,
                        ROUNDING, VERDICTS)
 from lib.longruns_files import (CLASSES, COST_MARGIN, COSTS, ENERGY, EXPLICIT, EXPLICIT_LIE, EXPONENTIAL,
-                                EXPONENTIAL_LOOSE, GAUSS, PLAIN, PROJECTED, QUANTITIES, SCENES, SPECTRUM, STRUCTURE,
-                                Price)
+                                EXPONENTIAL_LOOSE, GAUSS, PLAIN, PROJECTED, QUANTITIES, SCENES, SPECTRUM, STRUCTURE)
 from lib.numbers import scientific, two_digits
 from lib.verdicts import UNDECIDED
 
@@ -25,7 +24,6 @@ CLASS_TITLES = {EXPLICIT: "explicit", PROJECTED: "explicit, projected", EXPLICIT
                 EXPONENTIAL_LOOSE: "exponential, 1e-8", EXPONENTIAL: "exponential, 1e-13", GAUSS: "Gauss, 1e-13"}
 SHOWN = {ENERGY: tuple(CLASS_TITLES), SPECTRUM: tuple(each for each in CLASS_TITLES if each != PROJECTED)}
 RIVALS = {ENERGY: PLAIN, SPECTRUM: (EXPLICIT,)}  # that structure is compared with: a projection has no spectrum error
-DEFECT_COSTS = COSTS
 RULES = (
     (FAILED, ": the solver failed, or the energy was off by its own size"),
     (ALL_LOST, f": an error of {LOST:g} or more"),
@@ -52,16 +50,20 @@ class Place(NamedTuple):
     quantity: str
     error: float
     prices: dict  # a Price or None by class
-    structure: Optional[Price]
 
-    def rival(self, classes):
+    @property
+    def structure(self):
+        """The least Price of keeping the structure, or None."""
+        return self.least(STRUCTURE)
+
+    def least(self, classes):
         """Returns the least Price of some classes, or None."""
         return min((price for each in classes if (price := self.prices[each])), key=lambda price: price.products,
                    default=None)
 
     def ratio(self, classes):
         """Returns the cost of keeping the structure over that of these classes; None where either has none."""
-        rival = self.rival(classes)
+        rival = self.least(classes)
         return self.structure.products / rival.products if self.structure and rival else None
 
     @property
@@ -83,18 +85,17 @@ def places_of(runs, quantity):
     for n, scene in runs.settings():
         for error in ERRORS[quantity]:
             prices = {each: runs.price(scene, n, quantity, error, (each,)) for each in CLASSES}
-            structure = runs.price(scene, n, quantity, error, STRUCTURE)
-            found.append(Place(scene, n, quantity, error, prices, structure))
+            found.append(Place(scene, n, quantity, error, prices))
     return found
 
 
-def prices_table(runs, quantity):
-    """Returns the table of the cheapest methods, the cheapest of each row marked."""
+def prices_table(runs, quantity, places):
+    """Returns the table of the cheapest methods at all Places of a quantity, the cheapest of each row marked."""
     columns = [Column("n"), Column("T"), Column("scene", align="left"), Column(f"{quantity} error")]
     columns += [Column(CLASS_TITLES[each], align="left") for each in SHOWN[quantity]]
     columns += [Column("structure over explicit")] + [Column("over projected")] * (quantity == ENERGY)
     blocks = {}
-    for place in places_of(runs, quantity):
+    for place in places:
         prices = [place.prices[each] for each in SHOWN[quantity]]
         least = min((price.products for price in prices if price), default=None)
         row = [Entry(text) for text in (str(place.n), f"{runs.plans[place.n].time:g}", place.scene,
@@ -147,14 +148,14 @@ def prices_sections(runs):
                   " steps does, counts nowhere. Structure: the cheaper of exponential and Gauss methods at the"
                   " tolerance 1e-13. It is cheaper than every explicit method, projected or not,"
                   f" in {counts[ENERGY][0]} of {counts[ENERGY][1]} places. Bold: the cheapest of a row."),
-        prices_table(runs, ENERGY),
+        prices_table(runs, ENERGY, places[ENERGY]),
         Heading("Does the spectrum?"),
         Paragraph("The same for the spectrum error at the end. All but explicit methods keep the spectrum whatever the"
                   " step, and projected ones by force. Keeping the structure is cheaper than every explicit method"
                   f" without projection in {counts[SPECTRUM][0]} of {counts[SPECTRUM][1]} places, and cheaper than"
                   f" keeping the spectrum alone, by RKMK or Magnus, in"
                   f" {sum(place.is_cheaper_than_spectrum for place in places[SPECTRUM])}."),
-        prices_table(runs, SPECTRUM),
+        prices_table(runs, SPECTRUM, places[SPECTRUM]),
     ]
 
 
@@ -255,7 +256,7 @@ def defect_at(line, products):
 def defects(runs):
     """Returns (scene, n, method, cost, defect) of all lines with defects."""
     return [(scene, n, method, cost, defect_at(line, cost)) for (scene, n, method), line in runs.lines.items()
-            if any(point.symplectic_defect is not None for point in line) for cost in DEFECT_COSTS]
+            if any(point.symplectic_defect is not None for point in line) for cost in COSTS]
 
 
 def defect_sections(runs):
@@ -264,8 +265,8 @@ def defect_sections(runs):
         return []
     places = [(n, scene) for n, scene in runs.settings() if any(key[:2] == (n, scene) for key in found)]
     columns = [Column("method", align="left")]
-    columns += [Column(f"{cost} products", f"n = {n}, {scene}") for n, scene in places for cost in DEFECT_COSTS]
-    rows = [[method, *(error_text(found.get((n, scene, method, cost))) for n, scene in places for cost in DEFECT_COSTS)]
+    columns += [Column(f"{cost} products", f"n = {n}, {scene}") for n, scene in places for cost in COSTS]
+    rows = [[method, *(error_text(found.get((n, scene, method, cost))) for n, scene in places for cost in COSTS)]
             for method in runs.methods()]
     return [
         Heading("Symplectic defect"),
