@@ -13,7 +13,7 @@ from lib.equal_error import (FEW, MEAN_OVER, beaten_by, duel_errors, frame_gains
                              means_by_problem, ratio_in, runs_at_table1_step, tolerances, written_tolerance)
 from lib.formats import SWEEP_CAP, UNSTABLE
 from lib.integrator_names import FRAME, KEPT, strongest_structure
-from lib.numbers import scientific, span
+from lib.numbers import power, scientific, span
 from lib.recommendation import recommendation_tables
 from lib.verdicts import FEWEST, LEVEL, MARGIN, UNDECIDED, level_rows
 
@@ -79,11 +79,6 @@ def accuracy_sections(study, charts, limits=None):
 def written(form):
     """Writes a Form: the integrator, and its tolerance unless that is the tightest."""
     return form.integrator if form.tolerance == TIGHT else f"{form.integrator}, {power(form.tolerance)}"
-
-
-def power(value):
-    """Writes a power of ten, as 1e-8."""
-    return f"{value:.0e}".replace("e-0", "e-")
 
 
 def by_size(study, heading, text, rows, entry):

@@ -13,6 +13,7 @@ from lib.accuracy_lines import CONTENDERS, TABLE1_STEP, TIGHT, Form, compared
 from lib.contenders import CLASSES, EXPLICIT
 from lib.formats import FAST, FORMULATIONS
 from lib.integrator_names import frameless, gauss_stages, in_frame
+from lib.numbers import power
 from lib.verdicts import FASTER
 
 FEW = 10  # steps; a run of fewer is marked
@@ -136,4 +137,4 @@ def tolerances(study):
 def written_tolerance(study, loosest):
     """Writes the loosest tolerance of a cell that does no harm: at least that, if it is the loosest that was tried."""
     tried = max(run.tolerance for run in study.tolerance_runs)
-    return "at least " * (loosest.tolerance == tried) + f"{loosest.tolerance:.0e}".replace("e-0", "e-")
+    return "at least " * (loosest.tolerance == tried) + power(loosest.tolerance)

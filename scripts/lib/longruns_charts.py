@@ -8,6 +8,7 @@ from lib.drift import BOUNDED, GROWS, KEPT, LEAST_GROWTH
 from lib.longruns_files import (COSTS, ENERGY, EXPLICIT, EXPLICIT_LIE, EXPONENTIAL, EXPONENTIAL_LOOSE, GAUSS,
                                 GAUSS_LOOSE, LOOSE, PROJECTED, SCENES, SPECTRUM, without_variant)
 from lib.longruns_report import places_of
+from lib.numbers import power
 
 SIZES = (33, 129)  # of the panels against cost, where there are such
 LEAST_ERROR = 1e-16  # where an exact 0 is drawn
@@ -26,7 +27,7 @@ def label_of(run):
     """Returns the name of a method, with its tolerance where its integrator has several."""
     name = without_variant(run.method)
     loose = run.method.endswith(LOOSE)
-    return f"{name}, {run.tolerance:.0e}".replace("e-0", "e-") if loose or name.startswith("elp") else name
+    return f"{name}, {power(run.tolerance)}" if loose or name.startswith("elp") else name
 
 
 def styles(runs, drawn):

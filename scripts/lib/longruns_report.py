@@ -9,7 +9,7 @@ from lib.drift import (ALL_LOST, BLOCKS, BOUNDED, FAILED, GROWS, KEPT, LEAST_DRI
                        ROUNDING, VERDICTS)
 from lib.longruns_files import (CLASSES, COST_MARGIN, COSTS, ENERGY, EXPLICIT, EXPLICIT_LIE, EXPONENTIAL,
                                 EXPONENTIAL_LOOSE, GAUSS, PLAIN, PROJECTED, QUANTITIES, SCENES, SPECTRUM, STRUCTURE)
-from lib.numbers import scientific, two_digits
+from lib.numbers import power, scientific, two_digits
 from lib.verdicts import UNDECIDED
 
 CHARTS = (
@@ -33,10 +33,6 @@ RULES = (
     (BOUNDED, f": the straight lines through error and mean error have slopes whose intervals hold 0, and gain less"
      f" than {MOST_TREND:g} of the error in the whole run"),
     (UNDECIDED, ": anything else"))
-
-
-def written_error(error):
-    return f"{error:.0e}".replace("e-0", "e-")
 
 
 # ---- does structure pay?
@@ -99,7 +95,7 @@ def prices_table(runs, quantity, places):
         prices = [place.prices[each] for each in SHOWN[quantity]]
         least = min((price.products for price in prices if price), default=None)
         row = [Entry(text) for text in (str(place.n), f"{runs.plans[place.n].time:g}", place.scene,
-                                        written_error(place.error))]
+                                        power(place.error))]
         row += [Entry(price_text(price), bool(price) and price.products == least) for price in prices]
         row += [Entry(ratio_text(place.ratio((each,)))) for each in RIVALS[quantity]]
         blocks.setdefault((place.n, place.scene), []).append(row)
@@ -324,7 +320,7 @@ def figures(runs):
 def figures_of_places(places, quantity):
     found = {}
     for place in places:
-        key = f"{place.scene}.n{place.n}.{quantity}.{written_error(place.error)}"
+        key = f"{place.scene}.n{place.n}.{quantity}.{power(place.error)}"
         found.update({f"{key}.{name}.products": price and price.products for name, price in place.prices.items()})
         found[f"{key}.structure_over_explicit"] = place.ratio((EXPLICIT,))
         if quantity == SPECTRUM:

@@ -9,6 +9,11 @@ def scientific(value):
     return f"{mantissa}e{int(exponent)}" if value else "0"
 
 
+def power(value):
+    """Writes a power of ten or a multiple of one, as 1e-8."""
+    return f"{value:.0e}".replace("e-0", "e-")
+
+
 def two_digits(value):
     return f"{value:.2g}" if value < 99.5 else three_digits(value)
 

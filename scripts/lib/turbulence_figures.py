@@ -7,6 +7,7 @@ from typing import NamedTuple, Optional, Tuple
 import numpy
 from lib import verdicts
 from lib.integrator_names import KEPT, strongest_structure
+from lib.numbers import power
 from lib.turbulence_files import LOOSE, PRACTICE, Ensemble, bands_of
 from lib.turbulence_statistics import Reference, Spreads, drifts_of, false_positives, reference_of, spreads_of
 
@@ -228,7 +229,7 @@ def figures_of(found, judged):
 
 
 def key_of(setting):
-    tolerance = "" if setting.tolerance == LOOSE else f".tolerance_{setting.tolerance:.0e}".replace("e-0", "e-")
+    tolerance = "" if setting.tolerance == LOOSE else f".tolerance_{power(setting.tolerance)}"
     return f"{setting.integrator}.h{setting.step:g}{tolerance}"
 
 
