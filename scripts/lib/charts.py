@@ -12,7 +12,7 @@ from lib.chart_panels import (FAMILIES, LINES, cross, draw_line, equals, extende
 from lib.contenders import CLASSES, EXPLICIT
 from lib.equal_error import HEADLINE, beaten_by, headline_problems, ratio_in, runs_at_table1_step
 from lib.integrator_names import FRAME, in_frame, strongest_structure
-from lib.numbers import span, two_digits
+from lib.numbers import power, span, two_digits
 
 ERROR_LABEL = "relative error of W(T)"
 SECONDS_LABEL = "CPU seconds"
@@ -109,7 +109,7 @@ def label_of(study, form):
     integrator = study.integrators[form.integrator]
     loose = form.tolerance > keeping_tolerance(integrator.name, strongest_structure(integrator))
     frame = "" if in_frame(form.integrator) else ", no frame"
-    return short_name(integrator) + (f", {form.tolerance:.0e}".replace("e-0", "e-") if loose else "") + frame
+    return short_name(integrator) + (f", {power(form.tolerance)}" if loose else "") + frame
 
 
 def style_of(study, form):
