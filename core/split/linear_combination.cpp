@@ -28,12 +28,30 @@ struct Terms {
     }
   }
   std::size_t count() const { return fixed > 0 ? fixed : any_count; }
+  // The sum of `length` numbers from i on.  Each multiplication but the first is fused with its
+  // addition, where the processor can do that, as written here: left to the compiler, w₀x₀ + w₁x₁
+  // is rounded otherwise in one loop than in another, and a state would depend on which of them the
+  // band of its storage chose.
   template <int length>
   Eigen::Array<Real, length, 1> at(Index i) const {
-    Eigen::Array<Real, length, 1> sum = weights[0] * view<length>(numbers[0] + i);
+    using Packet = typename Eigen::internal::packet_traits<Real>::type;
+    constexpr int numbers_of_packet = Eigen::internal::packet_traits<Real>::size;
+    static_assert(length % numbers_of_packet == 0);
+    Eigen::Array<Real, length, 1> sum;
     const std::size_t end = count();
+#pragma GCC unroll 16
+    for (int k = 0; k < length; k += numbers_of_packet) {
+      const auto term = [&](std::size_t t) {
+        return Eigen::internal::ploadu<Packet>(numbers[t] + i + k);
+      };
+      Packet of_packet = Eigen::internal::pmul(Eigen::internal::pset1<Packet>(weights[0]), term(0));
 #pragma GCC unroll 6
-    for (std::size_t t = 1; t < end; ++t) sum += weights[t] * view<length>(numbers[t] + i);
+      for (std::size_t t = 1; t < end; ++t) {
+        of_packet =
+            Eigen::internal::pmadd(Eigen::internal::pset1<Packet>(weights[t]), term(t), of_packet);
+      }
+      Eigen::internal::pstoreu(sum.data() + k, of_packet);
+    }
     return sum;
   }
 
