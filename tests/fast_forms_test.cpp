@@ -122,6 +122,10 @@ TEST_P(EachFastForm, PredictionsSaveSweeps) {
   }
 }
 
+double per_sweep(const RunReport& report) {
+  return report.work.equivalent_products / static_cast<double>(report.sweeps);
+}
+
 // Bands also where they do not pay.
 TEST_P(EachFastForm, CorrectionsAndBandsChangeTheCostAndNotTheAnswer) {
   for (const Index n : {5, 16, 33}) {
@@ -139,8 +143,12 @@ TEST_P(EachFastForm, CorrectionsAndBandsChangeTheCostAndNotTheAnswer) {
     const RunReport plain = integrate(false, false);
     const RunReport corrected = integrate(true, false);
     EXPECT_LT(corrected.sweeps, 0.9 * static_cast<double>(plain.sweeps));
-    EXPECT_LE(integrate(false, true).work.equivalent_products,
-              (n == 33 ? 0.95 : 1.0) * plain.work.equivalent_products);
+    // A cut is rounding to the iteration, and may move a step at the edge of its tolerance by a
+    // sweep, up or down: the cost of a sweep is what bands change.
+    const RunReport banded = integrate(false, true);
+    const auto sweeps = static_cast<double>(plain.sweeps);
+    EXPECT_NEAR(static_cast<double>(banded.sweeps), sweeps, 0.05 * sweeps);
+    EXPECT_LE(per_sweep(banded), (n == 33 ? 0.95 : 1.0) * per_sweep(plain));
     const double both = integrate(true, true).work.equivalent_products;
     if (n > 5) {  // which the modes, up to degree 4, fill
       EXPECT_LT(both, corrected.work.equivalent_products);
