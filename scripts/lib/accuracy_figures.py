@@ -7,14 +7,17 @@ import math
 import statistics
 
 from lib.accuracy_lines import TABLE_EXPONENTS
-from lib.equal_error import (ISOSPECTRAL_ONLY, PAIRS, cheapest, cheapest_contender, frame_gains, gauss_forms,
-                             headline_problems, ratio_in, runs_at_table1_step, tolerances)
+from lib.contenders import CLASSES, EXPLICIT
+from lib.equal_error import (PAIRS, beaten_by, cheapest, duel_errors, frame_gains, gauss_forms,
+                             headline_problems, is_few, ratio_in, runs_at_table1_step, tolerances)
+from lib.formats import PUBLISHED
 from lib.integrator_names import FRAME, frameless, gauss_stages
 from lib.verdicts import FASTER, SLOWER, TIE, UNDECIDED
 
-WITH_SPECTRUM = ("gauss_loose", "gauss_matched", "elp", "elp_matched")  # contenders whose spectrum error is told
+# Classes whose spectrum error is told.
+WITH_SPECTRUM = ("explicit", "gauss_loose", "gauss_matched", "elp", "elp_matched")
 # Whose error at Table 1's step is told against n, in the co-rotating frame and not.
-AGAINST_N = ("group1", "group2", "group3", "group4", "elp2", "elp4", "elp6", "magnus5", "rkmk4", "rk4")
+AGAINST_N = ("group1", "group2", "group3", "group4", "elp2", "elp4", "elp6", "magnus5", "rkmk4", "rk4", "rk8")
 
 
 def figures(study):
@@ -29,34 +32,41 @@ def name_of(problem, wanted):
 
 
 def duel_times(study):
-    """CPU seconds and steps of the rows of duels, and the spectrum error of those whose tolerance is loose."""
-    found = {}
+    """CPU seconds and steps of the rows of duels, and the spectrum error of some; how many rows take few steps, and in
+    how many duels of an error no class is faster than the best explicit method.
+    """
+    found = {"rows": sum(map(len, study.duels.values())),
+             "rows.of_few_steps": sum(is_few(row) for duel in study.duels.values() for row in duel.values())}
     for key, duel in study.duels.items():
         for contender, row in duel.items():
             found[f"seconds.{contender}.{name_of(*key)}"] = row.seconds
             found[f"steps.{contender}.{name_of(*key)}"] = row.steps
             if contender in WITH_SPECTRUM:
                 found[f"spectrum.{contender}.{name_of(*key)}"] = row.spectrum_error
+    for wanted in duel_errors(study):
+        duels = [duel for (_, error), duel in study.duels.items() if error == wanted and EXPLICIT in duel]
+        error = f"at_1e{round(math.log10(wanted))}"
+        found[f"explicit_fastest.{error}"] = sum(not beaten_by(duel) for duel in duels)
+        found[f"explicit_fastest.{error}.duels"] = len(duels)
     return found
 
 
 def duel_ratios(study):
-    """Ratios of times in duels, and in how many duels of each scene and time the verdict says what.
-
-    elp_over_isospectral is against the cheapest contender that keeps the spectrum only.
-    """
+    """Ratios of times in duels, and in how many duels the verdict says what; of published forms, ratios of products."""
     found, counts = {}, {}
     for key, duel in study.duels.items():
-        pairs = [(f"{first}_over_{second}", ratio_in(duel, first, second)) for first, second in PAIRS]
-        rival = cheapest_contender(duel, ISOSPECTRAL_ONLY)
-        pairs += [("elp_over_isospectral", rival and ratio_in(duel, "elp", rival))]
-        for pair, result in pairs:
-            if result:
-                ratio, said = result
-                found[f"{pair}.{name_of(*key)}"] = ratio.ratio
-                for each in (FASTER, SLOWER, TIE, UNDECIDED):
-                    counts[f"{pair}.{each}"] = counts.get(f"{pair}.{each}", 0) + (said == each)
-                counts[f"{pair}.duels"] = counts.get(f"{pair}.duels", 0) + 1
+        for first, second in PAIRS:
+            pair, result = f"{first}_over_{second}", ratio_in(duel, first, second)
+            if not result:
+                continue
+            ratio, said = result
+            found[f"{pair}.{name_of(*key)}"] = ratio.ratio
+            if CLASSES[first].solver == CLASSES[second].solver == PUBLISHED:
+                found[f"{pair}.products.{name_of(*key)}"] = (duel[first].equivalent_products
+                                                             / duel[second].equivalent_products)
+            for each in (FASTER, SLOWER, TIE, UNDECIDED):
+                counts[f"{pair}.{each}"] = counts.get(f"{pair}.{each}", 0) + (said == each)
+            counts[f"{pair}.duels"] = counts.get(f"{pair}.duels", 0) + 1
     return {**found, **counts}
 
 

@@ -25,6 +25,9 @@ TABLE_EXPONENTS = (-2, -4, -6, -8)  # powers of ten, as errors for which tables 
 # keeps the spectrum to about the tolerance only, an exponential method to rounding.
 TIGHT = 1e-13
 LOOSE_GAUSS, LOOSE_EXPONENTIAL = 1e-7, 1e-8
+# The tolerance at which the energy of exponential Lie–Poisson methods stays bounded, as the study of long runs measures
+# it. At a looser one errors of the Lie–Poisson structure add up, and the energy drifts.
+ENERGY_BOUNDED = 1e-13
 MATCHED = 100  # so many times smaller than an error is a tolerance that is matched to it
 
 # A line has reached its floor where the error is within this of the reference's uncertainty, ...
@@ -38,12 +41,13 @@ STILL_FALLING = 0.5
 ORDER_POINTS = 3
 
 # How a line ends: its error no longer falls, it is below GOOD_ENOUGH, or the next run would have taken too much work.
-FLOOR, BELOW, CUT = "floor", "below", "cut"
+# One of a single step, that of Table 1, is alone.
+FLOOR, BELOW, CUT, ALONE = "floor", "below", "cut", "alone"
 GOOD_ENOUGH = 1e-9
 
-# The rows of a duel. Each is one method, or the best of several, in the co-rotating frame.
-CONTENDERS = ("gauss", "gauss_loose", "gauss_matched", "gauss_published", "elp", "elp_matched", "elp_tight", "magnus",
-              "rkmk4", "rk4_projected", "rk4")
+# The rows of a duel, each the best method of a class in the co-rotating frame: lib/contenders.py says of which.
+CONTENDERS = ("explicit", "rk4", "projected", "rkmk", "magnus", "elp", "elp_matched", "elp_bounded", "gauss",
+              "gauss_loose", "gauss_matched", "gauss_published", "named_published")
 
 
 class Problem(NamedTuple):
@@ -69,15 +73,17 @@ def loose_tolerance(integrator):
     return LOOSE_EXPONENTIAL if is_exponential(integrator) else None
 
 
-def keeping_tolerance(integrator):
-    """Returns the loosest tolerance at which an integrator keeps all that it keeps at the tightest."""
-    return LOOSE_EXPONENTIAL if is_exponential(integrator) else TIGHT
+def keeping_tolerance(integrator, structure="spectrum"):
+    """Returns the loosest tolerance at which an integrator keeps a structure that it keeps at the tightest."""
+    if not is_exponential(integrator):
+        return TIGHT
+    return ENERGY_BOUNDED if structure == "poisson" else LOOSE_EXPONENTIAL
 
 
 def keeps(integrator, tolerance, structure):
-    """Tells whether an Integrator keeps a structure at a tolerance: to rounding, Lie–Poisson to the tolerance."""
-    if tolerance > TIGHT and not is_exponential(integrator.name):
-        return structure == "nothing"
+    """Tells whether an Integrator keeps a structure at a tolerance."""
+    if tolerance > TIGHT and structure != "nothing" and tolerance > keeping_tolerance(integrator.name, structure):
+        return False
     return integrator.keeps(structure)
 
 
@@ -163,7 +169,7 @@ class Line(NamedTuple):
     n: whole(2)
     integrator: text
     tolerance: positive
-    end: one_of(FLOOR, BELOW, CUT)
+    end: one_of(FLOOR, BELOW, CUT, ALONE)
 
 
 class Duel(NamedTuple):
@@ -180,6 +186,7 @@ class Duel(NamedTuple):
     steps: whole(1)
     error: positive
     spectrum_error: number
+    beyond_limit: truth  # as that of a Run
     equivalent_products: number
     cpu_seconds: list_of(positive)  # of the whole run, one for each process
 
@@ -242,17 +249,21 @@ class Accuracy(NamedTuple):
             kept.append(run)
         return kept
 
-    def stretches(self, problem, integrator, tolerance=TIGHT):
-        """Returns the line above its floor as lists of neighbouring runs that are no failure and not beyond a limit."""
+    def stretches(self, problem, integrator, tolerance=TIGHT, beyond=False):
+        """Returns the line above its floor as lists of neighbouring runs that are no failure, nor beyond a limit unless
+        `beyond` says so."""
         kept = set(map(id, self.above_floor(problem, integrator, tolerance)))
         found = itertools.groupby(self.line(problem, integrator, tolerance),
-                                  lambda run: id(run) in kept and not run.beyond_limit)
+                                  lambda run: id(run) in kept and (beyond or not run.beyond_limit))
         return [list(runs) for good, runs in found if good]
 
-    def cost(self, problem, integrator, error, tolerance=TIGHT) -> Optional[Cost]:
-        """Returns the least cost of this error or a smaller one on a line; None where the line does not reach it."""
+    def cost(self, problem, integrator, error, tolerance=TIGHT, beyond=False) -> Optional[Cost]:
+        """Returns the least cost of this error or a smaller one on a line; None where the line does not reach it.
+
+        Runs beyond a limit count if `beyond` says so.
+        """
         costs = []
-        for stretch in self.stretches(problem, integrator, tolerance):
+        for stretch in self.stretches(problem, integrator, tolerance, beyond):
             costs += [interpolated(run, run, error) for run in stretch if run.error <= error]
             costs += [interpolated(coarse, fine, error) for coarse, fine in zip(stretch, stretch[1:])
                       if coarse.error >= error >= fine.error]
@@ -280,8 +291,9 @@ class Accuracy(NamedTuple):
 
 
 def compared(row, other):
-    """Returns (Ratio, verdict) of the time of a row of a duel over another's."""
-    found = ratio_of(row.cpu_seconds, other.cpu_seconds)
+    """Returns (Ratio, verdict) of the time of a row of a duel over another's, by the processes that timed both."""
+    both = min(len(row.cpu_seconds), len(other.cpu_seconds))
+    found = ratio_of(row.cpu_seconds[:both], other.cpu_seconds[:both])
     return found, verdict(found)
 
 

@@ -4,29 +4,33 @@ import itertools
 import math
 
 from lib.accuracy_figures import AGAINST_N
-from lib.accuracy_lines import CONTENDERS, CUT, FLOOR_MARGIN, GOOD_ENOUGH, MATCHED, TABLE1_STEP, TIGHT
-from lib.comparison import MISSING, percentage, three_digits
-from lib.document import Column, Heading, Items, Paragraph, conditions, plain_table, shown
-from lib.equal_error import (CONTENDER_NAMES, MEAN_OVER, contenders_of, duel_errors, frame_gains, headline_problems,
+from lib.accuracy_lines import (CONTENDERS, CUT, ENERGY_BOUNDED, FLOOR_MARGIN, GOOD_ENOUGH, LOOSE_EXPONENTIAL, MATCHED,
+                                TABLE1_STEP, TIGHT)
+from lib.comparison import MISSING, UNDECIDED_MARK, percentage, three_digits
+from lib.contenders import CLASSES, EXPLICIT
+from lib.document import Column, Entry, Heading, Items, Paragraph, Table, conditions, plain_table, shown
+from lib.equal_error import (FEW, MEAN_OVER, beaten_by, duel_errors, frame_gains, headline_problems, is_few,
                              means_by_problem, ratio_in, runs_at_table1_step, tolerances, written_tolerance)
 from lib.formats import SWEEP_CAP, UNSTABLE
 from lib.integrator_names import FRAME, KEPT, strongest_structure
 from lib.numbers import power, scientific, span
 from lib.recommendation import recommendation_tables
-from lib.verdicts import FEWEST, LEVEL, MARGIN, UNDECIDED
+from lib.verdicts import FEWEST, LEVEL, MARGIN, UNDECIDED, level_rows
 
 CARE_ERROR, CARE_FACTOR = 1e-6, 10  # near which, within what factor, equal care is shown, ...
 CARE_SIZE = 65  # ... at the largest n up to this
 
 CHARTS = (
-    ("time_against_n", "CPU seconds to an error of 1e-6 against n, smooth and rough scene to T = 5, from the duels. A"
-     " line for each class of methods, in the co-rotating frame; it breaks where no method of the class was timed."),
-    ("error_against_time", "Work–precision diagram of the smooth scene to T = 5, in the co-rotating frame: the lower a"
+    ("time_against_n", "CPU seconds to an error of 1e-6 against n, from the duels. A line for each class of methods, in"
+     " the co-rotating frame; it breaks where no method of the class was timed."),
+    ("error_against_time", "Work–precision diagram of the smooth scene to T = 50, in the co-rotating frame: the lower a"
      " line, the cheaper the error. Lines break at failures and stability limits, end at their floor or at 1e-9, and"
      " carry an open triangle where they were cut. Panels have equal decades."),
     ("error_against_n", f"Error at h = {TABLE1_STEP}, the step of Table 1, against n, smooth scene to T = 5, not in the"
      " co-rotating frame, tolerance 1e-13. A cross: at the next n the step fails or is beyond the stability limit."),
 )
+CHIEF = ("explicit", "projected", "elp_bounded", "elp", "magnus", "gauss", "named_published")  # of the first tables
+FEW_MARK, BEYOND_MARK = "°", "‡"
 BEYOND_LIMIT = "beyond its stability limit"
 LETTERS = {SWEEP_CAP: "c", "stagnated": "s", "diverged": "d", UNSTABLE: "u", BEYOND_LIMIT: "l"}  # of ends of a run
 CARE = (  # what was tried and paid
@@ -36,8 +40,8 @@ CARE = (  # what was tried and paid
     ("Direct Gauss", ": predictor, inexact Newton in single precision, bands"),
     ("Yoshida, Suzuki, Kahan–Li", ": a predictor for each substep, inexact Newton, bands"),
     ("RKMK4", ": series cut to what the step's error can use, late terms in single precision, bands"),
-    ("RK4, projected RK4", ": one product a stage in split-complex storage, bands; the projection as seldom as the"
-     " error allows"),
+    ("Explicit methods, projected or not", ": one product a stage in split-complex storage, bands; the projection as"
+     " seldom as the error allows"),
 )
 
 
@@ -46,12 +50,13 @@ def accuracy_sections(study, charts, limits=None):
     exceeds."""
     return [
         Heading("Accuracy against cost", 1),
+        *losses(study),
         Paragraph("Integrators over step sizes on every problem; errors are relative, in the Frobenius norm. Duels give"
                   " the verdicts. The cost of an error on a line is that of the cheapest run with this error or a"
                   " smaller one, interpolated between neighbouring runs that worked. A line ends at its floor, below"
-                  f" {GOOD_ENOUGH:g}, or is cut by work; nothing is compared with a cut line that might be cheaper."),
-        Paragraph("Explicit methods of order 8 are not in the study. Where the cheapest method stands below, that is"
-                  " among the methods that were run. To be measured anew against explicit methods of order 8."),
+                  f" {power(GOOD_ENOUGH)}, or is cut by work; nothing is compared with a cut line that might be the"
+                  " cheaper. On lines the first steps of runs of much work are timed, and their time is scaled by"
+                  " products."),
         *shown(CHARTS, charts),
         *duels_section(study),
         Heading("Reference solutions"),
@@ -73,8 +78,7 @@ def accuracy_sections(study, charts, limits=None):
 
 def written(form):
     """Writes a Form: the integrator, and its tolerance unless that is the tightest."""
-    name, tolerance = form.integrator, power(form.tolerance)
-    return name if form.tolerance == TIGHT else f"{name}, {tolerance}"
+    return form.integrator if form.tolerance == TIGHT else f"{form.integrator}, {power(form.tolerance)}"
 
 
 def by_size(study, heading, text, rows, entry):
@@ -92,51 +96,118 @@ def by_size(study, heading, text, rows, entry):
     return [Heading(heading), Paragraph(text), *tables] if tables else []
 
 
-def duels_section(study):
-    """Shows duels: the time of each contender over that of the exponential method, then every row."""
-    contenders = contenders_of(study)
-    parts = []
+# ---- duels
+
+
+def losses(study):
+    """Says in how many duels of each error no class is faster than the best explicit method, and which is elsewhere."""
+    items = []
     for wanted in duel_errors(study):
-        found = {problem: duel for problem in study.problems() if (duel := study.duel(problem, wanted))}
-        columns = (Column("problem", align="left"), *(Column(CONTENDER_NAMES[each]) for each in contenders))
-        ratios = [[str(problem), *(over_exponential(duel, each) for each in contenders)]
-                  for problem, duel in found.items()]
-        rows = [[str(problem), CONTENDER_NAMES[each], written(row), str(row.steps), scientific(row.error),
-                 scientific(row.spectrum_error), f"{row.equivalent_products:.0f}", three_digits(row.seconds),
-                 str(len(row.cpu_seconds))]
-                for problem, duel in found.items() for each, row in in_order(duel)]
-        heads = ("steps", "error", "spectrum error", "equivalent products", "CPU seconds", "processes")
-        parts += [Heading(f"Error {wanted:g}", 3), plain_table(columns, ratios),
-                  plain_table((*(Column(head, align="left") for head in ("problem", "contender", "method")),
-                               *map(Column, heads)), rows)]
-    matched = (f" Matched: at a tolerance {MATCHED} times smaller than the error, where that is looser."
-               if {"gauss_matched", "elp_matched"} & {*contenders} else "")
-    return [Heading("Time at equal error"),
-            Paragraph("For each contender stands the method of its kind that reaches the error at the least cost, in"
-                      " the co-rotating frame, with the steps that take least work; the published form takes the steps"
-                      " of the best Gauss method. Loose: Gauss at 1e-7. Exponential and Magnus: at 1e-8 unless said."
-                      f"{matched} Times: whole runs in fresh processes, in turns. First table: time over that of the"
-                      f" exponential method ({100 * LEVEL:.0f} % interval over processes); †: undecided, the interval"
-                      f" is on both sides of a bound of the tie within {100 * (MARGIN - 1):.0f} %, or from fewer than"
-                      f" {FEWEST} processes. Runs of few steps time starts: compare the numbers of steps. An error is"
-                      " reached by a whole number of steps and may be smaller than asked for. No row takes a step"
-                      " beyond the limit of stability, though a run of a few such steps can reach the error."),
-            *parts] if parts else []
+        found = [(problem, beaten_by(duel)) for problem, duel in duels_at(study, wanted) if EXPLICIT in duel]
+        others = [f"{problem} ({CLASSES[faster[0]].label})" for problem, faster in found if faster]
+        items.append((f"Error {power(wanted)}", f": in {len(found) - len(others)} of {len(found)} duels no class is"
+                      " faster than the best explicit method, which keeps nothing"
+                      + (f". The fastest elsewhere: {'; '.join(others)}." if others else ".")))
+    return [Items(items)] if items else []
 
 
-def in_order(duel):
-    return [(each, duel[each]) for each in CONTENDERS if each in duel]
+def duels_at(study, wanted):
+    return [(problem, duel) for problem in study.problems() if (duel := study.duel(problem, wanted))]
 
 
-def over_exponential(duel, contender):
-    """Writes the time of a contender over that of the exponential method."""
-    found = ratio_in(duel, contender, "elp")
-    if found is None:
-        return MISSING
-    if contender == "elp":
-        return "1"
-    ratio, said = found
-    return f"{ratio.ratio:.2f} ({ratio.low:.2f}–{ratio.high:.2f})" + " †" * (said == UNDECIDED)
+def duels_section(study):
+    """Shows the times and steps of the chief classes, all times over the best explicit method, and every row."""
+    if not study.duels:
+        return []
+    times = [table for wanted in duel_errors(study) for table in times_table(study, wanted)]
+    ratios = [table for wanted in duel_errors(study) for table in ratios_table(study, wanted)]
+    head = (*(Column(head, align="left") for head in ("error", "problem", "class", "method")), *map(Column, (
+        "steps", "reached", "spectrum error", "equivalent products", "CPU seconds", "processes")))
+    rows = [[power(wanted), str(problem), CLASSES[each].label, written(duel[each]), steps_text(duel[each]),
+             scientific(duel[each].error), scientific(duel[each].spectrum_error),
+             f"{duel[each].equivalent_products:.0f}", three_digits(duel[each].seconds),
+             str(len(duel[each].cpu_seconds))]
+            for wanted in duel_errors(study) for problem, duel in duels_at(study, wanted)
+            for each in CONTENDERS if each in duel]
+    return [
+        Heading("CPU time at equal error"),
+        Paragraph("CPU seconds and, in brackets, steps, by the method of each class that reaches the error in the least"
+                  " time. Whole runs in the co-rotating frame, in fresh processes, in turns. The steps are those that"
+                  " take least work: no number of steps that was tried, 2 % apart, is cheaper. Bold: the fastest, or"
+                  f" within {100 * (MARGIN - 1):.0f} % of it; †: undecided. {FEW_MARK}: fewer than {FEW} steps, whose"
+                  f" time is that of starts. {BEYOND_MARK}: steps beyond the linear limit, which a long run does not"
+                  " survive. Exponential methods are shown at the tolerance"
+                  f" {power(ENERGY_BOUNDED)}, at which their energy is bounded, and at {power(LOOSE_EXPONENTIAL)}, at"
+                  f" which it drifts; Gauss at {power(TIGHT)}; the named methods, Bogfjellmo–Marthinsen and"
+                  " Crouch–Grossman, have no fast form."),
+        *times,
+        Heading("Time over that of the best explicit method"),
+        Paragraph(f"With the {100 * LEVEL:.0f} % interval over processes; †: undecided, the interval is on both sides"
+                  f" of a bound of the tie within {100 * (MARGIN - 1):.0f} %, or from fewer than {FEWEST} processes."
+                  f" Matched: at a tolerance {MATCHED} times smaller than the error."),
+        *ratios, *published_section(study),
+        Heading("All rows of the duels"),
+        Paragraph("An error is reached by a whole number of steps and may be smaller than asked for."),
+        plain_table(head, rows)]
+
+
+def steps_text(row):
+    """Writes the steps of a row, marked where they are few or beyond the linear limit."""
+    return f"{row.steps}" + FEW_MARK * is_few(row) + BEYOND_MARK * row.beyond_limit
+
+
+def times_table(study, wanted):
+    """Returns a heading and the table of seconds and steps of the chief classes at an error."""
+    rows = []
+    for problem, duel in duels_at(study, wanted):
+        chief = {each: duel[each].cpu_seconds for each in CHIEF if each in duel}
+        common = min(map(len, chief.values()), default=0)  # processes
+        level, undecided = level_rows({each: times[:common] for each, times in chief.items()})
+        found = {each: f"{three_digits(duel[each].seconds)} ({steps_text(duel[each])})" for each in CHIEF
+                 if each in duel}
+        rows.append([Entry(str(problem)), *(Entry(
+            found.get(each, MISSING) + UNDECIDED_MARK * (each in undecided), each in level) for each in CHIEF)])
+    columns = (Column("problem", align="left"), *(Column(CLASSES[each].label) for each in CHIEF))
+    return [Heading(f"Error {power(wanted)}", 3), Table(columns, [rows])] if rows else []
+
+
+def ratios_table(study, wanted):
+    """Returns a heading and the table of the times of all classes over that of the best explicit method at an error."""
+    rows = [[str(problem), *(over_explicit(duel, each) for each in CONTENDERS if each != EXPLICIT)]
+            for problem, duel in duels_at(study, wanted)]
+    columns = (Column("problem", align="left"), *(Column(CLASSES[each].label) for each in CONTENDERS
+                                                  if each != EXPLICIT))
+    return [Heading(f"Error {power(wanted)}", 3), plain_table(columns, rows)] if rows else []
+
+
+def over_explicit(duel, contender):
+    """Writes the time of a class over that of the best explicit method."""
+    found = ratio_in(duel, contender, EXPLICIT)
+    return MISSING if found is None else ratio_with_interval(*found)
+
+
+def ratio_with_interval(ratio, said):
+    return f"{ratio.ratio:.2f} ({ratio.low:.2f}–{ratio.high:.2f})" + f" {UNDECIDED_MARK}" * (said == UNDECIDED)
+
+
+def published_section(study):
+    """Shows the methods that the paper named beside its own, both in published form."""
+    classes, rows = ("gauss_published", "named_published"), []
+    for wanted in duel_errors(study):
+        for problem, duel in duels_at(study, wanted):
+            if {*classes} <= {*duel}:
+                gauss, named = (duel[each] for each in classes)
+                rows.append([power(wanted), str(problem), *(text for row in (gauss, named) for text in (
+                    written(row), steps_text(row), three_digits(row.seconds))),
+                    ratio_with_interval(*ratio_in(duel, *reversed(classes))),
+                    f"{named.equivalent_products / gauss.equivalent_products:.2f}"])
+    columns = (*(Column(head, align="left") for head in ("error", "problem")), *(
+        Column(head, group, "left" if head == "method" else "right") for group in ("Gauss", "named by the paper")
+        for head in ("method", "steps", "CPU seconds")), Column("time"), Column("products"))
+    return [Heading("Published forms"),
+            Paragraph("The Lie–Poisson methods that the paper calls inefficient, and Gauss methods, each the fastest of"
+                      f" its kind in published form, at the tolerance {TIGHT:g}. Time and products: those of the former"
+                      " over those of the latter."), plain_table(columns, rows)] if rows else []
 
 
 def frame_section(study):
@@ -190,9 +261,12 @@ def care_section(study):
 
 def integrators_section(study):
     scenes = list(dict.fromkeys(problem[:2] for problem in study.problems()))
+    tightest = {(problem, name): (problem, name, tolerance)  # lines, each the last of these keys
+                for problem, name, tolerance in sorted(study.lines, key=lambda line: -line[2])}.values()
 
     def orders(name, scene):
-        found = [study.observed_order(problem, name) for problem in study.problems() if problem[:2] == scene]
+        found = [study.observed_order(problem, *form) for problem, *form in tightest
+                 if (problem[:2], form[0]) == (scene, name)]
         return span(list(filter(None, found)), "{:.2f}".format) if any(found) else MISSING
 
     rows = [[name, str(each.order), KEPT[strongest_structure(each)], *(orders(name, scene) for scene in scenes)]

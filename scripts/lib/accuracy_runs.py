@@ -13,6 +13,7 @@ from lib.integrator_names import in_frame
 
 LOOKS = 50  # at the energy in a run, at least while there are as many steps
 LOST_SPECTRUM = 0.1  # of the largest eigenvalue, which is 1: a run that lost so much is unstable
+PART_WORK = 20e9  # floating-point operations of products, up to which a run is timed whole outside of processes
 MAX_SWEEPS = {FAST: 60, PUBLISHED: 200}  # a step; one that takes more is of no use to anybody
 
 
@@ -61,6 +62,18 @@ class Setting(trials.Setting):
         found.update(error=isosyrk.relative_error(W, self.reference), energy_error=energy_error,
                      spectrum_error=isosyrk.spectrum_error(W, initial))
         return Run(**found), W
+
+
+def seconds_of_part(method, W, h, steps, products):
+    """Returns the CPU seconds of a run of steps with so many equivalent products in all.
+
+    Of one that takes more than PART_WORK the first steps are timed, and their time is scaled by products.
+    """
+    part = math.ceil(steps * min(1.0, PART_WORK / (8 * len(W)**3 * products)))
+    if part == steps:
+        return study.seconds_of(method, W, h, steps)
+    _, report = method.run(W, h, part)
+    return report.seconds * products / report.equivalent_products
 
 
 def rounded(record):

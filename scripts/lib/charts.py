@@ -2,17 +2,17 @@
 
 import itertools
 import math
-from typing import NamedTuple
 
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from lib.accuracy_lines import CUT, GOOD_ENOUGH, TABLE1_STEP, TIGHT, Form, keeping_tolerance
+from lib.accuracy_lines import (CUT, ENERGY_BOUNDED, GOOD_ENOUGH, LOOSE_EXPONENTIAL, TABLE1_STEP, Form,
+                                keeping_tolerance, keeps)
 from lib.chart_panels import (FAMILIES, LINES, cross, draw_line, equals, extended, label_ends, logarithmic, look,
                               new_figure, note, short_name)
-from lib.equal_error import (HEADLINE, ISOSPECTRAL_ONLY, cheapest_contender, headline_problems, ratio_in,
-                             runs_at_table1_step)
-from lib.integrator_names import FRAME, in_frame, is_exponential
-from lib.numbers import two_digits
+from lib.contenders import CLASSES, EXPLICIT
+from lib.equal_error import HEADLINE, beaten_by, headline_problems, ratio_in, runs_at_table1_step
+from lib.integrator_names import FRAME, in_frame, strongest_structure
+from lib.numbers import power, span, two_digits
 
 ERROR_LABEL = "relative error of W(T)"
 SECONDS_LABEL = "CPU seconds"
@@ -21,35 +21,27 @@ EXPONENTIAL = "exponential Lie–Poisson"
 ERROR_TICKS = (1, 1e-3, 1e-6, 1e-9)  # of an axis of errors
 MARGIN = 0.15  # decades beyond the lines
 
-# The lines of the work–precision diagram, Gauss methods at the tight tolerance and exponential ones at the loose one.
-WORK_PRECISION = ("group2", "group4", "elp4", "elp6", "magnus5", "rkmk4", "rk4")
-SIZES = (17, 65, 257)
+# The lines of the work–precision diagram, in the frame if it was run there.
+WORK_PRECISION = (Form("group2"), Form("group4"), Form("elp6", ENERGY_BOUNDED), Form("elp6", LOOSE_EXPONENTIAL),
+                  Form("magnus5", LOOSE_EXPONENTIAL), Form("rk4"), Form("rk8"))
+WORK_PRECISION_OF = ("smooth", 50.0)
+SIZES = (17, 65, 129)
 CUT_MARK = {"marker": ">", "markersize": 8, "markerfacecolor": "white", "zorder": 5, "linestyle": "none"}
 
-
-class MethodClass(NamedTuple):
-    """A line of time_against_n: the cheapest of some contenders of a duel."""
-
-    label: str
-    contenders: tuple
-    colour: str
-    style: dict
-
-
-CLASSES = (
-    MethodClass("Lie–Poisson, Gauss, published form", ("gauss_published",), FAMILIES["group"][0],
-                {"linestyle": LINES["poisson"], "linewidth": 1, "marker": "s", "markerfacecolor": "white"}),
-    MethodClass("Lie–Poisson, Gauss, fast form", ("gauss",), FAMILIES["group"][0],
-                {"linestyle": LINES["poisson"], "linewidth": 2.4, "marker": "s"}),
-    MethodClass("Lie–Poisson, exponential", ("elp",), FAMILIES["elp"][0],
-                {"linestyle": LINES["poisson"], "linewidth": 2.4, "marker": "D"}),
-    MethodClass("spectrum only", ISOSPECTRAL_ONLY, FAMILIES["rkmk"][0],
-                {"linestyle": LINES["spectrum"], "marker": "v"}),
-    MethodClass("nothing kept", ("rk4",), FAMILIES["rk"][0], {"linestyle": LINES["nothing"], "marker": "o"}))
+# The lines of time_against_n: a class of methods, its colour and how it is drawn.
+POISSON, SPECTRUM, NOTHING = ({"linestyle": LINES[each]} for each in ("poisson", "spectrum", "nothing"))
+DRAWN = {
+    "gauss": (FAMILIES["group"][0], {**POISSON, "linewidth": 2.4, "marker": "s"}),
+    "elp_bounded": (FAMILIES["elp"][0], {**POISSON, "linewidth": 2.4, "marker": "D"}),
+    "elp": (FAMILIES["elp"][0], {**SPECTRUM, "marker": "D", "markerfacecolor": "white"}),
+    "magnus": (FAMILIES["magnus"][0], {**SPECTRUM, "marker": "v"}),
+    "projected": ("0.45", {**SPECTRUM, "marker": "^"}),
+    "rk4": ("0.45", {**NOTHING, "marker": "o", "markerfacecolor": "white"}),
+    "explicit": (FAMILIES["rk"][0], {**NOTHING, "linewidth": 2.4, "marker": "o"})}
 
 # The lines of error_against_n, not in the frame, at the tight tolerance; those with words are told in the title.
-AGAINST_N = {"group1": None, "group2": "the Gauss method of order 4", "group3": None,
-             "elp4": "the exponential method of order 4", "elp6": None, "rkmk4": "RKMK4", "rk4": None}
+AGAINST_N = {"group1": None, "group2": "the Gauss method of order 4", "elp4": "the exponential method of order 4",
+             "elp6": None, "rkmk4": "RKMK4", "rk4": None, "rk8": None}
 GROWS = 10  # a factor beyond which the title says that an error depends on n
 
 
@@ -57,7 +49,7 @@ GROWS = 10  # a factor beyond which the title says that an error depends on n
 
 
 def error_against_time(study):
-    """Draws the CPU seconds of errors: a panel for each of up to three n of the smooth scene to T = 5.
+    """Draws the CPU seconds of errors: a panel for each of up to three n, smooth scene to T = 50, or else to T = 5.
 
     Lines are drawn above their floors, and broken at failures and limits. None if there are none.
     """
@@ -84,17 +76,19 @@ def error_against_time(study):
         axes.axvline(DUEL_ERROR, color="0.6", linewidth=0.9, zorder=1, label="_duels")
         for form, line in drawn.items():
             draw_form(axes, study, problem, form)
-        label_ends(axes, [(line[-1], label_of(study, form), colour_of(study, form)) for form, line in drawn.items()])
+        label_ends(axes, [(line[-1], label_of(study, form), style_of(study, form)["color"])
+                          for form, line in drawn.items()])
     panels[0].set_ylabel(SECONDS_LABEL)
-    note(figure, "Smooth scene to T = 5. In the co-rotating frame; tolerance 1e-13 of Gauss, 1e-8 of exponential and"
-         " Magnus methods; numbers are orders. Solid: keeps the Lie–Poisson structure; dashed: the spectrum only;"
-         " dotted: nothing. Open triangle: the line was cut, as the next run would have taken too long.")
+    note(figure, f"Smooth scene to T = {next(iter(lines)).time:g}. In the co-rotating frame; tolerance 1e-13, of"
+         " Magnus methods 1e-8, unless said; numbers are orders. Solid: keeps the Lie–Poisson structure; dashed:"
+         " the spectrum only; dotted: nothing. Open triangle: the line was cut, as the next run would take too long.")
     return figure
 
 
 def problems_to_draw(study):
     """Returns the problems with n of SIZES; without any, the smallest, the middle and the largest."""
-    problems = headline_problems(study)
+    long = [problem for problem in study.problems() if problem[:2] == WORK_PRECISION_OF]
+    problems = long or headline_problems(study)
     found = [problem for problem in problems if problem.n in SIZES]
     if found or not problems:
         return found
@@ -102,27 +96,27 @@ def problems_to_draw(study):
 
 
 def forms_to_draw(study):
-    """Returns a Form of each method of WORK_PRECISION that has a line.
-
-    One without the frame, or an exponential one at the tight tolerance, is drawn only if there is no other.
-    """
+    """Returns those of WORK_PRECISION that have a line; one without the frame only if there is no other."""
     problems, found = problems_to_draw(study), []
-    for method in WORK_PRECISION:
-        tolerances = dict.fromkeys((keeping_tolerance(method), TIGHT))
-        wanted = [Form(name, each) for name in (method + FRAME, method) for each in tolerances]
+    for method, tolerance in WORK_PRECISION:
+        wanted = [Form(name, tolerance) for name in (method + FRAME, method)]
         found += [form for form in wanted if any(study.line(problem, *form) for problem in problems)][:1]
     return found
 
 
 def label_of(study, form):
     """Returns the short name of a Form, with what the note under the panels does not say of it."""
-    tight = ", 1e-13" if is_exponential(form.integrator) and form.tolerance == TIGHT else ""
+    integrator = study.integrators[form.integrator]
+    loose = form.tolerance > keeping_tolerance(integrator.name, strongest_structure(integrator))
     frame = "" if in_frame(form.integrator) else ", no frame"
-    return short_name(study.integrators[form.integrator]) + tight + frame
+    return short_name(integrator) + (f", {power(form.tolerance)}" if loose else "") + frame
 
 
-def colour_of(study, form):
-    return look(study.integrators[form.integrator])["color"]
+def style_of(study, form):
+    """Returns how the line of a Form is drawn: by what it keeps at its tolerance."""
+    integrator = study.integrators[form.integrator]
+    return {**look(integrator),
+            "linestyle": next(LINES[each] for each in LINES if keeps(integrator, form.tolerance, each))}
 
 
 def points_of(stretch):
@@ -148,7 +142,7 @@ def point_at_edge(before, after):
 
 def draw_form(axes, study, problem, form):
     """Draws a line, with a mark at its end if it was cut."""
-    style = look(study.integrators[form.integrator])
+    style = style_of(study, form)
     stretches = study.stretches(problem, *form)
     for stretch in stretches:
         draw_line(axes, f"{form.integrator} at {form.tolerance:g}", points_of(stretch), **style)
@@ -162,15 +156,17 @@ def span_of(values):
 
 
 def price_title(study, problems):
-    """Returns what structure costs against RK4, at the largest n that has a duel with it."""
+    """Returns what structure costs against the best explicit method, at the largest n that has a duel with it."""
     for problem in reversed(list(problems)):
         duel = study.duel(problem, DUEL_ERROR)
-        told = [(words, ratio) for words, contender in ((f"{EXPONENTIAL} methods", "elp"), ("Gauss methods", "gauss"))
-                if (ratio := written_ratio(duel, contender, "rk4"))]
+        told = [(words, ratio) for words, contender in (
+            (f"{EXPONENTIAL} methods with bounded energy", "elp_bounded"), ("Gauss methods", "gauss"))
+            if (ratio := written_ratio(duel, contender, EXPLICIT))]
         if told:
             (words, ratio), *others = told
             return (f"What structure costs: at {equals('n', problem.n)} and error {DUEL_ERROR_WORD} {words} take"
-                    f" {as_long(ratio)} as RK4" + "".join(f", {words} {as_long(ratio)}" for words, ratio in others))
+                    f" {as_long(ratio)} as the best explicit method"
+                    + "".join(f", {words} {as_long(ratio)}" for words, ratio in others))
     return "What structure costs: CPU seconds of errors"
 
 
@@ -189,41 +185,47 @@ def as_long(ratio):
 
 
 def time_against_n(study):
-    """Draws the CPU seconds of duels at DUEL_ERROR against n, in the smooth and the rough scene to T = 5.
+    """Draws the CPU seconds of duels at DUEL_ERROR against n: a panel for each scene and time.
 
-    A line for each class of methods, broken where a duel has no row of it. None if there are no such duels.
+    The main problem, whose runs are of few steps, has one only where there is no other. A line for each class of
+    methods, broken where a duel has no row of it. None if there are no such duels.
     """
-    lines = {scene: drawn for scene in ("smooth", "rough") if (drawn := lines_of_duels(study, scene))}
+    scenes = dict.fromkeys(problem[:2] for problem in study.problems())
+    lines = {scene: drawn for scene in scenes if (drawn := lines_of_duels(study, scene))}
+    if len(lines) > 1:
+        lines.pop(HEADLINE, None)
     if not lines:
         return None
-    figure, (panels,) = new_figure(trend_title(study), 1, len(lines), 5.2, keys=2, sharex=True, sharey=True,
-                                   labels=[each.label for each in CLASSES])
-    for axes, (scene, drawn) in zip(panels, lines.items()):
+    figure, (panels,) = new_figure(trend_title(study, lines), 1, len(lines), 5.2, keys=2, sharex=True, sharey=True,
+                                   labels=[CLASSES[each].label for each in DRAWN])
+    for axes, ((scene, time), drawn) in zip(panels, lines.items()):
         logarithmic(axes)
-        axes.set(title=f"{scene} scene", xlabel="n")
+        axes.set(title=f"{scene} scene, T = {time:g}", xlabel="n")
         for each, stretches in drawn:
+            colour, style = DRAWN[each]
             for stretch in stretches:
-                draw_line(axes, each.label, stretch, color=each.colour, **each.style)
+                draw_line(axes, CLASSES[each].label, stretch, color=colour, **style)
     panels[0].set_ylabel(f"{SECONDS_LABEL} to an error of {DUEL_ERROR_WORD}")
     sizes = {n for drawn in lines.values() for _, stretches in drawn for stretch in stretches for n, _ in stretch}
     label_sizes(panels, sizes)
     for axes, drawn in zip(panels, lines.values()):
         largest = max(stretches[-1][-1][0] for _, stretches in drawn)
-        label_ends(axes, [(extended(stretches[-1], largest), each.label, each.colour) for each, stretches in drawn])
-    note(figure, "T = 5. The methods ran in turns, in fresh processes and in the co-rotating frame, with the steps"
-         " that reach the error with least work. Exponential methods have the tolerance 1e-8, Gauss methods 1e-13."
-         " Spectrum only: the cheapest of Magnus, RKMK4 and projected RK4. Nothing kept: RK4.")
+        label_ends(axes, [(extended(stretches[-1], largest), CLASSES[each].label, DRAWN[each][0])
+                          for each, stretches in drawn])
+    note(figure, "The methods ran in turns, in fresh processes and in the co-rotating frame, with the steps that reach"
+         " the error with least work. Exponential methods keep their energy bounded at the tolerance"
+         f" {ENERGY_BOUNDED:g}, and let it drift at {LOOSE_EXPONENTIAL:g}. Solid: keeps the Lie–Poisson structure;"
+         " dashed: the spectrum only; dotted: nothing.")
     return figure
 
 
 def lines_of_duels(study, scene):
-    """Returns (MethodClass, its stretches of (n, seconds)) for each class that has rows in a scene."""
-    duels = {problem.n: duel for problem in study.problems() if problem[:2] == (scene, HEADLINE[1])
+    """Returns (class, its stretches of (n, seconds)) for each of DRAWN that has rows in a scene to a time."""
+    duels = {problem.n: duel for problem in study.problems() if problem[:2] == scene
              and (duel := study.duel(problem, DUEL_ERROR))}
     found = []
-    for each in CLASSES:
-        rows = {n: cheapest_contender(duel, each.contenders) for n, duel in duels.items()}
-        stretches = unbroken([(n, duels[n][row].seconds if row else None) for n, row in rows.items()])
+    for each in DRAWN:
+        stretches = unbroken([(n, duel[each].seconds if each in duel else None) for n, duel in duels.items()])
         found += [(each, stretches)] if stretches else []
     return found
 
@@ -241,20 +243,19 @@ def label_sizes(panels, sizes):
         axes.grid(False, axis="x")
 
 
-def trend_title(study):
-    """Returns the times in the smooth scene: exponential methods over RK4 at the least and the largest n, then Gauss
-    methods over exponential ones.
-    """
-    duels = {problem.n: study.duel(problem, DUEL_ERROR) for problem in headline_problems(study)}
-    ratios = {n: ratio for n, duel in duels.items() if (ratio := written_ratio(duel, "elp", "rk4"))}
-    if not ratios:
-        return f"CPU seconds to an error of {DUEL_ERROR_WORD}, by what a method keeps"
-    least, largest = min(ratios), max(ratios)
-    title = f"Smooth scene: {EXPONENTIAL} methods take {as_long(ratios[least])} as RK4 at {equals('n', least)}"
-    if largest > least:
-        title += f" and {as_long(ratios[largest])} at {equals('n', largest)}"
-    gauss = written_ratio(duels[largest], "gauss", "elp")
-    return title + (f"; there Gauss methods take {as_long(gauss)} as exponential ones" if gauss else "")
+def trend_title(study, scenes):
+    """Returns in how many of the duels drawn no class is faster than the best explicit method, and how many times as
+    long methods with structure take."""
+    duels = [duel for problem in study.problems() if problem[:2] in scenes and (
+        duel := study.duel(problem, DUEL_ERROR)) and EXPLICIT in duel]
+    if not duels:
+        return f"CPU seconds to an error of {DUEL_ERROR_WORD}, by class of methods"
+    title = (f"In {sum(not beaten_by(duel) for duel in duels)} of {len(duels)} cases no class is faster than the best"
+             " explicit method")
+    for words, contender in (("exponential methods with bounded energy", "elp_bounded"), ("Gauss methods", "gauss")):
+        ratios = [found[0].ratio for duel in duels if (found := ratio_in(duel, contender, EXPLICIT))]
+        title += f"; {words} take {span(ratios)} times its time" if ratios else ""
+    return title
 
 
 # ---- the same step at every n

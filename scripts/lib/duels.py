@@ -1,9 +1,10 @@
 """The duels of the study of accuracy: methods at one error of one problem, timed in turns in fresh processes.
 
-The lines of the study tell which methods may stand for a contender. Of each the fewest steps that reach the error are
-found by bisection, and then whether some more, whose steps may have fewer sweeps, take less work: no method spends time
-on a smaller error than the one wanted unless that is cheaper. The method with the least work stands. Gauss and
-exponential methods compete at a tolerance matched to the error too, where that is looser. Needs isosyrk.
+The lines of the study tell which methods of a class (lib/contenders.py) may be its best. Of each the fewest steps that
+reach the error are found, whatever a linear limit says, and then whether some more, whose steps may have fewer sweeps,
+take less work: no method spends time on a smaller error than the one wanted unless that is cheaper. Every method so
+found is timed once, and the fastest stands for its class. Published forms have no lines: all of them are tried. Needs
+isosyrk.
 """
 
 import itertools
@@ -15,61 +16,66 @@ from functools import partial
 import isosyrk
 from lib import study
 from lib import verdicts
-from lib.accuracy_lines import CONTENDERS, LOOSE_EXPONENTIAL, LOOSE_GAUSS, MATCHED, TIGHT, Duel, Problem
-from lib.accuracy_runs import MAX_SWEEPS, Setting, rounded, scene_of
+from lib.accuracy_lines import Duel, Form, Problem
+from lib.accuracy_runs import MAX_SWEEPS, Setting, rounded, scene_of, seconds_of_part
+from lib.contenders import CLASSES, EXPLICIT, candidates
 from lib.equal_error import cheap_forms
 from lib.formats import FAST, PUBLISHED
-from lib.integrator_names import frameless, gauss_stages, in_frame
+from lib.integrator_names import FRAME
 
-WANTED = (1e-4, 1e-6)  # the errors of duels
-# The published form of the Gauss method that wins takes ten times as long: once a problem is enough.
-WANTED_PUBLISHED, LARGEST_PUBLISHED, TIME_PUBLISHED = 1e-6, 129, 5.0
-MATCHED_TO = {"gauss_loose": "gauss_matched", "elp": "elp_matched"}  # contenders that compete at that tolerance too
-CLOSE = 1.02  # bisection ends when the failing number of steps is at most this far from the working one
-FURTHER, MOST_FURTHER = 1.1, 1.6  # other numbers of steps are tried by this factor, up to this many times the first
+WANTED = (1e-4, 1e-6)  # the errors of all duels, ...
+SHARP, LARGEST_SHARP = 1e-8, {("smooth", 50.0): 33, ("rough", 5.0): 65}  # ... of some besides, up to this n, ...
+LONG_PROBLEM, LONG_WANTED = Problem("smooth", 50.0, 129), (1e-6,)  # ... and of one which takes long
+# Published forms take ten times as long and more: they compete at one error, up to an n of each problem.
+WANTED_PUBLISHED, LARGEST_PUBLISHED = 1e-6, {("smooth", 5.0): 129, ("rough", 5.0): 65}
+CLOSE = 1.02  # the search ends when the failing number of steps is at most this far from the working one
+# So many times the fewest steps are tried too, until they take TOO_MUCH times the least work; none for methods whose
+# step always takes the same. Near the step at which Picard sweeps no longer contract, up to e times the steps pay.
+MORE = {FAST: (1.02, 1.04, 1.06, 1.08, 1.1, 1.25, 1.5, 2.0), PUBLISHED: (1.05, 1.1, 1.25, 1.5, 1.8, 2.2, 2.7)}
+TOO_MUCH = 1.15
+FURTHER, MOST_MORE = 1.2, 8  # more steps while all fail: from one run to the next, and at most
+BY_ORDER, MOST_RUNS = 10, 30  # runs of a search whose order tells the next one, and of all
 CLOSE_COST = 1.25  # a method whose line costs at most so many times the least may stand as well
 REPETITIONS = 2  # in turns within a process, of which the least counts; once for runs of
 LONG = 0.3  # CPU seconds or more
 
 
-# ---- who stands for a contender
+# ---- who may stand for a class
 
 
-def may_stand(contender, form):
-    """Tells whether a Form may stand for a contender."""
-    name = frameless(form.integrator)
-    if contender in ("gauss", "gauss_loose"):
-        return bool(gauss_stages(name)) and form.tolerance == (TIGHT if contender == "gauss" else LOOSE_GAUSS)
-    if contender in ("elp", "elp_tight"):
-        return name.startswith("elp") and form.tolerance == (TIGHT if contender == "elp_tight" else LOOSE_EXPONENTIAL)
-    if contender == "magnus":
-        return name.startswith("magnus") and form.tolerance == LOOSE_EXPONENTIAL
-    return name == contender
+def wanted_of(problem):
+    """Returns the errors of the duels of a problem."""
+    if problem == LONG_PROBLEM:
+        return LONG_WANTED
+    return (*WANTED, SHARP) if problem.n <= LARGEST_SHARP.get(problem[:2], 0) else WANTED
 
 
-def champions(found, problem, wanted):
-    """Returns the [(Form, Cost), ...] of each contender by which it reaches an error at or near the least cost.
-
-    In the co-rotating frame, the cheapest first. `found` is an Accuracy without duels. A contender that reaches the
-    error by no line is left out; so is one with a line that was cut and might have been the cheaper.
-    """
-    result = {}
-    for contender in CONTENDERS:
-        forms = [form for form in found.forms() if in_frame(form.integrator) and may_stand(contender, form)]
-        if cheap := cheap_forms(found, problem, wanted, forms, CLOSE_COST):
-            result[contender] = cheap
-    return result
+def is_published_duel(problem, wanted):
+    """Tells whether published forms compete in a duel."""
+    return wanted == WANTED_PUBLISHED and problem.n <= LARGEST_PUBLISHED.get(problem[:2], 0)
 
 
 def jobs_of(found, problem, wanted, references):
-    """Returns a job for each method that may stand in a duel: between which numbers of steps cheapest_steps() looks."""
-    jobs = [{**problem._asdict(), "wanted": wanted, "contender": contender, "integrator": form.integrator,
-             "solver": cost.fine.solver, "tolerance": form.tolerance, "coarse": cost.coarse.steps,
-             "fine": cost.fine.steps, "references": references}
-            for contender, cheap in champions(found, problem, wanted).items() for form, cost in cheap]
-    matched = wanted / MATCHED
-    jobs += [{**job, "contender": MATCHED_TO[job["contender"]], "tolerance": matched} for job in jobs
-             if job["contender"] in MATCHED_TO and job["tolerance"] < matched]
+    """Returns a job for each method that may stand in a duel, with the steps from which cheapest_steps() begins.
+
+    `found` is an Accuracy without duels. A class whose lines do not reach the error is left out; so is one with a line
+    that was cut and might have been the cheapest.
+    """
+    jobs = []
+    for contender, kind in CLASSES.items():
+        tolerance, entries = kind.tolerance_for(wanted), candidates(found.integrators.values(), contender)
+        if tolerance is None or (kind.solver == PUBLISHED and not is_published_duel(problem, wanted)):
+            continue
+        if kind.solver == FAST:
+            forms = [Form(each.name, kind.line_tolerance(wanted)) for each in entries]
+            costs = [(form.integrator, cost)
+                     for form, cost in cheap_forms(found, problem, wanted, forms, CLOSE_COST, beyond=True)
+                     if cost.fine.solver == FAST]
+        else:  # from the steps of the fast Gauss method of the same order on
+            costs = [(each.name, found.cost(problem, f"group{each.order // 2}{FRAME}", wanted)) for each in entries]
+        jobs += [{**problem._asdict(), "wanted": wanted, "contender": contender, "integrator": name,
+                  "solver": kind.solver, "tolerance": tolerance, "steps": math.ceil(problem.time / cost.step),
+                  "references": references} for name, cost in costs if cost]
     return jobs
 
 
@@ -79,40 +85,48 @@ def jobs_of(found, problem, wanted, references):
 def cheapest_steps(job):
     """Returns the row of a method as fields of Duel, without its times: the steps that reach the error with least work.
 
-    On its line `fine` steps do, `coarse` steps do not, unless both are the same. Work is counted in equivalent
-    products. None if no steps reach the error, as at a tolerance that is looser than that of the line.
+    The search begins with `steps` of the job. Work is counted in equivalent products. None if no steps reach the error,
+    as at a tolerance that is too loose for it.
     """
-    look, reaches = partial(run_of, job, Setting(job)), partial(is_reached, job["wanted"])
+    setting = Setting(job)
+    look = partial(run_of, job, setting)
+    fewest = best = fewest_steps(look, job["steps"], job["wanted"], setting.entry.order)
+    more = () if fewest is None or CLASSES[job["contender"]].even else MORE[job["solver"]]
+    for steps in dict.fromkeys(math.ceil(times * fewest.steps) for times in more):
+        run = look(steps)
+        if not is_reached(job["wanted"], run) or run.equivalent_products > TOO_MUCH * best.equivalent_products:
+            break
+        best = min(best, run, key=lambda each: each.equivalent_products)
+    return best and row_of(job, best)
 
-    def others(first, factor):
-        """Returns the runs with more and more or fewer and fewer steps than a first one, while they reach the error.
 
-        All of them, since work may rise from one number of steps to the next and fall again: a step that needs one
-        sweep less may be only a little shorter.
-        """
-        runs, steps, to_whole = [], first.steps, math.ceil if factor > 1 else math.floor
-        while first.steps / MOST_FURTHER <= (steps := to_whole(factor * steps)) <= MOST_FURTHER * first.steps:
-            run = look(steps)
-            if not reaches(run):
-                break
-            runs.append(run)
-        return runs
+def fewest_steps(look, steps, wanted, order):
+    """Returns the run with the fewest steps that reach an error, to CLOSE; None if none do.
 
-    failing, fewest = job["coarse"], look(job["fine"])
-    while not reaches(fewest):
-        if fewest.steps > MOST_FURTHER * job["fine"]:
-            return None
-        failing, fewest = fewest.steps, look(math.ceil(FURTHER * fewest.steps))
-    while failing < fewest.steps - 1 and fewest.steps > CLOSE * failing:
-        middle = look(round((failing * fewest.steps) ** 0.5))
-        if reaches(middle):
-            fewest = middle
+    `look(steps)` makes a run. Between the most steps that fail and the fewest that do not, the next are those that the
+    order tells from the last run, or the middle.
+    """
+    failing, working, most = 0, None, MOST_MORE * steps
+    for count in range(MOST_RUNS):
+        run = look(steps)
+        told = math.ceil(steps * (run.error / wanted) ** (1 / order)) if run.usable and count < BY_ORDER else 0
+        if is_reached(wanted, run):
+            working = run
         else:
-            failing = middle.steps
-    runs = [fewest, *others(fewest, FURTHER)]
-    if job["coarse"] == job["fine"]:  # no fewer steps are known to fail
-        runs += others(fewest, 1 / FURTHER)
-    return row_of(job, min(runs, key=lambda run: run.equivalent_products))
+            failing = steps
+        if working is None:
+            if failing > most:
+                return None
+            steps = max(math.ceil(FURTHER * failing), min(told, 2 * failing))
+        elif working.steps <= max(failing + 1, CLOSE * failing):
+            break
+        elif failing < told < working.steps:
+            steps = told
+        elif told >= working.steps:
+            steps = max(failing + 1, math.floor(working.steps / CLOSE - 1e-9))
+        else:
+            steps = max(failing + 1, min(working.steps - 1, round((failing * working.steps) ** 0.5)))
+    return working
 
 
 def run_of(job, setting, steps):
@@ -121,8 +135,8 @@ def run_of(job, setting, steps):
 
 
 def is_reached(wanted, run):
-    """Tells whether a run came to its end within the limit of stability with an error that is small enough."""
-    return run.usable and not run.beyond_limit and run.error <= wanted
+    """Tells whether a run came to its end with an error that is small enough, beyond a limit of stability or not."""
+    return run.usable and run.error <= wanted
 
 
 def row_of(job, run):
@@ -131,30 +145,14 @@ def row_of(job, run):
             "wanted": job["wanted"], "contender": job["contender"]}
 
 
-def standing(rows):
-    """Returns the rows of the methods that stand for the contenders: those of cheapest_steps() with the least work."""
+def standing(rows, seconds):
+    """Returns the rows that stand for their classes: of each duel and class the one with the least seconds."""
     best = {}
-    for row in rows:
+    for row, each in zip(rows, seconds, strict=True):
         key = (*(row[name] for name in Problem._fields), row["wanted"], row["contender"])
-        if key not in best or row["equivalent_products"] < best[key]["equivalent_products"]:
-            best[key] = row
-    return list(best.values())
-
-
-def with_published(row):
-    """Tells whether the published form of a row is timed beside it."""
-    return (row["contender"] == "gauss" and row["solver"] == FAST and row["wanted"] == WANTED_PUBLISHED
-            and row["n"] <= LARGEST_PUBLISHED and row["time"] == TIME_PUBLISHED)
-
-
-def published_form(job):
-    """Returns the row of the published form of a row of cheapest_steps(), with the same steps and the same answer.
-
-    None if its sweeps fail with those steps. The job is the row and the folder of `references`.
-    """
-    job = {**job, "contender": "gauss_published", "solver": PUBLISHED}
-    run = run_of(job, Setting(job), job["steps"])
-    return row_of(job, run) if is_reached(job["wanted"], run) else None
+        if key not in best or each < best[key][0]:
+            best[key] = each, row
+    return [row for _, row in best.values()]
 
 
 # ---- its times
@@ -200,22 +198,37 @@ def time_block(block):
 def further_processes(most, seconds):
     """Returns how many further processes each row of a block wants, given its seconds by process so far.
 
-    The rows stop together, once the exponential method, or else the first, is told from each of the others.
+    A row stops once it is told from the best explicit method, or else the first row, which stops with the last of them.
     """
-    first = "elp" if "elp" in seconds else next(iter(seconds))
-    return dict.fromkeys(seconds, verdicts.further_processes(most, seconds, lambda found: [
-        verdicts.compared(found[first], found[other]) for other in found if other != first]))
+    first = EXPLICIT if EXPLICIT in seconds else next(iter(seconds))
+    wanted = {}
+    for row, times in seconds.items():
+        if row != first:
+            pair = {each: seconds[each][:len(times)] for each in (first, row)}
+            stopped = len(times) < len(seconds[first])
+            wanted[row] = 0 if stopped else verdicts.further_processes(most, pair, lambda found: [
+                verdicts.compared(found[first], found[row])])
+    alone = max(0, min(most, verdicts.FEWEST) - len(seconds[first]))
+    return {**wanted, first: max(wanted.values(), default=alone)}
+
+
+def time_row(row, references, products):
+    """Returns the CPU seconds of the run of a row, as time_block() times it, or scaled from its first steps."""
+    run = dict(blocks_of([row], references, products)[0]["runs"][row["contender"]])
+    steps, scene = run.pop("steps"), scene_of(row["scene"], row["time"], row["n"], references)
+    method = isosyrk.integrator(scene, run.pop("integrator"), max_sweeps=MAX_SWEEPS[run["solver"]], **run)
+    return seconds_of_part(method, scene.initial, row["time"] / steps, steps, row["equivalent_products"])
 
 
 def duels(found, options, journal, program):
     """Returns the rows of all duels. `found` is the Accuracy of the lines; `program` is the path of the study."""
     references = os.path.realpath(options.references)
-    jobs = [job for problem in found.problems() for wanted in WANTED
+    jobs = [job for problem in found.problems() for wanted in wanted_of(problem)
             for job in jobs_of(found, problem, wanted, references)]
-    fast = standing(filter(None, study.untimed(jobs, cheapest_steps, journal, options, "duels")))
-    published = iter(study.untimed([{**row, "references": references} for row in fast if with_published(row)],
-                                   published_form, journal, options, "published forms"))
-    rows = [each for row in fast for each in ((row, next(published)) if with_published(row) else (row,)) if each]
+    rows = list(filter(None, study.untimed(jobs, cheapest_steps, journal, options, "steps of duels")))
+    once = study.in_turns(rows, 1, partial(time_row, references=references, products=journal.products), journal,
+                          "choices")
+    rows = standing(rows, [seconds for (seconds,) in once])
     blocks = blocks_of(rows, references, journal.products)
 
     command = partial(study.process_command, program)

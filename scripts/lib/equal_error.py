@@ -10,9 +10,14 @@ import math
 import statistics
 
 from lib.accuracy_lines import CONTENDERS, TABLE1_STEP, TIGHT, Form, compared
-from lib.formats import FORMULATIONS
+from lib.contenders import CLASSES, EXPLICIT
+from lib.formats import FAST, FORMULATIONS
 from lib.integrator_names import frameless, gauss_stages, in_frame
 from lib.numbers import power
+from lib.verdicts import FASTER
+
+FEW = 10  # steps; a run of fewer is marked
+AS_EXPLICIT = (EXPLICIT, "rk4")  # the classes of explicit methods that keep nothing
 
 # Geometric means are over these errors.
 MEAN_EXPONENTS = range(-4, -9, -1)
@@ -21,19 +26,13 @@ HEADLINE = ("smooth", 5.0)  # the scene and time of the headline figures
 HARMLESS = 0.1
 MEAN_OVER = f"1e{MEAN_EXPONENTS[0]} … 1e{MEAN_EXPONENTS[-1]}"
 
-# What the tables call contenders.
-CONTENDER_NAMES = {
-    "gauss": "Gauss", "gauss_loose": "Gauss, loose", "gauss_matched": "Gauss, matched",
-    "gauss_published": "Gauss, published form", "elp": "exponential", "elp_matched": "exponential, matched",
-    "elp_tight": "exponential, 1e-13", "magnus": "Magnus", "rkmk4": "RKMK4", "rk4_projected": "projected RK4",
-    "rk4": "RK4"}
-ISOSPECTRAL_ONLY = ("magnus", "rkmk4", "rk4_projected")  # contenders that keep the spectrum and nothing else
-
-# The duels that figures tell: time of the first over that of the second.
-PAIRS = (("gauss", "elp"), ("gauss", "elp_tight"), ("gauss_loose", "elp"), ("elp_tight", "elp"),
-         ("gauss_published", "gauss"),
-         ("elp_matched", "elp"), *((gauss, "elp_matched") for gauss in ("gauss", "gauss_loose", "gauss_matched")),
-         *(("elp", other) for other in (*ISOSPECTRAL_ONLY, "rk4")), ("gauss", "rkmk4"), ("gauss", "rk4"))
+# The classes that duels compare: time of the first over that of the second. Every class but explicit ones is compared
+# with these.
+PAIRS = (*((each, EXPLICIT) for each in CONTENDERS if each != EXPLICIT and CLASSES[each].solver == FAST),
+         *((gauss, "elp") for gauss in ("gauss", "gauss_loose", "gauss_matched")),
+         *((gauss, "elp_matched") for gauss in ("gauss_loose", "gauss_matched")),
+         ("gauss", "elp_bounded"), ("elp_bounded", "elp"), ("elp_matched", "elp"), ("elp", "magnus"), ("elp", "rk4"),
+         ("gauss_published", "gauss"), ("named_published", "gauss_published"))
 
 
 def headline_problems(study):
@@ -48,31 +47,33 @@ def duel_errors(study):
     return sorted({wanted for _, wanted in study.duels}, reverse=True)
 
 
-def contenders_of(study):
-    """Returns the contenders that have a row in any duel, in the order of CONTENDERS."""
-    found = set(itertools.chain.from_iterable(study.duels.values()))
-    return [contender for contender in CONTENDERS if contender in found]
-
-
 def ratio_in(duel, first, second):
     """Returns (Ratio, verdict) of the time of a contender over another's in a duel; None where one has no row."""
     return compared(duel[first], duel[second]) if first in duel and second in duel else None
 
 
-def cheapest_contender(duel, among):
-    """Returns the contender with the least time in a duel, or None if none of these has a row."""
-    return min((each for each in among if each in duel), key=lambda each: duel[each].seconds, default=None)
+def beaten_by(duel):
+    """Returns the classes that are faster than the best explicit method by the verdict, the fastest first."""
+    return sorted((each for each in duel if each not in AS_EXPLICIT and ratio_in(duel, each, EXPLICIT)[1] == FASTER),
+                  key=lambda each: duel[each].seconds)
+
+
+def is_few(row):
+    """Tells whether a row of a duel takes so few steps that its time is mostly that of starts."""
+    return row.steps < FEW
 
 
 # ---- lines
 
 
-def cheap_forms(study, problem, error, forms, within):
+def cheap_forms(study, problem, error, forms, within, beyond=False):
     """Returns (Form, Cost) of the forms that have this error or a smaller one at up to `within` times the least cost.
 
     The cheapest first, and none if no line reaches the error, or if one that was cut might have reached it sooner.
+    Steps beyond a linear limit count if `beyond` says so.
     """
-    costs = [(form, cost) for form in forms if (cost := study.cost(problem, form.integrator, error, form.tolerance))]
+    costs = [(form, cost) for form in forms
+             if (cost := study.cost(problem, form.integrator, error, form.tolerance, beyond))]
     costs.sort(key=lambda each: each[1].seconds)
     least = costs[0][1].seconds if costs else math.inf
     if any(study.may_reach(problem, form.integrator, error, least, form.tolerance) for form in forms):

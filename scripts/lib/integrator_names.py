@@ -36,16 +36,20 @@ def frameless(name):
     return name.removesuffix(FRAME)
 
 
+def family(name):
+    """Returns the name of an integrator up to its order, as "rk" of rk4_projected_frame."""
+    return re.match("[a-z_]*[a-z]", name)[0]
+
+
 def method_name(integrator):
     """Returns the name of its method, one for all formulations and in the frame or not, as "Gauss, order 4"."""
     name = frameless(integrator.name)
-    family = re.match("[a-z_]*[a-z]", name)[0]
     families = {**dict.fromkeys(FORMULATIONS, "Gauss"), "direct": "direct Gauss", "yoshida": "Yoshida",
                 "suzuki": "Suzuki", "kahan_li": "Kahan–Li", "rkmk": "RKMK", "rk": "Runge–Kutta",
                 "abm": "Adams–Bashforth–Moulton", "elp": "exponential Lie–Poisson", "magnus": "explicit Magnus",
                 "bm": "Bogfjellmo–Marthinsen", "cg": "Crouch–Grossman"}
     projected = "projected " if name.endswith("_projected") else ""
-    return f"{projected}{families.get(family, family)}, order {integrator.order}"
+    return f"{projected}{families.get(family(name), family(name))}, order {integrator.order}"
 
 
 def strongest_structure(integrator):

@@ -9,7 +9,7 @@ import math
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from lib import formats
-from lib.accuracy_lines import LOOSE_GAUSS, TIGHT, keeping_tolerance
+from lib.accuracy_lines import ENERGY_BOUNDED, LOOSE_GAUSS, TIGHT, keeping_tolerance
 from lib.drift import LOST, judged
 from lib.figures import finite
 from lib.formats import (CONVERGED, Integrator, Schema, keyed, list_of, number, one_of, optional, positive, status,
@@ -20,8 +20,6 @@ from lib.messages import UnusableFile
 SCENES = ("smooth", "rough")
 # What ends the name of a method whose tolerance is looser or tighter than its integrator's usual one.
 LOOSE, TIGHTER = "_loose", "_tight"
-# The tolerance at which a Lie–Poisson method bounds the energy, as the long runs show.
-ENERGY_BOUNDED = TIGHT
 COSTS = (50, 150)  # of long runs, in products a unit of time
 COST_MARGIN = 0.1  # what a long run may be off its cost
 ENERGY, SPECTRUM = QUANTITIES = ("energy", "spectrum")

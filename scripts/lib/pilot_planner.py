@@ -10,6 +10,7 @@ from dataclasses import replace
 
 from lib.accuracy_lines import keeping_tolerance
 from lib.formats import CONVERGED
+from lib.integrator_names import strongest_structure
 from lib.recommendation import (MOST_OFFERED, PREDICTABLE, SMALLEST_ERROR, Outcome, below_reference,
                                 beyond_predictability, energy_growth)
 
@@ -76,10 +77,15 @@ class Planner:
 
     # ---- pilots
 
+    def tolerance_of(self, integrator):
+        """Returns the tolerance of runs: that which keeps all that a method keeps, where the Lie–Poisson structure
+        or energies over long times are asked for; else that which keeps the spectrum."""
+        all_is_kept = self.question.keep == "poisson" or not self.trajectory
+        return keeping_tolerance(integrator.name, strongest_structure(integrator) if all_is_kept else "spectrum")
+
     def outcome(self, integrator, time, steps, error, seconds, status="expected"):
-        """Returns the Outcome of a run at the tolerance that keeps what the integrator keeps."""
-        return Outcome(integrator, self.question.n, time, steps, error, seconds,
-                       keeping_tolerance(integrator.name), status)
+        """Returns the Outcome of a run at the tolerance of now."""
+        return Outcome(integrator, self.question.n, time, steps, error, seconds, self.tolerance_of(integrator), status)
 
     def longest_step(self, integrator):
         """Returns the longest step that may work, by linear theory and by the pilots that failed."""
@@ -241,10 +247,12 @@ class Planner:
                         f" over more than {FARTHEST:g} times that, are not extrapolated")
         self.trajectory, self.good = False, {}
         for integrator in self.candidates:
-            longest = max((each.time for each in finished if each.integrator == integrator), default=None)
+            own = [each for each in finished if each.integrator == integrator
+                   and each.tolerance <= self.tolerance_of(integrator)]
+            longest = max((each.time for each in own), default=None)
             error = longest and self.error_of_energy(integrator, longest)
-            good = [replace(each, error=each.kept) for each in finished
-                    if error and each.integrator == integrator and each.time == longest and each.kept <= error]
+            good = [replace(each, error=each.kept) for each in own
+                    if error and each.time == longest and each.kept <= error]
             if good:
                 self.good[integrator] = min(good, key=lambda each: each.seconds)
 

@@ -14,18 +14,17 @@ from argparse import ArgumentTypeError
 import isosyrk
 import numpy
 from lib import study
-from lib.accuracy_lines import keeping_tolerance
+from lib.accuracy_lines import TIGHT
 from lib.formats import CONVERGED, FAST, UNSTABLE, read_text
 from lib.messages import UnusableFile, one_line
 from lib.command_line import number, whole_number
-from lib.integrator_names import FRAME
+from lib.integrator_names import FRAME, in_frame
 from lib.pilot_planner import STOPPED, TOO_EXPENSIVE, Planner, invariants_lost
 from lib.recommendation import MOST_OFFERED, Question, answer_data
 from lib.trials import Setting
 
 REFERENCES = ("group6", "group5")
-CANDIDATES = ("rk4", "magnus5", "elp4", "elp6", "rk4_projected", "group3", "group4", "rkmk4", "group5", "group2",
-              "group6", "kahan_li6", "yoshida4", "direct2", "group1")
+MIDDLE_ORDER = 6  # methods of about this order win at the errors that are asked for most
 
 LOOKS = 100  # at the energy and the cost of a pilot of many steps
 FIRST_SHARE = 1 / 3  # of the budget; after it, no further method is begun on the first part
@@ -95,6 +94,14 @@ def seconds_left():
     return signal.getitimer(signal.ITIMER_REAL)[0]
 
 
+def candidates_for(structure):
+    """Returns all Integrators in the co-rotating frame that have a fast form and keep a structure, the first to try
+    first: explicit ones, of MIDDLE_ORDER or near it."""
+    listed = [study.record_of(each) for each in isosyrk.integrators() if each.has_fast_form and in_frame(each.name)]
+    return sorted((each for each in listed if each.keeps(structure)),
+                  key=lambda each: (not each.explicit, abs(each.order - MIDDLE_ORDER)))
+
+
 class Search(Planner):
     """Runs the pilots of one scene as they are planned, and times steps of the offers.
 
@@ -104,19 +111,18 @@ class Search(Planner):
     def __init__(self, scene, question):
         self.setting = Setting(scene)
         self.size = float(numpy.linalg.norm(scene.initial, 2))
-        listed = {each.name: study.record_of(each) for each in isosyrk.integrators()}
-        self.references, candidates = ([listed.get(name + FRAME, listed[name]) for name in names]
-                                       for names in (REFERENCES, CANDIDATES))
-        candidates = [each for each in candidates if each.keeps(question.keep)]
-        limits = {each: (self.method(each).linear_limit() or math.inf) / self.setting.norm_B for each in candidates}
+        self.references = list(map(study.record_of, study.entries([name + FRAME for name in REFERENCES])))
+        candidates = candidates_for(question.keep)
+        limits = {each: (self.method(each, TIGHT).linear_limit() or math.inf) / self.setting.norm_B
+                  for each in candidates}
         super().__init__(question, self.setting.norm_B, candidates, limits)
         self.end = 0.0, scene.initial
         self.exact = ()  # the states of the reference at half time and at the end
 
-    def method(self, integrator):
-        """Returns the module's integrator of the scene."""
+    def method(self, integrator, tolerance=None):
+        """Returns the module's integrator of the scene, at the tolerance of now unless another is given."""
         return isosyrk.integrator(self.setting.scene, integrator.name, solver=FAST,
-                                  tolerance=keeping_tolerance(integrator.name))
+                                  tolerance=tolerance or self.tolerance_of(integrator))
 
     def run(self, integrator, steps, most_seconds=math.inf):
         """Returns the pilot of an even number of steps over the part, and its states at half time and at the end.

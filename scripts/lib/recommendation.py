@@ -15,9 +15,10 @@ import shlex
 from dataclasses import dataclass
 from typing import NamedTuple, Optional, Sequence
 
-from lib.accuracy_lines import NEAR_ROUNDING, SCENES, TABLE_EXPONENTS, TIGHT, Form, Problem, interpolated, keeps
+from lib.accuracy_lines import (ENERGY_BOUNDED, NEAR_ROUNDING, SCENES, TABLE_EXPONENTS, TIGHT, Form, Problem,
+                                interpolated, keeps)
 from lib.formats import FAST, Integrator
-from lib.integrator_names import KEPT, is_exponential
+from lib.integrator_names import KEPT, is_exponential, strongest_structure
 from lib.messages import one_line
 from lib.command_line import NO_ANSWER, Stop
 from lib.comparison import MISSING, three_digits
@@ -48,7 +49,7 @@ SETTLED, POWER, MOST_YOUNG, MOST_OLD = 50.0, 2.0, 40.0, 2.0
 EXPONENTIAL_OLD = 2.5
 # Their energy drifts faster than the square of time: in the smooth scene, from T = 50 to 400, 260 to 720 times for
 # magnus5, 19 to 140 times for rk4_projected.
-NOT_EXTRAPOLATED = re.compile("magnus|rk4_projected")
+NOT_EXTRAPOLATED = re.compile("magnus|.*_projected")
 
 
 class Question(NamedTuple):
@@ -122,22 +123,23 @@ def beyond_predictability(time, why):
             f" exponential Lie–Poisson methods from T = {SETTLED:g} on only"]
 
 
-def statements_on_tolerance(offer, structure):
-    """Returns what is to be said of the tolerance of an offer that is to keep a structure."""
+def statements_on_tolerance(offer, bounded):
+    """Returns what is to be said of the tolerance of an offer; `bounded` tells whether its energy is to be bounded."""
+    if bounded:
+        return [f"exponential Lie–Poisson methods are offered at the tolerance {ENERGY_BOUNDED:g} only, at which their"
+                " energy stays bounded"]
     if offer.tolerance == TIGHT:
         return []
     if not is_exponential(offer.integrator.name):
         return [f"at the tolerance {offer.tolerance:g} the spectrum is kept to about the tolerance only"]
-    if structure != "poisson":
-        return []
-    return [f"at the tolerance {offer.tolerance:g} the spectrum is kept to rounding, and the Lie–Poisson structure to"
-            " about the tolerance; over a long run these errors add to the energy, less at a tighter tolerance"]
+    return [f"at the tolerance {offer.tolerance:g} the Lie–Poisson structure is kept to about the tolerance only: over"
+            " a long run the energy drifts"] if offer.integrator.lie_poisson else []
 
 
-def energy_growth(integrator, known, time, loose=False):
+def energy_growth(integrator, known, time):
     """Returns the growth of the error of energy and spectrum from a known time on, 1 for an earlier one.
 
-    Infinity where the error cannot be extrapolated. `loose`: at a loose tolerance of the iteration.
+    Infinity where the error cannot be extrapolated.
     """
     if time <= known:
         return 1.0
@@ -147,9 +149,7 @@ def energy_growth(integrator, known, time, loose=False):
     if is_exponential(name):
         return EXPONENTIAL_OLD * old ** POWER
     young = max(1.0, min(time, SETTLED) / min(known, SETTLED)) ** POWER
-    # At a loose tolerance, a Gauss method loses the spectrum as others lose energy.
-    bounded = integrator.lie_poisson and not loose
-    return min(MOST_YOUNG, young) * min(MOST_OLD, old) if bounded else young * old ** POWER
+    return min(MOST_YOUNG, young) * min(MOST_OLD, old) if integrator.lie_poisson else young * old ** POWER
 
 
 # ---- recorded problems
@@ -224,15 +224,18 @@ class Recorded:
         self.lines = {form: [self.runs_within_limits(problem, form) for problem in self.weights] for form in candidates}
 
     def is_candidate(self, form):
-        """Tells whether a Form keeps what is asked for, and has an error that can be judged."""
+        """Tells whether a Form keeps what is asked for, and has an error that can be judged.
+
+        Beyond trajectories a method is a candidate only at a tolerance at which it keeps all that it can.
+        """
         integrator = self.study.integrators[form.integrator]
-        return keeps(integrator, form.tolerance, self.question.keep) and (
-            self.trajectory or (integrator.isospectral and math.isfinite(self.energy_growth(form))))
+        return keeps(integrator, form.tolerance, self.question.keep) and (self.trajectory or (
+            integrator.isospectral and keeps(integrator, form.tolerance, strongest_structure(integrator))
+            and math.isfinite(self.energy_growth(form))))
 
     def energy_growth(self, form):
         """Returns the growth of the error of energy and spectrum up to the time of the question."""
-        return energy_growth(self.study.integrators[form.integrator], self.longest, self.question.time,
-                             form.tolerance > TIGHT)
+        return energy_growth(self.study.integrators[form.integrator], self.longest, self.question.time)
 
     def interpolate(self, what, wanted, used, margin):
         """Takes a margin for interpolation in n or T, and says so, unless the wanted value is recorded."""
@@ -245,10 +248,7 @@ class Recorded:
     def judged_error(self, run):
         """Returns the error of a recorded run at the time of the question, of the kind that is judged."""
         if not self.trajectory:
-            # A Gauss method at a loose tolerance may lose as much of the spectrum, though a short run lost less.
-            loose = run.tolerance > TIGHT and not is_exponential(run.integrator)
-            least = run.tolerance if loose else SMALLEST_ERROR
-            return max(run.energy_error, run.spectrum_error, least) * self.energy_growth(run.form)
+            return max(run.energy_error, run.spectrum_error, SMALLEST_ERROR) * self.energy_growth(run.form)
         # Up to the shortest recorded time, the error is taken to grow in proportion to time.
         share = min(1.0, self.question.time / self.shortest)
         return run.error * share + self.study.references[run.problem].uncertainty
@@ -378,7 +378,8 @@ def answer_data(search, how, scene_arguments, source, speedup=None, first=""):
     winner, *others = offers
     return {**offered(winner), "question": question._asdict(),
             "judged": "trajectory" if search.trajectory else "energy and spectrum",
-            "statements": [*search.statements, *statements_on_tolerance(winner, question.keep)],
+            "statements": [*search.statements, *statements_on_tolerance(
+                winner, question.keep == "poisson" or not search.trajectory)],
             "speedup": speedup, "evidence": [each.row() for each in winner.evidence],
             "runners_up": list(map(offered, others)), "source": source}
 

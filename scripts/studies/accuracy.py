@@ -3,16 +3,18 @@
 
 A line is one integrator at one tolerance on one problem: a scene, n and a time. Its runs take more and more steps (as
 many as in Table 1 at least), until the error no longer falls, is below GOOD_ENOUGH, or a run took enough work: then the
-line is cut. Every integrator runs by its fast form if it has one. Gauss methods and exponential methods in the
-co-rotating frame have a line at a loose tolerance too. First every run is made once and looked at; then all are timed,
-in turns, so that a slow minute of the machine falls on all alike. Then the duels (lib/duels.py) follow. Counts and
-errors of published forms are those of OpenBLAS's products, times those of the backend that was the faster at the start:
-counts that followed the clock would differ from machine to machine.
+line is cut. Every integrator runs by its fast form if it has one. Lines are those of the methods that may stand for a
+class in a duel (lib/contenders.py), at the tolerances of the classes; the main problem, that of Table 1, has lines of
+the others too, at small n.
+
+First every run is made once and looked at; then all are timed, in turns, so that a slow minute of the machine
+falls on all alike. Then the duels (lib/duels.py) follow. Counts and errors of published forms are those of OpenBLAS's
+products, times those of the backend that was the faster at the start: counts that followed the clock would differ from
+machine to machine.
 """
 
 import math
 import os
-import re
 import statistics
 import sys
 
@@ -25,46 +27,49 @@ if __name__ == "__main__":
     study.require_module(PROGRAM)
 
 import isosyrk
+from lib import contenders
 from lib import duels
 from lib import formats
 from lib import problems
 from lib import verdicts
-from lib.accuracy_lines import (BELOW, CUT, FLOOR, FLOOR_MARGIN, GOOD_ENOUGH, SCHEMA, TABLE1_STEP, TIGHT, Line, Rate,
-                                Reference, Run, Settings, accuracy, is_floor, loose_tolerance)
-from lib.accuracy_runs import Setting, rounded, scene_of
+from lib.accuracy_figures import AGAINST_N
+from lib.accuracy_lines import (ALONE, BELOW, CUT, FLOOR, FLOOR_MARGIN, GOOD_ENOUGH, SCHEMA, TABLE1_STEP, Form, Line,
+                                Rate, Reference, Run, Settings, accuracy, is_floor)
+from lib.accuracy_runs import Setting, rounded, scene_of, seconds_of_part
 from lib.command_line import whole_number
 from lib.formats import FAST, PUBLISHED, Study
-from lib.integrator_names import TABLE1_CELLS, in_frame
+from lib.integrator_names import FRAME, TABLE1_CELLS, in_frame
 
 REFERENCES = os.path.join(study.ROOT, "results", "recorded", "references")
 
-# Whose answers other integrators give too, at the cost of another formulation, or which no comparison needs: these run
-# on the main problem only, the one of Table 1.
-MAIN_ONLY = re.compile(r"(cotangent[0-9]+|algebra[23]|group[178]|direct1|suzuki4)(_frame)?")
+# On the main problem, every integrator has a line up to this n, and up to the next one the cells of Table 1 and the
+# methods whose errors at its step are told; at larger n these run with Table 1's step alone.
+LARGEST_OF_ALL, LARGEST_OF_TABLE1 = 33, 65
+ORDER_TWO = "algebra1_frame"  # the fastest Gauss method of order 2: claims on orders need it on every problem
+TOLD = {name + suffix for name in AGAINST_N for suffix in ("", FRAME)}
 
 # All that the quick study has: the cells of Table 1 and one or two of each other kind, some of them in the co-rotating
 # frame, where duels take place.
 QUICK_INTEGRATORS = (*TABLE1_CELLS, "group5", "direct2", "yoshida4", "kahan_li6", "elp4", "elp6_frame", "magnus4",
                      "magnus5_frame", "rk4", "rk4_projected_frame", "rkmk4", "group2_frame", "group3_frame",
                      "rk4_frame", "rk8_frame", "abm8_frame", "rkmk4_frame")
-REPETITIONS = 2  # timings of each run; duels, from which verdicts come, have processes
+REPETITIONS = 1  # timings of each run; duels, from which verdicts come, have processes
 QUICK_PROCESSES = 6  # at most, that time a duel
 
-# Steps to T = 5: about a factor √2 apart, with Table 1's 50 among them.
+# Steps to T = 5: about a factor 1.6 apart, with Table 1's 50 among them.
 UNIT = 5.0
-STEPS = (2, 3, 5, 7, 10, 14, 20, 28, 35, 50, 70, 100, 140, 200, 280, 400, 560, 800, 1120, 1600, 2240, 3200, 4480,
-         6400)
+STEPS = (2, 3, 5, 8, 12, 20, 32, 50, 80, 125, 200, 320, 500, 800, 1250, 2000, 3200, 5000)
 # Where a line takes long, at n = 257 and to T = 50, a factor of 2 must do; so it must in the quick study.
 COARSE_STEPS = (3, 6, 12, 25, 50, 100, 200, 400, 800, 1600, 3200, 6400)
 
 # A line is cut by the first run, of Table 1's step or a shorter one, that takes so much work: floating-point operations
 # of its products. A core does some 5e10 to 1.2e11 a second.
-ENOUGH_WORK = ((33, 16e9), (65, 30e9), (129, 100e9), (math.inf, 200e9))  # by the largest n, to T = 5 in the frame
-LONG_TIMES, PLAIN_TIMES, QUICK_TIMES = 2.5, 0.3, 0.25  # times that: to T = 50, out of the frame, in the quick study
+ENOUGH_WORK = ((33, 5e9), (65, 15e9), (129, 40e9), (math.inf, 80e9))  # by the largest n, to T = 5 in the frame
+LONG_TIMES, PLAIN_TIMES, QUICK_TIMES = 4, 0.3, 0.25  # times that: to T = 50, out of the frame, in the quick study
 
 TOLERANCES = tuple(10.0**-exponent for exponent in range(4, 16))
 # The tolerances are not varied beyond, where that would take as long as all else.
-LARGEST_TOLERANCE_SIZE = 65
+LARGEST_TOLERANCE_SIZE = 33
 RATES = 5  # measurements of a product rate, of which the median counts
 
 
@@ -76,7 +81,7 @@ def draw_line(job):
     setting, tolerance = Setting(job), job["tolerance"]
     method, order = setting.method(tolerance), setting.entry.order
     runs, usable, end = [], [], None
-    for steps_of_unit in COARSE_STEPS if takes_long(job) else STEPS:
+    for steps_of_unit in steps_of(job):
         as_in_table1 = steps_of_unit >= UNIT / TABLE1_STEP
         if end and not as_in_table1:
             continue
@@ -86,11 +91,14 @@ def draw_line(job):
             end = end or end_of(usable, setting.uncertainty, order)
         if as_in_table1 and (end or took_enough(runs[-1], job["quick"])):
             break
-    return {"end": end or CUT, "runs": [run._asdict() for run in runs]}
+    return {"end": ALONE if job["table1_step"] else end or CUT, "runs": [run._asdict() for run in runs]}
 
 
-def takes_long(job):
-    return job["n"] > 129 or job["time"] > UNIT or job["quick"]
+def steps_of(job):
+    """Returns the numbers of steps to T = 5 that a line is tried with."""
+    if job["table1_step"]:
+        return (round(UNIT / TABLE1_STEP),)
+    return COARSE_STEPS if job["n"] > 129 or job["time"] > UNIT or job["quick"] else STEPS
 
 
 def end_of(runs, uncertainty, order):
@@ -123,13 +131,13 @@ def vary_tolerance(job):
 
 
 def time_one(point, folder):
-    """Returns the CPU seconds of a run [scene, time, n, integrator, solver, tolerance, products, steps], as the mean of
-    a few."""
-    scene, time, n, integrator, solver, tolerance, products, steps = point
+    """Returns the CPU seconds of a run [scene, time, n, integrator, solver, tolerance, backend of products, steps,
+    equivalent products], as the mean of a few."""
+    scene, time, n, integrator, solver, tolerance, products, steps, work = point
     setting = scene_of(scene, time, n, folder)
     method = isosyrk.integrator(setting, integrator, solver=solver, tolerance=tolerance,
                                 **({"products": products} if solver == PUBLISHED else {}))
-    return study.seconds_of(method, setting.initial, time / steps, steps)
+    return seconds_of_part(method, setting.initial, time / steps, steps, work)
 
 
 def rate_of(n, journal):
@@ -165,20 +173,22 @@ def is_main(problem):
 
 
 def lines_of(problem, entries, asked):
-    """Returns integrators, solvers and tolerances of the lines of a problem: the fast form where there is one.
+    """Returns the Forms of the lines of a problem, and those of them that run with Table 1's step alone.
 
-    Unless they were asked for, integrators out of the co-rotating frame, and MAIN_ONLY, run on the main problem only.
+    Those of a class of duels by their fast form have a line on every problem, others on the main problem only, unless
+    they were asked for.
     """
-    lines = []
-    for entry in entries:
-        main_only = bool(MAIN_ONLY.fullmatch(entry.name))
-        if not asked and not (is_main(problem) and (problem.n in problems.SIZES or not main_only)
-                              or in_frame(entry.name) and not main_only):
-            continue
-        loose = loose_tolerance(entry.name) if in_frame(entry.name) and not main_only else None
-        lines += [(entry.name, FAST if entry.has_fast_form else PUBLISHED, tolerance)
-                  for tolerance in (TIGHT, loose) if tolerance]
-    return lines
+    forms = contenders.all_forms(study.record_of(entry) for entry in entries if entry.has_fast_form)
+    forms += [Form(entry.name) for entry in entries if entry.name == ORDER_TWO]
+    alone = []
+    for entry in entries if asked or is_main(problem) else ():
+        told = entry.name in TOLD
+        if asked or problem.n <= LARGEST_OF_ALL or (problem.n <= LARGEST_OF_TABLE1
+                                                    and (told or entry.name in TABLE1_CELLS)):
+            forms.append(Form(entry.name))
+        elif told and Form(entry.name) not in forms:
+            alone.append(Form(entry.name))
+    return list(dict.fromkeys([*forms, *alone])), alone
 
 
 def main(arguments):
@@ -194,9 +204,11 @@ def main(arguments):
 
     folder = os.path.realpath(options.references)
     ordered = sorted(wanted, key=lambda problem: (problem.n, problem.time))  # the longest last
-    jobs = [{**problem._asdict(), "integrator": name, "solver": solver, "tolerance": tolerance, "references": folder,
-             "quick": options.quick} for problem in ordered
-            for name, solver, tolerance in lines_of(problem, chosen, options.integrator is not None)]
+    solvers, jobs = {entry.name: FAST if entry.has_fast_form else PUBLISHED for entry in chosen}, []
+    for problem in ordered:
+        forms, alone = lines_of(problem, chosen, options.integrator is not None)
+        jobs += [{**problem._asdict(), **form._asdict(), "solver": solvers[form.integrator],
+                  "table1_step": form in alone, "references": folder, "quick": options.quick} for form in forms]
     lines = study.untimed(jobs, draw_line, journal, options, "lines")
     cells = study.untimed([{**problem._asdict(), "integrator": entry.name, "solver": PUBLISHED, "references": folder}
                            for problem in ordered if is_main(problem) and problem.n <= LARGEST_TOLERANCE_SIZE
@@ -206,7 +218,7 @@ def main(arguments):
     runs, tolerance_runs = ([Run(**run) for each in found for run in each]
                             for found in ((line["runs"] for line in lines), cells))
     points = [[*run.problem, run.integrator, run.solver, run.tolerance,
-               journal.products(run.n) if run.solver == PUBLISHED else None, run.steps]
+               journal.products(run.n) if run.solver == PUBLISHED else None, run.steps, run.equivalent_products]
               for run in (*runs, *tolerance_runs) if run.usable]
     seconds = iter(study.in_turns(points, options.repetitions, lambda point: time_one(point, folder), journal,
                                   "timings"))

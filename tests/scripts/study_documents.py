@@ -35,10 +35,11 @@ INTEGRATORS = {
     "elp4_frame": (1, 4, True, True, True, False, None, 1e-2, 2e-3),
 }
 # Who stands for a contender of a duel; the others have no row.
-CONTENDERS = {"gauss": ("group2_frame", FAST, TIGHT), "gauss_loose": ("group2_frame", FAST, 1e-7),
+CONTENDERS = {"explicit": ("rk4", FAST, TIGHT), "rkmk": ("rkmk4", FAST, TIGHT), "elp": ("elp4_frame", FAST, 1e-8),
+              "elp_matched": ("elp4_frame", FAST, 1e-6), "elp_bounded": ("elp4_frame", FAST, TIGHT),
+              "gauss": ("group2_frame", FAST, TIGHT), "gauss_loose": ("group2_frame", FAST, 1e-7),
               "gauss_matched": ("group2_frame", FAST, 1e-6), "gauss_published": ("group2_frame", PUBLISHED, TIGHT),
-              "elp": ("elp4_frame", FAST, 1e-8), "elp_matched": ("elp4_frame", FAST, 1e-6),
-              "rkmk4": ("rkmk4", FAST, TIGHT), "rk4": ("rk4", FAST, TIGHT)}
+              "named_published": ("group2", PUBLISHED, TIGHT)}
 DUELS = (1e-4, 1e-6)  # the errors of the duels, which are in the smooth scene only
 # The largest h‖B(W₀)‖₂ that works: group1 fails at 5 steps; rk4 at half its limit by linear theory, as ‖ad_B‖₂ = 2‖B‖₂.
 LIMITS = {**dict.fromkeys(INTEGRATORS, 100.0), "group1": 1.38, "rk4": 1.4142}

@@ -9,9 +9,13 @@ from study_documents import (CONTENDERS, INTEGRATORS, ROUGH, SMOOTH, SOONER, STE
                              study_document, write_study)
 
 from lib.accuracy_figures import figures
-from lib.accuracy_lines import CUT, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT, Form, keeps, read_accuracy
+from lib.accuracy_lines import CONTENDERS as ALL_CONTENDERS
+from lib.accuracy_lines import (CUT, ENERGY_BOUNDED, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT, Form, compared, keeps,
+                                read_accuracy)
 from lib.accuracy_report import accuracy_sections
+from lib.contenders import CLASSES, all_forms, candidates
 from lib.equal_error import cheap_forms, cheapest
+from lib.formats import Integrator
 from lib.messages import UnusableFile
 from lib.document import as_markdown
 
@@ -151,16 +155,24 @@ def elp_slower(document):
     for row in document["duels"]:
         if row["contender"] == "elp":
             factor = 10 if row["n"] == 17 else 1
-            rival = next(each for each in document["duels"] if each["contender"] == "rkmk4"
+            rival = next(each for each in document["duels"] if each["contender"] == "rkmk"
                          and (each["n"], each["wanted"]) == (row["n"], row["wanted"]))
             row["cpu_seconds"] = [factor * time for time in (row if row["n"] == 17 else rival)["cpu_seconds"]]
 
 
+def explicit_slower(document):
+    """Has the explicit method take 12 times as long in the duel at 1e-6 and n = 33."""
+    (row,) = (each for each in document["duels"] if (each["contender"], each["n"], each["wanted"])
+              == ("explicit", 33, 1e-6))
+    row["cpu_seconds"] = [12 * time for time in row["cpu_seconds"]]
+
+
 def scattered(document):
-    """Has the times of RKMK4 scatter from process to process."""
+    """Has the times of RKMK4 scatter from process to process, about those of the explicit method."""
     for row in document["duels"]:
-        if row["contender"] == "rkmk4":
-            row["cpu_seconds"] = [time * factor for time, factor in zip(row["cpu_seconds"], (1, 4, 1, 0.2, 3, 0.4))]
+        if row["contender"] == "rkmk":
+            row["cpu_seconds"] = [time / 5.7 * factor
+                                  for time, factor in zip(row["cpu_seconds"], (1, 4, 1, 0.2, 3, 0.4))]
 
 
 def a_sloppy_spectrum(document):
@@ -171,11 +183,12 @@ def a_sloppy_spectrum(document):
 
 
 class Compared(unittest.TestCase):
-    def test_what_is_kept_depends_on_the_tolerance_for_gauss_methods_only(self):
+    def test_what_is_kept_depends_on_the_tolerance_for_implicit_methods(self):
         integrators = accuracy_of(study_document()).integrators
         for name, tolerance, structure, wanted in (
                 ("group2_frame", TIGHT, "poisson", True), ("group2_frame", LOOSE_GAUSS, "spectrum", False),
-                ("group2_frame", LOOSE_GAUSS, "nothing", True), ("elp4_frame", LOOSE_EXPONENTIAL, "poisson", True),
+                ("group2_frame", LOOSE_GAUSS, "nothing", True), ("elp4_frame", LOOSE_EXPONENTIAL, "poisson", False),
+                ("elp4_frame", LOOSE_EXPONENTIAL, "spectrum", True), ("elp4_frame", ENERGY_BOUNDED, "poisson", True),
                 ("rkmk4", TIGHT, "spectrum", True), ("rkmk4", TIGHT, "poisson", False)):
             self.assertEqual(keeps(integrators[name], tolerance, structure), wanted, (name, tolerance, structure))
 
@@ -210,6 +223,53 @@ class Compared(unittest.TestCase):
         self.assertEqual((study.duel(ROUGH, 1e-4), study.duel(SMOOTH[0], 1e-5)), ({}, {}))
 
 
+class Classes(unittest.TestCase):
+    """Of methods that compete, found by rule."""
+
+    LISTED = (("rk12_frame", 12, False, False, True), ("rk4_frame", 4, False, False, True),
+              ("rk12", 12, False, False, True), ("rk2_frame", 2, False, False, True),
+              ("rk12_projected_frame", 12, True, False, True), ("rkmk4_frame", 4, True, False, True),
+              ("magnus5_frame", 5, True, False, True), ("elp6_frame", 6, True, True, False),
+              ("elp2_frame", 2, True, True, False), ("group2_frame", 4, True, True, False),
+              ("algebra2_frame", 4, True, True, False), ("group4_frame", 8, True, True, False),
+              ("cotangent2_frame", 4, True, True, False), ("bm2_frame", 4, True, True, False),
+              ("cg4_frame", 4, True, True, False), ("direct2_frame", 4, False, False, False))
+
+    def test_each_finds_its_methods_in_the_frame_from_order_four_on(self):
+        listed = [Integrator(name, order // 2, order, isospectral, lie_poisson, True, explicit, None)
+                  for name, order, isospectral, lie_poisson, explicit in self.LISTED]
+        self.assertEqual(list(CLASSES), list(ALL_CONTENDERS))
+        found = {each: [method.name.removesuffix("_frame") for method in candidates(listed, each)] for each in CLASSES}
+        exponential, gauss = dict.fromkeys(("elp", "elp_matched", "elp_bounded"), ["elp6"]), ["group2", "group4"]
+        self.assertEqual(found, {
+            "explicit": ["rk12", "rk4"], "rk4": ["rk4"], "projected": ["rk12_projected"], "rkmk": ["rkmk4"],
+            "magnus": ["magnus5"], **exponential, **dict.fromkeys(("gauss", "gauss_loose", "gauss_matched"), gauss),
+            "gauss_published": ["group2", "algebra2"], "named_published": ["bm2", "cg4"]})
+        self.assertEqual(all_forms(listed), [Form(f"{name}_frame", tolerance) for name, tolerance in (
+            ("rk12", TIGHT), ("rk4", TIGHT), ("rk12_projected", TIGHT), ("rkmk4", TIGHT),
+            ("magnus5", LOOSE_EXPONENTIAL), ("elp6", LOOSE_EXPONENTIAL), ("elp6", ENERGY_BOUNDED), ("group2", TIGHT),
+            ("group4", TIGHT))])
+
+    def test_a_matched_tolerance_competes_where_it_is_looser_or_needed(self):
+        for name, error, tolerance in (("gauss", 1e-4, TIGHT), ("elp", 1e-8, LOOSE_EXPONENTIAL),
+                                       ("elp_bounded", 1e-4, ENERGY_BOUNDED), ("gauss_matched", 1e-4, 1e-6),
+                                       ("gauss_matched", 1e-6, None), ("gauss_matched", 1e-8, 1e-10),
+                                       ("elp_matched", 1e-4, 1e-6), ("elp_matched", 1e-6, None),
+                                       ("elp_matched", 1e-8, 1e-10)):
+            with self.subTest(name=name, error=error):
+                found = CLASSES[name].tolerance_for(error)
+                self.assertEqual(found and float(f"{found:.6g}"), tolerance)
+        self.assertEqual([CLASSES["elp_matched"].line_tolerance(error) for error in (1e-4, 1e-8)],
+                         [LOOSE_EXPONENTIAL, TIGHT])
+
+    def test_rows_are_compared_by_the_processes_that_timed_both(self):
+        study = accuracy_of(study_document())
+        duel = study.duel(SMOOTH[0], 1e-6)
+        more = duel["elp"]._replace(cpu_seconds=(*duel["elp"].cpu_seconds, 1e3))
+        self.assertEqual(compared(more, duel["gauss"]), compared(duel["elp"], duel["gauss"]))
+        self.assertEqual(compared(duel["gauss"], more)[0].processes, 6)
+
+
 class Figures(unittest.TestCase):
     def test_they_can_be_worked_out_by_hand(self):
         found = figures_of(study_document())
@@ -219,10 +279,14 @@ class Figures(unittest.TestCase):
                 "problems": 3, "gauss_over_elp.smooth_t5.n17.at_1e-4": 4,
                 "gauss_loose_over_elp.smooth_t5.n17.at_1e-4": 2, "elp_matched_over_elp.smooth_t5.n17.at_1e-4": 1,
                 "gauss_matched_over_elp_matched.smooth_t5.n17.at_1e-4": 2,
-                "gauss_published_over_gauss.smooth_t5.n33.at_1e-6": 4, "elp_over_rkmk4.smooth_t5.n17.at_1e-4": 16 / 9,
-                "elp_over_rkmk4.smooth_t5.n17.at_1e-6": 50 / 29, "elp_over_rk4.smooth_t5.n33.at_1e-6": 10,
-                "elp_over_isospectral.smooth_t5.n17.at_1e-6": 50 / 29, "elp_over_rkmk4.slower": 4,
-                "elp_over_rkmk4.faster": 0, "elp_over_rkmk4.undecided": 0, "elp_over_rkmk4.duels": 4,
+                "gauss_published_over_gauss.smooth_t5.n33.at_1e-6": 4,
+                "rkmk_over_explicit.smooth_t5.n17.at_1e-4": 90 / 16,
+                "elp_over_explicit.smooth_t5.n33.at_1e-6": 10, "elp_bounded_over_explicit.smooth_t5.n33.at_1e-6": 20,
+                "named_published_over_gauss_published.smooth_t5.n33.at_1e-6": 89 / 50,
+                "named_published_over_gauss_published.products.smooth_t5.n33.at_1e-6": 89 / 50,
+                "elp_over_explicit.slower": 4, "elp_over_explicit.faster": 0, "elp_over_explicit.undecided": 0,
+                "elp_over_explicit.duels": 4, "rows": 40, "rows.of_few_steps": 2,  # rkmk4 at 1e-4
+                "explicit_fastest.at_1e-6": 2, "explicit_fastest.at_1e-6.duels": 2,
                 "seconds.elp.smooth_t5.n17.at_1e-6": 0.05, "steps.elp.smooth_t5.n17.at_1e-6": 50,
                 "spectrum.gauss_loose.smooth_t5.n17.at_1e-6": 1e-7, "spectrum.elp.smooth_t5.n17.at_1e-6": 1e-15,
                 "frame_gain": 10**0.25, "frame_gain.comparisons": 8,  # group2 itself ends above 1e-8
@@ -233,15 +297,16 @@ class Figures(unittest.TestCase):
                 "tolerance.spectrum_error": 1e-15, "spectrum_error.group1.n33": 1e-15}.items():
             with self.subTest(key=key):
                 self.assertAlmostEqual(found[key], wanted, delta=1e-3 * wanted)
-        self.assertFalse([key for key in found if "magnus" in key or "rk4_projected" in key])  # which nobody sent
+        self.assertFalse([key for key in found if "magnus" in key or "projected" in key])  # which nobody sent
 
     def test_a_change_of_a_run_changes_them(self):
         before = figures_of(study_document())
         for change, changed in (
                 (lambda document: run_of(document, "rkmk4", 17, 50).update(error=3.3e-3), {"error.rkmk4.n17": 3.3e-3}),
-                (elp_slower, {"gauss_over_elp.faster": 2, "gauss_over_elp.slower": 2, "elp_over_rkmk4.tie": 2,
+                (elp_slower, {"gauss_over_elp.faster": 2, "gauss_over_elp.slower": 2,
                               "gauss_over_elp.smooth_t5.n17.at_1e-4": 0.4}),
-                (scattered, {"elp_over_rkmk4.undecided": 4}),
+                (explicit_slower, {"explicit_fastest.at_1e-6": 1, "elp_over_explicit.faster": 1}),
+                (scattered, {"rkmk_over_explicit.undecided": 4}),
                 (a_sloppy_spectrum, {"tolerance.spectrum_error": 5e-4, "tolerance.spectrum_error.at_1e-13": 5e-13,
                                      "spectrum_error.group1.n17": 5e-13})):
             document = study_document()
@@ -257,8 +322,13 @@ class Report(unittest.TestCase):
     def test_figures_can_be_worked_out_by_hand(self):
         text = report(study_document())
         for pattern in (
-                r"### Error 0\.0001\n[^#]*\n\| smooth, T = 5, n = 17 +\| 4\.00 \(4\.00–4\.00\) +\| 2\.00 ",
-                r"\| smooth, T = 5, n = 17 +\| Gauss, loose +\| group2\\_frame, 1e-7 +\| +50 \| 1\.0e-6 \| +1\.0e-7 \|",
+                r"in 2 of 2 duels no class is faster than the best explicit method, which keeps nothing\.\n",
+                r"\| smooth, T = 5, n = 17 \| \*\*0\.00160 \(16\)\*\* \| – \| 0\.0320 \(16\) \|",
+                r"### Error 1e-4\n[^#]*\n\| smooth, T = 5, n = 17 \| – \| – \| 5\.63 \(5\.63–5\.63\) \| – \| 10\.00 ",
+                r"\| 1e-6 \| smooth, T = 5, n = 33 \| group2\\_frame \| 50 \| 0\.800 \| group2 \| 89 \| 1\.42 \| 1\.78 "
+                r"[^|]*\| 1\.78 ",
+                r"smooth, T = 5, n = 17 \| Gauss, 1e-7 \| group2\\_frame, 1e-7 \| 50 \| 1\.0e-6 \| 1\.0e-7 \|",
+                r"\| 1e-4 \| smooth, T = 5, n = 17 \| RKMK \| rkmk4 \| 9° \|",
                 # (1e-1 / 1e-2)^(1/4)
                 r"co-rotating frame buys\n[^*]*\| group2 +\| +1\.8 \| +1\.8 \|\n",
                 r"## Error at h = 0\.1\n[^#]*\| group2 +\| 1\.0e-5 +\| 1\.0e-5 +\|\n",
@@ -276,7 +346,10 @@ class Report(unittest.TestCase):
                  r"\| rk4 +\| 1\.00 l \| 1\.00 l \|\n"),
                 (lambda document: run_of(document, "rk4", 33, 5).update(status="unstable", cpu_seconds=[]),
                  r"\| rk4 +\| +– \| 1\.00 u \|\n"),
-                (elp_slower, r"n = 17 +\| 0\.40 \("), (scattered, r"–[0-9.]+\) † \|"),
+                (elp_slower, r"n = 17 [^\n]*\| 100\.00 \("), (scattered, r"–[0-9.]+\) † \|"),
+                (explicit_slower, r"1 of 2 duels [^.]*\. The fastest elsewhere: smooth, T = 5, n = 33 \(RKMK\)\."),
+                (explicit_slower, r"\*\*0\.0500 \(50\)\*\*"),
+                (lambda document: document["duels"][0].update(beyond_limit=True), r"\| 0\.00160 \(16‡\)|\(16‡\)\*\*"),
                 (lambda document: document["lines"][-1].update(end=CUT), r"\| elp4\\_frame, 1e-8 +\| +3\.9e-8"),
                 (lambda document: run_of(document, "group2", 33, 50).update(beyond_limit=True),
                  r"\| group2 +\| 1\.0e-5 \| +– \|")):

@@ -88,10 +88,12 @@ class Recorded(FolderTest):
 
     def test_lines_show_the_order_of_their_integrator(self):
         study = read_accuracy(raw("accuracy"))
-        # Of lines with the fine steps that show it, and not cut before.
+        # Of lines with the fine steps that show it, and not cut before. A method of order 10 is at rounding before its
+        # order shows, and one of several steps is still begun by another in most of so few.
         found = [(order - study.integrators[name].order, problem, name) for problem, name, tolerance in study.lines
                  if tolerance == TIGHT and study.ends[problem, name, tolerance] != CUT
                  and problem.time == 5 and problem.n <= 129
+                 and study.integrators[name].order < 10 and not name.startswith("abm")
                  and (order := study.observed_order(problem, name)) is not None]
         self.assertGreater(len(found), 200)  # of the record, most of its lines
         for difference, problem, name in found:

@@ -14,6 +14,7 @@ import unittest
 from types import SimpleNamespace
 from unittest import mock
 
+import study_documents
 from programs import BUILD, DONE, HAS_MODULE, ROOT, FolderTest, end, environment, run, start, strict_json, text_of
 from study_documents import raw, study_document
 
@@ -22,7 +23,7 @@ from lib.messages import UnusableFile
 from lib import scaling_table
 from lib.formats import FAST, PUBLISHED
 from lib.integrator_names import in_frame, method_name
-from lib.accuracy_lines import CONTENDERS, GOOD_ENOUGH, SCHEMA, Problem, read_accuracy
+from lib.accuracy_lines import CONTENDERS, GOOD_ENOUGH, SCHEMA, Form, Problem, read_accuracy
 from lib.limits_files import read_limits
 from lib.scaling_table import read_rough, read_scaling
 
@@ -30,7 +31,7 @@ if HAS_MODULE:
     sys.path.insert(0, os.path.join(BUILD, "python"))
     import isosyrk
     import numpy
-    from lib import accuracy_runs, duels, initial_states, problems, study, trials, verdicts
+    from lib import accuracy_runs, contenders, duels, initial_states, problems, study, trials, verdicts
 
 STUDIES = os.path.join(ROOT, "scripts", "studies")
 RECORDED = os.path.join(ROOT, "results", "recorded", "accuracy", "raw.json")
@@ -529,6 +530,22 @@ class Refusals(StudyTest):
                 self.assertEqual(os.listdir(self.folder), [])
 
 
+def accuracy_of_lines(seconds):
+    """Returns an Accuracy of integrators with lines on one problem that take so many seconds a step and err as h⁴; one
+    with None has no line."""
+    document = study_documents.small_study()
+    listed = {each.name: study.record_of(each) for each in isosyrk.integrators()}
+    document["integrators"] = [listed[name]._asdict() for name in seconds]
+    lines = [name for name in seconds if seconds[name]]
+    (end,) = [each for each in document["lines"] if each["integrator"] == "rk4"]
+    document["lines"] = [{**end, "integrator": name} for name in lines]
+    document["runs"] = [{**run, "integrator": name, "beyond_limit": False,
+                         "cpu_seconds": [seconds[name] * run["steps"]]}
+                        for name in lines for run in document["runs"] if run["integrator"] == "rk4"]
+    document["tolerance_runs"] = document["duels"] = []
+    return study_documents.accuracy_of(document)
+
+
 class Accuracy(StudyTest):
     INTEGRATORS = ["group2", "rk4", "group2_frame", "rk4_frame", "elp4_frame"]
     ARGUMENTS = ("--n", "17", "--scene", "smooth", "--time", "5", "--integrator", *INTEGRATORS, "--repetitions", "2",
@@ -548,7 +565,7 @@ class Accuracy(StudyTest):
     def test_counts_and_errors_are_those_of_the_recorded_study(self):
         found, recorded = self.study("raw.json"), read_accuracy(RECORDED)
         self.assertEqual((list(found.integrators), found.problems()), (self.INTEGRATORS, [self.PROBLEM]))
-        self.assertEqual(len(found.forms()), 7)  # two have a loose tolerance too
+        self.assertEqual(len(found.forms()), 6)  # one has a loose tolerance too
         pairs = list(zip(found.tolerance_runs, [run for run in recorded.tolerance_runs
                                                 if (run.integrator, run.n) == ("group2", 17)]))
         for form in found.forms():
@@ -603,7 +620,7 @@ class Accuracy(StudyTest):
         self.assertEqual({wanted for _, wanted in found.duels}, set(duels.WANTED))
         for wanted in duels.WANTED:
             duel = found.duel(self.PROBLEM, wanted)
-            self.assertEqual(set(duel), {"gauss", "gauss_loose", "elp", "elp_tight", "rk4",
+            self.assertEqual(set(duel), {"explicit", "rk4", "gauss", "gauss_loose", "elp", "elp_bounded",
                                          *(["gauss_published"] if wanted == duels.WANTED_PUBLISHED else
                                            ["gauss_matched", "elp_matched"])})
             for contender, row in duel.items():
@@ -617,86 +634,134 @@ class Accuracy(StudyTest):
                     run, _ = setting.look(setting.method(row.tolerance), row.steps, row.tolerance)
                     self.assertLess(abs(run.error / row.error - 1), 1e-3 + 100 * row.tolerance / row.error)
         duel = found.duel(self.PROBLEM, 1e-4)
-        for loose, matched in duels.MATCHED_TO.items():
+        for loose, matched in (("gauss_loose", "gauss_matched"), ("elp", "elp_matched")):
             row = duel[matched]
             self.assertEqual(row.tolerance, 1e-6)
             self.assertLess(row.equivalent_products, duel[loose].equivalent_products)
 
     def test_how_the_steps_of_a_duel_are_sought(self):
-        # By bisection: one step less errs by more.
+        # One step less errs by more.
         job = {**self.PROBLEM._asdict(), "wanted": 1e-6, "contender": "rk4", "integrator": "rk4_frame", "solver": FAST,
                "tolerance": 1e-13, "references": REFERENCES}
-        row = duels.cheapest_steps({**job, "coarse": 10, "fine": 200})
-        self.assertEqual(duels.cheapest_steps({**job, "coarse": row["steps"] - 1, "fine": row["steps"]}), row)
+        row = duels.cheapest_steps({**job, "steps": 200})
+        setting = accuracy_runs.Setting(job)
+        fewer = duels.run_of(job, setting, row["steps"] - 1)
+        self.assertGreater(fewer.error, 1e-6)
+        self.assertEqual(duels.cheapest_steps({**job, "steps": row["steps"]}), row)
         # Steps that are too few, as they may be at a looser tolerance, become more; none reach an error below rounding.
-        more = duels.cheapest_steps({**job, "coarse": row["steps"] - 1, "fine": row["steps"] - 1})
-        self.assertLessEqual(more["error"], 1e-6)
-        self.assertLess(more["steps"], duels.CLOSE * row["steps"] + 1)
-        self.assertIsNone(duels.cheapest_steps({**job, "wanted": 1e-17, "coarse": 10, "fine": 20}))
-        # Fewer steps than those of a run of the line are tried too.
-        fewer = duels.cheapest_steps({**job, "coarse": 2 * row["steps"], "fine": 2 * row["steps"]})
-        self.assertLess(fewer["steps"], 2 * row["steps"])
-        self.assertLessEqual(fewer["error"], 1e-6)
-        # But none beyond the limit of stability, even if their run comes to an end.
-        loose = {**job, "wanted": 1.0}
-        setting, first = accuracy_runs.Setting(loose), 30
-        runs = {steps: setting.look(setting.method(1e-13), steps, 1e-13)[0] for steps in range(2, first + 1)}
-        short = min(steps for steps, run in runs.items() if not run.beyond_limit)
-        self.assertTrue(runs[short - 1].usable and runs[short - 1].error < 1)
-        found = {duels.cheapest_steps({**loose, "coarse": steps, "fine": steps})["steps"]
-                 for steps in range(short, first + 1)}
-        self.assertEqual(min(found), short)
+        self.assertEqual(duels.cheapest_steps({**job, "steps": row["steps"] // 2}), row)
+        self.assertIsNone(duels.cheapest_steps({**job, "wanted": 1e-17, "steps": 20}))
         # Work that rises and falls again: the least of all that are tried, not the first that the next does not better.
-        jagged = {**job, "wanted": 1.5e-3, "integrator": "group2_frame", "tolerance": 1e-7, "coarse": 3, "fine": 4}
+        jagged = {**job, "wanted": 1.5e-3, "contender": "gauss_loose", "integrator": "group2_frame", "tolerance": 1e-7,
+                  "steps": 4}
         setting = accuracy_runs.Setting(jagged)
         work = {steps: duels.run_of(jagged, setting, steps).equivalent_products for steps in range(4, 7)}
-        self.assertGreater(work[5], work[4])
-        self.assertLess(work[6], work[4])
-        self.assertEqual(duels.cheapest_steps(jagged)["steps"], min(work, key=work.get))
-        # Steps so long that each takes many sweeps: more of them take less work, and are taken up to the least.
-        long = {**job, "wanted": 1.0, "integrator": "group2_frame"}
-        row = duels.cheapest_steps({**long, "coarse": 2, "fine": 2})
-        self.assertGreater(row["steps"], 2)
-        setting = accuracy_runs.Setting(long)
-        work = {steps: setting.look(setting.method(1e-13), steps, 1e-13)[0].equivalent_products
-                for steps in range(2, row["steps"] + 1)}
-        self.assertEqual(min(work, key=work.get), row["steps"])
-        self.assertEqual(work[row["steps"]], row["equivalent_products"])
+        self.assertEqual(work[duels.cheapest_steps(jagged)["steps"]], min(work.values()))
 
-    def test_a_published_form_takes_the_steps_of_its_fast_form(self):
-        job = {**self.PROBLEM._asdict(), "wanted": 1e-6, "contender": "gauss", "integrator": "group2_frame",
-               "solver": FAST, "tolerance": 1e-13, "references": REFERENCES, "coarse": 10, "fine": 20}
-        fast = duels.cheapest_steps(job)
-        published = duels.published_form({**fast, "references": REFERENCES})
-        self.assertEqual((published["contender"], published["solver"], published["steps"]),
-                         ("gauss_published", PUBLISHED, fast["steps"]))
-        self.assertLess(abs(published["error"] / fast["error"] - 1), 1e-4)
-        self.assertGreater(published["equivalent_products"], fast["equivalent_products"])
-        self.assertIsNone(duels.published_form({**fast, "wanted": fast["error"] / 2, "references": REFERENCES}))
-        # Sweeps that diverge with the steps of the fast form, whose own do not.
-        fast = duels.cheapest_steps({**job, "integrator": "group6_frame", "scene": "developed", "n": 33, "coarse": 3,
-                                     "fine": 4})
-        self.assertLessEqual(fast["steps"], 6)
-        self.assertIsNone(duels.published_form({**fast, "steps": 4, "references": REFERENCES}))
+    def test_no_neighbour_of_the_steps_of_a_duel_is_cheaper_by_two_per_cent(self):
+        for name, contender, tolerance, wanted in (("rk8_frame", "explicit", 1e-13, 1e-6),
+                                                   ("group3_frame", "gauss", 1e-13, 1e-6),
+                                                   ("elp6_frame", "elp", 1e-8, 1e-4),
+                                                   ("magnus5_frame", "magnus", 1e-8, 1e-6)):
+            with self.subTest(integrator=name):
+                job = {**self.PROBLEM._asdict(), "scene": "rough", "wanted": wanted, "contender": contender,
+                       "integrator": name, "solver": FAST, "tolerance": tolerance, "references": REFERENCES,
+                       "steps": 12}
+                row = duels.cheapest_steps(job)
+                setting = accuracy_runs.Setting(job)
+                for steps in range(max(1, math.floor(0.8 * row["steps"])), math.ceil(1.1 * row["steps"]) + 1):
+                    run = duels.run_of(job, setting, steps)
+                    if duels.is_reached(wanted, run):
+                        self.assertGreater(run.equivalent_products, 0.98 * row["equivalent_products"], steps)
 
-    def test_which_rows_are_timed_in_published_form_too(self):
-        row = {**Problem("smooth", 5.0, 129)._asdict(), "wanted": 1e-6, "contender": "gauss", "solver": FAST}
-        self.assertTrue(duels.with_published(row))
-        for other in ({"n": 257}, {"time": 50.0}, {"wanted": 1e-4}, {"contender": "elp"}, {"contender": "gauss_loose"},
-                      {"solver": PUBLISHED}):
-            with self.subTest(**other):
-                self.assertFalse(duels.with_published({**row, **other}))
+    def test_the_explicit_method_of_order_8_takes_the_steps_that_others_counted(self):
+        # Of DOP853 by another implementation, rough scene.
+        for n, steps in ((33, 9), (65, 16), (129, 29)):
+            job = {**Problem("rough", 5.0, n)._asdict(), "wanted": 1e-6, "contender": "explicit", "solver": FAST,
+                   "integrator": "rk8_frame", "tolerance": 1e-13, "references": REFERENCES, "steps": steps + 2}
+            self.assertEqual(duels.cheapest_steps(job)["steps"], steps)
 
-    def test_of_close_methods_that_with_least_work_stands(self):
+    def test_steps_beyond_a_linear_limit_are_tried_and_marked(self):
+        job = {**Problem("smooth", 5.0, 129)._asdict(), "wanted": 1e-4, "contender": "rk4", "integrator": "rk4_frame",
+               "solver": FAST, "tolerance": 1e-13, "references": REFERENCES}
+        row = duels.cheapest_steps({**job, "steps": 16})
+        self.assertEqual((row["steps"], row["beyond_limit"]), (8, True))
+        setting = accuracy_runs.Setting(job)
+        self.assertFalse(duels.run_of(job, setting, 16).beyond_limit)
+        # A line tells of such runs too, where they are asked for.
+        document = study_documents.study_document()
+        study_documents.run_of(document, "rk4", 17, 10)["beyond_limit"] = True
+        found = study_documents.accuracy_of(document)
+        error = 1.01 * 1e-2 * 0.5**4
+        self.assertEqual([found.cost(self.PROBLEM, "rk4", error, beyond=beyond).fine.steps for beyond in (True, False)],
+                         [10, 20])
+
+    def test_a_search_tries_what_the_order_tells_or_else_the_middle(self):
+        def fewest(errors, first, order=4):
+            """Returns the steps found and those tried, where errors(steps) is None for a run that fails."""
+            tried = []
+
+            def look(steps):
+                tried.append(steps)
+                error = errors(steps)
+                return SimpleNamespace(steps=steps, usable=error is not None, error=error)
+
+            run = duels.fewest_steps(look, first, 1e-6, order)
+            return run and run.steps, tried
+
+        for order, first in ((4, 300), (4, 40), (8, 300), (8, 101)):
+            least = next(steps for steps in range(1, 999) if (100 / steps) ** order <= 1)
+            found, tried = fewest(lambda steps: 1e-6 * (100 / steps) ** order, first, order)
+            self.assertLessEqual(found, duels.CLOSE * least)
+            self.assertGreaterEqual(found, least)
+            self.assertLess(len(tried), 8)
+        # Steps that fail altogether, and an order that is not the method's.
+        for errors in (lambda steps: 1e-9 if steps >= 57 else None, lambda steps: 1e-6 * (57 / steps) ** 0.7):
+            found, tried = fewest(errors, 200)
+            self.assertTrue(57 <= found <= 58, found)
+            self.assertLess(len(tried), duels.MOST_RUNS)
+        self.assertIsNone(fewest(lambda steps: None, 10)[0])
+
+    def test_which_methods_may_stand_in_a_duel(self):
+        found = accuracy_of_lines({"group2_frame": 4e-3, "group3_frame": 4.5e-3, "group4_frame": 9e-3,
+                                   "rk4_frame": 5e-3, "rk8_frame": 2e-3, "bm2_frame": None, "elp2_frame": 1e-6,
+                                   "rk8": 1e-6})
+
+        def standing(wanted, problem=self.PROBLEM):
+            jobs = duels.jobs_of(found, problem, wanted, REFERENCES)
+            return {contender: [job["integrator"] for job in jobs if job["contender"] == contender]
+                    for contender in dict.fromkeys(job["contender"] for job in jobs)}
+
+        # Those within CLOSE_COST of the least, but none of order 2 or out of the frame.
+        usual = {"explicit": ["rk8_frame"], "rk4": ["rk4_frame"], "gauss": ["group2_frame", "group3_frame"],
+                 "gauss_loose": ["group2_frame", "group3_frame"]}
+        published = {"gauss_published": ["group2_frame", "group3_frame"], "named_published": ["bm2_frame"]}
+        self.assertEqual(standing(1e-4), {**usual, "gauss_matched": ["group2_frame", "group3_frame"]})
+        self.assertEqual(standing(1e-6), {**usual, **published})
+        # A line of a published form tells nothing of fast ones.
+        slow = found._replace(lines={key: [run._replace(solver=PUBLISHED) for run in runs]
+                                     for key, runs in found.lines.items()})
+        self.assertEqual(duels.jobs_of(slow, self.PROBLEM, 1e-4, REFERENCES), [])
+        self.assertEqual(duels.wanted_of(Problem("rough", 5.0, 65)), (1e-4, 1e-6, 1e-8))
+        for problem in (self.PROBLEM, Problem("rough", 5.0, 129), Problem("developed", 5.0, 17)):
+            self.assertEqual(duels.wanted_of(problem), (1e-4, 1e-6))
+        for problem, wanted, competes in ((Problem("smooth", 5.0, 129), 1e-6, True),
+                                          (Problem("smooth", 5.0, 257), 1e-6, False), (self.PROBLEM, 1e-4, False),
+                                          (Problem("smooth", 50.0, 17), 1e-6, False)):
+            self.assertEqual(duels.is_published_duel(problem, wanted), competes)
+
+    def test_of_close_methods_the_fastest_stands(self):
         row = {**self.PROBLEM._asdict(), "wanted": 1e-6, "solver": FAST, "steps": 9}
-        two = {**row, "contender": "gauss", "integrator": "group2_frame", "equivalent_products": 90.0}
-        three = {**two, "integrator": "group3_frame", "equivalent_products": 80.0}
-        other = {**row, "contender": "rk4", "integrator": "rk4_frame", "equivalent_products": 85.0}
-        self.assertEqual(duels.standing([two, three, other]), [three, other])
-        self.assertEqual(duels.standing([three, two, {**two, "wanted": 1e-4}]), [three, {**two, "wanted": 1e-4}])
+        two = {**row, "contender": "gauss", "integrator": "group2_frame"}
+        three = {**two, "integrator": "group3_frame"}
+        other = {**row, "contender": "rk4", "integrator": "rk4_frame"}
+        self.assertEqual(duels.standing([two, three, other], [9.0, 8.0, 8.5]), [three, other])
+        self.assertEqual(duels.standing([three, two, {**two, "wanted": 1e-4}], [8.0, 9.0, 9.0]),
+                         [three, {**two, "wanted": 1e-4}])
 
     def test_how_a_line_ends(self):
-        job = {**self.PROBLEM._asdict(), "solver": FAST, "references": REFERENCES, "quick": False}
+        job = {**self.PROBLEM._asdict(), "solver": FAST, "references": REFERENCES, "quick": False,
+               "table1_step": False}
         for name, tolerance, ends in (("group5_frame", 1e-13, "below"), ("group2_frame", 1e-4, "floor"),
                                       ("group1", 1e-13, "cut")):
             with self.subTest(name=name):
@@ -704,6 +769,31 @@ class Accuracy(StudyTest):
                 self.assertEqual(line["end"], ends)
                 errors = [run["error"] for run in line["runs"] if run["error"]]
                 self.assertEqual(errors[-1] < GOOD_ENOUGH, ends == "below")
+        line = self.accuracy.draw_line({**job, "integrator": "group1", "tolerance": 1e-13, "table1_step": True})
+        self.assertEqual(([run["steps"] for run in line["runs"]], line["end"]), ([50], "alone"))
+
+    def test_which_lines_a_problem_has(self):
+        listed = isosyrk.integrators()
+
+        def lines(problem, entries=listed, asked=False):
+            forms, alone = self.accuracy.lines_of(problem, entries, asked)
+            self.assertEqual(len(forms), len(set(forms)))
+            self.assertLessEqual({*alone}, {*forms})
+            return {*forms} - {*alone}, {*alone}
+
+        needed = {Form("algebra1_frame"),
+                  *contenders.all_forms(study.record_of(each) for each in listed if each.has_fast_form)}
+        self.assertEqual(lines(Problem("rough", 5.0, 17)), (needed, set()))
+        every, none = lines(self.PROBLEM)
+        self.assertEqual(every - needed, {Form(each.name) for each in listed} - needed)
+        self.assertEqual(none, set())
+        some, alone = lines(Problem("smooth", 5.0, 257))
+        self.assertEqual(some, needed)
+        self.assertTrue({Form("rk8"), Form("group1_frame")} <= alone)
+        # What was asked for has a line on every problem.
+        asked, _ = lines(Problem("rough", 5.0, 17),
+                         [each for each in listed if each.name in ("rk4", "elp6_frame")], True)
+        self.assertEqual(asked, {Form("rk4"), Form("elp6_frame", 1e-13), Form("elp6_frame", 1e-8)})
 
     def test_the_quick_study_has_some_of_every_kind(self):
         accuracy = self.accuracy
@@ -730,11 +820,12 @@ class Accuracy(StudyTest):
         drawn = {run.integrator for run in found.runs}
         self.assertEqual(drawn, {each for each in found.integrators if in_frame(each)})  # others: the main problem
         self.assertLessEqual({run.steps for run in found.runs}, set(accuracy.COARSE_STEPS))
-        for name in drawn:
-            self.assertGreaterEqual(len(found.line(Problem("rough", 5.0, 17), name)), 4)
+        for problem, *form in found.lines:
+            self.assertGreaterEqual(len(found.line(problem, *form)), 4)
         # Every contender has a row, each by enough processes for a verdict.
         for duel in found.duels.values():
-            self.assertEqual(set(duel) | {"gauss_published", "gauss_matched", "elp_matched"}, set(CONTENDERS))
+            self.assertEqual(set(duel) | {"gauss_published", "named_published", "gauss_matched", "elp_matched"},
+                             set(CONTENDERS))
             self.assertEqual({len(row.cpu_seconds) for row in duel.values()}, {verdicts.FEWEST})
 
     def test_methods_have_names_of_their_own(self):

@@ -19,7 +19,7 @@ sys.path[:0] = [os.path.join(BUILD, "python"), os.path.join(ROOT, "scripts", "st
 import isosyrk
 import limits
 import numpy
-from lib import duels, formats, trials
+from lib import accuracy_runs, duels, formats, trials
 from lib.formats import CONVERGED, FAST, PUBLISHED
 from lib.integrator_names import in_frame
 
@@ -128,6 +128,39 @@ class Plans(unittest.TestCase):
         tried = {(job["n"], job["scene"]) for job in self.jobs if job["solver"] == FAST and job["n"] >= 65}
         self.assertEqual({(job["n"], job["scene"]) for job in self.jobs if job["n"] >= 65
                           and (job["integrator"], job["solver"]) == ("rk8_frame", FAST)}, tried)
+
+
+class Processes(unittest.TestCase):
+    def further(self, seconds, most=12):
+        return duels.further_processes(most, seconds)
+
+    def test_a_row_stops_once_it_is_told_from_the_best_explicit_method(self):
+        self.assertEqual(self.further({"explicit": [], "gauss": []}), {"explicit": 6, "gauss": 6})
+        self.assertEqual(self.further({"explicit": [], "gauss": []}, most=2), {"explicit": 2, "gauss": 2})
+        times, far, near = [1.0] * 6, [3.0] * 6, [1.0, 1.1, 0.9, 1.1, 0.9, 1.02]
+        self.assertEqual(self.further({"explicit": times, "gauss": far}), {"explicit": 0, "gauss": 0})
+        self.assertEqual(self.further({"explicit": times, "gauss": far, "elp": near}),
+                         {"explicit": 2, "gauss": 0, "elp": 2})
+        # What stopped does not begin again, and nothing goes on beyond the most.
+        more = {"explicit": times + [1.0] * 2, "gauss": near, "elp": near + [1.1, 0.9]}
+        self.assertEqual(self.further(more), {"explicit": 2, "gauss": 0, "elp": 2})
+        self.assertEqual(self.further(more, most=8), {"explicit": 0, "gauss": 0, "elp": 0})
+        self.assertEqual(self.further({"elp": []}), {"elp": 6})
+
+    def test_a_run_of_much_work_is_timed_in_part(self):
+        ran = []
+
+        def run(W, h, steps):
+            ran.append(steps)
+            return W, SimpleNamespace(seconds=0.25 * steps, equivalent_products=2.0 * steps)
+
+        W, method = numpy.zeros((10, 10)), SimpleNamespace(run=run)
+        whole = accuracy_runs.PART_WORK / (8 * 10**3)  # products
+        with mock.patch.object(accuracy_runs.study, "seconds_of", return_value=7.0):
+            self.assertEqual(accuracy_runs.seconds_of_part(method, W, 0.1, 100, whole), 7.0)
+            self.assertEqual(ran, [])
+            self.assertAlmostEqual(accuracy_runs.seconds_of_part(method, W, 0.1, 100, 10 * whole), 0.125 * 10 * whole)
+        self.assertEqual(ran, [10])
 
 
 class Times(unittest.TestCase):
