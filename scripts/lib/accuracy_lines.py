@@ -276,8 +276,8 @@ class Accuracy(NamedTuple):
                 and all(run.seconds < seconds for run in runs))
 
     def observed_order(self, problem, integrator, tolerance=TIGHT):
-        """Returns the order that a line shows above its floor; None for too few runs."""
-        return fitted_order(self.above_floor(problem, integrator, tolerance))
+        """Returns the order that a line shows above its floor and below the linear limit; None for too few runs."""
+        return fitted_order([run for run in self.above_floor(problem, integrator, tolerance) if not run.beyond_limit])
 
     def at_step(self, problem, integrator, step, tolerance=TIGHT):
         """Returns the run with this step size, or None."""

@@ -607,11 +607,11 @@ class Accuracy(StudyTest):
 
     def test_counts_of_other_kernels_can_be_told_from_those_of_another_method(self):
         recorded = read_accuracy(RECORDED).line(self.PROBLEM, "group2")
-        run = next(each for each in recorded if each.steps == 100)
+        run = next(each for each in recorded if each.steps == 50)
         for changes in ({"sweeps": run.sweeps + run.steps}, {"products": 2 * run.products}):
             with self.assertRaises(AssertionError):
                 self.assert_counts_of_other_kernels(run._replace(**changes), run)
-        (explicit,) = (each for each in read_accuracy(RECORDED).line(self.PROBLEM, "rk4") if each.steps == 100)
+        (explicit,) = (each for each in read_accuracy(RECORDED).line(self.PROBLEM, "rk4") if each.steps == 50)
         with self.assertRaises(AssertionError):
             self.assert_counts_of_other_kernels(explicit._replace(products=explicit.products + 1), explicit)
 
