@@ -20,6 +20,7 @@ DUEL_ERROR, DUEL_ERROR_WORD = 1e-6, "1e-6"  # of the titles and of time_against_
 EXPONENTIAL = "exponential Lie–Poisson"
 ERROR_TICKS = (1, 1e-3, 1e-6, 1e-9)  # of an axis of errors
 MARGIN = 0.15  # decades beyond the lines
+ROOM_FOR_LABELS = 4  # above the lines of time_against_n, whose labels are spread upwards from the highest
 
 # The lines of the work–precision diagram, in the frame if it was run there.
 WORK_PRECISION = (Form("group2"), Form("group4"), Form("elp6", ENERGY_BOUNDED), Form("elp6", LOOSE_EXPONENTIAL),
@@ -208,14 +209,15 @@ def time_against_n(study):
     panels[0].set_ylabel(f"{SECONDS_LABEL} to an error of {DUEL_ERROR_WORD}")
     sizes = {n for drawn in lines.values() for _, stretches in drawn for stretch in stretches for n, _ in stretch}
     label_sizes(panels, sizes)
+    panels[0].set_ylim(top=ROOM_FOR_LABELS * panels[0].get_ylim()[1])
     for axes, drawn in zip(panels, lines.values()):
         largest = max(stretches[-1][-1][0] for _, stretches in drawn)
         label_ends(axes, [(extended(stretches[-1], largest), CLASSES[each].label, DRAWN[each][0])
                           for each, stretches in drawn])
     note(figure, "The methods ran in turns, in fresh processes and in the co-rotating frame, with the steps that reach"
          " the error with least work. Exponential methods keep their energy bounded at the tolerance"
-         f" {ENERGY_BOUNDED:g}, and let it drift at {LOOSE_EXPONENTIAL:g}. Solid: keeps the Lie–Poisson structure;"
-         " dashed: the spectrum only; dotted: nothing.")
+         f" {power(ENERGY_BOUNDED)}, and let it drift at {power(LOOSE_EXPONENTIAL)}. Solid: keeps the Lie–Poisson"
+         " structure; dashed: the spectrum only; dotted: nothing.")
     return figure
 
 
