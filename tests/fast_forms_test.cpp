@@ -143,12 +143,16 @@ TEST_P(EachFastForm, CorrectionsAndBandsChangeTheCostAndNotTheAnswer) {
     const RunReport plain = integrate(false, false);
     const RunReport corrected = integrate(true, false);
     EXPECT_LT(corrected.sweeps, 0.9 * static_cast<double>(plain.sweeps));
-    // A cut is rounding to the iteration, and may move a step at the edge of its tolerance by a
-    // sweep, up or down: the cost of a sweep is what bands change.
     const RunReport banded = integrate(false, true);
+    const double least_saving = n == 33 ? 0.95 : 1.0;
+    EXPECT_LE(per_sweep(banded), least_saving * per_sweep(plain));
     const auto sweeps = static_cast<double>(plain.sweeps);
     EXPECT_NEAR(static_cast<double>(banded.sweeps), sweeps, 0.05 * sweeps);
-    EXPECT_LE(per_sweep(banded), (n == 33 ? 0.95 : 1.0) * per_sweep(plain));
+    // A cut is rounding to the iteration, and may move a step at the edge of its tolerance by a
+    // sweep, up or down: at n = 16, where bands save 1 %, that may outweigh them.
+    if (n != 16) {
+      EXPECT_LE(banded.work.equivalent_products, least_saving * plain.work.equivalent_products);
+    }
     const double both = integrate(true, true).work.equivalent_products;
     if (n > 5) {  // which the modes, up to degree 4, fill
       EXPECT_LT(both, corrected.work.equivalent_products);

@@ -69,8 +69,6 @@ TEST(LinearCombinations, OfAnyNumberOfTermsAreTheirSum) {
   expect_sums<float>();
 }
 
-// Formed in double, then rounded: half a unit of the last digit of a float.  Close to the solution
-// the leading digits cancel, and rounding first would leave 1e-1 of R.
 template <class Real>
 void expect_alike_whatever_the_band() {
   for (const Index n : sizes) {
@@ -99,6 +97,8 @@ TEST(LinearCombinations, RoundAlikeInMatricesOfAnyFormerBand) {
   expect_alike_whatever_the_band<float>();
 }
 
+// Formed in double, then rounded: half a unit of the last digit of a float.  Close to the solution
+// the leading digits cancel, and rounding first would leave 1e-1 of R.
 TEST(Residuals, AreTheChangesOfDoublePrecisionRounded) {
   for (const Index n : sizes) {
     for (const std::size_t count : counts) {

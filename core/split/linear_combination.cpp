@@ -31,7 +31,7 @@ struct Terms {
   // The sum of `length` numbers from i on.  Each multiplication but the first is fused with its
   // addition, where the processor can do that, as written here: left to the compiler, w₀x₀ + w₁x₁
   // is rounded otherwise in one loop than in another, and a state would depend on which of them the
-  // band of its storage chose.
+  // former band of its storage chose.  Hence Eigen's packets, and not its arrays.
   template <int length>
   Eigen::Array<Real, length, 1> at(Index i) const {
     using Packet = typename Eigen::internal::packet_traits<Real>::type;
