@@ -131,8 +131,7 @@ TEST(SplitProducts, RefuseAliasesOtherSizesAndThreads) {
   }
   EXPECT_THROW(SplitProducts(0), std::invalid_argument);
   EXPECT_THROW(SplitProducts(5, 65), std::invalid_argument);
-  const ThreadScope two(2);
-  EXPECT_THROW(products.form(into(C, A * B)), std::invalid_argument);
+  on_threads(2, [&] { EXPECT_THROW(products.form(into(C, A * B)), std::invalid_argument); });
   EXPECT_EQ(products.count(), 0);
 }
 
@@ -196,15 +195,16 @@ void expect_as_of_full_matrices(const GemmKernel& kernel, Index n, const Shape& 
   const auto is_needed = [&](Index r, Index c) { return shape.needs(r, c); };
   const Matrix wanted = entries_of(whole.interleaved(), is_needed);
   for (const int threads : {1, 2, 3, most_threads}) {
-    const ThreadScope scope(threads);
     SplitMatrixOf<Real> C(Matrix(Matrix::Constant(n, n, Complex(std::nan(""), std::nan("")))));
-    products.form({.C = &C,
-                   .A = &A,
-                   .B = &B,
-                   .scale = scale,
-                   .adjoint = shape.adjoint,
-                   .upper = shape.upper,
-                   .band = shape.C_band});
+    on_threads(threads, [&] {
+      products.form({.C = &C,
+                     .A = &A,
+                     .B = &B,
+                     .scale = scale,
+                     .adjoint = shape.adjoint,
+                     .upper = shape.upper,
+                     .band = shape.C_band});
+    });
     EXPECT_EQ(entries_of(C.interleaved(), is_needed), wanted) << threads;
   }
 }

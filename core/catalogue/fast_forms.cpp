@@ -43,19 +43,19 @@ std::unique_ptr<StageSystem> gauss_system(Formulation formulation, int s, const 
 
 namespace {
 
-// Fills in the defaults, and one thread below the size at which threads help.
-FastOptions chosen_for(const SharedFlow& flow, int s, const FastOptions& options) {
-  ThreadScope::checked(options.threads);
+// Fills in the defaults, and as many threads as help at this size.
+FastOptions chosen_for(const SharedFlow& flow, const FastOptions& options) {
+  checked_threads(options.threads);
   const Index n = flow->size();
   FastOptions chosen = with_defaults(options, n);
-  if (n < tuning.smallest_parallel(s)) chosen.threads = 1;
+  chosen.threads = tuning.threads(n, options.threads);
   return chosen;
 }
 
 template <class Method>
 MakeFast fast_explicit() {
   return [](const auto& flow, const FastOptions& options) {
-    return std::make_unique<Method>(flow, chosen_for(flow, 1, options));
+    return std::make_unique<Method>(flow, chosen_for(flow, options));
   };
 }
 
@@ -63,7 +63,7 @@ MakeFast fast_explicit() {
 
 std::unique_ptr<Integrator> make_fast_gauss(Formulation formulation, int s, const SharedFlow& flow,
                                             const FastOptions& options) {
-  const FastOptions chosen = chosen_for(flow, s, options);
+  const FastOptions chosen = chosen_for(flow, options);
   const auto system = [&] {
     return gauss_system(formulation, s, *flow, chosen.threads, *chosen.bands);
   };
@@ -78,7 +78,7 @@ MakeFast fast_gauss(Formulation formulation, int s) {
 
 MakeFast fast_composition(const CompositionScheme& scheme) {
   return [fractions = scheme.fractions](const auto& flow, const FastOptions& options) {
-    const FastOptions chosen = chosen_for(flow, 1, options);
+    const FastOptions chosen = chosen_for(flow, options);
     const auto system = [&] {
       return std::make_unique<MidpointSystem>(*flow, chosen.threads, *chosen.bands);
     };
@@ -88,7 +88,7 @@ MakeFast fast_composition(const CompositionScheme& scheme) {
 
 MakeFast fast_direct(int s) {
   return [tableau = gauss_tableau(s)](const auto& flow, const FastOptions& options) {
-    const FastOptions chosen = chosen_for(flow, static_cast<int>(tableau.stages()), options);
+    const FastOptions chosen = chosen_for(flow, options);
     const auto system = [&] {
       return std::make_unique<DirectSystem>(*flow, tableau, chosen.threads, *chosen.bands);
     };
@@ -98,7 +98,7 @@ MakeFast fast_direct(int s) {
 
 MakeFast fast_exponential(int order) {
   return [order](const auto& flow, const FastOptions& options) {
-    const FastOptions chosen = chosen_for(flow, 1, options);
+    const FastOptions chosen = chosen_for(flow, options);
     const auto system = [&] { return std::make_unique<ExponentialSystem>(*flow, order, chosen); };
     return std::make_unique<FastIntegrator>(flow, system, chosen);
   };
@@ -106,7 +106,7 @@ MakeFast fast_exponential(int order) {
 
 MakeFast fast_magnus(int order) {
   return [order](const auto& flow, const FastOptions& options) {
-    return std::make_unique<FastMagnus>(flow, order, chosen_for(flow, 1, options));
+    return std::make_unique<FastMagnus>(flow, order, chosen_for(flow, options));
   };
 }
 
@@ -114,13 +114,13 @@ MakeFast fast_munthe_kaas4() { return fast_explicit<FastMuntheKaas4>(); }
 
 MakeFast fast_multistep(const MultistepScheme& scheme) {
   return [scheme](const auto& flow, const FastOptions& options) {
-    return std::make_unique<FastMultistep>(flow, scheme, chosen_for(flow, 1, options));
+    return std::make_unique<FastMultistep>(flow, scheme, chosen_for(flow, options));
   };
 }
 
 MakeFast fast_runge_kutta(const Tableau& tableau) {
   return [tableau](const auto& flow, const FastOptions& options) {
-    return std::make_unique<FastRungeKutta>(flow, tableau, chosen_for(flow, 1, options));
+    return std::make_unique<FastRungeKutta>(flow, tableau, chosen_for(flow, options));
   };
 }
 

@@ -17,9 +17,12 @@ FastIntegrator::FastIntegrator(const SharedFlow& flow, const MakeSystem& make_sy
 }
 
 double FastIntegrator::change_of_one_more_sweep() {
-  const ThreadScope scope(threads());
   const SplitMatrix& W0 = between_.empty() ? before_last_step() : between_.back();
-  return substeps_.back().change_of_one_more_sweep(W0, fractions_.back() * h_);
+  double change = 0.0;
+  on_threads(threads(), [&] {
+    change = substeps_.back().change_of_one_more_sweep(W0, fractions_.back() * h_);
+  });
+  return change;
 }
 
 void FastIntegrator::forget() {

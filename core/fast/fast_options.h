@@ -10,8 +10,8 @@ namespace isosyrk {
 /// Options of a fast integrator.
 struct FastOptions {
   IterationOptions iteration = {};
-  /// Threads that share the work, 1 to 64.  Fast forms use one below
-  /// Tuning::smallest_parallel.  The answer is bit for bit the same for every number.
+  /// Threads that share the work, 1 to 64.  Fewer are used where n is small (Tuning::threads).  The
+  /// answer is bit for bit the same for every number.
   int threads = 1;
 
   // Switches for ablation studies.  Forms that do not use an idea ignore its switch; none moves the

@@ -1,5 +1,8 @@
 #include "isosyrk/fast/split_integrator.h"
 
+#include <algorithm>
+#include <array>
+#include <functional>
 #include <utility>
 
 #include "isosyrk/split/parallel.h"
@@ -8,13 +11,21 @@ namespace isosyrk {
 namespace {
 
 // In x - x every number that is not finite gives NaN.
-bool is_finite(const SplitMatrix& W) { return (W.entries() - W.entries()).sum() == 0.0; }
+bool is_finite(const SplitMatrix& W) {
+  std::array<double, parallel::most_blocks> zeros{};
+  parallel::for_each_block(1, W.size(), [&](std::size_t, parallel::Rows rows, Index block) {
+    const auto entries =
+        W.entries().segment(W.stride() * rows.begin, W.stride() * (rows.end - rows.begin));
+    zeros[static_cast<std::size_t>(block)] = (entries - entries).sum();
+  });
+  return std::ranges::all_of(zeros, [](double zero) { return zero == 0.0; });
+}
 
 }  // namespace
 
 SplitIntegrator::SplitIntegrator(const SharedFlow& flow, int threads)
     : Integrator(flow),
-      threads_(ThreadScope::checked(threads)),
+      threads_(checked_threads(threads)),
       finder_(flow->size()),
       state_(flow->size()),
       other_state_(state_) {}
@@ -22,7 +33,8 @@ SplitIntegrator::SplitIntegrator(const SharedFlow& flow, int threads)
 // Takes W as the state.
 void SplitIntegrator::take(const ConstMatrixView& W, const StateScale& found) {
   state_.scale = found;
-  state_.V[0].load(W);
+  auto load = [&] { state_.V[0].load(W); };
+  on_threads(threads_, std::ref(load));
   if (found.value != 1.0) state_.V[0].entries() *= 1.0 / found.value;
 }
 
@@ -41,7 +53,8 @@ void SplitIntegrator::amend(const ConstMatrixView& W) {
 }
 
 void SplitIntegrator::store(MatrixView W) const {
-  state_.V[0].store(W);
+  auto store = [&] { state_.V[0].store(W); };
+  on_threads(threads_, std::ref(store));
   if (state_.scale.value != 1.0) W *= state_.scale.value;
 }
 
@@ -52,18 +65,20 @@ Energy SplitIntegrator::energy() const {
 }
 
 StepReport SplitIntegrator::advance(double h, Past past) {
-  const ThreadScope scope(threads_);
   const Work before = work();
   auto& [scale, V, next] = state_;
   StepReport report;
-  try {
+  auto step = [&] {
     report = take_step(next, V, scale.value * h, past);
+    // Stages can converge and the update still overflow.
+    if (report.status == Status::converged && !is_finite(next[0])) report.status = Status::diverged;
+  };
+  try {
+    on_threads(threads_, std::ref(step));
   } catch (...) {  // of IterationOptions::after_sweep
     if (past == Past::used) forget();
     throw;
   }
-  // Stages can converge and the update still overflow.
-  if (report.status == Status::converged && !is_finite(next[0])) report.status = Status::diverged;
   if (report.status == Status::converged) {
     next[0].set_band(next[0].size() - 1);
     V.swap(next);

@@ -1,6 +1,8 @@
 // The tuned constants of the fast forms.
 #pragma once
 
+#include <algorithm>
+
 #include "isosyrk/linalg/matrix.h"
 
 namespace isosyrk {
@@ -126,8 +128,12 @@ struct Tuning {
   double stage_error_growth = 3.0;
 
   // Threads.
-  /// Returns the smallest n at which several threads are faster than one.
-  Index smallest_parallel(Index stages) const { return stages == 1 ? 96 : 48; }
+  /// Returns the number of threads in use where so many are asked for: at most one for every so
+  /// many rows.
+  int threads(Index n, int asked) const {
+    constexpr Index rows_of_thread = 32;
+    return static_cast<int>(std::clamp<Index>(n / rows_of_thread, 1, std::max(asked, 1)));
+  }
 };
 
 inline constexpr Tuning tuning{};

@@ -87,8 +87,10 @@ void cut_to_band(SplitMatrixOf<Real>& W, Index band, Share share) {
 template <class Real>
 void change_band(SplitMatrixOf<Real>& W, Index band) {
   const Index before = W.band();
-  parallel::for_each_share(1,
-                           [&](Index, Share share, int) { clear_between(W, band, before, share); });
+  if (band < before) {
+    parallel::for_each_share(
+        1, W.size(), [&](std::size_t, Share share) { clear_between(W, band, before, share); });
+  }
   W.set_band(band);
 }
 
@@ -101,13 +103,17 @@ void BandTruncation::truncate(std::span<SplitMatrixOf<Real>> X, Allowed allowed)
   parallel::for_shares_of(X, [&](std::size_t k, Share share) {
     sum_over_diagonals(squares_[k], X[k], allowed.is_symmetric, share);
   });
-  // Every share finds the same band, and reads the old one until all have cleared.
-  parallel::for_shares_of(X, [&](std::size_t k, Share share) {
+  bool any_cut = false;
+  for (std::size_t k = 0; k < X.size(); ++k) {
     const double tail = allowed.tail + allowed.part * std::sqrt(squares_[k].sum());
-    const Index band = smallest_band(squares_[k], tail);
-    if (share.is_first()) cut_bands_[k] = band;
-    clear_between(X[k], band, X[k].band(), share);
-  });
+    cut_bands_[k] = smallest_band(squares_[k], tail);
+    any_cut = any_cut || cut_bands_[k] < X[k].band();
+  }
+  if (any_cut) {
+    parallel::for_shares_of(X, [&](std::size_t k, Share share) {
+      clear_between(X[k], cut_bands_[k], X[k].band(), share);
+    });
+  }
   for (std::size_t k = 0; k < X.size(); ++k) X[k].set_band(cut_bands_[k]);
 }
 
@@ -121,7 +127,7 @@ template <class Real>
 void BandTruncation::measure_symmetric(RealVector& squares, const SplitMatrixOf<Real>& X) const {
   if (!enabled_) return;
   parallel::for_each_share(
-      1, [&](Index, Share share, int) { sum_over_diagonals(squares, X, true, share); });
+      1, X.size(), [&](std::size_t, Share share) { sum_over_diagonals(squares, X, true, share); });
 }
 
 Index BandTruncation::band_of(const RealVector& squares, double tail) const {

@@ -79,7 +79,8 @@ inline __attribute__((always_inline)) void store_last_entries(const SplitProduct
 // Entries i ... i + rows - 1 of A (x + iy), as inner products with rows of A. Half a vector of A's
 // real parts multiplies [x, y], half a vector of its imaginary parts [-y, x].
 template <int rows, class Real>
-__attribute__((noinline)) void last_entries(const SplitProduct<Real>& product, Index i) {
+__attribute__((noinline)) void last_entries(const SplitProduct<Real>& product, Index i,
+                                            const Real* column) {
   constexpr Index half = width<Real> / 2;
   const RowSteps steps(product.stride);
   const Range of_A = within_band(product.n, i, i + rows, product.A_band);
@@ -88,7 +89,7 @@ __attribute__((noinline)) void last_entries(const SplitProduct<Real>& product, I
   const Index end = smaller(of_A.end, of_B.end);
   const Real* A_re = product.A_re + i * product.stride + begin;
   const Real* A_im = product.A_im + i * product.stride + begin;
-  const Real* column = product.scratch + 3 * begin;
+  column += 3 * begin;
   Vector<Real> sums[rows] = {};
   Vector<Real> sums_of_im[rows] = {};
   for (Index k = begin; k < end; k += half) {
@@ -114,9 +115,9 @@ __attribute__((noinline)) void last_entries(const SplitProduct<Real>& product, I
 // Forms entries i ... i + rows - 1 of A (x + iy) if they are needed. Forms none of A† (x + iy):
 // last_column_of_adjoint does.
 template <bool adjoint, class Real>
-void form_last_entries(Index rows, const SplitProduct<Real>& product, Index i) {
+void form_last_entries(Index rows, const SplitProduct<Real>& product, Index i, const Real* column) {
   if (adjoint || unneeded(product, i, rows, product.n - 1, 1)) return;
-  with_height(rows, [&]<int height>(Height<height>) { last_entries<height>(product, i); });
+  with_height(rows, [&]<int height>(Height<height>) { last_entries<height>(product, i, column); });
 }
 
 // Entries of A† (x + iy) from i on, as many as `vectors` vectors hold, into re and im.
@@ -151,11 +152,11 @@ inline __attribute__((always_inline)) void last_entries_of_adjoint(
 // The entries of A† (x + iy) in `rows`, as far as C_band needs them: a linear combination of rows
 // of A. Whole vectors are summed in the workspace; the padding of A allows it.
 template <class Real>
-inline void last_column_of_adjoint(const SplitProduct<Real>& product, Range rows) {
+inline void last_column_of_adjoint(const SplitProduct<Real>& product, Range rows, Real* scratch) {
   const Index first = greater(rows.begin, product.n - 1 - product.C_band);
   const Index end = rows.end;
-  Real* re = product.scratch;
-  Real* im = product.scratch + product.stride / 2;
+  Real* re = scratch;
+  Real* im = scratch + product.stride / 2;
   Index i = first / width<Real> * width<Real>;
   for (; i + 2 * width<Real> < end; i += 3 * width<Real>) {
     last_entries_of_adjoint<3>(product, i, re, im);

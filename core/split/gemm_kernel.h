@@ -22,9 +22,7 @@ struct PackingLimits {
 /// `stride` numbers apart. Each half of a row has `stride` / 2 numbers, at least n and a multiple
 /// of 64 bytes. The numbers from n on are padding; they are 0 and stay 0.
 ///
-/// A product is cut into `parts` ranges of rows of C with equal work. One call forms the parts
-/// first_part ... end_part - 1, where 0 <= first_part < end_part <= parts. Each entry is the same
-/// bit for bit whatever the cut.
+/// A call forms a range of rows of C. Each entry is the same bit for bit whatever the range.
 template <class Real>
 struct SplitProduct {
   std::ptrdiff_t n;
@@ -41,27 +39,37 @@ struct SplitProduct {
   std::ptrdiff_t A_band;  ///< A(r, c) = 0 where |r - c| > A_band; n - 1 for a full matrix
   std::ptrdiff_t B_band;  ///< the same bound for B
   std::ptrdiff_t C_band;  ///< only |r - c| <= C_band is needed; entries beyond are unspecified
-  std::ptrdiff_t first_part;
-  std::ptrdiff_t end_part;
-  std::ptrdiff_t parts;
-  bool packs_B;
-  bool packs_adjoint_A;  ///< only if B is packed
-  Real* scratch;         ///< gemm_scratch(n, stride, packs_B) numbers
+  Real* packed_B;         ///< n * stride numbers, or null where B is read in place
+  bool packs_adjoint_A;   ///< only if B is packed
 };
 
-/// Workspace of a product, in numbers: three columns; where B is packed also B and six rows of A.
+/// Rows of C that are formed together where B is packed: they share each packed panel of B.
+constexpr std::ptrdiff_t rows_together = 24;
+
+/// Workspace of a range of rows, in numbers: three columns, and the packed rows of A†.
 [[gnu::always_inline]] constexpr std::ptrdiff_t gemm_scratch(std::ptrdiff_t n,
-                                                             std::ptrdiff_t stride, bool packs_B) {
-  return 3 * stride / 2 + (packs_B ? n * stride + 12 * n : 0);
+                                                             std::ptrdiff_t stride) {
+  return 3 * stride / 2 + 2 * rows_together * n;
 }
+
+/// Forms rows first ... end - 1 of C, from the packed B if there is one.  `scratch` has
+/// gemm_scratch(n, stride) numbers, which no other call uses meanwhile.
+template <class Real>
+using FormRows = void (*)(const SplitProduct<Real>&, std::ptrdiff_t first, std::ptrdiff_t end,
+                          Real* scratch);
+/// Packs the panels of B that begin at the columns first ... end - 1.
+template <class Real>
+using PackColumns = void (*)(const SplitProduct<Real>&, std::ptrdiff_t first, std::ptrdiff_t end);
 
 /// The kernels of one vector unit.
 struct GemmKernel {
   const char* name;  ///< "avx512", "avx2", "portable"
-  void (*multiply)(const SplitProduct<double>&);
-  void (*multiply_singles)(const SplitProduct<float>&);
-  PackingLimits limits;         ///< of `multiply`, tuned by timing
-  PackingLimits single_limits;  ///< of `multiply_singles`
+  FormRows<double> form;
+  FormRows<float> form_singles;
+  PackColumns<double> pack;
+  PackColumns<float> pack_singles;
+  PackingLimits limits;         ///< of doubles, tuned by timing
+  PackingLimits single_limits;  ///< of singles
 };
 
 GemmKernel gemm_kernel_avx512();

@@ -23,7 +23,8 @@ inline __m256 half_twice(const float* at) {
 namespace isosyrk {
 
 GemmKernel gemm_kernel_avx2() {
-  return {"avx2", multiply_split<double>, multiply_split<float>, {72, 160}, {104, 160}};
+  return {"avx2",    form_rows<double>, form_rows<float>, pack_columns<double>, pack_columns<float>,
+          {72, 160}, {104, 160}};
 }
 
 }  // namespace isosyrk

@@ -1,8 +1,8 @@
 // Packing: copies of panels of B, of columns of A and of the last column of B, in the order in
 // which the micro-kernel and the edge case read them.
 //
-// Workspace: the last column of B takes 3 stride / 2 numbers. The packed panels of B follow, then
-// the packed rows of A†.
+// Workspace of a range of rows: the last column of B takes 3 stride / 2 numbers, and the packed
+// rows of A† follow.
 #pragma once
 
 #include "isosyrk/split/gemm_micro_kernel.h"
@@ -20,7 +20,7 @@ constexpr Index whole_vectors(Index columns) {
 template <class Real>
 inline __attribute__((always_inline)) Real* packed_panel(const SplitProduct<Real>& product,
                                                          Index j) {
-  return product.scratch + gemm_scratch(product.n, product.stride, false) + 2 * j * product.n;
+  return product.packed_B + 2 * j * product.n;
 }
 
 // Packs columns j ... j + columns - 1 of B: each row's real parts, then its imaginary parts.
@@ -45,8 +45,8 @@ inline __attribute__((always_inline)) void pack_panel(const SplitProduct<Real>& 
 // the imaginary parts. `rows` are those rows in place.
 template <class Real>
 inline __attribute__((always_inline)) LeftFactor<Real> pack_adjoint_rows(
-    const SplitProduct<Real>& product, const LeftFactor<Real>& rows, Index i, Index height) {
-  Real* to = packed_panel(product, 0) + product.n * product.stride;
+    const SplitProduct<Real>& product, const LeftFactor<Real>& rows, Index i, Index height,
+    Real* to) {
   const Range of_k = within_band(product.n, i, i + height, product.A_band);
   for (Index k = of_k.begin; k < of_k.end; ++k) {
     for (Index r = 0; r < height; ++r) {
@@ -70,12 +70,12 @@ inline Range rows_of_last_column(const SplitProduct<Real>& product) {
 // the last ones padded with 0. Single numbers are stored here and vectors loaded there. The tiles
 // are formed in between, so that the loads need not wait for the stores.
 template <class Real>
-inline void pack_last_column(const SplitProduct<Real>& product) {
+inline void pack_last_column(const SplitProduct<Real>& product, Real* to) {
   constexpr Index half = width<Real> / 2;
   const Range of_k = rows_of_last_column(product);
   const Real* x = product.B_re + of_k.begin * product.stride + product.n - 1;
   const Real* y = product.B_im + of_k.begin * product.stride + product.n - 1;
-  Real* to = product.scratch + 3 * of_k.begin;
+  to += 3 * of_k.begin;
   const auto copy = [&](Index rows) __attribute__((always_inline)) {
     for (Index k = 0; k < rows; ++k) {
       to[k] = -*y;

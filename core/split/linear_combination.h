@@ -189,8 +189,8 @@ double squares_of_rows(const SplitMatrixOf<Real>& X, parallel::Rows rows);
 // NaN if any sum is NaN.
 template <class F>
 double largest_norm_of(std::size_t items, Index n, F&& f) {
-  const Index blocks = parallel::sum_blocks(n);
-  std::array<double, LinearCombination<double>::most * parallel::most_sum_blocks> squares;
+  const Index blocks = parallel::blocks_of(n);
+  std::array<double, LinearCombination<double>::most * parallel::most_blocks> squares;
   const auto place = [&](std::size_t item, Index block) {
     return item * static_cast<std::size_t>(blocks) + static_cast<std::size_t>(block);
   };

@@ -1,5 +1,10 @@
 // All parallelism of the library.  The operations of this room share their work among OpenMP
 // threads.
+//
+// The work of an operation is cut into fixed blocks, and each block is taken by whichever thread is
+// free: a thread that is slow, or that comes late, takes fewer.  The blocks depend on n only, and
+// sums over blocks are formed in the order of the blocks.  So the answer is the same bit for bit by
+// every number of threads.
 #pragma once
 
 #include <cstddef>
@@ -20,39 +25,70 @@ struct Share {
   bool is_first() const { return first == 0; }
 };
 
-/// Sets, for its lifetime, the number of threads on which operations of this room run when called
-/// by the present thread.  All these threads treat denormal numbers as 0 (DenormalMode).
-class ThreadScope {
- public:
-  /// Throws std::invalid_argument unless 1 <= threads <= most.
-  explicit ThreadScope(int threads);
-  ~ThreadScope();
-  ThreadScope(const ThreadScope&) = delete;
-  ThreadScope& operator=(const ThreadScope&) = delete;
+/// Largest number of threads.
+inline constexpr int most_threads = 64;
+/// Returns `threads`, or throws std::invalid_argument unless 1 <= threads <= most_threads.
+int checked_threads(int threads);
 
-  static constexpr int most = 64;
-  /// Returns `threads`, or throws as the constructor does.
-  static int checked(int threads);
+/// Calls body() on the present thread, and shares the operations of this room that it calls among
+/// `threads` threads, or fewer if OpenMP has no more.  The others wait for operations until body()
+/// returns: there is one parallel region, however many operations.  A call within another takes
+/// the threads of that.  All threads treat denormal numbers as 0 (DenormalMode).  What body()
+/// throws is thrown on.  Allocates nothing.  Throws as checked_threads.
+void on_threads(int threads, const std::function<void()>& body);
 
- private:
-  int before_;
-  DenormalMode flushed_{true};
+/// What operations took, in seconds that passed.
+struct OperationTimes {
+  long operations = 0;
+  double within = 0.0;  ///< in operations
+  double busy = 0.0;    ///< of that, in their blocks, summed over the threads
 };
+/// Adds what operations take, that the present thread calls, to `times` from now on; null ends it.
+/// A few clock readings an operation, so for measurements.
+void measure_operations(OperationTimes* times);
 
 namespace parallel {
 
-inline constinit thread_local int current_threads = 1;
+class Team;
 
-/// Returns the number of blocks of rows into which sums over an n x n matrix are cut.  It depends
-/// on n only, so that every number of threads adds in the same order.
-inline Index sum_blocks(Index n) {
+/// The team that shares the operations of this thread; null if it is alone.
+inline constinit thread_local Team* team = nullptr;
+/// Where operations of this thread are measured; null if they are not.
+inline constinit thread_local OperationTimes* times = nullptr;
+
+/// Returns the number of threads that share operations of the present thread.
+int current_threads();
+
+/// A block of an operation, and the operation that it is of.
+using Block = void (*)(const void* operation, Index block, int thread);
+// Calls block(operation, k, thread) for k = 0 ... blocks - 1, each once, on any thread of the team.
+void share(Index blocks, Block block, const void* operation);
+
+/// Calls f(block, thread) for block = 0 ... blocks - 1, each once, on whichever thread is free, and
+/// returns when all calls are done.  One thread calls in order.  f must not throw.
+template <class F>
+void for_blocks(Index blocks, const F& f) {
+  if (times == nullptr && (team == nullptr || blocks < 2)) {
+    for (Index block = 0; block < blocks; ++block) f(block, 0);
+    return;
+  }
+  share(
+      blocks,
+      [](const void* operation, Index block, int thread) {
+        (*static_cast<const F*>(operation))(block, thread);
+      },
+      &f);
+}
+
+/// Returns the number of blocks of rows into which work on an n x n matrix is cut.
+inline Index blocks_of(Index n) {
   constexpr Index rows_of_block = 16;
-  constexpr Index most_blocks = 16;
+  constexpr Index most_blocks = 64;
   if (n < 3 * rows_of_block) return 1;
   return n / rows_of_block < most_blocks ? n / rows_of_block : most_blocks;
 }
-/// Upper bound of sum_blocks(n).
-inline constexpr Index most_sum_blocks = 16;
+/// Upper bound of blocks_of(n).
+inline constexpr Index most_blocks = 64;
 
 /// Rows begin ... end - 1.
 struct Rows {
@@ -64,74 +100,32 @@ inline Rows rows_of_share(Index n, Share share) {
   return {n * share.first / share.parts, n * share.end / share.parts};
 }
 
-// Calls body(thread, threads) on each thread of a parallel region, with current_threads threads or
-// fewer if OpenMP has no more.  Returns when all are done.  A std::ref as body allocates nothing.
-void run_region(const std::function<void(int thread, int threads)>& body);
-
-/// Calls f(item, share, thread) for shares that together cover every item 0 ... items - 1, and
-/// returns when all calls are done.  Item i takes weight(i) >= 1 units of work.  Every thread has
-/// the same amount of work, on consecutive items.  f must not throw.
-template <class Weight, class F>
-void for_each_share(Index items, Weight&& weight, F&& f) {
-  if (current_threads == 1) {
-    for (Index item = 0; item < items; ++item) f(item, Share{}, 0);
-    return;
-  }
-  auto of_thread = [&](int thread, int threads) {
-    // Item i has threads * weight(i) parts.  Each thread takes Σ weight(i) parts in all.
-    Index all = 0;
-    for (Index item = 0; item < items; ++item) all += weight(item);
-    const Index begin = thread * all;
-    const Index end = begin + all;
-    Index before = 0;
-    for (Index item = 0; item < items; ++item) {
-      const Index parts = threads * weight(item);
-      const Index first = begin > before ? begin - before : 0;
-      const Index last = end - before < parts ? end - before : parts;
-      if (first < last) {
-        f(item, first == 0 && last == parts ? Share{} : Share{first, last, parts}, thread);
-      }
-      before += parts;
-    }
-  };
-  run_region(std::ref(of_thread));
-}
-/// As above, with weight 1 for every item.
-template <class F>
-void for_each_share(Index items, F&& f) {
-  for_each_share(
-      items, [](Index) { return Index{1}; }, f);
-}
-/// As above, for matrices: calls f(i, share) for i = 0 ... matrices.size() - 1.
-template <class Matrices, class F>
-void for_shares_of(const Matrices& matrices, F&& f) {
-  for_each_share(static_cast<Index>(matrices.size()),
-                 [&](Index i, Share share, int) { f(static_cast<std::size_t>(i), share); });
-}
-
 /// Calls f(item, rows, block) for every item 0 ... items - 1 and every block of the rows of n x n
-/// matrices, and returns when all calls are done.  With one thread the items of one block follow
-/// one another, so that their common terms stay in cache.  f must not throw.
+/// matrices.  The items of one block follow one another, so that their common terms stay in cache.
+/// f must not throw.
 template <class F>
-void for_each_block(std::size_t items, Index n, F&& f) {
-  const Index blocks = sum_blocks(n);
+void for_each_block(std::size_t items, Index n, const F& f) {
+  const Index blocks = blocks_of(n);
   const auto count = static_cast<Index>(items);
-  const auto call = [&](Index item, Index block) {
-    f(static_cast<std::size_t>(item), rows_of_share(n, {block, block + 1, blocks}), block);
-  };
-  if (current_threads == 1) {
-    for (Index block = 0; block < blocks; ++block) {
-      for (Index item = 0; item < count; ++item) call(item, block);
-    }
-    return;
-  }
-  auto of_thread = [&](int thread, int threads) {
-    const Index all = count * blocks;
-    for (Index k = thread * all / threads; k < (thread + 1) * all / threads; ++k) {
-      call(k / blocks, k % blocks);
-    }
-  };
-  run_region(std::ref(of_thread));
+  for_blocks(count * blocks, [&](Index k, int) {
+    const Index block = k / count;
+    f(static_cast<std::size_t>(k % count), rows_of_share(n, {block, block + 1, blocks}), block);
+  });
+}
+
+/// Calls f(item, share) for shares that together cover the n x n matrices 0 ... items - 1.  One
+/// thread takes each as a whole.  f must not throw.
+template <class F>
+void for_each_share(std::size_t items, Index n, const F& f) {
+  const Index parts = current_threads() == 1 ? 1 : blocks_of(n);
+  for_blocks(static_cast<Index>(items) * parts, [&](Index k, int) {
+    f(static_cast<std::size_t>(k / parts), Share{k % parts, k % parts + 1, parts});
+  });
+}
+/// As above, for some matrices.
+template <class Matrices, class F>
+void for_shares_of(const Matrices& matrices, const F& f) {
+  if (matrices.size() > 0) for_each_share(matrices.size(), matrices[0].size(), f);
 }
 
 }  // namespace parallel

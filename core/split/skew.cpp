@@ -229,7 +229,7 @@ void minus_adjoint(SplitStagesOf<Real>& out, const SplitStagesOf<Real>& C) {
 template <class Real>
 void skew_part(SplitMatrixOf<Real>& out, const SplitMatrixOf<Real>& C, double scale) {
   const Index band = C.band();
-  parallel::for_each_share(1, [&](Index, Share share, int) {
+  parallel::for_each_share(1, C.size(), [&](std::size_t, Share share) {
     form_skew_part<true>(out, band, C, static_cast<Real>(scale), share);
   });
   change_band(out, band);
@@ -238,18 +238,20 @@ void skew_part(SplitMatrixOf<Real>& out, const SplitMatrixOf<Real>& C, double sc
 template <class Real>
 void mirror_all_skew(SplitMatrixOf<Real>& C) {
   const Index band = C.band();
-  parallel::for_each_share(1, [&](Index, Share share, int) { mirror_skew_within(C, band, share); });
+  parallel::for_each_share(1, C.size(),
+                           [&](std::size_t, Share share) { mirror_skew_within(C, band, share); });
 }
 
 template <class Real>
 void mirror_skew_in_band(SplitMatrixOf<Real>& C) {
-  parallel::for_each_share(1, [&](Index, Share share, int) { mirror(C, C.band(), share); });
+  parallel::for_each_share(1, C.size(),
+                           [&](std::size_t, Share share) { mirror(C, C.band(), share); });
 }
 
 template <class Real>
 void mirror_all_hermitian(SplitMatrixOf<Real>& C) {
   const Index band = C.band();
-  parallel::for_each_share(1, [&](Index, Share share, int) {
+  parallel::for_each_share(1, C.size(), [&](std::size_t, Share share) {
     mirror_hermitian(C, band, share);
     cut_to_band(C, band, share);
   });

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "isosyrk/linalg/matrix.h"
+#include "isosyrk/split/parallel.h"
 
 namespace isosyrk {
 
@@ -64,19 +64,23 @@ class SplitMatrixOf {
   template <class Source>
   void load(const Eigen::MatrixBase<Source>& W) {
     band_ = n_ - 1;
-    for (Index r = 0; r < n_; ++r) {
-      for (Index c = 0; c < n_; ++c) {
-        re()[r * stride_ + c] = static_cast<Real>(W(r, c).real());
-        im()[r * stride_ + c] = static_cast<Real>(W(r, c).imag());
+    parallel::for_each_block(1, n_, [&](std::size_t, parallel::Rows rows, Index) {
+      for (Index r = rows.begin; r < rows.end; ++r) {
+        for (Index c = 0; c < n_; ++c) {
+          re()[r * stride_ + c] = static_cast<Real>(W(r, c).real());
+          im()[r * stride_ + c] = static_cast<Real>(W(r, c).imag());
+        }
       }
-    }
+    });
   }
   /// Copies the entries to W, n x n.
   template <class Target>
   void store(Target&& W) const {
-    for (Index r = 0; r < n_; ++r) {
-      for (Index c = 0; c < n_; ++c) W(r, c) = {re()[r * stride_ + c], im()[r * stride_ + c]};
-    }
+    parallel::for_each_block(1, n_, [&](std::size_t, parallel::Rows rows, Index) {
+      for (Index r = rows.begin; r < rows.end; ++r) {
+        for (Index c = 0; c < n_; ++c) W(r, c) = {re()[r * stride_ + c], im()[r * stride_ + c]};
+      }
+    });
   }
   /// Returns the matrix in the usual storage.
   Matrix interleaved() const {

@@ -46,6 +46,33 @@ std::int64_t multiplications(Index n, Index A_band, Index B_band, Index C_band) 
   return std::min(of_factors, of_result * n);
 }
 
+// Columns of B that are packed as a block.
+constexpr Index columns_of_block = 64;
+// Rows of C that are formed as a block.  Enough blocks that a thread that takes the last one makes
+// few others wait; more rows where B would not stay in the caches that threads share, because it is
+// read for every block.
+Index rows_of_block(Index n) {
+  constexpr Index largest_cached = 640;
+  return n <= largest_cached ? rows_together / 2 : rows_together;
+}
+
+template <class Real>
+auto form_rows(const GemmKernel& kernel) {
+  if constexpr (std::is_same_v<Real, float>) {
+    return kernel.form_singles;
+  } else {
+    return kernel.form;
+  }
+}
+template <class Real>
+auto pack(const GemmKernel& kernel) {
+  if constexpr (std::is_same_v<Real, float>) {
+    return kernel.pack_singles;
+  } else {
+    return kernel.pack;
+  }
+}
+
 }  // namespace
 
 template <class Real>
@@ -56,9 +83,10 @@ template <class Real>
 SplitProductsOf<Real>::SplitProductsOf(Index n, const GemmKernel& kernel, int threads)
     : n_(n), kernel_(kernel) {
   if (n < 1) throw std::invalid_argument(fmt::format("products: n = {}, must be at least 1", n));
-  scratch_.assign(
-      static_cast<std::size_t>(ThreadScope::checked(threads)),
-      SplitMatrixOf<Real>::Entries::Zero(gemm_scratch(n, 2 * split_row<Real>(n), n > limits().B)));
+  const Index stride = 2 * split_row<Real>(n);
+  if (n > limits().B) packed_B_.setZero(n * stride);
+  scratch_.assign(static_cast<std::size_t>(checked_threads(threads)),
+                  SplitMatrixOf<Real>::Entries::Zero(gemm_scratch(n, stride)));
 }
 
 template <class Real>
@@ -74,9 +102,9 @@ void SplitProductsOf<Real>::admit(const ProductOf<Real>& product) {
   if (product.C == product.A || product.C == product.B) {
     throw std::invalid_argument("product: the result may not be one of the factors");
   }
-  if (parallel::current_threads > static_cast<int>(scratch_.size())) {
+  if (parallel::current_threads() > static_cast<int>(scratch_.size())) {
     throw std::invalid_argument(fmt::format("product: made for {} threads, called with {}",
-                                            scratch_.size(), parallel::current_threads));
+                                            scratch_.size(), parallel::current_threads()));
   }
   const Index band = product.band < 0 ? n_ - 1 : product.band;
   ++count_;
@@ -86,7 +114,7 @@ void SplitProductsOf<Real>::admit(const ProductOf<Real>& product) {
 }
 
 template <class Real>
-void SplitProductsOf<Real>::form_share(const ProductOf<Real>& product, Share share, int thread) {
+void SplitProductsOf<Real>::form_admitted(const ProductOf<Real>& product) {
   const SplitProduct<Real> of_kernel = {
       .n = n_,
       .stride = product.A->stride(),
@@ -102,18 +130,22 @@ void SplitProductsOf<Real>::form_share(const ProductOf<Real>& product, Share sha
       .A_band = product.A->band(),
       .B_band = product.B->band(),
       .C_band = product.band < 0 ? n_ - 1 : product.band,
-      .first_part = share.first,
-      .end_part = share.end,
-      .parts = share.parts,
-      .packs_B = n_ > limits().B,
+      .packed_B = packed_B_.size() > 0 ? packed_B_.data() : nullptr,
       .packs_adjoint_A = n_ > limits().adjoint_A,
-      .scratch = scratch_[static_cast<std::size_t>(thread)].data(),
   };
-  if constexpr (std::is_same_v<Real, float>) {
-    kernel_.multiply_singles(of_kernel);
-  } else {
-    kernel_.multiply(of_kernel);
+  const bool is_alone = parallel::current_threads() == 1;
+  const auto blocks = [&](Index length) { return is_alone ? 1 : (n_ + length - 1) / length; };
+  if (of_kernel.packed_B != nullptr) {
+    const Index parts = blocks(columns_of_block);
+    parallel::for_blocks(parts, [&](Index k, int) {
+      pack<Real>(kernel_)(of_kernel, n_ * k / parts, n_ * (k + 1) / parts);
+    });
   }
+  const Index parts = blocks(rows_of_block(n_));
+  parallel::for_blocks(parts, [&](Index k, int thread) {
+    form_rows<Real>(kernel_)(of_kernel, n_ * k / parts, n_ * (k + 1) / parts,
+                             scratch_[static_cast<std::size_t>(thread)].data());
+  });
 }
 
 template class SplitProductsOf<double>;

@@ -93,12 +93,12 @@ ProductOf<Real> into(SplitMatrixOf<Real>& C, const Factors<Real>& product) {
 
 /// Forms products of n x n split matrices with the kernel of one vector unit, skipping entries
 /// outside the bands of the factors.  Only the constructor allocates.  Products formed together
-/// share the threads of the ThreadScope.  Not for use by two callers at a time.
+/// share the threads of on_threads.  Not for use by two callers at a time.
 template <class Real>
 class SplitProductsOf {
  public:
   /// For up to `threads` threads, with the given kernel or gemm_kernels().front().  Throws
-  /// std::invalid_argument unless n >= 1 and 1 <= threads <= ThreadScope::most.
+  /// std::invalid_argument unless n >= 1 and 1 <= threads <= most_threads.
   explicit SplitProductsOf(Index n, int threads = 1);
   SplitProductsOf(Index n, const GemmKernel& kernel, int threads = 1);
 
@@ -109,12 +109,7 @@ class SplitProductsOf {
   template <class Product>
   void form(std::size_t count, Product&& product) {
     for (std::size_t i = 0; i < count; ++i) admit(product(i));
-    parallel::for_each_share(
-        static_cast<Index>(count),
-        [&](Index i) { return Index{product(static_cast<std::size_t>(i)).upper ? 1 : 2}; },
-        [&](Index i, Share share, int thread) {
-          form_share(product(static_cast<std::size_t>(i)), share, thread);
-        });
+    for (std::size_t i = 0; i < count; ++i) form_admitted(product(i));
   }
   void form(const ProductOf<Real>& product) {
     form(1, [&](std::size_t) { return product; });
@@ -133,10 +128,11 @@ class SplitProductsOf {
   const PackingLimits& limits() const;
   // Refuses what cannot be formed, counts the product, and sets the band of C.
   void admit(const ProductOf<Real>& product);
-  void form_share(const ProductOf<Real>& product, Share share, int thread);
+  void form_admitted(const ProductOf<Real>& product);
 
   Index n_;
   GemmKernel kernel_;
+  typename SplitMatrixOf<Real>::Entries packed_B_;              // empty if B is read in place
   std::vector<typename SplitMatrixOf<Real>::Entries> scratch_;  // one for each thread
   long count_ = 0;
   std::int64_t half_multiplications_ = 0;  // twice the complex multiplications
