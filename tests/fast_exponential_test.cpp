@@ -699,7 +699,7 @@ TEST(GradedSeries, WithBandsErrsByAboutTheTailAndMultipliesLess) {
 TEST(StageGenerators, FormTheGeneratorOfOneMatrixWithinItsBand) {
   constexpr Index n = 33;
   const auto euler = std::make_shared<const EulerZeitlin>(n);
-  CoRotatingFrame frame(euler, ProductBackend::openblas);
+  CoRotatingFrame frame(euler);
   for (const Flow* flow : {static_cast<const Flow*>(euler.get()), frame.flow().get()}) {
     StageGenerator generator(*flow);
     for (const Index band : {Index{0}, Index{1}, Index{7}, n - 1}) {

@@ -11,7 +11,6 @@ namespace isosyrk::testing {
 namespace {
 
 constexpr Index n = 9;
-constexpr auto backend = ProductBackend::openblas;
 
 std::unique_ptr<Integrator> named(const std::string& name, const Scene& scene) {
   return made(integrator_entry(name), *scene.flow);
@@ -31,7 +30,7 @@ Matrix rotation_part(const Matrix& W) {
 TEST(CoRotatingFrame, ItsGeneratorAndItsHamiltonianAreThoseOfWWithoutItsRotation) {
   const auto shared = std::make_shared<const EulerZeitlin>(n);
   const EulerZeitlin& flow = *shared;
-  CoRotatingFrame frame(shared, backend);
+  CoRotatingFrame frame(shared);
   const Matrix W = random_skew_hermitian(n, 1), rotation = rotation_part(W);
   Matrix B(n, n), expected(n, n);
   frame.flow()->generator(W, B);
@@ -53,7 +52,7 @@ TEST(CoRotatingFrame, ItsGeneratorAndItsHamiltonianAreThoseOfWWithoutItsRotation
 TEST(CoRotatingFrame, LeavesByTheExponentialOfTheRotation) {
   const auto shared = std::make_shared<const EulerZeitlin>(n, HbarConvention::standard);
   const EulerZeitlin& flow = *shared;
-  CoRotatingFrame frame(shared, backend);
+  CoRotatingFrame frame(shared);
   std::vector<Matrix> states = {Matrix::Zero(n, n)};
   for (const unsigned seed : {3u, 4u, 5u}) states.push_back(random_skew_hermitian(n, seed));
   for (const Matrix& S : spin_matrices(n)) {
@@ -73,6 +72,22 @@ TEST(CoRotatingFrame, LeavesByTheExponentialOfTheRotation) {
   }
 }
 
+TEST(CoRotatingFrame, TurnsAlikeByAnyNumberOfThreads) {
+  constexpr Index size = 129;  // several blocks
+  const auto shared = std::make_shared<const EulerZeitlin>(size);
+  const Matrix V = random_skew_hermitian(size, 1);
+  Matrix W(size, size), other(size, size);
+  CoRotatingFrame alone(shared);
+  const CoRotatingFrame::Rate rate = alone.rate(V);
+  alone.leave(rate, 0.7, V, W);
+  for (const int threads : {2, 3}) {
+    CoRotatingFrame(shared, threads).leave(rate, 0.7, V, other);
+    EXPECT_EQ(other, W) << threads;
+  }
+  alone.leave(rate, 0.70001, V, other);
+  EXPECT_NE(other, W);
+}
+
 // Both are at rounding of the exact flow: 64 steps of order 12, of size 1/40.
 TEST(CoRotatingFrame, CommutesWithTheExactFlow) {
   const Scene scene = smooth_scene(n);
@@ -81,7 +96,7 @@ TEST(CoRotatingFrame, CommutesWithTheExactFlow) {
   EXPECT_LE(largest_difference(fixed, turned), 1e-12);
 
   // Without the turn at the end it is another matrix.
-  CoRotatingFrame frame(std::dynamic_pointer_cast<const EulerZeitlin>(scene.flow), backend);
+  CoRotatingFrame frame(std::dynamic_pointer_cast<const EulerZeitlin>(scene.flow));
   const auto inner = made(integrator_entry("group6"), *frame.flow());
   EXPECT_GE(largest_difference(fixed, integrated(*inner, scene.initial, 0.025, 64)), 1e-2);
 }
@@ -156,7 +171,7 @@ TEST_P(InTheFrame, StepsOfSeveralSizesAreThoseOfStepsOneByOne) {
   }
 
   // Turned by the last step alone, it would lag by 0.2.
-  CoRotatingFrame frame(std::dynamic_pointer_cast<const EulerZeitlin>(scene.flow), backend);
+  CoRotatingFrame frame(std::dynamic_pointer_cast<const EulerZeitlin>(scene.flow));
   const CoRotatingFrame::Rate rate = frame.rate(scene.initial);
   Matrix lagging(n, n);
   frame.leave(rate, -0.2, W, lagging);

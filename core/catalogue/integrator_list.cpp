@@ -255,12 +255,13 @@ IntegratorEntry frame_entry(const IntegratorEntry& method) {
   entry.make = [make = method.make](const auto& flow, const IterationOptions& options,
                                     ProductBackend backend) {
     return std::make_unique<FrameIntegrator>(
-        flow, [&](const auto& inner) { return make(inner, options, backend); }, backend);
+        flow, [&](const auto& inner) { return make(inner, options, backend); });
   };
   if (method.has_fast_form()) {
     entry.make_fast = [make = method.make_fast](const auto& flow, const FastOptions& options) {
       return std::make_unique<FrameIntegrator>(
-          flow, [&](const auto& inner) { return make(inner, options); }, ProductBackend::openblas);
+          flow, [&](const auto& inner) { return make(inner, options); },
+          tuning.threads(flow->size(), options.threads));
     };
   }
   return entry;

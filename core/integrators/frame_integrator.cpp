@@ -12,9 +12,9 @@ std::shared_ptr<const EulerZeitlin> euler_zeitlin(const SharedFlow& flow) {
 
 }  // namespace
 
-FrameIntegrator::FrameIntegrator(const SharedFlow& flow, const Make& make, ProductBackend backend)
+FrameIntegrator::FrameIntegrator(const SharedFlow& flow, const Make& make, int threads)
     : Integrator(flow),
-      frame_(euler_zeitlin(flow), backend),
+      frame_(euler_zeitlin(flow), threads),
       V_(flow->size(), flow->size()),
       method_(make(frame_.flow())) {
   method_->make_inner();

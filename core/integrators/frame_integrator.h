@@ -19,9 +19,9 @@ class FrameIntegrator final : public Integrator {
  public:
   using Make = std::function<std::unique_ptr<Integrator>(const SharedFlow&)>;
 
-  /// Takes what makes the method for the flow of V.  Throws std::invalid_argument unless the flow
-  /// is EulerZeitlin.
-  FrameIntegrator(const SharedFlow& flow, const Make& make, ProductBackend backend);
+  /// Takes what makes the method for the flow of V, and the threads that turn it.  Throws
+  /// std::invalid_argument unless the flow is EulerZeitlin, and as checked_threads.
+  FrameIntegrator(const SharedFlow& flow, const Make& make, int threads = 1);
 
   /// H is the same for W and V.
   Energy energy() const override;
