@@ -1,0 +1,137 @@
+// What threads gain: the time that passes for a step of a fast form by each number of threads, in
+// turns, and whether the answers are the same bit for bit.
+#include <fmt/format.h>
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "benchmarks/command_line.h"
+#include "isosyrk/catalogue/make_integrator.h"
+#include "isosyrk/machine/clocks.h"
+#include "isosyrk/scenes/scene_list.h"
+#include "isosyrk/split/parallel.h"
+
+namespace isosyrk::threads {
+namespace {
+
+using nlohmann::json;
+
+// What is asked for.
+struct Request {
+  Index n = 0;
+  std::string integrator, scene = "rough";
+  double step = 0.0, tolerance = 1e-8;
+  long steps = 4, warmup = 2;
+  int repetitions = 3;
+  std::vector<int> threads;
+};
+
+// What one number of threads has taken.
+struct Row {
+  int threads;
+  std::vector<double> seconds = {};  // that pass for a step, one for each repetition
+  std::vector<double> looking = {};  // that pass until the state is there
+  OperationTimes times = {};         // of all steps
+  double measured = 0.0;             // seconds of these steps
+  long steps = 0;
+  Matrix W = {};
+};
+
+std::optional<int> read(Request& request, int argc, char** argv) {
+  CLI::App line{"Times a step of a fast form by several numbers of threads, and compares bits."};
+  add_value(line, "--n", request.n, Whole<Index>{2, 4096}, "matrix size, 2 to 4096")->required();
+  add_value(line, "--integrator", request.integrator, Text{}, "name of a listed integrator")
+      ->required();
+  add_value(line, "--step", request.step, Real{"positive and finite", positive}, "step size h > 0")
+      ->required();
+  add_value(line, "--scene", request.scene, Text{}, "of Euler-Zeitlin (default rough)");
+  add_value(line, "--tolerance", request.tolerance, Real{"at least 1e-15, and finite", 1e-15},
+            "of the fast form (default 1e-8)");
+  add_value(line, "--steps", request.steps, Whole<long>{1, 1000000}, "that are timed (default 4)");
+  add_value(line, "--warmup", request.warmup, Whole<long>{0, 1000000},
+            "steps before these (default 2)");
+  add_value(line, "--repetitions", request.repetitions, Whole<int>{1, 1000},
+            "in turns, each from the start (default 3)");
+  std::vector<std::string> threads;
+  line.add_option("--threads", threads, "numbers of threads, as 1 2 4")->required();
+  if (const auto code = read_arguments(line, argc, argv)) return code;
+  for (const std::string& each : threads) {
+    request.threads.push_back(thread_count("--threads", each));
+  }
+  require_scene("--scene", request.scene);
+  return {};
+}
+
+void run(const Request& request, const Scene& scene, Row& row) {
+  const auto integrator = of_option([&] {
+    return make_integrator(scene.flow, request.integrator,
+                           {.solver = Solver::fast,
+                            .iteration = {.tolerance = request.tolerance},
+                            .threads = row.threads});
+  });
+  integrator->set_state(scene.initial);
+  const auto advance = [&](long steps) {
+    for (long k = 0; k < steps; ++k) {
+      if (integrator->step(request.step).status != Status::converged) {
+        throw SolverFailed(fmt::format("{}: step {} failed", request.integrator, k + 1));
+      }
+    }
+  };
+  advance(request.warmup);
+  const double begin = wall_seconds();
+  advance(request.steps);
+  row.seconds.push_back((wall_seconds() - begin) / static_cast<double>(request.steps));
+  const double before = wall_seconds();
+  row.W = integrator->state();
+  row.looking.push_back(wall_seconds() - before);
+  // Clocks are read a few times an operation: these steps are not timed.
+  measure_operations(&row.times);
+  const double measured = wall_seconds();
+  advance(request.steps);
+  row.measured += wall_seconds() - measured;
+  row.steps += request.steps;
+  measure_operations(nullptr);
+}
+
+json of_row(const Row& row, const Row& first) {
+  const double within = row.times.within / row.measured;
+  return {
+      {"threads", row.threads},
+      {"seconds", row.seconds},
+      {"looking", row.looking},
+      {"operations", static_cast<double>(row.times.operations) / static_cast<double>(row.steps)},
+      {"serial", 1.0 - within},
+      {"waiting", 1.0 - row.times.busy / (row.threads * row.times.within)},
+      {"same", std::memcmp(row.W.data(), first.W.data(),
+                           sizeof(Complex) * static_cast<std::size_t>(row.W.size())) == 0}};
+}
+
+}  // namespace
+
+int main_program(int argc, char** argv) {
+  Request request;
+  if (const auto code = read(request, argc, argv)) return *code;
+  const Scene scene = of_option([&] { return scene_by_name(request.scene, request.n); });
+  std::vector<Row> rows;
+  for (const int threads : request.threads) rows.push_back({.threads = threads});
+  for (int k = 0; k < request.repetitions; ++k) {
+    for (Row& row : rows) run(request, scene, row);
+  }
+  json found = json::array();
+  for (const Row& row : rows) found.push_back(of_row(row, rows.front()));
+  fmt::print("{}\n", json{{"n", request.n},
+                          {"integrator", request.integrator},
+                          {"scene", request.scene},
+                          {"step", request.step},
+                          {"tolerance", request.tolerance},
+                          {"steps", request.steps},
+                          {"rows", found}}
+                         .dump());
+  require_printed();
+  return exit_done;
+}
+
+}  // namespace isosyrk::threads
