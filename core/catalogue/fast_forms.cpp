@@ -104,9 +104,9 @@ MakeFast fast_exponential(int order) {
   };
 }
 
-MakeFast fast_magnus(int order) {
-  return [order](const auto& flow, const FastOptions& options) {
-    return std::make_unique<FastMagnus>(flow, order, chosen_for(flow, 1, options));
+MakeFast fast_magnus(const MagnusScheme& scheme) {
+  return [scheme](const auto& flow, const FastOptions& options) {
+    return std::make_unique<FastMagnus>(flow, scheme, chosen_for(flow, 1, options));
   };
 }
 

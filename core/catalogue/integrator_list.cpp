@@ -197,7 +197,7 @@ std::vector<IntegratorEntry> make_list() {
                   .keeps = explicit_isospectral_properties,
                   .is_explicit = true,
                   .make = make_explicit<ExplicitMagnus4>(),
-                  .make_fast = fast_magnus(4),
+                  .make_fast = fast_magnus(magnus4()),
                   .in_frame = true});
   list.push_back({.name = "magnus5",
                   .stages = 8,
@@ -205,7 +205,7 @@ std::vector<IntegratorEntry> make_list() {
                   .keeps = explicit_isospectral_properties,
                   .is_explicit = true,
                   .make = make_explicit<ExplicitMagnus5>(),
-                  .make_fast = fast_magnus(5),
+                  .make_fast = fast_magnus(magnus5()),
                   .in_frame = true});
   const std::vector<IntegratorEntry> explicit_methods = explicit_entries();
   for (const IntegratorEntry& entry : explicit_methods) list.push_back(projected_entry(entry));

@@ -171,7 +171,8 @@ bool FastMuntheKaas4::take_explicit_step(SplitStages& W1, const SplitStages& W0,
   return true;
 }
 
-FastMagnus::FastMagnus(const SharedFlow& flow, int order, const FastOptions& options)
+FastMagnus::FastMagnus(const SharedFlow& flow, const MagnusScheme& scheme,
+                       const FastOptions& options)
     : FastExplicit(flow, options),
       is_single_(options.single_precision && options.iteration.tolerance >= tuning.single_magnus),
       lie_(products_, generator_, bands()),
@@ -182,20 +183,20 @@ FastMagnus::FastMagnus(const SharedFlow& flow, int order, const FastOptions& opt
       W0_single_(flow->size()) {
   if (is_single_) {
     single_lie_.neglect(std::max(left_out(), tuning.single_roundoff));
-    single_magnus_.emplace(single_lie_, order);
+    single_exponent_.emplace(single_lie_, scheme);
   } else {
     lie_.neglect(left_out());
-    magnus_.emplace(lie_, order);
+    exponent_.emplace(lie_, scheme);
   }
 }
 
 bool FastMagnus::take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) {
   if (is_single_) {
     round_to_single(W0_single_, W0[0]);
-    single_magnus_->form_exponent(Omega_single_, W0_single_, h);
+    single_exponent_->form_exponent(Omega_single_, W0_single_, h);
     widen(Omega_, Omega_single_);
   } else {
-    magnus_->form_exponent(Omega_, W0[0], h);
+    exponent_->form_exponent(Omega_, W0[0], h);
   }
   bands().truncate_symmetric_to_part(Omega_, left_out());
   const double error = left_out() * norm(Omega_);
