@@ -100,7 +100,7 @@ TEST_P(EachFastExponential, EqualsThePublishedFormToAnyToleranceAndKeepsTheSpect
   }
 }
 
-// Below Tuning::single_magnus Ω is formed in double precision: only bands leave out a part of the
+// At a tight tolerance Ω is formed in double precision: only bands leave out a part of the
 // tolerance, a hundredth a step of each factor.  Single precision would show as 6e-8 h‖B‖ a step.
 TEST(EachFastMagnus, IsThePublishedFormToATenthOfATightToleranceAStep) {
   constexpr long steps = 10;

@@ -12,6 +12,7 @@
 #include "isosyrk/fast/fast_integrator.h"
 #include "isosyrk/fast/group_system.h"
 #include "isosyrk/fast/midpoint_system.h"
+#include "isosyrk/solver/tuning.h"
 #include "isosyrk/split/linear_combination.h"
 #include "isosyrk/tableaux/gauss_tableau.h"
 

@@ -106,7 +106,7 @@ class FastMultistep final : public FastRungeKutta {
 ///
 /// of order h⁵ since W₄ errs by O(h³).  Measured, e is 0.1 to 1 times the error (Euler-Zeitlin, in
 /// the frame, smooth and rough, n = 17 to 129, h = 0.06 to 0.8).  Stages are then summed to
-/// Tuning::stage_share e ‖W₀‖_F with the e of the last step of the run, if that had the same |h|.
+/// `stage_share` e ‖W₀‖_F with the e of the last step of the run, if that had the same |h|.
 /// That moves W₁ by less than 1 % of its error, since B damps the terms left out.  A step whose own
 /// e turns out smaller than a third of that is taken again with its own e.  In the first step, and
 /// where it is larger, the accuracy is the tolerance, relative to ‖W‖_F: as for FastMagnus, the
