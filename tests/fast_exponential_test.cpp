@@ -100,7 +100,7 @@ TEST_P(EachFastExponential, EqualsThePublishedFormToAnyToleranceAndKeepsTheSpect
   }
 }
 
-// Below Tuning::single_magnus Ω is formed in double precision: only bands leave out a part of the
+// At a tight tolerance Ω is formed in double precision: only bands leave out a part of the
 // tolerance, a hundredth a step of each factor.  Single precision would show as 6e-8 h‖B‖ a step.
 TEST(EachFastMagnus, IsThePublishedFormToATenthOfATightToleranceAStep) {
   constexpr long steps = 10;
@@ -444,14 +444,14 @@ TEST(ExponentialSystems, TakeADerivativeOnlyWhereTheErrorAsksForIt) {
 }
 
 // The gradient of the modified Hamiltonian, and the derivative of its first term.
-TEST(SplitModifiedGradient, IsTheSumOfItsTermsAndHasTheDerivativeThatItSays) {
+TEST(ModifiedGradient, IsTheSumOfItsTermsAndHasTheDerivativeThatItSays) {
   constexpr Index n = 8;
   const Scene scene = rough_scene(n);
   SplitProducts products(n);
   StageGenerator generator(*scene.flow);
   BandTruncation bands(false, 1, n);
   SplitLie<double> lie(products, generator, bands);
-  SplitModifiedGradient<double> gradient(lie, true);
+  ModifiedGradient<SplitLie<double>> gradient(lie, 6);
   const auto evaluated = [&](const Matrix& mu, bool second, bool fourth) {
     SplitMatrix v(n), out(n);
     lie.generate(v, SplitMatrix(mu));

@@ -12,6 +12,7 @@
 #include "isosyrk/fast/fast_integrator.h"
 #include "isosyrk/fast/group_system.h"
 #include "isosyrk/fast/midpoint_system.h"
+#include "isosyrk/solver/tuning.h"
 #include "isosyrk/split/linear_combination.h"
 #include "isosyrk/tableaux/gauss_tableau.h"
 
@@ -104,9 +105,9 @@ MakeFast fast_exponential(int order) {
   };
 }
 
-MakeFast fast_magnus(int order) {
-  return [order](const auto& flow, const FastOptions& options) {
-    return std::make_unique<FastMagnus>(flow, order, chosen_for(flow, options));
+MakeFast fast_magnus(const MagnusScheme& scheme) {
+  return [scheme](const auto& flow, const FastOptions& options) {
+    return std::make_unique<FastMagnus>(flow, scheme, chosen_for(flow, options));
   };
 }
 

@@ -10,6 +10,7 @@
 #include "isosyrk/fast/stage_system.h"
 #include "isosyrk/tableaux/composition_schemes.h"
 #include "isosyrk/tableaux/explicit_tableaux.h"
+#include "isosyrk/tableaux/magnus_schemes.h"
 #include "isosyrk/tableaux/multistep_schemes.h"
 
 namespace isosyrk {
@@ -39,8 +40,8 @@ MakeFast fast_direct(int s);
 MakeFast fast_munthe_kaas4();
 /// ExponentialLiePoisson of order 2, 4 or 6.
 MakeFast fast_exponential(int order);
-/// The explicit Magnus method of order 4 or 5.
-MakeFast fast_magnus(int order);
+/// An explicit Magnus method.
+MakeFast fast_magnus(const MagnusScheme& scheme);
 /// An explicit Runge-Kutta method applied to W.
 MakeFast fast_runge_kutta(const Tableau& tableau);
 /// An explicit multistep method applied to W.

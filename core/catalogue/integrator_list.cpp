@@ -196,16 +196,16 @@ std::vector<IntegratorEntry> make_list() {
                   .order = 4,
                   .keeps = explicit_isospectral_properties,
                   .is_explicit = true,
-                  .make = make_explicit<ExplicitMagnus4>(),
-                  .make_fast = fast_magnus(4),
+                  .make = make_explicit<ExplicitMagnus>(magnus4()),
+                  .make_fast = fast_magnus(magnus4()),
                   .in_frame = true});
   list.push_back({.name = "magnus5",
                   .stages = 8,
                   .order = 5,
                   .keeps = explicit_isospectral_properties,
                   .is_explicit = true,
-                  .make = make_explicit<ExplicitMagnus5>(),
-                  .make_fast = fast_magnus(5),
+                  .make = make_explicit<ExplicitMagnus>(magnus5()),
+                  .make_fast = fast_magnus(magnus5()),
                   .in_frame = true});
   const std::vector<IntegratorEntry> explicit_methods = explicit_entries();
   for (const IntegratorEntry& entry : explicit_methods) list.push_back(projected_entry(entry));

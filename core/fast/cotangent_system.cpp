@@ -6,6 +6,9 @@
 namespace isosyrk {
 namespace {
 
+// At half these values a smooth scene needs a third sweep.
+constexpr CouplingBand coupling_bound = {32, 0.375};
+
 // Forms of_Q(j) and of_P(j) for all stages j, side by side.
 template <class Products, class OfQ, class OfP>
 void form_pairs(Products& products, std::size_t stages, const OfQ& of_Q, const OfP& of_P) {
@@ -20,7 +23,7 @@ void form_pairs(Products& products, std::size_t stages, const OfQ& of_Q, const O
 CotangentSystem::CotangentSystem(const Flow& flow, const Tableau& tableau, int threads,
                                  bool truncates)
     : RungeKuttaSystem(flow, tableau, {tableau.stages(), tableau.stages()}, threads, truncates,
-                       tuning.cotangent_coupling),
+                       coupling_bound),
       identity_(split_identity(flow.size())),
       W_stage_(zeros(s_)),
       B_(generator_.generators(s_)),

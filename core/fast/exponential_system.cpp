@@ -63,8 +63,8 @@ constexpr double forcing_of_derivative = 0.3;
 // Ω. In single precision that rounding is about n u ‖hR‖_F.
 constexpr double largest_rounding = 0.1;
 
-// Order of the explicit method that gives the start values.
-int magnus_order(int order) { return order == 6 ? 5 : 4; }
+// The explicit method that gives the start values.
+const MagnusScheme& magnus_for(int order) { return order == 6 ? magnus5() : magnus4(); }
 
 }  // namespace
 
@@ -76,7 +76,7 @@ ExponentialSystem::Linearization<Real>::Linearization(Index n)
 }
 
 ExponentialSystem::Double::Double(SplitLie<double>& lie, int order, Index n)
-    : linearization(n), magnus(lie, magnus_order(order)), delta(n), coupled(n) {}
+    : linearization(n), magnus(lie, magnus_for(order)), delta(n), coupled(n) {}
 
 ExponentialSystem::ExponentialSystem(const Flow& flow, int order, const FastOptions& options)
     : n_(flow.size()),
@@ -91,7 +91,7 @@ ExponentialSystem::ExponentialSystem(const Flow& flow, int order, const FastOpti
       single_lie_(single_products_, generator_, bands_),
       series_(products_, single_products_, n_, options),
       gradient_(lie_, single_lie_, n_, order, options.single_precision),
-      magnus_(single_lie_, magnus_order(order)),
+      magnus_(single_lie_, magnus_for(order)),
       exponential_(n_, bands_),
       start_error_(n_),
       correction_({split_stages(1, n_)}),

@@ -10,9 +10,9 @@
 #include "isosyrk/fast/graded_gradient.h"
 #include "isosyrk/fast/graded_series.h"
 #include "isosyrk/fast/split_exponential.h"
-#include "isosyrk/fast/split_magnus.h"
 #include "isosyrk/fast/stage_system.h"
 #include "isosyrk/fast/start_error.h"
+#include "isosyrk/integrators/magnus_exponent.h"
 #include "isosyrk/solver/neumann_correction.h"
 
 namespace isosyrk {
@@ -104,7 +104,7 @@ class ExponentialSystem final : public StageSystem, private Coupling {
     Double(SplitLie<double>& lie, int order, Index n);
 
     Linearization<double> linearization;
-    SplitMagnus<double> magnus;
+    MagnusExponent<SplitLie<double>> magnus;
     SplitMatrix delta, coupled;
   };
 
@@ -149,7 +149,7 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   SplitLie<float> single_lie_;
   GradedSeries series_;
   GradedGradient gradient_;
-  SplitMagnus<float> magnus_;
+  MagnusExponent<SplitLie<float>> magnus_;
   SplitExponential exponential_;
   StartError start_error_;
   NeumannCorrection correction_;

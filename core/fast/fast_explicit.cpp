@@ -3,10 +3,30 @@
 #include <algorithm>
 #include <cmath>
 
+#include "isosyrk/solver/tuning.h"
 #include "isosyrk/split/linear_combination.h"
 #include "isosyrk/split/skew.h"
 
 namespace isosyrk {
+namespace {
+
+// Of the stages of the Munthe-Kaas method, as parts of the estimated error of a step.  Measured to
+// T = 5 with and without the frame, smooth and rough, n = 17 to 129, errors from 1e-2 to 1e-9: the
+// answer moves by at most 0.4 % of its error.
+//
+// Error of the series of a stage.  At three times this value 2 to 5 % of the products less; at a
+// third up to 4 % more.
+constexpr double stage_share = 0.3;
+// Norm that may be cut from a factor in a stage, as a part of the error of its series.  At three
+// times this value a smooth scene moves by 1.2 % of its error.
+constexpr double stage_left_out = 0.1;
+// Largest ratio of the estimates of two steps for which the first serves the second.
+constexpr double stage_error_growth = 3.0;
+
+// Smallest tolerance at which the explicit Magnus methods form Ω in single precision.
+constexpr double smallest_single_tolerance = 1e-6;
+
+}  // namespace
 
 FastExplicit::FastExplicit(const SharedFlow& flow, const FastOptions& options)
     : SplitIntegrator(flow, options.threads),
@@ -102,7 +122,7 @@ FastMuntheKaas4::FastMuntheKaas4(const SharedFlow& flow, const FastOptions& opti
       k_(zeros(scheme_.tableau.stages())) {}
 
 void FastMuntheKaas4::set_stage_error(double error) {
-  stage_error_ = std::max(tolerance_, tuning.stage_share * error) * scale_;
+  stage_error_ = std::max(tolerance_, stage_share * error) * scale_;
 }
 
 StepReport FastMuntheKaas4::take_step(SplitStages& W1, const SplitStages& W0, double h, Past past) {
@@ -112,7 +132,7 @@ StepReport FastMuntheKaas4::take_step(SplitStages& W1, const SplitStages& W0, do
   const double taken = stage_error_;
   StepReport report = FastExplicit::take_step(W1, W0, h, past);
   if (report.status != Status::converged) return report;
-  set_stage_error(tuning.stage_error_growth * error_);
+  set_stage_error(stage_error_growth * error_);
   if (taken > stage_error_) {
     set_stage_error(error_);
     report = FastExplicit::take_step(W1, W0, h, past);
@@ -142,13 +162,13 @@ bool FastMuntheKaas4::conjugate(SplitMatrix& W1, const SplitMatrix& W0, double e
   if (exponential_.conjugate(W1, Omega_[0], W0, error_of_U, products_, single_products_)) {
     return true;
   }
-  const double error = tuning.conjugation_error * scale_;
+  const double error = GradedSeries::conjugation_error * scale_;
   series_.truncate(bands(), error);
   return series_.conjugate(W1, Omega_[0], W0, error);
 }
 
 bool FastMuntheKaas4::take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) {
-  const double left_out = tuning.stage_left_out * stage_error_;
+  const double left_out = stage_left_out * stage_error_;
   const double of_Omega = scale_ > 0.0 ? left_out / scale_ : 0.0;
   series_.truncate(bands(), left_out);
   for (std::size_t i = 0; i < k_.size(); ++i) {
@@ -171,9 +191,11 @@ bool FastMuntheKaas4::take_explicit_step(SplitStages& W1, const SplitStages& W0,
   return true;
 }
 
-FastMagnus::FastMagnus(const SharedFlow& flow, int order, const FastOptions& options)
+FastMagnus::FastMagnus(const SharedFlow& flow, const MagnusScheme& scheme,
+                       const FastOptions& options)
     : FastExplicit(flow, options),
-      is_single_(options.single_precision && options.iteration.tolerance >= tuning.single_magnus),
+      is_single_(options.single_precision &&
+                 options.iteration.tolerance >= smallest_single_tolerance),
       lie_(products_, generator_, bands()),
       single_lie_(single_products_, generator_, bands()),
       exponential_(flow->size(), bands()),
@@ -182,20 +204,20 @@ FastMagnus::FastMagnus(const SharedFlow& flow, int order, const FastOptions& opt
       W0_single_(flow->size()) {
   if (is_single_) {
     single_lie_.neglect(std::max(left_out(), tuning.single_roundoff));
-    single_magnus_.emplace(single_lie_, order);
+    single_exponent_.emplace(single_lie_, scheme);
   } else {
     lie_.neglect(left_out());
-    magnus_.emplace(lie_, order);
+    exponent_.emplace(lie_, scheme);
   }
 }
 
 bool FastMagnus::take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) {
   if (is_single_) {
     round_to_single(W0_single_, W0[0]);
-    single_magnus_->form_exponent(Omega_single_, W0_single_, h);
+    single_exponent_->form_exponent(Omega_single_, W0_single_, h);
     widen(Omega_, Omega_single_);
   } else {
-    magnus_->form_exponent(Omega_, W0[0], h);
+    exponent_->form_exponent(Omega_, W0[0], h);
   }
   bands().truncate_symmetric_to_part(Omega_, left_out());
   const double error = left_out() * norm(Omega_);

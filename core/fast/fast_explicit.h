@@ -6,8 +6,9 @@
 #include "isosyrk/fast/graded_series.h"
 #include "isosyrk/fast/split_exponential.h"
 #include "isosyrk/fast/split_integrator.h"
-#include "isosyrk/fast/split_magnus.h"
+#include "isosyrk/fast/split_lie.h"
 #include "isosyrk/fast/stage_generator.h"
+#include "isosyrk/integrators/magnus_exponent.h"
 #include "isosyrk/integrators/past_slopes.h"
 #include "isosyrk/tableaux/explicit_tableaux.h"
 #include "isosyrk/tableaux/multistep_schemes.h"
@@ -105,7 +106,7 @@ class FastMultistep final : public FastRungeKutta {
 ///
 /// of order h⁵ since W₄ errs by O(h³).  Measured, e is 0.1 to 1 times the error (Euler-Zeitlin, in
 /// the frame, smooth and rough, n = 17 to 129, h = 0.06 to 0.8).  Stages are then summed to
-/// Tuning::stage_share e ‖W₀‖_F with the e of the last step of the run, if that had the same |h|.
+/// `stage_share` e ‖W₀‖_F with the e of the last step of the run, if that had the same |h|.
 /// That moves W₁ by less than 1 % of its error, since B damps the terms left out.  A step whose own
 /// e turns out smaller than a third of that is taken again with its own e.  In the first step, and
 /// where it is larger, the accuracy is the tolerance, relative to ‖W‖_F: as for FastMagnus, the
@@ -142,12 +143,12 @@ class FastMuntheKaas4 final : public FastExplicit {
   double error_of_run_ = 0.0;       // e
 };
 
-/// The explicit Magnus methods of order 4 or 5: W₁ = e^Ω W₀ e^(-Ω) to rounding, with Ω to the
-/// tolerance, relative to ‖Ω‖: in single precision if that is enough.  So the spectrum does not
-/// depend on the tolerance.  Products: those of SplitMagnus and of SplitExponential.
+/// ExplicitMagnus: W₁ = e^Ω W₀ e^(-Ω) to rounding, with Ω to the tolerance, relative to ‖Ω‖: in
+/// single precision if that is enough.  So the spectrum does not depend on the tolerance.
+/// Products: those of MagnusExponent and of SplitExponential.
 class FastMagnus final : public FastExplicit {
  public:
-  FastMagnus(const SharedFlow& flow, int order, const FastOptions& options);
+  FastMagnus(const SharedFlow& flow, const MagnusScheme& scheme, const FastOptions& options);
 
  private:
   bool take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) override;
@@ -156,8 +157,8 @@ class FastMagnus final : public FastExplicit {
   SplitLie<double> lie_;
   SplitLie<float> single_lie_;
   // One of the two is made.
-  std::optional<SplitMagnus<double>> magnus_;
-  std::optional<SplitMagnus<float>> single_magnus_;
+  std::optional<MagnusExponent<SplitLie<double>>> exponent_;
+  std::optional<MagnusExponent<SplitLie<float>>> single_exponent_;
   SplitExponential exponential_;
   SplitMatrix Omega_;
   SingleMatrix Omega_single_, W0_single_;

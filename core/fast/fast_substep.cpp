@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "isosyrk/solver/accepting_residual.h"
+#include "isosyrk/solver/tuning.h"
 
 namespace isosyrk {
 namespace {

@@ -6,11 +6,11 @@
 #include <utility>
 
 #include "isosyrk/fast/split_lie.h"
-#include "isosyrk/fast/split_modified_gradient.h"
+#include "isosyrk/integrators/modified_gradient.h"
 
 namespace isosyrk {
 
-/// B̃(μ) of SplitModifiedGradient to a wanted accuracy, and the derivative of its term in h².
+/// B̃(μ) of ModifiedGradient to a wanted accuracy, and the derivative of its term in h².
 ///
 /// The terms in h² and h⁴ are small beside B(μ).  So they may err by a larger part of themselves,
 /// be formed in single precision, and from matrices that are cut to narrow bands.  How far is
@@ -69,10 +69,10 @@ class GradedGradient {
   // μ and v = B(μ) in one precision, and the terms formed from them.
   template <class Real>
   struct Point {
-    Point(SplitLie<Real>& lie, int order, Index n) : mu(n), v(n), terms(lie, order == 6) {}
+    Point(SplitLie<Real>& lie, int order, Index n) : mu(n), v(n), terms(lie, order) {}
 
     SplitMatrixOf<Real> mu, v;
-    SplitModifiedGradient<Real> terms;
+    ModifiedGradient<SplitLie<Real>> terms;
     bool is_current = false;  // the terms have what their derivative needs
   };
   struct Terms {

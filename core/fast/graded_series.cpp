@@ -8,6 +8,12 @@
 #include "isosyrk/split/skew.h"
 
 namespace isosyrk {
+namespace {
+
+// A series ends before a term that adds less than this multiple of the wanted error to its sum.
+constexpr double negligible_part = 1.0 / 6.0;
+
+}  // namespace
 
 GradedSeries::GradedSeries(SplitProducts& products, SingleProducts& single_products, Index n,
                            const FastOptions& options)
@@ -40,10 +46,10 @@ void GradedSeries::begin(const SplitMatrix& Omega, const SplitMatrix& W, double 
   if (bands_ != nullptr) bands_->measure_symmetric(squares_of_Omega_, Omega);
   term_ = 1.0 * W;
   if (!is_graded_) {
-    error = std::min(error, tuning.conjugation_error * norm(term_));
+    error = std::min(error, conjugation_error * norm(term_));
     tail_now_ = std::min(tail_now_, error);
   }
-  end_ = tuning.series_end * error;
+  end_ = negligible_part * error;
   size_ = cut(term_);
   growth_.begin(size_);
 }

@@ -28,6 +28,10 @@ class GradedSeries {
   GradedSeries(SplitProducts& products, SingleProducts& single_products, Index n,
                const FastOptions& options = {});
 
+  /// Wanted error of a sum that conjugates to rounding, as a multiple of ‖W‖.  Ten times this value
+  /// shows in the spectrum of long runs.
+  static constexpr double conjugation_error = 6e-17;
+
   /// The sum that has the wanted error.
   enum class Sum {
     conjugate,  ///< e^Ω W e^(-Ω) = Σ_k T_k

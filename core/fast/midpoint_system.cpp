@@ -6,9 +6,19 @@
 #include "isosyrk/split/skew.h"
 
 namespace isosyrk {
+namespace {
+
+// At half these values a smooth scene needs a third sweep.
+constexpr CouplingBand coupling_bound = {24, 0.125};
+// Largest number of Newton-Schulz iterations for 1 / (1 - (h/2) B).
+constexpr int max_inverse_iterations = 12;
+// Frobenius norm that may be cut from that inverse, as a multiple of the accuracy.
+constexpr double left_out_of_inverse = 0.1;
+
+}  // namespace
 
 MidpointSystem::MidpointSystem(const Flow& flow, int threads, bool truncates)
-    : SplitSystem(flow, {1}, 1, threads, truncates, tuning.midpoint_coupling),
+    : SplitSystem(flow, {1}, 1, threads, truncates, coupling_bound),
       W_stage_(zeros(1)),
       B_(generator_.generators(1)),
       M_(zeros(1)),
@@ -63,7 +73,7 @@ void MidpointSystem::invert(double accuracy) {
   };
   set_to_one_plus(X_, -0.5 * h_);
   if (!knows_V_) set_to_one_plus(V_, 0.5 * h_);
-  for (int k = 0; k < tuning.inverse_iterations; ++k) {
+  for (int k = 0; k < max_inverse_iterations; ++k) {
     single_products_.form(into(product_[0], -1.0 * X_[0] * V_[0]));
     add_identity(product_, 1.0f);  // 1 - X V
     const double error = largest_norm(product_);
@@ -74,7 +84,7 @@ void MidpointSystem::invert(double accuracy) {
     }
     single_products_.form(into(other_[0], V_[0] * product_[0]));
     V_[0] = V_[0] + other_[0];
-    bands_.truncate(V_, tuning.of_inverse * accuracy);
+    bands_.truncate(V_, left_out_of_inverse * accuracy);
     if (error * error < accuracy) break;
   }
   knows_V_ = true;

@@ -1,16 +1,17 @@
 // Brackets and generators of single matrices in split-complex storage.
 #pragma once
 
-#include <type_traits>
+#include <span>
 
 #include "isosyrk/fast/stage_generator.h"
+#include "isosyrk/integrators/lie_operations.h"
 #include "isosyrk/split/bands.h"
 #include "isosyrk/split/linear_combination.h"
 #include "isosyrk/split/skew.h"
 
 namespace isosyrk {
 
-/// The bracket and B of a flow in one precision, counted: what an equation in a Lie algebra is
+/// LieOperations of the fast forms, in one precision: what ModifiedGradient and MagnusExponent are
 /// written with.  All results are cut to bands, if these are enabled.  Products, generator and
 /// bands must outlive it.  Only the constructor allocates.
 template <class Real>
@@ -36,6 +37,12 @@ class SplitLie {
   /// Cuts X to a band outside which it has at most this part of its Frobenius norm.
   void cut_to_part(M& X, double part) { bands_.truncate_symmetric_to_part(X, part); }
 
+  /// out = Σ weight X, in one pass.
+  void combine(M& out, std::span<const WeightedTerm<M>> terms) {
+    LinearCombination<Real> sum;
+    for (const auto& [weight, X] : terms) sum.add(weight, *X);
+    out = sum;
+  }
   /// out = scale [A, B] for skew-Hermitian A and B, by one product.
   void bracket(M& out, const M& A, const M& B, double scale = 1.0) {
     products_.form(into(product_, A * B));
@@ -52,6 +59,8 @@ class SplitLie {
     generator_.generate_one(B, W);
     cut(B);
   }
+  /// D = B(k), since B is linear.
+  void differentiate(M& D, const M&, const M& k) { generate(D, k); }
 
  private:
   SplitProductsOf<Real>& products_;

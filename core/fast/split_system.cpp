@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "isosyrk/solver/tuning.h"
+
 namespace isosyrk {
 namespace {
 
@@ -20,7 +22,7 @@ const Tableau& consistent(const Tableau& tableau) {
 }  // namespace
 
 SplitSystem::SplitSystem(const Flow& flow, std::vector<Index> kinds, Index stages, int threads,
-                         bool truncates, const Tuning::CouplingBand& coupling_band)
+                         bool truncates, const CouplingBand& coupling_band)
     : products_(flow.size(), threads),
       single_products_(flow.size(), threads),
       generator_(flow),
@@ -39,7 +41,7 @@ void SplitSystem::bind(const SplitMatrix& W0, double h, double tolerance) {
 
 RungeKuttaSystem::RungeKuttaSystem(const Flow& flow, const Tableau& tableau,
                                    std::vector<Index> kinds, int threads, bool truncates,
-                                   const Tuning::CouplingBand& coupling_band)
+                                   const CouplingBand& coupling_band)
     : SplitSystem(flow, std::move(kinds), consistent(tableau).stages(), threads, truncates,
                   coupling_band),
       s_(tableau.stages()),

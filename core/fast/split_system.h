@@ -28,7 +28,7 @@ class SplitSystem : public StageSystem, public TwoPartJacobian {
   /// std::invalid_argument for a flow without a generator in split-complex storage, and for threads
   /// out of range.
   SplitSystem(const Flow& flow, std::vector<Index> kinds, Index stages, int threads, bool truncates,
-              const Tuning::CouplingBand& coupling_band);
+              const CouplingBand& coupling_band);
 
   // Workspace for the equations.
   SplitMatrix zero() const { return SplitMatrix(products_.size()); }
@@ -63,7 +63,7 @@ class RungeKuttaSystem : public SplitSystem {
  protected:
   /// Throws std::invalid_argument for an inconsistent tableau, and as SplitSystem.
   RungeKuttaSystem(const Flow& flow, const Tableau& tableau, std::vector<Index> kinds, int threads,
-                   bool truncates, const Tuning::CouplingBand& coupling_band);
+                   bool truncates, const CouplingBand& coupling_band);
 
   std::size_t stages() const { return static_cast<std::size_t>(s_); }
   /// Returns a_i1 ... a_is.

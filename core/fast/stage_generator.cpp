@@ -17,7 +17,7 @@ StageGenerator::StageGenerator(const Flow& flow)
   }
 }
 
-Index StageGenerator::least_coupling_band(const Tuning::CouplingBand& band) const {
+Index StageGenerator::least_coupling_band(const CouplingBand& band) const {
   return generator_->damps_fine_scales() ? std::min(band(n_), n_ - 1) : n_ - 1;
 }
 

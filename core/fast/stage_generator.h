@@ -1,12 +1,12 @@
 // The generators B(W̃_i) of the stages in split-complex storage, counted, within bands.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 
 #include "isosyrk/flows/flow.h"
 #include "isosyrk/flows/split_generator.h"
 #include "isosyrk/iteration/work.h"
-#include "isosyrk/solver/tuning.h"
 #include "isosyrk/split/bands.h"
 #include "isosyrk/split/split_products.h"
 
@@ -28,6 +28,16 @@ struct RoundedGenerators {
   const SingleMatrix& operator[](std::size_t i) const { return B[i]; }
 };
 
+/// Lower bound on the band of the coupling K.  Beyond it Δ⁻¹ damps the contribution below single
+/// precision.  The bound of each form was measured as the constants of Tuning were.
+struct CouplingBand {
+  Index floor;
+  double of_n;
+  Index operator()(Index n) const {
+    return std::max(floor, static_cast<Index>(of_n * static_cast<double>(n)));
+  }
+};
+
 /// B of a flow, for stages.  Only the constructor and the makers of workspace allocate.
 class StageGenerator {
  public:
@@ -42,7 +52,7 @@ class StageGenerator {
 
   /// Returns the least band of the coupling through B: that of `band`, or n - 1 if B does not damp
   /// fine scales.
-  Index least_coupling_band(const Tuning::CouplingBand& band) const;
+  Index least_coupling_band(const CouplingBand& band) const;
 
   /// B_i = B(W_i), cut to the band of `tail`.  Reads the upper triangles of W_i.
   void generate(Generators& B, const SplitStages& W, const BandTruncation& bands, double tail);

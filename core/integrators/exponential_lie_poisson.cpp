@@ -19,17 +19,17 @@ ExponentialLiePoisson<Scalar>::ExponentialLiePoisson(SharedFlowIn<Scalar> flow, 
                                                      const IterationOptions& options,
                                                      ProductBackend backend)
     : Form(std::move(flow), options, backend),
+      order_(order),
       tolerance_(options.tolerance),
       rotation_(algebra()),
-      gradient_(order, algebra(),
-                {[this](const Stored& W, Stored& B) { generator(W, B); },
-                 [this](const Stored& A, const Stored& B, Stored& bracket) {
-                   rotation_.commutator(products_, A, B, bracket);
-                 }}) {
+      lie_(algebra(), rotation_, products_,
+           [this](const Stored& W, Stored& B) { generator(W, B); }),
+      gradient_(lie_, order) {
   const std::string name = fmt::format("elp{}", order);
   require_identity_J(this->flow(), name);
   if (order > 2) require_self_adjoint_generator(this->flow(), name);
-  Omega_ = Omega_next_ = mu_ = rotated_ = zero();
+  Omega_ = Omega_next_ = mu_ = v_ = rotated_ = zero();
+  if (order > 2) beyond_v_ = zero();
 }
 
 template <class Scalar>
@@ -40,8 +40,12 @@ void ExponentialLiePoisson<Scalar>::start(const Stored&) {
 template <class Scalar>
 double ExponentialLiePoisson<Scalar>::sweep(const Stored& W0, double h) {
   if (!rotation_.rotate(products_, Omega_, W0, rotated_, mu_)) return not_a_number;
-  gradient_.evaluate(mu_, h, Omega_next_);
-  Omega_next_ *= h;
+  lie_.generate(v_, mu_);
+  if (order_ > 2) {
+    gradient_.evaluate(beyond_v_, mu_, v_, h, {.second = true, .fourth = order_ == 6});
+    v_ += beyond_v_;
+  }
+  Omega_next_ = h * v_;
   Omega_.swap(Omega_next_);
   const double change = std::sqrt(squared_change(Omega_, Omega_next_));
   const double least = least_unit_of_exponent(std::abs(h) * rotation_left_out(W0), tolerance_);

@@ -42,13 +42,17 @@ class ExponentialLiePoisson final : public ImplicitForm<Scalar> {
   double sweep(const Stored& W0, double h) override;
   void update(const Stored& W0, double h, Stored& W1) override;
 
+  int order_;
   double tolerance_;
   AdjointRotation<Scalar> rotation_;
-  ModifiedGradient<Scalar> gradient_;
+  PublishedLie<Scalar> lie_;
+  ModifiedGradient<PublishedLie<Scalar>> gradient_;
   Stored Omega_;
   Stored Omega_next_;
   Stored mu_;
-  Stored rotated_;  // e^Ω W₀ e^(-Ω) of a sweep, which is not used
+  Stored v_;         // B(μ)
+  Stored beyond_v_;  // B̃(μ) - v
+  Stored rotated_;   // e^Ω W₀ e^(-Ω) of a sweep, which is not used
 };
 
 }  // namespace isosyrk

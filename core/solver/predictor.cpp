@@ -10,9 +10,15 @@
 namespace isosyrk {
 namespace {
 
-constexpr int differences = Tuning::differences;
+// Order p of the difference ∇^p that fitted weights predict.  4 to 12 give about the same error.
+constexpr int differences = 6;
+// Rows of each unknown to which the weights are fitted.  Twice as many predict no better.
+constexpr Index sampled_rows = 4;
+// Smallest number of fitted weights.  One weight predicts no better than the polynomial through
+// one more step.
+constexpr int fewest_weights = 2;
 
-Index rows_sampled_of(const SplitMatrix& X) { return std::min(tuning.sampled_rows, X.size()); }
+Index rows_sampled_of(const SplitMatrix& X) { return std::min(sampled_rows, X.size()); }
 
 Index numbers_sampled_of(const Unknowns& unknowns) {
   Index numbers = 0;
@@ -52,7 +58,7 @@ Predictor::Predictor(int past_steps, const Unknowns& like)
 //     x_{m+1} = Σ_j c_j ∇^p x_{m+1-j} - (∇^p x_{m+1} - x_{m+1}),
 // where the bracket has past steps only.  Without a fit ∇^K x_{m+1} is taken as 0 for all K steps.
 int Predictor::weigh() {
-  const bool fits = of_differences_.terms() >= tuning.fewest_weights;
+  const bool fits = of_differences_.terms() >= fewest_weights;
   const LinearPrediction::Weights c =
       fits ? of_differences_.weights() : LinearPrediction::Weights(0);
   const int order = fits ? differences : known_;

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "isosyrk/solver/linear_prediction.h"
-#include "isosyrk/solver/tuning.h"
 #include "isosyrk/solver/unknowns.h"
 
 namespace isosyrk {
@@ -15,9 +14,8 @@ namespace isosyrk {
 ///     x_{m+1} ≈ Σ_{k=1..K} w_k x_{m+1-k}
 ///
 /// At first the weights are those of the polynomial through K values, w_k = (-1)^{k+1} C(K, k).
-/// Once Tuning::fewest_weights weights can be fitted, the polynomial goes through the last p values
-/// only, p = Tuning::differences.  Its error, the difference ∇^p x_{m+1}, is predicted by
-/// LinearPrediction from the differences before.
+/// Once two weights can be fitted, the polynomial goes through the last p = 6 values only.  Its
+/// error, the difference ∇^p x_{m+1}, is predicted by LinearPrediction from the differences before.
 ///
 /// For an oscillation of frequency ω a polynomial through K values has the error (2 sin(ωh/2))^K.
 /// Fitted weights reduce the error by about 2^(p-K), and by more for few frequencies.  Past solver

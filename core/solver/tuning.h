@@ -1,4 +1,4 @@
-// The tuned constants of the fast forms.
+// The tuned constants of the solver, and those that several fast forms share.
 #pragma once
 
 #include <algorithm>
@@ -7,10 +7,10 @@
 
 namespace isosyrk {
 
-/// The tuned constants that several parts share, or that belong to the solver.  A constant of one
-/// part alone stands in the file of that part, with what was measured.  These were measured in the
-/// cells of Table 2 (50 steps of 0.1 of the smooth scene, s = 1, 2, 3) and in runs of 2000 steps of
-/// both scenes, on processors with AVX2 and with AVX-512.
+/// The tuned constants of the solver, and those that several fast forms share.  A constant of one
+/// form alone stands in its own file, with what was measured.  These were measured in the cells of
+/// Table 2 (50 steps of 0.1 of the smooth scene, s = 1, 2, 3) and in runs of 2000 steps of both
+/// scenes, on processors with AVX2 and with AVX-512.
 struct Tuning {
   // Inexact Newton.
   /// Largest change of a Picard sweep that is corrected.  For larger changes the Jacobian is a poor
@@ -63,69 +63,17 @@ struct Tuning {
   /// instead of 12 saves one sweep in five at n = 65 and 129.  From n = 192 on it costs more than
   /// it saves.
   int past_steps(Index n) const { return n < 48 ? 16 : n < 192 ? 24 : 12; }
-  /// Order p of the difference ∇^p that fitted weights predict.  4 to 12 give about the same error.
-  static constexpr int differences = 6;
-  /// Rows of each unknown to which the weights are fitted.  Twice as many predict no better.
-  Index sampled_rows = 4;
-  /// Smallest number of fitted weights.  One weight predicts no better than the polynomial through
-  /// one more step.
-  int fewest_weights = 2;
-
-  /// Largest error of a prediction, as a multiple of that of an explicit start, at which the
-  /// prediction is preferred: it saves the products of the explicit step.  At 3 exponential methods
-  /// take up to 18 % more products over T = 50, at 30 between 12 % more and 6 % fewer (elp4, elp6
-  /// at 1e-8, n = 17, 33, 65, smooth and rough, 40 to 400 steps).
-  double predicted_error = 10.0;
 
   // Band truncation.
   /// Smallest n at which band truncation saves more than measuring the bands costs.
   Index smallest_banded = 48;
   /// Frobenius norm that may be cut from a factor, as a multiple of the tolerance.
   double left_out = 0.01;
-  /// Lower bound on the band of the coupling K.  Beyond it Δ⁻¹ damps the contribution below single
-  /// precision.  At half these values a smooth scene needs a third sweep.
-  struct CouplingBand {
-    Index floor;
-    double of_n;
-    Index operator()(Index n) const {
-      const auto part = static_cast<Index>(of_n * static_cast<double>(n));
-      return part > floor ? part : floor;
-    }
-  };
-  CouplingBand cotangent_coupling = {32, 0.375};
-  CouplingBand group_coupling = {16, 0.125};
-  CouplingBand algebra_coupling = {32, 0.375};
-  CouplingBand midpoint_coupling = {24, 0.125};
 
-  // The inverse 1 / (1 - (h/2) B) of the midpoint, by Newton-Schulz iteration.
-  /// Largest number of Newton-Schulz iterations.
-  int inverse_iterations = 12;
-  /// Frobenius norm that may be cut from the inverse, as a multiple of the accuracy.
-  double of_inverse = 0.1;
-
-  // Series of commutators (GradedSeries).
-  /// A term is formed in single precision where this multiple of its norm is below the wanted
+  // Single precision.
+  /// A matrix is formed in single precision where this multiple of its norm is below the wanted
   /// error.
   double single_roundoff = 6e-8;
-  /// A series ends before a term that adds less than this multiple of the wanted error to its sum.
-  double series_end = 1.0 / 6.0;
-  /// Smallest tolerance at which the explicit Magnus methods form Ω in single precision.
-  double single_magnus = 1e-6;
-  /// Wanted error of a series that conjugates, as a multiple of ‖W‖.  Ten times this value shows in
-  /// the spectrum of long runs.
-  double conjugation_error = 6e-17;
-
-  // Stages of the Munthe-Kaas method (FastMuntheKaas4), as parts of the estimated error of a step.
-  // Measured to T = 5 with and without the frame, smooth and rough, n = 17 to 129, errors from 1e-2
-  // to 1e-9: the answer moves by at most 0.4 % of its error.
-  /// Error of the series of a stage.  At three times this value 2 to 5 % of the products less; at a
-  /// third up to 4 % more.
-  double stage_share = 0.3;
-  /// Norm that may be cut from a factor in a stage, as a part of the error of its series.  At three
-  /// times this value a smooth scene moves by 1.2 % of its error.
-  double stage_left_out = 0.1;
-  /// Largest ratio of the estimates of two steps for which the first serves the second.
-  double stage_error_growth = 3.0;
 
   // Threads.
   /// Returns the number of threads in use where so many are asked for: at most one for every so
