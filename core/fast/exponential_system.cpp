@@ -68,15 +68,11 @@ int magnus_order(int order) { return order == 6 ? 5 : 4; }
 
 }  // namespace
 
-template <class Real>
-ExponentialSystem::Linearization<Real>::Linearization(Index n)
-    : Omega(n), c(n), next_c(n), D(n), sum_of_D(n), BD(n), E_delta(n) {
-  moved.fill(M(n));
-  inner.fill(M(n));
+ExponentialSystem::Linearization::Linearization(Index n)
+    : Omega(n), c(n), next_c(n), D(n), sum_of_D(n), BD(n) {
+  moved.fill(SingleMatrix(n));
+  inner.fill(SingleMatrix(n));
 }
-
-ExponentialSystem::Double::Double(SplitLie<double>& lie, int order, Index n)
-    : linearization(n), magnus(lie, magnus_order(order)), delta(n), coupled(n) {}
 
 ExponentialSystem::ExponentialSystem(const Flow& flow, int order, const FastOptions& options)
     : n_(flow.size()),
@@ -90,7 +86,7 @@ ExponentialSystem::ExponentialSystem(const Flow& flow, int order, const FastOpti
       lie_(products_, generator_, bands_),
       single_lie_(single_products_, generator_, bands_),
       series_(products_, single_products_, n_, options),
-      gradient_(lie_, single_lie_, n_, order, options.single_precision),
+      gradient_(lie_, single_lie_, n_, order),
       magnus_(single_lie_, magnus_order(order)),
       exponential_(n_, bands_),
       start_error_(n_),
@@ -98,13 +94,12 @@ ExponentialSystem::ExponentialSystem(const Flow& flow, int order, const FastOpti
       W0_single_(n_),
       mu_(n_),
       v_(n_),
-      single_(n_),
+      at_(n_),
       derivative_per_share_(likely_derivative),
       E_delta_({split_stages<float>(1, n_)}),
       more_delta_(E_delta_),
       Omega_cut_(n_) {
   if (options.error_estimates) acceptance_.by = Acceptance::By::error_estimate;
-  if (!options.single_precision) double_.emplace(lie_, order, n_);
 }
 
 std::vector<Attempt> ExponentialSystem::attempts(bool newton) const {
@@ -171,17 +166,14 @@ double ExponentialSystem::moved_error(double part) const {
 void ExponentialSystem::start(Unknowns& x, Start how) {
   SplitMatrix& Omega = x[0][0];
   if (how != Start::stepped) return start_cold(Omega);
-  if (double_) {
-    lie_.neglect(tuning.single_roundoff);
-    double_->magnus.form_exponent(Omega, *W0_, h_);
-  } else {
-    single_lie_.neglect(tuning.single_roundoff);
-    magnus_.form_exponent(single_.Omega, W0_single_, h_);
-    widen(Omega, single_.Omega);
-    const double rounding = tuning.single_roundoff * static_cast<double>(n_) * rotation_;
-    if (rounding > largest_rounding * norm(Omega)) return start_cold(Omega);
-  }
-  start_error_.mend(Omega, [&](SingleMatrix& out, const SingleMatrix& X) { carry(out, X); });
+  single_lie_.neglect(tuning.single_roundoff);
+  magnus_.form_exponent(at_.Omega, W0_single_, h_);
+  widen(Omega, at_.Omega);
+  const double rounding = tuning.single_roundoff * static_cast<double>(n_) * rotation_;
+  if (rounding > largest_rounding * norm(Omega)) return start_cold(Omega);
+  start_error_.mend(Omega, [&](SingleMatrix& out, const SingleMatrix& X) {
+    exponential_.carry(out, X, single_products_);
+  });
 }
 
 void ExponentialSystem::start_cold(SplitMatrix& Omega) {
@@ -190,33 +182,15 @@ void ExponentialSystem::start_cold(SplitMatrix& Omega) {
   Omega = h_ * Omega;
 }
 
-// Sets out to U X U† with the U of the last step.
-void ExponentialSystem::carry(SingleMatrix& out, const SingleMatrix& X) {
-  if (double_) {
-    widen(double_->delta, X);
-    exponential_.carry(double_->coupled, double_->delta, products_);
-    round_to_single(out, double_->coupled);
-  } else {
-    exponential_.carry(out, X, single_products_);
-  }
-}
-
 double ExponentialSystem::unit(const Unknowns& x) const {
   return unit_of_exponent(norm(x[0][0]), least_unit_);
 }
 
 // Sets mu_ to φ₁(ad_Ω) W₀ with this error, and e^{s ad_Ω} W₀ at the nodes.
 bool ExponentialSystem::form_average(const SplitMatrix& Omega, double error) {
-  return double_ ? form_average(Omega, error, double_->linearization, *W0_)
-                 : form_average(Omega, error, single_, W0_single_);
-}
-
-template <class Real>
-bool ExponentialSystem::form_average(const SplitMatrix& Omega, double error,
-                                     Linearization<Real>& at, const SplitMatrixOf<Real>& W0) {
-  const std::span<SplitMatrixOf<Real>> moved = moved_in_use(at);
+  const std::span<SingleMatrix> moved = moved_in_use();
   mu_ = 1.0 * *W0_;
-  for (SplitMatrixOf<Real>& each : moved) each = 1.0 * W0;
+  for (SingleMatrix& each : moved) each = 1.0 * W0_single_;
   series_.truncate(bands_, 0.1 * error);
   series_.begin(Omega, *W0_, error, GradedSeries::Sum::average);
   bool goes_on = true;
@@ -224,17 +198,17 @@ bool ExponentialSystem::form_average(const SplitMatrix& Omega, double error,
     goes_on = series_.advance();
     if (series_.failed()) return false;
     const int k = series_.k();
-    std::array<Addition<Real>, 3> additions;
+    std::array<Addition<float>, 3> additions;
     std::size_t count = 0;
     for (std::size_t i = 0; i < moved.size(); ++i) {
       const double weight = std::pow(nodes[i].s, k);
       if (weight * series_.size() > error_of_moved_) additions[count++] = {&moved[i], weight};
     }
     series_.add_upper_to({&mu_, 1.0 / static_cast<double>(k + 1)},
-                         std::span<const Addition<Real>>(additions.data(), count));
+                         std::span<const Addition<float>>(additions.data(), count));
   }
   mirror_skew_in_band(mu_);
-  for (SplitMatrixOf<Real>& each : moved) mirror_skew_in_band(each);
+  for (SingleMatrix& each : moved) mirror_skew_in_band(each);
   return true;
 }
 
@@ -264,13 +238,8 @@ Correction ExponentialSystem::correct(Corrections& delta, const Unknowns& x, con
   // K is needed to few digits.
   const double allowed = tuning.neumann_term * request.forcing_term;
   const double part = std::min(allowed / request.size, coarsest_part);
-  if (double_) {
-    double_->linearization.Omega = 1.0 * x[0][0];
-    cut(double_->linearization, lie_, part);
-  } else {
-    round_to_single(single_.Omega, x[0][0]);
-    cut(single_, single_lie_, part);
-  }
+  round_to_single(at_.Omega, x[0][0]);
+  cut(part);
   const double least = is_first_correction_ ? 0.0 : likely_derivative;
   is_first_correction_ = false;
   const double derivative = std::max(derivative_per_share_, least);
@@ -292,10 +261,9 @@ Correction ExponentialSystem::correct(Corrections& delta, const Unknowns& x, con
 }
 
 // Cuts what K is formed from, which is new.
-template <class Real>
-void ExponentialSystem::cut(Linearization<Real>& at, SplitLie<Real>& lie, double part) {
-  lie.cut_to_part(at.Omega, part);
-  for (SplitMatrixOf<Real>& moved : moved_in_use(at)) lie.cut_to_part(moved, part);
+void ExponentialSystem::cut(double part) {
+  single_lie_.cut_to_part(at_.Omega, part);
+  for (SingleMatrix& moved : moved_in_use()) single_lie_.cut_to_part(moved, part);
 }
 
 // Solves (1 - K - E) δ = R, with E the derivative of the term in h²: δ = Σ_k δ_k, where
@@ -338,19 +306,12 @@ Correction ExponentialSystem::solve(Corrections& delta, const Corrections& R,
 }
 
 void ExponentialSystem::couple(Corrections& coupled, const Corrections& delta, double accuracy) {
-  const SingleMatrix& t = delta[0][0];
-  if (double_) {
-    widen(double_->delta, t);
-    couple(double_->coupled, double_->delta, accuracy, double_->linearization, lie_);
-    round_to_single(coupled[0][0], double_->coupled);
-  } else {
-    couple(coupled[0][0], t, accuracy, single_, single_lie_);
-  }
+  couple(coupled[0][0], delta[0][0], accuracy);
 }
 
-template <class Real>
-void ExponentialSystem::couple(SplitMatrixOf<Real>& coupled, const SplitMatrixOf<Real>& delta,
-                               double accuracy, Linearization<Real>& at, SplitLie<Real>& lie) {
+void ExponentialSystem::couple(SingleMatrix& coupled, const SingleMatrix& delta, double accuracy) {
+  Linearization& at = at_;
+  SplitLie<float>& lie = single_lie_;
   const double size = norm(delta);
   lie.neglect(std::max(accuracy / size, double{tuning.single_roundoff}));
   const bool takes_pair = has_pair_ && needs_pair(size, accuracy);
@@ -396,22 +357,11 @@ void ExponentialSystem::couple(SplitMatrixOf<Real>& coupled, const SplitMatrixOf
 // Sets E_delta_ to E δ for the δ that K was applied to since sums_D_ was set.  Of its norm, `part`
 // may be left out.
 void ExponentialSystem::differentiate(double part) {
-  if (double_) {
-    differentiate(double_->linearization, lie_, part);
-    round_to_single(E_delta_[0][0], double_->linearization.E_delta);
-  } else {
-    differentiate(single_, single_lie_, part);
-    E_delta_[0][0] = 1.0 * single_.E_delta;
-  }
-}
-
-template <class Real>
-void ExponentialSystem::differentiate(Linearization<Real>& at, SplitLie<Real>& lie, double part) {
-  lie.neglect(std::min(part, coarsest_part));
-  lie.cut(at.sum_of_D);
-  lie.generate(at.BD, at.sum_of_D);
-  gradient_.derivative_of_second(at.E_delta, at.sum_of_D, at.BD, lie, h_);
-  at.E_delta = h_ * at.E_delta;
+  single_lie_.neglect(std::min(part, coarsest_part));
+  single_lie_.cut(at_.sum_of_D);
+  single_lie_.generate(at_.BD, at_.sum_of_D);
+  gradient_.derivative_of_second(E_delta_[0][0], at_.sum_of_D, at_.BD, h_);
+  E_delta_[0][0] = h_ * E_delta_[0][0];
 }
 
 void ExponentialSystem::update(SplitMatrix& W1, const Unknowns& x) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <optional>
 #include <span>
 #include <utility>
 
@@ -40,9 +39,9 @@ namespace isosyrk {
 ///
 /// Products of a residual: 1 for each T_k, in double precision only where it has to be, and those
 /// of B̃ - B.  In single precision, of K δ: 1 for each c_j and 1 for each node; of E δ: 6.
-/// Without options.single_precision all of these are in double.  Of the update: those of
-/// SplitExponential.  Of an explicit start: 6 for magnus4 and 12 for magnus5 in single precision,
-/// and 1.5 to carry its error.  Poisson solves: those of B̃, 1 for K δ, 3 for E δ.
+/// Of the update: those of SplitExponential.  Of an explicit start: 6 for magnus4 and 12 for
+/// magnus5 in single precision, and 1.5 to carry its error.  Poisson solves: those of B̃, 1 for K δ,
+/// 3 for E δ.
 class ExponentialSystem final : public StageSystem, private Coupling {
  public:
   /// Bands are truncated if options.bands is true.  Throws std::invalid_argument for a flow without
@@ -81,31 +80,19 @@ class ExponentialSystem final : public StageSystem, private Coupling {
  private:
   static constexpr std::size_t most_nodes = 2;
 
-  // What the Jacobian is formed from and in, in one precision.
-  template <class Real>
+  // What the Jacobian is formed from and in.
   struct Linearization {
-    using M = SplitMatrixOf<Real>;
-
     explicit Linearization(Index n);
 
     // Of the last residual.
-    std::array<M, 3> moved;  // e^{s ad_Ω} W₀ at s = 2/3 and, if has_pair_, at the two nodes
+    std::array<SingleMatrix, 3> moved;  // e^{s ad_Ω} W₀ at s = 2/3 and, if has_pair_, at both nodes
 
     // Of the coupling.
-    M Omega;
-    M c, next_c;                      // c_j and c_{j+1}
-    std::array<M, most_nodes> inner;  // Σ_j s^j c_j at the nodes
-    M D, sum_of_D;
-    M BD;  // B(D), or B of the sum
-    M E_delta;
-  };
-  // What takes the place of single precision where that is left out.
-  struct Double {
-    Double(SplitLie<double>& lie, int order, Index n);
-
-    Linearization<double> linearization;
-    SplitMagnus<double> magnus;
-    SplitMatrix delta, coupled;
+    SingleMatrix Omega;
+    SingleMatrix c, next_c;                      // c_j and c_{j+1}
+    std::array<SingleMatrix, most_nodes> inner;  // Σ_j s^j c_j at the nodes
+    SingleMatrix D, sum_of_D;
+    SingleMatrix BD;  // B(D), or B of the sum
   };
 
   void couple(Corrections& coupled, const Corrections& delta, double accuracy) override;
@@ -115,26 +102,16 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   void start_cold(SplitMatrix& Omega);
   double moved_error(double part) const;
   // e^{s ad_Ω} W₀ at the nodes that were chosen.
-  template <class Real>
-  std::span<SplitMatrixOf<Real>> moved_in_use(Linearization<Real>& at) const {
-    return {at.moved.data(), has_pair_ ? at.moved.size() : 1};
+  std::span<SingleMatrix> moved_in_use() {
+    return {at_.moved.data(), has_pair_ ? at_.moved.size() : 1};
   }
-  void carry(SingleMatrix& out, const SingleMatrix& X);
   bool form_average(const SplitMatrix& Omega, double error);
-  template <class Real>
-  bool form_average(const SplitMatrix& Omega, double error, Linearization<Real>& at,
-                    const SplitMatrixOf<Real>& W0);
   double error_of_average(double accuracy, const Unknowns& x) const;
-  template <class Real>
-  void cut(Linearization<Real>& at, SplitLie<Real>& lie, double part);
+  void cut(double part);
   Correction solve(Corrections& delta, const Corrections& R, const CorrectionRequest& request,
                    double derivative, const IterationOptions& options);
-  template <class Real>
-  void couple(SplitMatrixOf<Real>& coupled, const SplitMatrixOf<Real>& delta, double accuracy,
-              Linearization<Real>& at, SplitLie<Real>& lie);
+  void couple(SingleMatrix& coupled, const SingleMatrix& delta, double accuracy);
   void differentiate(double part);
-  template <class Real>
-  void differentiate(Linearization<Real>& at, SplitLie<Real>& lie, double part);
 
   Index n_;
   int order_;
@@ -174,8 +151,7 @@ class ExponentialSystem final : public StageSystem, private Coupling {
   double error_of_moved_ = 0.0;  // allowed in it
   bool is_first_correction_ = true;
 
-  Linearization<float> single_;
-  std::optional<Double> double_;  // without single precision
+  Linearization at_;
 
   // Of a correction.
   // ‖E δ‖ / ‖δ‖ over the share of the term in h², as last seen.

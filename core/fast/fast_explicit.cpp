@@ -173,7 +173,7 @@ bool FastMuntheKaas4::take_explicit_step(SplitStages& W1, const SplitStages& W0,
 
 FastMagnus::FastMagnus(const SharedFlow& flow, int order, const FastOptions& options)
     : FastExplicit(flow, options),
-      is_single_(options.single_precision && options.iteration.tolerance >= tuning.single_magnus),
+      is_single_(options.iteration.tolerance >= tuning.single_magnus),
       lie_(products_, generator_, bands()),
       single_lie_(single_products_, generator_, bands()),
       exponential_(flow->size(), bands()),

@@ -29,24 +29,16 @@ constexpr double slack = 4.0;
 }  // namespace
 
 GradedGradient::GradedGradient(SplitLie<double>& lie, SplitLie<float>& single_lie, Index n,
-                               int order, bool single_precision)
+                               int order)
     : lie_(lie),
       single_lie_(single_lie),
       order_(order),
-      single_precision_(single_precision),
-      single_(single_lie, order, n),
-      double_(lie, order, n),
+      gradient_(lie, order == 6),
+      single_gradient_(single_lie, order == 6),
+      mu_(n),
+      v_(n),
       terms_(n),
       terms_single_(n) {}
-
-template <>
-GradedGradient::Point<float>& GradedGradient::point<float>() {
-  return single_;
-}
-template <>
-GradedGradient::Point<double>& GradedGradient::point<double>() {
-  return double_;
-}
 
 void GradedGradient::evaluate(SplitMatrix& v, SplitMatrix& mu, const SplitMatrix& Omega, double h,
                               double accuracy, double least) {
@@ -61,20 +53,16 @@ void GradedGradient::evaluate(SplitMatrix& v, SplitMatrix& mu, const SplitMatrix
     const double share = norm(terms_) / std::abs(h) / whole_;
     shares_.fill(share < 1.0 ? share : 1.0);  // 1 for NaN
   }
-  single_.is_current = double_.is_current = false;
+  is_linearized_ = false;
   double part = part_to_cut();
   round_and_cut(v, mu, part);
   const bool has_fourth = order_ == 6;
   bool is_fourth_formed = false;
   if (has_fourth && !knows_shares_) {  // alone, to see its size
     const Terms fourth = {.second = false, .fourth = true};
-    if (single_precision_) {
-      form_in_single(fourth, h);
-      is_fourth_formed = is_single(0) && is_single(1) && suffices(fourth, part);
-      if (is_fourth_formed) widen(terms_, terms_single_);
-    } else {
-      form_in_double(fourth, v, mu, h);
-    }
+    form_in_single(fourth, h);
+    is_fourth_formed = is_single(0) && is_single(1) && suffices(fourth, part);
+    if (is_fourth_formed) widen(terms_, terms_single_);
   }
   knows_shares_ = true;
   constexpr int most_tries = 3;  // a term may vanish in what was cut, and again in single precision
@@ -115,8 +103,7 @@ void GradedGradient::measure(const SplitMatrix& v, const SplitMatrix& mu, double
 
 // True if the rounding of single precision does not show in a term.
 bool GradedGradient::is_single(std::size_t term) const {
-  return single_precision_ &&
-         tuning.single_roundoff * std::max(shares_[term], rounded_[term]) <= accuracy_;
+  return tuning.single_roundoff * std::max(shares_[term], rounded_[term]) <= accuracy_;
 }
 
 // Returns the part that may be cut from each matrix that the terms are made of.
@@ -138,47 +125,33 @@ bool GradedGradient::suffices(Terms in_single, double part) const {
 void GradedGradient::round_and_cut(const SplitMatrix& v, const SplitMatrix& mu, double part) {
   lie_.neglect(part);
   single_lie_.neglect(part);
-  if (single_precision_) {
-    round_to_single(single_.mu, mu);
-    round_to_single(single_.v, v);
-    single_lie_.cut(single_.mu);
-    single_lie_.cut(single_.v);
-  } else {
-    double_.mu = 1.0 * mu;
-    double_.v = 1.0 * v;
-  }
+  round_to_single(mu_, mu);
+  round_to_single(v_, v);
+  single_lie_.cut(mu_);
+  single_lie_.cut(v_);
 }
 
 void GradedGradient::form_in_single(Terms which, double h) {
-  single_.terms.evaluate(terms_single_, single_.mu, single_.v, h, {which.second, which.fourth});
+  single_gradient_.evaluate(terms_single_, mu_, v_, h, {which.second, which.fourth});
   const double share = norm(terms_single_) / whole_;
   shares_[which.second ? 0 : 1] = share < 1.0 ? share : 1.0;
-  single_.is_current = true;
+  is_linearized_ = true;
 }
 
 void GradedGradient::form_in_double(Terms which, const SplitMatrix& v, const SplitMatrix& mu,
                                     double h) {
-  double_.terms.evaluate(terms_, mu, v, h, {which.second, which.fourth});
+  gradient_.evaluate(terms_, mu, v, h, {which.second, which.fourth});
   const double share = norm(terms_) / whole_;
   shares_[which.second ? 0 : 1] = share < 1.0 ? share : 1.0;
-  if (!single_precision_) double_.is_current = true;
 }
 
-template <class Real>
-void GradedGradient::derivative_of_second(SplitMatrixOf<Real>& out, const SplitMatrixOf<Real>& D,
-                                          const SplitMatrixOf<Real>& BD, SplitLie<Real>& lie,
-                                          double h) {
-  Point<Real>& at = point<Real>();
-  lie.cut(at.mu);
-  lie.cut(at.v);
-  if (!at.is_current) at.terms.linearize(at.mu, at.v);
-  at.is_current = true;
-  at.terms.derivative_of_second(out, at.mu, at.v, D, BD, h);
+void GradedGradient::derivative_of_second(SingleMatrix& out, const SingleMatrix& D,
+                                          const SingleMatrix& BD, double h) {
+  single_lie_.cut(mu_);
+  single_lie_.cut(v_);
+  if (!is_linearized_) single_gradient_.linearize(mu_, v_);
+  is_linearized_ = true;
+  single_gradient_.derivative_of_second(out, mu_, v_, D, BD, h);
 }
-
-template void GradedGradient::derivative_of_second(SplitMatrix&, const SplitMatrix&,
-                                                   const SplitMatrix&, SplitLie<double>&, double);
-template void GradedGradient::derivative_of_second(SingleMatrix&, const SingleMatrix&,
-                                                   const SingleMatrix&, SplitLie<float>&, double);
 
 }  // namespace isosyrk

@@ -30,8 +30,7 @@ class GradedGradient {
  public:
   /// Of order 2, 4 or 6.  Both kinds of operations must outlive it.  Only the constructor
   /// allocates.
-  GradedGradient(SplitLie<double>& lie, SplitLie<float>& single_lie, Index n, int order,
-                 bool single_precision);
+  GradedGradient(SplitLie<double>& lie, SplitLie<float>& single_lie, Index n, int order);
 
   /// Sizes of the terms, as a residual leaves them to the next one.
   struct Memory {
@@ -60,29 +59,17 @@ class GradedGradient {
   double share_of_derivative_of_fourth() const { return std::max(shares_[1], of_derivative_); }
 
   /// out = h² (∇F₂)'(μ) D with BD = B(D), at the μ of the last evaluate().  What the factors are
-  /// made of is cut as `lie` says.
-  template <class Real>
-  void derivative_of_second(SplitMatrixOf<Real>& out, const SplitMatrixOf<Real>& D,
-                            const SplitMatrixOf<Real>& BD, SplitLie<Real>& lie, double h);
+  /// made of is cut as the operations in single precision say.
+  void derivative_of_second(SingleMatrix& out, const SingleMatrix& D, const SingleMatrix& BD,
+                            double h);
 
  private:
-  // μ and v = B(μ) in one precision, and the terms formed from them.
-  template <class Real>
-  struct Point {
-    Point(SplitLie<Real>& lie, int order, Index n) : mu(n), v(n), terms(lie, order == 6) {}
-
-    SplitMatrixOf<Real> mu, v;
-    SplitModifiedGradient<Real> terms;
-    bool is_current = false;  // the terms have what their derivative needs
-  };
   struct Terms {
     bool second;
     bool fourth;
     bool any() const { return second || fourth; }
   };
 
-  template <class Real>
-  Point<Real>& point();
   void measure(const SplitMatrix& v, const SplitMatrix& mu, double h, double least);
   bool is_single(std::size_t term) const;
   double part_to_cut() const;
@@ -94,11 +81,12 @@ class GradedGradient {
   SplitLie<double>& lie_;
   SplitLie<float>& single_lie_;
   int order_;
-  bool single_precision_;
-  Point<float> single_;
-  Point<double> double_;  // its μ and v are used without single precision alone
-  SplitMatrix terms_;     // in double precision
+  SplitModifiedGradient<double> gradient_;
+  SplitModifiedGradient<float> single_gradient_;
+  SingleMatrix mu_, v_;  // μ and v = B(μ)
+  SplitMatrix terms_;    // in double precision
   SingleMatrix terms_single_;
+  bool is_linearized_ = false;  // single_gradient_ has what its derivative needs
 
   // Of evaluate().
   double accuracy_ = 0.0;

@@ -208,8 +208,4 @@ void SplitExponential::carry(SingleMatrix& out, const SingleMatrix& X,
   congruence(out, EV_, single_products, adjoint_single_, X);
 }
 
-void SplitExponential::carry(SplitMatrix& out, const SplitMatrix& X, SplitProducts& products) {
-  congruence(out, scratch_, products, adjoint_, X);
-}
-
 }  // namespace isosyrk

@@ -46,8 +46,6 @@ class SplitExponential {
   /// out = U X U†, exactly skew-Hermitian, with the U of the last conjugate() and a skew-Hermitian
   /// X.  In single precision it errs by up to 2e-3 ‖X‖_F where bands are cut.  Products: 1.5.
   void carry(SingleMatrix& out, const SingleMatrix& X, SingleProducts& single_products);
-  /// The same in double precision.
-  void carry(SplitMatrix& out, const SplitMatrix& X, SplitProducts& products);
 
  private:
   const SplitMatrix& power(int j) const { return powers_[static_cast<std::size_t>(j - 1)]; }
