@@ -493,9 +493,9 @@ TEST(SplitExponential, ConjugatesToRoundingForEveryLengthOfItsSeriesAndRefusesLo
             }
           }
           Omega *= size / spectral_norm(Omega);
-          SplitMatrix W1(n);
-          ASSERT_TRUE(
-              of.conjugate(W1, SplitMatrix(Omega), SplitMatrix(W), 0.0, products, single_products));
+          SplitMatrix W1(n), adjoint(n);
+          ASSERT_TRUE(of.conjugate(W1, adjoint, SplitMatrix(Omega), SplitMatrix(W), 0.0, products,
+                                   single_products));
           EXPECT_LE((W1.interleaved() - conjugated(W, Omega)).norm(), 1e-14 * (1.0 + size));
           EXPECT_LE(spectrum_error(W1.interleaved(), W), 1e-14);
           EXPECT_EQ(skew_defect(W1.interleaved()), 0.0);
@@ -504,11 +504,11 @@ TEST(SplitExponential, ConjugatesToRoundingForEveryLengthOfItsSeriesAndRefusesLo
           }
         }
       }
-      SplitMatrix W1(n);
+      SplitMatrix W1(n), adjoint(n);
       const Matrix unit = random_skew_hermitian(n, 1);
       for (const double size : {20.0, 1e10, 1e200, std::nan("")}) {
-        EXPECT_FALSE(of.conjugate(W1, SplitMatrix(Matrix(size * unit)), SplitMatrix(W), 0.0,
-                                  products, single_products));
+        EXPECT_FALSE(of.conjugate(W1, adjoint, SplitMatrix(Matrix(size * unit)), SplitMatrix(W),
+                                  0.0, products, single_products));
       }
     }
   }
@@ -531,23 +531,24 @@ TEST(SplitExponential, WithAnErrorAllowedStaysUnitaryToRoundingAndMultipliesLess
   const Matrix expected = conjugated(W, Omega);
   BandTruncation bands(true, 1, n);
   SplitExponential of(n, bands);
-  SingleProducts single_products_to_carry(n);
+  SingleProducts single_products_to_transport(n);
   double work_to_rounding = 0.0;
   for (const double error : {0.0, 1e-11, 1e-9, 1e-6, 1e-2}) {
     SCOPED_TRACE(error);
     SplitProducts products(n);
     SingleProducts single_products(n);
-    SplitMatrix Omega_cut(Omega), W1(n);
+    SplitMatrix Omega_cut(Omega), W1(n), adjoint(n);
     bands.truncate(Omega_cut, std::min(error, 1e-9));
-    ASSERT_TRUE(of.conjugate(W1, Omega_cut, SplitMatrix(W), error, products, single_products));
+    ASSERT_TRUE(
+        of.conjugate(W1, adjoint, Omega_cut, SplitMatrix(W), error, products, single_products));
     const double found = (W1.interleaved() - expected).norm() / W.norm();
     EXPECT_LE(found, 2.0 * error + 1e-15);
     EXPECT_LE(spectrum_error(W1.interleaved(), W), 1e-14 * W.norm());
     EXPECT_EQ(skew_defect(W1.interleaved()), 0.0);
-    SingleMatrix W_single(n), carried_single(n);
+    SingleMatrix W_single(n), transported(n);
     round_to_single(W_single, SplitMatrix(W));
-    of.carry(carried_single, W_single, single_products_to_carry);
-    EXPECT_LE((carried_single.interleaved().cast<Complex>() - expected).norm() / W.norm(),
+    of.transport(transported, adjoint, W_single, single_products_to_transport);
+    EXPECT_LE((transported.interleaved().cast<Complex>() - expected).norm() / W.norm(),
               2.0 * error + 2e-3);
     const double work = products.equivalents() + 0.5 * single_products.equivalents();
     if (error == 0.0) {

@@ -96,6 +96,7 @@ FastMuntheKaas4::FastMuntheKaas4(const SharedFlow& flow, const FastOptions& opti
       series_(products_, single_products_, flow->size(), options),
       exponential_(flow->size(), bands()),
       Omega_(zeros(1)),
+      adjoint_(flow->size()),
       commutator_(zeros(1)),
       W_stage_(zeros(1)),
       B_(generators()),
@@ -139,7 +140,8 @@ void FastMuntheKaas4::form_exponent(std::size_t stage) {
 
 // W1 = U W₀ U†, with U = e^Ω to this error and unitary to rounding.
 bool FastMuntheKaas4::conjugate(SplitMatrix& W1, const SplitMatrix& W0, double error_of_U) {
-  if (exponential_.conjugate(W1, Omega_[0], W0, error_of_U, products_, single_products_)) {
+  if (exponential_.conjugate(W1, adjoint_, Omega_[0], W0, error_of_U, products_,
+                             single_products_)) {
     return true;
   }
   const double error = tuning.conjugation_error * scale_;
@@ -178,6 +180,7 @@ FastMagnus::FastMagnus(const SharedFlow& flow, int order, const FastOptions& opt
       single_lie_(single_products_, generator_, bands()),
       exponential_(flow->size(), bands()),
       Omega_(flow->size()),
+      adjoint_(flow->size()),
       Omega_single_(flow->size()),
       W0_single_(flow->size()) {
   if (is_single_) {
@@ -199,7 +202,7 @@ bool FastMagnus::take_explicit_step(SplitStages& W1, const SplitStages& W0, doub
   }
   bands().truncate_symmetric_to_part(Omega_, left_out());
   const double error = left_out() * norm(Omega_);
-  return exponential_.conjugate(W1[0], Omega_, W0[0], error, products_, single_products_);
+  return exponential_.conjugate(W1[0], adjoint_, Omega_, W0[0], error, products_, single_products_);
 }
 
 }  // namespace isosyrk

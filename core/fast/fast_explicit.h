@@ -130,6 +130,7 @@ class FastMuntheKaas4 final : public FastExplicit {
   GradedSeries series_;
   SplitExponential exponential_;
   SplitStages Omega_;         // Ω_i, and at the end Ω
+  SplitMatrix adjoint_;       // U†
   SplitStages commutator_;    // of Ω_i
   SplitStages W_stage_;       // Ad(Ω_i) W₀
   Generators B_;              // B(Ad(Ω_i) W₀)
@@ -160,6 +161,7 @@ class FastMagnus final : public FastExplicit {
   std::optional<SplitMagnus<float>> single_magnus_;
   SplitExponential exponential_;
   SplitMatrix Omega_;
+  SplitMatrix adjoint_;  // U†, U = e^Ω
   SingleMatrix Omega_single_, W0_single_;
 };
 
