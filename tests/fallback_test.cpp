@@ -61,6 +61,10 @@ class Scripted final : public StageSystem, public TwoPartJacobian {
                      const CorrectionRequest& request, const IterationOptions& options) override {
     return correction_.solve(delta, *this, x, R, request, options);
   }
+  void far_sweep(Corrections& delta, const Unknowns& x, const Corrections& R,
+                 const IterationOptions& options) override {
+    AlternatingCorrection::sweep_frozen(delta, *this, x, R, options);
+  }
   void linearise(const Unknowns&, double) override { ++calls.linearisations; }
   double frozen_sweep(Corrections& delta, const Corrections& rhs) override {
     ++calls.frozen_sweeps;

@@ -39,6 +39,11 @@ void ExponentialSystem::start(Unknowns& x, Start how) {
   if (!is_started) equation_.start_cold(x[0][0]);
 }
 
+ConvergenceTest ExponentialSystem::convergence_test(const Unknowns& x, double tolerance,
+                                                    IterationMemory& memory) const {
+  return {acceptance_, tolerance, x[0][0].size(), jacobian_.least_contraction(), memory};
+}
+
 ResidualSize ExponentialSystem::residual(Corrections& R, Unknowns& x, double accuracy) {
   const ResidualSize size = equation_.residual(R[0], x[0], jacobian_.states(), accuracy);
   const double change = size.change / unit(x);

@@ -39,8 +39,9 @@ class ExponentialSystem final : public StageSystem {
     return jacobian_.correct(delta, x[0][0], R, request, options);
   }
   double unit(const Unknowns& x) const override { return step_.unit(x[0][0]); }
-  double least_contraction() const override { return jacobian_.least_contraction(); }
-  Acceptance acceptance() const override { return acceptance_; }
+  /// By the estimated error of a correction, unless options.error_estimates is false.
+  ConvergenceTest convergence_test(const Unknowns& x, double tolerance,
+                                   IterationMemory& memory) const override;
   /// W1 is not finite where ‖Ω‖ is beyond SplitExponential.
   void update(SplitMatrix& W1, const Unknowns& x) override;
 

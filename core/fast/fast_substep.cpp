@@ -41,9 +41,9 @@ bool FastSubstep::skips(Start how, Past past) const {
 // time that of a prediction that was not used.
 void FastSubstep::observe_start(Start how, double h) {
   if (how == Start::predicted) {
-    choice_.saw_past(newton_.start_change());
+    choice_.saw_past(iteration_.start_change);
   } else if (how == Start::stepped) {
-    choice_.saw_explicit(newton_.start_change());
+    choice_.saw_explicit(iteration_.start_change);
     if (choice_.is_trial_due() && predictor_.predict(h, trial_)) {
       choice_.saw_past(largest_difference(trial_, x_) / system_->unit(x_));
     }
@@ -53,16 +53,16 @@ void FastSubstep::observe_start(Start how, double h) {
 bool FastSubstep::starts(Start how, double h) {
   if (how == Start::predicted) return predictor_.predict(h, x_);
   system_->start(x_, how);
-  if (how == Start::cold) newton_.forget();
+  if (how == Start::cold) iteration_.forget();
   return true;
 }
 
 SolveReport FastSubstep::solve(Iteration iteration) {
   switch (iteration) {
     case Iteration::newton:
-      return newton_.solve(*system_, options_, x_);
+      return newton_.solve(*system_, iteration_, options_, x_);
     case Iteration::frozen_picard:
-      return picard_.solve_with_frozen_sweeps(*system_, options_, x_);
+      return picard_.solve_by_far_sweeps(*system_, options_, x_);
     case Iteration::anderson:
       return anderson_.solve(*system_, options_, x_);
     case Iteration::picard:
@@ -74,7 +74,7 @@ SolveReport FastSubstep::solve(Iteration iteration) {
 
 StepReport FastSubstep::advance(SplitMatrix& W1, const SplitMatrix& W0, double h, Past past) {
   if (past == Past::left_out || h != h_) {  // nothing seen before holds
-    newton_.forget();
+    iteration_.forget();
     system_->forget();
   }
   if (past == Past::used) h_ = h;
@@ -108,7 +108,7 @@ void FastSubstep::forget() {
 
 void FastSubstep::exchange_memory() {
   x_.swap(other_x_);
-  newton_.exchange_memory(other_newton_);
+  std::swap(iteration_, other_iteration_);
   system_->exchange_memory();
 }
 

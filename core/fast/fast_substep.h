@@ -62,14 +62,15 @@ class FastSubstep {
   bool offers_both_;         // and another from an explicit step
   Unknowns x_;
   Newton newton_;
+  IterationMemory iteration_;
   PicardIteration picard_;
   AndersonIteration anderson_;
   Predictor predictor_;
   StartChoice choice_;
   Unknowns trial_;  // a prediction of x_, made to see its error
-  // x_ and the memory of newton_ of other steps.
+  // x_ and iteration_ of other steps.
   Unknowns other_x_;
-  Newton::Memory other_newton_;
+  IterationMemory other_iteration_;
 };
 
 }  // namespace isosyrk

@@ -19,6 +19,11 @@ class SplitSystem : public StageSystem, public TwoPartJacobian {
                      const CorrectionRequest& request, const IterationOptions& options) final {
     return correction_.solve(delta, *this, x, R, request, options);
   }
+  /// Sweeps with B frozen.
+  void far_sweep(Corrections& delta, const Unknowns& x, const Corrections& R,
+                 const IterationOptions& options) final {
+    AlternatingCorrection::sweep_frozen(delta, *this, x, R, options);
+  }
   bool truncates() const final { return bands_.enabled(); }
   void truncate(bool enabled) final { bands_.enable(enabled); }
   Work work() const final { return work_of(products_, single_products_, generator_); }

@@ -9,8 +9,8 @@
 
 namespace isosyrk {
 
-/// The equations x = G(x) of one step W₀ -> W₁ of size h, for flows with J = I.  Of how they
-/// are solved it knows the list of attempts alone.
+/// The equations x = G(x) of one step W₀ -> W₁ of size h, for flows with J = I.  It says in which
+/// order attempts to solve them are made, and does not know which of them is under way.
 ///
 /// Order of calls in a step: bind; for each attempt start() or an x from the predictor, then those
 /// of FixedPointSystem by the solver; update with the x that the solver accepted.
