@@ -36,7 +36,7 @@ class Scripted final : public StageSystem, public TwoPartJacobian {
   bool flushed = false;  // at the last residual
 
   Unknowns unknowns() const override { return {split_stages(1, n)}; }
-  void bind(const SplitMatrix& W0, double, double) override {
+  void bind(const SplitMatrix& W0, double, double, StepMemory&) override {
     W0_ = &W0;
     calls = {};
   }

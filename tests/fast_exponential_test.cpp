@@ -256,14 +256,13 @@ TEST(WithoutAnIdea, TheAnswerIsThePublishedOneToTheTolerance) {
   }
 }
 
-// The Munthe-Kaas form leaves out a part of the error of its steps, unless series are complete.
+// The Munthe-Kaas form leaves out a part of the error of its steps, by the precision of terms where
+// its series go on to rounding.
 TEST(WithoutAnIdea, TheMuntheKaasFormIsAsNearToThePublishedOne) {
   const double difference = ablated("rkmk4", complete).difference;
   FastOptions options = complete;
   options.graded_series = false;
   EXPECT_LE(ablated("rkmk4", options).difference, 2.0 * difference);
-  options.iteration.tolerance = 1e-13;
-  EXPECT_LE(ablated("rkmk4", options).difference, 1e-13);
   EXPECT_GT(difference, 1e-12) << "the control";
 }
 
@@ -315,19 +314,19 @@ TEST(StartChoice, TakesWhatHasTheSmallerErrorAndTriesTheOtherNowAndThen) {
   StartChoice choice;
   EXPECT_FALSE(choice.prefers_past());
   int steps = 0;
-  for (; !choice.is_trial_due(); ++steps) choice.saw_explicit(1e-5);
+  for (; !choice.is_trial_due(); ++steps) choice.record_explicit(1e-5);
   EXPECT_GT(steps, 1);
-  choice.saw_past(1e-3);
+  choice.record_past(1e-3);
   EXPECT_FALSE(choice.prefers_past());
   EXPECT_FALSE(choice.is_trial_due());
-  choice.saw_past(1e-6);
+  choice.record_past(1e-6);
   EXPECT_TRUE(choice.prefers_past());
-  choice.saw_past(std::nan(""));
+  choice.record_past(std::nan(""));
   EXPECT_FALSE(choice.prefers_past());
-  choice.saw_past(1e-6);
-  choice.saw_failure_of_past();
+  choice.record_past(1e-6);
+  choice.record_failure_of_past();
   EXPECT_FALSE(choice.prefers_past());
-  choice.saw_past(1e-6);
+  choice.record_past(1e-6);
   choice.forget();
   EXPECT_FALSE(choice.prefers_past());
 }
@@ -362,8 +361,9 @@ TEST_P(ExponentialJacobian, SolvesForTheCorrection) {
     scene.flow->generator(scene.initial, B);
     for (const double sign : {1.0, -1.0}) {
       ExponentialSystem system(*scene.flow, GetParam());
+      const auto memory = system.memory();
       const SplitMatrix W0(scene.initial);
-      system.bind(W0, sign * 0.5 / spectral_norm(B), 1e-13);
+      system.bind(W0, sign * 0.5 / spectral_norm(B), 1e-13, *memory);
       Unknowns x = system.unknowns();
       system.start(x, Start::cold);
       Corrections R = corrections_like(x), delta = R;
@@ -413,8 +413,9 @@ TEST(ExponentialSystems, TakeADerivativeOnlyWhereTheErrorAsksForIt) {
   // Poisson solves of a correction: 1 for K δ and 3 for E δ.
   const auto solves_for = [&](int order, double forcing) {
     ExponentialSystem system(*scene.flow, order);
+    const auto memory = system.memory();
     const SplitMatrix W0(scene.initial);
-    system.bind(W0, 0.5 / spectral_norm(B), 1e-13);
+    system.bind(W0, 0.5 / spectral_norm(B), 1e-13, *memory);
     Unknowns x = system.unknowns();
     system.start(x, Start::stepped);
     Corrections R = corrections_like(x), delta = R;
@@ -638,9 +639,9 @@ TEST(TermGrowth, ForetellsATermOnceTwoWereSeenAndNeverTooSmallWhereGrowthSlows) 
   TermGrowth growth;
   growth.begin(2.0);
   EXPECT_EQ(growth.next(1.0), std::numeric_limits<double>::infinity());
-  growth.saw(3.0, 0.5);  // grew threefold
+  growth.record(3.0, 0.5);  // grew threefold
   EXPECT_EQ(growth.next(0.5), std::numeric_limits<double>::infinity());
-  growth.saw(4.0, 1.0 / 3.0);                                      // fourfold
+  growth.record(4.0, 1.0 / 3.0);                                   // fourfold
   EXPECT_NEAR(growth.next(0.25), 0.25 * 4.0 * 16.0 / 3.0, 1e-14);  // 16/3 at most
   growth.begin(1.0);
   EXPECT_EQ(growth.next(1.0), std::numeric_limits<double>::infinity()) << "of the new series";
@@ -737,15 +738,15 @@ class StartErrors : public ::testing::Test {
  protected:
   static constexpr Index n = 20;
 
-  // Takes a step, with errors carried by e^turn.  Returns the error of its start values with what
-  // was foretold, over the error without.
+  // Takes a step, with errors transported by e^turn.  Returns the error of its start values with
+  // what was foretold, over the error without.
   double left_of_error(StartError& errors, const Matrix& turn) {
     SplitMatrix x(Omega - E);
-    errors.mend(x, [&](SingleMatrix& out, const SingleMatrix& X) {
+    errors.add_expected(x, [&](SingleMatrix& out, const SingleMatrix& X) {
       round_to_single(out, SplitMatrix(conjugated(X.interleaved().cast<Complex>(), turn)));
     });
     const double left = (x.interleaved() - Omega).norm() / E.norm();
-    errors.saw(SplitMatrix(Omega));
+    errors.record(SplitMatrix(Omega));
     E = conjugated(E, A) + moved;
     return left;
   }
@@ -759,10 +760,10 @@ class StartErrors : public ::testing::Test {
 TEST_F(StartErrors, AreForetoldAsTheyAreCarriedAndByWhatThatMissed) {
   StartError errors(n);
   EXPECT_NEAR(left_of_error(errors, A), 1.0, 1e-9) << "nothing is known yet";
-  EXPECT_NEAR(left_of_error(errors, A), 1e-2, 3e-3) << "carried alone";
+  EXPECT_NEAR(left_of_error(errors, A), 1e-2, 3e-3) << "transported alone";
   EXPECT_LE(left_of_error(errors, A), 1e-4);
   EXPECT_LE(left_of_error(errors, A), 1e-4);
-  EXPECT_GT(left_of_error(errors, 0.0 * A), 0.1) << "the control: not carried";
+  EXPECT_GT(left_of_error(errors, 0.0 * A), 0.1) << "the control: not transported";
 }
 
 TEST_F(StartErrors, AreNotForetoldWhereTheyAreSmallOrNotOfTheStepBefore) {
@@ -772,12 +773,12 @@ TEST_F(StartErrors, AreNotForetoldWhereTheyAreSmallOrNotOfTheStepBefore) {
   errors.forget();
   EXPECT_NEAR(left_of_error(errors, A), 1.0, 1e-9);
   EXPECT_LT(left_of_error(errors, A), 0.1) << "the control";
-  errors.saw(SplitMatrix(Omega));  // of a step that started otherwise
+  errors.record(SplitMatrix(Omega));  // of a step that started otherwise
   EXPECT_NEAR(left_of_error(errors, A), 1.0, 1e-9);
   SplitMatrix x(Omega);
-  errors.mend(x, [](SingleMatrix&, const SingleMatrix&) {});
-  errors.forget();                 // the step failed
-  errors.saw(SplitMatrix(Omega));  // and the next one started otherwise
+  errors.add_expected(x, [](SingleMatrix&, const SingleMatrix&) {});
+  errors.forget();                    // the step failed
+  errors.record(SplitMatrix(Omega));  // and the next one started otherwise
   EXPECT_NEAR(left_of_error(errors, A), 1.0, 1e-9);
   moved.setZero();
   E *= 5e-7 * Omega.norm() / E.norm();  // rounding to single precision leaves as much

@@ -304,6 +304,21 @@ TEST(Newton, ASweepAfterALostCorrectionShowsTheContraction) {
   EXPECT_EQ(system.linearisations, 1);
 }
 
+// The control: a sweep after a correction that was used shows what the correction left instead.
+TEST(Newton, TheContractionIsThatOfPicardSweepsAlone) {
+  const auto seen = [](bool loses_corrections) {
+    Known system({1e-3, 0.0});
+    system.loses_sweeps = loses_corrections;
+    Unknowns x = start_at(beside_the_solution(system));
+    IterationMemory memory;
+    Newton(x).solve(system, memory, {.tolerance = 1e-13, .max_sweeps = 2}, x);
+    EXPECT_EQ(memory.left_by_correction.has_value(), !loses_corrections);
+    return memory.contraction;
+  };
+  EXPECT_NEAR(seen(true), 1e-3, 1e-6);
+  EXPECT_EQ(seen(false), tuning.likely_contraction);
+}
+
 TEST(Newton, ANumberLostInAResidualDiverges) {
   for (const int at : {1, 2, 3}) {
     Known system({0.5, 0.1});
@@ -491,9 +506,9 @@ class Coarse final : public FixedPointSystem {
     copy(delta, R);
     return {.usable = true, .error = 0.0};
   }
-  ConvergenceTest convergence_test(const Unknowns& x, double tolerance,
+  ConvergenceTest convergence_test(const Unknowns& x, double wanted,
                                    IterationMemory& memory) const override {
-    return {rule_, tolerance, x[0][0].size(), 0.0, memory};
+    return {rule_, wanted, x[0][0].size(), 0.0, memory};
   }
 
   const Matrix X = random_matrix(n, 4).normalized();

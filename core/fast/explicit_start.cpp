@@ -26,7 +26,7 @@ bool ExplicitStart::form(SplitMatrix& Omega) {
   const double rounding =
       tuning.single_roundoff * static_cast<double>(Omega.size()) * step_.rotation;
   if (rounding > largest_rounding * norm(Omega)) return false;
-  step_.memory->start_error.mend(
+  step_.memory->start_error.add_expected(
       Omega, [&](SingleMatrix& out, const SingleMatrix& X) { update_.transport(out, X); });
   return true;
 }

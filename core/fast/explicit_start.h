@@ -23,8 +23,8 @@ class ExplicitStart {
   /// Sets Ω.  Returns false, with Ω unspecified, where the rounding of a rotation that is left out
   /// of B would be a large part of it.
   bool form(SplitMatrix& Omega);
-  /// Takes the Ω that solved the step, however it was started.
-  void learn(const SplitMatrix& Omega) { step_.memory->start_error.saw(Omega); }
+  /// Records the Ω that solved the step, however it was started.
+  void learn(const SplitMatrix& Omega) { step_.memory->start_error.record(Omega); }
 
  private:
   SplitLie<float>& lie_;

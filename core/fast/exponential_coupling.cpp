@@ -77,23 +77,17 @@ void ExponentialCoupling::couple(Corrections& coupled, const Corrections& delta,
   const SingleMatrix& t = delta[0][0];
   const double size = norm(t);
   lie_.neglect(std::max(accuracy / size, tuning.single_roundoff));
-  const Rule rule = this->rule(size, accuracy);
+  const Rule rule = rule_for(size, accuracy);
   sum_series(rule, t, size, accuracy);
   integrate(rule);
   lie_.generate(BD_, D_);
   coupled[0][0] = step_.h * BD_;
-  if (!sums_D_) return;
-  if (has_sum_of_D_) {
-    sum_of_D_ = sum_of_D_ + D_;
-  } else {
-    std::swap(sum_of_D_, D_);
-  }
-  has_sum_of_D_ = true;
+  if (sums_D_) add_to_sum_of_D();
 }
 
 // Returns the rule of two nodes where a δ of this size needs it and its states are formed, and that
 // of one node otherwise.
-ExponentialCoupling::Rule ExponentialCoupling::rule(double size, double allowed) {
+ExponentialCoupling::Rule ExponentialCoupling::rule_for(double size, double allowed) {
   const bool takes_pair = states_.has_pair && needs_pair(size, allowed);
   const std::size_t first = takes_pair ? 1 : 0;
   const std::size_t count = takes_pair ? 2 : 1;
@@ -122,7 +116,7 @@ void ExponentialCoupling::sum_series(const Rule& rule, const SingleMatrix& delta
     }
     // c_j and c_{j+1} in K δ
     const double size_of_c = norm(c_);
-    growth.saw(size_of_c, factor);
+    growth.record(size_of_c, factor);
     const double next = largest_node * growth.next(1.0 / static_cast<double>(j + 2));
     const double weight = contraction_of_K * std::pow(largest_node, j);
     if (!(weight * std::min(size_of_c, next) > end)) break;  // NaN included
@@ -152,6 +146,15 @@ double ExponentialCoupling::further_error(double size, double allowed, double si
     error += states_.error / step_.size_of_W0 * size;
   }
   return error;
+}
+
+void ExponentialCoupling::add_to_sum_of_D() {
+  if (has_sum_of_D_) {
+    sum_of_D_ = sum_of_D_ + D_;
+  } else {
+    std::swap(sum_of_D_, D_);
+  }
+  has_sum_of_D_ = true;
 }
 
 void ExponentialCoupling::sum_D(bool is_wanted) {

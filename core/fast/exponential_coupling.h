@@ -13,8 +13,8 @@ namespace isosyrk {
 ///     D = ∫₀¹ [s Σ_j s^j c_j, e^{s ad_Ω} W₀] ds,   c₀ = δ,   c_j = [Ω, c_{j-1}] / (j+1)
 ///
 /// by Gauss quadrature of weight s: one node, s = 2/3, or two, (6 ∓ √6)/10, where more digits are
-/// wanted.  The step before tells whether they will be.  (The derivative of e^{s ad_Ω} W₀ is
-/// [s φ₁(s ad_Ω) δ, e^{s ad_Ω} W₀], EXPONENTIAL.md, section 2, and μ = ∫₀¹ e^{s ad_Ω} W₀ ds.)
+/// wanted.  The step before tells whether they will be.  This is formula (6) of
+/// integrators/EXPONENTIAL.md.
 ///
 /// Products, in single precision: 1 for each c_j and 1 for each node.  Poisson solves: 1.
 class ExponentialCoupling final : public Coupling {
@@ -57,9 +57,10 @@ class ExponentialCoupling final : public Coupling {
 
   static bool needs_pair(double size, double allowed);
   double error_of_states(double part) const;
-  Rule rule(double size, double allowed);
+  Rule rule_for(double size, double allowed);
   void sum_series(const Rule& rule, const SingleMatrix& delta, double size, double accuracy);
   void integrate(const Rule& rule);
+  void add_to_sum_of_D();
 
   SplitLie<float>& lie_;
   const ExponentialStep& step_;

@@ -9,8 +9,8 @@ namespace isosyrk {
 
 /// Corrections δ that solve (1 - K - E) δ = R, where K + E is the derivative of h B̃(μ(Ω)) by Ω.
 ///
-/// K is that of h B (ExponentialCoupling).  E is that of the term of B̃ in h², F₂ of EXPONENTIAL.md,
-/// section 4, with the D of K δ:
+/// K is that of h B (ExponentialCoupling).  E is that of the term of B̃ in h², with the D of K δ,
+/// formula (7) of integrators/EXPONENTIAL.md:
 ///
 ///     E δ = h³ (∇F₂)'(μ) D
 ///

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "isosyrk/fast/start_error.h"
+#include "isosyrk/fast/step_memory.h"
 #include "isosyrk/split/split_matrix.h"
 
 namespace isosyrk {
@@ -18,11 +19,11 @@ struct TermShares {
 
 /// What the parts of an exponential system leave to the next step.  All of it is a guess there: a
 /// wrong one costs work, not digits.
-struct ExponentialMemory {
+struct ExponentialMemory final : StepMemory {
   /// For n x n matrices.
   explicit ExponentialMemory(Index n) : start_error(n), adjoint(n) {}
 
-  void forget() {
+  void forget() override {
     largest_change = 0.0;
     shares = {};
     derivative_per_share.reset();

@@ -7,8 +7,6 @@ namespace isosyrk {
 ExponentialSystem::ExponentialSystem(const Flow& flow, int order, const FastOptions& options)
     : starts_explicitly_(options.explicit_start),
       operations_(flow, options.bands.value_or(false), options.threads),
-      memory_(flow.size()),
-      other_memory_(flow.size()),
       step_(flow.size()),
       equation_(operations_, step_, order, options),
       jacobian_(operations_, step_, equation_.gradient(), order, options),
@@ -27,10 +25,16 @@ std::vector<Attempt> ExponentialSystem::attempts(bool newton) const {
   return all;
 }
 
-void ExponentialSystem::bind(const SplitMatrix& W0, double h, double tolerance) {
-  step_.bind(W0, h, tolerance, memory_, operations_);
+std::unique_ptr<StepMemory> ExponentialSystem::memory() const {
+  return std::make_unique<ExponentialMemory>(operations_.size());
+}
+
+void ExponentialSystem::bind(const SplitMatrix& W0, double h, double tolerance,
+                             StepMemory& of_steps) {
+  auto& memory = static_cast<ExponentialMemory&>(of_steps);
+  step_.bind(W0, h, tolerance, memory, operations_);
   // The first sweep may change Ω by as much as in the step before.
-  const double change = std::exchange(memory_.largest_change, 0.0);
+  const double change = std::exchange(memory.largest_change, 0.0);
   jacobian_.begin(change, acceptance_.least_forcing_term(tolerance));
 }
 
@@ -47,7 +51,8 @@ ConvergenceTest ExponentialSystem::convergence_test(const Unknowns& x, double to
 ResidualSize ExponentialSystem::residual(Corrections& R, Unknowns& x, double accuracy) {
   const ResidualSize size = equation_.residual(R[0], x[0], jacobian_.states(), accuracy);
   const double change = size.change / unit(x);
-  if (change > memory_.largest_change) memory_.largest_change = change;  // NaN is not remembered
+  double& largest = step_.memory->largest_change;
+  if (change > largest) largest = change;  // NaN is not remembered
   return size;
 }
 

@@ -28,9 +28,9 @@ class ExponentialSystem final : public StageSystem {
   Unknowns unknowns() const override { return {split_stages(1, operations_.size())}; }
   /// Newton from past steps, from an explicit step and from a cold start; then Picard and Anderson.
   std::vector<Attempt> attempts(bool newton) const override;
-  void forget() override { memory_.forget(); }
-  void exchange_memory() override { std::swap(memory_, other_memory_); }
-  void bind(const SplitMatrix& W0, double h, double tolerance) override;
+  /// ExponentialMemory.
+  std::unique_ptr<StepMemory> memory() const override;
+  void bind(const SplitMatrix& W0, double h, double tolerance, StepMemory& memory) override;
   /// Explicit: that of ExplicitStart.  Cold, or where there is none: Ω = h B(W₀).
   void start(Unknowns& x, Start how) override;
   ResidualSize residual(Corrections& R, Unknowns& x, double accuracy) override;
@@ -53,7 +53,6 @@ class ExponentialSystem final : public StageSystem {
   Acceptance acceptance_;
   bool starts_explicitly_;
   SplitOperations operations_;
-  ExponentialMemory memory_, other_memory_;
   ExponentialStep step_;
   ExponentialEquation equation_;
   ExponentialJacobian jacobian_;

@@ -30,8 +30,8 @@ struct FastOptions {
   /// Acceptance by the estimated error of a correction; if false, by the change of one more sweep.
   bool error_estimates = true;
   // And of these and the Munthe-Kaas form:
-  /// Series of commutators that end where the wanted accuracy is reached; if false, each is summed
-  /// to rounding.
+  /// Series of commutators that end where the wanted accuracy is reached; if false, each goes on to
+  /// rounding.
   bool graded_series = true;
 };
 

@@ -92,7 +92,7 @@ bool GradedSeries::advance() {
     size_ = cut(term_);
   }
   failed_ = !std::isfinite(size_) || k_ >= most_terms;
-  growth_.saw(size_, factor);
+  growth_.record(size_, factor);
   return !failed_ && !is_last();
 }
 

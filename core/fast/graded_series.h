@@ -23,7 +23,7 @@ namespace isosyrk {
 class GradedSeries {
  public:
   /// For n x n matrices.  Products must outlive it.  Only the constructor allocates.  Without
-  /// options.graded_series the sums are taken to rounding, whatever error is wanted.
+  /// options.graded_series terms are formed down to rounding, whatever error is wanted.
   GradedSeries(SplitProducts& products, SingleProducts& single_products, Index n,
                const FastOptions& options = {});
 

@@ -4,7 +4,7 @@
 
 namespace isosyrk {
 
-void StartChoice::saw_past(double error) {
+void StartChoice::record_past(double error) {
   prefers_past_ = error <= tuning.predicted_error * of_explicit_;  // false for NaN
   steps_since_trial_ = 0;
 }
