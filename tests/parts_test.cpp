@@ -197,6 +197,30 @@ TEST_P(EachRun, IsNotDisturbedByAskingForOneMoreSweep) {
   });
 }
 
+// Steps of another size are those of a new run from the state that they begin with.  The control:
+// steps of the same size go on.
+TEST(ARun, BeginsAnewWhereTheStepSizeChanges) {
+  const Scene scene = smooth_scene(17);
+  constexpr double fine = 0.02;
+  const std::vector<double> first(20, fine);
+  for (const char* method : {"group2", "algebra1", "yoshida4", "elp2", "elp4", "elp6"}) {
+    for (const double next : {0.9 * fine, fine}) {
+      const std::vector<double> sizes(6, next);
+      const auto goes_on = made(fast_entry(method), *scene.flow);
+      const Matrix W = stepped(*goes_on, scene.initial, first).W;
+      Seen seen;
+      for (const double size : sizes) advance(*goes_on, size, seen);
+      seen.W = goes_on->state();
+      const Seen begun = stepped(*made(fast_entry(method), *scene.flow), W, sizes);
+      if (next == fine) {
+        EXPECT_NE(seen.reports, begun.reports) << method;
+      } else {
+        expect_same(seen, begun, method);
+      }
+    }
+  }
+}
+
 // All that a step leaves to the next one is in its memory.  The control: steps of another state
 // with the same memory are seen in the run.
 TEST(ASubstep, LeavesNothingToTheNextOneBesideItsMemory) {

@@ -77,11 +77,7 @@ SolveReport FastSubstep::solve(Iteration iteration, SubstepMemory& memory) {
 
 StepReport FastSubstep::advance(SplitMatrix& W1, const SplitMatrix& W0, double h,
                                 SubstepMemory& memory) {
-  if (h != memory.h) {  // nothing seen before holds, but for the choice of start values
-    const StartChoice choice = memory.choice;
-    memory.forget();
-    memory.choice = choice;
-  }
+  if (h != memory.h) memory.forget();  // nothing seen before holds
   memory.h = h;
   system_->bind(W0, h, options_.tolerance, *memory.of_system);
   StepReport report;
