@@ -28,30 +28,38 @@ GradedGradient::GradedGradient(SplitLie<double>& lie, SplitLie<float>& single_li
 void GradedGradient::evaluate(SplitMatrix& v, SplitMatrix& mu, const SplitMatrix& Omega,
                               const Wanted& wanted) {
   const double h = wanted.h;
+  is_linearized_ = false;
+  held_ = held_in_single_ = {};
   lie_.neglect(part_of_first * wanted.accuracy);
   lie_.cut(mu);
   lie_.generate(v, mu);
   if (!all_.any()) return;
   sizes_.begin(v, mu, h, wanted.accuracy, wanted.least, wanted.shares);
-  const bool is_first = !sizes_.are_known();
-  if (is_first) {
+  if (sizes_.are_known()) {
+    form_terms(all_, v, mu, h, cut(v, mu));
+  } else {
     terms_ = Omega - h * v;  // about h times their sum
     sizes_.guess(norm(terms_) / std::abs(h));
+    const double part = cut(v, mu);
+    GradientTerms which = all_;
+    if (all_.fourth) which.fourth = !form_fourth_alone(h, part);
+    sizes_.set_known();
+    form_terms(which, v, mu, h, part);
   }
-  is_linearized_ = false;
-  double part = cut(v, mu);
-  held_ = held_in_single_ = {};
-  GradientTerms which = all_;
-  if (is_first && all_.fourth) which.fourth = !form_fourth_alone(h, part);
-  sizes_.set_known();
+  if (held_in_single_.any()) add(v, terms_single_);
+  if (held_.any()) v = v + terms_;
+}
+
+// Forms these terms from what is cut by `part`, and all of them again, from what is cut anew, where
+// one turns out larger than was expected.
+void GradedGradient::form_terms(GradientTerms which, const SplitMatrix& v, const SplitMatrix& mu,
+                                double h, double part) {
   form(which, v, mu, h);
   constexpr int most_repeats = 2;  // a term may vanish in what was cut, and in single precision
   for (int k = 0; k < most_repeats && !suffices(held_in_single_, part); ++k) {
     part = cut(v, mu);
     form(all_, v, mu, h);
   }
-  if (held_in_single_.any()) add(v, terms_single_);
-  if (held_.any()) v = v + terms_;
 }
 
 // Keeps μ and v, rounded and cut, for the terms in single precision and for the derivative.

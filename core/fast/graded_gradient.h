@@ -43,6 +43,8 @@ class GradedGradient {
   double cut(const SplitMatrix& v, const SplitMatrix& mu);
   bool suffices(GradientTerms in_single, double part) const;
   bool form_fourth_alone(double h, double part);
+  void form_terms(GradientTerms which, const SplitMatrix& v, const SplitMatrix& mu, double h,
+                  double part);
   void form(GradientTerms which, const SplitMatrix& v, const SplitMatrix& mu, double h);
   void form_in_single(GradientTerms which, double h);
 

@@ -27,14 +27,15 @@ ConvergenceTest::ConvergenceTest(const Acceptance& rule, double tolerance, Index
 }
 
 // The error that a correction of a residual with this change may have, relative to the unit.
-double ConvergenceTest::forcing_term(double change) const {
+double ConvergenceTest::relative_forcing_term(double change) const {
   return std::max({least_forcing_term_, tuning.forcing_relative * change,
                    tuning.forcing_quadratic * change * change});
 }
 
 double ConvergenceTest::accuracy() const {
   if (!(expected_ > 0.0)) return complete_accuracy();
-  return unit_ * std::max(accepting_accuracy_, tuning.accepting_accuracy * forcing_term(expected_));
+  return unit_ * std::max(accepting_accuracy_,
+                          tuning.accepting_accuracy * relative_forcing_term(expected_));
 }
 
 bool ConvergenceTest::needs_complete(const ResidualSize& size) const {

@@ -53,7 +53,7 @@ class ConvergenceTest {
   /// Judges a residual.
   Move judge(const ResidualSize& size);
   /// Returns the forcing term of a correction of this residual.
-  double forcing_term() const { return unit_ * forcing_term(change_); }
+  double forcing_term() const { return unit_ * relative_forcing_term(change_); }
   /// Is told how x was moved.
   void after_move(const Correction& correction);
 
@@ -67,7 +67,7 @@ class ConvergenceTest {
   void distrust();
   double first_factor() const;
   bool sweeps_alone_converge() const;
-  double forcing_term(double change) const;
+  double relative_forcing_term(double change) const;
 
   Acceptance rule_;
   double tolerance_;
