@@ -36,7 +36,7 @@ class Scripted final : public StageSystem, public TwoPartJacobian {
   bool flushed = false;  // at the last residual
 
   Unknowns unknowns() const override { return {split_stages(1, n)}; }
-  void bind(const SplitMatrix& W0, double, double) override {
+  void bind(const SplitMatrix& W0, double, double, StepMemory&) override {
     W0_ = &W0;
     calls = {};
   }
@@ -60,6 +60,10 @@ class Scripted final : public StageSystem, public TwoPartJacobian {
   Correction correct(Corrections& delta, const Unknowns& x, const Corrections& R,
                      const CorrectionRequest& request, const IterationOptions& options) override {
     return correction_.solve(delta, *this, x, R, request, options);
+  }
+  void far_sweep(Corrections& delta, const Unknowns& x, const Corrections& R,
+                 const IterationOptions& options) override {
+    AlternatingCorrection::sweep_frozen(delta, *this, x, R, options);
   }
   void linearise(const Unknowns&, double) override { ++calls.linearisations; }
   double frozen_sweep(Corrections& delta, const Corrections& rhs) override {

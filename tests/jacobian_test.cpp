@@ -107,10 +107,14 @@ Kinds with_numbers(Kinds kinds, const RealVector& numbers) {
 // A system bound to a step with h‖B‖ = 0.3, at its solution.
 struct AtSolution {
   AtSolution(const NamedSystem& tested, const Flow& flow, const Matrix& initial, bool backwards)
-      : system(tested.make(flow)), W0(initial), x(system->unknowns()), zero(corrections_like(x)) {
+      : system(tested.make(flow)),
+        memory(system->memory()),
+        W0(initial),
+        x(system->unknowns()),
+        zero(corrections_like(x)) {
     Matrix B(n, n);
     flow.generator(initial, B);
-    system->bind(W0, (backwards ? -h_norm_B : h_norm_B) / spectral_norm(B), 1e-13);
+    system->bind(W0, (backwards ? -h_norm_B : h_norm_B) / spectral_norm(B), 1e-13, *memory);
     system->start(x, Start::cold);
     Corrections R = zero;
     double change = 1.0;
@@ -170,6 +174,7 @@ struct AtSolution {
   TwoPartJacobian& jacobian() { return dynamic_cast<TwoPartJacobian&>(*system); }
 
   std::unique_ptr<StageSystem> system;
+  std::unique_ptr<StepMemory> memory;
   SplitMatrix W0;
   Unknowns x;
   Corrections zero;

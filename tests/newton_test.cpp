@@ -45,6 +45,10 @@ class Known final : public FixedPointSystem, public TwoPartJacobian {
                      const CorrectionRequest& request, const IterationOptions& options) override {
     return correction.solve(delta, *this, x, R, request, options);
   }
+  void far_sweep(Corrections& delta, const Unknowns& x, const Corrections& R,
+                 const IterationOptions& options) override {
+    AlternatingCorrection::sweep_frozen(delta, *this, x, R, options);
+  }
   void linearise(const Unknowns&, double accuracy) override {
     ++linearisations;
     accuracy_asked = accuracy;
@@ -101,7 +105,8 @@ Unknowns start_at(const Matrix& x) { return {{SplitMatrix(x)}}; }
 
 SolveReport newton(Known& system, const Matrix& start = nothing, double tolerance = 1e-13) {
   Unknowns x = start_at(start);
-  const SolveReport report = Newton(x).solve(system, {.tolerance = tolerance}, x);
+  IterationMemory nothing_seen;
+  const SolveReport report = Newton(x).solve(system, nothing_seen, {.tolerance = tolerance}, x);
   system.error = (x[0][0].interleaved() - system.solution).norm();
   return report;
 }
@@ -109,7 +114,7 @@ SolveReport newton(Known& system, const Matrix& start = nothing, double toleranc
 SolveReport picard(Known& system, const Matrix& start = nothing, bool with_frozen_sweeps = false) {
   Unknowns x = start_at(start);
   PicardIteration iteration(x);
-  const SolveReport report = with_frozen_sweeps ? iteration.solve_with_frozen_sweeps(system, {}, x)
+  const SolveReport report = with_frozen_sweeps ? iteration.solve_by_far_sweeps(system, {}, x)
                                                 : iteration.solve(system, {}, x);
   system.error = (x[0][0].interleaved() - system.solution).norm();
   return report;
@@ -231,13 +236,14 @@ TEST(Newton, RemembersTheContractionUntilItForgets) {
   Known system({-0.85, 0.03});
   const Unknowns near = start_at(beside_the_solution(system, 2.0 * tolerance / std::sqrt(3.0)));
   Newton solver(near);
+  IterationMemory memory;
   const auto sweeps = [&] {
     Unknowns x = near;
-    return solver.solve(system, {.tolerance = tolerance}, x).sweeps;
+    return solver.solve(system, memory, {.tolerance = tolerance}, x).sweeps;
   };
   const int first = sweeps();
   EXPECT_LT(sweeps(), first) << "no sweep is lost to find out";
-  solver.forget();
+  memory.forget();
   EXPECT_EQ(sweeps(), first);
 }
 
@@ -258,7 +264,8 @@ TEST(Newton, TakesPicardSweepsWherePartsDoNotContract) {
     Known near(sizes), plain_near(sizes);
     Unknowns x = start_at(beside_the_solution(near, 1e-3)), y = x;
     const IterationOptions two_sweeps = {.tolerance = 1e-13, .max_sweeps = 2};
-    const double change = Newton(x).solve(near, two_sweeps, x).change;
+    IterationMemory nothing_seen;
+    const double change = Newton(x).solve(near, nothing_seen, two_sweeps, x).change;
     const double of_picard = PicardIteration(y).solve(plain_near, two_sweeps, y).change;
     EXPECT_NEAR(change, of_picard, 1e-3 * of_picard);
   }
@@ -295,6 +302,21 @@ TEST(Newton, ASweepAfterALostCorrectionShowsTheContraction) {
   const SolveReport report = newton(system, beside_the_solution(system));
   EXPECT_EQ(report.status, Status::converged);
   EXPECT_EQ(system.linearisations, 1);
+}
+
+// The control: a sweep after a correction that was used shows what the correction left instead.
+TEST(Newton, TheContractionIsThatOfPicardSweepsAlone) {
+  const auto seen = [](bool loses_corrections) {
+    Known system({1e-3, 0.0});
+    system.loses_sweeps = loses_corrections;
+    Unknowns x = start_at(beside_the_solution(system));
+    IterationMemory memory;
+    Newton(x).solve(system, memory, {.tolerance = 1e-13, .max_sweeps = 2}, x);
+    EXPECT_EQ(memory.left_by_correction.has_value(), !loses_corrections);
+    return memory.contraction;
+  };
+  EXPECT_NEAR(seen(true), 1e-3, 1e-6);
+  EXPECT_EQ(seen(false), tuning.likely_contraction);
 }
 
 TEST(Newton, ANumberLostInAResidualDiverges) {
@@ -356,7 +378,10 @@ class Smoothing final : public FixedPointSystem, public Coupling {
       coupled[0][i].load(sign_of_K_told * K_ * delta[0][i].interleaved());
     }
   }
-  Acceptance acceptance() const override { return rule_; }
+  ConvergenceTest convergence_test(const Unknowns& x, double tolerance,
+                                   IterationMemory& memory) const override {
+    return {rule_, tolerance, x[0][0].size(), 0.0, memory};
+  }
 
   double neglects = 0.5;        // of the accuracy asked
   double sign_of_K_told = 1.0;  // -1: a wrong Jacobian
@@ -383,13 +408,14 @@ TEST(NewtonWithNeumannCorrection, AsksOfNoResidualMoreAccuracyThanTheStepNeeds) 
   for (const auto by : {Acceptance::By::change, Acceptance::By::error_estimate}) {
     Smoothing system(0.1, by);
     Newton solver(system.started(0.0));
+    IterationMemory memory;
     const int steps = 3;  // the first tells how far off the start is
     for (int step = 0; step < steps; ++step) {
       system.accuracies.clear();
       system.changes.clear();
       system.forcing_terms.clear();
       Unknowns x = system.started(1e-3);
-      const SolveReport report = solver.solve(system, {.tolerance = tolerance}, x);
+      const SolveReport report = solver.solve(system, memory, {.tolerance = tolerance}, x);
       EXPECT_EQ(report.status, Status::converged);
       // What is accepted errs by the neglected, by what the correction leaves and, by the change of
       // a sweep, by its contraction.
@@ -411,10 +437,11 @@ TEST(NewtonWithNeumannCorrection, AsksOfNoResidualMoreAccuracyThanTheStepNeeds) 
 TEST(NewtonWithNeumannCorrection, AsksEarlyResidualsForLessWhereItKnowsTheStart) {
   Smoothing system(0.1, Acceptance::By::change);
   Newton solver(system.started(0.0));
+  IterationMemory memory;
   for (int step = 0; step < 2; ++step) {
     system.accuracies.clear();
     Unknowns x = system.started(1e-3);
-    solver.solve(system, {.tolerance = tolerance}, x);
+    solver.solve(system, memory, {.tolerance = tolerance}, x);
   }
   EXPECT_GT(system.accuracies.front(), 1e3 * tolerance);
 }
@@ -423,8 +450,9 @@ TEST(NewtonWithNeumannCorrection, IsAcceptedByEstimateInFewerSweepsButNotFarFrom
   const auto sweeps = [](Acceptance::By by, double distance) {
     Smoothing system(0.1, by);
     Newton solver(system.started(0.0));
+    IterationMemory memory;
     Unknowns x = system.started(distance);
-    const SolveReport report = solver.solve(system, {.tolerance = tolerance}, x);
+    const SolveReport report = solver.solve(system, memory, {.tolerance = tolerance}, x);
     EXPECT_EQ(report.status, Status::converged);
     EXPECT_LE(system.error_of(x), 1.5 * tolerance);
     return report.sweeps;
@@ -441,8 +469,9 @@ TEST(NewtonWithNeumannCorrection, TakesThreeSweepsForACorrectionOnlyWhereThatSav
   for (const auto by : {Acceptance::By::change, Acceptance::By::error_estimate}) {
     Smoothing system(0.1, by);
     Newton solver(system.started(0.0));
+    IterationMemory memory;
     Unknowns x = system.started(1e-10);
-    const SolveReport report = solver.solve(system, {.tolerance = tolerance}, x);
+    const SolveReport report = solver.solve(system, memory, {.tolerance = tolerance}, x);
     const bool by_estimate = by == Acceptance::By::error_estimate;
     EXPECT_EQ(report.sweeps == 1, by_estimate);
     EXPECT_EQ(system.couplings > 0, by_estimate);
@@ -454,8 +483,9 @@ TEST(NewtonWithNeumannCorrection, ATermThatGrowsIsNoCorrection) {
   Smoothing system(0.1, Acceptance::By::change);
   system.sign_of_K_told = 12.0;  // K told is 1.2
   Newton solver(system.started(0.0));
+  IterationMemory memory;
   Unknowns x = system.started(1e-3);
-  EXPECT_EQ(solver.solve(system, {.tolerance = tolerance}, x).status, Status::converged);
+  EXPECT_EQ(solver.solve(system, memory, {.tolerance = tolerance}, x).status, Status::converged);
   EXPECT_GT(system.couplings, 0);
   EXPECT_LE(system.error_of(x), 1.5 * tolerance) << "by Picard sweeps";
 }
@@ -476,7 +506,10 @@ class Coarse final : public FixedPointSystem {
     copy(delta, R);
     return {.usable = true, .error = 0.0};
   }
-  Acceptance acceptance() const override { return rule_; }
+  ConvergenceTest convergence_test(const Unknowns& x, double wanted,
+                                   IterationMemory& memory) const override {
+    return {rule_, wanted, x[0][0].size(), 0.0, memory};
+  }
 
   const Matrix X = random_matrix(n, 4).normalized();
 
@@ -490,9 +523,10 @@ TEST(Newton, AcceptsNoChangeThatIsSmallByWhatWasNeglected) {
   for (const auto by : {Acceptance::By::change, Acceptance::By::error_estimate}) {
     Coarse system(by);
     Newton solver(start_at(system.X));
+    IterationMemory memory;
     for (const double distance : {0.1, 1e-6}) {
       Unknowns x = start_at(system.X + distance * rotation(5));
-      const SolveReport report = solver.solve(system, {.tolerance = tolerance}, x);
+      const SolveReport report = solver.solve(system, memory, {.tolerance = tolerance}, x);
       EXPECT_EQ(report.status, Status::converged);
       EXPECT_LE((x[0][0].interleaved() - system.X).norm(), tolerance) << distance;
     }

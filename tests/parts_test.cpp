@@ -1,8 +1,12 @@
 // Runs in parts, and lone steps beside a run: bit for bit what the run in one go is.
 #include <fmt/format.h>
 
+#include <functional>
+
 #include "isosyrk/catalogue/fast_forms.h"
+#include "isosyrk/fast/exponential_system.h"
 #include "isosyrk/fast/fast_integrator.h"
+#include "isosyrk/fast/midpoint_system.h"
 #include "tests/support.h"
 
 namespace isosyrk::testing {
@@ -191,6 +195,66 @@ TEST_P(EachRun, IsNotDisturbedByAskingForOneMoreSweep) {
     const auto ask = [&](Integrator&, int) { EXPECT_GE(fast->change_of_one_more_sweep(), 0.0); };
     expect_same(stepped(*integrator, W0, twenty, ask), stepped(*make(), W0, twenty), "asked");
   });
+}
+
+// Steps of another size are those of a new run from the state that they begin with.  The control:
+// steps of the same size go on.
+TEST(ARun, BeginsAnewWhereTheStepSizeChanges) {
+  const Scene scene = smooth_scene(17);
+  constexpr double fine = 0.02;
+  const std::vector<double> first(20, fine);
+  for (const char* method : {"group2", "algebra1", "yoshida4", "elp2", "elp4", "elp6"}) {
+    for (const double next : {0.9 * fine, fine}) {
+      const std::vector<double> sizes(6, next);
+      const auto goes_on = made(fast_entry(method), *scene.flow);
+      const Matrix W = stepped(*goes_on, scene.initial, first).W;
+      Seen seen;
+      for (const double size : sizes) advance(*goes_on, size, seen);
+      seen.W = goes_on->state();
+      const Seen begun = stepped(*made(fast_entry(method), *scene.flow), W, sizes);
+      if (next == fine) {
+        EXPECT_NE(seen.reports, begun.reports) << method;
+      } else {
+        expect_same(seen, begun, method);
+      }
+    }
+  }
+}
+
+// All that a step leaves to the next one is in its memory.  The control: steps of another state
+// with the same memory are seen in the run.
+TEST(ASubstep, LeavesNothingToTheNextOneBesideItsMemory) {
+  constexpr Index n = 17;
+  const Scene scene = smooth_scene(n);
+  const SplitMatrix other(rough_scene(n).initial);
+  const FastOptions options = {.iteration = {.tolerance = 1e-8}};
+  const std::vector<std::function<std::unique_ptr<StageSystem>()>> systems = {
+      [&] { return std::make_unique<ExponentialSystem>(*scene.flow, 4, options); },
+      [&] { return std::make_unique<ExponentialSystem>(*scene.flow, 6, options); },
+      [&] { return std::make_unique<MidpointSystem>(*scene.flow, 1, false); }};
+  enum class Others { none, with_their_own_memory, with_that_of_the_run };
+  for (const auto& make_system : systems) {
+    const auto seen_with = [&](Others others) {
+      FastSubstep substep(make_system(), options);
+      SubstepMemory memory = substep.memory_of_run(), beside = substep.memory_beside();
+      SplitMatrix W(scene.initial), W1(n), ignored(n);
+      Seen seen;
+      for (int k = 0; k < 8; ++k) {
+        beside.forget();
+        if (others != Others::none) {
+          const bool is_shared = others == Others::with_that_of_the_run;
+          substep.advance(ignored, other, h, is_shared ? memory : beside);
+        }
+        seen.reports.push_back(text(substep.advance(W1, W, h, memory)));
+        std::swap(W, W1);
+      }
+      seen.W = W.interleaved();
+      return seen;
+    };
+    const Seen alone = seen_with(Others::none);
+    expect_same(seen_with(Others::with_their_own_memory), alone, "with others beside it");
+    EXPECT_NE(seen_with(Others::with_that_of_the_run).reports, alone.reports);
+  }
 }
 
 // A step of size 0 of another state is that of a new integrator, and so are those after it.

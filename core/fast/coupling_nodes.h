@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
-#include <cmath>
+#include <span>
+
+#include "isosyrk/split/split_matrix.h"
 
 namespace isosyrk {
 
@@ -12,12 +14,26 @@ struct CouplingNode {
   double weight;
 };
 
+inline constexpr double root_of_6 = 2.449489742783178;
 /// The rule of one node, and after it the rule of two: Σ w = 1/2, Σ w s = 1/3 in each.
-inline std::array<CouplingNode, 3> coupling_nodes() {
-  const double root6 = std::sqrt(6.0);
-  return {{{2.0 / 3.0, 0.5},
-           {(6.0 - root6) / 10.0, 0.25 - 1.0 / (6.0 * root6)},
-           {(6.0 + root6) / 10.0, 0.25 + 1.0 / (6.0 * root6)}}};
-}
+inline constexpr std::array<CouplingNode, 3> coupling_nodes = {
+    {{2.0 / 3.0, 0.5},
+     {(6.0 - root_of_6) / 10.0, 0.25 - 1.0 / (6.0 * root_of_6)},
+     {(6.0 + root_of_6) / 10.0, 0.25 + 1.0 / (6.0 * root_of_6)}}};
+
+/// The states e^{s ad_Ω} W₀ at the nodes, in single precision.
+struct StatesAtNodes {
+  static constexpr std::size_t most = coupling_nodes.size();
+
+  /// For n x n matrices.
+  explicit StatesAtNodes(Index n) { W.fill(SingleMatrix(n)); }
+
+  /// Returns those that are formed.
+  std::span<SingleMatrix> in_use() { return {W.data(), has_pair ? W.size() : 1}; }
+
+  std::array<SingleMatrix, most> W;
+  bool has_pair = true;  ///< those of the rule of two nodes are formed too
+  double error = 0.0;    ///< Frobenius norm of what may be left out of each
+};
 
 }  // namespace isosyrk

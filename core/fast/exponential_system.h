@@ -1,204 +1,63 @@
 // The exponential Lie-Poisson methods in split-complex storage.
 #pragma once
 
-#include <array>
-#include <optional>
-#include <span>
-#include <utility>
-
-#include "isosyrk/fast/fast_options.h"
-#include "isosyrk/fast/graded_gradient.h"
-#include "isosyrk/fast/graded_series.h"
-#include "isosyrk/fast/split_exponential.h"
+#include "isosyrk/fast/explicit_start.h"
+#include "isosyrk/fast/exponential_equation.h"
+#include "isosyrk/fast/exponential_jacobian.h"
+#include "isosyrk/fast/exponential_update.h"
 #include "isosyrk/fast/stage_system.h"
-#include "isosyrk/fast/start_error.h"
-#include "isosyrk/integrators/magnus_exponent.h"
-#include "isosyrk/solver/neumann_correction.h"
 
 namespace isosyrk {
 
-/// ExponentialLiePoisson of order 2, 4 or 6 for J = I, with the unknown Ω:
+/// ExponentialLiePoisson of order 2, 4 or 6 for J = I, with the unknown Ω, of four parts:
 ///
-///     Ω  = G(Ω) = h B̃(μ),   μ = φ₁(ad_Ω) W₀ = Σ_k T_k / (k+1),   W₁ = e^Ω W₀ e^(-Ω)
+///     Ω  = h B̃(μ),   μ = φ₁(ad_Ω) W₀         ExponentialEquation
+///     (1 - K - E) δ = h B̃(μ) - Ω             ExponentialJacobian: corrections of Ω
+///     Ω⁰ of magnus4 or magnus5               ExplicitStart
+///     W₁ = e^Ω W₀ e^(-Ω)                     ExponentialUpdate
 ///
-/// with T_k of GradedSeries and B̃ of GradedGradient.  Tolerance and accuracy are relative to ‖Ω‖_F,
-/// or to more as in the published form (integrators/unit_of_exponent.h).  A step is isospectral for
-/// any Ω, and Lie-Poisson to the tolerance.
-///
-/// The Jacobian is K + E.  K is the coupling of B alone: with c₀ = δ, c_j = [Ω, c_{j-1}] / (j+1),
-/// and e^{s ad_Ω} W₀ from the same series as μ,
-///
-///     K δ = h B(D),   D = ∫₀¹ [s Σ_j s^j c_j, e^{s ad_Ω} W₀] ds
-///
-/// by Gauss quadrature of weight s: one node, s = 2/3, or two, (6 ∓ √6)/10, where more digits are
-/// wanted.  The step before tells whether they will be; where it does not, the estimated error says
-/// that one node was too few.  E δ = h³ (∇F₂)'(μ) D is the derivative of the term of B̃ in h², about
-/// as small beside δ as the term beside B.  It is taken where it shows; what is left out of it, and
-/// the derivative of the term in h⁴, enter the estimated error.
-///
-/// The error of explicit start values is foretold from that of the step before (StartError).
-///
-/// Products of a residual: 1 for each T_k, in double precision only where it has to be, and those
-/// of B̃ - B.  In single precision, of K δ: 1 for each c_j and 1 for each node; of E δ: 6.
-/// Without options.single_precision all of these are in double.  Of the update: those of
-/// SplitExponential.  Of an explicit start: 6 for magnus4 and 12 for magnus5 in single precision,
-/// and 1.5 to carry its error.  Poisson solves: those of B̃, 1 for K δ, 3 for E δ.
-class ExponentialSystem final : public StageSystem, private Coupling {
+/// integrators/EXPONENTIAL.md says which file has which of its formulas.  Tolerance and accuracy
+/// are relative to ‖Ω‖_F, or to more as in the published form (integrators/unit_of_exponent.h).  A
+/// step is isospectral for any Ω, and Lie-Poisson to the tolerance.  Work: that of the parts.
+class ExponentialSystem final : public StageSystem {
  public:
   /// Bands are truncated if options.bands is true.  Throws std::invalid_argument for a flow without
   /// a generator in split-complex storage, and for threads out of range.
   ExponentialSystem(const Flow& flow, int order, const FastOptions& options = {});
 
-  Unknowns unknowns() const override { return {split_stages(1, n_)}; }
+  Unknowns unknowns() const override { return {split_stages(1, operations_.size())}; }
   /// Newton from past steps, from an explicit step and from a cold start; then Picard and Anderson.
   std::vector<Attempt> attempts(bool newton) const override;
-  void forget() override;
-  // The change of the step before the last is not read again: bind() takes that of the last.
-  void exchange_memory() override {
-    std::swap(largest_change_, other_.largest_change);
-    gradient_.exchange_memory(other_.gradient);
-    std::swap(derivative_per_share_, other_.derivative_per_share);
-    std::swap(start_error_, other_.start_error);
-    exponential_.exchange(other_.adjoint);
-  }
-  void bind(const SplitMatrix& W0, double h, double tolerance) override;
-  /// Explicit: Ω of magnus4, or of magnus5 for order 6, less its expected error.  Cold: Ω = h
-  /// B(W₀).
+  /// ExponentialMemory.
+  std::unique_ptr<StepMemory> memory() const override;
+  void bind(const SplitMatrix& W0, double h, double tolerance, StepMemory& memory) override;
+  /// Explicit: that of ExplicitStart.  Cold, or where there is none: Ω = h B(W₀).
   void start(Unknowns& x, Start how) override;
   ResidualSize residual(Corrections& R, Unknowns& x, double accuracy) override;
   Correction correct(Corrections& delta, const Unknowns& x, const Corrections& R,
-                     const CorrectionRequest& request, const IterationOptions& options) override;
-  double unit(const Unknowns& x) const override;
-  double least_contraction() const override { return least_contraction_; }
-  Acceptance acceptance() const override { return acceptance_; }
+                     const CorrectionRequest& request, const IterationOptions& options) override {
+    return jacobian_.correct(delta, x[0][0], R, request, options);
+  }
+  double unit(const Unknowns& x) const override { return step_.unit(x[0][0]); }
+  /// By the estimated error of a correction, unless options.error_estimates is false.
+  ConvergenceTest convergence_test(const Unknowns& x, double tolerance,
+                                   IterationMemory& memory) const override;
   /// W1 is not finite where ‖Ω‖ is beyond SplitExponential.
   void update(SplitMatrix& W1, const Unknowns& x) override;
 
-  bool truncates() const override { return bands_.enabled(); }
-  void truncate(bool enabled) override { bands_.enable(enabled); }
-  Work work() const override { return work_of(products_, single_products_, generator_); }
+  bool truncates() const override { return operations_.bands.enabled(); }
+  void truncate(bool enabled) override { operations_.bands.enable(enabled); }
+  Work work() const override { return operations_.work(); }
 
  private:
-  static constexpr std::size_t most_nodes = 2;
-
-  // What the Jacobian is formed from and in, in one precision.
-  template <class Real>
-  struct Linearization {
-    using M = SplitMatrixOf<Real>;
-
-    explicit Linearization(Index n);
-
-    // Of the last residual.
-    std::array<M, 3> moved;  // e^{s ad_Ω} W₀ at s = 2/3 and, if has_pair_, at the two nodes
-
-    // Of the coupling.
-    M Omega;
-    M c, next_c;                      // c_j and c_{j+1}
-    std::array<M, most_nodes> inner;  // Σ_j s^j c_j at the nodes
-    M D, sum_of_D;
-    M BD;  // B(D), or B of the sum
-    M E_delta;
-  };
-  // What takes the place of single precision where that is left out.
-  struct Double {
-    Double(SplitLie<double>& lie, int order, Index n);
-
-    Linearization<double> linearization;
-    MagnusExponent<SplitLie<double>> magnus;
-    SplitMatrix delta, coupled;
-  };
-
-  void couple(Corrections& coupled, const Corrections& delta, double accuracy) override;
-  static bool needs_pair(double size, double error);
-  double error_of_two_nodes(double size_of_Omega) const;
-  void choose_nodes();
-  void start_cold(SplitMatrix& Omega);
-  double moved_error(double part) const;
-  // e^{s ad_Ω} W₀ at the nodes that were chosen.
-  template <class Real>
-  std::span<SplitMatrixOf<Real>> moved_in_use(Linearization<Real>& at) const {
-    return {at.moved.data(), has_pair_ ? at.moved.size() : 1};
-  }
-  void carry(SingleMatrix& out, const SingleMatrix& X);
-  bool form_average(const SplitMatrix& Omega, double error);
-  template <class Real>
-  bool form_average(const SplitMatrix& Omega, double error, Linearization<Real>& at,
-                    const SplitMatrixOf<Real>& W0);
-  double error_of_average(double accuracy, const Unknowns& x) const;
-  template <class Real>
-  void cut(Linearization<Real>& at, SplitLie<Real>& lie, double part);
-  Correction solve(Corrections& delta, const Corrections& R, const CorrectionRequest& request,
-                   double derivative, const IterationOptions& options);
-  template <class Real>
-  void couple(SplitMatrixOf<Real>& coupled, const SplitMatrixOf<Real>& delta, double accuracy,
-              Linearization<Real>& at, SplitLie<Real>& lie);
-  void differentiate(double part);
-  template <class Real>
-  void differentiate(Linearization<Real>& at, SplitLie<Real>& lie, double part);
-
-  Index n_;
-  int order_;
   Acceptance acceptance_;
   bool starts_explicitly_;
-  bool is_graded_;
-  SplitProducts products_;
-  SingleProducts single_products_;
-  StageGenerator generator_;
-  BandTruncation bands_;
-  SplitLie<double> lie_;
-  SplitLie<float> single_lie_;
-  GradedSeries series_;
-  GradedGradient gradient_;
-  MagnusExponent<SplitLie<float>> magnus_;
-  SplitExponential exponential_;
-  StartError start_error_;
-  NeumannCorrection correction_;
-
-  // Of the step.
-  const SplitMatrix* W0_ = nullptr;
-  double h_ = 0.0;
-  double tolerance_ = 0.0;
-  double size_of_W0_ = 0.0;
-  double rotation_ = 0.0;    // ‖hR‖_F of the rotation R that B is left without
-  double least_unit_ = 0.0;  // least_unit_of_exponent()
-  double least_contraction_ = 0.0;
-  SingleMatrix W0_single_;
-
-  // Of the last residual.
-  SplitMatrix mu_;  // μ
-  SplitMatrix v_;   // B̃(μ)
-  // Largest relative change of a sweep, in this step and in the one before; 0 if unknown.
-  double largest_change_ = 0.0;
-  double change_before_ = 0.0;
-  bool has_pair_ = true;         // e^{s ad_Ω} W₀ is formed at the two nodes too
-  double error_of_moved_ = 0.0;  // allowed in it
-  bool is_first_correction_ = true;
-
-  Linearization<float> single_;
-  std::optional<Double> double_;  // without single precision
-
-  // Of a correction.
-  // ‖E δ‖ / ‖δ‖ over the share of the term in h², as last seen.
-  double derivative_per_share_;
-  bool sums_D_ = false;  // D is summed over the couplings, for E δ
-  bool has_sum_of_D_ = false;
-  Corrections E_delta_;
-  Corrections more_delta_;  // δ_k
-
-  // Of the update.
-  SplitMatrix Omega_cut_;  // Ω, cut to its band
-
-  // What steps leave to later ones, for other steps: see the members of the same names.
-  struct Memory {
-    explicit Memory(Index n) : start_error(n), adjoint(n) {}
-
-    double largest_change = 0.0;
-    GradedGradient::Memory gradient;
-    double derivative_per_share = 0.0;
-    StartError start_error;
-    SplitMatrix adjoint;  // of exponential_, which carries the error
-  };
-  Memory other_ = Memory(n_);
+  SplitOperations operations_;
+  ExponentialStep step_;
+  ExponentialEquation equation_;
+  ExponentialJacobian jacobian_;
+  ExponentialUpdate update_;
+  ExplicitStart explicit_start_;
 };
 
 }  // namespace isosyrk

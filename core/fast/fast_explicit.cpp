@@ -37,9 +37,10 @@ FastExplicit::FastExplicit(const SharedFlow& flow, const FastOptions& options)
       left_out_(tuning.left_out * options.iteration.tolerance),
       product_(zeros(1)) {}
 
-StepReport FastExplicit::take_step(SplitStages& W1, const SplitStages& W0, double h, Past) {
+StepReport FastExplicit::take_step(SplitStages& W1, const SplitStages& W0, double h,
+                                   StepMemory& memory) {
   h_ = h;
-  return {.status = take_explicit_step(W1, W0, h) ? Status::converged : Status::diverged};
+  return {.status = take_explicit_step(W1, W0, h, memory) ? Status::converged : Status::diverged};
 }
 
 void FastExplicit::commutator(SplitStages& out, const SplitMatrix& A, const SplitMatrix& X,
@@ -64,7 +65,8 @@ FastRungeKutta::FastRungeKutta(const SharedFlow& flow, const Tableau& tableau,
   require_explicit(tableau_);
 }
 
-bool FastRungeKutta::take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) {
+bool FastRungeKutta::take_explicit_step(SplitStages& W1, const SplitStages& W0, double h,
+                                        StepMemory&) {
   for (std::size_t i = 0; i < k_.size(); ++i) {
     W_stage_[0] = W0[0] + h * sum(tableau_.a.row(static_cast<Index>(i)), k_);
     slope(k_[i], W_stage_);
@@ -83,29 +85,29 @@ FastMultistep::FastMultistep(const SharedFlow& flow, const MultistepScheme& sche
                              const FastOptions& options)
     : FastRungeKutta(flow, scheme.start, options),
       scheme_(scheme),
-      past_(zeros(scheme.predictor.size())),
       predicted_(zeros(1)),
-      predicted_slope_(zeros(1)) {}
-
-StepReport FastMultistep::take_step(SplitStages& W1, const SplitStages& W0, double h, Past past) {
-  is_of_run_ = past == Past::used;
-  return FastExplicit::take_step(W1, W0, h, past);
+      predicted_slope_(zeros(1)) {
+  auto of_run = std::make_unique<Memory>();
+  of_run->past.emplace(zeros(scheme.predictor.size()));
+  remember(std::move(of_run), std::make_unique<Memory>());
 }
 
-bool FastMultistep::take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) {
-  if (!is_of_run_) return FastRungeKutta::take_explicit_step(W1, W0, h);
-  SplitMatrix& f = past_.join(h);
-  if (!past_.is_complete()) {
-    const bool is_taken = FastRungeKutta::take_explicit_step(W1, W0, h);
+bool FastMultistep::take_explicit_step(SplitStages& W1, const SplitStages& W0, double h,
+                                       StepMemory& memory) {
+  auto& past = static_cast<Memory&>(memory).past;
+  if (!past) return FastRungeKutta::take_explicit_step(W1, W0, h, memory);
+  SplitMatrix& f = past->join(h);
+  if (!past->is_complete()) {
+    const bool is_taken = FastRungeKutta::take_explicit_step(W1, W0, h, memory);
     f = 1.0 * first_slope();
     return is_taken;
   }
   copy(predicted_, W0);
   slope(f, predicted_);
-  predicted_[0] = W0[0] + h * sum(scheme_.predictor, past_.slopes());
+  predicted_[0] = W0[0] + h * sum(scheme_.predictor, past->slopes());
   slope(predicted_slope_[0], predicted_);
   W1[0] = W0[0] + (h * scheme_.of_predicted) * predicted_slope_[0] +
-          h * sum(scheme_.corrector, past_.slopes());
+          h * sum(scheme_.corrector, past->slopes());
   return true;
 }
 
@@ -116,31 +118,33 @@ FastMuntheKaas4::FastMuntheKaas4(const SharedFlow& flow, const FastOptions& opti
       series_(products_, single_products_, flow->size(), options),
       exponential_(flow->size(), bands()),
       Omega_(zeros(1)),
+      adjoint_(flow->size()),
       commutator_(zeros(1)),
       W_stage_(zeros(1)),
       B_(generators()),
-      k_(zeros(scheme_.tableau.stages())) {}
+      k_(zeros(scheme_.tableau.stages())) {
+  remember(std::make_unique<Memory>(), std::make_unique<Memory>());
+}
 
 void FastMuntheKaas4::set_stage_error(double error) {
   stage_error_ = std::max(tolerance_, stage_share * error) * scale_;
 }
 
-StepReport FastMuntheKaas4::take_step(SplitStages& W1, const SplitStages& W0, double h, Past past) {
+StepReport FastMuntheKaas4::take_step(SplitStages& W1, const SplitStages& W0, double h,
+                                      StepMemory& of_steps) {
+  auto& memory = static_cast<Memory&>(of_steps);
   scale_ = norm(W0[0]);
-  const bool continues = past == Past::used && std::abs(h) == h_of_run_;
-  set_stage_error(continues ? error_of_run_ : 0.0);
+  set_stage_error(std::abs(h) == memory.h ? memory.error : 0.0);
   const double taken = stage_error_;
-  StepReport report = FastExplicit::take_step(W1, W0, h, past);
+  StepReport report = FastExplicit::take_step(W1, W0, h, memory);
   if (report.status != Status::converged) return report;
   set_stage_error(stage_error_growth * error_);
   if (taken > stage_error_) {
     set_stage_error(error_);
-    report = FastExplicit::take_step(W1, W0, h, past);
+    report = FastExplicit::take_step(W1, W0, h, memory);
   }
-  if (past == Past::used) {
-    h_of_run_ = std::abs(h);
-    error_of_run_ = error_;
-  }
+  memory.h = std::abs(h);
+  memory.error = error_;
   return report;
 }
 
@@ -159,7 +163,8 @@ void FastMuntheKaas4::form_exponent(std::size_t stage) {
 
 // W1 = U W₀ U†, with U = e^Ω to this error and unitary to rounding.
 bool FastMuntheKaas4::conjugate(SplitMatrix& W1, const SplitMatrix& W0, double error_of_U) {
-  if (exponential_.conjugate(W1, Omega_[0], W0, error_of_U, products_, single_products_)) {
+  if (exponential_.conjugate(W1, adjoint_, Omega_[0], W0, error_of_U, products_,
+                             single_products_)) {
     return true;
   }
   const double error = GradedSeries::conjugation_error * scale_;
@@ -167,7 +172,8 @@ bool FastMuntheKaas4::conjugate(SplitMatrix& W1, const SplitMatrix& W0, double e
   return series_.conjugate(W1, Omega_[0], W0, error);
 }
 
-bool FastMuntheKaas4::take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) {
+bool FastMuntheKaas4::take_explicit_step(SplitStages& W1, const SplitStages& W0, double h,
+                                         StepMemory&) {
   const double left_out = stage_left_out * stage_error_;
   const double of_Omega = scale_ > 0.0 ? left_out / scale_ : 0.0;
   series_.truncate(bands(), left_out);
@@ -194,12 +200,12 @@ bool FastMuntheKaas4::take_explicit_step(SplitStages& W1, const SplitStages& W0,
 FastMagnus::FastMagnus(const SharedFlow& flow, const MagnusScheme& scheme,
                        const FastOptions& options)
     : FastExplicit(flow, options),
-      is_single_(options.single_precision &&
-                 options.iteration.tolerance >= smallest_single_tolerance),
+      is_single_(options.iteration.tolerance >= smallest_single_tolerance),
       lie_(products_, generator_, bands()),
       single_lie_(single_products_, generator_, bands()),
       exponential_(flow->size(), bands()),
       Omega_(flow->size()),
+      adjoint_(flow->size()),
       Omega_single_(flow->size()),
       W0_single_(flow->size()) {
   if (is_single_) {
@@ -211,7 +217,7 @@ FastMagnus::FastMagnus(const SharedFlow& flow, const MagnusScheme& scheme,
   }
 }
 
-bool FastMagnus::take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) {
+bool FastMagnus::take_explicit_step(SplitStages& W1, const SplitStages& W0, double h, StepMemory&) {
   if (is_single_) {
     round_to_single(W0_single_, W0[0]);
     single_exponent_->form_exponent(Omega_single_, W0_single_, h);
@@ -221,7 +227,7 @@ bool FastMagnus::take_explicit_step(SplitStages& W1, const SplitStages& W0, doub
   }
   bands().truncate_symmetric_to_part(Omega_, left_out());
   const double error = left_out() * norm(Omega_);
-  return exponential_.conjugate(W1[0], Omega_, W0[0], error, products_, single_products_);
+  return exponential_.conjugate(W1[0], adjoint_, Omega_, W0[0], error, products_, single_products_);
 }
 
 }  // namespace isosyrk

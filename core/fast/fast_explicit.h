@@ -23,7 +23,8 @@ class FastExplicit : public SplitIntegrator {
   FastExplicit(const SharedFlow& flow, const FastOptions& options);
 
   /// Computes W1 from W0, single matrices.  Returns false if the step diverges.
-  virtual bool take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) = 0;
+  virtual bool take_explicit_step(SplitStages& W1, const SplitStages& W0, double h,
+                                  StepMemory& memory) = 0;
 
   Generators generators() const { return generator_.generators(1); }
   SplitStages zeros(Index count) const { return split_stages(count, flow().size()); }
@@ -37,7 +38,8 @@ class FastExplicit : public SplitIntegrator {
   /// Frobenius norm that may be cut from W, which has about norm 1; of Ω the part of its norm.
   double left_out() const { return left_out_; }
 
-  StepReport take_step(SplitStages& W1, const SplitStages& W0, double h, Past past) override;
+  StepReport take_step(SplitStages& W1, const SplitStages& W0, double h,
+                       StepMemory& memory) override;
 
   SplitProducts products_;
   SingleProducts single_products_;
@@ -60,7 +62,8 @@ class FastRungeKutta : public FastExplicit {
   FastRungeKutta(const SharedFlow& flow, const Tableau& tableau, const FastOptions& options);
 
  protected:
-  bool take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) override;
+  bool take_explicit_step(SplitStages& W1, const SplitStages& W0, double h,
+                          StepMemory& memory) override;
 
   /// k = [B(W), W].  W is cut to its band.
   void slope(SplitMatrix& k, SplitStages& W);
@@ -83,14 +86,20 @@ class FastMultistep final : public FastRungeKutta {
   FastMultistep(const SharedFlow& flow, const MultistepScheme& scheme, const FastOptions& options);
 
  private:
-  StepReport take_step(SplitStages& W1, const SplitStages& W0, double h, Past past) override;
-  bool take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) override;
-  void forget() override { past_.forget(); }
-  void amended() override { past_.forget(); }
+  // What a step leaves to the next one.
+  struct Memory final : StepMemory {
+    void forget() override {
+      if (past) past->forget();
+    }
+
+    std::optional<PastSlopes<SplitMatrix>> past;  // none beside a run, where no step follows
+  };
+
+  bool take_explicit_step(SplitStages& W1, const SplitStages& W0, double h,
+                          StepMemory& memory) override;
+  void amended() override { memory_of_run<Memory>().forget(); }
 
   MultistepScheme scheme_;
-  PastSlopes<SplitMatrix> past_;
-  bool is_of_run_ = false;
   SplitStages predicted_;        // W₀, and then W̃
   SplitStages predicted_slope_;  // f̃
 };
@@ -119,9 +128,18 @@ class FastMuntheKaas4 final : public FastExplicit {
   FastMuntheKaas4(const SharedFlow& flow, const FastOptions& options);
 
  private:
-  StepReport take_step(SplitStages& W1, const SplitStages& W0, double h, Past past) override;
-  bool take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) override;
-  void forget() override { h_of_run_.reset(); }
+  // What a step leaves to the next one.
+  struct Memory final : StepMemory {
+    void forget() override { h.reset(); }
+
+    std::optional<double> h;  // |h|
+    double error = 0.0;       // e
+  };
+
+  StepReport take_step(SplitStages& W1, const SplitStages& W0, double h,
+                       StepMemory& memory) override;
+  bool take_explicit_step(SplitStages& W1, const SplitStages& W0, double h,
+                          StepMemory& memory) override;
   void form_exponent(std::size_t stage);
   void set_stage_error(double error);
   bool conjugate(SplitMatrix& W1, const SplitMatrix& W0, double error_of_U);
@@ -131,6 +149,7 @@ class FastMuntheKaas4 final : public FastExplicit {
   GradedSeries series_;
   SplitExponential exponential_;
   SplitStages Omega_;         // Ω_i, and at the end Ω
+  SplitMatrix adjoint_;       // U†
   SplitStages commutator_;    // of Ω_i
   SplitStages W_stage_;       // Ad(Ω_i) W₀
   Generators B_;              // B(Ad(Ω_i) W₀)
@@ -138,9 +157,6 @@ class FastMuntheKaas4 final : public FastExplicit {
   double scale_ = 0.0;        // ‖W₀‖_F
   double stage_error_ = 0.0;  // Frobenius norm that the series of a stage may leave out
   double error_ = 0.0;        // e of the step just taken
-  // Of the last step of a run, if there is one.
-  std::optional<double> h_of_run_;  // |h|
-  double error_of_run_ = 0.0;       // e
 };
 
 /// ExplicitMagnus: W₁ = e^Ω W₀ e^(-Ω) to rounding, with Ω to the tolerance, relative to ‖Ω‖: in
@@ -151,7 +167,8 @@ class FastMagnus final : public FastExplicit {
   FastMagnus(const SharedFlow& flow, const MagnusScheme& scheme, const FastOptions& options);
 
  private:
-  bool take_explicit_step(SplitStages& W1, const SplitStages& W0, double h) override;
+  bool take_explicit_step(SplitStages& W1, const SplitStages& W0, double h,
+                          StepMemory& memory) override;
 
   bool is_single_;
   SplitLie<double> lie_;
@@ -161,6 +178,7 @@ class FastMagnus final : public FastExplicit {
   std::optional<MagnusExponent<SplitLie<float>>> single_exponent_;
   SplitExponential exponential_;
   SplitMatrix Omega_;
+  SplitMatrix adjoint_;  // U†, U = e^Ω
   SingleMatrix Omega_single_, W0_single_;
 };
 

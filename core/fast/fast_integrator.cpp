@@ -8,31 +8,35 @@ namespace isosyrk {
 
 FastIntegrator::FastIntegrator(const SharedFlow& flow, const MakeSystem& make_system,
                                const FastOptions& options, std::vector<double> fractions)
-    : SplitIntegrator(flow, options.threads),
-      fractions_(std::move(fractions)),
-      between_(split_stages(static_cast<Index>(fractions_.size()) - 1, flow->size())),
-      other_between_(between_) {
+    : SplitIntegrator(flow, options.threads), fractions_(std::move(fractions)) {
   for (std::size_t k = 0; k < fractions_.size(); ++k)
     substeps_.emplace_back(make_system(), options);
+  remember(empty_memory(true), empty_memory(false));
+}
+
+std::unique_ptr<FastIntegrator::Memory> FastIntegrator::empty_memory(bool of_run) const {
+  auto memory = std::make_unique<Memory>();
+  for (const FastSubstep& substep : substeps_) {
+    memory->of_substeps.push_back(of_run ? substep.memory_of_run() : substep.memory_beside());
+  }
+  memory->between = split_stages(static_cast<Index>(fractions_.size()) - 1, flow().size());
+  return memory;
+}
+
+void FastIntegrator::Memory::forget() {
+  for (SubstepMemory& each : of_substeps) each.forget();
 }
 
 double FastIntegrator::change_of_one_more_sweep() {
-  const SplitMatrix& W0 = between_.empty() ? before_last_step() : between_.back();
+  auto& of_run = memory_of_run<Memory>();
+  const SplitMatrix& W0 = of_run.between.empty() ? before_last_step() : of_run.between.back();
   double change = 0.0;
   on_threads(threads(), [&] {
-    change = substeps_.back().change_of_one_more_sweep(W0, fractions_.back() * h_);
+    change = substeps_.back().change_of_one_more_sweep(W0, fractions_.back() * of_run.h,
+                                                       of_run.of_substeps.back(),
+                                                       memory_beside<Memory>().of_substeps.back());
   });
   return change;
-}
-
-void FastIntegrator::forget() {
-  for (FastSubstep& substep : substeps_) substep.forget();
-}
-
-void FastIntegrator::exchange_memory() {
-  for (FastSubstep& substep : substeps_) substep.exchange_memory();
-  between_.swap(other_between_);
-  std::swap(h_, other_h_);
 }
 
 Work FastIntegrator::work() const {
@@ -41,13 +45,15 @@ Work FastIntegrator::work() const {
   return total;
 }
 
-StepReport FastIntegrator::take_step(SplitStages& W1, const SplitStages& W0, double h, Past past) {
-  h_ = h;
+StepReport FastIntegrator::take_step(SplitStages& W1, const SplitStages& W0, double h,
+                                     StepMemory& of_steps) {
+  auto& memory = static_cast<Memory&>(of_steps);
+  memory.h = h;
   StepReport total;
   const SplitMatrix* from = &W0[0];
   for (std::size_t k = 0; k < substeps_.size(); ++k) {
-    SplitMatrix& to = k < between_.size() ? between_[k] : W1[0];
-    total.append(substeps_[k].advance(to, *from, fractions_[k] * h, past));
+    SplitMatrix& to = k < memory.between.size() ? memory.between[k] : W1[0];
+    total.append(substeps_[k].advance(to, *from, fractions_[k] * h, memory.of_substeps[k]));
     if (total.status != Status::converged) break;
     from = &to;
   }

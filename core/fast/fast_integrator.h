@@ -18,9 +18,9 @@ class FastIntegrator final : public SplitIntegrator {
  public:
   using MakeSystem = std::function<std::unique_ptr<StageSystem>()>;
 
-  /// Takes what makes the system of a substep, for this flow and for at least options.threads
-  /// threads.  Substep k has size fractions[k] h; a method without substeps has one.  Throws
-  /// std::invalid_argument for options out of range.
+  /// make_system() returns the stage system of one substep, for this flow and for at least
+  /// options.threads threads.  Substep k has size fractions[k] h; a method without substeps has
+  /// one.  Throws std::invalid_argument for options out of range.
   FastIntegrator(const SharedFlow& flow, const MakeSystem& make_system, const FastOptions& options,
                  std::vector<double> fractions = {1.0});
 
@@ -33,18 +33,22 @@ class FastIntegrator final : public SplitIntegrator {
   bool truncates() const { return substeps_[0].system().truncates(); }
 
  private:
-  StepReport take_step(SplitStages& W1, const SplitStages& W0, double h, Past past) override;
+  // What a step leaves to the next one.
+  struct Memory final : StepMemory {
+    void forget() override;
+
+    std::vector<SubstepMemory> of_substeps;
+    SplitStages between;  // the states after each substep but the last
+    double h = 0.0;
+  };
+
+  std::unique_ptr<Memory> empty_memory(bool of_run) const;
+  StepReport take_step(SplitStages& W1, const SplitStages& W0, double h,
+                       StepMemory& memory) override;
   Work work() const override;
-  void forget() override;
-  void exchange_memory() override;
 
   std::vector<double> fractions_;
   std::vector<FastSubstep> substeps_;
-  SplitStages between_;  // after each substep but the last
-  double h_ = 0.0;       // of the last step
-  // between_ and h_ of other steps.
-  SplitStages other_between_;
-  double other_h_ = 0.0;
 };
 
 }  // namespace isosyrk

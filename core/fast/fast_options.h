@@ -29,12 +29,9 @@ struct FastOptions {
   bool explicit_start = true;
   /// Acceptance by the estimated error of a correction; if false, by the change of one more sweep.
   bool error_estimates = true;
-  // And of these, the Munthe-Kaas and the explicit Magnus forms:
-  /// Single precision where its rounding does not show: of late terms of series, start values and
-  /// the Jacobian.  A residual is rounded to it in any case.
-  bool single_precision = true;
-  /// Series of commutators that end where the wanted accuracy is reached; if false, each is summed
-  /// to rounding.  Not used by explicit Magnus forms.
+  // And of these and the Munthe-Kaas form:
+  /// Series of commutators that end where the wanted accuracy is reached; if false, each goes on to
+  /// rounding.
   bool graded_series = true;
 };
 

@@ -7,119 +7,107 @@
 #include "isosyrk/solver/tuning.h"
 
 namespace isosyrk {
-namespace {
 
-bool has(const std::vector<Attempt>& attempts, Start how) {
-  return std::ranges::any_of(attempts,
-                             [&](const Attempt& attempt) { return attempt.start == how; });
+SubstepMemory::SubstepMemory(const StageSystem& system, int past_steps)
+    : x(system.unknowns()), predictor(past_steps, x), of_system(system.memory()) {}
+
+void SubstepMemory::forget() {
+  h.reset();
+  iteration.forget();
+  predictor.forget();
+  choice.forget();
+  of_system->forget();
 }
-
-}  // namespace
 
 FastSubstep::FastSubstep(std::unique_ptr<StageSystem> system, const FastOptions& options)
     : system_(std::move(system)),
       options_(options.iteration),
       attempts_(system_->attempts(options.newton)),
-      predicts_(has(attempts_, Start::predicted)),
-      offers_both_(predicts_ && has(attempts_, Start::stepped)),
-      x_(system_->unknowns()),
-      newton_(x_),
-      picard_(x_),
-      anderson_(x_),
-      predictor_(predicts_ ? options.past_steps.value_or(tuning.past_steps(x_[0][0].size())) : 0,
-                 x_),
-      other_x_(x_) {
-  if (offers_both_) trial_ = x_;
+      past_steps_(options.past_steps.value_or(tuning.past_steps(system_->unknowns()[0][0].size()))),
+      offers_both_(offers(Start::predicted) && offers(Start::stepped)),
+      newton_(system_->unknowns()),
+      picard_(system_->unknowns()),
+      anderson_(system_->unknowns()) {
+  if (!offers(Start::predicted)) past_steps_ = 0;
+  if (offers_both_) trial_ = system_->unknowns();
 }
 
-// True if an attempt is left out in this step.
-bool FastSubstep::skips(Start how, Past past) const {
-  if (how != Start::predicted) return false;
-  return past == Past::left_out || (offers_both_ && !choice_.prefers_past());
+bool FastSubstep::offers(Start how) const {
+  return std::ranges::any_of(attempts_,
+                             [&](const Attempt& attempt) { return attempt.start == how; });
 }
 
 // Tells the choice the error of the start values of the step that has converged, and from time to
 // time that of a prediction that was not used.
-void FastSubstep::observe_start(Start how, double h) {
+void FastSubstep::observe_start(Start how, double h, SubstepMemory& memory) {
+  StartChoice& choice = memory.choice;
   if (how == Start::predicted) {
-    choice_.saw_past(newton_.start_change());
+    choice.record_past(memory.iteration.start_change);
   } else if (how == Start::stepped) {
-    choice_.saw_explicit(newton_.start_change());
-    if (choice_.is_trial_due() && predictor_.predict(h, trial_)) {
-      choice_.saw_past(largest_difference(trial_, x_) / system_->unit(x_));
+    choice.record_explicit(memory.iteration.start_change);
+    if (choice.is_trial_due() && memory.predictor.predict(h, trial_)) {
+      choice.record_past(largest_difference(trial_, memory.x) / system_->unit(memory.x));
     }
   }
 }
 
-bool FastSubstep::starts(Start how, double h) {
-  if (how == Start::predicted) return predictor_.predict(h, x_);
-  system_->start(x_, how);
-  if (how == Start::cold) newton_.forget();
+bool FastSubstep::starts(Start how, double h, SubstepMemory& memory) {
+  if (how == Start::predicted) {
+    const bool is_preferred = !offers_both_ || memory.choice.prefers_past();
+    return is_preferred && memory.predictor.predict(h, memory.x);
+  }
+  system_->start(memory.x, how);
+  if (how == Start::cold) memory.iteration.forget();
   return true;
 }
 
-SolveReport FastSubstep::solve(Iteration iteration) {
+SolveReport FastSubstep::solve(Iteration iteration, SubstepMemory& memory) {
   switch (iteration) {
     case Iteration::newton:
-      return newton_.solve(*system_, options_, x_);
+      return newton_.solve(*system_, memory.iteration, options_, memory.x);
     case Iteration::frozen_picard:
-      return picard_.solve_with_frozen_sweeps(*system_, options_, x_);
+      return picard_.solve_by_far_sweeps(*system_, options_, memory.x);
     case Iteration::anderson:
-      return anderson_.solve(*system_, options_, x_);
+      return anderson_.solve(*system_, options_, memory.x);
     case Iteration::picard:
     case Iteration::none:
       break;
   }
-  return picard_.solve(*system_, options_, x_);
+  return picard_.solve(*system_, options_, memory.x);
 }
 
-StepReport FastSubstep::advance(SplitMatrix& W1, const SplitMatrix& W0, double h, Past past) {
-  if (past == Past::left_out || h != h_) {  // nothing seen before holds
-    newton_.forget();
-    system_->forget();
-  }
-  if (past == Past::used) h_ = h;
-  system_->bind(W0, h, options_.tolerance);
+StepReport FastSubstep::advance(SplitMatrix& W1, const SplitMatrix& W0, double h,
+                                SubstepMemory& memory) {
+  if (h != memory.h) memory.forget();  // nothing seen before holds
+  memory.h = h;
+  system_->bind(W0, h, options_.tolerance, *memory.of_system);
   StepReport report;
   for (const Attempt& attempt : attempts_) {
-    if (skips(attempt.start, past)) continue;
-    if (!starts(attempt.start, h)) continue;
-    const SolveReport solved = solve(attempt.iteration);
+    if (!starts(attempt.start, h, memory)) continue;
+    const SolveReport solved = solve(attempt.iteration, memory);
     report.attempt = attempt;
     report.status = solved.status;
     report.sweeps += solved.sweeps;
     report.last_change = solved.change;
     report.contraction = solved.contraction;
     if (report.status == Status::converged) break;
-    if (attempt.start == Start::predicted) choice_.saw_failure_of_past();
+    if (attempt.start == Start::predicted) memory.choice.record_failure_of_past();
   }
   if (report.status == Status::converged) {
-    system_->update(W1, x_);
-    if (past == Past::used && offers_both_) observe_start(report.attempt.start, h);
-    if (past == Past::used && predicts_) predictor_.accept(h, x_);
+    system_->update(W1, memory.x);
+    if (offers_both_) observe_start(report.attempt.start, h, memory);
+    memory.predictor.accept(h, memory.x);
   }
   return report;
 }
 
-void FastSubstep::forget() {
-  predictor_.forget();
-  choice_.forget();
-  h_.reset();
-}
-
-void FastSubstep::exchange_memory() {
-  x_.swap(other_x_);
-  newton_.exchange_memory(other_newton_);
-  system_->exchange_memory();
-}
-
-double FastSubstep::change_of_one_more_sweep(const SplitMatrix& W0, double h) {
-  const Exchanged memory([&] { system_->exchange_memory(); });
-  system_->forget();
+double FastSubstep::change_of_one_more_sweep(const SplitMatrix& W0, double h,
+                                             const SubstepMemory& of_run, SubstepMemory& beside) {
+  beside.forget();
   const bool truncates = system_->truncates();
   system_->truncate(false);
-  system_->bind(W0, h, options_.tolerance);
-  Unknowns accepted = x_;
+  system_->bind(W0, h, options_.tolerance, *beside.of_system);
+  Unknowns accepted = of_run.x;
   Corrections R = corrections_like(accepted);
   const double change = accepting_residual(R, *system_, accepted, options_.tolerance);
   system_->truncate(truncates);

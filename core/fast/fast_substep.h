@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "isosyrk/fast/fast_options.h"
-#include "isosyrk/fast/past.h"
 #include "isosyrk/fast/stage_system.h"
 #include "isosyrk/fast/start_choice.h"
 #include "isosyrk/integrators/integrator.h"
@@ -17,10 +16,26 @@
 
 namespace isosyrk {
 
+/// All that the substep of a step leaves to that of the next one.
+struct SubstepMemory {
+  /// Remembers nothing yet, and at most `past_steps` steps for the predictor.
+  SubstepMemory(const StageSystem& system, int past_steps);
+
+  /// Forgets all of it but x.
+  void forget();
+
+  std::optional<double> h;    ///< of the last step
+  Unknowns x;                 ///< its solution, or what the last attempt left
+  IterationMemory iteration;  ///< what the solver has seen
+  Predictor predictor;        ///< solutions of steps of this h
+  StartChoice choice;         ///< errors of start values
+  std::unique_ptr<StepMemory> of_system;
+};
+
 /// Solves the stage equations of a step W₀ -> W₁ in split-complex storage.
 ///
 /// The attempts of the system (StageSystem::attempts) are made in order until one converges.  There
-/// is no predicted attempt after a failed step, for another h, or after forget().
+/// is no predicted attempt after a failed step, for another h, or where the memory is empty.
 ///
 /// The predictor keeps its past steps where a predicted attempt fails and a cold one works.  In
 /// runs of 60 steps of h‖B‖ >= 1.5, where predictions fail (all forms with s <= 3; both scenes at n
@@ -30,46 +45,39 @@ class FastSubstep {
  public:
   FastSubstep(std::unique_ptr<StageSystem> system, const FastOptions& options);
 
-  /// Computes W₁ from W₀ by a step of size h.  The report has all but the work.  Past steps, if
-  /// used, predict the step, and it joins them: W₀ must then be the W₁ of the call before, or
-  /// forget() must be called first.
-  StepReport advance(SplitMatrix& W1, const SplitMatrix& W0, double h, Past past);
-  /// Forgets all past steps.
-  void forget();
-  /// Exchanges all that the last step has left to the next, but the past steps of the predictor,
-  /// with what was left at the call before.  A lone step (Past::left_out) between two calls
-  /// disturbs no run.  Allocates nothing.
-  void exchange_memory();
+  /// Returns an empty memory for the steps of a run.
+  SubstepMemory memory_of_run() const { return {*system_, past_steps_}; }
+  /// Returns an empty memory for a step beside a run.  No step follows that, so it keeps none.
+  SubstepMemory memory_beside() const { return {*system_, 0}; }
 
-  /// Returns the change of one more Picard sweep, without band truncation, from the unknowns of the
-  /// last step, which must have converged from W₀ with this h.  Disturbs no later step.
-  double change_of_one_more_sweep(const SplitMatrix& W0, double h);
+  /// Computes W₁ from W₀ by a step of size h.  The report has all but the work.  Past steps in the
+  /// memory predict the step, and it joins them: W₀ must be the W₁ of the last of them.  Allocates
+  /// nothing.
+  StepReport advance(SplitMatrix& W1, const SplitMatrix& W0, double h, SubstepMemory& memory);
+
+  /// Returns the change of one more Picard sweep, without band truncation, from the solution of the
+  /// last step of a run, which must have converged from W₀ with this h.  Forgets `beside`.
+  double change_of_one_more_sweep(const SplitMatrix& W0, double h, const SubstepMemory& of_run,
+                                  SubstepMemory& beside);
 
   const StageSystem& system() const { return *system_; }
 
  private:
-  bool skips(Start how, Past past) const;
-  void observe_start(Start how, double h);
-  // Sets x_ to the start values of an attempt; false if there are none.
-  bool starts(Start how, double h);
-  SolveReport solve(Iteration iteration);
+  bool offers(Start how) const;
+  void observe_start(Start how, double h, SubstepMemory& memory);
+  // Sets memory.x to the start values of an attempt; false if there are none.
+  bool starts(Start how, double h, SubstepMemory& memory);
+  SolveReport solve(Iteration iteration, SubstepMemory& memory);
 
   std::unique_ptr<StageSystem> system_;
   IterationOptions options_;
   std::vector<Attempt> attempts_;
-  std::optional<double> h_;  // of the last step, if what was seen there may hold in the next
-  bool predicts_;            // an attempt starts from past steps
-  bool offers_both_;         // and another from an explicit step
-  Unknowns x_;
+  int past_steps_;
+  bool offers_both_;  // an attempt from past steps, and another from an explicit step
   Newton newton_;
   PicardIteration picard_;
   AndersonIteration anderson_;
-  Predictor predictor_;
-  StartChoice choice_;
-  Unknowns trial_;  // a prediction of x_, made to see its error
-  // x_ and the memory of newton_ of other steps.
-  Unknowns other_x_;
-  Newton::Memory other_newton_;
+  Unknowns trial_;  // a prediction, made to see its error
 };
 
 }  // namespace isosyrk

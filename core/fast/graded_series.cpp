@@ -19,7 +19,6 @@ GradedSeries::GradedSeries(SplitProducts& products, SingleProducts& single_produ
                            const FastOptions& options)
     : products_(products),
       single_products_(single_products),
-      may_be_single_(options.single_precision),
       is_graded_(options.graded_series),
       Omega_(n),
       term_(n),
@@ -79,7 +78,7 @@ double GradedSeries::cut(SplitMatrixOf<Real>& term) {
 bool GradedSeries::advance() {
   constexpr int most_terms = 200;
   const double roundoff = weight(k_ + 1) * size_ * tuning.single_roundoff;
-  if (may_be_single_ && !in_single_ && roundoff <= error_) {
+  if (!in_single_ && roundoff <= error_) {
     in_single_ = true;
     round_to_single(Omega_single_, Omega_);
     round_to_single(term_single_, term_);
@@ -99,7 +98,7 @@ bool GradedSeries::advance() {
     size_ = cut(term_);
   }
   failed_ = !std::isfinite(size_) || k_ >= most_terms;
-  growth_.saw(size_, factor);
+  growth_.record(size_, factor);
   return !failed_ && !is_last();
 }
 
@@ -110,11 +109,6 @@ void GradedSeries::add_upper_to(Addition<double> first,
   } else {
     add_upper(first, others, term_);
   }
-}
-
-void GradedSeries::add_upper_to(Addition<double> first,
-                                std::span<const Addition<double>> others) const {
-  add_upper(first, others, term_);
 }
 
 bool GradedSeries::conjugate(SplitMatrix& out, const SplitMatrix& Omega, const SplitMatrix& W,

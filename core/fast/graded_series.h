@@ -23,8 +23,7 @@ namespace isosyrk {
 class GradedSeries {
  public:
   /// For n x n matrices.  Products must outlive it.  Only the constructor allocates.  Without
-  /// options.single_precision all terms are in double precision; without options.graded_series the
-  /// sums are taken to rounding, whatever error is wanted.
+  /// options.graded_series terms are formed down to rounding, whatever error is wanted.
   GradedSeries(SplitProducts& products, SingleProducts& single_products, Index n,
                const FastOptions& options = {});
 
@@ -52,8 +51,6 @@ class GradedSeries {
 
   /// Adds T_k to sums, in the upper triangles and unspecified entries below.  At most three others.
   void add_upper_to(Addition<double> first, std::span<const Addition<float>> others = {}) const;
-  /// The same without single precision.
-  void add_upper_to(Addition<double> first, std::span<const Addition<double>> others) const;
 
   /// Sets the norm that may be cut from each T_k.  Called before begin().
   void truncate(BandTruncation& bands, double tail) {
@@ -74,7 +71,6 @@ class GradedSeries {
 
   SplitProducts& products_;
   SingleProducts& single_products_;
-  bool may_be_single_;
   bool is_graded_;
   BandTruncation* bands_ = nullptr;
   double tail_ = 0.0;

@@ -31,8 +31,8 @@ GroupSystem::GroupSystem(const Flow& flow, const Tableau& tableau, int threads, 
       Q1_(zero()),
       W0Q1_(zero()) {}
 
-void GroupSystem::bind(const SplitMatrix& W0, double h, double tolerance) {
-  RungeKuttaSystem::bind(W0, h, tolerance);
+void GroupSystem::bind(const SplitMatrix& W0, double h, double tolerance, StepMemory& memory) {
+  RungeKuttaSystem::bind(W0, h, tolerance, memory);
   W0_cut_[0] = 1.0 * W0;
   bands_.truncate(W0_cut_, left_out_ / (std::abs(h) * generator_.norm_bound()));
 }

@@ -25,7 +25,7 @@ class GroupSystem final : public RungeKuttaSystem {
   /// As RungeKuttaSystem.
   GroupSystem(const Flow& flow, const Tableau& tableau, int threads, bool truncates);
 
-  void bind(const SplitMatrix& W0, double h, double tolerance) override;
+  void bind(const SplitMatrix& W0, double h, double tolerance, StepMemory& memory) override;
   void start(Unknowns& x, Start how) override;
   ResidualSize residual(Corrections& R, Unknowns& x, double accuracy) override;
   void linearise(const Unknowns& x, double accuracy) override;

@@ -27,22 +27,24 @@ MidpointSystem::MidpointSystem(const Flow& flow, int threads, bool truncates)
       W_single_(singles(1)),
       B_single_(generator_.rounded(1)),
       X_(singles(1)),
-      V_(singles(1)),
       minus_V_adjoint_(singles(1)),
       K_right_(singles(1)),
       dB_(singles(1)),
       product_(singles(1)),
-      other_(singles(1)),
-      other_V_(singles(1)) {}
+      other_(singles(1)) {}
 
-void MidpointSystem::exchange_memory() {
-  V_.swap(other_V_);
-  std::swap(knows_V_, knows_other_V_);
+std::unique_ptr<StepMemory> MidpointSystem::memory() const {
+  return std::make_unique<Memory>(products_.size());
+}
+
+void MidpointSystem::bind(const SplitMatrix& W0, double h, double tolerance, StepMemory& memory) {
+  SplitSystem::bind(W0, h, tolerance, memory);
+  memory_ = static_cast<Memory*>(&memory);
 }
 
 void MidpointSystem::start(Unknowns& x, Start) {
   x[0][0].entries().setZero();
-  knows_V_ = false;
+  memory_->forget();
 }
 
 ResidualSize MidpointSystem::residual(Corrections& R, Unknowns& x, double) {
@@ -62,38 +64,38 @@ void MidpointSystem::linearise(const Unknowns&, double accuracy) {
   round_to_single(W_single_, W_stage_);
   K_right_[0] = (0.25 * h_ * h_) * B_single_[0];
   add_identity(K_right_, static_cast<float>(0.5 * h_));
-  invert(accuracy);
+  invert(memory_->V, accuracy);
 }
 
 // Newton-Schulz iteration for V.
-void MidpointSystem::invert(double accuracy) {
+void MidpointSystem::invert(SingleStages& V, double accuracy) {
   const auto set_to_one_plus = [&](SingleStages& Y, double scale) {
     Y[0] = scale * B_single_[0];
     add_identity(Y, 1.0f);
   };
   set_to_one_plus(X_, -0.5 * h_);
-  if (!knows_V_) set_to_one_plus(V_, 0.5 * h_);
+  if (!memory_->knows_V) set_to_one_plus(V, 0.5 * h_);
   for (int k = 0; k < max_inverse_iterations; ++k) {
-    single_products_.form(into(product_[0], -1.0 * X_[0] * V_[0]));
+    single_products_.form(into(product_[0], -1.0 * X_[0] * V[0]));
     add_identity(product_, 1.0f);  // 1 - X V
     const double error = largest_norm(product_);
-    if (!(error < 1.0) && knows_V_) {  // V_ belongs to another state or h
-      knows_V_ = false;
-      set_to_one_plus(V_, 0.5 * h_);
+    if (!(error < 1.0) && memory_->knows_V) {  // V belongs to another state or h
+      memory_->knows_V = false;
+      set_to_one_plus(V, 0.5 * h_);
       continue;
     }
-    single_products_.form(into(other_[0], V_[0] * product_[0]));
-    V_[0] = V_[0] + other_[0];
-    bands_.truncate(V_, left_out_of_inverse * accuracy);
+    single_products_.form(into(other_[0], V[0] * product_[0]));
+    V[0] = V[0] + other_[0];
+    bands_.truncate(V, left_out_of_inverse * accuracy);
     if (error * error < accuracy) break;
   }
-  knows_V_ = true;
-  minus_adjoint(minus_V_adjoint_, V_);
+  memory_->knows_V = true;
+  minus_adjoint(minus_V_adjoint_, V);
 }
 
 // δ = V rhs V†.
 double MidpointSystem::frozen_sweep(Corrections& delta, const Corrections& rhs) {
-  single_products_.form(into(product_[0], V_[0] * rhs[0][0]));
+  single_products_.form(into(product_[0], memory_->V[0] * rhs[0][0]));
   single_products_.form(into(other_[0], -1.0 * product_[0] * minus_V_adjoint_[0]).upper_triangle());
   mirror_skew(other_);
   return replace(delta[0], [&](std::size_t) { return 1.0 * other_[0]; });

@@ -26,18 +26,30 @@ class MidpointSystem final : public SplitSystem {
   /// As SplitSystem.
   MidpointSystem(const Flow& flow, int threads, bool truncates);
 
+  /// That of V.
+  std::unique_ptr<StepMemory> memory() const override;
+  void bind(const SplitMatrix& W0, double h, double tolerance, StepMemory& memory) override;
   void start(Unknowns& x, Start how) override;
   ResidualSize residual(Corrections& R, Unknowns& x, double accuracy) override;
   void linearise(const Unknowns& x, double accuracy) override;
   double frozen_sweep(Corrections& delta, const Corrections& rhs) override;
   bool solves_frozen() const override { return true; }
-  void exchange_memory() override;
   void couple(Corrections& coupled, const Corrections& delta) override;
   void update(SplitMatrix& W1, const Unknowns& x) override;
 
  private:
-  void invert(double accuracy);
+  // The inverse of an earlier correction.
+  struct Memory final : StepMemory {
+    explicit Memory(Index n) : V(split_stages<float>(1, n)) {}
+    void forget() override { knows_V = false; }
 
+    SingleStages V;  // V = X⁻¹
+    bool knows_V = false;
+  };
+
+  void invert(SingleStages& V, double accuracy);
+
+  Memory* memory_ = nullptr;  // of the step
   // Of the last residual: single matrices.
   SplitStages W_stage_;     // W̃
   Generators B_;            // B
@@ -48,15 +60,10 @@ class MidpointSystem final : public SplitSystem {
   SingleStages W_single_;         // W̃
   RoundedGenerators B_single_;    // B
   SingleStages X_;                // X = 1 - (h/2) B
-  SingleStages V_;                // V = X⁻¹
   SingleStages minus_V_adjoint_;  // -V†
   SingleStages K_right_;          // h/2 + (h²/4) B
   SingleStages dB_;               // B(δ)
   SingleStages product_, other_;  // of a product and of the next one
-  bool knows_V_ = false;          // V_ holds the inverse of an earlier correction
-  // V_ and knows_V_ of other steps.
-  SingleStages other_V_;
-  bool knows_other_V_ = false;
 };
 
 }  // namespace isosyrk

@@ -36,26 +36,26 @@ class SplitExponential {
   SplitExponential(Index n, BandTruncation& bands);
 
   /// W1 = U W0 U†, exactly skew-Hermitian, for skew-Hermitian Ω and W0, with ‖U - e^Ω‖_F of at most
-  /// `error`, or to rounding.  Returns false if ‖Ω⁴‖_F^{1/4}, from 1 to n^{1/8} times ‖Ω‖₂, is
-  /// beyond the longest series, 6.7, or not finite; W1 is then unspecified.  Allocates nothing.
-  bool conjugate(SplitMatrix& W1, const SplitMatrix& Omega, const SplitMatrix& W0, double error,
-                 SplitProducts& products, SingleProducts& single_products);
+  /// `error`, or to rounding.  Sets `adjoint` to the A of U†.  Returns false if ‖Ω⁴‖_F^{1/4}, from
+  /// 1 to n^{1/8} times ‖Ω‖₂, is beyond the longest series, 6.7, or not finite; W1 is then
+  /// unspecified.  Allocates nothing.
+  bool conjugate(SplitMatrix& W1, SplitMatrix& adjoint, const SplitMatrix& Omega,
+                 const SplitMatrix& W0, double error, SplitProducts& products,
+                 SingleProducts& single_products);
 
-  /// Exchanges the U of the last conjugate() with another one, given by its adjoint.
-  void exchange(SplitMatrix& adjoint) { std::swap(adjoint_, adjoint); }
-  /// out = U X U†, exactly skew-Hermitian, with the U of the last conjugate() and a skew-Hermitian
-  /// X.  In single precision it errs by up to 2e-3 ‖X‖_F where bands are cut.  Products: 1.5.
-  void carry(SingleMatrix& out, const SingleMatrix& X, SingleProducts& single_products);
-  /// The same in double precision.
-  void carry(SplitMatrix& out, const SplitMatrix& X, SplitProducts& products);
+  /// out = A† X A = U X U†, exactly skew-Hermitian, with the A of a conjugate() and a
+  /// skew-Hermitian X.  It errs by up to 2e-3 ‖X‖_F where bands are cut.  Products: 1.5.
+  void transport(SingleMatrix& out, const SplitMatrix& adjoint, const SingleMatrix& X,
+                 SingleProducts& single_products);
 
  private:
   const SplitMatrix& power(int j) const { return powers_[static_cast<std::size_t>(j - 1)]; }
   void form_power(int j, const SplitMatrix& A, const SplitMatrix& B, SplitProducts& products);
   // Sets C(X) and S(X), of degree m, in blocks of q.  size is at least ‖X‖₂.
   void form_polynomials(int m, int q, double size, SplitProducts& products);
-  bool form_adjoint(const SplitMatrix& Omega, SplitProducts& products);
-  void make_unitary(SplitMatrix& W1, SplitProducts& products, SingleProducts& single_products);
+  bool form_adjoint(SplitMatrix& A, const SplitMatrix& Omega, SplitProducts& products);
+  void make_unitary(SplitMatrix& W1, const SplitMatrix& A, SplitProducts& products,
+                    SingleProducts& single_products);
   // Returns X cut to the band of a tail: X itself without bands, a copy otherwise.
   const SplitMatrix& cut_copy(SplitMatrix& copy, const SplitMatrix& X, double tail);
 
@@ -65,7 +65,6 @@ class SplitExponential {
   SplitMatrix sine_;                 // S(X)
   SplitMatrix cut_;                  // X^q or W₀, cut
   SplitMatrix Omega_sine_;           // Ω S(X)
-  SplitMatrix adjoint_;              // A, e^(-Ω) = C - ΩS
   SplitMatrix scratch_;
   double left_out_ = 0.0;         // what each cut may change in e^Ω
   SingleMatrix defect_;           // E

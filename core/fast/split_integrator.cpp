@@ -27,35 +27,41 @@ SplitIntegrator::SplitIntegrator(const SharedFlow& flow, int threads)
     : Integrator(flow),
       threads_(checked_threads(threads)),
       finder_(flow->size()),
-      state_(flow->size()),
-      other_state_(state_) {}
+      run_(flow->size()),
+      beside_(flow->size()) {}
+
+void SplitIntegrator::remember(std::unique_ptr<StepMemory> of_run,
+                               std::unique_ptr<StepMemory> beside) {
+  run_.memory = std::move(of_run);
+  beside_.memory = std::move(beside);
+}
 
 // Takes W as the state.
 void SplitIntegrator::take(const ConstMatrixView& W, const StateScale& found) {
-  state_.scale = found;
-  auto load = [&] { state_.V[0].load(W); };
+  run_.scale = found;
+  auto load = [&] { run_.V[0].load(W); };
   on_threads(threads_, std::ref(load));
-  if (found.value != 1.0) state_.V[0].entries() *= 1.0 / found.value;
+  if (found.value != 1.0) run_.V[0].entries() *= 1.0 / found.value;
 }
 
 void SplitIntegrator::load(const ConstMatrixView& W) {
-  forget();
+  run_.memory->forget();
   take(W, finder_.find(W));
 }
 
 void SplitIntegrator::amend(const ConstMatrixView& W) {
-  if (!ScaleFinder::changed_twofold(state_.scale, W)) {
+  if (!ScaleFinder::changed_twofold(run_.scale, W)) {
     amended();
-    return take(W, state_.scale);
+    return take(W, run_.scale);
   }
-  forget();  // past steps are of another scale
+  run_.memory->forget();  // past steps are of another scale
   take(W, finder_.find(W));
 }
 
 void SplitIntegrator::store(MatrixView W) const {
-  auto store = [&] { state_.V[0].store(W); };
+  auto store = [&] { run_.V[0].store(W); };
   on_threads(threads_, std::ref(store));
-  if (state_.scale.value != 1.0) W *= state_.scale.value;
+  if (run_.scale.value != 1.0) W *= run_.scale.value;
 }
 
 Energy SplitIntegrator::energy() const {
@@ -64,38 +70,36 @@ Energy SplitIntegrator::energy() const {
   return flow().energy(W);
 }
 
-StepReport SplitIntegrator::advance(double h, Past past) {
+StepReport SplitIntegrator::advance(double h) {
   const Work before = work();
-  auto& [scale, V, next] = state_;
   StepReport report;
   auto step = [&] {
-    report = take_step(next, V, scale.value * h, past);
+    report = take_step(run_.next, run_.V, run_.scale.value * h, *run_.memory);
     // Stages can converge and the update still overflow.
-    if (report.status == Status::converged && !is_finite(next[0])) report.status = Status::diverged;
+    if (report.status == Status::converged && !is_finite(run_.next[0])) {
+      report.status = Status::diverged;
+    }
   };
   try {
     on_threads(threads_, std::ref(step));
   } catch (...) {  // of IterationOptions::after_sweep
-    if (past == Past::used) forget();
+    run_.memory->forget();
     throw;
   }
   if (report.status == Status::converged) {
-    next[0].set_band(next[0].size() - 1);
-    V.swap(next);
-  } else if (past == Past::used) {
-    forget();
+    run_.next[0].set_band(run_.next[0].size() - 1);
+    run_.V.swap(run_.next);
+  } else {
+    run_.memory->forget();
   }
   report.work = work() - before;
   return report;
 }
 
 StepReport SplitIntegrator::step_alone(MatrixView W, double h) {
-  const Exchanged exchanged([&] {
-    std::swap(state_, other_state_);
-    exchange_memory();
-  });
-  take(W, finder_.find(W));
-  const StepReport report = advance(h, Past::left_out);
+  const Exchanged exchanged([&] { std::swap(run_, beside_); });
+  load(W);
+  const StepReport report = advance(h);
   if (report.status == Status::converged) store(W);
   return report;
 }

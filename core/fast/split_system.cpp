@@ -33,7 +33,7 @@ SplitSystem::SplitSystem(const Flow& flow, std::vector<Index> kinds, Index stage
 
 Unknowns SplitSystem::unknowns() const { return unknowns_of(kinds_, products_.size()); }
 
-void SplitSystem::bind(const SplitMatrix& W0, double h, double tolerance) {
+void SplitSystem::bind(const SplitMatrix& W0, double h, double tolerance, StepMemory&) {
   W0_ = &W0;
   h_ = h;
   left_out_ = tuning.left_out * tolerance;

@@ -14,10 +14,15 @@ namespace isosyrk {
 class SplitSystem : public StageSystem, public TwoPartJacobian {
  public:
   Unknowns unknowns() const final;
-  void bind(const SplitMatrix& W0, double h, double tolerance) override;
+  void bind(const SplitMatrix& W0, double h, double tolerance, StepMemory& memory) override;
   Correction correct(Corrections& delta, const Unknowns& x, const Corrections& R,
                      const CorrectionRequest& request, const IterationOptions& options) final {
     return correction_.solve(delta, *this, x, R, request, options);
+  }
+  /// Sweeps with B frozen.
+  void far_sweep(Corrections& delta, const Unknowns& x, const Corrections& R,
+                 const IterationOptions& options) final {
+    AlternatingCorrection::sweep_frozen(delta, *this, x, R, options);
   }
   bool truncates() const final { return bands_.enabled(); }
   void truncate(bool enabled) final { bands_.enable(enabled); }

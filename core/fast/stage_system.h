@@ -1,16 +1,18 @@
 // Stage system: the stage equations of one step of a fast form.
 #pragma once
 
+#include <memory>
 #include <vector>
 
+#include "isosyrk/fast/step_memory.h"
 #include "isosyrk/iteration/attempt.h"
 #include "isosyrk/iteration/work.h"
 #include "isosyrk/solver/fixed_point_system.h"
 
 namespace isosyrk {
 
-/// The equations x = G(x) of one step W₀ -> W₁ of size h, for flows with J = I.  Of how they
-/// are solved it knows the list of attempts alone.
+/// The equations x = G(x) of one step W₀ -> W₁ of size h, for flows with J = I.  It says in which
+/// order attempts to solve them are made, and does not know which of them is under way.
 ///
 /// Order of calls in a step: bind; for each attempt start() or an x from the predictor, then those
 /// of FixedPointSystem by the solver; update with the x that the solver accepted.
@@ -23,15 +25,13 @@ class StageSystem : public FixedPointSystem {
   /// `newton` is false where a study leaves out corrections.
   virtual std::vector<Attempt> attempts(bool newton) const;
 
-  /// Forgets what earlier steps have shown, other than the unknowns.
-  virtual void forget() {}
-  /// Exchanges all that steps leave to later ones, other than the unknowns, with what was there at
-  /// the call before.  So a step between two calls disturbs none outside.  Allocates nothing.
-  virtual void exchange_memory() {}
+  /// Returns an empty memory of what steps of this system leave to later ones, other than the
+  /// unknowns.
+  virtual std::unique_ptr<StepMemory> memory() const { return std::make_unique<NoMemory>(); }
 
   /// Begins a step from W₀ of size h, to be solved to the tolerance.  W₀ must stay unchanged until
-  /// update().
-  virtual void bind(const SplitMatrix& W0, double h, double tolerance) = 0;
+  /// update().  The memory, one of memory(), is that of the steps before; this one joins them.
+  virtual void bind(const SplitMatrix& W0, double h, double tolerance, StepMemory& memory) = 0;
 
   /// Sets x to the start values of an attempt that does not start from past steps.  Cold: Q = I,
   /// P = W₀, X = M = 0, W̃ = W₀.

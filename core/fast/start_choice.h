@@ -15,18 +15,18 @@ class StartChoice {
   /// True if the error of past steps should be found after this step, which started explicitly.
   bool is_trial_due() const { return steps_since_trial_ >= trial_interval; }
 
-  /// Takes the error of an explicit start: the change of the first sweep.
-  void saw_explicit(double error) {
+  /// Records the error of an explicit start: the change of the first sweep.
+  void record_explicit(double error) {
     of_explicit_ = error;
     ++steps_since_trial_;
   }
-  /// Takes the error of a start from past steps, used or in a trial.
-  void saw_past(double error) {
+  /// Records the error of a start from past steps, used or in a trial.
+  void record_past(double error) {
     prefers_past_ = error <= largest_ratio * of_explicit_;  // false for NaN
     steps_since_trial_ = 0;
   }
-  /// Takes that a start from past steps failed.
-  void saw_failure_of_past() { prefers_past_ = false; }
+  /// Records that a start from past steps failed.
+  void record_failure_of_past() { prefers_past_ = false; }
 
   void forget() { *this = StartChoice(); }
 

@@ -9,9 +9,9 @@ namespace isosyrk {
 
 /// Adds to explicit start values Ω⁰ of a step the error E = Ω - Ω⁰ that they are expected to have.
 ///
-/// E is made of brackets of W and B(W).  The flow carries its fine scales along with those of W, as
-/// U E U†; its large scales hardly move.  So the E_m of step m is carried by its U_m = e^{Ω_m}, and
-/// what that misses is taken to be what it missed in the step before:
+/// E is made of brackets of W and B(W).  The flow transports its fine scales with those of W, as
+/// U E U†; its large scales hardly move.  So the E_m of step m is transported by its U_m = e^{Ω_m},
+/// and what that misses is taken to be what it missed in the step before:
 ///
 ///     E_{m+1} ≈ C_{m+1} + (E_m - C_m),   C_{m+1} = U_m E_m U_m†
 ///
@@ -25,7 +25,10 @@ class StartError {
  public:
   /// For n x n matrices.  Only the constructor allocates.
   explicit StartError(Index n)
-      : explicit_(split_stages(1, n)), error_(split_stages<float>(1, n)), carried_(n), missed_(n) {}
+      : explicit_(split_stages(1, n)),
+        error_(split_stages<float>(1, n)),
+        transported_(n),
+        missed_(n) {}
 
   /// Forgets all steps.
   void forget() {
@@ -34,22 +37,22 @@ class StartError {
   }
 
   /// Takes the explicit start values of a step, and adds their expected error if it is known.
-  /// carry(out, X) sets out = U X U† with the U of the step before.
-  template <class Carry>
-  void mend(SplitMatrix& Omega, Carry&& carry) {
+  /// transport(out, X) sets out = U X U† with the U of the step before.
+  template <class Transport>
+  void add_expected(SplitMatrix& Omega, Transport&& transport) {
     explicit_[0] = 1.0 * Omega;
     is_of_this_step_ = true;
     if (known_ > 0 && !(size_of_error_ > smallest * norm(Omega))) known_ = 0;  // NaN included
     if (known_ == 0) return;
     const bool has_missed = known_ > 1;
-    if (has_missed) missed_ = error_[0] - carried_;
-    carry(carried_, error_[0]);
-    add(Omega, carried_);
+    if (has_missed) missed_ = error_[0] - transported_;
+    transport(transported_, error_[0]);
+    add(Omega, transported_);
     if (has_missed) add(Omega, missed_);
   }
 
-  /// Takes the Ω that solved the step.
-  void saw(const SplitMatrix& Omega) {
+  /// Records the Ω that solved the step.
+  void record(const SplitMatrix& Omega) {
     if (!is_of_this_step_) return forget();
     const auto solution = [&](std::size_t) -> const SplitMatrix& { return Omega; };
     size_of_error_ = form_residual(error_, solution, explicit_);
@@ -66,7 +69,7 @@ class StartError {
   bool is_of_this_step_ = false;  // false where the step started otherwise
   SingleStages error_;            // E of the last step, one matrix
   double size_of_error_ = 0.0;    // ‖E‖_F
-  SingleMatrix carried_;          // C of the last step
+  SingleMatrix transported_;      // C of the last step
   SingleMatrix missed_;           // E - C
   int known_ = 0;                 // number of steps in a row of which E is known, at most 2
 };

@@ -16,8 +16,8 @@ class TermGrowth {
     size_ = size;
     growth_ = growth_before_ = 0.0;
   }
-  /// Takes ‖c_k‖ and f_k of the next k.
-  void saw(double size, double factor) {
+  /// Records ‖c_k‖ and f_k of the next k.
+  void record(double size, double factor) {
     growth_before_ = growth_;
     growth_ = size / (factor * size_);
     size_ = size;

@@ -62,7 +62,6 @@ constexpr Switch switches[] = {
     {"newton", [](FastOptions& options) { options.newton = false; }},
     {"bands", [](FastOptions& options) { options.bands = false; }},
     {"explicit_start", [](FastOptions& options) { options.explicit_start = false; }},
-    {"single_precision", [](FastOptions& options) { options.single_precision = false; }},
     {"graded_series", [](FastOptions& options) { options.graded_series = false; }},
     {"error_estimates", [](FastOptions& options) { options.error_estimates = false; }}};
 

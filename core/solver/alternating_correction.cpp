@@ -81,14 +81,6 @@ Correction AlternatingCorrection::solve(Corrections& delta, TwoPartJacobian& jac
                                         const CorrectionRequest& request,
                                         const IterationOptions& options) {
   copy(delta, R);
-  if (request.part == JacobianPart::frozen) {
-    jacobian.linearise(x, tuning.forcing_relative);
-    for (int k = 0; k < tuning.frozen_sweeps; ++k) {
-      options.swept();
-      jacobian.frozen_sweep(delta, R);
-    }
-    return {.usable = true, .error = request.size};
-  }
   jacobian.linearise(x, tuning.jacobian_share * request.forcing_term / request.size);
   const Corrections* rhs = &R;
   InnerErrors errors(request.size, jacobian.solves_frozen());
@@ -102,6 +94,17 @@ Correction AlternatingCorrection::solve(Corrections& delta, TwoPartJacobian& jac
     }
   }
   return {.usable = errors.total() < request.size, .error = errors.total()};
+}
+
+void AlternatingCorrection::sweep_frozen(Corrections& delta, TwoPartJacobian& jacobian,
+                                         const Unknowns& x, const Corrections& R,
+                                         const IterationOptions& options) {
+  copy(delta, R);
+  jacobian.linearise(x, tuning.forcing_relative);
+  for (int k = 0; k < tuning.frozen_sweeps; ++k) {
+    options.swept();
+    jacobian.frozen_sweep(delta, R);
+  }
 }
 
 }  // namespace isosyrk

@@ -33,11 +33,16 @@ class AlternatingCorrection {
 
   /// Linearises at x and solves for delta, from delta = R.  Reduces the larger of two estimated
   /// errors, that with B frozen and that of the coupling, until both together are below the forcing
-  /// term or Tuning::inner_sweeps are made.  Not usable if the sweeps do not contract.  With
-  /// JacobianPart::frozen it makes Tuning::frozen_sweeps frozen sweeps and no more.
+  /// term or Tuning::inner_sweeps are made.  Not usable if the sweeps do not contract.
   Correction solve(Corrections& delta, TwoPartJacobian& jacobian, const Unknowns& x,
                    const Corrections& R, const CorrectionRequest& request,
                    const IterationOptions& options);
+
+  /// Linearises at x and makes Tuning::frozen_sweeps frozen sweeps from delta = R: what a system
+  /// moves by far from the solution.  T contracts slowly in the fine scales, and a further
+  /// application of it makes longer steps converge.
+  static void sweep_frozen(Corrections& delta, TwoPartJacobian& jacobian, const Unknowns& x,
+                           const Corrections& R, const IterationOptions& options);
 
  private:
   // rhs_ <- R + K delta and delta <- delta + rhs_ - rhs, with the rhs of the sweeps before.

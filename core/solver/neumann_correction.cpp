@@ -16,7 +16,6 @@ Correction NeumannCorrection::solve(Corrections& delta, Coupling& coupling, cons
                                     const CorrectionRequest& request,
                                     const IterationOptions& options) {
   copy(delta, R);
-  if (request.part == JacobianPart::frozen) return {.usable = true, .error = request.size};
   copy(term_, R);
   double size = request.size;  // of the last term
   double before = 0.0;         // and of the one before it

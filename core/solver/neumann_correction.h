@@ -21,8 +21,7 @@ class NeumannCorrection {
   explicit NeumannCorrection(const Unknowns& like);
 
   /// Sums until the estimated rest of the series is below the forcing term, or Tuning::inner_sweeps
-  /// terms are added.  Not usable if a term is as large as both before it.  There is no part with B
-  /// frozen: JacobianPart::frozen gives delta = R.
+  /// terms are added.  Not usable if a term is as large as both before it.
   Correction solve(Corrections& delta, Coupling& coupling, const Corrections& R,
                    const CorrectionRequest& request, const IterationOptions& options);
 

@@ -14,21 +14,16 @@ SolveReport PicardIteration::solve(FixedPointSystem& system, const IterationOpti
   });
 }
 
-SolveReport PicardIteration::solve_with_frozen_sweeps(FixedPointSystem& system,
-                                                      const IterationOptions& options,
-                                                      Unknowns& x) {
+SolveReport PicardIteration::solve_by_far_sweeps(FixedPointSystem& system,
+                                                 const IterationOptions& options, Unknowns& x) {
   return solve_fixed_point(options, [&] {
     const double change = accepting_residual(R_, system, x, options.tolerance);
-    Correction correction;
     if (change >= options.tolerance) {
-      const double size = change * system.unit(x);
-      correction = system.correct(delta_, x, R_,
-                                  {.size = size,
-                                   .forcing_term = tuning.forcing_relative * size,
-                                   .part = JacobianPart::frozen},
-                                  options);
+      system.far_sweep(delta_, x, R_, options);
+      add(x, delta_);
+    } else {  // NaN included
+      add(x, R_);
     }
-    add(x, correction.usable ? delta_ : R_);
     return change;
   });
 }

@@ -1,15 +1,12 @@
-// Picard iteration for x = G(x), plain or with frozen sweeps.
+// Picard iteration for x = G(x), plain or with the sweeps of a system far from the solution.
 #pragma once
 
 #include "isosyrk/solver/fixed_point_system.h"
 
 namespace isosyrk {
 
-/// Picard sweeps x <- G(x) in double precision, to a tolerance on their change.
-///
-/// With frozen sweeps: x <- x + delta, where delta starts as R and is improved by the part of the
-/// Jacobian with B frozen.  That part contracts slowly in the fine scales; a further application of
-/// it makes longer steps converge.
+/// Picard sweeps x <- G(x) in double precision, or the sweeps that a system has for x far from the
+/// solution (FixedPointSystem::far_sweep), to a tolerance on the change of a Picard sweep.
 class PicardIteration {
  public:
   /// For unknowns of these shapes.  Only the constructor allocates.
@@ -17,9 +14,9 @@ class PicardIteration {
 
   /// Solves from the given x, and returns how the iteration ended.
   SolveReport solve(FixedPointSystem& system, const IterationOptions& options, Unknowns& x);
-  /// The same with frozen sweeps.
-  SolveReport solve_with_frozen_sweeps(FixedPointSystem& system, const IterationOptions& options,
-                                       Unknowns& x);
+  /// The same with far sweeps.
+  SolveReport solve_by_far_sweeps(FixedPointSystem& system, const IterationOptions& options,
+                                  Unknowns& x);
 
  private:
   Corrections R_, delta_;
