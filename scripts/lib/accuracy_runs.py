@@ -9,7 +9,6 @@ from lib import study
 from lib import trials
 from lib.accuracy_lines import Problem, Run
 from lib.formats import CONVERGED, FAST, PUBLISHED, UNSTABLE, to_digits
-from lib.integrator_names import in_frame
 
 LOOKS = 50  # at the energy in a run, at least while there are as many steps
 LOST_SPECTRUM = 0.1  # of the largest eigenvalue, which is 1: a run that lost so much is unstable
@@ -39,7 +38,7 @@ class Setting(trials.Setting):
         self.reference, record = problems.reference_of(self.problem, job["references"])
         self.uncertainty = record["uncertainty"]
         (self.entry,) = study.entries([job["integrator"]])
-        _, self.own_norm_ad_B = self.scene.generator_norms(co_rotating=in_frame(self.entry.name))
+        _, self.own_norm_ad_B = self.scene.generator_norms(co_rotating=self.entry.co_rotating)
 
     def method(self, tolerance):
         return isosyrk.integrator(self.scene, self.entry.name, solver=self.solver, tolerance=tolerance,
