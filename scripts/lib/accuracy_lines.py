@@ -47,8 +47,9 @@ FLOOR, BELOW, CUT, ALONE = "floor", "below", "cut", "alone"
 GOOD_ENOUGH = 1e-9
 
 # The rows of a duel, each the best method of a class in the co-rotating frame: lib/contenders.py says of which.
+OTHER = "other"  # of new integrators
 CONTENDERS = ("explicit", "rk4", "projected", "rkmk", "magnus", "elp", "elp_matched", "elp_bounded", "gauss",
-              "gauss_loose", "gauss_matched", "gauss_published", "named_published", "other")
+              "gauss_loose", "gauss_matched", "gauss_published", "named_published", OTHER)
 
 
 class Problem(NamedTuple):

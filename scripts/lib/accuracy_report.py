@@ -5,7 +5,7 @@ import math
 
 from lib.accuracy_figures import told_against_n
 from lib.accuracy_lines import (CONTENDERS, CUT, ENERGY_BOUNDED, FLOOR_MARGIN, GOOD_ENOUGH, LOOSE_EXPONENTIAL, MATCHED,
-                                TABLE1_STEP, TIGHT)
+                                OTHER, TABLE1_STEP, TIGHT)
 from lib.comparison import MISSING, UNDECIDED_MARK, percentage, three_digits
 from lib.contenders import CLASSES, EXPLICIT
 from lib.document import Column, Entry, Heading, Items, Paragraph, Table, conditions, plain_table, shown
@@ -173,8 +173,8 @@ def times_table(study, wanted):
 
 def ratios_table(study, wanted):
     """Returns a heading and the table of the times of all classes over that of the best explicit method at an error."""
-    timed = {each for duel in study.duels.values() for each in duel} - {EXPLICIT}
-    others = [each for each in CONTENDERS if each in timed]
+    new = any(OTHER in duel for duel in study.duels.values())
+    others = [each for each in CONTENDERS if each != EXPLICIT and (each != OTHER or new)]
     rows = [[str(problem), *(over_explicit(duel, each) for each in others)]
             for problem, duel in duels_at(study, wanted)]
     columns = (Column("problem", align="left"), *(Column(CLASSES[each].label) for each in others))

@@ -5,7 +5,7 @@ import math
 
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from lib.accuracy_lines import (CUT, ENERGY_BOUNDED, GOOD_ENOUGH, LOOSE_EXPONENTIAL, TABLE1_STEP, Form,
+from lib.accuracy_lines import (CUT, ENERGY_BOUNDED, GOOD_ENOUGH, LOOSE_EXPONENTIAL, OTHER, TABLE1_STEP, Form,
                                 keeping_tolerance, keeps)
 from lib.chart_panels import (BLACK, EXPONENTIAL_RED, FAMILY_COLOURS, GROUP, LINES, cross, draw_line, equals, extended,
                               label_ends, logarithmic, look, new_figure, note)
@@ -39,7 +39,7 @@ DRAWN = {
     "projected": ("0.45", {**SPECTRUM, "marker": "^"}),
     "rk4": ("0.45", {**NOTHING, "marker": "o", "markerfacecolor": "white"}),
     "explicit": (BLACK, {**NOTHING, "linewidth": 2.4, "marker": "o"}),
-    "other": ("#c06a28", {**NOTHING, "linestyle": "-.", "marker": "P"})}
+    OTHER: ("#c06a28", {**NOTHING, "linestyle": "-.", "marker": "P"})}
 
 # The lines of error_against_n, not in the frame, at the tight tolerance; those with words are told in the title. Those
 # of new integrators are added.
