@@ -37,7 +37,8 @@ class Setting(trials.Setting):
         super().__init__(scene_of(*self.problem, job["references"]))
         self.reference, record = problems.reference_of(self.problem, job["references"])
         self.uncertainty = record["uncertainty"]
-        (self.entry,) = study.entries([job["integrator"]])
+        self.entry = study.listed()[job["integrator"]]
+        self.limit = math.inf if self.entry.stability_limit is None else self.entry.stability_limit
         _, self.own_norm_ad_B = self.scene.generator_norms(co_rotating=self.entry.co_rotating)
 
     def method(self, tolerance):
@@ -54,7 +55,7 @@ class Setting(trials.Setting):
         found = dict.fromkeys(Run._fields)
         found.update(self.problem._asdict(), integrator=self.entry.name, solver=self.solver, steps=steps,
                      tolerance=tolerance, status=status, h_norm_B=h * self.norm_B,
-                     beyond_limit=h * self.own_norm_ad_B > self.entry.stability_limit, sweeps=report.sweeps,
+                     beyond_limit=h * self.own_norm_ad_B > self.limit, sweeps=report.sweeps,
                      products=report.products, equivalent_products=report.equivalent_products, cpu_seconds=[])
         if status != CONVERGED:
             return Run(**found), None

@@ -533,8 +533,8 @@ class Runs(FolderTest):
                 self.assertTrue(all(point.symplectic_defect for point in line))
                 self.assertEqual(line[-1].spectrum_error < 1e-13, method != "rk4")
                 self.assertEqual(line[-1].symplectic_defect < 1e-10, method == "elp4_tight")
-        for run_ in found.long_runs.values():
-            with self.subTest(scene=run_.scene, method=run_.method, cost=run_.cost):
+        for key, run_ in found.long_runs.items():
+            with self.subTest(key):
                 self.assertEqual((run_.status, len(run_.energy_errors), len(run_.energy_means),
                                   len(run_.spectrum_errors)), ("converged", 40, 40, 40))
                 self.assertGreaterEqual(run_.energy_errors[-1], abs(run_.energy_change))
@@ -566,7 +566,7 @@ class Runs(FolderTest):
         for factor, gone in ((1.3, False), (1.5, True), (math.nan, True)):  # energy goes like the square
             watch = longruns.Watch(scene, 1, 20)
             self.assertEqual((watch(1, factor * scene.initial, None), watch.gone), (gone, gone))
-        job = longruns.job_of("smooth", 17, "rk4")
+        job = longruns.job_of("smooth", 17, longruns.Method(listed("rk4_frame"), 1e-13))
         found = longruns.watched(job, 500.0, 50, 1, 20)  # h = 10
         self.assertNotEqual(found["status"], "converged")
         self.assertLess(found["failed_step"], 50)
