@@ -15,6 +15,7 @@ from unittest import mock
 
 import study_documents
 from programs import BUILD, DONE, HAS_MODULE, ROOT, FolderTest, end, environment, run, start, strict_json, text_of
+from scaling_documents import write_scaling
 from study_documents import raw, study_document
 
 from lib import formats
@@ -125,6 +126,28 @@ class RawFile(FolderTest):
                 (with_table(rows=[rows[0][:at] + [-1] + rows[0][at + 1:]]), "a row of runs has error")):
             with self.subTest(words=words):
                 self.assert_unusable(damaged, *words)
+
+    def test_integrators_of_an_older_file_are_those_of_the_recorded_list(self):
+        sound = raw(study_document())
+        table = sound["tables"]["integrators"]
+        kept = [place for place, column in enumerate(table["columns"]) if column not in formats.LATER_FIELDS]
+
+        def older(rows):
+            found = {"columns": [table["columns"][place] for place in kept],
+                     "rows": [[row[place] for place in kept] for row in rows]}
+            return {**sound, "tables": {**sound["tables"], "integrators": found}}
+
+        expected = formats.study_of(sound, SCHEMA).tables["integrators"]
+        self.assertEqual(formats.study_of(older(table["rows"]), SCHEMA).tables["integrators"], expected)
+        self.assert_unusable(older([["euler", *row[1:]] for row in table["rows"]]), "euler", "integrators.json")
+        some = {"columns": table["columns"][:-1], "rows": [row[:-1] for row in table["rows"]]}
+        self.assert_unusable({**sound, "tables": {**sound["tables"], "integrators": some}}, "other columns")
+        # A file without the table: those of its rows.
+        path = write_scaling(self.folder)
+        document = strict_json(text_of(path))
+        del document["tables"]["integrators"]
+        self.write("raw.json", json.dumps(document))
+        self.assertEqual([*read_scaling(path).identities.values()], [listed("group2")])
 
 
 class SquaresTest(FolderTest):
