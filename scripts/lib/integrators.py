@@ -2,11 +2,12 @@
 
 from lib.formats import FORMULATIONS
 
-# The families of the list (core/catalogue/family.h).
-FAMILIES = (GAUSS, DIRECT_GAUSS, COMPOSITION, RKMK, EXPONENTIAL, BOGFJELLMO, CROUCH_GROSSMAN, MAGNUS, RUNGE_KUTTA,
-            ADAMS) = (
-    "Gauss", "direct Gauss", "composition", "RKMK", "exponential Lie–Poisson", "Bogfjellmo–Marthinsen",
-    "Crouch–Grossman", "explicit Magnus", "Runge–Kutta", "Adams–Bashforth–Moulton")
+# The families of the list that plans and charts choose from (core/catalogue/family.h).
+GAUSS, DIRECT_GAUSS, COMPOSITION = "Gauss", "direct Gauss", "composition"
+EXPONENTIAL, BOGFJELLMO, CROUCH_GROSSMAN = "exponential Lie–Poisson", "Bogfjellmo–Marthinsen", "Crouch–Grossman"
+MAGNUS, RKMK, RUNGE_KUTTA, ADAMS = "explicit Magnus", "RKMK", "Runge–Kutta", "Adams–Bashforth–Moulton"
+FAMILIES = (GAUSS, DIRECT_GAUSS, COMPOSITION, EXPONENTIAL, BOGFJELLMO, CROUCH_GROSSMAN, MAGNUS, RKMK, RUNGE_KUTTA,
+            ADAMS)
 NAMED = (BOGFJELLMO, CROUCH_GROSSMAN)  # the Lie–Poisson methods that the paper names
 IMPLICIT_EXPONENTIAL = (EXPONENTIAL, *NAMED)  # those that solve for Ω
 SHORT = {RUNGE_KUTTA: "RK", EXPONENTIAL: "exponential", MAGNUS: "Magnus"}
@@ -24,7 +25,7 @@ def strongest_structure(integrator):
 
 
 def is_new(integrator):
-    """Tells whether an integrator is of a family that no plan and no chart chooses from: it is in all of them."""
+    """Tells whether an integrator is of none of FAMILIES: then it is in every plan and chart."""
     return integrator.family not in FAMILIES
 
 
