@@ -850,7 +850,7 @@ class Accuracy(StudyTest):
 
     def test_methods_have_names_of_their_own(self):
         for name, expected in (("group2", "Gauss 4"), ("algebra2_frame", "Gauss 4"), ("rk4", "RK4"),
-                               ("rk4_projected_frame", "projected RK4"), ("elp6", "exponential 6"),
+                               ("rk4_projected_frame", "projected RK 4"), ("elp6", "exponential 6"),
                                ("magnus5", "Magnus 5"), ("kahan_li6_frame", "kahan_li6"), ("rkmk4", "RKMK4")):
             self.assertEqual(short_name(listed(name)), expected)
 
