@@ -36,8 +36,7 @@ std::vector<Case> cases() {
   for (const auto& [scene, parameters] : tested_scenes()) {
     const SharedFlow flow = scene_by_name(scene, parameters).flow;
     for (const IntegratorEntry& entry : integrators()) {
-      const std::string name = entry.name.substr(0, entry.name.find("_frame"));
-      const bool is_one = std::find(names.begin(), names.end(), name) != names.end();
+      const bool is_one = std::find(names.begin(), names.end(), entry.method()) != names.end();
       if (is_one && takes(entry, *flow)) found.push_back({scene, parameters, entry.name});
     }
   }
@@ -275,7 +274,7 @@ TEST(Requirements, AreToldInOneLine) {
   for (const auto& [scene, parameters] : tested_scenes()) {
     const SharedFlow flow = scene_by_name(scene, parameters).flow;
     for (const IntegratorEntry& entry : integrators()) {
-      if (entry.name.ends_with("_frame") || takes(entry, *flow)) continue;
+      if (entry.co_rotating || takes(entry, *flow)) continue;
       expect_refused([&] { make_integrator(flow, entry.name); },
                      entry.name + ": for flows of skew-Hermitian matrices");
     }

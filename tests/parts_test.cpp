@@ -78,7 +78,7 @@ class EachRun : public ::testing::TestWithParam<std::tuple<Index, IntegratorEntr
   static void for_each_form(const Test& test) {
     const auto& [n, method] = GetParam();
     for (const IntegratorEntry& entry : forms_of(method)) {
-      if (n == 9 || entry.name.starts_with("fast_")) {
+      if (n == 9 || entry.is_fast) {
         const Scene scene = smooth_scene(n);
         for (const double c : n == 9 ? std::vector<double>{0.0, 100.0} : std::vector<double>{0.0}) {
           SCOPED_TRACE(fmt::format("{} n = {} c = {}", entry.name, n, c));

@@ -57,8 +57,7 @@ FinishedRun run_of(const IntegratorEntry& entry, const Flow& flow, const Matrix&
 }
 
 bool is_gauss(const IntegratorEntry& entry) {
-  return !entry.is_explicit && !entry.name.starts_with("elp") && !entry.name.starts_with("bm") &&
-         !entry.name.starts_with("cg");
+  return !entry.is_explicit && !entry.keeps.spectrum_at_any_tolerance;
 }
 
 class EachMethodAtASteadyState : public ::testing::TestWithParam<std::string> {
@@ -92,11 +91,7 @@ class EachMethodAtASteadyState : public ::testing::TestWithParam<std::string> {
   // where h‖W‖, by which an error of Ω or of the stages contracts, is up to l (l + 1) / 2 times
   // smaller.
   static constexpr long most_more_sweeps = 2;
-  long substeps() const {  // of the compositions
-    if (entry.name.starts_with("yoshida4")) return 3;
-    if (entry.name.starts_with("suzuki4")) return 5;
-    return entry.name.starts_with("kahan_li6") ? 9 : 1;
-  }
+  long substeps() const { return entry.family == Family::composition ? entry.stages : 1; }
 
   IntegratorEntry fast_form() const { return entry.has_fast_form() ? fast_entry(entry) : entry; }
 
@@ -105,7 +100,7 @@ class EachMethodAtASteadyState : public ::testing::TestWithParam<std::string> {
   // the sweeps of the last run of the fast form, or of the published one if there is none.
   long expect_the_same(const Flow& flow, const Matrix& W0, double tolerance, double h,
                        long steps) const {
-    const bool leaves_out = entry.name.starts_with("rkmk4");
+    const bool leaves_out = entry.family == Family::munthe_kaas;
     long sweeps = 0;
     for (const long count : {1L, steps}) {
       const FinishedRun published = run_of(entry, flow, W0, tolerance, h, count);

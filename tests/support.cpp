@@ -151,14 +151,13 @@ std::vector<IntegratorEntry> forms_of(const IntegratorEntry& entry) {
 
 bool takes(const IntegratorEntry& entry, const Flow& flow) {
   if (entry.co_rotating && dynamic_cast<const EulerZeitlin*>(&flow) == nullptr) return false;
-  if (entry.name.starts_with("elp4") || entry.name.starts_with("elp6")) {
-    return flow.algebra().is_skew_hermitian() && flow.has_self_adjoint_generator();
-  }
-  const bool needs_identity_J = entry.name.starts_with("elp2") ||
-                                entry.name.starts_with("magnus") || entry.name.starts_with("bm") ||
-                                entry.name.starts_with("cg") ||
-                                entry.name.find("_projected") != std::string::npos;
-  return !needs_identity_J || flow.algebra().is_skew_hermitian();
+  const bool solves_for_Omega = entry.family == Family::exponential_lie_poisson ||
+                                entry.family == Family::bogfjellmo_marthinsen ||
+                                entry.family == Family::crouch_grossman ||
+                                entry.family == Family::explicit_magnus;
+  if (!solves_for_Omega && !entry.projected) return true;
+  const bool needs_H = entry.family == Family::exponential_lie_poisson && entry.order > 2;
+  return flow.algebra().is_skew_hermitian() && (!needs_H || flow.has_self_adjoint_generator());
 }
 
 std::vector<IntegratorEntry> fast_integrators() {

@@ -66,7 +66,7 @@ std::vector<SmallAlgebra> algebras_of(const IntegratorEntry& entry) {
   std::vector<SmallAlgebra> found;
   for (const SmallAlgebra& small : small_algebras()) {
     const bool on_su = dynamic_cast<const EulerZeitlin*>(small.flow.get()) != nullptr;
-    if (entry.name.starts_with("fast_") ? on_su : takes(entry, *small.flow)) found.push_back(small);
+    if (entry.is_fast ? on_su : takes(entry, *small.flow)) found.push_back(small);
   }
   return found;
 }

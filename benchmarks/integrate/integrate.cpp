@@ -75,22 +75,14 @@ Start start_of(const IntegrateRequest& request) {
   }
 }
 
-// The name in the list of integrators: that of a fast form has a prefix.
-std::string listed_name(const IntegratorEntry& integrator) {
-  constexpr std::string_view prefix = "fast_";
-  const std::string& name = integrator.name;
-  return name.starts_with(prefix) ? name.substr(prefix.size()) : name;
-}
-
 // Before a long run, not after it.
 void warn_beyond_limit(const IntegrateRequest& request, double h_norm_B) {
-  const std::string integrator = listed_name(request.integrator);
-  const std::optional<double> limit = measured_limit(integrator, request.solver, request.n);
+  const std::optional<double> limit = measured_limit(request.name, request.solver, request.n);
   if (!limit || h_norm_B <= *limit) return;
   print_error("integrate",
               fmt::format("note: h_norm_B = {:.3g} is beyond {:.3g}, the largest at which the {} "
                           "form of {} survived every recorded run; see results/README.md",
-                          h_norm_B, *limit, name(request.solver), integrator));
+                          h_norm_B, *limit, name(request.solver), request.name));
 }
 
 // W.interrupted.npy beside W.npy.
@@ -155,7 +147,7 @@ nlohmann::ordered_json as_json(const IntegrateRequest& request, const Start& sta
   nlohmann::ordered_json json = {
       {"scene", request.scene},
       {"n", request.n},
-      {"integrator", listed_name(request.integrator)},
+      {"integrator", request.name},
       {"stages", request.integrator.stages},
       {"formulation", request.formulation ? nlohmann::ordered_json(name(*request.formulation))
                                           : nlohmann::ordered_json(nullptr)},

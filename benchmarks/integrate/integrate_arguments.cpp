@@ -51,6 +51,7 @@ void choose_integrator(const IntegratorChoice& choice, const CLI::App& line,
   note_more_threads_than_cores("integrate", request.threads);
   const FastOptions options = with_defaults({.threads = request.threads}, request.n);
   if (by_name) {
+    request.name = choice.name;
     request.integrator = integrator_entry(choice.name, request.solver, options);
     return;
   }
@@ -59,6 +60,7 @@ void choose_integrator(const IntegratorChoice& choice, const CLI::App& line,
       throw BadArgument(fmt::format("{} is required, or --integrator", option));
     }
   }
+  request.name = gauss_entry(*request.formulation, choice.stages).name;
   request.integrator = gauss_entry(*request.formulation, choice.stages, request.solver, options);
 }
 

@@ -17,6 +17,7 @@ namespace isosyrk {
 /// What integrate is asked to do.  Files are only named: reading a command line touches none.
 struct IntegrateRequest {
   Index n = 0;
+  std::string name = {};  ///< of the integrator in the list
   IntegratorEntry integrator = {};
   std::optional<Formulation> formulation = {};  ///< where the integrator was chosen by this
   Solver solver = Solver::published;

@@ -130,6 +130,7 @@ IntegratorEntry fast_entry(IntegratorEntry entry, const FastOptions& options) {
     throw std::invalid_argument(fmt::format("integrator '{}': has no fast form", entry.name));
   }
   entry.name = fmt::format("fast_{}", entry.name);
+  entry.is_fast = true;
   entry.make = [make = entry.make_fast, options](
                    const auto& flow, const IterationOptions& iteration, ProductBackend) {
     FastOptions chosen = options;

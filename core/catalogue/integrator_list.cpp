@@ -61,6 +61,9 @@ constexpr Properties isosyrk_properties = {
 IntegratorEntry composition_entry(const CompositionScheme& scheme, Formulation formulation) {
   const bool on_g = formulation == Formulation::algebra;
   return {.name = on_g ? scheme.name : fmt::format("{}_{}", scheme.name, name(formulation)),
+          .family = Family::composition,
+          .formulation = formulation,
+          .variant_of = on_g ? "" : scheme.name,
           .stages = static_cast<int>(scheme.fractions.size()),
           .order = scheme.order,
           .keeps = isosyrk_properties,
@@ -72,6 +75,7 @@ IntegratorEntry composition_entry(const CompositionScheme& scheme, Formulation f
 
 IntegratorEntry direct_entry(int s) {
   return {.name = fmt::format("direct{}", s),
+          .family = Family::direct_gauss,
           .stages = s,
           .order = 2 * s,
           .keeps = {.isospectral = false, .lie_poisson = false, .symmetric = true},
@@ -82,41 +86,52 @@ IntegratorEntry direct_entry(int s) {
           }};
 }
 
-constexpr Properties explicit_isospectral_properties = {
-    .isospectral = true, .lie_poisson = false, .symmetric = false};
+// Of methods that conjugate W by exponentials.
+constexpr Properties exponential_properties = {
+    .isospectral = true, .lie_poisson = true, .symmetric = true, .spectrum_at_any_tolerance = true};
+constexpr Properties explicit_isospectral_properties = {.isospectral = true,
+                                                        .lie_poisson = false,
+                                                        .symmetric = false,
+                                                        .spectrum_at_any_tolerance = true};
 
 IntegratorEntry exponential_entry(int order) {
   return {.name = fmt::format("elp{}", order),
+          .family = Family::exponential_lie_poisson,
           .stages = 1,
           .order = order,
-          .keeps = isosyrk_properties,
+          .keeps = exponential_properties,
           .make = make_implicit<ExponentialLiePoisson>(order),
           .make_fast = fast_exponential(order),
           .in_frame = true};
 }
 
 IntegratorEntry bogfjellmo_marthinsen_entry(int s) {
+  Properties keeps = exponential_properties;
+  keeps.symmetric = s == 1;
   return {.name = fmt::format("bm{}", s),
+          .family = Family::bogfjellmo_marthinsen,
           .stages = s,
           .order = 2 * s,
-          .keeps = {.isospectral = true, .lie_poisson = true, .symmetric = s == 1},
+          .keeps = keeps,
           .make = make_implicit<BogfjellmoMarthinsen>(gauss_tableau(s)),
           .in_frame = true};
 }
 
 IntegratorEntry crouch_grossman_entry(const CompositionScheme& weights) {
   return {.name = fmt::format("cg{}", weights.order),
+          .family = Family::crouch_grossman,
           .stages = static_cast<int>(weights.fractions.size()),
           .order = weights.order,
-          .keeps = isosyrk_properties,
+          .keeps = exponential_properties,
           .make = make_implicit<CrouchGrossman>(weights),
           .in_frame = true};
 }
 
 // An explicit method applied to W, with what makes it still to be given.
-IntegratorEntry explicit_entry(const std::string& name, int stages, int order,
+IntegratorEntry explicit_entry(const std::string& name, Family family, int stages, int order,
                                double imaginary_limit) {
   return {.name = name,
+          .family = family,
           .stages = stages,
           .order = order,
           .keeps = {.isospectral = false, .lie_poisson = false, .symmetric = false},
@@ -132,8 +147,8 @@ IntegratorEntry explicit_entry(const std::string& name, int stages, int order,
 
 IntegratorEntry runge_kutta_entry(const ExplicitScheme& scheme) {
   const Tableau& tableau = scheme.tableau;
-  IntegratorEntry entry =
-      explicit_entry(tableau.name, tableau.stages(), tableau.order, scheme.imaginary_limit);
+  IntegratorEntry entry = explicit_entry(tableau.name, Family::runge_kutta, tableau.stages(),
+                                         tableau.order, scheme.imaginary_limit);
   entry.make = make_explicit<ExplicitRungeKutta>(tableau);
   entry.make_fast = fast_runge_kutta(tableau);
   return entry;
@@ -141,7 +156,8 @@ IntegratorEntry runge_kutta_entry(const ExplicitScheme& scheme) {
 
 // Two stages: what is predicted, and the state before it.
 IntegratorEntry multistep_entry(const MultistepScheme& scheme) {
-  IntegratorEntry entry = explicit_entry(scheme.name, 2, scheme.order, scheme.imaginary_limit);
+  IntegratorEntry entry = explicit_entry(scheme.name, Family::adams_bashforth_moulton, 2,
+                                         scheme.order, scheme.imaginary_limit);
   entry.make = make_explicit<AdamsBashforthMoulton>(scheme);
   entry.make_fast = fast_multistep(scheme);
   return entry;
@@ -151,6 +167,7 @@ IntegratorEntry multistep_entry(const MultistepScheme& scheme) {
 IntegratorEntry projected_entry(const IntegratorEntry& method) {
   IntegratorEntry entry = method;
   entry.name += "_projected";
+  entry.projected = true;
   entry.keeps = explicit_isospectral_properties;
   entry.linear_limit = {};
   entry.make = [make = method.make, name = entry.name](
@@ -181,6 +198,7 @@ std::vector<IntegratorEntry> make_list() {
     list.push_back(composition_entry(scheme, Formulation::algebra));
   }
   list.push_back({.name = "rkmk4",
+                  .family = Family::munthe_kaas,
                   .stages = 4,
                   .order = 4,
                   .keeps = explicit_isospectral_properties,
@@ -192,6 +210,7 @@ std::vector<IntegratorEntry> make_list() {
   for (int s = 1; s <= 3; ++s) list.push_back(bogfjellmo_marthinsen_entry(s));
   list.push_back(crouch_grossman_entry(yoshida4()));
   list.push_back({.name = "magnus4",
+                  .family = Family::explicit_magnus,
                   .stages = 4,
                   .order = 4,
                   .keeps = explicit_isospectral_properties,
@@ -200,6 +219,7 @@ std::vector<IntegratorEntry> make_list() {
                   .make_fast = fast_magnus(magnus4()),
                   .in_frame = true});
   list.push_back({.name = "magnus5",
+                  .family = Family::explicit_magnus,
                   .stages = 8,
                   .order = 5,
                   .keeps = explicit_isospectral_properties,
@@ -234,6 +254,8 @@ std::vector<IntegratorEntry> make_controls() {
 
 IntegratorEntry gauss_entry(Formulation formulation, int s) {
   return {.name = fmt::format("{}{}", name(formulation), s),
+          .family = Family::gauss,
+          .formulation = formulation,
           .stages = s,
           .order = 2 * s,
           .keeps = isosyrk_properties,
@@ -250,7 +272,8 @@ IntegratorEntry gauss_entry(Formulation formulation, int s) {
 
 IntegratorEntry frame_entry(const IntegratorEntry& method) {
   IntegratorEntry entry = method;
-  entry.name += frame_suffix;
+  entry.variant_of = method.name;
+  entry.name += "_frame";
   entry.co_rotating = true;
   entry.make = [make = method.make](const auto& flow, const IterationOptions& options,
                                     ProductBackend backend) {
@@ -271,6 +294,7 @@ IntegratorEntry two_products_entry(int s) {
   if (s < 2)
     throw std::invalid_argument(fmt::format("two_products_entry: s = {}, must be at least 2", s));
   IntegratorEntry entry = gauss_entry(Formulation::algebra, s);
+  entry.variant_of = entry.name;
   entry.name += "_two_products";
   entry.keeps = {.isospectral = false, .lie_poisson = false, .symmetric = true};
   entry.make = [tableau = gauss_tableau(s)](const auto& flow, const IterationOptions& options,

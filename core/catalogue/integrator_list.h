@@ -4,20 +4,25 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "isosyrk/catalogue/family.h"
 #include "isosyrk/integrators/formulation.h"
 
 namespace isosyrk {
 
-/// Structure that an integrator keeps.  For each property a test checks that it holds if true, and
-/// that it fails if false.
+/// Structure that an integrator keeps, to the tolerance of its iteration unless said otherwise. For
+/// each property a test checks that it holds if true, and that it fails if false.
 struct Properties {
   bool isospectral;  ///< keeps the spectrum of W
   bool lie_poisson;  ///< the step is a Poisson map
   bool symmetric;    ///< step(-h) inverts step(h)
+  /// Keeps the spectrum to rounding at any tolerance: its update conjugates W by what is unitary to
+  /// rounding, or projects W.
+  bool spectrum_at_any_tolerance = false;
 };
 
 struct FastOptions;  // fast/fast_options.h
@@ -30,9 +35,14 @@ using MakePublished = std::function<std::unique_ptr<Integrator>(
 using MakeFast = std::function<std::unique_ptr<Integrator>(const SharedFlow&, const FastOptions&)>;
 
 /// One entry of the list.  A published form alone is enough; name, stages, order, `keeps` and
-/// `make` must be given.
+/// `make` must be given.  What a method is stands in the fields, so that nobody reads its name.
 struct IntegratorEntry {
   std::string name;
+  Family family = Family::other;
+  std::optional<Formulation> formulation = {};  ///< of the Gauss method or the composition, if any
+  bool projected = false;  ///< with a projection onto the spectrum (integrators/projected.h)
+  /// The entry outside the frame, or the one that a control changes; empty if it is no variant.
+  std::string variant_of = {};
   int stages;
   int order;
   Properties keeps;
@@ -51,7 +61,10 @@ struct IntegratorEntry {
   /// True if it solves in the co-rotating frame (flows/co_rotating_frame.h).  Both limits above are
   /// then about the generator B' of that frame.
   bool co_rotating = false;
+  bool is_fast = false;  ///< true if `make` makes the fast form, as that of a fast_entry()
 
+  /// Returns the name of the method whatever its frame, of a control that of the listed one.
+  const std::string& method() const { return variant_of.empty() ? name : variant_of; }
   bool has_fast_form() const { return static_cast<bool>(make_fast); }
 };
 
@@ -59,10 +72,8 @@ struct IntegratorEntry {
 /// std::invalid_argument unless 1 <= s <= max_stages.
 IntegratorEntry gauss_entry(Formulation formulation, int s);
 
-/// Ends the name of a method in the co-rotating frame.
-inline constexpr std::string_view frame_suffix = "_frame";
-/// Returns the entry of a method in the co-rotating frame, for Euler-Zeitlin, with this suffix.  It
-/// has a fast form if the method has one.
+/// Returns the entry of a method in the co-rotating frame, for Euler-Zeitlin, with the suffix
+/// "_frame".  It has a fast form if the method has one.
 IntegratorEntry frame_entry(const IntegratorEntry& method);
 
 /// Returns the entry of a control that is not in the list: `algebra` with its update formed as

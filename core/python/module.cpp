@@ -183,11 +183,22 @@ void bind_integrators(py::module_& module) {
       .def_readonly("name", &IntegratorEntry::name)
       .def_readonly("stages", &IntegratorEntry::stages)
       .def_readonly("order", &IntegratorEntry::order)
+      .def_property_readonly("method", &IntegratorEntry::method)
+      .def_property_readonly("family", [](const IntegratorEntry& e) { return name(e.family); })
+      .def_property_readonly("formulation",
+                             [](const IntegratorEntry& e) -> std::optional<std::string_view> {
+                               if (!e.formulation) return {};
+                               return name(*e.formulation);
+                             })
+      .def_readonly("co_rotating", &IntegratorEntry::co_rotating)
+      .def_readonly("projected", &IntegratorEntry::projected)
       .def_readonly("stability_limit", &IntegratorEntry::stability_limit)
       .def_property_readonly("has_fast_form", &IntegratorEntry::has_fast_form)
       .def_property_readonly("isospectral", &keeps<&Properties::isospectral>)
       .def_property_readonly("lie_poisson", &keeps<&Properties::lie_poisson>)
       .def_property_readonly("symmetric", &keeps<&Properties::symmetric>)
+      .def_property_readonly("spectrum_at_any_tolerance",
+                             &keeps<&Properties::spectrum_at_any_tolerance>)
       .def_readonly("explicit", &IntegratorEntry::is_explicit)
       .def(
           "linear_limit",

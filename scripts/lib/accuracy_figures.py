@@ -11,13 +11,20 @@ from lib.contenders import CLASSES, EXPLICIT
 from lib.equal_error import (PAIRS, beaten_by, cheapest, duel_errors, frame_gains, gauss_forms,
                              headline_problems, is_few, ratio_in, runs_at_table1_step, tolerances)
 from lib.formats import PUBLISHED
-from lib.integrator_names import FRAME, frameless, gauss_stages
+from lib.integrators import GAUSS, chosen
 from lib.verdicts import FASTER, SLOWER, TIE, UNDECIDED
 
 # Classes whose spectrum error is told.
 WITH_SPECTRUM = ("explicit", "gauss_loose", "gauss_matched", "elp", "elp_matched")
-# Whose error at Table 1's step is told against n, in the co-rotating frame and not.
+# Methods whose error at Table 1's step is told against n, in the co-rotating frame and not; new ones are added.
 AGAINST_N = ("group1", "group2", "group3", "group4", "elp2", "elp4", "elp6", "magnus5", "rkmk4", "rk4", "rk8")
+
+
+def told_against_n(integrators):
+    """Returns those of some Integrators whose error at Table 1's step is told, by name: each, then in the frame."""
+    plain = chosen(integrators, AGAINST_N)
+    framed = {each.method: each for each in integrators if each.co_rotating}
+    return {each.name: each for method in plain for each in (plain[method], framed.get(method)) if each}
 
 
 def figures(study):
@@ -78,7 +85,7 @@ def order(study):
     found = {}
     for exponent in TABLE_EXPONENTS:
         best = [cheapest(study, problem, 10.0**exponent, gauss_forms(study)) for problem in study.problems()]
-        orders = [2 * gauss_stages(frameless(each[0].integrator)) for each in best if each]
+        orders = [study.integrators[form.integrator].order for form, _ in filter(None, best)]
         for which, of in (("least", min), ("median", statistics.median), ("largest", max),
                           ("problems", len)) if orders else ():
             found[f"gauss_order.at_1e{exponent}.{which}"] = of(orders)
@@ -87,14 +94,14 @@ def order(study):
 
 def frame(study):
     """Time of Gauss methods over their time in the co-rotating frame, at equal error, smooth scene to T = 5."""
-    gains = [gain for name, found in frame_gains(study, headline_problems(study)).items() if gauss_stages(name)
-             for gain in found.values()]
+    gains = [gain for name, found in frame_gains(study, headline_problems(study)).items()
+             if name in study.integrators and study.integrators[name].family == GAUSS for gain in found.values()]
     return {"frame_gain": statistics.geometric_mean(gains), "frame_gain.comparisons": len(gains)} if gains else {}
 
 
 def error_at_table1_step(study):
     """The error at Table 1's step, smooth scene to T = 5, by integrator and n."""
-    return {f"error.{name}.n{run.n}": run.error for each in AGAINST_N for name in (each, each + FRAME)
+    return {f"error.{name}.n{run.n}": run.error for name in told_against_n(study.integrators.values())
             for run in runs_at_table1_step(study, name)}
 
 

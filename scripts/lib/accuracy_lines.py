@@ -14,17 +14,18 @@ from lib import formats
 from lib.formats import (CONVERGED, SOLVERS, Integrator, Schema, keyed, list_of, number, one_of, optional,
                          positive, status, text, truth, whole)
 from lib.messages import UnusableFile
-from lib.integrator_names import frameless, gauss_stages, is_exponential
+from lib.integrators import GAUSS, IMPLICIT_EXPONENTIAL, MAGNUS
 from lib.verdicts import ratio_of, verdict
 
 SCENES = ("smooth", "rough", "developed")
 TABLE1_STEP = 0.1  # the step size of Table 1, where the tolerances were varied too
 TABLE_EXPONENTS = (-2, -4, -6, -8)  # powers of ten, as errors for which tables name the cheapest method
 
-# Tolerances of the iteration: that of Table 1, and the loosest that leaves the trajectory alone. At it, a Gauss method
-# keeps the spectrum to about the tolerance only, an exponential method to rounding.
+# Tolerances of the iteration: that of Table 1, and by family the loosest that was seen to leave the trajectory alone.
+# At it, a Gauss method keeps the spectrum to about the tolerance only, an exponential method to rounding.
 TIGHT = 1e-13
 LOOSE_GAUSS, LOOSE_EXPONENTIAL = 1e-7, 1e-8
+LOOSE = {GAUSS: LOOSE_GAUSS, **dict.fromkeys((*IMPLICIT_EXPONENTIAL, MAGNUS), LOOSE_EXPONENTIAL)}
 # The tolerance at which the energy of exponential Lie–Poisson methods stays bounded, as the study of long runs measures
 # it. At a looser one errors of the Lie–Poisson structure add up, and the energy drifts.
 ENERGY_BOUNDED = 1e-13
@@ -46,8 +47,9 @@ FLOOR, BELOW, CUT, ALONE = "floor", "below", "cut", "alone"
 GOOD_ENOUGH = 1e-9
 
 # The rows of a duel, each the best method of a class in the co-rotating frame: lib/contenders.py says of which.
+OTHER = "other"  # of new integrators
 CONTENDERS = ("explicit", "rk4", "projected", "rkmk", "magnus", "elp", "elp_matched", "elp_bounded", "gauss",
-              "gauss_loose", "gauss_matched", "gauss_published", "named_published")
+              "gauss_loose", "gauss_matched", "gauss_published", "named_published", OTHER)
 
 
 class Problem(NamedTuple):
@@ -66,25 +68,17 @@ class Form(NamedTuple):
     tolerance: float = TIGHT
 
 
-def loose_tolerance(integrator):
-    """Returns the loosest tolerance that leaves the trajectories of an integrator alone; None if it has no choice."""
-    if gauss_stages(frameless(integrator)):
-        return LOOSE_GAUSS
-    return LOOSE_EXPONENTIAL if is_exponential(integrator) else None
+def keeps(integrator, tolerance, structure):
+    """Tells whether an Integrator keeps a structure at a tolerance."""
+    most = {"nothing": math.inf, "spectrum": math.inf if integrator.spectrum_at_any_tolerance else TIGHT,
+            "poisson": ENERGY_BOUNDED}
+    return integrator.keeps(structure) and tolerance <= most[structure]
 
 
 def keeping_tolerance(integrator, structure="spectrum"):
-    """Returns the loosest tolerance at which an integrator keeps a structure that it keeps at the tightest."""
-    if not is_exponential(integrator):
-        return TIGHT
-    return ENERGY_BOUNDED if structure == "poisson" else LOOSE_EXPONENTIAL
-
-
-def keeps(integrator, tolerance, structure):
-    """Tells whether an Integrator keeps a structure at a tolerance."""
-    if tolerance > TIGHT and structure != "nothing" and tolerance > keeping_tolerance(integrator.name, structure):
-        return False
-    return integrator.keeps(structure)
+    """Returns the loosest tolerance that an Integrator is run at and keeps a structure, which it keeps at TIGHT."""
+    loose = LOOSE.get(integrator.family, TIGHT)
+    return loose if keeps(integrator, loose, structure) else TIGHT
 
 
 class Settings(NamedTuple):
@@ -150,15 +144,6 @@ class Run(NamedTuple):
     def seconds(self):
         """The least of the repetitions: interruptions only add."""
         return min(self.cpu_seconds)
-
-    @property
-    def stages(self):
-        """Of a formulation of the Gauss method; None for any other integrator."""
-        return gauss_stages(self.integrator)
-
-    @property
-    def formulation(self):
-        return self.integrator.rstrip("0123456789")
 
 
 class Line(NamedTuple):

@@ -3,16 +3,16 @@
 import itertools
 import math
 
-from lib.accuracy_figures import AGAINST_N
+from lib.accuracy_figures import told_against_n
 from lib.accuracy_lines import (CONTENDERS, CUT, ENERGY_BOUNDED, FLOOR_MARGIN, GOOD_ENOUGH, LOOSE_EXPONENTIAL, MATCHED,
-                                TABLE1_STEP, TIGHT)
+                                OTHER, TABLE1_STEP, TIGHT)
 from lib.comparison import MISSING, UNDECIDED_MARK, percentage, three_digits
 from lib.contenders import CLASSES, EXPLICIT
 from lib.document import Column, Entry, Heading, Items, Paragraph, Table, conditions, plain_table, shown
 from lib.equal_error import (FEW, MEAN_OVER, beaten_by, duel_errors, frame_gains, headline_problems, is_few,
                              means_by_problem, ratio_in, runs_at_table1_step, tolerances, written_tolerance)
 from lib.formats import SWEEP_CAP, UNSTABLE
-from lib.integrator_names import FRAME, KEPT, strongest_structure
+from lib.integrators import KEPT, strongest_structure
 from lib.numbers import power, scientific, span
 from lib.recommendation import recommendation_tables
 from lib.verdicts import FEWEST, LEVEL, MARGIN, UNDECIDED, level_rows
@@ -173,10 +173,11 @@ def times_table(study, wanted):
 
 def ratios_table(study, wanted):
     """Returns a heading and the table of the times of all classes over that of the best explicit method at an error."""
-    rows = [[str(problem), *(over_explicit(duel, each) for each in CONTENDERS if each != EXPLICIT)]
+    new = any(OTHER in duel for duel in study.duels.values())
+    others = [each for each in CONTENDERS if each != EXPLICIT and (each != OTHER or new)]
+    rows = [[str(problem), *(over_explicit(duel, each) for each in others)]
             for problem, duel in duels_at(study, wanted)]
-    columns = (Column("problem", align="left"), *(Column(CLASSES[each].label) for each in CONTENDERS
-                                                  if each != EXPLICIT))
+    columns = (Column("problem", align="left"), *(Column(CLASSES[each].label) for each in others))
     return [Heading(f"Error {power(wanted)}", 3), plain_table(columns, rows)] if rows else []
 
 
@@ -225,7 +226,7 @@ def step_section(study):
     """Shows that one step size is not one accuracy."""
     sizes = [problem.n for problem in headline_problems(study)]
     rows = []
-    for name in (f"{each}{suffix}" for each in AGAINST_N for suffix in ("", FRAME)):
+    for name in told_against_n(study.integrators.values()):
         errors = {run.n: scientific(run.error) for run in runs_at_table1_step(study, name)}
         rows += [[name, *(errors.get(n, MISSING) for n in sizes)]] if errors else []
     columns = (Column("integrator", align="left"), *(Column(f"n = {n}") for n in sizes))
@@ -280,7 +281,8 @@ def integrators_section(study):
 
 def tolerance_section(study):
     """Shows for each cell the loosest tolerance that hardly adds to its error, and what it saves."""
-    rows = [[str(loosest.n), loosest.formulation, str(loosest.stages), scientific(usual.error),
+    rows = [[str(loosest.n), study.integrators[loosest.integrator].formulation,
+             str(study.integrators[loosest.integrator].stages), scientific(usual.error),
              written_tolerance(study, loosest), three_digits(loosest.seconds / usual.seconds),
              scientific(loosest.spectrum_error), scientific(usual.spectrum_error)]
             for loosest, usual in tolerances(study)]

@@ -9,7 +9,6 @@ from lib import study
 from lib import trials
 from lib.accuracy_lines import Problem, Run
 from lib.formats import CONVERGED, FAST, PUBLISHED, UNSTABLE, to_digits
-from lib.integrator_names import in_frame
 
 LOOKS = 50  # at the energy in a run, at least while there are as many steps
 LOST_SPECTRUM = 0.1  # of the largest eigenvalue, which is 1: a run that lost so much is unstable
@@ -38,8 +37,9 @@ class Setting(trials.Setting):
         super().__init__(scene_of(*self.problem, job["references"]))
         self.reference, record = problems.reference_of(self.problem, job["references"])
         self.uncertainty = record["uncertainty"]
-        (self.entry,) = study.entries([job["integrator"]])
-        _, self.own_norm_ad_B = self.scene.generator_norms(co_rotating=in_frame(self.entry.name))
+        self.entry = study.listed()[job["integrator"]]
+        self.limit = math.inf if self.entry.stability_limit is None else self.entry.stability_limit
+        _, self.own_norm_ad_B = self.scene.generator_norms(co_rotating=self.entry.co_rotating)
 
     def method(self, tolerance):
         return isosyrk.integrator(self.scene, self.entry.name, solver=self.solver, tolerance=tolerance,
@@ -55,7 +55,7 @@ class Setting(trials.Setting):
         found = dict.fromkeys(Run._fields)
         found.update(self.problem._asdict(), integrator=self.entry.name, solver=self.solver, steps=steps,
                      tolerance=tolerance, status=status, h_norm_B=h * self.norm_B,
-                     beyond_limit=h * self.own_norm_ad_B > self.entry.stability_limit, sweeps=report.sweeps,
+                     beyond_limit=h * self.own_norm_ad_B > self.limit, sweeps=report.sweeps,
                      products=report.products, equivalent_products=report.equivalent_products, cpu_seconds=[])
         if status != CONVERGED:
             return Run(**found), None

@@ -7,13 +7,15 @@ import io
 import math
 import re
 import textwrap
+import zlib
 
 import matplotlib.style
-from matplotlib.colors import to_hex, to_rgb
+from matplotlib.colors import hsv_to_rgb, to_hex, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from lib.integrator_names import method_name
+from lib.integrators import (BOGFJELLMO, COMPOSITION, DIRECT_GAUSS, EXPONENTIAL, GAUSS, MAGNUS, RKMK, RUNGE_KUTTA,
+                             is_new)
 
 DOTS_PER_INCH = 120
 WIDTH = 1600 / DOTS_PER_INCH  # inches
@@ -30,16 +32,16 @@ SETTINGS = {"svg.hashsalt": "isosyrk", "svg.fonttype": "none", "font.size": 10.5
             "axes.titley": 1.0}  # else matplotlib measures every tick, twice a drawing, to find the same place
 
 # Hue and size of the markers say which family an integrator belongs to, lightness its order, the marker its number (of
-# stages, or its order), the line what it keeps. Formulations with the same answer differ in size, so that none hides
-# another.
-FAMILIES = {"cotangent": ("#e08214", 7.5), "group": ("#1f67ad", 5.2), "algebra": ("#4a0a5e", 3.4),
-            "elp": ("#ee4b5e", 5.2), "yoshida": ("#d8a03c", 4), "suzuki": ("#c06a28", 4), "kahan_li": ("#8a3b12", 4),
-            "rkmk": ("#0b8a67", 4), "magnus": ("#7fa32a", 4), "direct": ("#cf6aa3", 4), "rk": ("#000000", 4)}
-OTHER_FAMILY = ("0.5", 4)
+# stages where that is half the order by construction, or its order), the line what it keeps. Formulations of the Gauss
+# method, which have the same answer, differ in size, so that none hides another.
+FORMULATION_COLOURS = {"cotangent": ("#e08214", 7.5), "group": ("#1f67ad", 5.2), "algebra": ("#4a0a5e", 3.4)}
+FAMILY_COLOURS = {EXPONENTIAL: ("#ee4b5e", 5.2), COMPOSITION: ("#d8a03c", 4), RKMK: ("#0b8a67", 4),
+                  MAGNUS: ("#7fa32a", 4), DIRECT_GAUSS: ("#cf6aa3", 4), RUNGE_KUTTA: ("#000000", 4)}
+GROUP, EXPONENTIAL_RED, BLACK = FORMULATION_COLOURS["group"][0], FAMILY_COLOURS[EXPONENTIAL][0], "#000000"
+OTHER_SIZE, SATURATION, VALUE = 4, 0.75, 0.6  # of any other family, whose hue is drawn from its name
+BY_STAGES = (GAUSS, DIRECT_GAUSS, BOGFJELLMO)
 LIGHTER, DARKER, DARKEST = 0.3, 0.3, 0.55  # share of white below order 4, of black from order 5 and from order 7 on
-MARKERS = {"1": "o", "2": "s", "3": "^", "4": "D", "5": "P", "6": "v"}
-SHORT_METHODS = {"Runge–Kutta": "RK", "exponential Lie–Poisson": "exponential", "explicit Magnus": "Magnus",
-                 "projected Runge–Kutta": "projected RK"}
+MARKERS = {1: "o", 2: "s", 3: "^", 4: "D", 5: "P", 6: "v"}
 LINES = {"poisson": "-", "spectrum": "--", "nothing": ":"}
 
 
@@ -50,10 +52,19 @@ def own_style():
 
 def look(integrator):
     """Returns how the line of an integrator is drawn."""
-    family, number = re.match(r"([a-z_]+)([0-9]?)", integrator.name).groups()
-    colour, size = FAMILIES.get(family, OTHER_FAMILY)
+    colour, size = colour_and_size(integrator)
+    number = integrator.stages if integrator.family in BY_STAGES else integrator.order
     return {"color": at_order(colour, integrator.order), "marker": MARKERS.get(number, "."), "markersize": size,
             "markerfacecolor": "none", "linestyle": next(LINES[each] for each in LINES if integrator.keeps(each))}
+
+
+def colour_and_size(integrator):
+    """Returns the colour of the family of an integrator at order 4, and the size of its markers."""
+    if integrator.family == GAUSS:
+        return FORMULATION_COLOURS[integrator.formulation]
+    kind = integrator.method if is_new(integrator) else integrator.family
+    hue = zlib.crc32(kind.encode("utf-8")) / 2**32
+    return FAMILY_COLOURS.get(kind) or (to_hex(hsv_to_rgb((hue, SATURATION, VALUE))), OTHER_SIZE)
 
 
 def at_order(colour, order):
@@ -68,13 +79,6 @@ def at_order(colour, order):
 def mixed(colour, other, share):
     """Returns a colour with a share of another one in it."""
     return to_hex([(1 - share) * own + share * added for own, added in zip(to_rgb(colour), to_rgb(other))])
-
-
-def short_name(integrator):
-    """Returns the name of its method with its order as in RK4, one for all formulations and in the frame or not."""
-    method, order = method_name(integrator).split(", order ")
-    method = SHORT_METHODS.get(method, method)
-    return f"{method}{order}" if method.isupper() else f"{method} {order}"
 
 
 def equals(name, value):

@@ -5,13 +5,13 @@ import math
 
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from lib.accuracy_lines import (CUT, ENERGY_BOUNDED, GOOD_ENOUGH, LOOSE_EXPONENTIAL, TABLE1_STEP, Form,
+from lib.accuracy_lines import (CUT, ENERGY_BOUNDED, GOOD_ENOUGH, LOOSE_EXPONENTIAL, OTHER, TABLE1_STEP, Form,
                                 keeping_tolerance, keeps)
-from lib.chart_panels import (FAMILIES, LINES, cross, draw_line, equals, extended, label_ends, logarithmic, look,
-                              new_figure, note, short_name)
+from lib.chart_panels import (BLACK, EXPONENTIAL_RED, FAMILY_COLOURS, GROUP, LINES, cross, draw_line, equals, extended,
+                              label_ends, logarithmic, look, new_figure, note)
 from lib.contenders import CLASSES, EXPLICIT
 from lib.equal_error import HEADLINE, beaten_by, headline_problems, ratio_in, runs_at_table1_step
-from lib.integrator_names import FRAME, in_frame, strongest_structure
+from lib.integrators import MAGNUS, chosen, is_new, short_name, strongest_structure
 from lib.numbers import power, span, two_digits
 
 ERROR_LABEL = "relative error of W(T)"
@@ -22,7 +22,7 @@ ERROR_TICKS = (1, 1e-3, 1e-6, 1e-9)  # of an axis of errors
 MARGIN = 0.15  # decades beyond the lines
 ROOM_FOR_LABELS = 4  # above the lines of time_against_n, whose labels are spread upwards from the highest
 
-# The lines of the work–precision diagram, in the frame if it was run there.
+# The lines of the work–precision diagram, in the frame if it was run there. Those of new integrators are added.
 WORK_PRECISION = (Form("group2"), Form("group4"), Form("elp6", ENERGY_BOUNDED), Form("elp6", LOOSE_EXPONENTIAL),
                   Form("magnus5", LOOSE_EXPONENTIAL), Form("rk4"), Form("rk8"))
 WORK_PRECISION_OF = ("smooth", 50.0)
@@ -32,15 +32,17 @@ CUT_MARK = {"marker": ">", "markersize": 8, "markerfacecolor": "white", "zorder"
 # The lines of time_against_n: a class of methods, its colour and how it is drawn.
 POISSON, SPECTRUM, NOTHING = ({"linestyle": LINES[each]} for each in ("poisson", "spectrum", "nothing"))
 DRAWN = {
-    "gauss": (FAMILIES["group"][0], {**POISSON, "linewidth": 2.4, "marker": "s"}),
-    "elp_bounded": (FAMILIES["elp"][0], {**POISSON, "linewidth": 2.4, "marker": "D"}),
-    "elp": (FAMILIES["elp"][0], {**SPECTRUM, "marker": "D", "markerfacecolor": "white"}),
-    "magnus": (FAMILIES["magnus"][0], {**SPECTRUM, "marker": "v"}),
+    "gauss": (GROUP, {**POISSON, "linewidth": 2.4, "marker": "s"}),
+    "elp_bounded": (EXPONENTIAL_RED, {**POISSON, "linewidth": 2.4, "marker": "D"}),
+    "elp": (EXPONENTIAL_RED, {**SPECTRUM, "marker": "D", "markerfacecolor": "white"}),
+    "magnus": (FAMILY_COLOURS[MAGNUS][0], {**SPECTRUM, "marker": "v"}),
     "projected": ("0.45", {**SPECTRUM, "marker": "^"}),
     "rk4": ("0.45", {**NOTHING, "marker": "o", "markerfacecolor": "white"}),
-    "explicit": (FAMILIES["rk"][0], {**NOTHING, "linewidth": 2.4, "marker": "o"})}
+    "explicit": (BLACK, {**NOTHING, "linewidth": 2.4, "marker": "o"}),
+    OTHER: ("#c06a28", {**NOTHING, "linestyle": "-.", "marker": "P"})}
 
-# The lines of error_against_n, not in the frame, at the tight tolerance; those with words are told in the title.
+# The lines of error_against_n, not in the frame, at the tight tolerance; those with words are told in the title. Those
+# of new integrators are added.
 AGAINST_N = {"group1": None, "group2": "the Gauss method of order 4", "elp4": "the exponential method of order 4",
              "elp6": None, "rkmk4": "RKMK4", "rk4": None, "rk8": None}
 GROWS = 10  # a factor beyond which the title says that an error depends on n
@@ -97,19 +99,22 @@ def problems_to_draw(study):
 
 
 def forms_to_draw(study):
-    """Returns those of WORK_PRECISION that have a line; one without the frame only if there is no other."""
+    """Returns those of WORK_PRECISION and of new integrators that have a line; out of the frame where none is in it."""
     problems, found = problems_to_draw(study), []
-    for method, tolerance in WORK_PRECISION:
-        wanted = [Form(name, tolerance) for name in (method + FRAME, method)]
-        found += [form for form in wanted if any(study.line(problem, *form) for problem in problems)][:1]
+    drawn = {form for form in study.forms() if any(study.line(problem, *form) for problem in problems)}
+    framed_first = sorted(study.integrators.values(), key=lambda each: not each.co_rotating)
+    new = dict.fromkeys(each.method for each in framed_first if is_new(each))
+    for method, tolerance in (*WORK_PRECISION, *map(Form, new)):
+        own = [Form(each.name, tolerance) for each in framed_first if each.method == method]
+        found += [form for form in own if form in drawn][:1]
     return found
 
 
 def label_of(study, form):
     """Returns the short name of a Form, with what the note under the panels does not say of it."""
     integrator = study.integrators[form.integrator]
-    loose = form.tolerance > keeping_tolerance(integrator.name, strongest_structure(integrator))
-    frame = "" if in_frame(form.integrator) else ", no frame"
+    loose = form.tolerance > keeping_tolerance(integrator, strongest_structure(integrator))
+    frame = "" if integrator.co_rotating else ", no frame"
     return short_name(integrator) + (f", {power(form.tolerance)}" if loose else "") + frame
 
 
@@ -269,8 +274,8 @@ def error_against_n(study):
     A line is broken, and marked as failing, where the step fails or is beyond the integrator's limit.
     """
     sizes = [problem.n for problem in headline_problems(study)]
-    lines = {name: {run.n: run for run in runs} for name in AGAINST_N if name in study.integrators
-             and (runs := runs_at_table1_step(study, name))}
+    lines = {name: {run.n: run for run in runs} for name in chosen(study.integrators.values(), AGAINST_N)
+             if (runs := runs_at_table1_step(study, name))}
     if len({n for runs in lines.values() for n in runs}) < 2:
         return None
     labels = {name: short_name(study.integrators[name]) for name in lines}
@@ -302,7 +307,7 @@ def fails_after(study, name, n):
 
 def growth_title(lines):
     """Returns by how much the error changes from the least to the largest n of the methods that AGAINST_N tells of."""
-    told = {name: runs for name, runs in lines.items() if AGAINST_N[name]}
+    told = {name: runs for name, runs in lines.items() if AGAINST_N.get(name)}
     common = set.intersection(*map(set, told.values())) if told else set()
     if len(common) < 2:
         return f"Error of one step size, h = {TABLE1_STEP}, against n"

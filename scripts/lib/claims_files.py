@@ -3,8 +3,8 @@
 from typing import NamedTuple
 
 from lib import formats
-from lib.formats import (FORMULATIONS, SOLVERS, CellKey, Measurement, Run, Schema, Wrong, list_of, number, one_of,
-                         positive, text, whole)
+from lib.formats import (FORMULATIONS, INTEGRATORS, SOLVERS, CellKey, Integrator, Measurement, Run, Schema, Wrong,
+                         list_of, number, one_of, positive, text, whole)
 from lib.messages import UnusableFile
 
 HBARS = ("paper", "standard")
@@ -98,8 +98,9 @@ class Rate(NamedTuple):
     pass_seconds: times  # the sum of two n x n complex matrices into a third
 
 
-SCHEMA = Schema("claims", Settings, {"octave": OctaveCell, "octave_pairs": OctavePair, "octave_products": OctaveProduct,
-                                     "draws": DrawCell, "threads": ThreadCell, "rates": Rate})
+SCHEMA = Schema("claims", Settings, {INTEGRATORS: Integrator, "octave": OctaveCell, "octave_pairs": OctavePair,
+                                     "octave_products": OctaveProduct, "draws": DrawCell, "threads": ThreadCell,
+                                     "rates": Rate}, later=(INTEGRATORS,))
 
 
 def read_claims(path, make=lambda study: study):

@@ -17,8 +17,8 @@ from lib.claims_files import EQUAL, SWEEPS, WHOLE, draw_runs, octave_run
 from lib.comparison import MISSING, three_digits
 from lib.document import Column, Entry, Table
 from lib.formats import (FAST, FORMULATIONS, PUBLISHED, an_object, any_text, checked, list_of, number, one_of,
-                         optional, read_json, require, text, whole)
-from lib.integrator_names import frameless, gauss_stages
+                         listed, listed_integrators, optional, read_json, require, text, whole)
+from lib.integrators import GAUSS
 from lib.messages import UnusableFile
 from lib.parallel_model import PROCESSORS, Rates, sweep_seconds, work_seconds
 from lib.theorem_table import AT_ROUNDING
@@ -231,13 +231,13 @@ def order_rows(turbulence):
             continue
         if costs:
             best = min(costs, key=costs.get)
-            orders.append(Finding(f"at n = {n} ({best})", None, order_of(best), None, None, len(costs)))
-        low, high = ([cost for name, cost in costs.items() if (order_of(name) > 2) is is_high]
+            orders.append(Finding(f"at n = {n} ({best})", None, listed(best).order, None, None, len(costs)))
+        low, high = ([cost for name, cost in costs.items() if (listed(name).order > 2) is is_high]
                      for is_high in (False, True))
         if low and high:
             prices.append(Finding(f"n = {n}", None, min(low) / min(high), None, None, 1))
         if name:
-            winners.append(Finding(f"at n = {n} ({name})", None, order_of(name), None, None, 1))
+            winners.append(Finding(f"at n = {n} ({name})", None, listed(name).order, None, None, 1))
     rows = (("in turbulence, order of the cheapest faithful Gauss method", orders),
             ("in turbulence, time of order 2 over that of the cheapest higher order, Gauss methods", prices),
             ("in turbulence, order of the cheapest faithful method of any kind", winners))
@@ -255,9 +255,8 @@ def is_decided(turbulence, n):
 
 def gauss_costs(turbulence, n):
     """Returns the costs of the cheapest faithful setting of each Gauss method over that of the practice, by name."""
-    found = {match[1]: value for key, value in turbulence.items()
-             if (match := re.fullmatch(rf"n{n}\.cheapest_of\.(\w+)\.over_practice", key))}
-    costs = {name: cost for name, cost in found.items() if gauss_stages(frameless(name))}
+    costs = {name: turbulence[key] for name, each in listed_integrators().items() if each.family == GAUSS
+             and (key := f"n{n}.cheapest_of.{name}.over_practice") in turbulence}
     if turbulence.get(f"n{n}.practice.faithful") == 1 and f"n{n}.practice.seconds" in turbulence:
         costs[PRACTICE_INTEGRATOR] = min(1.0, costs.get(PRACTICE_INTEGRATOR, 1.0))
     return costs
@@ -265,16 +264,10 @@ def gauss_costs(turbulence, n):
 
 def cheapest_of_all(turbulence, n):
     """Returns the integrator of the cheapest faithful setting, the practice included; None without a faithful one."""
-    pattern = re.compile(rf"n{n}\.cheapest\.nothing\.(\w+)\.h.+\.over_practice")
-    costs = {match[1]: value for key, value in turbulence.items() if (match := pattern.fullmatch(key))}
+    costs = {name: turbulence[key] for name in listed_integrators()
+             if (key := f"n{n}.cheapest_of.{name}.over_practice") in turbulence}
     costs |= {name: min(cost, costs.get(name, cost)) for name, cost in gauss_costs(turbulence, n).items()}
     return min(costs, key=costs.get, default=None)
-
-
-def order_of(name):
-    """Returns the order of an integrator, by its name: 2s of a Gauss method, otherwise the number that it has."""
-    stages = gauss_stages(frameless(name))
-    return 2 * stages if stages else int(re.search("[0-9]+", name)[0])
 
 
 def predictable_order_row(accuracy):

@@ -8,13 +8,12 @@ from typing import Callable, NamedTuple
 
 from lib.accuracy_lines import CONTENDERS, ENERGY_BOUNDED, LOOSE_EXPONENTIAL, LOOSE_GAUSS, MATCHED, TIGHT, Form
 from lib.formats import FAST, PUBLISHED, Integrator
-from lib.integrator_names import family, frameless, in_frame
+from lib.integrators import EXPONENTIAL, GAUSS, MAGNUS, NAMED, RKMK, RUNGE_KUTTA, is_fastest_formulation, is_new
 
 # Methods of a lower order take ten times the work and more at the errors of duels, so they are not tried.
 LEAST_ORDER = 4
 LARGEST_PUBLISHED_STAGES = 3  # of Gauss methods in published form: those of Table 1
 REACHED = 10  # an error is reached at a tolerance so many times smaller at least
-NAMED = ("bm", "cg")  # families of the Lie–Poisson methods that the paper names
 
 
 class Contender(NamedTuple):
@@ -42,32 +41,39 @@ class Contender(NamedTuple):
 
 
 def of_family(*families):
-    return lambda integrator: family(frameless(integrator.name)) in families
+    return lambda integrator: integrator.family in families
 
 
-# Formulations give one answer; by fast forms with two stages or more that on G is the fastest, as Table 2 shows.
-is_gauss = of_family("group")
+def is_rk4(integrator):
+    return (integrator.family, integrator.order, integrator.projected) == (RUNGE_KUTTA, 4, False)
+
+
+def is_gauss(integrator):
+    """Tells whether it is a Gauss method in the formulation whose fast form is the fastest."""
+    return integrator.family == GAUSS and is_fastest_formulation(integrator)
 
 
 def is_table1_gauss(integrator):
     """Tells whether it is a Gauss method of Table 1 on g or on G; that on T*G needs the products of the one on G."""
-    return of_family("algebra", "group")(integrator) and integrator.stages <= LARGEST_PUBLISHED_STAGES
+    return integrator.formulation in ("algebra", "group") and integrator.family == GAUSS and (
+        integrator.stages <= LARGEST_PUBLISHED_STAGES)
 
 
 CLASSES = dict(zip(CONTENDERS, (
     Contender("best explicit", lambda each: each.explicit and not each.isospectral, even=True),
-    Contender("RK4", lambda each: frameless(each.name) == "rk4", even=True),
-    Contender("projected", lambda each: frameless(each.name).endswith("_projected"), even=True),
-    Contender("RKMK", of_family("rkmk")),
-    Contender("Magnus", of_family("magnus"), LOOSE_EXPONENTIAL, LOOSE_EXPONENTIAL),
-    Contender("exponential, 1e-8", of_family("elp"), LOOSE_EXPONENTIAL, LOOSE_EXPONENTIAL),
-    Contender("exponential, matched", of_family("elp"), LOOSE_EXPONENTIAL, LOOSE_EXPONENTIAL, matched=True),
-    Contender("exponential, bounded energy", of_family("elp"), ENERGY_BOUNDED, ENERGY_BOUNDED),
+    Contender("RK4", is_rk4, even=True),
+    Contender("projected", lambda each: each.projected, even=True),
+    Contender("RKMK", of_family(RKMK)),
+    Contender("Magnus", of_family(MAGNUS), LOOSE_EXPONENTIAL, LOOSE_EXPONENTIAL),
+    Contender("exponential, 1e-8", of_family(EXPONENTIAL), LOOSE_EXPONENTIAL, LOOSE_EXPONENTIAL),
+    Contender("exponential, matched", of_family(EXPONENTIAL), LOOSE_EXPONENTIAL, LOOSE_EXPONENTIAL, matched=True),
+    Contender("exponential, bounded energy", of_family(EXPONENTIAL), ENERGY_BOUNDED, ENERGY_BOUNDED),
     Contender("Gauss", is_gauss),
     Contender("Gauss, 1e-7", is_gauss, LOOSE_GAUSS),
     Contender("Gauss, matched", is_gauss, LOOSE_GAUSS, matched=True),
     Contender("Gauss, published form", is_table1_gauss, solver=PUBLISHED),
-    Contender("named methods, published form", of_family(*NAMED), solver=PUBLISHED))))
+    Contender("named methods, published form", of_family(*NAMED), solver=PUBLISHED),
+    Contender("other families", is_new))))
 EXPLICIT = "explicit"  # the class that all others are compared with
 
 
@@ -75,7 +81,7 @@ def candidates(integrators, contender, solver=None):
     """Returns those of some Integrators that may stand for a class; none where its form is not `solver`, if given."""
     kind = CLASSES[contender]
     return [each for each in integrators if solver in (None, kind.solver)
-            and in_frame(each.name) and each.order >= LEAST_ORDER and kind.holds(each)]
+            and each.co_rotating and each.order >= LEAST_ORDER and kind.holds(each)]
 
 
 def forms(integrators, contender):

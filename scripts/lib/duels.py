@@ -21,7 +21,6 @@ from lib.accuracy_runs import MAX_SWEEPS, Setting, rounded, scene_of, seconds_of
 from lib.contenders import CLASSES, EXPLICIT, candidates
 from lib.equal_error import cheap_forms
 from lib.formats import FAST, PUBLISHED
-from lib.integrator_names import FRAME
 
 WANTED = (1e-4, 1e-6)  # the errors of all duels, ...
 SHARP, LARGEST_SHARP = 1e-8, {("smooth", 50.0): 33, ("rough", 5.0): 65}  # ... of some besides, up to this n, ...
@@ -72,7 +71,8 @@ def jobs_of(found, problem, wanted, references):
                      for form, cost in cheap_forms(found, problem, wanted, forms, CLOSE_COST, beyond=True)
                      if cost.fine.solver == FAST]
         else:  # from the steps of the fast Gauss method of the same order on
-            costs = [(each.name, found.cost(problem, f"group{each.order // 2}{FRAME}", wanted)) for each in entries]
+            costs = [(each.name, found.cost(problem, fast.name, wanted)) for each in entries
+                     for fast in candidates(found.integrators.values(), "gauss") if fast.order == each.order]
         jobs += [{**problem._asdict(), "wanted": wanted, "contender": contender, "integrator": name,
                   "solver": kind.solver, "tolerance": tolerance, "steps": math.ceil(problem.time / cost.step),
                   "references": references} for name, cost in costs if cost]

@@ -12,7 +12,7 @@ import statistics
 from lib.accuracy_lines import CONTENDERS, TABLE1_STEP, TIGHT, Form, compared
 from lib.contenders import CLASSES, EXPLICIT
 from lib.formats import FAST, FORMULATIONS
-from lib.integrator_names import frameless, gauss_stages, in_frame
+from lib.integrators import GAUSS
 from lib.numbers import power
 from lib.verdicts import FASTER
 
@@ -88,7 +88,7 @@ def cheapest(study, problem, error, forms):
 
 def gauss_forms(study):
     """Returns the Forms of the Gauss integrators in the co-rotating frame, at their tightest tolerance."""
-    return [Form(name) for name in study.integrators if in_frame(name) and gauss_stages(frameless(name))]
+    return [Form(name) for name, each in study.integrators.items() if each.co_rotating and each.family == GAUSS]
 
 
 def means_by_problem(found):
@@ -103,10 +103,10 @@ def frame_gains(study, problems):
     As a dict by (problem, exponent of the error), where both reach the error.
     """
     gains = {}
-    for name in filter(in_frame, study.integrators):
-        found = gains[frameless(name)] = {}
+    for framed_name, method in [(each.name, each.method) for each in study.integrators.values() if each.co_rotating]:
+        found = gains[method] = {}
         for problem, exponent in itertools.product(problems, MEAN_EXPONENTS):
-            plain, framed = (study.cost(problem, each, 10.0**exponent) for each in (frameless(name), name))
+            plain, framed = (study.cost(problem, each, 10.0**exponent) for each in (method, framed_name))
             if plain and framed:
                 found[problem, exponent] = plain.seconds / framed.seconds
     return gains
@@ -126,7 +126,8 @@ def tolerances(study):
     cells = {}
     for run in sorted(study.tolerance_runs, key=lambda run: run.tolerance):
         if run.usable:
-            cells.setdefault((run.problem, FORMULATIONS.index(run.formulation), run.stages), []).append(run)
+            cell = study.integrators[run.integrator]
+            cells.setdefault((run.problem, FORMULATIONS.index(cell.formulation), cell.stages), []).append(run)
     found = []
     for _, runs in sorted(cells.items()):
         harmless = list(itertools.takewhile(lambda run: run.solver_error <= HARMLESS * runs[0].error, runs))

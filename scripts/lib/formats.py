@@ -16,11 +16,14 @@ The raw file of every study is
      "tables": {name: {"columns": [...], "rows": [[...], ...]}}}
 
 A study declares its settings and tables once, as a Schema of NamedTuple classes whose annotations are kinds. A row is
-read as a record of its class, which may have properties.
+read as a record of its class, which may have properties. The table of integrators says what each of them is; where an
+older file does not, LISTED does.
 """
 
+import functools
 import json
 import operator
+import os
 import re
 import statistics
 from dataclasses import dataclass, field
@@ -168,11 +171,12 @@ STATUSES = (CONVERGED, "diverged", "stagnated", SWEEP_CAP, UNSTABLE)
 LOSSES = NOT_FINITE, UNSTABLE_SPECTRUM, UNSTABLE_ENERGY = ("not finite", "spectrum lost", "energy lost")
 CASIMIRS = (2, 3, 4, 5)
 SOLVERS = PUBLISHED, FAST = ("published", "fast")
+FORMULATIONS = ("cotangent", "group", "algebra")  # in the order of the paper's table
 status = one_of(*STATUSES)
 
 
 class Integrator(NamedTuple):
-    """The properties of an integrator, as the module lists them; the same table in every study."""
+    """What an integrator is and keeps, as the module lists it; the same table in every study."""
 
     name: text
     stages: whole(1)
@@ -182,17 +186,49 @@ class Integrator(NamedTuple):
     symmetric: truth
     explicit: truth
     stability_limit: optional(number)  # largest stable h‖ad_B‖₂; None if there is none
+    has_fast_form: truth
+    method: text  # name of the same method outside the co-rotating frame
+    family: text  # of lib.integrators, or another
+    formulation: optional(one_of(*FORMULATIONS))
+    co_rotating: truth  # runs in the co-rotating frame
+    projected: truth  # projects onto the spectrum
+    spectrum_at_any_tolerance: truth  # keeps it to rounding; other isospectral methods to the tolerance
 
     def keeps(self, structure):
         """Tells whether it keeps "nothing" (always), the "spectrum", or the Lie–"poisson" structure."""
         return {"nothing": True, "spectrum": self.isospectral, "poisson": self.lie_poisson}[structure]
 
 
+INTEGRATORS = "integrators"  # the name of their table
+LATER_FIELDS = Integrator._fields[8:]  # that older files do not have
+# The list of integrators as of the recorded files, which scripts/update_integrators writes.
+LISTED = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__)))), "results",
+                      "recorded", "integrators.json")
+LIST_FORMAT = "isosyrk integrators 1"
+
+
+@functools.lru_cache(maxsize=None)
+def listed_integrators():
+    """Returns the Integrators of LISTED by name. Throws UnusableFile."""
+    def integrators_of(document):
+        require(document, "list of integrators", "format", LIST_FORMAT)
+        return keyed(records(document, Integrator, INTEGRATORS), "name")
+
+    return read_json(LISTED, integrators_of)
+
+
+def listed(name):
+    """Returns the Integrator of LISTED with a name. Throws UnusableFile."""
+    if name not in listed_integrators():
+        raise UnusableFile(f"does not say what {name} is, nor does {os.path.basename(LISTED)}")
+    return listed_integrators()[name]
+
+
 class Schema(NamedTuple):
     study: str
     settings: type
     tables: Dict[str, type]
-    later: Tuple[str, ...] = ()  # tables that older files do not have; they are read as empty
+    later: Tuple[str, ...] = ()  # tables that older files do not have; they are read as empty, or of LISTED
 
 
 @dataclass(frozen=True)
@@ -220,18 +256,29 @@ def study_of(document, schema):
     found = checked(parts["tables"], dict.fromkeys(schema.tables.keys() - older, an_object), "tables")
     tables = {name: records(found[name], record, name) if name in found else []
               for name, record in schema.tables.items()}
+    if INTEGRATORS in older:
+        names = {row.integrator for rows in tables.values() for row in rows if hasattr(row, "integrator")}
+        tables[INTEGRATORS] = list(map(listed, sorted(names, key=[*listed_integrators(), *names].index)))
     return Study(printable_context(parts["context"]),
                  schema.settings(**checked(parts["settings"], schema.settings.__annotations__, "settings")), tables)
 
 
 def records(found, record, name):
     """Returns the rows of a table, as records of their class."""
-    kinds, what = record.__annotations__, f"the table of {name}"
+    kinds, what, made = record.__annotations__, f"the table of {name}", record
     columns = checked(found, {"columns": list_of(text)}, what)["columns"]
+    if record is Integrator and not {*LATER_FIELDS} & {*columns}:
+        kinds = {field: kind for field, kind in kinds.items() if field not in LATER_FIELDS}
+        made = older_integrator
     if sorted(columns) != sorted(kinds):
         raise UnusableFile(f"{what} has other columns than {', '.join(kinds)}")
     rows = checked(found, {"rows": list_of(list_of(anything, len(columns)))}, what)["rows"]
-    return [record(**checked(dict(zip(columns, row)), kinds, f"a row of {name}")) for row in rows]
+    return [made(**checked(dict(zip(columns, row)), kinds, f"a row of {name}")) for row in rows]
+
+
+def older_integrator(name, **fields):
+    """Returns the Integrator of an older file, whose rows have not all fields."""
+    return listed(name)._replace(**fields)
 
 
 # ---- writing a study
@@ -242,17 +289,24 @@ def write_study(path, schema, context, settings, tables):
 
     Tables of schema.later may be left out.
     """
-    def block(record, rows):
-        lines = ",\n".join(compact(row) for row in rows)
-        return f'{{"columns":{compact(record._fields)},"rows":[\n{lines}\n]}}'
-
-    blocks = ",\n".join(f"{compact(name)}:{block(record, tables[name])}" for name, record in schema.tables.items()
-                        if name in tables)
+    blocks = ",\n".join(f"{compact(name)}:{{{columns_and_rows(record, tables[name])}}}"
+                        for name, record in schema.tables.items() if name in tables)
     whole_file = (f'{{"format":{compact(STUDY_FORMAT)},"study":{compact(schema.study)},\n'
                   f'"context":{json.dumps(context, indent=1)},\n"settings":{compact(settings._asdict())},\n'
                   f'"tables":{{\n{blocks}\n}}}}\n')
     study_of(json.loads(whole_file), schema)
     replace_file(path, whole_file.encode("utf-8"))
+
+
+def columns_and_rows(record, rows):
+    """Returns the text of a table in a file, a row a line."""
+    lines = ",\n".join(compact(row) for row in rows)
+    return f'"columns":{compact(record._fields)},"rows":[\n{lines}\n]'
+
+
+def list_text(integrators):
+    """Returns the text of LISTED that holds some Integrators."""
+    return f'{{"format":{compact(LIST_FORMAT)},{columns_and_rows(Integrator, integrators)}}}\n'
 
 
 def to_digits(value, digits):
@@ -267,7 +321,6 @@ def compact(value):
 # ---- the raw file of a table
 
 BENCHMARK_FORMAT = "1"
-FORMULATIONS = ("cotangent", "group", "algebra")  # in the order of the paper's table
 SECONDS_PER_UNIT = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
 
 

@@ -9,9 +9,9 @@ from lib.chart_panels import draw_line, key, label_ends, logarithmic, look, new_
 from lib.charts import label_sizes
 from lib.comparison import three_digits
 from lib.formats import CONVERGED, FAST, NOT_FINITE, PUBLISHED, SWEEP_CAP, UNSTABLE_ENERGY, UNSTABLE_SPECTRUM
-from lib.integrator_names import in_frame
+from lib.integrators import is_new
 
-# At most seven a panel.
+# At most seven a panel, and new integrators.
 DRAWN = {PUBLISHED: ("group2", "algebra1", "algebra2", "elp4", "rkmk4", "rk4", "rk8"),
          FAST: ("group2", "group2_frame", "algebra1", "elp4_frame", "magnus5_frame", "rk4_frame", "rk8_frame")}
 TITLES = {PUBLISHED: "published forms", FAST: "fast forms"}
@@ -26,7 +26,8 @@ COLOURS = {CONVERGED: "#dfeaf5", SWEEP_CAP: "#f0b95c", "stagnated": "#cc6a36", "
 
 def critical_steps(limits):
     """Draws the critical h‖B(W₀)‖₂ from the smooth scene's own initial data against n. None without two n."""
-    lines = {solver: {name: points for name in names if len(points := line_of(limits, solver, name)) > 1}
+    new = [name for name, each in limits.integrators.items() if is_new(each)]
+    lines = {solver: {name: points for name in (*names, *new) if len(points := line_of(limits, solver, name)) > 1}
              for solver, names in DRAWN.items()}
     lines = {solver: found for solver, found in lines.items() if found}
     if not lines:
@@ -38,7 +39,8 @@ def critical_steps(limits):
         logarithmic(axes)
         axes.set(title=TITLES[solver], xlabel="n")
         for name, points in found.items():
-            style = dict(look(limits.integrators[name]), linestyle=":" if in_frame(name) else "-")
+            style = dict(look(limits.integrators[name]),
+                         linestyle=":" if limits.integrators[name].co_rotating else "-")
             draw_line(axes, name, points, **style)
             if solver == PUBLISHED and name in WITH_THEORY:
                 draw_line(axes, "_theory", theory_of(limits, name), color=style["color"], **THEORY)

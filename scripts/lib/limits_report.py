@@ -5,13 +5,14 @@ import statistics
 from lib.comparison import MISSING, three_digits
 from lib.document import Column, Heading, Paragraph, conditions, plain_table, shown
 from lib.formats import FAST, PUBLISHED, SWEEP_CAP
+from lib.integrators import is_new
 from lib.limits_files import SCENES
 from lib.numbers import span
 
 CHARTS = {"limits": "Critical h‖B(W₀)‖₂ against n, published and fast forms.",
           "failure_map": "How steps of published `algebra1` end, smooth scene."}
 CAP, ISLAND, NONE = "*", "°", "none"
-# Whose steps pages may quote.
+# Whose steps pages may quote; those of new integrators too.
 QUOTED = ("group1", "group2", "group3", "algebra1", "algebra2", "algebra3", "elp4", "elp6", "bm2", "bm3", "cg4",
           "rkmk4", "magnus5", "rk4_projected", "rk8_projected", "rk4", "rk5", "rk8", "rk10", "abm8", "group2_frame",
           "group3_frame", "elp4_frame", "elp6_frame", "magnus5_frame", "rk4_frame", "rk5_frame", "rk8_frame",
@@ -153,15 +154,15 @@ def figures(limits):
     their place. Steps that survived are h, each with its energy error. Then counts, and the spread of a limit over
     states: largest over least, as its median over all lines of several states.
     """
-    found = {}
+    found, quoted = {}, {*QUOTED, *(name for name, each in limits.integrators.items() if is_new(each))}
     for (solver, scene, n, name), line in limits.lines.items():
-        if name in QUOTED and line.least:
+        if name in quoted and line.least:
             key = f"critical.{solver}.{scene}.{name}.n{n}"
             found |= {f"{key}.least": line.least, f"{key}.largest": line.largest}
     found |= {f"theory.{scene}.{name}.n{n}": limit for (scene, n, name), limit in limits.theory.items()
-              if name in QUOTED}
+              if name in quoted}
     for (solver, scene, n, name), survived in limits.survived.items():
-        if name in QUOTED:
+        if name in quoted:
             form = f"{solver}.{scene}.{name}.n{n}"
             found |= {f"survived_step.{form}": survived_step(limits, survived),
                       f"survived_energy_error.{form}": survived.energy_error}

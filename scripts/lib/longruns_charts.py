@@ -2,20 +2,22 @@
 
 from matplotlib.ticker import LogLocator
 
-from lib.chart_panels import (FAMILIES, LINES, cross, draw_line, equals, label_ends, logarithmic, mixed, new_figure,
-                              note)
+from lib.accuracy_lines import keeping_tolerance
+from lib.chart_panels import (BLACK, EXPONENTIAL_RED, FAMILY_COLOURS, GROUP, LINES, cross, draw_line, equals,
+                              label_ends, logarithmic, look, mixed, new_figure, note)
 from lib.drift import BOUNDED, GROWS, KEPT, LEAST_GROWTH
+from lib.integrators import RKMK
 from lib.longruns_files import (COSTS, ENERGY, EXPLICIT, EXPLICIT_LIE, EXPONENTIAL, EXPONENTIAL_LOOSE, GAUSS,
-                                GAUSS_LOOSE, LOOSE, PROJECTED, SCENES, SPECTRUM, without_variant)
+                                GAUSS_LOOSE, PROJECTED, SCENES, SPECTRUM)
 from lib.longruns_report import places_of
 from lib.numbers import power
 
 SIZES = (33, 129)  # of the panels against cost, where there are such
 LEAST_ERROR = 1e-16  # where an exact 0 is drawn
-RED, BLUE = FAMILIES["elp"][0], FAMILIES["group"][0]
-COLOURS = {EXPLICIT: FAMILIES["rk"][0], PROJECTED: FAMILIES["kahan_li"][0], EXPLICIT_LIE: FAMILIES["rkmk"][0],
-           EXPONENTIAL: mixed(RED, "black", 0.25), EXPONENTIAL_LOOSE: mixed(RED, "white", 0.35), GAUSS: BLUE,
-           GAUSS_LOOSE: mixed(BLUE, "white", 0.45)}
+COLOURS = {EXPLICIT: BLACK, PROJECTED: "#8a3b12", EXPLICIT_LIE: FAMILY_COLOURS[RKMK][0],
+           EXPONENTIAL: mixed(EXPONENTIAL_RED, "black", 0.25),
+           EXPONENTIAL_LOOSE: mixed(EXPONENTIAL_RED, "white", 0.35), GAUSS: GROUP,
+           GAUSS_LOOSE: mixed(GROUP, "white", 0.45)}
 MARKERS = {"o": "○", "s": "□", "D": "◇", "^": "△", "v": "▽"}  # of the methods of a class, in their order, as in labels
 KEPT_BELOW = 1e-11  # spectrum errors whose lines have one label
 KINDS = ("Black: explicit; brown: projected; green: explicit and isospectral; red: exponential Lie–Poisson, lighter at"
@@ -23,11 +25,12 @@ KINDS = ("Black: explicit; brown: projected; green: explicit and isospectral; re
          " dotted: neither.")
 
 
-def label_of(run):
-    """Returns the name of a method, with its tolerance where its integrator has several."""
-    name = without_variant(run.method)
-    loose = run.method.endswith(LOOSE)
-    return f"{name}, {power(run.tolerance)}" if loose or name.startswith("elp") else name
+def label_of(runs, run):
+    """Returns the name of a method, with its tolerance where that is loose or may be."""
+    integrator = runs.integrator_of(run)
+    tight, usual = (keeping_tolerance(integrator, each) for each in ("poisson", "spectrum"))
+    several = run.tolerance > usual or (integrator.lie_poisson and tight < usual)
+    return f"{integrator.method}, {power(run.tolerance)}" if several else integrator.method
 
 
 def styles(runs, drawn):
@@ -36,7 +39,8 @@ def styles(runs, drawn):
     for method, run in drawn.items():
         kind, integrator = runs.class_of(run), runs.integrator_of(run)
         number = seen[kind] = seen.get(kind, -1) + 1
-        found[method] = {"color": COLOURS.get(kind, "0.5"), "marker": list(MARKERS)[number % len(MARKERS)],
+        found[method] = {"color": COLOURS.get(kind) or look(integrator)["color"],
+                         "marker": list(MARKERS)[number % len(MARKERS)],
                          "markerfacecolor": "none",
                          "linestyle": next(LINES[each] for each in LINES if integrator.keeps(each))}
     return found
@@ -67,7 +71,7 @@ def against_cost(runs, quantity, title, label):
     sizes = [n for n in SIZES if n in runs.plans] or list(runs.plans)[:1]
     scenes = [scene for scene in SCENES if (sizes[0], scene) in runs.settings()]
     looks = styles(runs, {method: line[0] for (_, _, method), line in runs.lines.items()})
-    names = {method: f"{MARKERS[looks[method]['marker']]} {label_of(line[0])}"
+    names = {method: f"{MARKERS[looks[method]['marker']]} {label_of(runs, line[0])}"
              for (_, _, method), line in runs.lines.items()}
     figure, panels = new_figure(title, len(scenes), len(sizes), 5.4, keys=2, labels=names.values(), sharex=True,
                                 sharey=True)
@@ -106,7 +110,7 @@ def energy_against_time(runs):
     found = {scene: drawn for scene in SCENES if (drawn := runs.long_at(scene, cost))}
     if not found:
         return None
-    labels = {(scene, method): f"{label_of(run)} ({drift_of(run)})" for scene, drawn in found.items()
+    labels = {(scene, method): f"{label_of(runs, run)} ({drift_of(run)})" for scene, drawn in found.items()
               for method, run in drawn.items()}
     looks = styles(runs, {method: run for drawn in found.values() for method, run in drawn.items()})
     first = next(iter(next(iter(found.values())).values()))

@@ -1,20 +1,21 @@
 """The raw file of scripts/studies/longruns.py: what methods keep, against what they cost.
 
-A method is an integrator, in the co-rotating frame, at a tolerance of its iteration. A line is its runs in one scene at
-one n, with more and more steps. Beside the lines there are long runs, of methods with steps that cost the same. Costs
-are full products a unit of time, so nothing is timed.
+A method is an integrator, in the co-rotating frame where the list has it there, at a tolerance of its iteration. A line
+is its runs in one scene at one n, with more and more steps. Beside the lines there are long runs, of methods with steps
+that cost the same. Costs are full products a unit of time, so nothing is timed.
 """
 
 import math
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from lib import formats
-from lib.accuracy_lines import ENERGY_BOUNDED, LOOSE_GAUSS, TIGHT, keeping_tolerance
+from lib.accuracy_lines import ENERGY_BOUNDED, keeping_tolerance
 from lib.drift import LOST, judged
 from lib.figures import finite
 from lib.formats import (CONVERGED, Integrator, Schema, keyed, list_of, number, one_of, optional, positive, status,
                          text, truth, whole)
-from lib.integrator_names import frameless, gauss_stages, is_exponential
+from lib.integrators import GAUSS as GAUSS_FAMILY
+from lib.integrators import IMPLICIT_EXPONENTIAL
 from lib.messages import UnusableFile
 
 SCENES = ("smooth", "rough")
@@ -26,21 +27,10 @@ ENERGY, SPECTRUM = QUANTITIES = ("energy", "spectrum")
 
 
 def method_of(integrator, tolerance):
-    """Returns the integrator without its frame, with LOOSE or TIGHTER behind it where its tolerance is such."""
-    name, usual = frameless(integrator), keeping_tolerance(integrator)
-    return name + (LOOSE if tolerance > usual else TIGHTER if tolerance < usual else "")
-
-
-def tolerance_of(method):
-    """Returns the tolerance of a method by its name, as method_of has it."""
-    if method.endswith(LOOSE):
-        return LOOSE_GAUSS
-    return TIGHT if method.endswith(TIGHTER) else keeping_tolerance(method)
-
-
-def without_variant(method):
-    """Returns the name of a method without what says its tolerance."""
-    return method.removesuffix(LOOSE).removesuffix(TIGHTER)
+    """Returns the name of a method: that of an Integrator without its frame, with LOOSE or TIGHTER behind it where its
+    tolerance is such."""
+    usual = keeping_tolerance(integrator)
+    return integrator.method + (LOOSE if tolerance > usual else TIGHTER if tolerance < usual else "")
 
 
 class Settings(NamedTuple):
@@ -75,10 +65,6 @@ class Point(NamedTuple):
     symplectic_defect: optional(number)  # of the steps up to t = 2; None too where n has none
 
     @property
-    def method(self):
-        return method_of(self.integrator, self.tolerance)
-
-    @property
     def step(self):
         return self.time / self.steps
 
@@ -111,10 +97,6 @@ class LongRun(NamedTuple):
     energy_errors: list_of(number)  # relative, the largest in each window
     energy_means: list_of(finite)  # the mean of H(W) / H(W₀) - 1 in each window
     spectrum_errors: list_of(number)  # at the end of each window, as in a Point
-
-    @property
-    def method(self):
-        return method_of(self.integrator, self.tolerance)
 
     @property
     def step(self):
@@ -163,16 +145,16 @@ def class_of(integrator, tolerance):
     """Returns which of CLASSES an Integrator belongs to at a tolerance; None for another kind."""
     bounded = tolerance <= ENERGY_BOUNDED
     if integrator.lie_poisson:
-        if is_exponential(integrator.name):
+        if integrator.family in IMPLICIT_EXPONENTIAL:
             return EXPONENTIAL if bounded else EXPONENTIAL_LOOSE
-        if gauss_stages(frameless(integrator.name)):
+        if integrator.family == GAUSS_FAMILY:
             return GAUSS if bounded else GAUSS_LOOSE
         return None
     if not integrator.explicit:
         return None
     if not integrator.isospectral:
         return EXPLICIT
-    return PROJECTED if "_projected" in integrator.name else EXPLICIT_LIE
+    return PROJECTED if integrator.projected else EXPLICIT_LIE
 
 
 # ---- the study
@@ -221,24 +203,24 @@ class LongRuns(NamedTuple):
 
     def price(self, scene, n, quantity, error, classes) -> Optional[Price]:
         """Returns the least Price of an error in some classes; None where no line of theirs reaches it."""
-        prices = [price for line in self.lines_at(scene, n).values() if self.class_of(line[0]) in classes
-                  and (price := price_on(line, quantity, error))]
+        prices = [price for method, line in self.lines_at(scene, n).items() if self.class_of(line[0]) in classes
+                  and (price := price_on(line, quantity, error, method))]
         return min(prices, key=lambda price: price.products, default=None)
 
 
-def price_on(line, quantity, error):
-    """Returns the least Price of this error or a smaller one on a line, or None.
+def price_on(line, quantity, error, method):
+    """Returns the least Price of this error or a smaller one on the line of a method, or None.
 
     It is that of a run, or between two usable neighbours, interpolated in the logarithms.
     """
-    found = [Price(point.equivalent_products, point.method, index == 0) for index, point in enumerate(line)
+    found = [Price(point.equivalent_products, method, index == 0) for index, point in enumerate(line)
              if point.usable and point.error(quantity) <= error]
     for coarse, fine in zip(line, line[1:]):
         if coarse.usable and fine.usable and coarse.error(quantity) > error >= fine.error(quantity) > 0:
             share = (math.log(coarse.error(quantity) / error)
                      / math.log(coarse.error(quantity) / fine.error(quantity)))
             products = coarse.equivalent_products**(1 - share) * fine.equivalent_products**share
-            found.append(Price(products, fine.method, False))
+            found.append(Price(products, method, False))
     return min(found, key=lambda price: price.products, default=None)
 
 
@@ -251,18 +233,21 @@ def long_runs(study):
     """Returns the LongRuns of a Study. Throws UnusableFile."""
     tables = study.tables
     plans, integrators = keyed(tables["plans"], "n"), keyed(tables["integrators"], "name")
-    lines = {}
-    for point in sorted(tables["points"], key=lambda point: point.steps):
-        if point.n not in plans:
-            raise UnusableFile(f"has a run of {point.integrator} at n = {point.n} without its plan")
-        lines.setdefault((point.scene, point.n, point.method), []).append(point)
     for run in [*tables["points"], *tables["long_runs"]]:
         if run.integrator not in integrators:
             raise UnusableFile(f"has a run of {run.integrator} without its integrator")
+
+    def method(run):
+        return method_of(integrators[run.integrator], run.tolerance)
+
+    lines = {(point.scene, point.n, method(point)): [] for point in tables["points"]}
+    for point in sorted(tables["points"], key=lambda point: point.steps):
+        if point.n not in plans:
+            raise UnusableFile(f"has a run of {point.integrator} at n = {point.n} without its plan")
+        lines[point.scene, point.n, method(point)].append(point)
     if not lines:
         raise UnusableFile("has no runs")
     if len({run.n for run in tables["long_runs"]}) > 1:
         raise UnusableFile("has long runs at more than one n")
-    in_order = {key: lines[key] for key in dict.fromkeys((point.scene, point.n, point.method)
-                                                         for point in tables["points"])}
-    return LongRuns(study.context, integrators, plans, in_order, keyed(tables["long_runs"], "scene", "cost", "method"))
+    return LongRuns(study.context, integrators, plans, lines,
+                    {(run.scene, run.cost, method(run)): run for run in tables["long_runs"]})

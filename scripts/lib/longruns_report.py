@@ -117,13 +117,15 @@ def ratio_text(ratio):
 
 def sections(runs, charts):
     """Returns the document; `charts` are the names of the charts beside it."""
+    plain = [name for name, each in runs.integrators.items() if not (each.has_fast_form and each.co_rotating)]
+    but = f", but {', '.join(plain)}" if plain else ""
     return [
         Heading("Long runs", 1),
         Paragraph("What methods keep, against what they cost, from the initial data of a scene. Every method has its"
-                  " fast form and the co-rotating frame. Tolerance 1e-13 of Gauss methods, 1e-7 where the name ends in"
-                  " _loose; 1e-8 of exponential and Magnus methods, 1e-13 where it ends in _tight. Costs are full"
-                  " products of n × n matrices a unit of time. The eigenvectors that a projection computes are not in"
-                  " them."),
+                  f" fast form and the co-rotating frame{but}. Tolerance 1e-13 of Gauss methods, 1e-7 where the name"
+                  " ends in _loose; 1e-8 of exponential and Magnus methods, 1e-13 where it ends in _tight. Costs are"
+                  " full products of n × n matrices a unit of time. The eigenvectors that a projection computes are not"
+                  " in them."),
         *shown(CHARTS, charts),
         *prices_sections(runs),
         *long_sections(runs),

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from lib.accuracy_lines import keeping_tolerance
 from lib.formats import CONVERGED
-from lib.integrator_names import strongest_structure
+from lib.integrators import strongest_structure
 from lib.recommendation import (MOST_OFFERED, PREDICTABLE, SMALLEST_ERROR, Outcome, below_reference,
                                 beyond_predictability, energy_growth)
 
@@ -81,7 +81,7 @@ class Planner:
         """Returns the tolerance of runs: that which keeps all that a method keeps, where the Lie–Poisson structure
         or energies over long times are asked for; else that which keeps the spectrum."""
         all_is_kept = self.question.keep == "poisson" or not self.trajectory
-        return keeping_tolerance(integrator.name, strongest_structure(integrator) if all_is_kept else "spectrum")
+        return keeping_tolerance(integrator, strongest_structure(integrator) if all_is_kept else "spectrum")
 
     def outcome(self, integrator, time, steps, error, seconds, status="expected"):
         """Returns the Outcome of a run at the tolerance of now."""

@@ -18,12 +18,11 @@ from lib.accuracy_lines import TIGHT
 from lib.formats import CONVERGED, FAST, UNSTABLE, read_text
 from lib.messages import UnusableFile, one_line
 from lib.command_line import number, whole_number
-from lib.integrator_names import FRAME, in_frame
 from lib.pilot_planner import STOPPED, TOO_EXPENSIVE, Planner, invariants_lost
 from lib.recommendation import MOST_OFFERED, Question, answer_data
 from lib.trials import Setting
 
-REFERENCES = ("group6", "group5")
+REFERENCES = ("group6_frame", "group5_frame")
 MIDDLE_ORDER = 6  # methods of about this order win at the errors that are asked for most
 
 LOOKS = 100  # at the energy and the cost of a pilot of many steps
@@ -97,8 +96,8 @@ def seconds_left():
 def candidates_for(structure):
     """Returns all Integrators in the co-rotating frame that have a fast form and keep a structure, the first to try
     first: explicit ones, of MIDDLE_ORDER or near it."""
-    listed = [study.record_of(each) for each in isosyrk.integrators() if each.has_fast_form and in_frame(each.name)]
-    return sorted((each for each in listed if each.keeps(structure)),
+    listed = study.listed().values()
+    return sorted((each for each in listed if each.has_fast_form and each.co_rotating and each.keeps(structure)),
                   key=lambda each: (not each.explicit, abs(each.order - MIDDLE_ORDER)))
 
 
@@ -111,7 +110,7 @@ class Search(Planner):
     def __init__(self, scene, question):
         self.setting = Setting(scene)
         self.size = float(numpy.linalg.norm(scene.initial, 2))
-        self.references = list(map(study.record_of, study.entries([name + FRAME for name in REFERENCES])))
+        self.references = study.entries(REFERENCES)
         candidates = candidates_for(question.keep)
         limits = {each: (self.method(each, TIGHT).linear_limit() or math.inf) / self.setting.norm_B
                   for each in candidates}

@@ -6,7 +6,7 @@ from lib.comparison import MISSING, UNDECIDED_MARK, percentage, spread_text, thr
 from lib.document import Column, Entry, Heading, Paragraph, Table, conditions, plain_table
 from lib.formats import FAST, PUBLISHED
 from lib.numbers import scientific
-from lib.scaling_table import BANDS, LINES, RUNGS, cells, exponential, rungs_of, slope, slope_ends
+from lib.scaling_table import BANDS, RUNGS, cells, exponential, rungs_of, slope, slope_ends
 from lib.verdicts import FEWEST, UNDECIDED, ratio_of, verdict
 
 SINGLE = "¹"  # follows what was timed once
@@ -88,7 +88,7 @@ def line_table(study):
     """Returns the table of what a step costs on each of the lines; None without any."""
     rows = []
     for start in study.starts():
-        for name in LINES:
+        for name in study.lines:
             for rung in (PUBLISHED, FAST):
                 rows += [[f"{start:g}", name, rung, str(point.n), time_entry(point, 1e3), three_digits(point.sweeps),
                           three_digits(point.equivalent_products), share_entry(study, point)]
@@ -127,7 +127,7 @@ def rough_sections(study):
 
 def slope_sections(study):
     rows = []
-    for name in LINES:
+    for name in study.lines:
         for rung in (PUBLISHED, FAST):
             for start in study.starts():
                 ends = slope_ends(study.line(start, name, rung))
@@ -150,7 +150,7 @@ def memory_sections(study):
 
 
 def band_sections(study):
-    names = [name for name in LINES if name in study.integrators()]
+    names = [name for name in study.lines if name in study.integrators()]
     columns, places = columns_by_start(study)
     rows = [["cells of Table 1", *(gain_entry(study, *place, BANDS, cells()) for place in places)],
             *([name, *(ratio_entry(study, *place, name, BANDS) for place in places)] for name in names)]
@@ -170,7 +170,7 @@ def gauss_sections(study):
     if not names:
         return []
     columns, places = columns_by_start(study, names)
-    rungs = [rung for rung in rungs_of(names[0], False) if rung != FAST]
+    rungs = [rung for rung in rungs_of(study.identities[names[0]]) if rung != FAST]
     rows = [[rung, *(gain_entry(study, *place, rung, names) for place in places)] for rung in rungs]
     return [
         Heading("What each idea buys, Gauss methods"),

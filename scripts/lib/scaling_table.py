@@ -2,31 +2,26 @@
 
 import itertools
 import math
-import re
 import statistics
 from typing import NamedTuple
 
 from lib import formats
-from lib.formats import (FAST, FORMULATIONS, PUBLISHED, SOLVERS, Schema, keyed, list_of, number, one_of, optional,
-                         positive, text, whole)
-from lib.integrator_names import TABLE1_CELLS, frameless, is_exponential
+from lib.formats import (FAST, FORMULATIONS, INTEGRATORS, PUBLISHED, SOLVERS, Integrator, Schema, keyed, list_of,
+                         number, one_of, optional, positive, text, whole)
+from lib.integrators import EXPONENTIAL, MAGNUS, RKMK, TABLE1_CELLS, chosen, is_new
 from lib.messages import UnusableFile
 from lib.trend import trend_of
 from lib.verdicts import ratio_of
 
-# The ideas of fast forms by family, as the module names them.
-GAUSS_IDEAS = ("bands", "predictor", "newton")  # of all implicit methods but exponential ones
+# The ideas of fast forms, as the module names them: of families with ideas of their own, and of others.
+IDEAS = {EXPONENTIAL: ("bands", "predictor", "newton", "explicit_start", "error_estimates", "graded_series"),
+         MAGNUS: ("bands",), RKMK: ("bands", "graded_series")}
+GAUSS_IDEAS = ("bands", "predictor", "newton")  # of all other implicit methods
 EXPLICIT_IDEAS = ("bands",)
-LIE_POISSON = "elp"
-FAMILIES = {
-    LIE_POISSON: ("bands", "predictor", "newton", "explicit_start", "error_estimates", "single_precision",
-                  "graded_series"),
-    "magnus": ("bands",),  # and single precision, from a tolerance of 1e-6 on
-    "rkmk": ("bands", "single_precision", "graded_series"),
-}
 
-# A rung: the published form, or the fast form without these ideas; ANY stands for all that a method has.
-ANY = "without any"
+# A rung: the published form, or the fast form without these ideas; ANY stands for all that a method has, GONE for what
+# fast forms no longer have an option to go without: only older files have that rung.
+ANY, GONE = "without any", None
 RUNGS = {
     PUBLISHED: (),
     ANY: (),
@@ -35,7 +30,7 @@ RUNGS = {
     "without explicit start": ("explicit_start",),
     "without either start": ("predictor", "explicit_start"),
     "without estimates": ("error_estimates",),
-    "without single precision": ("single_precision",),
+    "without single precision": GONE,
     "without graded series": ("graded_series",),
     "without bands": ("bands",),
     FAST: (),
@@ -44,10 +39,10 @@ BANDS = "without bands"
 BASIC = (PUBLISHED, BANDS, FAST)  # the rungs of an integrator whose ideas are not told apart
 STAGES = (1, 2, 3)  # of the cells of Table 1
 
-# The lines of a step's time against n, all in the co-rotating frame, and the sizes between which they have a slope.
-LINES = ("algebra1_frame", "group2_frame", "elp4_frame", "rk4_frame")
+# The methods with a line of a step's time against n, all in the co-rotating frame; new integrators have one too.
+LINES = ("algebra1", "group2", "elp4", "rk4")
 ROUGH = "rough"  # the scene of the further raw file, of which the lines alone are told
-SMALLEST_SLOPE = 65
+SMALLEST_SLOPE = 65  # n from which lines have a slope
 WITH_PRODUCTS = 257  # the least n whose equivalent products are figures too
 
 
@@ -105,40 +100,46 @@ class Threads(NamedTuple):
     two: list_of(positive)
 
 
-SCHEMA = Schema("scaling", Settings, {"points": Point, "rates": Rate, "memory": Memory, "threads": Threads})
+SCHEMA = Schema("scaling", Settings, {INTEGRATORS: Integrator, "points": Point, "rates": Rate, "memory": Memory,
+                                      "threads": Threads}, later=(INTEGRATORS,))
 
 
 # ---- rungs
 
 
-def family_of(integrator):
-    """Returns the family of an integrator with ideas of its own, in the frame or not, or None for any other."""
-    match = re.match("[a-z]+", integrator)
-    return match[0] if match and match[0] in FAMILIES else None
+def has_ideas(integrator):
+    """Tells whether an Integrator is of a family with ideas of its own, which are told apart outside the frame."""
+    return integrator.family in IDEAS and not integrator.co_rotating
 
 
-def ideas_of(integrator, explicit):
-    """Returns the ideas that the fast form of an integrator has."""
-    family = family_of(integrator)
-    if family:
-        return FAMILIES[family]
-    return EXPLICIT_IDEAS if explicit else GAUSS_IDEAS
+def ideas_of(integrator):
+    """Returns the ideas that the fast form of an Integrator has."""
+    return IDEAS.get(integrator.family, EXPLICIT_IDEAS if integrator.explicit else GAUSS_IDEAS)
 
 
-def without(integrator, explicit, rung):
-    """Returns what the fast form of an integrator goes without on a rung."""
-    return ideas_of(integrator, explicit) if rung == ANY else RUNGS[rung]
+def without(integrator, rung):
+    """Returns what the fast form of an Integrator goes without on a rung."""
+    return ideas_of(integrator) if rung == ANY else RUNGS[rung]
 
 
-def rungs_of(integrator, explicit):
-    """Returns the rungs of an integrator: all for a cell of Table 1 and for a family, BASIC for others.
+def rungs_of(integrator):
+    """Returns the rungs of an Integrator: all for a cell of Table 1 and for a family with ideas, BASIC for others.
 
     ANY is left out where it is the same as BANDS.
     """
-    if integrator not in TABLE1_CELLS and (family_of(integrator) is None or frameless(integrator) != integrator):
+    if not integrator.has_fast_form:
+        return (PUBLISHED,)
+    if integrator.name not in TABLE1_CELLS and not has_ideas(integrator):
         return BASIC
-    ideas = {*ideas_of(integrator, explicit)}
-    return tuple(rung for rung, gone in RUNGS.items() if {*gone} <= ideas and (rung != ANY or len(ideas) > 1))
+    ideas = {*ideas_of(integrator)}
+    return tuple(rung for rung, gone in RUNGS.items()
+                 if gone is not GONE and {*gone} <= ideas and (rung != ANY or len(ideas) > 1))
+
+
+def lines_of(integrators):
+    """Returns the names of those Integrators that have a line of a step's time against n."""
+    return [name for name, each in chosen(integrators, LINES, in_frame=True).items()
+            if each.co_rotating or is_new(each)]
 
 
 # ---- reading
@@ -151,11 +152,15 @@ class Scaling:
         """Throws UnusableFile for a study without points, or with costs that contradict each other."""
         self.context, self.settings = study.context, study.settings
         self.points = keyed(study.tables["points"], "start", "n", "integrator", "rung")
+        self.identities = keyed(study.tables[INTEGRATORS], "name")
+        self.lines = lines_of(self.identities.values())
         self.rates = keyed(study.tables["rates"], "n", "solver")
         self.memory, self.threads = study.tables["memory"], study.tables["threads"]
         if not self.points:
             raise UnusableFile("has no points")
         for point in self.points.values():
+            if point.integrator not in self.identities:
+                raise UnusableFile(f"has points of {point.integrator} without its integrator")
             if (point.sweeps is None) == bool(point.seconds):
                 raise UnusableFile("has a point with sweeps and no time, or with times and no sweeps")
         for row in self.threads:
@@ -230,11 +235,11 @@ def cells(forms=FORMULATIONS):
 
 def exponential(study):
     """Returns the integrators of a study whose ideas are those of exponential methods; RKMK4 is one."""
-    return [name for name in study.integrators() if family_of(name) and frameless(name) == name]
+    return [name for name in study.integrators() if has_ideas(study.identities[name])]
 
 
 def lie_poisson(study):
-    return [name for name in exponential(study) if family_of(name) == LIE_POISSON]
+    return [name for name in exponential(study) if study.identities[name].family == EXPONENTIAL]
 
 
 # ---- figures
@@ -283,15 +288,15 @@ def gain_figures(study, start):
                           for suffix, names in groups.items()})
             found.update({f"exponential.{key}.{where}{suffix}": study.gain(start, n, rung, names)
                           for suffix, names in exponential_groups.items()})
-        found.update({f"bands.{where}.{name}": study.gain(start, n, BANDS, [name]) for name in LINES})
-        found.update({f"published_line.{where}.{name}": study.gain(start, n, PUBLISHED, [name]) for name in LINES})
+        for key, rung in (("bands", BANDS), ("published_line", PUBLISHED)):
+            found.update({f"{key}.{where}.{name}": study.gain(start, n, rung, [name]) for name in study.lines})
     return {key: mean for key, mean in found.items() if mean}
 
 
 def line_figures(study):
     """Returns what a step costs on each of the lines, and their slopes."""
     found = {}
-    for start, name, rung in itertools.product(study.starts(), LINES, (PUBLISHED, FAST)):
+    for start, name, rung in itertools.product(study.starts(), study.lines, (PUBLISHED, FAST)):
         line = study.line(start, name, rung)
         for point in line:
             found.update(step_figures(study, point))
@@ -323,5 +328,5 @@ def slope(first, last):
 
 
 def long_step(integrator):
-    """Tells whether an integrator is timed at the long step and the loose tolerance of exponential methods."""
-    return is_exponential(integrator) or family_of(integrator) is not None
+    """Tells whether an Integrator is timed at the long step and the loose tolerance of exponential methods."""
+    return integrator.spectrum_at_any_tolerance and not integrator.projected

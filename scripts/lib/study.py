@@ -9,6 +9,7 @@ import argparse
 import asyncio
 import concurrent.futures
 import contextlib
+import functools
 import importlib
 import inspect
 import json
@@ -29,10 +30,9 @@ from functools import partial
 from lib import chart_python
 from lib import command_line
 from lib import fresh_process
-from lib.formats import Integrator
+from lib.formats import FAST, PUBLISHED, Integrator
 from lib.messages import one_line
 from lib.command_line import INTERRUPTED, NO_ANSWER, OneLineParser, Stop, say, whole_number
-from lib.integrator_names import in_frame
 from lib.output import replace_file
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
@@ -85,24 +85,34 @@ def address(value):
     return value
 
 
+@functools.lru_cache(maxsize=None)
+def listed():
+    """Returns the Integrators of the module's list by name."""
+    import isosyrk
+    found = ({field: getattr(each, field) for field in Integrator._fields} for each in isosyrk.integrators())
+    return {each["name"]: Integrator(**{**each, "stability_limit": finite_or_none(each["stability_limit"])})
+            for each in found}
+
+
+def finite_or_none(value):
+    return value if math.isfinite(value) else None
+
+
 def entries(names, frames=False):
-    """Returns the module's records of these integrators. Throws Stop for an unknown name.
+    """Returns the Integrators of these names in the module's list. Throws Stop for an unknown name.
 
     None stands for all; for those in the co-rotating frame only where `frames` says so, since each doubles a study.
     """
-    import isosyrk
-    known = {each.name: each for each in isosyrk.integrators()}
     for name in names or ():
-        if name not in known:
-            raise Stop(f"--integrator {one_line(name)!r}: must be one of {', '.join(known)}")
-    listed = (name for name in known if frames or not in_frame(name))
-    return [known[name] for name in dict.fromkeys(names or listed)]
+        if name not in listed():
+            raise Stop(f"--integrator {one_line(name)!r}: must be one of {', '.join(listed())}")
+    every = (name for name, each in listed().items() if frames or not each.co_rotating)
+    return [listed()[name] for name in dict.fromkeys(names or every)]
 
 
-def record_of(entry):
-    """Returns the module's record of an integrator as a row of a raw file."""
-    limit = entry.stability_limit if math.isfinite(entry.stability_limit) else None
-    return Integrator(*(getattr(entry, field) for field in Integrator._fields[:-1]), limit)
+def solver_of(name):
+    """Returns the solver of the best form of an integrator: fast where there is one."""
+    return FAST if listed()[name].has_fast_form else PUBLISHED
 
 
 def require_writable(path):

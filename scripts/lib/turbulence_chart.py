@@ -1,11 +1,13 @@
 """Draws the study of turbulence: statistical error against cost."""
 
-from lib.chart_panels import (FAMILIES, LABEL_SIZE, cross, draw_line, equals, logarithmic, look, new_figure, note,
-                              short_name)
+from lib.chart_panels import (FORMULATION_COLOURS, LABEL_SIZE, cross, draw_line, equals, logarithmic, look, new_figure,
+                              note)
+from lib.integrators import chosen, short_name
 from lib.numbers import two_digits
 from lib.turbulence_figures import TOLERANCE, line_of
 
 PLAIN_TITLE = "Error of the statistics of turbulence against cost"
+# Methods with a line; new ones have one too.
 LINES = ("algebra1", "group2", "elp4", "rkmk4", "rk4", "rk8", "rk4_projected")
 CAP = {"marker": "+", "markersize": 8, "color": "black", "zorder": 7, "label": "_cap"}
 STAR = {"marker": "*", "markersize": 15, "linestyle": "none", "zorder": 6}
@@ -18,7 +20,8 @@ def statistical_error(study, found):
 
     `found` are its Findings by n. Only an n at which some method has two steps has a panel. None if there is none.
     """
-    lines = {n: {name: points for name in LINES if (points := points_of(findings, name))}
+    lines = {n: {name: points for name in chosen(study.integrators.values(), LINES)
+                 if (points := points_of(findings, name))}
              for n, findings in found.items()}
     lines = {n: drawn for n, drawn in lines.items() if any(len(points) > 1 for points in drawn.values())}
     if not lines:
@@ -35,7 +38,7 @@ def statistical_error(study, found):
                 axes.plot(*zip(*off), **RING)
         practice = found[n].practice
         if practice and practice.distance:
-            axes.plot(1, practice.distance, color=FAMILIES["algebra"][0], label="_practice", **STAR)
+            axes.plot(1, practice.distance, color=FORMULATION_COLOURS["algebra"][0], label="_practice", **STAR)
     low, high = limits(lines, found)
     panels[0].set(ylabel="largest |z| of the statistics", ylim=(low, high))
     least = min(cost for drawn in lines.values() for points in drawn.values() for cost, _ in points)

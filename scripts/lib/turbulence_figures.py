@@ -6,7 +6,7 @@ from typing import NamedTuple, Optional, Tuple
 
 import numpy
 from lib import verdicts
-from lib.integrator_names import KEPT, strongest_structure
+from lib.integrators import KEPT, strongest_structure
 from lib.numbers import power
 from lib.turbulence_files import LOOSE, PRACTICE, Ensemble, bands_of
 from lib.turbulence_statistics import Reference, Spreads, drifts_of, false_positives, reference_of, spreads_of

@@ -2,7 +2,7 @@
 
 from lib.comparison import MISSING, percentage, ratio_text, three_digits
 from lib.document import Column, Entry, Heading, Paragraph, Table, conditions, plain_table, shown
-from lib.integrator_names import KEPT, gauss_stages
+from lib.integrators import GAUSS, KEPT
 from lib.numbers import scientific, span, two_digits
 from lib.turbulence_figures import INVARIANTS, TOLERANCE, methods_of
 from lib.turbulence_files import LOOSE, QUARTERS
@@ -66,9 +66,10 @@ SETTING_COLUMNS = (Column("integrator", align="left"), Column("h"), Column("tole
 
 
 def gauss_table(study, found):
-    rows = [[str(n), f"{study.sizes[n].time:g}", str(2 * gauss_stages(name)),
+    rows = [[str(n), f"{study.sizes[n].time:g}", str(study.integrators[name].order),
              *setting_cells(findings, findings.cheapest(lambda judged, name=name: judged.setting.integrator == name))]
-            for n, findings in found.items() for name in methods_of(findings) if gauss_stages(name)]
+            for n, findings in found.items() for name in methods_of(findings)
+            if study.integrators[name].family == GAUSS]
     return plain_table((Column("n"), Column("T"), Column("order"), *SETTING_COLUMNS), rows)
 
 

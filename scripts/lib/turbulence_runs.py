@@ -8,8 +8,9 @@ import math
 
 import isosyrk
 import numpy
+from lib import study
 from lib import trials
-from lib.formats import CONVERGED, FAST, UNSTABLE, to_digits
+from lib.formats import CONVERGED, UNSTABLE, to_digits
 from lib.initial_states import modes_of_sizes
 from lib.problems import degree_vectors, encoded, energies_by_degree
 from lib.turbulence_files import FAR, QUARTERS, REFERENCE, bands_of
@@ -80,8 +81,10 @@ def begun(job):
 
 
 def method_of(job, scene):
-    """Returns the integrator of a job, in its fast form."""
-    return isosyrk.integrator(scene, job["integrator"], solver=FAST, tolerance=job["tolerance"], max_sweeps=MAX_SWEEPS)
+    """Returns the integrator of a job, in its fast form where it has one."""
+    name = job["integrator"]
+    return isosyrk.integrator(scene, name, solver=study.solver_of(name), tolerance=job["tolerance"],
+                              max_sweeps=MAX_SWEEPS)
 
 
 # ---- a run with its averages

@@ -32,27 +32,20 @@ from lib import duels
 from lib import formats
 from lib import problems
 from lib import verdicts
-from lib.accuracy_figures import AGAINST_N
+from lib.accuracy_figures import told_against_n
 from lib.accuracy_lines import (ALONE, BELOW, CUT, FLOOR, FLOOR_MARGIN, GOOD_ENOUGH, SCHEMA, TABLE1_STEP, Form, Line,
                                 Rate, Reference, Run, Settings, accuracy, is_floor)
 from lib.accuracy_runs import Setting, rounded, scene_of, seconds_of_part
 from lib.command_line import whole_number
 from lib.formats import FAST, PUBLISHED, Study
-from lib.integrator_names import FRAME, TABLE1_CELLS, in_frame
+from lib.integrators import GAUSS, TABLE1_CELLS, is_fastest_formulation, is_new
 
 REFERENCES = os.path.join(study.ROOT, "results", "recorded", "references")
 
 # On the main problem, every integrator has a line up to this n, and up to the next one the cells of Table 1 and the
 # methods whose errors at its step are told; at larger n these run with Table 1's step alone.
 LARGEST_OF_ALL, LARGEST_OF_TABLE1 = 33, 65
-ORDER_TWO = "algebra1_frame"  # the fastest Gauss method of order 2: claims on orders need it on every problem
-TOLD = {name + suffix for name in AGAINST_N for suffix in ("", FRAME)}
-
-# All that the quick study has: the cells of Table 1 and one or two of each other kind, some of them in the co-rotating
-# frame, where duels take place.
-QUICK_INTEGRATORS = (*TABLE1_CELLS, "group5", "direct2", "yoshida4", "kahan_li6", "elp4", "elp6_frame", "magnus4",
-                     "magnus5_frame", "rk4", "rk4_projected_frame", "rkmk4", "group2_frame", "group3_frame",
-                     "rk4_frame", "rk8_frame", "abm8_frame", "rkmk4_frame")
+QUICK_ORDER, QUICK_ORDER_IN_FRAME = 4, 8  # of the quick study's methods, or as near as there are
 REPETITIONS = 1  # timings of each run; duels, from which verdicts come, have processes
 QUICK_PROCESSES = 6  # at most, that time a duel
 
@@ -111,7 +104,7 @@ def end_of(runs, uncertainty, order):
 def took_enough(run, quick):
     """Tells whether a run took the work that cuts a line."""
     enough = next(work for largest, work in ENOUGH_WORK if run.n <= largest)
-    for holds, times in ((run.time > UNIT, LONG_TIMES), (not in_frame(run.integrator), PLAIN_TIMES),
+    for holds, times in ((run.time > UNIT, LONG_TIMES), (not study.listed()[run.integrator].co_rotating, PLAIN_TIMES),
                          (quick, QUICK_TIMES)):
         enough *= times if holds else 1
     return 8 * run.n**3 * run.equivalent_products >= enough
@@ -168,6 +161,33 @@ def parse(arguments):
     return options
 
 
+def quick_integrators(listed):
+    """Returns all that the quick study has of some Integrators.
+
+    These are the cells of Table 1, one of each family that has fast forms, one in the co-rotating frame for each class
+    of duels, and every new one.
+    """
+    families = {}
+    for each in listed:
+        if each.has_fast_form and not each.co_rotating:
+            families.setdefault((each.family, each.projected), []).append(each)
+    kept = [nearest(QUICK_ORDER, found) for found in families.values()]
+    for contender in contenders.CLASSES:
+        if found := contenders.candidates(listed, contender, FAST):
+            kept.append(nearest(QUICK_ORDER_IN_FRAME, found))
+    return [each for each in listed if each.name in TABLE1_CELLS or each in kept or is_new(each)]
+
+
+def nearest(order, listed):
+    """Returns the first of the Integrators whose order is the nearest."""
+    return min(listed, key=lambda each: abs(each.order - order))
+
+
+def is_order_two(entry):
+    """Tells whether it is the fastest Gauss method of order 2: claims on orders need it on every problem."""
+    return entry.co_rotating and (entry.family, entry.order) == (GAUSS, 2) and is_fastest_formulation(entry)
+
+
 def is_main(problem):
     return (problem.scene, problem.time) == ("smooth", UNIT)
 
@@ -178,11 +198,11 @@ def lines_of(problem, entries, asked):
     Those of a class of duels by their fast form have a line on every problem, others on the main problem only, unless
     they were asked for.
     """
-    forms = contenders.all_forms(study.record_of(entry) for entry in entries if entry.has_fast_form)
-    forms += [Form(entry.name) for entry in entries if entry.name == ORDER_TWO]
-    alone = []
+    forms = contenders.all_forms(entry for entry in entries if entry.has_fast_form)
+    forms += [Form(entry.name) for entry in entries if is_order_two(entry)]
+    alone, against_n = [], told_against_n(entries)
     for entry in entries if asked or is_main(problem) else ():
-        told = entry.name in TOLD
+        told = entry.name in against_n
         if asked or problem.n <= LARGEST_OF_ALL or (problem.n <= LARGEST_OF_TABLE1
                                                     and (told or entry.name in TABLE1_CELLS)):
             forms.append(Form(entry.name))
@@ -193,7 +213,9 @@ def lines_of(problem, entries, asked):
 
 def main(arguments):
     options = parse(arguments)
-    chosen = study.entries(options.integrator or (QUICK_INTEGRATORS if options.quick else None), frames=True)
+    chosen = study.entries(options.integrator, frames=True)
+    if options.quick and not options.integrator:
+        chosen = quick_integrators(chosen)
     wanted = problems.asked_for(options)
     references = [reference_row(problem, problems.reference_of(problem, options.references)[1]) for problem in wanted]
     for problem in wanted:
@@ -204,10 +226,10 @@ def main(arguments):
 
     folder = os.path.realpath(options.references)
     ordered = sorted(wanted, key=lambda problem: (problem.n, problem.time))  # the longest last
-    solvers, jobs = {entry.name: FAST if entry.has_fast_form else PUBLISHED for entry in chosen}, []
+    jobs = []
     for problem in ordered:
         forms, alone = lines_of(problem, chosen, options.integrator is not None)
-        jobs += [{**problem._asdict(), **form._asdict(), "solver": solvers[form.integrator],
+        jobs += [{**problem._asdict(), **form._asdict(), "solver": study.solver_of(form.integrator),
                   "table1_step": form in alone, "references": folder, "quick": options.quick} for form in forms]
     lines = study.untimed(jobs, draw_line, journal, options, "lines")
     cells = study.untimed([{**problem._asdict(), "integrator": entry.name, "solver": PUBLISHED, "references": folder}
@@ -226,7 +248,7 @@ def main(arguments):
     def completed(runs):
         return [rounded(run._replace(cpu_seconds=next(seconds) if run.usable else ())) for run in runs]
 
-    tables = {"references": references, "rates": rates, "integrators": list(map(study.record_of, chosen)),
+    tables = {"references": references, "rates": rates, "integrators": chosen,
               "lines": [Line(**{name: job[name] for name in Line._fields if name in job}, end=line["end"])
                         for job, line in zip(jobs, lines)],
               "runs": completed(runs), "tolerance_runs": completed(tolerance_runs), "duels": []}

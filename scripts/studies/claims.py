@@ -30,8 +30,8 @@ from lib import claims, formats, initial_states, octave_cells, verdicts
 from lib.claims_files import (EQUAL, HBARS, SCHEMA, WITHOUT, DrawCell, OctaveCell, OctavePair, OctaveProduct, Rate,
                               Settings, ThreadCell)
 from lib.command_line import NO_ANSWER, Stop, whole_number
-from lib.formats import FAST, SOLVERS, CellKey, Measurement, Run
-from lib.integrator_names import TABLE1_CELLS, gauss_stages
+from lib.formats import FAST, INTEGRATORS, SOLVERS, CellKey, Measurement, Run
+from lib.integrators import TABLE1_CELLS
 from lib.messages import one_line
 
 STEP, STEPS, TOLERANCE = 0.1, 50, 1e-13
@@ -170,9 +170,17 @@ def seconds_of_pass(W):
 # ---- how many processes
 
 
+def formulation_of(name):
+    return study.listed()[name].formulation
+
+
+def stages_of(name):
+    return study.listed()[name].stages
+
+
 def table_of(times):
     """Returns the times by process of cells such as "group2", all at one n, as the Run of a table with n = 0."""
-    return Run({}, {CellKey(name[:-1], 0, gauss_stages(name)): Measurement(dict(enumerate(seconds)))
+    return Run({}, {CellKey(formulation_of(name), 0, stages_of(name)): Measurement(dict(enumerate(seconds)))
                     for name, seconds in times.items()})
 
 
@@ -211,7 +219,7 @@ def time_block(block):
 
 def row_of(name):
     """Returns the fields of a row on a cell such as "group2"."""
-    return {"formulation": name[:-1], "stages": gauss_stages(name)}
+    return {"formulation": formulation_of(name), "stages": stages_of(name)}
 
 
 def timed(blocks, verdicts_on, journal, options, what, cores=None):
@@ -224,7 +232,7 @@ def octave_tables(options, sizes, names, journal):
 
     The journal keeps answers of any processor; on which kernels Octave runs is asked where it is timed.
     """
-    by_stages = {s: [name for name in names if gauss_stages(name) == s] for s in map(gauss_stages, names)}
+    by_stages = {s: [name for name in names if stages_of(name) == s] for s in map(stages_of, names)}
     jobs = [{"n": n, "cells": cells} for n in sizes for cells in by_stages.values()]
     answers = study.untimed(jobs, octave_answers, journal, options, "checking Octave's answers") if jobs else []
     counted, pairs = {}, []
@@ -232,8 +240,9 @@ def octave_tables(options, sizes, names, journal):
         for name, counts in each["cells"].items():
             require_equal(job["n"], name, counts)
             counted[job["n"], name] = counts
-        pairs += [OctavePair(n=job["n"], stages=gauss_stages(pair["row"]), row=pair["row"][:-1],
-                             other=pair["other"][:-1], difference=pair["difference"]) for pair in each["pairs"]]
+        pairs += [OctavePair(n=job["n"], stages=stages_of(pair["row"]), row=formulation_of(pair["row"]),
+                             other=formulation_of(pair["other"]), difference=pair["difference"])
+                  for pair in each["pairs"]]
     blocks = [{"what": "octave", "n": n, "rows": [*names, PRODUCT], "kernels": journal.context["blas_kernels"],
                "repetitions": REPETITIONS if n <= SEVERAL_UP_TO else 1} for n in sizes]
     seconds = timed(blocks, of_octave, journal, options, "timing Octave")
@@ -264,7 +273,7 @@ def thread_tables(options, sizes, names, journal):
     cores = os.sched_getaffinity(0)
     threads = [each for each in THREADS if each <= len(cores)]
     journal.context["cores"] = f"{len(cores)}"
-    names = [name for name in names if gauss_stages(name) in THREAD_STAGES]
+    names = [name for name in names if stages_of(name) in THREAD_STAGES]
     sizes = sizes if names else ()
     runs = {n: dict(zip(("step", "steps"), THREAD_RUNS[n])) for n in sizes}
     jobs = [{"n": n, "name": name, "code": code, **runs[n]} for n in sizes for name in names for code in WITHOUT]
@@ -309,7 +318,7 @@ def main(arguments):
                                                       sizes=sorted({*sizes[0], *sizes[1]})))
     tables = octave_tables(options, sizes[0], names, journal)
     tables |= thread_tables(options, sizes[2], names, journal)
-    tables["draws"] = draw_table(options, sizes[1], names, journal)
+    tables |= {"draws": draw_table(options, sizes[1], names, journal), INTEGRATORS: study.entries(names)}
     octave = {"octave": octave_cells.version(), "octave_kernels": journal.context["blas_kernels"]} if sizes[0] else \
         {"octave": NOT_RUN, "octave_kernels": NOT_RUN}
     settings = Settings(step=STEP, steps=STEPS, tolerance=TOLERANCE, **octave)

@@ -24,15 +24,15 @@ from lib import formats, initial_states, trials
 from lib.command_line import Stop
 from lib.formats import FAST, PUBLISHED, SOLVERS
 from lib.initial_states import SMOOTH, STATES
-from lib.integrator_names import TABLE1_CELLS, in_frame, is_exponential
+from lib.integrators import IMPLICIT_EXPONENTIAL, TABLE1_CELLS, is_new
 from lib.limits_files import LETTERS, SCENES, SCHEMA, Limit, Settings, State, Survived, Theory
 
-# Implicit and projected methods of the project's own comparisons. Explicit ones without projection are found by rule.
+# The plan names methods of the project's own comparisons, implicit and projected ones. Explicit ones without projection
+# and new ones are found by rule.
 CHOSEN = ("group1", "group2", "group3", "algebra1", "elp4", "elp6", "rk4_projected", "rk8_projected", "group2_frame",
           "group3_frame", "elp4_frame", "elp6_frame")
 # What is tried at large n.
 LARGE = ("algebra1", "group2_frame", "elp4_frame", "magnus5_frame", "rk4_frame", "rk8_frame")
-COTANGENT = ("cotangent1", "cotangent2", "cotangent3")
 QUICK = ("group2", "algebra1", "rkmk4", "rk4", "rk8")
 
 
@@ -68,15 +68,19 @@ def plans(quick):
     - elp4 and elp6 without the frame at n = 65: they had the limits of n = 33, to 7 %.
     Published forms in the co-rotating frame have never been tried.
     """
+    def names(holds):
+        return tuple(name for name, each in study.listed().items() if holds(each))
+
+    plain, fast = names(lambda each: not each.co_rotating), names(lambda each: each.has_fast_form)
+    new = names(is_new)
     if quick:
-        return [Plan(solver, (9, 17), QUICK, (SMOOTH,), 2, long=True) for solver in SOLVERS]
-    listed = isosyrk.integrators()
-    plain = tuple(each.name for each in listed if not in_frame(each.name))
-    fast = tuple(each.name for each in listed if each.has_fast_form)
-    explicit = tuple(each.name for each in listed if each.explicit and "_projected" not in each.name)
-    exponential = tuple(each.name for each in listed if is_exponential(each.name) and not each.explicit)
-    main = (*CHOSEN, *explicit)
-    cells = without(COTANGENT, TABLE1_CELLS)
+        return [Plan(solver, (9, 17), within(forms, (*QUICK, *new)), (SMOOTH,), 2, long=True)
+                for solver, forms in ((PUBLISHED, plain), (FAST, fast))]
+    explicit = names(lambda each: each.explicit and not each.projected)
+    exponential = names(lambda each: each.family in IMPLICIT_EXPONENTIAL)
+    main = within(fast, dict.fromkeys((*CHOSEN, *explicit, *new)))
+    large = within(fast, (*LARGE, *new))
+    cells = names(lambda each: each.name in TABLE1_CELLS and each.formulation != "cotangent")
     return [Plan(PUBLISHED, (17,), without(exponential, plain), long=True),
             Plan(PUBLISHED, (17,), within(exponential, plain), states=1, long=True),
             Plan(PUBLISHED, (33,), cells, long=True),
@@ -87,9 +91,9 @@ def plans(quick):
             Plan(FAST, (33,), without(exponential, main), long=True),
             Plan(FAST, (33,), within(exponential, fast), states=1, long=True),
             Plan(FAST, (33,), without((*main, *exponential), fast), (SMOOTH,), 1),
-            Plan(FAST, (65,), without(("elp4", "elp6"), main), states=1, long=True),
-            Plan(FAST, (129,), LARGE, (SMOOTH,), 1, long=True),
-            Plan(FAST, (257,), LARGE, (SMOOTH,), 1)]
+            Plan(FAST, (65,), without(within(plain, exponential), main), states=1, long=True),
+            Plan(FAST, (129,), large, (SMOOTH,), 1, long=True),
+            Plan(FAST, (257,), large, (SMOOTH,), 1)]
 
 
 def without(some, names):
@@ -151,12 +155,11 @@ def states_of(jobs):
 
 def theory_of(jobs):
     """Returns what linear theory says of each integrator from a scene's own initial data, where it says anything."""
-    entries = {entry.name: entry for entry in isosyrk.integrators()}
     found = []
     for scene, n, name in sorted({(job["scene"], job["n"], job["integrator"]) for job in jobs}):
-        if in_frame(name):
+        if study.listed()[name].co_rotating:
             continue
-        limit = isosyrk.integrator(initial_states.scene_of(scene, n, 0), entries[name].name).linear_limit()
+        limit = isosyrk.integrator(initial_states.scene_of(scene, n, 0), name).linear_limit()
         if limit is not None:
             found.append(Theory(scene, n, name, limit))
     return found
@@ -176,7 +179,7 @@ def main(arguments):
     formats.write_study(options.out, SCHEMA, journal.context, Settings(
         options.quick, trials.TIME, trials.LEAST_STEPS[False], trials.LEAST_STEPS[True], trials.LONGER,
         trials.GRID_STEP, trials.CLOSE, trials.LONG_CLOSE), {
-        "integrators": [study.record_of(entry) for entry in isosyrk.integrators() if entry.name in tried],
+        "integrators": [entry for name, entry in study.listed().items() if name in tried],
         "states": states_of(jobs),
         "limits": [Limit(*(job[name] for name in (*place, "state")), **each["limit"])
                    for job, each in zip(jobs, found)],

@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 """Runs every kind of method with more and more steps, and some to T = 1e4, and records what they keep and cost.
 
-Every method runs in its fast form in the co-rotating frame, which makes the energy error of each of them smaller. Costs
-are counted, in full products a unit of time: nothing is timed, and other work may run beside it.
+Every method runs in its fast form in the co-rotating frame, where it has them. The frame makes the energy error of each
+of them smaller. Costs are counted, in full products a unit of time: nothing is timed, and other work may run beside it.
 """
 
 import math
 import os
 import sys
 from functools import partial
+from typing import NamedTuple
 
 sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 
@@ -21,15 +22,15 @@ if __name__ == "__main__":
 import isosyrk
 from lib import formats
 from lib import trials
+from lib.accuracy_lines import LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT
 from lib.command_line import Stop
-from lib.formats import CONVERGED, FAST, UNSTABLE, to_digits
-from lib.integrator_names import FRAME, frameless
-from lib.longruns_files import (COST_MARGIN, COSTS, SCENES, SCHEMA, LongRun, Plan, Point, Settings, method_of,
-                                tolerance_of, without_variant)
+from lib.formats import CONVERGED, UNSTABLE, Integrator, to_digits
+from lib.integrators import EXPONENTIAL, GAUSS, MAGNUS, RKMK, RUNGE_KUTTA, is_fastest_formulation, is_new
+from lib.longruns_files import (CLASSES, COST_MARGIN, COSTS, SCENES, SCHEMA, LongRun, Plan, Point, Settings, class_of,
+                                method_of)
 from lib.symplectic_defect import symplectic_defect
 
-METHODS = ("rk4", "rk5", "rk8", "rk10", "abm8", "rk4_projected", "rk8_projected", "rkmk4", "magnus5", "elp2_tight",
-           "elp4", "elp4_tight", "elp6", "elp6_tight", "algebra1", "group2", "group2_loose", "group3")
+# Of the methods (tolerances_of) what is run at large n, and in long runs; new ones are in both.
 METHODS_AT_LARGE_N = ("rk4", "rk8", "rk8_projected", "magnus5", "elp6", "elp6_tight", "group2")
 LONG_METHODS = ("rk4", "rk8", "rk8_projected", "rkmk4", "magnus5", "elp4", "elp4_tight", "elp6", "elp6_tight", "group2")
 LARGE_N = 257  # from here on
@@ -59,6 +60,45 @@ GONE = 1.0  # a relative energy error that ends a run
 DIGITS = 3  # that errors are written with
 
 
+class Method(NamedTuple):
+    integrator: Integrator
+    tolerance: float
+
+    @property
+    def name(self):
+        return method_of(self.integrator, self.tolerance)
+
+    def is_among(self, names):
+        return self.name in names or is_new(self.integrator)
+
+
+def tolerances_of(integrator):
+    """Returns the tolerances that an Integrator runs at; none for one that is not in the study."""
+    family, order = integrator.family, integrator.order
+    if is_new(integrator) or (integrator.explicit and not integrator.isospectral) or family == RKMK:
+        return (TIGHT,)
+    if integrator.projected:
+        return (TIGHT,) if family == RUNGE_KUTTA and order in (4, 8) else ()
+    if family == MAGNUS:
+        return (LOOSE_EXPONENTIAL,) if order == 5 else ()
+    if family == EXPONENTIAL:
+        return (LOOSE_EXPONENTIAL, TIGHT) if order > 2 else (TIGHT,)
+    if family == GAUSS and is_fastest_formulation(integrator) and order <= 6:
+        return (TIGHT, LOOSE_GAUSS) if order == 4 else (TIGHT,)
+    return ()
+
+
+def methods_of(listed):
+    """Returns the Methods of some Integrators, each in the frame where it has one, explicit ones first."""
+    best = {each.method: each for each in sorted(listed, key=lambda each: each.co_rotating)}
+
+    def place(each):
+        kind = class_of(each, TIGHT)
+        return CLASSES.index(kind) if kind else len(CLASSES), each.order if each.family == GAUSS else 0
+
+    return [Method(each, tolerance) for each in sorted(best.values(), key=place) for tolerance in tolerances_of(each)]
+
+
 def rounded(value):
     return None if value is None else to_digits(value, DIGITS)
 
@@ -69,7 +109,8 @@ def rounded(value):
 def made(job):
     """Returns the scene and the method of a job."""
     scene = isosyrk.scene(job["scene"], n=job["n"])
-    return scene, isosyrk.integrator(scene, job["integrator"], solver=FAST, tolerance=job["tolerance"])
+    return scene, isosyrk.integrator(scene, job["integrator"], solver=study.solver_of(job["integrator"]),
+                                     tolerance=job["tolerance"])
 
 
 def watched(job, time, steps, windows, energies):
@@ -227,14 +268,13 @@ def cost_of(job, window, steps_a_window):
 
 
 def job_of(scene, n, method, **further):
-    return {"scene": scene, "n": n, "integrator": without_variant(method) + FRAME, "tolerance": tolerance_of(method),
-            **further}
+    return {"scene": scene, "n": n, "integrator": method.integrator.name, "tolerance": method.tolerance, **further}
 
 
 def lines_of(sizes, methods):
     """Returns the jobs of the lines, the longest last."""
     jobs = [job_of(scene, n, method) for n in sizes for scene in SCENES_AT.get(n, SCENES) for method in methods
-            if n <= LARGEST_N_OF.get(method, n) and (n < LARGE_N or method in METHODS_AT_LARGE_N)]
+            if n <= LARGEST_N_OF.get(method.name, n) and (n < LARGE_N or method.is_among(METHODS_AT_LARGE_N))]
     return sorted(jobs, key=lambda job: PLANS[job["n"]].time * job["n"]**3)
 
 
@@ -242,7 +282,7 @@ def long_runs_of(sizes, methods):
     """Returns the jobs of the long runs, the longest last: at the largest n that has such."""
     largest = [n for n in sizes if n in LONG_RUNS][-1:]
     return [job_of(scene, n, method, cost=cost) for n in largest for cost in COSTS for scene in SCENES
-            for method in LONG_METHODS if method in methods]
+            for method in methods if method.is_among(LONG_METHODS)]
 
 
 def asked_for(options):
@@ -251,20 +291,22 @@ def asked_for(options):
     for n in sizes:
         if n not in PLANS:
             raise Stop(f"--n {n}: must be one of {', '.join(map(str, PLANS))}")
+    methods = methods_of(study.listed().values())
     if not options.integrator:
-        return sizes, METHODS
-    names = {frameless(entry.name) for entry in study.entries(options.integrator)}
-    known = dict.fromkeys(map(without_variant, METHODS))
+        return sizes, methods
+    names = {entry.method for entry in study.entries(options.integrator)}
+    known = dict.fromkeys(method.integrator.method for method in methods)
     for name in sorted(names):
         if name not in known:
             raise Stop(f"--integrator {name}: is not in this study; must be one of {', '.join(known)}")
-    return sizes, [method for method in METHODS if without_variant(method) in names]
+    return sizes, [method for method in methods if method.integrator.method in names]
 
 
-def in_order(row):
-    """Returns where a row stands: by n, scene and method, then by cost and steps."""
-    method = METHODS.index(method_of(row.integrator, row.tolerance))
-    return row.n, SCENES.index(row.scene), getattr(row, "cost", 0), method, row.steps
+def in_order(rows, methods):
+    """Returns rows by n, scene, cost, method and steps."""
+    places = {(method.integrator.name, method.tolerance): place for place, method in enumerate(methods)}
+    return sorted(rows, key=lambda row: (row.n, SCENES.index(row.scene), getattr(row, "cost", 0),
+                                         places[row.integrator, row.tolerance], row.steps))
 
 
 def main(arguments):
@@ -278,11 +320,10 @@ def main(arguments):
     found = study.untimed(long_runs, carry_out_long_run, journal, options, "long runs")
     runs = [LongRun(**job, **each) for job, each in zip(long_runs, found) if each]
 
-    integrators = [study.record_of(entry) for entry in
-                   study.entries(list(dict.fromkeys(row.integrator for row in sorted([*points, *runs], key=in_order))))]
+    integrators = study.entries(list(dict.fromkeys(row.integrator for row in in_order([*points, *runs], methods))))
     formats.write_study(options.out, SCHEMA, journal.context, Settings(options.quick),
                         {"integrators": integrators, "plans": [PLANS[n] for n in sizes],
-                         "points": sorted(points, key=in_order), "long_runs": sorted(runs, key=in_order)})
+                         "points": in_order(points, methods), "long_runs": in_order(runs, methods)})
     journal.remove()
 
 

@@ -30,16 +30,16 @@ import numpy
 from lib import formats, verdicts
 from lib.accuracy_lines import LOOSE_EXPONENTIAL, TIGHT
 from lib.command_line import NO_ANSWER, Stop, say, whole_number
-from lib.formats import FAST, PUBLISHED
-from lib.integrator_names import TABLE1_CELLS
+from lib.formats import FAST, INTEGRATORS, PUBLISHED
+from lib.integrators import TABLE1_CELLS, chosen
 from lib.problems import decoded, encoded
-from lib.scaling_table import (ANY, BANDS, BASIC, LINES, SCHEMA, Memory, Point, Rate, Settings, Threads, family_of,
+from lib.scaling_table import (ANY, BANDS, BASIC, IDEAS, SCHEMA, Memory, Point, Rate, Settings, Threads, lines_of,
                                long_step, rungs_of, without)
 
 SCENES, STARTS = ("smooth", "rough"), (5.0, 50.0)  # the first scene by default
 WARMUP = 1.5  # time before the timed steps; predictors save more up to some 16 steps of a Gauss method
 SIZES, QUICK_SIZES = (9, 17, 33, 65, 129, 257, 513, 1025), (9, 17, 33)
-QUICK_INTEGRATORS = ("cotangent2", "group2", "algebra2", "elp4", "magnus5", "rkmk4", "rk4", *LINES)
+QUICK_METHODS = ("cotangent2", "group2", "algebra2", "elp4", "magnus5", "rkmk4", "rk4")  # new ones, and lines, besides
 STEP, LONG_STEP = 0.1, 0.25  # of Table 1; of exponential methods, with which a step of 0.5 fails at n = 257
 FULL_STEPS = 257  # the largest n with these steps; at n = 1025 both fail in the first step from t = 0
 
@@ -68,10 +68,10 @@ PROCESSES, QUICK_PROCESSES = 8, 2  # at most, of one block
 
 def points_of(entries, sizes, products, scene=SCENES[0], starts=STARTS):
     """Returns the points as objects of JSON. `products(n)` names the backend of published forms."""
-    return [{"scene": scene, "start": start, "n": n, "integrator": entry.name, "rung": rung, "explicit": entry.explicit,
-             "step": shrunk(n, LONG_STEP if long_step(entry.name) else STEP),
+    return [{"scene": scene, "start": start, "n": n, "integrator": entry.name, "rung": rung,
+             "step": shrunk(n, LONG_STEP if long_step(entry) else STEP),
              "steps": STEPS if n < LARGE else STEPS_LARGE,
-             "tolerance": LOOSE_EXPONENTIAL if long_step(entry.name) else TIGHT, "products": products(n)}
+             "tolerance": LOOSE_EXPONENTIAL if long_step(entry) else TIGHT, "products": products(n)}
             for n in sizes for start in starts for entry in entries for rung in rungs_at(entry, n, start)]
 
 
@@ -82,23 +82,29 @@ def shrunk(n, length):
 
 def rungs_at(entry, n, start):
     """Returns the rungs of an integrator that are timed at an n."""
-    name = entry.name
+    name, has_line = entry.name, entry.name in lines()
     if n == ONCE:
-        return (FAST,) if name in FEW and start == ONCE_START else ()
-    if n >= LARGE:
-        rungs = (BANDS, FAST) if name in FEW else (FAST,)
-        return rungs if name in LINES else ()
-    if n > LARGEST_OF_ALL:
-        return BASIC if name in LINES else ()
-    if n > LARGEST_OF_OTHERS and not (name in (*TABLE1_CELLS, *LINES) or family_of(name)):
-        return (FAST,)
-    return rungs_of(name, entry.explicit)
+        rungs = (FAST,) if name in FEW and start == ONCE_START else ()
+    elif n >= LARGE:
+        rungs = () if not has_line else (BANDS, FAST) if name in FEW else (FAST,)
+    elif n > LARGEST_OF_ALL:
+        rungs = BASIC if has_line else ()
+    elif n > LARGEST_OF_OTHERS and not (name in TABLE1_CELLS or has_line or entry.family in IDEAS):
+        rungs = (FAST,)
+    else:
+        rungs = rungs_of(entry)
+    return rungs if entry.has_fast_form else tuple(rung for rung in rungs if rung == PUBLISHED)
+
+
+def lines():
+    """Returns the names of the integrators with a line against n."""
+    return lines_of(study.listed().values())
 
 
 def has_memory(point):
     """Tells whether the past steps of a run make the next one cheaper, so that it has to be warm."""
-    gone = without(point["integrator"], point["explicit"], point["rung"])
-    return point["rung"] not in (PUBLISHED, ANY) and not point["explicit"] and not {"predictor", "newton"} <= {*gone}
+    entry, rung = study.listed()[point["integrator"]], point["rung"]
+    return rung not in (PUBLISHED, ANY) and not (entry.explicit or {"predictor", "newton"} <= {*without(entry, rung)})
 
 
 def warm_steps(point):
@@ -118,9 +124,10 @@ def scene_of(scene, n):
 
 def made(point):
     """Returns the integrator of a point as new, so that no repetition knows of the one before."""
-    options = {"solver": FAST, "without": without(point["integrator"], point["explicit"], point["rung"])}
     if point["rung"] == PUBLISHED:
         options = {"solver": PUBLISHED, "products": point["products"]}
+    else:
+        options = {"solver": FAST, "without": without(study.listed()[point["integrator"]], point["rung"])}
     return isosyrk.integrator(scene_of(point["scene"], point["n"]), point["integrator"], tolerance=point["tolerance"],
                               **options)
 
@@ -217,7 +224,7 @@ class Timer:
 def thread_blocks(points, sizes):
     """Returns what is timed together, of the points at some n: a fast form on one thread and on two."""
     return [{**point, "rows": list(ROWS)} for point in points
-            if point["n"] in sizes and point["integrator"] in LINES
+            if point["n"] in sizes and point["integrator"] in lines()
             and (point["rung"], point["start"]) == (FAST, THREADS_START)]
 
 
@@ -293,9 +300,8 @@ def entries_asked_for(options):
     """Returns the module's records of those integrators, by default of all and of the lines."""
     if options.integrator:
         return study.entries(options.integrator)
-    if options.quick:
-        return study.entries(QUICK_INTEGRATORS)
-    return [*study.entries(None), *study.entries(LINES)]
+    methods = chosen(study.listed().values(), QUICK_METHODS).values() if options.quick else study.entries(None)
+    return study.entries([*(each.name for each in methods), *lines()])
 
 
 def thread_sizes(options, sizes):
@@ -337,7 +343,8 @@ def main(arguments):
     products = [{"n": job["n"], "solver": solver} for job in jobs for solver in (FAST, PUBLISHED)]
     times = study.in_turns([*products, *working], repetitions, timer, journal, "timing", ENOUGH)
     rates, seconds = times[:len(products)], iter(times[len(products):])
-    tables = {"points": [record(point, found, next(seconds) if found else []) for point, found in zip(points, counts)],
+    tables = {INTEGRATORS: entries,
+              "points": [record(point, found, next(seconds) if found else []) for point, found in zip(points, counts)],
               "rates": [Rate(each["n"], each["solver"], rounded(found)) for each, found in zip(products, rates)],
               "memory": [Memory(n, taken) for n in sizes if (taken := timer.memory(n))]}
 

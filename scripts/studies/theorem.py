@@ -28,10 +28,10 @@ import isosyrk
 import numpy as np
 from lib import plain_forms
 from lib import formats, verdicts
-from lib.formats import FORMULATIONS
+from lib.formats import FORMULATIONS, INTEGRATORS
 from lib.messages import one_line
 from lib.command_line import Stop, whole_number
-from lib.integrator_names import TABLE1_CELLS
+from lib.integrators import COMPOSITION, TABLE1_CELLS
 from lib.plain_forms import LOBATTO_IIIA, LOBATTO_IIIB, LOBATTO_IIIC, RADAU_IIA, dagger, gauss
 from lib.theorem_table import NOTHING, PRINTED_K, PRINTED_W, SCENES, SCHEMA, Coincidence, End, Settings, Timed
 
@@ -42,7 +42,6 @@ TIMED = {  # scenes, and n for a given size: some must be even, and a step of th
     "smooth": int, "rigid_body": int, "symplectic": lambda n: n - n % 2, "pseudo_unitary": int,
     "spin_chain": lambda n: CHAIN * (n - n % 2)}
 TIMED_DIRK = ("smooth", "rigid_body", "spin_chain")
-SCHEMES = ("yoshida4", "suzuki4", "kahan_li6")
 SIZES, QUICK_SIZES = (65, 129), (33,)
 CHAIN = 4  # times as large is n of the spin chain, and as long are its runs, so that packing W does not weigh
 TIMED_NORMS = (0.05, 0.1, 0.25, 0.5)  # h‖B(W₀)‖₂ of timed runs
@@ -151,9 +150,20 @@ class Cell(NamedTuple):
     on_g: str
 
 
-CELLS = {**{f"{form}{s}": Cell("cost", f"s = {s}", form, f"algebra{s}") for s in STAGES for form in FORMULATIONS},
-         **{name if form == "algebra" else f"{name}_{form}": Cell("dirk", name, form, name)
-            for name in SCHEMES for form in FORMULATIONS}}
+@lru_cache(maxsize=None)
+def known_methods():
+    """Returns the Integrators that the study is about, by name: those of Table 1, and compositions, on g."""
+    return {name: each for name, each in study.listed().items()
+            if name in TABLE1_CELLS or (each.family == COMPOSITION and not each.co_rotating)}
+
+
+@lru_cache(maxsize=None)
+def cells():
+    """Returns the Cells by integrator: the compositions in each formulation, whose controls are not in the list."""
+    schemes = [name for name, each in known_methods().items() if each.family == COMPOSITION]
+    return {**{f"{form}{s}": Cell("cost", f"s = {s}", form, f"algebra{s}") for s in STAGES for form in FORMULATIONS},
+            **{name if form == "algebra" else f"{name}_{form}": Cell("dirk", name, form, name)
+               for name in schemes for form in FORMULATIONS}}
 
 
 def blocks_of(scenes, sizes, names, quick, products):
@@ -164,7 +174,7 @@ def blocks_of(scenes, sizes, names, quick, products):
             continue
         chain = scene == "spin_chain"
         n, small = TIMED[scene](size), chain or size <= SMALL_N
-        rows = [name for name, cell in CELLS.items() if cell.method in names or name in names
+        rows = [name for name, cell in cells().items() if cell.method in names or name in names
                 if cell.table == "cost" or scene in TIMED_DIRK]
         found += [{"scene": scene, "n": n, "h_norm_B": norm, "products": products(size),
                    "steps": TIMED_STEPS * (CHAIN if chain else 1), "repetitions": REPETITIONS if small else 1,
@@ -192,7 +202,7 @@ def count(job):
     A job is a block with one `integrator` in place of its rows.
     """
     steps, ends, costs = job["steps"], [], {"sweeps": None, "products": None}
-    for name in (job["integrator"], CELLS[job["integrator"]].on_g):
+    for name in (job["integrator"], cells()[job["integrator"]].on_g):
         integrator, *start = begun(job, name)
         with contextlib.suppress(isosyrk.SolverError):
             W, report = integrator.run(*start)
@@ -226,7 +236,7 @@ def further_processes(most, seconds):
     The rows of one method are compared with one another, and stop together.
     """
     wanted = {}
-    for _, rows in itertools.groupby(seconds, lambda name: CELLS[name].method):
+    for _, rows in itertools.groupby(seconds, lambda name: cells()[name].method):
         compared = {row: seconds[row] for row in rows}
         wanted.update(dict.fromkeys(compared, verdicts.further_processes(most, compared, verdicts_on_pairs)))
     return wanted
@@ -243,8 +253,8 @@ def main(arguments):
                         f" {verdicts.FEWEST} all is undecided (default: {verdicts.MOST}, quick {QUICK_PROCESSES})")
     options = parser.parse_args(arguments)
     sizes = sorted(set(options.n or (QUICK_SIZES if options.quick else SIZES)))
-    known = (*TABLE1_CELLS, *SCHEMES)
-    scenes, names = options.scene or list(SCENES), options.integrator or known
+    known = known_methods()
+    scenes, names = options.scene or list(SCENES), options.integrator or list(known)
     most = options.processes or (QUICK_PROCESSES if options.quick else verdicts.MOST)
     for name in {*names} - {*known}:
         raise Stop(f"--integrator {one_line(name)!r}: must be one of {', '.join(known)}")
@@ -253,7 +263,8 @@ def main(arguments):
     jobs = [{"scene": scene, "n": SMALL[scene], "stages": s, "h_norm_B": norm}
             for scene in scenes for s in STAGES for norm in NORMS]
     found = study.untimed(jobs, compare, journal, options, "comparing")
-    tables = {"coincidence": [Coincidence(**row) for row in found], "ends": ends(), "cost": [], "dirk": []}
+    tables = {INTEGRATORS: [each for name, each in known.items() if name in names],
+              "coincidence": [Coincidence(**row) for row in found], "ends": ends(), "cost": [], "dirk": []}
     blocks = blocks_of(scenes, sizes, names, options.quick, journal.products)
     jobs = [{**block, "rows": None, "integrator": row} for block in blocks for row in block["rows"]]
     counts = iter(study.untimed(jobs, count, journal, options, "counting"))
@@ -264,7 +275,7 @@ def main(arguments):
                                partial(further_processes, most), journal, "timing")
     for block, costs, seconds in zip(blocks, counts, times):
         for row in block["rows"]:
-            cell = CELLS[row]
+            cell = cells()[row]
             tables[cell.table].append(Timed(block["scene"], block["n"], block["h_norm_B"], cell.method,
                                             cell.formulation, **costs[row], seconds=seconds.get(row, [])))
     settings = Settings(STEPS, TIMED_STEPS, TOLERANCE, ENDS_N, ENDS_STEP)

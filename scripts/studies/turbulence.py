@@ -31,6 +31,7 @@ from lib import formats
 from lib import turbulence_runs as runs
 from lib import verdicts
 from lib.command_line import Stop, whole_number
+from lib.integrators import chosen
 from lib.messages import one_line
 from lib.problems import decoded
 from lib.turbulence_figures import steps_to
@@ -47,8 +48,9 @@ TURNS = 2  # of all settings within a process, of which the least counts; one fo
 LONG = 0.3  # CPU seconds or more
 PROCESSES, QUICK_PROCESSES = verdicts.FEWEST, 2
 
-# Steps of each method around the longest that is faithful, at n = 33; it is about half as long at twice the n. Nothing
-# is in the co-rotating frame: the data have no part with l = 1, so that it would change nothing.
+# Steps of each method around the longest that is faithful, at n = 33; it is about half as long at twice the n. A new
+# integrator has those of the method that is most like it (with_new). Nothing is in the co-rotating frame: the data have
+# no part with l = 1, so that it would change nothing.
 STEPS = {
     "algebra1": (0.25, 0.375, 0.5),
     "group2": (0.5, 1.0),
@@ -82,15 +84,27 @@ class Plan(NamedTuple):
 SMALL_N, LARGE_N = 33, 129  # up to which n steps are those listed; from which n on few are run
 
 
+def with_new(steps):
+    """Returns steps by integrator, new ones included: theirs are those of the nearest order among methods that are
+    explicit or not as they are."""
+    listed = study.listed()
+
+    def distance(name, each):
+        return listed[name].explicit != each.explicit, abs(listed[name].order - each.order)
+
+    return {name: steps[name] if name in steps else steps[min(steps, key=lambda other: distance(other, each))]
+            for name, each in chosen(listed.values(), steps).items()}
+
+
 def plan_of(n, quick):
     """Returns the Plan at an n. Steps are half as long from one of n = 33, 65, 129 … to the next."""
     if quick:
-        return Plan(draws=3, references=3, far=4, time=100.0, steps=QUICK_STEPS, ladder={})
+        return Plan(draws=3, references=3, far=4, time=100.0, steps=with_new(QUICK_STEPS), ladder={})
     shorter = 2 ** max(0, round(math.log2((n - 1) / (SMALL_N - 1))))
-    steps = {name: tuple(step / shorter for step in each) for name, each in STEPS.items()}
+    steps = with_new({name: tuple(step / shorter for step in each) for name, each in STEPS.items()})
     ladder = {name: (step / shorter, tolerance) for name, (step, tolerance) in LADDER.items()}
     if n >= LARGE_N:
-        return Plan(6, 4, 4, 1000.0, {name: steps[name][:2] for name in FEW}, {})
+        return Plan(6, 4, 4, 1000.0, {name: steps[name][:2] for name in chosen(study.listed().values(), FEW)}, {})
     return Plan(12 if n <= SMALL_N else 10, 6, 6, 1000.0, steps, ladder)
 
 
@@ -206,10 +220,11 @@ def cost_of(point, seconds):
 
 def names_of(wanted):
     """Returns the integrators to run. Throws Stop for one that has no steps here."""
+    known = chosen(study.listed().values(), STEPS)
     for name in wanted or ():
-        if name not in STEPS:
-            raise Stop(f"--integrator {one_line(name)!r}: must be one of {', '.join(STEPS)}")
-    return list(dict.fromkeys(wanted or STEPS))
+        if name not in known:
+            raise Stop(f"--integrator {one_line(name)!r}: must be one of {', '.join(known)}")
+    return list(dict.fromkeys(wanted or known))
 
 
 def sizes_of(wanted):
@@ -263,7 +278,7 @@ def main(arguments):
                         max_sweeps=runs.MAX_SWEEPS, warm_steps=study.WARM_STEPS)
     listed = dict.fromkeys((PRACTICE_INTEGRATOR, REFERENCE_METHOD.integrator, *names))
     formats.write_study(options.out, SCHEMA, journal.context, settings, {
-        "integrators": [study.record_of(entry) for entry in study.entries(listed)],
+        "integrators": study.entries(listed),
         "sizes": [size_row(n, plans[n], error) for n, error in zip(sizes, errors)],
         "runs": rows, "costs": [cost_of(point, seconds[point["n"], row_of(point)]) for point in points]})
     journal.remove()

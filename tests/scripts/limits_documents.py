@@ -5,7 +5,7 @@ import os
 import programs  # noqa: F401 (finds the modules of scripts/lib)
 
 from lib import formats
-from lib.formats import FAST, PUBLISHED, Integrator
+from lib.formats import FAST, PUBLISHED, listed
 from lib.limits_files import SCHEMA, Limit, Settings, State, Survived, Theory
 
 SIZES = (9, 17)
@@ -13,10 +13,7 @@ SCENES = ("smooth", "developed")
 STATES = 2
 GRID_STEP, CLOSE, LONG_CLOSE = 2**0.5, 1.03, 1.10
 NORM_B = 2.0
-INTEGRATORS = {"group2": Integrator("group2", 2, 4, True, True, True, False, None),
-               "algebra1": Integrator("algebra1", 1, 2, True, True, True, False, None),
-               "elp4_frame": Integrator("elp4_frame", 1, 4, True, True, True, False, None),
-               "rk4": Integrator("rk4", 4, 4, False, False, False, True, 2.83)}
+INTEGRATORS = {name: listed(name) for name in ("group2", "algebra1", "elp4_frame", "rk4")}
 # Of the published form at n = 9: the critical h‖B‖₂, how it fails there, and the outcomes on the grid.
 CRITICAL = {"group2": (1.5, "diverged", "++++dddd"), "algebra1": (1.2, "sweep cap", "+++csdd"),
             "rk4": (0.6, "spectrum lost", "+pppd"), "elp4_frame": (5.0, "energy lost", "+++++++ee+eeee")}

@@ -5,6 +5,7 @@ import os
 import programs  # noqa: F401, which makes lib importable
 
 from lib import formats
+from lib.formats import INTEGRATORS, listed
 from lib.scaling_table import SCHEMA, Point, Settings
 
 TIMES_AS_FAST = {"published": 1.0, "fast": 5.0}
@@ -33,9 +34,10 @@ def line(name, rung, start, seconds):
 
 
 def write_tables(path, scene="smooth", **tables):
-    """Writes a raw file with these tables and returns its path."""
+    """Writes a raw file with these tables, and that of the integrators of its points, and returns its path."""
+    names = dict.fromkeys(each.integrator for each in tables.get("points", ()))
     formats.write_study(path, SCHEMA, {"cpu": "a processor"}, Settings(scene, 2.0),
-                        {**{name: [] for name in SCHEMA.tables}, **tables})
+                        {**{name: [] for name in SCHEMA.tables}, INTEGRATORS: list(map(listed, names)), **tables})
     return path
 
 

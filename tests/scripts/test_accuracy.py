@@ -15,7 +15,7 @@ from lib.accuracy_lines import (CUT, ENERGY_BOUNDED, LOOSE_EXPONENTIAL, LOOSE_GA
 from lib.accuracy_report import accuracy_sections
 from lib.contenders import CLASSES, all_forms, candidates
 from lib.equal_error import cheap_forms, cheapest
-from lib.formats import Integrator
+from lib.formats import listed
 from lib.messages import UnusableFile
 from lib.document import as_markdown
 
@@ -65,7 +65,7 @@ class LineTest(FolderTest):
         self.assertEqual([run.steps for run in study.line(SMOOTH[1], "group2")], list(STEPS))  # the longest step first
         self.assertEqual([run.usable for run in study.line(SMOOTH[0], "group1")], [False] + [True] * 5)
         self.assertEqual(study.line(ROUGH, "group2", LOOSE_GAUSS), [])
-        self.assertEqual({(run.formulation, run.stages) for run in study.tolerance_runs}, {("group", 1), ("group", 2)})
+        self.assertEqual({run.integrator for run in study.tolerance_runs}, {"group1", "group2"})
         self.assertEqual(study.forms()[-3:], [Form("group2_frame", LOOSE_GAUSS), Form("elp4_frame"),
                                               Form("elp4_frame", LOOSE_EXPONENTIAL)][-3:])
         self.assertEqual((study.ends[SMOOTH[0], "group1", TIGHT], study.ends[ROUGH, "rk4", TIGHT]), ("cut", "below"))
@@ -226,29 +226,28 @@ class Compared(unittest.TestCase):
 class Classes(unittest.TestCase):
     """Of methods that compete, found by rule."""
 
-    LISTED = (("rk12_frame", 12, False, False, True), ("rk4_frame", 4, False, False, True),
-              ("rk12", 12, False, False, True), ("rk2_frame", 2, False, False, True),
-              ("rk12_projected_frame", 12, True, False, True), ("rkmk4_frame", 4, True, False, True),
-              ("magnus5_frame", 5, True, False, True), ("elp6_frame", 6, True, True, False),
-              ("elp2_frame", 2, True, True, False), ("group2_frame", 4, True, True, False),
-              ("algebra2_frame", 4, True, True, False), ("group4_frame", 8, True, True, False),
-              ("cotangent2_frame", 4, True, True, False), ("bm2_frame", 4, True, True, False),
-              ("cg4_frame", 4, True, True, False), ("direct2_frame", 4, False, False, False))
+    RK4, PROJECTED = listed("rk4_frame"), listed("rk4_projected_frame")
+    LISTED = (RK4._replace(name="rk12_frame", order=12), RK4, RK4._replace(name="rk12", order=12, co_rotating=False),
+              RK4._replace(name="rk2_frame", order=2), PROJECTED._replace(name="rk12_projected_frame", order=12),
+              *map(listed, ("rkmk4_frame", "magnus5_frame", "elp6_frame", "elp2_frame", "group2_frame",
+                            "algebra2_frame", "group4_frame", "cotangent2_frame", "bm2_frame", "cg4_frame")),
+              listed("direct2")._replace(name="direct2_frame", co_rotating=True),
+              listed("elp4_frame")._replace(name="elp8_frame", family="of another kind"))
 
     def test_each_finds_its_methods_in_the_frame_from_order_four_on(self):
-        listed = [Integrator(name, order // 2, order, isospectral, lie_poisson, True, explicit, None)
-                  for name, order, isospectral, lie_poisson, explicit in self.LISTED]
         self.assertEqual(list(CLASSES), list(ALL_CONTENDERS))
-        found = {each: [method.name.removesuffix("_frame") for method in candidates(listed, each)] for each in CLASSES}
+        found = {each: [method.name.removesuffix("_frame") for method in candidates(self.LISTED, each)]
+                 for each in CLASSES}
         exponential, gauss = dict.fromkeys(("elp", "elp_matched", "elp_bounded"), ["elp6"]), ["group2", "group4"]
         self.assertEqual(found, {
             "explicit": ["rk12", "rk4"], "rk4": ["rk4"], "projected": ["rk12_projected"], "rkmk": ["rkmk4"],
             "magnus": ["magnus5"], **exponential, **dict.fromkeys(("gauss", "gauss_loose", "gauss_matched"), gauss),
-            "gauss_published": ["group2", "algebra2"], "named_published": ["bm2", "cg4"]})
-        self.assertEqual(all_forms(listed), [Form(f"{name}_frame", tolerance) for name, tolerance in (
+            "gauss_published": ["group2", "algebra2"], "named_published": ["bm2", "cg4"],
+            "other": ["elp8"]})
+        self.assertEqual(all_forms(self.LISTED), [Form(f"{name}_frame", tolerance) for name, tolerance in (
             ("rk12", TIGHT), ("rk4", TIGHT), ("rk12_projected", TIGHT), ("rkmk4", TIGHT),
             ("magnus5", LOOSE_EXPONENTIAL), ("elp6", LOOSE_EXPONENTIAL), ("elp6", ENERGY_BOUNDED), ("group2", TIGHT),
-            ("group4", TIGHT))])
+            ("group4", TIGHT), ("elp8", TIGHT))])
 
     def test_a_matched_tolerance_competes_where_it_is_looser_or_needed(self):
         for name, error, tolerance in (("gauss", 1e-4, TIGHT), ("elp", 1e-8, LOOSE_EXPONENTIAL),

@@ -137,7 +137,7 @@ class OwnMethod(FolderTest):
         return done.returncode, int(re.search(r"Running (\d+) test", done.stdout).group(1)), done.stdout
 
     def test_order_and_structure(self):
-        self.assertEqual(self.ran("core_tests", f"*EachIntegrator.*/{self.NAME}")[:2], (0, 5))
+        self.assertEqual(self.ran("core_tests", f"*EachIntegrator.*/{self.NAME}")[:2], (0, 6))
         self.assertEqual(self.ran("core_tests", f"*/{self.NAME}_frame")[1], 0)  # it loses what turns the frame
         # Every test that goes over the list, and the method in none that compares fast forms.
         code, count, printed = self.ran("core_tests", "Step.*:LinearLimits.*:FastForms.*Form:FastForms.*One")

@@ -21,7 +21,9 @@ import unittest
 import weakref
 from unittest import mock
 
-from programs import BUILD, ROOT, SANITIZED, cpu_seconds_of, environment, program, run, start, text_of
+from programs import BUILD, ROOT, SANITIZED, cpu_seconds_of, environment, program, run, run_script, start, text_of
+
+from lib.integrators import FAMILIES
 
 sys.path.insert(0, os.path.join(BUILD, "python"))
 import numpy as np
@@ -591,7 +593,7 @@ class OwnFlow(unittest.TestCase):
 
     def test_every_published_method_integrates_flows_of_ones_own(self):
         controls = ["algebra2_two_products", "algebra3_two_products", "yoshida4_group", "yoshida4_cotangent"]
-        orders = {entry.name: entry.order for entry in isosyrk.integrators() if not entry.name.endswith("_frame")}
+        orders = {entry.name: entry.order for entry in isosyrk.integrators() if not entry.co_rotating}
         isospectral = {entry.name for entry in isosyrk.integrators() if entry.isospectral}
         for flow in (rigid_body, toda, vortices):
             W0, B = flow()
@@ -988,6 +990,26 @@ class Package(unittest.TestCase):
         for name in (*without, "yoshida4_group"):  # the last is a control, which is not listed
             with self.assertRaisesRegex(ValueError, f"^integrator '{name}': has no fast form$"):
                 isosyrk.integrator(isosyrk.scene("smooth", n=9), name, solver="fast")
+
+    def test_every_record_says_what_the_integrator_is(self):
+        listed = {entry.name: entry for entry in isosyrk.integrators()}
+        for name, *expected in (
+                ("group2", "group2", "Gauss", "group", False, False, False),
+                ("kahan_li6_frame", "kahan_li6", "composition", "algebra", True, False, False),
+                ("elp4_frame", "elp4", "exponential Lie–Poisson", None, True, False, True),
+                ("rk8_projected_frame", "rk8_projected", "Runge–Kutta", None, True, True, True),
+                ("direct1", "direct1", "direct Gauss", None, False, False, False)):
+            entry = listed[name]
+            self.assertEqual([entry.method, entry.family, entry.formulation, entry.co_rotating, entry.projected,
+                              entry.spectrum_at_any_tolerance], expected)
+        self.assertEqual({entry.family for entry in listed.values()}, {*FAMILIES})
+        for entry in listed.values():  # the frame changes nothing else
+            plain = listed[entry.method]
+            self.assertEqual(entry._replace(name=plain.name, co_rotating=False), plain)
+
+    def test_the_recorded_list_is_that_of_the_module(self):
+        done = run_script(os.path.join(ROOT, "scripts", "update_integrators"), "--check")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
 
     def test_threads_sleep_after_a_short_spin_unless_told_otherwise(self):
         code = "import isosyrk, os; print(os.environ.get('GOMP_SPINCOUNT'), os.environ.get('OMP_WAIT_POLICY'))"

@@ -10,7 +10,7 @@ import programs  # noqa: F401, which makes lib importable
 
 from lib import pilot_planner
 from lib.command_line import Stop
-from lib.formats import CONVERGED, Integrator
+from lib.formats import CONVERGED, listed
 from lib.pilot_planner import (AIM, BELOW_FAILURE, ENOUGH, FARTHEST, FIRST_TIME, MOST_KEPT, MOST_TRIES, MOST_UNTRIED,
                                SHARP, STOPPED, Planner, even, invariants_lost, refinement)
 from lib.recommendation import Question
@@ -18,12 +18,7 @@ from lib.recommendation import Question
 FAILED = "diverged"
 
 
-def integrator(name, order=4, isospectral=True):
-    return Integrator(name, 2, order, isospectral, isospectral, True, False, None)
-
-
-GROUP, RKMK = integrator("group2_frame"), integrator("rkmk4_frame")
-RK4 = integrator("rk4_frame", isospectral=False)
+GROUP, RKMK, RK4 = map(listed, ("group2_frame", "rkmk4_frame", "rk4_frame"))
 
 
 def planner(time=8.0, error=1e-6, norm_B=1.0, candidates=(GROUP, RKMK, RK4), limits=None):
@@ -73,7 +68,7 @@ class Steps(unittest.TestCase):
 
     def test_refinement_follows_the_order_within_bounds(self):
         self.assertAlmostEqual(refinement(16e-6, 1e-6, GROUP, 0.5), 2.0)
-        self.assertAlmostEqual(refinement(16e-6, 1e-6, integrator("elp2", order=2), 0.5), 4.0)
+        self.assertAlmostEqual(refinement(16e-6, 1e-6, listed("elp2"), 0.5), 4.0)
         self.assertEqual(refinement(1e-12, 1e-6, GROUP, 0.5), 0.5)
         self.assertEqual(refinement(1.0, 1e-6, GROUP, 0.5, 3.0), 3.0)
         self.assertEqual(refinement(0.0, 1e-6, GROUP, 0.25), 0.25)
@@ -232,7 +227,7 @@ class Offers(unittest.TestCase):
         self.assertTrue(plan.is_timed(offer))
 
     def test_shorter_steps_over_a_longer_time_have_the_error_of_their_order(self):
-        for kind in (GROUP, integrator("elp2", order=2)):
+        for kind in (GROUP, listed("elp2")):
             plan = planner(error=1.0, norm_B=20.0, time=0.8, candidates=(kind,))
             plan.good[kind] = pilot(plan, kind, time=0.4, steps=2, error=1e-9, growth=1.0)
             (offer,) = plan.ranking()
@@ -252,7 +247,7 @@ class Offers(unittest.TestCase):
         self.assertGreater(lost, 2 * kept)
 
     def test_a_few_go_on(self):
-        kinds = [integrator(f"group{k}_frame") for k in range(1, 9)]
+        kinds = [GROUP._replace(name=f"group{k}_frame") for k in range(1, 9)]
         plan = planner(candidates=kinds)
         plan.good = {kind: pilot(plan, kind, time=8.0, seconds=float(k)) for k, kind in enumerate(kinds[::-1])}
         self.assertEqual(plan.most_promising(), kinds[::-1][:MOST_KEPT])

@@ -25,11 +25,11 @@ from study_documents import INTEGRATORS, accuracy_of, run_of, study_document, wr
 
 from lib import pilot_planner, recommendation
 from lib import study
-from lib.accuracy_lines import BELOW, CUT, ENERGY_BOUNDED, FLOOR, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT, Form
+from lib.accuracy_lines import (BELOW, CUT, ENERGY_BOUNDED, FLOOR, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT, Form,
+                                keeping_tolerance)
 from lib.document import as_text
 from lib.recommendation import MARGIN, MARGIN_OF_N, MARGIN_OF_TIME, Question, Recorded
-from lib.formats import CONVERGED, STATUSES
-from lib.integrator_names import is_exponential
+from lib.formats import CONVERGED, STATUSES, listed
 
 SCRIPT = os.path.join(ROOT, "scripts", "recommend")
 UNANSWERABLE = 3
@@ -45,8 +45,8 @@ def arguments_of(**changes):
 
 def steps_for(name, error, time=5.0):
     """Returns the steps with which a made-up integrator has an error at T = 5."""
-    _, order, *_, factor, _ = INTEGRATORS[name]
-    return math.ceil(time / (error / factor) ** (1 / order))
+    factor, _ = INTEGRATORS[name]
+    return math.ceil(time / (error / factor) ** (1 / listed(name).order))
 
 
 class RecommendTest(FolderTest):
@@ -102,11 +102,11 @@ class Step(RecommendTest):
 
     def test_a_step_that_fits_into_the_time_has_the_error_of_its_own_size(self):
         for name, error in (("rkmk4", 1e-3), ("group1", 0.02)):  # of order 4 and 2
-            _, order, *_, factor, _ = INTEGRATORS[name]
+            factor, _ = INTEGRATORS[name]
             offer = self.recorded(17, error).offer(Form(name, TIGHT))
-            wanted = (error / MARGIN / factor) ** (1 / order)
+            wanted = (error / MARGIN / factor) ** (1 / listed(name).order)
             self.assertLess(offer.step, 0.999 * wanted)  # a whole number of steps fits
-            self.assertAlmostEqual(offer.error / (error / MARGIN), (offer.step / wanted) ** order, 3)
+            self.assertAlmostEqual(offer.error / (error / MARGIN), (offer.step / wanted) ** listed(name).order, 3)
 
     def test_no_step_beyond_the_longest_run_within_limits(self):
         self.assertEqual(self.steps("rkmk4", 17, 0.5), 5)
@@ -197,12 +197,10 @@ class Between(RecommendTest):
         self.assertEqual(self.answer(17, 1e-3)["judged"], "energy and spectrum")
 
     def test_the_growth_of_the_energy_error_is_no_less_than_was_measured(self):
-        listed = accuracy_of(self.document).integrators
-        elp, gauss = listed["elp4_frame"], listed["group2_frame"]
         for integrator, *measured in (
-                (listed["rkmk4"], (100, 4.3), (200, 12.4), (400, 36)),  # n = 33, h = 1, from T = 50
-                (elp, (79, 6.0), (100, 7.3), (400, 23)),  # elp6, n = 65, h = 0.5
-                (gauss, (100, 1.4), (400, 1.6))):
+                (listed("rkmk4"), (100, 4.3), (200, 12.4), (400, 36)),  # n = 33, h = 1, from T = 50
+                (listed("elp4_frame"), (79, 6.0), (100, 7.3), (400, 23)),  # elp6, n = 65, h = 0.5
+                (listed("group2_frame"), (100, 1.4), (400, 1.6))):
             for time, growth in measured:
                 with self.subTest(integrator=integrator.name, time=time):
                     promised = recommendation.energy_growth(integrator, 50.0, time)
@@ -211,7 +209,7 @@ class Between(RecommendTest):
         for name, known in (("elp6_frame", 40.0), ("magnus5", 100.0), ("rk4_projected_frame", 100.0),
                             ("rk8_projected", 100.0)):
             for time, growth in ((known, 1.0), (known + 1, math.inf)):
-                self.assertEqual(recommendation.energy_growth(elp._replace(name=name), known, time), growth)
+                self.assertEqual(recommendation.energy_growth(listed(name), known, time), growth)
 
 
 class Answers(RecommendTest):
@@ -436,10 +434,10 @@ class Pilots(FolderTest):
         numpy.save(initial, W / 8)
         found = self.answer("--state", initial, "--keep", "spectrum")
         for offer in (found, *found["runners_up"]):  # the tolerance is relative to the state
-            exponential = is_exponential(offer["integrator"])
-            self.assertEqual(offer["tolerance"], 1e-8 if exponential else 1e-13)
-            self.assertEqual("--tolerance 1e-08" in offer["command"], exponential)
-        self.assertIn(True, [is_exponential(offer["integrator"]) for offer in (found, *found["runners_up"])])
+            usual = keeping_tolerance(listed(offer["integrator"]))
+            self.assertEqual(offer["tolerance"], usual)
+            self.assertEqual("--tolerance 1e-08" in offer["command"], usual == 1e-8)
+        self.assertIn(1e-8, [offer["tolerance"] for offer in (found, *found["runners_up"])])
         self.check(found, 1e-6, "--n", "9", "--initial", initial, "--tolerance", "1e-14")
         self.assert_refused(self.pilots("--state", initial, "--n", "10"), "(9, 9), must be (10, 10)")
         numpy.save(initial, numpy.triu(W))

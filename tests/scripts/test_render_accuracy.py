@@ -15,6 +15,7 @@ from study_documents import (INTEGRATORS, ROUGH, accuracy_of, duel_row, run_of, 
                              write_study)
 
 from lib.accuracy_lines import CUT
+from lib.formats import LISTED
 
 CHARTS = ("error_against_time", "time_against_n", "error_against_n")
 KINDS = ("svg", "png")
@@ -98,6 +99,7 @@ class Files(AccuracyTest):
         shutil.copytree(os.path.join(programs.ROOT, "scripts"), self.path("root", "scripts"))  # whose results/ this is
         limits = ("results", "recorded", "limits")
         shutil.copytree(os.path.join(programs.ROOT, *limits), self.path("root", *limits))
+        shutil.copy(LISTED, self.path("root", "results", "recorded"))
         out = self.path("root", "results", "recorded", "study")
         with mock.patch.object(programs, "ROOT", self.path("root")):
             self.assertEqual(self.render(write_study(self.folder), "--out", out).returncode, 0)

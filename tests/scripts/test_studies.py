@@ -5,7 +5,6 @@ import importlib.util
 import json
 import math
 import os
-import re
 import shutil
 import signal
 import sys
@@ -16,13 +15,14 @@ from unittest import mock
 
 import study_documents
 from programs import BUILD, DONE, HAS_MODULE, ROOT, FolderTest, end, environment, run, start, strict_json, text_of
+from scaling_documents import write_scaling
 from study_documents import raw, study_document
 
 from lib import formats
 from lib.messages import UnusableFile
 from lib import scaling_table
-from lib.formats import FAST, PUBLISHED
-from lib.integrator_names import in_frame, method_name
+from lib.formats import FAST, PUBLISHED, listed
+from lib.integrators import NAMED, TABLE1_CELLS, short_name
 from lib.accuracy_lines import CONTENDERS, GOOD_ENOUGH, SCHEMA, Form, Problem, read_accuracy
 from lib.limits_files import read_limits
 from lib.scaling_table import read_rough, read_scaling
@@ -126,6 +126,28 @@ class RawFile(FolderTest):
                 (with_table(rows=[rows[0][:at] + [-1] + rows[0][at + 1:]]), "a row of runs has error")):
             with self.subTest(words=words):
                 self.assert_unusable(damaged, *words)
+
+    def test_integrators_of_an_older_file_are_those_of_the_recorded_list(self):
+        sound = raw(study_document())
+        table = sound["tables"]["integrators"]
+        kept = [place for place, column in enumerate(table["columns"]) if column not in formats.LATER_FIELDS]
+
+        def older(rows):
+            found = {"columns": [table["columns"][place] for place in kept],
+                     "rows": [[row[place] for place in kept] for row in rows]}
+            return {**sound, "tables": {**sound["tables"], "integrators": found}}
+
+        expected = formats.study_of(sound, SCHEMA).tables["integrators"]
+        self.assertEqual(formats.study_of(older(table["rows"]), SCHEMA).tables["integrators"], expected)
+        self.assert_unusable(older([["euler", *row[1:]] for row in table["rows"]]), "euler", "integrators.json")
+        some = {"columns": table["columns"][:-1], "rows": [row[:-1] for row in table["rows"]]}
+        self.assert_unusable({**sound, "tables": {**sound["tables"], "integrators": some}}, "other columns")
+        # A file without the table: those of its rows.
+        path = write_scaling(self.folder)
+        document = strict_json(text_of(path))
+        del document["tables"]["integrators"]
+        self.write("raw.json", json.dumps(document))
+        self.assertEqual([*read_scaling(path).identities.values()], [listed("group2")])
 
 
 class SquaresTest(FolderTest):
@@ -335,14 +357,14 @@ class Scaling(StudyTest):
         return SimpleNamespace(**{"n": None, "quick": False, "no_large": False, "integrator": None, **values})
 
     def point(self, **values):
-        return {"scene": "smooth", "start": 5.0, "n": 17, "integrator": "group2", "rung": "fast", "explicit": False,
-                "step": 0.1, "tolerance": 1e-13, "steps": 8, "products": "eigen", **values}
+        return {"scene": "smooth", "start": 5.0, "n": 17, "integrator": "group2", "rung": "fast", "step": 0.1,
+                "tolerance": 1e-13, "steps": 8, "products": "eigen", **values}
 
     def test_every_rung_from_both_starts(self):
         found = read_scaling(self.made("scaling", "--n", "9", "--integrator", "group1", "elp4", "rk4", "--repetitions",
                                        "2"))
         expected = [(at, 9, name, rung) for at in (5.0, 50.0)
-                    for name in ("group1", "elp4", "rk4") for rung in scaling_table.rungs_of(name, name == "rk4")]
+                    for name in ("group1", "elp4", "rk4") for rung in scaling_table.rungs_of(listed(name))]
         self.assertEqual(sorted(found.points), sorted(expected))
         self.assertEqual({len(point.seconds) for point in found.points.values()}, {2})
         self.assertIn("timed_on", found.context)
@@ -356,7 +378,7 @@ class Scaling(StudyTest):
             self.assertLess(sweeps["fast"], 0.5 * sweeps["published"])
             steps = {(point.integrator, point.step, point.tolerance) for point in found.points.values()}
             self.assertEqual(steps, {("group1", 0.1, 1e-13), ("elp4", 0.25, 1e-8), ("rk4", 0.1, 1e-13)})
-            for rung in scaling_table.RUNGS:
+            for rung in scaling_table.rungs_of(listed("elp4")):
                 point = found.points[at, 9, "elp4", rung]
                 if rung in ("published", "without any", "without either start", "without graded series"):
                     fast = found.points[at, 9, "elp4", "fast"].equivalent_products
@@ -413,7 +435,7 @@ class Scaling(StudyTest):
     def test_forms_with_a_memory_are_warm_when_the_timed_steps_start(self):
         for changes, memory in (({}, True), ({"rung": "without bands"}, True), ({"rung": "without predictor"}, True),
                                 ({"rung": "published"}, False), ({"rung": "without any"}, False),
-                                ({"integrator": "rk4", "explicit": True}, False)):
+                                ({"integrator": "rk4"}, False)):
             point = self.point(**changes)
             with self.subTest(changes=changes):
                 self.assertEqual((self.scaling.has_memory(point), self.scaling.warm_steps(point)),
@@ -465,8 +487,10 @@ class Scaling(StudyTest):
                          [(0.1, 0.25), (0.05, 0.125), (0.025, 0.0625)])
         self.assertEqual({(self.scaling.warm_steps(each), self.scaling.begin_of(each)) for each in points
                           if each["n"] == 1025}, {(15, 4.625), (6, 4.625)})
-        self.assertEqual(found[257], {(name, rung) for name in scaling_table.LINES for rung in scaling_table.BASIC})
-        self.assertEqual({name for name, _ in found[129]}, {entry.name for entry in entries})
+        self.assertEqual(self.scaling.lines(), ["algebra1_frame", "group2_frame", "elp4_frame", "rk4_frame"])
+        self.assertEqual(found[257], {(name, rung) for name in self.scaling.lines() for rung in scaling_table.BASIC})
+        self.assertEqual({name for name, _ in found[129]}, {entry.name for entry in entries if entry.has_fast_form})
+        self.assertEqual({name for name, _ in found[65]}, {entry.name for entry in entries})
         self.assertLess(found[129], found[65])
 
     def test_short_memory_leaves_out_the_largest_n_and_tells(self):
@@ -534,8 +558,7 @@ def accuracy_of_lines(seconds):
     """Returns an Accuracy of integrators with lines on one problem that take so many seconds a step and err as h⁴; one
     with None has no line."""
     document = study_documents.small_study()
-    listed = {each.name: study.record_of(each) for each in isosyrk.integrators()}
-    document["integrators"] = [listed[name]._asdict() for name in seconds]
+    document["integrators"] = [listed(name)._asdict() for name in seconds]
     lines = [name for name in seconds if seconds[name]]
     (end,) = [each for each in document["lines"] if each["integrator"] == "rk4"]
     document["lines"] = [{**end, "integrator": name} for name in lines]
@@ -625,7 +648,7 @@ class Accuracy(StudyTest):
                                            ["gauss_matched", "elp_matched"])})
             for contender, row in duel.items():
                 with self.subTest(wanted=wanted, contender=contender):
-                    self.assertTrue(in_frame(row.integrator))
+                    self.assertTrue(listed(row.integrator).co_rotating)
                     self.assertLessEqual(row.error, wanted)
                     self.assertEqual(len(row.cpu_seconds), 2)
                     job = {**self.PROBLEM._asdict(), "integrator": row.integrator, "solver": row.solver,
@@ -773,68 +796,63 @@ class Accuracy(StudyTest):
         self.assertEqual(([run["steps"] for run in line["runs"]], line["end"]), ([50], "alone"))
 
     def test_which_lines_a_problem_has(self):
-        listed = isosyrk.integrators()
+        every = study.entries(None, frames=True)
 
-        def lines(problem, entries=listed, asked=False):
+        def lines(problem, entries=every, asked=False):
             forms, alone = self.accuracy.lines_of(problem, entries, asked)
             self.assertEqual(len(forms), len(set(forms)))
             self.assertLessEqual({*alone}, {*forms})
             return {*forms} - {*alone}, {*alone}
 
         needed = {Form("algebra1_frame"),
-                  *contenders.all_forms(study.record_of(each) for each in listed if each.has_fast_form)}
+                  *contenders.all_forms(each for each in every if each.has_fast_form)}
         self.assertEqual(lines(Problem("rough", 5.0, 17)), (needed, set()))
-        every, none = lines(self.PROBLEM)
-        self.assertEqual(every - needed, {Form(each.name) for each in listed} - needed)
+        drawn, none = lines(self.PROBLEM)
+        self.assertEqual(drawn - needed, {Form(each.name) for each in every} - needed)
         self.assertEqual(none, set())
         some, alone = lines(Problem("smooth", 5.0, 257))
         self.assertEqual(some, needed)
         self.assertTrue({Form("rk8"), Form("group1_frame")} <= alone)
         # What was asked for has a line on every problem.
         asked, _ = lines(Problem("rough", 5.0, 17),
-                         [each for each in listed if each.name in ("rk4", "elp6_frame")], True)
+                         [listed("rk4"), listed("elp6_frame")], True)
         self.assertEqual(asked, {Form("rk4"), Form("elp6_frame", 1e-13), Form("elp6_frame", 1e-8)})
 
     def test_the_quick_study_has_some_of_every_kind(self):
         accuracy = self.accuracy
-        # It compares fast forms; methods that have none yet are in the full study.
-        known = {each.name: each for each in isosyrk.integrators() if each.has_fast_form}
-        quick = [known[name] for name in accuracy.QUICK_INTEGRATORS]
+        # It compares fast forms; families that have none yet are in the full study.
+        known = study.entries(None, frames=True)
+        quick = accuracy.quick_integrators(known)
 
         def kinds(entries):
-            return {(each.isospectral, each.lie_poisson, each.symmetric, each.explicit) for each in entries}
+            return {(each.family, each.formulation, each.projected) for each in entries if each.family not in NAMED}
 
-        def families(entries):
-            return {re.match("[a-z_]*[a-z]", each.name)[0] for each in entries}
-
-        self.assertEqual(kinds(quick), kinds(known.values()))
-        # Of the two compositions of order 4 one is enough; products written twice are a control of their own.
-        self.assertEqual(families(known.values()) - families(quick), {"suzuki"})
-        self.assertLess(2 * len(quick), len(known))
+        self.assertEqual(kinds(quick), kinds(known))
+        self.assertLessEqual({*TABLE1_CELLS, "yoshida4", "rk4_frame", "rk8_frame", "elp6_frame", "group4_frame"},
+                             {each.name for each in quick})
+        self.assertLess(3 * len(quick), len(known))
         arguments = ("--quick", "--n", "17", "--scene", "rough")
         path = self.made("accuracy", *arguments)
         self.assertEqual(strict_json(text_of(path))["settings"], {"quick": True})
         found = read_accuracy(path)
         self.assertEqual(found.problems(), [Problem("rough", 5.0, 17)])
-        self.assertEqual(list(found.integrators), list(accuracy.QUICK_INTEGRATORS))
+        self.assertEqual(list(found.integrators.values()), quick)
         drawn = {run.integrator for run in found.runs}
-        self.assertEqual(drawn, {each for each in found.integrators if in_frame(each)})  # others: the main problem
+        self.assertEqual(drawn, {each.name for each in quick if each.co_rotating})  # others: the main problem
         self.assertLessEqual({run.steps for run in found.runs}, set(accuracy.COARSE_STEPS))
         for problem, *form in found.lines:
             self.assertGreaterEqual(len(found.line(problem, *form)), 4)
         # Every contender has a row, each by enough processes for a verdict.
         for duel in found.duels.values():
-            self.assertEqual(set(duel) | {"gauss_published", "named_published", "gauss_matched", "elp_matched"},
-                             set(CONTENDERS))
+            self.assertEqual({*duel, "gauss_published", "named_published", "gauss_matched", "elp_matched", "other"},
+                             {*CONTENDERS})
             self.assertEqual({len(row.cpu_seconds) for row in duel.values()}, {verdicts.FEWEST})
 
     def test_methods_have_names_of_their_own(self):
-        records = {each.name: study.record_of(each) for each in isosyrk.integrators()}
-        for name, expected in (("group2", "Gauss, order 4"), ("algebra2_frame", "Gauss, order 4"),
-                               ("rk4", "Runge–Kutta, order 4"),
-                               ("rk4_projected_frame", "projected Runge–Kutta, order 4"),
-                               ("elp6", "exponential Lie–Poisson, order 6"), ("magnus5", "explicit Magnus, order 5")):
-            self.assertEqual(method_name(records[name]), expected)
+        for name, expected in (("group2", "Gauss 4"), ("algebra2_frame", "Gauss 4"), ("rk4", "RK4"),
+                               ("rk4_projected_frame", "projected RK 4"), ("elp6", "exponential 6"),
+                               ("magnus5", "Magnus 5"), ("kahan_li6_frame", "kahan_li6"), ("rkmk4", "RKMK4")):
+            self.assertEqual(short_name(listed(name)), expected)
 
     @unittest.skipUnless(HAS_DASK, "this Python has no distributed (python3-distributed)")
     def test_a_cluster_gives_what_this_machine_gives(self):

@@ -100,6 +100,12 @@ class IntegratorRecord(NamedTuple):
     explicit: bool  # no iteration
     stability_limit: float  # largest stable h*norm(ad_B) for a constant generator; inf if there is none
     has_fast_form: bool  # for solver "fast"
+    method: str  # name of the same method outside the co-rotating frame
+    family: str  # "Gauss", "explicit Magnus", …; "other" is a family of its own
+    formulation: Optional[str]  # "cotangent", "group" or "algebra", of Gauss methods and compositions
+    co_rotating: bool  # runs in the co-rotating frame
+    projected: bool  # projects onto the spectrum
+    spectrum_at_any_tolerance: bool  # keeps the spectrum to rounding; other isospectral ones to the tolerance
 
 
 class Scene:

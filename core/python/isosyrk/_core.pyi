@@ -28,6 +28,12 @@ class Entry:
     symmetric: bool
     explicit: bool
     has_fast_form: bool
+    method: str
+    family: str
+    formulation: Optional[str]
+    co_rotating: bool
+    projected: bool
+    spectrum_at_any_tolerance: bool
     def linear_limit(self, scene: Scene) -> Optional[float]: ...
 
 class Outcome:
