@@ -87,7 +87,7 @@ void run(const Request& request, const Scene& scene, Row& row) {
   measure_operations(nullptr);
   row.all_seconds += taken;
   row.seconds.push_back(taken / static_cast<double>(request.steps));
-  row.W = integrator->state();
+  row.W.resize(request.n, request.n);
   const double before = wall_seconds();
   integrator->state(row.W);
   row.looking.push_back(wall_seconds() - before);
