@@ -4,7 +4,7 @@ from math import log
 
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
-from lib.chart_panels import FAMILIES, new_figure
+from lib.chart_panels import FORMULATION_COLOURS, new_figure
 from lib.comparison import STAGES
 from lib.formats import FORMULATIONS
 from lib.verdicts import ratio_of
@@ -34,14 +34,14 @@ def formulations(published, fast, paper):
     figure, panels = new_figure(title(published, fast, paper), 1, len(STAGES), 4.6, keys=0, sharey=True)
     for axes, stages in zip(panels[0], STAGES):
         axes.set(title=f"s = {stages}", xscale="log", yscale="log", xlabel="n", ylim=(LOWEST, HIGHEST), xlim=(15, 560))
-        axes.plot(sizes, [1] * len(sizes), color=FAMILIES[BASE][0], linewidth=1.3)
-        labels = [(1.0, BASE, FAMILIES[BASE][0])]
+        axes.plot(sizes, [1] * len(sizes), color=FORMULATION_COLOURS[BASE][0], linewidth=1.3)
+        labels = [(1.0, BASE, FORMULATION_COLOURS[BASE][0])]
         for name in (each for each in FORMULATIONS if each != BASE):
             for side, run in sides.items():
                 points = relative(run, name, stages)
                 if points:
-                    axes.plot(*zip(*points), color=FAMILIES[name][0], **STYLES[side])
-                    labels.append((points[-1][1], f"{name}, {side}", FAMILIES[name][0]))
+                    axes.plot(*zip(*points), color=FORMULATION_COLOURS[name][0], **STYLES[side])
+                    labels.append((points[-1][1], f"{name}, {side}", FORMULATION_COLOURS[name][0]))
         label(axes, labels)
         axes.xaxis.set_major_locator(FixedLocator(sizes))
         axes.xaxis.set_major_formatter(FuncFormatter(lambda n, _: f"{n:.0f}"))
