@@ -1,6 +1,7 @@
 #include "isosyrk/fast/exponential_system.h"
 
 #include <cmath>
+#include <utility>
 
 namespace isosyrk {
 
