@@ -41,15 +41,17 @@ struct SplitProduct {
   std::ptrdiff_t C_band;  ///< only |r - c| <= C_band is needed; entries beyond are unspecified
   Real* packed_B;         ///< n * stride numbers, or null where B is read in place
   bool packs_adjoint_A;   ///< only if B is packed
+  /// Rows that share each packed panel of B, 6 ... most_rows_together.
+  std::ptrdiff_t rows_together;
 };
 
-/// Rows of C that are formed together where B is packed: they share each packed panel of B.
-constexpr std::ptrdiff_t rows_together = 24;
+/// Largest number of rows that share each packed panel of B.
+constexpr std::ptrdiff_t most_rows_together = 24;
 
 /// Workspace of a range of rows, in numbers: three columns, and the packed rows of A†.
 [[gnu::always_inline]] constexpr std::ptrdiff_t gemm_scratch(std::ptrdiff_t n,
                                                              std::ptrdiff_t stride) {
-  return 3 * stride / 2 + 2 * rows_together * n;
+  return 3 * stride / 2 + 2 * most_rows_together * n;
 }
 
 /// Forms rows first ... end - 1 of C, from the packed B if there is one.  `scratch` has

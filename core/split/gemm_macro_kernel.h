@@ -56,15 +56,16 @@ void multiply_in_place(const SplitProduct<Real>& product, Range rows, const Left
   });
 }
 
-// For larger matrices: each packed panel of B serves some blocks of rows of A while it is in the
-// second-level cache. Else B would be read from memory for every block, faster than many threads
+// For larger matrices. While all packed panels of B are in the second-level cache, a block of rows
+// of A stays in the first-level cache and the panels stream. Where they are not, each panel serves
+// several blocks: else B would be read from memory for every block, faster than many threads
 // together can.
 template <bool adjoint, class Real>
 void multiply_packed(const SplitProduct<Real>& product, Range rows, const LeftFactor<Real>& A,
                      Real* scratch) {
   const auto form = [&](Index first, Index count) {
     const Index end = first + count;
-    LeftFactor<Real> blocks[rows_together / tile_rows];
+    LeftFactor<Real> blocks[most_rows_together / tile_rows];
     Index b = 0;
     for_row_blocks(first, end, [&](Index i, Index height) {
       blocks[b] = rows_from(A, i);
@@ -89,7 +90,7 @@ void multiply_packed(const SplitProduct<Real>& product, Range rows, const LeftFa
       form_last_entries<adjoint>(height, product, i, scratch);
     });
   };
-  for_row_blocks(rows.begin, rows.end, form, rows_together);
+  for_row_blocks(rows.begin, rows.end, form, product.rows_together);
 }
 
 template <bool adjoint, class Real>
