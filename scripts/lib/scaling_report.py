@@ -1,4 +1,4 @@
-"""Report of `scaling`: a step's time against n, what bands and other ideas buy, two threads, and the repetitions."""
+"""Report of `scaling`: a step's time against n, what bands and other ideas buy, threads, and the repetitions."""
 
 import math
 
@@ -7,14 +7,18 @@ from lib.document import Column, Entry, Heading, Paragraph, Table, conditions, p
 from lib.formats import FAST, PUBLISHED
 from lib.numbers import scientific
 from lib.scaling_table import BANDS, RUNGS, cells, exponential, rungs_of, slope, slope_ends
+from lib.threads_report import thread_sections
 from lib.verdicts import FEWEST, UNDECIDED, ratio_of, verdict
 
 SINGLE = "¹"  # follows what was timed once
 SINGLE_MEANS = f"{SINGLE}: timed once."
 
 
-def scaling_sections(study, rough=None):
-    """Returns the report of a Scaling as a document. `rough` is None or the Scaling of the rough scene."""
+def scaling_sections(study, rough=None, threads=None):
+    """Returns the report of a Scaling as a document.
+
+    `rough` is None or the Scaling of the rough scene, `threads` None or the Threads of a raw file of its own.
+    """
     return [
         Heading("What a step costs, and what each idea buys", 1),
         Paragraph(f"Steps of the {study.settings.scene} scene from {starts_text(study)} on. A repetition repeats the"
@@ -27,7 +31,7 @@ def scaling_sections(study, rough=None):
         *band_sections(study),
         *gauss_sections(study),
         *exponential_sections(study),
-        *thread_sections(study),
+        *(thread_sections(threads) if threads else two_thread_sections(study)),
         *all_sections(study),
         *trend_sections(study),
         conditions(study.context),
@@ -204,10 +208,10 @@ def exponential_sections(study):
     ]
 
 
-# ---- two threads
+# ---- two threads, of older files
 
 
-def thread_sections(study):
+def two_thread_sections(study):
     if not study.threads:
         return []
     rows = []

@@ -10,6 +10,7 @@ from lib.formats import (FAST, FORMULATIONS, INTEGRATORS, PUBLISHED, SOLVERS, In
                          number, one_of, optional, positive, text, whole)
 from lib.integrators import EXPONENTIAL, MAGNUS, RKMK, TABLE1_CELLS, chosen, is_new
 from lib.messages import UnusableFile
+from lib.threads_table import thread_figures
 from lib.trend import trend_of
 from lib.verdicts import ratio_of
 
@@ -88,8 +89,11 @@ class Memory(NamedTuple):
     peak_bytes: positive  # of the process that times, up to and with this n
 
 
-class Threads(NamedTuple):
-    """A fast form on one thread and on two: seconds that pass for a step, one entry a process, in the same order."""
+class TwoThreads(NamedTuple):
+    """Of older files: a fast form on one thread and on two.
+
+    The seconds that pass for a step have an entry a process, in the same order.
+    """
 
     start: positive
     n: whole(2)
@@ -101,7 +105,7 @@ class Threads(NamedTuple):
 
 
 SCHEMA = Schema("scaling", Settings, {INTEGRATORS: Integrator, "points": Point, "rates": Rate, "memory": Memory,
-                                      "threads": Threads}, later=(INTEGRATORS,))
+                                      "threads": TwoThreads}, later=(INTEGRATORS, "threads"))
 
 
 # ---- rungs
@@ -245,14 +249,16 @@ def lie_poisson(study):
 # ---- figures
 
 
-def figures(study, rough=None):
-    """Returns the figures that pages may quote, by key. `rough` is None or the Scaling of the rough scene.
+def figures(study, rough=None, threads=None):
+    """Returns the figures that pages may quote, by key.
+
+    `rough` is None or the Scaling of the rough scene, `threads` None or the Threads of a raw file of its own.
 
     RUNG.nN.tT[.FORM] and exponential.RUNG.nN.tT[.NAME] are gains of the fast forms. step.*, share.* and slope.* are of
     the lines against n: milliseconds, part of the products, power of n; per_time.* seconds a unit of time, whose steps
     differ with n; products.* the equivalent products of a step; rough.* the same of the rough scene. bands.* are gains
-    by bands on lines; threads.* gains by a second thread with their intervals; trend.* tells of all repetitions, single
-    of single timings.
+    by bands on lines; trend.* tells of all repetitions, single of single timings. threads.* are those of
+    thread_figures, and of an older file gains by a second thread with their intervals.
     """
     found = line_figures(study)
     if rough:
@@ -267,6 +273,7 @@ def figures(study, rough=None):
         found[key] = ratio.ratio
         if math.isfinite(ratio.high):
             found.update({f"{key}.low": ratio.low, f"{key}.high": ratio.high})
+    found.update(thread_figures(threads) if threads else {})
     found.update({f"memory.n{row.n}": row.peak_bytes / 1e9 for row in study.memory})
     found.update({"points": len(study.points), "single": len(study.singles())})
     trend = study.trend()

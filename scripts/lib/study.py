@@ -36,7 +36,8 @@ from lib.command_line import INTERRUPTED, NO_ANSWER, OneLineParser, Stop, say, w
 from lib.output import replace_file
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
-MODULE = os.path.join(os.environ.get("ISOSYRK_BUILD") or os.path.join(ROOT, "build"), "python")
+BUILD = os.environ.get("ISOSYRK_BUILD") or os.path.join(ROOT, "build")
+MODULE = os.path.join(BUILD, "python")
 JOURNAL = "isosyrk journal 1"
 PROCESS = "--process"  # the hidden mode of a study: what follows is one block to time
 RESULTS_DEPEND_ON = ("commit", "dirty")  # conditions, of all work
@@ -60,6 +61,14 @@ def require_module(program, modules=("isosyrk", "numpy", "tqdm")):
         os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (MODULE, os.environ.get("PYTHONPATH"))))
     chart_python.require(program, modules,
                          "build it with scripts/reproduce accuracy, or install python3-numpy and python3-tqdm")
+
+
+def program(name):
+    """Returns the path of a program of the build. Throws Stop where it is not there."""
+    path = os.path.join(BUILD, "benchmarks", name)
+    if not os.access(path, os.X_OK):
+        raise Stop(f"{one_line(path)}: is not built; build it with cmake --build, or with scripts/reproduce scaling")
+    return path
 
 
 def parser(program, description, out="FILE", largest_n=513):
@@ -393,14 +402,15 @@ def in_turns(points, repetitions, time_one, journal, what, enough=ENOUGH_TIMED):
     return seconds
 
 
-def by_processes(blocks, command, further, journal, what, cores=None):
+def by_processes(blocks, command, further, journal, what, cores=None, results=lambda printed, rows: printed):
     """Returns the CPU seconds of the rows of each block, as dicts from a row to a list with an entry for each process.
 
     A block is an object of JSON whose "rows" are names. `command(block, process)` is a command that times the rows of a
-    block in turns and prints their seconds, a list of JSON; `process` counts from 0. `further(seconds)` returns, given
-    the dict of a block so far, how many further processes each row wants; it is asked again when these are done. Every
-    block gets its first process, then every block its second: a slow minute of the machine falls on all alike. They
-    run on the last core, or on `cores`, a set; the journal's context names them, a set under WHAT_timed_on.
+    block in turns and prints their seconds, a list of JSON; `process` counts from 0. Where it prints other JSON,
+    `results(printed, rows)` makes of it the list that is kept, an entry a row, in place of seconds. `further(seconds)`
+    returns, given the dict of a block so far, how many further processes each row wants; it is asked again when these
+    are done. Every block gets its first process, then every block its second: a slow minute of the machine falls on all
+    alike. They run on the last core, or on `cores`, a set; the journal's context names them, a set under WHAT_timed_on.
     A disturbed process is repeated; those that stayed disturbed are counted in the journal's context, over all parts of
     the study.
     """
@@ -418,7 +428,7 @@ def by_processes(blocks, command, further, journal, what, cores=None):
                 key = journal.key_of_timed(f"{what}, process {process}", part)
                 if key not in journal.found:
                     times, disturbance = fresh_process.undisturbed(
-                        partial(printed, cores, command(part, process), len(part["rows"]), what),
+                        partial(printed, cores, command(part, process), part["rows"], what, results),
                         partial(bar.write, file=sys.stderr))
                     journal.add(key, {"seconds": times, "disturbed": bool(disturbance)})
                 journal.processes += 1
@@ -440,15 +450,15 @@ def most(counts):
     return max(counts.values(), default=0)
 
 
-def printed(cores, command, count, what):
-    """Runs a command on cores. Returns the list of `count` numbers that it printed, and the Disturbance meanwhile."""
+def printed(cores, command, rows, what, results):
+    """Runs a command on cores. Returns results(what it printed, rows), an entry a row, and the Disturbance."""
     with tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as errors:
         status, disturbance = fresh_process.run_on(cores, command, stdout=output, stderr=errors)
         output.seek(0)
         errors.seek(0)
         *_, last = [""] + errors.read().decode("utf-8", "replace").split("\n")[:-1]
-        with contextlib.suppress(ValueError, TypeError):
-            found = json.loads(output.read())
-            if status == 0 and len(found) == count:
+        with contextlib.suppress(ValueError, TypeError, KeyError):
+            found = results(json.loads(output.read()), rows)
+            if status == 0 and len(found) == len(rows):
                 return found, disturbance
     raise Stop(f"{what}: a process ended with status {status} and without its times: {one_line(last)}", NO_ANSWER)

@@ -3,18 +3,14 @@
 
 The timed steps start at t = 5 and t = 50 of the smooth scene unless others are asked for, from states that the study
 computes first. A repetition repeats the same steps from the same state. Before them a fast form with a memory runs
-there by itself, for its predictor saves more with every past step. In the end fast forms run on one thread and on two,
-in turns in fresh processes.
+there by itself, for its predictor saves more with every past step. What threads gain is timed by threads.py.
 """
 
 import contextlib
 import math
 import os
-import random
 import resource
 import sys
-import tempfile
-import time
 from functools import lru_cache, partial
 
 sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
@@ -26,15 +22,14 @@ if __name__ == "__main__":
     study.require_module(PROGRAM)
 
 import isosyrk
-import numpy
-from lib import formats, verdicts
+from lib import formats
 from lib.accuracy_lines import LOOSE_EXPONENTIAL, TIGHT
 from lib.command_line import NO_ANSWER, Stop, say, whole_number
 from lib.formats import FAST, INTEGRATORS, PUBLISHED
 from lib.integrators import TABLE1_CELLS, chosen
 from lib.problems import decoded, encoded
-from lib.scaling_table import (ANY, BANDS, BASIC, IDEAS, SCHEMA, Memory, Point, Rate, Settings, Threads, lines_of,
-                               long_step, rungs_of, without)
+from lib.scaling_table import (ANY, BANDS, BASIC, IDEAS, SCHEMA, Memory, Point, Rate, Settings, lines_of, long_step,
+                               rungs_of, without)
 
 SCENES, STARTS = ("smooth", "rough"), (5.0, 50.0)  # the first scene by default
 WARMUP = 1.5  # time before the timed steps; predictors save more up to some 16 steps of a Gauss method
@@ -56,23 +51,21 @@ LEAST_MEMORY = 4e9  # bytes that must be free for n = ONCE; the process that tim
 STATES_BY, STATES_STEP, STATES_TOLERANCE = "elp6_frame", 0.25, 1e-10
 MOST_HALVINGS = 3  # of that step, where it fails
 
-THREAD_SIZES, QUICK_THREAD_SIZES, THREADS_START = (65, 129, 257), (33,), 50.0
-ROWS = {"one": 1, "two": 2}  # of threads
-THREAD_REPETITIONS = 2  # in turns within a process, of which the least counts; once for runs of
-LONG = 1.0  # seconds or more
-PROCESSES, QUICK_PROCESSES = 8, 2  # at most, of one block
-
 
 # ---- what is timed
 
 
 def points_of(entries, sizes, products, scene=SCENES[0], starts=STARTS):
     """Returns the points as objects of JSON. `products(n)` names the backend of published forms."""
-    return [{"scene": scene, "start": start, "n": n, "integrator": entry.name, "rung": rung,
-             "step": shrunk(n, LONG_STEP if long_step(entry) else STEP),
-             "steps": STEPS if n < LARGE else STEPS_LARGE,
-             "tolerance": LOOSE_EXPONENTIAL if long_step(entry) else TIGHT, "products": products(n)}
+    return [{"scene": scene, "start": start, "n": n, "integrator": entry.name, "rung": rung, **step_of(entry, n),
+             "steps": STEPS if n < LARGE else STEPS_LARGE, "products": products(n)}
             for n in sizes for start in starts for entry in entries for rung in rungs_at(entry, n, start)]
+
+
+def step_of(entry, n):
+    """Returns the step and the tolerance of an integrator at n."""
+    is_long = long_step(entry)
+    return {"step": shrunk(n, LONG_STEP if is_long else STEP), "tolerance": LOOSE_EXPONENTIAL if is_long else TIGHT}
 
 
 def shrunk(n, length):
@@ -218,61 +211,6 @@ class Timer:
         return self.journal.found.get(self.memory_key(n))
 
 
-# ---- timed, in fresh processes: one thread and two
-
-
-def thread_blocks(points, sizes):
-    """Returns what is timed together, of the points at some n: a fast form on one thread and on two."""
-    return [{**point, "rows": list(ROWS)} for point in points
-            if point["n"] in sizes and point["integrator"] in lines()
-            and (point["rung"], point["start"]) == (FAST, THREADS_START)]
-
-
-def time_threads(block):
-    """Returns the seconds that pass for a step, of each row, the least of repetitions in turns, in changing order.
-
-    `process` of the block tells the orders of one process from those of another, `state` names the file of its state.
-    The clock is read at steps of one run, since a run begins with work that is no part of a step.
-    """
-    W, shuffled = numpy.load(block["state"]), random.Random(block["process"])
-    warm = max(warm_steps(block), 2)
-    found = {row: [] for row in block["rows"]}
-    for _ in range(THREAD_REPETITIONS):
-        for row in shuffled.sample(block["rows"], len(block["rows"])):
-            if found[row] and min(found[row]) * block["steps"] >= LONG:
-                continue
-            read = {}
-            integrator = isosyrk.integrator(scene_of(block["scene"], block["n"]), block["integrator"], solver=FAST,
-                                            tolerance=block["tolerance"], threads=ROWS[row])
-
-            def look(step, *_):
-                if step in (warm, warm + block["steps"]):
-                    read[step] = time.perf_counter()
-
-            integrator.run(W, block["step"], warm + block["steps"], look)
-            found[row].append((read[warm + block["steps"]] - read[warm]) / block["steps"])
-    return [min(each) for each in found.values()]
-
-
-def further_processes(most, seconds):
-    """Returns how many further processes the rows of a block want, given their seconds by process so far."""
-    return dict.fromkeys(seconds, verdicts.further_processes(
-        most, seconds, lambda found: [verdicts.compared(found["one"], found["two"])]))
-
-
-def time_all_threads(blocks, texts, most, journal):
-    """Returns the seconds of the rows of each block by process. Two threads have all cores of this process."""
-    with tempfile.TemporaryDirectory() as folder:
-        def command(block, process):
-            path = os.path.join(folder, f"n{block['n']}_{begin_of(block):g}.npy")
-            if not os.path.exists(path):
-                numpy.save(path, decoded(texts[block["n"]][f"{begin_of(block):g}"], block["n"]))
-            return study.process_command(__file__, block, process, state=path)
-
-        return study.by_processes(blocks, command, partial(further_processes, most), journal, "threads",
-                                  os.sched_getaffinity(0))
-
-
 # ---- the study
 
 
@@ -286,10 +224,14 @@ def free_memory():
 
 
 def sizes_asked_for(options):
-    """Returns the n of the study, the smallest first; without n = ONCE, which is told, where memory is short."""
-    sizes = sorted(set(options.n or (QUICK_SIZES if options.quick else SIZES)))
-    if options.no_large:
-        sizes = [n for n in sizes if n <= LARGEST_OF_ALL]
+    """Returns the n of the study, the smallest first."""
+    sizes = options.n or (QUICK_SIZES if options.quick else SIZES)
+    return affordable(n for n in sizes if n <= LARGEST_OF_ALL or not options.no_large)
+
+
+def affordable(sizes):
+    """Returns sizes, the smallest first; without n = ONCE, which is told, where memory is short."""
+    sizes = sorted(set(sizes))
     if ONCE in sizes and free_memory() < LEAST_MEMORY:
         say(f"n = {ONCE} is left out: it wants {LEAST_MEMORY / 1e9:g} GB of free memory")
         sizes.remove(ONCE)
@@ -304,21 +246,10 @@ def entries_asked_for(options):
     return study.entries([*(each.name for each in methods), *lines()])
 
 
-def thread_sizes(options, sizes):
-    """Returns the n at which threads are timed; none, which is told, where there is one core only."""
-    if len(os.sched_getaffinity(0)) < 2:
-        say("two threads are not timed: there is one core only")
-        return []
-    wanted = QUICK_THREAD_SIZES if options.quick else THREAD_SIZES
-    return [n for n in sizes if n in wanted]
-
-
 def main(arguments):
     parser = study.parser(PROGRAM, __doc__.splitlines()[0], largest_n=SIZES[-1])
     parser.add_argument("--repetitions", type=whole_number(1, 1000),
                         help=f"(default: {REPETITIONS}, quick {QUICK_REPETITIONS})")
-    parser.add_argument("--processes", type=whole_number(1, 100), help="that time threads at most; with fewer than"
-                        f" {verdicts.FEWEST} all is undecided (default: {PROCESSES}, quick {QUICK_PROCESSES})")
     parser.add_argument("--scene", choices=SCENES, default=SCENES[0])
     parser.add_argument("--start", type=float, choices=STARTS, nargs="+", default=STARTS, metavar="T",
                         help=f"times from which steps are timed, of {', '.join(f'{start:g}' for start in STARTS)}"
@@ -326,7 +257,6 @@ def main(arguments):
     parser.add_argument("--no-large", action="store_true", help=f"no n above {LARGEST_OF_ALL}")
     options = parser.parse_args(arguments)
     repetitions = options.repetitions or (QUICK_REPETITIONS if options.quick else REPETITIONS)
-    most = options.processes or (QUICK_PROCESSES if options.quick else PROCESSES)
     sizes, entries = sizes_asked_for(options), entries_asked_for(options)
 
     journal = study.Journal(PROGRAM, options, partial(isosyrk.conditions, products="fastest",
@@ -347,11 +277,6 @@ def main(arguments):
               "points": [record(point, found, next(seconds) if found else []) for point, found in zip(points, counts)],
               "rates": [Rate(each["n"], each["solver"], rounded(found)) for each, found in zip(products, rates)],
               "memory": [Memory(n, taken) for n in sizes if (taken := timer.memory(n))]}
-
-    blocks = thread_blocks(points, thread_sizes(options, sizes))
-    found = time_all_threads(blocks, texts, most, journal) if blocks else []
-    tables["threads"] = [Threads(**{name: block[name] for name in Threads._fields[:-2]},
-                                 **{row: rounded(each[row]) for row in ROWS}) for block, each in zip(blocks, found)]
     formats.write_study(options.out, SCHEMA, journal.context, Settings(options.scene, WARMUP), tables)
     journal.remove()
 
@@ -369,4 +294,4 @@ def rounded(seconds):
 
 
 if __name__ == "__main__":
-    study.run(PROGRAM, main, sys.argv[1:], time_threads)
+    study.run(PROGRAM, main, sys.argv[1:])

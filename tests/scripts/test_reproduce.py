@@ -21,13 +21,15 @@ from limits_documents import limits_study
 from limits_documents import write as write_limits
 from scaling_documents import point, write_scaling, write_tables
 from study_documents import small_study, write_study
+from threads_documents import run as of_threads
+from threads_documents import write_threads
 
 HOST_NAME = "a-host-to-keep-private"
 RESULTS = {"raw.json", "table.txt", "table.md", "table.tex", "verdicts.json"}
 STUDY_RESULTS = {"raw.json", "report.md", "figures.json"}
 PROGRAMS = (*(f"build/benchmarks/{name}" for name in ("table1", "table2")), "build-avx2/benchmarks/table2",
-            *(f"scripts/studies/{name}.py" for name in ("accuracy", "limits", "longruns", "scaling", "theorem",
-                                                        "claims", "turbulence")))
+            *(f"scripts/studies/{name}.py" for name in ("accuracy", "limits", "longruns", "scaling", "threads",
+                                                        "theorem", "claims", "turbulence")))
 BUILDS = ("build", "build-sanitize", "build-threads", "build-x86-64", "build-x86-64-v3", "build-x86-64-v3-sanitize")
 CORES = len(os.sched_getaffinity(0))
 
@@ -213,6 +215,7 @@ class ReproduceTest(CopyTest):
         write_limits(self.path("root", "results", "recorded", "limits"), limits_study(), "raw.json")
         shutil.copy(write_scaling(self.folder), self.path("scaling.json"))
         write_tables(self.path("scaling-rough.json"), "rough", points=[point("elp4_frame", 257)])
+        write_threads(self.path("threads.json"), [of_threads(), of_threads(2)])
         for name in ("theorem", "longruns", "turbulence"):
             self.write(f"{name}.json", "{}")
         write_claims(self.folder)
@@ -393,7 +396,7 @@ class EndToEnd(ReproduceTest):
         found = {job: set(os.listdir(self.path("out", job))) for job in os.listdir(self.out)}
         self.assertLessEqual({"raw.json", "report.md", "figures.json", "error_against_time.svg"}, found.pop("accuracy"))
         self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS, "theorem": STUDY_RESULTS,
-                                 "scaling": {*STUDY_RESULTS, "rough.json"}, "limits": STUDY_RESULTS,
+                                 "scaling": {*STUDY_RESULTS, "rough.json", "threads.json"}, "limits": STUDY_RESULTS,
                                  "longruns": STUDY_RESULTS, "turbulence": STUDY_RESULTS,
                                  "claims": {*STUDY_RESULTS, "avx2.json", "claims.json"}})
         self.assertTrue(all("--published" in call for call in self.calls("table2")))
@@ -409,9 +412,12 @@ class EndToEnd(ReproduceTest):
         self.assertEqual([call.endswith(f" on {CORES} cores") for call in self.calls("limits[")], [True])
         self.assertFalse(any("--quick" in call for call in self.calls()))
 
-    def test_a_step_is_timed_in_the_rough_scene_too(self):
+    def test_a_step_is_timed_in_the_rough_scene_and_by_several_threads_too(self):
         done = self.reproduced("scaling", "--quick")
         self.assertIn("A step against n, rough scene", done.stdout)
+        self.assertIn("\n## Threads\n", done.stdout)
+        (threads,) = self.calls("threads[")
+        self.assertTrue(threads.endswith(f"--quick on {CORES} cores"), threads)
         smooth, rough = self.calls("scaling[")
         self.assertNotIn("--scene", smooth)
         for option in ("--scene rough", "--start 5", "--n 33", "--integrator algebra1_frame", "--quick"):
@@ -420,8 +426,8 @@ class EndToEnd(ReproduceTest):
         self.assertIn("--n 257 513", self.calls("scaling[")[-1])
 
     def test_claims_are_measured_with_avx2_kernels_too_where_there_are_others(self):
-        for study, name in (("tables", "raw.json"), ("theorem", "figures.json"), ("accuracy", "figures.json")):
-            self.write(f"root/results/recorded/{study}/{name}", text_of(ROOT, "results", "recorded", study, name))
+        for path in ("integrators.json", "tables/raw.json", "theorem/figures.json", "accuracy/figures.json"):
+            self.write(f"root/results/recorded/{path}", text_of(ROOT, "results", "recorded", path))
         raw = one_process(tables=("table2", "table1"))
         raw["context"].update(blas_kernels="Haswell", products="split, avx2 kernels")
         self.prepare("table2", raw)

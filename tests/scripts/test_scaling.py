@@ -10,7 +10,7 @@ from scaling_documents import NOISE, failed, line, point, write_scaling, write_t
 
 from lib.figures import read_figures
 from lib.formats import listed
-from lib.scaling_table import RUNGS, Memory, Rate, Threads, figures, read_scaling, rungs_of, without
+from lib.scaling_table import RUNGS, Memory, Rate, TwoThreads, figures, read_scaling, rungs_of, without
 from lib.trend import rank_correlation
 
 RENDER = os.path.join(ROOT, "scripts", "render_scaling")
@@ -122,10 +122,10 @@ class Report(ScalingTest):
         self.assertIn(["elp4\\_frame", "2.50 ±0.0 %", "2.50 ±0.0 %"], lines)
         self.assertIn(["cells of Table 1", "2.50", "2.50"], lines)
 
-    def test_threads_have_an_interval_and_undecided_ones_a_mark(self):
+    def test_two_threads_of_older_files_have_an_interval_and_undecided_ones_a_mark(self):
         one = [1.8e-3, 1.82e-3, 1.78e-3, 1.8e-3, 1.81e-3, 1.79e-3]
-        rows = [Threads(50.0, 129, "group2_frame", 0.1, 1e-13, one, [1e-3] * 6),
-                Threads(50.0, 65, "group2_frame", 0.1, 1e-13, one[:2], [1e-3] * 2)]
+        rows = [TwoThreads(50.0, 129, "group2_frame", 0.1, 1e-13, one, [1e-3] * 6),
+                TwoThreads(50.0, 65, "group2_frame", 0.1, 1e-13, one[:2], [1e-3] * 2)]
         lines = self.report(points=[point()], threads=rows)
         decided, undecided = (next(cells for cells in lines if cells[:2] == ["group2\\_frame", n])
                               for n in ("129", "65"))
@@ -177,7 +177,7 @@ class Refused(ScalingTest):
         self.refused("sweeps and no time", points=[point(seconds=[])])
         self.refused("times and no sweeps", points=[point(sweeps=None)])
         self.refused("not of the same processes", points=[point()],
-                     threads=[Threads(50.0, 65, "rk4_frame", 0.1, 1e-13, [1.0, 2.0], [1.0])])
+                     threads=[TwoThreads(50.0, 65, "rk4_frame", 0.1, 1e-13, [1.0, 2.0], [1.0])])
         self.assert_refused(run_script(RENDER, self.path("none.json"), "--out", self.path("out")), "none.json")
 
     def test_a_further_file_of_the_smooth_scene(self):

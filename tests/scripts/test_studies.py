@@ -502,37 +502,6 @@ class Scaling(StudyTest):
         self.assertEqual(max(self.scaling.sizes_asked_for(self.options(no_large=True))), 129)
         self.assertGreater(self.scaling.free_memory(), 1e6)
 
-    def test_two_threads_want_two_cores(self):
-        for cores, expected, told in (({0, 1}, [65, 129], 0), ({0}, [], 1)):
-            with mock.patch("os.sched_getaffinity", lambda process: cores), \
-                    mock.patch.object(self.scaling, "say") as say:
-                self.assertEqual(self.scaling.thread_sizes(self.options(), [17, 65, 129]), expected)
-                self.assertEqual(say.call_count, told)
-
-    def test_threads_are_timed_in_turns_after_a_warm_up(self):
-        W = self.scaling.states_of("smooth", 9, (5.0,))[5.0]
-        path = self.path("state.npy")
-        self.scaling.numpy.save(path, W)
-        made, real = [], self.scaling.isosyrk.integrator
-
-        def integrator(*arguments, threads=1, **options):
-            made.append(threads)
-            return real(*arguments, threads=threads, **options)
-
-        points = self.scaling.points_of(study.entries(["group2_frame"]), [9, 17], lambda n: "eigen")
-        (block,) = self.scaling.thread_blocks(points, [9])
-        with mock.patch.object(self.scaling.isosyrk, "integrator", integrator):
-            seconds = self.scaling.time_threads({**block, "process": 0, "state": path})
-        self.assertEqual((sorted(made[:2]), sorted(made[2:])), ([1, 2], [1, 2]))
-        self.assertTrue(all(1e-7 < each < 1 for each in seconds), seconds)
-
-    def test_further_processes(self):
-        clear, level = [2.0, 2.01, 1.99, 2.0, 2.02, 1.98], [1.0] * 6
-        for one, two, expected in (([], [], 6), (clear, level, 0), (level, [0.9, 1.2, 0.8, 1.1, 1.3, 0.7], 2)):
-            found = self.scaling.further_processes(8, {"one": one, "two": two})
-            self.assertEqual(found, {"one": expected, "two": expected})
-        self.assertEqual(self.scaling.further_processes(2, {"one": [], "two": []})["one"], 2)
-
 
 class Refusals(StudyTest):
     def test_bad_arguments(self):
@@ -541,7 +510,6 @@ class Refusals(StudyTest):
                 ("scaling", ("--scheduler", "here"), "--scheduler", "'here'"), ("scaling", ("--scale",), "--scale"),
                 ("scaling", ("--out", self.folder), "--out", self.folder),
                 ("scaling", ("--integrator", "euler"), "'euler'", "rkmk4"),
-                ("scaling", ("--processes", "0"), "--processes"),
                 ("scaling", ("--scene", "developed"), "--scene", "rough"),
                 ("scaling", ("--start", "7"), "--start", "50"), ("scaling", ("--n", "1026"), "--n", "5 to 1025"),
                 ("scaling", ("--repetitions", "none"), "--repetitions"),

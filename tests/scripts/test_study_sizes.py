@@ -16,7 +16,7 @@ sys.path[:0] = [os.path.join(BUILD, "python"), STUDIES]
 
 class Sizes(unittest.TestCase):
     def test_the_largest_n_of_a_study_is_taken_and_a_larger_one_than_any_is_not(self):
-        for name in ("claims", "longruns", "scaling", "theorem", "turbulence"):
+        for name in ("claims", "longruns", "scaling", "theorem", "threads", "turbulence"):
             script = os.path.join(STUDIES, f"{name}.py")
             largest = max(importlib.import_module(name).SIZES)
             # What is refused then is the folder, which is looked at later.

@@ -1,0 +1,280 @@
+"""Tests of the study of what threads gain, and of its section in the report of `scaling`."""
+
+import json
+import os
+import random
+import signal
+import sys
+import time
+import unittest
+from unittest import mock
+
+import drawing
+from programs import (BUILD, DONE, HAS_MODULE, PATIENCE, ROOT, SANITIZED, FolderTest, end, environment,
+                      program, run_script, start, text_of)
+from programs import run as run_command
+from scaling_documents import point, write_tables
+from threads_documents import NOISE, run, write_threads
+
+from lib.figures import read_figures
+from lib.formats import listed
+from lib.scaling_table import TwoThreads
+from lib.threads_table import read_threads
+from lib.verdicts import FASTER, SLOWER, TIE, UNDECIDED
+
+RENDER = os.path.join(ROOT, "scripts", "render_scaling")
+STUDIES = os.path.join(ROOT, "scripts", "studies")
+CORES = sorted(os.sched_getaffinity(0))
+NO_ANSWER, INTERRUPTED = 3, 130
+
+# In place of the program: tells in LOG what it is asked for, and prints steps that p threads take 1/p of. It waits with
+# the method WAIT, and with FAIL it fails, or prints something else.
+STAND_IN = f"""#!{sys.executable} -B
+import json, os, sys, time
+options = [(sys.argv[k], sys.argv[k + 1]) for k in range(1, len(sys.argv), 2)]
+named, threads = dict(options), [int(value) for name, value in options if name == "--threads"]
+with open(os.environ["LOG"], "a") as log:
+    log.write(f"{{os.getpid()}} {{named['--integrator']}} {{named['--n']}} {{' '.join(map(str, threads))}}\\n")
+if named["--integrator"] == os.environ.get("WAIT"):
+    time.sleep(600)
+if "FAIL" in os.environ:
+    sys.exit("threads: step 1 failed") if os.environ["FAIL"] == "1" else print("{{}}")
+else:
+    print(json.dumps({{"rows": [{{"threads": p, "seconds": [3 / p, 2 / p], "looking": [0.5, 0.25], "operations": 80.5,
+                                  "serial": -1e-9, "waiting": 0.125, "same": p < 2}} for p in threads]}}))
+"""
+
+
+def threads_of(runs, path):
+    return read_threads(write_threads(path, runs))
+
+
+class Report(drawing.DrawingTest):
+    script = "render_scaling"
+
+    def report(self, runs, cores=2, two_threads=()):
+        """Returns the lines of the report with these runs, as lists of cells."""
+        smooth = write_tables(self.path("raw.json"), points=[point()], threads=list(two_threads))
+        files = self.rendered("out", smooth, "--threads", write_threads(self.path("threads.json"), runs, cores))
+        self.text = files["report.md"].decode("utf-8")
+        self.figures = read_figures(self.path("out", "figures.json"))
+        return [[cell.strip() for cell in each.strip("|").split("|")] for each in self.text.splitlines()]
+
+    def test_a_speed_up_has_its_interval_and_a_verdict(self):
+        lines = self.report([run(), run(2, seconds=0.125), run(n=129, noise=NOISE[:2]),
+                             run(2, n=129, seconds=0.125, noise=NOISE[:2])])
+        row = next(cells for cells in lines if cells[:4] == ["257", "elp4\\_frame", "0.25", "2"])
+        self.assertEqual(row[4:], ["125", "1.60 (1.60–1.60)", FASTER, "140", "2.00 %", "5.00 %", "10.0 %", "same", "6"])
+        self.assertIn("same answer bit for bit", self.text)
+        few = next(cells for cells in lines if cells[:4] == ["129", "elp4\\_frame", "0.25", "2"])
+        self.assertEqual((few[6], few[-1]), (UNDECIDED, "2"))
+        key = "threads.elp4_frame.n257.p2."
+        for name, value in (("gain", 1.6), ("ms", 125), ("operations", 140), ("serial", 0.02), ("waiting", 0.05),
+                            ("looking", 0.1)):
+            self.assertAlmostEqual(self.figures[key + name] / value, 1, places=3)
+        self.assertLessEqual(self.figures[f"{key}gain.low"], self.figures[f"{key}gain"])
+        self.assertEqual(self.figures["threads.different"], 0)
+
+    def test_other_bits_in_one_process_are_seen(self):
+        lines = self.report([run(), run(2, same=[True] * 5 + [False])])
+        self.assertIn("Answers are NOT the same bit for bit: elp4\\_frame at n = 257 by 2 threads.", self.text)
+        self.assertEqual([cells[-2] for cells in lines if cells[0] == "257"], ["same", "**NOT the same**"])
+        self.assertEqual(self.figures["threads.different"], 1)
+
+    def test_one_core(self):
+        self.report([], cores=1)
+        self.assertIn("one core only", self.text)
+
+    def test_two_threads_of_an_older_file_are_shown_where_there_is_nothing_newer(self):
+        rows = [TwoThreads(50.0, 129, "group2_frame", 0.1, 1e-13, [2e-3] * 6, [1e-3] * 6)]
+        self.report([run(), run(2)], two_threads=rows)
+        self.assertNotIn("## Two threads", self.text)
+        self.assertIn("## Threads", self.text)
+        # Pages that quote the older file are right still.
+        self.assertEqual(self.figures["threads.group2_frame.n129.t50"], 2)
+        older = self.rendered("older", write_tables(self.path("raw.json"), points=[point()], threads=rows))
+        self.assertIn(b"## Two threads", older["report.md"])
+        self.assertNotIn(b"## Threads", older["report.md"])
+
+
+class Judgement(FolderTest):
+    """The verdict on more threads than fewer, against times whose true ratio is known."""
+
+    def verdicts(self, ratio, scatter, rng, drift=0.0, unit=1.0, processes=6):
+        """Returns the verdicts on two threads and on one thread in its place; each process has a pace of its own."""
+        pace = [unit * 2**rng.uniform(-drift, drift) for _ in range(processes)]
+        one = [each * rng.gauss(1, scatter) for each in pace]
+        two = [each * rng.gauss(1, scatter) / ratio for each in pace]
+        found = []
+        for first, second in ((one, two), (two, one)):
+            found.append(threads_of([run(noise=first, seconds=1), run(2, noise=second, seconds=1)],
+                                    self.path("threads.json")))
+        return [each.than_fewer(each.runs[257, "elp4_frame", 2]) for each in found]
+
+    def test_it_follows_the_ratio_and_neither_pace_nor_unit(self):
+        rng = random.Random(1)
+        mirrored = {FASTER: SLOWER, SLOWER: FASTER, TIE: TIE, UNDECIDED: UNDECIDED}
+        for ratio, expected in ((1.9, FASTER), (1.15, FASTER), (1.0, TIE), (0.85, SLOWER), (0.5, SLOWER)):
+            for unit in (1e-6, 1.0, 1e3):
+                found, swapped = self.verdicts(ratio, 0.01, rng, drift=1.0, unit=unit)
+                with self.subTest(ratio=ratio, unit=unit):
+                    self.assertEqual((found, swapped), (expected, mirrored[expected]))
+        # Controls: scatter within a process and too few processes leave all undecided.
+        self.assertEqual(self.verdicts(1.15, 0.25, rng), [UNDECIDED] * 2)
+        self.assertEqual(self.verdicts(1.9, 0.01, rng, processes=5), [UNDECIDED] * 2)
+
+    def test_it_is_against_the_next_smaller_number(self):
+        found = threads_of([run(), run(2, seconds=0.1), run(4, seconds=0.15)], self.path("threads.json"))
+        one, two, four = found.runs.values()
+        self.assertEqual([found.than_fewer(each) for each in (one, two, four)], [None, FASTER, SLOWER])
+        self.assertAlmostEqual(found.gain(four).ratio, 4 / 3)
+
+
+class Refused(FolderTest):
+    def refused(self, document, *parts):
+        path = self.write("threads.json", json.dumps(document))
+        self.assert_refused(run_script(RENDER, write_tables(self.path("raw.json"), points=[point()]), "--threads", path,
+                                       "--out", self.path("out")), "threads.json", *parts)
+        self.assertFalse(os.path.exists(self.path("out")))
+
+    def test_damage(self):
+        sound = text_of(write_threads(self.path("threads.json"), [run(), run(2)]))
+        columns = json.loads(sound)["tables"]["runs"]["columns"]
+
+        def changed(row, name, value):
+            document = json.loads(sound)
+            document["tables"]["runs"]["rows"][row][columns.index(name)] = value
+            return document
+
+        for document, *parts in (
+                ([], "no raw file of the study threads"), ({**json.loads(sound), "study": "scaling"}, "study"),
+                (changed(0, "threads", 2), "twice"), (changed(0, "threads", 4), "none by one thread"),
+                (changed(1, "integrator", "rk8_frame"), "rk8_frame without its integrator"),
+                (changed(1, "seconds", [0.1]), "not of the same processes"),
+                (changed(1, "same", [True]), "not of the same processes"),
+                (changed(1, "serial", [1.5] * 6), "serial", "a share from 0 to 1"),
+                (changed(1, "same", [1] * 6), "same", "true or false"),
+                (changed(1, "seconds", [0.0] * 6), "seconds")):
+            with self.subTest(parts=parts):
+                self.refused(document, *parts)
+        document = json.loads(sound)
+        for row in document["tables"]["runs"]["rows"]:
+            for name in ("seconds", "looking", "operations", "serial", "waiting", "same"):
+                row[columns.index(name)] = []
+        self.refused(document, "not of the same processes")
+
+
+@unittest.skipUnless(HAS_MODULE and not SANITIZED, "without the module, or with a sanitizer's libraries")
+class Study(FolderTest):
+    def setUp(self):
+        super().setUp()
+        sys.path[:0] = [STUDIES, os.path.join(BUILD, "python")]
+        self.addCleanup(sys.path.remove, STUDIES)
+        import threads
+        self.threads = threads
+        os.makedirs(self.path("build"))
+        os.symlink(os.path.join(os.path.abspath(BUILD), "python"), self.path("build", "python"))
+        self.write("build/benchmarks/threads", STAND_IN, executable=True)
+        self.out, self.log = self.path("threads.json"), self.write("log", "")
+
+    def command(self, *arguments):
+        return [sys.executable, "-B", os.path.join(STUDIES, "threads.py"), "--out", self.out, *arguments]
+
+    def study(self, *arguments, prepare=None, build=None, **changes):
+        return run_command(self.command(*arguments), prepare=prepare,
+                           env=environment(ISOSYRK_BUILD=build or self.path("build"), LOG=self.log, **changes))
+
+    def told(self):
+        return [line.split() for line in text_of(self.log).splitlines()]
+
+    @unittest.skipUnless(os.access(program("threads"), os.X_OK), "the program is not built")
+    @unittest.skipIf(len(CORES) < 2, "there is one core only")
+    def test_the_program_is_run_and_its_answers_are_the_same(self):
+        done = self.study("--quick", "--n", "17", build=BUILD)
+        self.assertEqual((done.returncode, done.stdout), (DONE, ""), done.stderr)
+        found = read_threads(self.out)
+        self.assertEqual({*found.runs}, {(17, name, p) for name in self.threads.METHODS
+                                         for p in self.threads.numbers_of(len(CORES))})
+        for each in found.runs.values():
+            self.assertEqual(len(each.seconds), 2)
+            self.assertTrue(min(each.operations) > 1 and all(each.same), each)
+        self.assertFalse(found.different())
+        self.assertEqual((found.settings.scene, found.settings.cores), ("rough", len(CORES)))
+
+    @unittest.skipIf(len(CORES) < 2, "there is one core only")
+    def test_what_a_process_printed_is_kept_and_the_order_changes(self):
+        done = self.study("--n", "9", "--integrator", "rk8_frame")
+        self.assertEqual(done.returncode, DONE, done.stderr)
+        one, two, *_ = read_threads(self.out).runs.values()
+        self.assertEqual((one.seconds, two.seconds), ((2.0,) * 6, (1.0,) * 6))  # decided by six
+        self.assertEqual((two.looking[0], two.operations[0], two.serial[0], two.waiting[0]), (0.25, 80.5, 0.0, 0.125))
+        self.assertEqual((one.same[0], two.same[0]), (True, False))
+        orders = [each[3:] for each in self.told()]
+        self.assertEqual({*map(tuple, orders)}, {tuple(orders[0]), tuple(orders[0][::-1])})
+        self.assertFalse(os.path.exists(f"{self.out}.journal"))
+
+    @unittest.skipIf(len(CORES) < 2, "there is one core only")
+    def test_an_interrupted_study_goes_on_and_leaves_no_process(self):
+        arguments = ("--n", "9", "--processes", "1", "--integrator", "rk8_frame", "elp4_frame", "group2")
+        process = start(self.command(*arguments), stderr=-1, env=environment(
+            ISOSYRK_BUILD=self.path("build"), LOG=self.log, WAIT="group2"))
+        self.addCleanup(end, process)
+        deadline = time.monotonic() + PATIENCE
+        while "group2" not in text_of(self.log):
+            self.assertTrue(process.poll() is None and time.monotonic() < deadline)
+            time.sleep(0.02)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=PATIENCE)
+        self.assertEqual(process.returncode, INTERRUPTED, errors)
+        self.assertIn("the same command goes on", errors)
+        with self.assertRaises(ProcessLookupError):
+            os.kill(int(self.told()[-1][0]), 0)
+        self.write("log", "")
+        self.assertEqual(self.study(*arguments).returncode, DONE)
+        self.assertEqual({name for _, name, *_ in self.told()}, {"group2"})
+        self.assertEqual({name for _, name, _ in read_threads(self.out).runs}, {"rk8_frame", "elp4_frame", "group2"})
+
+    def test_one_core_times_nothing_and_tells(self):
+        done = self.study("--quick", prepare=lambda: os.sched_setaffinity(0, {CORES[-1]}))
+        self.assertEqual((done.returncode, done.stdout), (DONE, ""), done.stderr)
+        self.assertIn("threads are not timed: there is one core only\n", done.stderr)
+        self.assertEqual((self.told(), read_threads(self.out).runs), ([], {}))
+
+    @unittest.skipIf(len(CORES) < 2, "there is one core only")
+    def test_a_program_that_fails(self):
+        for what, part in (("1", "threads: step 1 failed"), ("2", "without its times")):
+            done = self.study("--quick", FAIL=what)
+            self.assertEqual(done.returncode, NO_ANSWER)
+            self.assertIn(part, done.stderr.splitlines()[-1])
+            self.assertFalse(os.path.exists(self.out))
+
+    def test_bad_arguments(self):
+        for arguments, *parts in ((("--n", "1026"), "--n", "5 to 1025"), (("--processes", "0"), "--processes"),
+                                  (("--integrator", "euler"), "'euler'"), (("--integrator", "bm2"), "no fast form"),
+                                  (("--out", self.folder), "--out")):
+            with self.subTest(arguments=arguments):
+                self.assert_refused(self.study(*arguments), "threads: ", *parts)
+        os.unlink(self.path("build", "benchmarks", "threads"))
+        self.assert_refused(self.study("--quick"), "benchmarks/threads: is not built")
+
+    def test_the_plan(self):
+        blocks = self.threads.blocks_of([listed("elp4_frame"), listed("group2")], self.threads.SIZES, (1, 2))
+        found = {(block["n"], block["integrator"]): (block["step"], block["tolerance"], block["warmup"], block["steps"])
+                 for block in blocks}
+        self.assertEqual(found[129, "elp4_frame"], (0.25, 1e-8, 8, 8))
+        self.assertEqual(found[513, "group2"], (0.05, 1e-13, 1, 2))
+        self.assertEqual(found[1025, "elp4_frame"], (0.0625, 1e-8, 1, 1))
+        self.assertEqual([self.threads.numbers_of(cores) for cores in (2, 6, 16, 64)],
+                         [[1, 2], [1, 2, 4], [1, 2, 4, 8, 16], [1, 2, 4, 8, 16]])
+
+    def test_a_new_method_is_timed_where_it_has_a_fast_form(self):
+        new = [listed("rk4")._replace(name=name, family="other", has_fast_form=fast)
+               for name, fast in (("novel", True), ("plain", False))]
+        listing = {each.name: each for each in (*map(listed, (*self.threads.METHODS, "rk4")), *new)}
+        with mock.patch.object(self.threads.study, "listed", lambda: listing):
+            names = [each.name for each in self.threads.entries_asked_for(None)]
+        self.assertEqual({*names}, {*self.threads.METHODS, "novel"})
+
+
+if __name__ == "__main__":
+    unittest.main()
