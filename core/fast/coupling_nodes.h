@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <span>
 
 #include "isosyrk/split/split_matrix.h"
 
@@ -28,12 +27,7 @@ struct StatesAtNodes {
   /// For n x n matrices.
   explicit StatesAtNodes(Index n) { W.fill(SingleMatrix(n)); }
 
-  /// Returns those that are formed.
-  std::span<SingleMatrix> in_use() { return {W.data(), has_pair ? W.size() : 1}; }
-
   std::array<SingleMatrix, most> W;
-  bool has_pair = true;  ///< those of the rule of two nodes are formed too
-  double error = 0.0;    ///< Frobenius norm of what may be left out of each
 };
 
 }  // namespace isosyrk

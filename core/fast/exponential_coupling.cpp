@@ -22,12 +22,6 @@ constexpr double error_of_one_node = 0.02;
 constexpr double error_of_fourth_power = 2.5e-4;
 // K contracts by about this multiple of the least contraction.
 constexpr double likely_beside_least = 1.5;
-// The change of a first sweep may be this many times that of the step before.
-constexpr double growth_of_change = 1.5;
-// What is left out of e^{s ad_Ω} W₀ goes unseen beside a cut ten times as large.
-constexpr double unseen_beside_cut = 0.1;
-// That K is formed from matrices with this many times the error wanted does not show.
-constexpr double most_of_states = 10.0;
 
 }  // namespace
 
@@ -45,21 +39,9 @@ ExponentialCoupling::ExponentialCoupling(SplitOperations& operations, const Expo
       BD_(Omega_),
       sum_of_D_(Omega_) {}
 
-void ExponentialCoupling::begin(double change, double allowed) {
-  const bool is_known = change > 0.0;  // false for NaN
-  states_.has_pair = !is_known || needs_pair(growth_of_change * change, allowed);
-  const double part = is_known ? std::min(allowed / change, coarsest_part) : 0.0;
-  states_.error = error_of_states(part);
-}
-
 // True if one node is too few for a δ of this size, where K δ may err by `allowed`.
 bool ExponentialCoupling::needs_pair(double size, double allowed) {
   return !(error_of_one_node * contraction_of_K * size <= allowed);  // NaN included
-}
-
-// Returns the error of e^{s ad_Ω} W₀ that goes unseen beside a cut to this part.
-double ExponentialCoupling::error_of_states(double part) const {
-  return std::max(unseen_beside_cut * part, tuning.single_roundoff) * step_.size_of_W0;
 }
 
 double ExponentialCoupling::least_contraction() const {
@@ -70,7 +52,7 @@ double ExponentialCoupling::least_contraction() const {
 void ExponentialCoupling::linearize(const SplitMatrix& Omega, double part) {
   round_to_single(Omega_, Omega);
   lie_.cut_to_part(Omega_, part);
-  for (SingleMatrix& state : states_.in_use()) lie_.cut_to_part(state, part);
+  for (SingleMatrix& state : states_.W) lie_.cut_to_part(state, part);
 }
 
 void ExponentialCoupling::couple(Corrections& coupled, const Corrections& delta, double accuracy) {
@@ -85,10 +67,9 @@ void ExponentialCoupling::couple(Corrections& coupled, const Corrections& delta,
   if (sums_D_) add_to_sum_of_D();
 }
 
-// Returns the rule of two nodes where a δ of this size needs it and its states are formed, and that
-// of one node otherwise.
+// Returns the rule of two nodes where a δ of this size needs it, and that of one node otherwise.
 ExponentialCoupling::Rule ExponentialCoupling::rule_for(double size, double allowed) {
-  const bool takes_pair = states_.has_pair && needs_pair(size, allowed);
+  const bool takes_pair = needs_pair(size, allowed);
   const std::size_t first = takes_pair ? 1 : 0;
   const std::size_t count = takes_pair ? 2 : 1;
   return {.nodes = {coupling_nodes.data() + first, count},
@@ -131,21 +112,10 @@ void ExponentialCoupling::integrate(const Rule& rule) {
   }
 }
 
-double ExponentialCoupling::further_error(double size, double allowed, double size_of_Omega,
-                                          double part) const {
-  double error = 0.0;
-  if (!states_.has_pair && needs_pair(size, allowed)) {
-    error += error_of_one_node * contraction_of_K * size;
-  }
+double ExponentialCoupling::error_of_quadrature(double size, double size_of_Omega) const {
   const double mean_square = size_of_Omega * size_of_Omega / static_cast<double>(Omega_.size());
-  const double of_two_nodes = error_of_fourth_power * mean_square * mean_square *
-                              likely_beside_least * least_contraction() * size;
-  if (of_two_nodes > allowed) error += of_two_nodes;
-  // K errs by what the states do, which were formed for a residual as expected.
-  if (states_.error > most_of_states * error_of_states(part)) {
-    error += states_.error / step_.size_of_W0 * size;
-  }
-  return error;
+  return error_of_fourth_power * mean_square * mean_square * likely_beside_least *
+         least_contraction() * size;
 }
 
 void ExponentialCoupling::add_to_sum_of_D() {

@@ -1,6 +1,9 @@
 // The coupling K of the Jacobian of the exponential Lie-Poisson methods.
 #pragma once
 
+#include <array>
+#include <span>
+
 #include "isosyrk/fast/coupling_nodes.h"
 #include "isosyrk/fast/exponential_step.h"
 #include "isosyrk/fast/split_operations.h"
@@ -13,8 +16,7 @@ namespace isosyrk {
 ///     D = ∫₀¹ [s Σ_j s^j c_j, e^{s ad_Ω} W₀] ds,   c₀ = δ,   c_j = [Ω, c_{j-1}] / (j+1)
 ///
 /// by Gauss quadrature of weight s: one node, s = 2/3, or two, (6 ∓ √6)/10, where more digits are
-/// wanted.  The step before tells whether they will be.  This is formula (6) of
-/// integrators/EXPONENTIAL.md.
+/// wanted.  This is formula (6) of integrators/EXPONENTIAL.md.
 ///
 /// Products, in single precision: 1 for each c_j and 1 for each node.  Poisson solves: 1.
 class ExponentialCoupling final : public Coupling {
@@ -22,10 +24,6 @@ class ExponentialCoupling final : public Coupling {
   /// Operations and step must outlive it.  Only the constructor allocates.
   ExponentialCoupling(SplitOperations& operations, const ExponentialStep& step, bool is_graded);
 
-  /// Begins a step.  Chooses the states that its first correction will need, if the first residual
-  /// changes Ω by `change`, relative to its unit (0 if that is not known), and K may then err by
-  /// `allowed`.
-  void begin(double change, double allowed);
   /// The states from which K is formed.  A residual sets them.
   StatesAtNodes& states() { return states_; }
 
@@ -34,9 +32,8 @@ class ExponentialCoupling final : public Coupling {
   /// Sets `coupled` to K δ.
   void couple(Corrections& coupled, const Corrections& delta, double accuracy) override;
 
-  /// Returns the error that K δ has beyond the accuracy of couple(), for a δ of this size, where
-  /// one of `allowed` was asked for, Ω has the norm size_of_Omega and linearize() cut `part`.
-  double further_error(double size, double allowed, double size_of_Omega, double part) const;
+  /// Returns the error of the quadrature in K δ, for a δ of this size and an Ω of this norm.
+  double error_of_quadrature(double size, double size_of_Omega) const;
 
   /// From here on, sums D over all δ to which K is applied, or does not.
   void sum_D(bool is_wanted);
@@ -56,7 +53,6 @@ class ExponentialCoupling final : public Coupling {
   };
 
   static bool needs_pair(double size, double allowed);
-  double error_of_states(double part) const;
   Rule rule_for(double size, double allowed);
   void sum_series(const Rule& rule, const SingleMatrix& delta, double size, double accuracy);
   void integrate(const Rule& rule);

@@ -59,7 +59,7 @@ ResidualSize ExponentialEquation::residual(SingleStages& R, SplitStages& Omega,
 bool ExponentialEquation::form_average(StatesAtNodes& states, const SplitMatrix& Omega,
                                        double error) {
   mu_ = 1.0 * *step_.W0;
-  for (SingleMatrix& state : states.in_use()) state = 1.0 * step_.W0_single;
+  for (SingleMatrix& state : states.W) state = 1.0 * step_.W0_single;
   series_.truncate(operations_.bands, part_cut * error);
   series_.begin(Omega, *step_.W0, error, GradedSeries::Sum::average);
   bool goes_on = true;
@@ -69,20 +69,18 @@ bool ExponentialEquation::form_average(StatesAtNodes& states, const SplitMatrix&
     add_term(states);
   }
   mirror_skew_in_band(mu_);
-  for (SingleMatrix& state : states.in_use()) mirror_skew_in_band(state);
+  for (SingleMatrix& state : states.W) mirror_skew_in_band(state);
   return true;
 }
 
-// μ += T_k / (k+1), and e^{s ad_Ω} W₀ += s^k T_k where that shows.
+// μ += T_k / (k+1), and e^{s ad_Ω} W₀ += s^k T_k.
 void ExponentialEquation::add_term(StatesAtNodes& states) {
   const int k = series_.k();
   std::array<Addition<float>, StatesAtNodes::most> additions;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < states.in_use().size(); ++i) {
-    const double weight = std::pow(coupling_nodes[i].s, k);
-    if (weight * series_.size() > states.error) additions[count++] = {&states.W[i], weight};
+  for (std::size_t i = 0; i < additions.size(); ++i) {
+    additions[i] = {&states.W[i], std::pow(coupling_nodes[i].s, k)};
   }
-  series_.add_upper_to({&mu_, 1.0 / static_cast<double>(k + 1)}, {additions.data(), count});
+  series_.add_upper_to({&mu_, 1.0 / static_cast<double>(k + 1)}, additions);
 }
 
 // Returns the error that μ may have, in the Frobenius norm, for an Ω of this accuracy and unit.

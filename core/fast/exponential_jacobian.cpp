@@ -44,11 +44,6 @@ ExponentialJacobian::ExponentialJacobian(SplitOperations& operations, const Expo
       next_delta_(E_delta_),
       B_of_sum_(operations.size()) {}
 
-void ExponentialJacobian::begin(double change, double least_forcing_term) {
-  is_first_ = true;
-  coupling_.begin(change, tuning.neumann_term * least_forcing_term);
-}
-
 Correction ExponentialJacobian::correct(Corrections& delta, const SplitMatrix& Omega,
                                         const Corrections& R, const CorrectionRequest& request,
                                         const IterationOptions& options) {
@@ -63,7 +58,8 @@ Correction ExponentialJacobian::correct(Corrections& delta, const SplitMatrix& O
   if (order_ > 2)
     size_of_E = std::max(least_derivative, derivative) * gradient_.sizes().share_of_second();
   Correction correction = solve(delta, R, request, size_of_E, options);
-  correction.error += coupling_.further_error(size, allowed, norm(Omega), part);
+  const double of_quadrature = coupling_.error_of_quadrature(size, norm(Omega));
+  if (of_quadrature > allowed) correction.error += of_quadrature;
   if (order_ == 6) {
     correction.error += std::max(least_derivative_of_fourth, derivative) *
                         gradient_.sizes().share_of_derivative_of_fourth() * size;

@@ -30,9 +30,8 @@ class ExponentialJacobian {
   ExponentialJacobian(SplitOperations& operations, const ExponentialStep& step,
                       GradedGradient& gradient, int order, const FastOptions& options);
 
-  /// Begins a step, with the change that the first sweep may make (0 if not known), relative to the
-  /// unit of Ω, and the least forcing term of its corrections.
-  void begin(double change, double least_forcing_term);
+  /// Begins a step.
+  void begin() { is_first_ = true; }
   /// The states from which K is formed.  A residual sets them.
   StatesAtNodes& states() { return coupling_.states(); }
 

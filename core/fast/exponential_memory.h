@@ -24,14 +24,11 @@ struct ExponentialMemory final : StepMemory {
   explicit ExponentialMemory(Index n) : start_error(n), adjoint(n) {}
 
   void forget() override {
-    largest_change = 0.0;
     shares = {};
     derivative_per_share.reset();
     start_error.forget();
   }
 
-  /// Largest change of a sweep of the step, relative to the unit of Ω; 0 if unknown.
-  double largest_change = 0.0;
   TermShares shares;
   /// ‖E δ‖ / ‖δ‖ over the share of the term in h² (ExponentialJacobian).
   std::optional<double> derivative_per_share;
