@@ -393,7 +393,7 @@ TEST_P(ExponentialJacobian, SolvesForTheCorrection) {
             system.correct(delta, x, R, {.size = size, .forcing_term = forcing * size}, {});
         EXPECT_TRUE(found.usable);
         const double error = error_of(delta[0][0].interleaved());
-        // One node, and terms of series that are left out, may err by a few times the rest.
+        // Terms of series that are left out may err by a few times the rest.
         EXPECT_LE(error, 4.0 * found.error / size) << forcing;
         // The derivative of the term in h⁴ is left out: 1e-5 here.
         EXPECT_LE(error, 2.5 * forcing + (GetParam() == 6 ? 2e-5 : 0.0)) << forcing;

@@ -36,8 +36,8 @@ void ExponentialEquation::start_cold(SplitMatrix& Omega) {
   Omega = step_.h * Omega;
 }
 
-ResidualSize ExponentialEquation::residual(SingleStages& R, SplitStages& Omega,
-                                           StatesAtNodes& states, double accuracy) {
+ResidualSize ExponentialEquation::residual(SingleStages& R, SplitStages& Omega, AtNodes& states,
+                                           double accuracy) {
   const double h = step_.h;
   const double relative = accuracy / step_.unit(Omega[0]);
   operations_.bands.truncate(Omega, part_cut * accuracy);
@@ -56,10 +56,9 @@ ResidualSize ExponentialEquation::residual(SingleStages& R, SplitStages& Omega,
 }
 
 // Sets μ with this error, and the states at the nodes.  Returns false if the series fails.
-bool ExponentialEquation::form_average(StatesAtNodes& states, const SplitMatrix& Omega,
-                                       double error) {
+bool ExponentialEquation::form_average(AtNodes& states, const SplitMatrix& Omega, double error) {
   mu_ = 1.0 * *step_.W0;
-  for (SingleMatrix& state : states.W) state = 1.0 * step_.W0_single;
+  for (SingleMatrix& state : states) state = 1.0 * step_.W0_single;
   series_.truncate(operations_.bands, part_cut * error);
   series_.begin(Omega, *step_.W0, error, GradedSeries::Sum::average);
   bool goes_on = true;
@@ -69,18 +68,17 @@ bool ExponentialEquation::form_average(StatesAtNodes& states, const SplitMatrix&
     add_term(states);
   }
   mirror_skew_in_band(mu_);
-  for (SingleMatrix& state : states.W) mirror_skew_in_band(state);
+  for (SingleMatrix& state : states) mirror_skew_in_band(state);
   return true;
 }
 
 // μ += T_k / (k+1), and e^{s ad_Ω} W₀ += s^k T_k.
-void ExponentialEquation::add_term(StatesAtNodes& states) {
+void ExponentialEquation::add_term(AtNodes& states) {
   const int k = series_.k();
-  std::array<Addition<float>, StatesAtNodes::most> additions;
-  for (std::size_t i = 0; i < additions.size(); ++i) {
-    additions[i] = {&states.W[i], std::pow(coupling_nodes[i].s, k)};
-  }
-  series_.add_upper_to({&mu_, 1.0 / static_cast<double>(k + 1)}, additions);
+  const std::array<Addition<float>, 2> to_states = {
+      {{&states[0], std::pow(coupling_nodes[0].s, k)},
+       {&states[1], std::pow(coupling_nodes[1].s, k)}}};
+  series_.add_upper_to({&mu_, 1.0 / static_cast<double>(k + 1)}, to_states);
 }
 
 // Returns the error that μ may have, in the Frobenius norm, for an Ω of this accuracy and unit.

@@ -33,7 +33,7 @@ class ExponentialJacobian {
   /// Begins a step.
   void begin() { is_first_ = true; }
   /// The states from which K is formed.  A residual sets them.
-  StatesAtNodes& states() { return coupling_.states(); }
+  AtNodes& states() { return coupling_.states(); }
 
   /// Sets delta to δ, for the Ω and the states of the last residual.
   Correction correct(Corrections& delta, const SplitMatrix& Omega, const Corrections& R,
