@@ -30,8 +30,6 @@ class ExponentialJacobian {
   ExponentialJacobian(SplitOperations& operations, const ExponentialStep& step,
                       GradedGradient& gradient, int order, const FastOptions& options);
 
-  /// Begins a step.
-  void begin() { is_first_ = true; }
   /// The states from which K is formed.  A residual sets them.
   AtNodes& states() { return coupling_.states(); }
 
@@ -53,7 +51,6 @@ class ExponentialJacobian {
   int order_;
   ExponentialCoupling coupling_;
   NeumannCorrection neumann_;
-  bool is_first_ = true;    // of the corrections of a step
   Corrections E_delta_;     // E δ_{k-1}
   Corrections next_delta_;  // δ_k
   SingleMatrix B_of_sum_;   // B of the sum of D

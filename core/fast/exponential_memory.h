@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <optional>
 
 #include "isosyrk/fast/start_error.h"
 #include "isosyrk/fast/step_memory.h"
@@ -25,13 +24,10 @@ struct ExponentialMemory final : StepMemory {
 
   void forget() override {
     shares = {};
-    derivative_per_share.reset();
     start_error.forget();
   }
 
   TermShares shares;
-  /// ‖E δ‖ / ‖δ‖ over the share of the term in h² (ExponentialJacobian).
-  std::optional<double> derivative_per_share;
   StartError start_error;
   SplitMatrix adjoint;  ///< U† of the step, by which start_error is transported
 };

@@ -30,7 +30,6 @@ std::unique_ptr<StepMemory> ExponentialSystem::memory() const {
 void ExponentialSystem::bind(const SplitMatrix& W0, double h, double tolerance,
                              StepMemory& of_steps) {
   step_.bind(W0, h, tolerance, static_cast<ExponentialMemory&>(of_steps), operations_);
-  jacobian_.begin();
 }
 
 void ExponentialSystem::start(Unknowns& x, Start how) {
