@@ -46,10 +46,7 @@ ResidualSize ExponentialEquation::residual(SingleStages& R, SplitStages& Omega, 
     return {.change = std::numeric_limits<double>::quiet_NaN(), .neglected = 0.0};
   }
   gradient_.evaluate(v_, mu_, Omega[0],
-                     {.h = h,
-                      .accuracy = relative,
-                      .least = step_.least_unit / std::abs(h),
-                      .shares = step_.memory->shares});
+                     {.h = h, .accuracy = relative, .least = step_.least_unit / std::abs(h)});
   const double change = form_residual(
       R, [&](std::size_t) { return h * v_; }, Omega);
   return {.change = change, .neglected = 0.5 * accuracy};
