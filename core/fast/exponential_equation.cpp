@@ -13,9 +13,6 @@ namespace {
 // most of it lies.  At two fifths of this value steps take 1 to 2 % more products, and the solver's
 // part in the energy of long runs stays the same (n = 33, h = 0.5, smooth and rough).
 constexpr double error_of_average_of_unit = 5.0;
-// Least factor by which hB is taken to damp an error of μ.  It damps rounding and other errors that
-// are spread over all l by h/2, whatever state Ω is formed from.
-constexpr double least_gain = 0.05;
 // Parts of the accuracy that may be cut from Ω, and from the terms of its series.
 constexpr double part_cut = 0.1;
 
@@ -41,7 +38,7 @@ ResidualSize ExponentialEquation::residual(SingleStages& R, SplitStages& Omega, 
   const double h = step_.h;
   const double relative = accuracy / step_.unit(Omega[0]);
   operations_.bands.truncate(Omega, part_cut * accuracy);
-  const double error = error_of_average(accuracy, step_.unit(Omega[0]));
+  const double error = error_of_average_of_unit * relative * step_.size_of_W0;
   if (!form_average(states, Omega[0], error)) {
     return {.change = std::numeric_limits<double>::quiet_NaN(), .neglected = 0.0};
   }
@@ -76,12 +73,6 @@ void ExponentialEquation::add_term(AtNodes& states) {
       {{&states[0], std::pow(coupling_nodes[0].s, k)},
        {&states[1], std::pow(coupling_nodes[1].s, k)}}};
   series_.add_upper_to({&mu_, 1.0 / static_cast<double>(k + 1)}, to_states);
-}
-
-// Returns the error that μ may have, in the Frobenius norm, for an Ω of this accuracy and unit.
-double ExponentialEquation::error_of_average(double accuracy, double unit) const {
-  const double by_size = error_of_average_of_unit * accuracy / unit * step_.size_of_W0;
-  return std::min(by_size, accuracy / (std::abs(step_.h) * least_gain));
 }
 
 }  // namespace isosyrk

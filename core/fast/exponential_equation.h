@@ -40,7 +40,6 @@ class ExponentialEquation {
  private:
   bool form_average(AtNodes& states, const SplitMatrix& Omega, double error);
   void add_term(AtNodes& states);
-  double error_of_average(double accuracy, double unit) const;
 
   SplitOperations& operations_;
   const ExponentialStep& step_;

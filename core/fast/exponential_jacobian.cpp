@@ -38,9 +38,8 @@ Correction ExponentialJacobian::correct(Corrections& delta, const SplitMatrix& O
                                         const IterationOptions& options) {
   const double size = request.size;
   const double allowed = tuning.neumann_term * request.forcing_term;
-  const double part = std::min(allowed / size, coarsest_part);  // K is needed to few digits
-  coupling_.linearize(Omega, part);
-  double size_of_E = 0.0;  // expected ‖E δ‖ / ‖δ‖
+  coupling_.linearize(Omega, allowed / size);  // K is needed to few digits
+  double size_of_E = 0.0;                      // expected ‖E δ‖ / ‖δ‖
   if (order_ > 2) size_of_E = likely_derivative * gradient_.sizes().share_of_second();
   Correction correction = solve(delta, R, request, size_of_E, options);
   const double of_quadrature = coupling_.error_of_quadrature(size, norm(Omega));
@@ -84,7 +83,7 @@ Correction ExponentialJacobian::solve(Corrections& delta, const Corrections& R,
 void ExponentialJacobian::form_E_delta(double part) {
   SingleMatrix& D = coupling_.sum_of_D();
   SingleMatrix& E_delta = E_delta_[0][0];
-  lie_.neglect(std::min(part, coarsest_part));
+  lie_.neglect(part);
   lie_.cut(D);
   lie_.generate(B_of_sum_, D);
   gradient_.derivative_of_second(E_delta, D, B_of_sum_, step_.h);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "isosyrk/fast/exponential_step.h"
 #include "isosyrk/solver/tuning.h"
 #include "isosyrk/split/linear_combination.h"
 
@@ -65,7 +64,7 @@ bool TermSizes::is_single(std::size_t term) const {
 
 double TermSizes::part_to_cut() const {
   const double share = std::max(share_of_second(), all_.fourth ? share_of_fourth() : 0.0);
-  return std::min(part_of_cuts * accuracy_ / share, coarsest_part);
+  return part_of_cuts * accuracy_ / share;
 }
 
 bool TermSizes::allow_rounding(GradientTerms in_single) const {
