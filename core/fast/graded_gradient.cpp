@@ -66,7 +66,7 @@ bool GradedGradient::suffices(double part) const {
 
 // Forms the terms, each in the precision that it needs.
 void GradedGradient::form(const SplitMatrix& v, const SplitMatrix& mu, double h) {
-  in_single_ = sizes_.in_single(all_);
+  in_single_ = sizes_.in_single();
   in_double_ = all_ - in_single_;
   if (in_double_.any()) {
     gradient_.evaluate(terms_, mu, v, h, {in_double_.second, in_double_.fourth});

@@ -12,9 +12,8 @@ namespace isosyrk {
 ///
 ///     E_{m+1} ≈ U_m E_m U_m†
 ///
-/// Of the error of magnus4 this leaves a twentieth or less in the rough scene, and an eighth to a
-/// fifth in the smooth one (n = 33 and 65, steps of elp4_frame for an error of about 1e-4).  E_m in
-/// place of E_{m+1} would leave two thirds or more, and a third to a half.
+/// Of the error of magnus4 this leaves a twentieth in the rough scene (n = 33 and 65, elp4_frame,
+/// h = 0.36), and a quarter to a half in the smooth one (h = 1).
 ///
 /// In single precision: E is small beside Ω.
 class StartError {

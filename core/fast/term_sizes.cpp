@@ -53,8 +53,8 @@ void TermSizes::record(GradientTerms which, double norm) {
   shares_[which.second ? second : fourth] = at_most_one(norm / whole_);
 }
 
-GradientTerms TermSizes::in_single(GradientTerms which) const {
-  return {.second = which.second && is_single(second), .fourth = which.fourth && is_single(fourth)};
+GradientTerms TermSizes::in_single() const {
+  return {.second = all_.second && is_single(second), .fourth = all_.fourth && is_single(fourth)};
 }
 
 // True if the rounding of single precision does not show in a term.

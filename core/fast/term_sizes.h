@@ -47,8 +47,8 @@ class TermSizes {
   /// Takes the norm of a term, or of the sum of both as that of the term in h².
   void record(GradientTerms which, double norm);
 
-  /// Returns those of these terms that may be formed in single precision.
-  GradientTerms in_single(GradientTerms which) const;
+  /// Returns those terms that may be formed in single precision.
+  GradientTerms in_single() const;
   /// Returns the part that may be cut from each matrix that the terms are made of.
   double part_to_cut() const;
   /// True if the sizes that were recorded since allow what was formed in single precision.
