@@ -356,24 +356,22 @@ class Smoothing final : public FixedPointSystem, public Coupling {
 
   ResidualSize residual(Corrections& R, Unknowns& x, double accuracy) override {
     accuracies.push_back(accuracy);
-    changes.push_back(0.0);
+    double largest = 0.0;
     const Matrix neglected = (neglects * accuracy / std::sqrt(2.0)) * Matrix::Identity(size, size);
     for (std::size_t i = 0; i < 2; ++i) {
       const Matrix d = x[0][i].interleaved() - X(i);
       const Matrix change = K_ * d + square_ * product({d, d}) - d + neglected;
-      changes.back() = std::max(changes.back(), change.norm());
+      largest = std::max(largest, change.norm());
       R[0][i].load(change);
     }
-    return {.change = changes.back(), .neglected = neglects * accuracy};
+    return {.change = largest, .neglected = neglects * accuracy};
   }
   Correction correct(Corrections& delta, const Unknowns&, const Corrections& R,
                      const CorrectionRequest& request, const IterationOptions& options) override {
-    forcing_terms.push_back(request.forcing_term);
     return correction_.solve(delta, *this, R, request, options);
   }
-  void couple(Corrections& coupled, const Corrections& delta, double accuracy) override {
+  void couple(Corrections& coupled, const Corrections& delta, double) override {
     ++couplings;
-    least_accuracy_of_a_term = std::min(least_accuracy_of_a_term, accuracy);
     for (std::size_t i = 0; i < 2; ++i) {
       coupled[0][i].load(sign_of_K_told * K_ * delta[0][i].interleaved());
     }
@@ -385,9 +383,8 @@ class Smoothing final : public FixedPointSystem, public Coupling {
 
   double neglects = 0.5;        // of the accuracy asked
   double sign_of_K_told = 1.0;  // -1: a wrong Jacobian
-  std::vector<double> accuracies, changes, forcing_terms;
+  std::vector<double> accuracies;
   int couplings = 0;
-  double least_accuracy_of_a_term = 1.0;
 
  private:
   Matrix X(std::size_t i) const { return solution_[0][i].interleaved(); }
@@ -402,48 +399,25 @@ class Smoothing final : public FixedPointSystem, public Coupling {
 
 constexpr double tolerance = 1e-12;
 
-// One more digit than the error that a sweep leaves is never asked of it, and of no sweep more than
-// a tenth of the tolerance, or a fifth: accepting_accuracy.
-TEST(NewtonWithNeumannCorrection, AsksOfNoResidualMoreAccuracyThanTheStepNeeds) {
+// Any residual may be accepted: each may err by a tenth of the tolerance, or by a fifth
+// (accepting_accuracy), and no more.
+TEST(NewtonWithNeumannCorrection, AsksOfEachResidualTheAccuracyThatAcceptanceNeeds) {
   for (const auto by : {Acceptance::By::change, Acceptance::By::error_estimate}) {
     Smoothing system(0.1, by);
     Newton solver(system.started(0.0));
     IterationMemory memory;
-    const int steps = 3;  // the first tells how far off the start is
-    for (int step = 0; step < steps; ++step) {
-      system.accuracies.clear();
-      system.changes.clear();
-      system.forcing_terms.clear();
-      Unknowns x = system.started(1e-3);
+    for (const double distance : {1e-1, 1e-3, 1e-3}) {
+      Unknowns x = system.started(distance);
       const SolveReport report = solver.solve(system, memory, {.tolerance = tolerance}, x);
       EXPECT_EQ(report.status, Status::converged);
       // What is accepted errs by the neglected, by what the correction leaves and, by the change of
       // a sweep, by its contraction.
       EXPECT_LE(system.error_of(x), 1.5 * tolerance);
-      const double accepting = Acceptance{.by = by}.accepting_accuracy(tolerance);
-      for (std::size_t k = 0; k < system.accuracies.size(); ++k) {
-        EXPECT_GE(system.accuracies[k], accepting) << k;
-        if (step == 0 && k == 0) continue;  // nothing is known of the start
-        // The change decides what its correction leaves; 10 if the prediction was of another size.
-        const double left = forcing_term_of(system.changes[k], tolerance);
-        EXPECT_GE(system.accuracies[k] * 10.0 + accepting, tuning.accepting_accuracy * left) << k;
-      }
-      EXPECT_LE(system.accuracies.back(), 1.001 * accepting) << "the accepting one is complete";
     }
+    const double accepting = Acceptance{.by = by}.accepting_accuracy(tolerance);
+    for (const double accuracy : system.accuracies) EXPECT_EQ(accuracy, accepting);
     EXPECT_GT(system.couplings, 0);
   }
-}
-
-TEST(NewtonWithNeumannCorrection, AsksEarlyResidualsForLessWhereItKnowsTheStart) {
-  Smoothing system(0.1, Acceptance::By::change);
-  Newton solver(system.started(0.0));
-  IterationMemory memory;
-  for (int step = 0; step < 2; ++step) {
-    system.accuracies.clear();
-    Unknowns x = system.started(1e-3);
-    solver.solve(system, memory, {.tolerance = tolerance}, x);
-  }
-  EXPECT_GT(system.accuracies.front(), 1e3 * tolerance);
 }
 
 TEST(NewtonWithNeumannCorrection, IsAcceptedByEstimateInFewerSweepsButNotFarFromTheSolution) {
@@ -488,49 +462,6 @@ TEST(NewtonWithNeumannCorrection, ATermThatGrowsIsNoCorrection) {
   EXPECT_EQ(solver.solve(system, memory, {.tolerance = tolerance}, x).status, Status::converged);
   EXPECT_GT(system.couplings, 0);
   EXPECT_LE(system.error_of(x), 1.5 * tolerance) << "by Picard sweeps";
-}
-
-// G(x) = X, of which a residual sees nothing that is below the accuracy it is asked for.
-class Coarse final : public FixedPointSystem {
- public:
-  explicit Coarse(Acceptance::By by) { rule_.by = by; }
-
-  ResidualSize residual(Corrections& R, Unknowns& x, double accuracy) override {
-    const Matrix change = X - x[0][0].interleaved();
-    const bool is_seen = change.norm() > accuracy;
-    R[0][0].load(is_seen ? change : nothing);
-    return {.change = is_seen ? change.norm() : 0.0, .neglected = is_seen ? 0.0 : accuracy};
-  }
-  Correction correct(Corrections& delta, const Unknowns&, const Corrections& R,
-                     const CorrectionRequest&, const IterationOptions&) override {
-    copy(delta, R);
-    return {.usable = true, .error = 0.0};
-  }
-  ConvergenceTest convergence_test(const Unknowns& x, double wanted,
-                                   IterationMemory& memory) const override {
-    return {rule_, wanted, x[0][0].size(), 0.0, memory};
-  }
-
-  const Matrix X = random_matrix(n, 4).normalized();
-
- private:
-  Acceptance rule_;
-};
-
-// After a step that started 0.1 off, the first residual of the next is asked for few digits.  It
-// sees no change where that step starts 1e-6 off, which is 1e6 times the tolerance.
-TEST(Newton, AcceptsNoChangeThatIsSmallByWhatWasNeglected) {
-  for (const auto by : {Acceptance::By::change, Acceptance::By::error_estimate}) {
-    Coarse system(by);
-    Newton solver(start_at(system.X));
-    IterationMemory memory;
-    for (const double distance : {0.1, 1e-6}) {
-      Unknowns x = start_at(system.X + distance * rotation(5));
-      const SolveReport report = solver.solve(system, memory, {.tolerance = tolerance}, x);
-      EXPECT_EQ(report.status, Status::converged);
-      EXPECT_LE((x[0][0].interleaved() - system.X).norm(), tolerance) << distance;
-    }
-  }
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <span>
 
 #include "isosyrk/split/split_matrix.h"
 
@@ -15,25 +14,12 @@ struct CouplingNode {
 };
 
 inline constexpr double root_of_6 = 2.449489742783178;
-/// The rule of one node, and after it the rule of two: Σ w = 1/2, Σ w s = 1/3 in each.
-inline constexpr std::array<CouplingNode, 3> coupling_nodes = {
-    {{2.0 / 3.0, 0.5},
-     {(6.0 - root_of_6) / 10.0, 0.25 - 1.0 / (6.0 * root_of_6)},
+/// The rule of two nodes: Σ w = 1/2, Σ w s = 1/3, Σ w s² = 1/4, Σ w s³ = 1/5.
+inline constexpr std::array<CouplingNode, 2> coupling_nodes = {
+    {{(6.0 - root_of_6) / 10.0, 0.25 - 1.0 / (6.0 * root_of_6)},
      {(6.0 + root_of_6) / 10.0, 0.25 + 1.0 / (6.0 * root_of_6)}}};
 
-/// The states e^{s ad_Ω} W₀ at the nodes, in single precision.
-struct StatesAtNodes {
-  static constexpr std::size_t most = coupling_nodes.size();
-
-  /// For n x n matrices.
-  explicit StatesAtNodes(Index n) { W.fill(SingleMatrix(n)); }
-
-  /// Returns those that are formed.
-  std::span<SingleMatrix> in_use() { return {W.data(), has_pair ? W.size() : 1}; }
-
-  std::array<SingleMatrix, most> W;
-  bool has_pair = true;  ///< those of the rule of two nodes are formed too
-  double error = 0.0;    ///< Frobenius norm of what may be left out of each
-};
+/// A matrix for each node, in single precision.
+using AtNodes = std::array<SingleMatrix, coupling_nodes.size()>;
 
 }  // namespace isosyrk

@@ -10,7 +10,7 @@ namespace isosyrk {
 
 /// Ω ≈ Ω⁰ + E, where Ω⁰ is the exponent of an explicit Magnus method, magnus4 or, for order 6,
 /// magnus5 (integrators/explicit_magnus.h), and E the error that it is expected to have, foretold
-/// from the steps before (StartError).  In single precision.
+/// from that of the step before (StartError).  In single precision.
 ///
 /// Products: 6 for magnus4, 12 for magnus5, and 1.5 for E.  Poisson solves: 7 or 12.
 class ExplicitStart {

@@ -14,20 +14,12 @@ constexpr double contraction_of_K = 0.1;
 // K contracts by at least about this multiple of h ‖W₀‖_F / √n: by 0.1 to 0.4 of it for an error
 // that is spread over all l, in smooth, rough and steady states, n = 5 to 129.
 constexpr double contraction_of_size = 0.1;
-// The error that one node makes in K δ is about this part of it; seen at h = 0.1 ... 0.5.
-constexpr double error_of_one_node = 0.02;
-// The error that two nodes make is this part of K δ, times the fourth power of ‖Ω‖_F / √n: 1 /
-// 14400 for each (ad_Ω)⁴ / 5 that the quadrature leaves out, beside a weight of 1/2, and about 9
-// such powers for a δ that is spread over all l, as the rounding of a start is.
-constexpr double error_of_fourth_power = 2.5e-4;
-// K contracts by about this multiple of the least contraction.
-constexpr double likely_beside_least = 1.5;
-// The change of a first sweep may be this many times that of the step before.
-constexpr double growth_of_change = 1.5;
-// What is left out of e^{s ad_Ω} W₀ goes unseen beside a cut ten times as large.
-constexpr double unseen_beside_cut = 0.1;
-// That K is formed from matrices with this many times the error wanted does not show.
-constexpr double most_of_states = 10.0;
+// The error that two nodes make is this part of δ, times the least contraction and the fourth power
+// of ‖Ω‖_F / √n: 1 / 14400 for each (ad_Ω)⁴ / 5 that the quadrature leaves out, beside a weight of
+// 1/2; about 9 such powers for a δ that is spread over all l, as the rounding of a start is; and
+// about 1.5 of the least contraction.  It shows in large steps of small n alone, which else err by
+// up to 90 tolerances (7500 runs of 1 to 5 steps near symmetries, n = 5 to 12, h‖B‖ up to 1.5).
+constexpr double error_of_two_nodes = 4e-4;
 
 }  // namespace
 
@@ -36,31 +28,14 @@ ExponentialCoupling::ExponentialCoupling(SplitOperations& operations, const Expo
     : lie_(operations.single_lie),
       step_(step),
       is_graded_(is_graded),
-      states_(operations.size()),
       Omega_(operations.size()),
+      states_{Omega_, Omega_},
+      sums_(states_),
       c_(Omega_),
       next_c_(Omega_),
-      sums_{Omega_, Omega_},
       D_(Omega_),
       BD_(Omega_),
       sum_of_D_(Omega_) {}
-
-void ExponentialCoupling::begin(double change, double allowed) {
-  const bool is_known = change > 0.0;  // false for NaN
-  states_.has_pair = !is_known || needs_pair(growth_of_change * change, allowed);
-  const double part = is_known ? std::min(allowed / change, coarsest_part) : 0.0;
-  states_.error = error_of_states(part);
-}
-
-// True if one node is too few for a δ of this size, where K δ may err by `allowed`.
-bool ExponentialCoupling::needs_pair(double size, double allowed) {
-  return !(error_of_one_node * contraction_of_K * size <= allowed);  // NaN included
-}
-
-// Returns the error of e^{s ad_Ω} W₀ that goes unseen beside a cut to this part.
-double ExponentialCoupling::error_of_states(double part) const {
-  return std::max(unseen_beside_cut * part, tuning.single_roundoff) * step_.size_of_W0;
-}
 
 double ExponentialCoupling::least_contraction() const {
   return contraction_of_size * std::abs(step_.h) * step_.size_of_W0 /
@@ -70,49 +45,36 @@ double ExponentialCoupling::least_contraction() const {
 void ExponentialCoupling::linearize(const SplitMatrix& Omega, double part) {
   round_to_single(Omega_, Omega);
   lie_.cut_to_part(Omega_, part);
-  for (SingleMatrix& state : states_.in_use()) lie_.cut_to_part(state, part);
+  for (SingleMatrix& state : states_) lie_.cut_to_part(state, part);
 }
 
 void ExponentialCoupling::couple(Corrections& coupled, const Corrections& delta, double accuracy) {
   const SingleMatrix& t = delta[0][0];
   const double size = norm(t);
   lie_.neglect(std::max(accuracy / size, tuning.single_roundoff));
-  const Rule rule = rule_for(size, accuracy);
-  sum_series(rule, t, size, accuracy);
-  integrate(rule);
+  sum_series(t, size, accuracy);
+  integrate();
   lie_.generate(BD_, D_);
   coupled[0][0] = step_.h * BD_;
   if (sums_D_) add_to_sum_of_D();
 }
 
-// Returns the rule of two nodes where a δ of this size needs it and its states are formed, and that
-// of one node otherwise.
-ExponentialCoupling::Rule ExponentialCoupling::rule_for(double size, double allowed) {
-  const bool takes_pair = states_.has_pair && needs_pair(size, allowed);
-  const std::size_t first = takes_pair ? 1 : 0;
-  const std::size_t count = takes_pair ? 2 : 1;
-  return {.nodes = {coupling_nodes.data() + first, count},
-          .states = {states_.W.data() + first, count},
-          .sums = {sums_.data(), count}};
-}
-
 // Sums Σ_j s^j c_j at the nodes, with an error of K δ of this accuracy.
-void ExponentialCoupling::sum_series(const Rule& rule, const SingleMatrix& delta, double size,
-                                     double accuracy) {
+void ExponentialCoupling::sum_series(const SingleMatrix& delta, double size, double accuracy) {
   constexpr int most_terms = 60;
   const double end = is_graded_ ? accuracy : std::min(accuracy, tuning.single_roundoff * size);
-  const double largest_node = rule.nodes.back().s;
+  constexpr double largest_node = coupling_nodes.back().s;
   c_ = 1.0 * delta;
   lie_.cut(c_);
-  for (SingleMatrix& sum : rule.sums) sum = 1.0 * c_;
+  for (SingleMatrix& sum : sums_) sum = 1.0 * c_;
   TermGrowth growth;
   growth.begin(size);
   for (int j = 1; j < most_terms; ++j) {
     const double factor = 1.0 / static_cast<double>(j + 1);
     lie_.bracket(next_c_, Omega_, c_, factor);
     std::swap(c_, next_c_);
-    for (std::size_t i = 0; i < rule.sums.size(); ++i) {
-      rule.sums[i] = rule.sums[i] + std::pow(rule.nodes[i].s, j) * c_;
+    for (std::size_t i = 0; i < sums_.size(); ++i) {
+      sums_[i] = sums_[i] + std::pow(coupling_nodes[i].s, j) * c_;
     }
     // c_j and c_{j+1} in K δ
     const double size_of_c = norm(c_);
@@ -124,28 +86,14 @@ void ExponentialCoupling::sum_series(const Rule& rule, const SingleMatrix& delta
 }
 
 // D = Σ_i weight_i [Σ_j s_i^j c_j, e^{s_i ad_Ω} W₀].
-void ExponentialCoupling::integrate(const Rule& rule) {
-  lie_.bracket(D_, rule.sums[0], rule.states[0], rule.nodes[0].weight);
-  for (std::size_t i = 1; i < rule.nodes.size(); ++i) {
-    lie_.add_bracket(D_, rule.sums[i], rule.states[i], rule.nodes[i].weight);
-  }
+void ExponentialCoupling::integrate() {
+  lie_.bracket(D_, sums_[0], states_[0], coupling_nodes[0].weight);
+  lie_.add_bracket(D_, sums_[1], states_[1], coupling_nodes[1].weight);
 }
 
-double ExponentialCoupling::further_error(double size, double allowed, double size_of_Omega,
-                                          double part) const {
-  double error = 0.0;
-  if (!states_.has_pair && needs_pair(size, allowed)) {
-    error += error_of_one_node * contraction_of_K * size;
-  }
+double ExponentialCoupling::error_of_quadrature(double size, double size_of_Omega) const {
   const double mean_square = size_of_Omega * size_of_Omega / static_cast<double>(Omega_.size());
-  const double of_two_nodes = error_of_fourth_power * mean_square * mean_square *
-                              likely_beside_least * least_contraction() * size;
-  if (of_two_nodes > allowed) error += of_two_nodes;
-  // K errs by what the states do, which were formed for a residual as expected.
-  if (states_.error > most_of_states * error_of_states(part)) {
-    error += states_.error / step_.size_of_W0 * size;
-  }
-  return error;
+  return error_of_two_nodes * mean_square * mean_square * least_contraction() * size;
 }
 
 void ExponentialCoupling::add_to_sum_of_D() {

@@ -12,8 +12,7 @@ namespace isosyrk {
 ///
 ///     D = ∫₀¹ [s Σ_j s^j c_j, e^{s ad_Ω} W₀] ds,   c₀ = δ,   c_j = [Ω, c_{j-1}] / (j+1)
 ///
-/// by Gauss quadrature of weight s: one node, s = 2/3, or two, (6 ∓ √6)/10, where more digits are
-/// wanted.  The step before tells whether they will be.  This is formula (6) of
+/// by Gauss quadrature of weight s at two nodes, (6 ∓ √6)/10.  This is formula (6) of
 /// integrators/EXPONENTIAL.md.
 ///
 /// Products, in single precision: 1 for each c_j and 1 for each node.  Poisson solves: 1.
@@ -22,21 +21,16 @@ class ExponentialCoupling final : public Coupling {
   /// Operations and step must outlive it.  Only the constructor allocates.
   ExponentialCoupling(SplitOperations& operations, const ExponentialStep& step, bool is_graded);
 
-  /// Begins a step.  Chooses the states that its first correction will need, if the first residual
-  /// changes Ω by `change`, relative to its unit (0 if that is not known), and K may then err by
-  /// `allowed`.
-  void begin(double change, double allowed);
-  /// The states from which K is formed.  A residual sets them.
-  StatesAtNodes& states() { return states_; }
+  /// The states e^{s ad_Ω} W₀, from which K is formed.  A residual sets them.
+  AtNodes& states() { return states_; }
 
   /// Fixes K at Ω and at the states of the last residual.  This part of their norms may be cut.
   void linearize(const SplitMatrix& Omega, double part);
   /// Sets `coupled` to K δ.
   void couple(Corrections& coupled, const Corrections& delta, double accuracy) override;
 
-  /// Returns the error that K δ has beyond the accuracy of couple(), for a δ of this size, where
-  /// one of `allowed` was asked for, Ω has the norm size_of_Omega and linearize() cut `part`.
-  double further_error(double size, double allowed, double size_of_Omega, double part) const;
+  /// Returns the error of the quadrature in K δ, for a δ of this size and an Ω of this norm.
+  double error_of_quadrature(double size, double size_of_Omega) const;
 
   /// From here on, sums D over all δ to which K is applied, or does not.
   void sum_D(bool is_wanted);
@@ -48,28 +42,18 @@ class ExponentialCoupling final : public Coupling {
   double least_contraction() const;
 
  private:
-  // One of the two rules, and what belongs to its nodes.
-  struct Rule {
-    std::span<const CouplingNode> nodes;
-    std::span<SingleMatrix> states;  // e^{s ad_Ω} W₀
-    std::span<SingleMatrix> sums;    // Σ_j s^j c_j
-  };
-
-  static bool needs_pair(double size, double allowed);
-  double error_of_states(double part) const;
-  Rule rule_for(double size, double allowed);
-  void sum_series(const Rule& rule, const SingleMatrix& delta, double size, double accuracy);
-  void integrate(const Rule& rule);
+  void sum_series(const SingleMatrix& delta, double size, double accuracy);
+  void integrate();
   void add_to_sum_of_D();
 
   SplitLie<float>& lie_;
   const ExponentialStep& step_;
   bool is_graded_;
-  StatesAtNodes states_;
   SingleMatrix Omega_;
-  SingleMatrix c_, next_c_;           // c_j and c_{j+1}
-  std::array<SingleMatrix, 2> sums_;  // Σ_j s^j c_j at the nodes
-  SingleMatrix D_, BD_;               // D and B(D)
+  AtNodes states_;           // e^{s ad_Ω} W₀
+  AtNodes sums_;             // Σ_j s^j c_j
+  SingleMatrix c_, next_c_;  // c_j and c_{j+1}
+  SingleMatrix D_, BD_;      // D and B(D)
   SingleMatrix sum_of_D_;
   bool sums_D_ = false;
   bool has_sum_of_D_ = false;

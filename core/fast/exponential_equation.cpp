@@ -13,9 +13,6 @@ namespace {
 // most of it lies.  At two fifths of this value steps take 1 to 2 % more products, and the solver's
 // part in the energy of long runs stays the same (n = 33, h = 0.5, smooth and rough).
 constexpr double error_of_average_of_unit = 5.0;
-// Least factor by which hB is taken to damp an error of μ.  It damps rounding and other errors that
-// are spread over all l by h/2, whatever state Ω is formed from.
-constexpr double least_gain = 0.05;
 // Parts of the accuracy that may be cut from Ω, and from the terms of its series.
 constexpr double part_cut = 0.1;
 
@@ -36,30 +33,26 @@ void ExponentialEquation::start_cold(SplitMatrix& Omega) {
   Omega = step_.h * Omega;
 }
 
-ResidualSize ExponentialEquation::residual(SingleStages& R, SplitStages& Omega,
-                                           StatesAtNodes& states, double accuracy) {
+ResidualSize ExponentialEquation::residual(SingleStages& R, SplitStages& Omega, AtNodes& states,
+                                           double accuracy) {
   const double h = step_.h;
   const double relative = accuracy / step_.unit(Omega[0]);
   operations_.bands.truncate(Omega, part_cut * accuracy);
-  const double error = error_of_average(accuracy, step_.unit(Omega[0]));
+  const double error = error_of_average_of_unit * relative * step_.size_of_W0;
   if (!form_average(states, Omega[0], error)) {
     return {.change = std::numeric_limits<double>::quiet_NaN(), .neglected = 0.0};
   }
   gradient_.evaluate(v_, mu_, Omega[0],
-                     {.h = h,
-                      .accuracy = relative,
-                      .least = step_.least_unit / std::abs(h),
-                      .shares = step_.memory->shares});
+                     {.h = h, .accuracy = relative, .least = step_.least_unit / std::abs(h)});
   const double change = form_residual(
       R, [&](std::size_t) { return h * v_; }, Omega);
   return {.change = change, .neglected = 0.5 * accuracy};
 }
 
 // Sets μ with this error, and the states at the nodes.  Returns false if the series fails.
-bool ExponentialEquation::form_average(StatesAtNodes& states, const SplitMatrix& Omega,
-                                       double error) {
+bool ExponentialEquation::form_average(AtNodes& states, const SplitMatrix& Omega, double error) {
   mu_ = 1.0 * *step_.W0;
-  for (SingleMatrix& state : states.in_use()) state = 1.0 * step_.W0_single;
+  for (SingleMatrix& state : states) state = 1.0 * step_.W0_single;
   series_.truncate(operations_.bands, part_cut * error);
   series_.begin(Omega, *step_.W0, error, GradedSeries::Sum::average);
   bool goes_on = true;
@@ -69,26 +62,17 @@ bool ExponentialEquation::form_average(StatesAtNodes& states, const SplitMatrix&
     add_term(states);
   }
   mirror_skew_in_band(mu_);
-  for (SingleMatrix& state : states.in_use()) mirror_skew_in_band(state);
+  for (SingleMatrix& state : states) mirror_skew_in_band(state);
   return true;
 }
 
-// μ += T_k / (k+1), and e^{s ad_Ω} W₀ += s^k T_k where that shows.
-void ExponentialEquation::add_term(StatesAtNodes& states) {
+// μ += T_k / (k+1), and e^{s ad_Ω} W₀ += s^k T_k.
+void ExponentialEquation::add_term(AtNodes& states) {
   const int k = series_.k();
-  std::array<Addition<float>, StatesAtNodes::most> additions;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < states.in_use().size(); ++i) {
-    const double weight = std::pow(coupling_nodes[i].s, k);
-    if (weight * series_.size() > states.error) additions[count++] = {&states.W[i], weight};
-  }
-  series_.add_upper_to({&mu_, 1.0 / static_cast<double>(k + 1)}, {additions.data(), count});
-}
-
-// Returns the error that μ may have, in the Frobenius norm, for an Ω of this accuracy and unit.
-double ExponentialEquation::error_of_average(double accuracy, double unit) const {
-  const double by_size = error_of_average_of_unit * accuracy / unit * step_.size_of_W0;
-  return std::min(by_size, accuracy / (std::abs(step_.h) * least_gain));
+  const std::array<Addition<float>, 2> to_states = {
+      {{&states[0], std::pow(coupling_nodes[0].s, k)},
+       {&states[1], std::pow(coupling_nodes[1].s, k)}}};
+  series_.add_upper_to({&mu_, 1.0 / static_cast<double>(k + 1)}, to_states);
 }
 
 }  // namespace isosyrk

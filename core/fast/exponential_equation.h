@@ -32,16 +32,14 @@ class ExponentialEquation {
 
   /// Sets R and the states at the nodes, for one Ω that is cut to its band first.  R may err by the
   /// accuracy, in the Frobenius norm.  The change is NaN where a series fails.
-  ResidualSize residual(SingleStages& R, SplitStages& Omega, StatesAtNodes& states,
-                        double accuracy);
+  ResidualSize residual(SingleStages& R, SplitStages& Omega, AtNodes& states, double accuracy);
 
   /// B̃ and its derivative at the μ of the last residual.
   GradedGradient& gradient() { return gradient_; }
 
  private:
-  bool form_average(StatesAtNodes& states, const SplitMatrix& Omega, double error);
-  void add_term(StatesAtNodes& states);
-  double error_of_average(double accuracy, double unit) const;
+  bool form_average(AtNodes& states, const SplitMatrix& Omega, double error);
+  void add_term(AtNodes& states);
 
   SplitOperations& operations_;
   const ExponentialStep& step_;

@@ -7,20 +7,9 @@
 namespace isosyrk {
 namespace {
 
-// ‖E δ‖ / ‖δ‖, where E is the derivative of a term of B̃, as a multiple of the term's part of B̃,
-// unless it was seen.  It is 0.8 to 2.5 at steps for errors of 1e-4 to 1e-6, 5 at the coarsest.
-// What was seen holds for the first correction of a step: of what a correction leaves the
-// derivatives take more, since they are what it leaves out (0.02 to 0.04 of all in place of 0.001,
-// elp6 near steady states, n = 9 and 17).
+// ‖E δ‖ / ‖δ‖, where E is the derivative of a term of B̃, as a multiple of the term's part of B̃.  It
+// is 0.8 to 2.5 at steps for errors of 1e-4 to 1e-6, 5 at the coarsest.
 constexpr double likely_derivative = 2.5;
-// The least that is taken for it, whatever was seen: the rounding of a start, which is spread over
-// all l, shows less of it than an error of large scales does.  E suffices where it might show: with
-// 1 in place of 0.25 steps take 4 % fewer to 4 % more products at the tolerance 1e-13, and the same
-// at 1e-8 (elp4 and elp6 with and without frame, n = 17 to 129, smooth and rough).
-constexpr double least_derivative = 1.0;
-// The same for the derivative of the term in h⁴, which is never formed: at 1 steps take up to a
-// quarter more products (elp6 at 1e-13, n = 129, rough).
-constexpr double least_derivative_of_fourth = 0.25;
 // E δ is left out of a correction if the error stays below this multiple of the forcing term.  The
 // estimated error of x is then below the tolerance still.
 constexpr double most_left_out = 1.4;
@@ -44,29 +33,20 @@ ExponentialJacobian::ExponentialJacobian(SplitOperations& operations, const Expo
       next_delta_(E_delta_),
       B_of_sum_(operations.size()) {}
 
-void ExponentialJacobian::begin(double change, double least_forcing_term) {
-  is_first_ = true;
-  coupling_.begin(change, tuning.neumann_term * least_forcing_term);
-}
-
 Correction ExponentialJacobian::correct(Corrections& delta, const SplitMatrix& Omega,
                                         const Corrections& R, const CorrectionRequest& request,
                                         const IterationOptions& options) {
   const double size = request.size;
   const double allowed = tuning.neumann_term * request.forcing_term;
-  const double part = std::min(allowed / size, coarsest_part);  // K is needed to few digits
-  coupling_.linearize(Omega, part);
-  const double seen = step_.memory->derivative_per_share.value_or(likely_derivative);
-  const double derivative = std::max(seen, is_first_ ? 0.0 : likely_derivative);
-  is_first_ = false;
-  double size_of_E = 0.0;  // expected ‖E δ‖ / ‖δ‖
-  if (order_ > 2)
-    size_of_E = std::max(least_derivative, derivative) * gradient_.sizes().share_of_second();
+  coupling_.linearize(Omega, allowed / size);  // K is needed to few digits
+  double size_of_E = 0.0;                      // expected ‖E δ‖ / ‖δ‖
+  if (order_ > 2) size_of_E = likely_derivative * gradient_.sizes().share_of_second();
   Correction correction = solve(delta, R, request, size_of_E, options);
-  correction.error += coupling_.further_error(size, allowed, norm(Omega), part);
+  const double of_quadrature = coupling_.error_of_quadrature(size, norm(Omega));
+  if (of_quadrature > allowed) correction.error += of_quadrature;
   if (order_ == 6) {
-    correction.error += std::max(least_derivative_of_fourth, derivative) *
-                        gradient_.sizes().share_of_derivative_of_fourth() * size;
+    correction.error +=
+        likely_derivative * gradient_.sizes().share_of_derivative_of_fourth() * size;
   }
   return correction;
 }
@@ -81,16 +61,10 @@ Correction ExponentialJacobian::solve(Corrections& delta, const Corrections& R,
   // D is summed where E δ_k will have to be formed.
   coupling_.sum_D(left_out > most_left - request.forcing_term);
   Correction correction = neumann_.solve(delta, coupling_, R, request, options);  // δ₀
-  for (int k = 1;
-       correction.usable && coupling_.has_sum_of_D() && correction.error + left_out > most_left;
-       ++k) {
+  while (correction.usable && coupling_.has_sum_of_D() && correction.error + left_out > most_left) {
     form_E_delta(part_cut * most_left / left_out);
     const double size_of_next = largest_norm(E_delta_[0]);
     if (!(size_of_next < size)) return {};  // NaN included
-    if (k == 1) {
-      step_.memory->derivative_per_share =
-          size_of_next / size / gradient_.sizes().share_of_second();
-    }
     left_out = size_of_next * size_of_next / size;
     size = size_of_next;
     coupling_.sum_D(left_out > most_left - request.forcing_term);
@@ -109,7 +83,7 @@ Correction ExponentialJacobian::solve(Corrections& delta, const Corrections& R,
 void ExponentialJacobian::form_E_delta(double part) {
   SingleMatrix& D = coupling_.sum_of_D();
   SingleMatrix& E_delta = E_delta_[0][0];
-  lie_.neglect(std::min(part, coarsest_part));
+  lie_.neglect(part);
   lie_.cut(D);
   lie_.generate(B_of_sum_, D);
   gradient_.derivative_of_second(E_delta, D, B_of_sum_, step_.h);

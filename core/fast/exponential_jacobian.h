@@ -30,11 +30,8 @@ class ExponentialJacobian {
   ExponentialJacobian(SplitOperations& operations, const ExponentialStep& step,
                       GradedGradient& gradient, int order, const FastOptions& options);
 
-  /// Begins a step, with the change that the first sweep may make (0 if not known), relative to the
-  /// unit of Ω, and the least forcing term of its corrections.
-  void begin(double change, double least_forcing_term);
   /// The states from which K is formed.  A residual sets them.
-  StatesAtNodes& states() { return coupling_.states(); }
+  AtNodes& states() { return coupling_.states(); }
 
   /// Sets delta to δ, for the Ω and the states of the last residual.
   Correction correct(Corrections& delta, const SplitMatrix& Omega, const Corrections& R,
@@ -54,7 +51,6 @@ class ExponentialJacobian {
   int order_;
   ExponentialCoupling coupling_;
   NeumannCorrection neumann_;
-  bool is_first_ = true;    // of the corrections of a step
   Corrections E_delta_;     // E δ_{k-1}
   Corrections next_delta_;  // δ_k
   SingleMatrix B_of_sum_;   // B of the sum of D

@@ -29,9 +29,4 @@ struct ExponentialStep {
   ExponentialMemory* memory = nullptr;
 };
 
-/// Largest part of its norm that is cut from a matrix, however few digits are wanted.  At 5e-3 ...
-/// 1 steps take the same products, at 1e-4 up to 3 % more (elp4 and elp6 at 1e-8, n = 33, 65 and
-/// 129, smooth and rough): a bound for states of which little is known yet.
-inline constexpr double coarsest_part = 1e-2;
-
 }  // namespace isosyrk

@@ -1,8 +1,5 @@
 #include "isosyrk/fast/exponential_system.h"
 
-#include <cmath>
-#include <utility>
-
 namespace isosyrk {
 
 ExponentialSystem::ExponentialSystem(const Flow& flow, int order, const FastOptions& options)
@@ -32,11 +29,7 @@ std::unique_ptr<StepMemory> ExponentialSystem::memory() const {
 
 void ExponentialSystem::bind(const SplitMatrix& W0, double h, double tolerance,
                              StepMemory& of_steps) {
-  auto& memory = static_cast<ExponentialMemory&>(of_steps);
-  step_.bind(W0, h, tolerance, memory, operations_);
-  // The first sweep may change Ω by as much as in the step before.
-  const double change = std::exchange(memory.largest_change, 0.0);
-  jacobian_.begin(change, acceptance_.least_forcing_term(tolerance));
+  step_.bind(W0, h, tolerance, static_cast<ExponentialMemory&>(of_steps), operations_);
 }
 
 void ExponentialSystem::start(Unknowns& x, Start how) {
@@ -47,14 +40,6 @@ void ExponentialSystem::start(Unknowns& x, Start how) {
 ConvergenceTest ExponentialSystem::convergence_test(const Unknowns& x, double tolerance,
                                                     IterationMemory& memory) const {
   return {acceptance_, tolerance, x[0][0].size(), jacobian_.least_contraction(), memory};
-}
-
-ResidualSize ExponentialSystem::residual(Corrections& R, Unknowns& x, double accuracy) {
-  const ResidualSize size = equation_.residual(R[0], x[0], jacobian_.states(), accuracy);
-  const double change = size.change / unit(x);
-  double& largest = step_.memory->largest_change;
-  if (change > largest) largest = change;  // NaN is not remembered
-  return size;
 }
 
 void ExponentialSystem::update(SplitMatrix& W1, const Unknowns& x) {

@@ -33,7 +33,9 @@ class ExponentialSystem final : public StageSystem {
   void bind(const SplitMatrix& W0, double h, double tolerance, StepMemory& memory) override;
   /// Explicit: that of ExplicitStart.  Cold, or where there is none: Ω = h B(W₀).
   void start(Unknowns& x, Start how) override;
-  ResidualSize residual(Corrections& R, Unknowns& x, double accuracy) override;
+  ResidualSize residual(Corrections& R, Unknowns& x, double accuracy) override {
+    return equation_.residual(R[0], x[0], jacobian_.states(), accuracy);
+  }
   Correction correct(Corrections& delta, const Unknowns& x, const Corrections& R,
                      const CorrectionRequest& request, const IterationOptions& options) override {
     return jacobian_.correct(delta, x[0][0], R, request, options);

@@ -12,9 +12,9 @@ namespace isosyrk {
 /// ModifiedGradient.
 ///
 /// They are small beside v.  So they may err by a larger part of themselves, be formed in single
-/// precision, and from matrices that are cut to narrow bands, as TermSizes says.  Their size in the
-/// residual before is a guess.  A term that turns out larger, so that its precision or its bands do
-/// not suffice, is formed again.
+/// precision, and from matrices that are cut to narrow bands, as TermSizes says.  Ω / h - v is a
+/// guess of their sum.  A term that turns out larger, so that its precision or its bands do not
+/// suffice, is formed again.
 class GradedGradient {
  public:
   /// Of order 2, 4 or 6.  Both kinds of operations must outlive it.  Only the constructor
@@ -26,7 +26,6 @@ class GradedGradient {
     double h;
     double accuracy;  ///< relative to ‖B(μ)‖_F, or to `least` if that is more
     double least;
-    TermShares& shares;  ///< as seen in earlier evaluations; set to what this one sees
   };
   /// v = B̃(mu), where mu is cut to its band first.  Ω is about h v.
   void evaluate(SplitMatrix& v, SplitMatrix& mu, const SplitMatrix& Omega, const Wanted& wanted);
@@ -41,12 +40,8 @@ class GradedGradient {
 
  private:
   double cut(const SplitMatrix& v, const SplitMatrix& mu);
-  bool suffices(GradientTerms in_single, double part) const;
-  bool form_fourth_alone(double h, double part);
-  void form_terms(GradientTerms which, const SplitMatrix& v, const SplitMatrix& mu, double h,
-                  double part);
-  void form(GradientTerms which, const SplitMatrix& v, const SplitMatrix& mu, double h);
-  void form_in_single(GradientTerms which, double h);
+  bool suffices(double part) const;
+  void form(const SplitMatrix& v, const SplitMatrix& mu, double h);
 
   SplitLie<double>& lie_;
   SplitLie<float>& single_lie_;
@@ -54,10 +49,10 @@ class GradedGradient {
   TermSizes sizes_;
   ModifiedGradient<SplitLie<double>> gradient_;
   ModifiedGradient<SplitLie<float>> single_gradient_;
-  SingleMatrix mu_, v_;        // μ and B(μ), cut to what the terms need
-  SplitMatrix terms_;          // the sum of the terms in held_
-  SingleMatrix terms_single_;  // that of held_in_single_
-  GradientTerms held_, held_in_single_;
+  SingleMatrix mu_, v_;  // μ and B(μ), cut to what the terms need
+  GradientTerms in_double_, in_single_;
+  SplitMatrix terms_;           // the sum of those in double precision
+  SingleMatrix terms_single_;   // and of those in single precision
   bool is_linearized_ = false;  // single_gradient_ has what its derivative needs
 };
 

@@ -67,8 +67,6 @@ constexpr double widest_band = 0.75;
 // Largest term of a polynomial that is not added: of the coefficients' rests most are smaller.  At
 // 0 steps take 3 to 5 % more time at n = 129, smooth, and the same spectrum.
 constexpr double negligible = 1e-20;
-// What may be cut from U where something small is transported in single precision.
-constexpr double transported_left_out = 1e-3;
 
 }  // namespace
 
@@ -144,27 +142,17 @@ bool SplitExponential::form_adjoint(SplitMatrix& A, const SplitMatrix& Omega,
   form_power(1, Omega, Omega, products);
   form_power(2, power(1), power(1), products);
   // ‖Ω‖₂ <= ‖Ω⁴‖_F^{1/4}.
-  double size = std::sqrt(std::sqrt(norm(power(2))));
+  const double size = std::sqrt(std::sqrt(norm(power(2))));
   // Allowed in each eigenvalue of e^Ω.  An allowed error is a Frobenius norm, of n of them.
   const double tail = left_out_ > exact_left_out
                           ? left_out_ / std::sqrt(static_cast<double>(Omega.size()))
                           : exact_left_out;
   const Series* series = series_for(size, tail);
   if (series == none) return false;
-  int formed = 2;
-  const auto form_powers = [&](int last) {
-    for (; formed < last; ++formed) {
-      const int half = (formed + 1) / 2;
-      form_power(formed + 1, power(half), power(formed + 1 - half), products);
-    }
-  };
-  // The eighth root is nearer to ‖Ω‖₂, and may save a product or two.
-  if (series->q >= 4) {
-    form_powers(4);
-    size = std::min(size, std::sqrt(std::sqrt(std::sqrt(norm(power(4))))));
-    series = series_for(size, tail);
+  for (int formed = 2; formed < series->q; ++formed) {
+    const int half = (formed + 1) / 2;
+    form_power(formed + 1, power(half), power(formed + 1 - half), products);
   }
-  form_powers(series->q);
   form_polynomials(series->m, series->q, size * size, products);
   bands_.truncate_symmetric(sine_, left_out_ / std::max(1.0, size));
   products.form(into(Omega_sine_, Omega * sine_).upper_triangle());
@@ -182,7 +170,6 @@ void SplitExponential::make_unitary(SplitMatrix& W1, const SplitMatrix& A, Split
   round_to_single(defect_, scratch_);
   mirror_all_hermitian(defect_);
   round_to_single(V_, W1);
-  bands_.truncate_symmetric_to_part(V_, exact_left_out / norm(defect_));
   single_products.form(into(EV_, defect_ * V_));
   skew_part(repair_, EV_, -0.5);
   add(W1, repair_);
@@ -204,7 +191,6 @@ bool SplitExponential::conjugate(SplitMatrix& W1, SplitMatrix& adjoint, const Sp
 void SplitExponential::transport(SingleMatrix& out, const SplitMatrix& adjoint,
                                  const SingleMatrix& X, SingleProducts& single_products) {
   round_to_single(adjoint_single_, adjoint);
-  bands_.truncate(adjoint_single_, transported_left_out);
   congruence(out, EV_, single_products, adjoint_single_, X);
 }
 

@@ -44,7 +44,7 @@ class SplitExponential {
                  SingleProducts& single_products);
 
   /// out = A† X A = U X U†, exactly skew-Hermitian, with the A of a conjugate() and a
-  /// skew-Hermitian X.  It errs by up to 2e-3 ‖X‖_F where bands are cut.  Products: 1.5.
+  /// skew-Hermitian X.  Products: 1.5.
   void transport(SingleMatrix& out, const SplitMatrix& adjoint, const SingleMatrix& X,
                  SingleProducts& single_products);
 

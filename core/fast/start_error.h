@@ -1,7 +1,5 @@
-// The error of explicit start values, foretold from the steps before.
+// The error of explicit start values, foretold from the step before.
 #pragma once
-
-#include <algorithm>
 
 #include "isosyrk/split/linear_combination.h"
 
@@ -9,32 +7,23 @@ namespace isosyrk {
 
 /// Adds to explicit start values Ω⁰ of a step the error E = Ω - Ω⁰ that they are expected to have.
 ///
-/// E is made of brackets of W and B(W).  The flow transports its fine scales with those of W, as
-/// U E U†; its large scales hardly move.  So the E_m of step m is transported by its U_m = e^{Ω_m},
-/// and what that misses is taken to be what it missed in the step before:
+/// E is made of brackets of W and B(W).  The flow transports its fine scales with those of W; its
+/// large scales hardly move.  So the E_m of step m is transported by its U_m = e^{Ω_m}:
 ///
-///     E_{m+1} ≈ C_{m+1} + (E_m - C_m),   C_{m+1} = U_m E_m U_m†
+///     E_{m+1} ≈ U_m E_m U_m†
 ///
-/// For the second step of a run, E_0 - C_0 is unknown and left out.  Of the error of magnus4 this
-/// leaves a twentieth or less in the rough scene, and an eighth to a fifth in the smooth one (n =
-/// 33 and 65, steps of elp4_frame for an error of about 1e-4).  E_m in place of E_{m+1} would leave
-/// two thirds or more, and a third to a half.
+/// Of the error of magnus4 this leaves a twentieth in the rough scene (n = 33 and 65, elp4_frame,
+/// h = 0.36), and a quarter to a half in the smooth one (h = 1).
 ///
 /// In single precision: E is small beside Ω.
 class StartError {
  public:
   /// For n x n matrices.  Only the constructor allocates.
   explicit StartError(Index n)
-      : explicit_(split_stages(1, n)),
-        error_(split_stages<float>(1, n)),
-        transported_(n),
-        missed_(n) {}
+      : explicit_(split_stages(1, n)), error_(split_stages<float>(1, n)), transported_(n) {}
 
   /// Forgets all steps.
-  void forget() {
-    known_ = 0;
-    is_of_this_step_ = false;
-  }
+  void forget() { is_known_ = is_of_this_step_ = false; }
 
   /// Takes the explicit start values of a step, and adds their expected error if it is known.
   /// transport(out, X) sets out = U X U† with the U of the step before.
@@ -42,22 +31,18 @@ class StartError {
   void add_expected(SplitMatrix& Omega, Transport&& transport) {
     explicit_[0] = 1.0 * Omega;
     is_of_this_step_ = true;
-    if (known_ > 0 && !(size_of_error_ > smallest * norm(Omega))) known_ = 0;  // NaN included
-    if (known_ == 0) return;
-    const bool has_missed = known_ > 1;
-    if (has_missed) missed_ = error_[0] - transported_;
+    if (!is_known_ || !(size_of_error_ > smallest * norm(Omega))) return;  // NaN included
     transport(transported_, error_[0]);
     add(Omega, transported_);
-    if (has_missed) add(Omega, missed_);
   }
 
   /// Records the Ω that solved the step.
   void record(const SplitMatrix& Omega) {
-    if (!is_of_this_step_) return forget();
+    is_known_ = is_of_this_step_;
+    is_of_this_step_ = false;
+    if (!is_known_) return;
     const auto solution = [&](std::size_t) -> const SplitMatrix& { return Omega; };
     size_of_error_ = form_residual(error_, solution, explicit_);
-    known_ = std::min(known_ + 1, 2);
-    is_of_this_step_ = false;
   }
 
  private:
@@ -68,10 +53,9 @@ class StartError {
   SplitStages explicit_;          // Ω⁰, one matrix
   bool is_of_this_step_ = false;  // false where the step started otherwise
   SingleStages error_;            // E of the last step, one matrix
+  bool is_known_ = false;         // false where that started otherwise
   double size_of_error_ = 0.0;    // ‖E‖_F
-  SingleMatrix transported_;      // C of the last step
-  SingleMatrix missed_;           // E - C
-  int known_ = 0;                 // number of steps in a row of which E is known, at most 2
+  SingleMatrix transported_;
 };
 
 }  // namespace isosyrk

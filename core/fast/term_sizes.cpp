@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "isosyrk/fast/exponential_step.h"
 #include "isosyrk/solver/tuning.h"
 #include "isosyrk/split/linear_combination.h"
 
@@ -31,8 +30,7 @@ double at_most_one(double share) { return share < 1.0 ? share : 1.0; }  // 1 for
 }  // namespace
 
 void TermSizes::begin(const SplitMatrix& v, const SplitMatrix& mu, double h, double accuracy,
-                      double least, TermShares& shares) {
-  shares_ = &shares;
+                      double least, double guess) {
   accuracy_ = accuracy;
   const double size_of_v = norm(v);
   const double size_of_mu = norm(mu);
@@ -44,29 +42,29 @@ void TermSizes::begin(const SplitMatrix& v, const SplitMatrix& mu, double h, dou
       std::max(of_mu, of_v);  // B damps rounding less than it damps fine scales
   typical_[second] = typical_share * of_mu;
   typical_[fourth] = fourth_beside_second * of_mu * typical_[second];
+  shares_[second] = at_most_one(guess / whole_);
+  shares_[fourth] = at_most_one(fourth_beside_second * of_mu * shares_[second]);
   rounded_[second] = rounding_of_bracket * unit * size_of_v * size_of_mu;
   rounded_[fourth] = fourth_beside_second * of_larger * rounded_[second];
   of_derivative_ = fourth_beside_second * typical_share * of_larger * of_larger;
 }
 
-void TermSizes::guess(double norm) { shares_->values.fill(at_most_one(norm / whole_)); }
-
 void TermSizes::record(GradientTerms which, double norm) {
-  shares_->values[which.second ? second : fourth] = at_most_one(norm / whole_);
+  shares_[which.second ? second : fourth] = at_most_one(norm / whole_);
 }
 
-GradientTerms TermSizes::in_single(GradientTerms which) const {
-  return {.second = which.second && is_single(second), .fourth = which.fourth && is_single(fourth)};
+GradientTerms TermSizes::in_single() const {
+  return {.second = all_.second && is_single(second), .fourth = all_.fourth && is_single(fourth)};
 }
 
 // True if the rounding of single precision does not show in a term.
 bool TermSizes::is_single(std::size_t term) const {
-  return tuning.single_roundoff * std::max(shares_->values[term], rounded_[term]) <= accuracy_;
+  return tuning.single_roundoff * std::max(shares_[term], rounded_[term]) <= accuracy_;
 }
 
 double TermSizes::part_to_cut() const {
   const double share = std::max(share_of_second(), all_.fourth ? share_of_fourth() : 0.0);
-  return std::min(part_of_cuts * accuracy_ / share, coarsest_part);
+  return part_of_cuts * accuracy_ / share;
 }
 
 bool TermSizes::allow_rounding(GradientTerms in_single) const {
@@ -74,21 +72,17 @@ bool TermSizes::allow_rounding(GradientTerms in_single) const {
 }
 
 bool TermSizes::rounds_well(std::size_t term) const {
-  return tuning.single_roundoff * shares_->values[term] <= slack * accuracy_;
+  return tuning.single_roundoff * shares_[term] <= slack * accuracy_;
 }
 
 bool TermSizes::allow_cut(double part) const { return part <= slack * part_to_cut(); }
 
-double TermSizes::share_of_second() const {
-  return std::max(shares_->values[second], typical_[second]);
-}
+double TermSizes::share_of_second() const { return std::max(shares_[second], typical_[second]); }
 
-double TermSizes::share_of_fourth() const {
-  return std::max(shares_->values[fourth], typical_[fourth]);
-}
+double TermSizes::share_of_fourth() const { return std::max(shares_[fourth], typical_[fourth]); }
 
 double TermSizes::share_of_derivative_of_fourth() const {
-  return std::max(shares_->values[fourth], of_derivative_);
+  return std::max(shares_[fourth], of_derivative_);
 }
 
 }  // namespace isosyrk

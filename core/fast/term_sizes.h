@@ -4,7 +4,6 @@
 
 #include <array>
 
-#include "isosyrk/fast/exponential_memory.h"
 #include "isosyrk/split/split_matrix.h"
 
 namespace isosyrk {
@@ -34,26 +33,22 @@ struct GradientTerms {
 /// - Bands.  A part p of μ that is cut changes the term as it changes that of a state without
 ///   symmetry, whose term is 0.01 h² ‖μ‖_F² / n beside ‖v‖_F or more (the same states, n >= 17).
 ///
-/// A term is therefore taken to be as large as was seen, and at least as large as that.
+/// A term is therefore taken to be as large as was guessed or seen, and at least as large as that.
 class TermSizes {
  public:
   /// For the terms of order 4 or 6.
   explicit TermSizes(GradientTerms all) : all_(all) {}
 
   /// Begins an evaluation at μ with v = B(μ).  The accuracy is relative to ‖v‖_F, or to `least` if
-  /// that is more.  The shares are those that were seen before.
+  /// that is more.  The terms together have about the norm `guess`, and that in h⁴ the part of it
+  /// that it has in a state without symmetry.
   void begin(const SplitMatrix& v, const SplitMatrix& mu, double h, double accuracy, double least,
-             TermShares& shares);
-  bool are_known() const { return shares_->are_known; }
-  /// Takes each term to be as large as this norm, where no size is known.
-  void guess(double norm);
-  /// Takes the norm of a term, or of the sum of both.
+             double guess);
+  /// Takes the norm of a term, or of the sum of both as that of the term in h².
   void record(GradientTerms which, double norm);
-  /// From here on sizes are known.
-  void set_known() { shares_->are_known = true; }
 
-  /// Returns those of these terms that may be formed in single precision.
-  GradientTerms in_single(GradientTerms which) const;
+  /// Returns those terms that may be formed in single precision.
+  GradientTerms in_single() const;
   /// Returns the part that may be cut from each matrix that the terms are made of.
   double part_to_cut() const;
   /// True if the sizes that were recorded since allow what was formed in single precision.
@@ -74,9 +69,9 @@ class TermSizes {
   bool rounds_well(std::size_t term) const;
 
   GradientTerms all_;
-  TermShares* shares_ = nullptr;
   double accuracy_ = 0.0;
-  double whole_ = 0.0;  // norm to which shares and the accuracy are relative
+  double whole_ = 0.0;                         // norm to which shares and the accuracy are relative
+  std::array<double, 2> shares_ = {1.0, 1.0};  // sizes of the terms, as guessed or seen
   // What the shares would be without symmetry, at least, and what counts for rounding.
   std::array<double, 2> typical_ = {0.0, 0.0};
   std::array<double, 2> rounded_ = {0.0, 0.0};

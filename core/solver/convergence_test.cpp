@@ -18,28 +18,14 @@ ConvergenceTest::ConvergenceTest(const Acceptance& rule, double tolerance, Index
     : rule_(rule),
       tolerance_(tolerance),
       sweeps_for_a_correction_(rule.sweeps_for_a_correction(n)),
-      accepting_accuracy_(rule.accepting_accuracy(tolerance)),
-      least_forcing_term_(rule.least_forcing_term(tolerance)),
       least_contraction_(least_contraction),
-      memory_(memory),
-      expected_(memory.start_change) {
+      memory_(memory) {
   memory_.contraction = std::max(memory_.contraction, least_contraction);
 }
 
-// The error that a correction of a residual with this change may have, relative to the unit.
-double ConvergenceTest::relative_forcing_term(double change) const {
-  return std::max({least_forcing_term_, tuning.forcing_relative * change,
-                   tuning.forcing_quadratic * change * change});
-}
-
-double ConvergenceTest::accuracy() const {
-  if (!(expected_ > 0.0)) return complete_accuracy();
-  return unit_ * std::max(accepting_accuracy_,
-                          tuning.accepting_accuracy * relative_forcing_term(expected_));
-}
-
-bool ConvergenceTest::needs_complete(const ResidualSize& size) const {
-  return size.change < unit_ * tolerance_ && size.neglected > complete_accuracy();
+double ConvergenceTest::forcing_term() const {
+  return unit_ * std::max({rule_.least_forcing_term(tolerance_), tuning.forcing_relative * change_,
+                           tuning.forcing_quadratic * change_ * change_});
 }
 
 ConvergenceTest::Move ConvergenceTest::judge(const ResidualSize& size) {
@@ -88,11 +74,9 @@ void ConvergenceTest::after_move(const Correction& correction) {
   corrected_ = is_corrected ? change_ : 0.0;
   const double left = tuning.forcing_quadratic * change_ * change_;  // by the Jacobian's change
   if (is_corrected) {
-    expected_ = std::max(correction.error / unit_, left);
     estimate_ = std::max((correction.error + size_.neglected) / unit_ + left,
                          memory_.left_by_correction.value_or(0.0) * change_);
   } else {
-    expected_ = memory_.contraction * change_;
     estimate_ = is_plain_ ? first_factor() * change_ + size_.neglected / unit_
                           : std::numeric_limits<double>::quiet_NaN();
   }

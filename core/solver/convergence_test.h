@@ -1,5 +1,5 @@
-// The convergence test of an iteration with corrections: when to stop, and how accurate a residual
-// and a correction must be until then.
+// The convergence test of an iteration with corrections: when to stop, and how accurate residuals
+// and corrections must be until then.
 #pragma once
 
 #include <optional>
@@ -23,8 +23,8 @@ namespace isosyrk {
 /// If the last observed contraction predicts that a few Picard sweeps
 /// (Acceptance::sweeps_for_a_correction) will converge, no correction is computed.
 ///
-/// In a sweep: begin_sweep(), a residual of accuracy(), and another where needs_complete() says so;
-/// judge(), and after_move() with the correction, if one was asked for.
+/// In a sweep: begin_sweep(), a residual of accuracy(); judge(), and after_move() with the
+/// correction, if one was asked for.
 class ConvergenceTest {
  public:
   /// For n x n unknowns.  Picard sweeps contract by least_contraction or more than that: earlier
@@ -36,13 +36,8 @@ class ConvergenceTest {
   /// Begins a sweep.  The tolerance is relative to the unit; sizes below are not.
   void begin_sweep(double unit) { unit_ = unit; }
 
-  /// Returns the accuracy that the residual needs: that of the error which the correction will
-  /// leave, if the change is as expected.
-  double accuracy() const;
-  /// Returns the accuracy of a residual that may be accepted.
-  double complete_accuracy() const { return unit_ * accepting_accuracy_; }
-  /// True if this residual would be accepted and is less accurate than that.
-  bool needs_complete(const ResidualSize& size) const;
+  /// Returns the accuracy of a residual: that of one which may be accepted.
+  double accuracy() const { return unit_ * rule_.accepting_accuracy(tolerance_); }
 
   /// How x is moved.
   enum class Move {
@@ -53,7 +48,7 @@ class ConvergenceTest {
   /// Judges a residual.
   Move judge(const ResidualSize& size);
   /// Returns the forcing term of a correction of this residual.
-  double forcing_term() const { return unit_ * relative_forcing_term(change_); }
+  double forcing_term() const;
   /// Is told how x was moved.
   void after_move(const Correction& correction);
 
@@ -67,13 +62,10 @@ class ConvergenceTest {
   void distrust();
   double first_factor() const;
   bool sweeps_alone_converge() const;
-  double relative_forcing_term(double change) const;
 
   Acceptance rule_;
   double tolerance_;
   int sweeps_for_a_correction_;
-  double accepting_accuracy_;
-  double least_forcing_term_;
   double least_contraction_;
   IterationMemory& memory_;
 
@@ -87,7 +79,6 @@ class ConvergenceTest {
 
   // Of the sweep before.
   bool is_first_ = true;
-  double expected_;         // change expected of the present sweep; 0 if unknown
   double near_ = 0.0;       // its change if it was a Picard sweep near the solution, else 0
   double far_ = 0.0;        // its change if it was a Picard sweep far from it, else 0
   double corrected_ = 0.0;  // its change if it was corrected, else 0

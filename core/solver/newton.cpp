@@ -9,8 +9,7 @@ SolveReport Newton::solve(FixedPointSystem& system, IterationMemory& memory,
   ConvergenceTest test = system.convergence_test(x, options.tolerance, memory);
   const auto sweep = [&] {
     test.begin_sweep(system.unit(x));
-    ResidualSize size = system.residual(R_, x, test.accuracy());
-    if (test.needs_complete(size)) size = system.residual(R_, x, test.complete_accuracy());
+    const ResidualSize size = system.residual(R_, x, test.accuracy());
     Correction correction;
     switch (test.judge(size)) {
       case ConvergenceTest::Move::picard:

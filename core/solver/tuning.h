@@ -38,8 +38,7 @@ struct Tuning {
   double forcing_quadratic = 0.1;
   /// The Jacobian may have the relative error jacobian_share · forcing term / ‖R‖.
   double jacobian_share = 0.3;
-  /// The accuracy of G is this part of the error that its sweep will leave: of the tolerance, if
-  /// the sweep may be accepted.
+  /// The accuracy of G is this part of the tolerance: any sweep may be accepted.
   double accepting_accuracy = 0.1;
   /// The same for systems that are accepted by the estimated error, which has room for it.  At 0.1
   /// exponential methods take 1 to 3 % more products, at 0.3 up to 9 % more in single cells, where
