@@ -18,7 +18,7 @@ constexpr double contraction_of_size = 0.1;
 // of ‖Ω‖_F / √n: 1 / 14400 for each (ad_Ω)⁴ / 5 that the quadrature leaves out, beside a weight of
 // 1/2; about 9 such powers for a δ that is spread over all l, as the rounding of a start is; and
 // about 1.5 of the least contraction.  It shows in large steps of small n alone, which else err by
-// up to 90 tolerances (7500 runs of 1 to 5 steps near symmetries, n = 5 to 12, h‖B‖ up to 1.5).
+// up to 100 tolerances (7500 runs of 1 to 5 steps near symmetries, n = 5 to 12, h‖B‖ up to 1.5).
 constexpr double error_of_two_nodes = 4e-4;
 
 }  // namespace
