@@ -189,14 +189,14 @@ TEST_P(EachFastForm, BandsFollowTheTolerance) {
   }
 }
 
-TEST_P(EachFastForm, UsesAtMostOneThreadForThirtyTwoRows) {
+TEST_P(EachFastForm, UsesAsManyThreadsAsAreAskedForAndHelp) {
   struct Case {
     Index n;
     int asked;
     int used;
   };
-  for (const auto& [n, asked, used] :
-       std::vector<Case>{{31, 8, 1}, {63, 8, 1}, {64, 8, 2}, {64, 1, 1}, {97, 8, 3}, {97, 2, 2}}) {
+  for (const auto& [n, asked, used] : std::vector<Case>{
+           {33, 8, 1}, {95, 8, 1}, {96, 8, 2}, {96, 1, 1}, {129, 8, 3}, {129, 2, 2}}) {
     const Scene scene = smooth_scene(n);
     const auto integrator = form(scene, {.iteration = {}, .threads = asked});
     EXPECT_EQ(integrator->threads(), used) << n;
