@@ -32,8 +32,8 @@ def raw(study, name="raw.json"):
 STUDIES = {
     "accuracy": ("render_accuracy", "accuracy/raw.json"),
     "tables": ("render_tables", "tables/raw.json"),
-    "scaling": ("render_scaling", "scaling/raw.json", "--rough", "scaling/rough.json",
-                *(("--threads", "scaling/threads.json") if os.path.exists(raw("scaling", "threads.json")) else ())),
+    "scaling": ("render_scaling", "scaling/raw.json", "--rough", "scaling/rough.json", "--threads",
+                "scaling/threads.json"),
     "theorem": ("render_theorem", "theorem/raw.json"),
     "limits": ("render_limits", "limits/raw.json"),
     "longruns": ("render_longruns", "longruns/raw.json"),
