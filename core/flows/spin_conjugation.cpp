@@ -120,7 +120,7 @@ void SpinConjugation::combine(const Matrix& V) {
       for (Index k = 0; k < half_; ++k) {
         const Index k2 = n_ - 1 - k;
         const auto turned = [&](Index r, Index c) {
-          return phases_(r) * std::conj(phases_(c)) * V(r, c);
+          return phases_(r) * std::conj(phases_(c)) * (V(r, c) / unit_);
         };
         const Complex straight = turned(i, k), reversed = turned(i2, k2);
         const Complex across = turned(i, k2), back = turned(i2, k);
@@ -138,6 +138,7 @@ void SpinConjugation::combine(const Matrix& V) {
 // image.
 void SpinConjugation::separate(MatrixView W) const {
   const auto put = [&](Index r, Index c, Complex value) {
+    value *= unit_;
     W(r, c) = r == c ? Complex(0.0, value.imag()) : value;
     W(c, r) = -std::conj(W(r, c));
   };
@@ -175,6 +176,9 @@ void SpinConjugation::conjugate(const SpinRotation& U, const Matrix& V, MatrixVi
   constexpr double quarter = 0.5 * std::numbers::pi;
   const double alpha = sum + difference + quarter;
   const double gamma = sum - difference - quarter;
+  // Numbers near the least would be flushed to 0 on the way.
+  const double largest = V.cwiseAbs().maxCoeff();
+  unit_ = largest > 0.0 && std::isfinite(largest) ? std::exp2(std::ilogb(largest)) : 1.0;
   auto turn = [&] {
     set_phases(gamma);
     combine(V);

@@ -61,6 +61,7 @@ class SpinConjugation {
   Parity even_, odd_;
   SplitMatrix mixed_;  // the block of even rows and odd columns
   SplitMatrix product_, factor_;
+  double unit_ = 1.0;        // a power of two, about the largest entry of V
   Eigen::VectorXcd phases_;  // of a rotation around S_z
 };
 

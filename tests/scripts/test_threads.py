@@ -263,7 +263,7 @@ class Study(FolderTest):
                  for block in blocks}
         self.assertEqual(found[129, "elp4_frame"], (0.25, 1e-8, 8, 8))
         self.assertEqual(found[513, "group2"], (0.05, 1e-13, 1, 2))
-        self.assertEqual(found[1025, "elp4_frame"], (0.0625, 1e-8, 1, 1))
+        self.assertEqual(found[1025, "elp4_frame"], (0.0625, 1e-8, 0, 1))
         self.assertEqual([self.threads.numbers_of(cores) for cores in (2, 6, 16, 64)],
                          [[1, 2], [1, 2, 4], [1, 2, 4, 8, 16], [1, 2, 4, 8, 16]])
 
