@@ -32,8 +32,8 @@ METHODS = ("elp4_frame", "rk8_frame", "magnus5_frame", "group2")  # one a kind; 
 THREADS = (1, 2, 4, 8, 16)  # as far as there are cores
 PROCESSES, QUICK_PROCESSES = 8, 2  # at most, of one method at one n
 
-# Warm-up steps, timed steps, and repetitions within a process, up to an n. At n = 1025 the first step is timed, of which
-# elp4_frame takes some 11 s by one thread, group2 40 s: a study of all takes about 20 minutes on two cores.
+# Warm-up steps, timed steps and repetitions within a process, up to an n. At n = 1025 the first step is timed, of which
+# elp4_frame takes some 11 s by one thread, group2 40 s: a study of all takes about 25 minutes on two cores.
 EFFORTS = {129: (8, 8, 2), 257: (4, 4, 1), 513: (1, 2, 1), 1025: (0, 1, 1)}
 
 

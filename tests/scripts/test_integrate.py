@@ -14,7 +14,7 @@ import unittest
 
 import numpy
 
-from programs import (BAD_ARGUMENTS, DATA, DONE, FORMULATIONS, SANITIZED, SOLVER_FAILED, FolderTest, cpu_seconds_of,
+from programs import (BAD_ARGUMENTS, DATA, DONE, FORMULATIONS, SANITIZED, SOLVER_FAILED, FolderTest,
                       default_signals, end, environment, open_terminal, program, run, run_on_full_disk, start,
                       strict_json)
 
