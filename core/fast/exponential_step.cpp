@@ -1,8 +1,8 @@
 #include "isosyrk/fast/exponential_step.h"
 
-#include "isosyrk/solver/tuning.h"
-
 #include <cmath>
+
+#include "isosyrk/solver/tuning.h"
 
 namespace isosyrk {
 

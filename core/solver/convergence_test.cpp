@@ -8,7 +8,7 @@ namespace isosyrk {
 namespace {
 
 // A start that errs by this many times what the one before did, errs in a way not seen before. Past
-// steps may err by ten times what an explicit start does (Tuning::predicted_error).
+// steps may err by ten times what an explicit start does (StartChoice).
 constexpr double new_error = 16.0;
 
 }  // namespace
