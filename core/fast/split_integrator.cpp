@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <utility>
 
 #include "isosyrk/split/parallel.h"
@@ -39,8 +38,7 @@ void SplitIntegrator::remember(std::unique_ptr<StepMemory> of_run,
 // Takes W as the state.
 void SplitIntegrator::take(const ConstMatrixView& W, const StateScale& found) {
   run_.scale = found;
-  auto load = [&] { run_.V[0].load(W); };
-  on_threads(threads_, std::ref(load));
+  on_threads(threads_, [&] { run_.V[0].load(W); });
   if (found.value != 1.0) run_.V[0].entries() *= 1.0 / found.value;
 }
 
@@ -59,8 +57,7 @@ void SplitIntegrator::amend(const ConstMatrixView& W) {
 }
 
 void SplitIntegrator::store(MatrixView W) const {
-  auto store = [&] { run_.V[0].store(W); };
-  on_threads(threads_, std::ref(store));
+  on_threads(threads_, [&] { run_.V[0].store(W); });
   if (run_.scale.value != 1.0) W *= run_.scale.value;
 }
 
@@ -73,15 +70,14 @@ Energy SplitIntegrator::energy() const {
 StepReport SplitIntegrator::advance(double h) {
   const Work before = work();
   StepReport report;
-  auto step = [&] {
-    report = take_step(run_.next, run_.V, run_.scale.value * h, *run_.memory);
-    // Stages can converge and the update still overflow.
-    if (report.status == Status::converged && !is_finite(run_.next[0])) {
-      report.status = Status::diverged;
-    }
-  };
   try {
-    on_threads(threads_, std::ref(step));
+    on_threads(threads_, [&] {
+      report = take_step(run_.next, run_.V, run_.scale.value * h, *run_.memory);
+      // Stages can converge and the update still overflow.
+      if (report.status == Status::converged && !is_finite(run_.next[0])) {
+        report.status = Status::diverged;
+      }
+    });
   } catch (...) {  // of IterationOptions::after_sweep
     run_.memory->forget();
     throw;

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 #include <lapacke.h>
 
-#include <functional>
 #include <numbers>
 #include <stdexcept>
 
 #include "isosyrk/flows/spin.h"
+#include "isosyrk/linalg/power_of_two.h"
 #include "isosyrk/split/congruence.h"
 
 namespace isosyrk {
@@ -177,9 +177,8 @@ void SpinConjugation::conjugate(const SpinRotation& U, const Matrix& V, MatrixVi
   const double alpha = sum + difference + quarter;
   const double gamma = sum - difference - quarter;
   // Numbers near the least would be flushed to 0 on the way.
-  const double largest = V.cwiseAbs().maxCoeff();
-  unit_ = largest > 0.0 && std::isfinite(largest) ? std::exp2(std::ilogb(largest)) : 1.0;
-  auto turn = [&] {
+  unit_ = std::ldexp(1.0, exponent_of_largest(V));
+  on_threads(threads_, [&] {
     set_phases(gamma);
     combine(V);
     for (Parity* parity : {&even_, &odd_}) {
@@ -190,8 +189,7 @@ void SpinConjugation::conjugate(const SpinRotation& U, const Matrix& V, MatrixVi
     products_.form(into(mixed_, adjoint(even_.rotation) * product_));
     set_phases(alpha);
     separate(W);
-  };
-  on_threads(threads_, std::ref(turn));
+  });
 }
 
 }  // namespace isosyrk

@@ -172,14 +172,14 @@ void share(Index blocks, Block block, const void* operation) {
 int checked_threads(int threads) {
   if (threads < 1 || threads > most_threads) {
     throw std::invalid_argument(
-        fmt::format("threads = {}: must be 1 to {}", threads, int{most_threads}));
+        fmt::format("threads = {}: must be 1 to {}", threads, most_threads));
   }
   return threads;
 }
 
 void measure_operations(OperationTimes* times) { parallel::times = times; }
 
-void on_threads(int threads, const std::function<void()>& body) {
+void parallel::run_on_threads(int threads, const std::function<void()>& body) {
   checked_threads(threads);
   if (threads == 1 || parallel::team != nullptr) {
     const DenormalMode flushed(true);

@@ -30,12 +30,20 @@ inline constexpr int most_threads = 64;
 /// Returns `threads`, or throws std::invalid_argument unless 1 <= threads <= most_threads.
 int checked_threads(int threads);
 
+namespace parallel {
+// on_threads, which passes a reference: a std::function of that allocates nothing.
+void run_on_threads(int threads, const std::function<void()>& body);
+}  // namespace parallel
+
 /// Calls body() on the present thread, and shares the operations of this room that it calls among
 /// `threads` threads, or fewer if OpenMP has no more.  The others wait for operations until body()
 /// returns: there is one parallel region, however many operations.  A call within another takes
 /// the threads of that.  All threads treat denormal numbers as 0 (DenormalMode).  What body()
 /// throws is thrown on.  Allocates nothing.  Throws as checked_threads.
-void on_threads(int threads, const std::function<void()>& body);
+template <class Body>
+void on_threads(int threads, Body&& body) {
+  parallel::run_on_threads(threads, std::ref(body));
+}
 
 /// What operations took, in seconds that passed.
 struct OperationTimes {
@@ -80,15 +88,14 @@ void for_blocks(Index blocks, const F& f) {
       &f);
 }
 
+/// Upper bound of blocks_of(n).
+inline constexpr Index most_blocks = 64;
 /// Returns the number of blocks of rows into which work on an n x n matrix is cut.
 inline Index blocks_of(Index n) {
   constexpr Index rows_of_block = 16;
-  constexpr Index most_blocks = 64;
   if (n < 3 * rows_of_block) return 1;
   return n / rows_of_block < most_blocks ? n / rows_of_block : most_blocks;
 }
-/// Upper bound of blocks_of(n).
-inline constexpr Index most_blocks = 64;
 
 /// Rows begin ... end - 1.
 struct Rows {
