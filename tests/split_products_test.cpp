@@ -30,7 +30,7 @@ std::vector<GemmKernel> tested_kernels() {
   for (GemmKernel kernel : gemm_kernels()) {
     tested.push_back(kernel);
     kernel.name = names.emplace_back(kernel.name + std::string("_copies")).c_str();
-    kernel.limits = kernel.single_limits = {0, 0};
+    kernel.doubles.limits = kernel.singles.limits = {0, 0};
     tested.push_back(kernel);
   }
   return tested;

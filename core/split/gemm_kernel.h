@@ -41,17 +41,16 @@ struct SplitProduct {
   std::ptrdiff_t C_band;  ///< only |r - c| <= C_band is needed; entries beyond are unspecified
   Real* packed_B;         ///< n * stride numbers, or null where B is read in place
   bool packs_adjoint_A;   ///< only if B is packed
-  /// Rows that share each packed panel of B, 6 ... most_rows_together.
-  std::ptrdiff_t rows_together;
+  bool is_B_near;         ///< the packed B stays in the caches of a processor
 };
 
-/// Largest number of rows that share each packed panel of B.
-constexpr std::ptrdiff_t most_rows_together = 24;
+/// Rows of C that share each packed panel of a B that is not near, a multiple of every tile's.
+constexpr std::ptrdiff_t rows_together = 24;
 
 /// Workspace of a range of rows, in numbers: three columns, and the packed rows of A†.
 [[gnu::always_inline]] constexpr std::ptrdiff_t gemm_scratch(std::ptrdiff_t n,
                                                              std::ptrdiff_t stride) {
-  return 3 * stride / 2 + 2 * most_rows_together * n;
+  return 3 * stride / 2 + 2 * rows_together * n;
 }
 
 /// Forms rows first ... end - 1 of C, from the packed B if there is one.  `scratch` has
@@ -63,15 +62,19 @@ using FormRows = void (*)(const SplitProduct<Real>&, std::ptrdiff_t first, std::
 template <class Real>
 using PackColumns = void (*)(const SplitProduct<Real>&, std::ptrdiff_t first, std::ptrdiff_t end);
 
+/// The kernels of one vector unit in one precision.
+template <class Real>
+struct GemmFunctions {
+  FormRows<Real> form;
+  PackColumns<Real> pack;
+  PackingLimits limits;  ///< tuned by timing
+};
+
 /// The kernels of one vector unit.
 struct GemmKernel {
   const char* name;  ///< "avx512", "avx2", "portable"
-  FormRows<double> form;
-  FormRows<float> form_singles;
-  PackColumns<double> pack;
-  PackColumns<float> pack_singles;
-  PackingLimits limits;         ///< of doubles, tuned by timing
-  PackingLimits single_limits;  ///< of singles
+  GemmFunctions<double> doubles;
+  GemmFunctions<float> singles;
 };
 
 GemmKernel gemm_kernel_avx512();

@@ -23,8 +23,9 @@ inline __m256 half_twice(const float* at) {
 namespace isosyrk {
 
 GemmKernel gemm_kernel_avx2() {
-  return {"avx2",    form_rows<double>, form_rows<float>, pack_columns<double>, pack_columns<float>,
-          {72, 160}, {104, 160}};
+  return {"avx2",
+          {form_rows<double>, pack_columns<double>, {72, 160}},
+          {form_rows<float>, pack_columns<float>, {104, 160}}};
 }
 
 }  // namespace isosyrk

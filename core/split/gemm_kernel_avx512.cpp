@@ -21,9 +21,9 @@ inline __m512 half_twice(const float* at) {
 namespace isosyrk {
 
 GemmKernel gemm_kernel_avx512() {
-  return {
-      "avx512",   form_rows<double>, form_rows<float>, pack_columns<double>, pack_columns<float>,
-      {200, 200}, {400, 400}};
+  return {"avx512",
+          {form_rows<double>, pack_columns<double>, {200, 200}},
+          {form_rows<float>, pack_columns<float>, {400, 400}}};
 }
 
 }  // namespace isosyrk

@@ -19,8 +19,9 @@ inline FourFloats half_twice(const float* at) { return FourFloats{at[0], at[1], 
 namespace isosyrk {
 
 GemmKernel gemm_kernel_portable() {
-  return {"portable",          form_rows<double>, form_rows<float>, pack_columns<double>,
-          pack_columns<float>, {72, 160},         {104, 160}};
+  return {"portable",
+          {form_rows<double>, pack_columns<double>, {72, 160}},
+          {form_rows<float>, pack_columns<float>, {104, 160}}};
 }
 
 }  // namespace isosyrk

@@ -65,7 +65,7 @@ void multiply_packed(const SplitProduct<Real>& product, Range rows, const LeftFa
                      Real* scratch) {
   const auto form = [&](Index first, Index count) {
     const Index end = first + count;
-    LeftFactor<Real> blocks[most_rows_together / tile_rows];
+    LeftFactor<Real> blocks[rows_together / tile_rows];
     Index b = 0;
     for_row_blocks(first, end, [&](Index i, Index height) {
       blocks[b] = rows_from(A, i);
@@ -90,7 +90,7 @@ void multiply_packed(const SplitProduct<Real>& product, Range rows, const LeftFa
       form_last_entries<adjoint>(height, product, i, scratch);
     });
   };
-  for_row_blocks(rows.begin, rows.end, form, product.rows_together);
+  for_row_blocks(rows.begin, rows.end, form, product.is_B_near ? tile_rows : rows_together);
 }
 
 template <bool adjoint, class Real>

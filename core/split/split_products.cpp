@@ -46,14 +46,13 @@ std::int64_t multiplications(Index n, Index A_band, Index B_band, Index C_band) 
   return std::min(of_factors, of_result * n);
 }
 
-// Rows that share each panel of a packed B of so many numbers: more where B is read from far.  With
-// 24 in place of 6 products in double take 3 % more time at n = 129 and 257, where B has 0.3
-// and 1.1 MB, and 9 % less at n = 513, where it has 4.3 MB (one thread, caches of 0.5 and 8 MB).
+// True if a packed B of so many numbers is near.  Where 24 rows share each panel of it, and not a
+// tile's 6, products in double take 3 % more time at n = 129 and 257, where B has 0.3 and 1.1 MB,
+// and 9 % less at n = 513, where it has 4.3 MB (one thread, caches of 0.5 and 8 MB).
 template <class Real>
-Index rows_together(Index of_B) {
-  constexpr Index bytes_near = 1'500'000;
-  const Index bytes = of_B * static_cast<Index>(sizeof(Real));
-  return bytes <= bytes_near ? 6 : most_rows_together;
+bool is_near(Index of_B) {
+  constexpr Index most_bytes = 1'500'000;
+  return of_B * static_cast<Index>(sizeof(Real)) <= most_bytes;
 }
 
 // Columns of B that are packed as a block.
@@ -63,23 +62,16 @@ constexpr Index columns_of_block = 64;
 // read for every block.
 Index rows_of_block(Index n) {
   constexpr Index largest_cached = 640;
-  return n <= largest_cached ? most_rows_together / 2 : most_rows_together;
+  return n <= largest_cached ? rows_together / 2 : rows_together;
 }
 
+// The kernels in one precision.
 template <class Real>
-auto form_rows(const GemmKernel& kernel) {
+const GemmFunctions<Real>& functions(const GemmKernel& kernel) {
   if constexpr (std::is_same_v<Real, float>) {
-    return kernel.form_singles;
+    return kernel.singles;
   } else {
-    return kernel.form;
-  }
-}
-template <class Real>
-auto pack(const GemmKernel& kernel) {
-  if constexpr (std::is_same_v<Real, float>) {
-    return kernel.pack_singles;
-  } else {
-    return kernel.pack;
+    return kernel.doubles;
   }
 }
 
@@ -91,17 +83,12 @@ SplitProductsOf<Real>::SplitProductsOf(Index n, int threads)
 
 template <class Real>
 SplitProductsOf<Real>::SplitProductsOf(Index n, const GemmKernel& kernel, int threads)
-    : n_(n), kernel_(kernel) {
+    : n_(n), kernel_(functions<Real>(kernel)) {
   if (n < 1) throw std::invalid_argument(fmt::format("products: n = {}, must be at least 1", n));
   const Index stride = 2 * split_row<Real>(n);
-  if (n > limits().B) packed_B_.setZero(n * stride);
+  if (n > kernel_.limits.B) packed_B_.setZero(n * stride);
   scratch_.assign(static_cast<std::size_t>(checked_threads(threads)),
                   SplitMatrixOf<Real>::Entries::Zero(gemm_scratch(n, stride)));
-}
-
-template <class Real>
-const PackingLimits& SplitProductsOf<Real>::limits() const {
-  return std::is_same_v<Real, float> ? kernel_.single_limits : kernel_.limits;
 }
 
 template <class Real>
@@ -141,21 +128,21 @@ void SplitProductsOf<Real>::form_admitted(const ProductOf<Real>& product) {
       .B_band = product.B->band(),
       .C_band = product.band < 0 ? n_ - 1 : product.band,
       .packed_B = packed_B_.size() > 0 ? packed_B_.data() : nullptr,
-      .packs_adjoint_A = n_ > limits().adjoint_A,
-      .rows_together = rows_together<Real>(packed_B_.size()),
+      .packs_adjoint_A = n_ > kernel_.limits.adjoint_A,
+      .is_B_near = is_near<Real>(packed_B_.size()),
   };
   const bool is_alone = parallel::current_threads() == 1;
   const auto blocks = [&](Index length) { return is_alone ? 1 : (n_ + length - 1) / length; };
   if (of_kernel.packed_B != nullptr) {
     const Index parts = blocks(columns_of_block);
     parallel::for_blocks(parts, [&](Index k, int) {
-      pack<Real>(kernel_)(of_kernel, n_ * k / parts, n_ * (k + 1) / parts);
+      kernel_.pack(of_kernel, n_ * k / parts, n_ * (k + 1) / parts);
     });
   }
   const Index parts = blocks(rows_of_block(n_));
   parallel::for_blocks(parts, [&](Index k, int thread) {
-    form_rows<Real>(kernel_)(of_kernel, n_ * k / parts, n_ * (k + 1) / parts,
-                             scratch_[static_cast<std::size_t>(thread)].data());
+    kernel_.form(of_kernel, n_ * k / parts, n_ * (k + 1) / parts,
+                 scratch_[static_cast<std::size_t>(thread)].data());
   });
 }
 

@@ -125,13 +125,12 @@ class SplitProductsOf {
   Index size() const { return n_; }
 
  private:
-  const PackingLimits& limits() const;
   // Refuses what cannot be formed, counts the product, and sets the band of C.
   void admit(const ProductOf<Real>& product);
   void form_admitted(const ProductOf<Real>& product);
 
   Index n_;
-  GemmKernel kernel_;
+  GemmFunctions<Real> kernel_;
   typename SplitMatrixOf<Real>::Entries packed_B_;              // empty if B is read in place
   std::vector<typename SplitMatrixOf<Real>::Entries> scratch_;  // one for each thread
   long count_ = 0;
