@@ -27,7 +27,7 @@ from lib.integrators import is_new
 from lib.threads_table import BY_PROCESS, SCHEMA, Run, Settings
 
 SCENE = "rough"  # whose bands are full: what is timed is work, at every n
-SIZES, QUICK_SIZES = (129, 257, 513, 1025), (33,)
+SIZES, QUICK_SIZES = (129, 257, 513, 1025), (97,)  # below 96 one thread does all, however many are asked for
 METHODS = ("elp4_frame", "rk8_frame", "magnus5_frame", "group2")  # one a kind; new ones besides
 THREADS = (1, 2, 4, 8, 16)  # as far as there are cores
 PROCESSES, QUICK_PROCESSES = 8, 2  # at most, of one method at one n
