@@ -149,14 +149,14 @@ class Team {
   std::atomic<double> busy_{0.0};
 };
 
-int current_threads() { return team == nullptr ? 1 : team->threads(); }
+int current_threads() { return own_team == nullptr ? 1 : own_team->threads(); }
 
 void share(Index blocks, Block block, const void* operation) {
-  const bool is_shared = team != nullptr && blocks > 1;
-  const double busy_before = is_shared ? team->busy() : 0.0;
+  const bool is_shared = own_team != nullptr && blocks > 1;
+  const double busy_before = is_shared ? own_team->busy() : 0.0;
   const Clock::time_point begin = times != nullptr ? Clock::now() : Clock::time_point();
   if (is_shared) {
-    team->share(blocks, block, operation);
+    own_team->share(blocks, block, operation);
   } else {
     for (Index k = 0; k < blocks; ++k) block(operation, k, 0);
   }
@@ -164,7 +164,7 @@ void share(Index blocks, Block block, const void* operation) {
   const double within = seconds_since(begin);
   ++times->operations;
   times->within += within;
-  times->busy += is_shared ? team->busy() - busy_before : within;
+  times->busy += is_shared ? own_team->busy() - busy_before : within;
 }
 
 }  // namespace parallel
@@ -181,7 +181,7 @@ void measure_operations(OperationTimes* times) { parallel::times = times; }
 
 void parallel::run_on_threads(int threads, const std::function<void()>& body) {
   checked_threads(threads);
-  if (threads == 1 || parallel::team != nullptr) {
+  if (threads == 1 || parallel::own_team != nullptr) {
     const DenormalMode flushed(true);
     return body();
   }
@@ -198,13 +198,13 @@ void parallel::run_on_threads(int threads, const std::function<void()>& body) {
       team.serve(thread);
     } else {
       team.set_threads(omp_get_num_threads());
-      parallel::team = &team;
+      parallel::own_team = &team;
       try {
         body();
       } catch (...) {
         thrown = std::current_exception();
       }
-      parallel::team = nullptr;
+      parallel::own_team = nullptr;
       team.close();
     }
   }

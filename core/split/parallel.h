@@ -60,7 +60,7 @@ namespace parallel {
 class Team;
 
 /// The team that shares the operations of this thread; null if it is alone.
-inline constinit thread_local Team* team = nullptr;
+inline constinit thread_local Team* own_team = nullptr;
 /// Where operations of this thread are measured; null if they are not.
 inline constinit thread_local OperationTimes* times = nullptr;
 
@@ -76,7 +76,7 @@ void share(Index blocks, Block block, const void* operation);
 /// returns when all calls are done.  One thread calls in order.  f must not throw.
 template <class F>
 void for_blocks(Index blocks, const F& f) {
-  if (times == nullptr && (team == nullptr || blocks < 2)) {
+  if (times == nullptr && (own_team == nullptr || blocks < 2)) {
     for (Index block = 0; block < blocks; ++block) f(block, 0);
     return;
   }
