@@ -41,7 +41,7 @@ struct Row {
 
 std::optional<int> read(Request& request, int argc, char** argv) {
   CLI::App line{"Times a step of a fast form by several numbers of threads, and compares bits."};
-  add_value(line, "--n", request.n, Whole<Index>{2, 4096}, "matrix size, 2 to 4096")->required();
+  add_value(line, "--n", request.n, Whole<Index>{5, 4096}, "matrix size, 5 to 4096")->required();
   add_value(line, "--integrator", request.integrator, Text{}, "name of a listed integrator")
       ->required();
   add_value(line, "--step", request.step, Real{"positive and finite", positive}, "step size h > 0")

@@ -37,7 +37,7 @@ class Setting(trials.Setting):
         super().__init__(scene_of(*self.problem, job["references"]))
         self.reference, record = problems.reference_of(self.problem, job["references"])
         self.uncertainty = record["uncertainty"]
-        self.entry = study.listed()[job["integrator"]]
+        self.entry = study.integrators()[job["integrator"]]
         self.limit = math.inf if self.entry.stability_limit is None else self.entry.stability_limit
         _, self.own_norm_ad_B = self.scene.generator_norms(co_rotating=self.entry.co_rotating)
 

@@ -200,7 +200,7 @@ class Integrator(NamedTuple):
 
 
 INTEGRATORS = "integrators"  # the name of their table
-LATER_FIELDS = Integrator._fields[8:]  # that older files do not have
+LATER_FIELDS = Integrator._fields[Integrator._fields.index("has_fast_form"):]  # that older files do not have
 # The list of integrators as of the recorded files, which scripts/update_integrators writes.
 LISTED = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__)))), "results",
                       "recorded", "integrators.json")

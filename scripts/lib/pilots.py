@@ -96,7 +96,7 @@ def seconds_left():
 def candidates_for(structure):
     """Returns all Integrators in the co-rotating frame that have a fast form and keep a structure, the first to try
     first: explicit ones, of MIDDLE_ORDER or near it."""
-    listed = study.listed().values()
+    listed = study.integrators().values()
     return sorted((each for each in listed if each.has_fast_form and each.co_rotating and each.keeps(structure)),
                   key=lambda each: (not each.explicit, abs(each.order - MIDDLE_ORDER)))
 

@@ -95,7 +95,7 @@ def address(value):
 
 
 @functools.lru_cache(maxsize=None)
-def listed():
+def integrators():
     """Returns the Integrators of the module's list by name."""
     import isosyrk
     found = ({field: getattr(each, field) for field in Integrator._fields} for each in isosyrk.integrators())
@@ -113,15 +113,15 @@ def entries(names, frames=False):
     None stands for all; for those in the co-rotating frame only where `frames` says so, since each doubles a study.
     """
     for name in names or ():
-        if name not in listed():
-            raise Stop(f"--integrator {one_line(name)!r}: must be one of {', '.join(listed())}")
-    every = (name for name, each in listed().items() if frames or not each.co_rotating)
-    return [listed()[name] for name in dict.fromkeys(names or every)]
+        if name not in integrators():
+            raise Stop(f"--integrator {one_line(name)!r}: must be one of {', '.join(integrators())}")
+    every = (name for name, each in integrators().items() if frames or not each.co_rotating)
+    return [integrators()[name] for name in dict.fromkeys(names or every)]
 
 
 def solver_of(name):
     """Returns the solver of the best form of an integrator: fast where there is one."""
-    return FAST if listed()[name].has_fast_form else PUBLISHED
+    return FAST if integrators()[name].has_fast_form else PUBLISHED
 
 
 def require_writable(path):

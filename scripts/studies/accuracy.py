@@ -104,8 +104,8 @@ def end_of(runs, uncertainty, order):
 def took_enough(run, quick):
     """Tells whether a run took the work that cuts a line."""
     enough = next(work for largest, work in ENOUGH_WORK if run.n <= largest)
-    for holds, times in ((run.time > UNIT, LONG_TIMES), (not study.listed()[run.integrator].co_rotating, PLAIN_TIMES),
-                         (quick, QUICK_TIMES)):
+    co_rotating = study.integrators()[run.integrator].co_rotating
+    for holds, times in ((run.time > UNIT, LONG_TIMES), (not co_rotating, PLAIN_TIMES), (quick, QUICK_TIMES)):
         enough *= times if holds else 1
     return 8 * run.n**3 * run.equivalent_products >= enough
 

@@ -171,11 +171,11 @@ def seconds_of_pass(W):
 
 
 def formulation_of(name):
-    return study.listed()[name].formulation
+    return study.integrators()[name].formulation
 
 
 def stages_of(name):
-    return study.listed()[name].stages
+    return study.integrators()[name].stages
 
 
 def table_of(times):

@@ -69,7 +69,7 @@ def plans(quick):
     Published forms in the co-rotating frame have never been tried.
     """
     def names(holds):
-        return tuple(name for name, each in study.listed().items() if holds(each))
+        return tuple(name for name, each in study.integrators().items() if holds(each))
 
     plain, fast = names(lambda each: not each.co_rotating), names(lambda each: each.has_fast_form)
     new = names(is_new)
@@ -157,7 +157,7 @@ def theory_of(jobs):
     """Returns what linear theory says of each integrator from a scene's own initial data, where it says anything."""
     found = []
     for scene, n, name in sorted({(job["scene"], job["n"], job["integrator"]) for job in jobs}):
-        if study.listed()[name].co_rotating:
+        if study.integrators()[name].co_rotating:
             continue
         limit = isosyrk.integrator(initial_states.scene_of(scene, n, 0), name).linear_limit()
         if limit is not None:
@@ -179,7 +179,7 @@ def main(arguments):
     formats.write_study(options.out, SCHEMA, journal.context, Settings(
         options.quick, trials.TIME, trials.LEAST_STEPS[False], trials.LEAST_STEPS[True], trials.LONGER,
         trials.GRID_STEP, trials.CLOSE, trials.LONG_CLOSE), {
-        "integrators": [entry for name, entry in study.listed().items() if name in tried],
+        "integrators": [entry for name, entry in study.integrators().items() if name in tried],
         "states": states_of(jobs),
         "limits": [Limit(*(job[name] for name in (*place, "state")), **each["limit"])
                    for job, each in zip(jobs, found)],

@@ -291,7 +291,7 @@ def asked_for(options):
     for n in sizes:
         if n not in PLANS:
             raise Stop(f"--n {n}: must be one of {', '.join(map(str, PLANS))}")
-    methods = methods_of(study.listed().values())
+    methods = methods_of(study.integrators().values())
     if not options.integrator:
         return sizes, methods
     names = {entry.method for entry in study.entries(options.integrator)}

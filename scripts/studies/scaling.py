@@ -91,12 +91,12 @@ def rungs_at(entry, n, start):
 
 def lines():
     """Returns the names of the integrators with a line against n."""
-    return lines_of(study.listed().values())
+    return lines_of(study.integrators().values())
 
 
 def has_memory(point):
     """Tells whether the past steps of a run make the next one cheaper, so that it has to be warm."""
-    entry, rung = study.listed()[point["integrator"]], point["rung"]
+    entry, rung = study.integrators()[point["integrator"]], point["rung"]
     return rung not in (PUBLISHED, ANY) and not (entry.explicit or {"predictor", "newton"} <= {*without(entry, rung)})
 
 
@@ -120,7 +120,7 @@ def made(point):
     if point["rung"] == PUBLISHED:
         options = {"solver": PUBLISHED, "products": point["products"]}
     else:
-        options = {"solver": FAST, "without": without(study.listed()[point["integrator"]], point["rung"])}
+        options = {"solver": FAST, "without": without(study.integrators()[point["integrator"]], point["rung"])}
     return isosyrk.integrator(scene_of(point["scene"], point["n"]), point["integrator"], tolerance=point["tolerance"],
                               **options)
 
@@ -242,7 +242,7 @@ def entries_asked_for(options):
     """Returns the module's records of those integrators, by default of all and of the lines."""
     if options.integrator:
         return study.entries(options.integrator)
-    methods = chosen(study.listed().values(), QUICK_METHODS).values() if options.quick else study.entries(None)
+    methods = chosen(study.integrators().values(), QUICK_METHODS).values() if options.quick else study.entries(None)
     return study.entries([*(each.name for each in methods), *lines()])
 
 

@@ -153,7 +153,7 @@ class Cell(NamedTuple):
 @lru_cache(maxsize=None)
 def known_methods():
     """Returns the Integrators that the study is about, by name: those of Table 1, and compositions, on g."""
-    return {name: each for name, each in study.listed().items()
+    return {name: each for name, each in study.integrators().items()
             if name in TABLE1_CELLS or (each.family == COMPOSITION and not each.co_rotating)}
 
 

@@ -90,7 +90,7 @@ def entries_asked_for(names):
     for entry in study.entries(names) if names else ():
         if not entry.has_fast_form:
             raise Stop(f"--integrator {entry.name!r}: has no fast form, and threads share the work of fast forms only")
-    return study.entries(names or [name for name, each in study.listed().items()
+    return study.entries(names or [name for name, each in study.integrators().items()
                                    if each.has_fast_form and (name in METHODS or is_new(each))])
 
 

@@ -87,7 +87,7 @@ SMALL_N, LARGE_N = 33, 129  # up to which n steps are those listed; from which n
 def with_new(steps):
     """Returns steps by integrator, new ones included: theirs are those of the nearest order among methods that are
     explicit or not as they are."""
-    listed = study.listed()
+    listed = study.integrators()
 
     def distance(name, each):
         return listed[name].explicit != each.explicit, abs(listed[name].order - each.order)
@@ -104,7 +104,7 @@ def plan_of(n, quick):
     steps = with_new({name: tuple(step / shorter for step in each) for name, each in STEPS.items()})
     ladder = {name: (step / shorter, tolerance) for name, (step, tolerance) in LADDER.items()}
     if n >= LARGE_N:
-        return Plan(6, 4, 4, 1000.0, {name: steps[name][:2] for name in chosen(study.listed().values(), FEW)}, {})
+        return Plan(6, 4, 4, 1000.0, {name: steps[name][:2] for name in chosen(study.integrators().values(), FEW)}, {})
     return Plan(12 if n <= SMALL_N else 10, 6, 6, 1000.0, steps, ladder)
 
 
@@ -220,7 +220,7 @@ def cost_of(point, seconds):
 
 def names_of(wanted):
     """Returns the integrators to run. Throws Stop for one that has no steps here."""
-    known = chosen(study.listed().values(), STEPS)
+    known = chosen(study.integrators().values(), STEPS)
     for name in wanted or ():
         if name not in known:
             raise Stop(f"--integrator {one_line(name)!r}: must be one of {', '.join(known)}")
