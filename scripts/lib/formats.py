@@ -264,7 +264,7 @@ def study_of(document, schema):
 
 
 def records(found, record, name):
-    """Returns the rows of a table, as records of their class."""
+    """Returns the rows of a table, as records of their class. Throws UnusableFile, also for a row that stands twice."""
     kinds, what, made = record.__annotations__, f"the table of {name}", record
     columns = checked(found, {"columns": list_of(text)}, what)["columns"]
     if record is Integrator and not {*LATER_FIELDS} & {*columns}:
@@ -273,7 +273,10 @@ def records(found, record, name):
     if sorted(columns) != sorted(kinds):
         raise UnusableFile(f"{what} has other columns than {', '.join(kinds)}")
     rows = checked(found, {"rows": list_of(list_of(anything, len(columns)))}, what)["rows"]
-    return [made(**checked(dict(zip(columns, row)), kinds, f"a row of {name}")) for row in rows]
+    made_rows = [made(**checked(dict(zip(columns, row)), kinds, f"a row of {name}")) for row in rows]
+    if len(set(made_rows)) < len(made_rows):
+        raise UnusableFile(f"{what} has a row twice")
+    return made_rows
 
 
 def older_integrator(name, **fields):
