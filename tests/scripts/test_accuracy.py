@@ -1,5 +1,4 @@
-"""Tests of the study of accuracy on a made-up one: what is refused, floors, orders and costs of lines, duels, figures,
-the report."""
+"""Tests of the study of accuracy on a made-up one: floors, orders and costs of lines, duels, figures, the report."""
 
 import random
 import unittest
@@ -16,27 +15,7 @@ from lib.accuracy_report import accuracy_sections
 from lib.contenders import CLASSES, all_forms, candidates
 from lib.equal_error import cheap_forms, cheapest
 from lib.formats import listed
-from lib.messages import UnusableFile
 from lib.document import as_markdown
-
-
-class RefusalTest(FolderTest):
-    def test_values_of_another_kind_and_empty_tables(self):
-        def with_first(name, **values):
-            return lambda document: document[name][0].update(values)
-
-        for change, *words in (
-                *((lambda document, name=name: document[name].clear(), "no references or no integrators")
-                  for name in ("references", "integrators")),
-                (with_first("runs", cpu_seconds=[0.0]), "cpu_seconds"), (with_first("runs", scene="calm"), "calm"),
-                (with_first("lines", end="tired"), "lines has end"),
-                (with_first("duels", contender="euler"), "contender"),
-                (lambda document: document["lines"].pop(0), "has runs of cotangent1 on smooth, T = 5, n = 17 and not")):
-            document = study_document()
-            change(document)
-            with self.subTest(words=words), self.assertRaises(UnusableFile) as caught:
-                accuracy_of(document)
-            self.assert_one_line(f"{caught.exception}\n", *words)
 
 
 class LineTest(FolderTest):

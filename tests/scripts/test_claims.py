@@ -1,7 +1,6 @@
 """Tests of the study of the paper's claims, of its model of threads, and of scripts/render_claims."""
 
 import argparse
-import itertools
 import json
 import os
 import shutil
@@ -10,7 +9,7 @@ import unittest
 from collections import defaultdict
 from unittest import mock
 
-from programs import BUILD, DONE, ROOT, FolderTest, environment, run, run_script, text_of
+from programs import BUILD, DONE, ROOT, FolderTest, run_script, text_of
 from claims_documents import OCTAVE, RATES, THREAD_OVERHEAD, tables, write_claims
 
 sys.path[:0] = [os.path.join(BUILD, "python"), os.path.join(ROOT, "scripts", "studies")]
@@ -18,7 +17,6 @@ sys.path[:0] = [os.path.join(BUILD, "python"), os.path.join(ROOT, "scripts", "st
 import isosyrk  # noqa: F401 (CTest leaves this file out where there is no module)
 import claims as claims_study
 from lib import claims_report, claims_table, formats
-from lib.claims_files import read_claims
 from lib.claims_table import Finding, Row, cell_text, competitive, read_claims_table
 from lib.command_line import Stop
 from lib.figures import read_figures
@@ -271,21 +269,6 @@ class Rendering(FolderTest):
                                     ({"claims": here, "tables": here, "avx2": {**avx2, "cpu": "another"}}, True)):
             self.assertEqual(bool(claims_report.processor_sections(processors)), is_told)
 
-    def test_a_part_of_a_raw_file_is_refused(self):
-        whole = tables()
-        for name, change, part in (("rates", [], "rates has no n = 65"),
-                                   ("octave_products", whole["octave_products"][:1], "n = 33"),
-                                   ("threads", [cell for cell in whole["threads"] if cell.threads > 1],
-                                    "no single thread"),
-                                   ("threads", [cell._replace(seconds=cell.seconds[:cell.threads + 1])
-                                                for cell in whole["threads"]], "unequally many"),
-                                   ("octave", [whole["octave"][0]._replace(seconds=[])], "one time or more")):
-            path = self.path("part.json")
-            document = parse_json(text_of(write_claims(self.folder)))
-            document["tables"][name]["rows"] = [list(row) for row in change]
-            self.write("part.json", json.dumps(document))
-            self.assert_refused(self.render(path), "part.json", part)
-
     def test_parts_that_are_missing_are_left_out(self):
         rows = self.rendered({name: [] for name in tables()})
         self.assertNotIn("octave", self.by_claim(rows, "(a)", 1))
@@ -345,29 +328,6 @@ class Page(FolderTest):
 
 
 class Study(FolderTest):
-    def study(self, *arguments, **changes):
-        return run([sys.executable, "-B", STUDY, "--out", self.path("raw.json"), *arguments], timeout=300,
-                   env=environment(ISOSYRK_BUILD=BUILD, **changes))
-
-    @unittest.skipUnless(shutil.which("octave-cli"), "needs GNU Octave")
-    def test_a_small_study(self):
-        done = self.study("--n", "17", "--integrator", *CELLS, "--processes", "1")
-        self.assertEqual(done.returncode, DONE, done.stderr)
-        found = read_claims(self.path("raw.json"))
-        self.assertEqual([f"{cell.formulation}{cell.stages}" for cell in found.tables["octave"]], list(CELLS))
-        for cell in found.tables["octave"]:
-            self.assertEqual((cell.n, len(cell.seconds)), (17, 1))
-            self.assertLess(cell.difference, claims_study.EQUAL)
-        self.assertEqual({(pair.row, pair.other, pair.stages) for pair in found.tables["octave_pairs"]},
-                         {(row, other, 2) for row, other in itertools.combinations(FORMULATIONS, 2)})
-        for pair in found.tables["octave_pairs"]:
-            self.assertGreater(pair.difference, 0)
-            self.assertLess(pair.difference, claims_study.EQUAL)
-        draws = {(cell.hbar, cell.draw) for cell in found.tables["draws"]}
-        self.assertEqual(len(draws), 2 * claims_study.DRAWS)
-        self.assertEqual(found.settings.octave_kernels, found.context["blas_kernels"])
-        self.assertEqual(os.listdir(self.folder), ["raw.json"])  # no journal is left
-
     def test_threads_and_their_rates(self):
         block = {"n": 65, "step": 0.1, "steps": 2, "process": 0,
                  "rows": ["product", "pass", "sweeps group2 1", "whole algebra2 1"]}
@@ -402,13 +362,6 @@ class Study(FolderTest):
     def test_without_octave_it_says_what_to_install(self):
         with mock.patch("shutil.which", return_value=None), self.assertRaisesRegex(Stop, "install octave"):
             claims_study.octave_cells.run("initial.npy", ["group1"], 0.1, 1)
-
-    def test_bad_arguments(self):
-        for arguments, *parts in ((("--n", "21"), "21", "17", "257"), (("--integrator", "rk4"), "rk4", "group1"),
-                                  (("--processes", "0"), "--processes"), (("--nn",), "--nn")):
-            with self.subTest(arguments=arguments):
-                self.assert_refused(self.study(*arguments), *parts)
-                self.assertEqual(os.listdir(self.folder), [])
 
 
 class Reports(unittest.TestCase):

@@ -1,4 +1,4 @@
-"""Tests of what is made of the raw file of the study of limits: refusals, report, figures, charts, advice."""
+"""Tests of what is made of the raw file of the study of limits: report, figures, charts, advice."""
 
 import unittest
 
@@ -9,23 +9,9 @@ from lib.document import as_markdown
 from lib.formats import FAST, PUBLISHED
 from lib.limits_files import LETTERS, OUTCOMES, limits_of
 from lib.limits_report import figures, sections
-from lib.messages import UnusableFile
 
 
 class RawFiles(unittest.TestCase):
-    def test_what_cannot_be_used_is_refused(self):
-        study = limits_study()
-        study.tables["limits"][0] = study.tables["limits"][0]._replace(grid="++?")
-        with self.assertRaisesRegex(UnusableFile, "unknown outcomes"):
-            limits_of(study)
-        for table, kept, told in (("limits", 0, "no limits"), ("states", 1, "a state that it does not list"),
-                                  ("integrators", 1, "limits of"),
-                                  ("limits", 1, "survived steps without critical ones")):
-            study = limits_study()
-            study.tables[table] = study.tables[table][:kept]
-            with self.subTest(table=table), self.assertRaisesRegex(UnusableFile, told):
-                limits_of(study)
-
     def test_every_outcome_has_a_letter_of_its_own(self):
         self.assertEqual(set(LETTERS), set(OUTCOMES))
         self.assertEqual(len(set(LETTERS.values())), len(OUTCOMES))
@@ -126,11 +112,6 @@ class Files(DrawingTest):
         for chart in charts:
             self.assert_whole(files, chart)
             self.assertIn(f"({chart}.svg)".encode(), files["report.md"])
-
-    def test_another_file_is_refused(self):
-        path = self.write("other.json", "{}")
-        self.assert_refused(self.render(path, "--out", self.path("charts")), "other.json",
-                            "raw file of the study limits")
 
 
 class Charts(DrawingTest):

@@ -8,7 +8,7 @@ import unittest
 from unittest import mock
 
 from drawing import DrawingTest, lines_of
-from programs import BUILD, DONE, HAS_MODULE, ROOT, FolderTest, environment, run
+from programs import BUILD, HAS_MODULE, ROOT, FolderTest
 
 from lib import formats
 from lib.document import as_markdown
@@ -18,8 +18,7 @@ from lib.formats import Study, listed
 from lib.longruns_files import (CLASSES, COSTS, ENERGY, EXPLICIT, EXPLICIT_LIE, EXPONENTIAL, EXPONENTIAL_LOOSE, GAUSS,
                                 GAUSS_LOOSE, PROJECTED, SCHEMA, SPECTRUM, STRUCTURE, LongRun, Plan, Point, Price,
                                 Settings, class_of, long_runs, method_of, price_on, read_longruns)
-from lib.longruns_report import defect_at, figures, places_of, sections
-from lib.messages import UnusableFile
+from lib.longruns_report import defect_at, places_of, sections
 from lib.verdicts import UNDECIDED
 
 STUDY = os.path.join(ROOT, "scripts", "studies", "longruns.py")
@@ -309,14 +308,6 @@ class Files(FolderTest):
         self.assertIsNone(defect_at(line, 150.0))
         self.assertIsNone(defect_at(line, 30.0))
 
-    def test_damage(self):
-        for study, part in ((made_study([], []), "no runs"),
-                            (made_study([made_point("rk4", 500, n=65)]), "without its plan"),
-                            (made_study(runs=[made_long_run("rk4", n=n) for n in (17, 33)]), "more than one n"),
-                            (made_study(runs=[made_long_run("rk4", integrator="rk5_frame")]), "its integrator")):
-            with self.subTest(part), self.assertRaisesRegex(UnusableFile, part):
-                long_runs(study)
-
 
 class Render(DrawingTest):
     script = "render_longruns"
@@ -420,15 +411,6 @@ class Render(DrawingTest):
         self.assertNotIn("energy_against_time.svg", files)
         self.assertNotIn("in long runs", files["report.md"].decode())
 
-    def test_a_file_that_cannot_be_used(self):
-        for path, *parts in ((self.path("none.json"), "none.json"),
-                             (write_longruns(self.folder, made_study([], [])), "raw.json", "no runs"),
-                             (self.write("half.json", '{"format": '), "half.json", "whole JSON")):
-            with self.subTest(parts=parts):
-                self.assert_refused(self.render(path, "--out", self.path("out")), *parts)
-                self.assertFalse(os.path.exists(self.path("out")))
-        self.assert_refused(self.render(write_longruns(self.folder)), "--out")
-
 
 # ---- the study itself
 
@@ -515,34 +497,6 @@ class SymplecticDefect(unittest.TestCase):
 
 @unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")
 class Runs(FolderTest):
-    def study(self, *arguments):
-        return run([sys.executable, "-B", STUDY, "--out", self.path("raw.json"), *arguments], timeout=120,
-                   env=environment(ISOSYRK_BUILD=BUILD))
-
-    def test_quick_runs_of_two_methods(self):
-        done = self.study("--quick", "--integrator", "rk4", "elp4")
-        self.assertEqual((done.returncode, done.stdout), (DONE, ""), done.stderr)
-        self.assertEqual(os.listdir(self.folder), ["raw.json"])
-        found = read_longruns(self.path("raw.json"))
-        self.assertEqual((found.methods(), found.settings()),
-                         (["rk4", "elp4", "elp4_tight"], [(17, "smooth"), (17, "rough")]))
-        for (scene, n, method), line in found.lines.items():
-            with self.subTest(scene=scene, method=method):
-                self.assertEqual([point.steps for point in line], [25 * 2**k for k in range(len(line))])
-                self.assertGreater(len(line), 2)
-                self.assertTrue(all(point.symplectic_defect for point in line))
-                self.assertEqual(line[-1].spectrum_error < 1e-13, method != "rk4")
-                self.assertEqual(line[-1].symplectic_defect < 1e-10, method == "elp4_tight")
-        for key, run_ in found.long_runs.items():
-            with self.subTest(key):
-                self.assertEqual((run_.status, len(run_.energy_errors), len(run_.energy_means),
-                                  len(run_.spectrum_errors)), ("converged", 40, 40, 40))
-                self.assertGreaterEqual(run_.energy_errors[-1], abs(run_.energy_change))
-                self.assertLess(abs(run_.equivalent_products / run_.cost - 1), 0.2)  # trials to t = 20 only
-        self.assertNotIn(("smooth", 50, "elp4_tight"), found.long_runs)
-        self.assertIn(("smooth", 150, "elp4_tight"), found.long_runs)
-        self.assertTrue(figures(found))
-
     def test_windows_hold_the_largest_energy_errors_and_their_means(self):
         scene = isosyrk.scene("smooth", n=9)
         energy = scene.energy(scene.initial)
@@ -628,14 +582,6 @@ class Runs(FolderTest):
         self.assertEqual(len(longruns.long_runs_of(longruns.SIZES, methods)), 40)
         self.assertEqual({job["n"] for job in longruns.long_runs_of((17, 33, 65), methods)}, {33})
         self.assertEqual(longruns.long_runs_of((65,), methods), [])
-
-    def test_bad_arguments(self):
-        for arguments, *parts in ((("--n", "21"), "--n 21", "17, 33, 65, 129"), (("--integrator", "euler"), "'euler'"),
-                                  (("--integrator", "group1"), "--integrator group1", "group2"),
-                                  (("--repetitions", "2"), "--repetitions"), (("--steps", "9"), "--steps")):
-            with self.subTest(arguments=arguments):
-                self.assert_refused(self.study(*arguments), *parts)
-                self.assertEqual(os.listdir(self.folder), [])
 
     def test_an_update_by_two_products_loses_skewness_and_the_one_in_use_does_not(self):
         scene = isosyrk.scene("smooth", n=17)

@@ -1,5 +1,4 @@
-"""Tests of the study of turbulence: its draws and runs, how ensembles are judged, and its study and report as a user
-runs them.
+"""Tests of the study of turbulence: its draws and runs, how ensembles are judged, and its report.
 
 Run with: python3 -m unittest test_turbulence (in tests/scripts; the module is that of ISOSYRK_BUILD, or of build/)
 """
@@ -12,7 +11,7 @@ import unittest
 from unittest import mock
 
 from drawing import DrawingTest, lines_of
-from programs import BUILD, DONE, ROOT, FolderTest, environment, run, run_script
+from programs import BUILD, DONE, ROOT, FolderTest, environment, run
 
 sys.path[:0] = [os.path.join(BUILD, "python"), os.path.join(ROOT, "scripts", "studies")]
 import numpy as np
@@ -23,7 +22,6 @@ from lib import (formats, problems, turbulence_chart, turbulence_figures, turbul
                  turbulence_statistics)
 from lib.figures import read_figures
 from lib.formats import CONVERGED, SWEEP_CAP, UNSTABLE
-from lib.messages import UnusableFile
 from lib.turbulence_files import (FAR, LOOSE, METHOD, PRACTICE, REFERENCE, SCHEMA, Cost, RunRow, Setting, Settings,
                                   Size, bands_of, read_turbulence)
 from lib.turbulence_statistics import LEVEL, drifts_of, false_positives, held_out, reference_of, spreads_of
@@ -535,36 +533,6 @@ class Report(DrawingTest):
         self.assertEqual(set(self.rendered("out", self.raw(
             runs=lambda rows: [row for row in rows if row.integrator != "elp4"]))), {"report.md", "figures.json"})
 
-    def test_files_that_cannot_be_used(self):
-        def without(**field):
-            (name, value), = field.items()
-            return lambda rows: [row for row in rows if getattr(row, name) != value]
-
-        def first(**change):
-            return lambda rows: [rows[0]._replace(**change), *rows[1:]]
-
-        for changes, told in (
-                ({"runs": lambda rows: []}, "no runs"),
-                ({"sizes": lambda rows: []}, "runs at n = 33"),
-                ({"runs": lambda rows: [row for row in rows if row.integrator != "rk8"]}, "not every reference run"),
-                ({"integrators": without(name="rk4")}, "does not list the integrator rk4"),
-                ({"integrators": without(name="rk8")}, "does not list the integrator rk8"),
-                ({"runs": lambda rows: [row for row in rows if (row.role, row.draw) != (METHOD, 1)]},
-                 "not every draw of elp4"),
-                ({"runs": lambda rows: rows[1:]}, "not every reference run at n = 33"),
-                ({"far": lambda rows: rows[1:]}, "not every far run at n = 33"),
-                ({"runs": first(bands=None)}, "a run at n = 33 without its averages"),
-                ({"runs": first(bands=[[1.0] * 4] * 4)}, "a run at n = 33 without its averages"),
-                ({"runs": first(energy=None)}, "a run at n = 33 without its averages"),
-                ({"costs": first(seconds=[1e-5])}, "numbers of processes")):
-            with self.subTest(told=told):
-                raw = self.raw(**changes)
-                with self.assertRaisesRegex(UnusableFile, told):
-                    read_turbulence(raw)
-                self.assert_refused(run_script(RENDER, raw, "--out", self.path("out")), "raw.json", told)
-        self.assert_refused(run_script(RENDER, self.path("none.json"), "--out", self.path("out")), "none.json")
-        self.assert_refused(run_script(RENDER, self.raw(), "--out", self.write("taken", "")), "taken")
-
     def test_a_python_without_numpy_can_start_another(self):
         self.write("hidden/numpy.py", "raise ImportError")
         done = self.render("--help", PYTHONPATH=self.path("hidden"))
@@ -621,22 +589,6 @@ class Plan(unittest.TestCase):
 
 
 class Study(FolderTest):
-    def study(self, *arguments):
-        return run([sys.executable, "-B", SCRIPT, *arguments], timeout=300, env=environment(ISOSYRK_BUILD=BUILD))
-
-    def test_a_quick_study_ends_with_a_report(self):
-        raw = self.path("raw.json")
-        done = self.study("--quick", "--n", "17", "--integrator", "rk4", "--processes", "1", "--out", raw)
-        self.assertEqual(done.returncode, DONE, done.stderr)
-        self.assertEqual(os.listdir(self.folder), ["raw.json"])  # and no journal
-        found = read_turbulence(raw)
-        self.assertEqual((found.sizes[17].draws, found.sizes[17].references, found.sizes[17].far), (3, 3, 4))
-        self.assertEqual({setting.integrator for setting in found.ensembles[17]}, {"algebra1", "rk4"})
-        self.assertTrue(found.cost(17, Setting("rk4", 0.25, LOOSE)))
-        done = run_script(RENDER, raw, "--out", self.path("out"))
-        self.assertEqual((done.returncode, done.stderr), (DONE, ""))
-        self.assertEqual(read_figures(self.path("out", "figures.json"))["n17.are_independent"], 0)  # T is short
-
     def test_a_wrong_setting_is_found(self):
         """RK4 with a long step against its reference, in runs as they are; a right setting passes."""
         plan = {"n": N, "time": 150.0, "tolerance": 1e-8}
@@ -656,13 +608,6 @@ class Study(FolderTest):
         self.assertGreater(reference.distance(values(wrong)), 1.3 * reference.threshold)
         self.assertLess(max(abs(run["enstrophy"] - 1) for run in right), turbulence_figures.TOLERANCE)
         self.assertGreater(max(abs(run["enstrophy"] - 1) for run in wrong), turbulence_figures.TOLERANCE)
-
-    def test_refusals(self):
-        out = ("--out", self.path("raw.json"))
-        self.assert_refused(self.study("--n", "9", *out), "--n 9", "at least 11")
-        self.assert_refused(self.study("--integrator", "suzuki4", *out), "--integrator 'suzuki4'", "rkmk4")
-        self.assert_refused(self.study("--quick", "--out", self.path("none", "raw.json")), "--out")
-        self.assertEqual(os.listdir(self.folder), [])
 
 
 if __name__ == "__main__":
