@@ -17,7 +17,7 @@ from lib.accuracy_lines import (ALONE, BELOW, CUT, FLOOR, FLOOR_MARGIN, LOOSE, O
 from lib.contenders import CLASSES, LEAST_ORDER, candidates
 from lib.equal_error import AS_EXPLICIT, beaten_by, cheap_forms, ratio_in
 from lib.formats import CONVERGED, FAST, Study, listed, listed_integrators
-from lib.integrators import KEPT, MAGNUS
+from lib.integrators import IMPLICIT_EXPONENTIAL, KEPT, MAGNUS
 from lib.recommendation import MARGIN, MARGIN_OF_N, Question, Recorded, blend, energy_growth, neighbours
 from lib.verdicts import FASTER, SLOWER, TIE, UNDECIDED, compared as compared_times
 
@@ -212,6 +212,11 @@ class Interpolation(unittest.TestCase):
             self.assertEqual(found, math.inf)
         elif time > known >= recommendation.SETTLED and not integrator.lie_poisson:
             self.assertAlmostEqual(found, (time / known)**recommendation.POWER)
+        elif time > known and integrator.lie_poisson and integrator.family not in IMPLICIT_EXPONENTIAL:
+            # Bounded: it grows while the scene develops, and little after that.
+            self.assertLessEqual(found, recommendation.MOST_YOUNG * recommendation.MOST_OLD)
+        elif time > known >= recommendation.SETTLED and integrator.family in IMPLICIT_EXPONENTIAL:
+            self.assertAlmostEqual(found, recommendation.EXPONENTIAL_OLD * (time / known)**recommendation.POWER)
 
 
 DOCUMENT = study_document()
@@ -275,6 +280,15 @@ class Recommended(unittest.TestCase):
         found = recommendation.answer(STUDY, question, "raw", lambda sizes: [rate] * len(sizes))
         faster = rate / STUDY.rates[n].fast
         self.assertAlmostEqual((found["seconds"] - recommendation.COLD) * faster / found["seconds_recorded"], 1)
+
+    @holds_for(cut=draw.sets(draw.sampled_from((17, 33)), min_size=1), error=decades(-5.0, -4.0), examples=10)
+    def test_a_line_that_was_cut_at_one_n_is_told_between_two(self, cut, error):
+        document = study_document()
+        for table in ("runs", "lines"):
+            document[table] = [row for row in document[table] if not (
+                row["integrator"] == "cotangent1" and row["n"] in cut and row.get("steps", 0) > 5)]
+        found = Recorded(accuracy_of(document), Question("smooth", 24, 5.0, error, "poisson"))
+        self.assertIn("not known whether cotangent1", " ".join(found.statements))
 
     @holds_for(most=draw.floats(0.1, 3.0), n=draw.integers(17, 33), time=draw.sampled_from((5.0, 6.0)),
                error=decades(-3.0, 0.0), examples=30)

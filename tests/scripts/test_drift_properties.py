@@ -67,6 +67,13 @@ class Estimates(unittest.TestCase):
         within = [(time, 7 * error if 5 * time <= end else error) for time, error in errors]
         self.assertNotEqual(growth_of(within), growth_of(errors))  # the control
 
+    @holds_for(series=SERIES)
+    def test_a_trend_is_over_the_mean_error_of_the_second_half(self, series):
+        errors, _ = series
+        late = [error for time, error in errors if 2 * time > errors[-1][0]]
+        for one, other in zip(judged(errors).trend, drift.trend_of(errors, statistics.fmean(late))):
+            self.assertAlmostEqual(one, other, delta=1e-9 * (1 + abs(other)))
+
     @holds_for(windows=WINDOWS, power=draw.floats(-1.0, 3.0), gain=draw.floats(-2.0, 2.0))
     def test_exact_powers_and_lines_have_no_interval(self, windows, power, gain):
         times = [50.0 * k for k in range(1, windows + 1)]

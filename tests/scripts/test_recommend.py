@@ -532,7 +532,7 @@ class Pilots(FolderTest):
     def test_the_growth_of_a_pilot_is_the_power_of_time_that_its_error_follows(self):
         pilots, search, rkmk4, _ = self.search()
         W = search.setting.scene.initial
-        search.exact, search.uncertainty = (W, W), 0.0
+        search.exact, search.uncertainty = (W, W), 1e-7  # how far the reference is off itself
         search.reference = recommendation.Outcome(rkmk4, 9, search.time, 40, 1e-12, 1.0)
         for power in (1, 3):
 
@@ -544,6 +544,7 @@ class Pilots(FolderTest):
             with mock.patch.object(search.setting, "run", known):
                 pilot, _ = search.run(rkmk4, 8)
             self.assertAlmostEqual(pilot.growth, power, 5)
+            self.assertAlmostEqual(pilot.error / 1.1e-6, 1, 5)
 
     def test_what_does_not_follow_from_a_shorter_time(self):
         _, search, rkmk4, pilot = self.search()
