@@ -41,7 +41,7 @@ if HAS_MODULE:
 
 LINES = ["group2", "rk4", "group2_frame", "rk4_frame", "elp4_frame"]  # of accuracy
 OF_LIMITS = ("group2", "algebra1", "rk4", "rkmk4")
-OF_CLAIMS = ("cotangent1", "group1", "algebra1")  # which Octave takes least time for
+OF_CLAIMS = ("group1", "algebra1")  # which Octave takes least time for
 # The arguments of each run. Processes and repetitions are as few as show that there may be several.
 RUNS = {
     "accuracy": ("--n", "17", "--scene", "smooth", "--time", "5", "--integrator", *LINES, "--repetitions", "2",
@@ -409,11 +409,9 @@ class Claims(StudyTest):
         for cell in found.tables["octave"]:
             self.assertEqual((cell.n, len(cell.seconds)), (17, 1))
             self.assertLess(cell.difference, claims.EQUAL)
-        self.assertEqual({(pair.row, pair.other, pair.stages) for pair in found.tables["octave_pairs"]},
-                         {(row, other, 1) for row, other in itertools.combinations(FORMULATIONS, 2)})
-        for pair in found.tables["octave_pairs"]:
-            self.assertGreater(pair.difference, 0)
-            self.assertLess(pair.difference, claims.EQUAL)
+        (pair,) = found.tables["octave_pairs"]
+        self.assertEqual((pair.row, pair.other, pair.stages), ("group", "algebra", 1))
+        self.assertTrue(0 < pair.difference < claims.EQUAL)
         draws = {(cell.hbar, cell.draw) for cell in found.tables["draws"]}
         self.assertEqual(len(draws), 2 * claims.QUICK_DRAWS)
         self.assertEqual(found.settings.octave_kernels, found.context["blas_kernels"])
