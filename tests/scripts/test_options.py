@@ -42,6 +42,13 @@ class Options(FolderTest):
         self.assertEqual(done.returncode, 0, done.stderr)
         for folder in ("benchmarks", "tests", "core/python"):
             self.assertNotIn(f"{ROOT}/{folder}/", self.compiled())
+        for command in (["--build", self.build, "--parallel", "2"],
+                        ["--install", self.build, "--prefix", self.path("prefix")]):
+            done = run(["cmake", *command], env=environment(**self.settings), timeout=550)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        found = {name for _, _, names in os.walk(self.path("prefix")) for name in names}
+        self.assertLessEqual({"libisosyrk.a", "make_integrator.h", "isosyrk-config.cmake"}, found)
+        self.assertNotIn("__init__.py", found)
 
     def test_what_is_built_needs_its_packages_and_says_so_in_one_line(self):
         for option, packages in NEEDED.items():
