@@ -13,12 +13,11 @@ from programs import BUILD, HAS_MODULE, ROOT, FolderTest
 from lib import formats
 from lib.document import as_markdown
 from lib.drift import (ALL_LOST, BOUNDED, FAILED, GROWS, KEPT, LOST, ROUNDING, growth_of, in_blocks, judged, trend_of)
-from lib.figures import read_figures
 from lib.formats import Study, listed
 from lib.longruns_files import (CLASSES, COSTS, ENERGY, EXPLICIT, EXPLICIT_LIE, EXPONENTIAL, EXPONENTIAL_LOOSE, GAUSS,
                                 GAUSS_LOOSE, PROJECTED, SCHEMA, SPECTRUM, STRUCTURE, LongRun, Plan, Point, Price,
                                 Settings, class_of, long_runs, method_of, price_on, read_longruns)
-from lib.longruns_report import defect_at, places_of, sections
+from lib.longruns_report import defect_at, figures, places_of, sections
 from lib.verdicts import UNDECIDED
 
 STUDY = os.path.join(ROOT, "scripts", "studies", "longruns.py")
@@ -310,17 +309,8 @@ class Files(FolderTest):
 
 
 class Render(DrawingTest):
-    script = "render_longruns"
-    CHARTS = ("energy_against_cost", "spectrum_against_cost", "energy_against_time")
-
-    def test_charts_report_and_figures(self):
-        files = self.rendered("out", write_longruns(self.folder))
-        self.assertEqual(set(files), {"report.md", "figures.json", *(f"{chart}.{kind}" for chart in self.CHARTS
-                                                                     for kind in ("svg", "png"))})
-        for chart in self.CHARTS:
-            self.assert_whole(files, chart)
-            self.assertIn(f"({chart}.svg)".encode(), files["report.md"])
-        figures = read_figures(self.path("out", "figures.json"))
+    def test_figures_can_be_worked_out_by_hand(self):
+        found = figures(long_runs(made_study()))
         for key, value in (("smooth.n33.energy.1e-4.explicit.products", 4 * 10**0.25),
                            ("rough.n33.energy.1e-6.exponential.products", 60),
                            ("smooth.n33.energy.1e-6.structure_over_explicit", 15 / 1000**0.25),
@@ -330,9 +320,9 @@ class Render(DrawingTest):
                            ("long.energy.exponential.bounded", 2), ("long.energy.elp6_tight.runs", 2),
                            ("long.energy.rk4.growing", 2), ("long.spectrum.gauss.at_rounding", 2),
                            ("smooth.n33.defect.group2.p50", 1e-3)):
-            self.assertAlmostEqual(figures[key] / value, 1, delta=0.2 if key.endswith("change") else 1e-4, msg=key)
-        self.assertAlmostEqual(figures["smooth.long.150.rkmk4.energy_power"], 1, delta=0.05)
-        self.assertNotIn("smooth.n33.energy.1e-8.explicit.products", figures)
+            self.assertAlmostEqual(found[key] / value, 1, delta=0.2 if key.endswith("change") else 1e-4, msg=key)
+        self.assertAlmostEqual(found["smooth.long.150.rkmk4.energy_power"], 1, delta=0.05)
+        self.assertNotIn("smooth.n33.energy.1e-8.explicit.products", found)
 
     def cells(self, study, *start):
         """Returns the rests of the rows of the report that start with some cells."""
@@ -407,9 +397,12 @@ class Render(DrawingTest):
         self.assertIn("rk4 (failed)", [text.get_text() for text in panel.texts])
 
     def test_lines_alone_have_a_report(self):
-        files = self.rendered("out", write_longruns(self.folder, made_study(runs=[])))
-        self.assertNotIn("energy_against_time.svg", files)
-        self.assertNotIn("in long runs", files["report.md"].decode())
+        study = made_study(runs=[])
+        self.assertNotIn("in long runs", report_of(study))
+        self.assertEqual(self.panels("longruns_charts", "energy_against_cost", long_runs(study)).keys(),
+                         self.panels("longruns_charts", "energy_against_cost", long_runs(made_study())).keys())
+        from lib import longruns_charts  # only now: it needs matplotlib
+        self.assertIsNone(longruns_charts.energy_against_time(long_runs(study)))
 
 
 # ---- the study itself
