@@ -3,7 +3,7 @@
 import unittest
 
 from drawing import DrawingTest, lines_of
-from limits_documents import CLOSE, CRITICAL, NORM_B, SIZES, limits_study, write
+from limits_documents import CLOSE, CRITICAL, NORM_B, SIZES, limits_study
 
 from lib.document import as_markdown
 from lib.formats import FAST, PUBLISHED
@@ -99,19 +99,6 @@ class Report(unittest.TestCase):
         study.tables["limits"] = [limit._replace(works=1.0, fails=CLOSE) for limit in study.tables["limits"]]
         found = figures(limits_of(study))
         self.assertEqual(found["own_state_within_drawn"], found["lines_of_several_states"])
-
-
-class Files(DrawingTest):
-    script = "render_limits"
-
-    def test_every_chart_is_whole_and_shown(self):
-        files = self.rendered("plain", write(self.folder, limits_study()))
-        charts = ("limits", "failure_map")
-        self.assertEqual(set(files), {"report.md", "figures.json",
-                                      *(f"{chart}.{kind}" for chart in charts for kind in ("svg", "png"))})
-        for chart in charts:
-            self.assert_whole(files, chart)
-            self.assertIn(f"({chart}.svg)".encode(), files["report.md"])
 
 
 class Charts(DrawingTest):

@@ -19,8 +19,8 @@ from dataclasses import replace
 from unittest import mock
 
 import numpy
-from programs import (BUILD, DATA, HAS_MODULE, ROOT, FolderTest, program, run, run_on_full_disk, run_script,
-                      strict_json)
+from programs import (BUILD, DATA, HAS_MODULE, ROOT, FolderTest, call_script, program, run, run_on_full_disk,
+                      run_script, strict_json)
 from study_documents import INTEGRATORS, accuracy_of, run_of, study_document, write_study
 
 from lib import pilot_planner, recommendation
@@ -28,6 +28,7 @@ from lib import study
 from lib.accuracy_lines import (BELOW, CUT, ENERGY_BOUNDED, FLOOR, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT, Form,
                                 keeping_tolerance)
 from lib.document import as_text
+from lib.messages import UnusableFile
 from lib.recommendation import MARGIN, MARGIN_OF_N, MARGIN_OF_TIME, Question, Recorded
 from lib.formats import CONVERGED, STATUSES, listed
 
@@ -367,7 +368,12 @@ class Refusals(RecommendTest):
                 (arguments_of(raw=self.path("two\nlines.json")), "two lines.json", "No such file"),
                 (arguments_of(raw=foreign), "recommend: ", "foreign.json: ")):
             with self.subTest(arguments=arguments):
-                self.assert_refused(self.recommend(*arguments), *parts)
+                path = write_study(self.folder, self.document)
+                self.assert_refused(call_script(SCRIPT, "--raw", path, *arguments), *parts)
+        # As a user meets it: a wrong argument, a file that cannot be used, and an error below the reference's.
+        for arguments, *parts in ((arguments_of(n="1"), "--n"), (arguments_of(raw=foreign), "foreign.json: "),
+                                  (arguments_of(error="9e-15"), "uncertainty")):
+            self.assert_refused(self.recommend(*arguments), "recommend: ", *parts)
 
     def test_the_recorded_run_is_the_default(self):
         result = run_script(SCRIPT, *arguments_of(error="1e-4"), "--json")
@@ -583,15 +589,25 @@ class Pilots(FolderTest):
                  "number": "l,m,re,im\n2,1,x,0\n", "infinite": "l,m,re,im\n2,1,nan,0\n",
                  "degree": "l,m,re,im\n9,1,1,0\n", "none": "l,m,re,im\n", "underscore": "l,m,re,im\n2,1,1_0,0\n",
                  "space": "l,m,re,im\n2,1,1 0,0\n", "quoted": 'l,m,re,im\n2,1,"1",0\n'}
+        pilots, *_ = self.search()
+
+        def refused(option, path, *parts, n=9):
+            options = SimpleNamespace(**{"modes": None, "state": None, option: path}, own=path, n=n, hbar=None)
+            with self.subTest(path=path, parts=parts), self.assertRaises(UnusableFile) as caught:
+                pilots.scene_of(options)
+            self.assert_one_line(f"{caught.exception}\n", f"--{option}", *parts)
+
         for name, text in modes.items():
-            with self.subTest(name=name):
-                self.assert_refused(self.pilots("--n", "9", "--modes", self.write(name, text)), "--modes", name)
-        self.assert_refused(self.pilots("--n", "9", "--modes", self.path("missing")), "--modes", "No such file")
-        self.assert_refused(self.pilots("--state", self.MODES), "--state", "cannot be read")
+            refused("modes", self.write(name, text), name)
+        refused("modes", self.path("missing"), "No such file")
+        refused("state", self.MODES, "cannot be read", n=None)
         for W, part in ((1j * numpy.eye(9), "at rest"), (1e-200 * self.state(), "energy"), (self.state().T, "C order"),
                         (self.state().imag, "complex128")):
             numpy.save(self.path("W0.npy"), W)
-            self.assert_refused(self.pilots("--state", self.path("W0.npy")), "--state", part)
+            refused("state", self.path("W0.npy"), part, n=None)
+        # As a user meets it.
+        self.assert_refused(self.pilots("--n", "9", "--modes", self.write("empty", "")), "--modes", "empty")
+        self.assert_refused(self.pilots("--state", self.MODES), "--state", "cannot be read")
         self.assert_refused(self.pilots("--n", "9", "--modes", self.MODES, error=1e-20), "uncertainty")
         result = self.pilots("--n", "9", "--modes", self.MODES, budget=1e-3)
         self.assertEqual((result.returncode, result.stdout), (UNANSWERABLE, ""))
