@@ -228,7 +228,8 @@ class ReproduceTest(CopyTest):
 
     def waiting(self, job):
         """Starts the script, quick, and returns it once something that it started waits."""
-        process = start(self.line("reproduce", job, "--quick", "--out", self.out), env=self.surroundings(BENCHMARK="wait"),
+        line = self.line("reproduce", job, "--quick", "--out", self.out)
+        process = start(line, env=self.surroundings(BENCHMARK="wait"),
                         stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
         self.addCleanup(end, process)
         self.await_start()
@@ -687,6 +688,15 @@ class TestScript(CopyTest):
             self.assertIn(f"-B {self.path('root', folder)} ", self.calls("cmake")[0])
             self.assertEqual("-DISOSYRK_SANITIZE=ON" in self.calls("cmake")[0], bool(arguments))
             self.assertIn(f"--test-dir {self.path('root', folder)} ", self.calls("ctest")[0])
+
+    def test_warnings_are_errors_if_asked(self):
+        for arguments in ((), ("--sanitize",), ("--threads",)):
+            for werror in ("OFF", "ON"):
+                with self.subTest(arguments=arguments, werror=werror):
+                    self.write("calls", "")
+                    done = self.script("test", *arguments, *(("--werror",) if werror == "ON" else ()))
+                    self.assertEqual(done.returncode, DONE, done.stderr)
+                    self.assertIn(f"-DISOSYRK_WERROR={werror}", self.calls("cmake")[0])
 
     def test_rounding_is_varied_by_the_machine_built_for_and_by_a_kept_choice_of_kernels(self):
         for machine, folder, options in (
