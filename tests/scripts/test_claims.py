@@ -17,7 +17,7 @@ sys.path[:0] = [os.path.join(BUILD, "python"), os.path.join(ROOT, "scripts", "st
 import isosyrk  # noqa: F401 (CTest leaves this file out where there is no module)
 import claims as claims_study
 from lib import claims_report, claims_table, formats
-from lib.claims_table import Finding, Row, cell_text, competitive, read_claims_table
+from lib.claims_table import Finding, Row, cell_text, read_claims_table
 from lib.command_line import Stop
 from lib.figures import read_figures
 from lib.formats import FORMULATIONS, parse_json
@@ -73,14 +73,6 @@ class Model(unittest.TestCase):
 
 
 class Judging(unittest.TestCase):
-    def test_competitive_is_faster_or_a_tie(self):
-        for algebra, wanted in ((0.5, HOLDS), (1.0, HOLDS), (1.2, FAILS)):
-            times = {"cotangent": [2.0] * FEWEST, "group": [1.0] * FEWEST, "algebra": [algebra] * FEWEST}
-            result, ratio = competitive(times)
-            self.assertEqual(result, wanted)
-            self.assertAlmostEqual(ratio.ratio, 1 / algebra)
-        self.assertEqual(competitive({name: [1.0] for name in FORMULATIONS})[0], UNDECIDED)
-
     def test_cells_of_the_table(self):
         def text(*findings):
             return cell_text([Finding(*each) for each in findings])

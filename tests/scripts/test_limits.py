@@ -21,29 +21,6 @@ class Questions(unittest.TestCase):
     def setUp(self):
         self.limits = limits_of(limits_study())
 
-    def test_the_own_state_and_the_range_over_states(self):
-        self.assertAlmostEqual(self.limits.own(PUBLISHED, "smooth", 9, "group2"), 1.5)
-        line = self.limits.lines[FAST, "smooth", 17, "group2"]
-        self.assertAlmostEqual(line.least, 4.5)
-        self.assertAlmostEqual(line.largest, 4.95)
-        self.assertIsNone(self.limits.own(PUBLISHED, "smooth", 9, "elp4_frame"))
-
-    def test_steps_that_survived_around_an_n(self):
-        around = self.limits.survived_around
-        for n, expected in ((5, 0.96), (9, 0.96), (13, 0.96), (17, 1.44), (33, 1.44)):  # the lesser, the nearest one
-            self.assertAlmostEqual(around(FAST, "smooth", n, "rk4"), expected)
-        for unknown in (("rough", 9, "rk4"), ("smooth", 9, "rkmk4")):
-            self.assertIsNone(around(FAST, *unknown))
-
-    def test_what_survived_is_taken_no_longer_than_what_drawn_states_bear(self):
-        study = limits_study()
-        study.tables["limits"] = [limit._replace(works=0.5) if limit.state == 1 and limit.integrator == "rk4" else limit
-                                  for limit in study.tables["limits"]]
-        limits = limits_of(study)
-        self.assertEqual(limits.survived_around(FAST, "smooth", 9, "rk4"), 0.5)
-        self.assertEqual(limits.least_survived()["rk4", FAST, 9], 0.5)
-        self.assertAlmostEqual(limits.survived_around(FAST, "smooth", 9, "group2"), 2.4)
-
     def test_what_survived_is_in_the_order_of_the_list_and_of_n(self):
         keys = [key for key in self.limits.least_survived() if key[1] == FAST]
         self.assertEqual(keys, [(name, FAST, n) for name in self.limits.integrators for n in SIZES])

@@ -17,7 +17,7 @@ from lib.formats import Study, listed
 from lib.longruns_files import (CLASSES, COSTS, ENERGY, EXPLICIT, EXPLICIT_LIE, EXPONENTIAL, EXPONENTIAL_LOOSE, GAUSS,
                                 GAUSS_LOOSE, PROJECTED, SCHEMA, SPECTRUM, STRUCTURE, LongRun, Plan, Point, Price,
                                 Settings, class_of, long_runs, method_of, price_on, read_longruns)
-from lib.longruns_report import defect_at, figures, places_of, sections
+from lib.longruns_report import figures, places_of, sections
 from lib.verdicts import UNDECIDED
 
 STUDY = os.path.join(ROOT, "scripts", "studies", "longruns.py")
@@ -264,16 +264,6 @@ class Files(FolderTest):
             self.assertEqual(method_of(INTEGRATORS[name], tolerance), method)
         self.assertEqual(method_of(INTEGRATORS["group2_frame"], 1e-7), "group2_loose")
 
-    def test_a_price_is_interpolated_along_the_line_and_never_beyond_it(self):
-        line = [made_point("rk4", steps) for steps in STEPS]
-        price = price_on(line, ENERGY, 1e-4, "rk4")
-        h = 10**-0.25  # 1e-3 h⁴ = 1e-4
-        self.assertAlmostEqual(price.products, 4 / h)
-        self.assertEqual((price.method, price.at_most), ("rk4", False))
-        self.assertEqual(price_on(line, ENERGY, 2e-2, "rk4"), Price(2.0, "rk4", True))
-        self.assertIsNone(price_on(line, ENERGY, 1e-7, "rk4"))
-        self.assertIsNone(price_on(line, SPECTRUM, 1e-7, "rk4"))
-
     def test_no_price_beside_a_run_that_failed_or_lost_energy_or_spectrum(self):
         line = [made_point("rk4", steps) for steps in STEPS]
         for changes in ({"status": "unstable", "energy_error": None, "spectrum_error": None}, {"energy_error": LOST},
@@ -282,10 +272,6 @@ class Files(FolderTest):
             self.assertEqual(price_on(changed, ENERGY, 9e-3, "rk4"), Price(4.0, "rk4", False))
             self.assertEqual(price_on(changed, SPECTRUM, 1.0, "rk4"), Price(4.0, "rk4", False))
         self.assertLess(price_on(line, ENERGY, 9e-3, "rk4").products, 4.0)  # the control
-
-    def test_a_line_whose_cost_falls_first_is_priced_at_its_cheapest(self):
-        line = [made_point("elp6_tight", 500, equivalent_products=400.0), made_point("elp6_tight", 1000)]
-        self.assertEqual(price_on(line, ENERGY, 1e-4, "rk4").products, 60.0)
 
     def test_where_structure_pays(self):
         runs = long_runs(made_study())
@@ -298,14 +284,6 @@ class Files(FolderTest):
         place = places[1e-6]
         self.assertAlmostEqual(place.ratio((EXPLICIT,)), 15 / 1000**0.25)
         self.assertEqual(runs.price("smooth", 33, ENERGY, 1e-6, STRUCTURE).products, 60.0)
-
-    def test_the_defect_at_a_cost_is_that_of_the_shorter_steps(self):
-        line = [made_point("elp6", 500, equivalent_products=60.0, symplectic_defect=1e-2),
-                made_point("elp6", 1000, equivalent_products=40.0, symplectic_defect=1e-4),
-                made_point("elp6", 2000, equivalent_products=90.0, symplectic_defect=1e-6)]
-        self.assertAlmostEqual(math.log10(defect_at(line, 60.0)), -5)
-        self.assertIsNone(defect_at(line, 150.0))
-        self.assertIsNone(defect_at(line, 30.0))
 
 
 class Render(DrawingTest):

@@ -524,15 +524,6 @@ class Accuracy(StudyTest):
                                           (Problem("smooth", 50.0, 17), 1e-6, False)):
             self.assertEqual(duels.is_published_duel(problem, wanted), competes)
 
-    def test_of_close_methods_the_fastest_stands(self):
-        row = {**self.PROBLEM._asdict(), "wanted": 1e-6, "solver": FAST, "steps": 9}
-        two = {**row, "contender": "gauss", "integrator": "group2_frame"}
-        three = {**two, "integrator": "group3_frame"}
-        other = {**row, "contender": "rk4", "integrator": "rk4_frame"}
-        self.assertEqual(duels.standing([two, three, other], [9.0, 8.0, 8.5]), [three, other])
-        self.assertEqual(duels.standing([three, two, {**two, "wanted": 1e-4}], [8.0, 9.0, 9.0]),
-                         [three, {**two, "wanted": 1e-4}])
-
     def test_how_a_line_ends(self):
         job = {**self.PROBLEM._asdict(), "solver": FAST, "references": REFERENCES, "quick": False,
                "table1_step": False}
@@ -613,30 +604,6 @@ class Trials(unittest.TestCase):
         for error, expected in ((0.11, "energy lost"), (0.09, "converged"), (math.nan, "energy lost")):
             with self.subTest(error=error), mock.patch.object(setting, "energy_error", return_value=error):
                 self.assertEqual(method.outcome(0.25), expected)
-
-    @staticmethod
-    def tried(*stretches):
-        """Returns a trial that works in some stretches of h‖B‖ and diverges elsewhere."""
-        return lambda value: "converged" if any(low <= value <= high for low, high in stretches) else "diverged"
-
-    def test_grid_and_bisection(self):
-        for edge in (0.1, 0.7, 3.0, 20.0):
-            outcomes, (works, fails, status) = trials.critical(self.tried((0, edge)))
-            self.assertTrue(works <= edge < fails <= 1.03 * works, edge)
-            self.assertEqual((status, list(outcomes.values())[-4:]), ("diverged", ["diverged"] * 4))
-        # An island beyond the first failure is seen, and is not the limit.
-        outcomes, (works, _, _) = trials.critical(self.tried((0, 1.5), (2.5, 6.0)))
-        self.assertLess(works, 1.5)
-        self.assertTrue(any(value > 2.5 and outcome == "converged" for value, outcome in outcomes.items()))
-        self.assertIsNone(trials.critical(self.tried())[1])  # nothing works
-        self.assertIsNone(trials.critical(self.tried((0, 1e9)))[1])  # nothing fails
-
-    def test_the_step_that_survived_is_the_critical_one_or_shorter(self):
-        bracket = (1.0, 1.03, "diverged")
-        self.assertEqual(trials.survived(self.tried((0, 1.0)), bracket), bracket)
-        works, fails, _ = trials.survived(self.tried((0, 0.4)), bracket)
-        self.assertTrue(works <= 0.4 < fails <= 1.1 * works)
-        self.assertIsNone(trials.survived(self.tried(), bracket))
 
 
 @unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")

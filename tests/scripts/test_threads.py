@@ -121,12 +121,6 @@ class Judgement(FolderTest):
         self.assertEqual(self.verdicts(1.15, 0.25, rng), [UNDECIDED] * 2)
         self.assertEqual(self.verdicts(1.9, 0.01, rng, processes=5), [UNDECIDED] * 2)
 
-    def test_it_is_against_the_next_smaller_number(self):
-        found = threads_of([run(), run(2, seconds=0.1), run(4, seconds=0.15)], self.path("threads.json"))
-        one, two, four = found.runs.values()
-        self.assertEqual([found.than_fewer(each) for each in (one, two, four)], [None, FASTER, SLOWER])
-        self.assertAlmostEqual(found.gain(four).ratio, 4 / 3)
-
 
 @unittest.skipUnless(HAS_MODULE and not SANITIZED, "without the module, or with a sanitizer's libraries")
 class Study(FolderTest):

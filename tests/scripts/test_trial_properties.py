@@ -168,6 +168,35 @@ class Times(unittest.TestCase):
         if len(calls) > 1:
             self.assertGreaterEqual(calls[-1][0] * max(seconds, 1e-6), study.LEAST_SECONDS * (1 - 1e-9))
 
+    @holds_for(seconds=draw.lists(decades(-3.0, 1.0), min_size=1, max_size=5), repetitions=draw.integers(1, 5),
+               done=draw.integers(0, 10))
+    def test_points_are_timed_in_turns_on_the_last_core_until_that_is_enough(self, seconds, repetitions, done):
+        cores, timed, on = os.sched_getaffinity(0), [], set()
+        journal = SimpleNamespace(context={}, found={}, key_of_timed=lambda what, point: f"{what} {point}")
+        journal.add = journal.found.__setitem__
+
+        def time_one(point):
+            timed.append(point)
+            on.update(os.sched_getaffinity(0))
+            return seconds[point]
+
+        points = list(range(len(seconds)))
+        with mock.patch.object(study, "progress", lambda total, what: mock.MagicMock()):
+            found = study.in_turns(points, repetitions, time_one, journal, "timings")
+            self.assertEqual((on, os.sched_getaffinity(0)), ({max(cores)}, cores))  # and all cores again
+            for point, times in zip(points, found):
+                most = next((k for k in range(1, repetitions) if k * seconds[point] >= study.ENOUGH_TIMED), repetitions)
+                self.assertEqual(len(times), most)
+            turns = [[point for point in points if len(found[point]) > turn] for turn in range(repetitions)]
+            self.assertEqual(timed, [point for turn in turns for point in turn])  # all once, then all again
+            # What stands in the journal is not timed again.
+            kept = dict(list(journal.found.items())[:done])
+            journal.found.clear()
+            journal.found.update(kept)
+            count = len(timed)
+            self.assertEqual(study.in_turns(points, repetitions, time_one, journal, "timings"), found)
+            self.assertEqual(len(timed) - count, max(0, count - done))
+
     @holds_for(sizes=draw.dictionaries(draw.integers(5, 300), draw.sampled_from(("eigen", "openblas", "split")),
                                        min_size=1, max_size=5), n=draw.integers(5, 1100))
     def test_published_forms_take_the_backend_of_the_nearest_n(self, sizes, n):
