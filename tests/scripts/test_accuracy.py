@@ -8,16 +8,17 @@ from programs import FolderTest
 from study_documents import (CONTENDERS, INTEGRATORS, ROUGH, SMOOTH, SOONER, STEPS, accuracy_of, run_of, small_study,
                              study_document, write_study)
 
-from lib.accuracy_figures import figures
-from lib.accuracy_lines import CONTENDERS as ALL_CONTENDERS
-from lib.accuracy_lines import (CUT, ENERGY_BOUNDED, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT, Form, compared, keeps,
-                                read_accuracy)
-from lib.accuracy_report import accuracy_sections
-from lib.contenders import CLASSES, all_forms, candidates
-from lib.equal_error import cheap_forms, cheapest
-from lib.formats import listed
-from lib.messages import UnusableFile
-from lib.document import as_markdown
+from studies.accuracy.judge import figures
+from studies.accuracy.schema import CONTENDERS as ALL_CONTENDERS
+from lib.records.settings import ENERGY_BOUNDED, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT, keeps
+from studies.accuracy.schema import CUT, Form
+from studies.accuracy.lines import compared, read_accuracy
+from studies.accuracy.report import accuracy_sections
+from studies.accuracy.candidates import CLASSES, all_forms, candidates
+from studies.accuracy.equal_error import cheap_forms, cheapest
+from lib.records.formats import listed
+from lib.programs.messages import UnusableFile
+from lib.pages.document import as_markdown
 
 
 class RefusalTest(FolderTest):

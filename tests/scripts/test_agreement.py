@@ -12,8 +12,8 @@ import unittest
 
 from programs import ROOT, text_of
 
-from lib.claims_table import read_claims_table
-from lib.comparison import three_digits
+from studies.claims.judge import read_claims_table
+from lib.pages.numbers import three_digits
 
 RECORDED = os.path.join(ROOT, "results", "recorded")
 CODES = {"published": "plain", "fast": "optimised"}  # by implementation

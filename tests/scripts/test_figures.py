@@ -4,8 +4,8 @@ import unittest
 
 from programs import FolderTest
 
-from lib.figures import as_json, faults, read_figures
-from lib.messages import UnusableFile
+from lib.pages.figures import as_json, faults, read_figures
+from lib.programs.messages import UnusableFile
 
 FIGURES = {"study:ratio": 1.8461, "study:other": 1.5, "study:cases": 47, "study:all": 75, "study:error": 2.28e-13,
            "study:share": 0.0643, "study:drift": -0.25, "study:steps": 10000}

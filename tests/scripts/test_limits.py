@@ -5,11 +5,12 @@ import unittest
 from drawing import DrawingTest, lines_of
 from limits_documents import CLOSE, CRITICAL, NORM_B, SIZES, limits_study, write
 
-from lib.document import as_markdown
-from lib.formats import FAST, PUBLISHED
-from lib.limits_files import LETTERS, OUTCOMES, limits_of
-from lib.limits_report import figures, sections
-from lib.messages import UnusableFile
+from lib.pages.document import as_markdown
+from lib.records.formats import FAST, PUBLISHED
+from studies.limits.schema import LETTERS, OUTCOMES, limits_of
+from studies.limits.report import sections
+from studies.limits.judge import figures
+from lib.programs.messages import UnusableFile
 
 
 class RawFiles(unittest.TestCase):
@@ -116,7 +117,7 @@ class Report(unittest.TestCase):
 
 
 class Files(DrawingTest):
-    script = "render_limits"
+    package = "limits"
 
     def test_every_chart_is_whole_and_shown(self):
         files = self.rendered("plain", write(self.folder, limits_study()))
@@ -135,7 +136,7 @@ class Files(DrawingTest):
 
 class Charts(DrawingTest):
     def test_lines_are_the_limits_of_the_own_state_and_theory_is_apart(self):
-        panels = self.panels("limits_charts", "critical_steps", limits_of(limits_study()))
+        panels = self.panels("studies.limits.charts", "critical_steps", limits_of(limits_study()))
         (published,), (fast,) = panels["published forms"], panels["fast forms"]
         self.assertEqual(set(lines_of(published)), {"group2", "algebra1", "rk4"})
         self.assertEqual(set(lines_of(fast)), {"group2", "algebra1", "elp4_frame"})
@@ -147,14 +148,14 @@ class Charts(DrawingTest):
         self.assertEqual(len([line for line in published.lines if line.get_label() == "_theory"]), 2)
 
     def test_a_cell_for_each_trial(self):
-        ((panel,),) = self.panels("limits_charts", "failure_map", limits_of(limits_study())).values()
+        ((panel,),) = self.panels("studies.limits.charts", "failure_map", limits_of(limits_study())).values()
         self.assertEqual(len(panel.patches), len(SIZES) * len(CRITICAL["algebra1"][2]))
         self.assertEqual(len({patch.get_facecolor() for patch in panel.patches}), 4)
         self.assertEqual(len(set(limits_charts_colours())), len(OUTCOMES))
 
 
 def limits_charts_colours():
-    from lib import limits_charts  # only now: it needs matplotlib
+    from studies.limits import charts as limits_charts  # only now: it needs matplotlib
     return [limits_charts.COLOURS[outcome] for outcome in OUTCOMES]
 
 

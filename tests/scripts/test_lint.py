@@ -22,7 +22,7 @@ for package; do :; done
 echo "install ok installed"
 """
 CPP = ("core/integrators/form.cpp", "core/integrators/form.h", "core/fast/form.cpp", "tests/form_test.cpp")
-PYTHON = ("core/module.py", "core/module.pyi", "scripts/lib/charts.py", "scripts/render")
+PYTHON = ("core/module.py", "core/module.pyi", "scripts/studies/accuracy/charts.py", "scripts/render")
 OTHERS = ("README.md", "scripts/data", "scripts/shell")
 
 

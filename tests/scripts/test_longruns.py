@@ -8,21 +8,23 @@ import unittest
 from unittest import mock
 
 from drawing import DrawingTest, lines_of
-from programs import BUILD, DONE, HAS_MODULE, ROOT, FolderTest, environment, run
+from programs import BUILD, DONE, HAS_MODULE, MEASURE, FolderTest, environment, run
 
-from lib import formats
-from lib.document import as_markdown
-from lib.drift import (ALL_LOST, BOUNDED, FAILED, GROWS, KEPT, LOST, ROUNDING, growth_of, in_blocks, judged, trend_of)
-from lib.figures import read_figures
-from lib.formats import Study, listed
-from lib.longruns_files import (CLASSES, COSTS, ENERGY, EXPLICIT, EXPLICIT_LIE, EXPONENTIAL, EXPONENTIAL_LOOSE, GAUSS,
-                                GAUSS_LOOSE, PROJECTED, SCHEMA, SPECTRUM, STRUCTURE, LongRun, Plan, Point, Price,
-                                Settings, class_of, long_runs, method_of, price_on, read_longruns)
-from lib.longruns_report import defect_at, figures, places_of, sections
-from lib.messages import UnusableFile
-from lib.verdicts import UNDECIDED
+from lib.records import formats
+from lib.pages.document import as_markdown
+from lib.judging.drift import (ALL_LOST, BOUNDED, FAILED, GROWS, KEPT, LOST, ROUNDING, growth_of, in_blocks, judged,
+                               trend_of)
+from lib.pages.figures import read_figures
+from lib.records.formats import Study, listed
+from studies.longruns.schema import (CLASSES, COSTS, ENERGY, EXPLICIT, EXPLICIT_LIE, EXPONENTIAL, EXPONENTIAL_LOOSE,
+                                     GAUSS, GAUSS_LOOSE, PROJECTED, SCHEMA, SPECTRUM, STRUCTURE, LongRun, Plan, Point,
+                                     Price, Settings, class_of, long_runs, method_of, price_on, read_longruns)
+from studies.longruns.report import sections
+from studies.longruns.judge import defect_at, figures, places_of
+from lib.programs.messages import UnusableFile
+from lib.judging.verdicts import UNDECIDED
 
-STUDY = os.path.join(ROOT, "scripts", "studies", "longruns.py")
+STUDY = MEASURE, "longruns"
 TIMES = [50.0 * k for k in range(1, 201)]  # of 200 windows to T = 1e4
 
 
@@ -87,7 +89,7 @@ class Drift(unittest.TestCase):
     def test_an_interval_by_shorter_blocks_would_be_too_short(self):
         # The control of the blocks: on noise with a correlation, blocks of three points miss 0 far more often.
         def misses(count):
-            with mock.patch("lib.drift.BLOCKS", count):
+            with mock.patch("lib.judging.drift.BLOCKS", count):
                 found = [growth_of(bounded(seed, 0.8)) for seed in range(100)]
             return sum(not growth.low <= 0 <= growth.high for growth in found)
 
@@ -319,7 +321,7 @@ class Files(FolderTest):
 
 
 class Render(DrawingTest):
-    script = "render_longruns"
+    package = "longruns"
     CHARTS = ("energy_against_cost", "spectrum_against_cost", "energy_against_time")
 
     def test_charts_report_and_figures(self):
@@ -386,7 +388,7 @@ class Render(DrawingTest):
 
     def test_lines_of_the_charts(self):
         runs = long_runs(made_study())
-        panels = self.panels("longruns_charts", "energy_against_cost", runs)
+        panels = self.panels("studies.longruns.charts", "energy_against_cost", runs)
         self.assertEqual(list(panels), ["smooth scene, n = 33, T = 1000", "rough scene, n = 33, T = 1000"])
         (panel,) = panels["smooth scene, n = 33, T = 1000"]
         lines = lines_of(panel)
@@ -396,7 +398,7 @@ class Render(DrawingTest):
         self.assertEqual((len(labels), "○ elp6, 1e-13" in labels), (len(MADE), True))
         self.assertEqual(panel.lines[-1].get_marker(), "o")
         self.assertIn("4 of 12 places", panel.figure.texts[0].get_text())
-        (panel,) = self.panels("longruns_charts", "energy_against_time", runs)["smooth scene"]
+        (panel,) = self.panels("studies.longruns.charts", "energy_against_time", runs)["smooth scene"]
         self.assertIn("of 12 runs 0 are at rounding, 8 bounded, 4 growing", panel.figure.texts[0].get_text())
         self.assertEqual(len(lines_of(panel)["rk4"]), len(TIMES))
         labels = [text.get_text() for text in panel.texts]
@@ -407,10 +409,10 @@ class Render(DrawingTest):
         errors = [error for _, error in bounded(1)][:45]
         runs = long_runs(made_study([made_point("elp6", 500, spectrum_error=0.0), made_point("elp6", 1000)], [
             made_long_run("rk4", status="unstable", failed_step=900, energy_errors=errors, energy_means=errors)]))
-        ((panel,),) = self.panels("longruns_charts", "spectrum_against_cost", runs).values()
+        ((panel,),) = self.panels("studies.longruns.charts", "spectrum_against_cost", runs).values()
         self.assertEqual(lines_of(panel)["elp6"][0], [15.0, 1e-16])
         self.assertEqual([text.get_text() for text in panel.texts], ["all others"])
-        ((panel,),) = self.panels("longruns_charts", "energy_against_time", runs).values()
+        ((panel,),) = self.panels("studies.longruns.charts", "energy_against_time", runs).values()
         crosses = [line.get_xydata().tolist() for line in panel.lines if line.get_label() == "_failure"]
         self.assertEqual(crosses, [[lines_of(panel)["rk4"][-1]]])
         self.assertIn("rk4 (failed)", [text.get_text() for text in panel.texts])
@@ -427,18 +429,17 @@ class Render(DrawingTest):
             with self.subTest(parts=parts):
                 self.assert_refused(self.render(path, "--out", self.path("out")), *parts)
                 self.assertFalse(os.path.exists(self.path("out")))
-        self.assert_refused(self.render(write_longruns(self.folder)), "--out")
 
 
 # ---- the study itself
 
 if HAS_MODULE:
-    sys.path[:0] = [os.path.join(BUILD, "python"), os.path.dirname(STUDY)]
+    sys.path.insert(0, os.path.join(BUILD, "python"))
     import isosyrk
-    import longruns
+    from studies.longruns import run as longruns
     import numpy
-    from lib import symplectic_defect
-    from lib.symplectic_defect import derivative, form, random_direction
+    from studies.longruns import symplectic_defect
+    from studies.longruns.symplectic_defect import derivative, form, random_direction
 
 
 @unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")
@@ -516,7 +517,7 @@ class SymplecticDefect(unittest.TestCase):
 @unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")
 class Runs(FolderTest):
     def study(self, *arguments):
-        return run([sys.executable, "-B", STUDY, "--out", self.path("raw.json"), *arguments], timeout=120,
+        return run([sys.executable, "-B", *STUDY, "--out", self.path("raw.json"), *arguments], timeout=120,
                    env=environment(ISOSYRK_BUILD=BUILD))
 
     def test_quick_runs_of_two_methods(self):

@@ -23,7 +23,7 @@ from unittest import mock
 
 from programs import BUILD, ROOT, SANITIZED, cpu_seconds_of, environment, program, run, run_script, start, text_of
 
-from lib.integrators import FAMILIES
+from lib.records.integrators import FAMILIES
 
 sys.path.insert(0, os.path.join(BUILD, "python"))
 import numpy as np

@@ -7,13 +7,17 @@ import subprocess
 import unittest
 
 import drawing
-from programs import ROOT, FolderTest, environment, run, run_script, snapshot
+from programs import RENDER, ROOT, FolderTest, environment, run, run_script, snapshot
 
-from lib.accuracy_lines import CUT, TIGHT, read_accuracy
-from lib.figures import KEYS, MARKER, faults, recorded_figures
-from lib.integrators import ADAMS
-from lib.scaling_table import read_scaling
-from lib.trend import trend_of
+from lib.records.settings import TIGHT
+from studies.accuracy.schema import CUT
+from studies.accuracy.lines import read_accuracy
+from lib.pages.figures import KEYS, MARKER, faults, recorded_figures
+from lib.records.integrators import ADAMS
+from studies.scaling.schema import read_scaling
+from lib.judging.trend import trend_of
+
+import studies
 
 RECORDED = os.path.join(ROOT, "results", "recorded")
 MOST_BYTES = 6 * 2**20
@@ -28,40 +32,26 @@ def raw(study, name="raw.json"):
     return os.path.join(RECORDED, study, name)
 
 
-# What renders a recorded study into a folder: script, raw file, options with further raw files.
-STUDIES = {
-    "accuracy": ("render_accuracy", "accuracy/raw.json"),
-    "tables": ("render_tables", "tables/raw.json"),
-    "scaling": ("render_scaling", "scaling/raw.json", "--rough", "scaling/rough.json", "--threads",
-                "scaling/threads.json"),
-    "theorem": ("render_theorem", "theorem/raw.json"),
-    "limits": ("render_limits", "limits/raw.json"),
-    "longruns": ("render_longruns", "longruns/raw.json"),
-    "turbulence": ("render_turbulence", "turbulence/raw.json"),
-    "claims": ("render_claims", "claims/raw.json", "--avx2", "claims/avx2.json")}
+STUDIES = tuple(dict.fromkeys(study.package or study.name for study in studies.STUDIES))
+RAW_FILES = {study: {part.file for each in studies.STUDIES if study in (each.package, each.name) for part in each.parts}
+             for study in STUDIES}
 DRAWN_BY = "3.6"  # matplotlib: another one draws other bytes
-
-
-def recorded(path):
-    return os.path.join(RECORDED, *path.split("/")) if path.endswith(".json") else path
 
 
 class Recorded(FolderTest):
     def rendered(self, study):
         """Returns the files that the raw files of a study give."""
-        script, *arguments = STUDIES[study]
-        done = run([drawing.PYTHON, "-B", os.path.join(ROOT, "scripts", script), *map(recorded, arguments),
-                    "--out", self.path(study)], timeout=300, env=environment(MPLCONFIGDIR=self.path("matplotlib")))
+        done = run([drawing.PYTHON, "-B", RENDER, study, raw(study), "--out", self.path(study)], timeout=300,
+                   env=environment(MPLCONFIGDIR=self.path("matplotlib")))
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         return {name: data for name, data in snapshot(self.path(study)).items() if not name.endswith(".png")}
 
     def test_reports_figures_and_charts_are_what_the_raw_files_give(self):
         version = run([drawing.PYTHON, "-c", "import matplotlib; print(matplotlib.__version__)"]).stdout
         for study in STUDIES:
-            raw_files = {path.split("/")[1] for path in STUDIES[study] if path.startswith(f"{study}/")}
             found, kept = self.rendered(study), snapshot(os.path.join(RECORDED, study))
             with self.subTest(study=study):
-                self.assertEqual(set(found) | raw_files, set(kept))
+                self.assertEqual(set(found) | RAW_FILES[study], set(kept))
                 self.assertGreater(len(kept), 2)
                 for name, data in found.items():
                     if version.startswith(f"{DRAWN_BY}.") or not name.endswith(".svg"):
@@ -73,7 +63,7 @@ class Recorded(FolderTest):
         at = table["columns"].index("seconds")
         table["rows"][0][at] = [1.1 * seconds for seconds in table["rows"][0][at]]
         path = self.write("raw.json", json.dumps(document))
-        done = run_script(os.path.join(ROOT, "scripts", "render_theorem"), path, "--out", self.path("theorem"))
+        done = run_script(RENDER, "theorem", path, "--out", self.path("theorem"))
         self.assertEqual(done.returncode, 0, done.stderr)
         for name in ("report.md", "figures.json"):
             self.assertNotEqual(text(self.path("theorem", name)), text(RECORDED, "theorem", name))

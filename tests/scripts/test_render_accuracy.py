@@ -14,8 +14,8 @@ from programs import snapshot
 from study_documents import (INTEGRATORS, ROUGH, accuracy_of, duel_row, run_of, small_study, study_document,
                              write_study)
 
-from lib.accuracy_lines import CUT
-from lib.formats import LISTED
+from studies.accuracy.schema import CUT
+from lib.records.formats import LISTED
 
 CHARTS = ("error_against_time", "time_against_n", "error_against_n")
 KINDS = ("svg", "png")
@@ -59,7 +59,7 @@ def marks(panel, label):
 
 
 class AccuracyTest(DrawingTest):
-    script = "render_accuracy"
+    package = "accuracy"
 
     def small(self):
         """Returns the raw file of a study that is drawn in a second or two, where only the files matter."""
@@ -72,7 +72,8 @@ class AccuracyTest(DrawingTest):
 
     def drawn(self, chart, document):
         """Returns the panels of a chart by their titles."""
-        return {title: panel for title, (panel,) in self.panels("charts", chart, accuracy_of(document)).items()}
+        panels = self.panels("studies.accuracy.charts", chart, accuracy_of(document))
+        return {title: panel for title, (panel,) in panels.items()}
 
 
 class Files(AccuracyTest):

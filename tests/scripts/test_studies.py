@@ -14,26 +14,30 @@ from types import SimpleNamespace
 from unittest import mock
 
 import study_documents
-from programs import BUILD, DONE, HAS_MODULE, ROOT, FolderTest, end, environment, run, start, strict_json, text_of
+from programs import (BUILD, DONE, HAS_MODULE, MEASURE, ROOT, FolderTest, end, environment, run, start, strict_json,
+                      text_of)
 from scaling_documents import write_scaling
 from study_documents import raw, study_document
 
-from lib import formats
-from lib.messages import UnusableFile
-from lib import scaling_table
-from lib.formats import FAST, PUBLISHED, listed
-from lib.integrators import NAMED, TABLE1_CELLS, short_name
-from lib.accuracy_lines import CONTENDERS, GOOD_ENOUGH, SCHEMA, Form, Problem, read_accuracy
-from lib.limits_files import read_limits
-from lib.scaling_table import read_rough, read_scaling
+from lib.records import formats
+from lib.programs.messages import UnusableFile
+from studies.scaling import schema as scaling_table
+from lib.records.formats import FAST, PUBLISHED, listed
+from lib.records.integrators import NAMED, TABLE1_CELLS, short_name
+from lib.records.settings import Problem
+from studies.accuracy.schema import CONTENDERS, GOOD_ENOUGH, SCHEMA, Form
+from studies.accuracy.lines import read_accuracy
+from studies.limits.schema import read_limits
+from studies.scaling.schema import read_rough, read_scaling
 
 if HAS_MODULE:
     sys.path.insert(0, os.path.join(BUILD, "python"))
     import isosyrk
     import numpy
-    from lib import accuracy_runs, contenders, duels, initial_states, problems, study, trials, verdicts
+    from studies.accuracy import single_runs as accuracy_runs, candidates as contenders, comparisons as duels
+    from lib.running import initial_states, problems, study, trials
+    from lib.judging import verdicts
 
-STUDIES = os.path.join(ROOT, "scripts", "studies")
 RECORDED = os.path.join(ROOT, "results", "recorded", "accuracy", "raw.json")
 REFERENCES = os.path.join(ROOT, "results", "recorded", "references")
 HAS_DASK = importlib.util.find_spec("distributed") is not None
@@ -41,9 +45,9 @@ NO_ANSWER, INTERRUPTED, TERMINATED = 3, 130, 143
 
 # A study of squares: a job is told in LOG, takes a while, and kills its process the first times where it is told to.
 SQUARES = """
-import os, sys, time
+import importlib, os, sys, time
 sys.path.insert(0, %r)
-from lib import study
+from lib.running import study
 
 def square(job):
     with open(os.environ["LOG"], "a") as log:
@@ -62,7 +66,7 @@ def main(arguments):
     options = parser.parse_args(arguments)
     journal = study.Journal("squares", options, lambda: {"commit": "1"})
     jobs = [{"number": number, "deaths": options.deaths if number == 7 else 0} for number in range(12)]
-    squares = study.untimed(jobs, square, journal, options, "squares")
+    squares = study.untimed(jobs, importlib.import_module("squares").square, journal, options, "squares")
     seconds = study.in_turns([1, 3], 3, lambda point: point * 0.25, journal, "turns")
     print(squares, seconds, journal.context["timed_on"])
     journal.remove()
@@ -265,6 +269,8 @@ class Work(SquaresTest):
 def start_cluster(test, **settings):
     """Returns the address of a Dask scheduler with two workers, each a process of this machine, until a test ends."""
     import distributed
+    sys.path.append(test.folder)  # which workers take over, as one on another machine has the scripts
+    test.addCleanup(sys.path.remove, test.folder)
     cluster = distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0",
                                        silence_logs="CRITICAL", local_directory=test.folder,
                                        env=environment(**settings))
@@ -289,7 +295,7 @@ class Dask(SquaresTest):
 @unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")
 class StudyTest(FolderTest):
     def script(self, name, *arguments):
-        return run([sys.executable, "-B", os.path.join(STUDIES, f"{name}.py"), *arguments], timeout=120,
+        return run([sys.executable, "-B", MEASURE, name, *arguments], timeout=120,
                    env=environment(ISOSYRK_BUILD=BUILD))
 
     def made(self, name, *arguments, file="raw.json"):
@@ -348,9 +354,7 @@ class Limits(StudyTest):
 class Scaling(StudyTest):
     def setUp(self):
         super().setUp()
-        sys.path.insert(0, STUDIES)
-        self.addCleanup(sys.path.remove, STUDIES)
-        import scaling
+        from studies.scaling import run as scaling
         self.scaling = scaling
 
     def options(self, **values):
@@ -548,9 +552,7 @@ class Accuracy(StudyTest):
 
     def setUp(self):
         super().setUp()
-        sys.path.insert(0, STUDIES)
-        self.addCleanup(sys.path.remove, STUDIES)
-        import accuracy
+        from studies.accuracy import run as accuracy
         self.accuracy = accuracy
 
     def test_counts_and_errors_are_those_of_the_recorded_study(self):
@@ -846,7 +848,7 @@ class Accuracy(StudyTest):
                                 *parts)
 
         self.assertEqual(again().count("n = 17: kept"), 2)
-        refused("n = 33", "references.py --n 33", n="33")
+        refused("n = 33", "measure references --n 33", n="33")
         self.write("references/references.json", text.replace('"scene": "smooth"', '"scene": "rough"'))
         refused("references.json", "scene")
         os.unlink(os.path.join(folder, "smooth_n17.npy"))

@@ -15,24 +15,29 @@ import types
 import unittest
 from unittest import mock
 
-from programs import BUILD, DONE, FORMULATIONS, ROOT, FolderTest, end, environment, run, run_script, snapshot, start
+from programs import (BUILD, DONE, FORMULATIONS, MEASURE, RENDER, ROOT, FolderTest, end, environment, run, run_script,
+                      snapshot, start)
 
-sys.path[:0] = [os.path.join(BUILD, "python"), os.path.join(ROOT, "scripts", "studies")]
+sys.path.insert(0, os.path.join(BUILD, "python"))
 import numpy as np
 
 import isosyrk
-from lib import plain_forms
-from lib import formats, study, theorem_table
-import theorem
-from lib.document import Table, as_markdown
-from lib.figures import KEYS
-from lib.fresh_process import MOST_SWITCHES, MOST_TRIES, Disturbance
-from lib.messages import UnusableFile
-from lib.plain_forms import dagger, gauss
-from lib.theorem_table import NOTHING, PAIRS, PRINTED_K, PRINTED_W, SCHEMA, Coincidence, Settings, Timed
-from lib.verdicts import FEWEST, MORE, MOST
+from studies.theorem import plain_forms
+from lib.records import formats
+from lib.running import study
+from studies.theorem import schema as theorem_table
+from studies.theorem import run as theorem
+from lib.pages.document import Table, as_markdown
+from lib.pages.figures import KEYS
+from lib.running.fresh_process import MOST_SWITCHES, MOST_TRIES, Disturbance
+from lib.programs.messages import UnusableFile
+from studies.theorem.plain_forms import dagger, gauss
+from studies.theorem.report import rendered
+from studies.theorem.schema import (NOTHING, PAIRS, PRINTED_K, PRINTED_W, SCHEMA, Coincidence, Settings, Timed,
+                                    read_theorem)
+from lib.judging.verdicts import FEWEST, MORE, MOST
 
-RENDER = os.path.join(ROOT, "scripts", "render_theorem")
+RENDERING = RENDER, "theorem"
 ROUNDING = 1e-13  # of one step with entries of about 1, and of its iteration
 CHANGED = 1e-9  # the least that a change makes: Lobatto methods of order 4 differ by h⁵ times small constants
 
@@ -194,7 +199,7 @@ class ByProcesses(FolderTest):
 
         options = types.SimpleNamespace(out=self.path("raw.json"))
         journal = study.Journal("made up", options, lambda: {"commit": "1"})
-        with mock.patch("lib.fresh_process.run_on", run_on):
+        with mock.patch("lib.running.fresh_process.run_on", run_on):
             for what in parts:
                 found = study.by_processes(self.BLOCKS, lambda *told: told, further, journal, what, cores)
         return found, journal.context
@@ -334,7 +339,8 @@ class Report(FolderTest):
         path = self.path("raw.json")
         self.study = made_up(self.ROWS)
         formats.write_study(path, SCHEMA, self.study.context, self.study.settings, self.study.tables)
-        self.document, self.figures = theorem_table.rendered(path)
+        found = rendered(path, None)
+        self.document, self.figures = found.document(set()), found.figures
 
     def rows(self, heading):
         """Returns the rows of the first table after a heading, as lists of text with a star for what is marked."""
@@ -405,7 +411,7 @@ class Report(FolderTest):
                 path = self.path("raw.json")
                 formats.write_study(path, SCHEMA, {}, self.study.settings, {**self.study.tables, **tables})
                 with self.assertRaisesRegex(UnusableFile, message) as caught:
-                    theorem_table.rendered(path)
+                    read_theorem(path)
                 self.assert_one_line(f"{caught.exception}\n", path)
 
 
@@ -414,7 +420,7 @@ class Study(FolderTest):
                  "--scene", "rigid_body", "spin_chain")
 
     def command(self, *arguments):
-        return [sys.executable, "-B", os.path.join(ROOT, "scripts", "studies", "theorem.py"), *arguments]
+        return [sys.executable, "-B", MEASURE, "theorem", *arguments]
 
     def script(self, *arguments):
         return run(self.command(*arguments), env=environment(ISOSYRK_BUILD=BUILD), timeout=240)
@@ -447,7 +453,7 @@ class Study(FolderTest):
             self.assertLess(row.difference, row.bound)
         failed = [(row.scene, row.stages, row.h_norm_B) for row in tables["coincidence"] if None in row.sweeps]
         self.assertEqual((len(tables["coincidence"]), failed), (18, [("spin_chain", 1, 0.6)]))
-        shown = run_script(RENDER, path, "--out", self.path("report"))
+        shown = run_script(*RENDERING, path, "--out", self.path("report"))
         self.assertEqual((shown.returncode, shown.stdout, shown.stderr), (DONE, "", ""))
         files = snapshot(self.path("report"))
         self.assertEqual(set(files), {"report.md", "figures.json"})
@@ -502,9 +508,9 @@ class Study(FolderTest):
                 self.assert_refused(self.script("--out", self.path("raw.json"), *arguments), *parts)
         self.assertEqual(os.listdir(self.folder), [])
         scaling = os.path.join(ROOT, "results", "recorded", "scaling", "raw.json")
-        self.assert_refused(run_script(RENDER, scaling, "--out", self.path("report")),
+        self.assert_refused(run_script(*RENDERING, scaling, "--out", self.path("report")),
                             "scaling/raw.json", "is no raw file of the study theorem")
-        self.assert_refused(run_script(RENDER, self.path("none.json"), "--out", self.path("report")),
+        self.assert_refused(run_script(*RENDERING, self.path("none.json"), "--out", self.path("report")),
                             "none.json", "cannot be read")
 
 

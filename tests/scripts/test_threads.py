@@ -10,20 +10,19 @@ import unittest
 from unittest import mock
 
 import drawing
-from programs import (BUILD, DONE, HAS_MODULE, PATIENCE, ROOT, SANITIZED, FolderTest, end, environment,
+from programs import (BUILD, DONE, HAS_MODULE, MEASURE, PATIENCE, RENDER, SANITIZED, FolderTest, end, environment,
                       program, run_script, start, text_of)
 from programs import run as run_command
 from scaling_documents import point, write_tables
 from threads_documents import NOISE, run, write_threads
 
-from lib.figures import read_figures
-from lib.formats import listed
-from lib.scaling_table import TwoThreads
-from lib.threads_table import read_threads
-from lib.verdicts import FASTER, SLOWER, TIE, UNDECIDED
+from lib.pages.figures import read_figures
+from lib.records.formats import listed
+from studies.scaling.schema import TwoThreads
+from studies.threads.schema import read_threads
+from lib.judging.verdicts import FASTER, SLOWER, TIE, UNDECIDED
 
-RENDER = os.path.join(ROOT, "scripts", "render_scaling")
-STUDIES = os.path.join(ROOT, "scripts", "studies")
+RENDERING = RENDER, "scaling"
 CORES = sorted(os.sched_getaffinity(0))
 NO_ANSWER, INTERRUPTED = 3, 130
 
@@ -50,12 +49,13 @@ def threads_of(runs, path):
 
 
 class Report(drawing.DrawingTest):
-    script = "render_scaling"
+    package = "scaling"
 
     def report(self, runs, cores=2, two_threads=()):
         """Returns the lines of the report with these runs, as lists of cells."""
         smooth = write_tables(self.path("raw.json"), points=[point()], threads=list(two_threads))
-        files = self.rendered("out", smooth, "--threads", write_threads(self.path("threads.json"), runs, cores))
+        write_threads(self.path("threads.json"), runs, cores)
+        files = self.rendered("out", smooth)
         self.text = files["report.md"].decode("utf-8")
         self.figures = read_figures(self.path("out", "figures.json"))
         return [[cell.strip() for cell in each.strip("|").split("|")] for each in self.text.splitlines()]
@@ -92,6 +92,7 @@ class Report(drawing.DrawingTest):
         self.assertIn("## Threads", self.text)
         # Pages that quote the older file are right still.
         self.assertEqual(self.figures["threads.group2_frame.n129.t50"], 2)
+        os.remove(self.path("threads.json"))
         older = self.rendered("older", write_tables(self.path("raw.json"), points=[point()], threads=rows))
         self.assertIn(b"## Two threads", older["report.md"])
         self.assertNotIn(b"## Threads", older["report.md"])
@@ -132,9 +133,9 @@ class Judgement(FolderTest):
 
 class Refused(FolderTest):
     def refused(self, document, *parts):
-        path = self.write("threads.json", json.dumps(document))
-        self.assert_refused(run_script(RENDER, write_tables(self.path("raw.json"), points=[point()]), "--threads", path,
-                                       "--out", self.path("out")), "threads.json", *parts)
+        self.write("threads.json", json.dumps(document))
+        self.assert_refused(run_script(*RENDERING, write_tables(self.path("raw.json"), points=[point()]), "--out",
+                                       self.path("out")), "threads.json", *parts)
         self.assertFalse(os.path.exists(self.path("out")))
 
     def test_damage(self):
@@ -168,9 +169,8 @@ class Refused(FolderTest):
 class Study(FolderTest):
     def setUp(self):
         super().setUp()
-        sys.path[:0] = [STUDIES, os.path.join(BUILD, "python")]
-        self.addCleanup(sys.path.remove, STUDIES)
-        import threads
+        sys.path.insert(0, os.path.join(BUILD, "python"))
+        from studies.threads import run as threads
         self.threads = threads
         os.makedirs(self.path("build"))
         os.symlink(os.path.join(os.path.abspath(BUILD), "python"), self.path("build", "python"))
@@ -178,7 +178,7 @@ class Study(FolderTest):
         self.out, self.log = self.path("threads.json"), self.write("log", "")
 
     def command(self, *arguments):
-        return [sys.executable, "-B", os.path.join(STUDIES, "threads.py"), "--out", self.out, *arguments]
+        return [sys.executable, "-B", MEASURE, "threads", "--out", self.out, *arguments]
 
     def study(self, *arguments, prepare=None, build=None, **changes):
         return run_command(self.command(*arguments), prepare=prepare,

@@ -12,25 +12,27 @@ import unittest
 from unittest import mock
 
 from drawing import DrawingTest, lines_of
-from programs import BUILD, DONE, ROOT, FolderTest, environment, run, run_script
+from programs import BUILD, DONE, MEASURE, RENDER, FolderTest, environment, run, run_script
 
-sys.path[:0] = [os.path.join(BUILD, "python"), os.path.join(ROOT, "scripts", "studies")]
+sys.path.insert(0, os.path.join(BUILD, "python"))
 import numpy as np
 
 import isosyrk
-import turbulence
-from lib import (formats, problems, turbulence_chart, turbulence_figures, turbulence_report, turbulence_runs,
-                 turbulence_statistics)
-from lib.figures import read_figures
-from lib.formats import CONVERGED, SWEEP_CAP, UNSTABLE
-from lib.messages import UnusableFile
-from lib.turbulence_files import (FAR, LOOSE, METHOD, PRACTICE, REFERENCE, SCHEMA, Cost, RunRow, Setting, Settings,
-                                  Size, bands_of, read_turbulence)
-from lib.turbulence_statistics import LEVEL, drifts_of, false_positives, held_out, reference_of, spreads_of
-from lib.verdicts import FEWEST
+from studies.turbulence import run as turbulence
+from lib.records import formats
+from lib.running import problems
+from studies.turbulence import (charts as turbulence_chart, judge as turbulence_figures, report as turbulence_report,
+                                single_runs as turbulence_runs, statistics as turbulence_statistics)
+from lib.pages.figures import read_figures
+from lib.records.formats import CONVERGED, SWEEP_CAP, UNSTABLE
+from lib.programs.messages import UnusableFile
+from studies.turbulence.schema import (FAR, LOOSE, METHOD, PRACTICE, REFERENCE, SCHEMA, Cost, RunRow, Setting, Settings,
+                                       Size, bands_of, read_turbulence)
+from studies.turbulence.statistics import LEVEL, drifts_of, false_positives, held_out, reference_of, spreads_of
+from lib.judging.verdicts import FEWEST
 
-SCRIPT = os.path.join(ROOT, "scripts", "studies", "turbulence.py")
-RENDER = os.path.join(ROOT, "scripts", "render_turbulence")
+SCRIPT = MEASURE, "turbulence"
+RENDERING = RENDER, "turbulence"
 SHORT = {"n": 17, "draw": 0, "integrator": "group2", "step": 0.25, "tolerance": 1e-10, "time": 48.0}
 
 
@@ -347,7 +349,7 @@ class Judged(unittest.TestCase):
 
 @mock.patch.multiple(turbulence_statistics, TRIALS=40, TRIAL_COUNT=100)
 class Report(DrawingTest):
-    script = "render_turbulence"
+    package = "turbulence"
 
     def raw(self, **changes):
         return write_turbulence(self.path("raw.json"), **changes)
@@ -438,7 +440,7 @@ class Report(DrawingTest):
             found = turbulence_figures.figures(study, findings)
             self.assertEqual((found["n33.elp4.h2.failed"], found["n33.elp4.h2.capped"]),
                              (2, 2 if label == "_cap" else 0))
-            (axes,), = self.panels("turbulence_chart", "statistical_error", study, findings).values()
+            (axes,), = self.panels("studies.turbulence.charts", "statistical_error", study, findings).values()
             self.assertEqual([line.get_label() for line in axes.lines if line.get_label() in ("_failure", "_cap")],
                              [label])
 
@@ -513,7 +515,7 @@ class Report(DrawingTest):
         self.assertIn("## Every setting, n = 33, T = 100", report)
 
     def test_the_chart(self):
-        (axes,), = self.panels("turbulence_chart", "statistical_error", *self.findings()).values()
+        (axes,), = self.panels("studies.turbulence.charts", "statistical_error", *self.findings()).values()
         drawn = lines_of(axes)
         self.assertEqual(set(drawn), {"algebra1", "group2", "elp4", "rkmk4", "rk4"})
         np.testing.assert_allclose([x for x, _ in drawn["elp4"]], [0.2, 0.4])
@@ -561,9 +563,9 @@ class Report(DrawingTest):
                 raw = self.raw(**changes)
                 with self.assertRaisesRegex(UnusableFile, told):
                     read_turbulence(raw)
-                self.assert_refused(run_script(RENDER, raw, "--out", self.path("out")), "raw.json", told)
-        self.assert_refused(run_script(RENDER, self.path("none.json"), "--out", self.path("out")), "none.json")
-        self.assert_refused(run_script(RENDER, self.raw(), "--out", self.write("taken", "")), "taken")
+                self.assert_refused(run_script(*RENDERING, raw, "--out", self.path("out")), "raw.json", told)
+        self.assert_refused(run_script(*RENDERING, self.path("none.json"), "--out", self.path("out")), "none.json")
+        self.assert_refused(run_script(*RENDERING, self.raw(), "--out", self.write("taken", "")), "taken")
 
     def test_a_python_without_numpy_can_start_another(self):
         self.write("hidden/numpy.py", "raise ImportError")
@@ -622,7 +624,7 @@ class Plan(unittest.TestCase):
 
 class Study(FolderTest):
     def study(self, *arguments):
-        return run([sys.executable, "-B", SCRIPT, *arguments], timeout=300, env=environment(ISOSYRK_BUILD=BUILD))
+        return run([sys.executable, "-B", *SCRIPT, *arguments], timeout=300, env=environment(ISOSYRK_BUILD=BUILD))
 
     def test_a_quick_study_ends_with_a_report(self):
         raw = self.path("raw.json")
@@ -633,7 +635,7 @@ class Study(FolderTest):
         self.assertEqual((found.sizes[17].draws, found.sizes[17].references, found.sizes[17].far), (3, 3, 4))
         self.assertEqual({setting.integrator for setting in found.ensembles[17]}, {"algebra1", "rk4"})
         self.assertTrue(found.cost(17, Setting("rk4", 0.25, LOOSE)))
-        done = run_script(RENDER, raw, "--out", self.path("out"))
+        done = run_script(*RENDERING, raw, "--out", self.path("out"))
         self.assertEqual((done.returncode, done.stderr), (DONE, ""))
         self.assertEqual(read_figures(self.path("out", "figures.json"))["n17.are_independent"], 0)  # T is short
 

@@ -1,4 +1,4 @@
-"""Tests of lib/verdicts on made-up processes: how often a verdict is right, and what each verdict and claim needs."""
+"""Tests of verdicts.py on made-up processes: how often a verdict is right, and what each verdict and claim needs."""
 
 import math
 import random
@@ -7,10 +7,10 @@ import unittest
 
 import programs  # finds the package lib
 
-from lib.claims import CLAIMS
-from lib.verdicts import (FAILS, FASTER, FEWEST, HOLDS, MARGIN, MOST, SLOWER, TIE, UNDECIDED, Ratio, claim_of_fastest,
-                          claim_of_multiple, compared, fastest, level_rows, more_processes, ratio_of, student_t,
-                          verdict, within)
+from studies.tables.judge import CLAIMS
+from lib.judging.verdicts import (FAILS, FASTER, FEWEST, HOLDS, MARGIN, MOST, SLOWER, TIE, UNDECIDED, Ratio,
+                                  claim_of_fastest, claim_of_multiple, compared, fastest, level_rows, more_processes,
+                                  ratio_of, student_t, verdict, within)
 
 DRAWS = 1000
 

@@ -1,0 +1,196 @@
+"""What the charts share: figures with panels, keys, labels and notes, and the names and looks of integrators.
+
+Nothing of the machine, the date or a user's settings enters a figure, so that the same data give the same bytes.
+"""
+
+import io
+import math
+import re
+import textwrap
+import zlib
+
+import matplotlib.style
+from matplotlib.colors import hsv_to_rgb, to_hex, to_rgb
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
+
+from lib.records.integrators import (BOGFJELLMO, COMPOSITION, DIRECT_GAUSS, EXPONENTIAL, GAUSS, MAGNUS, RKMK,
+                                     RUNGE_KUTTA, is_new)
+
+DOTS_PER_INCH = 120
+WIDTH = 1600 / DOTS_PER_INCH  # inches
+KEY_HEIGHT = 0.21  # inches
+TITLE_CHARACTERS = 105  # a line
+NOTE_CHARACTERS = 165  # a line
+LABEL_SIZE = 11  # points
+LABEL_CHARACTER = 0.082  # inches a character, at this size
+LABEL_GAP = 1.3  # least distance of two labels, over their size
+SETTINGS = {"svg.hashsalt": "isosyrk", "svg.fonttype": "none", "font.size": 10.5, "axes.titlesize": 12,
+            "axes.titleweight": "bold", "axes.titlelocation": "left", "axes.grid": True, "grid.color": "0.9",
+            "grid.linewidth": 0.6, "axes.axisbelow": True, "axes.spines.top": False, "axes.spines.right": False,
+            "lines.markersize": 4, "lines.linewidth": 1.3, "legend.frameon": False, "legend.handlelength": 3,
+            "axes.titley": 1.0}  # else matplotlib measures every tick, twice a drawing, to find the same place
+
+# Hue and size of the markers say which family an integrator belongs to, lightness its order, the marker its number (of
+# stages where that is half the order by construction, or its order), the line what it keeps. Formulations of the Gauss
+# method, which have the same answer, differ in size, so that none hides another.
+FORMULATION_COLOURS = {"cotangent": ("#e08214", 7.5), "group": ("#1f67ad", 5.2), "algebra": ("#4a0a5e", 3.4)}
+FAMILY_COLOURS = {EXPONENTIAL: ("#ee4b5e", 5.2), COMPOSITION: ("#d8a03c", 4), RKMK: ("#0b8a67", 4),
+                  MAGNUS: ("#7fa32a", 4), DIRECT_GAUSS: ("#cf6aa3", 4), RUNGE_KUTTA: ("#000000", 4)}
+GROUP, EXPONENTIAL_RED, BLACK = FORMULATION_COLOURS["group"][0], FAMILY_COLOURS[EXPONENTIAL][0], "#000000"
+OTHER_SIZE, SATURATION, VALUE = 4, 0.75, 0.6  # of any other family, whose hue is drawn from its name
+BY_STAGES = (GAUSS, DIRECT_GAUSS, BOGFJELLMO)
+LIGHTER, DARKER, DARKEST = 0.3, 0.3, 0.55  # share of white below order 4, of black from order 5 and from order 7 on
+MARKERS = {1: "o", 2: "s", 3: "^", 4: "D", 5: "P", 6: "v"}
+LINES = {"poisson": "-", "spectrum": "--", "nothing": ":"}
+
+
+def own_style():
+    """Keeps a user's own matplotlib settings out of the charts that are drawn and encoded in this context."""
+    return matplotlib.style.context(["default", SETTINGS])
+
+
+def look(integrator):
+    """Returns how the line of an integrator is drawn."""
+    colour, size = colour_and_size(integrator)
+    number = integrator.stages if integrator.family in BY_STAGES else integrator.order
+    return {"color": at_order(colour, integrator.order), "marker": MARKERS.get(number, "."), "markersize": size,
+            "markerfacecolor": "none", "linestyle": next(LINES[each] for each in LINES if integrator.keeps(each))}
+
+
+def colour_and_size(integrator):
+    """Returns the colour of the family of an integrator at order 4, and the size of its markers."""
+    if integrator.family == GAUSS:
+        return FORMULATION_COLOURS[integrator.formulation]
+    kind = integrator.method if is_new(integrator) else integrator.family
+    hue = zlib.crc32(kind.encode("utf-8")) / 2**32
+    return FAMILY_COLOURS.get(kind) or (to_hex(hsv_to_rgb((hue, SATURATION, VALUE))), OTHER_SIZE)
+
+
+def at_order(colour, order):
+    """Returns the colour of a family at an order: itself at order 4, lighter below, darker above."""
+    if order < 4:
+        return mixed(colour, "white", LIGHTER)
+    if order == 4:
+        return colour
+    return mixed(colour, "black", DARKER if order < 7 else DARKEST)
+
+
+def mixed(colour, other, share):
+    """Returns a colour with a share of another one in it."""
+    return to_hex([(1 - share) * own + share * added for own, added in zip(to_rgb(colour), to_rgb(other))])
+
+
+def equals(name, value):
+    """Returns an equation that no title breaks into two lines."""
+    return f"{name}\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}{value}"
+
+
+def new_figure(title, rows, columns, panel_height, keys=1, row_gap=0.75, labels=(), **subplots):
+    """Returns a figure and its rows of panels, with room for the longest of `labels` right of each.
+
+    `keys` are the lines of keys or of notes under the panels. Heights and gaps are in inches. Nothing is laid out by
+    matplotlib's solver, which does not always find the same places.
+    """
+    label_room = LABEL_CHARACTER * max(map(len, labels), default=0)
+    lines = textwrap.wrap(title, TITLE_CHARACTERS)
+    left, right, head, foot = 0.8, 0.15 + label_room, 0.55 + 0.25 * len(lines), 0.7 + KEY_HEIGHT * keys
+    column_gap = 0.75 + label_room
+    height = head + rows * panel_height + (rows - 1) * row_gap + foot
+    figure = Figure(figsize=(WIDTH, height), dpi=DOTS_PER_INCH)
+    panel_width = (WIDTH - left - right - (columns - 1) * column_gap) / columns
+    figure.subplots_adjust(left=left / WIDTH, right=1 - right / WIDTH, top=1 - head / height, bottom=foot / height,
+                           hspace=row_gap / panel_height, wspace=column_gap / panel_width)
+    figure.text(0.01, 1 - 0.15 / height, "\n".join(lines), va="top", fontsize=14, fontweight="bold")
+    return figure, figure.subplots(rows, columns, squeeze=False, **subplots)
+
+
+def key(figure, handles, rows=1, title=None):
+    """Puts a key under the panels."""
+    figure.legend(handles=handles, loc="lower left", ncol=-(-len(handles) // rows), title=title, alignment="left")
+
+
+def note(figure, text):
+    """Puts a note under the panels."""
+    figure.text(0.01, 0.1 / figure.get_figheight(), "\n".join(textwrap.wrap(text, NOTE_CHARACTERS)), va="bottom",
+                color="0.25")
+
+
+def label_ends(axes, ends):
+    """Writes labels in a column right of the ends of lines, moved apart where they would overlap.
+
+    `ends` are ((x, y), label, colour), drawn before.
+    """
+    axes.autoscale_view()  # which matplotlib puts off else
+    to_share = (axes.transData + axes.transAxes.inverted()).transform
+    labels = sorted((to_share(point)[::-1].tolist(), label, colour) for point, label, colour in ends)
+    column = max(x for (_, x), _, _ in labels)
+    gap = LABEL_GAP * LABEL_SIZE / 72 * axes.figure.dpi / axes.bbox.height
+    for place, (_, label, colour) in zip(spread([min(y, 1.0) for (y, _), _, _ in labels], gap), labels):
+        axes.annotate(label, (column, place), xycoords="axes fraction", xytext=(8, 0), textcoords="offset points",
+                      va="center", color=colour, fontsize=LABEL_SIZE, annotation_clip=False)
+
+
+def spread(places, gap):
+    """Returns rising places moved apart to at least a gap, with the least sum of squares of the moves."""
+    blocks = []  # of neighbours at the least gap: mean of place - index * gap, and how many they are
+    for index, place in enumerate(places):
+        mean, count = place - index * gap, 1
+        while blocks and blocks[-1][0] > mean:
+            before, many = blocks.pop()
+            mean, count = (before * many + mean * count) / (many + count), many + count
+        blocks.append((mean, count))
+    means = [mean for mean, count in blocks for _ in range(count)]
+    return [mean + index * gap for index, mean in enumerate(means)]
+
+
+def extended(stretch, x):
+    """Returns the point at x on the power law through the last two points of a line; its last point if it has one."""
+    x_last, y_last = stretch[-1]
+    if len(stretch) < 2:
+        return x, y_last
+    x_before, y_before = stretch[-2]
+    slope = math.log(y_last / y_before) / math.log(x_last / x_before)
+    return x, y_last * (x / x_last)**slope
+
+
+def logarithmic(axes):
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.yaxis.set_major_locator(LogLocator(numticks=12))
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_minor_locator(NullLocator())
+
+
+def draw_line(axes, label, points, **style):
+    """Draws those points whose coordinates have a place on logarithmic axes, and returns them."""
+    points = [(x, y) for x, y in points if x > 0 and y > 0]
+    if points:
+        axes.plot(*zip(*points), label=label, **style)
+    return points
+
+
+def cross(axes, at):
+    """Marks a failure."""
+    axes.plot(*at, marker="x", color="black", markersize=6.5, zorder=7, label="_failure")
+
+
+# Coordinates beyond a tenth of a point are a third of an SVG; numbers below 1 are scales.
+PRECISE = re.compile(rb"(?<![\w.])([1-9][0-9]*\.[0-9])[0-9]+(?![\w.])")
+
+
+def encode(figure, kind):
+    """Returns the figure as the bytes of an SVG or PNG file that names neither a date nor a program."""
+    unnamed = {"svg": {"Date": None, "Creator": None}, "png": {"Software": None}}
+    stream = io.BytesIO()
+    figure.savefig(stream, format=kind, metadata=unnamed[kind])
+    if kind == "png":
+        return stream.getvalue()
+    return re.sub(rb"<[^!][^>]*>", lambda tag: PRECISE.sub(rb"\1", tag[0]), stream.getvalue())
+
+
+def label_sizes(panels, sizes):
+    """Gives panels that are drawn against n a tick at each n."""
+    for axes in panels:
+        axes.set_xticks(sorted(sizes), [str(n) for n in sorted(sizes)])
+        axes.grid(False, axis="x")
