@@ -10,7 +10,6 @@ import drawing
 from programs import ROOT, FolderTest, environment, run, run_script, snapshot
 
 from lib.accuracy_lines import CUT, TIGHT, read_accuracy
-from lib.figures import KEYS, MARKER, faults, recorded_figures
 from lib.integrators import ADAMS
 from lib.scaling_table import read_scaling
 from lib.trend import trend_of
@@ -113,7 +112,7 @@ class Recorded(FolderTest):
         if listed.returncode != 0:
             self.skipTest("not a checkout")
         files = [name for name in listed.stdout.split("\0") if name]
-        self.assertEqual({name.rpartition(".")[2] for name in files}, {"csv", "json", "md", "npy", "svg"})
+        self.assertEqual({name.rpartition(".")[2] for name in files}, {"csv", "in", "json", "md", "npy", "svg"})
         self.assertLess(sum(os.path.getsize(os.path.join(ROOT, name)) for name in files), MOST_BYTES)
 
 
@@ -122,20 +121,6 @@ class Pages(unittest.TestCase):
         for script in ("update_readme", "update_limits"):
             check = run_script(os.path.join(ROOT, "scripts", script), "--check")
             self.assertEqual((check.returncode, check.stderr), (0, ""), script)
-
-    def test_figures_are_those_of_the_raw_files(self):
-        found = recorded_figures(RECORDED)
-        self.assertGreater(len(found), 200)
-        for page in ("README.md", os.path.join("results", "README.md")):
-            self.assertEqual(faults(text(page), found), [], page)
-        page = text("results", "README.md")
-        self.assertEqual(faults(page, found, whole=True), [])  # no figure stands outside the marks
-        keys = " ".join(KEYS.findall(MARKER.sub("", page))).split()
-        self.assertGreater(len(keys), 40)
-        for number, key in enumerate(keys):  # and each of them can be wrong
-            with self.subTest(key=key):
-                stale = {**found, key: 1.1 * found[key] + 1}
-                self.assertIn(f"where {key} is", " ".join(faults(page, stale)))
 
     def test_pages_name_only_files_that_exist(self):
         named = []
