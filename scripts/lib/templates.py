@@ -15,10 +15,16 @@ Filters write figures. They round the decimal digits that the file has, half to 
     exponent     two significant digits and a power of ten: 7.2e-6; exponent(n) takes n
     percent      a share, by two significant digits: 7.6 %, −16 %; percent(n) takes n
     count        a whole number: 8,008
+    matching(p)  of the figures of a study those whose keys match a pattern, such as "gain.s?.n*": a list
+    span         the range of a list, its ends as ratios: 2.8–11; span("percent") takes another filter for them
+    aligned      {% filter aligned %} … {% endfilter %}: the tables inside with aligned columns
 """
 
+import fnmatch
+import itertools
 import json
 import os
+import re
 from decimal import ROUND_HALF_EVEN, Decimal
 
 import jinja2
@@ -100,7 +106,45 @@ def rounded(value, number):
     return shown
 
 
-FILTERS = {each.__name__: each for each in (digits, ratio, exponent, percent, count)}
+def matching(figures, *patterns):
+    """Returns the values of those of some Figures whose keys match a pattern. Throws ValueError if none does."""
+    found = []
+    for pattern in patterns:
+        keys = fnmatch.filter(figures, pattern)
+        if not keys:
+            raise ValueError(f"{figures.path} has no figure like {json.dumps(pattern)}")
+        found += [figures[key] for key in keys]
+    return found
+
+
+def span(values, name="ratio"):
+    """Writes the least and the largest of some values by the filter with this name; once, if written alike."""
+    ends = dict.fromkeys(FILTERS[name](each) for each in (min(values), max(values)))
+    return "–".join(ends)
+
+
+def aligned(text):
+    """Returns a text in which the columns of each table have one width, by the rule in its second line."""
+    blocks = itertools.groupby(text.splitlines(), lambda line: line.startswith("|"))
+    return "\n".join(line for is_table, lines in blocks
+                     for line in (aligned_table(list(lines)) if is_table else lines)) + "\n"
+
+
+def aligned_table(lines):
+    """Returns the lines of a table with aligned columns. Throws ValueError where a row has another number of cells."""
+    rows = [[cell.strip() for cell in re.split(r"(?<!\\)\|", line.strip())[1:-1]] for line in lines]
+    if len({len(row) for row in rows}) != 1:
+        raise ValueError(f"a table whose rows have other numbers of cells, at {lines[0]}")
+    heading, rule, *rest = rows
+    widths = [max(3, *map(len, column)) for column in zip(heading, *rest)]
+    dashes = [":" * cell.startswith(":") + "-" * (width - cell.count(":")) + ":" * cell.endswith(":")
+              for cell, width in zip(rule, widths)]
+    padded = [[cell.rjust(width) if way.endswith(":") else cell.ljust(width)
+               for cell, width, way in zip(row, widths, rule)] for row in (heading, *rest)]
+    return ["| " + " | ".join(row) + " |" for row in (padded[0], dashes, *padded[1:])]
+
+
+FILTERS = {each.__name__: each for each in (digits, ratio, exponent, percent, count, matching, span, aligned)}
 
 # ---- conditions
 

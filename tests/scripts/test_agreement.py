@@ -16,7 +16,7 @@ from lib.claims_table import read_claims_table
 from lib.comparison import three_digits
 
 RECORDED = os.path.join(ROOT, "results", "recorded")
-CODES = {"published": "plain", "fast": "optimised"}  # by implementation
+CODES = {"published": "plain", "fast": "optimised"}  # of the pages of tables, by implementation
 ALL_CLAIMS = os.path.join(RECORDED, "claims", "claims.json")
 
 
@@ -32,12 +32,11 @@ def rows_of(text, heading):
 def said_by_page(text):
     """Returns what the table of verdicts of a page says. A row without a claim is of the claim above it."""
     head, *rows = rows_of(text, "claim")
-    sizes = [int(name.removeprefix("n = ")) for name in head[3:]]
+    sizes = [int(name.removeprefix("n = ")) for name in head[4:]]
     found, claim, stages = {}, None, None
-    for name, s, code, *cells in rows:
+    for name, s, _, code, *cells in rows:
         claim, stages = (name[1], int(s)) if name else (claim, stages)
-        if code != "paper":
-            found.update({(claim, stages, n, code): tuple(cell.split()) for n, cell in zip(sizes, cells)})
+        found.update({(claim, stages, n, CODES[code]): tuple(cell.split()) for n, cell in zip(sizes, cells)})
     return found
 
 
@@ -66,15 +65,13 @@ def said_by_claims(rows):
 def said_by_table_of_claims(text):
     """Returns what the table of all claims says of plain and optimised code, as in_ranges() does."""
     head, *rows = rows_of(text, "claim")
-    columns = {code: head.index(f"{code} C++") for code in CODES.values()}
     found = {}
-    for row in rows:
-        named = re.match(r"\((\w)\), s = (\d):", row[0])
-        for code, column in columns.items() if named else ():
-            said = re.match(r"(.*?) ?([0-9.]+(?:–[0-9.]+)?) \\\[", row[column])
+    for label, stages, *cells in rows:
+        for name, code in CODES.items():
+            said = re.match(r"(.*?) ?([0-9.]+(?:–[0-9.]+)?)$", cells[head.index(name) - 2])
             places = re.findall(r"(\w+) \(n = ([0-9, ]+)\)", said[1])
             by_n = {int(n): result for result, sizes in places for n in sizes.split(", ")}
-            found[named[1], int(named[2]), code] = by_n or {None: said[1]}, said[2]
+            found[label[1], int(stages), code] = by_n or {None: said[1]}, said[2]
     return found
 
 
@@ -119,9 +116,9 @@ class Agreement(unittest.TestCase):
         wanted = in_ranges(sayings()["README.md"])
         self.assertEqual(len(wanted), 4 * 2)
         self.assertEqual(said_by_table_of_claims(page), wanted)
-        head, name, rest = page.partition("| (a), s = 1:")
+        head, name, rest = page.partition("| (a) ")
         row, end, rest = rest.partition("\n")
-        for said, other in (("holds ", "fails "), (" ([0-9.]+)–", r" 1\1–"), (r"tie \(", "undecided (")):
+        for said, other in (("holds ", "fails "), (r"\) ([0-9.]+)–", r") 1\1–"), (r"tie \(", "undecided (")):
             edited = head + name + re.sub(said, other, row) + end + rest
             self.assertNotEqual(said_by_table_of_claims(edited), wanted, said)
 

@@ -116,11 +116,31 @@ class Recorded(FolderTest):
         self.assertLess(sum(os.path.getsize(os.path.join(ROOT, name)) for name in files), MOST_BYTES)
 
 
+EXAMPLE = {"<!-- example.cpp:begin -->", "<!-- example.cpp:end -->"}
+LONGEST_LINE = 200  # of prose
+
+
+def too_long(page, most):
+    """Returns which lines of a page outside tables are too long, and whether it has too many."""
+    lines = page.splitlines()
+    found = [f"line {number}" for number, line in enumerate(lines, 1)
+             if len(line) > LONGEST_LINE and not line.startswith("|")]
+    return found + [f"more than {most} lines"] * (len(lines) > most)
+
+
 class Pages(unittest.TestCase):
     def test_what_is_kept_up_to_date_is(self):
         for script in ("update_readme", "update_limits"):
             check = run_script(os.path.join(ROOT, "scripts", script), "--check")
             self.assertEqual((check.returncode, check.stderr), (0, ""), script)
+
+    def test_pages_read_well_raw(self):
+        """README.md is short; no line of prose is long, and comments only mark the example that a test compiles."""
+        for page, longest in (("README.md", 120), (os.path.join("results", "README.md"), 260)):
+            self.assertEqual(too_long(text(page), longest), [], page)
+            self.assertEqual(set(re.findall(r"<!--.*?-->", text(page))) - EXAMPLE, set(), page)
+            self.assertEqual(too_long(text(page), 30), ["more than 30 lines"])
+        self.assertEqual(too_long(f"| {'cell ' * 60} |\n{'word ' * 41}\n", 2), ["line 2"])
 
     def test_pages_name_only_files_that_exist(self):
         named = []

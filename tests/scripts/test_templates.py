@@ -1,5 +1,6 @@
 """Tests of lib/templates.py: how figures are written, conditions, errors in one line, and figures of the pages."""
 
+import collections
 import os
 import re
 import unittest
@@ -8,7 +9,8 @@ from programs import ROOT, FolderTest, text_of
 
 from lib import templates
 from lib.messages import UnusableFile
-from lib.templates import Figures, count, digits, exponent, page, percent, ratio, recorded_figures
+from lib.templates import (Figures, aligned, count, digits, exponent, matching, page, percent, ratio,
+                           recorded_figures, span)
 
 PAGES = ("README.md.in", os.path.join("results", "README.md.in"))
 FIGURES = Figures("results/recorded/study/figures.json",
@@ -36,6 +38,24 @@ class Filters(unittest.TestCase):
         with self.assertRaises(ValueError):
             count(1.5)
 
+    def test_ranges_are_those_of_the_keys_that_match(self):
+        figures = Figures("figures.json", {"gain.n17": 1.21, "gain.n129": 0.996, "gain.n33": 3.4, "gains": 9.9})
+        self.assertEqual(sorted(matching(figures, "gain.n*")), [0.996, 1.21, 3.4])
+        self.assertEqual(matching(figures, "gain.n17", "gain.n33"), [1.21, 3.4])
+        self.assertEqual(span(matching(figures, "gain.n*")), "1.0–3.4")
+        self.assertEqual(span([0.1, 0.32], "percent"), "10 %–32 %")
+        self.assertEqual(span([1.01, 1.04]), "1.0")
+        with self.assertRaisesRegex(ValueError, 'figures.json has no figure like "loss.*"'):
+            matching(figures, "gain.*", "loss.*")
+
+    def test_tables_are_aligned(self):
+        table = "| a | b |\n| :-- | --: |\n| `x\\|y` | 1 |\n|  | 10.5 |\n"
+        self.assertEqual(aligned(f"text | of\n\n{table}"),
+                         "text | of\n\n| a      |    b |\n| :----- | ---: |\n| `x\\|y` |    1 |\n|        | 10.5 |\n")
+        self.assertEqual(aligned(aligned(table)), aligned(table))
+        with self.assertRaisesRegex(ValueError, "other numbers of cells"):
+            aligned(table + "| 1 |\n")
+
 
 class Templates(FolderTest):
     def page(self, text, **names):
@@ -48,11 +68,11 @@ class Templates(FolderTest):
         self.assert_one_line(f"{caught.exception}\n", "page.md.in", *parts)
 
     def test_a_page_has_its_figures_and_no_trace_of_conditions(self):
-        text = ("It takes\n  {% expect study['ratio'] > 1 %}\n{{ study['ratio'] | ratio }}–{{ table() }} <!-- kept -->\n"
+        text = ("It takes\n  {% expect study['ratio'] > 1 %}\n{{ study['ratio'] | ratio }}–{{ table() }} <!-- a -->\n"
                 "{# gone #}\n{% for key in ('cases', 'none') %}\n- {{ study[key] | count }}\n{% endfor %}\n"
                 "{{ 'yes' if 'cases' in study else 'no' }}, {{ 'yes' if 'case' in study else 'no' }}\n")
         self.assertEqual(self.page(text, table=lambda: "| 1 |"),
-                         "It takes\n1.8–| 1 | <!-- kept -->\n- 47\n- 0\nyes, no\n")
+                         "It takes\n1.8–| 1 | <!-- a -->\n- 47\n- 0\nyes, no\n")
 
     def test_a_condition_that_does_not_hold_names_its_place_and_text(self):
         for condition, written in (("study['ratio']<1", 'study["ratio"] < 1'),
@@ -96,35 +116,68 @@ class Templates(FolderTest):
         self.assert_one_line(f"{caught.exception}\n", "two/figures.json")
 
 
-class Printed(Figures):
-    """Figures that remember which of them a page looked up."""
+class Named(float):
+    """A figure that knows its key."""
 
-    def __init__(self, figures):
+    def __new__(cls, value, key):
+        made = super().__new__(cls, value)
+        made.key = key
+        return made
+
+
+class LookedUp(Figures):
+    """Figures that remember which of them were looked up, and give them as Named ones."""
+
+    def __init__(self, study, figures):
         super().__init__(figures.path, figures)
-        self.keys_seen = set()
+        self.study, self.keys_seen = study, set()
 
     def __getitem__(self, key):
-        self.keys_seen.add(key)
-        return super().__getitem__(key)
+        name = f"[{self.study}: {key}]"
+        self.keys_seen.add(name)
+        return Named(super().__getitem__(key), name)
+
+
+NAMES = {"table_of_verdicts": str, "table_of_claims": str, "exists": lambda path: True,
+         "verdicts": collections.defaultdict(dict)}
+EVERY = 5  # so many keys one is changed
 
 
 class Pages(FolderTest):
     """The figures of README.md and results/README.md, in copies of their templates without conditions."""
 
-    def test_every_figure_that_a_page_prints_can_be_wrong(self):
-        tables = dict.fromkeys(("table1", "verdicts", "claims_table"), lambda: "")
+    def template(self, name, **filters):
+        self.write("page.md.in", re.sub(r"\{%-?\s*expect\b.*?%\}", "", text_of(ROOT, name), flags=re.S))
+        environment = templates.environment_of(self.folder)
+        environment.filters.update(filters)
+        return environment.get_template("page.md.in")
+
+    def test_every_figure_that_a_page_looks_up_is_written_by_a_filter(self):
         for name in PAGES:
-            self.write("page.md.in", re.sub(r"\{%-?\s*expect\b.*?%\}", "", text_of(ROOT, name), flags=re.S))
-            template = templates.environment_of(self.folder).get_template("page.md.in")
-            figures = {study: Printed(found) for study, found in recorded_figures(ROOT).items()}
-            shown = template.render({**figures, **tables})
-            used = [(study, key) for study, found in figures.items() for key in sorted(found.keys_seen)]
-            self.assertGreater(len(used), 20, name)
-            for study, key in used:
-                other = Figures("", figures[study])
-                other[key] = 1.1 * other[key] if isinstance(other[key], float) else other[key] + 1
+            template = self.template(name, span=lambda figures, *_: "".join(figure.key for figure in figures),
+                                     **dict.fromkeys(("digits", "ratio", "exponent", "percent", "count"),
+                                                     lambda figure, *_: figure.key))
+            figures = {study: LookedUp(study, found) for study, found in recorded_figures(ROOT).items()}
+            shown = template.render({**figures, **NAMES})
+            for key in sorted(set().union(*(found.keys_seen for found in figures.values()))):
+                self.assertIn(key, shown, name)
+
+    def test_a_figure_that_has_changed_gives_another_page(self):
+        for name in PAGES:
+            template, recorded = self.template(name), recorded_figures(ROOT)
+            shown = template.render({**recorded, **NAMES})
+            named = [(study, key) for study in recorded for key in sorted(recorded[study])
+                     if f'{study}["{key}"]' in text_of(self.folder, "page.md.in")]
+            self.assertGreater(len(named), 3 * EVERY, name)
+            for study, key in named[::EVERY]:
+                other = {**recorded[study], key: changed(recorded[study][key])}
                 with self.subTest(page=name, study=study, key=key):
-                    self.assertTrue(template.render({**figures, **tables, study: other}) != shown)
+                    self.assertTrue(template.render({**recorded, **NAMES, study: Figures("", other)}) != shown)
+
+
+def changed(figure):
+    """Returns a figure that is a tenth larger, or one larger if it counts."""
+    return 1.1 * figure if isinstance(figure, float) else figure + 1
 
 
 if __name__ == "__main__":
