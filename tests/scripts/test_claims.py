@@ -310,15 +310,16 @@ class Rendering(FolderTest):
 
 
 class Page(FolderTest):
-    """In a copy of the repository with the study recorded, results/README.md shows the table of all claims."""
+    """In a copy of the repository with the study recorded, a page shows the table of claims on speed."""
 
     def setUp(self):
         super().setUp()
         for name in ("scripts", os.path.join("results", "recorded", "tables"), os.path.join("results", "paper")):
             shutil.copytree(os.path.join(ROOT, name), self.path(name), ignore=shutil.ignore_patterns("__pycache__"))
-        for page in ("README.md", os.path.join("results", "README.md")):
-            self.write(page, text_of(ROOT, page))
-        done = run_script(*RENDERING, write_claims(self.folder), "--out", self.path("results", "recorded", "claims"))
+        for page, template in (("README.md", ""), ("results/README.md", "{{ table_of_claims() }}\n")):
+            self.write(page, "")
+            self.write(f"{page}.in", template)
+        done = run_script(RENDER, write_claims(self.folder), "--out", self.path("results", "recorded", "claims"))
         self.assertEqual(done.returncode, DONE, done.stderr)
 
     def update(self, *arguments):
@@ -327,22 +328,27 @@ class Page(FolderTest):
     def page(self):
         return text_of(self.path("results", "README.md"))
 
-    def test_the_table_is_kept_up_to_date_between_its_markers(self):
-        recorded = self.page()
-        self.write("results/README.md", recorded.replace("<!-- claims:begin -->", ""))
-        self.assert_refused(self.update(), "claims", "markers are missing")
-        self.write("results/README.md", recorded)
+    def test_the_table_is_kept_up_to_date(self):
         self.assertEqual(self.update().returncode, DONE)
-        table = self.page().partition("<!-- claims:begin -->")[2].partition("<!-- claims:end -->")[0]
-        for part in ("| paper's MATLAB", "| (b), s = 2: group is fastest", "holds 1.20",
-                     "[table1](recorded/tables/table1.md), [table2](recorded/tables/table2.md),"
-                     " [claims](recorded/claims/report.md)", "[theorem](recorded/theorem/report.md)"):
-            self.assertIn(part, table)
+        for part in ("| paper's MATLAB | Octave | published | fast |", "| (b) group is fastest | 2 |", "holds 1.20"):
+            self.assertIn(part, self.page())
         self.assertEqual(self.update("--check").returncode, DONE)
         self.write("results/README.md", self.page().replace("holds 1.20", "holds 1.30", 1))
         stale = self.update("--check")
         self.assertEqual(stale.returncode, 1)
-        self.assert_one_line(stale.stderr, "results/README.md", "claims.json", "scripts/update_readme")
+        self.assert_one_line(stale.stderr, "results/README.md", "results/README.md.in", "scripts/update_readme")
+
+    def test_a_template_that_cannot_be_rendered_is_refused(self):
+        for template, *parts in (("one\n{{ tables['gone'] }}", "line 2", 'tables/figures.json has no figure "gone"'),
+                                 ("{% expect tables['gain.s1.least'] > 100 %}", "line 1",
+                                  'expected tables["gain.s1.least"] > 100'),
+                                 ("{% if %}", "line 1")):
+            self.write("results/README.md.in", template)
+            with self.subTest(template=template), self.unchanged():
+                self.assert_refused(self.update(), "results/README.md.in", *parts)
+        os.unlink(self.path("results", "README.md.in"))
+        self.assert_refused(self.update(), "results/README.md.in", "cannot be read")
+        self.assert_refused(self.update("--draw"), "--check")
 
 
 class Study(FolderTest):

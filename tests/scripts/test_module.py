@@ -1030,6 +1030,14 @@ class Package(unittest.TestCase):
             named = set(re.findall(r"^(?:def |class |)(\w+)(?=[(:])", stub, re.M))
             self.assertEqual(named, {name for name in dir(extension) if not name.startswith("_")})
 
+    def test_calls_of_the_readme_make_integrators(self):
+        scene = isosyrk.scene("smooth", n=17)
+        calls = re.findall(r"\| `(isosyrk\.integrator\(scene, .*?\))` +\|", text_of(ROOT, "README.md"))
+        self.assertGreaterEqual(len(calls), 6)
+        for call in calls:
+            with self.subTest(call=call):
+                self.assertIn(f'"{eval(call, {"isosyrk": isosyrk, "scene": scene}).name}"', call)
+
     def test_examples_of_the_pages_run(self):
         pages = text_of(ROOT, "README.md") + text_of(ROOT, "core", "python", "README.md")
         examples = re.findall(r"^```python\n(.*?)^```", pages, re.M | re.S)

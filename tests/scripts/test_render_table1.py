@@ -11,7 +11,7 @@ import unittest
 from programs import DONE, FORMULATIONS, ROOT, FolderTest, environment, run, run_script, strict_json, text_of
 
 from lib.pages import document
-from studies.tables.comparison import three_digits
+from lib.pages.numbers import three_digits
 from studies.tables.report import table1
 from test_reproduce import HOST_NAME, raw_file
 

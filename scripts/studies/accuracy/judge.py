@@ -3,6 +3,7 @@
 A key names what was measured, then the problem or n where that varies. What a study has no data for has no key.
 """
 
+import collections
 import math
 import statistics
 
@@ -39,8 +40,9 @@ def name_of(problem, wanted):
 
 
 def duel_times(study):
-    """CPU seconds and steps of the rows of duels, and the spectrum error of some; how many rows take few steps, and in
-    how many duels of an error no class is faster than the best explicit method.
+    """CPU seconds and steps of the rows of duels, the order of the method that stands for a class, and the spectrum
+    error of some; how many rows take few steps; in how many duels of an error no class is faster than the best explicit
+    method, and how often that is which one.
     """
     found = {"rows": sum(map(len, study.duels.values())),
              "rows.of_few_steps": sum(is_few(row) for duel in study.duels.values() for row in duel.values())}
@@ -48,6 +50,7 @@ def duel_times(study):
         for contender, row in duel.items():
             found[f"seconds.{contender}.{name_of(*key)}"] = row.seconds
             found[f"steps.{contender}.{name_of(*key)}"] = row.steps
+            found[f"order.{contender}.{name_of(*key)}"] = study.integrators[row.integrator].order
             if contender in WITH_SPECTRUM:
                 found[f"spectrum.{contender}.{name_of(*key)}"] = row.spectrum_error
     for wanted in duel_errors(study):
@@ -55,6 +58,8 @@ def duel_times(study):
         error = f"at_1e{round(math.log10(wanted))}"
         found[f"explicit_fastest.{error}"] = sum(not beaten_by(duel) for duel in duels)
         found[f"explicit_fastest.{error}.duels"] = len(duels)
+        for name, times in collections.Counter(duel[EXPLICIT].integrator for duel in duels).items():
+            found[f"best_explicit.{error}.{name}"] = times
     return found
 
 

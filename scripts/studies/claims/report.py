@@ -180,12 +180,12 @@ def thread_sections(study):
             threads_table(study),
             Heading("A model of more processors"),
             Paragraph("A sweep as tasks that are whole matrices: products, Poisson solves and linear combinations, in"
-                      " phases (scripts/lib/parallel_model.py). Within a phase tasks are independent. Algebra forms all"
-                      " products of a sweep in one phase, cotangent in two, of which one forms triangles, group in"
-                      " three. A product and a pass take what they took in the same processes. Model over measured:"
-                      " the time by the model over that of plain sweeps. What it says of many processors is no verdict:"
-                      " a ratio of two times of the model errs by as much as the largest entry of this table over the"
-                      " least."),
+                      " phases (scripts/studies/claims/parallel_model.py). Within a phase tasks are independent."
+                      " Algebra forms all products of a sweep in one phase, cotangent in two, of which one forms"
+                      " triangles, group in three. A product and a pass take what they took in the same processes."
+                      " Model over measured: the time by the model over that of plain sweeps. What it says of many"
+                      " processors is no verdict: a ratio of two times of the model errs by as much as the largest"
+                      " entry of this table over the least."),
             check_table(study),
             Paragraph("The model's time of a run on p processors, relative to that of the fastest formulation there;"
                       " which of two is faster is not told where they differ by less than the model's error. Path:"

@@ -114,9 +114,10 @@ def figures_of_long_run(key, run):
     found = {f"{key}.step": run.step, f"{key}.products": run.equivalent_products,
              f"{key}.energy_change": run.energy_change}
     for quantity in QUANTITIES:
-        growth = run.judged(quantity).growth
+        verdict, growth, *_ = run.judged(quantity)
         found[f"{key}.{quantity}_error"] = run.last(quantity)
         found[f"{key}.{quantity}_power"] = growth and growth.value
+        found[f"{key}.{quantity}.{verdict.replace(' ', '_')}"] = 1  # a figure is a number, so the verdict is a key
     return found
 
 
