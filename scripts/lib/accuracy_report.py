@@ -21,8 +21,8 @@ CARE_ERROR, CARE_FACTOR = 1e-6, 10  # near which, within what factor, equal care
 CARE_SIZE = 65  # ... at the largest n up to this
 
 CHARTS = (
-    ("time_against_n", "CPU seconds to an error of 1e-6 against n, from the duels. A line for each class of methods, in"
-     " the co-rotating frame; it breaks where no method of the class was timed."),
+    ("time_against_n", "CPU time at an error of 1e-6 over that of the best explicit method, against n. A line for each"
+     " class of methods, in the co-rotating frame; it breaks where no method of the class was timed."),
     ("error_against_time", "Work–precision diagram of the smooth scene to T = 50, in the co-rotating frame: the lower a"
      " line, the cheaper the error. Lines break at failures and stability limits, end at their floor or at 1e-9, and"
      " carry an open triangle where they were cut. Panels have equal decades."),

@@ -9,8 +9,9 @@ from lib.integrators import is_new
 from lib.limits_files import SCENES
 from lib.numbers import span
 
-CHARTS = {"limits": "Critical h‖B(W₀)‖₂ against n, published and fast forms.",
-          "failure_map": "How steps of published `algebra1` end, smooth scene."}
+CHART = "limits"
+CAPTION = ("Critical h‖B(W₀)‖₂ against n, fast forms in the co-rotating frame, a panel for each scene. A line spans the"
+           " n that were tried.")
 CAP, ISLAND, NONE = "*", "°", "none"
 # Whose steps pages may quote; those of new integrators too.
 QUOTED = ("group1", "group2", "group3", "algebra1", "algebra2", "algebra3", "elp4", "elp6", "bm2", "bm3", "cg4",
@@ -41,7 +42,7 @@ def sections(limits, charts):
                   " and drawn ones. Tolerance 1e-13."
                   f' "{CAP}": a state fails at the cap of sweeps, which sets the limit. "{ISLAND}": a longer step works'
                   f' again beyond a failure. "{NONE}": no step that was tried works. "{MISSING}": not tried.'),
-        *shown(list(CHARTS.items()), charts),
+        *shown([(CHART, CAPTION)], charts),
         *survived_step_section(limits),
         *(part for solver in FORMS if limits.sizes(solver) for part in critical_sections(limits, solver)),
         *(part for solver in FORMS for part in survived_sections(limits, solver)),

@@ -13,11 +13,11 @@ from lib.numbers import power, scientific, two_digits
 from lib.verdicts import UNDECIDED
 
 CHARTS = (
-    ("energy_against_cost", "Largest energy error of a run against its cost, a line for each method. Below left is"
-     " best."),
+    ("energy_against_cost", "Largest energy error of a run against its cost, a line for each of the chief methods; all"
+     " others are in tables. Below left is best."),
     ("spectrum_against_cost", "Error of the eigenvalues at the end of the same runs."),
-    ("energy_against_time", "Largest energy error in each window of the long runs, all at 150 products a unit of"
-     " time."),
+    ("energy_against_time", "Largest energy error in each window of the long runs of the chief methods, all at"
+     f" {COSTS[-1]} products a unit of time."),
 )
 ERRORS = {ENERGY: (1e-1, 1e-2, 1e-4, 1e-6, 1e-8, 1e-9), SPECTRUM: (1e-4, 1e-6, 1e-8, 1e-10)}
 CLASS_TITLES = {EXPLICIT: "explicit", PROJECTED: "explicit, projected", EXPLICIT_LIE: "RKMK, Magnus",
