@@ -3,18 +3,26 @@
 A case is an error of a problem at which classes of methods were timed.
 """
 
-from lib.accuracy_lines import ENERGY_BOUNDED, LOOSE_EXPONENTIAL, OTHER
-from lib.chart_panels import (FAMILY_COLOURS, FORMULATION_COLOURS, KEEPING, LINES, LOOSE_LIGHTER,
+from typing import Dict, NamedTuple
+
+from matplotlib.ticker import NullLocator
+
+from lib.accuracy_lines import CONTENDERS, ENERGY_BOUNDED, LOOSE_EXPONENTIAL, OTHER
+from lib.chart_panels import (FAMILY_COLOURS, FORMULATION_COLOURS, KEEPING, LABEL_SIZE, LINES, LOOSE_LIGHTER,
                               PROJECTED, draw_line, label_ends, label_sizes, logarithmic, mixed, new_figure, note,
                               percent, tie_band, unbroken)
 from lib.contenders import CLASSES, EXPLICIT
-from lib.equal_error import HEADLINE, beaten_by, ratio_in
+from lib.equal_error import HEADLINE, beaten_by, duel_errors, ratio_in
+from lib.formats import FAST
 from lib.integrators import EXPONENTIAL, MAGNUS, RUNGE_KUTTA
 from lib.numbers import power, span
 from lib.verdicts import MARGIN
 
 ERROR, ERROR_WORD = 1e-6, "1e-6"  # of time_against_n
 TIMES = (1, 1.5, 2, 3, 5, 7, 10, 15, 20, 30, 50, 100)  # ticks of ratios of times
+TOLD_FACTORS = (2, 5)  # in the key of the profile, and the last in its title
+MARKED = (0.25, 0.5, 0.75)  # shares near which a line of the profile carries its mark
+TOLD = {"elp": "exponential methods at 1e-8", "elp_bounded": "at 1e-13", "gauss": "Gauss methods"}  # in its title
 POISSON, SPECTRUM, NOTHING = ({"linestyle": LINES[each]} for each in ("poisson", "spectrum", "nothing"))
 BLACK, GREY = "#000000", FAMILY_COLOURS[RUNGE_KUTTA][0]
 RED, LIGHT_RED = (mixed(FAMILY_COLOURS[EXPONENTIAL][0], "white", share) for share in (0, LOOSE_LIGHTER))
@@ -114,3 +122,86 @@ def trend_title(study, scenes):
         ratios = [found[0].ratio for rows in cases if (found := ratio_in(rows, contender, EXPLICIT))]
         title += f"; {words} take {span(ratios)} times its time" if ratios else ""
     return title
+
+
+# ---- performance profile
+
+
+class Profile(NamedTuple):
+    """How near classes of methods come to the cheapest, over all cases.
+
+    Source: Dolan, Moré, Benchmarking optimization software with performance profiles, Mathematical Programming 91
+    (2002).
+    """
+
+    factors: Dict[str, list]  # by class: its time over that of the cheapest method, rising, of the cases with a row
+    cases: int
+
+    def share(self, contender, factor):
+        """Returns the share of all cases that a class solves within a factor of the cheapest method's time."""
+        return sum(each <= factor for each in self.factors[contender]) / self.cases
+
+
+def profile_of(study):
+    """Returns the Profile of the classes of DRAWN; the cheapest method of a case may be of any class of fast forms."""
+    factors = {each: [] for each in DRAWN}
+    for rows in study.duels.values():
+        cheapest = min((rows[each].seconds for each in CONTENDERS if each in rows and CLASSES[each].solver == FAST),
+                       default=None)
+        for each in factors:
+            if each in rows:
+                factors[each].append(rows[each].seconds / cheapest)
+    return Profile({each: sorted(found) for each, found in factors.items() if found}, len(study.duels))
+
+
+def performance_profile(study):
+    """Draws the Profile: the share of cases that a class solves within a factor. None without two classes.
+
+    The key names the classes from the cheapest on, with their shares within TOLD_FACTORS.
+    """
+    profile = profile_of(study)
+    if len(profile.factors) < 2:
+        return None
+    order = sorted(profile.factors, key=lambda each: [-profile.share(each, factor)
+                                                      for factor in (MARGIN, *TOLD_FACTORS)])
+    labels = {each: key_text(profile, each) for each in order}
+    figure, ((axes,),) = new_figure(profile_title(profile), 1, 1, 5.4, keys=3,
+                                    labels=["line " + label for label in labels.values()])
+    most = 1.1 * max(found[-1] for found in profile.factors.values())
+    axes.set(xscale="log", xlim=(1, most), ylim=(0, 1.02), xlabel="factor over the time of the cheapest method",
+             ylabel="share of cases that a class solves within the factor")
+    axes.yaxis.set_major_formatter(lambda share, _: percent(share))
+    axes.axvspan(1, MARGIN, color="0.9", linewidth=0, zorder=0, label="_tie")
+    for each in order:
+        found, (colour, style) = profile.factors[each], DRAWN[each]
+        steps = [(factor, profile.share(each, factor)) for factor in (1.0, *found, most)]
+        marked = [min(range(len(steps)), key=lambda k, share=share: abs(steps[k][1] - share)) for share in MARKED]
+        axes.plot(*zip(*steps), label=labels[each], color=colour, drawstyle="steps-post", clip_on=False,
+                  **{**style, "markevery": marked, "markersize": 6})
+    axes.xaxis.set_minor_locator(NullLocator())
+    write_ratios(axes.xaxis, 1, most)
+    axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), fontsize=LABEL_SIZE, labelspacing=0.9)
+    problems = {problem for problem, _ in study.duels}
+    errors = ", ".join(map(power, duel_errors(study)))
+    note(figure, f"{profile.cases} cases: {len(problems)} problems (scene, T, n), each at those of the errors {errors}"
+         " that were compared. A class stands by its best method in each case, fast forms in the co-rotating frame. Its"
+         f" line ends below {percent(1)} where it has no row in some case. Grey: a tie with the cheapest,"
+         f" within {percent(MARGIN - 1)}. {TOLERANCES} {KEEPING}")
+    return figure
+
+
+def key_text(profile, contender):
+    """Returns the name of a class with its shares within TOLD_FACTORS."""
+    shares = [f"{percent(profile.share(contender, factor))} within {factor}" for factor in TOLD_FACTORS]
+    return f"{name_of(contender)}:\n{', '.join(shares)}"
+
+
+def profile_title(profile):
+    """Returns how often the best explicit method ties with the cheapest, and how often others come near it."""
+    told = [f"{words} in {percent(profile.share(each, TOLD_FACTORS[-1]))}" for each, words in TOLD.items()
+            if each in profile.factors]
+    first = (f"the best explicit method is within {percent(MARGIN - 1)} of the cheapest in"
+             f" {percent(profile.share(EXPLICIT, MARGIN))}"
+             if EXPLICIT in profile.factors else "time over that of the cheapest method")
+    within = f"; within a factor of {TOLD_FACTORS[-1]} come {', '.join(told)}" if told else ""
+    return f"Of {profile.cases} cases {first}{within}"

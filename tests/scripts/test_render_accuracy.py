@@ -16,7 +16,8 @@ from study_documents import (INTEGRATORS, ROUGH, accuracy_of, duel_row, run_of, 
 from lib.accuracy_lines import CUT
 from lib.formats import LISTED, listed
 
-MODULES = {"error_against_time": "charts", "error_against_n": "charts", "time_against_n": "equal_error_charts"}
+MODULES = {"error_against_time": "charts", "error_against_n": "charts", "time_against_n": "equal_error_charts",
+           "performance_profile": "equal_error_charts"}
 CHARTS = tuple(MODULES)
 KINDS = ("svg", "png")
 
@@ -275,6 +276,48 @@ class TimeAgainstN(AccuracyTest):
                          " 40 times its time")
         document["duels"] = [row for row in document["duels"] if row["contender"] == "gauss"]
         self.assertIsNone(self.module("equal_error_charts").time_against_n(accuracy_of(document)))
+
+
+class PerformanceProfile(AccuracyTest):
+    def shares(self, document):
+        """Returns the points (factor, share) of each line, by the first line of its label."""
+        (panel,) = self.drawn("performance_profile", document).values()
+        return {line.get_label().split(":")[0]: finite_points(line) for line in panel.lines}, title_of(panel)
+
+    def test_a_line_rises_at_the_factors_of_its_class(self):
+        document = study_document()
+        slower(duel_of(document, "elp", 33), 2)
+        lines, title = self.shares(document)
+        self.assertIn("Of 4 cases", title)
+        times = {(row["n"], row["wanted"]): row["cpu_seconds"][2] for row in document["duels"]
+                 if row["contender"] == "explicit"}
+        factors = sorted(row["cpu_seconds"][2] / times[row["n"], row["wanted"]] for row in document["duels"]
+                         if row["contender"] == "elp")
+        (_, first), *steps, (_, last) = lines["exponential, 1e-8"]
+        self.assertEqual((first, last), (0, 1))
+        for (factor, share), wanted, count in zip(steps, factors, (1, 2, 3, 4), strict=True):
+            self.assertAlmostEqual(factor / wanted, 1)
+            self.assertGreaterEqual(share, count / 4)
+        self.assertEqual(lines["best explicit"][0], [1, 1])  # the cheapest everywhere
+
+    def test_a_class_without_a_row_has_not_solved_the_case(self):
+        document = study_document()
+        document["duels"].remove(duel_of(document, "gauss", 33))
+        lines, _ = self.shares(document)
+        self.assertEqual((lines["Gauss"][-1][1], lines["best explicit"][-1][1]), (0.75, 1))
+
+    def test_the_cheapest_method_may_be_of_any_class_of_fast_forms(self):
+        document = study_document()
+        for contender in ("gauss_matched", "named_published"):  # neither is drawn; published forms do not count
+            slower(duel_of(document, contender, 33), 1e-4)
+        lines, title = self.shares(document)
+        self.assertEqual(lines["best explicit"][0], [1, 0.75])
+        self.assertIn("in 75 %", title)
+        self.assertGreater(lines["best explicit"][-2][0], 1.05)
+
+    def test_the_report_says_how_to_read_it_and_of_which_cases(self):
+        report = self.rendered("out", write_study(self.folder))["report.md"].decode()
+        self.assertIn("smooth scene, T = 5, n = 17 to 33; errors 1e-4, 1e-6.](performance_profile.svg)", report)
 
 
 class ErrorAgainstN(AccuracyTest):
