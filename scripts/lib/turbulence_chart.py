@@ -1,8 +1,10 @@
-"""Draws the study of turbulence: what the cheapest faithful setting of each method costs."""
+"""Draws the study of turbulence: what the cheapest faithful setting of each method costs, and how energies differ."""
+
+import math
 
 from matplotlib.ticker import NullLocator
 
-from lib.chart_panels import LABEL_SIZE, equals, look, new_figure, note, percent
+from lib.chart_panels import KEEPING, LABEL_SIZE, equals, label_ends, look, new_figure, note, percent
 from lib.integrators import KEPT, name_with_order, strongest_structure
 from lib.numbers import power, two_digits
 from lib.turbulence_figures import TOLERANCE, methods_of
@@ -92,3 +94,80 @@ def setting_text(study, findings, best):
     """Returns the method of a setting, and its cost over the baseline's."""
     return (name_with_order(study.integrators[best.setting.integrator]),
             two_digits(findings.over_practice(best).ratio))
+
+
+# ---- energies
+
+
+def band_energies(study, found):
+    """Draws by how much the energy in each band of degrees differs from that of the reference, a panel an n.
+
+    `found` are its Findings by n, settings those of examples(). Grey is what chance explains. None where nothing is
+    judged.
+    """
+    told = {n: examples(findings) for n, findings in found.items() if findings.decides and examples(findings)}
+    if not told:
+        return None
+    labels = {n: [with_step(study, judged) for judged in settings] for n, settings in told.items()}
+    figure, (panels,) = new_figure(bands_title(study, found, told), 1, len(told), 4.4, keys=3, sharey=True,
+                                   labels=sum(labels.values(), []))
+    for axes, (n, settings) in zip(panels, told.items()):
+        bands = list(found[n].drifts)
+        places = range(len(bands))
+        least = [found[n].reference.threshold * chance for chance in found[n].reference.chance[:len(bands)]]
+        axes.bar(places, [200 * each for each in least], 0.9, [-100 * each for each in least], color="0.88", zorder=0)
+        axes.axhline(0, color="0.6", linewidth=0.8)
+        ends = []
+        for judged, label in zip(settings, labels[n]):
+            style = look(study.integrators[judged.setting.integrator], judged.setting.tolerance)
+            changes = [100 * change for change in changes_of(found[n], judged)]
+            axes.plot(places, changes, label=judged.setting.integrator, **style)
+            ends.append(((len(bands) - 0.5, changes[-1]), label, style["color"]))
+        axes.set(title=f"n = {n}, T = {study.sizes[n].time:g}", xlabel="degrees l of the band",
+                 xlim=(-0.5, len(bands) - 0.5))
+        axes.set_xticks(places, [band_text(band) for band in bands])
+        axes.grid(False, axis="x")
+        axes.ends = ends
+    highest = 1.05 * max(map(abs, panels[0].get_ylim()))
+    panels[0].set(ylabel="energy, change from the reference in %", ylim=(-highest, highest))
+    for axes in panels:
+        label_ends(axes, axes.ends)
+    note(figure, "Averages over T/2 … T, mean over the draws, of the cheapest faithful setting, the cheapest that keeps"
+         " the Lie–Poisson structure, and the one furthest off. Grey: what chance explains; a faithful setting stays"
+         f" within it in every band. Lighter where a method keeps less at its tolerance. {KEEPING}")
+    return figure
+
+
+def examples(findings):
+    """Returns the settings whose energies are drawn, as Judged, each once: the cheapest faithful one, the cheapest of
+    them with the Lie–Poisson structure, and at the end the one that is furthest from the reference."""
+    furthest = max((judged for judged in findings.judged.values() if judged.distance),
+                   key=lambda judged: judged.distance, default=None)
+    found = (findings.cheapest(), findings.cheapest(lambda judged: judged.has("poisson")), furthest)
+    return list({judged.setting: judged for judged in found if judged}.values())
+
+
+def changes_of(findings, judged):
+    """Returns the relative change of the energy in each band from the reference's, the mean over the draws."""
+    return [math.exp(judged.scores[key] * chance) - 1
+            for key, chance in zip(findings.drifts, findings.reference.chance)]
+
+
+def with_step(study, judged):
+    return f"{name_with_order(study.integrators[judged.setting.integrator])}, h = {judged.setting.step:.3g}"
+
+
+def band_text(key):
+    """Writes the key of a band, "l3-5", as its degrees."""
+    return key[1:].replace("-", "–")
+
+
+def bands_title(study, found, told):
+    """Returns by how much the setting that is furthest off changes the band that it changes most, at the largest n."""
+    n = max(told)
+    judged = told[n][-1]
+    key = max(found[n].drifts, key=lambda key: abs(judged.scores[key]))
+    change = changes_of(found[n], judged)[list(found[n].drifts).index(key)]
+    written = f"{100 * change:+.2g}".replace("-", "\N{MINUS SIGN}")
+    return (f"Turbulence at {equals('n', n)}: {with_step(study, judged)} changes the energy at l = {band_text(key)} by"
+            f" {written}\N{NO-BREAK SPACE}%; faithful settings stay within chance in every band")

@@ -11,7 +11,7 @@ import tempfile
 import unittest
 from unittest import mock
 
-from drawing import DrawingTest
+from drawing import DrawingTest, lines_of
 from programs import BUILD, DONE, ROOT, FolderTest, environment, run, run_script
 
 sys.path[:0] = [os.path.join(BUILD, "python"), os.path.join(ROOT, "scripts", "studies")]
@@ -482,8 +482,10 @@ class Report(DrawingTest):
 
     def test_the_report(self):
         files = self.rendered("out", self.raw())
-        self.assertEqual(set(files), {"report.md", "figures.json", "cheapest_faithful.svg", "cheapest_faithful.png"})
-        self.assert_whole(files, "cheapest_faithful")
+        self.assertEqual(set(files), {"report.md", "figures.json", *(
+            f"{chart}.{kind}" for chart in ("cheapest_faithful", "band_energies") for kind in ("svg", "png"))})
+        for chart in ("cheapest_faithful", "band_energies"):
+            self.assert_whole(files, chart)
         self.assertNotIn("Nothing is judged", files["report.md"].decode())
         cells = self.cells(files)
         self.assertIn(["33", "100", "any", "elp4", "1", "1e-08", "24", "0.0100", "0.200 (0.200–0.200)"],
@@ -527,10 +529,28 @@ class Report(DrawingTest):
         none = found[N]._replace(judged={})
         self.assertEqual(turbulence_chart.title_of(study, {N: none}), turbulence_chart.PLAIN_TITLE)
 
-    def test_no_chart_where_nothing_is_faithful(self):
-        self.assertEqual(set(self.rendered("out", self.raw(
-            runs=lambda rows: [row for row in rows if row.integrator not in ("elp4", "group2")]))),
-            {"report.md", "figures.json"})
+    def test_energies_are_those_of_the_bands_over_the_reference_s(self):
+        def louder(rows):
+            """The energy of rk4 in each band is doubled, and its statistics are off by that."""
+            return [row._replace(bands=[[2 * each for each in quarter] for quarter in row.bands])
+                    if row.integrator == "rk4" else row for row in rows]
+
+        def drawn(**changes):
+            (axes,), = self.panels("turbulence_chart", "band_energies", *self.findings(**changes)).values()
+            return lines_of(axes)
+
+        lines = drawn(runs=louder)
+        self.assertEqual(list(lines), ["elp4", "rk4"])  # the cheapest faithful one has the structure too
+        self.assertEqual(len(lines["rk4"]), len(bands_of(N)))
+        for (_, loud), (_, quiet) in zip(lines["rk4"], drawn()["rk4"]):
+            self.assertAlmostEqual((100 + loud) / (100 + quiet), 2)
+        for _, change in lines["elp4"]:
+            self.assertLess(abs(change), 10)
+
+    def test_no_chart_of_costs_where_nothing_is_faithful(self):
+        files = self.rendered("out", self.raw(
+            runs=lambda rows: [row for row in rows if row.integrator not in ("elp4", "group2")]))
+        self.assertNotIn("cheapest_faithful.svg", files)
 
     def test_files_that_cannot_be_used(self):
         def without(**field):
