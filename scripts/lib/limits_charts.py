@@ -4,22 +4,23 @@ import math
 
 from lib.chart_panels import KEEPING, draw_line, label_ends, label_sizes, logarithmic, look, new_figure, note
 from lib.comparison import three_digits
-from lib.formats import FAST
+from lib.formats import FAST, PUBLISHED
 from lib.integrators import chosen, name_with_order
 
-# Fast forms, in the co-rotating frame where the list has them there; those of new integrators are added.
+# Fast forms, in the co-rotating frame where the list has them there. New integrators are added, in published form where
+# they have no other.
 DRAWN = ("group2", "elp4", "rkmk4", "magnus5", "rk4", "rk8")
 TOLD = ("elp4", "group2")  # in the title, at the largest n of the first scene
 TICKS = (0.5, 1, 2, 5, 10, 20)
 
 
 def limits(study):
-    """Draws the critical h‖B(W₀)‖₂ of fast forms from a scene's own initial data against n, a panel a scene.
+    """Draws the critical h‖B(W₀)‖₂ from a scene's own initial data against n, a panel a scene.
 
     A label says up to which n a method was tried, where that is not the largest of its panel. None without two n.
     """
     forms = chosen(study.integrators.values(), DRAWN, in_frame=True)
-    lines = {scene: {name: points for name in forms if (points := line_of(study, scene, name))}
+    lines = {scene: {name: points for name in forms if (points := line_of(study, scene, forms[name]))}
              for scene in study.scenes()}
     lines = {scene: found for scene, found in lines.items() if len(sizes_of(found)) > 1}
     if not lines:
@@ -52,17 +53,19 @@ def sizes_of(lines):
     return sorted({n for points in lines.values() for n, _ in points})
 
 
-def line_of(study, scene, name):
+def line_of(study, scene, integrator):
     """Returns (n, critical h‖B‖₂), n rising, where a step failed."""
-    points = [(n, study.own(FAST, scene, n, name)) for n in study.sizes(FAST)]
+    solver = FAST if integrator.has_fast_form else PUBLISHED
+    points = [(n, study.own(solver, scene, n, integrator.name)) for n in study.sizes(solver)]
     return [(n, value) for n, value in points if value]
 
 
 def label_of(integrator, points, largest):
     """Returns the name of a method with what of its line is not that of all others."""
+    form = "" if integrator.has_fast_form else ", published"
     frame = "" if integrator.co_rotating else ", no frame"
     end = f", tried to {points[-1][0]}" if points[-1][0] < largest else ""
-    return f"{name_with_order(integrator)}{frame}{end}"
+    return f"{name_with_order(integrator)}{form}{frame}{end}"
 
 
 def title_of(study, lines):
