@@ -135,10 +135,11 @@ def key(figure, handles, rows=1, title=None):
     figure.legend(handles=handles, loc="lower left", ncol=-(-len(handles) // rows), title=title, alignment="left")
 
 
-def note(figure, text):
-    """Puts a note under the panels."""
-    figure.text(0.01, 0.1 / figure.get_figheight(), "\n".join(textwrap.wrap(text, NOTE_CHARACTERS)), va="bottom",
-                color="0.25")
+def note(figure, text, timed_on=None):
+    """Puts a note under the panels. `timed_on` is the context of a raw file whose times are drawn: its processor."""
+    processor = f" Processor: {timed_on['cpu']}." if timed_on and "cpu" in timed_on else ""
+    figure.text(0.01, 0.1 / figure.get_figheight(), "\n".join(textwrap.wrap(text + processor, NOTE_CHARACTERS)),
+                va="bottom", color="0.25")
 
 
 def label_ends(axes, ends, in_one_column=False):

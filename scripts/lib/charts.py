@@ -48,7 +48,7 @@ def error_against_time(study):
     lines = {problem: drawn for problem, drawn in lines.items() if drawn}
     if not lines:
         return None
-    figure, (panels,) = new_figure(price_title(study, lines), 1, len(lines), 5.2, keys=2,
+    figure, (panels,) = new_figure(price_title(study, lines), 1, len(lines), 5.2, keys=3,
                                    labels=[label_of(study, form) for form in forms])
     spans = {problem: span_of([seconds for line in drawn.values() for _, seconds in line])
              for problem, drawn in lines.items()}
@@ -71,7 +71,7 @@ def error_against_time(study):
     note(figure, f"Smooth scene to T = {next(iter(lines)).time:g}, in the co-rotating frame. Errors fall to the right."
          f" Tolerance 1e-13, or as said. {KEEPING} Filled marks: timed in fresh processes at the error"
          f" {TOLD_ERROR_WORD}. A line turns up at its left end where longer steps take more sweeps. Open triangle: the"
-         " line was cut, as the next run would take too long.")
+         " line was cut, as the next run would take too long.", study.context)
     return figure
 
 

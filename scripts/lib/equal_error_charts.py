@@ -68,7 +68,7 @@ def time_against_n(study):
         return None
     labelled = labels_by_scene(lines)
     *inner, last = ([name_of(each) for each in found] for found in labelled.values())
-    figure, (panels,) = new_figure(trend_title(study, lines), 1, len(lines), 5.2, keys=2, sharex=True, sharey=True,
+    figure, (panels,) = new_figure(trend_title(study, lines), 1, len(lines), 5.2, keys=3, sharex=True, sharey=True,
                                    labels=sum(inner, []), last_labels=last)
     for axes, ((scene, time), drawn) in zip(panels, lines.items()):
         logarithmic(axes)
@@ -92,7 +92,7 @@ def time_against_n(study):
             label_ends(axes, [((n, found.ratio), name_of(each), DRAWN[each][0]) for each, (n, found) in ends.items()])
     note(figure, "CPU time of whole runs, interleaved in fresh processes, in the co-rotating frame, with the steps that"
          " reach the error with least work. Bars: 95 % intervals. A line ends where no method of its class was timed."
-         f" Grey: a tie, within {percent(MARGIN - 1)}. {TOLERANCES} {KEEPING}")
+         f" Grey: a tie, within {percent(MARGIN - 1)}. {TOLERANCES} {KEEPING}", study.context)
     return figure
 
 
@@ -186,7 +186,7 @@ def performance_profile(study):
     note(figure, f"{profile.cases} cases: {len(problems)} problems (scene, T, n), each at those of the errors {errors}"
          " that were compared. A class stands by its best method in each case, fast forms in the co-rotating frame. Its"
          f" line ends below {percent(1)} where it has no row in some case. Grey: a tie with the cheapest,"
-         f" within {percent(MARGIN - 1)}. {TOLERANCES} {KEEPING}")
+         f" within {percent(MARGIN - 1)}. {TOLERANCES} {KEEPING}", study.context)
     return figure
 
 

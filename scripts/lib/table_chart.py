@@ -53,7 +53,7 @@ def formulations(published, fast, paper):
         label_ends(axes, axes.ends)
     note(figure, "Light with circles: the seconds that the paper prints. Thin: published forms, in C++. Thick: fast"
          f" forms. Bars: 95 % intervals over processes. Grey: a tie, within {percent(MARGIN - 1)}. All"
-         " formulations keep the same structure.")
+         " formulations keep the same structure.", fast.context)
     return figure
 
 

@@ -28,7 +28,7 @@ def cheapest_faithful(study, found):
         return None
     rows = {n: rows_of(study, each) for n, each in found.items()}
     height = ROW * max(map(len, rows.values()))
-    figure, (panels,) = new_figure(title_of(study, found), 1, len(found), height, keys=2, sharex=True,
+    figure, (panels,) = new_figure(title_of(study, found), 1, len(found), height, keys=3, sharex=True,
                                    labels=["rk4_projected, h = 0.125, 1e-4"])
     for axes, (n, findings) in zip(panels, found.items()):
         axes.set(title=f"n = {n}, T = {study.sizes[n].time:g}", ylim=(len(rows[n]) - 0.3, -0.7),
@@ -48,7 +48,7 @@ def cheapest_faithful(study, found):
     note(figure, "Faithful: the statistics are within chance of the reference, and energy and enstrophy are kept to"
          f" {percent(TOLERANCE)}. Baseline: isospectral midpoint with h = ħ/4, whose bar would end at 1. Tolerance"
          f" {power(LOOSE)}, or as said; methods stand below what they keep at 1e-13. Lines: 95 % intervals of the cost"
-         " over processes; sampling is not in them.")
+         " over processes; sampling is not in them.", study.context)
     return figure
 
 
