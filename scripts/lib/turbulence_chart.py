@@ -140,7 +140,7 @@ def band_energies(study, found):
 
 def examples(findings):
     """Returns the settings whose energies are drawn, as Judged, each once: the cheapest faithful one, the cheapest of
-    them with the Lie–Poisson structure, and at the end the one that is furthest from the reference."""
+    them with the Lie–Poisson structure, and the one that is furthest from the reference."""
     furthest = max((judged for judged in findings.judged.values() if judged.distance),
                    key=lambda judged: judged.distance, default=None)
     found = (findings.cheapest(), findings.cheapest(lambda judged: judged.has("poisson")), furthest)
@@ -165,7 +165,7 @@ def band_text(key):
 def bands_title(study, found, told):
     """Returns by how much the setting that is furthest off changes the band that it changes most, at the largest n."""
     n = max(told)
-    judged = told[n][-1]
+    judged = max(told[n], key=lambda judged: judged.distance)
     key = max(found[n].drifts, key=lambda key: abs(judged.scores[key]))
     change = changes_of(found[n], judged)[list(found[n].drifts).index(key)]
     written = f"{100 * change:+.2g}".replace("-", "\N{MINUS SIGN}")
