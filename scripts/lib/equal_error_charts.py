@@ -26,7 +26,7 @@ TOLD = {"elp": "exponential methods at 1e-8", "elp_bounded": "at 1e-13", "gauss"
 POISSON, SPECTRUM, NOTHING = ({"linestyle": LINES[each]} for each in ("poisson", "spectrum", "nothing"))
 BLACK, GREY = "#000000", FAMILY_COLOURS[RUNGE_KUTTA][0]
 RED, LIGHT_RED = (mixed(FAMILY_COLOURS[EXPONENTIAL][0], "white", share) for share in (0, LOOSE_LIGHTER))
-# The classes that are drawn, each with its colour and style, and with its name where that of tables is another.
+# The classes that are drawn, each with its colour and style.
 DRAWN = {
     "gauss": (FORMULATION_COLOURS["group"][0], {**POISSON, "linewidth": 2.4, "marker": "s"}),
     "elp_bounded": (RED, {**POISSON, "linewidth": 2.4, "marker": "D"}),
