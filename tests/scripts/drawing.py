@@ -39,14 +39,18 @@ class DrawingTest(FolderTest):
         width, height = struct.unpack(">II", png[16:24])
         self.assertEqual((width, height > 450), (1600, True), chart)
 
-    def panels(self, module, chart, *arguments):
-        """Draws a chart of a module of scripts/lib; returns its panels, in lists by their titles."""
+    def module(self, name):
+        """Returns a module of scripts/lib that draws; skips the test where this Python has no matplotlib."""
         self.assertIsNotNone(FOUND, chart_python.complaint())
         if os.path.realpath(FOUND) != os.path.realpath(sys.executable):
             self.skipTest(f"to be run by {FOUND}, which has matplotlib")
         os.environ.setdefault("MPLCONFIGDIR", self.path("matplotlib"))
-        with importlib.import_module("lib.pages.chart_panels").own_style():
-            figure = getattr(importlib.import_module(module), chart)(*arguments)
+        return importlib.import_module(name)
+
+    def panels(self, module, chart, *arguments):
+        """Draws a chart of a module of scripts/lib; returns its panels, in lists by their titles."""
+        with self.module("lib.pages.chart_panels").own_style():
+            figure = getattr(self.module(module), chart)(*arguments)
         found = {}
         for axes in figure.axes:
             found.setdefault(axes.get_title(loc="left"), []).append(axes)

@@ -16,6 +16,7 @@ BUILD = os.environ.get("ISOSYRK_BUILD") or os.path.join(ROOT, "build")
 DATA = os.path.join(ROOT, "tests", "data")
 MEASURE, RENDER = (os.path.join(ROOT, "scripts", name) for name in ("measure", "render"))
 MEASURE, RENDER = (os.path.join(ROOT, "scripts", name) for name in ("measure", "render"))
+MEASURE, RENDER = (os.path.join(ROOT, "scripts", name) for name in ("measure", "render"))
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(ROOT, "scripts"))  # its modules are tested from inside, too
 

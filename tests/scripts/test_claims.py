@@ -319,7 +319,7 @@ class Page(FolderTest):
         for page, template in (("README.md", ""), ("results/README.md", "{{ table_of_claims() }}\n")):
             self.write(page, "")
             self.write(f"{page}.in", template)
-        done = run_script(RENDER, write_claims(self.folder), "--out", self.path("results", "recorded", "claims"))
+        done = run_script(*RENDERING, write_claims(self.folder), "--out", self.path("results", "recorded", "claims"))
         self.assertEqual(done.returncode, DONE, done.stderr)
 
     def update(self, *arguments):

@@ -121,12 +121,9 @@ class Files(DrawingTest):
 
     def test_every_chart_is_whole_and_shown(self):
         files = self.rendered("plain", write(self.folder, limits_study()))
-        charts = ("limits", "failure_map")
-        self.assertEqual(set(files), {"report.md", "figures.json",
-                                      *(f"{chart}.{kind}" for chart in charts for kind in ("svg", "png"))})
-        for chart in charts:
-            self.assert_whole(files, chart)
-            self.assertIn(f"({chart}.svg)".encode(), files["report.md"])
+        self.assertEqual(set(files), {"report.md", "figures.json", "limits.svg", "limits.png"})
+        self.assert_whole(files, "limits")
+        self.assertIn(b"(limits.svg)", files["report.md"])
 
     def test_another_file_is_refused(self):
         path = self.write("other.json", "{}")
@@ -134,29 +131,28 @@ class Files(DrawingTest):
                             "raw file of the study limits")
 
 
-class Charts(DrawingTest):
-    def test_lines_are_the_limits_of_the_own_state_and_theory_is_apart(self):
-        panels = self.panels("studies.limits.charts", "critical_steps", limits_of(limits_study()))
-        (published,), (fast,) = panels["published forms"], panels["fast forms"]
-        self.assertEqual(set(lines_of(published)), {"group2", "algebra1", "rk4"})
-        self.assertEqual(set(lines_of(fast)), {"group2", "algebra1", "elp4_frame"})
-        for name in lines_of(fast):
+class Chart(DrawingTest):
+    def drawn(self, study):
+        panels = self.panels("studies.limits.charts", "limits", limits_of(study))
+        return {title: panel for title, (panel,) in panels.items()}
+
+    def test_lines_are_the_limits_of_the_own_state_by_fast_forms(self):
+        panels = self.drawn(limits_study())
+        self.assertEqual(list(panels), ["smooth scene", "developed scene"])
+        lines = lines_of(panels["smooth scene"])
+        self.assertEqual(set(lines), {"group2", "elp4_frame", "rk4"})
+        for name, points in lines.items():
             critical, _, _ = CRITICAL[name]
-            points = lines_of(fast)[name]
             self.assertEqual([n for n, _ in points], list(SIZES))
             self.assertAlmostEqual(points[0][1], 2 * critical)
-        self.assertEqual(len([line for line in published.lines if line.get_label() == "_theory"]), 2)
 
-    def test_a_cell_for_each_trial(self):
-        ((panel,),) = self.panels("studies.limits.charts", "failure_map", limits_of(limits_study())).values()
-        self.assertEqual(len(panel.patches), len(SIZES) * len(CRITICAL["algebra1"][2]))
-        self.assertEqual(len({patch.get_facecolor() for patch in panel.patches}), 4)
-        self.assertEqual(len(set(limits_charts_colours())), len(OUTCOMES))
-
-
-def limits_charts_colours():
-    from studies.limits import charts as limits_charts  # only now: it needs matplotlib
-    return [limits_charts.COLOURS[outcome] for outcome in OUTCOMES]
+    def test_a_line_that_ends_early_says_up_to_where_it_was_tried(self):
+        study = limits_study()
+        study.tables["limits"] = [each for each in study.tables["limits"] if (each.integrator, each.n) != ("rk4", 17)]
+        study.tables["survived"] = []
+        panel = self.drawn(study)["smooth scene"]
+        self.assertEqual({text.get_text() for text in panel.texts},
+                         {"group2 (order 4), no frame", "elp4", "rk4, no frame, tried to 9"})
 
 
 if __name__ == "__main__":

@@ -392,30 +392,40 @@ class Render(DrawingTest):
         self.assertEqual(list(panels), ["smooth scene, n = 33, T = 1000", "rough scene, n = 33, T = 1000"])
         (panel,) = panels["smooth scene, n = 33, T = 1000"]
         lines = lines_of(panel)
-        self.assertEqual(list(lines), list(MADE))
+        self.assertEqual(list(lines), ["rk4", "elp6", "group2"])  # the others are in tables
         self.assertEqual(lines["group2"], [[50 * steps / 1000, 1e-3 * (1000 / steps)**4] for steps in STEPS])
-        labels = [text.get_text() for text in panel.texts]
-        self.assertEqual((len(labels), "○ elp6, 1e-13" in labels), (len(MADE), True))
-        self.assertEqual(panel.lines[-1].get_marker(), "o")
+        self.assertEqual({text.get_text() for text in panel.texts}, {"rk4", "elp6, 1e-8", "group2 (order 4)"})
         self.assertIn("4 of 12 places", panel.figure.texts[0].get_text())
         (panel,) = self.panels("studies.longruns.charts", "energy_against_time", runs)["smooth scene"]
-        self.assertIn("of 12 runs 0 are at rounding, 8 bounded, 4 growing", panel.figure.texts[0].get_text())
-        self.assertEqual(len(lines_of(panel)["rk4"]), len(TIMES))
-        labels = [text.get_text() for text in panel.texts]
-        for label in ("group2 (bounded)", "rk4 (t^1.0)", "elp6, 1e-8 (bounded)"):
-            self.assertIn(label, labels)
+        self.assertEqual(len(lines_of(panel)["elp6"]), len(TIMES))
+        self.assertEqual({text.get_text() for text in panel.texts},
+                         {"group2 (order 4) (bounded)", "elp6, 1e-8 (bounded)", "elp6, 1e-13 (bounded)"})
+
+    def test_the_title_names_the_least_energy_error_and_the_least_that_is_bounded(self):
+        def title(*growing):
+            runs = [made_long_run(method, power=1.0 if method in growing else 0.0) for method in ("elp6", "group2")]
+            runs[0] = runs[0]._replace(energy_errors=[error / 10 for error in runs[0].energy_errors],
+                                       energy_means=[error / 10 for error in runs[0].energy_means])
+            ((panel,),) = self.panels("studies.longruns.charts", "energy_against_time",
+                                      long_runs(made_study(runs=runs))).values()
+            return " ".join(panel.figure.texts[0].get_text().split())
+
+        self.assertRegex(title(), r"the least energy error is \S+ in the smooth scene \(elp6, 1e-8\); the least bounded"
+                                  r" one \S+ in the smooth scene \(elp6, 1e-8\)")
+        self.assertRegex(title("elp6"), r"least bounded one \S+ in the smooth scene \(group2 \(order 4\)\)")
+        self.assertNotIn("bounded", title("elp6", "group2"))
 
     def test_an_exact_spectrum_is_drawn_at_the_edge_and_a_failed_run_ends_with_a_cross(self):
         errors = [error for _, error in bounded(1)][:45]
         runs = long_runs(made_study([made_point("elp6", 500, spectrum_error=0.0), made_point("elp6", 1000)], [
-            made_long_run("rk4", status="unstable", failed_step=900, energy_errors=errors, energy_means=errors)]))
+            made_long_run("group2", status="unstable", failed_step=900, energy_errors=errors, energy_means=errors)]))
         ((panel,),) = self.panels("studies.longruns.charts", "spectrum_against_cost", runs).values()
         self.assertEqual(lines_of(panel)["elp6"][0], [15.0, 1e-16])
         self.assertEqual([text.get_text() for text in panel.texts], ["all others"])
         ((panel,),) = self.panels("studies.longruns.charts", "energy_against_time", runs).values()
         crosses = [line.get_xydata().tolist() for line in panel.lines if line.get_label() == "_failure"]
-        self.assertEqual(crosses, [[lines_of(panel)["rk4"][-1]]])
-        self.assertIn("rk4 (failed)", [text.get_text() for text in panel.texts])
+        self.assertEqual(crosses, [[lines_of(panel)["group2"][-1]]])
+        self.assertIn("group2 (order 4) (failed)", [text.get_text() for text in panel.texts])
 
     def test_lines_alone_have_a_report(self):
         files = self.rendered("out", write_longruns(self.folder, made_study(runs=[])))

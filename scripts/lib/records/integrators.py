@@ -10,7 +10,7 @@ FAMILIES = (GAUSS, DIRECT_GAUSS, COMPOSITION, EXPONENTIAL, BOGFJELLMO, CROUCH_GR
             ADAMS)
 NAMED = (BOGFJELLMO, CROUCH_GROSSMAN)  # the Lie–Poisson methods that the paper names
 IMPLICIT_EXPONENTIAL = (EXPONENTIAL, *NAMED)  # those that solve for Ω
-SHORT = {RUNGE_KUTTA: "RK", EXPONENTIAL: "exponential", MAGNUS: "Magnus"}
+BY_STAGES = (GAUSS, DIRECT_GAUSS, BOGFJELLMO)  # whose number is that of stages
 
 # A row for each s, a column for each formulation.
 TABLE1_CELLS = tuple(f"{formulation}{s}" for s in (1, 2, 3) for formulation in FORMULATIONS)
@@ -51,9 +51,7 @@ def chosen(integrators, names, in_frame=False):
     return {found[name].name: found[name] for name in names if name in found}
 
 
-def short_name(integrator):
-    """Returns what charts call a method, with its order as in RK4: one name for all formulations, framed or not."""
-    if integrator.family == COMPOSITION or is_new(integrator):
-        return integrator.method
-    family = "projected " * integrator.projected + SHORT.get(integrator.family, integrator.family)
-    return f"{family}{integrator.order}" if family.isupper() else f"{family} {integrator.order}"
+def name_with_order(integrator):
+    """Returns what charts call a method: its name, framed or not, with its order where the number in it is another."""
+    order = f" (order {integrator.order})" if integrator.family in BY_STAGES else ""
+    return f"{integrator.method}{order}"

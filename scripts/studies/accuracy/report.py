@@ -25,9 +25,12 @@ from studies.tables.comparison import UNDECIDED_MARK
 CARE_ERROR, CARE_FACTOR = 1e-6, 10  # near which, within what factor, equal care is shown, ...
 CARE_SIZE = 65  # ... at the largest n up to this
 
+PROFILE = ("Performance profile: for each class of methods the share of cases that it solves within a factor of the"
+           " time of the cheapest method. Read a line at the left for how often its class is the cheapest, and where it"
+           " reaches 100 % for how much more it ever costs. All cases count alike:")
 CHARTS = (
-    ("time_against_n", "CPU seconds to an error of 1e-6 against n, from the duels. A line for each class of methods, in"
-     " the co-rotating frame; it breaks where no method of the class was timed."),
+    ("time_against_n", "CPU time at an error of 1e-6 over that of the best explicit method, against n. A line for each"
+     " class of methods, in the co-rotating frame; it breaks where no method of the class was timed."),
     ("error_against_time", "Work–precision diagram of the smooth scene to T = 50, in the co-rotating frame: the lower a"
      " line, the cheaper the error. Lines break at failures and stability limits, end at their floor or at 1e-9, and"
      " carry an open triangle where they were cut. Panels have equal decades."),
@@ -62,7 +65,7 @@ def accuracy_sections(study, charts, limits=None):
                   f" {power(GOOD_ENOUGH)}, or is cut by work; nothing is compared with a cut line that might be the"
                   " cheaper. On lines the first steps of runs of much work are timed, and their time is scaled by"
                   " products."),
-        *shown(CHARTS, charts),
+        *shown((("performance_profile", f"{PROFILE} {cases_text(study)}."), *CHARTS), charts),
         *duels_section(study),
         Heading("Reference solutions"),
         Items([(str(problem), f": {each.integrators[0]} in {each.steps[0]} and {each.integrators[1]} in {each.steps[1]}"
@@ -84,6 +87,16 @@ def accuracy_sections(study, charts, limits=None):
 def written(form):
     """Writes a Form: the integrator, and its tolerance unless that is the tightest."""
     return form.integrator if form.tolerance == TIGHT else f"{form.integrator}, {power(form.tolerance)}"
+
+
+def cases_text(study):
+    """Writes where classes were compared at equal error: scenes and times with their n, and the errors."""
+    sizes = {}
+    for problem in study.problems():
+        if any(problem == where for where, _ in study.duels):
+            sizes.setdefault(problem[:2], []).append(problem.n)
+    places = [f"{scene} scene, T = {time:g}, n = {span(found, str)}" for (scene, time), found in sizes.items()]
+    return f"{'; '.join(places)}; errors {', '.join(map(power, duel_errors(study)))}"
 
 
 def by_size(study, heading, text, rows, entry):
@@ -336,7 +349,9 @@ def failures_section(study):
 def rendered(raw, recorded):
     """Returns the Rendering of a raw file, with what the recorded study of limits says of long steps."""
     study, limits = read_accuracy(raw), read_limits(os.path.join(recorded, "limits", "raw.json"))
-    from studies.accuracy import charts  # only now: it needs matplotlib
+    from studies.accuracy.charts import error_against_n, error_against_time  # only now: they need matplotlib
+    from studies.accuracy.equal_error_charts import performance_profile, time_against_n
 
+    charts = (performance_profile, time_against_n, error_against_time, error_against_n)
     return Rendering(lambda names: accuracy_sections(study, names, limits), figures(study),
-                     {name: getattr(charts, name)(study) for name, _ in CHARTS})
+                     {chart.__name__: chart(study) for chart in charts})

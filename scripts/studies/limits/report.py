@@ -7,8 +7,9 @@ from lib.pages.rendering import Rendering
 from studies.limits.judge import figures, survived_step
 from studies.limits.schema import SCENES, read_limits
 
-CHARTS = {"limits": "Critical h‖B(W₀)‖₂ against n, published and fast forms.",
-          "failure_map": "How steps of published `algebra1` end, smooth scene."}
+CHART = "limits"
+CAPTION = ("Critical h‖B(W₀)‖₂ against n, fast forms in the co-rotating frame, a panel for each scene. A line spans the"
+           " n that were tried.")
 CAP, ISLAND, NONE = "*", "°", "none"
 FORMS = {PUBLISHED: "Published forms", FAST: "Fast forms"}
 
@@ -34,7 +35,7 @@ def sections(limits, charts):
                   " and drawn ones. Tolerance 1e-13."
                   f' "{CAP}": a state fails at the cap of sweeps, which sets the limit. "{ISLAND}": a longer step works'
                   f' again beyond a failure. "{NONE}": no step that was tried works. "{MISSING}": not tried.'),
-        *shown(list(CHARTS.items()), charts),
+        *shown([(CHART, CAPTION)], charts),
         *survived_step_section(limits),
         *(part for solver in FORMS if limits.sizes(solver) for part in critical_sections(limits, solver)),
         *(part for solver in FORMS for part in survived_sections(limits, solver)),
@@ -141,4 +142,4 @@ def rendered(raw, _recorded):
     from studies.limits import charts  # only now: it needs matplotlib
 
     return Rendering(lambda names: sections(limits, names), figures(limits),
-                     {"limits": charts.critical_steps(limits), "failure_map": charts.failure_map(limits)})
+                     {CHART: charts.limits(limits)})

@@ -2,27 +2,31 @@
 
 from matplotlib.ticker import LogLocator
 
-from lib.records.integrators import RKMK
 from lib.records.settings import keeping_tolerance
-from lib.judging.drift import BOUNDED, GROWS, KEPT, LEAST_GROWTH
-from lib.pages.chart_panels import (BLACK, EXPONENTIAL_RED, FAMILY_COLOURS, GROUP, LINES, cross, draw_line, equals,
-                                    label_ends, logarithmic, look, mixed, new_figure, note)
-from lib.pages.numbers import power
+from lib.pages.chart_panels import KEEPING, cross, draw_line, equals, label_ends, logarithmic, look, new_figure, note
+from lib.judging.drift import BOUNDED, GROWS, LEAST_GROWTH
+from lib.records.integrators import is_new, name_with_order
+from studies.longruns.schema import COSTS, ENERGY, SCENES, SPECTRUM
 from studies.longruns.judge import places_of
-from studies.longruns.schema import (COSTS, ENERGY, EXPLICIT, EXPLICIT_LIE, EXPONENTIAL, EXPONENTIAL_LOOSE, GAUSS,
-                                     GAUSS_LOOSE, PROJECTED, SCENES, SPECTRUM)
+from lib.pages.numbers import power, scientific
 
 SIZES = (33, 129)  # of the panels against cost, where there are such
 LEAST_ERROR = 1e-16  # where an exact 0 is drawn
-COLOURS = {EXPLICIT: BLACK, PROJECTED: "#8a3b12", EXPLICIT_LIE: FAMILY_COLOURS[RKMK][0],
-           EXPONENTIAL: mixed(EXPONENTIAL_RED, "black", 0.25),
-           EXPONENTIAL_LOOSE: mixed(EXPONENTIAL_RED, "white", 0.35), GAUSS: GROUP,
-           GAUSS_LOOSE: mixed(GROUP, "white", 0.45)}
-MARKERS = {"o": "○", "s": "□", "D": "◇", "^": "△", "v": "▽"}  # of the methods of a class, in their order, as in labels
+# The methods that are drawn, by name; new ones are too. The others are in tables.
+AGAINST_COST = ("group2", "elp4_tight", "elp6", "magnus5", "rk8_projected", "rk4", "rk8")
+AGAINST_TIME = ("group2", "elp4_tight", "elp6_tight", "elp6", "magnus5", "rk8_projected", "rk8")
 KEPT_BELOW = 1e-11  # spectrum errors whose lines have one label
-KINDS = ("Black: explicit; brown: projected; green: explicit and isospectral; red: exponential Lie–Poisson, lighter at"
-         " 1e-8; blue: Gauss, lighter at 1e-7. Solid: keeps the Lie–Poisson structure; dashed: the spectrum only;"
-         " dotted: neither.")
+
+
+def drawn(runs, found, names):
+    """Returns those of some lines or runs, by method, that are named or of new integrators."""
+    return {method: each for method, each in found.items()
+            if method in names or is_new(runs.integrator_of(first_of(each)))}
+
+
+def first_of(each):
+    """Returns the first run of a line, or a run itself."""
+    return each[0] if isinstance(each, list) else each
 
 
 def label_of(runs, run):
@@ -30,20 +34,13 @@ def label_of(runs, run):
     integrator = runs.integrator_of(run)
     tight, usual = (keeping_tolerance(integrator, each) for each in ("poisson", "spectrum"))
     several = run.tolerance > usual or (integrator.lie_poisson and tight < usual)
-    return f"{integrator.method}, {power(run.tolerance)}" if several else integrator.method
+    name = name_with_order(integrator)
+    return f"{name}, {power(run.tolerance)}" if several else name
 
 
-def styles(runs, drawn):
-    """Returns how the line of each method is drawn, given a run of each: a colour a class, a marker a method."""
-    found, seen = {}, {}
-    for method, run in drawn.items():
-        kind, integrator = runs.class_of(run), runs.integrator_of(run)
-        number = seen[kind] = seen.get(kind, -1) + 1
-        found[method] = {"color": COLOURS.get(kind) or look(integrator)["color"],
-                         "marker": list(MARKERS)[number % len(MARKERS)],
-                         "markerfacecolor": "none",
-                         "linestyle": next(LINES[each] for each in LINES if integrator.keeps(each))}
-    return found
+def look_of(runs, run):
+    """Returns how the line of a run's method is drawn."""
+    return look(runs.integrator_of(run), run.tolerance)
 
 
 # ---- errors against cost
@@ -70,34 +67,34 @@ def against_cost(runs, quantity, title, label):
     """Draws errors of a quantity against cost, a row of panels a scene and a column an n."""
     sizes = [n for n in SIZES if n in runs.plans] or list(runs.plans)[:1]
     scenes = [scene for scene in SCENES if (sizes[0], scene) in runs.settings()]
-    looks = styles(runs, {method: line[0] for (_, _, method), line in runs.lines.items()})
-    names = {method: f"{MARKERS[looks[method]['marker']]} {label_of(runs, line[0])}"
-             for (_, _, method), line in runs.lines.items()}
-    figure, panels = new_figure(title, len(scenes), len(sizes), 5.4, keys=2, labels=names.values(), sharex=True,
-                                sharey=True)
+    names = {label_of(runs, line[0]) for line in drawn(runs, {key[-1]: line for key, line in runs.lines.items()},
+                                                       AGAINST_COST).values()}
+    figure, panels = new_figure(title, len(scenes), len(sizes), 5.4, keys=2, labels=names, sharex=True, sharey=True)
     for row, scene in zip(panels, scenes):
         for axes, n in zip(row, sizes):
             logarithmic(axes)
-            axes.xaxis.set_major_locator(LogLocator(numticks=6))
+            axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5), numticks=12))
+            axes.xaxis.set_major_formatter("{x:g}")
             axes.set(title=f"{scene} scene, n = {n}, T = {runs.plans[n].time:g}",
                      xlabel="full products a unit of time")
-            ends, kept = [], None
-            for method, line in runs.lines_at(scene, n).items():
+            axes.ends, kept = [], None
+            for method, line in drawn(runs, runs.lines_at(scene, n), AGAINST_COST).items():
                 points = [(point.equivalent_products, max(point.error(quantity), LEAST_ERROR))
                           for point in line if point.usable]
-                if not draw_line(axes, method, points, **looks[method]):
+                style = look_of(runs, line[0])
+                if not draw_line(axes, method, points, **style):
                     continue
                 if quantity == ENERGY or max(error for _, error in points) > KEPT_BELOW:
-                    ends.append((points[-1], names[method], looks[method]["color"]))
+                    axes.ends.append((points[-1], label_of(runs, line[0]), style["color"]))
                 else:
                     kept = points[-1]
-            axes.ends = ends + ([(kept, "all others", "0.3")] if kept else [])
+            axes.ends += [(kept, "all others", "0.3")] if kept else []
         row[0].set_ylabel(label)
-    right = max((x for axes in panels.flat for (x, _), _, _ in axes.ends), default=1.0)
     for axes in filter(lambda axes: axes.ends, panels.flat):
-        label_ends(axes, [((right, y), *label) for (_, y), *label in axes.ends])
+        label_ends(axes, axes.ends, in_one_column=True)
     others = f" All others: below {KEPT_BELOW:g}." if quantity == SPECTRUM else ""
-    note(figure, f"In the co-rotating frame, fast forms, from the initial data of a scene. {KINDS}{others}")
+    note(figure, "In the co-rotating frame, fast forms, from the initial data of a scene. Tolerance 1e-13, of magnus5"
+         f" 1e-8, unless said; lighter where a method keeps less at its tolerance. {KEEPING}{others}")
     return figure
 
 
@@ -107,21 +104,20 @@ def against_cost(runs, quantity, title, label):
 def energy_against_time(runs):
     """Draws the largest energy error of each window of the long runs at the larger cost. None without one."""
     cost = COSTS[-1]
-    found = {scene: drawn for scene in SCENES if (drawn := runs.long_at(scene, cost))}
+    found = {scene: chosen for scene in SCENES if (chosen := drawn(runs, runs.long_at(scene, cost), AGAINST_TIME))}
     if not found:
         return None
-    labels = {(scene, method): f"{label_of(runs, run)} ({drift_of(run)})" for scene, drawn in found.items()
-              for method, run in drawn.items()}
-    looks = styles(runs, {method: run for drawn in found.values() for method, run in drawn.items()})
+    labels = {(scene, method): f"{label_of(runs, run)} ({drift_of(run)})" for scene, each in found.items()
+              for method, run in each.items()}
     first = next(iter(next(iter(found.values())).values()))
-    figure, (panels,) = new_figure(time_title(found), 1, len(found), 5.4, keys=2, labels=labels.values(),
+    figure, (panels,) = new_figure(time_title(runs, found), 1, len(found), 5.4, keys=2, labels=labels.values(),
                                    sharex=True, sharey=True)
-    for axes, (scene, drawn) in zip(panels, found.items()):
+    for axes, (scene, each) in zip(panels, found.items()):
         logarithmic(axes)
         axes.set(title=f"{scene} scene", xlabel="time")
         axes.ends = []
-        for method, run in drawn.items():
-            style = {**looks[method], "marker": ""}
+        for method, run in each.items():
+            style = {**look_of(runs, run), "marker": ""}
             points = draw_line(axes, method, run.series(ENERGY), **style)
             if not points:
                 continue
@@ -132,16 +128,26 @@ def energy_against_time(runs):
     for axes in filter(lambda axes: axes.ends, panels):
         label_ends(axes, axes.ends)
     note(figure, f"{cost} full products a unit of time, {first.windows} windows. In brackets: the power of time by"
-         f" which the error grows, or how it is judged. Cross: the run failed. {KINDS}")
+         " which the error grows, or how it is judged. Cross: the run failed. Lighter where a method keeps less at its"
+         f" tolerance. {KEEPING}")
     return figure
 
 
-def time_title(found):
-    """Returns how many of the runs, in dicts by method, stay at rounding or bounded, and how many grow."""
-    drawn = [run for each in found.values() for run in each.values()]
-    verdicts = [run.judged(ENERGY).verdict for run in drawn]
-    return (f"Energy error at equal cost ({equals('n', drawn[0].n)}): of {len(drawn)} runs {verdicts.count(KEPT)} are"
-            f" at rounding, {verdicts.count(BOUNDED)} bounded, {verdicts.count(GROWS)} growing")
+def time_title(runs, found):
+    """Returns the least energy errors at the end of the runs drawn, in dicts by method: of all, and of bounded ones."""
+    first = next(iter(next(iter(found.values())).values()))
+    ended = {scene: [run for run in each.values() if run.finished] for scene, each in found.items()}
+    bounded = {scene: [run for run in each if run.judged(ENERGY).verdict == BOUNDED] for scene, each in ended.items()}
+    told = [f"{words} {', '.join(least_text(runs, scene, each) for scene, each in some.items() if each)}"
+            for words, some in (("the least energy error is", ended), ("the least bounded one", bounded))
+            if any(some.values())]
+    return f"At equal cost ({equals('n', first.n)}, {equals('T', format(first.time, 'g'))}) {'; '.join(told)}"
+
+
+def least_text(runs, scene, some):
+    """Writes the least energy error at the end of some runs in a scene."""
+    least = min(some, key=lambda run: run.last(ENERGY))
+    return f"{scientific(least.last(ENERGY))} in the {scene} scene ({label_of(runs, least)})"
 
 
 def drift_of(run):

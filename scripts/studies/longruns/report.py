@@ -13,11 +13,11 @@ from studies.longruns.schema import (COSTS, COST_MARGIN, ENERGY, EXPLICIT, EXPLI
                                      GAUSS, PLAIN, PROJECTED, QUANTITIES, SCENES, SPECTRUM, STRUCTURE, read_longruns)
 
 CHARTS = (
-    ("energy_against_cost", "Largest energy error of a run against its cost, a line for each method. Below left is"
-     " best."),
+    ("energy_against_cost", "Largest energy error of a run against its cost, a line for each of the chief methods; all"
+     " others are in tables. Below left is best."),
     ("spectrum_against_cost", "Error of the eigenvalues at the end of the same runs."),
-    ("energy_against_time", "Largest energy error in each window of the long runs, all at 150 products a unit of"
-     " time."),
+    ("energy_against_time", "Largest energy error in each window of the long runs of the chief methods, all at"
+     f" {COSTS[-1]} products a unit of time."),
 )
 CLASS_TITLES = {EXPLICIT: "explicit", PROJECTED: "explicit, projected", EXPLICIT_LIE: "RKMK, Magnus",
                 EXPONENTIAL_LOOSE: "exponential, 1e-8", EXPONENTIAL: "exponential, 1e-13", GAUSS: "Gauss, 1e-13"}

@@ -10,10 +10,13 @@ from studies.turbulence.judge import INVARIANTS, TOLERANCE, figures, findings_of
 from studies.turbulence.schema import LOOSE, QUARTERS, read_turbulence
 from studies.turbulence.statistics import COUNT, LEAST_SPREAD, LEVEL, TRIALS
 
-CHART = "statistical_error"
 KEEPING = {**KEPT, next(iter(KEPT)): "any"}  # what is asked of a method, the least first
-CAPTION = ("Error of the statistics, in standard deviations by chance, against the CPU time of a run, over that of the"
-           " practice. In the grey band an ensemble is not told from the reference.")
+CHARTS = (
+    ("cheapest_faithful", "CPU time of the cheapest faithful setting of each method over that of the baseline, which"
+     " tables call the practice. Methods stand below what they keep."),
+    ("band_energies", "Energy in bands of degrees l against that of the reference: of the cheapest faithful setting,"
+     " the cheapest that keeps the Lie–Poisson structure, and the one that is furthest off. Grey: chance."),
+)
 
 
 def turbulence_sections(study, found, charts):
@@ -25,7 +28,7 @@ def turbulence_sections(study, found, charts):
                   " over T/2 … T? An ensemble is faithful if no quantity is further from the reference than chance"
                   " explains, no draw is lost, and energy and enstrophy of every draw average to the initial values"
                   f" within {TOLERANCE:.0%}. Nothing follows for longer runs."),
-        *shown([(CHART, CAPTION)], charts),
+        *shown(CHARTS, charts),
         Heading("The cheapest faithful settings"),
         Paragraph("Of all methods, of those that keep the spectrum, and of Lie–Poisson methods. Times are those of one"
                   f" run to {times}. The practice: isospectral midpoint rule, h = ħ/4, tolerance 1e-8, fast form."
@@ -311,4 +314,4 @@ def rendered(raw, _recorded):
 
     found = {n: findings_of(study, n) for n in study.sizes}
     return Rendering(lambda names: turbulence_sections(study, found, names), figures(study, found),
-                     {CHART: charts.statistical_error(study, found)})
+                     {name: getattr(charts, name)(study, found) for name, _ in CHARTS})
