@@ -10,7 +10,7 @@ A package has the same few modules:
     charts   the charts, by matplotlib
 
 A small one has its plan in run, or its judgements in schema. A package may see the rooms of lib/ and packages that
-stand before it here. Standard library only: whoever asks for the list need not have what a study needs.
+stand before it in PACKAGES. Standard library only: whoever asks for the list need not have what a study needs.
 """
 
 import importlib.util
@@ -60,10 +60,10 @@ STUDIES = (
           (Part("tables", "raw.json", "Measuring Table 2 and, interleaved, Table 1" + TABLE_SAYING, ("table2", *ERRORS),
                 ("table2", *ERRORS)),),
           "tables", "", "table.txt"),
-    Study("accuracy", "accuracy against cost of every integrator, and methods compared at equal error", 90, 4,
-          of_one_part("accuracy", "Measuring accuracy against cost")),
     Study("limits", "up to which step each integrator works, and how it fails beyond", 90, 1,
           of_one_part("limits", "Looking for the longest steps that work")),
+    Study("accuracy", "accuracy against cost of every integrator, and methods compared at equal error", 90, 4,
+          of_one_part("accuracy", "Measuring accuracy against cost")),
     Study("longruns", "energy, spectrum and symplectic defect against cost, and runs to T = 1e4", 45, 0.5,
           of_one_part("longruns", "Watching long runs")),
     Study("scaling", "what a step costs against n, what each idea of the fast forms buys, and what threads gain", 60, 2,
@@ -82,8 +82,11 @@ STUDIES = (
                 ("table2", "--n", "17"), "avx2")),
           needs="claims"))
 BY_NAME = {study.name: study for study in STUDIES}
-# What scripts/measure knows: the parts of all studies, and the solutions that errors are measured against.
-MEASURED = tuple(dict.fromkeys([part.package for study in STUDIES for part in study.parts])) + ("references",)
+# Every package, each after those that it may see: those of a study's further parts come before it. `references`
+# computes the solutions that errors are measured against, and is no study.
+PACKAGES = (*dict.fromkeys(package for study in STUDIES for package in (
+    *(part.package for part in study.parts if part.package != study.name and not study.package),
+    study.package or study.name)), "references")
 
 
 def module_exists(package, name):

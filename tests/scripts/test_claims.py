@@ -323,7 +323,7 @@ class Page(FolderTest):
         self.assertEqual(done.returncode, DONE, done.stderr)
 
     def update(self, *arguments):
-        return run_script(self.path("scripts", "update_readme"), *arguments)
+        return run_script(self.path("scripts", "update"), "pages", *arguments)
 
     def page(self):
         return text_of(self.path("results", "README.md"))
@@ -336,7 +336,7 @@ class Page(FolderTest):
         self.write("results/README.md", self.page().replace("holds 1.20", "holds 1.30", 1))
         stale = self.update("--check")
         self.assertEqual(stale.returncode, 1)
-        self.assert_one_line(stale.stderr, "results/README.md", "results/README.md.in", "scripts/update_readme")
+        self.assert_one_line(stale.stderr, "results/README.md", "results/README.md.in", "scripts/update")
 
     def test_a_template_that_cannot_be_rendered_is_refused(self):
         for template, *parts in (("one\n{{ tables['gone'] }}", "line 2", 'tables/figures.json has no figure "gone"'),
@@ -348,7 +348,7 @@ class Page(FolderTest):
                 self.assert_refused(self.update(), "results/README.md.in", *parts)
         os.unlink(self.path("results", "README.md.in"))
         self.assert_refused(self.update(), "results/README.md.in", "cannot be read")
-        self.assert_refused(self.update("--draw"), "--check")
+        self.assert_refused(self.update("--draw"), "--draw")
 
 
 class Study(FolderTest):

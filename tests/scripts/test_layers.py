@@ -10,13 +10,17 @@ import unittest
 
 from programs import ROOT, text_of
 
+from studies import PACKAGES
+
 SCRIPTS = os.path.join(ROOT, "scripts")
 
 
 def rooms_of_scripts():
-    """Returns the rooms of the table in scripts/README.md as packages, the lowest first."""
+    """Returns the rooms of the table in scripts/README.md as packages, the lowest first, a room for each study."""
     table = text_of(SCRIPTS, "README.md").split("\n| room | contents |\n")[1].split("\n\n")[0]
-    return re.findall(r"^\| `([\w./]+)` \|", table, re.MULTILINE)
+    rooms = re.findall(r"^\| `([\w./]+)` \|", table, re.MULTILINE)
+    place = rooms.index("studies")
+    return [*rooms[:place], *(f"studies/{package}" for package in PACKAGES), *rooms[place + 1:]]
 
 
 def package_of(module, rooms):

@@ -1008,7 +1008,7 @@ class Package(unittest.TestCase):
             self.assertEqual(entry._replace(name=plain.name, co_rotating=False), plain)
 
     def test_the_recorded_list_is_that_of_the_module(self):
-        done = run_script(os.path.join(ROOT, "scripts", "update_integrators"), "--check")
+        done = run_script(os.path.join(ROOT, "scripts", "update"), "--check", "integrators")
         self.assertEqual((done.returncode, done.stderr), (0, ""))
 
     def test_threads_sleep_after_a_short_spin_unless_told_otherwise(self):

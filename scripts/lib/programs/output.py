@@ -54,17 +54,15 @@ def write_standard_output(data):
 # ---- files that a script keeps up to date
 
 
-def keep(arguments, path, wanted, complaint):
+def keep(check, path, wanted, complaint):
     """Brings the file at `path` up to date: `wanted` returns the text that it should have, given the one it has.
 
-    With --check nothing is written, and another text throws Stop with status 1 and `complaint`.
+    With `check` nothing is written, and another text throws Stop with status 1 and `complaint`.
     """
-    if arguments not in ([], ["--check"]):
-        raise Stop("takes no argument but --check")
     with open(path, encoding="utf-8") as file:
         found = file.read()
     updated = wanted(found)
-    if updated != found and arguments:
+    if updated != found and check:
         raise Stop(complaint, 1)
     if updated != found:
         replace_file(path, updated.encode("utf-8"))

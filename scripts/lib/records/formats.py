@@ -202,7 +202,7 @@ class Integrator(NamedTuple):
 
 INTEGRATORS = "integrators"  # the name of their table
 LATER_FIELDS = Integrator._fields[Integrator._fields.index("has_fast_form"):]  # that older files do not have
-# The list of integrators as of the recorded files, which scripts/update_integrators writes.
+# The list of integrators as of the recorded files, which scripts/update writes.
 LISTED = os.path.join(RECORDED, "integrators.json")
 LIST_FORMAT = "isosyrk integrators 1"
 

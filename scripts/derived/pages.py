@@ -1,30 +1,20 @@
-#!/usr/bin/env python3
-"""Renders README.md and results/README.md from README.md.in and results/README.md.in: update_readme [--check].
+"""README.md and results/README.md, rendered from README.md.in and results/README.md.in.
 
-Sentences stand in the templates; figures and tables come from results/recorded. scripts/lib/pages/templates.py says
-how a template is written, and names() below what it may look up. With --check nothing is written, and the exit
-status is 1 if a page is another than its template gives.
+Sentences stand in the templates; figures and tables come from results/recorded. lib/pages/templates.py says how a
+template is written, and names() what it may look up. Needs Jinja2.
 """
 
 import os
-import sys
 
-ROOT = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
-sys.path.insert(0, os.path.join(ROOT, "scripts"))
-
-from lib.programs.chart_python import require
-
-require("update_readme", ("jinja2",), "install python3-jinja2")  # which this Python may lack
-
-from studies.tables.judge import CLAIMS, judged
-from studies.claims.judge import range_text, read_claims_table, results_text
-from lib.programs.command_line import run
-from lib.pages.numbers import MISSING, three_digits
 from lib.pages.document import Column, Entry, Table, as_markdown, plain_table
-from lib.records.formats import FAST, PUBLISHED
-from lib.programs.output import keep
-from studies.tables.paper import beside_the_paper
+from lib.pages.numbers import MISSING, three_digits
 from lib.pages.templates import Figures, page, recorded_figures
+from lib.programs.output import keep
+from lib.programs.places import ROOT
+from lib.records.formats import FAST, PUBLISHED
+from studies.claims.judge import range_text, read_claims_table, results_text
+from studies.tables.judge import CLAIMS, judged
+from studies.tables.paper import beside_the_paper
 
 RAW = os.path.join("results", "recorded", "tables", "raw.json")
 ALL_CLAIMS = os.path.join("results", "recorded", "claims", "claims.json")
@@ -65,7 +55,8 @@ def table_of_claims():
     rows, _ = read_claims_table(os.path.join(ROOT, ALL_CLAIMS))
     columns = (Column("claim", align="left"), Column("s"), *(Column(name, align="left") for name in CODES.values()))
     return as_markdown([plain_table(columns, [
-        [f"{row.claim} {SHORT[row.claim[1]]}", str(row.stages), *(findings_text(row.findings.get(code)) for code in CODES)]
+        [f"{row.claim} {SHORT[row.claim[1]]}", str(row.stages),
+         *(findings_text(row.findings.get(code)) for code in CODES)]
         for row in rows if row.claim in CLAIM_NAMES])]).strip()
 
 
@@ -94,13 +85,10 @@ def names():
             "table_of_claims": table_of_claims, "exists": lambda path: os.path.exists(os.path.join(ROOT, path))}
 
 
-def main(arguments):
+def update(check):
+    """Writes both pages; with `check` throws Stop, with status 1, where one is another than its template gives."""
     found = names()
     for each in PAGES:
         text = page(ROOT, f"{each}.in", found)
-        keep(arguments, os.path.join(ROOT, each), lambda _, text=text: text,
-             f"{each} is not what {each}.in and results/recorded give; run scripts/update_readme")
-
-
-if __name__ == "__main__":
-    run("update_readme", main, sys.argv[1:])
+        keep(check, os.path.join(ROOT, each), lambda _, text=text: text,
+             f"{each} is not what {each}.in and results/recorded give; run scripts/update")
