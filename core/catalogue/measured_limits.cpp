@@ -14,7 +14,7 @@ struct Limit {
 
 // Sorted by n within a form.
 // clang-format off
-// Written by scripts/update_limits: begin
+// Written by scripts/update: begin
 constexpr Limit limits[] = {
     {"cotangent1", Solver::fast, 17, 2.59},
     {"cotangent1", Solver::published, 17, 1.32},
@@ -188,7 +188,7 @@ constexpr Limit limits[] = {
     {"abm8_frame", Solver::fast, 33, 0.34},
     {"abm8_frame", Solver::fast, 65, 0.33},
 };
-// Written by scripts/update_limits: end
+// Written by scripts/update: end
 // clang-format on
 
 }  // namespace

@@ -1,1 +1,1 @@
-"""What the scripts share. A module imports only what stands above it in the list of modules in scripts/README.md."""
+"""What the scripts share, in rooms; scripts/README.md has their order."""

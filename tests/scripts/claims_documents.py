@@ -10,11 +10,11 @@ import os
 
 import programs  # noqa: F401 (finds the modules of scripts/lib)
 
-from lib import formats
-from lib.claims_files import (HBARS, SCHEMA, THREAD_CODES, DrawCell, OctaveCell, OctavePair, OctaveProduct, Rate,
-                              Settings, ThreadCell)
-from lib.formats import FORMULATIONS, SOLVERS
-from lib.parallel_model import Rates, sweep_seconds
+from lib.records import formats
+from studies.claims.schema import (HBARS, SCHEMA, THREAD_CODES, DrawCell, OctaveCell, OctavePair, OctaveProduct, Rate,
+                                   Settings, ThreadCell)
+from lib.records.formats import FORMULATIONS, SOLVERS
+from studies.claims.parallel_model import Rates, sweep_seconds
 
 PROCESSES = (0.99, 1.01, 1.0, 1.0, 0.995, 1.005)  # times of all rows over their usual ones
 OCTAVE = {"cotangent": (1.2, 1.2, 1.2), "group": (1.0, 1.0, 1.0), "algebra": (0.5, 1.5, 3.0)}  # seconds by s

@@ -10,7 +10,7 @@ import xml.etree.ElementTree
 import programs
 from programs import FolderTest, environment, run, snapshot
 
-from lib import chart_python
+from lib.programs import chart_python
 
 FOUND = chart_python.find()
 PYTHON = FOUND or sys.executable  # the one that draws, so that a script need not look for it
@@ -39,14 +39,18 @@ class DrawingTest(FolderTest):
         width, height = struct.unpack(">II", png[16:24])
         self.assertEqual((width, height > 450), (1600, True), chart)
 
-    def panels(self, module, chart, *arguments):
-        """Draws a chart of a module of scripts/lib; returns its panels, in lists by their titles."""
+    def module(self, name):
+        """Returns a module of scripts/lib that draws; skips the test where this Python has no matplotlib."""
         self.assertIsNotNone(FOUND, chart_python.complaint())
         if os.path.realpath(FOUND) != os.path.realpath(sys.executable):
             self.skipTest(f"to be run by {FOUND}, which has matplotlib")
         os.environ.setdefault("MPLCONFIGDIR", self.path("matplotlib"))
-        with importlib.import_module("lib.chart_panels").own_style():
-            figure = getattr(importlib.import_module(f"lib.{module}"), chart)(*arguments)
+        return importlib.import_module(name)
+
+    def panels(self, module, chart, *arguments):
+        """Draws a chart of a module of scripts/lib; returns its panels, in lists by their titles."""
+        with self.module("lib.pages.chart_panels").own_style():
+            figure = getattr(self.module(module), chart)(*arguments)
         found = {}
         for axes in figure.axes:
             found.setdefault(axes.get_title(loc="left"), []).append(axes)
@@ -55,8 +59,7 @@ class DrawingTest(FolderTest):
     def render(self, *arguments, **changes):
         """Runs the script to its end, with changes of the environment."""
         settings = environment(**{"MPLCONFIGDIR": self.path("matplotlib"), "PYTHONDONTWRITEBYTECODE": "1", **changes})
-        script = os.path.join(programs.ROOT, "scripts", self.script)
-        return run([self.python, script, *arguments], timeout=300, env=settings)
+        return run([self.python, programs.RENDER, self.package, *arguments], timeout=300, env=settings)
 
     def rendered(self, folder, *arguments, **changes):
         """Returns the files that the script makes of its arguments in a folder of this test, without a word."""

@@ -5,8 +5,8 @@ import re
 
 from programs import DATA
 
-from lib.gate_cells import SIZES, cells_of, is_fast
-from lib.gate_layers import read_answer
+from gate.cells import SIZES, cells_of, is_fast
+from gate.layers import read_answer
 
 CONTEXT = {"commit": "0123456789ab", "dirty": "no", "cpu": "AMD EPYC", "blas_library": "OpenBLAS 0.3.21",
            "blas_kernels": "Zen", "split_kernels": "avx2", "vector_units": "avx2; compiled for AVX2 with FMA",

@@ -4,9 +4,9 @@ import os
 
 import programs  # noqa: F401 (finds the modules of scripts/lib)
 
-from lib import formats
-from lib.formats import FAST, PUBLISHED, listed
-from lib.limits_files import SCHEMA, Limit, Settings, State, Survived, Theory
+from lib.records import formats
+from lib.records.formats import FAST, PUBLISHED, listed
+from studies.limits.schema import SCHEMA, Limit, Settings, State, Survived, Theory
 
 SIZES = (9, 17)
 SCENES = ("smooth", "developed")

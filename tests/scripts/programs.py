@@ -17,6 +17,7 @@ import unittest
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 BUILD = os.environ.get("ISOSYRK_BUILD") or os.path.join(ROOT, "build")
 DATA = os.path.join(ROOT, "tests", "data")
+MEASURE, RENDER = (os.path.join(ROOT, "scripts", name) for name in ("measure", "render"))
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(ROOT, "scripts"))  # its modules are tested from inside, too
 
@@ -90,7 +91,7 @@ def call_script(script, *arguments):
     loader = importlib.machinery.SourceFileLoader(os.path.basename(script), script)
     module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
     loader.exec_module(module)
-    from lib import command_line  # only now: not every test has the scripts on its path
+    from lib.programs import command_line  # only now: not every test has the scripts on its path
     with contextlib.redirect_stdout(io.StringIO()) as printed, contextlib.redirect_stderr(io.StringIO()) as said:
         try:
             command_line.run(loader.name, module.main, list(arguments))

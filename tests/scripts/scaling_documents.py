@@ -4,9 +4,9 @@ import os
 
 import programs  # noqa: F401, which makes lib importable
 
-from lib import formats
-from lib.formats import INTEGRATORS, listed
-from lib.scaling_table import SCHEMA, Point, Settings
+from lib.records import formats
+from lib.records.formats import INTEGRATORS, listed
+from studies.scaling.schema import SCHEMA, Point, Settings
 
 TIMES_AS_FAST = {"published": 1.0, "fast": 5.0}
 NOISE = (1.0, 1.1, 1.3)

@@ -12,8 +12,10 @@ import os
 
 import programs  # noqa: F401 (finds the modules of scripts/lib)
 
-from lib.accuracy_lines import BELOW, CUT, LOOSE, SCHEMA, TIGHT, Duel, Problem, accuracy, keeps
-from lib.formats import FAST, PUBLISHED, STUDY_FORMAT, listed, study_of
+from lib.records.settings import LOOSE, TIGHT, Problem, keeps
+from studies.accuracy.schema import BELOW, CUT, SCHEMA, Duel
+from studies.accuracy.lines import accuracy
+from lib.records.formats import FAST, PUBLISHED, STUDY_FORMAT, listed, study_of
 
 STEPS = (5, 10, 20, 50, 100, 200)
 SMOOTH = tuple(Problem("smooth", 5.0, n) for n in (17, 33))

@@ -7,13 +7,15 @@ from programs import FolderTest
 from study_documents import (CONTENDERS, INTEGRATORS, ROUGH, SMOOTH, SOONER, STEPS, accuracy_of, run_of, small_study,
                              study_document, write_study)
 
-from lib.accuracy_figures import figures
-from lib.accuracy_lines import CONTENDERS as ALL_CONTENDERS
-from lib.accuracy_lines import CUT, ENERGY_BOUNDED, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT, Form, read_accuracy
-from lib.accuracy_report import accuracy_sections
-from lib.contenders import CLASSES, all_forms, candidates
-from lib.formats import listed
-from lib.document import as_markdown
+from studies.accuracy.judge import figures
+from studies.accuracy.schema import CONTENDERS as ALL_CONTENDERS
+from lib.records.settings import ENERGY_BOUNDED, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT
+from studies.accuracy.schema import CUT, Form
+from studies.accuracy.lines import read_accuracy
+from studies.accuracy.report import accuracy_sections
+from studies.accuracy.candidates import CLASSES, all_forms, candidates
+from lib.records.formats import listed
+from lib.pages.document import as_markdown
 
 
 class LineTest(FolderTest):

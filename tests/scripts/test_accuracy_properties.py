@@ -10,16 +10,16 @@ from hypothesis import strategies as draw
 from properties import SEEDS, decades, holds_for, times_of_rows
 from study_documents import INTEGRATORS, accuracy_of, study_document
 
-from lib import recommendation
-from lib.accuracy_lines import (ALONE, BELOW, CUT, FLOOR, FLOOR_MARGIN, LOOSE, ORDER_POINTS, TIGHT, Duel, Form, Line,
-                                Problem, Reference, Run, Settings, accuracy, compared, fitted_order,
-                                keeping_tolerance, keeps)
-from lib.contenders import CLASSES, LEAST_ORDER, candidates
-from lib.equal_error import AS_EXPLICIT, beaten_by, cheap_forms, ratio_in
-from lib.formats import CONVERGED, FAST, Study, listed, listed_integrators
-from lib.integrators import IMPLICIT_EXPONENTIAL, KEPT, MAGNUS
-from lib.recommendation import MARGIN, MARGIN_OF_N, Question, Recorded, blend, energy_growth, neighbours
-from lib.verdicts import FASTER, SLOWER, TIE, UNDECIDED, compared as compared_times
+from studies.accuracy import cheapest as recommendation
+from studies.accuracy.schema import ALONE, BELOW, CUT, FLOOR, Duel, Form, Line, Reference, Run, Settings
+from studies.accuracy.lines import FLOOR_MARGIN, ORDER_POINTS, accuracy, compared, fitted_order
+from lib.records.settings import LOOSE, TIGHT, Problem, keeping_tolerance, keeps
+from studies.accuracy.candidates import CLASSES, LEAST_ORDER, candidates
+from studies.accuracy.equal_error import AS_EXPLICIT, beaten_by, cheap_forms, ratio_in
+from lib.records.formats import CONVERGED, FAST, Study, listed, listed_integrators
+from lib.records.integrators import IMPLICIT_EXPONENTIAL, KEPT, MAGNUS
+from studies.accuracy.cheapest import MARGIN, MARGIN_OF_N, Question, Recorded, blend, energy_growth, neighbours
+from lib.judging.verdicts import FASTER, SLOWER, TIE, UNDECIDED, compared as compared_times
 
 PROBLEM = Problem("smooth", 5.0, 17)
 METHODS = ("rk4_frame", "rkmk4_frame", "elp4_frame", "group2_frame")

@@ -12,11 +12,11 @@ import unittest
 
 from programs import ROOT, text_of
 
-from lib.claims_table import read_claims_table
-from lib.comparison import three_digits
+from studies.claims.judge import read_claims_table
+from lib.pages.numbers import three_digits
 
 RECORDED = os.path.join(ROOT, "results", "recorded")
-CODES = {"published": "plain", "fast": "optimised"}  # by implementation
+CODES = {"published": "plain", "fast": "optimised"}  # of the pages of tables, by implementation
 ALL_CLAIMS = os.path.join(RECORDED, "claims", "claims.json")
 
 
@@ -31,14 +31,12 @@ def rows_of(text, heading):
 
 def said_by_page(text):
     """Returns what the table of verdicts of a page says. A row without a claim is of the claim above it."""
-    verdicts = text.partition("<!-- verdicts:begin -->")[2].partition("<!-- verdicts:end -->")[0]
-    head, *rows = rows_of(verdicts, "claim")
-    sizes = [int(name.removeprefix("n = ")) for name in head[3:]]
+    head, *rows = rows_of(text, "claim")
+    sizes = [int(name.removeprefix("n = ")) for name in head[4:]]
     found, claim, stages = {}, None, None
-    for name, s, code, *cells in rows:
+    for name, s, _, code, *cells in rows:
         claim, stages = (name[1], int(s)) if name else (claim, stages)
-        if code != "paper":
-            found.update({(claim, stages, n, code): tuple(cell.split()) for n, cell in zip(sizes, cells)})
+        found.update({(claim, stages, n, CODES[code]): tuple(cell.split()) for n, cell in zip(sizes, cells)})
     return found
 
 
@@ -66,17 +64,14 @@ def said_by_claims(rows):
 
 def said_by_table_of_claims(text):
     """Returns what the table of all claims says of plain and optimised code, as in_ranges() does."""
-    table = text.partition("<!-- claims:begin -->")[2].partition("<!-- claims:end -->")[0]
-    head, *rows = rows_of(table, "claim")
-    columns = {code: head.index(f"{code} C++") for code in CODES.values()}
+    head, *rows = rows_of(text, "claim")
     found = {}
-    for row in rows:
-        named = re.match(r"\((\w)\), s = (\d):", row[0])
-        for code, column in columns.items() if named else ():
-            said = re.match(r"(.*?) ?([0-9.]+(?:–[0-9.]+)?) \\\[", row[column])
+    for label, stages, *cells in rows:
+        for name, code in CODES.items():
+            said = re.match(r"(.*?) ?([0-9.]+(?:–[0-9.]+)?)$", cells[head.index(name) - 2])
             places = re.findall(r"(\w+) \(n = ([0-9, ]+)\)", said[1])
             by_n = {int(n): result for result, sizes in places for n in sizes.split(", ")}
-            found[named[1], int(named[2]), code] = by_n or {None: said[1]}, said[2]
+            found[label[1], int(stages), code] = by_n or {None: said[1]}, said[2]
     return found
 
 
@@ -121,9 +116,9 @@ class Agreement(unittest.TestCase):
         wanted = in_ranges(sayings()["README.md"])
         self.assertEqual(len(wanted), 4 * 2)
         self.assertEqual(said_by_table_of_claims(page), wanted)
-        head, name, rest = page.partition("| (a), s = 1:")
+        head, name, rest = page.partition("| (a) ")
         row, end, rest = rest.partition("\n")
-        for said, other in (("holds ", "fails "), (" ([0-9.]+)–", r" 1\1–"), (r"tie \(", "undecided (")):
+        for said, other in (("holds ", "fails "), (r"\) ([0-9.]+)–", r") 1\1–"), (r"tie \(", "undecided (")):
             edited = head + name + re.sub(said, other, row) + end + rest
             self.assertNotEqual(said_by_table_of_claims(edited), wanted, said)
 
@@ -137,7 +132,7 @@ class Agreement(unittest.TestCase):
 
     def test_a_page_that_was_edited_is_seen(self):
         page = text_of(ROOT, "README.md")
-        head, marker, rest = page.partition("<!-- verdicts:begin -->")
+        head, marker, rest = page.partition("| claim ")
         edited = head + marker + re.sub(r"\| (?:holds|fails|tie) +(\d)", r"| undecided \1", rest, count=1)
         self.assertEqual(len(differences({"as it is": said_by_page(page), "edited": said_by_page(edited)})), 1)
 

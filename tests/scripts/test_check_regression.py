@@ -15,7 +15,7 @@ import time
 from programs import BAD_ARGUMENTS, DATA, DONE, end, run, snapshot, start, strict_json, text_of
 from test_reproduce import CopyTest
 
-from lib.gate_cells import baseline_of, read_build, write_baseline
+from gate.cells import baseline_of, read_build, write_baseline
 from gate_documents import build_document, change
 
 REGRESSION, NOT_JUDGED = 1, 3

@@ -1,4 +1,4 @@
-"""Tests of the study of the paper's claims, of its model of threads, and of scripts/render_claims."""
+"""Tests of the study of the paper's claims, of its model of threads, and of its rendering."""
 
 import argparse
 import json
@@ -9,24 +9,26 @@ import unittest
 from collections import defaultdict
 from unittest import mock
 
-from programs import BUILD, DONE, ROOT, FolderTest, run_script, text_of
+from programs import BUILD, DONE, MEASURE, RENDER, ROOT, FolderTest, run_script, text_of
 from claims_documents import OCTAVE, RATES, THREAD_OVERHEAD, tables, write_claims
 
-sys.path[:0] = [os.path.join(BUILD, "python"), os.path.join(ROOT, "scripts", "studies")]
+sys.path.insert(0, os.path.join(BUILD, "python"))
 
 import isosyrk  # noqa: F401 (CTest leaves this file out where there is no module)
-import claims as claims_study
-from lib import claims_report, claims_table, formats
-from lib.claims_table import Finding, Row, cell_text, read_claims_table
-from lib.command_line import Stop
-from lib.figures import read_figures
-from lib.formats import FORMULATIONS, parse_json
-from lib.messages import UnusableFile
-from lib.parallel_model import PROCESSORS, Rates, Task, makespan, path_products, phases, sweep_seconds, work_seconds
-from lib.verdicts import FAILS, FEWEST, HOLDS, TIE, UNDECIDED
+from studies.claims import report as claims_report, judge as claims_table
+from lib.records import formats
+from studies.claims import run as claims_study
+from studies.claims.judge import cell_text, Finding, read_claims_table, Row
+from lib.programs.command_line import Stop
+from lib.pages.figures import read_figures
+from lib.records.formats import FORMULATIONS, parse_json
+from lib.programs.messages import UnusableFile
+from studies.claims.parallel_model import (PROCESSORS, Rates, Task, makespan, path_products, phases, sweep_seconds,
+                                           work_seconds)
+from lib.judging.verdicts import FAILS, FEWEST, HOLDS, TIE, UNDECIDED
 
-STUDY = os.path.join(ROOT, "scripts", "studies", "claims.py")
-RENDER = os.path.join(ROOT, "scripts", "render_claims")
+STUDY = MEASURE, "claims"
+RENDERING = RENDER, "claims"
 RECORDED = os.path.join(ROOT, "results", "recorded")
 CELLS = ("cotangent2", "group2", "algebra2")
 
@@ -184,7 +186,7 @@ class Judging(unittest.TestCase):
 
 class Rendering(FolderTest):
     def render(self, path, *arguments):
-        return run_script(RENDER, path, "--out", self.path("out"), *arguments)
+        return run_script(*RENDERING, path, "--out", self.path("out"), *arguments)
 
     def rendered(self, made=None, *arguments):
         done = self.render(write_claims(self.folder, made), *arguments)
@@ -234,7 +236,8 @@ class Rendering(FolderTest):
 
     def test_avx2_tables_are_codes_of_their_own_and_other_kernels_are_refused(self):
         raw = avx2_raw()
-        rows = self.rendered(None, "--avx2", self.write("avx2.json", json.dumps(raw)))
+        self.write("avx2.json", json.dumps(raw))  # found beside the raw file
+        rows = self.rendered()
         found = self.by_claim(rows, "(c)", 3)
         self.assertEqual(list(found)[-2:], ["plain_avx2", "optimised_avx2"])
         self.assertEqual(found["plain_avx2"], found["plain"])  # the raw file is the same
@@ -243,8 +246,8 @@ class Rendering(FolderTest):
         self.assertNotIn(claims_report.NO_AVX2, report)
         for change in ({"blas_kernels": "Cooperlake"}, {"products": "split, avx512 kernels"}):
             wrong = {**raw, "context": {**raw["context"], **change}}
-            self.assert_refused(self.render(write_claims(self.folder), "--avx2",
-                                            self.write("wrong.json", json.dumps(wrong))), "wrong.json", "AVX2")
+            self.write("avx2.json", json.dumps(wrong))
+            self.assert_refused(self.render(write_claims(self.folder)), "avx2.json", "AVX2")
 
     def test_another_processor_is_told(self):
         self.rendered()
@@ -269,9 +272,7 @@ class Rendering(FolderTest):
     def test_files_that_cannot_be_used_are_refused(self):
         self.assert_refused(self.render(self.path("none.json")), "none.json")
         self.assert_refused(self.render(self.write("half.json", "{")), "half.json", "whole JSON")
-        self.assert_refused(self.render(write_claims(self.folder), "--avx2", self.path("gone.json")), "gone.json")
         self.assert_refused(self.render(write_claims(self.folder), "--recorded", self.path("nowhere")), "nowhere")
-        self.assert_refused(run_script(RENDER, write_claims(self.folder)), "--out")
         for text, part in (('{"format": "x"}', "table of claims"), ('{"format": "isosyrk claims 1"}', "no claims")):
             with self.assertRaisesRegex(UnusableFile, part):
                 read_claims_table(self.write("claims.json", text))
@@ -284,39 +285,45 @@ class Rendering(FolderTest):
 
 
 class Page(FolderTest):
-    """In a copy of the repository with the study recorded, results/README.md shows the table of all claims."""
+    """In a copy of the repository with the study recorded, a page shows the table of claims on speed."""
 
     def setUp(self):
         super().setUp()
         for name in ("scripts", os.path.join("results", "recorded", "tables"), os.path.join("results", "paper")):
             shutil.copytree(os.path.join(ROOT, name), self.path(name), ignore=shutil.ignore_patterns("__pycache__"))
-        for page in ("README.md", os.path.join("results", "README.md")):
-            self.write(page, text_of(ROOT, page))
-        done = run_script(RENDER, write_claims(self.folder), "--out", self.path("results", "recorded", "claims"))
+        for page, template in (("README.md", ""), ("results/README.md", "{{ table_of_claims() }}\n")):
+            self.write(page, "")
+            self.write(f"{page}.in", template)
+        done = run_script(*RENDERING, write_claims(self.folder), "--out", self.path("results", "recorded", "claims"))
         self.assertEqual(done.returncode, DONE, done.stderr)
 
     def update(self, *arguments):
-        return run_script(self.path("scripts", "update_readme"), *arguments)
+        return run_script(self.path("scripts", "update"), "pages", *arguments)
 
     def page(self):
         return text_of(self.path("results", "README.md"))
 
-    def test_the_table_is_kept_up_to_date_between_its_markers(self):
-        recorded = self.page()
-        self.write("results/README.md", recorded.replace("<!-- claims:begin -->", ""))
-        self.assert_refused(self.update(), "claims", "markers are missing")
-        self.write("results/README.md", recorded)
+    def test_the_table_is_kept_up_to_date(self):
         self.assertEqual(self.update().returncode, DONE)
-        table = self.page().partition("<!-- claims:begin -->")[2].partition("<!-- claims:end -->")[0]
-        for part in ("| paper's MATLAB", "| (b), s = 2: group is fastest", "holds 1.20",
-                     "[table1](recorded/tables/table1.md), [table2](recorded/tables/table2.md),"
-                     " [claims](recorded/claims/report.md)", "[theorem](recorded/theorem/report.md)"):
-            self.assertIn(part, table)
+        for part in ("| paper's MATLAB | Octave | published | fast |", "| (b) group is fastest | 2 |", "holds 1.20"):
+            self.assertIn(part, self.page())
         self.assertEqual(self.update("--check").returncode, DONE)
         self.write("results/README.md", self.page().replace("holds 1.20", "holds 1.30", 1))
         stale = self.update("--check")
         self.assertEqual(stale.returncode, 1)
-        self.assert_one_line(stale.stderr, "results/README.md", "claims.json", "scripts/update_readme")
+        self.assert_one_line(stale.stderr, "results/README.md", "results/README.md.in", "scripts/update")
+
+    def test_a_template_that_cannot_be_rendered_is_refused(self):
+        for template, *parts in (("one\n{{ tables['gone'] }}", "line 2", 'tables/figures.json has no figure "gone"'),
+                                 ("{% expect tables['gain.s1.least'] > 100 %}", "line 1",
+                                  'expected tables["gain.s1.least"] > 100'),
+                                 ("{% if %}", "line 1")):
+            self.write("results/README.md.in", template)
+            with self.subTest(template=template), self.unchanged():
+                self.assert_refused(self.update(), "results/README.md.in", *parts)
+        os.unlink(self.path("results", "README.md.in"))
+        self.assert_refused(self.update(), "results/README.md.in", "cannot be read")
+        self.assert_refused(self.update("--draw"), "--draw")
 
 
 class Study(FolderTest):
@@ -334,8 +341,8 @@ class Study(FolderTest):
     def test_threads_have_all_cores_from_the_beginning_of_their_process(self):
         options, journal = argparse.Namespace(processes=1), argparse.Namespace(context={})
         counts = [{"sweeps": 1, "equivalent_products": 1.0}] * 2
-        with mock.patch("lib.study.untimed", return_value=counts), \
-                mock.patch("lib.study.by_processes", return_value=[defaultdict(lambda: [1.0])]) as measured:
+        with mock.patch("lib.running.study.untimed", return_value=counts), \
+                mock.patch("lib.running.study.by_processes", return_value=[defaultdict(lambda: [1.0])]) as measured:
             claims_study.thread_tables(options, (65,), ["group2"], journal)
             self.assertEqual(measured.call_args.args[-1], os.sched_getaffinity(0))
             claims_study.timed([{"rows": ["group2"]}], claims_study.of_draws, journal, options, "draws")

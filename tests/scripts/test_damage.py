@@ -14,17 +14,24 @@ import limits_documents
 import scaling_documents
 import study_documents
 import threads_documents
-from programs import HAS_MODULE, ROOT, FolderTest, run_script, text_of
+from programs import HAS_MODULE, RENDER, ROOT, FolderTest, run_script, text_of
 
-from lib import accuracy_lines, claims_files, limits_files, longruns_files, scaling_table, threads_table
-from lib.claims_table import read_claims_table
-from lib.figures import read_figures
-from lib.formats import LATER_FIELDS, LISTED, listed, listed_integrators, read_study, study_of
-from lib.messages import UnusableFile
+from studies.accuracy.lines import read_accuracy
+from studies.accuracy.schema import SCHEMA as ACCURACY
+from studies.claims import schema as claims_files
+from studies.limits import schema as limits_files
+from studies.longruns import schema as longruns_files
+from studies.scaling import schema as scaling_table
+from studies.threads import schema as threads_table
+from studies.claims.judge import read_claims_table
+from lib.pages.figures import read_figures
+from lib.records.formats import LATER_FIELDS, LISTED, listed, listed_integrators, study_of
+from lib.programs.messages import UnusableFile
 import test_longruns
 
 if HAS_MODULE:
-    from lib import theorem_table, turbulence_files
+    from studies.theorem import schema as theorem_table
+    from studies.turbulence import schema as turbulence_files
     import test_theorem
     import test_turbulence
 
@@ -34,10 +41,6 @@ def write_theorem(folder):
     study = test_theorem.made_up(test_theorem.Report.ROWS)
     test_theorem.formats.write_study(path, theorem_table.SCHEMA, study.context, study.settings, study.tables)
     return path
-
-
-def read_theorem(path):
-    return read_study(path, theorem_table.SCHEMA, theorem_table.checked)
 
 
 def write_longruns(folder):
@@ -63,18 +66,18 @@ def write_scaling(folder):
 # Of each study: what writes a sound file into a folder, its schema, what reads it, and what renders it.
 STUDIES = {
     "accuracy": (lambda folder: study_documents.write_study(folder, study_documents.small_study()),
-                 accuracy_lines.SCHEMA, accuracy_lines.read_accuracy, "render_accuracy"),
-    "claims": (claims_documents.write_claims, claims_files.SCHEMA, claims_files.read_claims, "render_claims"),
+                 ACCURACY, read_accuracy, "accuracy"),
+    "claims": (claims_documents.write_claims, claims_files.SCHEMA, claims_files.read_claims, "claims"),
     "limits": (lambda folder: limits_documents.write(folder, limits_documents.limits_study()), limits_files.SCHEMA,
-               limits_files.read_limits, "render_limits"),
-    "longruns": (write_longruns, longruns_files.SCHEMA, longruns_files.read_longruns, "render_longruns"),
-    "scaling": (write_scaling, scaling_table.SCHEMA, scaling_table.read_scaling, "render_scaling"),
+               limits_files.read_limits, "limits"),
+    "longruns": (write_longruns, longruns_files.SCHEMA, longruns_files.read_longruns, "longruns"),
+    "scaling": (write_scaling, scaling_table.SCHEMA, scaling_table.read_scaling, "scaling"),
     "threads": (write_threads, threads_table.SCHEMA, threads_table.read_threads, None)}
 if HAS_MODULE:
     STUDIES |= {
-        "theorem": (write_theorem, theorem_table.SCHEMA, read_theorem, "render_theorem"),
+        "theorem": (write_theorem, theorem_table.SCHEMA, theorem_table.read_theorem, "theorem"),
         "turbulence": (lambda folder: test_turbulence.write_turbulence(os.path.join(folder, "raw.json")),
-                       turbulence_files.SCHEMA, turbulence_files.read_turbulence, "render_turbulence")}
+                       turbulence_files.SCHEMA, turbulence_files.read_turbulence, "turbulence")}
 
 
 # ---- damage to any file
@@ -174,13 +177,13 @@ class Matrix(DamageTest):
                 self.assert_one_line(f"{caught.exception}\n", path, "cannot be read")
 
     def test_what_renders_ends_with_2_and_writes_nothing(self):
-        for study, (write, _, _, script) in STUDIES.items():
-            if not script:
+        for study, (write, _, _, rendering) in STUDIES.items():
+            if not rendering:
                 continue
             document = json.loads(text_of(write(self.folder)))
             path = self.write("damaged.json", json.dumps(without(document, "settings")))
             with self.subTest(study=study):
-                self.assert_refused(run_script(os.path.join(ROOT, "scripts", script), path, "--out", self.path("out")),
+                self.assert_refused(run_script(RENDER, rendering, path, "--out", self.path("out")),
                                     "damaged.json", "settings")
                 self.assertFalse(os.path.exists(self.path("out")))
 

@@ -11,11 +11,11 @@ from hypothesis import strategies as draw
 from properties import SEEDS, decades, fails, holds_for
 from scipy import stats
 
-from lib import drift, trend
-from lib.drift import (ALL_LOST, BLOCKS, BOUNDED, FAILED, GROWS, KEPT, LEAST_DRIFT, LEAST_GROWTH, LOST, MOST_TREND,
-                       ROUNDING, Estimate, growth_of, judged, slope_of, verdict_on)
-from lib.trend import FEWEST_ROUNDS, LEAST_CHANGE, LEVEL, Trend, rank_correlation, ranks
-from lib.verdicts import UNDECIDED
+from lib.judging import drift, trend
+from lib.judging.drift import (ALL_LOST, BLOCKS, BOUNDED, FAILED, GROWS, KEPT, LEAST_DRIFT, LEAST_GROWTH, LOST,
+                               MOST_TREND, ROUNDING, Estimate, growth_of, judged, slope_of, verdict_on)
+from lib.judging.trend import FEWEST_ROUNDS, LEAST_CHANGE, LEVEL, Trend, rank_correlation, ranks
+from lib.judging.verdicts import UNDECIDED
 
 WINDOWS = draw.integers(60, 200)
 ERRORS = decades(-11.5, -1.5)  # between ROUNDING and LOST

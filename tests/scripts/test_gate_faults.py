@@ -8,8 +8,8 @@ import unittest
 
 from programs import BUILD, DATA, environment, program
 
-from lib.gate_cells import Baseline, UNKNOWN, cells_of, report_of
-from lib.gate_layers import OTHER_ROUNDINGS, accuracy_layer, exact_layer
+from gate.cells import Baseline, UNKNOWN, cells_of, report_of
+from gate.layers import OTHER_ROUNDINGS, accuracy_layer, exact_layer
 
 NAMES = cells_of((17,))
 ELSEWHERE = Baseline("0" * 40, {}, {name: {"allocations": 0} for name in NAMES})  # of other kernels, wherever this runs

@@ -10,13 +10,13 @@ import unittest
 
 from programs import DATA, ROOT, FolderTest, text_of
 
-from lib.messages import UnusableFile
-from lib.command_line import Stop
-from lib.gate_cells import (FAST, ROUNDING, SIZES, baseline_of, cells_of, json_text, read_baseline, read_build,
-                            report_of, write_baseline)
+from lib.programs.messages import UnusableFile
+from lib.programs.command_line import Stop
+from gate.cells import (FAST, ROUNDING, SIZES, baseline_of, cells_of, json_text, read_baseline, read_build, report_of,
+                        write_baseline)
 from gate_documents import build_document, cell_of, change, with_other_roundings
-from lib.gate_layers import NOT_JUDGED, PASSED, REGRESSION, Layer, accuracy_layer, exact_layer, exit_code
-from lib.gate_timing import FULL, QUICK, Server, is_slower, judge_times, steps_of, time_cells
+from gate.layers import NOT_JUDGED, PASSED, REGRESSION, Layer, accuracy_layer, exact_layer, exit_code
+from gate.timing import FULL, QUICK, Server, is_slower, judge_times, steps_of, time_cells
 
 NAMES = cells_of(SIZES)
 CELL = "algebra/n:33/s:2"

@@ -9,7 +9,7 @@ import sys
 import tempfile
 import unittest
 
-from programs import BUILD, HAS_MODULE, ROOT, SANITIZED, FolderTest, environment, run, strict_json, text_of
+from programs import BUILD, HAS_MODULE, MEASURE, ROOT, SANITIZED, FolderTest, environment, run, strict_json, text_of
 
 USER = os.path.join(ROOT, "tests", "install")
 VERSION = re.search(r"project\(isosyrk VERSION ([0-9.]+) ", text_of(ROOT, "CMakeLists.txt")).group(1)
@@ -182,7 +182,7 @@ class OwnMethod(FolderTest):
         self.assertEqual((done.stdout, done.stderr), (f"integrator '{self.NAME}': has no fast form\n", ""))
 
         raw = self.path("accuracy.json")
-        done = run([python, "-B", os.path.join(ROOT, "scripts", "studies", "accuracy.py"), "--quick", "--n", "17",
+        done = run([python, "-B", MEASURE, "accuracy", "--quick", "--n", "17",
                     "--integrator", self.NAME, "--repetitions", "1", "--out", raw], timeout=300,
                    env=environment(ISOSYRK_BUILD=OWN_METHOD))
         self.assertEqual(done.returncode, 0, done.stderr)

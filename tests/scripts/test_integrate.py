@@ -14,9 +14,8 @@ import unittest
 
 import numpy
 
-from programs import (BAD_ARGUMENTS, DATA, DONE, FORMULATIONS, SANITIZED, SOLVER_FAILED, FolderTest,
-                      default_signals, end, environment, open_terminal, program, run, run_on_full_disk, start,
-                      strict_json)
+from programs import (BAD_ARGUMENTS, DATA, DONE, FORMULATIONS, SANITIZED, SOLVER_FAILED, FolderTest, default_signals,
+                      end, environment, open_terminal, program, run, run_on_full_disk, start, strict_json)
 
 # The project's answers must agree with the references to 1e-11; see tests/data.
 TOLERANCE = 1e-11

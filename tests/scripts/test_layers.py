@@ -1,6 +1,6 @@
-"""Layers: scripts/lib against the list of modules in scripts/README.md, and the rooms of core/ against its README.md.
+"""Rooms: the imports of scripts/ against the table of its rooms, and the rooms of core/ against its README.md.
 
-No module of scripts/lib imports against the list, which names them all. The table of rooms says what CMake enforces.
+No module imports from a room above its own, nor a study from one that stands after it. CMake enforces core's rooms.
 """
 
 import ast
@@ -10,54 +10,65 @@ import unittest
 
 from programs import ROOT, text_of
 
-LIB = os.path.join(ROOT, "scripts", "lib")
-MODULES = [name[:-3] for name in os.listdir(LIB) if name.endswith(".py") and name != "__init__.py"]
+from studies import PACKAGES
+
+SCRIPTS = os.path.join(ROOT, "scripts")
 
 
-def listed():
-    """Returns the modules of the list, the lowest first."""
-    section = text_of(ROOT, "scripts", "README.md").split("\n## The modules of lib\n")[1].split("\n## ")[0]
-    return re.findall(r"^- `([a-z0-9_]+)`: \S", section, re.MULTILINE)
+def rooms_of_scripts():
+    """Returns the rooms of the table in scripts/README.md as packages, the lowest first, a room for each study."""
+    table = text_of(SCRIPTS, "README.md").split("\n| room | contents |\n")[1].split("\n\n")[0]
+    rooms = re.findall(r"^\| `([\w./]+)` \|", table, re.MULTILINE)
+    place = rooms.index("studies")
+    return [*rooms[:place], *(f"studies/{package}" for package in PACKAGES), *rooms[place + 1:]]
+
+
+def package_of(module, rooms):
+    """Returns the place in `rooms` of a module as it is imported; None for one of another project."""
+    path = module.replace(".", "/")
+    return next((place for place, room in enumerate(rooms) if path == room or path.startswith(f"{room}/")), None)
 
 
 def imported(source):
-    """Returns the modules of lib that a source imports, inside functions too."""
+    """Returns the modules that a source imports, inside functions too, each with the names that it takes."""
     found = []
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
             found += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom) and not node.level:
+            found += [f"{node.module}.{alias.name}" for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
-            module = ".".join(filter(None, ("lib" * bool(node.level), node.module)))
-            found += [f"lib.{alias.name}" for alias in node.names] if module == "lib" else [module]
-    return [name.split(".")[1] for name in found if name.startswith("lib.")]
+            found.append("relative")
+    return found
 
 
-def upward(order, sources):
-    """Returns (module, import) where a module imports what does not stand above it."""
-    return [(module, each) for module in order for each in imported(sources[module])
-            if each not in order[:order.index(module)]]
+def upward(sources, rooms):
+    """Returns (module, import) where a module imports from a room above its own."""
+    return [(module, each) for module, source in sources.items() for each in imported(source)
+            if each == "relative" or (package_of(each, rooms) or 0) > package_of(module, rooms)]
 
 
-class Layers(unittest.TestCase):
-    def test_the_list_names_every_module_once(self):
-        self.assertEqual(sorted(listed()), sorted(MODULES))
+class ScriptRooms(unittest.TestCase):
+    def setUp(self):
+        self.rooms = rooms_of_scripts()
+        self.sources = {os.path.relpath(os.path.join(folder, name), SCRIPTS)[:-3].replace("/", "."):
+                        text_of(folder, name) for folder, _, names in os.walk(SCRIPTS) for name in names
+                        if name.endswith(".py") and folder != SCRIPTS and not name.startswith("__")}
 
-    def test_no_import_against_the_list(self):
-        order = listed()
-        sources = {name: text_of(LIB, f"{name}.py") for name in order}
-        self.assertEqual(upward(order, sources), [])
-        self.assertGreater(sum(len(imported(source)) for source in sources.values()), 80)
+    def test_every_module_is_in_a_room(self):
+        self.assertEqual([module for module in self.sources if package_of(module, self.rooms) is None], [])
+        self.assertEqual([room for room in self.rooms if not os.path.isdir(os.path.join(SCRIPTS, room))], [])
+
+    def test_no_import_goes_up(self):
+        self.assertEqual(upward(self.sources, self.rooms), [])
+        self.assertGreater(sum(len(imported(source)) for source in self.sources.values()), 300)
         # Controls: each way to write an import that goes up.
-        for line in ("from lib.charts import AGAINST_N", "from lib import charts", "import lib.charts",
-                     "from . import charts", "from .charts import AGAINST_N",
-                     "def later():\n    from lib import charts"):
+        for line in ("from lib.pages.document import Table", "from lib.pages import document", "import gate.cells",
+                     "from . import output", "def later():\n    from studies.claims import judge"):
             with self.subTest(line=line):
-                wrong = {**sources, "formats": f"{sources['formats']}\n{line}\n"}
-                self.assertEqual(upward(order, wrong), [("formats", "charts")])
-        wrong = {**sources, "charts": f"{sources['charts']}\nfrom lib.gone import it\nfrom lib import charts\n"}
-        self.assertEqual(upward(order, wrong), [("charts", "gone"), ("charts", "charts")])
-        reversed_order = order[::-1]
-        self.assertGreater(len(upward(reversed_order, sources)), 50)
+                wrong = {**self.sources, "lib.records.formats": f"{self.sources['lib.records.formats']}\n{line}\n"}
+                self.assertEqual([module for module, _ in upward(wrong, self.rooms)], ["lib.records.formats"])
+        self.assertGreater(len(upward(self.sources, self.rooms[::-1])), 100)
 
 
 def rooms_of_cmake(text):

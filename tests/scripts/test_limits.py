@@ -5,10 +5,11 @@ import unittest
 from drawing import DrawingTest, lines_of
 from limits_documents import CLOSE, CRITICAL, NORM_B, SIZES, limits_study
 
-from lib.document import as_markdown
-from lib.formats import FAST, PUBLISHED
-from lib.limits_files import LETTERS, OUTCOMES, limits_of
-from lib.limits_report import figures, sections
+from lib.pages.document import as_markdown
+from lib.records.formats import FAST, PUBLISHED
+from studies.limits.schema import LETTERS, OUTCOMES, limits_of
+from studies.limits.report import sections
+from studies.limits.judge import figures
 
 
 class RawFiles(unittest.TestCase):
@@ -78,29 +79,28 @@ class Report(unittest.TestCase):
         self.assertEqual(found["own_state_within_drawn"], found["lines_of_several_states"])
 
 
-class Charts(DrawingTest):
-    def test_lines_are_the_limits_of_the_own_state_and_theory_is_apart(self):
-        panels = self.panels("limits_charts", "critical_steps", limits_of(limits_study()))
-        (published,), (fast,) = panels["published forms"], panels["fast forms"]
-        self.assertEqual(set(lines_of(published)), {"group2", "algebra1", "rk4"})
-        self.assertEqual(set(lines_of(fast)), {"group2", "algebra1", "elp4_frame"})
-        for name in lines_of(fast):
+class Chart(DrawingTest):
+    def drawn(self, study):
+        panels = self.panels("studies.limits.charts", "limits", limits_of(study))
+        return {title: panel for title, (panel,) in panels.items()}
+
+    def test_lines_are_the_limits_of_the_own_state_by_fast_forms(self):
+        panels = self.drawn(limits_study())
+        self.assertEqual(list(panels), ["smooth scene", "developed scene"])
+        lines = lines_of(panels["smooth scene"])
+        self.assertEqual(set(lines), {"group2", "elp4_frame", "rk4"})
+        for name, points in lines.items():
             critical, _, _ = CRITICAL[name]
-            points = lines_of(fast)[name]
             self.assertEqual([n for n, _ in points], list(SIZES))
             self.assertAlmostEqual(points[0][1], 2 * critical)
-        self.assertEqual(len([line for line in published.lines if line.get_label() == "_theory"]), 2)
 
-    def test_a_cell_for_each_trial(self):
-        ((panel,),) = self.panels("limits_charts", "failure_map", limits_of(limits_study())).values()
-        self.assertEqual(len(panel.patches), len(SIZES) * len(CRITICAL["algebra1"][2]))
-        self.assertEqual(len({patch.get_facecolor() for patch in panel.patches}), 4)
-        self.assertEqual(len(set(limits_charts_colours())), len(OUTCOMES))
-
-
-def limits_charts_colours():
-    from lib import limits_charts  # only now: it needs matplotlib
-    return [limits_charts.COLOURS[outcome] for outcome in OUTCOMES]
+    def test_a_line_that_ends_early_says_up_to_where_it_was_tried(self):
+        study = limits_study()
+        study.tables["limits"] = [each for each in study.tables["limits"] if (each.integrator, each.n) != ("rk4", 17)]
+        study.tables["survived"] = []
+        panel = self.drawn(study)["smooth scene"]
+        self.assertEqual({text.get_text() for text in panel.texts},
+                         {"group2 (order 4), no frame", "elp4", "rk4, no frame, tried to 9"})
 
 
 if __name__ == "__main__":

@@ -8,19 +8,21 @@ import unittest
 from unittest import mock
 
 from drawing import DrawingTest, lines_of
-from programs import BUILD, HAS_MODULE, ROOT, FolderTest
+from programs import BUILD, HAS_MODULE, MEASURE, FolderTest
 
-from lib import formats
-from lib.document import as_markdown
-from lib.drift import (ALL_LOST, BOUNDED, FAILED, GROWS, KEPT, LOST, ROUNDING, growth_of, in_blocks, judged, trend_of)
-from lib.formats import Study, listed
-from lib.longruns_files import (CLASSES, COSTS, ENERGY, EXPLICIT, EXPLICIT_LIE, EXPONENTIAL, EXPONENTIAL_LOOSE, GAUSS,
-                                GAUSS_LOOSE, PROJECTED, SCHEMA, SPECTRUM, STRUCTURE, LongRun, Plan, Point, Price,
-                                Settings, class_of, long_runs, method_of, price_on, read_longruns)
-from lib.longruns_report import figures, places_of, sections
-from lib.verdicts import UNDECIDED
+from lib.records import formats
+from lib.pages.document import as_markdown
+from lib.judging.drift import (ALL_LOST, BOUNDED, FAILED, GROWS, KEPT, LOST, ROUNDING, growth_of, in_blocks, judged,
+                               trend_of)
+from lib.records.formats import Study, listed
+from studies.longruns.schema import (CLASSES, COSTS, ENERGY, EXPLICIT, EXPLICIT_LIE, EXPONENTIAL, EXPONENTIAL_LOOSE,
+                                     GAUSS, GAUSS_LOOSE, PROJECTED, SCHEMA, SPECTRUM, STRUCTURE, LongRun, Plan, Point,
+                                     Price, Settings, class_of, long_runs, method_of, price_on, read_longruns)
+from studies.longruns.report import sections
+from studies.longruns.judge import figures, places_of
+from lib.judging.verdicts import UNDECIDED
 
-STUDY = os.path.join(ROOT, "scripts", "studies", "longruns.py")
+STUDY = MEASURE, "longruns"
 TIMES = [50.0 * k for k in range(1, 201)]  # of 200 windows to T = 1e4
 
 
@@ -85,7 +87,7 @@ class Drift(unittest.TestCase):
     def test_an_interval_by_shorter_blocks_would_be_too_short(self):
         # The control of the blocks: on noise with a correlation, blocks of three points miss 0 far more often.
         def misses(count):
-            with mock.patch("lib.drift.BLOCKS", count):
+            with mock.patch("lib.judging.drift.BLOCKS", count):
                 found = [growth_of(bounded(seed, 0.8)) for seed in range(100)]
             return sum(not growth.low <= 0 <= growth.high for growth in found)
 
@@ -345,53 +347,63 @@ class Render(DrawingTest):
 
     def test_lines_of_the_charts(self):
         runs = long_runs(made_study())
-        panels = self.panels("longruns_charts", "energy_against_cost", runs)
+        panels = self.panels("studies.longruns.charts", "energy_against_cost", runs)
         self.assertEqual(list(panels), ["smooth scene, n = 33, T = 1000", "rough scene, n = 33, T = 1000"])
         (panel,) = panels["smooth scene, n = 33, T = 1000"]
         lines = lines_of(panel)
-        self.assertEqual(list(lines), list(MADE))
+        self.assertEqual(list(lines), ["rk4", "elp6", "group2"])  # the others are in tables
         self.assertEqual(lines["group2"], [[50 * steps / 1000, 1e-3 * (1000 / steps)**4] for steps in STEPS])
-        labels = [text.get_text() for text in panel.texts]
-        self.assertEqual((len(labels), "○ elp6, 1e-13" in labels), (len(MADE), True))
-        self.assertEqual(panel.lines[-1].get_marker(), "o")
+        self.assertEqual({text.get_text() for text in panel.texts}, {"rk4", "elp6, 1e-8", "group2 (order 4)"})
         self.assertIn("4 of 12 places", panel.figure.texts[0].get_text())
-        (panel,) = self.panels("longruns_charts", "energy_against_time", runs)["smooth scene"]
-        self.assertIn("of 12 runs 0 are at rounding, 8 bounded, 4 growing", panel.figure.texts[0].get_text())
-        self.assertEqual(len(lines_of(panel)["rk4"]), len(TIMES))
-        labels = [text.get_text() for text in panel.texts]
-        for label in ("group2 (bounded)", "rk4 (t^1.0)", "elp6, 1e-8 (bounded)"):
-            self.assertIn(label, labels)
+        (panel,) = self.panels("studies.longruns.charts", "energy_against_time", runs)["smooth scene"]
+        self.assertEqual(len(lines_of(panel)["elp6"]), len(TIMES))
+        self.assertEqual({text.get_text() for text in panel.texts},
+                         {"group2 (order 4) (bounded)", "elp6, 1e-8 (bounded)", "elp6, 1e-13 (bounded)"})
+
+    def test_the_title_names_the_least_energy_error_and_the_least_that_is_bounded(self):
+        def title(*growing):
+            runs = [made_long_run(method, power=1.0 if method in growing else 0.0) for method in ("elp6", "group2")]
+            runs[0] = runs[0]._replace(energy_errors=[error / 10 for error in runs[0].energy_errors],
+                                       energy_means=[error / 10 for error in runs[0].energy_means])
+            ((panel,),) = self.panels("studies.longruns.charts", "energy_against_time",
+                                      long_runs(made_study(runs=runs))).values()
+            return " ".join(panel.figure.texts[0].get_text().split())
+
+        self.assertRegex(title(), r"the least energy error is \S+ in the smooth scene \(elp6, 1e-8\); the least bounded"
+                                  r" one \S+ in the smooth scene \(elp6, 1e-8\)")
+        self.assertRegex(title("elp6"), r"least bounded one \S+ in the smooth scene \(group2 \(order 4\)\)")
+        self.assertNotIn("bounded", title("elp6", "group2"))
 
     def test_an_exact_spectrum_is_drawn_at_the_edge_and_a_failed_run_ends_with_a_cross(self):
         errors = [error for _, error in bounded(1)][:45]
         runs = long_runs(made_study([made_point("elp6", 500, spectrum_error=0.0), made_point("elp6", 1000)], [
-            made_long_run("rk4", status="unstable", failed_step=900, energy_errors=errors, energy_means=errors)]))
-        ((panel,),) = self.panels("longruns_charts", "spectrum_against_cost", runs).values()
+            made_long_run("group2", status="unstable", failed_step=900, energy_errors=errors, energy_means=errors)]))
+        ((panel,),) = self.panels("studies.longruns.charts", "spectrum_against_cost", runs).values()
         self.assertEqual(lines_of(panel)["elp6"][0], [15.0, 1e-16])
         self.assertEqual([text.get_text() for text in panel.texts], ["all others"])
-        ((panel,),) = self.panels("longruns_charts", "energy_against_time", runs).values()
+        ((panel,),) = self.panels("studies.longruns.charts", "energy_against_time", runs).values()
         crosses = [line.get_xydata().tolist() for line in panel.lines if line.get_label() == "_failure"]
-        self.assertEqual(crosses, [[lines_of(panel)["rk4"][-1]]])
-        self.assertIn("rk4 (failed)", [text.get_text() for text in panel.texts])
+        self.assertEqual(crosses, [[lines_of(panel)["group2"][-1]]])
+        self.assertIn("group2 (order 4) (failed)", [text.get_text() for text in panel.texts])
 
     def test_lines_alone_have_a_report(self):
         study = made_study(runs=[])
         self.assertNotIn("in long runs", report_of(study))
-        self.assertEqual(self.panels("longruns_charts", "energy_against_cost", long_runs(study)).keys(),
-                         self.panels("longruns_charts", "energy_against_cost", long_runs(made_study())).keys())
-        from lib import longruns_charts  # only now: it needs matplotlib
+        self.assertEqual(self.panels("studies.longruns.charts", "energy_against_cost", long_runs(study)).keys(),
+                         self.panels("studies.longruns.charts", "energy_against_cost", long_runs(made_study())).keys())
+        from studies.longruns import charts as longruns_charts  # only now: it needs matplotlib
         self.assertIsNone(longruns_charts.energy_against_time(long_runs(study)))
 
 
 # ---- the study itself
 
 if HAS_MODULE:
-    sys.path[:0] = [os.path.join(BUILD, "python"), os.path.dirname(STUDY)]
+    sys.path.insert(0, os.path.join(BUILD, "python"))
     import isosyrk
-    import longruns
+    from studies.longruns import run as longruns
     import numpy
-    from lib import symplectic_defect
-    from lib.symplectic_defect import derivative, form, random_direction
+    from studies.longruns import symplectic_defect
+    from studies.longruns.symplectic_defect import derivative, form, random_direction
 
 
 @unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")

@@ -1,4 +1,4 @@
-"""Tests of scripts/measure_table with a stand-in for the benchmark program, and of what counts as disturbed."""
+"""Tests of scripts/measure tables with a stand-in for the benchmark program, and of what counts as disturbed."""
 
 import json
 import os
@@ -9,16 +9,16 @@ import time
 import unittest
 from unittest import mock
 
-from programs import BAD_ARGUMENTS, DONE, ROOT, SOLVER_FAILED, FolderTest, end, environment, run, start
+from programs import (BAD_ARGUMENTS, DONE, MEASURE, ROOT, SOLVER_FAILED, FolderTest, end, environment, run, start,
+                      text_of)
 
-from lib import fresh_process
-from lib.command_line import Stop
-from lib.formats import read_run
-from lib.fresh_process import MOST_SWITCHES, Disturbance, run_on
-from lib.table_processes import Plan, measure, quickest
-from lib.verdicts import FEWEST, MOST
+from lib.running import fresh_process
+from lib.programs.command_line import Stop
+from lib.records.formats import read_run
+from lib.running.fresh_process import MOST_SWITCHES, Disturbance, run_on
+from studies.tables.processes import Plan, measure, quickest
+from lib.judging.verdicts import FEWEST, MOST
 
-SCRIPT = os.path.join(ROOT, "scripts", "measure_table")
 QUIET, BUSY = Disturbance(0.0, 1.0), Disturbance(0.0, 100.0)
 
 # Writes down how it was called, and rows as $PLAN says: milliseconds of each formulation at each n, one for each
@@ -82,7 +82,7 @@ class MeasureTest(FolderTest):
     def measured(self, *sizes, **plan):
         """Returns the document, the exit status, and the rows."""
         with mock.patch.dict(os.environ, CALLS=self.calls_path, PLAN=self.path("plan.json")), \
-                mock.patch("lib.table_processes.say") as said:
+                mock.patch("studies.tables.processes.say") as said:
             try:
                 document, status = measure(self.plan(*sizes, **plan))
             finally:
@@ -164,7 +164,7 @@ class Processes(MeasureTest):
             seen.append(command)
             return real(core, command, **streams)[0], BUSY if len(seen) in (1, 3, 4) else QUIET
 
-        with mock.patch("lib.fresh_process.run_on", disturbed):
+        with mock.patch("lib.running.fresh_process.run_on", disturbed):
             document, _, _ = self.measured(17, times={"17": DECIDED})
         self.assertEqual(len(seen), FEWEST + 2)  # the second process stays disturbed
         self.assertEqual(document["context"]["disturbed_processes"], "n=17 process 1")
@@ -200,7 +200,7 @@ class Disturbances(unittest.TestCase):
         outer = f"""
 import sys
 sys.path.insert(0, {os.path.join(ROOT, 'scripts')!r})
-from lib.fresh_process import run_on
+from lib.running.fresh_process import run_on
 run_on({fresh_process.last_core()}, ["sh", "-c", "echo $$; exec sleep 600"])
 """
         with subprocess.Popen([sys.executable, "-B", "-c", outer], stdout=subprocess.PIPE, encoding="ascii") as process:
@@ -217,7 +217,7 @@ run_on({fresh_process.last_core()}, ["sh", "-c", "echo $$; exec sleep 600"])
         beside_a_thread = f"""
 import os, sys, threading
 sys.path.insert(0, {os.path.join(ROOT, 'scripts')!r})
-from lib.fresh_process import last_core, run_on
+from lib.running.fresh_process import last_core, run_on
 os.register_at_fork(before=lambda: os._exit(9))
 threading.Thread(target=threading.Event().wait, daemon=True).start()
 sys.exit(run_on(last_core(), ["true"])[0])
@@ -237,11 +237,10 @@ sys.exit(run_on(last_core(), ["true"])[0])
 
 class Script(MeasureTest):
     def line(self, *arguments):
-        return [sys.executable, "-B", SCRIPT, "table1", "--build", self.path("build"), "--kept", self.path("kept"),
-                "--quick", *arguments]
+        return [sys.executable, "-B", MEASURE, "tables", "table1", "--quick", *arguments]
 
     def surroundings(self):
-        return environment(CALLS=self.calls_path, PLAN=self.path("plan.json"))
+        return environment(ISOSYRK_BUILD=self.path("build"), CALLS=self.calls_path, PLAN=self.path("plan.json"))
 
     def test_a_signal_ends_the_program_and_the_same_command_goes_on(self):
         self.write("plan.json", json.dumps({"times": {"17": DECIDED, "33": DECIDED}, "wait": 2}))
@@ -255,14 +254,15 @@ class Script(MeasureTest):
         self.assertEqual(process.wait(timeout=60), 143)
         self.assertIn("the same command goes on from here", process.stderr.read())
         self.assertFalse(os.path.exists(self.path("raw.json")))
-        ended = {name: os.stat(self.path("kept", name)).st_mtime_ns for name in os.listdir(self.path("kept"))
-                 if "process" in name}
-        self.assertIn("n17_process0.json", ended)
+        kept = self.path("raw.json.processes", "n17_process0.json")
+        told = json.loads(text_of(kept))
+        told["benchmarks"][0]["spectrum_error"] = 0.5  # which is then seen not to be measured again
+        self.write(os.path.relpath(kept, self.folder), json.dumps(told))
         self.write("plan.json", json.dumps({"times": {"17": DECIDED, "33": DECIDED}}))
         done = run(self.line("--out", self.path("raw.json")), env=self.surroundings())
         self.assertEqual(done.returncode, DONE, done.stderr)
-        for name, written in ended.items():
-            self.assertEqual(os.stat(self.path("kept", name)).st_mtime_ns, written, "measured again")
+        self.assertIn('"spectrum_error":0.5', text_of(self.path("raw.json")))
+        self.assertFalse(os.path.exists(self.path("raw.json.processes")))
         self.assertRegex(done.stderr, r"\[12 of 12\]")
 
     def test_only_the_sizes_that_are_named_are_measured(self):
@@ -274,10 +274,10 @@ class Script(MeasureTest):
     def test_wrong_arguments_are_refused(self):
         plain = self.write("plain", "")
         for arguments, part in ((("--out", "x", "--quik"), "--quik"), ((), "--out"), (("--n", "21"), "--n"),
-                                (("--out", "x", "--kept", os.path.join(plain, "kept")), "--kept")):
+                                (("--out", os.path.join(plain, "raw.json")), "--out")):
             done = run(self.line(*arguments), env=self.surroundings())
             self.assertEqual(done.returncode, BAD_ARGUMENTS)
-            self.assert_one_line(done.stderr, "measure_table", part)
+            self.assert_one_line(done.stderr, "measure tables", part)
 
 
 if __name__ == "__main__":

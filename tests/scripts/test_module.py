@@ -23,7 +23,7 @@ from unittest import mock
 
 from programs import BUILD, ROOT, SANITIZED, cpu_seconds_of, environment, program, run, run_script, start, text_of
 
-from lib.integrators import FAMILIES
+from lib.records.integrators import FAMILIES
 
 sys.path.insert(0, os.path.join(BUILD, "python"))
 import numpy as np
@@ -1008,7 +1008,7 @@ class Package(unittest.TestCase):
             self.assertEqual(entry._replace(name=plain.name, co_rotating=False), plain)
 
     def test_the_recorded_list_is_that_of_the_module(self):
-        done = run_script(os.path.join(ROOT, "scripts", "update_integrators"), "--check")
+        done = run_script(os.path.join(ROOT, "scripts", "update"), "--check", "integrators")
         self.assertEqual((done.returncode, done.stderr), (0, ""))
 
     def test_threads_sleep_after_a_short_spin_unless_told_otherwise(self):
@@ -1029,6 +1029,14 @@ class Package(unittest.TestCase):
             stub = text_of(ROOT, "core", "python", "isosyrk", f"{extension.__name__.rpartition('.')[2]}.pyi")
             named = set(re.findall(r"^(?:def |class |)(\w+)(?=[(:])", stub, re.M))
             self.assertEqual(named, {name for name in dir(extension) if not name.startswith("_")})
+
+    def test_calls_of_the_readme_make_integrators(self):
+        scene = isosyrk.scene("smooth", n=17)
+        calls = re.findall(r"\| `(isosyrk\.integrator\(scene, .*?\))` +\|", text_of(ROOT, "README.md"))
+        self.assertGreaterEqual(len(calls), 6)
+        for call in calls:
+            with self.subTest(call=call):
+                self.assertIn(f'"{eval(call, {"isosyrk": isosyrk, "scene": scene}).name}"', call)
 
     def test_examples_of_the_pages_run(self):
         pages = text_of(ROOT, "README.md") + text_of(ROOT, "core", "python", "README.md")

@@ -10,20 +10,24 @@ import sys
 import unittest
 
 import drawing
-from programs import BUILD, DONE, HAS_MODULE, ROOT, SANITIZED, FolderTest, environment, run, text_of
+from programs import BUILD, DONE, HAS_MODULE, MEASURE, RENDER, ROOT, SANITIZED, FolderTest, environment, run, text_of
+
+from studies import PACKAGES
 
 NAME, MISJUDGED = "cayley_midpoint", "misjudged"  # the latter is another entry of that module, a control of others
 OWN_METHOD = os.path.join(BUILD, "tests", "own_method")
-STUDIES = os.path.join(ROOT, "scripts", "studies")
 # Prints the integrators that each study plans with --quick. An argument names a family that plans are to know: its
 # members are then no new ones, and a plan has those alone that it names.
 PLANS = f"""
 import json, sys
 from types import SimpleNamespace
-sys.path[:0] = [{os.path.join(ROOT, "scripts")!r}, {STUDIES!r}]
-from lib import integrators, study
+sys.path.insert(0, {os.path.join(ROOT, "scripts")!r})
+from lib.records import integrators
+from lib.running import study
 integrators.FAMILIES += tuple(sys.argv[1:])
-import accuracy, limits, longruns, scaling, turbulence
+import studies
+accuracy, limits, longruns, scaling, turbulence = (
+    studies.module(name, "run") for name in ("accuracy", "limits", "longruns", "scaling", "turbulence"))
 options = SimpleNamespace(quick=True, integrator=None, n=None, solver=None, scene=None, no_large=False)
 points = scaling.points_of(scaling.entries_asked_for(options), scaling.QUICK_SIZES, lambda n: "eigen")
 settings = turbulence.settings_of(33, turbulence.plan_of(33, True), turbulence.names_of(None))
@@ -40,7 +44,7 @@ RUNS = {"accuracy": (("--n", "17", "--scene", "smooth", "--repetitions", "1"), (
         "limits": (("--n", "9", "17"), ("limits",)),
         "longruns": ((), ("energy_against_cost",)),
         "scaling": (("--n", "9", "--repetitions", "1", "--start", "5"), ()),
-        "turbulence": (("--n", "11", "--processes", "1"), ("statistical_error",))}
+        "turbulence": (("--n", "11", "--processes", "1"), ())}  # nothing is faithful by so few draws
 # These compare the formulations of Gauss methods and of compositions; any other method has none.
 OF_FORMULATIONS = ("claims", "theorem")
 OF_FAST_FORMS = ("threads",)  # the method has none; test_threads has one with it
@@ -56,8 +60,7 @@ class NewIntegrator(FolderTest):
 
     def test_every_study_plans_it(self):
         without, found = self.plans(BUILD), self.plans(OWN_METHOD)
-        studies = {name[:-3] for name in os.listdir(STUDIES) if name.endswith(".py")} - {"references"}
-        self.assertEqual({*found, *OF_FORMULATIONS, *OF_FAST_FORMS}, studies)
+        self.assertEqual({*found, *OF_FORMULATIONS, *OF_FAST_FORMS}, {*PACKAGES} - {"tables", "references"})
         for name, planned in found.items():
             self.assertEqual({*planned} - {*without[name]}, {NAME, MISJUDGED}, name)
         # Control: a plan that chooses by names, families or orders that it knows has not got it.
@@ -73,13 +76,13 @@ class NewIntegrator(FolderTest):
         for name, (arguments, charts) in RUNS.items():
             with self.subTest(study=name):
                 raw, out = self.path(f"{name}.json"), self.path(name)
-                done = run([sys.executable, "-B", os.path.join(STUDIES, f"{name}.py"), "--quick", *arguments,
+                done = run([sys.executable, "-B", MEASURE, name, "--quick", *arguments,
                             "--integrator", NAME, "--out", raw], timeout=300, env=environment(ISOSYRK_BUILD=OWN_METHOD))
                 self.assertEqual(done.returncode, DONE, done.stderr)
                 table = json.loads(text_of(raw))["tables"]["integrators"]
                 rows = {row[0]: dict(zip(table["columns"], row)) for row in table["rows"]}
                 self.assertEqual((rows[NAME]["family"], rows[NAME]["order"]), ("other", 2))
-                done = run([drawing.PYTHON, "-B", os.path.join(ROOT, "scripts", f"render_{name}"), raw, "--out", out],
+                done = run([drawing.PYTHON, "-B", RENDER, name, raw, "--out", out],
                            timeout=300, env=environment(MPLCONFIGDIR=self.path("matplotlib")))
                 self.assertEqual((done.returncode, done.stderr), (DONE, ""))
                 self.assertIn("cayley\\_midpoint", text_of(out, "report.md").replace(NAME, "cayley\\_midpoint"))

@@ -12,8 +12,8 @@ sys.path.insert(0, os.path.join(BUILD, "python"))
 import numpy as np
 
 import isosyrk
-from lib import octave_cells
-from lib.command_line import Stop
+from studies.claims import octave_cells
+from lib.programs.command_line import Stop
 
 OCTAVE = shutil.which("octave-cli")
 FOLDER = os.path.join(ROOT, "benchmarks", "octave")

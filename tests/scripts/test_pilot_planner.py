@@ -1,4 +1,4 @@
-"""Tests of lib/pilot_planner.py on made-up outcomes: what is tried, what goes on and what is offered.
+"""Tests of recommender/trial_planner.py on made-up outcomes: what is tried, what goes on and what is offered.
 
 No pilot is run here, and the module isosyrk is not needed.
 """
@@ -8,11 +8,11 @@ import unittest
 
 import programs  # noqa: F401, which makes lib importable
 
-from lib import pilot_planner
-from lib.command_line import Stop
-from lib.formats import CONVERGED, listed
-from lib.pilot_planner import FIRST_TIME, MOST_TRIES, STOPPED, Planner
-from lib.recommendation import Question
+from recommender import trial_planner as pilot_planner
+from lib.programs.command_line import Stop
+from lib.records.formats import CONVERGED, listed
+from recommender.trial_planner import FIRST_TIME, MOST_TRIES, STOPPED, Planner
+from studies.accuracy.cheapest import Question
 
 FAILED = "diverged"
 

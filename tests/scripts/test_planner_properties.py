@@ -9,14 +9,15 @@ import programs  # noqa: F401, which makes lib importable
 from hypothesis import strategies as draw
 from properties import decades, holds_for
 
-from lib import fresh_process, pilot_planner
-from lib.command_line import Stop
-from lib.formats import CONVERGED, listed, listed_integrators
-from lib.fresh_process import MOST_STOLEN, MOST_SWITCHES, MOST_TRIES, Disturbance, stolen_seconds, undisturbed
-from lib.pilot_planner import (AIM, BELOW_FAILURE, ENOUGH, FARTHEST, FIRST_TIME, FLOOR, LEAST_GROWTH,
-                               LEAST_GROWTH_OF_OTHERS, MOST_GROWTH, MOST_KEPT, MOST_TRIES as MOST_OF_A_METHOD, SHARP,
-                               STOPPED, Planner, even, invariants_lost, refinement)
-from lib.recommendation import PREDICTABLE, SMALLEST_ERROR, Outcome, Question
+from lib.running import fresh_process
+from recommender import trial_planner as pilot_planner
+from lib.programs.command_line import Stop
+from lib.records.formats import CONVERGED, listed, listed_integrators
+from lib.running.fresh_process import MOST_STOLEN, MOST_SWITCHES, MOST_TRIES, Disturbance, stolen_seconds, undisturbed
+from recommender.trial_planner import (AIM, BELOW_FAILURE, ENOUGH, FARTHEST, FIRST_TIME, FLOOR, LEAST_GROWTH,
+                                       LEAST_GROWTH_OF_OTHERS, MOST_GROWTH, MOST_KEPT, MOST_TRIES as MOST_OF_A_METHOD,
+                                       SHARP, STOPPED, Planner, even, invariants_lost, refinement)
+from studies.accuracy.cheapest import PREDICTABLE, SMALLEST_ERROR, Outcome, Question
 
 FRAMED = [each for each in listed_integrators().values() if each.co_rotating and each.has_fast_form]
 METHODS = draw.sampled_from(FRAMED)

@@ -8,20 +8,20 @@ import numpy
 from hypothesis import strategies as draw
 from properties import NEAR_ONE, SEEDS, decades, holds_for, times_of_rows
 
-from lib import turbulence_figures
-from lib.claims_table import cheapest_of_all, competitive, gauss_costs
-from lib.formats import CONVERGED, FAST, FORMULATIONS, Study, listed
-from lib.limits_files import CONVERGED as WORKS
-from lib.limits_files import LETTERS, Limit, Line, State, Survived, limits_of
-from lib.limits_report import figures as limits_figures
-from lib.longruns_files import COST_MARGIN, ENERGY, LOST, QUANTITIES, price_on
-from lib.longruns_report import defect_at
-from lib.scaling_table import Scaling
-from lib.theorem_table import Coincidence
-from lib.theorem_table import figures as theorem_figures
-from lib.threads_table import Settings, Threads
-from lib.turbulence_statistics import LEAST_SPREAD, Reference, Spreads, drifts_of
-from lib.verdicts import FAILS, FASTER, HOLDS, SLOWER, TIE, UNDECIDED, compared, fastest, ratio_of
+from studies.turbulence import judge as turbulence_figures
+from studies.claims.judge import cheapest_of_all, competitive, gauss_costs
+from lib.records.formats import CONVERGED, FAST, FORMULATIONS, Study, listed
+from lib.records.formats import CONVERGED as WORKS
+from studies.limits.schema import LETTERS, Limit, Line, State, Survived, limits_of
+from studies.limits.judge import figures as limits_figures
+from studies.longruns.schema import COST_MARGIN, ENERGY, LOST, QUANTITIES, price_on
+from studies.longruns.judge import defect_at
+from studies.scaling.schema import Scaling
+from studies.theorem.schema import Coincidence
+from studies.theorem.judge import figures as theorem_figures
+from studies.threads.schema import Settings, Threads
+from studies.turbulence.statistics import LEAST_SPREAD, Reference, Spreads, drifts_of
+from lib.judging.verdicts import FAILS, FASTER, HOLDS, SLOWER, TIE, UNDECIDED, compared, fastest, ratio_of
 from limits_documents import limits_study
 from scaling_documents import point
 from test_longruns import made_long_run, made_point
@@ -32,7 +32,7 @@ STEPS = draw.floats(0.1, 10.0)  # h‖B‖₂
 
 
 class Limits(unittest.TestCase):
-    @holds_for(grid=draw.text(alphabet="+ds", min_size=1, max_size=12))
+    @holds_for(grid=draw.lists(draw.sampled_from("+ds"), min_size=1, max_size=12).map("".join))
     def test_an_island_is_a_step_that_works_beyond_one_that_does_not(self, grid):
         limit = Limit(FAST, "smooth", 9, "rk4", 0, 0.5, grid, None, None, None)
         outcomes = [outcome == WORKS for _, outcome in limit.trials(2**0.5)]

@@ -19,18 +19,19 @@ from dataclasses import replace
 from unittest import mock
 
 import numpy
-from programs import (BUILD, DATA, HAS_MODULE, ROOT, FolderTest, call_script, program, run, run_on_full_disk,
+from programs import (BUILD, DATA, HAS_MODULE, ROOT, call_script, FolderTest, program, run, run_on_full_disk,
                       run_script, strict_json)
 from study_documents import INTEGRATORS, accuracy_of, run_of, study_document, write_study
 
-from lib import pilot_planner, recommendation
-from lib import study
-from lib.accuracy_lines import (BELOW, CUT, ENERGY_BOUNDED, FLOOR, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT, Form,
-                                keeping_tolerance)
-from lib.document import as_text
-from lib.messages import UnusableFile
-from lib.recommendation import MARGIN, MARGIN_OF_N, MARGIN_OF_TIME, Question, Recorded
-from lib.formats import CONVERGED, STATUSES, listed
+from recommender import trial_planner as pilot_planner
+from studies.accuracy import cheapest as recommendation
+from lib.running import study
+from lib.records.settings import ENERGY_BOUNDED, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT, keeping_tolerance
+from studies.accuracy.schema import BELOW, CUT, FLOOR, Form
+from lib.pages.document import as_text
+from lib.programs.messages import UnusableFile
+from studies.accuracy.cheapest import MARGIN, MARGIN_OF_N, MARGIN_OF_TIME, Question, Recorded
+from lib.records.formats import CONVERGED, STATUSES, listed
 
 SCRIPT = os.path.join(ROOT, "scripts", "recommend")
 UNANSWERABLE = 3
@@ -470,7 +471,7 @@ class Pilots(FolderTest):
     def search(self):
         """Returns pilots, a Search of a scene to T = 8, one of its integrators, and a pilot to T = 4 of that."""
         sys.path.insert(0, os.path.join(BUILD, "python"))
-        from lib import pilots  # only now: it needs the module
+        from recommender import trial_runs as pilots  # only now: it needs the module
         search = pilots.Search(pilots.isosyrk.scene("smooth", n=9), Question("smooth", 9, 8.0, 1e-6, "spectrum"))
         (rkmk4,) = (each for each in search.candidates if each.name == "rkmk4_frame")
         return pilots, search, rkmk4, recommendation.Outcome(rkmk4, 9, 4.0, 40, 1e-7, 1.0, growth=2.0)

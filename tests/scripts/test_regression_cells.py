@@ -2,8 +2,8 @@
 
 from programs import BAD_ARGUMENTS, DATA, DONE, FolderTest, environment, program, run, strict_json
 
-from lib.gate_cells import cells_of, read_build
-from lib.gate_layers import accuracy_layer
+from gate.cells import cells_of, read_build
+from gate.layers import accuracy_layer
 
 NAMES = cells_of((17,))
 

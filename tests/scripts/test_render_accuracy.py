@@ -1,6 +1,5 @@
 """Tests of scripts/render_accuracy on a made-up study: by running it as a user does, and by what its charts draw."""
 
-import json
 import math
 import os
 import shutil
@@ -14,10 +13,12 @@ from programs import snapshot
 from study_documents import (INTEGRATORS, ROUGH, accuracy_of, duel_row, run_of, small_study, study_document,
                              write_study)
 
-from lib.accuracy_lines import CUT
-from lib.formats import LISTED
+from studies.accuracy.schema import CUT
+from lib.records.formats import LISTED, listed
 
-CHARTS = ("error_against_time", "time_against_n", "error_against_n")
+MODULES = {"error_against_time": "charts", "error_against_n": "charts", "time_against_n": "equal_error_charts",
+           "performance_profile": "equal_error_charts"}
+CHARTS = tuple(MODULES)
 KINDS = ("svg", "png")
 
 
@@ -59,7 +60,7 @@ def marks(panel, label):
 
 
 class AccuracyTest(DrawingTest):
-    script = "render_accuracy"
+    package = "accuracy"
 
     def small(self):
         """Returns the raw file of a study that is drawn in a second or two, where only the files matter."""
@@ -72,7 +73,8 @@ class AccuracyTest(DrawingTest):
 
     def drawn(self, chart, document):
         """Returns the panels of a chart by their titles."""
-        return {title: panel for title, (panel,) in self.panels("charts", chart, accuracy_of(document)).items()}
+        panels = self.panels(f"studies.accuracy.{MODULES[chart]}", chart, accuracy_of(document))
+        return {title: panel for title, (panel,) in panels.items()}
 
 
 class Files(AccuracyTest):
@@ -101,16 +103,15 @@ class Files(AccuracyTest):
         shutil.copytree(os.path.join(programs.ROOT, *limits), self.path("root", *limits))
         shutil.copy(LISTED, self.path("root", "results", "recorded"))
         out = self.path("root", "results", "recorded", "study")
-        with mock.patch.object(programs, "ROOT", self.path("root")):
+        with mock.patch.object(programs, "RENDER", self.path("root", "scripts", "render")):
             self.assertEqual(self.render(write_study(self.folder), "--out", out).returncode, 0)
         self.assertEqual(set(os.listdir(out)), {"report.md", "figures.json", *(f"{chart}.svg" for chart in CHARTS)})
 
     def test_no_chart_without_data(self):
-        from lib import charts  # only now: it needs matplotlib
-
         def drawn(document):
             study = accuracy_of(document)
-            return {name for name in CHARTS if getattr(charts, name)(study)}
+            return {name for name, module in MODULES.items()
+                    if getattr(self.module(f"studies.accuracy.{module}"), name)(study)}
 
         one_size = small_study()
         self.assertEqual(drawn(one_size), {"error_against_time", "time_against_n"})
@@ -125,21 +126,34 @@ class Files(AccuracyTest):
 
 class ErrorAgainstTime(AccuracyTest):
     def test_lines_tolerances_and_labels(self):
-        document = json.loads(json.dumps(study_document()).replace("elp4", "elp6"))
+        document = study_document()
+        document["integrators"].append(listed("elp6_frame")._asdict())
+        for table in ("runs", "lines"):
+            document[table] += [{**row, "integrator": "elp6_frame"} for row in document[table]
+                                if (row["integrator"], row["tolerance"]) == ("elp4_frame", 1e-8)]
         (panel,) = self.drawn("error_against_time", document).values()
         self.assertEqual(panel.get_title(loc="left"), "n = 17")  # 33 is not of the sizes drawn
         lines = lines_of(panel)
-        self.assertEqual(list(lines), ["group2_frame at 1e-13", "elp6_frame at 1e-13", "elp6_frame at 1e-08",
-                                       "rk4 at 1e-13"])
-        self.assertEqual(sorted(texts(panel)), ["Gauss 4", "RK4, no frame", "exponential 4", "exponential 4, 1e-8"])
+        self.assertEqual(list(lines), ["elp4_frame at 1e-13", "elp6_frame at 1e-08", "rk4 at 1e-13"])
+        self.assertEqual(sorted(texts(panel)), ["elp4, 1e-13", "elp6, 1e-8", "rk4, no frame"])
         styles = {line.get_label(): line.get_linestyle() for line in panel.lines}
         # A loose exponential method keeps the spectrum only.
-        self.assertEqual([styles[name] for name in lines], ["-", "-", "--", ":"])
-        for name, seconds_a_step in (("group2_frame at 1e-13", 4e-3), ("elp6_frame at 1e-13", 2e-3),
-                                     ("elp6_frame at 1e-08", 1e-3)):
+        self.assertEqual([styles[name] for name in lines], ["-", "--", ":"])
+        for name, seconds_a_step in (("elp4_frame at 1e-13", 2e-3), ("elp6_frame at 1e-08", 1e-3)):
             for error, seconds in lines[name]:
                 steps = seconds / seconds_a_step / 0.99  # the least of the repetitions
                 self.assertAlmostEqual(error / (1e-2 * (5 / steps)**4), 1)
+
+    def test_marks_are_the_rows_at_equal_error_that_the_title_compares(self):
+        document = study_document()
+        (panel,) = self.drawn("error_against_time", document).values()
+        rows = [duel_of(document, contender, 17) for contender in ("elp_bounded", "explicit")]  # that have a line
+        means = [row["cpu_seconds"][2] for row in rows]
+        self.assertEqual(len(marks(panel, "_timed")), 2)
+        for (error, seconds), row, mean in zip(marks(panel, "_timed"), rows, means):
+            self.assertEqual(error, row["error"])
+            self.assertAlmostEqual(seconds / mean, 1, 2)
+        self.assertIn(f"{means[0] / means[1]:.2g} times as long", title_of(panel))
 
     def test_no_line_across_a_failure_or_beyond_a_limit(self):
         document = study_document()
@@ -178,13 +192,13 @@ class ErrorAgainstTime(AccuracyTest):
             panels = self.drawn("error_against_time", with_sizes(dict.fromkeys(sizes, 17)))
             self.assertEqual(list(panels), [f"n = {n}" for n in drawn])
 
-    def test_the_title_tells_the_duel_at_the_largest_size(self):
+    def test_the_title_tells_of_the_largest_size(self):
         def title():
             return title_of(next(iter(self.drawn("error_against_time", document).values())))
 
         document = with_sizes({17: 17, 65: 33})
-        told = ("What structure costs: at n = 65 and error 1e-6 exponential Lie–Poisson methods with bounded energy"
-                " take {}as long as the best explicit method, Gauss methods 40 times as long")
+        told = ("What structure costs: at n = 65 and error 1e-6 elp4, with bounded energy, takes {}as long as rk4, the"
+                " best explicit method; group2 (order 4), the best Gauss method, 40 times as long")
         self.assertEqual(title(), told.format("20 times "))
         slower(duel_of(document, "elp_bounded", 65), 3)
         self.assertEqual(title(), told.format("60 times "))
@@ -193,7 +207,7 @@ class ErrorAgainstTime(AccuracyTest):
         slower(duel_of(document, "elp_bounded", 65), 1 / 60)
         self.assertEqual(title(), told.format(""))
         document["duels"].remove(duel_of(document, "elp_bounded", 65))
-        self.assertTrue(title().endswith("error 1e-6 Gauss methods take 40 times as long as the best explicit method"))
+        self.assertIn("group2 (order 4), the best Gauss method, takes 40 times as long as rk4", title())
         document["duels"] = [row for row in document["duels"] if row["contender"] != "explicit"]
         self.assertEqual(title(), "What structure costs: CPU seconds of errors")
 
@@ -223,10 +237,10 @@ class TimeAgainstN(AccuracyTest):
         self.assertEqual(set(lines), set(texts(panel)))
         self.assertEqual(list(lines), ["Gauss", "exponential, bounded energy", "exponential, 1e-8", "Magnus",
                                        "best explicit"])
-        seconds = {name: [value for _, value in line] for name, line in lines.items()}
-        for name, expected in (("Gauss", (0.2, 0.2)), ("best explicit", (5e-3, 5e-3)), ("Magnus", (0.0145,)),
-                               ("exponential, bounded energy", (0.1, 0.1)), ("exponential, 1e-8", (0.05, 0.05))):
-            for found, wanted in zip(seconds[name], expected, strict=True):
+        ratios = {name: [value for _, value in line] for name, line in lines.items()}
+        for name, expected in (("Gauss", (40, 40)), ("best explicit", (1, 1)), ("Magnus", (2.9,)),
+                               ("exponential, bounded energy", (20, 20)), ("exponential, 1e-8", (10, 10))):
+            for found, wanted in zip(ratios[name], expected, strict=True):
                 self.assertAlmostEqual(found / wanted, 1, 2)
         self.assertEqual({tuple(n for n, _ in line) for name, line in lines.items() if name != "Magnus"}, {(17, 33)})
 
@@ -240,16 +254,17 @@ class TimeAgainstN(AccuracyTest):
         panels = self.drawn("time_against_n", document)
         self.assertEqual(list(panels), ["rough scene, T = 5", "developed scene, T = 5"])
         self.assertEqual(len({(panel.get_xlim(), panel.get_ylim()) for panel in panels.values()}), 1)
-        self.assertEqual(set(texts(panels["rough scene, T = 5"])), {"exponential, 1e-8", "best explicit"})
+        self.assertEqual([set(texts(panel)) for panel in panels.values()],  # each label once
+                         [set(), {"exponential, 1e-8", "best explicit"}])
 
-    def test_a_line_is_broken_where_a_duel_has_no_row_of_it(self):
+    def test_a_line_is_broken_where_its_class_has_no_row(self):
         document = with_sizes({17: 17, 33: 33, 65: 33})
-        document["duels"].remove(duel_of(document, "explicit", 33))
+        document["duels"].remove(duel_of(document, "gauss", 33))
         (panel,) = self.drawn("time_against_n", document).values()
-        sizes = [list(line.get_xdata()) for line in panel.lines if line.get_label() == "best explicit"]
+        sizes = [list(line.get_xdata()) for line in panel.lines if line.get_label() == "Gauss"]
         self.assertEqual(sizes, [[17], [65]])
 
-    def test_the_title_follows_the_duels(self):
+    def test_the_title_follows_the_rows(self):
         def title():
             return title_of(next(iter(self.drawn("time_against_n", document).values())))
 
@@ -261,7 +276,49 @@ class TimeAgainstN(AccuracyTest):
         self.assertEqual(title(), first.format(1) + " energy take 0.25 to 20 times its time; Gauss methods take 0.5 to"
                          " 40 times its time")
         document["duels"] = [row for row in document["duels"] if row["contender"] == "gauss"]
-        self.assertEqual(title(), "CPU seconds to an error of 1e-6, by class of methods")
+        self.assertIsNone(self.module("studies.accuracy.equal_error_charts").time_against_n(accuracy_of(document)))
+
+
+class PerformanceProfile(AccuracyTest):
+    def shares(self, document):
+        """Returns the points (factor, share) of each line, by the first line of its label."""
+        (panel,) = self.drawn("performance_profile", document).values()
+        return {line.get_label().split(":")[0]: finite_points(line) for line in panel.lines}, title_of(panel)
+
+    def test_a_line_rises_at_the_factors_of_its_class(self):
+        document = study_document()
+        slower(duel_of(document, "elp", 33), 2)
+        lines, title = self.shares(document)
+        self.assertIn("Of 4 cases", title)
+        times = {(row["n"], row["wanted"]): row["cpu_seconds"][2] for row in document["duels"]
+                 if row["contender"] == "explicit"}
+        factors = sorted(row["cpu_seconds"][2] / times[row["n"], row["wanted"]] for row in document["duels"]
+                         if row["contender"] == "elp")
+        (_, first), *steps, (_, last) = lines["exponential, 1e-8"]
+        self.assertEqual((first, last), (0, 1))
+        for (factor, share), wanted, count in zip(steps, factors, (1, 2, 3, 4), strict=True):
+            self.assertAlmostEqual(factor / wanted, 1)
+            self.assertGreaterEqual(share, count / 4)
+        self.assertEqual(lines["best explicit"][0], [1, 1])  # the cheapest everywhere
+
+    def test_a_class_without_a_row_has_not_solved_the_case(self):
+        document = study_document()
+        document["duels"].remove(duel_of(document, "gauss", 33))
+        lines, _ = self.shares(document)
+        self.assertEqual((lines["Gauss"][-1][1], lines["best explicit"][-1][1]), (0.75, 1))
+
+    def test_the_cheapest_method_may_be_of_any_class_of_fast_forms(self):
+        document = study_document()
+        for contender in ("gauss_matched", "named_published"):  # neither is drawn; published forms do not count
+            slower(duel_of(document, contender, 33), 1e-4)
+        lines, title = self.shares(document)
+        self.assertEqual(lines["best explicit"][0], [1, 0.75])
+        self.assertIn("in 75 %", title)
+        self.assertGreater(lines["best explicit"][-2][0], 1.05)
+
+    def test_the_report_says_how_to_read_it_and_of_which_cases(self):
+        report = self.rendered("out", write_study(self.folder))["report.md"].decode()
+        self.assertIn("smooth scene, T = 5, n = 17 to 33; errors 1e-4, 1e-6.](performance_profile.svg)", report)
 
 
 class ErrorAgainstN(AccuracyTest):
@@ -276,7 +333,7 @@ class ErrorAgainstN(AccuracyTest):
                          dict.fromkeys(("group1", "group2", "rkmk4", "rk4"), [17, 33]))
         for name, error in (("group1", 1e-2), ("group2", 1e-5), ("rkmk4", 1e-7), ("rk4", 1e-6)):
             self.assertAlmostEqual(lines[name][0][1] / error, 1)
-        self.assertEqual(sorted(texts(panel)), ["Gauss 2", "Gauss 4", "RK4", "RKMK4"])
+        self.assertEqual(sorted(texts(panel)), ["group1 (order 2)", "group2 (order 4)", "rk4", "rkmk4"])
         self.assertEqual(marks(panel, "_failure"), [])
 
     def test_failures_break_lines_and_are_marked(self):
@@ -298,12 +355,11 @@ class ErrorAgainstN(AccuracyTest):
             return title_of(next(iter(self.drawn("error_against_n", document).values())))
 
         document = study_document()
-        told = ("from n = 17 to n = 33 the error at h = 0.1 is multiplied by {} for the Gauss method of order 4 and by"
-                " {} for")
-        self.assertEqual(title(), f"The error of one step size: {told.format(1, 1)} RKMK4")
+        told = "from n = 17 to n = 33 the error at h = 0.1 is multiplied by {} for group2 and by {} for rkmk4"
+        self.assertEqual(title(), f"The error of one step size: {told.format(1, 1)}")
         run_of(document, "group2", 33, 50)["error"] *= 50
         run_of(document, "rkmk4", 33, 50)["error"] /= 2
-        self.assertEqual(title(), f"One step size is not one accuracy: {told.format(50, 0.5)} RKMK4")
+        self.assertEqual(title(), f"One step size is not one accuracy: {told.format(50, 0.5)}")
         for name in ("group2", "rkmk4"):
             document["runs"].remove(run_of(document, name, 33, 50))
         self.assertEqual(title(), "Error of one step size, h = 0.1, against n")
@@ -315,7 +371,7 @@ class Refusals(AccuracyTest):
         nowhere = {"PYTHONPATH": self.without(), "ISOSYRK_PYTHON": sys.executable, "PATH": self.path("empty")}
         for arguments, changes, *words in (
                 ((self.small(), "--out", self.write("taken", "kept")), {}, "taken", "cannot be written"),
-                ((self.small(),), {}, "--out"), ((self.small(), *folder, "--colour"), {}, "--colour"),
+                ((self.small(), *folder, "--colour"), {}, "--colour"),
                 ((self.small(), *folder), nowhere, "no Python with matplotlib found", sys.executable,
                  "/usr/bin/python3",
                  "install python3-matplotlib")):

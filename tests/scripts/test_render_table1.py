@@ -10,9 +10,9 @@ import unittest
 
 from programs import DONE, FORMULATIONS, ROOT, FolderTest, environment, run, run_script, strict_json, text_of
 
-from lib import document
-from lib.comparison import three_digits
-from lib.tables import table1
+from lib.pages import document
+from lib.pages.numbers import three_digits
+from studies.tables.report import table1
 from test_reproduce import HOST_NAME, raw_file
 
 SCRIPT = os.path.join(ROOT, "scripts", "render_table1")

@@ -1,15 +1,14 @@
 """Tests of scripts/render_table2 on made-up raw files: what it shows in this process, the rest as a user meets it."""
 
 import json
-import os
 import re
 
-from programs import FORMULATIONS, ROOT, FolderTest, run_script, text_of
-from lib.document import as_text
-from lib.tables import table2
+from programs import FORMULATIONS, RENDER, FolderTest, run_script, text_of
+from lib.pages.document import as_text
+from studies.tables.report import table2
 from test_reproduce import raw_file
 
-SCRIPT = os.path.join(ROOT, "scripts", "render_table2")
+RENDERING = RENDER, "table2"
 
 
 class RenderTable2(FolderTest):
@@ -64,7 +63,7 @@ class RenderTable2(FolderTest):
         self.assertRegex(claims, r"17  holds, \S+ +fails, \S+ +fails, \S+ +fails, ")
 
     def test_verdicts_have_both_implementations(self):
-        run_script(SCRIPT, self.put("raw.json", self.raw), "--out", self.path("out"))
+        run_script(*RENDERING, self.put("raw.json", self.raw), "--out", self.path("out"))
         found = json.loads(text_of(self.path("out", "verdicts.json")))
         sides = [each["implementation"] for each in found["verdicts"]]
         self.assertEqual((sides.count("published"), sides.count("fast")), (9, 9))
@@ -79,4 +78,4 @@ class RenderTable2(FolderTest):
         one = self.put("one.json", raw_file(tables=("table2",)))
         table1 = self.put("table1.json", raw_file())
         for raw, *parts in ((one, "one.json", "table1/"), (table1, "table1.json", "table1", "table2")):
-            self.assert_refused(run_script(SCRIPT, raw), *parts)
+            self.assert_refused(run_script(*RENDERING, raw), *parts)

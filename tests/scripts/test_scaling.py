@@ -1,22 +1,23 @@
-"""Tests of scripts/render_scaling, as a user runs it, and of what its figures are made of."""
+"""Tests of scripts/render scaling, as a user runs it, and of what its figures are made of."""
 
 import os
 import unittest
 
 import drawing
-from programs import DONE, ROOT, run_script
+from programs import DONE, RENDER, run_script
 from scaling_documents import NOISE, failed, line, point, write_scaling, write_tables
 
-from lib.figures import read_figures
-from lib.formats import listed
-from lib.scaling_table import RUNGS, Memory, Rate, TwoThreads, figures, read_scaling, rungs_of, without
-from lib.trend import rank_correlation
+from lib.pages.figures import read_figures
+from lib.records.formats import listed
+from studies.scaling.schema import RUNGS, Memory, Rate, TwoThreads, read_scaling, rungs_of, without
+from studies.scaling.judge import figures
+from lib.judging.trend import rank_correlation
 
-RENDER = os.path.join(ROOT, "scripts", "render_scaling")
+RENDERING = RENDER, "scaling"
 
 
 class ScalingTest(drawing.DrawingTest):
-    script = "render_scaling"
+    package = "scaling"
 
     def report(self, **tables):
         """Returns the lines of the report on these tables, as lists of cells."""
@@ -94,7 +95,7 @@ class Report(ScalingTest):
         paths = {scene: write_tables(self.path(f"{scene}.json"), scene, rates=[Rate(257, "fast", [1e-8])],
                                      points=[point("elp4_frame", 257, seconds=[time] * 3)])
                  for scene, time in times.items()}
-        self.files = self.rendered("out", paths["smooth"], "--rough", paths["rough"])
+        self.files = self.rendered("out", paths["smooth"])  # the other is found beside it
         smooth, rough = self.text().split("## A step against n, rough scene")
         self.assertRegex(smooth, r"0\.00200 ±0\.0 % \| +12\.0 \| +20\.0 \| +10\.0 % ")
         self.assertRegex(rough, r"0\.00300 ±0\.0 % \| +12\.0 \| +20\.0 \| +6\.67 % ")
@@ -102,6 +103,7 @@ class Report(ScalingTest):
         for key, value in (("step", 2e-3), ("products", 20), ("share", 0.1), ("rough.step", 3e-3),
                            ("rough.products", 20), ("rough.share", 0.2 / 3)):
             self.assertAlmostEqual(found[f"{key}.elp4_frame.fast.n257.t5"], value, places=6)
+        os.remove(paths["rough"])
         self.report(points=[point("elp4_frame", 129)])
         self.assertNotIn("rough scene", self.text())
         self.assertFalse({key for key in read_figures(self.path("out", "figures.json")) if "products." in key})
@@ -167,14 +169,14 @@ class Report(ScalingTest):
 
 class Refused(ScalingTest):
     def refused(self, *parts, **tables):
-        self.assert_refused(run_script(RENDER, write_tables(self.path("raw.json"), **tables), "--out",
+        self.assert_refused(run_script(*RENDERING, write_tables(self.path("raw.json"), **tables), "--out",
                                        self.path("out")), "raw.json", *parts)
         self.assertFalse(os.path.exists(self.path("out")))
 
     def test_folders_that_cannot_be_written(self):
-        self.assert_refused(run_script(RENDER, write_scaling(self.folder)), "--out")
-        self.assert_refused(run_script(RENDER, write_scaling(self.folder), "--out", self.write("taken", "")), "taken")
-        self.assertEqual(run_script(RENDER, write_scaling(self.folder), "--out", self.path("out")).returncode, DONE)
+        self.assert_refused(run_script(*RENDERING, write_scaling(self.folder), "--out", self.write("taken", "")),
+                            "taken")
+        self.assertEqual(run_script(*RENDERING, write_scaling(self.folder), "--out", self.path("out")).returncode, DONE)
 
 
 if __name__ == "__main__":

@@ -13,23 +13,25 @@ from types import SimpleNamespace
 from unittest import mock
 
 import study_documents
-from programs import BUILD, DONE, HAS_MODULE, ROOT, FolderTest, end, environment, run, start, text_of
+from programs import BUILD, DONE, HAS_MODULE, MEASURE, ROOT, FolderTest, end, environment, run, start, text_of
 from study_documents import raw, study_document
 
-from lib import formats
-from lib.messages import UnusableFile
-from lib import scaling_table
-from lib.formats import FAST, PUBLISHED, listed
-from lib.integrators import NAMED, TABLE1_CELLS, short_name
-from lib.accuracy_lines import GOOD_ENOUGH, SCHEMA, Form, Problem
+from lib.records import formats
+from lib.programs.messages import UnusableFile
+from studies.scaling import schema as scaling_table
+from lib.records.formats import FAST, PUBLISHED, listed
+from lib.records.integrators import NAMED, TABLE1_CELLS, name_with_order
+from studies.accuracy.schema import GOOD_ENOUGH, SCHEMA, Form
+from lib.records.settings import Problem
 
 if HAS_MODULE:
     sys.path.insert(0, os.path.join(BUILD, "python"))
     import isosyrk
     import numpy
-    from lib import accuracy_runs, contenders, duels, initial_states, problems, study, trials
+    from studies.threads import plan
+    from studies.accuracy import single_runs as accuracy_runs, candidates as contenders, comparisons as duels
+    from lib.running import initial_states, problems, study, trials
 
-STUDIES = os.path.join(ROOT, "scripts", "studies")
 RECORDED = os.path.join(ROOT, "results", "recorded", "accuracy", "raw.json")
 REFERENCES = os.path.join(ROOT, "results", "recorded", "references")
 HAS_DASK = importlib.util.find_spec("distributed") is not None
@@ -38,9 +40,9 @@ NO_ANSWER, INTERRUPTED, TERMINATED = 3, 130, 143
 # A study of squares, of timed points and of fresh processes: a job is told in LOG, takes a while, and kills its process
 # the first times where it is told to. So is a fresh process, which prints how many seconds it took.
 SQUARES = """
-import os, sys, time
+import importlib, os, sys, time
 sys.path.insert(0, %r)
-from lib import study
+from lib.running import study
 
 def square(job):
     with open(os.environ["LOG"], "a") as log:
@@ -59,7 +61,7 @@ def main(arguments):
     options = parser.parse_args(arguments)
     journal = study.Journal("squares", options, lambda: {"commit": "1"})
     jobs = [{"number": number, "deaths": options.deaths if number == 7 else 0} for number in range(12)]
-    squares = study.untimed(jobs, square, journal, options, "squares")
+    squares = study.untimed(jobs, importlib.import_module("squares").square, journal, options, "squares")
     seconds = study.in_turns([1, 3], 3, lambda point: point * 0.25, journal, "turns")
     def command(block, process):
         return ["sh", "-c", f"echo process{process} >>$LOG; sleep 0.3; echo [{process + 1}.5]"]
@@ -232,6 +234,8 @@ class Work(SquaresTest):
 def start_cluster(test, **settings):
     """Returns the address of a Dask scheduler with two workers, each a process of this machine, until a test ends."""
     import distributed
+    sys.path.append(test.folder)  # which workers take over, as one on another machine has the scripts
+    test.addCleanup(sys.path.remove, test.folder)
     cluster = distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0",
                                        silence_logs="CRITICAL", local_directory=test.folder,
                                        env=environment(**settings))
@@ -256,7 +260,7 @@ class Dask(SquaresTest):
 @unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")
 class StudyTest(FolderTest):
     def script(self, name, *arguments):
-        return run([sys.executable, "-B", os.path.join(STUDIES, f"{name}.py"), *arguments], timeout=120,
+        return run([sys.executable, "-B", MEASURE, name, *arguments], timeout=120,
                    env=environment(ISOSYRK_BUILD=BUILD))
 
     def made(self, name, *arguments, file="raw.json"):
@@ -271,9 +275,7 @@ class StudyTest(FolderTest):
 class Scaling(StudyTest):
     def setUp(self):
         super().setUp()
-        sys.path.insert(0, STUDIES)
-        self.addCleanup(sys.path.remove, STUDIES)
-        import scaling
+        from studies.scaling import run as scaling
         self.scaling = scaling
 
     def options(self, **values):
@@ -380,12 +382,12 @@ class Scaling(StudyTest):
 
     def test_short_memory_leaves_out_the_largest_n_and_tells(self):
         for free, largest, told in ((1e12, 1025, 0), (1e9, 513, 1)):
-            with mock.patch.object(self.scaling, "free_memory", lambda: free), \
-                    mock.patch.object(self.scaling, "say") as say:
+            with mock.patch.object(plan, "free_memory", lambda: free), \
+                    mock.patch.object(plan, "say") as say:
                 self.assertEqual(max(self.scaling.sizes_asked_for(self.options())), largest)
                 self.assertEqual(say.call_count, told)
         self.assertEqual(max(self.scaling.sizes_asked_for(self.options(no_large=True))), 129)
-        self.assertGreater(self.scaling.free_memory(), 1e6)
+        self.assertGreater(plan.free_memory(), 1e6)
 
 
 def accuracy_of_lines(seconds):
@@ -408,9 +410,7 @@ class Accuracy(StudyTest):
 
     def setUp(self):
         super().setUp()
-        sys.path.insert(0, STUDIES)
-        self.addCleanup(sys.path.remove, STUDIES)
-        import accuracy
+        from studies.accuracy import run as accuracy
         self.accuracy = accuracy
 
     def test_how_the_steps_of_a_duel_are_sought(self):
@@ -575,10 +575,11 @@ class Accuracy(StudyTest):
         self.assertLess(3 * len(quick), len(known))
 
     def test_methods_have_names_of_their_own(self):
-        for name, expected in (("group2", "Gauss 4"), ("algebra2_frame", "Gauss 4"), ("rk4", "RK4"),
-                               ("rk4_projected_frame", "projected RK 4"), ("elp6", "exponential 6"),
-                               ("magnus5", "Magnus 5"), ("kahan_li6_frame", "kahan_li6"), ("rkmk4", "RKMK4")):
-            self.assertEqual(short_name(listed(name)), expected)
+        for name, expected in (("group2", "group2 (order 4)"), ("algebra2_frame", "algebra2 (order 4)"),
+                               ("direct1", "direct1 (order 2)"), ("bm2", "bm2 (order 4)"), ("rk4", "rk4"),
+                               ("rk4_projected_frame", "rk4_projected"), ("elp6", "elp6"),
+                               ("kahan_li6_frame", "kahan_li6")):
+            self.assertEqual(name_with_order(listed(name)), expected)
 
 
 @unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")

@@ -10,22 +10,24 @@ import types
 import unittest
 from unittest import mock
 
-from programs import BUILD, FORMULATIONS, ROOT, FolderTest
+from programs import BUILD, FORMULATIONS, RENDER, FolderTest
 
-sys.path[:0] = [os.path.join(BUILD, "python"), os.path.join(ROOT, "scripts", "studies")]
+sys.path.insert(0, os.path.join(BUILD, "python"))
 import numpy as np
 
 import isosyrk
-from lib import plain_forms
-from lib import formats, study, theorem_table
-import theorem
-from lib.document import Table, as_markdown
-from lib.fresh_process import MOST_SWITCHES, MOST_TRIES, Disturbance
-from lib.plain_forms import dagger, gauss
-from lib.theorem_table import NOTHING, PAIRS, PRINTED_K, PRINTED_W, SCHEMA, Coincidence, Settings, Timed
-from lib.verdicts import FEWEST, MORE, MOST
+from studies.theorem import plain_forms
+from lib.records import formats
+from lib.running import study
+from studies.theorem import run as theorem
+from lib.pages.document import Table, as_markdown
+from lib.running.fresh_process import MOST_SWITCHES, MOST_TRIES, Disturbance
+from studies.theorem.plain_forms import dagger, gauss
+from studies.theorem.report import rendered
+from studies.theorem.schema import NOTHING, PAIRS, PRINTED_K, PRINTED_W, SCHEMA, Coincidence, Settings, Timed
+from lib.judging.verdicts import FEWEST, MORE, MOST
 
-RENDER = os.path.join(ROOT, "scripts", "render_theorem")
+RENDERING = RENDER, "theorem"
 ROUNDING = 1e-13  # of one step with entries of about 1, and of its iteration
 CHANGED = 1e-9  # the least that a change makes: Lobatto methods of order 4 differ by h⁵ times small constants
 
@@ -188,7 +190,7 @@ class ByProcesses(FolderTest):
 
         options = types.SimpleNamespace(out=self.path("raw.json"))
         journal = study.Journal("made up", options, lambda: {"commit": "1"})
-        with mock.patch("lib.fresh_process.run_on", run_on):
+        with mock.patch("lib.running.fresh_process.run_on", run_on):
             for what in parts:
                 found = study.by_processes(self.BLOCKS, lambda *told: told, further, journal, what, cores)
         return found, journal.context
@@ -328,7 +330,8 @@ class Report(FolderTest):
         path = self.path("raw.json")
         self.study = made_up(self.ROWS)
         formats.write_study(path, SCHEMA, self.study.context, self.study.settings, self.study.tables)
-        self.document, self.figures = theorem_table.rendered(path)
+        found = rendered(path, None)
+        self.document, self.figures = found.document(set()), found.figures
 
     def rows(self, heading):
         """Returns the rows of the first table after a heading, as lists of text with a star for what is marked."""

@@ -9,19 +9,19 @@ import unittest
 from unittest import mock
 
 import drawing
-from programs import BUILD, DONE, HAS_MODULE, PATIENCE, ROOT, SANITIZED, FolderTest, end, environment, start, text_of
+from programs import (BUILD, DONE, HAS_MODULE, MEASURE, PATIENCE, RENDER, SANITIZED, end, environment, FolderTest,
+                      start, text_of)
 from programs import run as run_command
 from scaling_documents import point, write_tables
 from threads_documents import NOISE, run, write_threads
 
-from lib.figures import read_figures
-from lib.formats import listed
-from lib.scaling_table import TwoThreads
-from lib.threads_table import read_threads
-from lib.verdicts import FASTER, SLOWER, TIE, UNDECIDED
+from lib.pages.figures import read_figures
+from lib.records.formats import listed
+from studies.scaling.schema import TwoThreads
+from studies.threads.schema import read_threads
+from lib.judging.verdicts import FASTER, SLOWER, TIE, UNDECIDED
 
-RENDER = os.path.join(ROOT, "scripts", "render_scaling")
-STUDIES = os.path.join(ROOT, "scripts", "studies")
+RENDERING = RENDER, "scaling"
 CORES = sorted(os.sched_getaffinity(0))
 NO_ANSWER, INTERRUPTED = 3, 130
 
@@ -48,12 +48,13 @@ def threads_of(runs, path):
 
 
 class Report(drawing.DrawingTest):
-    script = "render_scaling"
+    package = "scaling"
 
     def report(self, runs, cores=2, two_threads=()):
         """Returns the lines of the report with these runs, as lists of cells."""
         smooth = write_tables(self.path("raw.json"), points=[point()], threads=list(two_threads))
-        files = self.rendered("out", smooth, "--threads", write_threads(self.path("threads.json"), runs, cores))
+        write_threads(self.path("threads.json"), runs, cores)
+        files = self.rendered("out", smooth)
         self.text = files["report.md"].decode("utf-8")
         self.figures = read_figures(self.path("out", "figures.json"))
         return [[cell.strip() for cell in each.strip("|").split("|")] for each in self.text.splitlines()]
@@ -90,6 +91,7 @@ class Report(drawing.DrawingTest):
         self.assertIn("## Threads", self.text)
         # Pages that quote the older file are right still.
         self.assertEqual(self.figures["threads.group2_frame.n129.t50"], 2)
+        os.remove(self.path("threads.json"))
         older = self.rendered("older", write_tables(self.path("raw.json"), points=[point()], threads=rows))
         self.assertIn(b"## Two threads", older["report.md"])
         self.assertNotIn(b"## Threads", older["report.md"])
@@ -121,14 +123,19 @@ class Judgement(FolderTest):
         self.assertEqual(self.verdicts(1.15, 0.25, rng), [UNDECIDED] * 2)
         self.assertEqual(self.verdicts(1.9, 0.01, rng, processes=5), [UNDECIDED] * 2)
 
+    def test_it_is_against_the_next_smaller_number(self):
+        found = threads_of([run(), run(2, seconds=0.1), run(4, seconds=0.15)], self.path("threads.json"))
+        one, two, four = found.runs.values()
+        self.assertEqual([found.than_fewer(each) for each in (one, two, four)], [None, FASTER, SLOWER])
+        self.assertAlmostEqual(found.gain(four).ratio, 4 / 3)
+
 
 @unittest.skipUnless(HAS_MODULE and not SANITIZED, "without the module, or with a sanitizer's libraries")
 class Study(FolderTest):
     def setUp(self):
         super().setUp()
-        sys.path[:0] = [STUDIES, os.path.join(BUILD, "python")]
-        self.addCleanup(sys.path.remove, STUDIES)
-        import threads
+        sys.path.insert(0, os.path.join(BUILD, "python"))
+        from studies.threads import run as threads
         self.threads = threads
         os.makedirs(self.path("build"))
         os.symlink(os.path.join(os.path.abspath(BUILD), "python"), self.path("build", "python"))
@@ -136,7 +143,7 @@ class Study(FolderTest):
         self.out, self.log = self.path("threads.json"), self.write("log", "")
 
     def command(self, *arguments):
-        return [sys.executable, "-B", os.path.join(STUDIES, "threads.py"), "--out", self.out, *arguments]
+        return [sys.executable, "-B", MEASURE, "threads", "--out", self.out, *arguments]
 
     def study(self, *arguments, prepare=None, build=None, **changes):
         return run_command(self.command(*arguments), prepare=prepare,

@@ -1,4 +1,4 @@
-"""Tests of lib/trend.py: rank correlation of repetitions with their order."""
+"""Tests of lib/judging/trend.py: rank correlation of repetitions with their order."""
 
 import itertools
 import random
@@ -6,7 +6,7 @@ import unittest
 
 import programs  # noqa: F401, which makes lib importable
 
-from lib.trend import DRAWN, orders_of, trend_of
+from lib.judging.trend import DRAWN, orders_of, trend_of
 
 
 def noisy(count, rounds, slope=0.0, common=0.0, seed=1):

@@ -19,10 +19,12 @@ from properties import SEEDS, decades, holds_for, times_of_rows
 sys.path.insert(0, os.path.join(BUILD, "python"))
 
 import isosyrk  # noqa: F401 (CTest leaves this file out where there is no module)
-from lib import duels, study, trials, verdicts
-from lib.accuracy_lines import Problem
-from lib.formats import CONVERGED
-from lib.trials import CLOSE, FAILURES_THAT_END, GRID_START, GRID_STEP, LARGEST_STEP, LONG_CLOSE, SMALLEST_STEP
+from studies.accuracy import comparisons as duels
+from lib.running import study, trials
+from lib.judging import verdicts
+from lib.records.settings import Problem
+from lib.records.formats import CONVERGED
+from lib.running.trials import CLOSE, FAILURES_THAT_END, GRID_START, GRID_STEP, LARGEST_STEP, LONG_CLOSE, SMALLEST_STEP
 
 FAILED = "diverged"
 EDGES = draw.lists(decades(-2.5, 2.5), min_size=0, max_size=5).map(sorted)

@@ -1,4 +1,4 @@
-"""Tests of lib/trials.py, of what the study of limits tries, and of the timing of lib/duels.py.
+"""Tests of trials.py, of what the study of limits tries, and of the timing of comparisons.py.
 
 Outcomes and times are made up.
 
@@ -12,15 +12,17 @@ import unittest
 from types import SimpleNamespace
 from unittest import mock
 
-from programs import BUILD, ROOT
+from programs import BUILD
 
-sys.path[:0] = [os.path.join(BUILD, "python"), os.path.join(ROOT, "scripts", "studies")]
+sys.path.insert(0, os.path.join(BUILD, "python"))
 
 import isosyrk
-import limits
+from studies.limits import run as limits
 import numpy
-from lib import accuracy_runs, formats, trials
-from lib.formats import CONVERGED, FAST, PUBLISHED
+from studies.accuracy import single_runs as accuracy_runs
+from lib.records import formats
+from lib.running import trials
+from lib.records.formats import CONVERGED, FAST, PUBLISHED
 
 FAILED = "diverged"
 

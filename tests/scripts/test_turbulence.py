@@ -11,24 +11,26 @@ import unittest
 from unittest import mock
 
 from drawing import DrawingTest, lines_of
-from programs import BUILD, DONE, ROOT, FolderTest, environment, run
+from programs import BUILD, DONE, MEASURE, RENDER, environment, FolderTest, run
 
-sys.path[:0] = [os.path.join(BUILD, "python"), os.path.join(ROOT, "scripts", "studies")]
+sys.path.insert(0, os.path.join(BUILD, "python"))
 import numpy as np
 
 import isosyrk
-import turbulence
-from lib import (formats, problems, turbulence_chart, turbulence_figures, turbulence_report, turbulence_runs,
-                 turbulence_statistics)
-from lib.document import as_markdown
-from lib.formats import CONVERGED, SWEEP_CAP, UNSTABLE
-from lib.turbulence_files import (FAR, LOOSE, METHOD, PRACTICE, REFERENCE, SCHEMA, Cost, RunRow, Setting, Settings,
-                                  Size, bands_of, read_turbulence)
-from lib.turbulence_statistics import LEVEL, drifts_of, false_positives, held_out, reference_of, spreads_of
-from lib.verdicts import FEWEST
+from studies.turbulence import run as turbulence
+from lib.records import formats
+from lib.running import problems
+from studies.turbulence import (charts as turbulence_chart, judge as turbulence_figures, report as turbulence_report,
+                                single_runs as turbulence_runs, statistics as turbulence_statistics)
+from lib.pages.document import as_markdown
+from lib.records.formats import CONVERGED, SWEEP_CAP, UNSTABLE
+from studies.turbulence.schema import (FAR, LOOSE, METHOD, PRACTICE, REFERENCE, SCHEMA, Cost, RunRow, Setting, Settings,
+                                       Size, bands_of, read_turbulence)
+from studies.turbulence.statistics import LEVEL, drifts_of, false_positives, held_out, reference_of, spreads_of
+from lib.judging.verdicts import FEWEST
 
-SCRIPT = os.path.join(ROOT, "scripts", "studies", "turbulence.py")
-RENDER = os.path.join(ROOT, "scripts", "render_turbulence")
+SCRIPT = MEASURE, "turbulence"
+RENDERING = RENDER, "turbulence"
 SHORT = {"n": 17, "draw": 0, "integrator": "group2", "step": 0.25, "tolerance": 1e-10, "time": 48.0}
 
 
@@ -345,7 +347,7 @@ class Judged(unittest.TestCase):
 
 @mock.patch.multiple(turbulence_statistics, TRIALS=40, TRIAL_COUNT=100)
 class Report(DrawingTest):
-    script = "render_turbulence"
+    package = "turbulence"
 
     def raw(self, **changes):
         return write_turbulence(self.path("raw.json"), **changes)
@@ -436,14 +438,9 @@ class Report(DrawingTest):
         def capped(rows):
             return [row._replace(status=SWEEP_CAP) if row.status == UNSTABLE else row for row in rows]
 
-        for change, label in ((list, "_failure"), (capped, "_cap")):
-            study, findings = self.findings(runs=change)
-            found = turbulence_figures.figures(study, findings)
-            self.assertEqual((found["n33.elp4.h2.failed"], found["n33.elp4.h2.capped"]),
-                             (2, 2 if label == "_cap" else 0))
-            (axes,), = self.panels("turbulence_chart", "statistical_error", study, findings).values()
-            self.assertEqual([line.get_label() for line in axes.lines if line.get_label() in ("_failure", "_cap")],
-                             [label])
+        for change, count in ((list, 0), (capped, 2)):
+            found = self.figures(runs=change)
+            self.assertEqual((found["n33.elp4.h2.failed"], found["n33.elp4.h2.capped"]), (2, count))
 
     def test_independence_and_stationarity(self):
         found = self.figures()
@@ -498,28 +495,48 @@ class Report(DrawingTest):
             self.assertIn("T = 100", report.split(f"## {heading}\n")[1].split("\n|")[0])
         self.assertIn("## Every setting, n = 33, T = 100", report)
 
-    def test_the_chart(self):
-        (axes,), = self.panels("turbulence_chart", "statistical_error", *self.findings()).values()
-        drawn = lines_of(axes)
-        self.assertEqual(set(drawn), {"algebra1", "group2", "elp4", "rkmk4", "rk4"})
-        np.testing.assert_allclose([x for x, _ in drawn["elp4"]], [0.2, 0.4])
-        np.testing.assert_allclose([x for x, _ in drawn["algebra1"]], [1.0])
-        marks = {label: sorted(x for line in axes.lines if line.get_label() == label for x in line.get_xdata())
-                 for label in ("_failure", "_invariants")}
-        np.testing.assert_allclose(marks["_failure"], [0.2])  # that of elp4
-        np.testing.assert_allclose(marks["_invariants"], [0.1, 0.125])  # rk4 and rkmk4
+    def test_the_chart_has_a_bar_for_the_cheapest_faithful_setting_of_each_method(self):
+        (axes,), = self.panels("studies.turbulence.charts", "cheapest_faithful", *self.findings()).values()
+        bars = {bar.get_label(): bar.patches[0].get_width() for bar in axes.containers}
+        self.assertEqual(set(bars), {"group2", "elp4"})
+        self.assertAlmostEqual(bars["elp4"], 0.2)
+        labels = [text.get_text() for text in axes.texts]
+        self.assertIn("elp4, h = 1", labels)
+        for method in ("rk4", "rkmk4"):  # which loses the enstrophy, the energy
+            self.assertIn(f"{method}: no setting that was tried is faithful", labels)
+        self.assertLess(labels.index("keeps the Lie–Poisson structure"), labels.index("elp4, h = 1"))
+        self.assertLess(labels.index("keeps nothing"), labels.index("keeps the spectrum"))
 
-    def test_the_title_names_a_winner_if_there_is_one(self):
+    def test_the_title_names_the_cheapest(self):
         study, found = self.findings()
         title = turbulence_chart.title_of(study, found)
-        for part in ("faithful", "T\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}100", "exponential 4", "0.2 of"):
+        for part in ("T\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}100", "0.2 of the baseline's time (elp4)"):
             self.assertIn(part, title)
         none = found[N]._replace(judged={})
         self.assertEqual(turbulence_chart.title_of(study, {N: none}), turbulence_chart.PLAIN_TITLE)
 
-    def test_no_chart_without_a_line(self):
-        found = self.findings(runs=lambda rows: [row for row in rows if row.integrator != "elp4"])
-        self.assertIsNone(turbulence_chart.statistical_error(*found))
+    def test_energies_are_those_of_the_bands_over_the_reference_s(self):
+        def louder(rows):
+            """The energy of rk4 in each band is doubled, and its statistics are off by that."""
+            return [row._replace(bands=[[2 * each for each in quarter] for quarter in row.bands])
+                    if row.integrator == "rk4" else row for row in rows]
+
+        def drawn(**changes):
+            (axes,), = self.panels("studies.turbulence.charts", "band_energies", *self.findings(**changes)).values()
+            return lines_of(axes)
+
+        lines = drawn(runs=louder)
+        self.assertEqual(list(lines), ["elp4", "rk4"])  # the cheapest faithful one has the structure too
+        self.assertEqual(len(lines["rk4"]), len(bands_of(N)))
+        for (_, loud), (_, quiet) in zip(lines["rk4"], drawn()["rk4"]):
+            self.assertAlmostEqual((100 + loud) / (100 + quiet), 2)
+        for _, change in lines["elp4"]:
+            self.assertLess(abs(change), 10)
+
+    def test_no_chart_of_costs_where_nothing_is_faithful(self):
+        files = self.rendered("out", self.raw(
+            runs=lambda rows: [row for row in rows if row.integrator not in ("elp4", "group2")]))
+        self.assertNotIn("cheapest_faithful.svg", files)
 
     def test_a_python_without_numpy_can_start_another(self):
         self.write("hidden/numpy.py", "raise ImportError")

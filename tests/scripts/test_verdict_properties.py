@@ -9,12 +9,12 @@ from hypothesis import strategies as draw
 from properties import NEAR_ONE, PACES, fails, holds_for, times_of_rows
 from scipy import stats
 
-from lib import verdicts
-from lib.formats import FORMULATIONS, CellKey, Measurement, Run, measurement
-from lib.claims import judged, pairs
-from lib.verdicts import (FAILS, FASTER, FEWEST, HOLDS, LEVEL, MARGIN, MOST, SLOWER, TIE, UNDECIDED, claim_of_fastest,
-                          claim_of_multiple, compared, fastest, further_processes, level_rows, more_processes, ratio_of,
-                          student_t, within)
+from lib.judging import verdicts
+from lib.records.formats import FORMULATIONS, CellKey, Measurement, Run, measurement
+from studies.tables.judge import judged, pairs
+from lib.judging.verdicts import (FAILS, FASTER, FEWEST, HOLDS, LEVEL, MARGIN, MOST, SLOWER, TIE, UNDECIDED,
+                                  claim_of_fastest, claim_of_multiple, compared, fastest, further_processes, level_rows,
+                                  more_processes, ratio_of, student_t, within)
 
 MIRRORED = {FASTER: SLOWER, SLOWER: FASTER, TIE: TIE, UNDECIDED: UNDECIDED}
 FACTORS = draw.floats(1.0, 1.5)

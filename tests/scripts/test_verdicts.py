@@ -1,4 +1,4 @@
-"""Tests of lib/verdicts on made-up processes: how often a verdict is right, and what each verdict and claim needs."""
+"""Tests of verdicts.py on made-up processes: how often a verdict is right, and what each verdict and claim needs."""
 
 import math
 import random
@@ -6,8 +6,8 @@ import unittest
 
 import programs  # finds the package lib
 
-from lib.claims import CLAIMS
-from lib.verdicts import FASTER, HOLDS, MARGIN, SLOWER, TIE, UNDECIDED, compared, more_processes
+from studies.tables.judge import CLAIMS
+from lib.judging.verdicts import FASTER, HOLDS, MARGIN, SLOWER, TIE, UNDECIDED, compared, more_processes
 
 DRAWS = 1000
 

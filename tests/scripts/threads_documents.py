@@ -2,9 +2,9 @@
 
 import programs  # noqa: F401, which makes lib importable
 
-from lib import formats
-from lib.formats import INTEGRATORS, listed
-from lib.threads_table import SCHEMA, Run, Settings
+from lib.records import formats
+from lib.records.formats import INTEGRATORS, listed
+from studies.threads.schema import SCHEMA, Run, Settings
 
 NOISE = (1.0, 1.01, 0.99, 1.02, 0.98, 1.0)
 

@@ -1,0 +1,277 @@
+"""Finds the cheapest method and step for a user's own scene by runs of that scene, called pilots, within a budget.
+
+Pilots go over a part T/2^k of the time first, where the expensive methods drop out; then over the longest part that the
+budget allows, at best all of it. The reference solution of each part is the first of two integrators that are refined
+together until they agree; their distance is its uncertainty. Fast forms only, in the co-rotating frame where the list
+has it: that is exact and costs nothing. At last some steps of each offer that follows from a shorter pilot are timed
+from where the longest pilot ended: a step of another size takes another time. Needs NumPy and isosyrk.
+"""
+
+import math
+import signal
+from argparse import ArgumentTypeError
+
+import isosyrk
+import numpy
+
+from lib.programs.command_line import number, whole_number
+from lib.programs.messages import UnusableFile, one_line
+from lib.records.formats import CONVERGED, FAST, UNSTABLE, read_text
+from lib.records.settings import TIGHT
+from lib.running import study
+from lib.running.trials import Setting
+from studies.accuracy.cheapest import MOST_OFFERED, Question, answer_data
+from recommender.trial_planner import STOPPED, TOO_EXPENSIVE, Planner, invariants_lost
+
+REFERENCES = ("group6_frame", "group5_frame")
+MIDDLE_ORDER = 6  # methods of about this order win at the errors that are asked for most
+
+LOOKS = 100  # at the energy and the cost of a pilot of many steps
+FIRST_SHARE = 1 / 3  # of the budget; after it, no further method is begun on the first part
+# Of the budget, kept for timing steps of the offers; the steps and the CPU seconds that are timed of one at least. As
+# many steps before them are not timed, for a predictor has no past steps yet. Costs change while a scene develops, so
+# more are timed where there is room: SHARE_TIMED of what is left, as the clock of the budget goes on while others run.
+RESERVE, LEAST_STEPS, LEAST_SECONDS, SHARE_TIMED = 0.1, 10, 0.02, 0.25
+
+
+# ---- the user's scene
+
+WHOLE, REAL = whole_number(0, 10**9), number(-math.inf, math.inf)
+FIELDS = {"l": WHOLE, "m": WHOLE, "re": REAL, "im": REAL}  # of a mode, with their readers
+LEAST_ENERGY = 1e-200
+AT_REST = 1e-12  # ‖B(W)‖₂ over the largest entry of W: rounding of a state that does not move
+
+
+def read_modes(path):
+    """Returns the modes in a CSV file with the header l,m,re,im. Throws UnusableFile."""
+    header, *lines = [[field.strip() for field in line.split(",")]
+                      for line in read_text(path).lstrip("\ufeff").splitlines() or [""]]
+    if sorted(header) != sorted(FIELDS):
+        raise UnusableFile("the header must name l,m,re,im and no other")
+    modes = []
+    for place, fields in enumerate(lines, 2):
+        if fields == [""]:
+            continue
+        try:
+            row = dict(zip(header, fields, strict=True))
+            modes.append(tuple(read(row[name]) for name, read in FIELDS.items()))
+        except (ValueError, ArgumentTypeError):
+            raise UnusableFile(f"line {place}: must be 4 numbers (l,m,re,im)") from None
+    return modes
+
+
+def read_state(path):
+    """Returns the matrix in a NumPy file, as the program `integrate` writes and reads it. Throws UnusableFile."""
+    try:
+        W = numpy.load(path, allow_pickle=False)
+    except (OSError, ValueError, EOFError, MemoryError):
+        raise UnusableFile("cannot be read as a NumPy .npy file") from None
+    if W.dtype != complex or not W.dtype.isnative or not W.flags.c_contiguous:
+        raise UnusableFile("must be complex128 in C order")
+    return W
+
+
+def scene_of(options):
+    """Returns the user's scene. Throws UnusableFile."""
+    try:
+        data = {"initial": read_state(options.own)} if options.modes is None else {"modes": read_modes(options.own)}
+        scene = isosyrk.scene(n=options.n, hbar=options.hbar, **data)
+        if not scene.generator_norms()[0] > AT_REST * abs(scene.initial).max():
+            raise UnusableFile("is at rest, as any method keeps it")
+        if not LEAST_ENERGY < scene.energy(scene.initial) < 1 / LEAST_ENERGY:
+            raise UnusableFile("its energy is too small or too large to be compared with; scale it")
+    except (UnusableFile, ValueError, TypeError) as problem:
+        name = "--state" if options.modes is None else "--modes"
+        raise UnusableFile(f"{name} {one_line(options.own)}: {problem}") from None
+    return scene
+
+
+# ---- pilots
+
+
+def seconds_left():
+    """Returns what is left of the budget, 0 after its end, when SIGALRM comes."""
+    return signal.getitimer(signal.ITIMER_REAL)[0]
+
+
+def candidates_for(structure):
+    """Returns all Integrators in the co-rotating frame that have a fast form and keep a structure, the first to try
+    first: explicit ones, of MIDDLE_ORDER or near it."""
+    listed = study.integrators().values()
+    return sorted((each for each in listed if each.has_fast_form and each.co_rotating and each.keeps(structure)),
+                  key=lambda each: (not each.explicit, abs(each.order - MIDDLE_ORDER)))
+
+
+class Search(Planner):
+    """Runs the pilots of one scene as they are planned, and times steps of the offers.
+
+    At the end of the budget, any method may throw TimeoutError.
+    """
+
+    def __init__(self, scene, question):
+        self.setting = Setting(scene)
+        self.size = float(numpy.linalg.norm(scene.initial, 2))
+        self.references = study.entries(REFERENCES)
+        candidates = candidates_for(question.keep)
+        limits = {each: (self.method(each, TIGHT).linear_limit() or math.inf) / self.setting.norm_B
+                  for each in candidates}
+        super().__init__(question, self.setting.norm_B, candidates, limits)
+        self.end = 0.0, scene.initial
+        self.exact = ()  # the states of the reference at half time and at the end
+
+    def method(self, integrator, tolerance=None):
+        """Returns the module's integrator of the scene, at the tolerance of now unless another is given."""
+        return isosyrk.integrator(self.setting.scene, integrator.name, solver=FAST,
+                                  tolerance=tolerance or self.tolerance_of(integrator))
+
+    def run(self, integrator, steps, most_seconds=math.inf):
+        """Returns the pilot of an even number of steps over the part, and its states at half time and at the end.
+
+        The pilot has an error if there is a reference. There are no states if it did not come to a usable end.
+        """
+        pilot = self.outcome(integrator, self.time, steps, None, 0.0, STOPPED)
+        self.pilots.append(pilot)
+        states = []
+
+        def look(step, W, report):
+            if step in (steps // 2, steps):
+                states.append(W.copy())
+            return report.seconds > most_seconds
+
+        every = next(each for each in range(max(1, steps // LOOKS), 0, -1) if steps // 2 % each == 0)
+        W, report, status, _, energy_error = self.setting.run(self.method(integrator), pilot.step, steps, every, look)
+        pilot.seconds = report.seconds
+        if status != CONVERGED or report.steps < steps:
+            pilot.status = STOPPED if status == CONVERGED else status
+            return pilot, ()
+        errors = {name: error / self.size for name, error in self.setting.errors(W).items()}
+        errors["energy_error"] = energy_error
+        pilot.kept = max(energy_error, errors["spectrum_error"]) if integrator.isospectral else None
+        if invariants_lost(errors, integrator.isospectral):
+            pilot.status = UNSTABLE
+            return pilot, ()
+        pilot.status = CONVERGED
+        if self.time > self.end[0]:
+            self.end = self.time, W
+        if not self.trajectory:
+            pilot.error = pilot.kept
+        elif self.reference and self.reference.time == self.time:
+            at_half, error = map(isosyrk.relative_error, states, self.exact)
+            pilot.error = error + self.uncertainty
+            pilot.growth = math.log2(error / at_half) if error > 0 < at_half else None
+        return pilot, states
+
+    def refer(self, error):
+        """Makes the reference solution of the part; if two do not agree, no trajectory is judged any more.
+
+        Throws Stop where rounding keeps them from agreeing to what is asked for.
+        """
+        refinements = self.refinements(error, self.references[1])
+        steps = next(refinements)
+        while True:
+            pair, states = zip(*(self.run(each, steps) for each in self.references))
+            found = isosyrk.relative_error(states[1][1], states[0][1]) if all(states) else None
+            try:
+                steps = refinements.send((pair, found))
+            except StopIteration:
+                break
+        self.exact = states[0]
+
+    def search(self, integrator, error, most_seconds):
+        """Returns the pilot with the longest step that has an error over the part; None if none has."""
+        tries = self.tries(integrator, error, most_seconds)
+        steps = next(tries)
+        while True:
+            pilot, _ = self.run(integrator, steps, most_seconds)
+            try:
+                steps = tries.send(pilot)
+            except StopIteration as end:
+                return end.value
+
+    def time_offers(self):
+        """Times steps of each offer that is shown and was not run; one whose steps fail is offered no more as it is."""
+        while untimed := [each for each in self.ranking()[:MOST_OFFERED] if not self.is_timed(each)]:
+            self.time_steps(untimed[0], seconds_left() / len(untimed))
+
+    def time_steps(self, offer, seconds):
+        """Times steps of an offer from the end of the longest pilot on, in about so many seconds at most.
+
+        A failure counts as a pilot.
+        """
+        (begin, W), h, method = self.end, offer.step, self.method(offer.integrator)
+        try:
+            (first,) = method.timed_run(W, h, LEAST_STEPS, repetitions=1, warmup=LEAST_STEPS)
+            pace = max(first / LEAST_STEPS, 1e-9)
+            room = min(seconds * SHARE_TIMED / pace, (offer.time - begin) / h)
+            steps = math.ceil(max(LEAST_STEPS, LEAST_SECONDS / pace, room))
+            (taken,) = method.timed_run(W, h, steps, repetitions=1, warmup=LEAST_STEPS)
+        except isosyrk.SolverError as problem:
+            self.pilots.append(self.outcome(offer.integrator, LEAST_STEPS * h, LEAST_STEPS, None, 0.0, problem.status))
+        else:
+            self.paces[offer.integrator, offer.steps] = taken / steps
+
+    def go_on(self):
+        """Makes pilots over longer and longer parts of the time, until it is whole or the next part takes too long."""
+        integrators, spared = self.candidates, seconds_left() * (1 - FIRST_SHARE)
+        while True:
+            before = seconds_left()
+            self.try_all(integrators, spared)
+            fits = seconds_left() / (before - seconds_left())  # how often the budget has room for such a part
+            if self.time == self.question.time or fits < 1:
+                return
+            integrators, spared = self.most_promising() or integrators, 0.0
+            self.lengthen(fits)
+
+    def try_all(self, integrators, spared):
+        """Makes the pilots of integrators over the part; if one is good, none is begun in the last `spared` seconds."""
+        if self.trajectory:
+            self.refer(self.proportional_error())
+        cheapest = min((each.seconds for each in self.good.values() if each.time == self.time), default=math.inf)
+        for each in integrators:
+            if self.good and seconds_left() < spared:
+                break
+            error = self.error_over_part(each)
+            if not error:
+                continue
+            best = self.search(each, error, TOO_EXPENSIVE * cheapest)
+            self.good.pop(each, None)
+            if best:
+                self.good[each] = best
+                cheapest = min(cheapest, best.seconds)
+
+
+# ---- the answer
+
+
+def stop(*_):
+    raise TimeoutError
+
+
+def within(seconds, work):
+    """Does a piece of work for at most so many seconds, and tells whether it was finished."""
+    try:
+        signal.setitimer(signal.ITIMER_REAL, max(0.0, seconds))
+        signal.signal(signal.SIGALRM, stop)
+        if not seconds_left():
+            raise TimeoutError
+        work()
+        return True
+    except TimeoutError:
+        return False
+    finally:
+        signal.signal(signal.SIGALRM, signal.SIG_IGN)
+
+
+def answer(options):
+    """Returns the answer for the user's scene as answer_data() does; throws UnusableFile too. The clock is running."""
+    scene = scene_of(options)
+    search = Search(scene, Question(one_line(options.own), scene.n, options.time, options.error, options.keep))
+    reserve = RESERVE * seconds_left()
+    search.spent = not within(seconds_left() - reserve, search.go_on)
+    search.settle()
+    within(reserve, search.time_offers)
+    arguments = ["--initial" if options.modes is None else "--modes", options.own]
+    if options.hbar == "standard":
+        arguments += ["--hbar", options.hbar]
+    return answer_data(search, " within the budget" if search.spent else "", arguments,
+                       {"measured": f"here, {len(search.pilots)} pilots"})

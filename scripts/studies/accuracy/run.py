@@ -1,0 +1,258 @@
+"""Runs every integrator over step sizes, lets methods compete at equal error, and varies the tolerance of Table 1.
+
+A line is one integrator at one tolerance on one problem: a scene, n and a time. Its runs take more and more steps (as
+many as in Table 1 at least), until the error no longer falls, is below GOOD_ENOUGH, or a run took enough work: then the
+line is cut. Every integrator runs by its fast form if it has one. Lines are those of the methods that may stand for a
+class in a duel (candidates.py), at the tolerances of the classes; the main problem, that of Table 1, has lines of
+the others too, at small n.
+
+First every run is made once and looked at; then all are timed, in turns, so that a slow minute of the machine
+falls on all alike. Then the duels (comparisons.py) follow. Counts and errors of published forms are those of OpenBLAS's
+products, times those of the backend that was the faster at the start: counts that followed the clock would differ from
+machine to machine.
+"""
+
+import math
+import os
+import statistics
+
+import isosyrk
+
+from lib.programs.command_line import whole_number
+from lib.programs.places import REFERENCES
+from lib.records import formats
+from lib.records.formats import FAST, PUBLISHED, Study
+from lib.records.integrators import GAUSS, TABLE1_CELLS, is_fastest_formulation, is_new
+from lib.records.settings import TABLE1_STEP
+from lib.judging import verdicts
+from lib.running import problems, study
+from studies.accuracy import candidates as contenders, comparisons as duels
+from studies.accuracy.judge import told_against_n
+from studies.accuracy.lines import FLOOR_MARGIN, accuracy, is_floor
+from studies.accuracy.schema import (ALONE, BELOW, CUT, FLOOR, GOOD_ENOUGH, SCHEMA, Form, Line, Rate, Reference, Run,
+                                     Settings)
+from studies.accuracy.single_runs import Setting, rounded, scene_of, seconds_of_part
+
+# On the main problem, every integrator has a line up to this n, and up to the next one the cells of Table 1 and the
+# methods whose errors at its step are told; at larger n these run with Table 1's step alone.
+LARGEST_OF_ALL, LARGEST_OF_TABLE1 = 33, 65
+QUICK_ORDER, QUICK_ORDER_IN_FRAME = 4, 8  # of the quick study's methods, or as near as there are
+REPETITIONS = 1  # timings of each run; duels, from which verdicts come, have processes
+QUICK_PROCESSES = 6  # at most, that time a duel
+
+# Steps to T = 5: about a factor 1.6 apart, with Table 1's 50 among them.
+UNIT = 5.0
+STEPS = (2, 3, 5, 8, 12, 20, 32, 50, 80, 125, 200, 320, 500, 800, 1250, 2000, 3200, 5000)
+# Where a line takes long, at n = 257 and to T = 50, a factor of 2 must do; so it must in the quick study.
+COARSE_STEPS = (3, 6, 12, 25, 50, 100, 200, 400, 800, 1600, 3200, 6400)
+
+# A line is cut by the first run, of Table 1's step or a shorter one, that takes so much work: floating-point operations
+# of its products. A core does some 5e10 to 1.2e11 a second.
+ENOUGH_WORK = ((33, 5e9), (65, 15e9), (129, 40e9), (math.inf, 80e9))  # by the largest n, to T = 5 in the frame
+LONG_TIMES, PLAIN_TIMES, QUICK_TIMES = 4, 0.3, 0.25  # times that: to T = 50, out of the frame, in the quick study
+
+TOLERANCES = tuple(10.0**-exponent for exponent in range(4, 16))
+# The tolerances are not varied beyond, where that would take as long as all else.
+LARGEST_TOLERANCE_SIZE = 33
+RATES = 5  # measurements of a product rate, of which the median counts
+
+
+# ---- untimed: a line, or the tolerances of one cell
+
+
+def draw_line(job):
+    """Returns the runs of the line of a job, as fields of Run, and how it ends."""
+    setting, tolerance = Setting(job), job["tolerance"]
+    method, order = setting.method(tolerance), setting.entry.order
+    runs, usable, end = [], [], None
+    for steps_of_unit in steps_of(job):
+        as_in_table1 = steps_of_unit >= UNIT / TABLE1_STEP
+        if end and not as_in_table1:
+            continue
+        runs.append(setting.look(method, round(steps_of_unit * job["time"] / UNIT), tolerance)[0])
+        if runs[-1].usable:
+            usable.append(runs[-1])
+            end = end or end_of(usable, setting.uncertainty, order)
+        if as_in_table1 and (end or took_enough(runs[-1], job["quick"])):
+            break
+    return {"end": ALONE if job["table1_step"] else end or CUT, "runs": [run._asdict() for run in runs]}
+
+
+def steps_of(job):
+    """Returns the numbers of steps to T = 5 that a line is tried with."""
+    if job["table1_step"]:
+        return (round(UNIT / TABLE1_STEP),)
+    return COARSE_STEPS if job["n"] > 129 or job["time"] > UNIT or job["quick"] else STEPS
+
+
+def end_of(runs, uncertainty, order):
+    """Returns how a line has ended with the last of its usable runs, or None if it goes on."""
+    if runs[-1].error < FLOOR_MARGIN * uncertainty or (len(runs) > 1 and is_floor(*runs[-2:], order)):
+        return FLOOR
+    return BELOW if runs[-1].error < GOOD_ENOUGH else None
+
+
+def took_enough(run, quick):
+    """Tells whether a run took the work that cuts a line."""
+    enough = next(work for largest, work in ENOUGH_WORK if run.n <= largest)
+    co_rotating = study.integrators()[run.integrator].co_rotating
+    for holds, times in ((run.time > UNIT, LONG_TIMES), (not co_rotating, PLAIN_TIMES), (quick, QUICK_TIMES)):
+        enough *= times if holds else 1
+    return 8 * run.n**3 * run.equivalent_products >= enough
+
+
+def vary_tolerance(job):
+    """Returns the runs of one cell of Table 1 at each tolerance, from loose to tight."""
+    setting = Setting(job)
+    steps = round(job["time"] / TABLE1_STEP)
+    runs, states = zip(*(setting.look(setting.method(tolerance), steps, tolerance) for tolerance in TOLERANCES))
+    tightest = next((W for W in reversed(states) if W is not None), None)
+    return [{**run._asdict(), "solver_error": None if W is None else isosyrk.relative_error(W, tightest)}
+            for run, W in zip(runs, states)]
+
+
+# ---- timed
+
+
+def time_one(point, folder):
+    """Returns the CPU seconds of a run [scene, time, n, integrator, solver, tolerance, backend of products, steps,
+    equivalent products], as the mean of a few."""
+    scene, time, n, integrator, solver, tolerance, products, steps, work = point
+    setting = scene_of(scene, time, n, folder)
+    method = isosyrk.integrator(setting, integrator, solver=solver, tolerance=tolerance,
+                                **({"products": products} if solver == PUBLISHED else {}))
+    return seconds_of_part(method, setting.initial, time / steps, steps, work)
+
+
+def rate_of(n, journal):
+    """Returns the product rates at n, as measured when the study began."""
+    key = journal.key_of_timed("rates", n)
+    if key not in journal.found:
+        journal.add(key, [statistics.median(isosyrk.product_rate(n, solver) for _ in range(RATES))
+                          for solver in (PUBLISHED, FAST)])
+    return Rate(n, *journal.found[key])
+
+
+# ---- the study
+
+
+def parse(arguments):
+    parser = study.parser("accuracy", __doc__.splitlines()[0])
+    problems.add_filters(parser)
+    parser.add_argument("--references", metavar="FOLDER", default=REFERENCES,
+                        help="what scripts/measure references wrote (default: the recorded ones)")
+    parser.add_argument("--repetitions", metavar="K", type=whole_number(1, 1000), default=REPETITIONS,
+                        help="timings of each run (default: %(default)s)")
+    parser.add_argument("--processes", metavar="K", type=whole_number(1, 100), help="that time a duel at most; with"
+                        f" fewer than {verdicts.FEWEST} all is undecided (default: {verdicts.MOST}, quick"
+                        f" {QUICK_PROCESSES})")
+    options = parser.parse_args(arguments)
+    if options.processes is None:
+        options.processes = QUICK_PROCESSES if options.quick else verdicts.MOST
+    return options
+
+
+def quick_integrators(listed):
+    """Returns all that the quick study has of some Integrators.
+
+    These are the cells of Table 1, one of each family that has fast forms, one in the co-rotating frame for each class
+    of duels, and every new one.
+    """
+    families = {}
+    for each in listed:
+        if each.has_fast_form and not each.co_rotating:
+            families.setdefault((each.family, each.projected), []).append(each)
+    kept = [nearest(QUICK_ORDER, found) for found in families.values()]
+    for contender in contenders.CLASSES:
+        if found := contenders.candidates(listed, contender, FAST):
+            kept.append(nearest(QUICK_ORDER_IN_FRAME, found))
+    return [each for each in listed if each.name in TABLE1_CELLS or each in kept or is_new(each)]
+
+
+def nearest(order, listed):
+    """Returns the first of the Integrators whose order is the nearest."""
+    return min(listed, key=lambda each: abs(each.order - order))
+
+
+def is_order_two(entry):
+    """Tells whether it is the fastest Gauss method of order 2: claims on orders need it on every problem."""
+    return entry.co_rotating and (entry.family, entry.order) == (GAUSS, 2) and is_fastest_formulation(entry)
+
+
+def is_main(problem):
+    return (problem.scene, problem.time) == ("smooth", UNIT)
+
+
+def lines_of(problem, entries, asked):
+    """Returns the Forms of the lines of a problem, and those of them that run with Table 1's step alone.
+
+    Those of a class of duels by their fast form have a line on every problem, others on the main problem only, unless
+    they were asked for.
+    """
+    forms = contenders.all_forms(entry for entry in entries if entry.has_fast_form)
+    forms += [Form(entry.name) for entry in entries if is_order_two(entry)]
+    alone, against_n = [], told_against_n(entries)
+    for entry in entries if asked or is_main(problem) else ():
+        told = entry.name in against_n
+        if asked or problem.n <= LARGEST_OF_ALL or (problem.n <= LARGEST_OF_TABLE1
+                                                    and (told or entry.name in TABLE1_CELLS)):
+            forms.append(Form(entry.name))
+        elif told and Form(entry.name) not in forms:
+            alone.append(Form(entry.name))
+    return list(dict.fromkeys([*forms, *alone])), alone
+
+
+def main(arguments):
+    options = parse(arguments)
+    chosen = study.entries(options.integrator, frames=True)
+    if options.quick and not options.integrator:
+        chosen = quick_integrators(chosen)
+    wanted = problems.asked_for(options)
+    references = [reference_row(problem, problems.reference_of(problem, options.references)[1]) for problem in wanted]
+    for problem in wanted:
+        problems.scene_of(problem, options.references)  # so that initial data that cannot be used are told now
+    sizes = sorted({problem.n for problem in wanted})
+    journal = study.Journal("accuracy", options, lambda: isosyrk.conditions(sizes=sizes))
+    rates = [rate_of(n, journal) for n in sizes]
+
+    folder = os.path.realpath(options.references)
+    ordered = sorted(wanted, key=lambda problem: (problem.n, problem.time))  # the longest last
+    jobs = []
+    for problem in ordered:
+        forms, alone = lines_of(problem, chosen, options.integrator is not None)
+        jobs += [{**problem._asdict(), **form._asdict(), "solver": study.solver_of(form.integrator),
+                  "table1_step": form in alone, "references": folder, "quick": options.quick} for form in forms]
+    lines = study.untimed(jobs, draw_line, journal, options, "lines")
+    cells = study.untimed([{**problem._asdict(), "integrator": entry.name, "solver": PUBLISHED, "references": folder}
+                           for problem in ordered if is_main(problem) and problem.n <= LARGEST_TOLERANCE_SIZE
+                           for entry in chosen if entry.name in TABLE1_CELLS],
+                          vary_tolerance, journal, options, "tolerances")
+
+    runs, tolerance_runs = ([Run(**run) for each in found for run in each]
+                            for found in ((line["runs"] for line in lines), cells))
+    points = [[*run.problem, run.integrator, run.solver, run.tolerance,
+               journal.products(run.n) if run.solver == PUBLISHED else None, run.steps, run.equivalent_products]
+              for run in (*runs, *tolerance_runs) if run.usable]
+    seconds = iter(study.in_turns(points, options.repetitions, lambda point: time_one(point, folder), journal,
+                                  "timings"))
+
+    def completed(runs):
+        return [rounded(run._replace(cpu_seconds=next(seconds) if run.usable else ())) for run in runs]
+
+    tables = {"references": references, "rates": rates, "integrators": chosen,
+              "lines": [Line(**{name: job[name] for name in Line._fields if name in job}, end=line["end"])
+                        for job, line in zip(jobs, lines)],
+              "runs": completed(runs), "tolerance_runs": completed(tolerance_runs), "duels": []}
+    found = accuracy(Study(journal.context, Settings(options.quick), tables))
+    tables["duels"] = duels.duels(found, options, journal)
+    formats.write_study(options.out, SCHEMA, journal.context, Settings(options.quick), tables)
+    journal.remove()
+
+
+def reference_row(problem, record):
+    both = record["first"], record["second"]
+    return Reference(*problem, record["uncertainty"], [run["integrator"] for run in both],
+                     [run["steps"] for run in both])
+
+
+time_block = duels.time_block

@@ -1,0 +1,594 @@
+"""The table of the paper's claims, as data: claims.json. One row a claim, and for each code what was found.
+
+The codes are the paper's MATLAB (ratios only), GNU Octave, plain C++ (the published forms), optimised C++ (the fast
+forms), fast forms with plain Picard sweeps, and plain and optimised C++ with AVX2 kernels.
+A claim about speed is judged by processes (verdicts.py); others by the figures of the recorded studies, with the rule
+that stands at each row. Standard library only.
+"""
+
+import json
+import math
+import re
+import statistics
+from typing import Dict, List, NamedTuple, Optional, Tuple
+
+from lib.programs.messages import UnusableFile
+from lib.records.formats import (FAST, FORMULATIONS, PUBLISHED, an_object, any_text, checked, list_of, listed,
+                                 listed_integrators, number, one_of, optional, read_json, require, text, whole)
+from lib.records.integrators import GAUSS
+from lib.judging.verdicts import FAILS, FASTER, FEWEST, HOLDS, SLOWER, TIE, UNDECIDED, fastest, ratio_of, verdict
+from lib.pages.document import Column, Entry, Table
+from lib.pages.numbers import MISSING, percentage, three_digits
+from studies.claims.parallel_model import PROCESSORS, Rates, path_products, sweep_seconds, work_seconds
+from studies.claims.schema import EQUAL, SWEEPS, THREAD_CODES, WHOLE, draw_runs, octave_run
+from studies.tables.judge import CLAIMS, figures_of, judged, sizes
+from studies.theorem.schema import AT_ROUNDING
+from studies.turbulence.schema import PRACTICE_INTEGRATOR
+
+CODES = {"paper": "paper's MATLAB", "octave": "Octave", "plain": "plain C++", "optimised": "optimised C++",
+         SWEEPS: "fast forms, plain sweeps", "plain_avx2": "plain, AVX2", "optimised_avx2": "optimised, AVX2"}
+SPLIT = "split"  # in place of a number of processors: all work split evenly
+NOT_TESTED = "not tested"  # the paper speaks of methods that have no such code
+RESULTS = (HOLDS, FAILS, TIE, UNDECIDED, NOT_TESTED)
+FORMAT = "isosyrk claims 1"
+# Pages, from results/.
+OF_TABLES = ("recorded/tables/table1.md", "recorded/tables/table2.md", "recorded/claims/report.md")
+OF_THEOREM, OF_ACCURACY, OF_CLAIMS, OF_TURBULENCE = ((f"recorded/{study}/report.md",) for study in
+                                                     ("theorem", "accuracy", "claims", "turbulence"))
+ERRORS = ("1e-2", "1e-4", "1e-6", "1e-8")  # at which the order that pays is asked for
+
+
+class Finding(NamedTuple):
+    """What was found in one place: one block that was timed, or several that came out alike.
+
+    The ratio of one block has its 95 % interval. Of several there is none, and low and high are the least and the
+    largest ratio of all blocks there. The row on the order has orders in place of ratios: median, least, largest.
+    """
+
+    where: text  # such as "n = 17"
+    result: optional(one_of(*RESULTS))  # None of what is no verdict: printed seconds, an order, or a model's ratio
+    ratio: optional(number)
+    low: optional(number)
+    high: optional(number)
+    count: whole(0)  # of blocks
+
+
+class Row(NamedTuple):
+    claim: str
+    statement: str
+    stages: Optional[int]
+    evidence: Tuple[str, ...]  # pages, from results/
+    findings: Dict[str, List[Finding]]  # by code
+
+
+class Choice(NamedTuple):
+    """A claim over what the paper left open: all draws of initial modes and both ħ, at one n and s."""
+
+    claim: text
+    stages: whole(1)
+    n: whole(2)
+    implementation: one_of(PUBLISHED, FAST)
+    least: number  # ratio
+    most: number
+    results: an_object  # how often each came out
+
+
+# ---- claims about the formulations' times
+
+
+def speed_rows(runs):
+    """Returns a Row for each claim and s; `runs` are Runs by code, that of the paper its printed seconds."""
+    found = []
+    for claim in CLAIMS:
+        for stages in claim.stages:
+            findings = {code: [finding(each, code) for n in sizes(run) for each in judged(run, n)
+                               if (each.claim, each.stages) == (claim, stages)] for code, run in runs.items()}
+            found.append(Row(f"({claim.label})", claim.statement, stages, OF_TABLES, findings))
+    return found
+
+
+def finding(each, code):
+    """Returns a Judged as a Finding; printed seconds have no verdict."""
+    ratio = each.ratio
+    if code == "paper":
+        return Finding(f"n = {each.n}", None, ratio.ratio, None, None, 1)
+    has_interval = ratio.low > 0 and math.isfinite(ratio.high)
+    return Finding(f"n = {each.n}", each.result, ratio.ratio, ratio.low if has_interval else None,
+                   ratio.high if has_interval else None, 1)
+
+
+def choices(study):
+    """Returns the Choices of a study: whether a verdict depends on the initial modes or on ħ."""
+    found = {}
+    for (implementation, _, _), run in draw_runs(study).items():
+        for n in sizes(run):
+            for each in judged(run, n):
+                found.setdefault((each.claim.label, each.stages, n, implementation), []).append(each)
+    result = []
+    for (label, stages, n, implementation), cases in sorted(found.items()):
+        ratios = [each.ratio.ratio for each in cases]
+        said = [each.result for each in cases]
+        result.append(Choice(f"({label})", stages, n, implementation, min(ratios), max(ratios),
+                             {each: said.count(each) for each in RESULTS if each in said}))
+    return result
+
+
+# ---- claims judged by recorded studies
+
+
+PARTITIONED = ("iiia_iiib_iiia_s2", "iiia_iiib_iiia_s3", "iiia_iiib_iiib_s2", "iiia_iiib_iiib_s3")
+DUELS = {HOLDS: "faster", FAILS: "slower", TIE: "tie", UNDECIDED: "undecided"}  # ends of keys of a pair in duels
+# Gauss at 1e-13 against our exponential methods: at 1e-8, and at the tolerance at which their energy is bounded.
+EXPONENTIALS = {"gauss_over_elp": "at 1e-8, where their energy drifts", "gauss_over_elp_bounded": "with bounded energy"}
+NAMED = "named_published_over_gauss_published"  # the methods that the paper names, both in published form
+NAMED_SAID = {HOLDS: "slower", FAILS: "faster", TIE: "tie", UNDECIDED: "undecided"}
+NEEDED = {"theorem": ("coincidence.within", "coincidence.settings",
+                      *(f"ends.{pair}.{what}" for pair in PARTITIONED
+                        for what in ("casimirs.cotangent", "cotangent-group"))),
+          "accuracy": tuple(f"{pair}.{said}" for pair in (*EXPONENTIALS, NAMED) for said in DUELS.values())}
+ORDER_FIGURES = ("median", "least", "largest", "problems")  # at an error, if any
+
+
+def require_figures(study, figures):
+    """Throws UnusableFile unless the figures of a recorded study have all that the table needs."""
+    of_orders = ([f"gauss_order.at_{error}.{what}" for what in ORDER_FIGURES] for error in ERRORS)
+    partial = [key for keys in of_orders if any(key in figures for key in keys) for key in keys]
+    for key in (*NEEDED.get(study, ()), *partial):
+        if key not in figures:
+            raise UnusableFile(f"has no figure {key}")
+    for pair in (*EXPONENTIALS, NAMED) if study == "accuracy" else ():
+        if not duel_ratios(figures, pair):
+            raise UnusableFile(f"has no ratio {pair}.….at_…")
+
+
+def duel_ratios(accuracy, pair):
+    return [value for key, value in accuracy.items() if re.fullmatch(rf"{pair}\.\w+\.n\d+\.at_\S+", key)]
+
+
+def counted(where, counts, least=None, most=None):
+    """Returns a Finding for each result that came out; `counts` are by result, least and most ratios of them all.
+
+    Blocks that could not be judged are counted under None.
+    """
+    return [Finding(where, result, None, least, most, counts[result]) for result in (*RESULTS, None)
+            if counts.get(result)]
+
+
+def theorem_row(theorem, study):
+    """Holds where no difference of two formulations is above its bound; in Octave, for each pair, above EQUAL."""
+    within, of = theorem["coincidence.within"], theorem["coincidence.settings"]
+    findings = {"plain": counted("seven scenes", {HOLDS: int(within), FAILS: int(of - within)})}
+    pairs = study.tables["octave_pairs"]
+    if pairs:
+        equal = sum(pair.difference <= EQUAL for pair in pairs)
+        findings["octave"] = counted("pairs of rows of Table 1", {HOLDS: equal, FAILS: len(pairs) - equal})
+    return Row("theorem", "the three formulations coincide", None, OF_THEOREM, findings)
+
+
+def footnote_rows(theorem):
+    """Counts the blocks of scene, n, h and method in which the DIRK method is fastest on g.
+
+    The paper says so of Euler–Zeitlin alone. What other scenes give stands in a row of its own.
+    """
+    found = []
+    for claim, statement, scenes in (
+            ("footnote", "isospectral DIRK methods are fastest on g", {"smooth": "su(n)"}),
+            ("beyond the footnote", "the same of other equations, of which the paper does not speak",
+             {"rigid_body": "so(n)", "spin_chain": "su(2)^N"})):
+        findings = []
+        for scene, algebra in scenes.items():
+            findings += counted(algebra, {result: int(theorem.get(f"claims.footnote.{scene}.{result or 'none'}", 0))
+                                          for result in (*RESULTS, None)})
+        found.append(Row(claim, statement, None, OF_THEOREM, {"plain": findings}))
+    return found
+
+
+def partitioned_rows(theorem):
+    """Judges steps by Lobatto IIIA–IIIB on T*G: the spectrum, and whether a form on G is the same map."""
+    keeps = sum(theorem[f"ends.{pair}.casimirs.cotangent"] < AT_ROUNDING for pair in PARTITIONED)
+    differs = sum(theorem[f"ends.{pair}.cotangent-group"] > AT_ROUNDING for pair in PARTITIONED)
+    return [Row("remark", statement, None, OF_THEOREM,
+                {"plain": counted("so(6), s = 2, 3", {HOLDS: held, FAILS: len(PARTITIONED) - held})})
+            for statement, held in (("a partitioned pair on T*G keeps the spectrum", keeps),
+                                    ("a partitioned pair on T*G is no form on G of either tableau", differs))]
+
+
+def exponentials_rows(accuracy):
+    """Returns the paper's sentence, and our exponential methods against Gauss, of which it does not speak.
+
+    The paper's is on the methods of Bogfjellmo and Marthinsen, and is judged by published forms: it holds where their
+    best is slower than the best Gauss method at equal error; the ratio is its time over that of the Gauss method.
+    Ours are counted as slower than Gauss; the ratio is the time of Gauss over that of ours.
+    """
+    def duels(pair, said):
+        ratios = duel_ratios(accuracy, pair)
+        return counted("duels", {result: int(accuracy[f"{pair}.{each}"]) for result, each in said.items()},
+                       min(ratios), max(ratios))
+
+    return [Row("exponentials", "exponential maps make the methods of Bogfjellmo and Marthinsen inefficient", None,
+                OF_ACCURACY, {"plain": duels(NAMED, NAMED_SAID),
+                              "optimised": [Finding("no fast form", NOT_TESTED, None, None, None, 1)]}),
+            *(Row("our exponentials", f"{tolerance}, they are slower than Gauss at 1e-13", None, OF_ACCURACY,
+                  {"optimised": duels(pair, DUELS)}) for pair, tolerance in EXPONENTIALS.items())]
+
+
+HIGH_ORDER = "is high order needed"
+
+
+def order_rows(turbulence):
+    """Returns what turbulence says of order, n by n, from the cheapest faithful settings; `turbulence` may be None.
+
+    The practice (the isospectral midpoint at h = ħ/4) is a setting of order 2 like the others. There is no interval:
+    the cost of a setting is one figure. No order is named where few draws decide (is_decided()).
+    """
+    orders, prices, winners = [], [], []
+    for n in sorted({int(match[1]) for key in turbulence or () if (match := re.match(r"n([0-9]+)\.", key))}):
+        costs, name = gauss_costs(turbulence, n), cheapest_of_all(turbulence, n)
+        if not is_decided(turbulence, n):
+            nothing = Finding(f"at n = {n}", UNDECIDED, None, None, None, 1)
+            orders += [nothing] if costs else []
+            winners += [nothing] if name else []
+            continue
+        if costs:
+            best = min(costs, key=costs.get)
+            orders.append(Finding(f"at n = {n} ({best})", None, listed(best).order, None, None, len(costs)))
+        low, high = ([cost for name, cost in costs.items() if (listed(name).order > 2) is is_high]
+                     for is_high in (False, True))
+        if low and high:
+            prices.append(Finding(f"n = {n}", None, min(low) / min(high), None, None, 1))
+        if name:
+            winners.append(Finding(f"at n = {n} ({name})", None, listed(name).order, None, None, 1))
+    rows = (("in turbulence, order of the cheapest faithful Gauss method", orders),
+            ("in turbulence, time of order 2 over that of the cheapest higher order, Gauss methods", prices),
+            ("in turbulence, order of the cheapest faithful method of any kind", winners))
+    return [Row(HIGH_ORDER, statement, None, OF_TURBULENCE, {"optimised": findings}) for statement, findings in rows
+            if findings]
+
+
+def is_decided(turbulence, n):
+    """Tells whether an order can be named at n: by as many draws as a verdict on speed needs processes.
+
+    Each draw is one history of the flow. With fewer, what is called faithful hangs on chance.
+    """
+    return turbulence.get(f"n{n}.draws", 0) >= FEWEST
+
+
+def gauss_costs(turbulence, n):
+    """Returns the costs of the cheapest faithful setting of each Gauss method over that of the practice, by name."""
+    costs = {name: turbulence[key] for name, each in listed_integrators().items() if each.family == GAUSS
+             and (key := f"n{n}.cheapest_of.{name}.over_practice") in turbulence}
+    if turbulence.get(f"n{n}.practice.faithful") == 1 and f"n{n}.practice.seconds" in turbulence:
+        costs[PRACTICE_INTEGRATOR] = min(1.0, costs.get(PRACTICE_INTEGRATOR, 1.0))
+    return costs
+
+
+def cheapest_of_all(turbulence, n):
+    """Returns the integrator of the cheapest faithful setting, the practice included; None without a faithful one."""
+    costs = {name: turbulence[key] for name in listed_integrators()
+             if (key := f"n{n}.cheapest_of.{name}.over_practice") in turbulence}
+    costs |= {name: min(cost, costs.get(name, cost)) for name, cost in gauss_costs(turbulence, n).items()}
+    return min(costs, key=costs.get, default=None)
+
+
+def predictable_order_row(accuracy):
+    """Says which order of Gauss methods is the cheapest, the median over the problems, and its range."""
+    findings = [Finding(f"at {error}", None, *(accuracy[f"gauss_order.at_{error}.{each}"]
+                                               for each in ("median", "least", "largest")),
+                        int(accuracy[f"gauss_order.at_{error}.problems"])) for error in ERRORS
+                if f"gauss_order.at_{error}.median" in accuracy]
+    return Row(HIGH_ORDER, "while predictable, order of the cheapest Gauss method, median of the problems", None,
+               OF_ACCURACY, {"optimised": findings})
+
+
+# ---- threads
+
+
+def thread_times(study, n, stages, code, threads):
+    """Returns the seconds of the formulations by process."""
+    return {cell.formulation: cell.seconds for cell in study.tables["threads"]
+            if (cell.n, cell.stages, cell.code, cell.threads) == (n, stages, code, threads)}
+
+
+def competitive(times):
+    """Judges "algebra is competitive": it is faster than, or a tie with, the fastest other formulation.
+
+    Returns the result and the Ratio of that one's time to algebra's.
+    """
+    others = {name: seconds for name, seconds in times.items() if name != "algebra"}
+    best = others[fastest(others)]
+    results = {FASTER: HOLDS, TIE: HOLDS, SLOWER: FAILS, UNDECIDED: UNDECIDED}
+    return results[verdict(ratio_of(times["algebra"], best))], ratio_of(best, times["algebra"])
+
+
+def thread_blocks(study):
+    """Returns (n, stages, code, threads) of the blocks in which all formulations were timed."""
+    keys = dict.fromkeys((cell.n, cell.stages, cell.code, cell.threads) for cell in study.tables["threads"])
+    return [key for key in keys if len(thread_times(study, *key)) == len(FORMULATIONS)]
+
+
+def parallel_rows(study):
+    """Says for each s how algebra compares on two threads; of many processors the model's ratio, without a verdict."""
+    codes = {WHOLE: "optimised", SWEEPS: SWEEPS}
+    measured, of_model = {}, modelled_findings(study)
+    for n, stages, code, threads in thread_blocks(study):
+        if threads > 1:
+            result, ratio = competitive(thread_times(study, n, stages, code, threads))
+            found = measured.setdefault(stages, {name: [] for name in codes.values()})
+            found[codes[code]].append(Finding(f"n = {n}", result, ratio.ratio, ratio.low or None,
+                                              ratio.high if math.isfinite(ratio.high) else None, 1))
+    return [*(Row("parallel", "on two threads algebra is fastest or ties, our reading of “more competitive”", stages,
+                  OF_CLAIMS, findings) for stages, findings in measured.items()),
+            *(Row("parallel", f"on {PROCESSORS[-1]} processors, ratios of a model: no verdict", stages, OF_CLAIMS,
+                  {SWEEPS: findings}) for stages, findings in of_model.items())]
+
+
+def modelled_findings(study):
+    """Returns the same ratio on as many processors as the model goes to, by s.
+
+    There is no verdict. As recorded, a time of the model is 0.73 to 1.3 of the measured one on one and two threads, so
+    that a ratio of two may err by a factor of 1.8. All its ratios are nearer to one than that.
+    """
+    found = {}
+    for (n, stages), by_processors in model_ratios(study).items():
+        ratios = by_processors[PROCESSORS[-1]]
+        ratio = min(ratios[form] for form in FORMULATIONS if form != "algebra") / ratios["algebra"]
+        found.setdefault(stages, []).append(Finding(f"n = {n}", None, ratio, None, None, 1))
+    return found
+
+
+def rates_of(study, n):
+    """Returns what a product and a pass take at n, as a Rates."""
+    row = next(each for each in study.tables["rates"] if each.n == n)
+    return Rates(statistics.geometric_mean(row.product_seconds), statistics.geometric_mean(row.pass_seconds))
+
+
+def plain_sweeps(study, **wanted):
+    """Returns the cells of fast forms with plain sweeps that have these values."""
+    wanted["code"] = SWEEPS
+    return [cell for cell in study.tables["threads"] if wanted.items() <= cell._asdict().items()]
+
+
+def modelled(study, cell, processors, seconds=sweep_seconds):
+    """Returns the seconds of a run by the model; the update of a step is counted as a sweep."""
+    return (cell.sweeps + cell.steps) * seconds(cell.formulation, cell.stages, rates_of(study, cell.n), processors)
+
+
+def model_ratios(study):
+    """Returns the model's times over the least of them, {(n, s): {p: {formulation: ratio}}}, with SPLIT as a p."""
+    found = {}
+    for n, stages in dict.fromkeys((cell.n, cell.stages) for cell in plain_sweeps(study)):
+        cells = {cell.formulation: cell for cell in plain_sweeps(study, n=n, stages=stages, threads=1)}
+        if len(cells) < len(FORMULATIONS):
+            continue
+        times = {p: {form: modelled(study, cell, p) for form, cell in cells.items()} for p in PROCESSORS}
+        times[SPLIT] = {form: modelled(study, cell, 1, work_seconds) for form, cell in cells.items()}
+        found[n, stages] = {p: {form: each / min(by_form.values()) for form, each in by_form.items()}
+                            for p, by_form in times.items()}
+    return found
+
+
+def all_rows(study, runs, recorded):
+    """Returns the Rows. `runs` are those of tables by code but Octave's; `recorded` has figures by study and key."""
+    theorem, accuracy = recorded["theorem"], recorded["accuracy"]
+    order = [code for code in CODES if code in {*runs, "octave"}]
+    known = {**runs, **({"octave": octave_run(study)} if study.tables["octave"] else {})}
+    return [theorem_row(theorem, study), *speed_rows({code: known[code] for code in order if code in known}),
+            *footnote_rows(theorem), *partitioned_rows(theorem), *exponentials_rows(accuracy), *parallel_rows(study),
+            *order_rows(recorded.get("turbulence")), predictable_order_row(accuracy)]
+
+
+# ---- claims.json
+
+
+def as_json(rows, open_choices, processors):
+    """Returns claims.json as bytes, a finding a line.
+
+    `processors` says of each raw file, "claims", "tables" and "avx2", where it was measured: its conditions by name.
+    """
+    def row_text(row):
+        codes = ",\n".join(f"  {json.dumps(code)}: [" + ",\n   ".join(json.dumps(each._asdict()) for each in found)
+                           + "]" for code, found in row.findings.items() if found)
+        head = ", ".join(f"{json.dumps(name)}: {json.dumps(getattr(row, name))}"
+                         for name in ("claim", "statement", "stages", "evidence"))
+        return f' {{{head}, "findings": {{\n{codes}}}}}'
+
+    claims, of_choices = (",\n".join(each) for each in (map(row_text, rows),
+                                                        (json.dumps(each._asdict()) for each in open_choices)))
+    return (f'{{"format": {json.dumps(FORMAT)},\n"processors": {json.dumps(processors)},\n"claims": [\n{claims}\n],\n'
+            f'"choices": [\n{of_choices}\n]}}\n').encode("utf-8")
+
+
+def read_claims_table(path):
+    """Returns the Rows and the Choices in claims.json. Throws UnusableFile with one line that names the file."""
+    return read_json(path, claims_of)
+
+
+def claims_of(document):
+    require(document, "table of claims", "format", FORMAT)
+    found = checked(document, {"claims": list_of(an_object), "choices": list_of(an_object), "processors": an_object},
+                    "it")
+    kinds = {"claim": text, "statement": any_text, "stages": optional(whole(1)), "evidence": list_of(text),
+             "findings": an_object}
+    rows = []
+    for row in found["claims"]:
+        values = checked(row, kinds, "a claim")
+        findings = {code: [record(Finding, each) for each in checked(values["findings"], {code: list_of(an_object)},
+                                                                     "a claim's findings")[code]]
+                    for code in values["findings"] if code in CODES}
+        rows.append(Row(**{**values, "findings": findings}))
+    return rows, [record(Choice, each) for each in found["choices"]]
+
+
+def record(kind, values):
+    return kind(**checked(values, kind.__annotations__, kind.__name__.lower()))
+
+
+# ---- as a table
+
+
+# What stands in one column of the table: codes, and how all but the first are named there.
+COLUMNS = {"paper": {}, "octave": {}, "plain": {"plain_avx2": "AVX2"},
+           "optimised": {SWEEPS: "plain sweeps", "optimised_avx2": "AVX2"}}
+
+
+def claims_table(rows):
+    """Returns the table of Rows, a column for each code and its variants; the last column names the pages."""
+    codes = [code for code, variants in COLUMNS.items()
+             if any(row.findings.get(each) for row in rows for each in (code, *variants))]
+    columns = (Column("claim", align="left"), *(Column(CODES[code], align="left") for code in codes),
+               Column("evidence", align="left"))
+    return Table(columns, [[[Entry(statement_text(row)), *(Entry(column_text(row, code)) for code in codes),
+                             Entry(", ".join(row.evidence))] for row in rows]])
+
+
+def statement_text(row):
+    of_stages = f", s = {row.stages}" if row.stages else ""
+    return f"{row.claim}{of_stages}: {row.statement}"
+
+
+def column_text(row, code):
+    """Writes what was found by a code and, named, by its variants."""
+    names = {code: "", **{each: f"{name}: " for each, name in COLUMNS[code].items()}}
+    return "; ".join(name + cell_text(row.findings[each]) for each, name in names.items()
+                     if row.findings.get(each)) or MISSING
+
+
+def cell_text(findings):
+    """Writes what was found: results, the range of ratios, and in brackets that of intervals."""
+    if all(each.result == NOT_TESTED for each in findings):
+        return NOT_TESTED
+    if findings[0].where.startswith("at "):
+        return ", ".join(f"{each.result or format(each.ratio, 'g')} {each.where}" for each in findings)
+    if any(each.ratio is None for each in findings):
+        return counts_text(findings)
+    results = results_text(findings)
+    ratios = range_text([each.ratio for each in findings])
+    intervals = [each for each in findings if each.low is not None and each.high is not None]
+    ends = (f" [{three_digits(min(each.low for each in intervals))},"
+            f" {three_digits(max(each.high for each in intervals))}]" if intervals else "")
+    return f"{results} {ratios}{ends}".strip()
+
+
+def results_text(findings):
+    """Writes the result that all have, or else each result with the places where it came out."""
+    places = {}
+    for each in findings:
+        if each.result:
+            places.setdefault(each.result, []).append(each.where)
+    if len(places) < 2:
+        return "".join(places)
+    return ", ".join(f"{result} ({places_text(where)})" for result, where in places.items())
+
+
+def places_text(places):
+    """Writes places, "n = 17, 33" where they are sizes alone."""
+    sizes_alone = all(re.fullmatch("n = [0-9]+", each) for each in places)
+    return "n = " + ", ".join(each[4:] for each in places) if sizes_alone else "; ".join(places)
+
+
+def counts_text(findings):
+    """Writes counts of results by place, and the range of ratios where there is one."""
+    places = {}
+    for each in findings:
+        places.setdefault(each.where, []).append(each)
+    parts = []
+    for place, found in places.items():
+        of = sum(each.count for each in found)
+        said = ", ".join(f"{each.result or 'not judged'} {each.count}" for each in found)
+        ends = f": {range_text([found[0].low, found[0].high])}" if found[0].low is not None else ""
+        parts.append(f"{said} of {of} ({place}){ends}")
+    return "; ".join(parts)
+
+
+def range_text(values):
+    ends = dict.fromkeys(three_digits(each) for each in (min(values), max(values)))
+    return "–".join(ends)
+
+
+def product_shares(study):
+    """Returns the share of products in the time of each of Octave's cells, by (formulation, n, stages)."""
+    products = {each.n: each.seconds for each in study.tables["octave_products"]}
+    return {(cell.formulation, cell.n, cell.stages): statistics.geometric_mean(
+        cell.products * product / seconds for product, seconds in zip(products[cell.n], cell.seconds))
+        for cell in study.tables["octave"]}
+
+
+def figures(evidence):
+    """Returns the figures that results/README.md may quote, by key.
+
+    octave.difference from C++, octave.apart of two formulations in Octave; octave.s3.algebra_over_group.n129 and so on,
+    also of plain_avx2 and optimised_avx2; share.CODE.s3.group.n129, and share.CODE.n129.least and .most;
+    open.a.s1.fast.n17.least, .most and .holds; threads.CODE.n65.s3.t2.others_over_algebra and .FORM.speedup;
+    model.n65.s3.p64.FORM, and model.check.least and .most.
+    """
+    study = evidence.study
+    found = {name: max(row.difference for row in rows) for name, rows in
+             (("octave.difference", study.tables["octave"]), ("octave.apart", study.tables["octave_pairs"])) if rows}
+    runs = {"octave": octave_run(study), **{code: evidence.runs[code] for code in ("plain_avx2", "optimised_avx2")
+                                            if code in evidence.runs}}
+    for code, run in runs.items():
+        found |= figures_of(code, run)
+    found |= {f"octave.seconds.s{cell.stages}.{cell.formulation}.n{cell.n}": statistics.geometric_mean(cell.seconds)
+              for cell in study.tables["octave"]}
+    found |= {f"share.octave.s{stages}.{form}.n{n}": share for (form, n, stages), share
+              in product_shares(study).items()}
+    found |= {f"share.octave.n{n}.{which}": of(shares) for n, shares in shares_by_size(study).items()
+              for which, of in (("least", min), ("most", max))}
+    for each in choices(study):
+        key = f"open.{each.claim.strip('()')}.s{each.stages}.{each.implementation}.n{each.n}"
+        found |= {f"{key}.least": each.least, f"{key}.most": each.most, f"{key}.of": sum(each.results.values()),
+                  **{f"{key}.{result}": count for result, count in each.results.items()}}
+    return {**found, **thread_figures(study)}
+
+
+def interpreted(study):
+    """Says at which n Octave's times are those of its interpreter: products take less than half the time there."""
+    shares = shares_by_size(study)
+    sizes = [n for n, found in shares.items() if max(found) < HALF]
+    if not sizes:
+        return ""
+    ranges = ", ".join(f"{percentage(min(shares[n]))} to {percentage(max(shares[n]))} at n = {n}" for n in sizes)
+    return f" Share of products in the time: {ranges}. These cells time an interpreter more than formulations."
+
+
+def shares_by_size(study):
+    """Returns the shares of products in the times of Octave's cells, by n."""
+    found = {}
+    for (_, n, _), share in product_shares(study).items():
+        found.setdefault(n, []).append(share)
+    return found
+
+
+def checks(study):
+    """Returns the model's time over the measured one, by (n, s, formulation, threads)."""
+    return {(cell.n, cell.stages, cell.formulation, cell.threads):
+            modelled(study, cell, cell.threads) / statistics.geometric_mean(cell.seconds)
+            for cell in plain_sweeps(study)}
+
+
+def thread_figures(study):
+    found = {}
+    for n, stages, code, threads in thread_blocks(study):
+        times, single = (thread_times(study, n, stages, code, each) for each in (threads, 1))
+        key = f"threads.{code}.n{n}.s{stages}.t{threads}"
+        found[f"{key}.others_over_algebra"] = competitive(times)[1].ratio
+        if threads > 1:
+            found |= {f"{key}.{form}.speedup": ratio_of(single[form], times[form]).ratio for form in FORMULATIONS}
+    for code in THREAD_CODES:
+        ratios = [value for key, value in found.items() if key.startswith(f"threads.{code}.")
+                  and key.endswith(".t2.others_over_algebra")]
+        if ratios:
+            found |= {f"threads.{code}.t2.others_over_algebra.least": min(ratios),
+                      f"threads.{code}.t2.others_over_algebra.most": max(ratios)}
+    if thread_blocks(study):
+        checked = checks(study).values()
+        found |= {"model.check.least": min(checked), "model.check.most": max(checked)}
+        found |= {f"model.n{n}.s{stages}.{p if p == SPLIT else f'p{p}'}.{form}": ratio
+                  for (n, stages), by_p in model_ratios(study).items() for p, by_form in by_p.items()
+                  for form, ratio in by_form.items()}
+        found |= {f"model.path.s{stages}.{form}": path_products(form, stages)
+                  for stages in sorted({cell.stages for cell in study.tables["threads"]}) for form in FORMULATIONS}
+    return found
+
+
+HALF = 0.5  # of the time of a cell; below, it is not products that are timed

@@ -1,0 +1,317 @@
+"""Runs every kind of method with more and more steps, and some to T = 1e4, and records what they keep and cost.
+
+Every method runs in its fast form in the co-rotating frame, where it has them. The frame makes the energy error of each
+of them smaller. Costs are counted, in full products a unit of time: nothing is timed, and other work may run beside it.
+"""
+
+import math
+from functools import partial
+from typing import NamedTuple
+
+import isosyrk
+
+from lib.programs.command_line import Stop
+from lib.records import formats
+from lib.records.formats import CONVERGED, UNSTABLE, Integrator, to_digits
+from lib.records.integrators import EXPONENTIAL, GAUSS, MAGNUS, RKMK, RUNGE_KUTTA, is_fastest_formulation, is_new
+from lib.records.settings import LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT
+from lib.running import study, trials
+from studies.longruns.schema import (CLASSES, COSTS, COST_MARGIN, SCENES, SCHEMA, LongRun, Plan, Point, Settings,
+                                     class_of, method_of)
+from studies.longruns.symplectic_defect import symplectic_defect
+
+# Of the methods (tolerances_of) what is run at large n, and in long runs; new ones are in both.
+METHODS_AT_LARGE_N = ("rk4", "rk8", "rk8_projected", "magnus5", "elp6", "elp6_tight", "group2")
+LONG_METHODS = ("rk4", "rk8", "rk8_projected", "rkmk4", "magnus5", "elp4", "elp4_tight", "elp6", "elp6_tight", "group2")
+LARGE_N = 257  # from here on
+LARGEST_N_OF = {"rk10": 33}  # of methods that are not in all lines
+SCENES_AT = {513: ("rough",)}  # where not in both
+# The first step is too long for most methods; it is as long at each n, over the size of B.
+PLANS = {plan.n: plan for plan in (
+    Plan(n=17, time=50.0, steps=25, energies=50, products=100.0),
+    Plan(n=33, time=1000.0, steps=500, energies=200, products=300.0),
+    Plan(n=65, time=100.0, steps=100, energies=100, products=300.0),
+    Plan(n=129, time=20.0, steps=40, energies=40, products=300.0),
+    Plan(n=257, time=5.0, steps=20, energies=20, products=400.0),
+    Plan(n=513, time=1.0, steps=8, energies=8, products=400.0))}
+SIZES, QUICK_SIZES = (33, 65, 129, 257, 513), (17,)
+MOST_POINTS = 12  # of a line
+EXACT = 1e-13  # a line ends where energy and spectrum are as good
+
+LONG_RUNS = {33: (1e4, 200), 17: (200.0, 40)}  # n: time and windows
+ENERGIES_A_WINDOW = 20  # at least, or one after every step
+# The steps of a long run are sought between these, by trials of so many windows that are counted in their last half.
+LONGEST_STEP, SHORTEST_STEP = 2.0, 1 / 64
+TRIAL_WINDOWS = 4
+NEAR = 1.02  # steps are not told apart further
+
+DEFECT_SIZES, DEFECT_TIME = (17, 33), 2.0  # n and T of the symplectic defect
+GONE = 1.0  # a relative energy error that ends a run
+DIGITS = 3  # that errors are written with
+
+
+class Method(NamedTuple):
+    integrator: Integrator
+    tolerance: float
+
+    @property
+    def name(self):
+        return method_of(self.integrator, self.tolerance)
+
+    def is_among(self, names):
+        return self.name in names or is_new(self.integrator)
+
+
+def tolerances_of(integrator):
+    """Returns the tolerances that an Integrator runs at; none for one that is not in the study."""
+    family, order = integrator.family, integrator.order
+    if is_new(integrator) or (integrator.explicit and not integrator.isospectral) or family == RKMK:
+        return (TIGHT,)
+    if integrator.projected:
+        return (TIGHT,) if family == RUNGE_KUTTA and order in (4, 8) else ()
+    if family == MAGNUS:
+        return (LOOSE_EXPONENTIAL,) if order == 5 else ()
+    if family == EXPONENTIAL:
+        return (LOOSE_EXPONENTIAL, TIGHT) if order > 2 else (TIGHT,)
+    if family == GAUSS and is_fastest_formulation(integrator) and order <= 6:
+        return (TIGHT, LOOSE_GAUSS) if order == 4 else (TIGHT,)
+    return ()
+
+
+def methods_of(listed):
+    """Returns the Methods of some Integrators, each in the frame where it has one, explicit ones first."""
+    best = {each.method: each for each in sorted(listed, key=lambda each: each.co_rotating)}
+
+    def place(each):
+        kind = class_of(each, TIGHT)
+        return CLASSES.index(kind) if kind else len(CLASSES), each.order if each.family == GAUSS else 0
+
+    return [Method(each, tolerance) for each in sorted(best.values(), key=place) for tolerance in tolerances_of(each)]
+
+
+def rounded(value):
+    return None if value is None else to_digits(value, DIGITS)
+
+
+# ---- one run
+
+
+def made(job):
+    """Returns the scene and the method of a job."""
+    scene = isosyrk.scene(job["scene"], n=job["n"])
+    return scene, isosyrk.integrator(scene, job["integrator"], solver=study.solver_of(job["integrator"]),
+                                     tolerance=job["tolerance"])
+
+
+def watched(job, time, steps, windows, energies):
+    """Returns what a run came to: its status, its work a unit of time, and what its Watch found."""
+    scene, method = made(job)
+    watch = Watch(scene, steps // windows, energies)
+    step = time / steps
+    status, failed_step = CONVERGED, None
+    try:
+        _, report = method.run(scene.initial, step, steps, watch, watch.every)
+    except isosyrk.SolverError as problem:
+        report, status, failed_step = problem.report, problem.status, problem.step
+    if watch.gone:
+        status, failed_step = UNSTABLE, report.steps
+    passed = max(report.steps, 1)
+    return {"steps": steps, "status": status, "failed_step": failed_step,
+            "equivalent_products": rounded(report.equivalent_products / (passed * step)),
+            "projections": rounded(report.projections / (passed * step)),
+            "sweeps_per_step": rounded(report.sweeps / passed), **watch.found}
+
+
+class Watch:
+    """An observer of a run: keeps the energy errors of each window, and the spectrum error at its end.
+
+    `every`  after how many steps it is to be called
+    `gone`   whether the energy is lost, which ends the run
+    `found`  what was seen, as fields of a LongRun
+    """
+
+    def __init__(self, scene, steps_a_window, energies):
+        self.scene = scene
+        self.initial_energy = scene.energy(scene.initial)
+        self.steps_a_window = steps_a_window
+        self.every = steps_between_energies(steps_a_window, energies)
+        self.changes = []  # in the window at hand
+        self.gone = False
+        self.found = {"energy_change": None, "energy_errors": [], "energy_means": [], "spectrum_errors": []}
+
+    def __call__(self, step, W, _report):
+        change = trials.energy(self.scene, W) / self.initial_energy - 1.0
+        if not abs(change) < GONE:  # so that NaN is gone
+            self.gone = True
+            return True
+        self.changes.append(change)
+        if step % self.steps_a_window == 0:
+            self.found["energy_change"] = rounded(change)
+            self.found["energy_errors"].append(rounded(max(map(abs, self.changes))))
+            self.found["energy_means"].append(rounded(math.fsum(self.changes) / len(self.changes)))
+            self.found["spectrum_errors"].append(rounded(isosyrk.spectrum_error(W, self.scene.initial)))
+            self.changes = []
+        return False
+
+
+def steps_between_energies(steps_a_window, energies):
+    """Returns the largest divisor of the steps of a window that leaves so many energies, or 1."""
+    return max((divisor for divisor in range(1, steps_a_window // energies + 1) if steps_a_window % divisor == 0),
+               default=1)
+
+
+# ---- a line
+
+
+def carry_out_line(job):
+    """Returns the runs of a line, as fields of Points."""
+    plan, points = PLANS[job["n"]], []
+    while not has_ended(points, plan.products):
+        points.append(point_of(job, plan, plan.steps * 2**len(points)))
+    return points
+
+
+def has_ended(points, products):
+    """Tells whether the next run of a line would cost too much, or has nothing left to gain.
+
+    The cost is expected to change as it last did: that of an implicit method hardly rises, and falls at first.
+    """
+    if len(points) == MOST_POINTS:
+        return True
+    finished = [point for point in points if point["status"] == CONVERGED]
+    if not finished or finished[-1] is not points[-1]:
+        return False
+    if len(finished) > 1:
+        before, last = (point["equivalent_products"] for point in finished[-2:])
+        if last**2 / before > products:
+            return True
+    return max(finished[-1]["energy_error"], finished[-1]["spectrum_error"]) < EXACT
+
+
+def point_of(job, plan, steps):
+    """Returns the run of a line with so many steps."""
+    found = watched(job, plan.time, steps, 1, plan.energies)
+    kept = {name: found[name] for name in Point._fields if name in found}
+    good = found["status"] == CONVERGED
+    return {**kept, "time": plan.time, "energy_error": found["energy_errors"][0] if good else None,
+            "spectrum_error": found["spectrum_errors"][0] if good else None,
+            "symplectic_defect": rounded(defect(job, plan.time / steps)) if good and job["n"] in DEFECT_SIZES else None}
+
+
+def defect(job, step):
+    """Returns the symplectic defect of the steps up to DEFECT_TIME from the scene's initial data.
+
+    None if one fails from a displaced state.
+    """
+    scene, method = made(job)
+    steps = max(1, round(DEFECT_TIME / step))
+    try:
+        return symplectic_defect(lambda W: method.run(W, step, steps)[0], scene.initial)
+    except isosyrk.SolverError:
+        return None
+
+
+# ---- a long run
+
+
+def carry_out_long_run(job):
+    """Returns what a run at a wanted cost came to, as fields of a LongRun; None where no step costs that."""
+    time, windows = LONG_RUNS[job["n"]]
+    steps_a_window = steps_at_cost(partial(cost_of, job, time / windows), time / windows, job["cost"])
+    if steps_a_window is None:
+        return None
+    return {"time": time, "windows": windows,
+            **watched(job, time, windows * steps_a_window, windows, ENERGIES_A_WINDOW)}
+
+
+def steps_at_cost(cost, window, wanted):
+    """Returns the most steps in a window of time that cost what is wanted, to COST_MARGIN; None if none do.
+
+    `cost(steps)` returns the products a unit of time, 0 for a step that fails: those are too long. Source of the cost
+    is a count, never a clock.
+    """
+    low, high = math.ceil(window / LONGEST_STEP), math.ceil(window / SHORTEST_STEP)
+    found = {}
+    while high > max(low + 1, NEAR * low):
+        middle = min(max(round(math.sqrt(low * high)), low + 1), high - 1)
+        found[middle] = cost(middle)
+        low, high = (middle, high) if found[middle] < wanted else (low, middle)
+    nearest = min(found, key=lambda steps: abs(found[steps] / wanted - 1))
+    return nearest if abs(found[nearest] / wanted - 1) <= COST_MARGIN else None
+
+
+def cost_of(job, window, steps_a_window):
+    """Returns the products a unit of time in the last half of a trial; 0 if it fails."""
+    scene, method = made(job)
+    half = TRIAL_WINDOWS // 2 * steps_a_window
+    try:
+        W, _ = method.run(scene.initial, window / steps_a_window, half)
+        W, report = method.run(W, window / steps_a_window, half)
+    except isosyrk.SolverError:
+        return 0.0
+    if not abs(trials.energy(scene, W) / scene.energy(scene.initial) - 1.0) < GONE:
+        return 0.0
+    return report.equivalent_products / (TRIAL_WINDOWS // 2 * window)
+
+
+# ---- the study
+
+
+def job_of(scene, n, method, **further):
+    return {"scene": scene, "n": n, "integrator": method.integrator.name, "tolerance": method.tolerance, **further}
+
+
+def lines_of(sizes, methods):
+    """Returns the jobs of the lines, the longest last."""
+    jobs = [job_of(scene, n, method) for n in sizes for scene in SCENES_AT.get(n, SCENES) for method in methods
+            if n <= LARGEST_N_OF.get(method.name, n) and (n < LARGE_N or method.is_among(METHODS_AT_LARGE_N))]
+    return sorted(jobs, key=lambda job: PLANS[job["n"]].time * job["n"]**3)
+
+
+def long_runs_of(sizes, methods):
+    """Returns the jobs of the long runs, the longest last: at the largest n that has such."""
+    largest = [n for n in sizes if n in LONG_RUNS][-1:]
+    return [job_of(scene, n, method, cost=cost) for n in largest for cost in COSTS for scene in SCENES
+            for method in methods if method.is_among(LONG_METHODS)]
+
+
+def asked_for(options):
+    """Returns the n and the methods of the study. Throws Stop for those that it does not have."""
+    sizes = sorted(set(options.n or (QUICK_SIZES if options.quick else SIZES)))
+    for n in sizes:
+        if n not in PLANS:
+            raise Stop(f"--n {n}: must be one of {', '.join(map(str, PLANS))}")
+    methods = methods_of(study.integrators().values())
+    if not options.integrator:
+        return sizes, methods
+    names = {entry.method for entry in study.entries(options.integrator)}
+    known = dict.fromkeys(method.integrator.method for method in methods)
+    for name in sorted(names):
+        if name not in known:
+            raise Stop(f"--integrator {name}: is not in this study; must be one of {', '.join(known)}")
+    return sizes, [method for method in methods if method.integrator.method in names]
+
+
+def in_order(rows, methods):
+    """Returns rows by n, scene, cost, method and steps."""
+    places = {(method.integrator.name, method.tolerance): place for place, method in enumerate(methods)}
+    return sorted(rows, key=lambda row: (row.n, SCENES.index(row.scene), getattr(row, "cost", 0),
+                                         places[row.integrator, row.tolerance], row.steps))
+
+
+def main(arguments):
+    options = study.parser("longruns", __doc__.splitlines()[0]).parse_args(arguments)
+    sizes, methods = asked_for(options)
+
+    journal = study.Journal("longruns", options, partial(isosyrk.conditions, products="openblas"))
+    lines, long_runs = lines_of(sizes, methods), long_runs_of(sizes, methods)
+    found = study.untimed(lines, carry_out_line, journal, options, "lines")
+    points = [Point(**job, **each) for job, line in zip(lines, found) for each in line]
+    found = study.untimed(long_runs, carry_out_long_run, journal, options, "long runs")
+    runs = [LongRun(**job, **each) for job, each in zip(long_runs, found) if each]
+
+    integrators = study.entries(list(dict.fromkeys(row.integrator for row in in_order([*points, *runs], methods))))
+    formats.write_study(options.out, SCHEMA, journal.context, Settings(options.quick),
+                        {"integrators": integrators, "plans": [PLANS[n] for n in sizes],
+                         "points": in_order(points, methods), "long_runs": in_order(runs, methods)})
+    journal.remove()

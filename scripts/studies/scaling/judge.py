@@ -1,0 +1,84 @@
+"""Figures of the study `scaling`, by key; results/README.md says what they mean."""
+
+import itertools
+import math
+
+from lib.records.formats import FAST, FORMULATIONS, PUBLISHED
+from lib.judging.verdicts import ratio_of
+from studies.scaling.schema import (BANDS, ROUGH, RUNGS, WITH_PRODUCTS, cells, exponential, lie_poisson, slope,
+                                    slope_ends)
+from studies.threads.judge import thread_figures
+
+
+def figures(study, rough=None, threads=None):
+    """Returns the figures that pages may quote, by key.
+
+    `rough` is None or the Scaling of the rough scene, `threads` None or the Threads of a raw file of its own.
+
+    RUNG.nN.tT[.FORM] and exponential.RUNG.nN.tT[.NAME] are gains of the fast forms. step.*, share.* and slope.* are of
+    the lines against n: milliseconds, part of the products, power of n; per_time.* seconds a unit of time, whose steps
+    differ with n; products.* the equivalent products of a step; rough.* the same of the rough scene. bands.* are gains
+    by bands on lines; trend.* tells of all repetitions, single of single timings. threads.* are those of
+    thread_figures, and of an older file gains by a second thread with their intervals.
+    """
+    found = line_figures(study)
+    if rough:
+        found.update({f"{ROUGH}.{key}": value for key, value in line_figures(rough).items()})
+    for start in study.starts():
+        found.update(gain_figures(study, start))
+    ideas = [mean for key, mean in found.items() if key.startswith("without") and key.endswith(FORMULATIONS)]
+    if ideas:
+        found["costliest_idea"] = max(0.0, 1 / min(ideas) - 1)
+    for row in study.threads:
+        key, ratio = f"threads.{row.integrator}.n{row.n}.t{row.start:g}", ratio_of(row.one, row.two)
+        found[key] = ratio.ratio
+        if math.isfinite(ratio.high):
+            found.update({f"{key}.low": ratio.low, f"{key}.high": ratio.high})
+    found.update(thread_figures(threads) if threads else {})
+    found.update({f"memory.n{row.n}": row.peak_bytes / 1e9 for row in study.memory})
+    found.update({"points": len(study.points), "single": len(study.singles())})
+    trend = study.trend()
+    return {**found, **({f"trend.{name}": value for name, value in trend._asdict().items()} if trend else {})}
+
+
+def gain_figures(study, start):
+    """Returns the gains of the fast forms from one start, where there are any."""
+    groups = {"": cells(), **{f".{form}": cells((form,)) for form in FORMULATIONS}}
+    exponential_groups = {"": lie_poisson(study), **{f".{name}": [name] for name in exponential(study)}}
+    found = {}
+    for n in study.sizes(start):
+        where = f"n{n}.t{start:g}"
+        for rung in RUNGS:
+            if rung == FAST:
+                continue
+            key = rung.replace(" ", "_")
+            found.update({f"{key}.{where}{suffix}": study.gain(start, n, rung, names)
+                          for suffix, names in groups.items()})
+            found.update({f"exponential.{key}.{where}{suffix}": study.gain(start, n, rung, names)
+                          for suffix, names in exponential_groups.items()})
+        for key, rung in (("bands", BANDS), ("published_line", PUBLISHED)):
+            found.update({f"{key}.{where}.{name}": study.gain(start, n, rung, [name]) for name in study.lines})
+    return {key: mean for key, mean in found.items() if mean}
+
+
+def line_figures(study):
+    """Returns what a step costs on each of the lines, and their slopes."""
+    found = {}
+    for start, name, rung in itertools.product(study.starts(), study.lines, (PUBLISHED, FAST)):
+        line = study.line(start, name, rung)
+        for point in line:
+            found.update(step_figures(study, point))
+        if ends := slope_ends(line):
+            found[f"slope.{name}.{rung}.n{ends[0].n}_n{ends[1].n}.t{start:g}"] = slope(*ends)
+    return found
+
+
+def step_figures(study, point):
+    """Returns the milliseconds of a step, the seconds of a unit of time, and the share of products if it is known.
+
+    From WITH_PRODUCTS on the equivalent products of a step too.
+    """
+    where, share = f"{point.integrator}.{point.rung}.n{point.n}.t{point.start:g}", study.share_of_products(point)
+    return {f"step.{where}": 1e3 * point.time, f"per_time.{where}": point.time / point.step,
+            **({f"products.{where}": point.equivalent_products} if point.n >= WITH_PRODUCTS else {}),
+            **({f"share.{where}": share} if share is not None else {})}

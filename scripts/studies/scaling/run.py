@@ -1,0 +1,251 @@
+"""Times a step of every integrator against n, published and fast, and without each idea of the fast form in turn.
+
+The timed steps start at t = 5 and t = 50 of the smooth scene unless others are asked for, from states that the study
+computes first. A repetition repeats the same steps from the same state. Before them a fast form with a memory runs
+there by itself, for its predictor saves more with every past step. What threads gain is timed by threads.py.
+"""
+
+import contextlib
+import math
+import resource
+from functools import lru_cache, partial
+
+import isosyrk
+
+from lib.programs.command_line import NO_ANSWER, Stop, whole_number
+from lib.records import formats
+from lib.records.formats import FAST, INTEGRATORS, PUBLISHED
+from lib.records.integrators import TABLE1_CELLS, chosen
+from lib.running import study
+from lib.running.problems import decoded, encoded
+from studies.scaling.schema import (ANY, BANDS, BASIC, IDEAS, SCHEMA, Memory, Point, Rate, Settings, lines_of, rungs_of,
+                                    without)
+from studies.threads.plan import FEW, ONCE, ONCE_START, affordable, shrunk, step_of
+
+SCENES, STARTS = ("smooth", "rough"), (5.0, 50.0)  # the first scene by default
+WARMUP = 1.5  # time before the timed steps; predictors save more up to some 16 steps of a Gauss method
+SIZES, QUICK_SIZES = (9, 17, 33, 65, 129, 257, 513, 1025), (9, 17, 33)
+QUICK_METHODS = ("cotangent2", "group2", "algebra2", "elp4", "magnus5", "rkmk4", "rk4")  # new ones, and lines, besides
+
+# What is affordable. Every integrator up to n = 129, but those whose ideas are not told apart as fast forms only beyond
+# 65; beyond 129 the lines against n; from LARGE on no published forms, and bands apart only of FEW; they alone at ONCE.
+LARGEST_OF_ALL, LARGEST_OF_OTHERS = 129, 65
+STEPS, STEPS_LARGE, LARGE = 8, 2, 513  # that are timed; fewer from LARGE on
+REPETITIONS, QUICK_REPETITIONS = 6, 3
+ENOUGH = 1.2  # CPU seconds of timed steps of a point, after which it is repeated no more
+
+# States: an exponential method of order 6 at steps that are far more accurate than a state for timing must be.
+STATES_BY, STATES_STEP, STATES_TOLERANCE = "elp6_frame", 0.25, 1e-10
+MOST_HALVINGS = 3  # of that step, where it fails
+
+
+# ---- what is timed
+
+
+def points_of(entries, sizes, products, scene=SCENES[0], starts=STARTS):
+    """Returns the points as objects of JSON. `products(n)` names the backend of published forms."""
+    return [{"scene": scene, "start": start, "n": n, "integrator": entry.name, "rung": rung, **step_of(entry, n),
+             "steps": STEPS if n < LARGE else STEPS_LARGE, "products": products(n)}
+            for n in sizes for start in starts for entry in entries for rung in rungs_at(entry, n, start)]
+
+
+def rungs_at(entry, n, start):
+    """Returns the rungs of an integrator that are timed at an n."""
+    name, has_line = entry.name, entry.name in lines()
+    if n == ONCE:
+        rungs = (FAST,) if name in FEW and start == ONCE_START else ()
+    elif n >= LARGE:
+        rungs = () if not has_line else (BANDS, FAST) if name in FEW else (FAST,)
+    elif n > LARGEST_OF_ALL:
+        rungs = BASIC if has_line else ()
+    elif n > LARGEST_OF_OTHERS and not (name in TABLE1_CELLS or has_line or entry.family in IDEAS):
+        rungs = (FAST,)
+    else:
+        rungs = rungs_of(entry)
+    return rungs if entry.has_fast_form else tuple(rung for rung in rungs if rung == PUBLISHED)
+
+
+def lines():
+    """Returns the names of the integrators with a line against n."""
+    return lines_of(study.integrators().values())
+
+
+def has_memory(point):
+    """Tells whether the past steps of a run make the next one cheaper, so that it has to be warm."""
+    entry, rung = study.integrators()[point["integrator"]], point["rung"]
+    return rung not in (PUBLISHED, ANY) and not (entry.explicit or {"predictor", "newton"} <= {*without(entry, rung)})
+
+
+def warm_steps(point):
+    """Returns the steps of a point before those that are timed."""
+    return round(shrunk(point["n"], WARMUP) / point["step"]) if has_memory(point) else 0
+
+
+def begin_of(point):
+    """Returns the time of the state from which a point begins."""
+    return point["start"] - (shrunk(point["n"], WARMUP) if has_memory(point) else 0.0)
+
+
+@lru_cache(maxsize=1)
+def scene_of(scene, n):
+    return isosyrk.scene(scene, n=n)
+
+
+def made(point):
+    """Returns the integrator of a point as new, so that no repetition knows of the one before."""
+    if point["rung"] == PUBLISHED:
+        options = {"solver": PUBLISHED, "products": point["products"]}
+    else:
+        options = {"solver": FAST, "without": without(study.integrators()[point["integrator"]], point["rung"])}
+    return isosyrk.integrator(scene_of(point["scene"], point["n"]), point["integrator"], tolerance=point["tolerance"],
+                              **options)
+
+
+# ---- untimed: the states, and counts from them
+
+
+def states_of(scene, n, times):
+    """Returns the states of a scene at times, by time. Throws Stop where no step leads there."""
+    found, W, now = {}, scene_of(scene, n).initial, 0.0
+    for each in sorted(times):
+        W = state_after(scene, n, W, each - now)
+        found[each], now = W, each
+    return found
+
+
+def state_after(scene, n, W, length):
+    """Returns the state a time after W, with half the step as often as one fails."""
+    integrator = isosyrk.integrator(scene_of(scene, n), STATES_BY, solver=FAST, tolerance=STATES_TOLERANCE)
+    steps = math.ceil(length / shrunk(n, STATES_STEP) - 1e-9)
+    for halvings in range(MOST_HALVINGS + 1):
+        with contextlib.suppress(isosyrk.SolverError):
+            return integrator.run(W, length / steps / 2**halvings, steps * 2**halvings)[0]
+    raise Stop(f"states at n = {n}: {STATES_BY} fails with h = {length / steps / 2**MOST_HALVINGS:.3g} too", NO_ANSWER)
+
+
+def count(point, W):
+    """Returns the counts of a point over its timed steps, each for a step; None where a step fails."""
+    warm, steps, seen = warm_steps(point), point["steps"], {0: (0, 0.0)}
+
+    def look(step, _, report):
+        seen[step] = report.sweeps, report.equivalent_products
+
+    try:
+        made(point).run(W, point["step"], warm + steps, look)
+    except isosyrk.SolverError:
+        return None
+    sweeps, products = (last - first for first, last in zip(seen[warm], seen[warm + steps]))
+    return {"sweeps": sweeps / steps, "equivalent_products": products / steps}
+
+
+def prepare(job):
+    """Returns the states of one scene and n as texts by time, and the counts of its points.
+
+    The states are rounded to what a text keeps of them, so that counts and times begin alike.
+    """
+    times = set(map(begin_of, job["points"]))
+    states = {f"{at:g}": encoded(W) for at, W in states_of(job["scene"], job["n"], times).items()}
+    matrices = {at: decoded(text, job["n"]) for at, text in states.items()}
+    return {"states": states, "counts": [count(point, matrices[f"{begin_of(point):g}"]) for point in job["points"]]}
+
+
+# ---- timed, in turns
+
+
+class Timer:
+    """Times points in turns, from prepared states, and keeps in the journal how much memory the process has taken."""
+
+    def __init__(self, texts, journal):
+        """`texts` are the states by n and time."""
+        self.texts, self.journal, self.largest = texts, journal, 0
+        self.state = lru_cache(maxsize=8)(lambda n, at: decoded(texts[n][at], n))
+
+    def __call__(self, point):
+        """Returns the CPU seconds of the timed steps of a point, or of a product if it is one."""
+        if "solver" in point:
+            return 1 / isosyrk.product_rate(point["n"], point["solver"])
+        W, integrator = self.state(point["n"], f"{begin_of(point):g}"), made(point)
+        warm = warm_steps(point)
+        if not warm:
+            integrator.step(W, point["step"])  # so that its workspace is in place
+        seconds = study.seconds_of(integrator, W, point["step"], point["steps"], warm)
+        self.look_at_memory(point["n"])
+        return seconds
+
+    def look_at_memory(self, n):
+        """Keeps the most memory that this process has taken, unless a larger n was timed before."""
+        self.largest = max(self.largest, n)
+        if n == self.largest > LARGEST_OF_ALL:
+            taken = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+            self.journal.add(self.memory_key(n), max(taken, self.memory(n) or 0))
+
+    def memory_key(self, n):
+        return self.journal.key_of_timed("memory", n)
+
+    def memory(self, n):
+        """Returns the bytes that the process had taken when it had timed n and nothing larger; None if not known."""
+        return self.journal.found.get(self.memory_key(n))
+
+
+# ---- the study
+
+
+def sizes_asked_for(options):
+    """Returns the n of the study, the smallest first."""
+    sizes = options.n or (QUICK_SIZES if options.quick else SIZES)
+    return affordable(n for n in sizes if n <= LARGEST_OF_ALL or not options.no_large)
+
+
+def entries_asked_for(options):
+    """Returns the module's records of those integrators, by default of all and of the lines."""
+    if options.integrator:
+        return study.entries(options.integrator)
+    methods = chosen(study.integrators().values(), QUICK_METHODS).values() if options.quick else study.entries(None)
+    return study.entries([*(each.name for each in methods), *lines()])
+
+
+def main(arguments):
+    parser = study.parser("scaling", __doc__.splitlines()[0], largest_n=SIZES[-1])
+    parser.add_argument("--repetitions", type=whole_number(1, 1000),
+                        help=f"(default: {REPETITIONS}, quick {QUICK_REPETITIONS})")
+    parser.add_argument("--scene", choices=SCENES, default=SCENES[0])
+    parser.add_argument("--start", type=float, choices=STARTS, nargs="+", default=STARTS, metavar="T",
+                        help=f"times from which steps are timed, of {', '.join(f'{start:g}' for start in STARTS)}"
+                        " (default: all)")
+    parser.add_argument("--no-large", action="store_true", help=f"no n above {LARGEST_OF_ALL}")
+    options = parser.parse_args(arguments)
+    repetitions = options.repetitions or (QUICK_REPETITIONS if options.quick else REPETITIONS)
+    sizes, entries = sizes_asked_for(options), entries_asked_for(options)
+
+    journal = study.Journal("scaling", options, partial(isosyrk.conditions, products="fastest",
+                                                      sizes=sorted({min(n, 257) for n in sizes})))
+    points = points_of(entries, sizes, journal.products, options.scene, sorted(set(options.start)))
+    jobs = [{"scene": options.scene, "n": n, "points": found} for n in sizes
+            if (found := [each for each in points if each["n"] == n])]
+    prepared = study.untimed(jobs, prepare, journal, options, "states and counts")
+    texts = {job["n"]: each["states"] for job, each in zip(jobs, prepared)}
+    counts = [found for each in prepared for found in each["counts"]]
+
+    timer = Timer(texts, journal)
+    working = [point for point, found in zip(points, counts) if found]
+    products = [{"n": job["n"], "solver": solver} for job in jobs for solver in (FAST, PUBLISHED)]
+    times = study.in_turns([*products, *working], repetitions, timer, journal, "timing", ENOUGH)
+    rates, seconds = times[:len(products)], iter(times[len(products):])
+    tables = {INTEGRATORS: entries,
+              "points": [record(point, found, next(seconds) if found else []) for point, found in zip(points, counts)],
+              "rates": [Rate(each["n"], each["solver"], rounded(found)) for each, found in zip(products, rates)],
+              "memory": [Memory(n, taken) for n in sizes if (taken := timer.memory(n))]}
+    formats.write_study(options.out, SCHEMA, journal.context, Settings(options.scene, WARMUP), tables)
+    journal.remove()
+
+
+def record(point, found, seconds):
+    """Returns a point as a row of its table; `seconds` are those of all its steps, by repetition."""
+    costs = found or dict.fromkeys(("sweeps", "equivalent_products"))
+    values = {**point, **costs, "seconds": rounded(each / point["steps"] for each in seconds)}
+    return Point(*(values[name] for name in Point._fields))
+
+
+def rounded(seconds):
+    """Returns times with five digits, far more than they are worth."""
+    return [formats.to_digits(each, 5) for each in seconds]

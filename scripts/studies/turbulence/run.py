@@ -1,0 +1,276 @@
+"""Measures what long runs of decaying turbulence average to, and what they cost, by method, step and tolerance.
+
+Initial data are drawn: modes l = 6 … 10, ‖W₀‖₂ = 1, the same draws at every n, each made anew from its number. Two runs
+that begin near each other are strangers before T/2, so that averages over the second half of a run compare ensembles,
+not trajectories; ensembles that begin further apart show whether that is so. Runs are untimed. The cost of a step is
+timed at the end, from the state of the first draw at T/2, in fresh processes, each of which times all settings of one n
+in turns.
+"""
+
+import math
+import os
+import random
+import statistics
+import tempfile
+from functools import partial
+from typing import NamedTuple
+
+import isosyrk
+import numpy
+
+from lib.programs.command_line import Stop, whole_number
+from lib.programs.messages import one_line
+from lib.records import formats
+from lib.records.integrators import chosen
+from lib.judging import verdicts
+from lib.running import study
+from lib.running.problems import decoded
+from studies.turbulence import single_runs as runs
+from studies.turbulence.judge import steps_to
+from studies.turbulence.schema import (FAR, LOOSE, METHOD, PRACTICE, PRACTICE_INTEGRATOR, PRACTICE_SHARE, REFERENCE,
+                                       SCHEMA, Cost, RunRow, Setting, Settings, Size)
+
+SIZES, QUICK_SIZES = (33, 65), (33,)
+# More accurate than all that is judged by it: its energy is off by 1e-11 at n = 33, T = 1000.
+REFERENCE_METHOD = Setting("rk8", 0.25, 1e-10)
+
+# What is timed: steps that fill a stretch of time behind WARM_STEPS others from T/2 on, or so many if they are longer.
+STRETCH, LEAST_TIMED = 10.0, 8
+TURNS = 2  # of all settings within a process, of which the least counts; one for those of
+LONG = 0.3  # CPU seconds or more
+PROCESSES, QUICK_PROCESSES = verdicts.FEWEST, 2
+
+# Steps of each method around the longest that is faithful, at n = 33; it is about half as long at twice the n. A new
+# integrator has those of the method that is most like it (with_new). Nothing is in the co-rotating frame: the data have
+# no part with l = 1, so that it would change nothing.
+STEPS = {
+    "algebra1": (0.25, 0.375, 0.5),
+    "group2": (0.5, 1.0),
+    "group3": (1.0, 2.0),
+    "elp4": (1.0, 2.0),
+    "elp6": (1.0, 2.0),
+    "magnus5": (0.5, 1.0),
+    "rkmk4": (0.5, 1.0),
+    "rk4": (0.25, 0.375, 0.5),
+    "rk8": (1.0, 1.5, 2.0),
+    "abm8": (0.15, 0.2, 0.25),
+    "rk4_projected": (0.25, 0.375, 0.5),
+    "rk8_projected": (1.5, 2.0, 3.0),
+}
+LADDER = {"group2": (1.0, 1e-4), "elp4": (1.0, 1e-4)}  # a step and a looser tolerance
+FEW = ("algebra1", "group2", "elp4", "rk4", "rk8")  # methods at large n, with two steps each
+QUICK_STEPS = {"algebra1": (0.5, 1.0), "elp4": (0.5, 1.0), "rk4": (0.25, 0.5), "rk8": (0.75, 1.5)}
+
+
+class Plan(NamedTuple):
+    """What is run at an n."""
+
+    draws: int
+    references: int  # ensembles
+    far: int  # ensembles
+    time: float
+    steps: dict  # of each integrator
+    ladder: dict
+
+
+SMALL_N, LARGE_N = 33, 129  # up to which n steps are those listed; from which n on few are run
+
+
+def with_new(steps):
+    """Returns steps by integrator, new ones included: theirs are those of the nearest order among methods that are
+    explicit or not as they are."""
+    listed = study.integrators()
+
+    def distance(name, each):
+        return listed[name].explicit != each.explicit, abs(listed[name].order - each.order)
+
+    return {name: steps[name] if name in steps else steps[min(steps, key=lambda other: distance(other, each))]
+            for name, each in chosen(listed.values(), steps).items()}
+
+
+def plan_of(n, quick):
+    """Returns the Plan at an n. Steps are half as long from one of n = 33, 65, 129 … to the next."""
+    if quick:
+        return Plan(draws=3, references=3, far=4, time=100.0, steps=with_new(QUICK_STEPS), ladder={})
+    shorter = 2 ** max(0, round(math.log2((n - 1) / (SMALL_N - 1))))
+    steps = with_new({name: tuple(step / shorter for step in each) for name, each in STEPS.items()})
+    ladder = {name: (step / shorter, tolerance) for name, (step, tolerance) in LADDER.items()}
+    if n >= LARGE_N:
+        return Plan(6, 4, 4, 1000.0, {name: steps[name][:2] for name in chosen(study.integrators().values(), FEW)}, {})
+    return Plan(12 if n <= SMALL_N else 10, 6, 6, 1000.0, steps, ladder)
+
+
+def settings_of(n, plan, names):
+    """Returns the settings at an n with their roles, as (role, Setting). The practice is always among them."""
+    found = [(PRACTICE, Setting(PRACTICE_INTEGRATOR, PRACTICE_SHARE * 2 / (n * (n - 1)) ** 0.5, LOOSE))]
+    for name in names:
+        found += [(METHOD, Setting(name, step, LOOSE)) for step in plan.steps.get(name, ())]
+        found += [(METHOD, Setting(name, *plan.ladder[name]))] if name in plan.ladder else []
+    return found
+
+
+def job_of(n, plan, setting, draw):
+    return {"n": n, "draw": draw, "time": plan.time, **setting._asdict()}
+
+
+def run_jobs(n, plan, names):
+    """Returns the jobs of all runs at an n with their roles, as (role, job)."""
+    references = [(role, {**job_of(n, plan, REFERENCE_METHOD, draw), "role": role, "ensemble": ensemble})
+                  for role, count in ((REFERENCE, plan.references), (FAR, plan.far))
+                  for draw in range(plan.draws) for ensemble in range(count)]
+    return references + [(role, job_of(n, plan, setting, draw)) for role, setting in settings_of(n, plan, names)
+                         for draw in range(plan.draws)]
+
+
+# ---- cost
+
+
+def points_of(n, plan, rows):
+    """Returns what is timed at an n: every setting whose runs all work."""
+    working = [setting for role, setting in settings_of(n, plan, plan.steps)
+               if (found := [row for row in rows if row.n == n and row.role == role
+                             and row[2:5] == setting]) and all(row.works for row in found)]
+    return [{"n": n, **setting._asdict(), "steps": max(LEAST_TIMED, steps_to(STRETCH, setting.step))}
+            for setting in working]
+
+
+def prepare(job):
+    """Returns the state that points are timed from, as text, and those of the points whose steps work there.
+
+    A job is that of the first draw by the reference method, with `points` besides.
+    """
+    text = runs.developed(job)
+    W = decoded(text, job["n"])
+    return {"state": text, "points": [point for point in job["points"] if steps_work(point, W)]}
+
+
+def steps_work(point, W):
+    try:
+        runs.method_of(point, runs.drawn_scene(point["n"], 0)).run(W, point["step"], study.WARM_STEPS + point["steps"])
+    except isosyrk.SolverError:
+        return False
+    return True
+
+
+def row_of(point):
+    """Returns the name of a point among those of its n."""
+    return f"{point['integrator']}, h = {point['step']:g}, {point['tolerance']:g}"
+
+
+def blocks_of(points):
+    """Returns what is timed together: all points of one n as rows, by name."""
+    return [{"n": n, "rows": list(rows), "points": rows} for n in dict.fromkeys(point["n"] for point in points)
+            if (rows := {row_of(point): point for point in points if point["n"] == n})]
+
+
+def time_block(block):
+    """Returns the CPU seconds of a step of each row, the least of TURNS in changing order.
+
+    `process` of the block tells the orders of one process from those of another, `state` names the file of its state.
+    """
+    W, scene = numpy.load(block["state"]), runs.drawn_scene(block["n"], 0)
+    shuffled = random.Random(block["process"])
+    found = {row: [] for row in block["rows"]}
+    for _ in range(TURNS):
+        for row in shuffled.sample(block["rows"], len(block["rows"])):
+            point = block["points"][row]
+            if found[row] and min(found[row]) * point["steps"] >= LONG:
+                continue
+            method = runs.method_of(point, scene)  # as new, so that no repetition knows of the one before
+            seconds = study.seconds_of(method, W, point["step"], point["steps"], study.WARM_STEPS)
+            found[row].append(seconds / point["steps"])
+    return [min(each) for each in found.values()]
+
+
+def further_processes(most, seconds):
+    """Returns how many further processes each row wants: all rows have the same, so that any two can be compared."""
+    return {row: most - len(each) for row, each in seconds.items()}
+
+
+def time_all(points, texts, most, journal):
+    """Returns the CPU seconds of a step of each point by process, as dicts by row and n; `texts` are states by n."""
+    blocks = blocks_of(points)
+    with tempfile.TemporaryDirectory() as folder:
+        files = {block["n"]: os.path.join(folder, f"n{block['n']}.npy") for block in blocks}
+        for n, path in files.items():
+            numpy.save(path, decoded(texts[n], n))
+
+        def command(block, process):
+            return study.process_command("turbulence", block, process, state=files[block["n"]])
+
+        times = study.by_processes(blocks, command, partial(further_processes, most), journal, "timing")
+    return {(block["n"], row): seconds for block, found in zip(blocks, times) for row, seconds in found.items()}
+
+
+def cost_of(point, seconds):
+    """Returns a point as a row of its table, with times of five digits."""
+    return Cost(**point, seconds=[formats.to_digits(each, 5) for each in seconds])
+
+
+# ---- the study
+
+
+def names_of(wanted):
+    """Returns the integrators to run. Throws Stop for one that has no steps here."""
+    known = chosen(study.integrators().values(), STEPS)
+    for name in wanted or ():
+        if name not in known:
+            raise Stop(f"--integrator {one_line(name)!r}: must be one of {', '.join(known)}")
+    return list(dict.fromkeys(wanted or known))
+
+
+def sizes_of(wanted):
+    """Returns the sizes to run at. Throws Stop for one that is too small for the modes."""
+    least = runs.DEGREES[-1] + 1
+    for n in wanted:
+        if n < least:
+            raise Stop(f"--n {n}: must be at least {least}, for modes up to l = {least - 1}")
+    return sorted(set(wanted))
+
+
+def size_row(n, plan, reference_error):
+    norms = [runs.drawn_scene(n, draw).generator_norms()[0] for draw in range(plan.draws)]
+    return Size(n=n, draws=plan.draws, references=plan.references, far=plan.far, time=plan.time,
+                reference_integrator=REFERENCE_METHOD.integrator, reference_step=REFERENCE_METHOD.step,
+                reference_error=reference_error, norm_B=runs.recorded(statistics.fmean(norms)))
+
+
+def run_row(role, job, found):
+    """Returns a run as a row of its table, given what carry_out() returned."""
+    named = {name: job[name] for name in ("n", "integrator", "step", "tolerance", "draw")}
+    return RunRow(**named, role=role, ensemble=job.get("ensemble", 0), **found)
+
+
+def main(arguments):
+    parser = study.parser("turbulence", __doc__.splitlines()[0])
+    parser.add_argument("--processes", type=whole_number(1, 100), help="that time a step; with fewer than"
+                        f" {verdicts.FEWEST} all is undecided (default: {PROCESSES}, quick {QUICK_PROCESSES})")
+    options = parser.parse_args(arguments)
+    sizes = sizes_of(options.n or (QUICK_SIZES if options.quick else SIZES))
+    names = names_of(options.integrator)
+    plans = {n: plan_of(n, options.quick) for n in sizes}
+
+    journal = study.Journal("turbulence", options, partial(isosyrk.conditions, products="openblas", sizes=sizes))
+    untimed = partial(study.untimed, journal=journal, options=options)
+    errors = untimed([job_of(n, plans[n], REFERENCE_METHOD, 0) for n in sizes], runs.converge,
+                     what="checking the reference")
+    roles, jobs = zip(*(each for n in sizes for each in run_jobs(n, plans[n], names)))
+    found = untimed(jobs, runs.carry_out, what="runs")
+    rows = [run_row(*each) for each in zip(roles, jobs, found)]
+    prepared = untimed([{**job_of(n, plans[n], REFERENCE_METHOD, 0), "points": points_of(n, plans[n], rows)}
+                        for n in sizes], prepare, what="states")
+    points = [point for each in prepared for point in each["points"]]
+    most = options.processes or (QUICK_PROCESSES if options.quick else PROCESSES)
+    states = {n: each["state"] for n, each in zip(sizes, prepared)}
+    seconds = time_all(points, states, most, journal)  # last: nothing else runs meanwhile
+
+    settings = Settings(lowest_degree=runs.DEGREES[0], highest_degree=runs.DEGREES[-1],
+                        displacement=runs.DISPLACEMENTS[REFERENCE], far_displacement=runs.DISPLACEMENTS[FAR],
+                        correlated_degree=runs.CORRELATED_DEGREE, lags=runs.LAGS, energy_loss=runs.ENERGY_LOSS,
+                        max_sweeps=runs.MAX_SWEEPS, warm_steps=study.WARM_STEPS)
+    listed = dict.fromkeys((PRACTICE_INTEGRATOR, REFERENCE_METHOD.integrator, *names))
+    formats.write_study(options.out, SCHEMA, journal.context, settings, {
+        "integrators": study.entries(listed),
+        "sizes": [size_row(n, plans[n], error) for n, error in zip(sizes, errors)],
+        "runs": rows, "costs": [cost_of(point, seconds[point["n"], row_of(point)]) for point in points]})
+    journal.remove()
