@@ -455,7 +455,7 @@ class Study(FolderTest):
         shown = run_script(*RENDERING, path, "--out", self.path("report"))
         self.assertEqual((shown.returncode, shown.stdout, shown.stderr), (DONE, "", ""))
         files = snapshot(self.path("report"))
-        self.assertEqual(set(files), {"report.md", "figures.json"})
+        self.assertEqual(set(files), {"report.md", "figures.json", "findings.json"})
         report = files["report.md"].decode("utf-8")
         for part in ("timed in 1 processes", "no step", "ISOSYRK, K", "one of order 1", "footnote, yoshida4"):
             self.assertIn(part, report)
