@@ -27,8 +27,8 @@ from studies.turbulence import (against_reference, charts as turbulence_chart, j
 from lib.pages.figures import read_figures
 from lib.records.formats import CONVERGED, SWEEP_CAP, UNSTABLE
 from lib.programs.messages import UnusableFile
-from studies.turbulence.schema import (FAR, LOOSE, METHOD, PRACTICE, REFERENCE, SCHEMA, Cost, RunRow, Setting, Settings,
-                                       Size, bands_of, read_turbulence)
+from studies.turbulence.schema import (FAR, LOOSE, METHOD, PRACTICE, REFERENCE, SCHEMA, Cost, Quantity, RunRow, Setting,
+                                       Settings, Size, bands_of, read_turbulence)
 from studies.turbulence.statistics import LEVEL, drifts_of, false_positives, held_out, reference_of, spreads_of
 from lib.judging.verdicts import FEWEST
 
@@ -593,7 +593,7 @@ class Report(DrawingTest):
         self.assertNotEqual(control.returncode, DONE)
 
     def test_numbers_of_reports(self):
-        self.assertEqual([turbulence_report.quantity_text(key) for key in ("l3-5", "l4.lag12")],
+        self.assertEqual([turbulence_report.quantity_text(each) for each in (Quantity(3, 5), Quantity(4, 4, 12.0))],
                          ["l = 3–5", "l = 4 after 12"])
         self.assertEqual([turbulence_report.signed(each) for each in (0.05, -0.001234, 1e-8)],
                          ["+5 %", "-0.12 %", "0"])

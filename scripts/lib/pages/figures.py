@@ -1,4 +1,4 @@
-"""The figures of a study that pages look up, by key: the file figures.json, which its renderer writes beside its report.
+"""The figures of a study that pages look up, by key: figures.json, which its renderer writes beside its report.
 
 Programs read findings.json (lib/records/findings.py).
 """

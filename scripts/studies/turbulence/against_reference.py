@@ -8,7 +8,7 @@ import numpy
 
 from lib.records.integrators import KEPT, strongest_structure
 from lib.judging import verdicts
-from studies.turbulence.schema import PRACTICE, Ensemble, bands_of
+from studies.turbulence.schema import PRACTICE, Ensemble, Quantity, bands_of
 from studies.turbulence.statistics import Reference, Spreads, drifts_of, false_positives, reference_of, spreads_of
 
 INVARIANTS = ("energy", "enstrophy")
@@ -21,7 +21,7 @@ class Judged(NamedTuple):
     ensemble: Ensemble
     keeps: str  # strongest structure of the method, of KEPT
     products: float  # equivalent ones, a unit of time
-    scores: Optional[dict] = None  # z of each quantity by its key
+    scores: Optional[dict] = None  # z by Quantity
     changes: Optional[dict] = None  # of averages of INVARIANTS, relative, the mean over the draws
     worst: Optional[dict] = None  # the largest of these, without sign, of a draw
     within_chance: bool = False  # the distance is at most the threshold
@@ -40,8 +40,8 @@ class Judged(NamedTuple):
 
     @property
     def largest(self):
-        """The key of the quantity that is furthest off."""
-        return max(self.scores, key=lambda key: abs(self.scores[key]))
+        """The Quantity that is furthest off."""
+        return max(self.scores, key=lambda quantity: abs(self.scores[quantity]))
 
     @property
     def distance(self):
@@ -61,12 +61,12 @@ class Judged(NamedTuple):
 class Judgement(NamedTuple):
     """All that is judged at one n."""
 
-    keys: Tuple[str, ...]  # of the quantities
+    quantities: Tuple[Quantity, ...]
     reference: Reference
     false_positives: float  # share of right ensembles beyond the threshold
     far_distances: Tuple[float, ...]  # of the far ensembles from the reference
     spreads: Spreads
-    drifts: dict  # Drift by the key of a band
+    drifts: dict  # Drift by Quantity, of bands
     judged: dict  # Judged by Setting
     practice: Optional[Judged]
 
@@ -107,7 +107,7 @@ class Judgement(NamedTuple):
 def judgement_of(study, n):
     """Returns the Judgement of a Turbulence at one n."""
     references, far = (values_of(runs) for runs in (study.references[n], study.far[n]))
-    spreads, keys = spreads_of(references, far), quantity_keys(study, n)
+    spreads, quantities = spreads_of(references, far), quantities_of(study, n)
     if spreads.are_independent:
         reference = reference_of(references)
         right = numpy.concatenate((references, far), axis=1), reference.ensembles
@@ -116,12 +116,12 @@ def judgement_of(study, n):
         right = far, reference.ensembles - 1
     energies = numpy.array([[run.bands for run in (*near, *far)]
                             for near, far in zip(study.references[n], study.far[n])])
-    judged = {setting: judged_of(study, n, ensemble, keys, reference)
+    judged = {setting: judged_of(study, n, ensemble, quantities, reference)
               for setting, ensemble in study.ensembles[n].items()}
     practice = study.practice(n)
-    return Judgement(keys, reference, false_positives(*right),
+    return Judgement(quantities, reference, false_positives(*right),
                     tuple(reference.distance(far[:, ensemble]) for ensemble in range(far.shape[1])), spreads,
-                    dict(zip(keys, drifts_of(energies))), judged, practice and judged[practice.setting])
+                    dict(zip(quantities, drifts_of(energies))), judged, practice and judged[practice.setting])
 
 
 def values_of(runs):
@@ -133,13 +133,13 @@ def values_of(runs):
                         for draw in runs])
 
 
-def quantity_keys(study, n):
-    """Returns the keys of the quantities: lLOW-HIGH of a band of degrees, lL.lagTIME of a decorrelation."""
-    bands = [f"l{low}-{high}" for low, high in bands_of(n)]
-    return (*bands, *(f"l{study.settings.correlated_degree}.lag{lag:g}" for lag in study.settings.lags))
+def quantities_of(study, n):
+    """Returns the Quantities at one n, in the order of values_of()."""
+    degree = study.settings.correlated_degree
+    return (*(Quantity(*band) for band in bands_of(n)), *(Quantity(degree, degree, lag) for lag in study.settings.lags))
 
 
-def judged_of(study, n, ensemble, keys, reference):
+def judged_of(study, n, ensemble, quantities, reference):
     """Returns one setting as Judged; none is faithful by few draws."""
     setting, cost = ensemble.setting, study.cost(n, ensemble.setting)
     keeps = strongest_structure(study.integrators[setting.integrator])
@@ -147,7 +147,7 @@ def judged_of(study, n, ensemble, keys, reference):
     if not ensemble.works:
         return Judged(ensemble, keeps, products)
     changes = {name: [getattr(run, name) - 1 for run in ensemble.runs] for name in INVARIANTS}
-    scores = dict(zip(keys, map(float, reference.scores(values_of([[run] for run in ensemble.runs])[:, 0]))))
+    scores = dict(zip(quantities, map(float, reference.scores(values_of([[run] for run in ensemble.runs])[:, 0]))))
     times = tuple(seconds * steps_to(study.sizes[n].time, setting.step) for seconds in cost.seconds) if cost else ()
     found = Judged(ensemble, keeps, products, scores,
                    {name: statistics.fmean(each) for name, each in changes.items()},

@@ -149,25 +149,25 @@ def examples(judgement):
 
 def changes_of(judgement, judged):
     """Returns the relative change of the energy in each band from the reference's, the mean over the draws."""
-    return [math.exp(judged.scores[key] * chance) - 1
-            for key, chance in zip(judgement.drifts, judgement.reference.chance)]
+    return [math.exp(judged.scores[band] * chance) - 1
+            for band, chance in zip(judgement.drifts, judgement.reference.chance)]
 
 
 def with_step(study, judged):
     return f"{name_with_order(study.integrators[judged.setting.integrator])}, h = {judged.setting.step:.3g}"
 
 
-def band_text(key):
-    """Writes the key of a band, "l3-5", as its degrees."""
-    return key[1:].replace("-", "–")
+def band_text(band):
+    """Writes the degrees of a band."""
+    return f"{band.lowest}–{band.highest}"
 
 
 def bands_title(study, found, told):
     """Returns by how much the setting that is furthest off changes the band that it changes most, at the largest n."""
     n = max(told)
     judged = max(told[n], key=lambda judged: judged.distance)
-    key = max(found[n].drifts, key=lambda key: abs(judged.scores[key]))
-    change = changes_of(found[n], judged)[list(found[n].drifts).index(key)]
+    band = max(found[n].drifts, key=lambda band: abs(judged.scores[band]))
+    change = changes_of(found[n], judged)[list(found[n].drifts).index(band)]
     written = f"{100 * change:+.2g}".replace("-", "\N{MINUS SIGN}")
-    return (f"Turbulence at {equals('n', n)}: {with_step(study, judged)} changes the energy at l = {band_text(key)} by"
+    return (f"Turbulence at {equals('n', n)}: {with_step(study, judged)} changes the energy at l = {band_text(band)} by"
             f" {written}\N{NO-BREAK SPACE}%; faithful settings stay within chance in every band")

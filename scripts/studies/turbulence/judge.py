@@ -35,11 +35,13 @@ class Trust(NamedTuple):
         return self.draws >= verdicts.FEWEST
 
 
-class Quantity(NamedTuple):
-    """How well the reference at one n tells a quantity."""
+class Precision(NamedTuple):
+    """How well the reference at one n tells a quantity: the energy in a band of degrees l, or a decorrelation."""
 
     n: whole(2)
-    name: text  # lLOW-HIGH of a band of degrees, lL.lagTIME of a decorrelation
+    lowest: whole(1)  # l
+    highest: whole(1)
+    lag: optional(positive)  # units of time, after which one l is decorrelated; None for a band
     deviation: number  # of one run; relative for bands
     least: number  # mean difference over the draws at which a setting is no longer within chance
     spread: number  # of reference runs over that of far runs, with its 95 % interval
@@ -68,7 +70,7 @@ class SettingResult(NamedTuple):
     faithful: truth
     within_chance: optional(truth) = None
     distance: optional(number) = None  # the largest |z|
-    scores: optional(list_of(finite)) = None  # z of each Quantity of this n
+    scores: optional(list_of(finite)) = None  # z of each quantity in the order of `precision`
     energy: optional(finite) = None  # averages, relative to the initial value, less 1: the mean over the draws
     enstrophy: optional(finite) = None
     energy_worst: optional(number) = None  # the largest of a draw, without sign
@@ -96,7 +98,7 @@ class Leader(NamedTuple):
 
 class Findings(NamedTuple):
     trust: List[Trust]
-    quantities: List[Quantity]
+    precision: List[Precision]
     settings: List[SettingResult]
     leaders: List[Leader]
 
@@ -106,7 +108,7 @@ def findings(study, judgements):
     found = Findings([], [], [], [])
     for n, judgement in judgements.items():
         found.trust.append(trust(study, n, judgement))
-        found.quantities.extend(quantities(n, judgement))
+        found.precision.extend(precisions(n, judgement))
         found.settings.extend(setting_result(study, n, judgement, each) for each in judgement.judged.values())
         for structure in KEPT:
             found.leaders.extend(leaders(n, judgement, structure))
@@ -123,12 +125,12 @@ def trust(study, n, judgement):
                  max(run.spectrum_error for run in runs))
 
 
-def quantities(n, judgement):
+def precisions(n, judgement):
     found = []
     reference, spreads = judgement.reference, judgement.spreads
-    for place, key in enumerate(judgement.keys):
-        drift = judgement.drifts.get(key)
-        found.append(Quantity(n, key, *(float(each[place]) for each in (
+    for place, quantity in enumerate(judgement.quantities):
+        drift = judgement.drifts.get(quantity)
+        found.append(Precision(n, *quantity, *(float(each[place]) for each in (
             reference.deviations, reference.threshold * reference.chance, spreads.ratio, spreads.low, spreads.high)),
             drift and drift.change, drift and drift.score))
     return found
@@ -176,11 +178,11 @@ def figures(found):
     figures_of = {}
     for trusted in found.trust:
         n = trusted.n
-        names = [each.name for each in found.quantities if each.n == n]
+        precisions_at = [each for each in found.precision if each.n == n]
         settings = [each for each in found.settings if each.n == n]
         of_n = {"judged": len(settings), **trust_figures(trusted),
-                **{key: value for each in found.quantities if each.n == n for key, value in quantity_figures(each)},
-                **{key: value for each in settings for key, value in setting_figures(each, names)},
+                **{key: value for each in precisions_at for key, value in precision_figures(each)},
+                **{key: value for each in settings for key, value in setting_figures(each, precisions_at)},
                 **method_figures(settings),
                 **leader_figures([each for each in found.leaders if each.n == n], settings)}
         figures_of |= {f"n{n}.{key}": value for key, value in of_n.items() if value is not None}
@@ -197,13 +199,18 @@ def trust_figures(trusted):
             "reference.spectrum_error": trusted.reference_spectrum_error}
 
 
-def quantity_figures(quantity):
-    names = {"drift": "quarters", "drift_score": "quarters_score"}
-    return [(f"{quantity.name}.{names.get(name, name)}", getattr(quantity, name)) for name in quantity._fields[2:]]
+def key_of_quantity(found):
+    return f"l{found.lowest}-{found.highest}" if found.lag is None else f"l{found.lowest}.lag{found.lag:g}"
 
 
-def setting_figures(result, names):
-    """Returns the figures of one setting as (key, value), given the names of the quantities.
+def precision_figures(found):
+    names = {"deviation": "deviation", "least": "least", "spread": "spread", "spread_low": "spread_low",
+             "spread_high": "spread_high", "drift": "quarters", "drift_score": "quarters_score"}
+    return [(f"{key_of_quantity(found)}.{key}", getattr(found, name)) for name, key in names.items()]
+
+
+def setting_figures(result, precisions_at):
+    """Returns the figures of one setting as (key, value), given the Precisions at its n.
 
     Those of the practice begin with practice. lost.SETTING counts the lost draws, and says when.
     """
@@ -213,7 +220,8 @@ def setting_figures(result, names):
     found += [(f"{start}.{name}", int(getattr(result, name))) for name in ("failed", "capped", "faithful")]
     if result.within_chance is not None:
         found.append((f"{start}.within_chance", int(result.within_chance)))
-    found += [(f"{start}.{name}.score", score) for name, score in zip(names, result.scores or ())]
+    found += [(f"{start}.{key_of_quantity(each)}.score", score)
+              for each, score in zip(precisions_at, result.scores or ())]
     found += cost_figures(f"{start}.over_practice", result)
     if result.is_practice:
         found.append(("practice.step", result.step))

@@ -140,10 +140,10 @@ def verdict_text(judgement, judged):
     return f"no: {', '.join(off)}" if off else "yes"
 
 
-def quantity_text(key):
-    """Writes the key of a quantity: "l3-5" as "l = 3–5", "l4.lag12" as "l = 4 after 12"."""
-    degrees, _, lag = key[1:].partition(".lag")
-    return f"l = {degrees.replace('-', '–')}" + (f" after {lag}" if lag else "")
+def quantity_text(quantity):
+    """Writes a Quantity, as "l = 3–5" or "l = 4 after 12"."""
+    lowest, highest, lag = quantity
+    return f"l = {lowest}–{highest}" if lag is None else f"l = {lowest} after {lag:g}"
 
 
 def signed(change):
@@ -233,7 +233,7 @@ def spread_table(found):
     for n, judgement in found.items():
         spreads, reference = judgement.spreads, judgement.reference
         least = reference.threshold * reference.chance
-        for place, name in enumerate((*map(quantity_text, judgement.keys), "all")):
+        for place, name in enumerate((*map(quantity_text, judgement.quantities), "all")):
             own = [percentage(each[place]) if place < len(least) else MISSING
                    for each in (reference.deviations, least)]
             rows.append([str(n), name, *own, two_digits(spreads.ratio[place]),
@@ -244,15 +244,16 @@ def spread_table(found):
 
 def drift_table(found):
     """Returns the change of each band between quarters, an n a row."""
-    keys = list(dict.fromkeys(key for judgement in found.values() for key in judgement.drifts))
+    bands = list(dict.fromkeys(band for judgement in found.values() for band in judgement.drifts))
 
-    def entry(drifts, key):
-        if key not in drifts:
+    def entry(drifts, band):
+        if band not in drifts:
             return Entry(MISSING)
-        return Entry(f"{signed(drifts[key].change)} ({drifts[key].score:+.1f})", not drifts[key].is_stationary)
+        return Entry(f"{signed(drifts[band].change)} ({drifts[band].score:+.1f})", not drifts[band].is_stationary)
 
-    return Table((Column("n"), *(Column(quantity_text(key)) for key in keys)),
-                 [[[Entry(str(n)), *(entry(judgement.drifts, key) for key in keys)] for n, judgement in found.items()]])
+    return Table((Column("n"), *(Column(quantity_text(band)) for band in bands)),
+                 [[[Entry(str(n)), *(entry(judgement.drifts, band) for band in bands)]
+                   for n, judgement in found.items()]])
 
 
 # ---- how it is judged
