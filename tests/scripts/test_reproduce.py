@@ -27,7 +27,6 @@ from threads_documents import write_threads
 HOST_NAME = "a-host-to-keep-private"
 RESULTS = {"raw.json", "table.txt", "table.md", "table.tex", "verdicts.json"}
 STUDY_RESULTS = {"raw.json", "report.md", "figures.json"}
-WITH_FINDINGS = {*STUDY_RESULTS, "findings.json"}  # of studies that claims are judged by
 TABLE_PROGRAMS = "build/benchmarks/table1", "build/benchmarks/table2", "build-avx2/benchmarks/table2"
 BUILDS = ("build", "build-sanitize", "build-threads", "build-x86-64", "build-x86-64-v3", "build-x86-64-v3-sanitize")
 CORES = len(os.sched_getaffinity(0))
@@ -411,9 +410,9 @@ class EndToEnd(ReproduceTest):
         self.assertEqual(told[-1], f"All results are in {self.out}")
         found = {job: set(os.listdir(self.path("out", job))) for job in os.listdir(self.out)}
         self.assertLessEqual({*WITH_FINDINGS, "error_against_time.svg"}, found.pop("accuracy"))
-        self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS, "theorem": WITH_FINDINGS,
+        self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS, "theorem": STUDY_RESULTS,
                                  "scaling": {*STUDY_RESULTS, "rough.json", "threads.json"}, "limits": STUDY_RESULTS,
-                                 "longruns": STUDY_RESULTS, "turbulence": WITH_FINDINGS,
+                                 "longruns": STUDY_RESULTS, "turbulence": STUDY_RESULTS,
                                  "claims": {*STUDY_RESULTS, "avx2.json", "claims.json"}})
         self.assertTrue(all("--published" in call for call in self.calls("table2")))
 
