@@ -274,6 +274,18 @@ class Recommended(unittest.TestCase):
             self.assertAlmostEqual((one.error - uncertainty) / (whole.error - uncertainty), time / 5.0, 4)
             self.assertGreater(one.error, uncertainty)
 
+    @holds_for(uncertainty=decades(-8.0, -4.0), keep=STRUCTURES)
+    def test_what_the_reference_may_be_off_by_is_added_to_every_error(self, uncertainty, keep):
+        found = []
+        for each in (0.0, uncertainty):
+            references = {problem: row._replace(uncertainty=each) for problem, row in STUDY.references.items()}
+            recorded = Recorded(STUDY._replace(references=references), Question("smooth", 17, 5.0, 1e-2, keep))
+            found.append({form: [run.error for run in line] for form, (line, *_) in recorded.lines.items()})
+        exact, blurred = found
+        for form, errors in exact.items():
+            for one, other in zip(errors, blurred[form]):
+                self.assertAlmostEqual((other - one) / uncertainty, 1, 6)
+
     @holds_for(rate=decades(3.0, 9.0), error=decades(-5.0, -2.0), n=draw.sampled_from((17, 33)), examples=20)
     def test_seconds_here_are_those_recorded_over_the_speed_up(self, rate, error, n):
         question = Question("smooth", n, 5.0, error, "spectrum")

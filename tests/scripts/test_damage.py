@@ -223,7 +223,7 @@ class OtherFiles(DamageTest):
         # Some of the later fields are those of no file.
         for left_out in LATER_FIELDS:
             places = [place for place, column in enumerate(table["columns"]) if column != left_out]
-            self.assert_unusable(read, older(table["rows"], places), "integrators", "columns")
+            self.assert_unusable(read, older(table["rows"], places), "integrators", "columns", left_out)
         # A file without the table: those of its rows.
         document = json.loads(text_of(write_scaling(self.folder)))
         del document["tables"]["integrators"]

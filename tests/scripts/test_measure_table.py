@@ -157,6 +157,18 @@ class Processes(MeasureTest):
         self.measured(17, times={"17": DECIDED})
         self.assertEqual(len(self.calls(17)), 2 * FEWEST)
 
+    def test_processes_under_other_conditions_are_not_mixed(self):
+        with self.assertRaises(Stop):
+            self.measured(17, times={"17": DECIDED}, die=3)
+        path = next(os.path.join(folder, name) for folder, _, names in os.walk(self.path("kept"))
+                    for name in sorted(names) if name.endswith(".json"))
+        with open(path, encoding="utf-8") as file:
+            found = json.load(file)
+        found["context"]["cpu"] = "another"
+        self.write(path, json.dumps(found))
+        with self.assertRaisesRegex(Stop, "under other conditions"):
+            self.measured(17, times={"17": DECIDED})
+
     def test_a_disturbed_process_is_measured_again_and_told_if_it_stays_disturbed(self):
         real, seen = fresh_process.run_on, []
 

@@ -1,6 +1,7 @@
 """Properties of what is read from raw files and told of them: limits, prices, costs, ensembles, threads and claims, for
 values that hypothesis draws."""
 
+import math
 import random
 import unittest
 
@@ -132,6 +133,14 @@ class LongRuns(unittest.TestCase):
         if rising:
             ends = sorted(each.symplectic_defect for each in rising[-1])
             self.assertTrue(ends[0] * (1 - 1e-9) <= found <= ends[1] * (1 + 1e-9))
+
+    @holds_for(defects=draw.lists(decades(-9.0, -1.0), min_size=4, max_size=4), products=draw.floats(2.1, 3.9))
+    def test_a_cost_of_two_stretches_is_taken_of_the_later_one(self, defects, products):
+        line = [made_point("rk4", 500 * 2**place, equivalent_products=cost, symplectic_defect=each)
+                for place, (cost, each) in enumerate(zip((1.0, 4.0, 2.0, 8.0), defects))]
+        self.assertAlmostEqual(defect_at(line, products) / defect_at(line[2:], products), 1)
+        same = math.isclose(defect_at(line[:2], products), defect_at(line[2:], products))
+        self.assertEqual(math.isclose(defect_at(line, products), defect_at(line[:2], products)), same)
 
     @holds_for(share=draw.floats(-0.3, 0.3))
     def test_a_run_off_its_cost_is_so_whichever_way(self, share):

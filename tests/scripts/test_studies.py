@@ -21,6 +21,7 @@ from lib.programs.messages import UnusableFile
 from studies.scaling import schema as scaling_table
 from lib.records.formats import FAST, PUBLISHED, listed
 from lib.records.integrators import NAMED, TABLE1_CELLS, name_with_order
+from studies.accuracy.lines import FLOOR_MARGIN
 from studies.accuracy.schema import GOOD_ENOUGH, SCHEMA, Form
 from lib.records.settings import Problem
 
@@ -536,6 +537,22 @@ class Accuracy(StudyTest):
                 self.assertEqual(errors[-1] < GOOD_ENOUGH, ends == "below")
         line = self.accuracy.draw_line({**job, "integrator": "group1", "tolerance": 1e-13, "table1_step": True})
         self.assertEqual(([run["steps"] for run in line["runs"]], line["end"]), ([50], "alone"))
+
+    def test_an_error_that_the_reference_does_not_tell_from_none_ends_a_line_and_so_does_one_that_is_small_enough(self):
+        for uncertainty, error, ends in ((1e-3, 0.9e-3 * FLOOR_MARGIN, "floor"), (1e-3, 1.1e-3 * FLOOR_MARGIN, None),
+                                         (1e-20, 0.9 * GOOD_ENOUGH, "below")):
+            self.assertEqual(self.accuracy.end_of([SimpleNamespace(error=error)], uncertainty, 4), ends)
+
+    def test_out_of_the_frame_and_in_the_quick_study_less_work_is_enough_and_more_in_long_runs(self):
+        def least(integrator="rk4_frame", time=5.0, quick=False, n=17):
+            """Returns the equivalent products from which a line is cut."""
+            return min(products for products in (2.0**k for k in range(60)) if self.accuracy.took_enough(
+                SimpleNamespace(integrator=integrator, time=time, n=n, equivalent_products=products), quick))
+
+        self.assertLess(least("rk4"), least())
+        self.assertLess(least(quick=True), least())
+        self.assertGreater(least(time=50.0), least())
+        self.assertLess(least(n=129), least(n=65))  # a product is dearer
 
     def test_which_lines_a_problem_has(self):
         every = study.entries(None, frames=True)

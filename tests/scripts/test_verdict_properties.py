@@ -176,17 +176,17 @@ class Rows(unittest.TestCase):
         few = {row: found[:FEWEST - 1] for row, found in rows.items()}
         self.assertEqual(claim_of_multiple("algebra", factor, few)[0], UNDECIDED)
 
-    @holds_for(times=times_of_rows(rows=3, least=1, most=8), missing=draw.sets(draw.integers(0, 7), max_size=3),
+    @holds_for(times=times_of_rows(rows=3, least=1, most=8),
+               missing=draw.tuples(*[draw.sets(draw.integers(0, 7), max_size=3)] * 3),
                failed=draw.sampled_from((None, *FORMULATIONS)), examples=50)
     def test_a_block_is_compared_by_the_processes_that_all_its_rows_have(self, times, missing, failed):
         cells = {}
-        for name, found in named(times).items():
-            kept = {process: each for process, each in enumerate(found)
-                    if name != "group" or process not in missing}
+        for (name, found), lost in zip(named(times).items(), missing):
+            kept = {process: each for process, each in enumerate(found) if process not in lost}
             cells[CellKey(name, 17, 1)] = (Measurement(failure="diverged") if name == failed or not kept
                                            else Measurement(kept))
         run, rows = Run({}, cells), [key.formulation for key, cell in cells.items() if not cell.failure]
-        common = sorted(set(range(len(times[0]))) - (missing if "group" in rows else set()))
+        common = sorted(set.intersection(*(set(cells[name, 17, 1].times) for name in rows))) if rows else []
         block = run.times(17, 1)
         if not common:
             self.assertEqual(block, {})
