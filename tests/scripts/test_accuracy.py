@@ -7,7 +7,7 @@ from programs import FolderTest
 from study_documents import (CONTENDERS, INTEGRATORS, ROUGH, SMOOTH, SOONER, STEPS, accuracy_of, run_of, small_study,
                              study_document, write_study)
 
-from studies.accuracy.judge import figures
+from studies.accuracy.judge import figures, findings
 from studies.accuracy.schema import CONTENDERS as ALL_CONTENDERS
 from lib.records.settings import ENERGY_BOUNDED, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT
 from studies.accuracy.schema import CUT, Form
@@ -110,7 +110,7 @@ def report(document):
 
 
 def figures_of(document):
-    return figures(accuracy_of(document))
+    return figures(findings(accuracy_of(document)))
 
 
 def elp_slower(document):

@@ -119,6 +119,7 @@ class Every(StudyTest):
                 self.assertEqual((done.returncode, done.stdout, done.stderr), (DONE, "", ""))
                 files = snapshot(out)
                 kept = {"report.md", "figures.json", *(["claims.json"] if name == "claims" else ()),
+                        *(["findings.json"] if name in ("accuracy", "theorem", "turbulence") else ()),
                         *(f"{chart}.{kind}" for chart in charts for kind in ("svg", "png"))}
                 self.assertEqual(set(files), kept)
                 report = files["report.md"].decode("utf-8")

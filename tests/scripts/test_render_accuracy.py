@@ -81,8 +81,8 @@ class Files(AccuracyTest):
     def test_whole_and_the_same_by_a_chosen_python_under_a_user_s_own_settings_on_other_kernels(self):
         study = write_study(self.folder)
         files = self.rendered("plain", study)
-        self.assertEqual(set(files), {"report.md", "figures.json", *(f"{chart}.{kind}" for chart in CHARTS
-                                                                     for kind in KINDS)})
+        self.assertEqual(set(files), {"report.md", "figures.json", "findings.json", *(
+            f"{chart}.{kind}" for chart in CHARTS for kind in KINDS)})
         for chart in CHARTS:
             self.assert_whole(files, chart)
             self.assertIn(f"({chart}.svg)".encode(), files["report.md"])
@@ -105,7 +105,8 @@ class Files(AccuracyTest):
         out = self.path("root", "results", "recorded", "study")
         with mock.patch.object(programs, "RENDER", self.path("root", "scripts", "render")):
             self.assertEqual(self.render(write_study(self.folder), "--out", out).returncode, 0)
-        self.assertEqual(set(os.listdir(out)), {"report.md", "figures.json", *(f"{chart}.svg" for chart in CHARTS)})
+        self.assertEqual(set(os.listdir(out)), {"report.md", "figures.json", "findings.json",
+                                                *(f"{chart}.svg" for chart in CHARTS)})
 
     def test_no_chart_without_data(self):
         def drawn(document):

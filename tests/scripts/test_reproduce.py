@@ -409,7 +409,7 @@ class EndToEnd(ReproduceTest):
         self.assertIn("Job 2 of 9: table2", told)
         self.assertEqual(told[-1], f"All results are in {self.out}")
         found = {job: set(os.listdir(self.path("out", job))) for job in os.listdir(self.out)}
-        self.assertLessEqual({"raw.json", "report.md", "figures.json", "error_against_time.svg"}, found.pop("accuracy"))
+        self.assertLessEqual({*STUDY_RESULTS, "findings.json", "error_against_time.svg"}, found.pop("accuracy"))
         self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS, "theorem": STUDY_RESULTS,
                                  "scaling": {*STUDY_RESULTS, "rough.json", "threads.json"}, "limits": STUDY_RESULTS,
                                  "longruns": STUDY_RESULTS, "turbulence": STUDY_RESULTS,
@@ -441,7 +441,7 @@ class EndToEnd(ReproduceTest):
         self.assertIn("--n 257 513", self.calls("scaling[")[-1])
 
     def test_claims_are_measured_with_avx2_kernels_too_where_there_are_others(self):
-        for path in ("integrators.json", "tables/raw.json", "theorem/figures.json", "accuracy/figures.json"):
+        for path in ("integrators.json", "tables/raw.json", "theorem/findings.json", "accuracy/findings.json"):
             self.write(f"root/results/recorded/{path}", text_of(ROOT, "results", "recorded", path))
         raw = one_process(tables=("table2", "table1"))
         raw["context"].update(blas_kernels="Haswell", products="split, avx2 kernels")

@@ -20,12 +20,13 @@ import isosyrk
 from studies.turbulence import run as turbulence
 from lib.records import formats
 from lib.running import problems
-from studies.turbulence import (charts as turbulence_chart, judge as turbulence_figures, report as turbulence_report,
-                                single_runs as turbulence_runs, statistics as turbulence_statistics)
+from studies.turbulence import (against_reference, charts as turbulence_chart, judge as turbulence_judge,
+                                report as turbulence_report, single_runs as turbulence_runs,
+                                statistics as turbulence_statistics)
 from lib.pages.document import as_markdown
 from lib.records.formats import CONVERGED, SWEEP_CAP, UNSTABLE
-from studies.turbulence.schema import (FAR, LOOSE, METHOD, PRACTICE, REFERENCE, SCHEMA, Cost, RunRow, Setting, Settings,
-                                       Size, bands_of, read_turbulence)
+from studies.turbulence.schema import (FAR, LOOSE, METHOD, PRACTICE, REFERENCE, SCHEMA, Cost, Quantity, RunRow, Setting,
+                                       Settings, Size, bands_of, read_turbulence)
 from studies.turbulence.statistics import LEVEL, drifts_of, false_positives, held_out, reference_of, spreads_of
 from lib.judging.verdicts import FEWEST
 
@@ -168,7 +169,7 @@ class Runs(unittest.TestCase):
     def test_steps_reach_the_time(self):
         self.assertEqual(turbulence_runs.steps_of({"step": 0.1, "time": 1000.0}), 10000)
         self.assertEqual(turbulence_runs.steps_of({"step": 0.3, "time": 1.0}), 4)
-        self.assertEqual(turbulence_figures.steps_to(1000.0, 0.1), 10000)
+        self.assertEqual(against_reference.steps_to(1000.0, 0.1), 10000)
 
     def test_the_reference_converges(self):
         errors = [turbulence_runs.converge({**SHORT, "step": step}) for step in (1.0, 0.5)]
@@ -340,9 +341,9 @@ def write_turbulence(path, far=None, drift=0.0, **changed):
 class Judged(unittest.TestCase):
     def test_the_tolerance_of_energy_and_enstrophy(self):
         for worst, conserves in ((0.009, True), (0.011, False)):
-            for name in turbulence_figures.INVARIANTS:
-                off = {**dict.fromkeys(turbulence_figures.INVARIANTS, 0.0), name: worst}
-                self.assertEqual(turbulence_figures.Judged(None, None, 1.0, worst=off).conserves, conserves, off)
+            for name in against_reference.INVARIANTS:
+                off = {**dict.fromkeys(against_reference.INVARIANTS, 0.0), name: worst}
+                self.assertEqual(against_reference.Judged(None, None, 1.0, worst=off).conserves, conserves, off)
 
 
 @mock.patch.multiple(turbulence_statistics, TRIALS=40, TRIAL_COUNT=100)
@@ -352,17 +353,16 @@ class Report(DrawingTest):
     def raw(self, **changes):
         return write_turbulence(self.path("raw.json"), **changes)
 
-    def findings(self, **changes):
+    def judgements(self, **changes):
         study = read_turbulence(self.raw(**changes))
-        return study, {n: turbulence_figures.findings_of(study, n) for n in study.sizes}
+        return study, {n: against_reference.judgement_of(study, n) for n in study.sizes}
 
     def figures(self, **changes):
-        return turbulence_figures.figures(*self.findings(**changes))
+        return turbulence_judge.figures(turbulence_judge.findings(*self.judgements(**changes)))
 
     def report(self, **changes):
         """Returns the report as Markdown."""
-        study, findings = self.findings(**changes)
-        return as_markdown(turbulence_report.turbulence_sections(study, findings, ()))
+        return as_markdown(turbulence_report.turbulence_sections(*self.judgements(**changes), ()))
 
     @staticmethod
     def cells(report):
@@ -496,7 +496,7 @@ class Report(DrawingTest):
         self.assertIn("## Every setting, n = 33, T = 100", report)
 
     def test_the_chart_has_a_bar_for_the_cheapest_faithful_setting_of_each_method(self):
-        (axes,), = self.panels("studies.turbulence.charts", "cheapest_faithful", *self.findings()).values()
+        (axes,), = self.panels("studies.turbulence.charts", "cheapest_faithful", *self.judgements()).values()
         bars = {bar.get_label(): bar.patches[0].get_width() for bar in axes.containers}
         self.assertEqual(set(bars), {"group2", "elp4"})
         self.assertAlmostEqual(bars["elp4"], 0.2)
@@ -508,7 +508,7 @@ class Report(DrawingTest):
         self.assertLess(labels.index("keeps nothing"), labels.index("keeps the spectrum"))
 
     def test_the_title_names_the_cheapest(self):
-        study, found = self.findings()
+        study, found = self.judgements()
         title = turbulence_chart.title_of(study, found)
         for part in ("T\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}100", "0.2 of the baseline's time (elp4)"):
             self.assertIn(part, title)
@@ -522,7 +522,7 @@ class Report(DrawingTest):
                     if row.integrator == "rk4" else row for row in rows]
 
         def drawn(**changes):
-            (axes,), = self.panels("studies.turbulence.charts", "band_energies", *self.findings(**changes)).values()
+            (axes,), = self.panels("studies.turbulence.charts", "band_energies", *self.judgements(**changes)).values()
             return lines_of(axes)
 
         lines = drawn(runs=louder)
@@ -546,7 +546,7 @@ class Report(DrawingTest):
         self.assertNotEqual(control.returncode, DONE)
 
     def test_numbers_of_reports(self):
-        self.assertEqual([turbulence_report.quantity_text(key) for key in ("l3-5", "l4.lag12")],
+        self.assertEqual([turbulence_report.quantity_text(each) for each in (Quantity(3, 5), Quantity(4, 4, 12.0))],
                          ["l = 3–5", "l = 4 after 12"])
         self.assertEqual([turbulence_report.signed(each) for each in (0.05, -0.001234, 1e-8)],
                          ["+5 %", "-0.12 %", "0"])
@@ -608,15 +608,15 @@ class Study(FolderTest):
 
         def values(runs):
             rows = [[RunRow(N, METHOD, "rk4", 1.0, 1e-8, 0, 0, **run)] for run in runs]
-            return turbulence_figures.values_of(rows)[:, 0]
+            return against_reference.values_of(rows)[:, 0]
 
         references = np.stack([values(ensemble("rk8", 1.0, role=FAR, ensemble=k)) for k in range(4)], axis=1)
         reference = reference_of(references, 500)
         right, wrong = ensemble("rk8", 0.75), ensemble("rk4", 1.0)
         self.assertLess(reference.distance(values(right)), reference.threshold)
         self.assertGreater(reference.distance(values(wrong)), 1.3 * reference.threshold)
-        self.assertLess(max(abs(run["enstrophy"] - 1) for run in right), turbulence_figures.TOLERANCE)
-        self.assertGreater(max(abs(run["enstrophy"] - 1) for run in wrong), turbulence_figures.TOLERANCE)
+        self.assertLess(max(abs(run["enstrophy"] - 1) for run in right), against_reference.TOLERANCE)
+        self.assertGreater(max(abs(run["enstrophy"] - 1) for run in wrong), against_reference.TOLERANCE)
 
 
 if __name__ == "__main__":

@@ -95,6 +95,7 @@ def is_number(value, least=0, most=LARGEST):
 # Errors, norms, counts and times are finite and never negative.
 number = kind_of(f"a number from 0 to {LARGEST:g}", is_number, float)
 positive = kind_of(f"a number from {SMALLEST:g} to {LARGEST:g}", lambda value: is_number(value, SMALLEST), float)
+finite = kind_of("a finite number", lambda value: is_number(value, -LARGEST))  # as it is, whole or not
 anything = kind_of("anything", lambda value: True)
 truth = kind_of("true or false", lambda value: isinstance(value, bool))
 any_text = kind_of("a text", lambda value: isinstance(value, str))
