@@ -208,8 +208,8 @@ class Speed(unittest.TestCase):
         draw.booleans(), draw.one_of(draw.none(), draw.floats(0.1, 3.0))), max_size=8))
     def test_the_cheapest_in_turbulence_are_faithful_and_one_a_method(self, settings):
         results = [turbulence_judge.SettingResult(
-            n, name, listed(name).order, listed(name).family, "nothing", 0.1, 1e-8, name == "algebra1", 0, 0, None, None,
-            1.0, faithful, over_practice=cost) for n, name, faithful, cost in settings]
+            n, name, listed(name).order, listed(name).family, "nothing", 0.1, 1e-8, name == "algebra1", 0, 0, None,
+            None, 1.0, faithful, over_practice=cost) for n, name, faithful, cost in settings]
         found = cheapest_settings(turbulence_judge.Findings([], [], results, []), 33)
         costs = {}
         for n, name, faithful, cost in settings:
