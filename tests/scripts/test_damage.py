@@ -128,6 +128,8 @@ def damaged_tables(document, schema):
         for wrong in (None, [], columns[:-1], [*columns, "more"], [*columns[:-1], "other"], [*columns[:-1], columns[0]],
                       [*columns[:-1], 7], [*columns, columns[0]]):
             yield changed(columns=wrong), (name,)
+        for more in ("more", columns[0]):  # in every row, too
+            yield changed(columns=[*columns, more], rows=[[*row, row[0]] for row in rows]), (name, "columns")
         for wrong in (None, {}, [7], [*rows, []], [*rows, [1]], *([[rows[0][:-1]], [[*rows[0], 1]]] if rows else [])):
             yield changed(rows=wrong), (name,)
         for place, column in enumerate(columns if rows else ()):

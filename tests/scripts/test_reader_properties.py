@@ -9,8 +9,9 @@ import numpy
 from hypothesis import strategies as draw
 from properties import NEAR_ONE, SEEDS, decades, holds_for, times_of_rows
 
-from studies.turbulence import judge as turbulence_figures
-from studies.claims.judge import cheapest_of_all, competitive, gauss_costs
+from studies.turbulence import against_reference
+from studies.turbulence import judge as turbulence_judge
+from studies.claims.judge import cheapest_settings, competitive, order_finding
 from lib.records.formats import CONVERGED, FAST, FORMULATIONS, Study, listed
 from lib.records.formats import CONVERGED as WORKS
 from studies.limits.schema import LETTERS, Limit, Line, State, Survived, limits_of
@@ -19,7 +20,7 @@ from studies.longruns.schema import COST_MARGIN, ENERGY, LOST, QUANTITIES, price
 from studies.longruns.judge import defect_at
 from studies.scaling.schema import Scaling
 from studies.theorem.schema import Coincidence
-from studies.theorem.judge import figures as theorem_figures
+from studies.theorem import judge as theorem_judge
 from studies.threads.schema import Settings, Threads
 from studies.turbulence.statistics import LEAST_SPREAD, Reference, Spreads, drifts_of
 from lib.judging.verdicts import FAILS, FASTER, HOLDS, SLOWER, TIE, UNDECIDED, compared, fastest, ratio_of
@@ -152,9 +153,9 @@ class LongRuns(unittest.TestCase):
 class Turbulence(unittest.TestCase):
     @holds_for(worst=draw.tuples(draw.floats(0.0, 0.03), draw.floats(0.0, 0.03)))
     def test_a_setting_conserves_if_energy_and_enstrophy_do(self, worst):
-        found = turbulence_figures.Judged(None, None, 1.0, worst=dict(zip(turbulence_figures.INVARIANTS, worst)))
-        self.assertEqual(found.conserves, all(each <= turbulence_figures.TOLERANCE for each in worst))
-        self.assertFalse(turbulence_figures.Judged(None, None, 1.0).conserves)
+        found = against_reference.Judged(None, None, 1.0, worst=dict(zip(against_reference.INVARIANTS, worst)))
+        self.assertEqual(found.conserves, all(each <= against_reference.TOLERANCE for each in worst))
+        self.assertFalse(against_reference.Judged(None, None, 1.0).conserves)
 
     @holds_for(low=draw.floats(0.3, 1.2), width=draw.floats(0.0, 1.0))
     def test_references_are_independent_by_the_lower_end_of_their_spread(self, low, width):
@@ -202,18 +203,23 @@ class Speed(unittest.TestCase):
         self.assertEqual(ratio, min((ratio_of(each, rows["algebra"]) for each in others.values()),
                                     key=lambda each: each.ratio))
 
-    @holds_for(costs=draw.dictionaries(draw.sampled_from(("algebra1", "group2", "group3", "rk4", "elp4")),
-                                       draw.floats(0.1, 3.0)), faithful=draw.booleans())
-    def test_the_cheapest_in_turbulence_has_the_practice_among_its_rivals(self, costs, faithful):
-        figures = {f"n33.cheapest_of.{name}.over_practice": cost for name, cost in costs.items()}
-        figures |= {"n33.practice.faithful": int(faithful), "n33.practice.seconds": 9.0}
-        rivals = dict(costs)
-        if faithful:
-            rivals["algebra1"] = min(1.0, rivals.get("algebra1", 1.0))
-        found = cheapest_of_all(figures, 33)
-        self.assertEqual(found and rivals[found], min(rivals.values(), default=None))
-        self.assertEqual(gauss_costs(figures, 33), {name: cost for name, cost in rivals.items() if name not in
-                                                    ("rk4", "elp4")})
+    @holds_for(settings=draw.lists(draw.tuples(
+        draw.sampled_from((17, 33)), draw.sampled_from(("algebra1", "group2", "group3", "rk4", "elp4")),
+        draw.booleans(), draw.one_of(draw.none(), draw.floats(0.1, 3.0))), max_size=8))
+    def test_the_cheapest_in_turbulence_are_faithful_and_one_a_method(self, settings):
+        results = [turbulence_judge.SettingResult(
+            n, name, listed(name).order, listed(name).family, "nothing", 0.1, 1e-8, name == "algebra1", 0, 0, None,
+            None, 1.0, faithful, over_practice=cost) for n, name, faithful, cost in settings]
+        found = cheapest_settings(turbulence_judge.Findings([], [], results, []), 33)
+        costs = {}
+        for n, name, faithful, cost in settings:
+            if n == 33 and faithful and cost:
+                costs[name] = min(cost, costs.get(name, cost))
+        self.assertEqual({each.integrator: each.over_practice for each in found}, costs)
+        self.assertEqual(len(found), len(costs))
+        if found:
+            best = order_finding(33, found, len(found))
+            self.assertEqual(costs[best.where.split("(")[1].rstrip(")")], min(costs.values()))
 
     @holds_for(times=times_of_rows(rows=3, least=2), numbers=draw.sampled_from(((1, 2, 4), (1, 3, 8), (1, 2, 16))))
     def test_threads_are_judged_against_the_next_smaller_number_and_their_gain_against_one(self, times, numbers):
@@ -251,7 +257,8 @@ class Theorem(unittest.TestCase):
     def test_settings_within_their_bound_are_counted(self, shares):
         rows = [Coincidence("rigid_body", 6, place + 1, 0.1, share * 1e-12, 1e-16, 1e-15, (9.0, 9.0, None), 1e-12)
                 for place, share in enumerate(shares)]
-        found = theorem_figures(Study({}, None, {"coincidence": rows, "ends": [], "cost": [], "dirk": []}))
+        study = Study({}, None, {"coincidence": rows, "ends": [], "cost": [], "dirk": []})
+        found = theorem_judge.figures(theorem_judge.findings(study))
         self.assertEqual((found["coincidence.settings"], found["coincidence.within"], found["coincidence.failed"]),
                          (len(shares), sum(share <= 1 for share in shares), len(shares)))
 

@@ -570,8 +570,8 @@ class Plan(unittest.TestCase):
         self.assertEqual(turbulence.SIZES, (33, 65))
 
     def test_every_row_is_timed_by_as_many_processes(self):
-        self.assertEqual(turbulence.further_processes(6, {"row": [1.0] * 6, "other": [1.0] * 4}),
-                         {"row": 0, "other": 2})
+        wanted = turbulence.further_processes(6, {"row": [1.0] * 6, "other": [1.0] * 4})
+        self.assertEqual(wanted, {"row": 0, "other": 2})
 
     def test_what_is_timed_are_settings_whose_runs_all_work(self):
         plan = turbulence.plan_of(N, True)
