@@ -23,8 +23,8 @@ from programs import BUILD, DATA, HAS_MODULE, ROOT, FolderTest, program, run, ru
 from study_documents import INTEGRATORS, accuracy_of, run_of, study_document, write_study
 
 from recommender import trial_planner as pilot_planner
+from lib.running import built
 from studies.accuracy import cheapest as recommendation
-from lib.running import study
 from lib.records.settings import ENERGY_BOUNDED, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT, keeping_tolerance
 from studies.accuracy.schema import BELOW, CUT, FLOOR, Form
 from lib.pages.document import as_text
@@ -57,7 +57,7 @@ class RecommendTest(FolderTest):
         super().setUp()
         self.document = study_document()
         for without_module in (mock.patch.dict(os.environ, {"ISOSYRK_BUILD": self.folder}),
-                               mock.patch.object(study, "MODULE", self.folder)):
+                               mock.patch.object(built, "MODULE", self.folder)):
             without_module.start()
             self.addCleanup(without_module.stop)
 

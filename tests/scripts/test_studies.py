@@ -1,10 +1,11 @@
-"""Tests of what the studies share (the raw file, untimed work on processes and on a Dask cluster, the journal), and of
-each study as a user runs it."""
+"""Tests of what the studies share (raw file, untimed work on clusters, checkpoint), and of each as a user runs it."""
 
+import concurrent.futures
 import importlib.util
 import json
 import math
 import os
+import re
 import shutil
 import signal
 import sys
@@ -19,6 +20,7 @@ from programs import (BUILD, DONE, HAS_MODULE, MEASURE, ROOT, FolderTest, end, e
 from scaling_documents import write_scaling
 from study_documents import raw, study_document
 
+from lib.programs.command_line import Stop
 from lib.records import formats
 from lib.programs.messages import UnusableFile
 from studies.scaling import schema as scaling_table
@@ -35,7 +37,7 @@ if HAS_MODULE:
     import isosyrk
     import numpy
     from studies.accuracy import single_runs as accuracy_runs, candidates as contenders, comparisons as duels
-    from lib.running import initial_states, problems, study, trials
+    from lib.running import built, initial_states, problems, timed, trials
     from lib.judging import verdicts
 
 RECORDED = os.path.join(ROOT, "results", "recorded", "accuracy", "raw.json")
@@ -45,9 +47,10 @@ NO_ANSWER, INTERRUPTED, TERMINATED = 3, 130, 143
 
 # A study of squares: a job is told in LOG, takes a while, and kills its process the first times where it is told to.
 SQUARES = """
-import importlib, os, sys, time
+import importlib, multiprocessing, os, sys, time
 sys.path.insert(0, %r)
-from lib.running import study
+from lib.running import program, timed, untimed
+from lib.running.checkpoint import Checkpoint
 
 def square(job):
     with open(os.environ["LOG"], "a") as log:
@@ -61,18 +64,22 @@ def square(job):
     return job["number"]**2
 
 def main(arguments):
-    parser = study.parser("squares", "Squares.")
+    parser = program.parser("squares", "Squares.")
     parser.add_argument("--deaths", type=int, default=0)
     options = parser.parse_args(arguments)
-    journal = study.Journal("squares", options, lambda: {"commit": "1"})
+    checkpoint = Checkpoint("squares", options, lambda: {"commit": "1"})
     jobs = [{"number": number, "deaths": options.deaths if number == 7 else 0} for number in range(12)]
-    squares = study.untimed(jobs, importlib.import_module("squares").square, journal, options, "squares")
-    seconds = study.in_turns([1, 3], 3, lambda point: point * 0.25, journal, "turns")
-    print(squares, seconds, journal.context["timed_on"])
-    journal.remove()
+    before = {**os.environ}
+    squares = untimed.results(jobs, importlib.import_module("squares").square, checkpoint, options, "squares")
+    # Whatever is timed next runs alone, as if there had been no cluster.
+    print({name for name in os.environ if os.environ[name] != before.get(name)} - {"DASK_PARENT"},
+          multiprocessing.active_children(), file=sys.stderr)
+    seconds = timed.interleaved([1, 3], 3, lambda point: point * 0.25, checkpoint, "turns")
+    print(squares, seconds, checkpoint.context["timed_on"])
+    checkpoint.remove()
 
 if __name__ == "__main__":
-    study.run("squares", main, sys.argv[1:])
+    program.run("squares", main, sys.argv[1:])
 """ % os.path.join(ROOT, "scripts")
 # 0.25 s are timed three times, 0.75 s are enough at once.
 RESULT = f"{[number**2 for number in range(12)]} {[[1 * 0.25] * 3, [3 * 0.25]]} core {max(os.sched_getaffinity(0))}\n"
@@ -168,7 +175,7 @@ class SquaresTest(FolderTest):
 
     def assert_result(self, done):
         self.assertEqual((done.returncode, done.stdout), (0, RESULT), done.stderr)
-        self.assertFalse(os.path.exists(self.path("raw.json.journal")))
+        self.assertFalse(os.path.exists(self.path("raw.json.checkpoint")))
 
     def begun(self):
         """Returns how often each job was begun."""
@@ -176,34 +183,38 @@ class SquaresTest(FolderTest):
         return {number: numbers.count(number) for number in numbers}
 
 
+@unittest.skipUnless(HAS_DASK, "this Python has no distributed (python3-distributed)")
 class Work(SquaresTest):
     def test_every_job_once_in_order_with_time_left(self):
         done = self.squares()
         self.assert_result(done)
         self.assertEqual(set(self.begun().values()), {1})
         self.assertRegex(done.stderr, r"squares: +[1-9][0-9]%.*\[[0-9:]+<[0-9:]+,")
+        self.assertIn("\nset() []\n", done.stderr)
 
     def test_an_interrupted_study_goes_on_and_leaves_no_process(self):
         for sent, status, told, commit in ((signal.SIGINT, INTERRUPTED, "interrupted", "1"),
-                                           (signal.SIGTERM, TERMINATED, "terminated", "of another program")):
+                                           (signal.SIGTERM, TERMINATED, "terminated", "of another program"),
+                                           (signal.SIGKILL, -signal.SIGKILL, None, "1")):
             with self.subTest(signal=sent):
                 process = start(self.command(), env=environment(LOG=self.log), stderr=-1)
                 try:
-                    while len(self.journal()) <= 4:
+                    while len(self.checkpoint()) <= 4:
                         self.assertIsNone(process.poll())
                         time.sleep(0.05)
                     process.send_signal(sent)
                     _, errors = process.communicate(timeout=20)  # until every process of it has let go of stderr
                     self.assertEqual(process.returncode, status)
-                    self.assert_one_line(errors.rpartition("it/s]")[2].lstrip("\n"), f"squares: {told}")
+                    if told:
+                        self.assert_one_line(re.split(r"it/s\]|s/it\]", errors)[-1].lstrip("\n"), f"squares: {told}")
                 finally:
                     end(process)
-                begun, *finished = self.journal()
+                begun, *finished = self.checkpoint()
                 self.assertLess(len(finished), 12)
                 os.unlink(self.log)
                 # A last line that was cut does no harm.
                 lines = [begun.replace('"commit": "1"', f'"commit": "{commit}"'), *finished, '["squa']
-                self.write("raw.json.journal", "\n".join(lines))
+                self.write("raw.json.checkpoint", "\n".join(lines))
                 done = self.squares()
                 self.assert_result(done)
                 kept = len(finished) if commit == "1" else 0
@@ -212,24 +223,24 @@ class Work(SquaresTest):
 
     def test_another_processor_keeps_untimed_work_and_times_anew(self):
         ends = "    print(squares, seconds,"
-        for cpu, timed in ((None, 0), ("another", 4)):
+        for cpu, anew in ((None, 0), ("another", 4)):
             with self.subTest(cpu=cpu):
                 self.write("squares.py", SQUARES.replace(ends, f"    raise KeyboardInterrupt\n{ends}"))
                 self.assertEqual(self.squares().returncode, INTERRUPTED)
-                begun, *finished = self.journal()
+                begun, *finished = self.checkpoint()
                 self.assertEqual(len(finished), 12 + 4)
                 if cpu:
                     begun = begun.replace('"context": {', f'"context": {{"cpu": "{cpu}", ')
                     finished = [line.replace("on None", f"on {cpu}") for line in finished]
-                self.write("raw.json.journal", "\n".join([begun, *finished, ""]))
+                self.write("raw.json.checkpoint", "\n".join([begun, *finished, ""]))
                 os.unlink(self.log)
-                counted = "    print(len(journal.found), file=sys.stderr)\n"
+                counted = "    print(len(checkpoint.found), file=sys.stderr)\n"
                 self.write("squares.py", SQUARES.replace(ends, counted + ends))
                 done = self.squares()
                 self.assert_result(done)
                 self.assertFalse(os.path.exists(self.log))  # no square was done again
                 self.assertEqual("begun on another processor" in done.stderr, bool(cpu))
-                self.assertRegex(done.stderr, f"\\n{16 + timed}\\n")
+                self.assertRegex(done.stderr, f"\\n{16 + anew}\\n")
 
     def test_sigterm_ends_a_study_also_within_what_catches_every_exception(self):
         catching = "try:\n        os.kill(os.getpid(), 15)\n    except Exception:\n        pass\n    options ="
@@ -252,9 +263,13 @@ class Work(SquaresTest):
         self.assertEqual((done.returncode, done.stdout, os.listdir(self.folder)), (status, "", ["squares.py"]))
         self.assert_one_line(done.stderr, told)
 
-    def journal(self):
-        path = self.path("raw.json.journal")
+    def checkpoint(self):
+        path = self.path("raw.json.checkpoint")
         return text_of(path).splitlines() if os.path.exists(path) else []
+
+    def test_without_dask_it_says_what_to_install(self):
+        self.write("distributed.py", "raise ImportError\n")
+        self.assert_refused(self.squares(), "squares: this Python has no distributed", "install python3-distributed")
 
     def test_a_lost_worker_is_told_and_its_jobs_are_done_again_for_some_time(self):
         done = self.squares("--deaths", "1")
@@ -286,6 +301,20 @@ class Dask(SquaresTest):
         self.assertEqual(self.begun()["7"], 2)
         self.assertIn("a worker was lost; its jobs are done again", done.stderr)
 
+    def test_a_scheduler_that_has_gone_or_has_no_workers_is_told(self):
+        from lib.running import untimed
+        for workers, cancelled in (({"one": 1}, True), ({}, False)):
+            future, told = concurrent.futures.Future(), []
+            future.cancel() if cancelled else future.set_result(4)
+            cluster = untimed.Cluster(SimpleNamespace(scheduler="tcp://127.0.0.1:9", workers=1))
+            cluster.client = mock.Mock(submit=mock.Mock(return_value=future), nthreads=lambda: workers)
+            found = cluster.as_finished(abs, {"key": -4}, "squares", told.append)
+            if cancelled:
+                with self.assertRaisesRegex(Stop, "^--scheduler tcp://127.0.0.1:9: is gone; the same command goes on"):
+                    list(found)
+            else:
+                self.assertEqual((list(found), told), ([("key", 4)], [untimed.NO_WORKERS]))
+
     def test_a_scheduler_that_is_not_there(self):
         done = self.squares("--scheduler", "tcp://127.0.0.1:9")
         self.assertEqual(done.returncode, 2)
@@ -303,7 +332,7 @@ class StudyTest(FolderTest):
         path = self.path(file)
         done = self.script(name, "--out", path, *arguments)
         self.assertEqual((done.returncode, done.stdout), (DONE, ""), done.stderr)
-        self.assertFalse(os.path.exists(f"{path}.journal"))
+        self.assertFalse(os.path.exists(f"{path}.checkpoint"))
         return path
 
 
@@ -393,7 +422,7 @@ class Scaling(StudyTest):
                                      "rk4_frame", "group2_frame", "--repetitions", "1"))
         self.assertEqual({start for start, *_ in found.points}, {5.0})
         # Steps of another flow: the fast form forms other numbers of products.
-        (point,) = (each for each in self.scaling.points_of(study.entries(["group2_frame"]), [9], lambda n: "eigen",
+        (point,) = (each for each in self.scaling.points_of(built.entries(["group2_frame"]), [9], lambda n: "eigen",
                                                            "rough", (5.0,)) if each["rung"] == "fast")
         counted = {}
         for scene in ("smooth", "rough"):
@@ -432,7 +461,7 @@ class Scaling(StudyTest):
             self.assertLess(isosyrk.relative_error(found, expected), 1e-7)
             longest = 0.0
             told = "^states at n = 9: elp6_frame fails with h = 0.0312 too$"
-            with self.assertRaisesRegex(study.Stop, told) as caught:
+            with self.assertRaisesRegex(Stop, told) as caught:
                 self.scaling.states_of("smooth", 9, (5.0,))
             self.assertEqual(caught.exception.status, NO_ANSWER)
 
@@ -462,16 +491,16 @@ class Scaling(StudyTest):
         begun = []
         W = self.scaling.states_of("smooth", 17, (3.5,))[3.5]
         timer = self.scaling.Timer({17: {"3.5": self.scaling.encoded(W)}}, mock.Mock())
-        with mock.patch.object(study, "seconds_of", lambda method, W, h, steps, warmup: begun.append(
+        with mock.patch.object(timed, "seconds_of", lambda method, W, h, steps, warmup: begun.append(
                 (W.tobytes(), h, steps, warmup)) or 1.0):
             self.assertEqual([timer(self.point()) for _ in range(3)], [1.0] * 3)
         self.assertEqual(len(set(begun)), 1)
         self.assertEqual(begun[0][1:], (0.1, 8, 15))
 
     def test_memory_is_that_of_no_larger_n(self):
-        journal = mock.Mock(found={}, key_of_timed=lambda what, n: n, add=lambda key, value: journal.found.update(
+        checkpoint = mock.Mock(found={}, key_of_timed=lambda what, n: n, add=lambda key, value: checkpoint.found.update(
             {key: value}))
-        timer, peaks = self.scaling.Timer({}, journal), iter((1000, 2000, 3000))
+        timer, peaks = self.scaling.Timer({}, checkpoint), iter((1000, 2000, 3000))
         usage = mock.Mock(side_effect=lambda who: SimpleNamespace(ru_maxrss=next(peaks)))
         with mock.patch.object(self.scaling.resource, "getrusage", usage):
             for n in (129, 257, 513, 129, 257, 513):
@@ -766,7 +795,7 @@ class Accuracy(StudyTest):
         self.assertEqual(([run["steps"] for run in line["runs"]], line["end"]), ([50], "alone"))
 
     def test_which_lines_a_problem_has(self):
-        every = study.entries(None, frames=True)
+        every = built.entries(None, frames=True)
 
         def lines(problem, entries=every, asked=False):
             forms, alone = self.accuracy.lines_of(problem, entries, asked)
@@ -791,7 +820,7 @@ class Accuracy(StudyTest):
     def test_the_quick_study_has_some_of_every_kind(self):
         accuracy = self.accuracy
         # It compares fast forms; families that have none yet are in the full study.
-        known = study.entries(None, frames=True)
+        known = built.entries(None, frames=True)
         quick = accuracy.quick_integrators(known)
 
         def kinds(entries):

@@ -211,7 +211,7 @@ class Study(FolderTest):
         self.assertEqual((one.same[0], two.same[0]), (True, False))
         orders = [each[3:] for each in self.told()]
         self.assertEqual({*map(tuple, orders)}, {tuple(orders[0]), tuple(orders[0][::-1])})
-        self.assertFalse(os.path.exists(f"{self.out}.journal"))
+        self.assertFalse(os.path.exists(f"{self.out}.checkpoint"))
 
     @unittest.skipIf(len(CORES) < 2, "there is one core only")
     def test_an_interrupted_study_goes_on_and_leaves_no_process(self):

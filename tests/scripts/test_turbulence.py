@@ -647,7 +647,7 @@ class Study(FolderTest):
         raw = self.path("raw.json")
         done = self.study("--quick", "--n", "17", "--integrator", "rk4", "--processes", "1", "--out", raw)
         self.assertEqual(done.returncode, DONE, done.stderr)
-        self.assertEqual(os.listdir(self.folder), ["raw.json"])  # and no journal
+        self.assertEqual(os.listdir(self.folder), ["raw.json"])  # and no checkpoint
         found = read_turbulence(raw)
         self.assertEqual((found.sizes[17].draws, found.sizes[17].references, found.sizes[17].far), (3, 3, 4))
         self.assertEqual({setting.integrator for setting in found.ensembles[17]}, {"algebra1", "rk4"})
