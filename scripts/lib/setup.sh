@@ -9,8 +9,9 @@ STUDY_PACKAGES=(python3-dev pybind11-dev python3-numpy python3-scipy python3-mat
                 python3-distributed)
 # What the study of the paper's claims needs besides: the paper's language but for the name.
 CLAIMS_PACKAGES=(octave)
-# What the tests need besides: the module is installed by pip, and pages are rendered.
-TEST_PACKAGES=(python3-venv python3-pip python3-setuptools python3-wheel python3-jinja2)
+# What the tests need besides: the module is installed by pip, pages are rendered, and hypothesis draws the inputs of
+# property tests.
+TEST_PACKAGES=(python3-venv python3-pip python3-setuptools python3-wheel python3-jinja2 python3-hypothesis)
 # What looking for data races needs besides.
 CLANG_PACKAGES=(clang libomp-dev)
 # The runtime of its sanitizers, which Ubuntu 22.04 (jammy) has in another package that clang depends on.

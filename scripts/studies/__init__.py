@@ -5,7 +5,7 @@ A package has the same few modules:
     schema   its raw file: settings and tables of columns and rows
     plan     what is tried, and how much of it
     run      main(arguments) measures and writes the raw file; time_block(block) is what a fresh process times
-    judge    what the raw file shows, as findings
+    judge    what the raw file shows, as findings (lib/records/findings.py), and figures for pages
     report   rendered(raw) returns the report, with its charts and figures
     charts   the charts, by matplotlib
 

@@ -4,7 +4,8 @@ import os
 
 from programs import BUILD
 
-# In place of the compiler: an object that the build under test has is copied.
+# In place of the compiler: an object that the build under test has is copied, and a precompiled header, of a hundred
+# megabytes, is linked to.
 LAUNCHER = """#!/bin/sh
 previous=
 for argument; do
@@ -14,6 +15,7 @@ done
 found=$COMPILED/${output#"$TARGET_BUILD"/}
 case $output in
   *.o) [ -f "$found" ] && exec cp "$found" "$output" ;;
+  *.gch) [ -f "$found" ] && exec ln -sf "$found" "$output" ;;
 esac
 exec "$@"
 """

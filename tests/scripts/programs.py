@@ -1,6 +1,9 @@
 """What the tests that run programs and scripts from outside share. Standard library only, Python 3.9 or later."""
 
 import contextlib
+import importlib.machinery
+import importlib.util
+import io
 import json
 import os
 import pty
@@ -14,8 +17,6 @@ import unittest
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 BUILD = os.environ.get("ISOSYRK_BUILD") or os.path.join(ROOT, "build")
 DATA = os.path.join(ROOT, "tests", "data")
-MEASURE, RENDER = (os.path.join(ROOT, "scripts", name) for name in ("measure", "render"))
-MEASURE, RENDER = (os.path.join(ROOT, "scripts", name) for name in ("measure", "render"))
 MEASURE, RENDER = (os.path.join(ROOT, "scripts", name) for name in ("measure", "render"))
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(ROOT, "scripts"))  # its modules are tested from inside, too
@@ -83,6 +84,21 @@ def run(command, timeout=PATIENCE, env=None, prepare=None, **streams):
 def run_script(script, *arguments):
     """Runs one of the project's scripts to its end, as run() does, in the Python that runs the tests."""
     return run([sys.executable, "-B", script, *arguments])
+
+
+def call_script(script, *arguments):
+    """Returns what run_script() does of a script that ends before it prints an answer, called in this process."""
+    loader = importlib.machinery.SourceFileLoader(os.path.basename(script), script)
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
+    loader.exec_module(module)
+    from lib.programs import command_line  # only now: not every test has the scripts on its path
+    with contextlib.redirect_stdout(io.StringIO()) as printed, contextlib.redirect_stderr(io.StringIO()) as said:
+        try:
+            command_line.run(loader.name, module.main, list(arguments))
+            status = DONE
+        except SystemExit as ended:
+            status = ended.code
+    return subprocess.CompletedProcess([script, *arguments], status, printed.getvalue(), said.getvalue())
 
 
 def run_on_full_disk(command, **options):

@@ -1,5 +1,4 @@
-"""Tests of the study of accuracy on a made-up one: what is refused, floors, orders and costs of lines, duels, figures,
-the report."""
+"""Tests of the study of accuracy on a made-up one: floors, orders and costs of lines, duels, figures, the report."""
 
 import random
 import unittest
@@ -8,36 +7,15 @@ from programs import FolderTest
 from study_documents import (CONTENDERS, INTEGRATORS, ROUGH, SMOOTH, SOONER, STEPS, accuracy_of, run_of, small_study,
                              study_document, write_study)
 
-from studies.accuracy.judge import figures
+from studies.accuracy.judge import figures, findings
 from studies.accuracy.schema import CONTENDERS as ALL_CONTENDERS
-from lib.records.settings import ENERGY_BOUNDED, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT, keeps
+from lib.records.settings import ENERGY_BOUNDED, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT
 from studies.accuracy.schema import CUT, Form
-from studies.accuracy.lines import compared, read_accuracy
+from studies.accuracy.lines import read_accuracy
 from studies.accuracy.report import accuracy_sections
 from studies.accuracy.candidates import CLASSES, all_forms, candidates
-from studies.accuracy.equal_error import cheap_forms, cheapest
 from lib.records.formats import listed
-from lib.programs.messages import UnusableFile
 from lib.pages.document import as_markdown
-
-
-class RefusalTest(FolderTest):
-    def test_values_of_another_kind_and_empty_tables(self):
-        def with_first(name, **values):
-            return lambda document: document[name][0].update(values)
-
-        for change, *words in (
-                *((lambda document, name=name: document[name].clear(), "no references or no integrators")
-                  for name in ("references", "integrators")),
-                (with_first("runs", cpu_seconds=[0.0]), "cpu_seconds"), (with_first("runs", scene="calm"), "calm"),
-                (with_first("lines", end="tired"), "lines has end"),
-                (with_first("duels", contender="euler"), "contender"),
-                (lambda document: document["lines"].pop(0), "has runs of cotangent1 on smooth, T = 5, n = 17 and not")):
-            document = study_document()
-            change(document)
-            with self.subTest(words=words), self.assertRaises(UnusableFile) as caught:
-                accuracy_of(document)
-            self.assert_one_line(f"{caught.exception}\n", *words)
 
 
 class LineTest(FolderTest):
@@ -117,22 +95,6 @@ class LineTest(FolderTest):
         self.assertEqual(steps(), [[10], [50]])
         self.assertEqual(self.study().stretches(SMOOTH[0], "euler"), [])
 
-    def test_a_cost_is_interpolated_between_two_runs_that_enclose_the_error(self):
-        study = self.study()
-        # The error of rkmk4 is 1e-3 h⁴, ten times that in the rough scene; 0.99 ms a step. On a power law interpolation
-        # is exact.
-        for problem, factor in ((SMOOTH[0], 1e-3), (ROUGH, 1e-2)):
-            found = study.cost(problem, "rkmk4", factor * 0.2**4)
-            self.assertEqual((found.coarse.steps, found.fine.steps), (20, 50))
-            for value, wanted in ((found.seconds, 0.025 * 0.99), (found.step, 0.2)):
-                self.assertAlmostEqual(value, wanted, delta=1e-12 * wanted)
-        self.assertIsNone(study.cost(SMOOTH[0], "rkmk4", 3.9e-10))
-        self.assertIsNone(study.cost(SMOOTH[0], "rkmk4", 1e-5, LOOSE_GAUSS))
-        self.assertEqual(study.cost(SMOOTH[0], "rkmk4", 0.1).fine.steps, 5)  # its longest step errs by less
-        tight, loose = (study.cost(SMOOTH[0], "group2_frame", 1e-5, tolerance).seconds
-                        for tolerance in (TIGHT, LOOSE_GAUSS))
-        self.assertAlmostEqual(loose, SOONER * tight, delta=1e-12)
-
     def test_the_cheapest_crossing_counts_and_equal_errors_divide_by_nothing(self):
         self.set_errors((1e-4, 1e-6, 1e-4, 1e-6, 1e-6, 1e-7))
         self.assertEqual(self.study().cost(SMOOTH[0], "rkmk4", 1e-5).fine.steps, 10)
@@ -148,7 +110,7 @@ def report(document):
 
 
 def figures_of(document):
-    return figures(accuracy_of(document))
+    return figures(findings(accuracy_of(document)))
 
 
 def elp_slower(document):
@@ -184,39 +146,6 @@ def a_sloppy_spectrum(document):
 
 
 class Compared(unittest.TestCase):
-    def test_what_is_kept_depends_on_the_tolerance_for_implicit_methods(self):
-        integrators = accuracy_of(study_document()).integrators
-        for name, tolerance, structure, wanted in (
-                ("group2_frame", TIGHT, "poisson", True), ("group2_frame", LOOSE_GAUSS, "spectrum", False),
-                ("group2_frame", LOOSE_GAUSS, "nothing", True), ("elp4_frame", LOOSE_EXPONENTIAL, "poisson", False),
-                ("elp4_frame", LOOSE_EXPONENTIAL, "spectrum", True), ("elp4_frame", ENERGY_BOUNDED, "poisson", True),
-                ("rkmk4", TIGHT, "spectrum", True), ("rkmk4", TIGHT, "poisson", False)):
-            self.assertEqual(keeps(integrators[name], tolerance, structure), wanted, (name, tolerance, structure))
-
-    def test_nothing_is_compared_with_a_cut_line_that_might_be_the_cheaper(self):
-        document = study_document()
-        forms = [Form("cotangent1"), Form("rkmk4")]
-        # 1e-3 h⁴ in T/h ms: 1e-8 takes 89 ms. cotangent1 was cut at 6e-4, after 0.4 s: it can only be dearer.
-        self.assertEqual(cheapest(accuracy_of(document), SMOOTH[0], 1e-8, forms)[0], forms[1])
-        for run in document["runs"]:
-            if run["integrator"] == "cotangent1":
-                run["cpu_seconds"] = [time / 100 for time in run["cpu_seconds"]]
-        self.assertIsNone(cheapest(accuracy_of(document), SMOOTH[0], 1e-8, forms))
-        for line in document["lines"]:
-            line["end"] = "floor"
-        self.assertEqual(cheapest(accuracy_of(document), SMOOTH[0], 1e-8, forms)[0], forms[1])
-
-    def test_forms_that_cost_little_more_are_cheap_too(self):
-        study, forms = accuracy_of(study_document()), [Form("cotangent1"), Form("rkmk4"), Form("group1")]
-        found = cheap_forms(study, SMOOTH[0], 1e-3, forms, within=1e9)
-        seconds = [cost.seconds for _, cost in found]
-        self.assertGreater(len(found), 1)
-        self.assertEqual(seconds, sorted(seconds))
-        within = seconds[1] / seconds[0]
-        self.assertEqual(cheap_forms(study, SMOOTH[0], 1e-3, forms, within=1.001 * within), found[:2])
-        self.assertEqual(cheap_forms(study, SMOOTH[0], 1e-3, forms, within=1.0), found[:1])
-        self.assertEqual(cheap_forms(study, SMOOTH[0], 1e-99, forms, within=2.0), [])
-
     def test_duels_are_found_by_problem_and_error(self):
         study = accuracy_of(study_document())
         self.assertEqual(set(study.duel(SMOOTH[0], 1e-4)), set(CONTENDERS))
@@ -261,13 +190,6 @@ class Classes(unittest.TestCase):
                 self.assertEqual(found and float(f"{found:.6g}"), tolerance)
         self.assertEqual([CLASSES["elp_matched"].line_tolerance(error) for error in (1e-4, 1e-8)],
                          [LOOSE_EXPONENTIAL, TIGHT])
-
-    def test_rows_are_compared_by_the_processes_that_timed_both(self):
-        study = accuracy_of(study_document())
-        duel = study.duel(SMOOTH[0], 1e-6)
-        more = duel["elp"]._replace(cpu_seconds=(*duel["elp"].cpu_seconds, 1e3))
-        self.assertEqual(compared(more, duel["gauss"]), compared(duel["elp"], duel["gauss"]))
-        self.assertEqual(compared(duel["gauss"], more)[0].processes, 6)
 
 
 class Figures(unittest.TestCase):

@@ -1,7 +1,6 @@
 """Tests of the study of the paper's claims, of its model of threads, and of its rendering."""
 
 import argparse
-import itertools
 import json
 import os
 import shutil
@@ -10,7 +9,7 @@ import unittest
 from collections import defaultdict
 from unittest import mock
 
-from programs import BUILD, DONE, MEASURE, RENDER, ROOT, FolderTest, environment, run, run_script, text_of
+from programs import BUILD, DONE, MEASURE, RENDER, ROOT, FolderTest, run_script, text_of
 from claims_documents import OCTAVE, RATES, THREAD_OVERHEAD, tables, write_claims
 
 sys.path.insert(0, os.path.join(BUILD, "python"))
@@ -19,11 +18,15 @@ import isosyrk  # noqa: F401 (CTest leaves this file out where there is no modul
 from studies.claims import report as claims_report, judge as claims_table
 from lib.records import formats
 from studies.claims import run as claims_study
-from studies.claims.schema import read_claims
-from studies.claims.judge import Finding, Row, cell_text, competitive, read_claims_table
+from studies.claims.judge import cell_text, Finding, read_claims_table, Row
 from lib.programs.command_line import Stop
 from lib.pages.figures import read_figures
+from lib.records.findings import read_findings
 from lib.records.formats import FORMULATIONS, parse_json
+from studies.accuracy.judge import Comparison, Findings as Accuracy
+from studies.theorem.judge import ClaimResult, Findings as Theorem
+from studies.theorem.schema import FOOTNOTE
+from studies.turbulence.judge import Findings as Turbulence
 from lib.programs.messages import UnusableFile
 from studies.claims.parallel_model import (PROCESSORS, Rates, Task, makespan, path_products, phases, sweep_seconds,
                                            work_seconds)
@@ -33,6 +36,14 @@ STUDY = MEASURE, "claims"
 RENDERING = RENDER, "claims"
 RECORDED = os.path.join(ROOT, "results", "recorded")
 CELLS = ("cotangent2", "group2", "algebra2")
+
+
+CHANGED = "IIIA–IIIB, IIIA, s = 2"  # a partitioned pair
+
+
+def found_by(study, kind):
+    """Returns the Findings of a recorded study."""
+    return read_findings(os.path.join(RECORDED, study, "findings.json"), study, kind)
 
 
 def avx2_raw():
@@ -77,14 +88,6 @@ class Model(unittest.TestCase):
 
 
 class Judging(unittest.TestCase):
-    def test_competitive_is_faster_or_a_tie(self):
-        for algebra, wanted in ((0.5, HOLDS), (1.0, HOLDS), (1.2, FAILS)):
-            times = {"cotangent": [2.0] * FEWEST, "group": [1.0] * FEWEST, "algebra": [algebra] * FEWEST}
-            result, ratio = competitive(times)
-            self.assertEqual(result, wanted)
-            self.assertAlmostEqual(ratio.ratio, 1 / algebra)
-        self.assertEqual(competitive({name: [1.0] for name in FORMULATIONS})[0], UNDECIDED)
-
     def test_cells_of_the_table(self):
         def text(*findings):
             return cell_text([Finding(*each) for each in findings])
@@ -95,13 +98,10 @@ class Judging(unittest.TestCase):
         self.assertEqual(text(*((f"n = {n}", result, 1.0, None, None, 1)
                                 for n, result in ((17, HOLDS), (33, FAILS), (65, HOLDS)))),
                          "holds (n = 17, 65), fails (n = 33) 1.00")
-        self.assertEqual(text(*((f"n = 65, s = {s}", result, 1.0, None, None, 1)
-                                for s, result in ((2, HOLDS), (3, FAILS)))),
-                         "holds (n = 65, s = 2), fails (n = 65, s = 3) 1.00")
         self.assertEqual(text(("su(n)", HOLDS, None, None, None, 18)), "holds 18 of 18 (su(n))")
         self.assertEqual(text(("duels", HOLDS, None, 0.9, 8.0, 2), ("duels", FAILS, None, 0.9, 8.0, 3)),
                          "holds 2, fails 3 of 5 (duels): 0.900–8.00")
-        self.assertEqual(text(("at 1e-2", None, 2.0, 2.0, 4.0, 17)), "2 at 1e-2")
+        self.assertEqual(cell_text([Finding("at 1e-2", None, 2.0, 2.0, 4.0, 17)], has_orders=True), "2 at 1e-2")
 
     def test_a_column_has_a_code_and_its_variants(self):
         def found(ratio):
@@ -117,34 +117,38 @@ class Judging(unittest.TestCase):
         self.assertEqual([[cell.text for cell in line[1:-1]] for line in lines],
                          [["–", "holds 1.20; AVX2: holds 1.40", "AVX2: holds 1.60"], ["holds 1.00", "–", "–"]])
 
-    def test_rules_of_the_rows_that_recorded_studies_judge(self):
-        theorem = read_figures(os.path.join(RECORDED, "theorem", "figures.json"))
-        keeps, differs = claims_table.partitioned_rows(theorem)
-        self.assertEqual([each.result for row in (keeps, differs) for each in row.findings["plain"]], [HOLDS, HOLDS])
-        worse = {**theorem, "ends.iiia_iiib_iiia_s2.casimirs.cotangent": 1e-6,
-                 "ends.iiia_iiib_iiib_s3.cotangent-group": 1e-15}
-        for row in claims_table.partitioned_rows(worse):
-            self.assertEqual([(each.result, each.count) for each in row.findings["plain"]], [(HOLDS, 3), (FAILS, 1)])
+    def test_partitioned_pairs_are_judged_by_rounding(self):
+        def findings(**changes):
+            ends = [end._replace(**changes) if end.case == CHANGED else end for end in theorem.ends]
+            return [[(each.result, each.count) for each in row.findings["plain"]]
+                    for row in claims_table.partitioned_rows(theorem._replace(ends=ends))]
+
+        theorem = found_by("theorem", Theorem)
+        self.assertEqual(findings(), [[(HOLDS, 4)], [(HOLDS, 4)]])
+        self.assertEqual(findings(casimir_errors=(1e-6, 0, 0)), [[(HOLDS, 3), (FAILS, 1)], [(HOLDS, 4)]])
+        self.assertEqual(findings(differences=(1e-15, 1, 1)), [[(HOLDS, 4)], [(HOLDS, 3), (FAILS, 1)]])
 
     def test_what_the_paper_does_not_claim_is_no_part_of_its_footnote(self):
-        footnote, beyond = claims_table.footnote_rows({
-            "claims.footnote.smooth.holds": 3, "claims.footnote.smooth.none": 1, "claims.footnote.spin_chain.fails": 2})
+        def results(scene, *said):
+            return [ClaimResult(FOOTNOTE, scene, 33, 0.1, "yoshida4", each) for each in said]
+
+        footnote, beyond = claims_table.footnote_rows(Theorem([], [], [], [
+            *results("smooth", HOLDS, HOLDS, HOLDS, None), *results("spin_chain", FAILS, FAILS),
+            ClaimResult("(a)", "smooth", 33, 0.1, "s = 1", FAILS)], []))
         self.assertEqual(cell_text(footnote.findings["plain"]), "holds 3, not judged 1 of 4 (su(n))")
         self.assertEqual((beyond.claim, cell_text(beyond.findings["plain"])),
                          ("beyond the footnote", "fails 2 of 2 (su(2)^N)"))
 
     def test_exponentials_of_the_paper_are_judged_in_plain_code_and_ours_at_both_tolerances(self):
-        accuracy = {f"{pair}.{said}": 0 for pair in (*claims_table.EXPONENTIALS, claims_table.NAMED)
-                    for said in claims_table.DUELS.values()}
-        accuracy |= {"gauss_over_elp.slower": 2, "gauss_over_elp.smooth_t5.n17.at_1e-4": 1.9,
-                     "gauss_over_elp.smooth_t5.n33.at_1e-4": 2.8, "gauss_over_elp_bounded.faster": 1,
-                     "gauss_over_elp_bounded.slower": 1, "gauss_over_elp_bounded.smooth_t5.n17.at_1e-4": 0.7,
-                     "gauss_over_elp_bounded.smooth_t5.n33.at_1e-4": 1.1,
-                     f"{claims_table.NAMED}.slower": 2, f"{claims_table.NAMED}.faster": 1,
-                     f"{claims_table.NAMED}.smooth_t5.n17.at_1e-6": 6.5,
-                     f"{claims_table.NAMED}.rough_t5.n17.at_1e-6": 0.9,
-                     f"{claims_table.NAMED}.products.smooth_t5.n17.at_1e-6": 99.0}
-        claims_table.require_figures("accuracy", accuracy)
+        def compared(first, second, **said):
+            return [Comparison("smooth", 5.0, 17, 1e-4, first, second, ratio, verdict, None)
+                    for verdict, ratios in said.items() for ratio in ratios]
+
+        accuracy = found_by("accuracy", Accuracy)._replace(comparisons=[
+            *compared("gauss", "elp", slower=(1.9, 2.8)),
+            *compared("gauss", "elp_bounded", faster=(0.7,), slower=(1.1,)),
+            *compared("named_published", "gauss_published", slower=(6.5, 2.0), faster=(0.9,)),
+            *compared("gauss", "explicit", slower=(99.0,))])
         paper, usual, equal = claims_table.exponentials_rows(accuracy)
         self.assertEqual({code: cell_text(found) for code, found in paper.findings.items()}, {
             "plain": "holds 2, fails 1 of 3 (duels): 0.900–6.50", "optimised": claims_table.NOT_TESTED})
@@ -159,39 +163,33 @@ class Judging(unittest.TestCase):
             self.assertRegex(cell_text(findings), r"^[0-9.–]+$")
 
     def test_order_in_turbulence_is_that_of_the_cheapest_faithful_setting(self):
-        figures = {"n33.draws": 10, "n65.draws": FEWEST, "n129.draws": 10,
-                   "n33.practice.faithful": 1, "n33.practice.seconds": 9.0, "n33.threshold": 0.1,
-                   "n33.cheapest_of.algebra1.over_practice": 0.5, "n33.cheapest_of.group2.over_practice": 0.2,
-                   "n33.cheapest_of.group3.over_practice": 0.4, "n33.cheapest_of.rk4.over_practice": 0.1,
-                   "n33.cheapest.nothing.rk4.h0.25.over_practice": 0.1,
-                   "n33.cheapest.nothing.close.elp4.h0.5.over_practice": 0.01,
-                   "n65.practice.faithful": 1, "n65.practice.seconds": 9.0,
-                   "n65.cheapest_of.group3.over_practice": 2.0,
-                   "n65.cheapest.nothing.group3.h0.5.tolerance_1e-6.over_practice": 2.0,
-                   "n129.practice.faithful": 0, "n129.practice.seconds": 9.0}
-        orders, prices, winners = claims_table.order_rows(figures)
-        self.assertEqual(cell_text(orders.findings["optimised"]), "4 at n = 33 (group2), 2 at n = 65 (algebra1)")
+        def turbulence(draws):
+            sizes = {33: draws, 65: FEWEST, 129: 10}
+            return Turbulence([trust._replace(n=n, draws=count) for n, count in sizes.items()], [], [
+                setting(33, "algebra1", 1.0), setting(33, "algebra1", 0.5), setting(33, "group2", 0.2),
+                setting(33, "group3", 0.4), setting(33, "rk4", 0.1), setting(33, "rk4", 0.3),
+                setting(33, "elp4", 0.01, faithful=False), setting(65, "algebra1", 1.0), setting(65, "group3", 2.0),
+                setting(65, "elp4", None), setting(129, "algebra1", 1.0, faithful=False)], [])
+
+        def setting(n, name, over_practice, **changes):
+            entry = formats.listed(name)
+            return one._replace(**{"n": n, "integrator": name, "order": entry.order, "family": entry.family,
+                                   "faithful": True, "over_practice": over_practice, **changes})
+
+        recorded = found_by("turbulence", Turbulence)
+        trust, one = recorded.trust[0], recorded.settings[0]
+        orders, prices, winners = claims_table.order_rows(turbulence(10))
+        self.assertEqual(cell_text(orders.findings["optimised"], True), "4 at n = 33 (group2), 2 at n = 65 (algebra1)")
         self.assertEqual([each.ratio for each in prices.findings["optimised"]], [2.5, 0.5])
-        self.assertEqual(cell_text(winners.findings["optimised"]), "4 at n = 33 (rk4), 2 at n = 65 (algebra1)")
+        self.assertEqual(cell_text(winners.findings["optimised"], True), "4 at n = 33 (rk4), 2 at n = 65 (algebra1)")
+        self.assertEqual([row.has_orders for row in (orders, prices, winners)], [True, False, True])
         self.assertEqual(orders.evidence, ("recorded/turbulence/report.md",))
         self.assertEqual(claims_table.order_rows(None), [])
         # By fewer draws than that, no order is named, and none is compared with another.
-        few = {**figures, "n33.draws": FEWEST - 1}
-        orders, prices, winners = claims_table.order_rows(few)
+        orders, prices, winners = claims_table.order_rows(turbulence(FEWEST - 1))
         for row in (orders, winners):
-            self.assertRegex(cell_text(row.findings["optimised"]), r"^undecided at n = 33, 2 at n = 65")
+            self.assertRegex(cell_text(row.findings["optimised"], True), r"^undecided at n = 33, 2 at n = 65")
         self.assertEqual([each.where for each in prices.findings["optimised"]], ["n = 65"])
-
-    def test_figures_that_a_row_needs_are_asked_for(self):
-        for study, left_out in (("theorem", "coincidence.within"), ("accuracy", "gauss_over_elp.tie"),
-                                ("accuracy", "gauss_over_elp_bounded.slower"),
-                                ("accuracy", f"{claims_table.NAMED}.tie"),
-                                ("accuracy", "gauss_order.at_1e-4.least")):
-            figures = read_figures(os.path.join(RECORDED, study, "figures.json"))
-            claims_table.require_figures(study, figures)
-            del figures[left_out]
-            with self.assertRaisesRegex(UnusableFile, left_out):
-                claims_table.require_figures(study, figures)
 
 
 class Rendering(FolderTest):
@@ -274,21 +272,6 @@ class Rendering(FolderTest):
                                     ({"claims": here, "tables": here, "avx2": {**avx2, "cpu": "another"}}, True)):
             self.assertEqual(bool(claims_report.processor_sections(processors)), is_told)
 
-    def test_a_part_of_a_raw_file_is_refused(self):
-        whole = tables()
-        for name, change, part in (("rates", [], "rates has no n = 65"),
-                                   ("octave_products", whole["octave_products"][:1], "n = 33"),
-                                   ("threads", [cell for cell in whole["threads"] if cell.threads > 1],
-                                    "no single thread"),
-                                   ("threads", [cell._replace(seconds=cell.seconds[:cell.threads + 1])
-                                                for cell in whole["threads"]], "unequally many"),
-                                   ("octave", [whole["octave"][0]._replace(seconds=[])], "one time or more")):
-            path = self.path("part.json")
-            document = parse_json(text_of(write_claims(self.folder)))
-            document["tables"][name]["rows"] = [list(row) for row in change]
-            self.write("part.json", json.dumps(document))
-            self.assert_refused(self.render(path), "part.json", part)
-
     def test_parts_that_are_missing_are_left_out(self):
         rows = self.rendered({name: [] for name in tables()})
         self.assertNotIn("octave", self.by_claim(rows, "(a)", 1))
@@ -301,6 +284,46 @@ class Rendering(FolderTest):
         for text, part in (('{"format": "x"}', "table of claims"), ('{"format": "isosyrk claims 1"}', "no claims")):
             with self.assertRaisesRegex(UnusableFile, part):
                 read_claims_table(self.write("claims.json", text))
+
+    def test_recorded_findings_that_are_damaged_or_missing_are_refused(self):
+        recorded = self.path("recorded")
+        shutil.copytree(RECORDED, recorded, ignore=shutil.ignore_patterns("*.svg", "*.npy"))
+        raw = write_claims(self.folder)
+        for study in ("theorem", "accuracy", "turbulence"):
+            path = os.path.join(recorded, study, "findings.json")
+            whole_file = text_of(path)
+            self.write(path, whole_file[:-100])
+            self.assert_refused(self.render(raw, "--recorded", recorded), f"{study}/findings.json", "not whole JSON")
+            self.write(path, whole_file)
+        os.unlink(path)  # of turbulence, which may not be recorded yet
+        self.assertEqual(self.render(raw, "--recorded", recorded).returncode, DONE)
+        os.unlink(os.path.join(recorded, "theorem", "findings.json"))
+        self.assert_refused(self.render(raw, "--recorded", recorded), "theorem/findings.json", "cannot be read")
+
+    def test_a_finding_that_changes_changes_claims(self):
+        def claims():
+            return claims_report.rendered(raw, recorded).files["claims.json"]
+
+        recorded, raw = self.path("recorded"), write_claims(self.folder)
+        shutil.copytree(RECORDED, recorded, ignore=shutil.ignore_patterns("*.svg", "*.npy"))
+        before = claims()
+        for study, table, column, value in (
+                ("theorem", "coincidence", "within", 1), ("theorem", "ends", "changed", "nothing"),
+                ("theorem", "claims", "result", FAILS), ("accuracy", "comparisons", "verdict", TIE),
+                ("accuracy", "comparisons", "ratio", 0.5), ("accuracy", "gauss_order", "median", 3),
+                ("turbulence", "settings", "faithful", False), ("turbulence", "settings", "order", 3),
+                ("turbulence", "trust", "draws", 3)):
+            path = os.path.join(recorded, study, "findings.json")
+            whole_file = text_of(path)
+            document = json.loads(whole_file)
+            found = document["tables"][table]
+            for row in found["rows"]:
+                row[found["columns"].index(column)] = value
+            self.write(path, json.dumps(document))
+            with self.subTest(study=study, table=table, column=column):
+                self.assertNotEqual(claims(), before)
+            self.write(path, whole_file)
+        self.assertEqual(claims(), before)
 
     def test_claims_are_read_back_as_written(self):
         rows = [Row("(a)", "a statement of more words than a short text may have, which is told in full", 1,
@@ -352,29 +375,6 @@ class Page(FolderTest):
 
 
 class Study(FolderTest):
-    def study(self, *arguments, **changes):
-        return run([sys.executable, "-B", *STUDY, "--out", self.path("raw.json"), *arguments], timeout=300,
-                   env=environment(ISOSYRK_BUILD=BUILD, **changes))
-
-    @unittest.skipUnless(shutil.which("octave-cli"), "needs GNU Octave")
-    def test_a_small_study(self):
-        done = self.study("--n", "17", "--integrator", *CELLS, "--processes", "1")
-        self.assertEqual(done.returncode, DONE, done.stderr)
-        found = read_claims(self.path("raw.json"))
-        self.assertEqual([f"{cell.formulation}{cell.stages}" for cell in found.tables["octave"]], list(CELLS))
-        for cell in found.tables["octave"]:
-            self.assertEqual((cell.n, len(cell.seconds)), (17, 1))
-            self.assertLess(cell.difference, claims_study.EQUAL)
-        self.assertEqual({(pair.row, pair.other, pair.stages) for pair in found.tables["octave_pairs"]},
-                         {(row, other, 2) for row, other in itertools.combinations(FORMULATIONS, 2)})
-        for pair in found.tables["octave_pairs"]:
-            self.assertGreater(pair.difference, 0)
-            self.assertLess(pair.difference, claims_study.EQUAL)
-        draws = {(cell.hbar, cell.draw) for cell in found.tables["draws"]}
-        self.assertEqual(len(draws), 2 * claims_study.DRAWS)
-        self.assertEqual(found.settings.octave_kernels, found.context["blas_kernels"])
-        self.assertEqual(os.listdir(self.folder), ["raw.json"])  # no checkpoint is left
-
     def test_threads_and_their_rates(self):
         block = {"n": 65, "step": 0.1, "steps": 2, "process": 0,
                  "rows": ["product", "pass", "sweeps group2 1", "whole algebra2 1"]}
@@ -409,13 +409,6 @@ class Study(FolderTest):
     def test_without_octave_it_says_what_to_install(self):
         with mock.patch("shutil.which", return_value=None), self.assertRaisesRegex(Stop, "install octave"):
             claims_study.octave_cells.run("initial.npy", ["group1"], 0.1, 1)
-
-    def test_bad_arguments(self):
-        for arguments, *parts in ((("--n", "21"), "21", "17", "257"), (("--integrator", "rk4"), "rk4", "group1"),
-                                  (("--processes", "0"), "--processes"), (("--nn",), "--nn")):
-            with self.subTest(arguments=arguments):
-                self.assert_refused(self.study(*arguments), *parts)
-                self.assertEqual(os.listdir(self.folder), [])
 
 
 class Reports(unittest.TestCase):

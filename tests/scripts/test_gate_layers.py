@@ -15,7 +15,7 @@ from lib.programs.command_line import Stop
 from gate.cells import (FAST, ROUNDING, SIZES, baseline_of, cells_of, json_text, read_baseline, read_build, report_of,
                         write_baseline)
 from gate_documents import build_document, cell_of, change, with_other_roundings
-from gate.layers import NOT_JUDGED, PASSED, REGRESSION, Layer, accuracy_layer, exact_layer, exit_code
+from gate.layers import NOT_JUDGED, PASSED, REGRESSION, Layer, accuracy_layer, answer_bound, exact_layer, exit_code
 from gate.timing import FULL, QUICK, Server, is_slower, judge_times, steps_of, time_cells
 
 NAMES = cells_of(SIZES)
@@ -185,6 +185,15 @@ class Accuracy(LayerTest):
         for values in ({"tolerance": 1e-11}, {"contraction": 0.99}, {"contraction": 1.0}):  # with 1 there is no bound
             document = change(build_document(), "group/n:33/s:2", spectrum_error=1e-11, **values)
             self.assertEqual(self.failures(document), [])
+
+    def test_only_a_fast_form_may_be_off_by_what_its_bands_leave_out(self):
+        cells = build_document()
+        for name in (CELL, FAST_CELL):
+            change(cells, name, contraction=0.0, tolerance=1e-8)
+        cells = {cell.name: cell for cell in read_build(cells).cells.values()}
+        published, fast = (answer_bound(cells[name]) for name in (CELL, FAST_CELL))
+        self.assertLess(published, 1e-10)
+        self.assertAlmostEqual((fast - published) / (2 * cells[CELL].steps * 0.1 * 1e-8), 1)
 
     def test_a_fast_answer_is_bound_to_the_published_one_whatever_the_contraction(self):
         for distance, passes in ((0.9e-11, True), (1.1e-11, False)):

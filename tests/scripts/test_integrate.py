@@ -385,7 +385,7 @@ class Threads(IntegrateTest):
     def line(threads):
         # Of this size, since waking a thread takes a time of its own. At n = 129, where all takes 30 ms, two threads
         # take up to 3.3 times the time of one on a fast processor, however shortly they spin; here 1.2 to 1.6.
-        return command({**NAMED, "n": "257", "step": "0.1", "time": "0.4", "integrator": "group2"}, "--json",
+        return command({**NAMED, "n": "257", "step": "0.1", "time": "0.2", "integrator": "group2"}, "--json",
                        solver="fast", threads=threads)
 
     def seconds(self, threads, **settings):

@@ -1,32 +1,18 @@
-"""Tests of what is made of the raw file of the study of limits: refusals, report, figures, charts, advice."""
+"""Tests of what is made of the raw file of the study of limits: report, figures, charts, advice."""
 
 import unittest
 
 from drawing import DrawingTest, lines_of
-from limits_documents import CLOSE, CRITICAL, NORM_B, SIZES, limits_study, write
+from limits_documents import CLOSE, CRITICAL, NORM_B, SIZES, limits_study
 
 from lib.pages.document import as_markdown
 from lib.records.formats import FAST, PUBLISHED
 from studies.limits.schema import LETTERS, OUTCOMES, limits_of
 from studies.limits.report import sections
 from studies.limits.judge import figures
-from lib.programs.messages import UnusableFile
 
 
 class RawFiles(unittest.TestCase):
-    def test_what_cannot_be_used_is_refused(self):
-        study = limits_study()
-        study.tables["limits"][0] = study.tables["limits"][0]._replace(grid="++?")
-        with self.assertRaisesRegex(UnusableFile, "unknown outcomes"):
-            limits_of(study)
-        for table, kept, told in (("limits", 0, "no limits"), ("states", 1, "a state that it does not list"),
-                                  ("integrators", 1, "limits of"),
-                                  ("limits", 1, "survived steps without critical ones")):
-            study = limits_study()
-            study.tables[table] = study.tables[table][:kept]
-            with self.subTest(table=table), self.assertRaisesRegex(UnusableFile, told):
-                limits_of(study)
-
     def test_every_outcome_has_a_letter_of_its_own(self):
         self.assertEqual(set(LETTERS), set(OUTCOMES))
         self.assertEqual(len(set(LETTERS.values())), len(OUTCOMES))
@@ -35,29 +21,6 @@ class RawFiles(unittest.TestCase):
 class Questions(unittest.TestCase):
     def setUp(self):
         self.limits = limits_of(limits_study())
-
-    def test_the_own_state_and_the_range_over_states(self):
-        self.assertAlmostEqual(self.limits.own(PUBLISHED, "smooth", 9, "group2"), 1.5)
-        line = self.limits.lines[FAST, "smooth", 17, "group2"]
-        self.assertAlmostEqual(line.least, 4.5)
-        self.assertAlmostEqual(line.largest, 4.95)
-        self.assertIsNone(self.limits.own(PUBLISHED, "smooth", 9, "elp4_frame"))
-
-    def test_steps_that_survived_around_an_n(self):
-        around = self.limits.survived_around
-        for n, expected in ((5, 0.96), (9, 0.96), (13, 0.96), (17, 1.44), (33, 1.44)):  # the lesser, the nearest one
-            self.assertAlmostEqual(around(FAST, "smooth", n, "rk4"), expected)
-        for unknown in (("rough", 9, "rk4"), ("smooth", 9, "rkmk4")):
-            self.assertIsNone(around(FAST, *unknown))
-
-    def test_what_survived_is_taken_no_longer_than_what_drawn_states_bear(self):
-        study = limits_study()
-        study.tables["limits"] = [limit._replace(works=0.5) if limit.state == 1 and limit.integrator == "rk4" else limit
-                                  for limit in study.tables["limits"]]
-        limits = limits_of(study)
-        self.assertEqual(limits.survived_around(FAST, "smooth", 9, "rk4"), 0.5)
-        self.assertEqual(limits.least_survived()["rk4", FAST, 9], 0.5)
-        self.assertAlmostEqual(limits.survived_around(FAST, "smooth", 9, "group2"), 2.4)
 
     def test_what_survived_is_in_the_order_of_the_list_and_of_n(self):
         keys = [key for key in self.limits.least_survived() if key[1] == FAST]
@@ -114,21 +77,6 @@ class Report(unittest.TestCase):
         study.tables["limits"] = [limit._replace(works=1.0, fails=CLOSE) for limit in study.tables["limits"]]
         found = figures(limits_of(study))
         self.assertEqual(found["own_state_within_drawn"], found["lines_of_several_states"])
-
-
-class Files(DrawingTest):
-    package = "limits"
-
-    def test_every_chart_is_whole_and_shown(self):
-        files = self.rendered("plain", write(self.folder, limits_study()))
-        self.assertEqual(set(files), {"report.md", "figures.json", "limits.svg", "limits.png"})
-        self.assert_whole(files, "limits")
-        self.assertIn(b"(limits.svg)", files["report.md"])
-
-    def test_another_file_is_refused(self):
-        path = self.write("other.json", "{}")
-        self.assert_refused(self.render(path, "--out", self.path("charts")), "other.json",
-                            "raw file of the study limits")
 
 
 class Chart(DrawingTest):

@@ -8,20 +8,18 @@ import unittest
 from unittest import mock
 
 from drawing import DrawingTest, lines_of
-from programs import BUILD, DONE, HAS_MODULE, MEASURE, FolderTest, environment, run
+from programs import BUILD, HAS_MODULE, MEASURE, FolderTest
 
 from lib.records import formats
 from lib.pages.document import as_markdown
 from lib.judging.drift import (ALL_LOST, BOUNDED, FAILED, GROWS, KEPT, LOST, ROUNDING, growth_of, in_blocks, judged,
                                trend_of)
-from lib.pages.figures import read_figures
 from lib.records.formats import Study, listed
 from studies.longruns.schema import (CLASSES, COSTS, ENERGY, EXPLICIT, EXPLICIT_LIE, EXPONENTIAL, EXPONENTIAL_LOOSE,
                                      GAUSS, GAUSS_LOOSE, PROJECTED, SCHEMA, SPECTRUM, STRUCTURE, LongRun, Plan, Point,
                                      Price, Settings, class_of, long_runs, method_of, price_on, read_longruns)
 from studies.longruns.report import sections
-from studies.longruns.judge import defect_at, figures, places_of
-from lib.programs.messages import UnusableFile
+from studies.longruns.judge import figures, places_of
 from lib.judging.verdicts import UNDECIDED
 
 STUDY = MEASURE, "longruns"
@@ -268,16 +266,6 @@ class Files(FolderTest):
             self.assertEqual(method_of(INTEGRATORS[name], tolerance), method)
         self.assertEqual(method_of(INTEGRATORS["group2_frame"], 1e-7), "group2_loose")
 
-    def test_a_price_is_interpolated_along_the_line_and_never_beyond_it(self):
-        line = [made_point("rk4", steps) for steps in STEPS]
-        price = price_on(line, ENERGY, 1e-4, "rk4")
-        h = 10**-0.25  # 1e-3 h⁴ = 1e-4
-        self.assertAlmostEqual(price.products, 4 / h)
-        self.assertEqual((price.method, price.at_most), ("rk4", False))
-        self.assertEqual(price_on(line, ENERGY, 2e-2, "rk4"), Price(2.0, "rk4", True))
-        self.assertIsNone(price_on(line, ENERGY, 1e-7, "rk4"))
-        self.assertIsNone(price_on(line, SPECTRUM, 1e-7, "rk4"))
-
     def test_no_price_beside_a_run_that_failed_or_lost_energy_or_spectrum(self):
         line = [made_point("rk4", steps) for steps in STEPS]
         for changes in ({"status": "unstable", "energy_error": None, "spectrum_error": None}, {"energy_error": LOST},
@@ -286,10 +274,6 @@ class Files(FolderTest):
             self.assertEqual(price_on(changed, ENERGY, 9e-3, "rk4"), Price(4.0, "rk4", False))
             self.assertEqual(price_on(changed, SPECTRUM, 1.0, "rk4"), Price(4.0, "rk4", False))
         self.assertLess(price_on(line, ENERGY, 9e-3, "rk4").products, 4.0)  # the control
-
-    def test_a_line_whose_cost_falls_first_is_priced_at_its_cheapest(self):
-        line = [made_point("elp6_tight", 500, equivalent_products=400.0), made_point("elp6_tight", 1000)]
-        self.assertEqual(price_on(line, ENERGY, 1e-4, "rk4").products, 60.0)
 
     def test_where_structure_pays(self):
         runs = long_runs(made_study())
@@ -303,35 +287,10 @@ class Files(FolderTest):
         self.assertAlmostEqual(place.ratio((EXPLICIT,)), 15 / 1000**0.25)
         self.assertEqual(runs.price("smooth", 33, ENERGY, 1e-6, STRUCTURE).products, 60.0)
 
-    def test_the_defect_at_a_cost_is_that_of_the_shorter_steps(self):
-        line = [made_point("elp6", 500, equivalent_products=60.0, symplectic_defect=1e-2),
-                made_point("elp6", 1000, equivalent_products=40.0, symplectic_defect=1e-4),
-                made_point("elp6", 2000, equivalent_products=90.0, symplectic_defect=1e-6)]
-        self.assertAlmostEqual(math.log10(defect_at(line, 60.0)), -5)
-        self.assertIsNone(defect_at(line, 150.0))
-        self.assertIsNone(defect_at(line, 30.0))
-
-    def test_damage(self):
-        for study, part in ((made_study([], []), "no runs"),
-                            (made_study([made_point("rk4", 500, n=65)]), "without its plan"),
-                            (made_study(runs=[made_long_run("rk4", n=n) for n in (17, 33)]), "more than one n"),
-                            (made_study(runs=[made_long_run("rk4", integrator="rk5_frame")]), "its integrator")):
-            with self.subTest(part), self.assertRaisesRegex(UnusableFile, part):
-                long_runs(study)
-
 
 class Render(DrawingTest):
-    package = "longruns"
-    CHARTS = ("energy_against_cost", "spectrum_against_cost", "energy_against_time")
-
-    def test_charts_report_and_figures(self):
-        files = self.rendered("out", write_longruns(self.folder))
-        self.assertEqual(set(files), {"report.md", "figures.json", *(f"{chart}.{kind}" for chart in self.CHARTS
-                                                                     for kind in ("svg", "png"))})
-        for chart in self.CHARTS:
-            self.assert_whole(files, chart)
-            self.assertIn(f"({chart}.svg)".encode(), files["report.md"])
-        figures = read_figures(self.path("out", "figures.json"))
+    def test_figures_can_be_worked_out_by_hand(self):
+        found = figures(long_runs(made_study()))
         for key, value in (("smooth.n33.energy.1e-4.explicit.products", 4 * 10**0.25),
                            ("rough.n33.energy.1e-6.exponential.products", 60),
                            ("smooth.n33.energy.1e-6.structure_over_explicit", 15 / 1000**0.25),
@@ -341,9 +300,9 @@ class Render(DrawingTest):
                            ("long.energy.exponential.bounded", 2), ("long.energy.elp6_tight.runs", 2),
                            ("long.energy.rk4.growing", 2), ("long.spectrum.gauss.at_rounding", 2),
                            ("smooth.n33.defect.group2.p50", 1e-3)):
-            self.assertAlmostEqual(figures[key] / value, 1, delta=0.2 if key.endswith("change") else 1e-4, msg=key)
-        self.assertAlmostEqual(figures["smooth.long.150.rkmk4.energy_power"], 1, delta=0.05)
-        self.assertNotIn("smooth.n33.energy.1e-8.explicit.products", figures)
+            self.assertAlmostEqual(found[key] / value, 1, delta=0.2 if key.endswith("change") else 1e-4, msg=key)
+        self.assertAlmostEqual(found["smooth.long.150.rkmk4.energy_power"], 1, delta=0.05)
+        self.assertNotIn("smooth.n33.energy.1e-8.explicit.products", found)
 
     def cells(self, study, *start):
         """Returns the rests of the rows of the report that start with some cells."""
@@ -428,17 +387,12 @@ class Render(DrawingTest):
         self.assertIn("group2 (order 4) (failed)", [text.get_text() for text in panel.texts])
 
     def test_lines_alone_have_a_report(self):
-        files = self.rendered("out", write_longruns(self.folder, made_study(runs=[])))
-        self.assertNotIn("energy_against_time.svg", files)
-        self.assertNotIn("in long runs", files["report.md"].decode())
-
-    def test_a_file_that_cannot_be_used(self):
-        for path, *parts in ((self.path("none.json"), "none.json"),
-                             (write_longruns(self.folder, made_study([], [])), "raw.json", "no runs"),
-                             (self.write("half.json", '{"format": '), "half.json", "whole JSON")):
-            with self.subTest(parts=parts):
-                self.assert_refused(self.render(path, "--out", self.path("out")), *parts)
-                self.assertFalse(os.path.exists(self.path("out")))
+        study = made_study(runs=[])
+        self.assertNotIn("in long runs", report_of(study))
+        self.assertEqual(self.panels("studies.longruns.charts", "energy_against_cost", long_runs(study)).keys(),
+                         self.panels("studies.longruns.charts", "energy_against_cost", long_runs(made_study())).keys())
+        from studies.longruns import charts as longruns_charts  # only now: it needs matplotlib
+        self.assertIsNone(longruns_charts.energy_against_time(long_runs(study)))
 
 
 # ---- the study itself
@@ -526,34 +480,6 @@ class SymplecticDefect(unittest.TestCase):
 
 @unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")
 class Runs(FolderTest):
-    def study(self, *arguments):
-        return run([sys.executable, "-B", *STUDY, "--out", self.path("raw.json"), *arguments], timeout=120,
-                   env=environment(ISOSYRK_BUILD=BUILD))
-
-    def test_quick_runs_of_two_methods(self):
-        done = self.study("--quick", "--integrator", "rk4", "elp4")
-        self.assertEqual((done.returncode, done.stdout), (DONE, ""), done.stderr)
-        self.assertEqual(os.listdir(self.folder), ["raw.json"])
-        found = read_longruns(self.path("raw.json"))
-        self.assertEqual((found.methods(), found.settings()),
-                         (["rk4", "elp4", "elp4_tight"], [(17, "smooth"), (17, "rough")]))
-        for (scene, n, method), line in found.lines.items():
-            with self.subTest(scene=scene, method=method):
-                self.assertEqual([point.steps for point in line], [25 * 2**k for k in range(len(line))])
-                self.assertGreater(len(line), 2)
-                self.assertTrue(all(point.symplectic_defect for point in line))
-                self.assertEqual(line[-1].spectrum_error < 1e-13, method != "rk4")
-                self.assertEqual(line[-1].symplectic_defect < 1e-10, method == "elp4_tight")
-        for key, run_ in found.long_runs.items():
-            with self.subTest(key):
-                self.assertEqual((run_.status, len(run_.energy_errors), len(run_.energy_means),
-                                  len(run_.spectrum_errors)), ("converged", 40, 40, 40))
-                self.assertGreaterEqual(run_.energy_errors[-1], abs(run_.energy_change))
-                self.assertLess(abs(run_.equivalent_products / run_.cost - 1), 0.2)  # trials to t = 20 only
-        self.assertNotIn(("smooth", 50, "elp4_tight"), found.long_runs)
-        self.assertIn(("smooth", 150, "elp4_tight"), found.long_runs)
-        self.assertTrue(figures(found))
-
     def test_windows_hold_the_largest_energy_errors_and_their_means(self):
         scene = isosyrk.scene("smooth", n=9)
         energy = scene.energy(scene.initial)
@@ -639,14 +565,6 @@ class Runs(FolderTest):
         self.assertEqual(len(longruns.long_runs_of(longruns.SIZES, methods)), 40)
         self.assertEqual({job["n"] for job in longruns.long_runs_of((17, 33, 65), methods)}, {33})
         self.assertEqual(longruns.long_runs_of((65,), methods), [])
-
-    def test_bad_arguments(self):
-        for arguments, *parts in ((("--n", "21"), "--n 21", "17, 33, 65, 129"), (("--integrator", "euler"), "'euler'"),
-                                  (("--integrator", "group1"), "--integrator group1", "group2"),
-                                  (("--repetitions", "2"), "--repetitions"), (("--steps", "9"), "--steps")):
-            with self.subTest(arguments=arguments):
-                self.assert_refused(self.study(*arguments), *parts)
-                self.assertEqual(os.listdir(self.folder), [])
 
     def test_an_update_by_two_products_loses_skewness_and_the_one_in_use_does_not(self):
         scene = isosyrk.scene("smooth", n=17)

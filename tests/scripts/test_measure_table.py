@@ -15,7 +15,7 @@ from programs import (BAD_ARGUMENTS, DONE, MEASURE, ROOT, SOLVER_FAILED, FolderT
 from lib.running import fresh_process
 from lib.programs.command_line import Stop
 from lib.records.formats import read_run
-from lib.running.fresh_process import MOST_STOLEN, MOST_SWITCHES, MOST_TRIES, Disturbance, run_on, undisturbed
+from lib.running.fresh_process import MOST_SWITCHES, Disturbance, run_on
 from studies.tables.processes import Plan, measure, quickest
 from lib.judging.verdicts import FEWEST, MOST
 
@@ -157,6 +157,18 @@ class Processes(MeasureTest):
         self.measured(17, times={"17": DECIDED})
         self.assertEqual(len(self.calls(17)), 2 * FEWEST)
 
+    def test_processes_under_other_conditions_are_not_mixed(self):
+        with self.assertRaises(Stop):
+            self.measured(17, times={"17": DECIDED}, die=3)
+        path = next(os.path.join(folder, name) for folder, _, names in os.walk(self.path("kept"))
+                    for name in sorted(names) if name.endswith(".json"))
+        with open(path, encoding="utf-8") as file:
+            found = json.load(file)
+        found["context"]["cpu"] = "another"
+        self.write(path, json.dumps(found))
+        with self.assertRaisesRegex(Stop, "under other conditions"):
+            self.measured(17, times={"17": DECIDED})
+
     def test_a_disturbed_process_is_measured_again_and_told_if_it_stays_disturbed(self):
         real, seen = fresh_process.run_on, []
 
@@ -180,27 +192,6 @@ def state_of(number):
 
 
 class Disturbances(unittest.TestCase):
-    def test_the_rule_sees_stolen_time_and_switches_alone(self):
-        for stolen, switches, disturbed in ((0, 0, False), (MOST_STOLEN * 1.01, 0, True),
-                                            (0, MOST_SWITCHES * 1.01, True), (MOST_STOLEN, MOST_SWITCHES, False)):
-            self.assertEqual(bool(Disturbance(stolen, switches)), disturbed)
-
-    def test_stolen_seconds_are_the_eighth_number_of_the_core(self):
-        """Those of proc(5): user, nice, system, idle, iowait, irq, softirq, steal, guest and guest_nice."""
-        stat = "cpu  0 0 0 0 0 0 0 0 0 0\ncpu3 1 2 4 8 16 32 64 5000 256 512\ncpu30 0 0 0 0 0 0 0 7 0 0\n"
-        for core, stolen in ((3, 5000), (30, 7), (4, 0)):
-            with mock.patch("builtins.open", mock.mock_open(read_data=stat)):
-                self.assertEqual(fresh_process.stolen_seconds(core), stolen / os.sysconf("SC_CLK_TCK"), core)
-
-    def test_the_first_undisturbed_try_is_taken_or_else_the_least_disturbed(self):
-        worse = Disturbance(0.0, 200.0)
-        for tries, taken in (((QUIET,), 0), ((BUSY, QUIET), 1), ((worse, BUSY), 1), ((BUSY, worse), 0)):
-            left, told = list(enumerate(tries)), []
-            number, _ = undisturbed(lambda: left.pop(0), told.append)
-            self.assertEqual((number, len(left)), (taken, 0))
-            self.assertEqual(len(told), sum(map(bool, tries)))
-        self.assertEqual(MOST_TRIES, 2)
-
     def test_a_busy_neighbour_on_the_core_is_noticed(self):
         core = fresh_process.last_core()
         spin = [sys.executable, "-c", "import time\nend = time.process_time() + 0.4\n"

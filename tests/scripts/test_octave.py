@@ -18,8 +18,8 @@ from lib.programs.command_line import Stop
 OCTAVE = shutil.which("octave-cli")
 FOLDER = os.path.join(ROOT, "benchmarks", "octave")
 CELLS = [f"{form}{s}" for form in ("cotangent", "group", "algebra") for s in (1, 2, 3)]
-STEP, STEPS = 0.1, 50
-EQUAL = 1e-11  # largest entry of a difference; both are within some 50 tolerances of 1e-13 of the exact step
+STEP, STEPS = 0.1, 20
+EQUAL = 4e-12  # largest entry of a difference; both are within some 20 tolerances of 1e-13 of the exact step
 
 
 def products_of_a_sweep(cell):

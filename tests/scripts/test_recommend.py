@@ -19,7 +19,8 @@ from dataclasses import replace
 from unittest import mock
 
 import numpy
-from programs import BUILD, DATA, HAS_MODULE, ROOT, FolderTest, program, run, run_on_full_disk, run_script, strict_json
+from programs import (BUILD, DATA, HAS_MODULE, ROOT, call_script, FolderTest, program, run, run_on_full_disk,
+                      run_script, strict_json)
 from study_documents import INTEGRATORS, accuracy_of, run_of, study_document, write_study
 
 from recommender import trial_planner as pilot_planner
@@ -28,6 +29,7 @@ from studies.accuracy import cheapest as recommendation
 from lib.records.settings import ENERGY_BOUNDED, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT, keeping_tolerance
 from studies.accuracy.schema import BELOW, CUT, FLOOR, Form
 from lib.pages.document import as_text
+from lib.programs.messages import UnusableFile
 from studies.accuracy.cheapest import MARGIN, MARGIN_OF_N, MARGIN_OF_TIME, Question, Recorded
 from lib.records.formats import CONVERGED, STATUSES, listed
 
@@ -367,7 +369,12 @@ class Refusals(RecommendTest):
                 (arguments_of(raw=self.path("two\nlines.json")), "two lines.json", "No such file"),
                 (arguments_of(raw=foreign), "recommend: ", "foreign.json: ")):
             with self.subTest(arguments=arguments):
-                self.assert_refused(self.recommend(*arguments), *parts)
+                path = write_study(self.folder, self.document)
+                self.assert_refused(call_script(SCRIPT, "--raw", path, *arguments), *parts)
+        # As a user meets it: a wrong argument, a file that cannot be used, and an error below the reference's.
+        for arguments, *parts in ((arguments_of(n="1"), "--n"), (arguments_of(raw=foreign), "foreign.json: "),
+                                  (arguments_of(error="9e-15"), "uncertainty")):
+            self.assert_refused(self.recommend(*arguments), "recommend: ", *parts)
 
     def test_the_recorded_run_is_the_default(self):
         result = run_script(SCRIPT, *arguments_of(error="1e-4"), "--json")
@@ -532,7 +539,7 @@ class Pilots(FolderTest):
     def test_the_growth_of_a_pilot_is_the_power_of_time_that_its_error_follows(self):
         pilots, search, rkmk4, _ = self.search()
         W = search.setting.scene.initial
-        search.exact, search.uncertainty = (W, W), 0.0
+        search.exact, search.uncertainty = (W, W), 1e-7  # how far the reference is off itself
         search.reference = recommendation.Outcome(rkmk4, 9, search.time, 40, 1e-12, 1.0)
         for power in (1, 3):
 
@@ -544,6 +551,7 @@ class Pilots(FolderTest):
             with mock.patch.object(search.setting, "run", known):
                 pilot, _ = search.run(rkmk4, 8)
             self.assertAlmostEqual(pilot.growth, power, 5)
+            self.assertAlmostEqual(pilot.error / 1.1e-6, 1, 5)
 
     def test_what_does_not_follow_from_a_shorter_time(self):
         _, search, rkmk4, pilot = self.search()
@@ -582,15 +590,25 @@ class Pilots(FolderTest):
                  "number": "l,m,re,im\n2,1,x,0\n", "infinite": "l,m,re,im\n2,1,nan,0\n",
                  "degree": "l,m,re,im\n9,1,1,0\n", "none": "l,m,re,im\n", "underscore": "l,m,re,im\n2,1,1_0,0\n",
                  "space": "l,m,re,im\n2,1,1 0,0\n", "quoted": 'l,m,re,im\n2,1,"1",0\n'}
+        pilots, *_ = self.search()
+
+        def refused(option, path, *parts, n=9):
+            options = SimpleNamespace(**{"modes": None, "state": None, option: path}, own=path, n=n, hbar=None)
+            with self.subTest(path=path, parts=parts), self.assertRaises(UnusableFile) as caught:
+                pilots.scene_of(options)
+            self.assert_one_line(f"{caught.exception}\n", f"--{option}", *parts)
+
         for name, text in modes.items():
-            with self.subTest(name=name):
-                self.assert_refused(self.pilots("--n", "9", "--modes", self.write(name, text)), "--modes", name)
-        self.assert_refused(self.pilots("--n", "9", "--modes", self.path("missing")), "--modes", "No such file")
-        self.assert_refused(self.pilots("--state", self.MODES), "--state", "cannot be read")
+            refused("modes", self.write(name, text), name)
+        refused("modes", self.path("missing"), "No such file")
+        refused("state", self.MODES, "cannot be read", n=None)
         for W, part in ((1j * numpy.eye(9), "at rest"), (1e-200 * self.state(), "energy"), (self.state().T, "C order"),
                         (self.state().imag, "complex128")):
             numpy.save(self.path("W0.npy"), W)
-            self.assert_refused(self.pilots("--state", self.path("W0.npy")), "--state", part)
+            refused("state", self.path("W0.npy"), part, n=None)
+        # As a user meets it.
+        self.assert_refused(self.pilots("--n", "9", "--modes", self.write("empty", "")), "--modes", "empty")
+        self.assert_refused(self.pilots("--state", self.MODES), "--state", "cannot be read")
         self.assert_refused(self.pilots("--n", "9", "--modes", self.MODES, error=1e-20), "uncertainty")
         result = self.pilots("--n", "9", "--modes", self.MODES, budget=1e-3)
         self.assertEqual((result.returncode, result.stdout), (UNANSWERABLE, ""))

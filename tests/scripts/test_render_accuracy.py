@@ -81,8 +81,8 @@ class Files(AccuracyTest):
     def test_whole_and_the_same_by_a_chosen_python_under_a_user_s_own_settings_on_other_kernels(self):
         study = write_study(self.folder)
         files = self.rendered("plain", study)
-        self.assertEqual(set(files), {"report.md", "figures.json", *(f"{chart}.{kind}" for chart in CHARTS
-                                                                     for kind in KINDS)})
+        self.assertEqual(set(files), {"report.md", "figures.json", "findings.json", *(
+            f"{chart}.{kind}" for chart in CHARTS for kind in KINDS)})
         for chart in CHARTS:
             self.assert_whole(files, chart)
             self.assertIn(f"({chart}.svg)".encode(), files["report.md"])
@@ -105,22 +105,24 @@ class Files(AccuracyTest):
         out = self.path("root", "results", "recorded", "study")
         with mock.patch.object(programs, "RENDER", self.path("root", "scripts", "render")):
             self.assertEqual(self.render(write_study(self.folder), "--out", out).returncode, 0)
-        self.assertEqual(set(os.listdir(out)), {"report.md", "figures.json", *(f"{chart}.svg" for chart in CHARTS)})
+        self.assertEqual(set(os.listdir(out)), {"report.md", "figures.json", "findings.json",
+                                                *(f"{chart}.svg" for chart in CHARTS)})
 
     def test_no_chart_without_data(self):
-        def charts(name, document):
-            files = self.rendered(name, write_study(self.folder, document, f"{name}.json"))
-            return {file[:-4] for file in files if file.endswith(".svg")}
+        def drawn(document):
+            study = accuracy_of(document)
+            return {name for name, module in MODULES.items()
+                    if getattr(self.module(f"studies.accuracy.{module}"), name)(study)}
 
         one_size = small_study()
-        self.assertEqual(charts("one_size", one_size), {"error_against_time", "time_against_n"})
+        self.assertEqual(drawn(one_size), {"error_against_time", "time_against_n"})
         one_size["duels"] = [row for row in one_size["duels"] if row["wanted"] != 1e-6]
-        self.assertEqual(charts("not_compared", one_size), {"error_against_time"})
+        self.assertEqual(drawn(one_size), {"error_against_time"})
         none = small_study()
         none["duels"] = []
         for table in ("runs", "lines"):
             none[table] = [row for row in none[table] if row["integrator"] == "group1"]
-        self.assertEqual(charts("no_line", none), set())
+        self.assertEqual(drawn(none), set())
 
 
 class ErrorAgainstTime(AccuracyTest):
@@ -366,12 +368,9 @@ class ErrorAgainstN(AccuracyTest):
 
 class Refusals(AccuracyTest):
     def test_one_line_and_nothing_written(self):
-        damaged = small_study()
-        damaged["runs"][0]["error"] = -1.0
         folder = ("--out", self.path("charts"))
         nowhere = {"PYTHONPATH": self.without(), "ISOSYRK_PYTHON": sys.executable, "PATH": self.path("empty")}
         for arguments, changes, *words in (
-                ((write_study(self.folder, damaged), *folder), {}, "error"),
                 ((self.small(), "--out", self.write("taken", "kept")), {}, "taken", "cannot be written"),
                 ((self.small(), *folder, "--colour"), {}, "--colour"),
                 ((self.small(), *folder), nowhere, "no Python with matplotlib found", sys.executable,

@@ -243,8 +243,9 @@ class ReproduceTest(CopyTest):
         return self.script("reproduce", "--out", self.out, *arguments, **changes)
 
     def waiting(self, job):
-        """Starts the script, and returns it once something that it started waits."""
-        process = start(self.line("reproduce", job, "--out", self.out), env=self.surroundings(BENCHMARK="wait"),
+        """Starts the script, quick, and returns it once something that it started waits."""
+        line = self.line("reproduce", job, "--quick", "--out", self.out)
+        process = start(line, env=self.surroundings(BENCHMARK="wait"),
                         stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
         self.addCleanup(end, process)
         self.await_start()
@@ -358,8 +359,7 @@ class EndToEnd(ReproduceTest):
         for machine, folder in (("native", "build"), ("x86-64-v3", "build-x86-64-v3"), ("x86-64", "build-x86-64")):
             self.write("calls", "")
             self.write(f"root/{folder}/benchmarks/table1", TABLE_PROGRAM, executable=True)
-            done = self.reproduce("--machine", machine, "--quick")
-            self.assertEqual(done.returncode, DONE, done.stderr)
+            done = self.reproduce("--machine", machine, "--quick", FAILING="table1")
             self.assertRegex(done.stderr, f"Kernels: OpenBLAS Zen, split products avx2, in .*/{folder}/benchmarks/")
             self.assertIn(f"-B {self.path('root', folder)} ", self.calls("cmake")[0])
             self.assertTrue(self.calls("table1"))
@@ -369,14 +369,14 @@ class EndToEnd(ReproduceTest):
         self.out = self.path("my results", "of today")
         for name in (*RESULTS, "notes"):
             self.write(os.path.join(self.out, name), f"earlier {name}")
-        done = self.reproduced()
+        done = self.reproduced("--quick")
         results = {name: text.decode() for name, text in snapshot(self.out).items()}
         self.assertEqual(results.pop("notes"), "earlier notes")
         self.assertEqual(set(results), RESULTS)
         rows = json.loads(results["raw.json"])["benchmarks"]
         self.assertEqual({row["process"] for row in rows}, set(range(6)))
-        self.assertEqual(len(rows), 6 * len(one_process()["benchmarks"]))
-        self.assertEqual(len(json.loads(results["verdicts.json"])["claims"]), 16)
+        self.assertEqual(len(rows), 6 * len(one_process()["benchmarks"]) // 2)  # of two of four n
+        self.assertEqual(len(json.loads(results["verdicts.json"])["claims"]), 8)
         for name, text in results.items():
             self.assertNotIn(HOST_NAME, text, name)
         for name, start_of_it in (("txt", "Table 1"), ("md", "# Table 1"), ("tex", "% A fragment")):
@@ -385,7 +385,7 @@ class EndToEnd(ReproduceTest):
         self.assertIn(self.out, done.stderr.splitlines()[-1])
         self.assertEqual(os.listdir(self.path("tmp")), [])
         # On one screen: the table, then where it is.
-        screen = run(self.line("reproduce", "--out", self.out), env=self.surroundings(), cwd=self.folder,
+        screen = run(self.line("reproduce", "--quick", "--out", self.out), env=self.surroundings(), cwd=self.folder,
                      stderr=subprocess.STDOUT).stdout
         self.assertTrue(screen.endswith(f"{results['table.txt'].splitlines()[-1]}\nResults are in {self.out}\n"))
         configure, build = self.calls("cmake")[:2]
@@ -394,9 +394,10 @@ class EndToEnd(ReproduceTest):
         self.assertIn(f"--build {self.path('root', 'build')}", build)
 
     def test_without_out_results_are_under_results_latest(self):
-        for arguments, name in (((), "table1"), (("--quick",), "table1-quick")):
+        for arguments, name, results in ((("scaling",), "scaling", {*STUDY_RESULTS, "rough.json", "threads.json"}),
+                                         (("--quick",), "table1-quick", RESULTS)):
             self.assertEqual(self.script("reproduce", *arguments).returncode, DONE)
-            self.assertEqual(set(os.listdir(self.path("root", "results", "latest", name))), RESULTS)
+            self.assertEqual(set(os.listdir(self.path("root", "results", "latest", name))), results)
 
     def test_all_makes_a_folder_for_each_job(self):
         raw = one_process(tables=("table2", "table1"))
@@ -404,11 +405,11 @@ class EndToEnd(ReproduceTest):
             row.update(relative_error=1e-3, reference_uncertainty=1e-14)
         self.prepare("table2", raw)
         self.draws("limits", "longruns", "theorem", "claims", "turbulence")
-        told = self.reproduced("all").stderr.splitlines()
+        told = self.reproduced("all", "--quick").stderr.splitlines()
         self.assertIn("Job 2 of 9: table2", told)
         self.assertEqual(told[-1], f"All results are in {self.out}")
         found = {job: set(os.listdir(self.path("out", job))) for job in os.listdir(self.out)}
-        self.assertLessEqual({"raw.json", "report.md", "figures.json", "error_against_time.svg"}, found.pop("accuracy"))
+        self.assertLessEqual({*STUDY_RESULTS, "findings.json", "error_against_time.svg"}, found.pop("accuracy"))
         self.assertEqual(found, {"table1": RESULTS, "table2": RESULTS, "theorem": STUDY_RESULTS,
                                  "scaling": {*STUDY_RESULTS, "rough.json", "threads.json"}, "limits": STUDY_RESULTS,
                                  "longruns": STUDY_RESULTS, "turbulence": STUDY_RESULTS,
@@ -440,7 +441,7 @@ class EndToEnd(ReproduceTest):
         self.assertIn("--n 257 513", self.calls("scaling[")[-1])
 
     def test_claims_are_measured_with_avx2_kernels_too_where_there_are_others(self):
-        for path in ("integrators.json", "tables/raw.json", "theorem/figures.json", "accuracy/figures.json"):
+        for path in ("integrators.json", "tables/raw.json", "theorem/findings.json", "accuracy/findings.json"):
             self.write(f"root/results/recorded/{path}", text_of(ROOT, "results", "recorded", path))
         raw = one_process(tables=("table2", "table1"))
         raw["context"].update(blas_kernels="Haswell", products="split, avx2 kernels")
@@ -532,7 +533,7 @@ class FailedRuns(ReproduceTest):
 
     def test_rows_that_did_not_converge_are_shown_and_end_with_3(self):
         self.prepare("table1", one_process(failed=True))
-        done = self.reproduce(BENCHMARK_STATUS="3")
+        done = self.reproduce("--quick", BENCHMARK_STATUS="3")
         self.assertEqual(done.returncode, SOLVER_FAILED)
         self.assertIn("sweep cap at step 1", done.stdout)
         self.assertEqual(set(os.listdir(self.out)), RESULTS)
@@ -545,7 +546,7 @@ class FailedRuns(ReproduceTest):
         self.assertEqual(process.returncode, 128 + number)
         last = errors.splitlines()[-1]
         self.assertRegex(last, "^reproduce: (interrupted|terminated); .*the same command goes on: ")
-        self.assertIn(f"reproduce table1 --out {self.out}", last)
+        self.assertIn(f"reproduce table1 --quick --out {self.out}", last)
         self.assert_earlier_results()
         return process
 
@@ -570,7 +571,7 @@ class KilledRuns(ReproduceTest):
                 self.assert_all_end(process)
                 left = [name for name in os.listdir(self.out) if name.startswith(".unfinished")]
                 self.assertEqual(len(left), 1)
-                done = self.reproduced(job)
+                done = self.reproduced(job, "--quick")
                 self.assertNotIn("unbound variable", done.stderr)
                 found = set(os.listdir(self.out))
                 self.assertEqual({name for name in found if not name.endswith((".svg", ".png"))}, expected)
@@ -604,19 +605,19 @@ class OneAtATime(ReproduceTest):
         for job in ("table1", "limits"):
             with self.subTest(job=job), self.unchanged():
                 self.assert_refused(self.reproduce(job), "--out", self.out, "another run")
-        other = self.script("reproduce", "--out", self.path("elsewhere"))  # beside it another may run
+        other = self.script("reproduce", "--quick", "--out", self.path("elsewhere"))  # beside it another may run
         self.assertEqual(other.returncode, DONE, other.stderr)
         end(process)  # with all that it started: kill -9
         self.assert_all_end(process)  # and with it the lock that they hold
-        self.reproduced()
+        self.reproduced("--quick")
 
     def test_a_second_build_in_the_same_folder_waits(self):
         os.makedirs(self.path("root", "build"), exist_ok=True)
         with subprocess.Popen(["flock", self.path("root", "build"), "sh", "-c", "echo locked; exec sleep 600"],
                               stdout=subprocess.PIPE, start_new_session=True) as holder:
             self.assertEqual(holder.stdout.readline(), b"locked\n")
-            process = start(self.line("reproduce", "--out", self.out), env=self.surroundings(), stderr=subprocess.PIPE,
-                            stdout=subprocess.DEVNULL)
+            process = start(self.line("reproduce", "--quick", "--out", self.out), env=self.surroundings(),
+                            stderr=subprocess.PIPE, stdout=subprocess.DEVNULL)
             self.addCleanup(end, process)
             self.assertIn("Building", process.stderr.readline())
             self.assertIn("waiting for its end", process.stderr.readline())
@@ -695,6 +696,15 @@ class TestScript(CopyTest):
             self.assertIn(f"-B {self.path('root', folder)} ", self.calls("cmake")[0])
             self.assertEqual("-DISOSYRK_SANITIZE=ON" in self.calls("cmake")[0], bool(arguments))
             self.assertIn(f"--test-dir {self.path('root', folder)} ", self.calls("ctest")[0])
+
+    def test_warnings_are_errors_if_asked(self):
+        for arguments in ((), ("--sanitize",), ("--threads",)):
+            for werror in ("OFF", "ON"):
+                with self.subTest(arguments=arguments, werror=werror):
+                    self.write("calls", "")
+                    done = self.script("test", *arguments, *(("--werror",) if werror == "ON" else ()))
+                    self.assertEqual(done.returncode, DONE, done.stderr)
+                    self.assertIn(f"-DISOSYRK_WERROR={werror}", self.calls("cmake")[0])
 
     def test_rounding_is_varied_by_the_machine_built_for_and_by_a_kept_choice_of_kernels(self):
         for machine, folder, options in (

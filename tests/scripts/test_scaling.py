@@ -1,6 +1,5 @@
 """Tests of scripts/render scaling, as a user runs it, and of what its figures are made of."""
 
-import json
 import os
 import sys
 import unittest
@@ -8,7 +7,7 @@ import unittest
 from scipy.stats import spearmanr
 
 import drawing
-from programs import DONE, RENDER, environment, run, run_script, text_of
+from programs import DONE, RENDER, environment, run, run_script
 from scaling_documents import NOISE, failed, line, point, write_scaling, write_tables
 
 from lib.pages.figures import read_figures
@@ -182,29 +181,6 @@ class Refused(ScalingTest):
         self.assert_refused(run_script(*RENDERING, write_tables(self.path("raw.json"), **tables), "--out",
                                        self.path("out")), "raw.json", *parts)
         self.assertFalse(os.path.exists(self.path("out")))
-
-    def test_files_that_cannot_be_used(self):
-        self.refused("no points")
-        self.refused("sweeps and no time", points=[point(seconds=[])])
-        self.refused("times and no sweeps", points=[point(sweeps=None)])
-        self.refused("not of the same processes", points=[point()],
-                     threads=[TwoThreads(50.0, 65, "rk4_frame", 0.1, 1e-13, [1.0, 2.0], [1.0])])
-        self.assert_refused(run_script(*RENDERING, self.path("none.json"), "--out", self.path("out")), "none.json")
-
-    def test_a_further_file_of_the_smooth_scene(self):
-        path = write_scaling(self.folder)
-        self.write("rough.json", text_of(path))
-        self.assert_refused(run_script(*RENDERING, path, "--out", self.path("out")), "rough.json",
-                            "smooth scene, not of the rough one")
-        self.assertFalse(os.path.exists(self.path("out")))
-
-    def test_a_file_of_the_study_before(self):
-        path = write_scaling(self.folder)
-        document = json.loads(text_of(path))
-        document["tables"]["points"]["columns"][0] = "begin"
-        self.write("raw.json", json.dumps(document))
-        self.assert_refused(run_script(*RENDERING, path, "--out", self.path("out")), "raw.json", "points",
-                            "other columns")
 
     def test_folders_that_cannot_be_written(self):
         self.assert_refused(run_script(*RENDERING, write_scaling(self.folder), "--out", self.write("taken", "")),

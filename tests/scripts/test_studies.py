@@ -1,4 +1,5 @@
-"""Tests of what the studies share (raw file, untimed work on clusters, checkpoint), and of each as a user runs it."""
+"""Tests of what the studies share (the raw file, untimed work on clusters, the checkpoint,
+interruptions), and of the functions of scaling, accuracy and limits. Each study as a user runs it: test_every_study."""
 
 import concurrent.futures
 import importlib.util
@@ -6,7 +7,6 @@ import json
 import math
 import os
 import re
-import shutil
 import signal
 import sys
 import time
@@ -15,9 +15,7 @@ from types import SimpleNamespace
 from unittest import mock
 
 import study_documents
-from programs import (BUILD, DONE, HAS_MODULE, MEASURE, ROOT, FolderTest, end, environment, run, start, strict_json,
-                      text_of)
-from scaling_documents import write_scaling
+from programs import BUILD, DONE, HAS_MODULE, MEASURE, ROOT, FolderTest, end, environment, run, start, text_of
 from study_documents import raw, study_document
 
 from lib.programs.command_line import Stop
@@ -26,26 +24,25 @@ from lib.programs.messages import UnusableFile
 from studies.scaling import schema as scaling_table
 from lib.records.formats import FAST, PUBLISHED, listed
 from lib.records.integrators import NAMED, TABLE1_CELLS, name_with_order
-from studies.accuracy.schema import CONTENDERS, GOOD_ENOUGH, SCHEMA, Form
+from studies.accuracy.lines import FLOOR_MARGIN
+from studies.accuracy.schema import GOOD_ENOUGH, SCHEMA, Form
 from lib.records.settings import Problem
-from studies.accuracy.lines import read_accuracy
-from studies.limits.schema import read_limits
-from studies.scaling.schema import read_rough, read_scaling
 
 if HAS_MODULE:
     sys.path.insert(0, os.path.join(BUILD, "python"))
     import isosyrk
     import numpy
+    from studies.threads import plan
     from studies.accuracy import single_runs as accuracy_runs, candidates as contenders, comparisons as duels
     from lib.running import built, initial_states, problems, timed, trials
-    from lib.judging import verdicts
 
 RECORDED = os.path.join(ROOT, "results", "recorded", "accuracy", "raw.json")
 REFERENCES = os.path.join(ROOT, "results", "recorded", "references")
 HAS_DASK = importlib.util.find_spec("distributed") is not None
 NO_ANSWER, INTERRUPTED, TERMINATED = 3, 130, 143
 
-# A study of squares: a job is told in LOG, takes a while, and kills its process the first times where it is told to.
+# A study of squares, of timed points and of fresh processes: a job is told in LOG, takes a while, and kills its process
+# the first times where it is told to. So is a fresh process, which prints how many seconds it took.
 SQUARES = """
 import importlib, multiprocessing, os, sys, time
 sys.path.insert(0, %r)
@@ -75,23 +72,23 @@ def main(arguments):
     print({name for name in os.environ if os.environ[name] != before.get(name)} - {"DASK_PARENT"},
           multiprocessing.active_children(), file=sys.stderr)
     seconds = timed.interleaved([1, 3], 3, lambda point: point * 0.25, checkpoint, "turns")
-    print(squares, seconds, checkpoint.context["timed_on"])
+    def command(block, process):
+        return ["sh", "-c", f"echo process{process} >>$LOG; sleep 0.3; echo [{process + 1}.5]"]
+    times = timed.by_processes([{"rows": ["row"]}], command, lambda found: {"row": 3 - len(found["row"])}, checkpoint,
+                               "processes")
+    print(squares, seconds, checkpoint.context["timed_on"], times[0]["row"])
     checkpoint.remove()
 
 if __name__ == "__main__":
     program.run("squares", main, sys.argv[1:])
 """ % os.path.join(ROOT, "scripts")
 # 0.25 s are timed three times, 0.75 s are enough at once.
-RESULT = f"{[number**2 for number in range(12)]} {[[1 * 0.25] * 3, [3 * 0.25]]} core {max(os.sched_getaffinity(0))}\n"
+RESULT = (f"{[number**2 for number in range(12)]} {[[1 * 0.25] * 3, [3 * 0.25]]} core {max(os.sched_getaffinity(0))}"
+          " [1.5, 2.5, 3.5]\n")
+UNTIMED, TIMED = 12, 4 + 3  # results of squares; of points and processes
 
 
 class RawFile(FolderTest):
-    def assert_unusable(self, contents, *words):
-        path = self.write("raw.json", contents if isinstance(contents, str) else json.dumps(contents))
-        with self.assertRaises(UnusableFile) as caught:
-            formats.read_study(path, SCHEMA)
-        self.assert_one_line(f"{caught.exception}\n", path, *words)
-
     def test_what_was_written_is_read(self):
         study = formats.study_of(raw(study_document()), SCHEMA)
         path = self.path("raw.json")
@@ -115,51 +112,6 @@ class RawFile(FolderTest):
                 with self.subTest(value=str(value)[:9]), self.assertRaisesRegex(UnusableFile, "a thing has x"):
                     formats.checked({"x": value}, {"x": kind}, "a thing")
 
-    def test_damage(self):
-        def without(parts, name):
-            return {key: value for key, value in parts.items() if key != name}
-
-        def with_table(**changes):
-            return {**sound, "tables": {**sound["tables"], "runs": {**runs, **changes}}}
-
-        sound = raw(study_document())
-        runs = sound["tables"]["runs"]
-        columns, rows = runs["columns"], runs["rows"]
-        at = columns.index("error")
-        for damaged, *words in (
-                (json.dumps(sound)[:-1], "is not whole JSON"),
-                ([], "is no raw file of the study accuracy"), ({**sound, "study": "scaling"}, "study"),
-                *((without(sound, name), name) for name in sound),
-                *(({**sound, name: []}, name) for name in ("context", "settings", "tables")),
-                ({**sound, "settings": {}}, "quick"), ({**sound, "tables": without(sound["tables"], "runs")}, "runs"),
-                *((with_table(columns=value), "runs") for value in (None, columns[:-1], columns + ["more"])),
-                *((with_table(rows=value), "runs") for value in ({}, [7], [rows[0][:-1]])),
-                (with_table(rows=[rows[0][:at] + [-1] + rows[0][at + 1:]]), "a row of runs has error")):
-            with self.subTest(words=words):
-                self.assert_unusable(damaged, *words)
-
-    def test_integrators_of_an_older_file_are_those_of_the_recorded_list(self):
-        sound = raw(study_document())
-        table = sound["tables"]["integrators"]
-        kept = [place for place, column in enumerate(table["columns"]) if column not in formats.LATER_FIELDS]
-
-        def older(rows):
-            found = {"columns": [table["columns"][place] for place in kept],
-                     "rows": [[row[place] for place in kept] for row in rows]}
-            return {**sound, "tables": {**sound["tables"], "integrators": found}}
-
-        expected = formats.study_of(sound, SCHEMA).tables["integrators"]
-        self.assertEqual(formats.study_of(older(table["rows"]), SCHEMA).tables["integrators"], expected)
-        self.assert_unusable(older([["euler", *row[1:]] for row in table["rows"]]), "euler", "integrators.json")
-        some = {"columns": table["columns"][:-1], "rows": [row[:-1] for row in table["rows"]]}
-        self.assert_unusable({**sound, "tables": {**sound["tables"], "integrators": some}}, "other columns")
-        # A file without the table: those of its rows.
-        path = write_scaling(self.folder)
-        document = strict_json(text_of(path))
-        del document["tables"]["integrators"]
-        self.write("raw.json", json.dumps(document))
-        self.assertEqual([*read_scaling(path).identities.values()], [listed("group2")])
-
 
 class SquaresTest(FolderTest):
     def setUp(self):
@@ -178,7 +130,7 @@ class SquaresTest(FolderTest):
         self.assertFalse(os.path.exists(self.path("raw.json.checkpoint")))
 
     def begun(self):
-        """Returns how often each job was begun."""
+        """Returns how often each job and each fresh process was begun."""
         numbers = text_of(self.log).split()
         return {number: numbers.count(number) for number in numbers}
 
@@ -193,42 +145,53 @@ class Work(SquaresTest):
         self.assertIn("\nset() []\n", done.stderr)
 
     def test_an_interrupted_study_goes_on_and_leaves_no_process(self):
-        for sent, status, told, commit in ((signal.SIGINT, INTERRUPTED, "interrupted", "1"),
-                                           (signal.SIGTERM, TERMINATED, "terminated", "of another program"),
-                                           (signal.SIGKILL, -signal.SIGKILL, None, "1")):
-            with self.subTest(signal=sent):
-                process = start(self.command(), env=environment(LOG=self.log), stderr=-1)
-                try:
-                    while len(self.checkpoint()) <= 4:
-                        self.assertIsNone(process.poll())
-                        time.sleep(0.05)
-                    process.send_signal(sent)
-                    _, errors = process.communicate(timeout=20)  # until every process of it has let go of stderr
-                    self.assertEqual(process.returncode, status)
-                    if told:
-                        self.assert_one_line(re.split(r"it/s\]|s/it\]", errors)[-1].lstrip("\n"), f"squares: {told}")
-                finally:
-                    end(process)
-                begun, *finished = self.checkpoint()
-                self.assertLess(len(finished), 12)
+        """Ctrl-C, SIGTERM and kill -9, among untimed work and while a fresh process is timed."""
+        for sent, status, told, after, commit in (
+                (signal.SIGINT, INTERRUPTED, "interrupted", 4, "1"), (signal.SIGKILL, -signal.SIGKILL, "", 4, "1"),
+                (signal.SIGTERM, TERMINATED, "terminated", 4, "of another program"),
+                (signal.SIGTERM, TERMINATED, "terminated", UNTIMED + TIMED - 2, "1"),
+                (signal.SIGKILL, -signal.SIGKILL, "", UNTIMED + TIMED - 1, "1")):
+            with self.subTest(signal=sent, after=after):
+                finished = self.interrupted(sent, status, told, after)
+                begun, *results = finished
+                self.assertLess(len(results), UNTIMED + TIMED)
                 os.unlink(self.log)
                 # A last line that was cut does no harm.
-                lines = [begun.replace('"commit": "1"', f'"commit": "{commit}"'), *finished, '["squa']
+                lines = [begun.replace('"commit": "1"', f'"commit": "{commit}"'), *results, '["squa']
                 self.write("raw.json.checkpoint", "\n".join(lines))
                 done = self.squares()
                 self.assert_result(done)
-                kept = len(finished) if commit == "1" else 0
+                kept = len(results) if commit == "1" else 0
                 self.assertIn(f"going on after {kept} results" if kept else "belongs to something else", done.stderr)
-                self.assertEqual(len(self.begun()), 12 - kept)
+                timed = sum(json.loads(json.loads(line)[0])[0].startswith("turns") for line in results) if kept else 0
+                self.assertEqual(sum(self.begun().values()), UNTIMED + 3 - (kept - timed))
+                self.assertEqual(set(self.begun().values()), {1})
+                os.unlink(self.log)
+
+    def interrupted(self, sent, status, told, after):
+        """Sends a signal once a study has more than so many results, and returns the lines of its checkpoint."""
+        process = start(self.command(), env=environment(LOG=self.log), stderr=-1)
+        try:
+            while len(self.checkpoint()) <= after:
+                self.assertIsNone(process.poll())
+                time.sleep(0.02)
+            process.send_signal(sent)
+            _, errors = process.communicate(timeout=20)  # until every process of it has let go of stderr
+            self.assertEqual(process.returncode, status)
+            if told:
+                self.assert_one_line(re.split(r"it/s\]|s/it\]", errors)[-1].lstrip("\n"), f"squares: {told}")
+        finally:
+            end(process)
+        return [line for line in self.checkpoint() if line.endswith(("}", "]"))]
 
     def test_another_processor_keeps_untimed_work_and_times_anew(self):
         ends = "    print(squares, seconds,"
-        for cpu, anew in ((None, 0), ("another", 4)):
+        for cpu, anew in ((None, 0), ("another", TIMED)):
             with self.subTest(cpu=cpu):
                 self.write("squares.py", SQUARES.replace(ends, f"    raise KeyboardInterrupt\n{ends}"))
                 self.assertEqual(self.squares().returncode, INTERRUPTED)
                 begun, *finished = self.checkpoint()
-                self.assertEqual(len(finished), 12 + 4)
+                self.assertEqual(len(finished), UNTIMED + TIMED)
                 if cpu:
                     begun = begun.replace('"context": {', f'"context": {{"cpu": "{cpu}", ')
                     finished = [line.replace("on None", f"on {cpu}") for line in finished]
@@ -238,9 +201,11 @@ class Work(SquaresTest):
                 self.write("squares.py", SQUARES.replace(ends, counted + ends))
                 done = self.squares()
                 self.assert_result(done)
-                self.assertFalse(os.path.exists(self.log))  # no square was done again
+                # No square was done again.
+                again = set(text_of(self.log).split()) if os.path.exists(self.log) else set()
+                self.assertEqual(again, {"process0", "process1", "process2"} if cpu else set())
                 self.assertEqual("begun on another processor" in done.stderr, bool(cpu))
-                self.assertRegex(done.stderr, f"\\n{16 + anew}\\n")
+                self.assertRegex(done.stderr, f"\\n{UNTIMED + TIMED + anew}\\n")
 
     def test_sigterm_ends_a_study_also_within_what_catches_every_exception(self):
         catching = "try:\n        os.kill(os.getpid(), 15)\n    except Exception:\n        pass\n    options ="
@@ -336,50 +301,6 @@ class StudyTest(FolderTest):
         return path
 
 
-class Limits(StudyTest):
-    # Critical h‖B‖₂ of published forms in the smooth scene at n = 17, found by an independent earlier program, which
-    # judged the energy to a factor of two. These methods do not lose it before the step fails.
-    CRITICAL = {"group2": 1.54, "algebra1": 1.23}
-
-    def test_critical_steps_and_those_that_survived(self):
-        names = ("group2", "algebra1", "rk4", "rkmk4")
-        found = read_limits(self.made("limits", "--n", "17", "--scene", "smooth", "--solver", "published",
-                                      "--integrator", *names))
-        self.assertEqual(set(found.lines), {("published", "smooth", 17, name) for name in names})
-        for name, expected in self.CRITICAL.items():
-            own = found.lines["published", "smooth", 17, name].limits[0].works
-            self.assertLess(max(own, expected) / min(own, expected), 1.05)  # two bisections to 2 and 3 %
-        for key, line in found.lines.items():
-            with self.subTest(key):
-                self.assertEqual([limit.state for limit in line.limits], list(range(initial_states.STATES)))
-                for limit in line.limits:
-                    outcomes = [outcome for _, outcome in limit.trials(found.settings.grid_step)]
-                    self.assertTrue(1 < limit.fails / limit.works <= 1.0301)
-                    self.assertEqual((outcomes[0], "converged" in outcomes[-4:]), ("converged", False))
-                survived = found.survived[key]
-                self.assertTrue(1 < survived.fails / survived.works <= 1.1001)
-                self.assertLessEqual(survived.works, line.limits[0].works)
-                self.assertLessEqual(survived.energy_error, trials.ENERGY_LOSS)
-        self.assertAlmostEqual(found.theory["smooth", 17, "group2"], 12**0.5)
-        self.assertNotIn(("smooth", 17, "rkmk4"), found.theory)
-        # RK4 loses the spectrum, long before linear theory says that it fails; RKMK4 loses the energy.
-        self.assertEqual(found.lines["published", "smooth", 17, "rk4"].fails_as, ["spectrum lost"])
-        self.assertLess(found.own("published", "smooth", 17, "rk4"), 0.6 * found.theory["smooth", 17, "rk4"])
-        self.assertEqual(found.lines["published", "smooth", 17, "rkmk4"].fails_as, ["energy lost"])
-
-    def test_fast_forms_work_with_longer_steps_and_a_repeated_run_gives_the_same(self):
-        arguments = ("--n", "17", "--scene", "smooth", "--integrator", "group2")
-        first, again = (self.made("limits", *arguments, file=file) for file in ("first.json", "again.json"))
-        found = read_limits(first)
-        fast, published = (found.own(solver, "smooth", 17, "group2") for solver in ("fast", "published"))
-        self.assertGreater(fast, 1.4 * published)
-        self.assertEqual(found.lines, read_limits(again).lines)
-
-    def test_nothing_left_to_try_is_refused(self):
-        self.assert_refused(self.script("limits", "--out", self.path("out"), "--n", "257", "--integrator", "rkmk4"),
-                            "nothing is tried")
-
-
 class Scaling(StudyTest):
     def setUp(self):
         super().setUp()
@@ -392,44 +313,6 @@ class Scaling(StudyTest):
     def point(self, **values):
         return {"scene": "smooth", "start": 5.0, "n": 17, "integrator": "group2", "rung": "fast", "step": 0.1,
                 "tolerance": 1e-13, "steps": 8, "products": "eigen", **values}
-
-    def test_every_rung_from_both_starts(self):
-        found = read_scaling(self.made("scaling", "--n", "9", "--integrator", "group1", "elp4", "rk4", "--repetitions",
-                                       "2"))
-        expected = [(at, 9, name, rung) for at in (5.0, 50.0)
-                    for name in ("group1", "elp4", "rk4") for rung in scaling_table.rungs_of(listed(name))]
-        self.assertEqual(sorted(found.points), sorted(expected))
-        self.assertEqual({len(point.seconds) for point in found.points.values()}, {2})
-        self.assertIn("timed_on", found.context)
-        self.assertEqual((found.memory, found.threads), ([], []))
-        self.assertEqual({key for key in found.rates}, {(9, "fast"), (9, "published")})
-        for at in found.starts():
-            sweeps = {rung: point.sweeps for (begin, _, name, rung), point in found.points.items()
-                      if (begin, name) == (at, "group1")}
-            # From a cold start: products that round otherwise end a step a sweep sooner or later, not every step.
-            self.assertLess(abs(sweeps["without any"] - sweeps["published"]), 1)
-            self.assertLess(sweeps["fast"], 0.5 * sweeps["published"])
-            steps = {(point.integrator, point.step, point.tolerance) for point in found.points.values()}
-            self.assertEqual(steps, {("group1", 0.1, 1e-13), ("elp4", 0.25, 1e-8), ("rk4", 0.1, 1e-13)})
-            for rung in scaling_table.rungs_of(listed("elp4")):
-                point = found.points[at, 9, "elp4", rung]
-                if rung in ("published", "without any", "without either start", "without graded series"):
-                    fast = found.points[at, 9, "elp4", "fast"].equivalent_products
-                    self.assertGreater(point.equivalent_products, 1.05 * fast, (at, rung))
-
-    def test_another_scene_and_one_start(self):
-        found = read_rough(self.made("scaling", "--n", "9", "--scene", "rough", "--start", "5", "--integrator",
-                                     "rk4_frame", "group2_frame", "--repetitions", "1"))
-        self.assertEqual({start for start, *_ in found.points}, {5.0})
-        # Steps of another flow: the fast form forms other numbers of products.
-        (point,) = (each for each in self.scaling.points_of(built.entries(["group2_frame"]), [9], lambda n: "eigen",
-                                                           "rough", (5.0,)) if each["rung"] == "fast")
-        counted = {}
-        for scene in ("smooth", "rough"):
-            (W,) = self.scaling.states_of(scene, 9, (3.5,)).values()
-            counted[scene] = self.scaling.count({**point, "scene": scene}, W)["sweeps"]
-        self.assertEqual(found.points[5.0, 9, "group2_frame", "fast"].sweeps, counted["rough"])
-        self.assertNotEqual(counted["rough"], counted["smooth"])
 
     def test_states_are_those_of_the_flow(self):
         states = self.scaling.states_of("smooth", 17, (3.5, 5.0, 50.0))
@@ -528,31 +411,12 @@ class Scaling(StudyTest):
 
     def test_short_memory_leaves_out_the_largest_n_and_tells(self):
         for free, largest, told in ((1e12, 1025, 0), (1e9, 513, 1)):
-            with mock.patch.object(self.scaling, "free_memory", lambda: free), \
-                    mock.patch.object(self.scaling, "say") as say:
+            with mock.patch.object(plan, "free_memory", lambda: free), \
+                    mock.patch.object(plan, "say") as say:
                 self.assertEqual(max(self.scaling.sizes_asked_for(self.options())), largest)
                 self.assertEqual(say.call_count, told)
         self.assertEqual(max(self.scaling.sizes_asked_for(self.options(no_large=True))), 129)
-        self.assertGreater(self.scaling.free_memory(), 1e6)
-
-
-class Refusals(StudyTest):
-    def test_bad_arguments(self):
-        for name, arguments, *parts in (
-                ("scaling", ("--n", "4"), "--n", "5 to 1025"), ("scaling", ("--workers", "0"), "--workers"),
-                ("scaling", ("--scheduler", "here"), "--scheduler", "'here'"), ("scaling", ("--scale",), "--scale"),
-                ("scaling", ("--out", self.folder), "--out", self.folder),
-                ("scaling", ("--integrator", "euler"), "'euler'", "rkmk4"),
-                ("scaling", ("--scene", "developed"), "--scene", "rough"),
-                ("scaling", ("--start", "7"), "--start", "50"), ("scaling", ("--n", "1026"), "--n", "5 to 1025"),
-                ("scaling", ("--repetitions", "none"), "--repetitions"),
-                ("limits", ("--scene", "calm"), "calm", "smooth"), ("limits", ("--solver", "slow"), "--solver"),
-                ("accuracy", ("--integrator", "euler"), "'euler'", "rkmk4"),
-                ("references", ("--integrator", "rk4"), "--integrator"),
-                ("references", ("--n", "21", "--scene", "rough"), "no problem")):
-            with self.subTest(program=name, arguments=arguments):
-                self.assert_refused(self.script(name, "--out", self.path("out"), *arguments), *parts)
-                self.assertEqual(os.listdir(self.folder), [])
+        self.assertGreater(plan.free_memory(), 1e6)
 
 
 def accuracy_of_lines(seconds):
@@ -571,95 +435,12 @@ def accuracy_of_lines(seconds):
 
 
 class Accuracy(StudyTest):
-    INTEGRATORS = ["group2", "rk4", "group2_frame", "rk4_frame", "elp4_frame"]
-    ARGUMENTS = ("--n", "17", "--scene", "smooth", "--time", "5", "--integrator", *INTEGRATORS, "--repetitions", "2",
-                 "--processes", "2")
     PROBLEM = Problem("smooth", 5.0, 17)
-
-    def study(self, file, *arguments):
-        return read_accuracy(self.made("accuracy", *self.ARGUMENTS, *arguments, file=file))
 
     def setUp(self):
         super().setUp()
         from studies.accuracy import run as accuracy
         self.accuracy = accuracy
-
-    def test_counts_and_errors_are_those_of_the_recorded_study(self):
-        found, recorded = self.study("raw.json"), read_accuracy(RECORDED)
-        self.assertEqual((list(found.integrators), found.problems()), (self.INTEGRATORS, [self.PROBLEM]))
-        self.assertEqual(len(found.forms()), 6)  # one has a loose tolerance too
-        pairs = list(zip(found.tolerance_runs, [run for run in recorded.tolerance_runs
-                                                if (run.integrator, run.n) == ("group2", 17)]))
-        for form in found.forms():
-            here, there = (study.line(self.PROBLEM, *form) for study in (found, recorded))
-            self.assertLessEqual(abs(len(here) - len(there)), 1)  # rounding decides where a line is at its floor
-            pairs += zip(here, there)
-        for here, there in pairs:
-            with self.subTest(form=here.form, solver=here.solver, steps=here.steps):
-                # How a run fails that does not contract is for rounding to decide; that it fails is not.
-                self.assertEqual(*((run.steps, run.tolerance, run.usable, run.beyond_limit) for run in (here, there)))
-                self.assert_counts_of_other_kernels(here, there)
-                if there.usable and there.error > max(1e-10, 100 * here.tolerance):
-                    self.assertLess(abs(here.error / there.error - 1), 1e-3)
-                self.assertIn(len(here.cpu_seconds), (1, 2) if here.usable else (0,))
-        self.assertLessEqual({"commit", "cpu", "product_rate", "timed_on"}, set(found.context))
-        # What the study wrote is what the same kernels count in a run of their own.
-        scene = isosyrk.scene("smooth", n=17)
-        converged = [each for name in ("group2", "elp4_frame", "rk4") for each in found.line(self.PROBLEM, name)
-                     if each.usable]
-        self.assertGreater(len(converged), 30)
-        for each in converged:
-            method = isosyrk.integrator(scene, each.integrator, solver=each.solver, tolerance=each.tolerance)
-            _, report = method.run(scene.initial, 5.0 / each.steps, each.steps)
-            self.assertEqual((each.sweeps, each.products), (report.sweeps, report.products), each)
-
-    def assert_counts_of_other_kernels(self, here, there):
-        """Counts of a run are those that other kernels recorded, but for sweeps that rounding moves.
-
-        An iteration ends a sweep sooner or later where its last change lies near the tolerance: in some steps, not in
-        all, so that one sweep more in every step is seen. The work moves with it, by a sweep's share a step. At a
-        tolerance near rounding, where changes stop to fall, rounding alone decides. Steps of 2.5 begin far from the
-        solution, where since the record was made sweeps with B frozen follow Picard sweeps that grow.
-        """
-        if not there.sweeps:  # explicit methods
-            self.assertEqual((here.sweeps, here.products), (there.sweeps, there.products))
-        elif there.usable and here.tolerance >= 1e-13 and here.steps > 2:
-            self.assertLess(abs(here.sweeps - there.sweeps), here.steps)
-            self.assertLess(abs(here.products - there.products), here.steps * there.products / there.sweeps)
-
-    def test_counts_of_other_kernels_can_be_told_from_those_of_another_method(self):
-        recorded = read_accuracy(RECORDED).line(self.PROBLEM, "group2")
-        run = next(each for each in recorded if each.steps == 50)
-        for changes in ({"sweeps": run.sweeps + run.steps}, {"products": 2 * run.products}):
-            with self.assertRaises(AssertionError):
-                self.assert_counts_of_other_kernels(run._replace(**changes), run)
-        (explicit,) = (each for each in read_accuracy(RECORDED).line(self.PROBLEM, "rk4") if each.steps == 50)
-        with self.assertRaises(AssertionError):
-            self.assert_counts_of_other_kernels(explicit._replace(products=explicit.products + 1), explicit)
-
-    def test_duels_take_the_steps_that_reach_the_error_with_least_work(self):
-        found = self.study("raw.json")
-        self.assertEqual({wanted for _, wanted in found.duels}, set(duels.WANTED))
-        for wanted in duels.WANTED:
-            duel = found.duel(self.PROBLEM, wanted)
-            self.assertEqual(set(duel), {"explicit", "rk4", "gauss", "gauss_loose", "elp", "elp_bounded",
-                                         *(["gauss_published"] if wanted == duels.WANTED_PUBLISHED else
-                                           ["gauss_matched", "elp_matched"])})
-            for contender, row in duel.items():
-                with self.subTest(wanted=wanted, contender=contender):
-                    self.assertTrue(listed(row.integrator).co_rotating)
-                    self.assertLessEqual(row.error, wanted)
-                    self.assertEqual(len(row.cpu_seconds), 2)
-                    job = {**self.PROBLEM._asdict(), "integrator": row.integrator, "solver": row.solver,
-                           "references": REFERENCES}
-                    setting = accuracy_runs.Setting(job)
-                    run, _ = setting.look(setting.method(row.tolerance), row.steps, row.tolerance)
-                    self.assertLess(abs(run.error / row.error - 1), 1e-3 + 100 * row.tolerance / row.error)
-        duel = found.duel(self.PROBLEM, 1e-4)
-        for loose, matched in (("gauss_loose", "gauss_matched"), ("elp", "elp_matched")):
-            row = duel[matched]
-            self.assertEqual(row.tolerance, 1e-6)
-            self.assertLess(row.equivalent_products, duel[loose].equivalent_products)
 
     def test_how_the_steps_of_a_duel_are_sought(self):
         # One step less errs by more.
@@ -772,15 +553,6 @@ class Accuracy(StudyTest):
                                           (Problem("smooth", 50.0, 17), 1e-6, False)):
             self.assertEqual(duels.is_published_duel(problem, wanted), competes)
 
-    def test_of_close_methods_the_fastest_stands(self):
-        row = {**self.PROBLEM._asdict(), "wanted": 1e-6, "solver": FAST, "steps": 9}
-        two = {**row, "contender": "gauss", "integrator": "group2_frame"}
-        three = {**two, "integrator": "group3_frame"}
-        other = {**row, "contender": "rk4", "integrator": "rk4_frame"}
-        self.assertEqual(duels.standing([two, three, other], [9.0, 8.0, 8.5]), [three, other])
-        self.assertEqual(duels.standing([three, two, {**two, "wanted": 1e-4}], [8.0, 9.0, 9.0]),
-                         [three, {**two, "wanted": 1e-4}])
-
     def test_how_a_line_ends(self):
         job = {**self.PROBLEM._asdict(), "solver": FAST, "references": REFERENCES, "quick": False,
                "table1_step": False}
@@ -793,6 +565,22 @@ class Accuracy(StudyTest):
                 self.assertEqual(errors[-1] < GOOD_ENOUGH, ends == "below")
         line = self.accuracy.draw_line({**job, "integrator": "group1", "tolerance": 1e-13, "table1_step": True})
         self.assertEqual(([run["steps"] for run in line["runs"]], line["end"]), ([50], "alone"))
+
+    def test_an_error_that_the_reference_does_not_tell_from_none_ends_a_line_and_so_does_one_that_is_small_enough(self):
+        for uncertainty, error, ends in ((1e-3, 0.9e-3 * FLOOR_MARGIN, "floor"), (1e-3, 1.1e-3 * FLOOR_MARGIN, None),
+                                         (1e-20, 0.9 * GOOD_ENOUGH, "below")):
+            self.assertEqual(self.accuracy.end_of([SimpleNamespace(error=error)], uncertainty, 4), ends)
+
+    def test_out_of_the_frame_and_in_the_quick_study_less_work_is_enough_and_more_in_long_runs(self):
+        def least(integrator="rk4_frame", time=5.0, quick=False, n=17):
+            """Returns the equivalent products from which a line is cut."""
+            return min(products for products in (2.0**k for k in range(60)) if self.accuracy.took_enough(
+                SimpleNamespace(integrator=integrator, time=time, n=n, equivalent_products=products), quick))
+
+        self.assertLess(least("rk4"), least())
+        self.assertLess(least(quick=True), least())
+        self.assertGreater(least(time=50.0), least())
+        self.assertLess(least(n=129), least(n=65))  # a product is dearer
 
     def test_which_lines_a_problem_has(self):
         every = built.entries(None, frames=True)
@@ -830,22 +618,6 @@ class Accuracy(StudyTest):
         self.assertLessEqual({*TABLE1_CELLS, "yoshida4", "rk4_frame", "rk8_frame", "elp6_frame", "group4_frame"},
                              {each.name for each in quick})
         self.assertLess(3 * len(quick), len(known))
-        arguments = ("--quick", "--n", "17", "--scene", "rough")
-        path = self.made("accuracy", *arguments)
-        self.assertEqual(strict_json(text_of(path))["settings"], {"quick": True})
-        found = read_accuracy(path)
-        self.assertEqual(found.problems(), [Problem("rough", 5.0, 17)])
-        self.assertEqual(list(found.integrators.values()), quick)
-        drawn = {run.integrator for run in found.runs}
-        self.assertEqual(drawn, {each.name for each in quick if each.co_rotating})  # others: the main problem
-        self.assertLessEqual({run.steps for run in found.runs}, set(accuracy.COARSE_STEPS))
-        for problem, *form in found.lines:
-            self.assertGreaterEqual(len(found.line(problem, *form)), 4)
-        # Every contender has a row, each by enough processes for a verdict.
-        for duel in found.duels.values():
-            self.assertEqual({*duel, "gauss_published", "named_published", "gauss_matched", "elp_matched", "other"},
-                             {*CONTENDERS})
-            self.assertEqual({len(row.cpu_seconds) for row in duel.values()}, {verdicts.FEWEST})
 
     def test_methods_have_names_of_their_own(self):
         for name, expected in (("group2", "group2 (order 4)"), ("algebra2_frame", "algebra2 (order 4)"),
@@ -853,42 +625,6 @@ class Accuracy(StudyTest):
                                ("rk4_projected_frame", "rk4_projected"), ("elp6", "elp6"),
                                ("kahan_li6_frame", "kahan_li6")):
             self.assertEqual(name_with_order(listed(name)), expected)
-
-    @unittest.skipUnless(HAS_DASK, "this Python has no distributed (python3-distributed)")
-    def test_a_cluster_gives_what_this_machine_gives(self):
-        here, there = self.study("here.json"), self.study("there.json", "--scheduler", start_cluster(self))
-        for runs in ("runs", "tolerance_runs"):
-            self.assertEqual(*([run._replace(cpu_seconds=()) for run in getattr(study, runs)]
-                               for study in (here, there)))
-        self.assertEqual(here.ends, there.ends)
-
-    def test_references_that_are_kept_missing_or_of_another_scene(self):
-        asked = ("--scene", "smooth", "developed", "--time", "5", "--n")
-        folder = self.made("references", *asked, "17", file="references")
-        listed = os.path.join(folder, "references.json")
-        text = text_of(listed)
-        self.assertLess(strict_json(text)["references"][0]["uncertainty"], 1e-12)
-
-        def again():
-            return self.script("references", "--out", folder, *asked, "17").stderr
-
-        def refused(*parts, n="17"):
-            self.assert_refused(self.script("accuracy", "--references", folder, "--out", self.path("raw.json"), *asked,
-                                            n),
-                                *parts)
-
-        self.assertEqual(again().count("n = 17: kept"), 2)
-        refused("n = 33", "measure references --n 33", n="33")
-        self.write("references/references.json", text.replace('"scene": "smooth"', '"scene": "rough"'))
-        refused("references.json", "scene")
-        os.unlink(os.path.join(folder, "smooth_n17.npy"))
-        self.write("references/references.json", text)
-        refused("smooth_n17.npy", "cannot be read")
-        self.assertIn("n = 17: computed", again())
-        # Initial data of the developed scene that are not those whose energies are listed.
-        shutil.copy(os.path.join(folder, "developed_t5", "developed_n17.npy"),
-                    os.path.join(folder, "developed_t5", "initial_n17.npy"))
-        refused("initial_n17.npy", "energies")
 
 
 @unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")
@@ -914,30 +650,6 @@ class Trials(unittest.TestCase):
         for error, expected in ((0.11, "energy lost"), (0.09, "converged"), (math.nan, "energy lost")):
             with self.subTest(error=error), mock.patch.object(setting, "energy_error", return_value=error):
                 self.assertEqual(method.outcome(0.25), expected)
-
-    @staticmethod
-    def tried(*stretches):
-        """Returns a trial that works in some stretches of h‖B‖ and diverges elsewhere."""
-        return lambda value: "converged" if any(low <= value <= high for low, high in stretches) else "diverged"
-
-    def test_grid_and_bisection(self):
-        for edge in (0.1, 0.7, 3.0, 20.0):
-            outcomes, (works, fails, status) = trials.critical(self.tried((0, edge)))
-            self.assertTrue(works <= edge < fails <= 1.03 * works, edge)
-            self.assertEqual((status, list(outcomes.values())[-4:]), ("diverged", ["diverged"] * 4))
-        # An island beyond the first failure is seen, and is not the limit.
-        outcomes, (works, _, _) = trials.critical(self.tried((0, 1.5), (2.5, 6.0)))
-        self.assertLess(works, 1.5)
-        self.assertTrue(any(value > 2.5 and outcome == "converged" for value, outcome in outcomes.items()))
-        self.assertIsNone(trials.critical(self.tried())[1])  # nothing works
-        self.assertIsNone(trials.critical(self.tried((0, 1e9)))[1])  # nothing fails
-
-    def test_the_step_that_survived_is_the_critical_one_or_shorter(self):
-        bracket = (1.0, 1.03, "diverged")
-        self.assertEqual(trials.survived(self.tried((0, 1.0)), bracket), bracket)
-        works, fails, _ = trials.survived(self.tried((0, 0.4)), bracket)
-        self.assertTrue(works <= 0.4 < fails <= 1.1 * works)
-        self.assertIsNone(trials.survived(self.tried(), bracket))
 
 
 @unittest.skipUnless(HAS_MODULE, "the module is not built, because pybind11 was not found")

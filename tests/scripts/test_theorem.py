@@ -1,22 +1,16 @@
-"""Tests of the plain formulations, of where the theorem ends, and of its study and report as a user runs them.
+"""Tests of the plain formulations, of where the theorem ends, of what its study times, and of its report.
 
 Run with: python3 -m unittest test_theorem (in tests/scripts; the module is that of ISOSYRK_BUILD, or of build/)
 """
 
-import collections
-import itertools
 import json
 import os
-import signal
-import subprocess
 import sys
-import time
 import types
 import unittest
 from unittest import mock
 
-from programs import (BUILD, DONE, FORMULATIONS, MEASURE, RENDER, ROOT, FolderTest, end, environment, run, run_script,
-                      snapshot, start)
+from programs import BUILD, FORMULATIONS, RENDER, FolderTest
 
 sys.path.insert(0, os.path.join(BUILD, "python"))
 import numpy as np
@@ -27,15 +21,12 @@ from lib.programs.command_line import NO_ANSWER, Stop
 from lib.records import formats
 from lib.running import timed
 from lib.running.checkpoint import Checkpoint
-from studies.theorem import schema as theorem_table
 from studies.theorem import run as theorem
 from lib.pages.document import Table, as_markdown
 from lib.running.fresh_process import MOST_SWITCHES, MOST_TRIES, Disturbance
-from lib.programs.messages import UnusableFile
 from studies.theorem.plain_forms import dagger, gauss
 from studies.theorem.report import rendered
-from studies.theorem.schema import (NOTHING, PAIRS, PRINTED_K, PRINTED_W, SCHEMA, Coincidence, Settings, Timed,
-                                    read_theorem)
+from studies.theorem.schema import NOTHING, PAIRS, PRINTED_K, PRINTED_W, SCHEMA, Coincidence, Settings, Timed
 from lib.judging.verdicts import FEWEST, MORE, MOST
 
 RENDERING = RENDER, "theorem"
@@ -188,7 +179,8 @@ class ByProcesses(FolderTest):
             block, process = told
             self.ran_on = core
             self.runs.append((block["scene"], tuple(block["rows"]), process))
-            if fails:
+            if fails:  # though it has printed times
+                stdout.write(json.dumps([1.0] * len(block["rows"])).encode())
                 stderr.write(b"a long story\nno such scene\n")
                 return 1, QUIET
             # A run that is repeated gives other times.
@@ -397,118 +389,6 @@ class Report(FolderTest):
         self.assertFalse([key for key in found if "yoshida4" in key])  # whose times the report has
         for value in found.values():
             self.assertTrue(np.isfinite(value))
-
-    def test_files_that_contradict_themselves_are_refused(self):
-        def changed(index, **changes):
-            return {"cost": [row._replace(**changes) if k == index else row for k, row in enumerate(cost)]}
-
-        cost = self.study.tables["cost"]
-        for tables, message in (
-                (changed(0, seconds=()), "with sweeps and no time"), (changed(0, sweeps=None), "times and no sweeps"),
-                (changed(0, seconds=cost[0].seconds[:-1]), "not timed by the same processes"),
-                ({"ends": []}, "no rows of ends"), ({"coincidence": []}, "no rows of coincidence")):
-            with self.subTest(message=message):
-                path = self.path("raw.json")
-                formats.write_study(path, SCHEMA, {}, self.study.settings, {**self.study.tables, **tables})
-                with self.assertRaisesRegex(UnusableFile, message) as caught:
-                    read_theorem(path)
-                self.assert_one_line(f"{caught.exception}\n", path)
-
-
-class Study(FolderTest):
-    ARGUMENTS = ("--quick", "--n", "9", "17", "--processes", "1", "--integrator", "group2", "algebra2", "yoshida4",
-                 "--scene", "rigid_body", "spin_chain")
-
-    def command(self, *arguments):
-        return [sys.executable, "-B", MEASURE, "theorem", *arguments]
-
-    def script(self, *arguments):
-        return run(self.command(*arguments), env=environment(ISOSYRK_BUILD=BUILD), timeout=240)
-
-    def test_it_runs_and_is_rendered(self):
-        path = self.path("raw.json")
-        done = self.script("--out", path, *self.ARGUMENTS)
-        self.assertEqual((done.returncode, done.stdout, os.listdir(self.folder)), (DONE, "", ["raw.json"]), done.stderr)
-        tables = formats.read_study(path, SCHEMA).tables
-        blocks = {(scene, n, norm) for scene, n in (("rigid_body", 9), ("rigid_body", 17), ("spin_chain", 32),
-                                                    ("spin_chain", 64)) for norm in (0.1, 0.5)}
-        for name, methods, forms in (("cost", ["s = 2"], ["group", "algebra"]), ("dirk", ["yoshida4"], FORMULATIONS)):
-            self.assertEqual({(row.scene, row.n, row.h_norm_B, row.method, row.formulation) for row in tables[name]},
-                             {(*block, *pair) for block in blocks for pair in itertools.product(methods, forms)})
-        # The substeps of Yoshida's scheme are longer than h: on the chain the midpoint's sweeps do not contract at 0.5.
-        diverging = [row for row in tables["dirk"] if (row.scene, row.h_norm_B) == ("spin_chain", 0.5)]
-        self.assertEqual({row[5:] for row in diverging}, {(None, None, None, ())})
-        for name in ("cost", "dirk"):
-            differences = collections.defaultdict(list)
-            for block in theorem_table.comparisons([row for row in tables[name] if row not in diverging]).values():
-                rows = {row.formulation: row for row in block}
-                for form, row in rows.items():
-                    self.assertEqual((len(row.seconds), row.difference > 0), (1, form != "algebra"), row)
-                    self.assertLess(row.difference, 1e-11)
-                    differences[form].append(row.difference)
-                self.assertNotEqual(rows["group"].products, rows["algebra"].products)
-            # What is compared with the form on g is another form: rounding tells, though not in every block.
-            self.assertEqual(len(set(map(tuple, differences.values()))), len(differences))
-        for row in tables["coincidence"]:
-            self.assertLess(row.difference, row.bound)
-        failed = [(row.scene, row.stages, row.h_norm_B) for row in tables["coincidence"] if None in row.sweeps]
-        self.assertEqual((len(tables["coincidence"]), failed), (18, [("spin_chain", 1, 0.6)]))
-        shown = run_script(*RENDERING, path, "--out", self.path("report"))
-        self.assertEqual((shown.returncode, shown.stdout, shown.stderr), (DONE, "", ""))
-        files = snapshot(self.path("report"))
-        self.assertEqual(set(files), {"report.md", "figures.json"})
-        report = files["report.md"].decode("utf-8")
-        for part in ("timed in 1 processes", "no step", "ISOSYRK, K", "one of order 1", "footnote, yoshida4"):
-            self.assertIn(part, report)
-        self.assertTrue(json.loads(files["figures.json"]))
-
-    def test_an_interrupted_study_goes_on_with_the_processes_it_has(self):
-        path, processes = self.path("raw.json"), 12  # of two blocks: enough to be interrupted in time
-        arguments = ("--out", path, "--quick", "--n", "9", "--processes", str(processes), "--integrator", "group1",
-                     "algebra1", "--scene", "rigid_body")
-        started = start(self.command(*arguments), environment(ISOSYRK_BUILD=BUILD), stdout=subprocess.DEVNULL,
-                        stderr=subprocess.DEVNULL)
-        self.addCleanup(end, started)
-        timed = []
-        while len(timed) < 2 and started.poll() is None:
-            time.sleep(0.02)
-            timed = self.timed()
-        started.send_signal(signal.SIGTERM)
-        self.assertEqual(started.wait(20), 143)
-        self.assertEqual(os.listdir(self.folder), ["raw.json.checkpoint"])
-        timed = self.timed()
-        self.assertLess(len(timed), 2 * processes)
-        done = self.script(*arguments)
-        self.assertEqual((done.returncode, os.listdir(self.folder)), (DONE, ["raw.json"]), done.stderr)
-        self.assertIn("going on after", done.stderr)
-        rows = formats.read_study(path, SCHEMA).tables["cost"]
-        self.assertEqual(len(rows), 4)
-        self.assertTrue(all(FEWEST <= len(row.seconds) <= processes for row in rows))
-        times = {second for row in rows for second in row.seconds}
-        for seconds in timed:
-            self.assertLessEqual(set(seconds), times)
-
-    def timed(self):
-        """Returns the seconds of the processes in the checkpoint."""
-        try:
-            with open(self.path("raw.json.checkpoint"), encoding="utf-8") as file:
-                lines = [line for line in file if line.endswith("\n")][1:]
-        except FileNotFoundError:
-            return []
-        return [result["seconds"] for key, result in map(json.loads, lines) if json.loads(key)[0].startswith("timing")]
-
-    def test_bad_arguments_and_foreign_files(self):
-        for arguments, *parts in ((("--scene", "calm"), "'calm'", "spin_chain"), (("--n", "4"), "--n", "5 to 513"),
-                                  (("--integrator", "rk4"), "--integrator 'rk4'", "kahan_li6"),
-                                  (("--processes", "0"), "--processes"), (("--out", self.folder), "--out")):
-            with self.subTest(arguments=arguments):
-                self.assert_refused(self.script("--out", self.path("raw.json"), *arguments), *parts)
-        self.assertEqual(os.listdir(self.folder), [])
-        scaling = os.path.join(ROOT, "results", "recorded", "scaling", "raw.json")
-        self.assert_refused(run_script(*RENDERING, scaling, "--out", self.path("report")),
-                            "scaling/raw.json", "is no raw file of the study theorem")
-        self.assert_refused(run_script(*RENDERING, self.path("none.json"), "--out", self.path("report")),
-                            "none.json", "cannot be read")
 
 
 if __name__ == "__main__":

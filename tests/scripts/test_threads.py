@@ -1,6 +1,5 @@
 """Tests of the study of what threads gain, and of its section in the report of `scaling`."""
 
-import json
 import os
 import random
 import signal
@@ -10,8 +9,8 @@ import unittest
 from unittest import mock
 
 import drawing
-from programs import (BUILD, DONE, HAS_MODULE, MEASURE, PATIENCE, RENDER, SANITIZED, FolderTest, end, environment,
-                      program, run_script, start, text_of)
+from programs import (BUILD, DONE, HAS_MODULE, MEASURE, PATIENCE, RENDER, SANITIZED, end, environment, FolderTest,
+                      start, text_of)
 from programs import run as run_command
 from scaling_documents import point, write_tables
 from threads_documents import NOISE, run, write_threads
@@ -131,40 +130,6 @@ class Judgement(FolderTest):
         self.assertAlmostEqual(found.gain(four).ratio, 4 / 3)
 
 
-class Refused(FolderTest):
-    def refused(self, document, *parts):
-        self.write("threads.json", json.dumps(document))
-        self.assert_refused(run_script(*RENDERING, write_tables(self.path("raw.json"), points=[point()]), "--out",
-                                       self.path("out")), "threads.json", *parts)
-        self.assertFalse(os.path.exists(self.path("out")))
-
-    def test_damage(self):
-        sound = text_of(write_threads(self.path("threads.json"), [run(), run(2)]))
-        columns = json.loads(sound)["tables"]["runs"]["columns"]
-
-        def changed(row, name, value):
-            document = json.loads(sound)
-            document["tables"]["runs"]["rows"][row][columns.index(name)] = value
-            return document
-
-        for document, *parts in (
-                ([], "no raw file of the study threads"), ({**json.loads(sound), "study": "scaling"}, "study"),
-                (changed(0, "threads", 2), "twice"), (changed(0, "threads", 4), "none by one thread"),
-                (changed(1, "integrator", "rk8_frame"), "rk8_frame without its integrator"),
-                (changed(1, "seconds", [0.1]), "not of the same processes"),
-                (changed(1, "same", [True]), "not of the same processes"),
-                (changed(1, "serial", [1.5] * 6), "serial", "a share from 0 to 1"),
-                (changed(1, "same", [1] * 6), "same", "true or false"),
-                (changed(1, "seconds", [0.0] * 6), "seconds")):
-            with self.subTest(parts=parts):
-                self.refused(document, *parts)
-        document = json.loads(sound)
-        for row in document["tables"]["runs"]["rows"]:
-            for name in ("seconds", "looking", "operations", "serial", "waiting", "same"):
-                row[columns.index(name)] = []
-        self.refused(document, "not of the same processes")
-
-
 @unittest.skipUnless(HAS_MODULE and not SANITIZED, "without the module, or with a sanitizer's libraries")
 class Study(FolderTest):
     def setUp(self):
@@ -186,20 +151,6 @@ class Study(FolderTest):
 
     def told(self):
         return [line.split() for line in text_of(self.log).splitlines()]
-
-    @unittest.skipUnless(os.access(program("threads"), os.X_OK), "the program is not built")
-    @unittest.skipIf(len(CORES) < 2, "there is one core only")
-    def test_the_program_is_run_and_its_answers_are_the_same(self):
-        done = self.study("--quick", "--n", "17", build=BUILD)
-        self.assertEqual((done.returncode, done.stdout), (DONE, ""), done.stderr)
-        found = read_threads(self.out)
-        self.assertEqual({*found.runs}, {(17, name, p) for name in self.threads.METHODS
-                                         for p in self.threads.numbers_of(len(CORES))})
-        for each in found.runs.values():
-            self.assertEqual(len(each.seconds), 2)
-            self.assertTrue(min(each.operations) > 1 and all(each.same), each)
-        self.assertFalse(found.different())
-        self.assertEqual((found.settings.scene, found.settings.cores), ("rough", len(CORES)))
 
     @unittest.skipIf(len(CORES) < 2, "there is one core only")
     def test_what_a_process_printed_is_kept_and_the_order_changes(self):

@@ -1,5 +1,4 @@
-"""Tests of the study of turbulence: its draws and runs, how ensembles are judged, and its study and report as a user
-runs them.
+"""Tests of the study of turbulence: its draws and runs, how ensembles are judged, and its report.
 
 Run with: python3 -m unittest test_turbulence (in tests/scripts; the module is that of ISOSYRK_BUILD, or of build/)
 """
@@ -12,7 +11,7 @@ import unittest
 from unittest import mock
 
 from drawing import DrawingTest, lines_of
-from programs import BUILD, DONE, MEASURE, RENDER, FolderTest, environment, run, run_script
+from programs import BUILD, DONE, MEASURE, RENDER, environment, FolderTest, run
 
 sys.path.insert(0, os.path.join(BUILD, "python"))
 import numpy as np
@@ -21,13 +20,13 @@ import isosyrk
 from studies.turbulence import run as turbulence
 from lib.records import formats
 from lib.running import problems
-from studies.turbulence import (charts as turbulence_chart, judge as turbulence_figures, report as turbulence_report,
-                                single_runs as turbulence_runs, statistics as turbulence_statistics)
-from lib.pages.figures import read_figures
+from studies.turbulence import (against_reference, charts as turbulence_chart, judge as turbulence_judge,
+                                report as turbulence_report, single_runs as turbulence_runs,
+                                statistics as turbulence_statistics)
+from lib.pages.document import as_markdown
 from lib.records.formats import CONVERGED, SWEEP_CAP, UNSTABLE
-from lib.programs.messages import UnusableFile
-from studies.turbulence.schema import (FAR, LOOSE, METHOD, PRACTICE, REFERENCE, SCHEMA, Cost, RunRow, Setting, Settings,
-                                       Size, bands_of, read_turbulence)
+from studies.turbulence.schema import (FAR, LOOSE, METHOD, PRACTICE, REFERENCE, SCHEMA, Cost, Quantity, RunRow, Setting,
+                                       Settings, Size, bands_of, read_turbulence)
 from studies.turbulence.statistics import LEVEL, drifts_of, false_positives, held_out, reference_of, spreads_of
 from lib.judging.verdicts import FEWEST
 
@@ -170,7 +169,7 @@ class Runs(unittest.TestCase):
     def test_steps_reach_the_time(self):
         self.assertEqual(turbulence_runs.steps_of({"step": 0.1, "time": 1000.0}), 10000)
         self.assertEqual(turbulence_runs.steps_of({"step": 0.3, "time": 1.0}), 4)
-        self.assertEqual(turbulence_figures.steps_to(1000.0, 0.1), 10000)
+        self.assertEqual(against_reference.steps_to(1000.0, 0.1), 10000)
 
     def test_the_reference_converges(self):
         errors = [turbulence_runs.converge({**SHORT, "step": step}) for step in (1.0, 0.5)]
@@ -342,9 +341,9 @@ def write_turbulence(path, far=None, drift=0.0, **changed):
 class Judged(unittest.TestCase):
     def test_the_tolerance_of_energy_and_enstrophy(self):
         for worst, conserves in ((0.009, True), (0.011, False)):
-            for name in turbulence_figures.INVARIANTS:
-                off = {**dict.fromkeys(turbulence_figures.INVARIANTS, 0.0), name: worst}
-                self.assertEqual(turbulence_figures.Judged(None, None, 1.0, worst=off).conserves, conserves, off)
+            for name in against_reference.INVARIANTS:
+                off = {**dict.fromkeys(against_reference.INVARIANTS, 0.0), name: worst}
+                self.assertEqual(against_reference.Judged(None, None, 1.0, worst=off).conserves, conserves, off)
 
 
 @mock.patch.multiple(turbulence_statistics, TRIALS=40, TRIAL_COUNT=100)
@@ -354,16 +353,21 @@ class Report(DrawingTest):
     def raw(self, **changes):
         return write_turbulence(self.path("raw.json"), **changes)
 
-    def findings(self, **changes):
+    def judgements(self, **changes):
         study = read_turbulence(self.raw(**changes))
-        return study, {n: turbulence_figures.findings_of(study, n) for n in study.sizes}
+        return study, {n: against_reference.judgement_of(study, n) for n in study.sizes}
 
     def figures(self, **changes):
-        return turbulence_figures.figures(*self.findings(**changes))
+        return turbulence_judge.figures(turbulence_judge.findings(*self.judgements(**changes)))
 
-    def cells(self, files):
+    def report(self, **changes):
+        """Returns the report as Markdown."""
+        return as_markdown(turbulence_report.turbulence_sections(*self.judgements(**changes), ()))
+
+    @staticmethod
+    def cells(report):
         return [[cell.strip() for cell in line.strip("|").split("|")]
-                for line in files["report.md"].decode().splitlines() if line.startswith("|")]
+                for line in report.splitlines() if line.startswith("|")]
 
     def test_costs_and_winners(self):
         found = self.figures()
@@ -426,10 +430,9 @@ class Report(DrawingTest):
         found = self.figures()
         self.assertEqual([found[f"n33.lost.elp4.h2.{key}"] for key in ("draws", "first", "last")], [2, 42, 45])
         self.assertFalse(any(key.startswith("n33.lost.elp4.h1") for key in found))
-        files = self.rendered("out", self.raw())
-        self.assertIn(["33", "elp4", "2", "1e-08", "2 of 8", "unstable", "2 at 42, 5 at 45"], self.cells(files))
-        whole = self.raw(runs=lambda rows: [row for row in rows if row.step != 2.0])
-        self.assertNotIn("Draws that were lost", self.rendered("whole", whole)["report.md"].decode())
+        self.assertIn(["33", "elp4", "2", "1e-08", "2 of 8", "unstable", "2 at 42, 5 at 45"], self.cells(self.report()))
+        whole = self.report(runs=lambda rows: [row for row in rows if row.step != 2.0])
+        self.assertNotIn("Draws that were lost", whole)
 
     def test_what_the_sweep_cap_ends_is_told_apart(self):
         def capped(rows):
@@ -450,10 +453,8 @@ class Report(DrawingTest):
         falling = self.figures(drift=math.log(0.84))
         self.assertEqual((falling["n33.stationary"], falling["n33.are_independent"]), (0, 1))
         self.assertTrue(-0.19 < falling["n33.l3-5.quarters"] < -0.13, falling["n33.l3-5.quarters"])
-        files = self.rendered("out", self.raw(drift=math.log(0.84)))
-        self.assertIn("at n = 33, T = 100 the averages are those of a transient", files["report.md"].decode())
-        files = self.rendered("still", self.raw())
-        self.assertIn("No band changes beyond chance", files["report.md"].decode())
+        self.assertIn("at n = 33, T = 100 the averages are those of a transient", self.report(drift=math.log(0.84)))
+        self.assertIn("No band changes beyond chance", self.report())
 
     def test_the_wider_spread_counts_where_references_share_a_history(self):
         def wider(rows):
@@ -469,8 +470,8 @@ class Report(DrawingTest):
             self.assertAlmostEqual(found[f"n33.{key}.deviation"] / close[f"n33.{key}.deviation"], 3, 0)
             self.assertAlmostEqual(close[f"n33.rk4.h0.5.{key}.score"] / found[f"n33.rk4.h0.5.{key}.score"], 3, 0)
         note = "share a history here"
-        self.assertIn(note, self.rendered("out", self.raw(far=wider))["report.md"].decode())
-        self.assertNotIn(note, self.rendered("close", self.raw())["report.md"].decode())
+        self.assertIn(note, self.report(far=wider))
+        self.assertNotIn(note, self.report())
 
     def test_few_draws_judge_nothing(self):
         few = {"runs": lambda rows: [row for row in rows if row.draw < FEWEST - 1],
@@ -478,41 +479,24 @@ class Report(DrawingTest):
         found = self.figures(**few)
         self.assertEqual({value for key, value in found.items() if key.endswith(".faithful")}, {0})
         self.assertFalse(any(".cheapest" in key for key in found))
-        files = self.rendered("out", self.raw(**few))
-        self.assertIn("Nothing is judged here", files["report.md"].decode())
-        self.assertIn("not judged", {row[-1] for row in self.cells(files)})
+        report = self.report(**few)
+        self.assertIn("Nothing is judged here", report)
+        self.assertIn("not judged", {row[-1] for row in self.cells(report)})
 
-    def test_the_report(self):
-        files = self.rendered("out", self.raw())
-        self.assertEqual(set(files), {"report.md", "figures.json", *(
-            f"{chart}.{kind}" for chart in ("cheapest_faithful", "band_energies") for kind in ("svg", "png"))})
-        for chart in ("cheapest_faithful", "band_energies"):
-            self.assert_whole(files, chart)
-        self.assertNotIn("Nothing is judged", files["report.md"].decode())
-        cells = self.cells(files)
-        self.assertIn(["33", "100", "any", "elp4", "1", "1e-08", "24", "0.0100", "0.200 (0.200–0.200)"],
-                      [row[:9] for row in cells])
-        self.assertIn(["33", "100", "4", "group2", "0.5"], [row[:5] for row in cells])  # Gauss by order
-        rows = {tuple(row[:3]): row for row in cells if row[0] in ENTRIES}
+    def test_what_is_not_faithful_says_why_and_every_sentence_on_averages_the_time(self):
+        report = self.report()
+        self.assertNotIn("Nothing is judged", report)
+        rows = {tuple(row[:3]): row for row in self.cells(report) if row[0] in ENTRIES}
         self.assertEqual(rows["elp4", "2", "1e-08"][-1], "no: 2 of 8 draws lost")
         self.assertEqual(rows["rkmk4", "1", "1e-08"][-1], "no: energy")
         self.assertEqual(rows["rk4", "0.5", "1e-08"][-1], "no: statistics, enstrophy")
         self.assertEqual(rows["algebra1", "0.02", "1e-08"][-1], "**yes**")
-        self.assertEqual(rows["rkmk4", "1", "1e-08"][8], "+5 %")
-        self.assertTrue(rows["rkmk4", "1", "1e-08"][6].startswith("**"))
-        self.assertFalse(rows["rk4", "0.5", "1e-08"][6].startswith("**"))
-        self.assertIn(["33", "6", "40", "0.8 to 40"], cells)
-        self.assertIn(["33", "100", "8", "6", "4"], [row[:5] for row in cells])
-        self.assertEqual(read_figures(self.path("out", "figures.json"))["n33.draws"], DRAWS)
-
-    def test_every_sentence_on_averages_names_the_time(self):
-        report = self.rendered("out", self.raw())["report.md"].decode()
         for heading in ("The cheapest faithful settings", "Gauss methods by order"):
             self.assertIn("T = 100", report.split(f"## {heading}\n")[1].split("\n|")[0])
         self.assertIn("## Every setting, n = 33, T = 100", report)
 
     def test_the_chart_has_a_bar_for_the_cheapest_faithful_setting_of_each_method(self):
-        (axes,), = self.panels("studies.turbulence.charts", "cheapest_faithful", *self.findings()).values()
+        (axes,), = self.panels("studies.turbulence.charts", "cheapest_faithful", *self.judgements()).values()
         bars = {bar.get_label(): bar.patches[0].get_width() for bar in axes.containers}
         self.assertEqual(set(bars), {"group2", "elp4"})
         self.assertAlmostEqual(bars["elp4"], 0.2)
@@ -524,7 +508,7 @@ class Report(DrawingTest):
         self.assertLess(labels.index("keeps nothing"), labels.index("keeps the spectrum"))
 
     def test_the_title_names_the_cheapest(self):
-        study, found = self.findings()
+        study, found = self.judgements()
         title = turbulence_chart.title_of(study, found)
         for part in ("T\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}100", "0.2 of the baseline's time (elp4)"):
             self.assertIn(part, title)
@@ -538,7 +522,7 @@ class Report(DrawingTest):
                     if row.integrator == "rk4" else row for row in rows]
 
         def drawn(**changes):
-            (axes,), = self.panels("studies.turbulence.charts", "band_energies", *self.findings(**changes)).values()
+            (axes,), = self.panels("studies.turbulence.charts", "band_energies", *self.judgements(**changes)).values()
             return lines_of(axes)
 
         lines = drawn(runs=louder)
@@ -554,36 +538,6 @@ class Report(DrawingTest):
             runs=lambda rows: [row for row in rows if row.integrator not in ("elp4", "group2")]))
         self.assertNotIn("cheapest_faithful.svg", files)
 
-    def test_files_that_cannot_be_used(self):
-        def without(**field):
-            (name, value), = field.items()
-            return lambda rows: [row for row in rows if getattr(row, name) != value]
-
-        def first(**change):
-            return lambda rows: [rows[0]._replace(**change), *rows[1:]]
-
-        for changes, told in (
-                ({"runs": lambda rows: []}, "no runs"),
-                ({"sizes": lambda rows: []}, "runs at n = 33"),
-                ({"runs": lambda rows: [row for row in rows if row.integrator != "rk8"]}, "not every reference run"),
-                ({"integrators": without(name="rk4")}, "does not list the integrator rk4"),
-                ({"integrators": without(name="rk8")}, "does not list the integrator rk8"),
-                ({"runs": lambda rows: [row for row in rows if (row.role, row.draw) != (METHOD, 1)]},
-                 "not every draw of elp4"),
-                ({"runs": lambda rows: rows[1:]}, "not every reference run at n = 33"),
-                ({"far": lambda rows: rows[1:]}, "not every far run at n = 33"),
-                ({"runs": first(bands=None)}, "a run at n = 33 without its averages"),
-                ({"runs": first(bands=[[1.0] * 4] * 4)}, "a run at n = 33 without its averages"),
-                ({"runs": first(energy=None)}, "a run at n = 33 without its averages"),
-                ({"costs": first(seconds=[1e-5])}, "numbers of processes")):
-            with self.subTest(told=told):
-                raw = self.raw(**changes)
-                with self.assertRaisesRegex(UnusableFile, told):
-                    read_turbulence(raw)
-                self.assert_refused(run_script(*RENDERING, raw, "--out", self.path("out")), "raw.json", told)
-        self.assert_refused(run_script(*RENDERING, self.path("none.json"), "--out", self.path("out")), "none.json")
-        self.assert_refused(run_script(*RENDERING, self.raw(), "--out", self.write("taken", "")), "taken")
-
     def test_a_python_without_numpy_can_start_another(self):
         self.write("hidden/numpy.py", "raise ImportError")
         done = self.render("--help", PYTHONPATH=self.path("hidden"))
@@ -592,7 +546,7 @@ class Report(DrawingTest):
         self.assertNotEqual(control.returncode, DONE)
 
     def test_numbers_of_reports(self):
-        self.assertEqual([turbulence_report.quantity_text(key) for key in ("l3-5", "l4.lag12")],
+        self.assertEqual([turbulence_report.quantity_text(each) for each in (Quantity(3, 5), Quantity(4, 4, 12.0))],
                          ["l = 3–5", "l = 4 after 12"])
         self.assertEqual([turbulence_report.signed(each) for each in (0.05, -0.001234, 1e-8)],
                          ["+5 %", "-0.12 %", "0"])
@@ -614,6 +568,10 @@ class Plan(unittest.TestCase):
         large = turbulence.plan_of(129, False)
         self.assertEqual((large.draws, len(turbulence.settings_of(129, large, turbulence.STEPS))), (6, 11))
         self.assertEqual(turbulence.SIZES, (33, 65))
+
+    def test_every_row_is_timed_by_as_many_processes(self):
+        done = {"row": [1.0] * 6, "other": [1.0] * 4}
+        self.assertEqual(turbulence.further_processes(6, done), {"row": 0, "other": 2})
 
     def test_what_is_timed_are_settings_whose_runs_all_work(self):
         plan = turbulence.plan_of(N, True)
@@ -640,22 +598,6 @@ class Plan(unittest.TestCase):
 
 
 class Study(FolderTest):
-    def study(self, *arguments):
-        return run([sys.executable, "-B", *SCRIPT, *arguments], timeout=300, env=environment(ISOSYRK_BUILD=BUILD))
-
-    def test_a_quick_study_ends_with_a_report(self):
-        raw = self.path("raw.json")
-        done = self.study("--quick", "--n", "17", "--integrator", "rk4", "--processes", "1", "--out", raw)
-        self.assertEqual(done.returncode, DONE, done.stderr)
-        self.assertEqual(os.listdir(self.folder), ["raw.json"])  # and no checkpoint
-        found = read_turbulence(raw)
-        self.assertEqual((found.sizes[17].draws, found.sizes[17].references, found.sizes[17].far), (3, 3, 4))
-        self.assertEqual({setting.integrator for setting in found.ensembles[17]}, {"algebra1", "rk4"})
-        self.assertTrue(found.cost(17, Setting("rk4", 0.25, LOOSE)))
-        done = run_script(*RENDERING, raw, "--out", self.path("out"))
-        self.assertEqual((done.returncode, done.stderr), (DONE, ""))
-        self.assertEqual(read_figures(self.path("out", "figures.json"))["n17.are_independent"], 0)  # T is short
-
     def test_a_wrong_setting_is_found(self):
         """RK4 with a long step against its reference, in runs as they are; a right setting passes."""
         plan = {"n": N, "time": 150.0, "tolerance": 1e-8}
@@ -666,22 +608,15 @@ class Study(FolderTest):
 
         def values(runs):
             rows = [[RunRow(N, METHOD, "rk4", 1.0, 1e-8, 0, 0, **run)] for run in runs]
-            return turbulence_figures.values_of(rows)[:, 0]
+            return against_reference.values_of(rows)[:, 0]
 
         references = np.stack([values(ensemble("rk8", 1.0, role=FAR, ensemble=k)) for k in range(4)], axis=1)
         reference = reference_of(references, 500)
         right, wrong = ensemble("rk8", 0.75), ensemble("rk4", 1.0)
         self.assertLess(reference.distance(values(right)), reference.threshold)
         self.assertGreater(reference.distance(values(wrong)), 1.3 * reference.threshold)
-        self.assertLess(max(abs(run["enstrophy"] - 1) for run in right), turbulence_figures.TOLERANCE)
-        self.assertGreater(max(abs(run["enstrophy"] - 1) for run in wrong), turbulence_figures.TOLERANCE)
-
-    def test_refusals(self):
-        out = ("--out", self.path("raw.json"))
-        self.assert_refused(self.study("--n", "9", *out), "--n 9", "at least 11")
-        self.assert_refused(self.study("--integrator", "suzuki4", *out), "--integrator 'suzuki4'", "rkmk4")
-        self.assert_refused(self.study("--quick", "--out", self.path("none", "raw.json")), "--out")
-        self.assertEqual(os.listdir(self.folder), [])
+        self.assertLess(max(abs(run["enstrophy"] - 1) for run in right), against_reference.TOLERANCE)
+        self.assertGreater(max(abs(run["enstrophy"] - 1) for run in wrong), against_reference.TOLERANCE)
 
 
 if __name__ == "__main__":

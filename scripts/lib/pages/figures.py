@@ -1,15 +1,16 @@
-"""The figures that a study found, by key: the file figures.json, which its renderer writes beside its report."""
+"""The figures of a study that pages look up, by key: figures.json, which its renderer writes beside its report.
+
+Programs read findings.json (lib/records/findings.py).
+"""
 
 import json
 import math
 
 from lib.programs.messages import UnusableFile
-from lib.records.formats import LARGEST, checked, is_number, kind_of, read_json
+from lib.records.findings import DIGITS
+from lib.records.formats import checked, finite, read_json
 
 FILE = "figures.json"
-DIGITS = 6  # that are written: the last ones of a double depend on the machine
-
-finite = kind_of("a finite number", lambda value: is_number(value, -LARGEST))
 
 
 def as_json(figures):

@@ -95,6 +95,7 @@ def is_number(value, least=0, most=LARGEST):
 # Errors, norms, counts and times are finite and never negative.
 number = kind_of(f"a number from 0 to {LARGEST:g}", is_number, float)
 positive = kind_of(f"a number from {SMALLEST:g} to {LARGEST:g}", lambda value: is_number(value, SMALLEST), float)
+finite = kind_of("a finite number", lambda value: is_number(value, -LARGEST))  # as it is, whole or not
 anything = kind_of("anything", lambda value: True)
 truth = kind_of("true or false", lambda value: isinstance(value, bool))
 any_text = kind_of("a text", lambda value: isinstance(value, str))
@@ -264,7 +265,7 @@ def study_of(document, schema):
 
 
 def records(found, record, name):
-    """Returns the rows of a table, as records of their class."""
+    """Returns the rows of a table, as records of their class. Throws UnusableFile, also for a row that stands twice."""
     kinds, what, made = record.__annotations__, f"the table of {name}", record
     columns = checked(found, {"columns": list_of(text)}, what)["columns"]
     if record is Integrator and not {*LATER_FIELDS} & {*columns}:
@@ -273,7 +274,10 @@ def records(found, record, name):
     if sorted(columns) != sorted(kinds):
         raise UnusableFile(f"{what} has other columns than {', '.join(kinds)}")
     rows = checked(found, {"rows": list_of(list_of(anything, len(columns)))}, what)["rows"]
-    return [made(**checked(dict(zip(columns, row)), kinds, f"a row of {name}")) for row in rows]
+    made_rows = [made(**checked(dict(zip(columns, row)), kinds, f"a row of {name}")) for row in rows]
+    if len(set(made_rows)) < len(made_rows):
+        raise UnusableFile(f"{what} has a row twice")
+    return made_rows
 
 
 def older_integrator(name, **fields):

@@ -4,6 +4,7 @@ import itertools
 import math
 import os
 
+from lib.records.findings import FILE, as_json
 from lib.records.formats import SWEEP_CAP, UNSTABLE
 from lib.records.integrators import KEPT, strongest_structure
 from lib.records.settings import ENERGY_BOUNDED, LOOSE_EXPONENTIAL, MATCHED, TABLE1_STEP, TIGHT
@@ -16,7 +17,7 @@ from studies.accuracy.cheapest import recommendation_tables
 from studies.accuracy.equal_error import (FEW, MEAN_OVER, beaten_by, duel_errors, frame_gains, headline_problems,
                                           is_few, means_by_problem, ratio_in, runs_at_table1_step, tolerances,
                                           written_tolerance)
-from studies.accuracy.judge import figures, told_against_n
+from studies.accuracy.judge import figures, findings, told_against_n
 from studies.accuracy.lines import FLOOR_MARGIN, read_accuracy
 from studies.accuracy.schema import CONTENDERS, CUT, GOOD_ENOUGH, OTHER
 from studies.limits.schema import read_limits
@@ -353,5 +354,6 @@ def rendered(raw, recorded):
     from studies.accuracy.equal_error_charts import performance_profile, time_against_n
 
     charts = (performance_profile, time_against_n, error_against_time, error_against_n)
-    return Rendering(lambda names: accuracy_sections(study, names, limits), figures(study),
-                     {chart.__name__: chart(study) for chart in charts})
+    found = findings(study)
+    return Rendering(lambda names: accuracy_sections(study, names, limits), figures(found),
+                     {chart.__name__: chart(study) for chart in charts}, {FILE: as_json("accuracy", found)})

@@ -2,28 +2,26 @@
 
 The codes are the paper's MATLAB (ratios only), GNU Octave, plain C++ (the published forms), optimised C++ (the fast
 forms), fast forms with plain Picard sweeps, and plain and optimised C++ with AVX2 kernels.
-A claim about speed is judged by processes (verdicts.py); others by the figures of the recorded studies, with the rule
-that stands at each row. Standard library only.
+A claim about speed is judged by processes (verdicts.py); others by what the recorded studies found, with the rule that
+stands at each row. Standard library only.
 """
 
 import json
 import math
-import re
 import statistics
+from collections import Counter
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
-from lib.programs.messages import UnusableFile
-from lib.records.formats import (FAST, FORMULATIONS, PUBLISHED, an_object, any_text, checked, list_of, listed,
-                                 listed_integrators, number, one_of, optional, read_json, require, text, whole)
+from lib.records.formats import (FAST, FORMULATIONS, PUBLISHED, an_object, any_text, checked, list_of, number, one_of,
+                                 optional, read_json, require, text, whole)
 from lib.records.integrators import GAUSS
-from lib.judging.verdicts import FAILS, FASTER, FEWEST, HOLDS, SLOWER, TIE, UNDECIDED, fastest, ratio_of, verdict
+from lib.judging.verdicts import FAILS, FASTER, HOLDS, SLOWER, TIE, UNDECIDED, fastest, ratio_of, verdict
 from lib.pages.document import Column, Entry, Table
-from lib.pages.numbers import MISSING, percentage, three_digits
+from lib.pages.numbers import MISSING, percentage, power, three_digits
 from studies.claims.parallel_model import PROCESSORS, Rates, path_products, sweep_seconds, work_seconds
 from studies.claims.schema import EQUAL, SWEEPS, THREAD_CODES, WHOLE, draw_runs, octave_run
 from studies.tables.judge import CLAIMS, figures_of, judged, sizes
-from studies.theorem.schema import AT_ROUNDING
-from studies.turbulence.schema import PRACTICE_INTEGRATOR
+from studies.theorem.schema import AT_ROUNDING, FOOTNOTE, PARTITIONED
 
 CODES = {"paper": "paper's MATLAB", "octave": "Octave", "plain": "plain C++", "optimised": "optimised C++",
          SWEEPS: "fast forms, plain sweeps", "plain_avx2": "plain, AVX2", "optimised_avx2": "optimised, AVX2"}
@@ -31,11 +29,11 @@ SPLIT = "split"  # in place of a number of processors: all work split evenly
 NOT_TESTED = "not tested"  # the paper speaks of methods that have no such code
 RESULTS = (HOLDS, FAILS, TIE, UNDECIDED, NOT_TESTED)
 FORMAT = "isosyrk claims 1"
+AT_N = "n = "  # before n, where a finding is of one
 # Pages, from results/.
 OF_TABLES = ("recorded/tables/table1.md", "recorded/tables/table2.md", "recorded/claims/report.md")
 OF_THEOREM, OF_ACCURACY, OF_CLAIMS, OF_TURBULENCE = ((f"recorded/{study}/report.md",) for study in
                                                      ("theorem", "accuracy", "claims", "turbulence"))
-ERRORS = ("1e-2", "1e-4", "1e-6", "1e-8")  # at which the order that pays is asked for
 
 
 class Finding(NamedTuple):
@@ -59,6 +57,7 @@ class Row(NamedTuple):
     stages: Optional[int]
     evidence: Tuple[str, ...]  # pages, from results/
     findings: Dict[str, List[Finding]]  # by code
+    has_orders: bool = False  # in place of ratios; not written to claims.json
 
 
 class Choice(NamedTuple):
@@ -91,9 +90,9 @@ def finding(each, code):
     """Returns a Judged as a Finding; printed seconds have no verdict."""
     ratio = each.ratio
     if code == "paper":
-        return Finding(f"n = {each.n}", None, ratio.ratio, None, None, 1)
+        return Finding(f"{AT_N}{each.n}", None, ratio.ratio, None, None, 1)
     has_interval = ratio.low > 0 and math.isfinite(ratio.high)
-    return Finding(f"n = {each.n}", each.result, ratio.ratio, ratio.low if has_interval else None,
+    return Finding(f"{AT_N}{each.n}", each.result, ratio.ratio, ratio.low if has_interval else None,
                    ratio.high if has_interval else None, 1)
 
 
@@ -116,33 +115,13 @@ def choices(study):
 # ---- claims judged by recorded studies
 
 
-PARTITIONED = ("iiia_iiib_iiia_s2", "iiia_iiib_iiia_s3", "iiia_iiib_iiib_s2", "iiia_iiib_iiib_s3")
-DUELS = {HOLDS: "faster", FAILS: "slower", TIE: "tie", UNDECIDED: "undecided"}  # ends of keys of a pair in duels
-# Gauss at 1e-13 against our exponential methods: at 1e-8, and at the tolerance at which their energy is bounded.
-EXPONENTIALS = {"gauss_over_elp": "at 1e-8, where their energy drifts", "gauss_over_elp_bounded": "with bounded energy"}
-NAMED = "named_published_over_gauss_published"  # the methods that the paper names, both in published form
-NAMED_SAID = {HOLDS: "slower", FAILS: "faster", TIE: "tie", UNDECIDED: "undecided"}
-NEEDED = {"theorem": ("coincidence.within", "coincidence.settings",
-                      *(f"ends.{pair}.{what}" for pair in PARTITIONED
-                        for what in ("casimirs.cotangent", "cotangent-group"))),
-          "accuracy": tuple(f"{pair}.{said}" for pair in (*EXPONENTIALS, NAMED) for said in DUELS.values())}
-ORDER_FIGURES = ("median", "least", "largest", "problems")  # at an error, if any
-
-
-def require_figures(study, figures):
-    """Throws UnusableFile unless the figures of a recorded study have all that the table needs."""
-    of_orders = ([f"gauss_order.at_{error}.{what}" for what in ORDER_FIGURES] for error in ERRORS)
-    partial = [key for keys in of_orders if any(key in figures for key in keys) for key in keys]
-    for key in (*NEEDED.get(study, ()), *partial):
-        if key not in figures:
-            raise UnusableFile(f"has no figure {key}")
-    for pair in (*EXPONENTIALS, NAMED) if study == "accuracy" else ():
-        if not duel_ratios(figures, pair):
-            raise UnusableFile(f"has no ratio {pair}.….at_…")
-
-
-def duel_ratios(accuracy, pair):
-    return [value for key, value in accuracy.items() if re.fullmatch(rf"{pair}\.\w+\.n\d+\.at_\S+", key)]
+# Gauss at 1e-13 against our exponential methods, as accuracy names the classes: at 1e-8, and at the tolerance at which
+# their energy is bounded. The claim is that the exponential ones are slower.
+EXPONENTIALS = {("gauss", "elp"): "at 1e-8, where their energy drifts",
+                ("gauss", "elp_bounded"): "with bounded energy"}
+EXPONENTIALS_SAID = {FASTER: HOLDS, SLOWER: FAILS, TIE: TIE, UNDECIDED: UNDECIDED}
+NAMED = ("named_published", "gauss_published")  # the methods that the paper names, both in published form
+NAMED_SAID = {SLOWER: HOLDS, FASTER: FAILS, TIE: TIE, UNDECIDED: UNDECIDED}
 
 
 def counted(where, counts, least=None, most=None):
@@ -156,8 +135,8 @@ def counted(where, counts, least=None, most=None):
 
 def theorem_row(theorem, study):
     """Holds where no difference of two formulations is above its bound; in Octave, for each pair, above EQUAL."""
-    within, of = theorem["coincidence.within"], theorem["coincidence.settings"]
-    findings = {"plain": counted("seven scenes", {HOLDS: int(within), FAILS: int(of - within)})}
+    within, of = (sum(getattr(each, name) for each in theorem.coincidence) for name in ("within", "settings"))
+    findings = {"plain": counted("seven scenes", {HOLDS: within, FAILS: of - within})}
     pairs = study.tables["octave_pairs"]
     if pairs:
         equal = sum(pair.difference <= EQUAL for pair in pairs)
@@ -177,18 +156,19 @@ def footnote_rows(theorem):
              {"rigid_body": "so(n)", "spin_chain": "su(2)^N"})):
         findings = []
         for scene, algebra in scenes.items():
-            findings += counted(algebra, {result: int(theorem.get(f"claims.footnote.{scene}.{result or 'none'}", 0))
-                                          for result in (*RESULTS, None)})
+            findings += counted(algebra, Counter(each.result for each in theorem.claims
+                                                 if (each.claim, each.scene) == (FOOTNOTE, scene)))
         found.append(Row(claim, statement, None, OF_THEOREM, {"plain": findings}))
     return found
 
 
 def partitioned_rows(theorem):
     """Judges steps by Lobatto IIIA–IIIB on T*G: the spectrum, and whether a form on G is the same map."""
-    keeps = sum(theorem[f"ends.{pair}.casimirs.cotangent"] < AT_ROUNDING for pair in PARTITIONED)
-    differs = sum(theorem[f"ends.{pair}.cotangent-group"] > AT_ROUNDING for pair in PARTITIONED)
+    pairs = [end for end in theorem.ends if end.changed == PARTITIONED]
+    keeps = sum(end.casimir_error("cotangent") < AT_ROUNDING for end in pairs)
+    differs = sum(end.difference("cotangent–group") > AT_ROUNDING for end in pairs)
     return [Row("remark", statement, None, OF_THEOREM,
-                {"plain": counted("so(6), s = 2, 3", {HOLDS: held, FAILS: len(PARTITIONED) - held})})
+                {"plain": counted("so(6), s = 2, 3", {HOLDS: held, FAILS: len(pairs) - held})})
             for statement, held in (("a partitioned pair on T*G keeps the spectrum", keeps),
                                     ("a partitioned pair on T*G is no form on G of either tableau", differs))]
 
@@ -200,16 +180,17 @@ def exponentials_rows(accuracy):
     best is slower than the best Gauss method at equal error; the ratio is its time over that of the Gauss method.
     Ours are counted as slower than Gauss; the ratio is the time of Gauss over that of ours.
     """
-    def duels(pair, said):
-        ratios = duel_ratios(accuracy, pair)
-        return counted("duels", {result: int(accuracy[f"{pair}.{each}"]) for result, each in said.items()},
-                       min(ratios), max(ratios))
+    def compared(pair, said):
+        found = [each for each in accuracy.comparisons if (each.first, each.second) == pair]
+        ratios = [each.ratio for each in found]
+        return counted("duels", Counter(said[each.verdict] for each in found), min(ratios, default=None),
+                       max(ratios, default=None))
 
     return [Row("exponentials", "exponential maps make the methods of Bogfjellmo and Marthinsen inefficient", None,
-                OF_ACCURACY, {"plain": duels(NAMED, NAMED_SAID),
+                OF_ACCURACY, {"plain": compared(NAMED, NAMED_SAID),
                               "optimised": [Finding("no fast form", NOT_TESTED, None, None, None, 1)]}),
             *(Row("our exponentials", f"{tolerance}, they are slower than Gauss at 1e-13", None, OF_ACCURACY,
-                  {"optimised": duels(pair, DUELS)}) for pair, tolerance in EXPONENTIALS.items())]
+                  {"optimised": compared(pair, EXPONENTIALS_SAID)}) for pair, tolerance in EXPONENTIALS.items())]
 
 
 HIGH_ORDER = "is high order needed"
@@ -219,65 +200,50 @@ def order_rows(turbulence):
     """Returns what turbulence says of order, n by n, from the cheapest faithful settings; `turbulence` may be None.
 
     The practice (the isospectral midpoint at h = ħ/4) is a setting of order 2 like the others. There is no interval:
-    the cost of a setting is one figure. No order is named where few draws decide (is_decided()).
+    the cost of a setting is one figure. No order is named where few draws decide.
     """
     orders, prices, winners = [], [], []
-    for n in sorted({int(match[1]) for key in turbulence or () if (match := re.match(r"n([0-9]+)\.", key))}):
-        costs, name = gauss_costs(turbulence, n), cheapest_of_all(turbulence, n)
-        if not is_decided(turbulence, n):
+    for trust in sorted(turbulence.trust if turbulence else (), key=lambda each: each.n):
+        n, best = trust.n, cheapest_settings(turbulence, trust.n)
+        gauss = [each for each in best if each.family == GAUSS]
+        if not trust.decides:
             nothing = Finding(f"at n = {n}", UNDECIDED, None, None, None, 1)
-            orders += [nothing] if costs else []
-            winners += [nothing] if name else []
+            orders += [nothing] if gauss else []
+            winners += [nothing] if best else []
             continue
-        if costs:
-            best = min(costs, key=costs.get)
-            orders.append(Finding(f"at n = {n} ({best})", None, listed(best).order, None, None, len(costs)))
-        low, high = ([cost for name, cost in costs.items() if (listed(name).order > 2) is is_high]
-                     for is_high in (False, True))
+        orders += [order_finding(n, gauss, len(gauss))] if gauss else []
+        winners += [order_finding(n, best, 1)] if best else []
+        low, high = ([each.over_practice for each in gauss if (each.order > 2) is is_high] for is_high in (False, True))
         if low and high:
-            prices.append(Finding(f"n = {n}", None, min(low) / min(high), None, None, 1))
-        if name:
-            winners.append(Finding(f"at n = {n} ({name})", None, listed(name).order, None, None, 1))
+            prices.append(Finding(f"{AT_N}{n}", None, min(low) / min(high), None, None, 1))
     rows = (("in turbulence, order of the cheapest faithful Gauss method", orders),
             ("in turbulence, time of order 2 over that of the cheapest higher order, Gauss methods", prices),
             ("in turbulence, order of the cheapest faithful method of any kind", winners))
-    return [Row(HIGH_ORDER, statement, None, OF_TURBULENCE, {"optimised": findings}) for statement, findings in rows
-            if findings]
+    return [Row(HIGH_ORDER, statement, None, OF_TURBULENCE, {"optimised": findings}, findings is not prices)
+            for statement, findings in rows if findings]
 
 
-def is_decided(turbulence, n):
-    """Tells whether an order can be named at n: by as many draws as a verdict on speed needs processes.
-
-    Each draw is one history of the flow. With fewer, what is called faithful hangs on chance.
-    """
-    return turbulence.get(f"n{n}.draws", 0) >= FEWEST
-
-
-def gauss_costs(turbulence, n):
-    """Returns the costs of the cheapest faithful setting of each Gauss method over that of the practice, by name."""
-    costs = {name: turbulence[key] for name, each in listed_integrators().items() if each.family == GAUSS
-             and (key := f"n{n}.cheapest_of.{name}.over_practice") in turbulence}
-    if turbulence.get(f"n{n}.practice.faithful") == 1 and f"n{n}.practice.seconds" in turbulence:
-        costs[PRACTICE_INTEGRATOR] = min(1.0, costs.get(PRACTICE_INTEGRATOR, 1.0))
-    return costs
+def cheapest_settings(turbulence, n):
+    """Returns the cheapest faithful setting of each method at an n, the practice among them; none without a cost."""
+    found = {}
+    for each in turbulence.settings:
+        if each.n == n and each.faithful and each.over_practice:
+            found[each.integrator] = min(found.get(each.integrator, each), each, key=lambda one: one.over_practice)
+    return list(found.values())
 
 
-def cheapest_of_all(turbulence, n):
-    """Returns the integrator of the cheapest faithful setting, the practice included; None without a faithful one."""
-    costs = {name: turbulence[key] for name in listed_integrators()
-             if (key := f"n{n}.cheapest_of.{name}.over_practice") in turbulence}
-    costs |= {name: min(cost, costs.get(name, cost)) for name, cost in gauss_costs(turbulence, n).items()}
-    return min(costs, key=costs.get, default=None)
+def order_finding(n, settings, count):
+    """Returns the order of the cheapest of some settings as a Finding."""
+    best = min(settings, key=lambda each: each.over_practice)
+    return Finding(f"at n = {n} ({best.integrator})", None, best.order, None, None, count)
 
 
 def predictable_order_row(accuracy):
     """Says which order of Gauss methods is the cheapest, the median over the problems, and its range."""
-    findings = [Finding(f"at {error}", None, *(accuracy[f"gauss_order.at_{error}.{each}"]
-                                               for each in ("median", "least", "largest")),
-                        int(accuracy[f"gauss_order.at_{error}.problems"])) for error in ERRORS
-                if f"gauss_order.at_{error}.median" in accuracy]
+    findings = [Finding(f"at {power(each.wanted)}", None, each.median, each.least, each.largest, each.problems)
+                for each in accuracy.gauss_order]
     return Row(HIGH_ORDER, "while predictable, order of the cheapest Gauss method, median of the problems", None,
-               OF_ACCURACY, {"optimised": findings})
+               OF_ACCURACY, {"optimised": findings}, has_orders=True)
 
 
 # ---- threads
@@ -314,7 +280,7 @@ def parallel_rows(study):
         if threads > 1:
             result, ratio = competitive(thread_times(study, n, stages, code, threads))
             found = measured.setdefault(stages, {name: [] for name in codes.values()})
-            found[codes[code]].append(Finding(f"n = {n}", result, ratio.ratio, ratio.low or None,
+            found[codes[code]].append(Finding(f"{AT_N}{n}", result, ratio.ratio, ratio.low or None,
                                               ratio.high if math.isfinite(ratio.high) else None, 1))
     return [*(Row("parallel", "on two threads algebra is fastest or ties, our reading of “more competitive”", stages,
                   OF_CLAIMS, findings) for stages, findings in measured.items()),
@@ -332,7 +298,7 @@ def modelled_findings(study):
     for (n, stages), by_processors in model_ratios(study).items():
         ratios = by_processors[PROCESSORS[-1]]
         ratio = min(ratios[form] for form in FORMULATIONS if form != "algebra") / ratios["algebra"]
-        found.setdefault(stages, []).append(Finding(f"n = {n}", None, ratio, None, None, 1))
+        found.setdefault(stages, []).append(Finding(f"{AT_N}{n}", None, ratio, None, None, 1))
     return found
 
 
@@ -368,13 +334,16 @@ def model_ratios(study):
 
 
 def all_rows(study, runs, recorded):
-    """Returns the Rows. `runs` are those of tables by code but Octave's; `recorded` has figures by study and key."""
-    theorem, accuracy = recorded["theorem"], recorded["accuracy"]
+    """Returns the Rows, by what three studies found.
+
+    `runs` are those of tables by code but Octave's; `recorded` has the Findings of theorem, accuracy and turbulence.
+    """
     order = [code for code in CODES if code in {*runs, "octave"}]
     known = {**runs, **({"octave": octave_run(study)} if study.tables["octave"] else {})}
-    return [theorem_row(theorem, study), *speed_rows({code: known[code] for code in order if code in known}),
-            *footnote_rows(theorem), *partitioned_rows(theorem), *exponentials_rows(accuracy), *parallel_rows(study),
-            *order_rows(recorded.get("turbulence")), predictable_order_row(accuracy)]
+    return [theorem_row(recorded.theorem, study), *speed_rows({code: known[code] for code in order if code in known}),
+            *footnote_rows(recorded.theorem), *partitioned_rows(recorded.theorem),
+            *exponentials_rows(recorded.accuracy), *parallel_rows(study), *order_rows(recorded.turbulence),
+            predictable_order_row(recorded.accuracy)]
 
 
 # ---- claims.json
@@ -449,15 +418,15 @@ def statement_text(row):
 def column_text(row, code):
     """Writes what was found by a code and, named, by its variants."""
     names = {code: "", **{each: f"{name}: " for each, name in COLUMNS[code].items()}}
-    return "; ".join(name + cell_text(row.findings[each]) for each, name in names.items()
+    return "; ".join(name + cell_text(row.findings[each], row.has_orders) for each, name in names.items()
                      if row.findings.get(each)) or MISSING
 
 
-def cell_text(findings):
-    """Writes what was found: results, the range of ratios, and in brackets that of intervals."""
+def cell_text(findings, has_orders=False):
+    """Writes what was found: results, the range of ratios, and in brackets that of intervals; or orders."""
     if all(each.result == NOT_TESTED for each in findings):
         return NOT_TESTED
-    if findings[0].where.startswith("at "):
+    if has_orders:
         return ", ".join(f"{each.result or format(each.ratio, 'g')} {each.where}" for each in findings)
     if any(each.ratio is None for each in findings):
         return counts_text(findings)
@@ -470,20 +439,15 @@ def cell_text(findings):
 
 
 def results_text(findings):
-    """Writes the result that all have, or else each result with the places where it came out."""
+    """Writes the result that all have, or else each result with the n where it came out."""
     places = {}
     for each in findings:
         if each.result:
             places.setdefault(each.result, []).append(each.where)
     if len(places) < 2:
         return "".join(places)
-    return ", ".join(f"{result} ({places_text(where)})" for result, where in places.items())
-
-
-def places_text(places):
-    """Writes places, "n = 17, 33" where they are sizes alone."""
-    sizes_alone = all(re.fullmatch("n = [0-9]+", each) for each in places)
-    return "n = " + ", ".join(each[4:] for each in places) if sizes_alone else "; ".join(places)
+    return ", ".join(f"{result} ({AT_N}{', '.join(each.removeprefix(AT_N) for each in where)})"
+                     for result, where in places.items())
 
 
 def counts_text(findings):
@@ -567,17 +531,16 @@ def checks(study):
 
 
 def thread_figures(study):
-    found = {}
+    found, over_algebra = {}, {}
     for n, stages, code, threads in thread_blocks(study):
         times, single = (thread_times(study, n, stages, code, each) for each in (threads, 1))
-        key = f"threads.{code}.n{n}.s{stages}.t{threads}"
-        found[f"{key}.others_over_algebra"] = competitive(times)[1].ratio
+        key, ratio = f"threads.{code}.n{n}.s{stages}.t{threads}", competitive(times)[1].ratio
+        found[f"{key}.others_over_algebra"] = ratio
+        over_algebra.setdefault((code, threads), []).append(ratio)
         if threads > 1:
             found |= {f"{key}.{form}.speedup": ratio_of(single[form], times[form]).ratio for form in FORMULATIONS}
     for code in THREAD_CODES:
-        ratios = [value for key, value in found.items() if key.startswith(f"threads.{code}.")
-                  and key.endswith(".t2.others_over_algebra")]
-        if ratios:
+        if ratios := over_algebra.get((code, 2)):
             found |= {f"threads.{code}.t2.others_over_algebra.least": min(ratios),
                       f"threads.{code}.t2.others_over_algebra.most": max(ratios)}
     if thread_blocks(study):

@@ -1,16 +1,16 @@
 """The report and the figures of the study of the paper's claims."""
 
 import os
-from functools import partial
 from typing import Dict, NamedTuple, Optional
 
 from lib.programs.messages import UnusableFile
+from lib.records.findings import FILE, read_findings
 from lib.records.formats import FORMULATIONS, Run, Study, read_json
 from lib.judging.verdicts import FEWEST, ratio_of
 from lib.pages.document import Column, Entry, Heading, Paragraph, Table, conditions, plain_table
-from lib.pages.figures import FILE, figures_of
 from lib.pages.numbers import MISSING, percentage, scientific, three_digits
 from lib.pages.rendering import Rendering, beside
+from studies.accuracy import judge as accuracy
 from studies.claims import judge
 from studies.claims.judge import (CODES, SPLIT, checks, choices, competitive, figures, interpreted, model_ratios,
                                   product_shares, thread_blocks, thread_times)
@@ -20,10 +20,20 @@ from studies.tables.comparison import (Comparison, both_sides, ratio_text, ratio
                                        time_with_interval, times_section, verdict_rules)
 from studies.tables.paper import PUBLISHED, claims_section
 from studies.tables.report import TABLES, runs_of
+from studies.theorem import judge as theorem
+from studies.turbulence import judge as turbulence
 
 AVX2_KERNELS = ("Haswell", "Zen")  # of OpenBLAS
 NO_AVX2 = "Tables 1 and 2 as they are recorded have AVX2 kernels."
 NOT_MEASURED = "Not measured: the tables that are recorded have other kernels, and none with AVX2 kernels was given."
+
+
+class Recorded(NamedTuple):
+    """What the recorded studies found that claims are judged by."""
+
+    theorem: theorem.Findings
+    accuracy: accuracy.Findings
+    turbulence: Optional[turbulence.Findings]  # which may not be recorded yet
 
 
 class Evidence(NamedTuple):
@@ -33,7 +43,7 @@ class Evidence(NamedTuple):
     runs: Dict[str, Run]  # of tables, by code; not Octave's
     published: Run  # the paper's seconds
     avx2: Optional[Dict[str, str]]  # the context of the tables with AVX2 kernels
-    recorded: Dict[str, Dict[str, float]]  # figures of recorded studies: theorem, accuracy, turbulence if there is one
+    recorded: Recorded
 
     def rows(self):
         return judge.all_rows(self.study, {"paper": self.published, **self.runs}, self.recorded)
@@ -249,17 +259,14 @@ def avx2_tables(path):
     return runs, context
 
 
-def recorded_figures(folder):
-    """Returns the figures of the recorded studies that claims are judged by; turbulence may not be recorded yet."""
-    paths = {study: os.path.join(folder, study, FILE) for study in ("theorem", "accuracy", "turbulence")}
-    return {study: read_json(path, partial(whole_figures, study)) for study, path in paths.items()
-            if study != "turbulence" or os.path.exists(path)}
+def recorded_findings(folder):
+    """Returns what the studies recorded in a folder found, as a Recorded. Throws UnusableFile."""
+    def found_by(study, kind):
+        return read_findings(os.path.join(folder, study, FILE), study, kind)
 
-
-def whole_figures(study, document):
-    figures = figures_of(document)
-    judge.require_figures(study, figures)
-    return figures
+    has_turbulence = os.path.exists(os.path.join(folder, "turbulence", FILE))
+    return Recorded(found_by("theorem", theorem.Findings), found_by("accuracy", accuracy.Findings),
+                          found_by("turbulence", turbulence.Findings) if has_turbulence else None)
 
 
 def rendered(raw, recorded):
@@ -267,6 +274,6 @@ def rendered(raw, recorded):
     path = beside(raw, "avx2.json")
     avx2, context = avx2_tables(path) if path else ({}, None)
     evidence = Evidence(read_claims(raw), {**tables_of(os.path.join(recorded, "tables", "raw.json")), **avx2},
-                        read_published(PUBLISHED), context, recorded_figures(recorded))
+                        read_published(PUBLISHED), context, recorded_findings(recorded))
     return Rendering(lambda _: sections(evidence), figures(evidence), files={
         "claims.json": judge.as_json(evidence.rows(), judge.choices(evidence.study), evidence.processors())})

@@ -10,12 +10,11 @@ from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from lib.programs.messages import UnusableFile
 from lib.records import formats
-from lib.records.formats import (CONVERGED, Integrator, Schema, keyed, list_of, number, one_of, optional, positive,
-                                 status, text, truth, whole)
+from lib.records.formats import (CONVERGED, Integrator, Schema, finite, keyed, list_of, number, one_of, optional,
+                                 positive, status, text, truth, whole)
 from lib.records.integrators import GAUSS as GAUSS_FAMILY, IMPLICIT_EXPONENTIAL
 from lib.records.settings import ENERGY_BOUNDED, keeping_tolerance
 from lib.judging.drift import LOST, judged
-from lib.pages.figures import finite
 
 SCENES = ("smooth", "rough")
 # What ends the name of a method whose tolerance is looser or tighter than its integrator's usual one.

@@ -26,8 +26,7 @@ def figures(study, rough=None, threads=None):
         found.update({f"{ROUGH}.{key}": value for key, value in line_figures(rough).items()})
     for start in study.starts():
         found.update(gain_figures(study, start))
-    ideas = [mean for key, mean in found.items() if key.startswith("without") and key.endswith(FORMULATIONS)]
-    if ideas:
+    if ideas := gains_of_ideas(study):
         found["costliest_idea"] = max(0.0, 1 / min(ideas) - 1)
     for row in study.threads:
         key, ratio = f"threads.{row.integrator}.n{row.n}.t{row.start:g}", ratio_of(row.one, row.two)
@@ -39,6 +38,13 @@ def figures(study, rough=None, threads=None):
     found.update({"points": len(study.points), "single": len(study.singles())})
     trend = study.trend()
     return {**found, **({f"trend.{name}": value for name, value in trend._asdict().items()} if trend else {})}
+
+
+def gains_of_ideas(study):
+    """Returns what each idea gains in the fast form of each formulation, at every start and n."""
+    places = [(start, n) for start in study.starts() for n in study.sizes(start)]
+    return [gain for place in places for rung in RUNGS if rung not in (PUBLISHED, FAST) for form in FORMULATIONS
+            if (gain := study.gain(*place, rung, cells((form,))))]
 
 
 def gain_figures(study, start):

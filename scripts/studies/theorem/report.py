@@ -2,13 +2,14 @@
 
 import statistics
 
+from lib.records.findings import FILE, as_json
 from lib.records.formats import FORMULATIONS
 from lib.judging.verdicts import FEWEST, HOLDS, MARGIN, UNDECIDED, claim_of_fastest, ratio_of
 from lib.pages.document import Column, Entry, Heading, Paragraph, Table, conditions, plain_table
 from lib.pages.numbers import MISSING, scientific, three_digits
 from lib.pages.rendering import Rendering
 from studies.tables.comparison import UNDECIDED_MARK, marks, spread_text
-from studies.theorem.judge import figures
+from studies.theorem.judge import figures, findings
 from studies.theorem.schema import (AT_ROUNDING, CLAIMS, NOTHING, PAIRS, PRINTED_K, PRINTED_W, SCENES, by, comparisons,
                                     methods_of, read_theorem, times_of)
 
@@ -165,8 +166,8 @@ def misprints_table(rows):
     orders = {row.stages: row.order for row in rows if row.changed == NOTHING}
     found = []
     for changed, form, *texts in MISPRINTS:
-        found += [[*texts, str(row.stages), scientific(row.differences[1]),
-                   scientific(row.casimir_errors[FORMULATIONS.index(form)]),
+        found += [[*texts, str(row.stages), scientific(row.difference("group–algebra")),
+                   scientific(row.casimir_error(form)),
                    f"{row.order:.1f}, {orders[row.stages]:.1f}" if row.order and orders.get(row.stages) else MISSING]
                   for row in rows if row.changed == changed] or [[*texts, *[MISSING] * 4]]
     headings = ("s", "difference", "Casimirs", "orders")
@@ -176,4 +177,5 @@ def misprints_table(rows):
 def rendered(raw, _recorded):
     """Returns the Rendering of a raw file."""
     study = read_theorem(raw)
-    return Rendering(lambda _: sections(study), figures(study))
+    found = findings(study)
+    return Rendering(lambda _: sections(study), figures(found), files={FILE: as_json("theorem", found)})

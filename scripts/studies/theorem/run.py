@@ -26,7 +26,8 @@ from lib.running import built, program, timed, untimed
 from lib.running.checkpoint import Checkpoint
 from studies.theorem import plain_forms
 from studies.theorem.plain_forms import LOBATTO_IIIA, LOBATTO_IIIB, LOBATTO_IIIC, RADAU_IIA, dagger, gauss
-from studies.theorem.schema import NOTHING, PRINTED_K, PRINTED_W, SCENES, SCHEMA, Coincidence, End, Settings, Timed
+from studies.theorem.schema import (NOTHING, PARTITIONED, PRINTED_K, PRINTED_W, SCENES, SCHEMA, Coincidence, End,
+                                    Settings, Timed)
 
 SMALL = {"smooth": 9, "rough": 9, "euler_top": 3, "rigid_body": 6, "spin_chain": 10, "symplectic": 6,
          "pseudo_unitary": 5}  # n of the runs in which the formulations are compared
@@ -123,7 +124,7 @@ def ends():
         *(row("a tableau that is not symplectic", case, tableau) for case, tableau in (
             ("Radau IIA", RADAU_IIA), ("Lobatto IIIC", LOBATTO_IIIC[2]), ("Lobatto IIIC", LOBATTO_IIIC[3]),
             ("one of order 1", (np.array([[0.3, -0.2], [0.5, 0.1]]), np.array([0.4, 0.6]))))),
-        *(row("a partitioned pair on T*G", f"IIIA–IIIB, {name}", LOBATTO_IIIA[s], P=LOBATTO_IIIB[s], named=named[s])
+        *(row(PARTITIONED, f"IIIA–IIIB, {name}", LOBATTO_IIIA[s], P=LOBATTO_IIIB[s], named=named[s])
           for s in (2, 3) for name, named in (("IIIA", LOBATTO_IIIA), ("IIIB", LOBATTO_IIIB))),
         row("J² no multiple of I", "J² no multiple of I", gauss(2), W0=np.linalg.solve(J, W0), J=J),
         row("B outside g", "B outside g", gauss(2), B=lambda W: W / (d[:, None] + 2 * d)),

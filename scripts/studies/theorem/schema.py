@@ -1,5 +1,5 @@
-"""The raw file of the study `theorem`, its report and its figures: where the formulations coincide, which is the
-fastest, what they cost, and where the theorem ends."""
+"""The raw file of the study `theorem`: where the formulations coincide, which is the fastest, what they cost, and where
+the theorem ends."""
 
 from typing import NamedTuple
 
@@ -13,12 +13,15 @@ SCENES = {  # the algebra, and the arithmetic of its steps
     "smooth": ("su(n)", "complex, Poisson solves"), "rough": ("su(n)", "complex, Poisson solves"),
     "euler_top": ("so(3)", "real"), "rigid_body": ("so(n)", "real"), "spin_chain": ("su(2)^N", "complex 2 × 2 blocks"),
     "symplectic": ("sp(n)", "real, products with J"), "pseudo_unitary": ("su(p,q)", "complex, products with J")}
-NOTHING, PRINTED_K, PRINTED_W = "nothing", "K as printed", "W̃ as printed"  # of what is changed
+# Of what is changed where the theorem ends.
+NOTHING, PRINTED_K, PRINTED_W = "nothing", "K as printed", "W̃ as printed"
+PARTITIONED = "a partitioned pair on T*G"
 AT_ROUNDING = 1e-12  # differences of one step that are below stem from rounding
+FOOTNOTE = "footnote"
 # Name, the table and the methods it is about (None: all that the table has), and the formulation said to be fastest.
 CLAIMS = (
     ("(a)", "cost", ("s = 1",), "algebra"), ("(b)", "cost", ("s = 2", "s = 3"), "group"),
-    ("footnote", "dirk", None, "algebra"))
+    (FOOTNOTE, "dirk", None, "algebra"))
 CHAIN = "spin_chain"
 
 
@@ -54,6 +57,13 @@ class End(NamedTuple):
     casimir_errors: list_of(number, 3)  # of FORMULATIONS
     algebra_defect: number  # largest of the three
     order: optional(number)  # observed, of the form on g
+
+    def difference(self, pair):
+        """Returns the difference of one of PAIRS."""
+        return self.differences[PAIRS.index(pair)]
+
+    def casimir_error(self, formulation):
+        return self.casimir_errors[FORMULATIONS.index(formulation)]
 
 
 class Timed(NamedTuple):
@@ -122,6 +132,3 @@ def methods_of(rows):
 def times_of(block):
     """Returns the seconds of the formulations that converge, by formulation."""
     return {row.formulation: row.seconds for row in block if row.seconds}
-
-
-# ---- figures

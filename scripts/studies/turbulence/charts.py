@@ -7,7 +7,7 @@ from matplotlib.ticker import NullLocator
 from lib.pages.chart_panels import KEEPING, LABEL_SIZE, equals, label_ends, look, new_figure, note, percent
 from lib.records.integrators import KEPT, name_with_order, strongest_structure
 from lib.pages.numbers import power, two_digits
-from studies.turbulence.judge import TOLERANCE, methods_of
+from studies.turbulence.against_reference import TOLERANCE, methods_of
 from studies.turbulence.schema import LOOSE
 from lib.judging.verdicts import FEWEST
 
@@ -20,7 +20,7 @@ ROW, HEADS = 0.27, {"nothing": "keeps nothing", "spectrum": "keeps the spectrum"
 def cheapest_faithful(study, found):
     """Draws the cost of the cheapest faithful setting of each method over that of the baseline, a panel an n.
 
-    `found` are its Findings by n. Methods stand below what they keep, the cheapest first; where none of the settings
+    `found` are its Judgements by n. Methods stand below what they keep, the cheapest first; where none of the settings
     that were tried is faithful, that is written. None where no n has a faithful setting whose cost is known.
     """
     found = {n: each for n, each in found.items() if each.over_practice(each.cheapest())}
@@ -30,7 +30,7 @@ def cheapest_faithful(study, found):
     height = ROW * max(map(len, rows.values()))
     figure, (panels,) = new_figure(title_of(study, found), 1, len(found), height, keys=3, sharex=True,
                                    labels=["rk4_projected, h = 0.125, 1e-4"])
-    for axes, (n, findings) in zip(panels, found.items()):
+    for axes, (n, judgement) in zip(panels, found.items()):
         axes.set(title=f"n = {n}, T = {study.sizes[n].time:g}", ylim=(len(rows[n]) - 0.3, -0.7),
                  xlabel="CPU time of a run over that of the baseline")
         axes.grid(False, axis="y")
@@ -41,7 +41,7 @@ def cheapest_faithful(study, found):
                 axes.text(0.003, place, f"{name_with_order(study.integrators[name])}: no setting that was tried is"
                           " faithful", va="center", color="0.4")
             else:
-                draw_bar(axes, study.integrators[name], place, findings.over_practice(best), best.setting)
+                draw_bar(axes, study.integrators[name], place, judgement.over_practice(best), best.setting)
         axes.yaxis.set_major_locator(NullLocator())
         axes.spines["left"].set_visible(False)
     panels[0].set_xlim(left=0)
@@ -52,15 +52,15 @@ def cheapest_faithful(study, found):
     return figure
 
 
-def rows_of(study, findings):
+def rows_of(study, judgement):
     """Returns the rows of a panel as (structure, method, its cheapest faithful setting or None).
 
     The first row of a structure, its heading, has no method.
     """
     rows = []
     for structure in KEPT:
-        own = [name for name in methods_of(findings) if strongest_structure(study.integrators[name]) == structure]
-        best = {name: findings.cheapest(lambda judged, name=name: judged.setting.integrator == name) for name in own}
+        own = [name for name in methods_of(judgement) if strongest_structure(study.integrators[name]) == structure]
+        best = {name: judgement.cheapest(lambda judged, name=name: judged.setting.integrator == name) for name in own}
         order = sorted(own, key=lambda name: (best[name] is None, best[name] and best[name].seconds))
         rows += [(structure, None, None), *((structure, name, best[name]) for name in order)] if own else []
     return rows
@@ -81,19 +81,19 @@ def draw_bar(axes, integrator, place, over, setting):
 def title_of(study, found):
     """Returns what the cheapest faithful runs cost, at the largest n: of all, and of those that keep the structure."""
     n = max(found)
-    findings = found[n]
+    judgement = found[n]
     run = f"Turbulence at {equals('n', n)} to {equals('T', format(study.sizes[n].time, 'g'))}"
-    told = [(setting_text(study, findings, best), words) for words, structure in
+    told = [(setting_text(study, judgement, best), words) for words, structure in
             (("", "nothing"), (" with the Lie–Poisson structure", "poisson"))
-            if (best := findings.cheapest(lambda judged, structure=structure: judged.has(structure)))]
+            if (best := judgement.cheapest(lambda judged, structure=structure: judged.has(structure)))]
     costs = [f"{text[1]} of the baseline's time{words} ({text[0]})" for text, words in told]
     return f"{run}: the same statistics for {', '.join(costs)}" if told else PLAIN_TITLE
 
 
-def setting_text(study, findings, best):
+def setting_text(study, judgement, best):
     """Returns the method of a setting, and its cost over the baseline's."""
     return (name_with_order(study.integrators[best.setting.integrator]),
-            two_digits(findings.over_practice(best).ratio))
+            two_digits(judgement.over_practice(best).ratio))
 
 
 # ---- energies
@@ -102,10 +102,10 @@ def setting_text(study, findings, best):
 def band_energies(study, found):
     """Draws by how much the energy in each band of degrees differs from that of the reference, a panel an n.
 
-    `found` are its Findings by n, settings those of examples(). Grey is what chance explains. None where nothing is
+    `found` are its Judgements by n, settings those of examples(). Grey is what chance explains. None where nothing is
     judged.
     """
-    told = {n: examples(findings) for n, findings in found.items() if findings.decides and examples(findings)}
+    told = {n: examples(judgement) for n, judgement in found.items() if judgement.decides and examples(judgement)}
     if not told:
         return None
     labels = {n: [with_step(study, judged) for judged in settings] for n, settings in told.items()}
@@ -138,36 +138,36 @@ def band_energies(study, found):
     return figure
 
 
-def examples(findings):
+def examples(judgement):
     """Returns the settings whose energies are drawn, as Judged, each once: the cheapest faithful one, the cheapest of
     them with the Lie–Poisson structure, and the one that is furthest from the reference."""
-    furthest = max((judged for judged in findings.judged.values() if judged.distance),
+    furthest = max((judged for judged in judgement.judged.values() if judged.distance),
                    key=lambda judged: judged.distance, default=None)
-    found = (findings.cheapest(), findings.cheapest(lambda judged: judged.has("poisson")), furthest)
+    found = (judgement.cheapest(), judgement.cheapest(lambda judged: judged.has("poisson")), furthest)
     return list({judged.setting: judged for judged in found if judged}.values())
 
 
-def changes_of(findings, judged):
+def changes_of(judgement, judged):
     """Returns the relative change of the energy in each band from the reference's, the mean over the draws."""
-    return [math.exp(judged.scores[key] * chance) - 1
-            for key, chance in zip(findings.drifts, findings.reference.chance)]
+    return [math.exp(judged.scores[band] * chance) - 1
+            for band, chance in zip(judgement.drifts, judgement.reference.chance)]
 
 
 def with_step(study, judged):
     return f"{name_with_order(study.integrators[judged.setting.integrator])}, h = {judged.setting.step:.3g}"
 
 
-def band_text(key):
-    """Writes the key of a band, "l3-5", as its degrees."""
-    return key[1:].replace("-", "–")
+def band_text(band):
+    """Writes the degrees of a band."""
+    return f"{band.lowest}–{band.highest}"
 
 
 def bands_title(study, found, told):
     """Returns by how much the setting that is furthest off changes the band that it changes most, at the largest n."""
     n = max(told)
     judged = max(told[n], key=lambda judged: judged.distance)
-    key = max(found[n].drifts, key=lambda key: abs(judged.scores[key]))
-    change = changes_of(found[n], judged)[list(found[n].drifts).index(key)]
+    band = max(found[n].drifts, key=lambda band: abs(judged.scores[band]))
+    change = changes_of(found[n], judged)[list(found[n].drifts).index(band)]
     written = f"{100 * change:+.2g}".replace("-", "\N{MINUS SIGN}")
-    return (f"Turbulence at {equals('n', n)}: {with_step(study, judged)} changes the energy at l = {band_text(key)} by"
+    return (f"Turbulence at {equals('n', n)}: {with_step(study, judged)} changes the energy at l = {band_text(band)} by"
             f" {written}\N{NO-BREAK SPACE}%; faithful settings stay within chance in every band")

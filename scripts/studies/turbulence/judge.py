@@ -1,232 +1,234 @@
-"""What a study of turbulence found: each setting judged against the reference, and the figures for pages."""
+"""What the study `turbulence` finds, as records, and the figures for pages, by key. Standard library only."""
 
-import math
-import statistics
-from typing import NamedTuple, Optional, Tuple
+from typing import List, NamedTuple
 
-import numpy
-
-from lib.records.integrators import KEPT, strongest_structure
+from lib.records.formats import finite, keyed, list_of, number, one_of, optional, positive, text, truth, whole
+from lib.records.integrators import KEPT
 from lib.judging import verdicts
 from lib.pages.numbers import power
-from studies.turbulence.schema import LOOSE, PRACTICE, Ensemble, bands_of
-from studies.turbulence.statistics import Reference, Spreads, drifts_of, false_positives, reference_of, spreads_of
-
-INVARIANTS = ("energy", "enstrophy")
-TOLERANCE = 0.01  # relative: averages of energy and enstrophy that are off by more in some draw are not faithful
+from studies.turbulence.schema import LOOSE, PRACTICE
 
 
-class Judged(NamedTuple):
-    """A setting at one n. Where a run of it failed all but the first three have no value."""
+class Trust(NamedTuple):
+    """How far what is judged at one n is to be trusted."""
 
-    ensemble: Ensemble
-    keeps: str  # strongest structure of the method, of KEPT
-    products: float  # equivalent ones, a unit of time
-    scores: Optional[dict] = None  # z of each quantity by its key
-    changes: Optional[dict] = None  # of averages of INVARIANTS, relative, the mean over the draws
-    worst: Optional[dict] = None  # the largest of these, without sign, of a draw
-    within_chance: bool = False  # the distance is at most the threshold
-    faithful: bool = False
-    spectrum_error: Optional[float] = None  # at the end, the largest of the draws
-    times: Tuple[float, ...] = ()  # CPU seconds of one run to T, by process; none where no step was timed
-
-    @property
-    def setting(self):
-        return self.ensemble.setting
-
-    @property
-    def seconds(self):
-        """The geometric mean of the times, or None."""
-        return statistics.geometric_mean(self.times) if self.times else None
-
-    @property
-    def largest(self):
-        """The key of the quantity that is furthest off."""
-        return max(self.scores, key=lambda key: abs(self.scores[key]))
-
-    @property
-    def distance(self):
-        """The largest |z|, or None."""
-        return abs(self.scores[self.largest]) if self.scores else None
-
-    @property
-    def conserves(self):
-        """Tells whether energy and enstrophy are those of the initial data to TOLERANCE in every draw."""
-        return bool(self.worst) and max(self.worst.values()) <= TOLERANCE
-
-    def has(self, structure):
-        """Tells whether the method keeps a structure of KEPT, or a stronger one."""
-        return list(KEPT).index(self.keeps) >= list(KEPT).index(structure)
-
-
-class Findings(NamedTuple):
-    """All that was found at one n."""
-
-    keys: Tuple[str, ...]  # of the quantities
-    reference: Reference
-    false_positives: float  # share of right ensembles beyond the threshold
-    far_distances: Tuple[float, ...]  # of the far ensembles from the reference
-    spreads: Spreads
-    drifts: dict  # Drift by the key of a band
-    judged: dict  # Judged by Setting
-    practice: Optional[Judged]
+    n: whole(2)
+    draws: whole(1)
+    time: positive  # T of a run
+    references: whole(1)  # ensembles
+    far: whole(1)
+    threshold: number  # of the distance: settings that are further off are not within chance
+    false_positives: number  # share of right ensembles beyond the threshold
+    far_distance: number  # of the far ensemble that is furthest off
+    spread: number  # of reference runs over that of far runs, all quantities together, with its 95 % interval
+    spread_low: number
+    spread_high: number
+    are_independent: truth  # reference runs of one draw
+    is_stationary: truth
+    reference_error: number
+    reference_energy_error: number
+    reference_spectrum_error: number
 
     @property
     def decides(self):
-        """Tells whether there are draws enough for a verdict."""
-        return len(self.reference.means) >= verdicts.FEWEST
-
-    @property
-    def is_stationary(self):
-        return all(drift.is_stationary for drift in self.drifts.values())
-
-    def over_practice(self, judged):
-        """Returns the Ratio of the cost of a setting to that of the practice, or None where one is not known."""
-        if not (judged and judged.times and self.practice and self.practice.times):
-            return None
-        return verdicts.ratio_of(judged.times, self.practice.times)
-
-    def candidates(self, allowed):
-        """Returns the faithful settings of those that are allowed, but the practice, whose cost is known."""
-        return [each for each in self.judged.values() if each.faithful and each.times and allowed(each)
-                and each.ensemble.role != PRACTICE]
-
-    def cheapest(self, allowed=lambda judged: True):
-        """Returns the cheapest faithful setting of those that are allowed, but the practice, as Judged; or None."""
-        return min(self.candidates(allowed), key=lambda each: each.seconds, default=None)
-
-    def level_with_cheapest(self, allowed=lambda judged: True):
-        """Returns the other faithful settings that tie with the cheapest, and those not decided against it."""
-        found = {each.setting: each for each in self.candidates(allowed)}
-        times = {setting: each.times for setting, each in found.items()}
-        best = verdicts.fastest(times) if times else None
-        ties, undecided = verdicts.level_rows(times)
-        return ([each for setting, each in found.items() if setting in ties and setting != best],
-                [each for setting, each in found.items() if setting in undecided])
+        """Tells whether there are draws enough for a verdict: each is one history of the flow."""
+        return self.draws >= verdicts.FEWEST
 
 
-def findings_of(study, n):
-    """Returns the Findings of a Turbulence at one n."""
-    references, far = (values_of(runs) for runs in (study.references[n], study.far[n]))
-    spreads, keys = spreads_of(references, far), quantity_keys(study, n)
-    if spreads.are_independent:
-        reference = reference_of(references)
-        right = numpy.concatenate((references, far), axis=1), reference.ensembles
-    else:  # the wider spread counts
-        reference = reference_of(far).with_means_of(references)
-        right = far, reference.ensembles - 1
-    energies = numpy.array([[run.bands for run in (*near, *far)]
-                            for near, far in zip(study.references[n], study.far[n])])
-    judged = {setting: judged_of(study, n, ensemble, keys, reference)
-              for setting, ensemble in study.ensembles[n].items()}
-    practice = study.practice(n)
-    return Findings(keys, reference, false_positives(*right),
-                    tuple(reference.distance(far[:, ensemble]) for ensemble in range(far.shape[1])), spreads,
-                    dict(zip(keys, drifts_of(energies))), judged, practice and judged[practice.setting])
+class Precision(NamedTuple):
+    """How well the reference at one n tells a quantity: the energy in a band of degrees l, or a decorrelation."""
+
+    n: whole(2)
+    lowest: whole(1)  # l
+    highest: whole(1)
+    lag: optional(positive)  # units of time, after which one l is decorrelated; None for a band
+    deviation: number  # of one run; relative for bands
+    least: number  # mean difference over the draws at which a setting is no longer within chance
+    spread: number  # of reference runs over that of far runs, with its 95 % interval
+    spread_low: number
+    spread_high: number
+    drift: optional(finite)  # of a band: relative change from the first to the last quarter of T/2 … T
+    drift_score: optional(finite)  # over its standard error
 
 
-def values_of(runs):
-    """Returns the quantities of runs by draw and ensemble: the logarithms of the bands' energies, and decorrelations.
+class SettingResult(NamedTuple):
+    """What became of a setting at one n; where a draw was lost, only what stands before `within_chance` is known."""
 
-    The array is draws × ensembles × quantities.
-    """
-    return numpy.array([[[*numpy.log(numpy.mean(run.bands, axis=0)), *run.decorrelations] for run in draw]
-                        for draw in runs])
+    n: whole(2)
+    integrator: text
+    order: whole(1)
+    family: text
+    keeps: one_of(*KEPT)  # strongest structure of the method
+    step: positive
+    tolerance: positive
+    is_practice: truth
+    failed: whole()  # draws that were lost
+    capped: whole()  # of these by the sweep cap
+    first_lost: optional(number)  # time at which the first and the last of them was lost
+    last_lost: optional(number)
+    products: number  # equivalent ones, a unit of time
+    faithful: truth
+    within_chance: optional(truth) = None
+    distance: optional(number) = None  # the largest |z|
+    scores: optional(list_of(finite)) = None  # z of each quantity in the order of `precision`
+    energy: optional(finite) = None  # averages, relative to the initial value, less 1: the mean over the draws
+    enstrophy: optional(finite) = None
+    energy_worst: optional(number) = None  # the largest of a draw, without sign
+    enstrophy_worst: optional(number) = None
+    spectrum_error: optional(number) = None  # at the end, the largest of the draws
+    seconds: optional(positive) = None  # CPU time of a run; None where no step was timed
+    over_practice: optional(positive) = None  # seconds over those of the practice; its interval needs enough processes
+    over_practice_low: optional(positive) = None
+    over_practice_high: optional(positive) = None
 
 
-def quantity_keys(study, n):
-    """Returns the keys of the quantities: lLOW-HIGH of a band of degrees, lL.lagTIME of a decorrelation."""
-    bands = [f"l{low}-{high}" for low, high in bands_of(n)]
-    return (*bands, *(f"l{study.settings.correlated_degree}.lag{lag:g}" for lag in study.settings.lags))
+CHEAPEST = "cheapest"
 
 
-def judged_of(study, n, ensemble, keys, reference):
-    """Returns one setting as Judged; none is faithful by few draws."""
-    setting, cost = ensemble.setting, study.cost(n, ensemble.setting)
-    keeps = strongest_structure(study.integrators[setting.integrator])
-    products = statistics.fmean(run.products for run in ensemble.runs)
+class Leader(NamedTuple):
+    """A faithful setting that is the cheapest of those that keep a structure, or is not told from the cheapest."""
+
+    n: whole(2)
+    keeps: one_of(*KEPT)
+    integrator: text
+    step: positive
+    tolerance: positive
+    standing: one_of(CHEAPEST, verdicts.TIE, verdicts.UNDECIDED)
+
+
+class Findings(NamedTuple):
+    trust: List[Trust]
+    precision: List[Precision]
+    settings: List[SettingResult]
+    leaders: List[Leader]
+
+
+def findings(study, judgements):
+    """Returns the Findings of a Turbulence, given its Judgements by n."""
+    found = Findings([], [], [], [])
+    for n, judgement in judgements.items():
+        found.trust.append(trust(study, n, judgement))
+        found.precision.extend(precisions(n, judgement))
+        found.settings.extend(setting_result(study, n, judgement, each) for each in judgement.judged.values())
+        for structure in KEPT:
+            found.leaders.extend(leaders(n, judgement, structure))
+    return found
+
+
+def trust(study, n, judgement):
+    size, spreads = study.sizes[n], judgement.spreads
+    runs = [run for draw in study.references[n] for run in draw]
+    return Trust(n, size.draws, size.time, size.references, size.far, judgement.reference.threshold,
+                 judgement.false_positives, max(judgement.far_distances), *map(float, (
+                     spreads.ratio[-1], spreads.low[-1], spreads.high[-1])), bool(spreads.are_independent),
+                 judgement.is_stationary, size.reference_error, max(run.energy_error for run in runs),
+                 max(run.spectrum_error for run in runs))
+
+
+def precisions(n, judgement):
+    found = []
+    reference, spreads = judgement.reference, judgement.spreads
+    for place, quantity in enumerate(judgement.quantities):
+        drift = judgement.drifts.get(quantity)
+        found.append(Precision(n, *quantity, *(float(each[place]) for each in (
+            reference.deviations, reference.threshold * reference.chance, spreads.ratio, spreads.low, spreads.high)),
+            drift and drift.change, drift and drift.score))
+    return found
+
+
+def setting_result(study, n, judgement, judged):
+    setting, ensemble, integrator = judged.setting, judged.ensemble, study.integrators[judged.setting.integrator]
+    lost, over = [run.time for run in ensemble.lost], judgement.over_practice(judged)
+    found = SettingResult(n, integrator.name, integrator.order, integrator.family, judged.keeps, setting.step,
+                          setting.tolerance, ensemble.role == PRACTICE, ensemble.failed, ensemble.capped,
+                          min(lost, default=None), max(lost, default=None), judged.products, bool(judged.faithful))
     if not ensemble.works:
-        return Judged(ensemble, keeps, products)
-    changes = {name: [getattr(run, name) - 1 for run in ensemble.runs] for name in INVARIANTS}
-    scores = dict(zip(keys, map(float, reference.scores(values_of([[run] for run in ensemble.runs])[:, 0]))))
-    times = tuple(seconds * steps_to(study.sizes[n].time, setting.step) for seconds in cost.seconds) if cost else ()
-    found = Judged(ensemble, keeps, products, scores,
-                   {name: statistics.fmean(each) for name, each in changes.items()},
-                   {name: max(map(abs, each)) for name, each in changes.items()},
-                   spectrum_error=max(run.spectrum_error for run in ensemble.runs), times=times)
-    within = len(ensemble.runs) >= verdicts.FEWEST and found.distance <= reference.threshold
-    return found._replace(within_chance=within, faithful=within and found.conserves)
+        return found
+    found = found._replace(within_chance=bool(judged.within_chance), distance=judged.distance,
+                           scores=list(judged.scores.values()), **judged.changes,
+                           **{f"{name}_worst": each for name, each in judged.worst.items()},
+                           spectrum_error=judged.spectrum_error, seconds=judged.seconds,
+                           over_practice=over and over.ratio)
+    if over and over.processes >= verdicts.FEWEST:
+        found = found._replace(over_practice_low=over.low, over_practice_high=over.high)
+    return found
 
 
-def steps_to(time, step):
-    """Returns the least number of steps that reach a time."""
-    return math.ceil(time / step * (1 - 1e-12))
+def leaders(n, judgement, structure):
+    """Returns the Leaders among the settings that keep a structure, the cheapest first."""
+    def allowed(judged):
+        return judged.has(structure)
+
+    best = judgement.cheapest(allowed)
+    ties, undecided = judgement.level_with_cheapest(allowed)
+    return [Leader(n, structure, *judged.setting, standing)
+            for standing, some in ((CHEAPEST, [best] if best else []), (verdicts.TIE, ties),
+                                   (verdicts.UNDECIDED, undecided)) for judged in some]
 
 
 # ---- figures
 
 
-def figures(study, findings):
-    """Returns the figures that results/README.md may quote, by key, given the Findings by n.
+def figures(found):
+    """Returns the figures that pages may quote, by key, given the Findings.
 
     nN.INTEGRATOR.hSTEP… are those of a setting, `.tolerance_1e-4` where it is not 1e-8. The name of a winner stands in
     its key, so that a page that names another one fails its test: nN.cheapest.KEPT.INTEGRATOR.hSTEP….
     """
-    found = {}
-    for n, parts in findings.items():
-        for figures_at in (reference_figures, practice_figures, setting_figures, winner_figures):
-            found.update({f"n{n}.{key}": value for key, value in figures_at(study, n, parts).items()
-                          if value is not None})
+    figures_of = {}
+    for trusted in found.trust:
+        n = trusted.n
+        precisions_at = [each for each in found.precision if each.n == n]
+        settings = [each for each in found.settings if each.n == n]
+        of_n = {"judged": len(settings), **trust_figures(trusted),
+                **{key: value for each in precisions_at for key, value in precision_figures(each)},
+                **{key: value for each in settings for key, value in setting_figures(each, precisions_at)},
+                **method_figures(settings),
+                **leader_figures([each for each in found.leaders if each.n == n], settings)}
+        figures_of |= {f"n{n}.{key}": value for key, value in of_n.items() if value is not None}
+    return figures_of
+
+
+def trust_figures(trusted):
+    return {"draws": trusted.draws, "time": trusted.time, "references": trusted.references, "far": trusted.far,
+            "threshold": trusted.threshold, "false_positives": trusted.false_positives,
+            "far.distance": trusted.far_distance, "independent": trusted.spread,
+            "independent_low": trusted.spread_low, "independent_high": trusted.spread_high,
+            "are_independent": int(trusted.are_independent), "stationary": int(trusted.is_stationary),
+            "reference.error": trusted.reference_error, "reference.energy_error": trusted.reference_energy_error,
+            "reference.spectrum_error": trusted.reference_spectrum_error}
+
+
+def key_of_quantity(found):
+    return f"l{found.lowest}-{found.highest}" if found.lag is None else f"l{found.lowest}.lag{found.lag:g}"
+
+
+def precision_figures(found):
+    names = {"deviation": "deviation", "least": "least", "spread": "spread", "spread_low": "spread_low",
+             "spread_high": "spread_high", "drift": "quarters", "drift_score": "quarters_score"}
+    return [(f"{key_of_quantity(found)}.{key}", getattr(found, name)) for name, key in names.items()]
+
+
+def setting_figures(result, precisions_at):
+    """Returns the figures of one setting as (key, value), given the Precisions at its n.
+
+    Those of the practice begin with practice. lost.SETTING counts the lost draws, and says when.
+    """
+    start, key = ("practice" if result.is_practice else key_of(result)), key_of(result)
+    found = [(f"{start}.{name}", getattr(result, name)) for name in (
+        "products", "distance", "seconds", "spectrum_error", "energy", "enstrophy", "energy_worst", "enstrophy_worst")]
+    found += [(f"{start}.{name}", int(getattr(result, name))) for name in ("failed", "capped", "faithful")]
+    if result.within_chance is not None:
+        found.append((f"{start}.within_chance", int(result.within_chance)))
+    found += [(f"{start}.{key_of_quantity(each)}.score", score)
+              for each, score in zip(precisions_at, result.scores or ())]
+    found += cost_figures(f"{start}.over_practice", result)
+    if result.is_practice:
+        found.append(("practice.step", result.step))
+    if result.failed:
+        found += [(f"lost.{key}.draws", result.failed), (f"lost.{key}.first", result.first_lost),
+                  (f"lost.{key}.last", result.last_lost)]
     return found
-
-
-def reference_figures(study, n, found):
-    size = study.sizes[n]
-    runs = [run for draw in study.references[n] for run in draw]
-    kept = {"draws": size.draws, "time": size.time, "references": size.references, "far": size.far,
-            "judged": len(found.judged), "threshold": found.reference.threshold,
-            "false_positives": found.false_positives, "far.distance": max(found.far_distances),
-            "independent": found.spreads.ratio[-1], "independent_low": found.spreads.low[-1],
-            "independent_high": found.spreads.high[-1], "are_independent": int(found.spreads.are_independent),
-            "stationary": int(found.is_stationary), "reference.error": size.reference_error,
-            "reference.energy_error": max(run.energy_error for run in runs),
-            "reference.spectrum_error": max(run.spectrum_error for run in runs)}
-    for place, key in enumerate(found.keys):
-        kept.update({f"{key}.deviation": found.reference.deviations[place],
-                     f"{key}.least": found.reference.threshold * found.reference.chance[place],
-                     f"{key}.spread": found.spreads.ratio[place], f"{key}.spread_low": found.spreads.low[place],
-                     f"{key}.spread_high": found.spreads.high[place]})
-    for key, drift in found.drifts.items():
-        kept.update({f"{key}.quarters": drift.change, f"{key}.quarters_score": drift.score})
-    return {key: float(value) for key, value in kept.items()}
-
-
-def practice_figures(study, n, found):
-    if found.practice is None:
-        return {}
-    return {"practice.step": found.practice.setting.step,
-            **{f"practice.{key}": value for key, value in figures_of(found, found.practice).items()}}
-
-
-def ratio_figures(key, ratio):
-    """Returns a Ratio or None as figures: KEY, and with enough processes for an interval KEY_low and KEY_high."""
-    if ratio is None:
-        return {}
-    ends = {f"{key}_low": ratio.low, f"{key}_high": ratio.high} if ratio.processes >= verdicts.FEWEST else {}
-    return {key: ratio.ratio, **ends}
-
-
-def figures_of(found, judged):
-    """Returns the figures of one setting, by the ends of their keys."""
-    kept = {"failed": judged.ensemble.failed, "capped": judged.ensemble.capped, "faithful": int(judged.faithful),
-            "products": judged.products}
-    if judged.ensemble.works:
-        kept.update(distance=judged.distance, within_chance=int(judged.within_chance), seconds=judged.seconds,
-                    spectrum_error=judged.spectrum_error, **judged.changes,
-                    **{f"{name}_worst": value for name, value in judged.worst.items()},
-                    **{f"{key}.score": value for key, value in judged.scores.items()},
-                    **ratio_figures("over_practice", found.over_practice(judged)))
-    return kept
 
 
 def key_of(setting):
@@ -234,61 +236,42 @@ def key_of(setting):
     return f"{setting.integrator}.h{setting.step:g}{tolerance}"
 
 
-def setting_figures(study, n, found):
-    """Returns the figures of every setting but the practice; lost.SETTING counts its lost draws, and says when."""
-    kept = {f"{key_of(setting)}.{key}": value for setting, judged in found.judged.items()
-            if judged.ensemble.role != PRACTICE for key, value in figures_of(found, judged).items()}
-    for setting, judged in found.judged.items():
-        if lost := judged.ensemble.lost:
-            kept.update({f"lost.{key_of(setting)}.draws": len(lost),
-                         f"lost.{key_of(setting)}.first": min(run.time for run in lost),
-                         f"lost.{key_of(setting)}.last": max(run.time for run in lost)})
-    return kept
+def cost_figures(key, result):
+    """Returns the cost of a setting over the practice's as (key, value): KEY, KEY_low and KEY_high."""
+    return [(key, result.over_practice), (f"{key}_low", result.over_practice_low),
+            (f"{key}_high", result.over_practice_high)]
 
 
-def winner_figures(study, n, found):
-    """Returns the cheapest faithful settings, by what a method keeps and of each method."""
-    kept = {}
-    for structure in KEPT:
-        kept.update(winner(found, f"cheapest.{structure}", lambda judged: judged.has(structure)))
-    for name in methods_of(found):
-        best = found.cheapest(lambda judged: judged.setting.integrator == name)
-        if best:
-            kept.update({f"cheapest_of.{name}.step": best.setting.step, f"cheapest_of.{name}.products": best.products,
-                         **ratio_figures(f"cheapest_of.{name}.over_practice", found.over_practice(best))})
-    return kept
+def method_figures(settings):
+    """Returns what the cheapest faithful setting of each method is and costs, by key; the practice is none of them."""
+    found = {}
+    for each in settings:
+        if each.faithful and each.seconds and not each.is_practice:
+            found[each.integrator] = min(found.get(each.integrator, each), each, key=lambda one: one.seconds)
+    return {f"cheapest_of.{name}.{key}": value for name, best in found.items() for key, value in (
+        ("step", best.step), ("products", best.products), *cost_figures("over_practice", best))}
 
 
-def winner(found, start, allowed):
-    """Returns the figures of the cheapest faithful setting of those that are allowed.
+def leader_figures(leading, settings):
+    """Returns the figures of the cheapest faithful settings, by what a method keeps.
 
     START.tie.SETTING is the cost over the practice's of each setting that ties with it, START.undecided counts those
     that are not decided against it.
     """
-    judged = found.cheapest(allowed)
-    if judged is None:
-        return {}
-    key, over = f"{start}.{key_of(judged.setting)}", found.over_practice(judged)
-    ties, undecided = found.level_with_cheapest(allowed)
-    kept = {f"{key}.seconds": judged.seconds, f"{key}.products": judged.products,
-            **ratio_figures(f"{key}.over_practice", over),
-            f"{start}.ties": len(ties), f"{start}.undecided": len(undecided)}
-    if over:
-        inverse = verdicts.ratio_of(found.practice.times, judged.times)
-        kept.update(ratio_figures(f"{key}.practice_over", inverse))
-    for each in ties:
-        kept.update(ratio_figures(f"{start}.tie.{key_of(each.setting)}.over_practice", found.over_practice(each)))
-    return kept
-
-
-def methods_of(found):
-    """Returns the integrators with settings that are not the practice."""
-    return list(dict.fromkeys(setting.integrator for setting, judged in found.judged.items()
-                              if judged.ensemble.role != PRACTICE))
-
-
-def line_of(found, integrator):
-    """Returns the settings of an integrator at the loose tolerance, the practice among them, its longest step first."""
-    line = [judged for setting, judged in found.judged.items()
-            if (setting.integrator, setting.tolerance) == (integrator, LOOSE)]
-    return sorted(line, key=lambda judged: -judged.setting.step)
+    results, found = keyed(settings, "integrator", "step", "tolerance"), {}
+    for leader in leading:
+        start, key = f"cheapest.{leader.keeps}", key_of(leader)
+        result = results[leader.integrator, leader.step, leader.tolerance]
+        if leader.standing == CHEAPEST:
+            found |= {f"{start}.{key}.seconds": result.seconds, f"{start}.{key}.products": result.products,
+                      **dict(cost_figures(f"{start}.{key}.over_practice", result)),
+                      **{f"{start}.{key}.practice_over{end}": over and 1 / over for end, over in (
+                          ("", result.over_practice), ("_low", result.over_practice_high),
+                          ("_high", result.over_practice_low))},
+                      f"{start}.ties": 0, f"{start}.undecided": 0}
+        elif leader.standing == verdicts.TIE:
+            found |= cost_figures(f"{start}.tie.{key}.over_practice", result)
+            found[f"{start}.ties"] += 1
+        else:
+            found[f"{start}.undecided"] += 1
+    return found

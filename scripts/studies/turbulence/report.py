@@ -1,12 +1,14 @@
 """The report of the study of turbulence: settings against the reference, costs, and how it is judged."""
 
+from lib.records.findings import FILE, as_json
 from lib.records.integrators import GAUSS, KEPT
 from lib.judging.verdicts import FEWEST, MARGIN
 from lib.pages.document import Column, Entry, Heading, Paragraph, Table, conditions, plain_table, shown
 from lib.pages.numbers import MISSING, percentage, scientific, span, three_digits, two_digits
 from lib.pages.rendering import Rendering
 from studies.tables.comparison import ratio_text
-from studies.turbulence.judge import INVARIANTS, TOLERANCE, figures, findings_of, methods_of
+from studies.turbulence.against_reference import INVARIANTS, TOLERANCE, judgement_of, methods_of
+from studies.turbulence.judge import figures, findings
 from studies.turbulence.schema import LOOSE, QUARTERS, read_turbulence
 from studies.turbulence.statistics import COUNT, LEAST_SPREAD, LEVEL, TRIALS
 
@@ -20,7 +22,7 @@ CHARTS = (
 
 
 def turbulence_sections(study, found, charts):
-    """Returns the document of a Turbulence and its Findings by n; `charts` are the names of the charts beside it."""
+    """Returns the document of a Turbulence and its Judgements by n; `charts` are the names of the charts beside it."""
     times = ", ".join(dict.fromkeys(f"T = {size.time:g}" for size in study.sizes.values()))
     return [
         Heading("Statistics of turbulence, and what they cost", 1),
@@ -53,14 +55,14 @@ def turbulence_sections(study, found, charts):
 
 def cheapest_table(study, found):
     rows = []
-    for n, findings in found.items():
+    for n, judgement in found.items():
         for structure, words in KEEPING.items():
             def allowed(judged, structure=structure):
                 return judged.has(structure)
 
-            level = [", ".join(map(setting_text, each)) or MISSING for each in findings.level_with_cheapest(allowed)]
+            level = [", ".join(map(setting_text, each)) or MISSING for each in judgement.level_with_cheapest(allowed)]
             rows.append([str(n), f"{study.sizes[n].time:g}", words,
-                         *setting_cells(findings, findings.cheapest(allowed)), *level])
+                         *setting_cells(judgement, judgement.cheapest(allowed)), *level])
     return plain_table((Column("n"), Column("T"), Column("keeps", align="left"), *SETTING_COLUMNS,
                         Column("tie with it", align="left"), Column("undecided", align="left")), rows)
 
@@ -71,8 +73,8 @@ SETTING_COLUMNS = (Column("integrator", align="left"), Column("h"), Column("tole
 
 def gauss_table(study, found):
     rows = [[str(n), f"{study.sizes[n].time:g}", str(study.integrators[name].order),
-             *setting_cells(findings, findings.cheapest(lambda judged, name=name: judged.setting.integrator == name))]
-            for n, findings in found.items() for name in methods_of(findings)
+             *setting_cells(judgement, judgement.cheapest(lambda judged, name=name: judged.setting.integrator == name))]
+            for n, judgement in found.items() for name in methods_of(judgement)
             if study.integrators[name].family == GAUSS]
     return plain_table((Column("n"), Column("T"), Column("order"), *SETTING_COLUMNS), rows)
 
@@ -89,59 +91,59 @@ def head_cells(judged):
             two_digits(judged.products)]
 
 
-def setting_cells(findings, judged):
+def setting_cells(judgement, judged):
     if judged is None:
         return [MISSING] * len(SETTING_COLUMNS)
-    return [*head_cells(judged), three_digits(judged.seconds), ratio_text(findings.over_practice(judged)),
+    return [*head_cells(judged), three_digits(judged.seconds), ratio_text(judgement.over_practice(judged)),
             two_digits(judged.distance)]
 
 
 # ---- every setting
 
 
-def size_sections(study, n, findings):
+def size_sections(study, n, judgement):
     """Returns the table of every setting at one n."""
     size = study.sizes[n]
     columns = (*SETTING_COLUMNS, Column("of", align="left"), *(Column(name) for name in INVARIANTS),
                Column("spectrum"), Column("faithful", align="left"))
     blocks = {}
-    for judged in findings.judged.values():
-        blocks.setdefault((judged.ensemble.role, judged.setting.integrator), []).append(setting_row(findings, judged))
+    for judged in judgement.judged.values():
+        blocks.setdefault((judged.ensemble.role, judged.setting.integrator), []).append(setting_row(judgement, judged))
     return [
         Heading(f"Every setting, n = {n}, T = {size.time:g}"),
         Paragraph(f"{size.draws} draws. Within chance, and bold: a largest |z| of at most"
-                  f" {two_digits(findings.reference.threshold)}. Energy, enstrophy: change of the average from the"
+                  f" {two_digits(judgement.reference.threshold)}. Energy, enstrophy: change of the average from the"
                   f" initial value, the mean over the draws; bold where it is within {TOLERANCE:.0%} in every draw."
                   " Spectrum: the largest error of an eigenvalue at the end. The first block is the practice."),
-        *limited_paragraphs(findings),
+        *limited_paragraphs(judgement),
         Table(columns, list(blocks.values())),
     ]
 
 
-def setting_row(findings, judged):
+def setting_row(judgement, judged):
     if not judged.ensemble.works:
         lost = f"no: {judged.ensemble.failed} of {len(judged.ensemble.runs)} draws lost"
         return [*map(Entry, head_cells(judged)), *[Entry(MISSING)] * 7, Entry(lost)]
     return [*map(Entry, head_cells(judged)), Entry(MISSING if judged.seconds is None else three_digits(judged.seconds)),
-            Entry(ratio_text(findings.over_practice(judged))), Entry(two_digits(judged.distance), judged.within_chance),
-            Entry(quantity_text(judged.largest)),
+            Entry(ratio_text(judgement.over_practice(judged))),
+            Entry(two_digits(judged.distance), judged.within_chance), Entry(quantity_text(judged.largest)),
             *(Entry(signed(judged.changes[name]), judged.worst[name] <= TOLERANCE) for name in INVARIANTS),
-            Entry(scientific(judged.spectrum_error)), Entry(verdict_text(findings, judged), judged.faithful)]
+            Entry(scientific(judged.spectrum_error)), Entry(verdict_text(judgement, judged), judged.faithful)]
 
 
-def verdict_text(findings, judged):
+def verdict_text(judgement, judged):
     """Writes whether a setting without a lost draw is faithful, or what is not: "no: statistics, energy"."""
-    if not findings.decides:
+    if not judgement.decides:
         return "not judged"
     off = ["statistics"] * (not judged.within_chance)
     off += [name for name in INVARIANTS if judged.worst[name] > TOLERANCE]
     return f"no: {', '.join(off)}" if off else "yes"
 
 
-def quantity_text(key):
-    """Writes the key of a quantity: "l3-5" as "l = 3–5", "l4.lag12" as "l = 4 after 12"."""
-    degrees, _, lag = key[1:].partition(".lag")
-    return f"l = {degrees.replace('-', '–')}" + (f" after {lag}" if lag else "")
+def quantity_text(quantity):
+    """Writes a Quantity, as "l = 3–5" or "l = 4 after 12"."""
+    lowest, highest, lag = quantity
+    return f"l = {lowest}–{highest}" if lag is None else f"l = {lowest} after {lag:g}"
 
 
 def signed(change):
@@ -149,11 +151,11 @@ def signed(change):
     return f"{100 * change:+.2g} %" if abs(change) >= 5e-7 else "0"
 
 
-def limited_paragraphs(findings):
+def limited_paragraphs(judgement):
     """Says where nothing is judged, and where another spread than that of reference runs counts."""
-    if not findings.decides:
+    if not judgement.decides:
         return [Paragraph(f"Nothing is judged here: there are fewer than {FEWEST} draws.")]
-    if findings.spreads.are_independent:
+    if judgement.spreads.are_independent:
         return []
     return [Paragraph("Reference runs that begin close to each other share a history here: they spread less than those"
                       " that begin further apart. So scores take the wider spread of the latter. Fewer wrong settings"
@@ -184,7 +186,7 @@ def lost_parts(study):
 def trust_parts(study, found):
     """Returns what was measured of the judgement itself: false positives, independence, stationarity."""
     settings = study.settings
-    moving = [n for n, findings in found.items() if not findings.is_stationary]
+    moving = [n for n, judgement in found.items() if not judgement.is_stationary]
     return [
         Paragraph(f"False positives: the share of {TRIALS} right ensembles that are called wrong, {1 - LEVEL:.0%} is"
                   " expected. Each takes one run of each draw, chosen at random from all reference and far runs, and is"
@@ -228,10 +230,10 @@ def trust_table(study, found):
 
 def spread_table(found):
     rows = []
-    for n, findings in found.items():
-        spreads, reference = findings.spreads, findings.reference
+    for n, judgement in found.items():
+        spreads, reference = judgement.spreads, judgement.reference
         least = reference.threshold * reference.chance
-        for place, name in enumerate((*map(quantity_text, findings.keys), "all")):
+        for place, name in enumerate((*map(quantity_text, judgement.quantities), "all")):
             own = [percentage(each[place]) if place < len(least) else MISSING
                    for each in (reference.deviations, least)]
             rows.append([str(n), name, *own, two_digits(spreads.ratio[place]),
@@ -242,15 +244,16 @@ def spread_table(found):
 
 def drift_table(found):
     """Returns the change of each band between quarters, an n a row."""
-    keys = list(dict.fromkeys(key for findings in found.values() for key in findings.drifts))
+    bands = list(dict.fromkeys(band for judgement in found.values() for band in judgement.drifts))
 
-    def entry(drifts, key):
-        if key not in drifts:
+    def entry(drifts, band):
+        if band not in drifts:
             return Entry(MISSING)
-        return Entry(f"{signed(drifts[key].change)} ({drifts[key].score:+.1f})", not drifts[key].is_stationary)
+        return Entry(f"{signed(drifts[band].change)} ({drifts[band].score:+.1f})", not drifts[band].is_stationary)
 
-    return Table((Column("n"), *(Column(quantity_text(key)) for key in keys)),
-                 [[[Entry(str(n)), *(entry(findings.drifts, key) for key in keys)] for n, findings in found.items()]])
+    return Table((Column("n"), *(Column(quantity_text(band)) for band in bands)),
+                 [[[Entry(str(n)), *(entry(judgement.drifts, band) for band in bands)]
+                   for n, judgement in found.items()]])
 
 
 # ---- how it is judged
@@ -312,6 +315,8 @@ def rendered(raw, _recorded):
     study = read_turbulence(raw)
     from studies.turbulence import charts  # only now: it needs matplotlib
 
-    found = {n: findings_of(study, n) for n in study.sizes}
-    return Rendering(lambda names: turbulence_sections(study, found, names), figures(study, found),
-                     {name: getattr(charts, name)(study, found) for name, _ in CHARTS})
+    judgements = {n: judgement_of(study, n) for n in study.sizes}
+    found = findings(study, judgements)
+    return Rendering(lambda names: turbulence_sections(study, judgements, names), figures(found),
+                     {name: getattr(charts, name)(study, judgements) for name, _ in CHARTS},
+                     {FILE: as_json("turbulence", found)})

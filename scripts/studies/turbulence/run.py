@@ -27,7 +27,7 @@ from lib.running import built, program, timed, untimed
 from lib.running.checkpoint import Checkpoint
 from lib.running.problems import decoded
 from studies.turbulence import single_runs as runs
-from studies.turbulence.judge import steps_to
+from studies.turbulence.against_reference import steps_to
 from studies.turbulence.schema import (FAR, LOOSE, METHOD, PRACTICE, PRACTICE_INTEGRATOR, PRACTICE_SHARE, REFERENCE,
                                        SCHEMA, Cost, RunRow, Setting, Settings, Size)
 

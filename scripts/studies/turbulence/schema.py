@@ -5,7 +5,7 @@ A *draw* is one set of initial data, counted from 0. A *setting* is an integrato
 of the reference are moved little; *far* ensembles are moved much, to see whether the distance at the start matters.
 """
 
-from typing import Dict, NamedTuple, Tuple
+from typing import Dict, NamedTuple, Optional, Tuple
 
 from lib.programs.messages import UnusableFile
 from lib.records import formats
@@ -97,6 +97,14 @@ class Setting(NamedTuple):
     integrator: str
     step: float
     tolerance: float
+
+
+class Quantity(NamedTuple):
+    """What ensembles are compared by: the energy in a band of degrees l, or the decorrelation of one l after a lag."""
+
+    lowest: int  # l
+    highest: int
+    lag: Optional[float] = None  # units of time; None for a band
 
 
 class Ensemble(NamedTuple):
