@@ -226,7 +226,7 @@ class ByProcesses(FolderTest):
         self.assertEqual([len(each["b"]) for each in seconds], [3, 3])
         self.assertEqual(set(asked), {0, 2, 3})
 
-    def test_what_a_journal_has_is_not_run_again(self):
+    def test_what_a_checkpoint_has_is_not_run_again(self):
         before, _ = self.by_processes(self.until({"a": 1, "b": 1}))
         self.runs.clear()
         after, _ = self.by_processes(self.until({"a": 3, "b": 3}))

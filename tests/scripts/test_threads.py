@@ -222,7 +222,7 @@ class Study(FolderTest):
         new = [listed("rk4")._replace(name=name, family="other", has_fast_form=fast)
                for name, fast in (("novel", True), ("plain", False))]
         listing = {each.name: each for each in (*map(listed, (*self.threads.METHODS, "rk4")), *new)}
-        with mock.patch.object(self.threads.study, "integrators", lambda: listing):
+        with mock.patch.object(self.threads.built, "integrators", lambda: listing):
             names = [each.name for each in self.threads.entries_asked_for(None)]
         self.assertEqual({*names}, {*self.threads.METHODS, "novel"})
 

@@ -151,7 +151,7 @@ class Duels(unittest.TestCase):
         block = {"problem": ("smooth", 1.0, 9), "references": None, "process": 0, "rows": ["one"],
                  "runs": {"one": {"steps": 4, "integrator": "rk4", "solver": "fast"}}}
         with mock.patch.object(duels, "scene_of"), mock.patch.object(duels.isosyrk, "integrator"), \
-                mock.patch.object(duels.study, "seconds_of", side_effect=seconds):
+                mock.patch.object(duels.timed, "seconds_of", side_effect=seconds):
             self.assertEqual(duels.time_block(block), [min(seconds)])
 
 
@@ -196,9 +196,9 @@ class Times(unittest.TestCase):
             kept = dict(list(checkpoint.found.items())[:done])
             checkpoint.found.clear()
             checkpoint.found.update(kept)
-            count = len(timed)
+            count = len(run)
             self.assertEqual(timed.interleaved(points, repetitions, time_one, checkpoint, "timings"), found)
-            self.assertEqual(len(timed) - count, max(0, count - done))
+            self.assertEqual(len(run) - count, max(0, count - done))
 
     @holds_for(sizes=draw.dictionaries(draw.integers(5, 300), draw.sampled_from(("eigen", "openblas", "split")),
                                        min_size=1, max_size=5), n=draw.integers(5, 1100))

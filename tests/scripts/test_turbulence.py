@@ -316,7 +316,7 @@ def write_turbulence(path, far=None, drift=0.0, **changed):
     loose = [Setting("elp4", 0.5, LOOSE), Setting("elp4", 1.0, LOOSE), Setting("group2", 0.5, LOOSE)]
     further = rows_of(FAR, ("rk8", 0.25, 1e-10), 2, FURTHER, drift=drift)
     tables = {
-        "integrators": turbulence.study.entries(ENTRIES),
+        "integrators": turbulence.built.entries(ENTRIES),
         "sizes": [Size(n=N, draws=DRAWS, references=NEAR, far=FURTHER, time=100.0, reference_integrator="rk8",
                        reference_step=0.25, reference_error=1e-9, norm_B=0.24)],
         "runs": rows_of(REFERENCE, ("rk8", 0.25, 1e-10), 1, NEAR, drift=drift)

@@ -20,7 +20,8 @@ import numpy as np
 from lib.programs.command_line import NO_ANSWER, Stop, whole_number
 from lib.programs.messages import one_line
 from lib.records import formats
-from lib.records.formats import FAST, INTEGRATORS, SOLVERS, CellKey, Measurement, Run
+from lib.records.formats import FAST, INTEGRATORS, SOLVERS
+from lib.records.table_file import CellKey, Measurement, Run
 from lib.records.integrators import TABLE1_CELLS
 from lib.judging import verdicts
 from lib.running import built, initial_states, program, timed, untimed
