@@ -5,13 +5,13 @@
 PACKAGES=(build-essential cmake git libeigen3-dev libopenblas-pthread-dev liblapacke-dev
           libbenchmark-dev libfmt-dev libgtest-dev libcli11-dev nlohmann-json3-dev python3)
 # What the NumPy module, the studies on it and charts need besides.
-STUDY_PACKAGES=(python3-dev pybind11-dev python3-numpy python3-matplotlib python3-tqdm python3-distributed)
+STUDY_PACKAGES=(python3-dev pybind11-dev python3-numpy python3-scipy python3-matplotlib python3-tqdm
+                python3-distributed)
 # What the study of the paper's claims needs besides: the paper's language but for the name.
 CLAIMS_PACKAGES=(octave)
-# What the tests need besides: the module is installed by pip, SciPy has some of the methods too, pages are rendered, and
-# hypothesis draws the inputs of property tests.
-TEST_PACKAGES=(python3-venv python3-pip python3-setuptools python3-wheel python3-scipy python3-jinja2
-               python3-hypothesis)
+# What the tests need besides: the module is installed by pip, pages are rendered, and hypothesis draws the inputs of
+# property tests.
+TEST_PACKAGES=(python3-venv python3-pip python3-setuptools python3-wheel python3-jinja2 python3-hypothesis)
 # What looking for data races needs besides.
 CLANG_PACKAGES=(clang libomp-dev)
 # The runtime of its sanitizers, which Ubuntu 22.04 (jammy) has in another package that clang depends on.

@@ -18,7 +18,7 @@ from lib.programs.command_line import number, whole_number
 from lib.programs.messages import UnusableFile, one_line
 from lib.records.formats import CONVERGED, FAST, UNSTABLE, read_text
 from lib.records.settings import TIGHT
-from lib.running import study
+from lib.running import built
 from lib.running.trials import Setting
 from studies.accuracy.cheapest import MOST_OFFERED, Question, answer_data
 from recommender.trial_planner import STOPPED, TOO_EXPENSIVE, Planner, invariants_lost
@@ -97,7 +97,7 @@ def seconds_left():
 def candidates_for(structure):
     """Returns all Integrators in the co-rotating frame that have a fast form and keep a structure, the first to try
     first: explicit ones, of MIDDLE_ORDER or near it."""
-    listed = study.integrators().values()
+    listed = built.integrators().values()
     return sorted((each for each in listed if each.has_fast_form and each.co_rotating and each.keeps(structure)),
                   key=lambda each: (not each.explicit, abs(each.order - MIDDLE_ORDER)))
 
@@ -111,7 +111,7 @@ class Search(Planner):
     def __init__(self, scene, question):
         self.setting = Setting(scene)
         self.size = float(numpy.linalg.norm(scene.initial, 2))
-        self.references = study.entries(REFERENCES)
+        self.references = built.entries(REFERENCES)
         candidates = candidates_for(question.keep)
         limits = {each: (self.method(each, TIGHT).linear_limit() or math.inf) / self.setting.norm_B
                   for each in candidates}

@@ -39,6 +39,7 @@ class Study(NamedTuple):
     package: str = ""  # whose report renders it, where it is not named as the study
     needs: str = "studies"  # packages besides those of the build, by a name in setup.sh: "", "studies", or "claims"
     shown: str = "report.md"  # which of its results is printed at the end
+    rendered_by: Tuple[str, ...] = ()  # modules that its report needs; charts need matplotlib besides
 
 
 def of_one_part(name, saying):
@@ -70,7 +71,8 @@ STUDIES = (
           (Part("scaling", "raw.json", "Timing a step against n, and without each idea of the fast forms"),
            Part("scaling", "rough.json", "Timing a step in the rough scene", (*ROUGH, "--n", "257", "513"),
                 (*ROUGH, "--n", "33")),
-           Part("threads", "threads.json", "Timing a step by one thread and by several"))),
+           Part("threads", "threads.json", "Timing a step by one thread and by several")),
+          rendered_by=("scipy",)),
     Study("theorem", "the formulations on every algebra, their cost, and where the theorem ends", 10, 1,
           of_one_part("theorem", "Comparing the formulations on every algebra")),
     Study("turbulence", "what long turbulent runs average to, and at what cost", 40, 0.5,
@@ -87,6 +89,12 @@ BY_NAME = {study.name: study for study in STUDIES}
 PACKAGES = (*dict.fromkeys(package for study in STUDIES for package in (
     *(part.package for part in study.parts if part.package != study.name and not study.package),
     study.package or study.name)), "references")
+
+
+def modules_of(package):
+    """Returns the modules that a package's report needs besides the standard library."""
+    charts = ("matplotlib",) if module_exists(package, "charts") else ()
+    return charts + next((study.rendered_by for study in STUDIES if package in (study.package, study.name)), ())
 
 
 def module_exists(package, name):

@@ -387,13 +387,13 @@ class Study(FolderTest):
         self.assertGreater(counts[0]["sweeps"], counts[1]["sweeps"])
 
     def test_threads_have_all_cores_from_the_beginning_of_their_process(self):
-        options, journal = argparse.Namespace(processes=1), argparse.Namespace(context={})
+        options, checkpoint = argparse.Namespace(processes=1), argparse.Namespace(context={})
         counts = [{"sweeps": 1, "equivalent_products": 1.0}] * 2
-        with mock.patch("lib.running.study.untimed", return_value=counts), \
-                mock.patch("lib.running.study.by_processes", return_value=[defaultdict(lambda: [1.0])]) as measured:
-            claims_study.thread_tables(options, (65,), ["group2"], journal)
+        with mock.patch("lib.running.untimed.results", return_value=counts), \
+                mock.patch("lib.running.timed.by_processes", return_value=[defaultdict(lambda: [1.0])]) as measured:
+            claims_study.thread_tables(options, (65,), ["group2"], checkpoint)
             self.assertEqual(measured.call_args.args[-1], os.sched_getaffinity(0))
-            claims_study.timed([{"rows": ["group2"]}], claims_study.of_draws, journal, options, "draws")
+            claims_study.times_of([{"rows": ["group2"]}], claims_study.of_draws, checkpoint, options, "draws")
             self.assertIsNone(measured.call_args.args[-1])  # which means the last core alone
 
     def test_another_blas_and_other_answers_are_refused(self):

@@ -39,7 +39,7 @@ if HAS_MODULE:
     sys.path.insert(0, os.path.join(BUILD, "python"))
     import isosyrk
     from studies.accuracy import single_runs as accuracy_runs, comparisons as duels
-    from lib.running import initial_states, study, trials
+    from lib.running import built, initial_states, trials
 
 LINES = ["group2", "rk4", "group2_frame", "rk4_frame", "elp4_frame"]  # of accuracy
 OF_LIMITS = ("group2", "algebra1", "rk4", "rkmk4")
@@ -77,7 +77,7 @@ class StudyTest(FolderTest):
         done = run([sys.executable, "-B", MEASURE, name, "--out", path, *arguments],
                    timeout=2 * PATIENCE, env=environment(ISOSYRK_BUILD=build))
         self.assertEqual((done.returncode, done.stdout), (DONE, ""), done.stderr)
-        self.assertFalse(os.path.exists(f"{path}.journal"))
+        self.assertFalse(os.path.exists(f"{path}.checkpoint"))
         return path
 
     def raw(self, name):
@@ -227,7 +227,7 @@ class Accuracy(StudyTest):
         self.assertEqual(accuracy.parse(["--out", "x", "--quick"]).processes, FEWEST)  # enough for a verdict
         found = read_accuracy(self.ran("accuracy", "--quick", "--n", "17", "--scene", "rough", "--processes", "1"))
         self.assertEqual(found.problems(), [Problem("rough", 5.0, 17)])
-        quick = accuracy.quick_integrators(study.entries(None, frames=True))
+        quick = accuracy.quick_integrators(built.entries(None, frames=True))
         self.assertEqual(list(found.integrators.values()), quick)
         drawn = {each.integrator for each in found.runs}
         self.assertEqual(drawn, {each.name for each in quick if each.co_rotating})  # others: the main problem
@@ -342,7 +342,7 @@ class Scaling(StudyTest):
                                     "group2_frame", "--repetitions", "1"))
         self.assertEqual({start for start, *_ in found.points}, {5.0})
         # Steps of another flow: the fast form forms other numbers of products.
-        (point,) = (each for each in scaling.points_of(study.entries(["group2_frame"]), [9], lambda n: "eigen",
+        (point,) = (each for each in scaling.points_of(built.entries(["group2_frame"]), [9], lambda n: "eigen",
                                                       "rough", (5.0,)) if each["rung"] == "fast")
         counted = {}
         for scene in ("smooth", "rough"):

@@ -547,7 +547,7 @@ class Runs(FolderTest):
         self.assertEqual(longruns.steps_at_cost(lambda steps: 40.0 * steps, 3.0, 150), 4)
 
     def test_every_method_has_its_lines(self):
-        methods = longruns.methods_of(longruns.study.integrators().values())
+        methods = longruns.methods_of(longruns.built.integrators().values())
         self.assertEqual([method.name for method in methods], [
             "rk4", "rk5", "rk8", "rk10", "abm8", "rk4_projected", "rk8_projected", "rkmk4", "magnus5", "elp2_tight",
             "elp4", "elp4_tight", "elp6", "elp6_tight", "algebra1", "group2", "group2_loose", "group3"])

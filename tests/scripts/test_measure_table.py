@@ -14,7 +14,7 @@ from programs import (BAD_ARGUMENTS, DONE, MEASURE, ROOT, SOLVER_FAILED, FolderT
 
 from lib.running import fresh_process
 from lib.programs.command_line import Stop
-from lib.records.formats import read_run
+from lib.records.table_file import read_run
 from lib.running.fresh_process import MOST_SWITCHES, Disturbance, run_on
 from studies.tables.processes import Plan, measure, quickest
 from lib.judging.verdicts import FEWEST, MOST

@@ -23,7 +23,7 @@ import json, sys
 from types import SimpleNamespace
 sys.path.insert(0, {os.path.join(ROOT, "scripts")!r})
 from lib.records import integrators
-from lib.running import study
+from lib.running import built
 integrators.FAMILIES += tuple(sys.argv[1:])
 import studies
 accuracy, limits, longruns, scaling, turbulence = (
@@ -32,7 +32,7 @@ options = SimpleNamespace(quick=True, integrator=None, n=None, solver=None, scen
 points = scaling.points_of(scaling.entries_asked_for(options), scaling.QUICK_SIZES, lambda n: "eigen")
 settings = turbulence.settings_of(33, turbulence.plan_of(33, True), turbulence.names_of(None))
 plans = {{
-    "accuracy": [each.name for each in accuracy.quick_integrators(study.entries(None, frames=True))],
+    "accuracy": [each.name for each in accuracy.quick_integrators(built.entries(None, frames=True))],
     "limits": [job["integrator"] for job in limits.jobs_of(options)],
     "longruns": [job["integrator"] for job in longruns.lines_of((17,), longruns.asked_for(options)[1])],
     "scaling": [point["integrator"] for point in points],

@@ -19,13 +19,13 @@ from dataclasses import replace
 from unittest import mock
 
 import numpy
-from programs import (BUILD, DATA, HAS_MODULE, ROOT, call_script, FolderTest, program, run, run_on_full_disk,
+from programs import (BUILD, DATA, HAS_MODULE, ROOT, FolderTest, call_script, program, run, run_on_full_disk,
                       run_script, strict_json)
 from study_documents import INTEGRATORS, accuracy_of, run_of, study_document, write_study
 
 from recommender import trial_planner as pilot_planner
+from lib.running import built
 from studies.accuracy import cheapest as recommendation
-from lib.running import study
 from lib.records.settings import ENERGY_BOUNDED, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT, keeping_tolerance
 from studies.accuracy.schema import BELOW, CUT, FLOOR, Form
 from lib.pages.document import as_text
@@ -59,7 +59,7 @@ class RecommendTest(FolderTest):
         super().setUp()
         self.document = study_document()
         for without_module in (mock.patch.dict(os.environ, {"ISOSYRK_BUILD": self.folder}),
-                               mock.patch.object(study, "MODULE", self.folder)):
+                               mock.patch.object(built, "MODULE", self.folder)):
             without_module.start()
             self.addCleanup(without_module.stop)
 

@@ -1,17 +1,19 @@
 """Tests of scripts/render scaling, as a user runs it, and of what its figures are made of."""
 
 import os
+import sys
 import unittest
 
+from scipy.stats import spearmanr
+
 import drawing
-from programs import DONE, RENDER, run_script
+from programs import DONE, RENDER, environment, run, run_script
 from scaling_documents import NOISE, failed, line, point, write_scaling, write_tables
 
 from lib.pages.figures import read_figures
 from lib.records.formats import listed
 from studies.scaling.schema import RUNGS, Memory, Rate, TwoThreads, read_scaling, rungs_of, without
 from studies.scaling.judge import figures
-from lib.judging.trend import rank_correlation
 
 RENDERING = RENDER, "scaling"
 
@@ -138,6 +140,12 @@ class Report(ScalingTest):
         self.assertEqual([found[key] for key in keys], sorted(found[key] for key in keys))
         self.assertAlmostEqual(found[keys[1]], 1.8, places=3)
 
+    def test_without_scipy_it_says_what_to_install(self):
+        self.write("without/scipy.py", "raise ImportError\n")
+        found = run([sys.executable, "-B", *RENDERING, write_scaling(self.folder)],
+                    env=environment(PYTHONPATH=self.path("without"), ISOSYRK_PYTHON=None))
+        self.assert_refused(found, "render scaling: no Python with scipy found", "install python3-scipy")
+
     def test_memory(self):
         self.assertIn(["1025", "3.9"], self.report(points=[point()], memory=[Memory(1025, 3.9e9)]))
         self.assertAlmostEqual(read_figures(self.path("out", "figures.json"))["memory.n1025"], 3.9)
@@ -149,7 +157,8 @@ class Report(ScalingTest):
             with self.subTest(times=times):
                 self.assertEqual(study.trend().is_shown(), shown)
                 self.assertEqual(figures(study)["trend.series"], 3)
-                self.assertAlmostEqual(figures(study)["trend.correlation"], rank_correlation(times))
+                expected = spearmanr(times, range(len(times)))[0]  # the correlation
+                self.assertAlmostEqual(figures(study)["trend.correlation"], expected)
         self.assertNotIn("trend.series", figures(self.study(points=[point()])))
 
     def test_rungs(self):

@@ -1,10 +1,12 @@
-"""Tests of what the studies share (the raw file, untimed work on processes and on a Dask cluster, the journal,
+"""Tests of what the studies share (the raw file, untimed work on clusters, the checkpoint,
 interruptions), and of the functions of scaling, accuracy and limits. Each study as a user runs it: test_every_study."""
 
+import concurrent.futures
 import importlib.util
 import json
 import math
 import os
+import re
 import signal
 import sys
 import time
@@ -16,6 +18,7 @@ import study_documents
 from programs import BUILD, DONE, HAS_MODULE, MEASURE, ROOT, FolderTest, end, environment, run, start, text_of
 from study_documents import raw, study_document
 
+from lib.programs.command_line import Stop
 from lib.records import formats
 from lib.programs.messages import UnusableFile
 from studies.scaling import schema as scaling_table
@@ -31,7 +34,7 @@ if HAS_MODULE:
     import numpy
     from studies.threads import plan
     from studies.accuracy import single_runs as accuracy_runs, candidates as contenders, comparisons as duels
-    from lib.running import initial_states, problems, study, trials
+    from lib.running import built, initial_states, problems, timed, trials
 
 RECORDED = os.path.join(ROOT, "results", "recorded", "accuracy", "raw.json")
 REFERENCES = os.path.join(ROOT, "results", "recorded", "references")
@@ -41,9 +44,10 @@ NO_ANSWER, INTERRUPTED, TERMINATED = 3, 130, 143
 # A study of squares, of timed points and of fresh processes: a job is told in LOG, takes a while, and kills its process
 # the first times where it is told to. So is a fresh process, which prints how many seconds it took.
 SQUARES = """
-import importlib, os, sys, time
+import importlib, multiprocessing, os, sys, time
 sys.path.insert(0, %r)
-from lib.running import study
+from lib.running import program, timed, untimed
+from lib.running.checkpoint import Checkpoint
 
 def square(job):
     with open(os.environ["LOG"], "a") as log:
@@ -57,22 +61,26 @@ def square(job):
     return job["number"]**2
 
 def main(arguments):
-    parser = study.parser("squares", "Squares.")
+    parser = program.parser("squares", "Squares.")
     parser.add_argument("--deaths", type=int, default=0)
     options = parser.parse_args(arguments)
-    journal = study.Journal("squares", options, lambda: {"commit": "1"})
+    checkpoint = Checkpoint("squares", options, lambda: {"commit": "1"})
     jobs = [{"number": number, "deaths": options.deaths if number == 7 else 0} for number in range(12)]
-    squares = study.untimed(jobs, importlib.import_module("squares").square, journal, options, "squares")
-    seconds = study.in_turns([1, 3], 3, lambda point: point * 0.25, journal, "turns")
+    before = {**os.environ}
+    squares = untimed.results(jobs, importlib.import_module("squares").square, checkpoint, options, "squares")
+    # Whatever is timed next runs alone, as if there had been no cluster.
+    print({name for name in os.environ if os.environ[name] != before.get(name)} - {"DASK_PARENT"},
+          multiprocessing.active_children(), file=sys.stderr)
+    seconds = timed.interleaved([1, 3], 3, lambda point: point * 0.25, checkpoint, "turns")
     def command(block, process):
         return ["sh", "-c", f"echo process{process} >>$LOG; sleep 0.3; echo [{process + 1}.5]"]
-    times = study.by_processes([{"rows": ["row"]}], command, lambda found: {"row": 3 - len(found["row"])}, journal,
+    times = timed.by_processes([{"rows": ["row"]}], command, lambda found: {"row": 3 - len(found["row"])}, checkpoint,
                                "processes")
-    print(squares, seconds, journal.context["timed_on"], times[0]["row"])
-    journal.remove()
+    print(squares, seconds, checkpoint.context["timed_on"], times[0]["row"])
+    checkpoint.remove()
 
 if __name__ == "__main__":
-    study.run("squares", main, sys.argv[1:])
+    program.run("squares", main, sys.argv[1:])
 """ % os.path.join(ROOT, "scripts")
 # 0.25 s are timed three times, 0.75 s are enough at once.
 RESULT = (f"{[number**2 for number in range(12)]} {[[1 * 0.25] * 3, [3 * 0.25]]} core {max(os.sched_getaffinity(0))}"
@@ -119,7 +127,7 @@ class SquaresTest(FolderTest):
 
     def assert_result(self, done):
         self.assertEqual((done.returncode, done.stdout), (0, RESULT), done.stderr)
-        self.assertFalse(os.path.exists(self.path("raw.json.journal")))
+        self.assertFalse(os.path.exists(self.path("raw.json.checkpoint")))
 
     def begun(self):
         """Returns how often each job and each fresh process was begun."""
@@ -127,12 +135,14 @@ class SquaresTest(FolderTest):
         return {number: numbers.count(number) for number in numbers}
 
 
+@unittest.skipUnless(HAS_DASK, "this Python has no distributed (python3-distributed)")
 class Work(SquaresTest):
     def test_every_job_once_in_order_with_time_left(self):
         done = self.squares()
         self.assert_result(done)
         self.assertEqual(set(self.begun().values()), {1})
         self.assertRegex(done.stderr, r"squares: +[1-9][0-9]%.*\[[0-9:]+<[0-9:]+,")
+        self.assertIn("\nset() []\n", done.stderr)
 
     def test_an_interrupted_study_goes_on_and_leaves_no_process(self):
         """Ctrl-C, SIGTERM and kill -9, among untimed work and while a fresh process is timed."""
@@ -148,7 +158,7 @@ class Work(SquaresTest):
                 os.unlink(self.log)
                 # A last line that was cut does no harm.
                 lines = [begun.replace('"commit": "1"', f'"commit": "{commit}"'), *results, '["squa']
-                self.write("raw.json.journal", "\n".join(lines))
+                self.write("raw.json.checkpoint", "\n".join(lines))
                 done = self.squares()
                 self.assert_result(done)
                 kept = len(results) if commit == "1" else 0
@@ -159,35 +169,35 @@ class Work(SquaresTest):
                 os.unlink(self.log)
 
     def interrupted(self, sent, status, told, after):
-        """Sends a signal once a study has more than so many results, and returns the lines of its journal."""
+        """Sends a signal once a study has more than so many results, and returns the lines of its checkpoint."""
         process = start(self.command(), env=environment(LOG=self.log), stderr=-1)
         try:
-            while len(self.journal()) <= after:
+            while len(self.checkpoint()) <= after:
                 self.assertIsNone(process.poll())
                 time.sleep(0.02)
             process.send_signal(sent)
             _, errors = process.communicate(timeout=20)  # until every process of it has let go of stderr
             self.assertEqual(process.returncode, status)
             if told:
-                self.assert_one_line(errors.rpartition("it/s]")[2].lstrip("\n"), f"squares: {told}")
+                self.assert_one_line(re.split(r"it/s\]|s/it\]", errors)[-1].lstrip("\n"), f"squares: {told}")
         finally:
             end(process)
-        return [line for line in self.journal() if line.endswith(("}", "]"))]
+        return [line for line in self.checkpoint() if line.endswith(("}", "]"))]
 
     def test_another_processor_keeps_untimed_work_and_times_anew(self):
         ends = "    print(squares, seconds,"
-        for cpu, timed in ((None, 0), ("another", TIMED)):
+        for cpu, anew in ((None, 0), ("another", TIMED)):
             with self.subTest(cpu=cpu):
                 self.write("squares.py", SQUARES.replace(ends, f"    raise KeyboardInterrupt\n{ends}"))
                 self.assertEqual(self.squares().returncode, INTERRUPTED)
-                begun, *finished = self.journal()
+                begun, *finished = self.checkpoint()
                 self.assertEqual(len(finished), UNTIMED + TIMED)
                 if cpu:
                     begun = begun.replace('"context": {', f'"context": {{"cpu": "{cpu}", ')
                     finished = [line.replace("on None", f"on {cpu}") for line in finished]
-                self.write("raw.json.journal", "\n".join([begun, *finished, ""]))
+                self.write("raw.json.checkpoint", "\n".join([begun, *finished, ""]))
                 os.unlink(self.log)
-                counted = "    print(len(journal.found), file=sys.stderr)\n"
+                counted = "    print(len(checkpoint.found), file=sys.stderr)\n"
                 self.write("squares.py", SQUARES.replace(ends, counted + ends))
                 done = self.squares()
                 self.assert_result(done)
@@ -195,7 +205,7 @@ class Work(SquaresTest):
                 again = set(text_of(self.log).split()) if os.path.exists(self.log) else set()
                 self.assertEqual(again, {"process0", "process1", "process2"} if cpu else set())
                 self.assertEqual("begun on another processor" in done.stderr, bool(cpu))
-                self.assertRegex(done.stderr, f"\\n{UNTIMED + TIMED + timed}\\n")
+                self.assertRegex(done.stderr, f"\\n{UNTIMED + TIMED + anew}\\n")
 
     def test_sigterm_ends_a_study_also_within_what_catches_every_exception(self):
         catching = "try:\n        os.kill(os.getpid(), 15)\n    except Exception:\n        pass\n    options ="
@@ -218,9 +228,13 @@ class Work(SquaresTest):
         self.assertEqual((done.returncode, done.stdout, os.listdir(self.folder)), (status, "", ["squares.py"]))
         self.assert_one_line(done.stderr, told)
 
-    def journal(self):
-        path = self.path("raw.json.journal")
+    def checkpoint(self):
+        path = self.path("raw.json.checkpoint")
         return text_of(path).splitlines() if os.path.exists(path) else []
+
+    def test_without_dask_it_says_what_to_install(self):
+        self.write("distributed.py", "raise ImportError\n")
+        self.assert_refused(self.squares(), "squares: this Python has no distributed", "install python3-distributed")
 
     def test_a_lost_worker_is_told_and_its_jobs_are_done_again_for_some_time(self):
         done = self.squares("--deaths", "1")
@@ -252,6 +266,20 @@ class Dask(SquaresTest):
         self.assertEqual(self.begun()["7"], 2)
         self.assertIn("a worker was lost; its jobs are done again", done.stderr)
 
+    def test_a_scheduler_that_has_gone_or_has_no_workers_is_told(self):
+        from lib.running import untimed
+        for workers, cancelled in (({"one": 1}, True), ({}, False)):
+            future, told = concurrent.futures.Future(), []
+            future.cancel() if cancelled else future.set_result(4)
+            cluster = untimed.Cluster(SimpleNamespace(scheduler="tcp://127.0.0.1:9", workers=1))
+            cluster.client = mock.Mock(submit=mock.Mock(return_value=future), nthreads=lambda: workers)
+            found = cluster.as_finished(abs, {"key": -4}, "squares", told.append)
+            if cancelled:
+                with self.assertRaisesRegex(Stop, "^--scheduler tcp://127.0.0.1:9: is gone; the same command goes on"):
+                    list(found)
+            else:
+                self.assertEqual((list(found), told), ([("key", 4)], [untimed.NO_WORKERS]))
+
     def test_a_scheduler_that_is_not_there(self):
         done = self.squares("--scheduler", "tcp://127.0.0.1:9")
         self.assertEqual(done.returncode, 2)
@@ -269,7 +297,7 @@ class StudyTest(FolderTest):
         path = self.path(file)
         done = self.script(name, "--out", path, *arguments)
         self.assertEqual((done.returncode, done.stdout), (DONE, ""), done.stderr)
-        self.assertFalse(os.path.exists(f"{path}.journal"))
+        self.assertFalse(os.path.exists(f"{path}.checkpoint"))
         return path
 
 
@@ -316,7 +344,7 @@ class Scaling(StudyTest):
             self.assertLess(isosyrk.relative_error(found, expected), 1e-7)
             longest = 0.0
             told = "^states at n = 9: elp6_frame fails with h = 0.0312 too$"
-            with self.assertRaisesRegex(study.Stop, told) as caught:
+            with self.assertRaisesRegex(Stop, told) as caught:
                 self.scaling.states_of("smooth", 9, (5.0,))
             self.assertEqual(caught.exception.status, NO_ANSWER)
 
@@ -346,16 +374,16 @@ class Scaling(StudyTest):
         begun = []
         W = self.scaling.states_of("smooth", 17, (3.5,))[3.5]
         timer = self.scaling.Timer({17: {"3.5": self.scaling.encoded(W)}}, mock.Mock())
-        with mock.patch.object(study, "seconds_of", lambda method, W, h, steps, warmup: begun.append(
+        with mock.patch.object(timed, "seconds_of", lambda method, W, h, steps, warmup: begun.append(
                 (W.tobytes(), h, steps, warmup)) or 1.0):
             self.assertEqual([timer(self.point()) for _ in range(3)], [1.0] * 3)
         self.assertEqual(len(set(begun)), 1)
         self.assertEqual(begun[0][1:], (0.1, 8, 15))
 
     def test_memory_is_that_of_no_larger_n(self):
-        journal = mock.Mock(found={}, key_of_timed=lambda what, n: n, add=lambda key, value: journal.found.update(
+        checkpoint = mock.Mock(found={}, key_of_timed=lambda what, n: n, add=lambda key, value: checkpoint.found.update(
             {key: value}))
-        timer, peaks = self.scaling.Timer({}, journal), iter((1000, 2000, 3000))
+        timer, peaks = self.scaling.Timer({}, checkpoint), iter((1000, 2000, 3000))
         usage = mock.Mock(side_effect=lambda who: SimpleNamespace(ru_maxrss=next(peaks)))
         with mock.patch.object(self.scaling.resource, "getrusage", usage):
             for n in (129, 257, 513, 129, 257, 513):
@@ -555,7 +583,7 @@ class Accuracy(StudyTest):
         self.assertLess(least(n=129), least(n=65))  # a product is dearer
 
     def test_which_lines_a_problem_has(self):
-        every = study.entries(None, frames=True)
+        every = built.entries(None, frames=True)
 
         def lines(problem, entries=every, asked=False):
             forms, alone = self.accuracy.lines_of(problem, entries, asked)
@@ -580,7 +608,7 @@ class Accuracy(StudyTest):
     def test_the_quick_study_has_some_of_every_kind(self):
         accuracy = self.accuracy
         # It compares fast forms; families that have none yet are in the full study.
-        known = study.entries(None, frames=True)
+        known = built.entries(None, frames=True)
         quick = accuracy.quick_integrators(known)
 
         def kinds(entries):

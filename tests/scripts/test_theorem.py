@@ -17,8 +17,10 @@ import numpy as np
 
 import isosyrk
 from studies.theorem import plain_forms
+from lib.programs.command_line import NO_ANSWER, Stop
 from lib.records import formats
-from lib.running import study
+from lib.running import timed
+from lib.running.checkpoint import Checkpoint
 from studies.theorem import run as theorem
 from lib.pages.document import Table, as_markdown
 from lib.running.fresh_process import MOST_SWITCHES, MOST_TRIES, Disturbance
@@ -150,16 +152,16 @@ class FurtherProcesses(unittest.TestCase):
 
 
 class ByProcesses(FolderTest):
-    """study.by_processes with made-up processes: each row has its time, and each process adds its number to it."""
+    """timed.by_processes with made-up processes: each row has its time, and each process adds its number to it."""
 
     BLOCKS = ({"scene": "first", "rows": ["a", "b"]}, {"scene": "second", "rows": ["b"]})
 
     def setUp(self):
         super().setUp()
         self.runs = []  # (scene, rows, process) of each run
-        self.enter(mock.patch.object(study, "progress", lambda total, what: mock.MagicMock(
+        self.enter(mock.patch.object(timed, "progress", lambda total, what: mock.MagicMock(
             __enter__=lambda bar: types.SimpleNamespace(n=0, total=total, write=self.told, update=lambda: None))))
-        self.enter(mock.patch.object(study, "say"))
+        self.enter(mock.patch("lib.running.checkpoint.say"))
         self.told_lines = []
 
     def enter(self, patch):
@@ -170,8 +172,7 @@ class ByProcesses(FolderTest):
         self.told_lines.append(line)
 
     def by_processes(self, further, disturbances=(), fails=False, cores=None, parts=("timing",)):
-        """Returns the seconds of the last part and the journal's context. `disturbances` are those of the first runs.
-        """
+        """Returns the seconds of the last part and the context; `disturbances` are those of the first runs."""
         disturbances = iter(disturbances)
 
         def run_on(core, told, stdout, stderr):
@@ -189,11 +190,11 @@ class ByProcesses(FolderTest):
             return 0, next(disturbances, QUIET)
 
         options = types.SimpleNamespace(out=self.path("raw.json"))
-        journal = study.Journal("made up", options, lambda: {"commit": "1"})
+        checkpoint = Checkpoint("made up", options, lambda: {"commit": "1"})
         with mock.patch("lib.running.fresh_process.run_on", run_on):
             for what in parts:
-                found = study.by_processes(self.BLOCKS, lambda *told: told, further, journal, what, cores)
-        return found, journal.context
+                found = timed.by_processes(self.BLOCKS, lambda *told: told, further, checkpoint, what, cores)
+        return found, checkpoint.context
 
     @staticmethod
     def until(counts):
@@ -225,7 +226,7 @@ class ByProcesses(FolderTest):
         self.assertEqual([len(each["b"]) for each in seconds], [3, 3])
         self.assertEqual(set(asked), {0, 2, 3})
 
-    def test_what_a_journal_has_is_not_run_again(self):
+    def test_what_a_checkpoint_has_is_not_run_again(self):
         before, _ = self.by_processes(self.until({"a": 1, "b": 1}))
         self.runs.clear()
         after, _ = self.by_processes(self.until({"a": 3, "b": 3}))
@@ -254,9 +255,9 @@ class ByProcesses(FolderTest):
             self.assertEqual(context["disturbed_processes"], "1 of 4")
 
     def test_a_process_that_fails_ends_the_study(self):
-        with self.assertRaisesRegex(study.Stop, "timing: .*status 1.*: no such scene$") as caught:
+        with self.assertRaisesRegex(Stop, "timing: .*status 1.*: no such scene$") as caught:
             self.by_processes(self.until({"a": 1, "b": 1}), fails=True)
-        self.assertEqual(caught.exception.status, study.NO_ANSWER)
+        self.assertEqual(caught.exception.status, NO_ANSWER)
 
 
 class TimedBlock(unittest.TestCase):

@@ -9,7 +9,7 @@ import unittest
 from unittest import mock
 
 import drawing
-from programs import (BUILD, DONE, HAS_MODULE, MEASURE, PATIENCE, RENDER, SANITIZED, end, environment, FolderTest,
+from programs import (BUILD, DONE, HAS_MODULE, MEASURE, PATIENCE, RENDER, SANITIZED, FolderTest, end, environment,
                       start, text_of)
 from programs import run as run_command
 from scaling_documents import point, write_tables
@@ -162,7 +162,7 @@ class Study(FolderTest):
         self.assertEqual((one.same[0], two.same[0]), (True, False))
         orders = [each[3:] for each in self.told()]
         self.assertEqual({*map(tuple, orders)}, {tuple(orders[0]), tuple(orders[0][::-1])})
-        self.assertFalse(os.path.exists(f"{self.out}.journal"))
+        self.assertFalse(os.path.exists(f"{self.out}.checkpoint"))
 
     @unittest.skipIf(len(CORES) < 2, "there is one core only")
     def test_an_interrupted_study_goes_on_and_leaves_no_process(self):
@@ -222,7 +222,7 @@ class Study(FolderTest):
         new = [listed("rk4")._replace(name=name, family="other", has_fast_form=fast)
                for name, fast in (("novel", True), ("plain", False))]
         listing = {each.name: each for each in (*map(listed, (*self.threads.METHODS, "rk4")), *new)}
-        with mock.patch.object(self.threads.study, "integrators", lambda: listing):
+        with mock.patch.object(self.threads.built, "integrators", lambda: listing):
             names = [each.name for each in self.threads.entries_asked_for(None)]
         self.assertEqual({*names}, {*self.threads.METHODS, "novel"})
 

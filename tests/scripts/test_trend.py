@@ -1,12 +1,11 @@
 """Tests of lib/judging/trend.py: rank correlation of repetitions with their order."""
 
-import itertools
 import random
 import unittest
 
 import programs  # noqa: F401, which makes lib importable
 
-from lib.judging.trend import DRAWN, orders_of, trend_of
+from lib.judging.trend import trend_of
 
 
 def noisy(count, rounds, slope=0.0, common=0.0, seed=1):
@@ -39,11 +38,14 @@ class OfManySeries(unittest.TestCase):
         shown = [trend_of(noisy(100, 7, common=0.05, seed=seed)).is_shown() for seed in range(40)]
         self.assertLess(sum(shown), 4)
 
-    def test_orders(self):
-        self.assertEqual(set(orders_of((1, 2, 3))), set(itertools.permutations((1, 2, 3))))
-        drawn = orders_of([*range(9)])
-        self.assertEqual((len(drawn), drawn[0], drawn), (DRAWN, [*range(9)], orders_of([*range(9)])))
-        self.assertGreater(len(set(map(tuple, drawn))), 0.9 * DRAWN)
+    def test_the_probability_is_the_share_of_orders(self):
+        for rounds, orders in ((6, 720), (7, 5040)):  # all of them, and two are as extreme as a rise
+            for values in (range(1, rounds + 1), range(rounds, 0, -1)):
+                self.assertAlmostEqual(trend_of([[*values]]).probability, 2 / orders)
+        self.assertEqual(trend_of([[7.0] * 6]).probability, 1.0)
+        many = noisy(5, 9)  # of more rounds orders are drawn, always the same
+        self.assertEqual(trend_of(many), trend_of(many))
+        self.assertLess(trend_of([[*range(1, 10)]]).probability, 0.001)
 
 
 if __name__ == "__main__":

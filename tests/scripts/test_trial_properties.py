@@ -20,7 +20,8 @@ sys.path.insert(0, os.path.join(BUILD, "python"))
 
 import isosyrk  # noqa: F401 (CTest leaves this file out where there is no module)
 from studies.accuracy import comparisons as duels
-from lib.running import study, trials
+from lib.running import timed, trials
+from lib.running.checkpoint import Checkpoint
 from lib.judging import verdicts
 from lib.records.settings import Problem
 from lib.records.formats import CONVERGED
@@ -150,7 +151,7 @@ class Duels(unittest.TestCase):
         block = {"problem": ("smooth", 1.0, 9), "references": None, "process": 0, "rows": ["one"],
                  "runs": {"one": {"steps": 4, "integrator": "rk4", "solver": "fast"}}}
         with mock.patch.object(duels, "scene_of"), mock.patch.object(duels.isosyrk, "integrator"), \
-                mock.patch.object(duels.study, "seconds_of", side_effect=seconds):
+                mock.patch.object(duels.timed, "seconds_of", side_effect=seconds):
             self.assertEqual(duels.time_block(block), [min(seconds)])
 
 
@@ -163,50 +164,50 @@ class Times(unittest.TestCase):
             calls.append((repetitions, warmup))
             return [seconds] * repetitions
 
-        found = study.seconds_of(SimpleNamespace(timed_run=timed_run), None, 0.1, 5, warmup)
+        found = timed.seconds_of(SimpleNamespace(timed_run=timed_run), None, 0.1, 5, warmup)
         self.assertAlmostEqual(found / seconds, 1)
         self.assertEqual({each for _, each in calls}, {warmup})
-        self.assertEqual(len(calls) > 1, seconds < study.LEAST_SECONDS)
+        self.assertEqual(len(calls) > 1, seconds < timed.LEAST_SECONDS)
         if len(calls) > 1:
-            self.assertGreaterEqual(calls[-1][0] * max(seconds, 1e-6), study.LEAST_SECONDS * (1 - 1e-9))
+            self.assertGreaterEqual(calls[-1][0] * max(seconds, 1e-6), timed.LEAST_SECONDS * (1 - 1e-9))
 
     @holds_for(seconds=draw.lists(decades(-3.0, 1.0), min_size=1, max_size=5), repetitions=draw.integers(1, 5),
                done=draw.integers(0, 10))
     def test_points_are_timed_in_turns_on_the_last_core_until_that_is_enough(self, seconds, repetitions, done):
-        cores, timed, on = os.sched_getaffinity(0), [], set()
-        journal = SimpleNamespace(context={}, found={}, key_of_timed=lambda what, point: f"{what} {point}")
-        journal.add = journal.found.__setitem__
+        cores, run, on = os.sched_getaffinity(0), [], set()
+        checkpoint = SimpleNamespace(context={}, found={}, key_of_timed=lambda what, point: f"{what} {point}")
+        checkpoint.add = checkpoint.found.__setitem__
 
         def time_one(point):
-            timed.append(point)
+            run.append(point)
             on.update(os.sched_getaffinity(0))
             return seconds[point]
 
         points = list(range(len(seconds)))
-        with mock.patch.object(study, "progress", lambda total, what: mock.MagicMock()):
-            found = study.in_turns(points, repetitions, time_one, journal, "timings")
+        with mock.patch.object(timed, "progress", lambda total, what: mock.MagicMock()):
+            found = timed.interleaved(points, repetitions, time_one, checkpoint, "timings")
             self.assertEqual((on, os.sched_getaffinity(0)), ({max(cores)}, cores))  # and all cores again
             for point, times in zip(points, found):
-                most = next((k for k in range(1, repetitions) if k * seconds[point] >= study.ENOUGH_TIMED), repetitions)
+                most = next((k for k in range(1, repetitions) if k * seconds[point] >= timed.ENOUGH), repetitions)
                 self.assertEqual(len(times), most)
             turns = [[point for point in points if len(found[point]) > turn] for turn in range(repetitions)]
-            self.assertEqual(timed, [point for turn in turns for point in turn])  # all once, then all again
-            # What stands in the journal is not timed again.
-            kept = dict(list(journal.found.items())[:done])
-            journal.found.clear()
-            journal.found.update(kept)
-            count = len(timed)
-            self.assertEqual(study.in_turns(points, repetitions, time_one, journal, "timings"), found)
-            self.assertEqual(len(timed) - count, max(0, count - done))
+            self.assertEqual(run, [point for turn in turns for point in turn])  # all once, then all again
+            # What stands in the checkpoint is not timed again.
+            kept = dict(list(checkpoint.found.items())[:done])
+            checkpoint.found.clear()
+            checkpoint.found.update(kept)
+            count = len(run)
+            self.assertEqual(timed.interleaved(points, repetitions, time_one, checkpoint, "timings"), found)
+            self.assertEqual(len(run) - count, max(0, count - done))
 
     @holds_for(sizes=draw.dictionaries(draw.integers(5, 300), draw.sampled_from(("eigen", "openblas", "split")),
                                        min_size=1, max_size=5), n=draw.integers(5, 1100))
     def test_published_forms_take_the_backend_of_the_nearest_n(self, sizes, n):
-        journal = object.__new__(study.Journal)
-        journal.context = {"products": "the faster by measurement: " + ", ".join(
+        checkpoint = object.__new__(Checkpoint)
+        checkpoint.context = {"products": "the faster by measurement: " + ", ".join(
             f"n={tried} {backend}" for tried, backend in sizes.items())}
         nearest = min(abs(tried - n) for tried in sizes)
-        self.assertIn(journal.products(n), {sizes[tried] for tried in sizes if abs(tried - n) == nearest})
+        self.assertIn(checkpoint.products(n), {sizes[tried] for tried in sizes if abs(tried - n) == nearest})
 
 
 if __name__ == "__main__":

@@ -115,7 +115,7 @@ class Processes(unittest.TestCase):
 
         W, method = numpy.zeros((10, 10)), SimpleNamespace(run=run)
         whole = accuracy_runs.PART_WORK / (8 * 10**3)  # products
-        with mock.patch.object(accuracy_runs.study, "seconds_of", return_value=7.0):
+        with mock.patch.object(accuracy_runs.timed, "seconds_of", return_value=7.0):
             self.assertEqual(accuracy_runs.seconds_of_part(method, W, 0.1, 100, whole), 7.0)
             self.assertEqual(ran, [])
             self.assertAlmostEqual(accuracy_runs.seconds_of_part(method, W, 0.1, 100, 10 * whole), 0.125 * 10 * whole)

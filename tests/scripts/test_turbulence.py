@@ -11,7 +11,7 @@ import unittest
 from unittest import mock
 
 from drawing import DrawingTest, lines_of
-from programs import BUILD, DONE, MEASURE, RENDER, environment, FolderTest, run
+from programs import BUILD, DONE, MEASURE, RENDER, FolderTest, environment, run
 
 sys.path.insert(0, os.path.join(BUILD, "python"))
 import numpy as np
@@ -316,7 +316,7 @@ def write_turbulence(path, far=None, drift=0.0, **changed):
     loose = [Setting("elp4", 0.5, LOOSE), Setting("elp4", 1.0, LOOSE), Setting("group2", 0.5, LOOSE)]
     further = rows_of(FAR, ("rk8", 0.25, 1e-10), 2, FURTHER, drift=drift)
     tables = {
-        "integrators": turbulence.study.entries(ENTRIES),
+        "integrators": turbulence.built.entries(ENTRIES),
         "sizes": [Size(n=N, draws=DRAWS, references=NEAR, far=FURTHER, time=100.0, reference_integrator="rk8",
                        reference_step=0.25, reference_error=1e-9, norm_B=0.24)],
         "runs": rows_of(REFERENCE, ("rk8", 0.25, 1e-10), 1, NEAR, drift=drift)
@@ -570,8 +570,8 @@ class Plan(unittest.TestCase):
         self.assertEqual(turbulence.SIZES, (33, 65))
 
     def test_every_row_is_timed_by_as_many_processes(self):
-        wanted = turbulence.further_processes(6, {"row": [1.0] * 6, "other": [1.0] * 4})
-        self.assertEqual(wanted, {"row": 0, "other": 2})
+        done = {"row": [1.0] * 6, "other": [1.0] * 4}
+        self.assertEqual(turbulence.further_processes(6, done), {"row": 0, "other": 2})
 
     def test_what_is_timed_are_settings_whose_runs_all_work(self):
         plan = turbulence.plan_of(N, True)

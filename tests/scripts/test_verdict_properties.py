@@ -10,7 +10,8 @@ from properties import NEAR_ONE, PACES, fails, holds_for, times_of_rows
 from scipy import stats
 
 from lib.judging import verdicts
-from lib.records.formats import FORMULATIONS, CellKey, Measurement, Run, measurement
+from lib.records.formats import FORMULATIONS
+from lib.records.table_file import CellKey, Measurement, Run, measurement
 from studies.tables.judge import judged, pairs
 from lib.judging.verdicts import (FAILS, FASTER, FEWEST, HOLDS, LEVEL, MARGIN, MOST, SLOWER, TIE, UNDECIDED,
                                   claim_of_fastest, claim_of_multiple, compared, fastest, further_processes, level_rows,

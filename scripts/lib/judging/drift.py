@@ -5,13 +5,14 @@ are made by least squares. A power t^p is fitted to the logarithms of the last d
 to the second half of the run: its slope, times the length of the run and over the mean error, is the trend.
 
 Neighbouring windows are not independent. So the 95 % interval of both is that of the block jackknife: the fit is
-repeated without each of ten blocks of neighbours, and Student's t is applied to the spread of what they give. Standard
-library only.
+repeated without each of ten blocks of neighbours, and Student's t is applied to the spread of what they give. SciPy has
+no jackknife of blocks, and its t would be a second one beside that of lib.judging.verdicts. Standard library only.
 
 Source: Künsch, The jackknife and the bootstrap for general stationary observations, Annals of Statistics 17 (1989).
 """
 
 import math
+import statistics
 from typing import NamedTuple, Optional
 
 from lib.judging.verdicts import LEVEL, UNDECIDED, student_t
@@ -79,9 +80,7 @@ def estimate_of(points, factor):
 
 def slope_of(points):
     """Returns the slope of the straight line through points by least squares."""
-    mean_x, mean_y = (math.fsum(values) / len(points) for values in zip(*points))
-    spread = math.fsum((x - mean_x)**2 for x, _ in points)
-    return math.fsum((x - mean_x) * (y - mean_y) for x, y in points) / spread
+    return statistics.linear_regression(*zip(*points)).slope
 
 
 def in_blocks(values, count):

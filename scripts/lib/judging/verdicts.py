@@ -2,7 +2,8 @@
 
 Memory placement moves the ratio of two rows by some percent from one process to the next, and by a tenth of that within
 one. So each process gives one ratio of two rows that it timed in turns. The figure is the geometric mean of these
-ratios, with a 95 % interval by Student's t of their logarithms. Standard library only.
+ratios, with a 95 % interval by Student's t of their logarithms. Standard library only, as render_table1 is: hence
+Student's t here.
 """
 
 import functools

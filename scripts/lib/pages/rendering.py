@@ -5,7 +5,7 @@ import json
 import os
 from typing import Any, Callable, Dict, NamedTuple, Optional
 
-from lib.programs.chart_python import require_matplotlib
+from lib.programs.chart_python import require_to_render
 from lib.programs.command_line import OneLineParser
 from lib.programs.output import replace_file, write_folder, write_standard_output
 from lib.programs.places import RECORDED
@@ -69,10 +69,11 @@ def beside(raw, name):
     return path if os.path.exists(path) else None
 
 
-def render_study(program, rendered, has_charts, arguments):
+def render_study(program, rendered, modules, arguments):
     """Renders a study's raw file by its `rendered(raw file, folder of recorded studies)`, which returns a Rendering.
 
-    Without --out the report goes to standard output. All of it is made before any is written.
+    It needs these modules; with matplotlib it may have charts. Without --out the report goes to standard output. All of
+    it is made before any is written.
     """
     parser = raw_file_parser(program, "Renders a raw file of a study: report, figures and charts.",
                              "scripts/measure; further raw files of the study are found beside it")
@@ -81,8 +82,10 @@ def render_study(program, rendered, has_charts, arguments):
     parser.add_argument("--recorded", metavar="DIR", default=RECORDED,
                         help="recorded studies that some reports quote (default: results/recorded)")
     options = parser.parse_args(arguments)
+    if modules:
+        require_to_render(program, modules)
+    has_charts = "matplotlib" in modules
     if has_charts:
-        require_matplotlib(program)
         from lib.pages.chart_panels import own_style  # only now: it needs matplotlib
     with own_style() if has_charts else contextlib.nullcontext():
         found = rendered(options.raw, options.recorded)

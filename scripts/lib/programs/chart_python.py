@@ -50,10 +50,10 @@ def require(program, modules, remedy):
     os.execv(python, [python, *sys.argv])
 
 
-def require_matplotlib(program):
+def require_to_render(program, modules):
     """As require(), with NumPy's arithmetic settled before it is loaded."""
     settle_arithmetic()
-    require(program, ("matplotlib",), "install python3-matplotlib")
+    require(program, modules, f"install {', '.join(f'python3-{module}' for module in modules)}")
 
 
 def settle_arithmetic():

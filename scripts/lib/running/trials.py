@@ -11,7 +11,7 @@ import isosyrk
 import numpy
 
 from lib.records.formats import CONVERGED, LARGEST, NOT_FINITE, UNSTABLE_ENERGY, UNSTABLE_SPECTRUM
-from lib.running import study
+from lib.running import built
 
 TIME = 5.0  # a short trial lasts so long at least,
 LEAST_STEPS = {False: 50, True: 400}  # and takes so many steps at least: implicit methods, explicit ones
@@ -66,7 +66,7 @@ class Method:
     """A listed integrator in a Setting, to be tried with step sizes."""
 
     def __init__(self, setting, name, solver):
-        (self.entry,) = study.entries([name])
+        (self.entry,) = built.entries([name])
         self.setting = setting
         self.integrator = isosyrk.integrator(setting.scene, name, solver=solver)  # with its default sweep cap
 

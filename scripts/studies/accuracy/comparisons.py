@@ -18,7 +18,7 @@ import isosyrk
 from lib.records.formats import FAST, PUBLISHED
 from lib.records.settings import Problem
 from lib.judging import verdicts
-from lib.running import study
+from lib.running import program, timed, untimed
 from studies.accuracy.candidates import CLASSES, EXPLICIT, candidates
 from studies.accuracy.equal_error import cheap_forms
 from studies.accuracy.schema import Duel, Form
@@ -193,7 +193,7 @@ def time_block(block):
             run = dict(block["runs"][row])
             steps = run.pop("steps")
             method = isosyrk.integrator(scene, run.pop("integrator"), max_sweeps=MAX_SWEEPS[run["solver"]], **run)
-            found[row].append(study.seconds_of(method, scene.initial, block["problem"][1] / steps, steps))
+            found[row].append(timed.seconds_of(method, scene.initial, block["problem"][1] / steps, steps))
     return [min(each) for each in found.values()]
 
 
@@ -222,18 +222,18 @@ def time_row(row, references, products):
     return seconds_of_part(method, scene.initial, row["time"] / steps, steps, row["equivalent_products"])
 
 
-def duels(found, options, journal):
+def duels(found, options, checkpoint):
     """Returns the rows of all duels. `found` is the Accuracy of the lines."""
     references = os.path.realpath(options.references)
     jobs = [job for problem in found.problems() for wanted in wanted_of(problem)
             for job in jobs_of(found, problem, wanted, references)]
-    rows = list(filter(None, study.untimed(jobs, cheapest_steps, journal, options, "steps of duels")))
-    once = study.in_turns(rows, 1, partial(time_row, references=references, products=journal.products), journal,
-                          "choices")
+    rows = list(filter(None, untimed.results(jobs, cheapest_steps, checkpoint, options, "steps of duels")))
+    time_one = partial(time_row, references=references, products=checkpoint.products)
+    once = timed.interleaved(rows, 1, time_one, checkpoint, "choices")
     rows = standing(rows, [seconds for (seconds,) in once])
-    blocks = blocks_of(rows, references, journal.products)
+    blocks = blocks_of(rows, references, checkpoint.products)
 
-    command = partial(study.process_command, "accuracy")
-    times = study.by_processes(blocks, command, partial(further_processes, options.processes), journal, "duels")
+    command = partial(program.process_command, "accuracy")
+    times = timed.by_processes(blocks, command, partial(further_processes, options.processes), checkpoint, "duels")
     seconds = [each for block in times for each in block.values()]
     return [rounded(Duel(**{**row, "cpu_seconds": each})) for row, each in zip(rows, seconds)]

@@ -25,7 +25,8 @@ from lib.records.formats import FAST, PUBLISHED, Study
 from lib.records.integrators import GAUSS, TABLE1_CELLS, is_fastest_formulation, is_new
 from lib.records.settings import TABLE1_STEP
 from lib.judging import verdicts
-from lib.running import problems, study
+from lib.running import built, problems, program, timed, untimed
+from lib.running.checkpoint import Checkpoint
 from studies.accuracy import candidates as contenders, comparisons as duels
 from studies.accuracy.judge import told_against_n
 from studies.accuracy.lines import FLOOR_MARGIN, accuracy, is_floor
@@ -95,7 +96,7 @@ def end_of(runs, uncertainty, order):
 def took_enough(run, quick):
     """Tells whether a run took the work that cuts a line."""
     enough = next(work for largest, work in ENOUGH_WORK if run.n <= largest)
-    co_rotating = study.integrators()[run.integrator].co_rotating
+    co_rotating = built.integrators()[run.integrator].co_rotating
     for holds, times in ((run.time > UNIT, LONG_TIMES), (not co_rotating, PLAIN_TIMES), (quick, QUICK_TIMES)):
         enough *= times if holds else 1
     return 8 * run.n**3 * run.equivalent_products >= enough
@@ -124,20 +125,20 @@ def time_one(point, folder):
     return seconds_of_part(method, setting.initial, time / steps, steps, work)
 
 
-def rate_of(n, journal):
+def rate_of(n, checkpoint):
     """Returns the product rates at n, as measured when the study began."""
-    key = journal.key_of_timed("rates", n)
-    if key not in journal.found:
-        journal.add(key, [statistics.median(isosyrk.product_rate(n, solver) for _ in range(RATES))
+    key = checkpoint.key_of_timed("rates", n)
+    if key not in checkpoint.found:
+        checkpoint.add(key, [statistics.median(isosyrk.product_rate(n, solver) for _ in range(RATES))
                           for solver in (PUBLISHED, FAST)])
-    return Rate(n, *journal.found[key])
+    return Rate(n, *checkpoint.found[key])
 
 
 # ---- the study
 
 
 def parse(arguments):
-    parser = study.parser("accuracy", __doc__.splitlines()[0])
+    parser = program.parser("accuracy", __doc__.splitlines()[0])
     problems.add_filters(parser)
     parser.add_argument("--references", metavar="FOLDER", default=REFERENCES,
                         help="what scripts/measure references wrote (default: the recorded ones)")
@@ -204,7 +205,7 @@ def lines_of(problem, entries, asked):
 
 def main(arguments):
     options = parse(arguments)
-    chosen = study.entries(options.integrator, frames=True)
+    chosen = built.entries(options.integrator, frames=True)
     if options.quick and not options.integrator:
         chosen = quick_integrators(chosen)
     wanted = problems.asked_for(options)
@@ -212,28 +213,28 @@ def main(arguments):
     for problem in wanted:
         problems.scene_of(problem, options.references)  # so that initial data that cannot be used are told now
     sizes = sorted({problem.n for problem in wanted})
-    journal = study.Journal("accuracy", options, lambda: isosyrk.conditions(sizes=sizes))
-    rates = [rate_of(n, journal) for n in sizes]
+    checkpoint = Checkpoint("accuracy", options, lambda: isosyrk.conditions(sizes=sizes))
+    rates = [rate_of(n, checkpoint) for n in sizes]
 
     folder = os.path.realpath(options.references)
     ordered = sorted(wanted, key=lambda problem: (problem.n, problem.time))  # the longest last
     jobs = []
     for problem in ordered:
         forms, alone = lines_of(problem, chosen, options.integrator is not None)
-        jobs += [{**problem._asdict(), **form._asdict(), "solver": study.solver_of(form.integrator),
+        jobs += [{**problem._asdict(), **form._asdict(), "solver": built.solver_of(form.integrator),
                   "table1_step": form in alone, "references": folder, "quick": options.quick} for form in forms]
-    lines = study.untimed(jobs, draw_line, journal, options, "lines")
-    cells = study.untimed([{**problem._asdict(), "integrator": entry.name, "solver": PUBLISHED, "references": folder}
+    lines = untimed.results(jobs, draw_line, checkpoint, options, "lines")
+    cells = untimed.results([{**problem._asdict(), "integrator": entry.name, "solver": PUBLISHED, "references": folder}
                            for problem in ordered if is_main(problem) and problem.n <= LARGEST_TOLERANCE_SIZE
                            for entry in chosen if entry.name in TABLE1_CELLS],
-                          vary_tolerance, journal, options, "tolerances")
+                          vary_tolerance, checkpoint, options, "tolerances")
 
     runs, tolerance_runs = ([Run(**run) for each in found for run in each]
                             for found in ((line["runs"] for line in lines), cells))
     points = [[*run.problem, run.integrator, run.solver, run.tolerance,
-               journal.products(run.n) if run.solver == PUBLISHED else None, run.steps, run.equivalent_products]
+               checkpoint.products(run.n) if run.solver == PUBLISHED else None, run.steps, run.equivalent_products]
               for run in (*runs, *tolerance_runs) if run.usable]
-    seconds = iter(study.in_turns(points, options.repetitions, lambda point: time_one(point, folder), journal,
+    seconds = iter(timed.interleaved(points, options.repetitions, lambda point: time_one(point, folder), checkpoint,
                                   "timings"))
 
     def completed(runs):
@@ -243,10 +244,10 @@ def main(arguments):
               "lines": [Line(**{name: job[name] for name in Line._fields if name in job}, end=line["end"])
                         for job, line in zip(jobs, lines)],
               "runs": completed(runs), "tolerance_runs": completed(tolerance_runs), "duels": []}
-    found = accuracy(Study(journal.context, Settings(options.quick), tables))
-    tables["duels"] = duels.duels(found, options, journal)
-    formats.write_study(options.out, SCHEMA, journal.context, Settings(options.quick), tables)
-    journal.remove()
+    found = accuracy(Study(checkpoint.context, Settings(options.quick), tables))
+    tables["duels"] = duels.duels(found, options, checkpoint)
+    formats.write_study(options.out, SCHEMA, checkpoint.context, Settings(options.quick), tables)
+    checkpoint.remove()
 
 
 def reference_row(problem, record):

@@ -7,7 +7,7 @@ import isosyrk
 
 from lib.records.formats import CONVERGED, FAST, PUBLISHED, UNSTABLE, to_digits
 from lib.records.settings import Problem
-from lib.running import problems, study, trials
+from lib.running import built, problems, timed, trials
 from studies.accuracy.schema import Run
 
 LOOKS = 50  # at the energy in a run, at least while there are as many steps
@@ -37,7 +37,7 @@ class Setting(trials.Setting):
         super().__init__(scene_of(*self.problem, job["references"]))
         self.reference, record = problems.reference_of(self.problem, job["references"])
         self.uncertainty = record["uncertainty"]
-        self.entry = study.integrators()[job["integrator"]]
+        self.entry = built.integrators()[job["integrator"]]
         self.limit = math.inf if self.entry.stability_limit is None else self.entry.stability_limit
         _, self.own_norm_ad_B = self.scene.generator_norms(co_rotating=self.entry.co_rotating)
 
@@ -71,7 +71,7 @@ def seconds_of_part(method, W, h, steps, products):
     """
     part = math.ceil(steps * min(1.0, PART_WORK / (8 * len(W)**3 * products)))
     if part == steps:
-        return study.seconds_of(method, W, h, steps)
+        return timed.seconds_of(method, W, h, steps)
     _, report = method.run(W, h, part)
     return report.seconds * products / report.equivalent_products
 

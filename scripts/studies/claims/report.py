@@ -5,7 +5,8 @@ from typing import Dict, NamedTuple, Optional
 
 from lib.programs.messages import UnusableFile
 from lib.records.findings import FILE, read_findings
-from lib.records.formats import FORMULATIONS, Run, Study, read_json
+from lib.records.formats import FORMULATIONS, Study, read_json
+from lib.records.table_file import Run
 from lib.judging.verdicts import FEWEST, ratio_of
 from lib.pages.document import Column, Entry, Heading, Paragraph, Table, conditions, plain_table
 from lib.pages.numbers import MISSING, percentage, scientific, three_digits

@@ -20,10 +20,12 @@ import numpy as np
 from lib.programs.command_line import NO_ANSWER, Stop, whole_number
 from lib.programs.messages import one_line
 from lib.records import formats
-from lib.records.formats import FAST, INTEGRATORS, SOLVERS, CellKey, Measurement, Run
+from lib.records.formats import FAST, INTEGRATORS, SOLVERS
+from lib.records.table_file import CellKey, Measurement, Run
 from lib.records.integrators import TABLE1_CELLS
 from lib.judging import verdicts
-from lib.running import initial_states, study
+from lib.running import built, initial_states, program, timed, untimed
+from lib.running.checkpoint import Checkpoint
 from studies.claims import octave_cells
 from studies.claims.schema import (EQUAL, HBARS, SCHEMA, WITHOUT, DrawCell, OctaveCell, OctavePair, OctaveProduct, Rate,
                                    Settings, ThreadCell)
@@ -113,7 +115,7 @@ def time_draw(block):
             solver, name = row.split()
             products = {} if solver == FAST else {"products": block["products"]}
             method = isosyrk.integrator(scene, name, solver=solver, tolerance=TOLERANCE, **products)
-            found[row].append(study.seconds_of(method, scene.initial, STEP, STEPS))
+            found[row].append(timed.seconds_of(method, scene.initial, STEP, STEPS))
     return [min(each) for each in found.values()]
 
 
@@ -166,11 +168,11 @@ def seconds_of_pass(W):
 
 
 def formulation_of(name):
-    return study.integrators()[name].formulation
+    return built.integrators()[name].formulation
 
 
 def stages_of(name):
-    return study.integrators()[name].stages
+    return built.integrators()[name].stages
 
 
 def table_of(times):
@@ -217,19 +219,19 @@ def row_of(name):
     return {"formulation": formulation_of(name), "stages": stages_of(name)}
 
 
-def timed(blocks, verdicts_on, journal, options, what, cores=None):
-    return study.by_processes(blocks, partial(study.process_command, "claims"),
-                              partial(further, options, verdicts_on), journal, what, cores) if blocks else []
+def times_of(blocks, verdicts_on, checkpoint, options, what, cores=None):
+    return timed.by_processes(blocks, partial(program.process_command, "claims"),
+                              partial(further, options, verdicts_on), checkpoint, what, cores) if blocks else []
 
 
-def octave_tables(options, sizes, names, journal):
+def octave_tables(options, sizes, names, checkpoint):
     """Returns the tables of Octave: its cells, their pairs, and its products.
 
-    The journal keeps answers of any processor; on which kernels Octave runs is asked where it is timed.
+    The checkpoint keeps answers of any processor; on which kernels Octave runs is asked where it is timed.
     """
     by_stages = {s: [name for name in names if stages_of(name) == s] for s in map(stages_of, names)}
     jobs = [{"n": n, "cells": cells} for n in sizes for cells in by_stages.values()]
-    answers = study.untimed(jobs, octave_answers, journal, options, "checking Octave's answers") if jobs else []
+    answers = untimed.results(jobs, octave_answers, checkpoint, options, "checking Octave's answers") if jobs else []
     counted, pairs = {}, []
     for job, each in zip(jobs, answers):
         for name, counts in each["cells"].items():
@@ -238,28 +240,28 @@ def octave_tables(options, sizes, names, journal):
         pairs += [OctavePair(n=job["n"], stages=stages_of(pair["row"]), row=formulation_of(pair["row"]),
                              other=formulation_of(pair["other"]), difference=pair["difference"])
                   for pair in each["pairs"]]
-    blocks = [{"what": "octave", "n": n, "rows": [*names, PRODUCT], "kernels": journal.context["blas_kernels"],
+    blocks = [{"what": "octave", "n": n, "rows": [*names, PRODUCT], "kernels": checkpoint.context["blas_kernels"],
                "repetitions": REPETITIONS if n <= SEVERAL_UP_TO else 1} for n in sizes]
-    seconds = timed(blocks, of_octave, journal, options, "timing Octave")
+    seconds = times_of(blocks, of_octave, checkpoint, options, "timing Octave")
     cells = [OctaveCell(**row_of(name), n=block["n"], **counted[block["n"], name], seconds=found[name])
              for block, found in zip(blocks, seconds) for name in names]
     products = [OctaveProduct(block["n"], found[PRODUCT]) for block, found in zip(blocks, seconds)]
     return {"octave": cells, "octave_pairs": pairs, "octave_products": products}
 
 
-def draw_table(options, sizes, names, journal):
+def draw_table(options, sizes, names, checkpoint):
     draws = QUICK_DRAWS if options.quick else DRAWS
-    blocks = [{"what": "draws", "n": n, "hbar": hbar, "draw": draw, "products": journal.products(n),
+    blocks = [{"what": "draws", "n": n, "hbar": hbar, "draw": draw, "products": checkpoint.products(n),
                "repetitions": REPETITIONS if n <= SEVERAL_UP_TO else 1,
                "rows": [f"{solver} {name}" for solver in SOLVERS for name in names]}
               for n in sizes for hbar in HBARS for draw in range(draws)]
-    seconds = timed(blocks, of_draws, journal, options, "timing draws")
+    seconds = times_of(blocks, of_draws, checkpoint, options, "timing draws")
     return [DrawCell(**{field: block[field] for field in ("n", "hbar", "draw")}, implementation=solver, **row_of(name),
                      seconds=found[f"{solver} {name}"])
             for block, found in zip(blocks, seconds) for solver in SOLVERS for name in names]
 
 
-def thread_tables(options, sizes, names, journal):
+def thread_tables(options, sizes, names, checkpoint):
     """Returns the tables of fast forms by threads and of rates; without a second core those of one thread.
 
     A process that times threads has all cores from its beginning: what OpenMP finds then decides if threads wait for
@@ -267,17 +269,17 @@ def thread_tables(options, sizes, names, journal):
     """
     cores = os.sched_getaffinity(0)
     threads = [each for each in THREADS if each <= len(cores)]
-    journal.context["cores"] = f"{len(cores)}"
+    checkpoint.context["cores"] = f"{len(cores)}"
     names = [name for name in names if stages_of(name) in THREAD_STAGES]
     sizes = sizes if names else ()
     runs = {n: dict(zip(("step", "steps"), THREAD_RUNS[n])) for n in sizes}
     jobs = [{"n": n, "name": name, "code": code, **runs[n]} for n in sizes for name in names for code in WITHOUT]
-    counts = study.untimed(jobs, count_threads, journal, options, "counting for threads") if jobs else []
+    counts = untimed.results(jobs, count_threads, checkpoint, options, "counting for threads") if jobs else []
     counted = {(job["n"], job["name"], job["code"]): each for job, each in zip(jobs, counts)}
     blocks = [{"what": "threads", "n": n, **runs[n],
                "rows": [PRODUCT, PASS, *(f"{code} {name} {each}" for code in WITHOUT for name in names
                                          for each in threads)]} for n in sizes]
-    seconds = timed(blocks, of_threads, journal, options, "threads", cores)
+    seconds = times_of(blocks, of_threads, checkpoint, options, "threads", cores)
     cells = [ThreadCell(n=block["n"], **runs[block["n"]], **row_of(name), code=code, threads=each,
                         **counted[block["n"], name, code], seconds=found[f"{code} {name} {each}"])
              for block, found in zip(blocks, seconds) for code in WITHOUT for name in names for each in threads]
@@ -291,7 +293,7 @@ def chosen(sizes, wanted):
 
 
 def main(arguments):
-    parser = study.parser("claims", __doc__.splitlines()[0])
+    parser = program.parser("claims", __doc__.splitlines()[0])
     parser.add_argument("--processes", type=whole_number(1, 100), default=None, help="that time a block at most; with"
                         f" fewer than {verdicts.FEWEST} all is undecided (default: {verdicts.MOST}, quick"
                         f" {verdicts.FEWEST})")
@@ -309,13 +311,13 @@ def main(arguments):
         if n not in known:
             raise Stop(f"--n {n}: must be one of {', '.join(map(str, known))}")
 
-    journal = study.Journal("claims", options, partial(isosyrk.conditions, products="fastest",
+    checkpoint = Checkpoint("claims", options, partial(isosyrk.conditions, products="fastest",
                                                       sizes=sorted({*sizes[0], *sizes[1]})))
-    tables = octave_tables(options, sizes[0], names, journal)
-    tables |= thread_tables(options, sizes[2], names, journal)
-    tables |= {"draws": draw_table(options, sizes[1], names, journal), INTEGRATORS: study.entries(names)}
-    octave = {"octave": octave_cells.version(), "octave_kernels": journal.context["blas_kernels"]} if sizes[0] else \
+    tables = octave_tables(options, sizes[0], names, checkpoint)
+    tables |= thread_tables(options, sizes[2], names, checkpoint)
+    tables |= {"draws": draw_table(options, sizes[1], names, checkpoint), INTEGRATORS: built.entries(names)}
+    octave = {"octave": octave_cells.version(), "octave_kernels": checkpoint.context["blas_kernels"]} if sizes[0] else \
         {"octave": NOT_RUN, "octave_kernels": NOT_RUN}
     settings = Settings(step=STEP, steps=STEPS, tolerance=TOLERANCE, **octave)
-    formats.write_study(options.out, SCHEMA, journal.context, settings, tables)
-    journal.remove()
+    formats.write_study(options.out, SCHEMA, checkpoint.context, settings, tables)
+    checkpoint.remove()

@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 from lib.programs.messages import UnusableFile
 from lib.records import formats
-from lib.records.formats import (FORMULATIONS, INTEGRATORS, SOLVERS, CellKey, Integrator, Measurement, Run, Schema,
-                                 Wrong, list_of, number, one_of, positive, text, whole)
+from lib.records.formats import (FORMULATIONS, INTEGRATORS, SOLVERS, Integrator, Schema, Wrong, list_of, number, one_of,
+                                 positive, text, whole)
+from lib.records.table_file import CellKey, Measurement, Run
 
 HBARS = ("paper", "standard")
 

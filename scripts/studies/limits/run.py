@@ -14,7 +14,8 @@ from lib.programs.command_line import Stop
 from lib.records import formats
 from lib.records.formats import FAST, PUBLISHED, SOLVERS
 from lib.records.integrators import IMPLICIT_EXPONENTIAL, TABLE1_CELLS, is_new
-from lib.running import initial_states, study, trials
+from lib.running import built, initial_states, program, trials, untimed
+from lib.running.checkpoint import Checkpoint
 from lib.running.initial_states import SMOOTH, STATES
 from studies.limits.schema import LETTERS, SCENES, SCHEMA, Limit, Settings, State, Survived, Theory
 
@@ -60,7 +61,7 @@ def plans(quick):
     Published forms in the co-rotating frame have never been tried.
     """
     def names(holds):
-        return tuple(name for name, each in study.integrators().items() if holds(each))
+        return tuple(name for name, each in built.integrators().items() if holds(each))
 
     plain, fast = names(lambda each: not each.co_rotating), names(lambda each: each.has_fast_form)
     new = names(is_new)
@@ -102,7 +103,7 @@ def jobs_of(options):
             for plan in plans(options.quick) for n in plan.sizes for name in plan.names for scene in plan.scenes
             for state in range(plan.states)]
     if options.integrator:
-        wanted = {entry.name for entry in study.entries(options.integrator)}
+        wanted = {entry.name for entry in built.entries(options.integrator)}
         jobs = [job for job in jobs if job["integrator"] in wanted]
     for name in ("n", "solver", "scene"):
         if getattr(options, name):
@@ -148,7 +149,7 @@ def theory_of(jobs):
     """Returns what linear theory says of each integrator from a scene's own initial data, where it says anything."""
     found = []
     for scene, n, name in sorted({(job["scene"], job["n"], job["integrator"]) for job in jobs}):
-        if study.integrators()[name].co_rotating:
+        if built.integrators()[name].co_rotating:
             continue
         limit = isosyrk.integrator(initial_states.scene_of(scene, n, 0), name).linear_limit()
         if limit is not None:
@@ -157,24 +158,24 @@ def theory_of(jobs):
 
 
 def main(arguments):
-    parser = study.parser("limits", __doc__.splitlines()[0])
+    parser = program.parser("limits", __doc__.splitlines()[0])
     parser.add_argument("--scene", choices=SCENES, nargs="+", action="extend", help="(default: all)")
     parser.add_argument("--solver", choices=SOLVERS, nargs="+", action="extend", help="(default: both)")
     options = parser.parse_args(arguments)
     jobs = jobs_of(options)
     sizes = sorted({job["n"] for job in jobs})
-    journal = study.Journal("limits", options, partial(isosyrk.conditions, products="openblas", sizes=sizes))
-    found = study.untimed(jobs, find, journal, options, "limits")
+    checkpoint = Checkpoint("limits", options, partial(isosyrk.conditions, products="openblas", sizes=sizes))
+    found = untimed.results(jobs, find, checkpoint, options, "limits")
     tried = {job["integrator"] for job in jobs}
     place = ("solver", "scene", "n", "integrator")
-    formats.write_study(options.out, SCHEMA, journal.context, Settings(
+    formats.write_study(options.out, SCHEMA, checkpoint.context, Settings(
         options.quick, trials.TIME, trials.LEAST_STEPS[False], trials.LEAST_STEPS[True], trials.LONGER,
         trials.GRID_STEP, trials.CLOSE, trials.LONG_CLOSE), {
-        "integrators": [entry for name, entry in study.integrators().items() if name in tried],
+        "integrators": [entry for name, entry in built.integrators().items() if name in tried],
         "states": states_of(jobs),
         "limits": [Limit(*(job[name] for name in (*place, "state")), **each["limit"])
                    for job, each in zip(jobs, found)],
         "survived": [Survived(*(job[name] for name in place), *each["survived"]) for job, each in zip(jobs, found)
                      if each["survived"]],
         "theory": theory_of(jobs)})
-    journal.remove()
+    checkpoint.remove()

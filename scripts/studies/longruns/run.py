@@ -15,7 +15,8 @@ from lib.records import formats
 from lib.records.formats import CONVERGED, UNSTABLE, Integrator, to_digits
 from lib.records.integrators import EXPONENTIAL, GAUSS, MAGNUS, RKMK, RUNGE_KUTTA, is_fastest_formulation, is_new
 from lib.records.settings import LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT
-from lib.running import study, trials
+from lib.running import built, program, trials, untimed
+from lib.running.checkpoint import Checkpoint
 from studies.longruns.schema import (CLASSES, COSTS, COST_MARGIN, SCENES, SCHEMA, LongRun, Plan, Point, Settings,
                                      class_of, method_of)
 from studies.longruns.symplectic_defect import symplectic_defect
@@ -99,7 +100,7 @@ def rounded(value):
 def made(job):
     """Returns the scene and the method of a job."""
     scene = isosyrk.scene(job["scene"], n=job["n"])
-    return scene, isosyrk.integrator(scene, job["integrator"], solver=study.solver_of(job["integrator"]),
+    return scene, isosyrk.integrator(scene, job["integrator"], solver=built.solver_of(job["integrator"]),
                                      tolerance=job["tolerance"])
 
 
@@ -281,10 +282,10 @@ def asked_for(options):
     for n in sizes:
         if n not in PLANS:
             raise Stop(f"--n {n}: must be one of {', '.join(map(str, PLANS))}")
-    methods = methods_of(study.integrators().values())
+    methods = methods_of(built.integrators().values())
     if not options.integrator:
         return sizes, methods
-    names = {entry.method for entry in study.entries(options.integrator)}
+    names = {entry.method for entry in built.entries(options.integrator)}
     known = dict.fromkeys(method.integrator.method for method in methods)
     for name in sorted(names):
         if name not in known:
@@ -300,18 +301,18 @@ def in_order(rows, methods):
 
 
 def main(arguments):
-    options = study.parser("longruns", __doc__.splitlines()[0]).parse_args(arguments)
+    options = program.parser("longruns", __doc__.splitlines()[0]).parse_args(arguments)
     sizes, methods = asked_for(options)
 
-    journal = study.Journal("longruns", options, partial(isosyrk.conditions, products="openblas"))
+    checkpoint = Checkpoint("longruns", options, partial(isosyrk.conditions, products="openblas"))
     lines, long_runs = lines_of(sizes, methods), long_runs_of(sizes, methods)
-    found = study.untimed(lines, carry_out_line, journal, options, "lines")
+    found = untimed.results(lines, carry_out_line, checkpoint, options, "lines")
     points = [Point(**job, **each) for job, line in zip(lines, found) for each in line]
-    found = study.untimed(long_runs, carry_out_long_run, journal, options, "long runs")
+    found = untimed.results(long_runs, carry_out_long_run, checkpoint, options, "long runs")
     runs = [LongRun(**job, **each) for job, each in zip(long_runs, found) if each]
 
-    integrators = study.entries(list(dict.fromkeys(row.integrator for row in in_order([*points, *runs], methods))))
-    formats.write_study(options.out, SCHEMA, journal.context, Settings(options.quick),
+    integrators = built.entries(list(dict.fromkeys(row.integrator for row in in_order([*points, *runs], methods))))
+    formats.write_study(options.out, SCHEMA, checkpoint.context, Settings(options.quick),
                         {"integrators": integrators, "plans": [PLANS[n] for n in sizes],
                          "points": in_order(points, methods), "long_runs": in_order(runs, methods)})
-    journal.remove()
+    checkpoint.remove()

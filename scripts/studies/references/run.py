@@ -18,7 +18,8 @@ from lib.programs.messages import UnusableFile
 from lib.programs.output import make_folder, replace_file
 from lib.records.formats import FAST, to_digits
 from lib.records.settings import Problem
-from lib.running import problems, study
+from lib.running import built, problems, program, untimed
+from lib.running.checkpoint import Checkpoint
 
 INTEGRATORS = ("group8", "rkmk4")
 TOLERANCE = 1e-14
@@ -34,7 +35,7 @@ def refine(scene, time, integrator, aim):
 
     The estimate is Richardson's: change / (2^order − 1). Throws Stop if no number of steps converges.
     """
-    (entry,) = study.entries([integrator])
+    (entry,) = built.entries([integrator])
     method = isosyrk.integrator(scene, integrator, solver=FAST, tolerance=TOLERANCE)
     best, last_change, steps = None, math.inf, round(time / LONGEST_STEP)
     while time / steps >= SHORTEST_STEP:
@@ -123,7 +124,7 @@ def write(problem, folder, solution):
 
 
 def main(arguments):
-    parser = study.parser("references", __doc__.splitlines()[0], out="FOLDER")
+    parser = program.parser("references", __doc__.splitlines()[0], out="FOLDER")
     problems.add_filters(parser)
     options = parser.parse_args(arguments)
     if options.integrator:
@@ -135,8 +136,8 @@ def main(arguments):
                      key=lambda problem: (problem.n, problem.time))  # the longest last
     if missing:
         options.out = os.path.join(folder, "references.json")
-        journal = study.Journal("references", options, isosyrk.conditions)
-        solutions = study.untimed([problem._asdict() for problem in missing], solve, journal, options,
+        checkpoint = Checkpoint("references", options, isosyrk.conditions)
+        solutions = untimed.results([problem._asdict() for problem in missing], solve, checkpoint, options,
                                   "reference solutions")
         for problem, solution in zip(missing, solutions):
             found, most = solution["record"]["uncertainty"], problems.UNCERTAINTIES[problem.scene, problem.time]
@@ -144,7 +145,7 @@ def main(arguments):
                 raise Stop(f"reference of {problem}: {' and '.join(INTEGRATORS)} differ by {found:.2g}; must be"
                                  f" below {most:g}", NO_ANSWER)
             write(problem, folder, solution)
-        journal.remove()
+        checkpoint.remove()
     for problem in wanted:
         record = problems.record_of(problem, folder)
         first, second = record["first"], record["second"]

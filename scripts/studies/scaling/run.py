@@ -16,7 +16,8 @@ from lib.programs.command_line import NO_ANSWER, Stop, whole_number
 from lib.records import formats
 from lib.records.formats import FAST, INTEGRATORS, PUBLISHED
 from lib.records.integrators import TABLE1_CELLS, chosen
-from lib.running import study
+from lib.running import built, program, timed, untimed
+from lib.running.checkpoint import Checkpoint
 from lib.running.problems import decoded, encoded
 from studies.scaling.schema import (ANY, BANDS, BASIC, IDEAS, SCHEMA, Memory, Point, Rate, Settings, lines_of, rungs_of,
                                     without)
@@ -67,12 +68,12 @@ def rungs_at(entry, n, start):
 
 def lines():
     """Returns the names of the integrators with a line against n."""
-    return lines_of(study.integrators().values())
+    return lines_of(built.integrators().values())
 
 
 def has_memory(point):
     """Tells whether the past steps of a run make the next one cheaper, so that it has to be warm."""
-    entry, rung = study.integrators()[point["integrator"]], point["rung"]
+    entry, rung = built.integrators()[point["integrator"]], point["rung"]
     return rung not in (PUBLISHED, ANY) and not (entry.explicit or {"predictor", "newton"} <= {*without(entry, rung)})
 
 
@@ -96,7 +97,7 @@ def made(point):
     if point["rung"] == PUBLISHED:
         options = {"solver": PUBLISHED, "products": point["products"]}
     else:
-        options = {"solver": FAST, "without": without(study.integrators()[point["integrator"]], point["rung"])}
+        options = {"solver": FAST, "without": without(built.integrators()[point["integrator"]], point["rung"])}
     return isosyrk.integrator(scene_of(point["scene"], point["n"]), point["integrator"], tolerance=point["tolerance"],
                               **options)
 
@@ -153,11 +154,11 @@ def prepare(job):
 
 
 class Timer:
-    """Times points in turns, from prepared states, and keeps in the journal how much memory the process has taken."""
+    """Times points from prepared states, and keeps in the checkpoint how much memory the process has taken."""
 
-    def __init__(self, texts, journal):
+    def __init__(self, texts, checkpoint):
         """`texts` are the states by n and time."""
-        self.texts, self.journal, self.largest = texts, journal, 0
+        self.texts, self.checkpoint, self.largest = texts, checkpoint, 0
         self.state = lru_cache(maxsize=8)(lambda n, at: decoded(texts[n][at], n))
 
     def __call__(self, point):
@@ -168,7 +169,7 @@ class Timer:
         warm = warm_steps(point)
         if not warm:
             integrator.step(W, point["step"])  # so that its workspace is in place
-        seconds = study.seconds_of(integrator, W, point["step"], point["steps"], warm)
+        seconds = timed.seconds_of(integrator, W, point["step"], point["steps"], warm)
         self.look_at_memory(point["n"])
         return seconds
 
@@ -177,14 +178,14 @@ class Timer:
         self.largest = max(self.largest, n)
         if n == self.largest > LARGEST_OF_ALL:
             taken = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-            self.journal.add(self.memory_key(n), max(taken, self.memory(n) or 0))
+            self.checkpoint.add(self.memory_key(n), max(taken, self.memory(n) or 0))
 
     def memory_key(self, n):
-        return self.journal.key_of_timed("memory", n)
+        return self.checkpoint.key_of_timed("memory", n)
 
     def memory(self, n):
         """Returns the bytes that the process had taken when it had timed n and nothing larger; None if not known."""
-        return self.journal.found.get(self.memory_key(n))
+        return self.checkpoint.found.get(self.memory_key(n))
 
 
 # ---- the study
@@ -199,13 +200,13 @@ def sizes_asked_for(options):
 def entries_asked_for(options):
     """Returns the module's records of those integrators, by default of all and of the lines."""
     if options.integrator:
-        return study.entries(options.integrator)
-    methods = chosen(study.integrators().values(), QUICK_METHODS).values() if options.quick else study.entries(None)
-    return study.entries([*(each.name for each in methods), *lines()])
+        return built.entries(options.integrator)
+    methods = chosen(built.integrators().values(), QUICK_METHODS).values() if options.quick else built.entries(None)
+    return built.entries([*(each.name for each in methods), *lines()])
 
 
 def main(arguments):
-    parser = study.parser("scaling", __doc__.splitlines()[0], largest_n=SIZES[-1])
+    parser = program.parser("scaling", __doc__.splitlines()[0], largest_n=SIZES[-1])
     parser.add_argument("--repetitions", type=whole_number(1, 1000),
                         help=f"(default: {REPETITIONS}, quick {QUICK_REPETITIONS})")
     parser.add_argument("--scene", choices=SCENES, default=SCENES[0])
@@ -217,26 +218,26 @@ def main(arguments):
     repetitions = options.repetitions or (QUICK_REPETITIONS if options.quick else REPETITIONS)
     sizes, entries = sizes_asked_for(options), entries_asked_for(options)
 
-    journal = study.Journal("scaling", options, partial(isosyrk.conditions, products="fastest",
+    checkpoint = Checkpoint("scaling", options, partial(isosyrk.conditions, products="fastest",
                                                       sizes=sorted({min(n, 257) for n in sizes})))
-    points = points_of(entries, sizes, journal.products, options.scene, sorted(set(options.start)))
+    points = points_of(entries, sizes, checkpoint.products, options.scene, sorted(set(options.start)))
     jobs = [{"scene": options.scene, "n": n, "points": found} for n in sizes
             if (found := [each for each in points if each["n"] == n])]
-    prepared = study.untimed(jobs, prepare, journal, options, "states and counts")
+    prepared = untimed.results(jobs, prepare, checkpoint, options, "states and counts")
     texts = {job["n"]: each["states"] for job, each in zip(jobs, prepared)}
     counts = [found for each in prepared for found in each["counts"]]
 
-    timer = Timer(texts, journal)
+    timer = Timer(texts, checkpoint)
     working = [point for point, found in zip(points, counts) if found]
     products = [{"n": job["n"], "solver": solver} for job in jobs for solver in (FAST, PUBLISHED)]
-    times = study.in_turns([*products, *working], repetitions, timer, journal, "timing", ENOUGH)
+    times = timed.interleaved([*products, *working], repetitions, timer, checkpoint, "timing", ENOUGH)
     rates, seconds = times[:len(products)], iter(times[len(products):])
     tables = {INTEGRATORS: entries,
               "points": [record(point, found, next(seconds) if found else []) for point, found in zip(points, counts)],
               "rates": [Rate(each["n"], each["solver"], rounded(found)) for each, found in zip(products, rates)],
               "memory": [Memory(n, taken) for n in sizes if (taken := timer.memory(n))]}
-    formats.write_study(options.out, SCHEMA, journal.context, Settings(options.scene, WARMUP), tables)
-    journal.remove()
+    formats.write_study(options.out, SCHEMA, checkpoint.context, Settings(options.scene, WARMUP), tables)
+    checkpoint.remove()
 
 
 def record(point, found, seconds):

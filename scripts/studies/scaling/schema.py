@@ -9,7 +9,6 @@ from lib.records import formats
 from lib.records.formats import (FAST, FORMULATIONS, INTEGRATORS, PUBLISHED, SOLVERS, Integrator, Schema, keyed,
                                  list_of, number, one_of, optional, positive, text, whole)
 from lib.records.integrators import EXPONENTIAL, MAGNUS, RKMK, TABLE1_CELLS, chosen, is_new
-from lib.judging.trend import trend_of
 
 # The ideas of fast forms, as the module names them: of families with ideas of their own, and of others.
 IDEAS = {EXPONENTIAL: ("bands", "predictor", "newton", "explicit_start", "error_estimates", "graded_series"),
@@ -207,6 +206,7 @@ class Scaling:
 
     def trend(self):
         """Returns the Trend of all repetitions with their order, or None."""
+        from lib.judging.trend import trend_of  # only now: who measures need not have SciPy
         return trend_of([point.seconds for point in self.points.values()])
 
 

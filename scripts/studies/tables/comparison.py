@@ -9,7 +9,8 @@ import statistics
 from typing import NamedTuple
 
 from lib.programs.messages import UnusableFile, one_line
-from lib.records.formats import FORMULATIONS, CellKey, Measurement, Run
+from lib.records.formats import FORMULATIONS
+from lib.records.table_file import CellKey, Measurement, Run
 from lib.judging.verdicts import FEWEST, LEVEL, MARGIN, MOST, fastest, level_rows, ratio_of
 from lib.pages.document import Column, Entry, Heading, Items, Paragraph, Table, plain_table
 from lib.pages.numbers import MISSING, three_digits

@@ -3,7 +3,7 @@
 import os
 
 from lib.programs.places import ROOT
-from lib.records.formats import read_run
+from lib.records.table_file import read_run
 from lib.pages.document import Column, Heading, Items, Paragraph, plain_table
 from lib.pages.numbers import MISSING, percentage, three_digits
 from studies.tables.comparison import (Comparison, check_layout, conditions_section, counters_section, errors_section,

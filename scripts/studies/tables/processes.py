@@ -14,7 +14,8 @@ from typing import NamedTuple, Tuple
 from lib.programs.command_line import BAD_ARGUMENTS, Stop, say
 from lib.programs.messages import UnusableFile, one_line
 from lib.programs.output import replace_file
-from lib.records.formats import parse_json, read_text, run_of, to_digits
+from lib.records.formats import parse_json, read_text, to_digits
+from lib.records.table_file import run_of
 from lib.judging.verdicts import FEWEST, MOST, more_processes
 from lib.running import fresh_process
 from studies.tables.judge import block_verdicts

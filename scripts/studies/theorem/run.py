@@ -22,7 +22,8 @@ from lib.records import formats
 from lib.records.formats import FORMULATIONS, INTEGRATORS
 from lib.records.integrators import COMPOSITION, TABLE1_CELLS
 from lib.judging import verdicts
-from lib.running import study
+from lib.running import built, program, timed, untimed
+from lib.running.checkpoint import Checkpoint
 from studies.theorem import plain_forms
 from studies.theorem.plain_forms import LOBATTO_IIIA, LOBATTO_IIIB, LOBATTO_IIIC, RADAU_IIA, dagger, gauss
 from studies.theorem.schema import (NOTHING, PARTITIONED, PRINTED_K, PRINTED_W, SCENES, SCHEMA, Coincidence, End,
@@ -146,7 +147,7 @@ class Cell(NamedTuple):
 @lru_cache(maxsize=None)
 def known_methods():
     """Returns the Integrators that the study is about, by name: those of Table 1, and compositions, on g."""
-    return {name: each for name, each in study.integrators().items()
+    return {name: each for name, each in built.integrators().items()
             if name in TABLE1_CELLS or (each.family == COMPOSITION and not each.co_rotating)}
 
 
@@ -240,7 +241,7 @@ def verdicts_on_pairs(seconds):
 
 
 def main(arguments):
-    parser = study.parser("theorem", __doc__.splitlines()[0])
+    parser = program.parser("theorem", __doc__.splitlines()[0])
     parser.add_argument("--scene", choices=SCENES, nargs="+", action="extend", help="scenes (default: all)")
     parser.add_argument("--processes", type=whole_number(1, 100), help="that time a row at most; with fewer than"
                         f" {verdicts.FEWEST} all is undecided (default: {verdicts.MOST}, quick {QUICK_PROCESSES})")
@@ -252,25 +253,25 @@ def main(arguments):
     for name in {*names} - {*known}:
         raise Stop(f"--integrator {one_line(name)!r}: must be one of {', '.join(known)}")
 
-    journal = study.Journal("theorem", options, partial(isosyrk.conditions, products="fastest", sizes=sizes))
+    checkpoint = Checkpoint("theorem", options, partial(isosyrk.conditions, products="fastest", sizes=sizes))
     jobs = [{"scene": scene, "n": SMALL[scene], "stages": s, "h_norm_B": norm}
             for scene in scenes for s in STAGES for norm in NORMS]
-    found = study.untimed(jobs, compare, journal, options, "comparing")
+    found = untimed.results(jobs, compare, checkpoint, options, "comparing")
     tables = {INTEGRATORS: [each for name, each in known.items() if name in names],
               "coincidence": [Coincidence(**row) for row in found], "ends": ends(), "cost": [], "dirk": []}
-    blocks = blocks_of(scenes, sizes, names, options.quick, journal.products)
+    blocks = blocks_of(scenes, sizes, names, options.quick, checkpoint.products)
     jobs = [{**block, "rows": None, "integrator": row} for block in blocks for row in block["rows"]]
-    counts = iter(study.untimed(jobs, count, journal, options, "counting"))
+    counts = iter(untimed.results(jobs, count, checkpoint, options, "counting"))
     counts = [{row: next(counts) for row in block["rows"]} for block in blocks]
     converging = [{**block, "rows": [row for row in block["rows"] if costs[row]["sweeps"]]}
                   for block, costs in zip(blocks, counts)]
-    times = study.by_processes(converging, partial(study.process_command, "theorem"),
-                               partial(further_processes, most), journal, "timing")
+    times = timed.by_processes(converging, partial(program.process_command, "theorem"),
+                               partial(further_processes, most), checkpoint, "timing")
     for block, costs, seconds in zip(blocks, counts, times):
         for row in block["rows"]:
             cell = cells()[row]
             tables[cell.table].append(Timed(block["scene"], block["n"], block["h_norm_B"], cell.method,
                                             cell.formulation, **costs[row], seconds=seconds.get(row, [])))
     settings = Settings(STEPS, TIMED_STEPS, TOLERANCE, ENDS_N, ENDS_STEP)
-    formats.write_study(options.out, SCHEMA, journal.context, settings, tables)
-    journal.remove()
+    formats.write_study(options.out, SCHEMA, checkpoint.context, settings, tables)
+    checkpoint.remove()

@@ -15,7 +15,8 @@ from lib.records import formats
 from lib.records.formats import INTEGRATORS
 from lib.records.integrators import is_new
 from lib.judging import verdicts
-from lib.running import study
+from lib.running import built, program, timed
+from lib.running.checkpoint import Checkpoint
 from studies.threads.plan import affordable, step_of
 from studies.threads.schema import BY_PROCESS, SCHEMA, Run, Settings
 
@@ -45,7 +46,7 @@ def command_of(block, process):
     """Returns the command of a process of a block."""
     options = {name: block[name] for name in ("n", "integrator", "step", "tolerance", "warmup", "steps", "repetitions")}
     numbers = block["rows"] if process % 2 == 0 else block["rows"][::-1]
-    return [study.program("threads"), "--scene", SCENE,
+    return [built.program("threads"), "--scene", SCENE,
             *itertools.chain(*((f"--{name}", str(value)) for name, value in options.items())),
             *itertools.chain(*(("--threads", number) for number in numbers))]
 
@@ -80,10 +81,10 @@ def entries_asked_for(names):
 
     Throws Stop for a name without one.
     """
-    for entry in study.entries(names) if names else ():
+    for entry in built.entries(names) if names else ():
         if not entry.has_fast_form:
             raise Stop(f"--integrator {entry.name!r}: has no fast form, and threads share the work of fast forms only")
-    return study.entries(names or [name for name, each in study.integrators().items()
+    return built.entries(names or [name for name, each in built.integrators().items()
                                    if each.has_fast_form and (name in METHODS or is_new(each))])
 
 
@@ -96,7 +97,7 @@ def numbers_of(cores):
 
 
 def main(arguments):
-    parser = study.parser("threads", __doc__.splitlines()[0], largest_n=SIZES[-1])
+    parser = program.parser("threads", __doc__.splitlines()[0], largest_n=SIZES[-1])
     parser.add_argument("--processes", type=whole_number(1, 100), help="at most; with fewer than"
                         f" {verdicts.FEWEST} all is undecided (default: {PROCESSES}, quick {QUICK_PROCESSES})")
     options = parser.parse_args(arguments)
@@ -105,13 +106,13 @@ def main(arguments):
     most = options.processes or (QUICK_PROCESSES if options.quick else PROCESSES)
     cores = os.sched_getaffinity(0)
     numbers = numbers_of(len(cores))
-    study.program("threads")  # whether it is there, before any work
+    built.program("threads")  # whether it is there, before any work
 
-    journal = study.Journal("threads", options, partial(isosyrk.conditions, products="fastest",
+    checkpoint = Checkpoint("threads", options, partial(isosyrk.conditions, products="fastest",
                                                       sizes=sorted({min(n, 257) for n in sizes})))
     blocks = blocks_of(entries, sizes, numbers) if numbers else []
-    found = study.by_processes(blocks, command_of, partial(further_processes, most), journal, "threads", cores,
+    found = timed.by_processes(blocks, command_of, partial(further_processes, most), checkpoint, "threads", cores,
                                results_of)
-    formats.write_study(options.out, SCHEMA, journal.context, Settings(SCENE, len(cores)), {
+    formats.write_study(options.out, SCHEMA, checkpoint.context, Settings(SCENE, len(cores)), {
         INTEGRATORS: entries, "runs": [run for each in zip(blocks, found) for run in runs_of(*each)]})
-    journal.remove()
+    checkpoint.remove()

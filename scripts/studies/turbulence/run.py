@@ -23,7 +23,8 @@ from lib.programs.messages import one_line
 from lib.records import formats
 from lib.records.integrators import chosen
 from lib.judging import verdicts
-from lib.running import study
+from lib.running import built, program, timed, untimed
+from lib.running.checkpoint import Checkpoint
 from lib.running.problems import decoded
 from studies.turbulence import single_runs as runs
 from studies.turbulence.against_reference import steps_to
@@ -79,7 +80,7 @@ SMALL_N, LARGE_N = 33, 129  # up to which n steps are those listed; from which n
 def with_new(steps):
     """Returns steps by integrator, new ones included: theirs are those of the nearest order among methods that are
     explicit or not as they are."""
-    listed = study.integrators()
+    listed = built.integrators()
 
     def distance(name, each):
         return listed[name].explicit != each.explicit, abs(listed[name].order - each.order)
@@ -96,7 +97,7 @@ def plan_of(n, quick):
     steps = with_new({name: tuple(step / shorter for step in each) for name, each in STEPS.items()})
     ladder = {name: (step / shorter, tolerance) for name, (step, tolerance) in LADDER.items()}
     if n >= LARGE_N:
-        return Plan(6, 4, 4, 1000.0, {name: steps[name][:2] for name in chosen(study.integrators().values(), FEW)}, {})
+        return Plan(6, 4, 4, 1000.0, {name: steps[name][:2] for name in chosen(built.integrators().values(), FEW)}, {})
     return Plan(12 if n <= SMALL_N else 10, 6, 6, 1000.0, steps, ladder)
 
 
@@ -146,7 +147,7 @@ def prepare(job):
 
 def steps_work(point, W):
     try:
-        runs.method_of(point, runs.drawn_scene(point["n"], 0)).run(W, point["step"], study.WARM_STEPS + point["steps"])
+        runs.method_of(point, runs.drawn_scene(point["n"], 0)).run(W, point["step"], timed.WARM_STEPS + point["steps"])
     except isosyrk.SolverError:
         return False
     return True
@@ -177,7 +178,7 @@ def time_block(block):
             if found[row] and min(found[row]) * point["steps"] >= LONG:
                 continue
             method = runs.method_of(point, scene)  # as new, so that no repetition knows of the one before
-            seconds = study.seconds_of(method, W, point["step"], point["steps"], study.WARM_STEPS)
+            seconds = timed.seconds_of(method, W, point["step"], point["steps"], timed.WARM_STEPS)
             found[row].append(seconds / point["steps"])
     return [min(each) for each in found.values()]
 
@@ -187,7 +188,7 @@ def further_processes(most, seconds):
     return {row: most - len(each) for row, each in seconds.items()}
 
 
-def time_all(points, texts, most, journal):
+def time_all(points, texts, most, checkpoint):
     """Returns the CPU seconds of a step of each point by process, as dicts by row and n; `texts` are states by n."""
     blocks = blocks_of(points)
     with tempfile.TemporaryDirectory() as folder:
@@ -196,9 +197,9 @@ def time_all(points, texts, most, journal):
             numpy.save(path, decoded(texts[n], n))
 
         def command(block, process):
-            return study.process_command("turbulence", block, process, state=files[block["n"]])
+            return program.process_command("turbulence", block, process, state=files[block["n"]])
 
-        times = study.by_processes(blocks, command, partial(further_processes, most), journal, "timing")
+        times = timed.by_processes(blocks, command, partial(further_processes, most), checkpoint, "timing")
     return {(block["n"], row): seconds for block, found in zip(blocks, times) for row, seconds in found.items()}
 
 
@@ -212,7 +213,7 @@ def cost_of(point, seconds):
 
 def names_of(wanted):
     """Returns the integrators to run. Throws Stop for one that has no steps here."""
-    known = chosen(study.integrators().values(), STEPS)
+    known = chosen(built.integrators().values(), STEPS)
     for name in wanted or ():
         if name not in known:
             raise Stop(f"--integrator {one_line(name)!r}: must be one of {', '.join(known)}")
@@ -242,7 +243,7 @@ def run_row(role, job, found):
 
 
 def main(arguments):
-    parser = study.parser("turbulence", __doc__.splitlines()[0])
+    parser = program.parser("turbulence", __doc__.splitlines()[0])
     parser.add_argument("--processes", type=whole_number(1, 100), help="that time a step; with fewer than"
                         f" {verdicts.FEWEST} all is undecided (default: {PROCESSES}, quick {QUICK_PROCESSES})")
     options = parser.parse_args(arguments)
@@ -250,27 +251,27 @@ def main(arguments):
     names = names_of(options.integrator)
     plans = {n: plan_of(n, options.quick) for n in sizes}
 
-    journal = study.Journal("turbulence", options, partial(isosyrk.conditions, products="openblas", sizes=sizes))
-    untimed = partial(study.untimed, journal=journal, options=options)
-    errors = untimed([job_of(n, plans[n], REFERENCE_METHOD, 0) for n in sizes], runs.converge,
+    checkpoint = Checkpoint("turbulence", options, partial(isosyrk.conditions, products="openblas", sizes=sizes))
+    results = partial(untimed.results, checkpoint=checkpoint, options=options)
+    errors = results([job_of(n, plans[n], REFERENCE_METHOD, 0) for n in sizes], runs.converge,
                      what="checking the reference")
     roles, jobs = zip(*(each for n in sizes for each in run_jobs(n, plans[n], names)))
-    found = untimed(jobs, runs.carry_out, what="runs")
+    found = results(jobs, runs.carry_out, what="runs")
     rows = [run_row(*each) for each in zip(roles, jobs, found)]
-    prepared = untimed([{**job_of(n, plans[n], REFERENCE_METHOD, 0), "points": points_of(n, plans[n], rows)}
+    prepared = results([{**job_of(n, plans[n], REFERENCE_METHOD, 0), "points": points_of(n, plans[n], rows)}
                         for n in sizes], prepare, what="states")
     points = [point for each in prepared for point in each["points"]]
     most = options.processes or (QUICK_PROCESSES if options.quick else PROCESSES)
     states = {n: each["state"] for n, each in zip(sizes, prepared)}
-    seconds = time_all(points, states, most, journal)  # last: nothing else runs meanwhile
+    seconds = time_all(points, states, most, checkpoint)  # last: nothing else runs meanwhile
 
     settings = Settings(lowest_degree=runs.DEGREES[0], highest_degree=runs.DEGREES[-1],
                         displacement=runs.DISPLACEMENTS[REFERENCE], far_displacement=runs.DISPLACEMENTS[FAR],
                         correlated_degree=runs.CORRELATED_DEGREE, lags=runs.LAGS, energy_loss=runs.ENERGY_LOSS,
-                        max_sweeps=runs.MAX_SWEEPS, warm_steps=study.WARM_STEPS)
+                        max_sweeps=runs.MAX_SWEEPS, warm_steps=timed.WARM_STEPS)
     listed = dict.fromkeys((PRACTICE_INTEGRATOR, REFERENCE_METHOD.integrator, *names))
-    formats.write_study(options.out, SCHEMA, journal.context, settings, {
-        "integrators": study.entries(listed),
+    formats.write_study(options.out, SCHEMA, checkpoint.context, settings, {
+        "integrators": built.entries(listed),
         "sizes": [size_row(n, plans[n], error) for n, error in zip(sizes, errors)],
         "runs": rows, "costs": [cost_of(point, seconds[point["n"], row_of(point)]) for point in points]})
-    journal.remove()
+    checkpoint.remove()

@@ -10,7 +10,7 @@ import isosyrk
 import numpy
 
 from lib.records.formats import CONVERGED, UNSTABLE, to_digits
-from lib.running import study, trials
+from lib.running import built, trials
 from lib.running.initial_states import modes_of_sizes
 from lib.running.problems import degree_vectors, encoded, energies_by_degree
 from studies.turbulence.schema import FAR, QUARTERS, REFERENCE, bands_of
@@ -83,7 +83,7 @@ def begun(job):
 def method_of(job, scene):
     """Returns the integrator of a job, in its fast form where it has one."""
     name = job["integrator"]
-    return isosyrk.integrator(scene, name, solver=study.solver_of(name), tolerance=job["tolerance"],
+    return isosyrk.integrator(scene, name, solver=built.solver_of(name), tolerance=job["tolerance"],
                               max_sweeps=MAX_SWEEPS)
 
 

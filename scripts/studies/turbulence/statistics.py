@@ -12,6 +12,8 @@ The unit is the draw: its run is chosen apart from those of other draws.
 
 Where reference runs spread less than far ones, they share a history. Then the spread of far runs counts, which is
 wider: the differences are still those from the mean of the reference ensembles, whose data are nearly the draw's own.
+
+SciPy has no test that holds out an ensemble by draws, and its bootstrap would draw other samples than the record has.
 """
 
 from typing import NamedTuple
