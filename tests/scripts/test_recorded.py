@@ -31,7 +31,8 @@ def raw(study, name="raw.json"):
     return os.path.join(RECORDED, study, name)
 
 
-STUDIES = tuple(dict.fromkeys(study.package or study.name for study in studies.STUDIES))
+STUDIES = tuple(name for name in dict.fromkeys(study.package or study.name for study in studies.STUDIES)
+                if os.path.isdir(os.path.join(RECORDED, name)))  # a new study may not be recorded yet
 RAW_FILES = {study: {part.file for each in studies.STUDIES if study in (each.package, each.name) for part in each.parts}
              for study in STUDIES}
 DRAWN_BY = "3.6"  # matplotlib: another one draws other bytes
@@ -47,6 +48,7 @@ class Recorded(FolderTest):
 
     def test_reports_figures_and_charts_are_what_the_raw_files_give(self):
         version = run([drawing.PYTHON, "-c", "import matplotlib; print(matplotlib.__version__)"]).stdout
+        self.assertGreater(len(STUDIES), 7)
         for study in STUDIES:
             found, kept = self.rendered(study), snapshot(os.path.join(RECORDED, study))
             with self.subTest(study=study):
