@@ -225,15 +225,15 @@ class Accuracy(StudyTest):
         self.assertEqual(there.ends, {line: end for line, end in here.ends.items() if line[1] in some})
 
     def test_the_quick_study_has_lines_of_its_methods_and_a_row_for_each_contender(self):
-        accuracy = studies.module("accuracy", "run")
+        accuracy, plan = (studies.module("accuracy", name) for name in ("run", "plan"))
         self.assertEqual(accuracy.parse(["--out", "x", "--quick"]).processes, FEWEST)  # enough for a verdict
         found = read_accuracy(self.ran("accuracy", "--quick", "--n", "17", "--scene", "rough", "--processes", "1"))
         self.assertEqual(found.problems(), [Problem("rough", 5.0, 17)])
-        quick = accuracy.quick_integrators(built.entries(None, frames=True))
+        quick = plan.quick_integrators(built.entries(None, frames=True))
         self.assertEqual(list(found.integrators.values()), quick)
         drawn = {each.integrator for each in found.runs}
         self.assertEqual(drawn, {each.name for each in quick if each.co_rotating})  # others: the main problem
-        self.assertLessEqual({each.steps for each in found.runs}, set(accuracy.COARSE_STEPS))
+        self.assertLessEqual({each.steps for each in found.runs}, set(plan.COARSE_STEPS))
         for problem, *form in found.lines:
             self.assertGreaterEqual(len(found.line(problem, *form)), 4)
         for duel in found.duels.values():
@@ -339,13 +339,13 @@ class Scaling(StudyTest):
                     self.assertGreater(point.equivalent_products, 1.05 * fast, (at, rung))
 
     def test_another_scene_and_one_start(self):
-        scaling = studies.module("scaling", "run")
+        scaling, plan = (studies.module("scaling", name) for name in ("run", "plan"))
         found = read_rough(self.ran("scaling", "--n", "9", "--scene", "rough", "--start", "5", "--integrator",
                                     "group2_frame", "--repetitions", "1"))
         self.assertEqual({start for start, *_ in found.points}, {5.0})
         # Steps of another flow: the fast form forms other numbers of products.
-        (point,) = (each for each in scaling.points_of(built.entries(["group2_frame"]), [9], lambda n: "eigen",
-                                                      "rough", (5.0,)) if each["rung"] == "fast")
+        (point,) = (each for each in plan.points_of(built.entries(["group2_frame"]), [9], lambda n: "eigen", "rough",
+                                                    (5.0,)) if each["rung"] == "fast")
         counted = {}
         for scene in ("smooth", "rough"):
             (W,) = scaling.states_of(scene, 9, (3.5,)).values()

@@ -400,7 +400,7 @@ class Render(DrawingTest):
 if HAS_MODULE:
     sys.path.insert(0, os.path.join(BUILD, "python"))
     import isosyrk
-    from studies.longruns import run as longruns
+    from studies.longruns import plan as longruns_plan, run as longruns
     import numpy
     from studies.longruns import symplectic_defect
     from studies.longruns.symplectic_defect import derivative, form, random_direction
@@ -503,11 +503,11 @@ class Runs(FolderTest):
         for factor, gone in ((1.3, False), (1.5, True), (math.nan, True)):  # energy goes like the square
             watch = longruns.Watch(scene, 1, 20)
             self.assertEqual((watch(1, factor * scene.initial, None), watch.gone), (gone, gone))
-        job = longruns.job_of("smooth", 17, longruns.Method(listed("rk4_frame"), 1e-13))
+        job = longruns_plan.job_of("smooth", 17, longruns_plan.Method(listed("rk4_frame"), 1e-13))
         found = longruns.watched(job, 500.0, 50, 1, 20)  # h = 10
         self.assertNotEqual(found["status"], "converged")
         self.assertLess(found["failed_step"], 50)
-        point = longruns.point_of(job, longruns.PLANS[17], 5)
+        point = longruns.point_of(job, longruns_plan.PLANS[17], 5)
         self.assertEqual((point["energy_error"], point["spectrum_error"], point["symplectic_defect"]), (None,) * 3)
         self.assertNotEqual(point["status"], "converged")
 
@@ -547,24 +547,24 @@ class Runs(FolderTest):
         self.assertEqual(longruns.steps_at_cost(lambda steps: 40.0 * steps, 3.0, 150), 4)
 
     def test_every_method_has_its_lines(self):
-        methods = longruns.methods_of(longruns.built.integrators().values())
+        methods = longruns_plan.methods_of(longruns.built.integrators().values())
         self.assertEqual([method.name for method in methods], [
             "rk4", "rk5", "rk8", "rk10", "abm8", "rk4_projected", "rk8_projected", "rkmk4", "magnus5", "elp2_tight",
             "elp4", "elp4_tight", "elp6", "elp6_tight", "algebra1", "group2", "group2_loose", "group3"])
-        jobs = longruns.lines_of(longruns.SIZES, methods)
+        jobs = longruns_plan.lines_of(longruns_plan.SIZES, methods)
         places = {(job["scene"], job["n"]) for job in jobs}
         self.assertEqual(places, {*((scene, n) for scene in ("smooth", "rough") for n in (33, 65, 129, 257)),
                                   ("rough", 513)})
         self.assertEqual(jobs[-1]["n"], 513)  # the longest last
-        counts = {n: sum(job["n"] == n for job in jobs) for n in longruns.SIZES}
+        counts = {n: sum(job["n"] == n for job in jobs) for n in longruns_plan.SIZES}
         self.assertEqual(counts, {33: 36, 65: 34, 129: 34, 257: 14, 513: 7})
         for job in jobs:
             integrator = listed(job["integrator"])
             self.assertTrue(integrator.has_fast_form and integrator.co_rotating)
         self.assertEqual({class_of(listed(job["integrator"]), job["tolerance"]) for job in jobs}, set(CLASSES))
-        self.assertEqual(len(longruns.long_runs_of(longruns.SIZES, methods)), 40)
-        self.assertEqual({job["n"] for job in longruns.long_runs_of((17, 33, 65), methods)}, {33})
-        self.assertEqual(longruns.long_runs_of((65,), methods), [])
+        self.assertEqual(len(longruns_plan.long_runs_of(longruns_plan.SIZES, methods)), 40)
+        self.assertEqual({job["n"] for job in longruns_plan.long_runs_of((17, 33, 65), methods)}, {33})
+        self.assertEqual(longruns_plan.long_runs_of((65,), methods), [])
 
     def test_an_update_by_two_products_loses_skewness_and_the_one_in_use_does_not(self):
         scene = isosyrk.scene("smooth", n=17)

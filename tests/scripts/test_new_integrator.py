@@ -27,7 +27,7 @@ from lib.running import built
 integrators.FAMILIES += tuple(sys.argv[1:])
 import studies
 accuracy, limits, longruns, scaling, turbulence = (
-    studies.module(name, "run") for name in ("accuracy", "limits", "longruns", "scaling", "turbulence"))
+    studies.module(name, "plan") for name in ("accuracy", "limits", "longruns", "scaling", "turbulence"))
 options = SimpleNamespace(quick=True, integrator=None, n=None, solver=None, scene=None, no_large=False)
 points = scaling.points_of(scaling.entries_asked_for(options), scaling.QUICK_SIZES, lambda n: "eigen")
 settings = turbulence.settings_of(33, turbulence.plan_of(33, True), turbulence.names_of(None))

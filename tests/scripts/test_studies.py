@@ -304,8 +304,8 @@ class StudyTest(FolderTest):
 class Scaling(StudyTest):
     def setUp(self):
         super().setUp()
-        from studies.scaling import run as scaling
-        self.scaling = scaling
+        from studies.scaling import plan as scaling_plan, run as scaling
+        self.scaling, self.plan = scaling, scaling_plan
 
     def options(self, **values):
         return SimpleNamespace(**{"n": None, "quick": False, "no_large": False, "integrator": None, **values})
@@ -354,9 +354,9 @@ class Scaling(StudyTest):
                                 ({"integrator": "rk4"}, False)):
             point = self.point(**changes)
             with self.subTest(changes=changes):
-                self.assertEqual((self.scaling.has_memory(point), self.scaling.warm_steps(point)),
+                self.assertEqual((self.plan.has_memory(point), self.plan.warm_steps(point)),
                                  (memory, 15 if memory else 0))
-                self.assertAlmostEqual(self.scaling.begin_of(point) + point["step"] * self.scaling.warm_steps(point),
+                self.assertAlmostEqual(self.plan.begin_of(point) + point["step"] * self.plan.warm_steps(point),
                                        point["start"])
         # And that is worth it: cold, the same steps take more products.
         states = self.scaling.states_of("smooth", 17, (3.5, 5.0))
@@ -391,20 +391,20 @@ class Scaling(StudyTest):
         self.assertEqual([timer.memory(n) for n in (129, 257, 513)], [None, 1000 * 1024, 3000 * 1024])
 
     def test_what_is_timed_at_large_n(self):
-        entries = self.scaling.entries_asked_for(self.options())
-        points = self.scaling.points_of(entries, self.scaling.SIZES, lambda n: "eigen")
+        entries = self.plan.entries_asked_for(self.options())
+        points = self.plan.points_of(entries, self.plan.SIZES, lambda n: "eigen")
         found = {n: {(each["integrator"], each["rung"]) for each in points if each["n"] == n}
-                 for n in self.scaling.SIZES}
+                 for n in self.plan.SIZES}
         self.assertEqual(found[1025], {("group2_frame", "fast"), ("elp4_frame", "fast")})
         self.assertEqual({each["start"] for each in points if each["n"] == 1025}, {5.0})
         self.assertEqual(len(found[513]), 6)
         steps = {(each["n"], each["integrator"]): each["step"] for each in points if each["n"] >= 257}
         self.assertEqual([(steps[n, "group2_frame"], steps[n, "elp4_frame"]) for n in (257, 513, 1025)],
                          [(0.1, 0.25), (0.05, 0.125), (0.025, 0.0625)])
-        self.assertEqual({(self.scaling.warm_steps(each), self.scaling.begin_of(each)) for each in points
+        self.assertEqual({(self.plan.warm_steps(each), self.plan.begin_of(each)) for each in points
                           if each["n"] == 1025}, {(15, 4.625), (6, 4.625)})
-        self.assertEqual(self.scaling.lines(), ["algebra1_frame", "group2_frame", "elp4_frame", "rk4_frame"])
-        self.assertEqual(found[257], {(name, rung) for name in self.scaling.lines() for rung in scaling_table.BASIC})
+        self.assertEqual(self.plan.lines(), ["algebra1_frame", "group2_frame", "elp4_frame", "rk4_frame"])
+        self.assertEqual(found[257], {(name, rung) for name in self.plan.lines() for rung in scaling_table.BASIC})
         self.assertEqual({name for name, _ in found[129]}, {entry.name for entry in entries if entry.has_fast_form})
         self.assertEqual({name for name, _ in found[65]}, {entry.name for entry in entries})
         self.assertLess(found[129], found[65])
@@ -413,9 +413,9 @@ class Scaling(StudyTest):
         for free, largest, told in ((1e12, 1025, 0), (1e9, 513, 1)):
             with mock.patch.object(plan, "free_memory", lambda: free), \
                     mock.patch.object(plan, "say") as say:
-                self.assertEqual(max(self.scaling.sizes_asked_for(self.options())), largest)
+                self.assertEqual(max(self.plan.sizes_asked_for(self.options())), largest)
                 self.assertEqual(say.call_count, told)
-        self.assertEqual(max(self.scaling.sizes_asked_for(self.options(no_large=True))), 129)
+        self.assertEqual(max(self.plan.sizes_asked_for(self.options(no_large=True))), 129)
         self.assertGreater(plan.free_memory(), 1e6)
 
 
@@ -439,8 +439,8 @@ class Accuracy(StudyTest):
 
     def setUp(self):
         super().setUp()
-        from studies.accuracy import run as accuracy
-        self.accuracy = accuracy
+        from studies.accuracy import plan as accuracy_plan, run as accuracy
+        self.accuracy, self.plan = accuracy, accuracy_plan
 
     def test_how_the_steps_of_a_duel_are_sought(self):
         # One step less errs by more.
@@ -569,12 +569,12 @@ class Accuracy(StudyTest):
     def test_an_error_that_the_reference_does_not_tell_from_none_ends_a_line_and_so_does_one_that_is_small_enough(self):
         for uncertainty, error, ends in ((1e-3, 0.9e-3 * FLOOR_MARGIN, "floor"), (1e-3, 1.1e-3 * FLOOR_MARGIN, None),
                                          (1e-20, 0.9 * GOOD_ENOUGH, "below")):
-            self.assertEqual(self.accuracy.end_of([SimpleNamespace(error=error)], uncertainty, 4), ends)
+            self.assertEqual(self.plan.end_of([SimpleNamespace(error=error)], uncertainty, 4), ends)
 
     def test_out_of_the_frame_and_in_the_quick_study_less_work_is_enough_and_more_in_long_runs(self):
         def least(integrator="rk4_frame", time=5.0, quick=False, n=17):
             """Returns the equivalent products from which a line is cut."""
-            return min(products for products in (2.0**k for k in range(60)) if self.accuracy.took_enough(
+            return min(products for products in (2.0**k for k in range(60)) if self.plan.took_enough(
                 SimpleNamespace(integrator=integrator, time=time, n=n, equivalent_products=products), quick))
 
         self.assertLess(least("rk4"), least())
@@ -586,7 +586,7 @@ class Accuracy(StudyTest):
         every = built.entries(None, frames=True)
 
         def lines(problem, entries=every, asked=False):
-            forms, alone = self.accuracy.lines_of(problem, entries, asked)
+            forms, alone = self.plan.lines_of(problem, entries, asked)
             self.assertEqual(len(forms), len(set(forms)))
             self.assertLessEqual({*alone}, {*forms})
             return {*forms} - {*alone}, {*alone}
@@ -606,10 +606,9 @@ class Accuracy(StudyTest):
         self.assertEqual(asked, {Form("rk4"), Form("elp6_frame", 1e-13), Form("elp6_frame", 1e-8)})
 
     def test_the_quick_study_has_some_of_every_kind(self):
-        accuracy = self.accuracy
         # It compares fast forms; families that have none yet are in the full study.
         known = built.entries(None, frames=True)
-        quick = accuracy.quick_integrators(known)
+        quick = self.plan.quick_integrators(known)
 
         def kinds(entries):
             return {(each.family, each.formulation, each.projected) for each in entries if each.family not in NAMED}

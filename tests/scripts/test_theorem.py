@@ -21,7 +21,7 @@ from lib.programs.command_line import NO_ANSWER, Stop
 from lib.records import formats
 from lib.running import timed
 from lib.running.checkpoint import Checkpoint
-from studies.theorem import run as theorem
+from studies.theorem import plan as theorem_plan, run as theorem
 from lib.pages.document import Table, as_markdown
 from lib.running.fresh_process import MOST_SWITCHES, MOST_TRIES, Disturbance
 from studies.theorem.plain_forms import dagger, gauss
@@ -38,8 +38,8 @@ class PlainForms(unittest.TestCase):
     """The module and plain_forms share nothing: tableaux, iteration and products are written twice."""
 
     def test_they_equal_the_module_in_every_scene(self):
-        self.assertEqual(set(theorem.SMALL), set(isosyrk.scenes()))
-        for name, n in theorem.SMALL.items():
+        self.assertEqual(set(theorem_plan.SMALL), set(isosyrk.scenes()))
+        for name, n in theorem_plan.SMALL.items():
             scene = isosyrk.scene(name, n=n)
             W0, J = scene.initial, theorem.J_of(scene)
             h = 0.3 / np.linalg.norm(scene.generator(W0), 2)

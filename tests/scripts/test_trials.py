@@ -17,7 +17,7 @@ from programs import BUILD
 sys.path.insert(0, os.path.join(BUILD, "python"))
 
 import isosyrk
-from studies.limits import run as limits
+from studies.limits import plan as limits_plan, run as limits
 import numpy
 from studies.accuracy import single_runs as accuracy_runs
 from lib.records import formats
@@ -82,7 +82,7 @@ class Lengths(unittest.TestCase):
 
 class Plans(unittest.TestCase):
     def setUp(self):
-        self.jobs = limits.jobs_of(SimpleNamespace(quick=False, integrator=None, n=None, solver=None, scene=None))
+        self.jobs = limits_plan.jobs_of(SimpleNamespace(quick=False, integrator=None, n=None, solver=None, scene=None))
 
     def test_every_listed_form_has_long_trials_in_every_scene_but_published_ones_in_the_frame(self):
         """Those are not tried, as core/catalogue/measured_limits.h says."""

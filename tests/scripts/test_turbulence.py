@@ -17,7 +17,7 @@ sys.path.insert(0, os.path.join(BUILD, "python"))
 import numpy as np
 
 import isosyrk
-from studies.turbulence import run as turbulence
+from studies.turbulence import plan as turbulence_plan, run as turbulence
 from lib.records import formats
 from lib.running import problems
 from studies.turbulence import (against_reference, charts as turbulence_chart, judge as turbulence_judge,
@@ -128,7 +128,7 @@ class Runs(unittest.TestCase):
 
     def test_every_listed_step_divides_the_lags(self):
         for n in (33, 65, 129):
-            for step in {step for steps in turbulence.plan_of(n, False).steps.values() for step in steps}:
+            for step in {step for steps in turbulence_plan.plan_of(n, False).steps.values() for step in steps}:
                 interval = max(1, round(turbulence_runs.SAMPLE_TIME / step)) * step
                 for lag in turbulence_runs.LAGS:
                     self.assertAlmostEqual(round(lag / interval) * interval, lag, 9, step)
@@ -555,27 +555,27 @@ class Report(DrawingTest):
 class Plan(unittest.TestCase):
     def test_settings(self):
         for n, draws, shorter in ((33, 12, 1), (65, 10, 2)):
-            plan = turbulence.plan_of(n, False)
-            whole = turbulence.settings_of(n, plan, turbulence.STEPS)
+            plan = turbulence_plan.plan_of(n, False)
+            whole = turbulence_plan.settings_of(n, plan, turbulence_plan.STEPS)
             self.assertEqual(len(set(whole)), len(whole))
             (practice,) = [setting for role, setting in whole if role == PRACTICE]
             self.assertAlmostEqual(practice.step, 0.5 / math.sqrt(n * (n - 1)))
             self.assertEqual((plan.draws, plan.time), (draws, 1000.0))
             self.assertIn(Setting("rk8", 1.5 / shorter, LOOSE), [setting for _, setting in whole])
             self.assertIn(Setting("elp4", 1.0 / shorter, 1e-4), [setting for _, setting in whole])
-        few = turbulence.settings_of(33, turbulence.plan_of(33, False), ["rk4"])
+        few = turbulence_plan.settings_of(33, turbulence_plan.plan_of(33, False), ["rk4"])
         self.assertEqual({setting.integrator for _, setting in few}, {"rk4", "algebra1"})
-        large = turbulence.plan_of(129, False)
-        self.assertEqual((large.draws, len(turbulence.settings_of(129, large, turbulence.STEPS))), (6, 11))
-        self.assertEqual(turbulence.SIZES, (33, 65))
+        large = turbulence_plan.plan_of(129, False)
+        self.assertEqual((large.draws, len(turbulence_plan.settings_of(129, large, turbulence_plan.STEPS))), (6, 11))
+        self.assertEqual(turbulence_plan.SIZES, (33, 65))
 
     def test_every_row_is_timed_by_as_many_processes(self):
         done = {"row": [1.0] * 6, "other": [1.0] * 4}
         self.assertEqual(turbulence.further_processes(6, done), {"row": 0, "other": 2})
 
     def test_what_is_timed_are_settings_whose_runs_all_work(self):
-        plan = turbulence.plan_of(N, True)
-        rows = [row for role, setting in turbulence.settings_of(N, plan, ["rk4"])
+        plan = turbulence_plan.plan_of(N, True)
+        rows = [row for role, setting in turbulence_plan.settings_of(N, plan, ["rk4"])
                 for row in rows_of(role, setting, 1, lost=(0,) if setting.step == 0.5 else ())]
         points = [(point["integrator"], point["step"]) for point in turbulence.points_of(N, plan, rows)]
         self.assertEqual(points, [("algebra1", 0.5 / math.sqrt(33 * 32)), ("rk4", 0.25)])

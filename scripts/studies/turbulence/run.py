@@ -7,107 +7,32 @@ timed at the end, from the state of the first draw at T/2, in fresh processes, e
 in turns.
 """
 
-import math
 import os
 import random
 import statistics
 import tempfile
 from functools import partial
-from typing import NamedTuple
 
 import isosyrk
 import numpy
 
-from lib.programs.command_line import Stop, whole_number
-from lib.programs.messages import one_line
+from lib.programs.command_line import whole_number
 from lib.records import formats
-from lib.records.integrators import chosen
 from lib.judging import verdicts
 from lib.running import built, program, timed, untimed
 from lib.running.checkpoint import Checkpoint
 from lib.running.problems import decoded
 from studies.turbulence import single_runs as runs
 from studies.turbulence.against_reference import steps_to
-from studies.turbulence.schema import (FAR, LOOSE, METHOD, PRACTICE, PRACTICE_INTEGRATOR, PRACTICE_SHARE, REFERENCE,
-                                       SCHEMA, Cost, RunRow, Setting, Settings, Size)
+from studies.turbulence.plan import QUICK_SIZES, REFERENCE_METHOD, SIZES, names_of, plan_of, settings_of, sizes_of
+from studies.turbulence.schema import FAR, PRACTICE_INTEGRATOR, REFERENCE, SCHEMA, Cost, RunRow, Settings, Size
 
-SIZES, QUICK_SIZES = (33, 65), (33,)
-# More accurate than all that is judged by it: its energy is off by 1e-11 at n = 33, T = 1000.
-REFERENCE_METHOD = Setting("rk8", 0.25, 1e-10)
 
 # What is timed: steps that fill a stretch of time behind WARM_STEPS others from T/2 on, or so many if they are longer.
 STRETCH, LEAST_TIMED = 10.0, 8
 TURNS = 2  # of all settings within a process, of which the least counts; one for those of
 LONG = 0.3  # CPU seconds or more
 PROCESSES, QUICK_PROCESSES = verdicts.FEWEST, 2
-
-# Steps of each method around the longest that is faithful, at n = 33; it is about half as long at twice the n. A new
-# integrator has those of the method that is most like it (with_new). Nothing is in the co-rotating frame: the data have
-# no part with l = 1, so that it would change nothing.
-STEPS = {
-    "algebra1": (0.25, 0.375, 0.5),
-    "group2": (0.5, 1.0),
-    "group3": (1.0, 2.0),
-    "elp4": (1.0, 2.0),
-    "elp6": (1.0, 2.0),
-    "magnus5": (0.5, 1.0),
-    "rkmk4": (0.5, 1.0),
-    "rk4": (0.25, 0.375, 0.5),
-    "rk8": (1.0, 1.5, 2.0),
-    "abm8": (0.15, 0.2, 0.25),
-    "rk4_projected": (0.25, 0.375, 0.5),
-    "rk8_projected": (1.5, 2.0, 3.0),
-}
-LADDER = {"group2": (1.0, 1e-4), "elp4": (1.0, 1e-4)}  # a step and a looser tolerance
-FEW = ("algebra1", "group2", "elp4", "rk4", "rk8")  # methods at large n, with two steps each
-QUICK_STEPS = {"algebra1": (0.5, 1.0), "elp4": (0.5, 1.0), "rk4": (0.25, 0.5), "rk8": (0.75, 1.5)}
-
-
-class Plan(NamedTuple):
-    """What is run at an n."""
-
-    draws: int
-    references: int  # ensembles
-    far: int  # ensembles
-    time: float
-    steps: dict  # of each integrator
-    ladder: dict
-
-
-SMALL_N, LARGE_N = 33, 129  # up to which n steps are those listed; from which n on few are run
-
-
-def with_new(steps):
-    """Returns steps by integrator, new ones included: theirs are those of the nearest order among methods that are
-    explicit or not as they are."""
-    listed = built.integrators()
-
-    def distance(name, each):
-        return listed[name].explicit != each.explicit, abs(listed[name].order - each.order)
-
-    return {name: steps[name] if name in steps else steps[min(steps, key=lambda other: distance(other, each))]
-            for name, each in chosen(listed.values(), steps).items()}
-
-
-def plan_of(n, quick):
-    """Returns the Plan at an n. Steps are half as long from one of n = 33, 65, 129 … to the next."""
-    if quick:
-        return Plan(draws=3, references=3, far=4, time=100.0, steps=with_new(QUICK_STEPS), ladder={})
-    shorter = 2 ** max(0, round(math.log2((n - 1) / (SMALL_N - 1))))
-    steps = with_new({name: tuple(step / shorter for step in each) for name, each in STEPS.items()})
-    ladder = {name: (step / shorter, tolerance) for name, (step, tolerance) in LADDER.items()}
-    if n >= LARGE_N:
-        return Plan(6, 4, 4, 1000.0, {name: steps[name][:2] for name in chosen(built.integrators().values(), FEW)}, {})
-    return Plan(12 if n <= SMALL_N else 10, 6, 6, 1000.0, steps, ladder)
-
-
-def settings_of(n, plan, names):
-    """Returns the settings at an n with their roles, as (role, Setting). The practice is always among them."""
-    found = [(PRACTICE, Setting(PRACTICE_INTEGRATOR, PRACTICE_SHARE * 2 / (n * (n - 1)) ** 0.5, LOOSE))]
-    for name in names:
-        found += [(METHOD, Setting(name, step, LOOSE)) for step in plan.steps.get(name, ())]
-        found += [(METHOD, Setting(name, *plan.ladder[name]))] if name in plan.ladder else []
-    return found
 
 
 def job_of(n, plan, setting, draw):
@@ -209,24 +134,6 @@ def cost_of(point, seconds):
 
 
 # ---- the study
-
-
-def names_of(wanted):
-    """Returns the integrators to run. Throws Stop for one that has no steps here."""
-    known = chosen(built.integrators().values(), STEPS)
-    for name in wanted or ():
-        if name not in known:
-            raise Stop(f"--integrator {one_line(name)!r}: must be one of {', '.join(known)}")
-    return list(dict.fromkeys(wanted or known))
-
-
-def sizes_of(wanted):
-    """Returns the sizes to run at. Throws Stop for one that is too small for the modes."""
-    least = runs.DEGREES[-1] + 1
-    for n in wanted:
-        if n < least:
-            raise Stop(f"--n {n}: must be at least {least}, for modes up to l = {least - 1}")
-    return sorted(set(wanted))
 
 
 def size_row(n, plan, reference_error):
