@@ -1,4 +1,4 @@
-"""Tests of scripts/render_accuracy on a made-up study: by running it as a user does, and by what its charts draw."""
+"""Tests of what accuracy renders, on a made-up study: by running it as a user does, and by what its charts draw."""
 
 import math
 import os
