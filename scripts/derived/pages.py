@@ -5,6 +5,7 @@ template is written, and names() what it may look up. Needs Jinja2.
 """
 
 import os
+from functools import partial
 
 from lib.pages.document import Column, Entry, Table, as_markdown, plain_table
 from lib.pages.numbers import MISSING, three_digits
@@ -50,9 +51,8 @@ def cell_text(found):
     return f"{found.result} {three_digits(found.ratio.ratio)}" if found else MISSING
 
 
-def table_of_claims():
+def table_of_claims(rows):
     """Returns what became of the claims on speed, by each code: the results by n and the range of ratios."""
-    rows, _ = read_claims_table(os.path.join(ROOT, ALL_CLAIMS))
     columns = (Column("claim", align="left"), Column("s"), *(Column(name, align="left") for name in CODES.values()))
     return as_markdown([plain_table(columns, [
         [f"{row.claim} {SHORT[row.claim[1]]}", str(row.stages),
@@ -67,9 +67,8 @@ def findings_text(findings):
     return f"{results_text(findings)} {range_text([each.ratio for each in findings])}".strip()
 
 
-def verdicts_by_code():
+def verdicts_by_code(rows):
     """Returns the results of the claims on speed, by code and by keys such as "b.s3.n33"."""
-    rows, _ = read_claims_table(os.path.join(ROOT, ALL_CLAIMS))
     return {code: Figures(ALL_CLAIMS, {f"{row.claim[1]}.s{row.stages}.{each.where.replace(' = ', '')}": each.result
                                        for row in rows if row.claim in CLAIM_NAMES
                                        for each in row.findings.get(code, ())})
@@ -81,8 +80,10 @@ PAGES = ("README.md", os.path.join("results", "README.md"))
 
 def names():
     """Returns what templates look up: figures by study, verdicts by code, tables, and whether a file exists."""
-    return {**recorded_figures(ROOT), "verdicts": verdicts_by_code(), "table_of_verdicts": table_of_verdicts,
-            "table_of_claims": table_of_claims, "exists": lambda path: os.path.exists(os.path.join(ROOT, path))}
+    rows, _ = read_claims_table(os.path.join(ROOT, ALL_CLAIMS))
+    return {**recorded_figures(ROOT), "verdicts": verdicts_by_code(rows), "table_of_verdicts": table_of_verdicts,
+            "table_of_claims": partial(table_of_claims, rows),
+            "exists": lambda path: os.path.exists(os.path.join(ROOT, path))}
 
 
 def update(check):

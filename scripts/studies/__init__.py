@@ -14,7 +14,7 @@ stand before it in PACKAGES. Standard library only: whoever asks for the list ne
 """
 
 import importlib.util
-from typing import NamedTuple, Tuple
+from typing import NamedTuple, Optional, Tuple
 
 
 class Part(NamedTuple):
@@ -24,7 +24,7 @@ class Part(NamedTuple):
     file: str  # name of its raw file
     saying: str  # what is said while it is measured
     arguments: Tuple[str, ...] = ()
-    quick_arguments: Tuple[str, ...] = ()  # with --quick, in place of `arguments`
+    quick_arguments: Optional[Tuple[str, ...]] = None  # with --quick, in place of `arguments`; None: the same
     build: str = ""  # "avx2": measured by programs without AVX-512, where the processor has it; else it is left out
 
 
@@ -41,6 +41,11 @@ class Study(NamedTuple):
     shown: str = "report.md"  # which of its results is printed at the end
     rendered_by: Tuple[str, ...] = ()  # modules that its report needs; charts need matplotlib besides
 
+    @property
+    def home(self):
+        """The package that renders it."""
+        return self.package or self.name
+
 
 def of_one_part(name, saying):
     """Returns the parts of a study that measures once, with no argument but --quick."""
@@ -54,11 +59,10 @@ ROUGH = ("--scene", "rough", "--start", "5", "--integrator", "algebra1_frame", "
 
 STUDIES = (
     Study("table1", "Table 1 of the paper by the published forms; the main job (the default)", 10, 2,
-          (Part("tables", "raw.json", "Measuring Table 1" + TABLE_SAYING, ("table1", *ERRORS),
-                ("table1", *ERRORS)),),
+          (Part("tables", "raw.json", "Measuring Table 1" + TABLE_SAYING, ("table1", *ERRORS)),),
           "tables", "", "table.txt"),
     Study("table2", "the same cells by the fast forms, beside the published ones", 10, 3,
-          (Part("tables", "raw.json", "Measuring Table 2 and, interleaved, Table 1" + TABLE_SAYING, ("table2", *ERRORS),
+          (Part("tables", "raw.json", "Measuring Table 2 and, interleaved, Table 1" + TABLE_SAYING,
                 ("table2", *ERRORS)),),
           "tables", "", "table.txt"),
     Study("limits", "up to which step each integrator works, and how it fails beyond", 90, 1,
@@ -87,14 +91,13 @@ BY_NAME = {study.name: study for study in STUDIES}
 # Every package, each after those that it may see: those of a study's further parts come before it. `references`
 # computes the solutions that errors are measured against, and is no study.
 PACKAGES = (*dict.fromkeys(package for study in STUDIES for package in (
-    *(part.package for part in study.parts if part.package != study.name and not study.package),
-    study.package or study.name)), "references")
+    *(part.package for part in study.parts if part.package != study.home), study.home)), "references")
 
 
 def modules_of(package):
     """Returns the modules that a package's report needs besides the standard library."""
     charts = ("matplotlib",) if module_exists(package, "charts") else ()
-    return charts + next((study.rendered_by for study in STUDIES if package in (study.package, study.name)), ())
+    return charts + next((study.rendered_by for study in STUDIES if package == study.home), ())
 
 
 def module_exists(package, name):

@@ -36,7 +36,8 @@ def parts(name, quick):
     found = BY_NAME[name].parts
     for number, part in enumerate(found, 1):
         counted = f" ({number} of {len(found)})" if len(found) > 1 else ""
-        arguments = (*part.quick_arguments, "--quick") if quick else part.arguments
+        arguments = part.arguments if part.quick_arguments is None or not quick else part.quick_arguments
+        arguments += ("--quick",) if quick else ()
         yield "\t".join((part.saying + counted, part.package, part.file, part.build or "-", " ".join(arguments)))
 
 

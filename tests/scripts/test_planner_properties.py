@@ -8,6 +8,7 @@ from unittest import mock
 import programs  # noqa: F401, which makes lib importable
 from hypothesis import strategies as draw
 from properties import decades, holds_for
+from test_pilot_planner import drive
 
 from lib.running import fresh_process
 from recommender import trial_planner as pilot_planner
@@ -34,18 +35,6 @@ def planner(time, error, norm_B, candidates, limit=math.inf):
 
 def outcome(plan, integrator, time, steps, error, seconds=1.0, status=CONVERGED, growth=1.0):
     return replace(plan.outcome(integrator, time, steps, error, seconds, status), growth=growth)
-
-
-def drive(generator, answer):
-    """Sends answer(steps) for each number of steps; returns these, and what the generator returns."""
-    asked = []
-    try:
-        steps = next(generator)
-        while True:
-            asked.append(steps)
-            steps = generator.send(answer(steps))
-    except StopIteration as end:
-        return asked, end.value
 
 
 class Steps(unittest.TestCase):

@@ -31,9 +31,9 @@ def raw(study, name="raw.json"):
     return os.path.join(RECORDED, study, name)
 
 
-STUDIES = tuple(name for name in dict.fromkeys(study.package or study.name for study in studies.STUDIES)
+STUDIES = tuple(name for name in dict.fromkeys(study.home for study in studies.STUDIES)
                 if os.path.isdir(os.path.join(RECORDED, name)))  # a new study may not be recorded yet
-RAW_FILES = {study: {part.file for each in studies.STUDIES if study in (each.package, each.name) for part in each.parts}
+RAW_FILES = {study: {part.file for each in studies.STUDIES if study == each.home for part in each.parts}
              for study in STUDIES}
 DRAWN_BY = "3.6"  # matplotlib: another one draws other bytes
 

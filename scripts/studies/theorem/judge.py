@@ -72,8 +72,8 @@ def findings(study):
 
 def agreement(scene, rows):
     return Agreement(scene, len(rows), sum(row.difference <= row.bound for row in rows),
-                       sum(sweeps is None for row in rows for sweeps in row.sweeps),
-                       *(max(getattr(row, field) for row in rows) for field in Agreement._fields[-3:]))
+                     sum(sweeps is None for row in rows for sweeps in row.sweeps),
+                     *(max(getattr(row, field) for row in rows) for field in Agreement._fields[-3:]))
 
 
 def cost_ratios(rows):
