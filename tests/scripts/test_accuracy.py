@@ -1,19 +1,19 @@
-"""Tests of the study of accuracy on a made-up one: floors, orders and costs of lines, duels, figures, the report."""
+"""Tests of the study of accuracy on a made-up one: floors, orders and costs of lines, comparisons, figures, the report."""
 
 import random
 import unittest
 
 from programs import FolderTest
-from study_documents import (CONTENDERS, INTEGRATORS, ROUGH, SMOOTH, SOONER, STEPS, accuracy_of, run_of, small_study,
+from study_documents import (CANDIDATES, INTEGRATORS, ROUGH, SMOOTH, SOONER, STEPS, accuracy_of, run_of, small_study,
                              study_document, write_study)
 
 from studies.accuracy.judge import figures, findings
-from studies.accuracy.schema import CONTENDERS as ALL_CONTENDERS
+from studies.accuracy.schema import CANDIDATES as ALL_CANDIDATES
 from lib.records.settings import ENERGY_BOUNDED, LOOSE_EXPONENTIAL, LOOSE_GAUSS, TIGHT
 from studies.accuracy.schema import CUT, Form
 from studies.accuracy.lines import read_accuracy
 from studies.accuracy.report import accuracy_sections
-from studies.accuracy.candidates import CLASSES, all_forms, candidates
+from studies.accuracy.candidates import CLASSES, all_forms, members
 from lib.records.formats import listed
 from lib.pages.document import as_markdown
 
@@ -114,26 +114,26 @@ def figures_of(document):
 
 
 def elp_slower(document):
-    """Has the exponential method take 10 times as long in duels at n = 17, and as long as RKMK4 in those at n = 33."""
-    for row in document["duels"]:
-        if row["contender"] == "elp":
+    """Has the exponential method take 10 times as long in comparisons at n = 17, and as long as RKMK4 in those at n = 33."""
+    for row in document["comparisons"]:
+        if row["candidate"] == "elp":
             factor = 10 if row["n"] == 17 else 1
-            rival = next(each for each in document["duels"] if each["contender"] == "rkmk"
+            rival = next(each for each in document["comparisons"] if each["candidate"] == "rkmk"
                          and (each["n"], each["wanted"]) == (row["n"], row["wanted"]))
             row["cpu_seconds"] = [factor * time for time in (row if row["n"] == 17 else rival)["cpu_seconds"]]
 
 
 def explicit_slower(document):
-    """Has the explicit method take 12 times as long in the duel at 1e-6 and n = 33."""
-    (row,) = (each for each in document["duels"] if (each["contender"], each["n"], each["wanted"])
+    """Has the explicit method take 12 times as long in the comparison at 1e-6 and n = 33."""
+    (row,) = (each for each in document["comparisons"] if (each["candidate"], each["n"], each["wanted"])
               == ("explicit", 33, 1e-6))
     row["cpu_seconds"] = [12 * time for time in row["cpu_seconds"]]
 
 
 def scattered(document):
     """Has the times of RKMK4 scatter from process to process, about those of the explicit method."""
-    for row in document["duels"]:
-        if row["contender"] == "rkmk":
+    for row in document["comparisons"]:
+        if row["candidate"] == "rkmk":
             row["cpu_seconds"] = [time / 5.7 * factor
                                   for time, factor in zip(row["cpu_seconds"], (1, 4, 1, 0.2, 3, 0.4))]
 
@@ -146,11 +146,11 @@ def a_sloppy_spectrum(document):
 
 
 class Compared(unittest.TestCase):
-    def test_duels_are_found_by_problem_and_error(self):
+    def test_comparisons_are_found_by_problem_and_error(self):
         study = accuracy_of(study_document())
-        self.assertEqual(set(study.duel(SMOOTH[0], 1e-4)), set(CONTENDERS))
-        self.assertEqual(study.duel(SMOOTH[0], 1e-4)["elp"].tolerance, LOOSE_EXPONENTIAL)
-        self.assertEqual((study.duel(ROUGH, 1e-4), study.duel(SMOOTH[0], 1e-5)), ({}, {}))
+        self.assertEqual(set(study.comparison(SMOOTH[0], 1e-4)), set(CANDIDATES))
+        self.assertEqual(study.comparison(SMOOTH[0], 1e-4)["elp"].tolerance, LOOSE_EXPONENTIAL)
+        self.assertEqual((study.comparison(ROUGH, 1e-4), study.comparison(SMOOTH[0], 1e-5)), ({}, {}))
 
 
 class Classes(unittest.TestCase):
@@ -165,8 +165,8 @@ class Classes(unittest.TestCase):
               listed("elp4_frame")._replace(name="elp8_frame", family="of another kind"))
 
     def test_each_finds_its_methods_in_the_frame_from_order_four_on(self):
-        self.assertEqual(list(CLASSES), list(ALL_CONTENDERS))
-        found = {each: [method.name.removesuffix("_frame") for method in candidates(self.LISTED, each)]
+        self.assertEqual(list(CLASSES), list(ALL_CANDIDATES))
+        found = {each: [method.name.removesuffix("_frame") for method in members(self.LISTED, each)]
                  for each in CLASSES}
         exponential, gauss = dict.fromkeys(("elp", "elp_matched", "elp_bounded"), ["elp6"]), ["group2", "group4"]
         self.assertEqual(found, {
@@ -207,12 +207,12 @@ class Figures(unittest.TestCase):
                 "named_published_over_gauss_published.smooth_t5.n33.at_1e-6": 89 / 50,
                 "named_published_over_gauss_published.products.smooth_t5.n33.at_1e-6": 89 / 50,
                 "elp_over_explicit.slower": 4, "elp_over_explicit.faster": 0, "elp_over_explicit.undecided": 0,
-                "elp_over_explicit.duels": 4, "rows": 40, "rows.of_few_steps": 2,  # rkmk4 at 1e-4
-                "explicit_fastest.at_1e-6": 2, "explicit_fastest.at_1e-6.duels": 2,
+                "elp_over_explicit.comparisons": 4, "rows": 40, "rows.of_few_steps": 2,  # rkmk4 at 1e-4
+                "explicit_fastest.at_1e-6": 2, "explicit_fastest.at_1e-6.comparisons": 2,
                 "seconds.elp.smooth_t5.n17.at_1e-6": 0.05, "steps.elp.smooth_t5.n17.at_1e-6": 50,
                 "spectrum.gauss_loose.smooth_t5.n17.at_1e-6": 1e-7, "spectrum.elp.smooth_t5.n17.at_1e-6": 1e-15,
                 "frame_gain": 10**0.25, "frame_gain.comparisons": 8,  # group2 itself ends above 1e-8
-                "gauss_order.at_1e-2.least": 4, "gauss_order.at_1e-8.largest": 4,
+                "gauss_order.at_1e-2.min": 4, "gauss_order.at_1e-8.largest": 4,
                 "error.group2.n17": 1e-5, "error.group2_frame.n33": 1e-6,
                 # Errors 0.01 (s = 1) and 1e-5 (s = 2); a solver error is a tenth of the tolerance, 1e-4 at most.
                 "tolerance.group1.n17": 1e-4, "tolerance.group2.n33": 1e-5, "tolerance.time": 1,
@@ -244,7 +244,7 @@ class Report(unittest.TestCase):
     def test_figures_can_be_worked_out_by_hand(self):
         text = report(study_document())
         for pattern in (
-                r"in 2 of 2 duels no class is faster than the best explicit method, which keeps nothing\.\n",
+                r"in 2 of 2 comparisons no class is faster than the best explicit method, which keeps nothing\.\n",
                 r"\| smooth, T = 5, n = 17 \| \*\*0\.00160 \(16\)\*\* \| – \| 0\.0320 \(16\) \|",
                 r"### Error 1e-4\n[^#]*\n\| smooth, T = 5, n = 17 \| – \| – \| 5\.63 \(5\.63–5\.63\) \| – \| 10\.00 ",
                 r"\| 1e-6 \| smooth, T = 5, n = 33 \| group2\\_frame \| 50 \| 0\.800 \| group2 \| 89 \| 1\.42 \| 1\.78 "
@@ -269,9 +269,9 @@ class Report(unittest.TestCase):
                 (lambda document: run_of(document, "rk4", 33, 5).update(status="unstable", cpu_seconds=[]),
                  r"\| rk4 +\| +– \| 1\.00 u \|\n"),
                 (elp_slower, r"n = 17 [^\n]*\| 100\.00 \("), (scattered, r"–[0-9.]+\) † \|"),
-                (explicit_slower, r"1 of 2 duels [^.]*\. The fastest elsewhere: smooth, T = 5, n = 33 \(RKMK\)\."),
+                (explicit_slower, r"1 of 2 comparisons [^.]*\. The fastest elsewhere: smooth, T = 5, n = 33 \(RKMK\)\."),
                 (explicit_slower, r"\*\*0\.0500 \(50\)\*\*"),
-                (lambda document: document["duels"][0].update(beyond_limit=True), r"\| 0\.00160 \(16‡\)|\(16‡\)\*\*"),
+                (lambda document: document["comparisons"][0].update(beyond_limit=True), r"\| 0\.00160 \(16‡\)|\(16‡\)\*\*"),
                 (lambda document: document["lines"][-1].update(end=CUT), r"\| elp4\\_frame, 1e-8 +\| +3\.9e-8"),
                 (lambda document: run_of(document, "group2", 33, 50).update(beyond_limit=True),
                  r"\| group2 +\| 1\.0e-5 \| +– \|")):
@@ -283,7 +283,7 @@ class Report(unittest.TestCase):
 
     def test_a_study_of_one_problem_without_tolerances_makes_a_report(self):
         document = small_study()
-        document["tolerance_runs"] = document["duels"] = document["rates"] = []
+        document["tolerance_runs"] = document["comparisons"] = document["rates"] = []
         self.assertIn("Runs that failed", report(document))
         self.assertEqual(figures_of(document)["problems"], 1)
 

@@ -99,8 +99,8 @@ class Judging(unittest.TestCase):
                                 for n, result in ((17, HOLDS), (33, FAILS), (65, HOLDS)))),
                          "holds (n = 17, 65), fails (n = 33) 1.00")
         self.assertEqual(text(("su(n)", HOLDS, None, None, None, 18)), "holds 18 of 18 (su(n))")
-        self.assertEqual(text(("duels", HOLDS, None, 0.9, 8.0, 2), ("duels", FAILS, None, 0.9, 8.0, 3)),
-                         "holds 2, fails 3 of 5 (duels): 0.900–8.00")
+        self.assertEqual(text(("comparisons", HOLDS, None, 0.9, 8.0, 2), ("comparisons", FAILS, None, 0.9, 8.0, 3)),
+                         "holds 2, fails 3 of 5 (comparisons): 0.900–8.00")
         self.assertEqual(cell_text([Finding("at 1e-2", None, 2.0, 2.0, 4.0, 17)], has_orders=True), "2 at 1e-2")
 
     def test_a_column_has_a_code_and_its_variants(self):
@@ -151,9 +151,9 @@ class Judging(unittest.TestCase):
             *compared("gauss", "explicit", slower=(99.0,))])
         paper, usual, equal = claims_table.exponentials_rows(accuracy)
         self.assertEqual({code: cell_text(found) for code, found in paper.findings.items()}, {
-            "plain": "holds 2, fails 1 of 3 (duels): 0.900–6.50", "optimised": claims_table.NOT_TESTED})
-        self.assertEqual(cell_text(usual.findings["optimised"]), "fails 2 of 2 (duels): 1.90–2.80")
-        self.assertEqual(cell_text(equal.findings["optimised"]), "holds 1, fails 1 of 2 (duels): 0.700–1.10")
+            "plain": "holds 2, fails 1 of 3 (comparisons): 0.900–6.50", "optimised": claims_table.NOT_TESTED})
+        self.assertEqual(cell_text(usual.findings["optimised"]), "fails 2 of 2 (comparisons): 1.90–2.80")
+        self.assertEqual(cell_text(equal.findings["optimised"]), "holds 1, fails 1 of 2 (comparisons): 0.700–1.10")
         for row in (usual, equal):  # not the paper's claim
             self.assertNotEqual(row.claim, paper.claim)
 
@@ -163,18 +163,18 @@ class Judging(unittest.TestCase):
             self.assertRegex(cell_text(findings), r"^[0-9.–]+$")
 
     def test_order_in_turbulence_is_that_of_the_cheapest_faithful_setting(self):
-        def turbulence(draws):
-            sizes = {33: draws, 65: FEWEST, 129: 10}
-            return Turbulence([trust._replace(n=n, draws=count) for n, count in sizes.items()], [], [
+        def turbulence(samples):
+            sizes = {33: samples, 65: FEWEST, 129: 10}
+            return Turbulence([trust._replace(n=n, samples=count) for n, count in sizes.items()], [], [
                 setting(33, "algebra1", 1.0), setting(33, "algebra1", 0.5), setting(33, "group2", 0.2),
                 setting(33, "group3", 0.4), setting(33, "rk4", 0.1), setting(33, "rk4", 0.3),
                 setting(33, "elp4", 0.01, faithful=False), setting(65, "algebra1", 1.0), setting(65, "group3", 2.0),
                 setting(65, "elp4", None), setting(129, "algebra1", 1.0, faithful=False)], [])
 
-        def setting(n, name, over_practice, **changes):
+        def setting(n, name, over_baseline, **changes):
             entry = formats.listed(name)
             return one._replace(**{"n": n, "integrator": name, "order": entry.order, "family": entry.family,
-                                   "faithful": True, "over_practice": over_practice, **changes})
+                                   "faithful": True, "over_baseline": over_baseline, **changes})
 
         recorded = found_by("turbulence", Turbulence)
         trust, one = recorded.trust[0], recorded.settings[0]
@@ -185,7 +185,7 @@ class Judging(unittest.TestCase):
         self.assertEqual([row.has_orders for row in (orders, prices, winners)], [True, False, True])
         self.assertEqual(orders.evidence, ("recorded/turbulence/report.md",))
         self.assertEqual(claims_table.order_rows(None), [])
-        # By fewer draws than that, no order is named, and none is compared with another.
+        # By fewer samples than that, no order is named, and none is compared with another.
         orders, prices, winners = claims_table.order_rows(turbulence(FEWEST - 1))
         for row in (orders, winners):
             self.assertRegex(cell_text(row.findings["optimised"], True), r"^undecided at n = 33, 2 at n = 65")
@@ -224,10 +224,10 @@ class Rendering(FolderTest):
         figures = read_figures(self.path("out", "figures.json"))
         for key, value in (("octave.s3.algebra_over_group.n17", 3), ("octave.difference", 2e-14),
                            ("octave.apart", 3e-14),
-                           ("share.octave.s1.group.n17", 0.1), ("open.b.s2.published.n17.least", 1),
-                           ("open.b.s2.published.n17.most", 2), ("open.b.s2.published.n17.holds", 2),
-                           ("open.b.s2.published.n17.tie", 2), ("model.check.least", 1 / THREAD_OVERHEAD),
-                           ("model.check.most", 1 / THREAD_OVERHEAD), ("model.path.s3.group", 2.5)):
+                           ("share.octave.s1.group.n17", 0.1), ("open.b.s2.published.n17.min", 1),
+                           ("open.b.s2.published.n17.max", 2), ("open.b.s2.published.n17.holds", 2),
+                           ("open.b.s2.published.n17.tie", 2), ("model.check.min", 1 / THREAD_OVERHEAD),
+                           ("model.check.max", 1 / THREAD_OVERHEAD), ("model.path.s3.group", 2.5)):
             self.assertAlmostEqual(figures[key], value, msg=key, places=5)
         report = text_of(self.path("out", "report.md"))
         self.assertIn("3.33 % to 20.0 % at n = 17", report)  # less than half of the time, so that a sentence says it
@@ -312,7 +312,7 @@ class Rendering(FolderTest):
                 ("theorem", "claims", "result", FAILS), ("accuracy", "comparisons", "verdict", TIE),
                 ("accuracy", "comparisons", "ratio", 0.5), ("accuracy", "gauss_order", "median", 3),
                 ("turbulence", "settings", "faithful", False), ("turbulence", "settings", "order", 3),
-                ("turbulence", "trust", "draws", 3)):
+                ("turbulence", "trust", "samples", 3)):
             path = os.path.join(recorded, study, "findings.json")
             whole_file = text_of(path)
             document = json.loads(whole_file)
@@ -363,15 +363,15 @@ class Page(FolderTest):
 
     def test_a_template_that_cannot_be_rendered_is_refused(self):
         for template, *parts in (("one\n{{ tables['gone'] }}", "line 2", 'tables/figures.json has no figure "gone"'),
-                                 ("{% expect tables['gain.s1.least'] > 100 %}", "line 1",
-                                  'expected tables["gain.s1.least"] > 100'),
+                                 ("{% expect tables['gain.s1.min'] > 100 %}", "line 1",
+                                  'expected tables["gain.s1.min"] > 100'),
                                  ("{% if %}", "line 1")):
             self.write("results/README.md.in", template)
             with self.subTest(template=template), self.unchanged():
                 self.assert_refused(self.update(), "results/README.md.in", *parts)
         os.unlink(self.path("results", "README.md.in"))
         self.assert_refused(self.update(), "results/README.md.in", "cannot be read")
-        self.assert_refused(self.update("--draw"), "--draw")
+        self.assert_refused(self.update("--sample"), "--sample")
 
 
 class Study(FolderTest):
@@ -393,7 +393,7 @@ class Study(FolderTest):
                 mock.patch("lib.running.timed.by_processes", return_value=[defaultdict(lambda: [1.0])]) as measured:
             claims_study.thread_tables(options, (65,), ["group2"], checkpoint)
             self.assertEqual(measured.call_args.args[-1], os.sched_getaffinity(0))
-            claims_study.times_of([{"rows": ["group2"]}], claims_study.of_draws, checkpoint, options, "draws")
+            claims_study.times_of([{"rows": ["group2"]}], claims_study.of_samples, checkpoint, options, "samples")
             self.assertIsNone(measured.call_args.args[-1])  # which means the last core alone
 
     def test_another_blas_and_other_answers_are_refused(self):

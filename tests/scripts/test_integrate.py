@@ -368,7 +368,7 @@ class Notes(IntegrateTest):
 class Threads(IntegrateTest):
     """Threads that wait for work sleep, so that on a busy machine they take no more time than they work."""
 
-    MOST = 3.0  # CPU time of two threads over that of one, beside one busy process on each core
+    MAXIMUM = 3.0  # CPU time of two threads over that of one, beside one busy process on each core
 
     def setUp(self):
         super().setUp()
@@ -398,9 +398,9 @@ class Threads(IntegrateTest):
         # In turns: the least of several is what a run takes when nobody disturbs it further.
         one, two, passive = zip(*((self.seconds("1"), self.seconds("2"), self.seconds("2", OMP_WAIT_POLICY="passive"))
                                   for _ in range(3)))
-        most = self.MOST * min(one)
-        self.assertLess(min(two), most)
-        self.assertLess(min(passive), most)  # what is asked for is done
+        maximum = self.MAXIMUM * min(one)
+        self.assertLess(min(two), maximum)
+        self.assertLess(min(passive), maximum)  # what is asked for is done
         # Since a step is one parallel region, the setting of OpenMP's spins no longer decides this. The control, a
         # thread that is held up, is in tests/parallel_test.cpp.
 

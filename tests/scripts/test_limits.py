@@ -23,7 +23,7 @@ class Questions(unittest.TestCase):
         self.limits = limits_of(limits_study())
 
     def test_what_survived_is_in_the_order_of_the_list_and_of_n(self):
-        keys = [key for key in self.limits.least_survived() if key[1] == FAST]
+        keys = [key for key in self.limits.min_survived() if key[1] == FAST]
         self.assertEqual(keys, [(name, FAST, n) for name in self.limits.integrators for n in SIZES])
 
 
@@ -61,7 +61,7 @@ class Report(unittest.TestCase):
 
     def test_figures(self):
         found = figures(limits_of(limits_study()))
-        self.assertAlmostEqual(found["critical.fast.smooth.group2.n9.least"], 3.0)
+        self.assertAlmostEqual(found["critical.fast.smooth.group2.n9.min"], 3.0)
         self.assertAlmostEqual(found["critical.fast.smooth.group2.n9.largest"], 3.3)
         self.assertAlmostEqual(found["survived_step.fast.smooth.rk4.n9"], 0.96 / NORM_B)
         self.assertEqual(found["survived_energy_error.fast.smooth.rk4.n9"], 0.02)

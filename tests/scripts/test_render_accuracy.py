@@ -10,7 +10,7 @@ from unittest import mock
 import programs
 from drawing import PYTHON, DrawingTest, finite_points, lines_of
 from programs import snapshot
-from study_documents import (INTEGRATORS, ROUGH, accuracy_of, duel_row, run_of, small_study, study_document,
+from study_documents import (INTEGRATORS, ROUGH, accuracy_of, comparison_row, run_of, small_study, study_document,
                              write_study)
 
 from studies.accuracy.schema import CUT
@@ -31,10 +31,10 @@ def with_sizes(sizes):
     return document
 
 
-def duel_of(document, contender, n, wanted=1e-6, scene="smooth"):
-    """Returns a row of a duel, to be changed there."""
-    row = {"contender": contender, "n": n, "wanted": wanted, "scene": scene}
-    return next(each for each in document["duels"] if row.items() <= each.items())
+def comparison_of(document, candidate, n, wanted=1e-6, scene="smooth"):
+    """Returns a row of a comparison, to be changed there."""
+    row = {"candidate": candidate, "n": n, "wanted": wanted, "scene": scene}
+    return next(each for each in document["comparisons"] if row.items() <= each.items())
 
 
 def slower(row, factor):
@@ -116,10 +116,10 @@ class Files(AccuracyTest):
 
         one_size = small_study()
         self.assertEqual(drawn(one_size), {"error_against_time", "time_against_n"})
-        one_size["duels"] = [row for row in one_size["duels"] if row["wanted"] != 1e-6]
+        one_size["comparisons"] = [row for row in one_size["comparisons"] if row["wanted"] != 1e-6]
         self.assertEqual(drawn(one_size), {"error_against_time"})
         none = small_study()
-        none["duels"] = []
+        none["comparisons"] = []
         for table in ("runs", "lines"):
             none[table] = [row for row in none[table] if row["integrator"] == "group1"]
         self.assertEqual(drawn(none), set())
@@ -148,7 +148,7 @@ class ErrorAgainstTime(AccuracyTest):
     def test_marks_are_the_rows_at_equal_error_that_the_title_compares(self):
         document = study_document()
         (panel,) = self.drawn("error_against_time", document).values()
-        rows = [duel_of(document, contender, 17) for contender in ("elp_bounded", "explicit")]  # that have a line
+        rows = [comparison_of(document, candidate, 17) for candidate in ("elp_bounded", "explicit")]  # that have a line
         means = [row["cpu_seconds"][2] for row in rows]
         self.assertEqual(len(marks(panel, "_timed")), 2)
         for (error, seconds), row, mean in zip(marks(panel, "_timed"), rows, means):
@@ -201,15 +201,15 @@ class ErrorAgainstTime(AccuracyTest):
         told = ("What structure costs: at n = 65 and error 1e-6 elp4, with bounded energy, takes {}as long as rk4, the"
                 " best explicit method; group2 (order 4), the best Gauss method, 40 times as long")
         self.assertEqual(title(), told.format("20 times "))
-        slower(duel_of(document, "elp_bounded", 65), 3)
+        slower(comparison_of(document, "elp_bounded", 65), 3)
         self.assertEqual(title(), told.format("60 times "))
-        slower(duel_of(document, "elp_bounded", 17), 3)  # of no panel that the title tells of
+        slower(comparison_of(document, "elp_bounded", 17), 3)  # of no panel that the title tells of
         self.assertEqual(title(), told.format("60 times "))
-        slower(duel_of(document, "elp_bounded", 65), 1 / 60)
+        slower(comparison_of(document, "elp_bounded", 65), 1 / 60)
         self.assertEqual(title(), told.format(""))
-        document["duels"].remove(duel_of(document, "elp_bounded", 65))
+        document["comparisons"].remove(comparison_of(document, "elp_bounded", 65))
         self.assertIn("group2 (order 4), the best Gauss method, takes 40 times as long as rk4", title())
-        document["duels"] = [row for row in document["duels"] if row["contender"] != "explicit"]
+        document["comparisons"] = [row for row in document["comparisons"] if row["candidate"] != "explicit"]
         self.assertEqual(title(), "What structure costs: CPU seconds of errors")
 
     def test_long_times_are_drawn_where_there_are_any(self):
@@ -230,8 +230,8 @@ class ErrorAgainstTime(AccuracyTest):
 class TimeAgainstN(AccuracyTest):
     def test_classes_by_size(self):
         document = study_document()
-        document["duels"].append({**duel_of(document, "rkmk", 33), "contender": "magnus"})
-        slower(document["duels"][-1], 0.5)
+        document["comparisons"].append({**comparison_of(document, "rkmk", 33), "candidate": "magnus"})
+        slower(document["comparisons"][-1], 0.5)
         (panel,) = self.drawn("time_against_n", document).values()
         self.assertEqual(panel.get_title(loc="left"), "smooth scene, T = 5")
         lines = lines_of(panel)
@@ -249,9 +249,9 @@ class TimeAgainstN(AccuracyTest):
         document = study_document()
         document["references"].append({**document["references"][-1], "scene": "developed"})
         for scene in ("rough", "developed"):
-            document["duels"] += [{**duel_row(ROUGH, 1e-6, contender), "scene": scene}
-                                  for contender in ("elp", "explicit")]
-        slower(document["duels"][-1], 1e3)
+            document["comparisons"] += [{**comparison_row(ROUGH, 1e-6, candidate), "scene": scene}
+                                  for candidate in ("elp", "explicit")]
+        slower(document["comparisons"][-1], 1e3)
         panels = self.drawn("time_against_n", document)
         self.assertEqual(list(panels), ["rough scene, T = 5", "developed scene, T = 5"])
         self.assertEqual(len({(panel.get_xlim(), panel.get_ylim()) for panel in panels.values()}), 1)
@@ -260,7 +260,7 @@ class TimeAgainstN(AccuracyTest):
 
     def test_a_line_is_broken_where_its_class_has_no_row(self):
         document = with_sizes({17: 17, 33: 33, 65: 33})
-        document["duels"].remove(duel_of(document, "gauss", 33))
+        document["comparisons"].remove(comparison_of(document, "gauss", 33))
         (panel,) = self.drawn("time_against_n", document).values()
         sizes = [list(line.get_xdata()) for line in panel.lines if line.get_label() == "Gauss"]
         self.assertEqual(sizes, [[17], [65]])
@@ -273,10 +273,10 @@ class TimeAgainstN(AccuracyTest):
         first = "In {} of 2 cases no class is faster than the best explicit method; exponential methods with bounded"
         self.assertEqual(title(), first.format(2) + " energy take 20 times its time; Gauss methods take 40 times its"
                          " time")
-        slower(duel_of(document, "explicit", 33), 80)
+        slower(comparison_of(document, "explicit", 33), 80)
         self.assertEqual(title(), first.format(1) + " energy take 0.25 to 20 times its time; Gauss methods take 0.5 to"
                          " 40 times its time")
-        document["duels"] = [row for row in document["duels"] if row["contender"] == "gauss"]
+        document["comparisons"] = [row for row in document["comparisons"] if row["candidate"] == "gauss"]
         self.assertIsNone(self.module("studies.accuracy.equal_error_charts").time_against_n(accuracy_of(document)))
 
 
@@ -288,13 +288,13 @@ class PerformanceProfile(AccuracyTest):
 
     def test_a_line_rises_at_the_factors_of_its_class(self):
         document = study_document()
-        slower(duel_of(document, "elp", 33), 2)
+        slower(comparison_of(document, "elp", 33), 2)
         lines, title = self.shares(document)
         self.assertIn("Of 4 cases", title)
-        times = {(row["n"], row["wanted"]): row["cpu_seconds"][2] for row in document["duels"]
-                 if row["contender"] == "explicit"}
-        factors = sorted(row["cpu_seconds"][2] / times[row["n"], row["wanted"]] for row in document["duels"]
-                         if row["contender"] == "elp")
+        times = {(row["n"], row["wanted"]): row["cpu_seconds"][2] for row in document["comparisons"]
+                 if row["candidate"] == "explicit"}
+        factors = sorted(row["cpu_seconds"][2] / times[row["n"], row["wanted"]] for row in document["comparisons"]
+                         if row["candidate"] == "elp")
         (_, first), *steps, (_, last) = lines["exponential, 1e-8"]
         self.assertEqual((first, last), (0, 1))
         for (factor, share), wanted, count in zip(steps, factors, (1, 2, 3, 4), strict=True):
@@ -304,14 +304,14 @@ class PerformanceProfile(AccuracyTest):
 
     def test_a_class_without_a_row_has_not_solved_the_case(self):
         document = study_document()
-        document["duels"].remove(duel_of(document, "gauss", 33))
+        document["comparisons"].remove(comparison_of(document, "gauss", 33))
         lines, _ = self.shares(document)
         self.assertEqual((lines["Gauss"][-1][1], lines["best explicit"][-1][1]), (0.75, 1))
 
     def test_the_cheapest_method_may_be_of_any_class_of_fast_forms(self):
         document = study_document()
-        for contender in ("gauss_matched", "named_published"):  # neither is drawn; published forms do not count
-            slower(duel_of(document, contender, 33), 1e-4)
+        for candidate in ("gauss_matched", "named_published"):  # neither is drawn; published forms do not count
+            slower(comparison_of(document, candidate, 33), 1e-4)
         lines, title = self.shares(document)
         self.assertEqual(lines["best explicit"][0], [1, 0.75])
         self.assertIn("in 75 %", title)

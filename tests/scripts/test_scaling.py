@@ -12,7 +12,7 @@ from scaling_documents import NOISE, failed, line, point, write_scaling, write_t
 
 from lib.pages.figures import read_figures
 from lib.records.formats import listed
-from studies.scaling.schema import RUNGS, Memory, Rate, TwoThreads, read_scaling, rungs_of, without
+from studies.scaling.schema import ABLATIONS, Memory, Rate, TwoThreads, read_scaling, ablations_of, without
 from studies.scaling.judge import figures
 
 RENDERING = RENDER, "scaling"
@@ -37,16 +37,16 @@ class ScalingTest(drawing.DrawingTest):
 class Report(ScalingTest):
     def test_ratios_are_of_the_same_round(self):
         # However much slower a round was, both forms were so.
-        lines = self.report(points=[point(rung=rung) for rung in RUNGS])
+        lines = self.report(points=[point(ablation=ablation) for ablation in ABLATIONS])
         self.assertIn(["5", "17", "group2", "12.0", "20.0", "–", "0.00374 ±6.8 %", "5.00 ±0.0 %", "2.50 ±0.0 %"], lines)
 
     def test_what_failed_has_no_figures(self):
-        lines = self.report(points=[point(rung="without bands"), failed(rung="fast")])
+        lines = self.report(points=[point(ablation="without bands"), failed(ablation="fast")])
         self.assertIn(["5", "17", "group2", *"––––––"], lines)
         self.assertEqual([key for key in read_figures(self.path("out", "figures.json")) if "n17" in key], [])
 
     def test_every_single_timing_is_marked(self):
-        lines = self.report(points=[point(rung="fast"), point(rung="published", seconds=[3.4e-6]),
+        lines = self.report(points=[point(ablation="fast"), point(ablation="published", seconds=[3.4e-6]),
                                     point("rk4", 17, "fast", seconds=[1e-6])])
         group2, rk4 = (next(cells for cells in lines if cells[1:3] == ["17", name]) for name in ("group2", "rk4"))
         self.assertEqual((group2[6], group2[7]), ("0.00374 ±6.8 %", "1.00¹"))
@@ -57,9 +57,9 @@ class Report(ScalingTest):
         self.assertEqual((found["single"], found["points"]), (2, 3))
 
     def test_the_two_starts_stand_apart(self):
-        slow = [4 * second for second in point(rung="published").seconds]
-        lines = self.report(points=[point(), point(rung="published"), point(start=50.0),
-                                    point(start=50.0, rung="published", seconds=slow)])
+        slow = [4 * second for second in point(ablation="published").seconds]
+        lines = self.report(points=[point(), point(ablation="published"), point(start=50.0),
+                                    point(start=50.0, ablation="published", seconds=slow)])
         self.assertIn(["form", "t = 5, n = 17", "t = 50, n = 17"], lines)
         self.assertIn(["published", "5.00", "20.0"], lines)
         found = read_figures(self.path("out", "figures.json"))
@@ -67,26 +67,26 @@ class Report(ScalingTest):
                          [5, 5, 20, 20])
         self.assertNotIn("published.n17.t5.algebra", found)  # it was not timed
 
-    def test_the_costliest_idea(self):
+    def test_the_costliest_part(self):
         for newton, expected in ((2.0, 0.0), (5.5, 0.1)):
             seconds = [noise * 17e-6 / newton for noise in NOISE]
-            study = self.study(points=[point(), point(rung="without newton", seconds=seconds)])
-            self.assertAlmostEqual(figures(study)["costliest_idea"], expected)
+            study = self.study(points=[point(), point(ablation="without newton", seconds=seconds)])
+            self.assertAlmostEqual(figures(study)["costliest_part"], expected)
 
     def test_exponential_methods_have_a_table_of_their_own(self):
-        lines = self.report(points=[point(name, n, rung) for name in ("elp2", "elp4", "rkmk4") for n in (17, 33)
-                                    for rung in rungs_of(listed(name)) if (name, n) != ("elp2", 33)])
+        lines = self.report(points=[point(name, n, ablation) for name in ("elp2", "elp4", "rkmk4") for n in (17, 33)
+                                    for ablation in ablations_of(listed(name)) if (name, n) != ("elp2", 33)])
         self.assertIn(["elp2", "without explicit start", "2.50 ±0.0 %", "–"], lines)
         self.assertIn(["rkmk4", "without graded series", "2.50 ±0.0 %", "2.50 ±0.0 %"], lines)
         found = read_figures(self.path("out", "figures.json"))
         self.assertEqual(found["exponential.published.n33.t5"], 5)
         self.assertEqual(found["exponential.without_graded_series.n33.t5.rkmk4"], 2.5)
         self.assertNotIn("published.n17.t5", found)  # no cell of Table 1
-        self.assertNotIn("costliest_idea", found)
+        self.assertNotIn("costliest_part", found)
 
     def test_shares_of_products(self):
         rates = [Rate(17, "fast", [4e-8] * 3), Rate(17, "published", [1e-7] * 3)]
-        found = figures(self.study(points=[point("group2_frame"), point("group2_frame", rung="published")],
+        found = figures(self.study(points=[point("group2_frame"), point("group2_frame", ablation="published")],
                                    rates=rates))
         # 20 products in 3.74 µs, and 100 in 18.7 µs.
         self.assertAlmostEqual(found["share.group2_frame.fast.n17.t5"], 20 * 4e-8 / 3.74e-6)
@@ -119,8 +119,8 @@ class Report(ScalingTest):
         self.assertIn(["group2\\_frame", "fast", "5", "65 to 513", "3.00¹"], self.report(points=points))
 
     def test_bands_on_and_off(self):
-        points = [each for n in (17, 33) for rung in ("fast", "without bands")
-                  for each in (point("elp4_frame", n, rung), point("group1", n, rung))]
+        points = [each for n in (17, 33) for ablation in ("fast", "without bands")
+                  for each in (point("elp4_frame", n, ablation), point("group1", n, ablation))]
         lines = self.report(points=points)
         self.assertIn(["elp4\\_frame", "2.50 ±0.0 %", "2.50 ±0.0 %"], lines)
         self.assertIn(["cells of Table 1", "2.50", "2.50"], lines)
@@ -161,17 +161,17 @@ class Report(ScalingTest):
                 self.assertAlmostEqual(figures(study)["trend.correlation"], expected)
         self.assertNotIn("trend.series", figures(self.study(points=[point()])))
 
-    def test_rungs(self):
-        self.assertEqual(rungs_of(listed("group2")), ("published", "without any", "without newton", "without predictor",
+    def test_ablations(self):
+        self.assertEqual(ablations_of(listed("group2")), ("published", "without any", "without newton", "without predictor",
                                                       "without bands", "fast"))
         # What fast forms no longer do without is read in older files, and not timed again.
-        self.assertEqual({*RUNGS} - {*rungs_of(listed("elp6"))}, {"without single precision"})
-        self.assertEqual(rungs_of(listed("magnus5")), ("published", "without bands", "fast"))
-        self.assertEqual(rungs_of(listed("rkmk4")), ("published", "without any", "without graded series",
+        self.assertEqual({*ABLATIONS} - {*ablations_of(listed("elp6"))}, {"without single precision"})
+        self.assertEqual(ablations_of(listed("magnus5")), ("published", "without bands", "fast"))
+        self.assertEqual(ablations_of(listed("rkmk4")), ("published", "without any", "without graded series",
                                                      "without bands", "fast"))
         for name in ("group5", "elp4_frame", "rk4"):
-            self.assertEqual(rungs_of(listed(name)), ("published", "without bands", "fast"))
-        self.assertEqual(rungs_of(listed("bm2")), ("published",))  # it has no fast form
+            self.assertEqual(ablations_of(listed(name)), ("published", "without bands", "fast"))
+        self.assertEqual(ablations_of(listed("bm2")), ("published",))  # it has no fast form
         self.assertEqual([without(listed(name), "without any") for name in ("group2", "rk4", "magnus4")],
                          [("bands", "predictor", "newton"), ("bands",), ("bands",)])
 

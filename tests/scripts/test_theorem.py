@@ -23,11 +23,11 @@ from lib.running import timed
 from lib.running.checkpoint import Checkpoint
 from studies.theorem import plan as theorem_plan, run as theorem
 from lib.pages.document import Table, as_markdown
-from lib.running.fresh_process import MOST_SWITCHES, MOST_TRIES, Disturbance
+from lib.running.fresh_process import MAX_SWITCHES, MAX_TRIES, Disturbance
 from studies.theorem.plain_forms import dagger, gauss
 from studies.theorem.report import rendered
 from studies.theorem.schema import NOTHING, PAIRS, PRINTED_K, PRINTED_W, SCHEMA, Coincidence, Settings, Timed
-from lib.judging.verdicts import FEWEST, MORE, MOST
+from lib.judging.verdicts import FEWEST, MORE, MAXIMUM
 
 RENDERING = RENDER, "theorem"
 ROUNDING = 1e-13  # of one step with entries of about 1, and of its iteration
@@ -117,7 +117,7 @@ class Ends(unittest.TestCase):
 
 # ---- timing by processes
 
-QUIET, BUSY = Disturbance(0.0, 0.0), Disturbance(0.0, 2 * MOST_SWITCHES)
+QUIET, BUSY = Disturbance(0.0, 0.0), Disturbance(0.0, 2 * MAX_SWITCHES)
 
 
 def noisy(ratio, spread, count=FEWEST):
@@ -128,8 +128,8 @@ def noisy(ratio, spread, count=FEWEST):
 class FurtherProcesses(unittest.TestCase):
     """Rows of one method stop together, and those of others go on without them."""
 
-    def further(self, most=MOST, **seconds):
-        return theorem.further_processes(most, seconds)
+    def further(self, maximum=MAXIMUM, **seconds):
+        return theorem.further_processes(maximum, seconds)
 
     def test_decided_and_undecided(self):
         level, close = noisy(1, 0), noisy(1.05, 0.05)
@@ -143,10 +143,10 @@ class FurtherProcesses(unittest.TestCase):
         self.assertEqual(self.further(group1=[], algebra1=[]), {"group1": FEWEST, "algebra1": FEWEST})
         self.assertEqual(self.further(group1=[1.0] * 4), {"group1": FEWEST - 4})
         self.assertEqual(self.further(group1=[1.0] * FEWEST), {"group1": 0})  # a lone row has nothing to decide
-        self.assertEqual(self.further(most=2, group1=[], algebra1=[]), {"group1": 2, "algebra1": 2})
-        close = noisy(1.05, 0.05, MOST)
-        self.assertEqual(self.further(group1=[1.0] * MOST, algebra1=close), {"group1": 0, "algebra1": 0})
-        self.assertEqual(self.further(most=MOST + 1, group1=[1.0] * FEWEST, algebra1=noisy(1.05, 0.05)),
+        self.assertEqual(self.further(maximum=2, group1=[], algebra1=[]), {"group1": 2, "algebra1": 2})
+        close = noisy(1.05, 0.05, MAXIMUM)
+        self.assertEqual(self.further(group1=[1.0] * MAXIMUM, algebra1=close), {"group1": 0, "algebra1": 0})
+        self.assertEqual(self.further(maximum=MAXIMUM + 1, group1=[1.0] * FEWEST, algebra1=noisy(1.05, 0.05)),
                          {"group1": MORE, "algebra1": MORE})
         self.assertEqual(self.further(), {})
 
@@ -246,12 +246,12 @@ class ByProcesses(FolderTest):
 
     def test_one_that_stays_disturbed_is_kept_and_counted_also_after_an_interruption(self):
         for _ in range(2):
-            _, context = self.by_processes(self.until({"a": 1, "b": 1}), [BUSY] * MOST_TRIES)
-            self.assertEqual((len(self.runs), context["disturbed_processes"]), (MOST_TRIES + 1, "1 of 2"))
+            _, context = self.by_processes(self.until({"a": 1, "b": 1}), [BUSY] * MAX_TRIES)
+            self.assertEqual((len(self.runs), context["disturbed_processes"]), (MAX_TRIES + 1, "1 of 2"))
 
     def test_disturbed_processes_are_counted_over_all_parts_of_a_study(self):
         for _ in range(2):
-            _, context = self.by_processes(self.until({"a": 1, "b": 1}), [BUSY] * MOST_TRIES, parts=("one", "two"))
+            _, context = self.by_processes(self.until({"a": 1, "b": 1}), [BUSY] * MAX_TRIES, parts=("one", "two"))
             self.assertEqual(context["disturbed_processes"], "1 of 4")
 
     def test_a_process_that_fails_ends_the_study(self):
@@ -369,13 +369,13 @@ class Report(FolderTest):
     def test_figures(self):
         found = self.figures
         for key, value in {
-                "cost.others.0.1.s1.group-over-algebra.least": 3,
-                "cost.others.0.1.s1.algebra-over-group.most": 1 / 3,
-                "cost.rigid_body.s2.cotangent-over-group.least": 1.01,
-                "cost.rigid_body.s2.cotangent-over-group.most": 2,
-                "cost.others.0.5.s2.cotangent-over-group.least": 2,
-                "cost.others.s1.group-over-algebra.least": 3,
-                "cost.spin_chain.s1.algebra-over-group.most": 2,
+                "cost.others.0.1.s1.group-over-algebra.min": 3,
+                "cost.others.0.1.s1.algebra-over-group.max": 1 / 3,
+                "cost.rigid_body.s2.cotangent-over-group.min": 1.01,
+                "cost.rigid_body.s2.cotangent-over-group.max": 2,
+                "cost.others.0.5.s2.cotangent-over-group.min": 2,
+                "cost.others.s1.group-over-algebra.min": 3,
+                "cost.spin_chain.s1.algebra-over-group.max": 2,
                 "coincidence.settings": 1, "coincidence.within": 1, "coincidence.failed": 1,
                 "coincidence.difference": 1e-14, "ends.iiia_iiib_iiia_s2.from_g": 1.9e-6,
                 "ends.k_as_printed_s2.order": 3, "ends.j_no_multiple_of_i_s2.group-algebra": 7.6e-2,
