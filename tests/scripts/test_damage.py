@@ -171,6 +171,24 @@ class Matrix(DamageTest):
             self.assert_unusable(read, b"\xff\xfe", "UTF-8")
             self.assertGreater(count, 60, study)
 
+    def test_files_under_earlier_names_of_tables_and_columns_are_read_alike_but_not_under_both(self):
+        for study, (write, schema, read, _) in STUDIES.items():
+            document = json.loads(text_of(write(self.folder)))
+            now = study_of(document, schema).tables
+            earlier = {new: old for old, new in schema.renamed.items()}
+            for name, table in document["tables"].items():
+                if not {name, *table["columns"]} & {*earlier}:
+                    continue
+                columns = [earlier.get(column, column) for column in table["columns"]]
+                tables = {**without(document["tables"], name), earlier.get(name, name): {**table, "columns": columns}}
+                with self.subTest(study=study, table=name):
+                    self.assertEqual(study_of({**document, "tables": tables}, schema).tables, now)
+                    with self.assertRaises(UnusableFile):  # the control: not by chance
+                        study_of({**document, "tables": tables}, schema._replace(renamed={}))
+                    if name in earlier:
+                        both = {**document["tables"], earlier[name]: table}
+                        self.assert_unusable(read, {**document, "tables": both}, "earlier name")
+
     def test_a_missing_file_and_a_folder(self):
         for study, (_, _, read, _) in STUDIES.items():
             for path in (self.path("none.json"), self.folder):

@@ -252,6 +252,8 @@ def study_of(document, schema):
     require(document, what, "study", schema.study)
     parts = checked(document, dict.fromkeys(("context", "settings", "tables"), an_object), "it")
     given = {schema.renamed.get(name, name): table for name, table in parts["tables"].items()}
+    if len(given) < len(parts["tables"]):
+        raise UnusableFile("has a table under its earlier name too")
     older = {name: None for name in schema.later if name not in given}
     found = checked(given, dict.fromkeys(schema.tables.keys() - older, an_object), "tables")
     tables = {name: records(found[name], record, name, schema.renamed) if name in found else []

@@ -22,25 +22,14 @@ from lib.programs.messages import one_line
 from lib.records import formats
 from lib.records.formats import FAST, INTEGRATORS, SOLVERS
 from lib.records.table_file import CellKey, Measurement, Run
-from lib.records.integrators import TABLE1_CELLS
 from lib.judging import verdicts
 from lib.running import built, initial_states, program, timed, untimed
 from lib.running.checkpoint import Checkpoint
-from studies.claims import octave_cells
+from studies.claims import octave_cells, plan
 from studies.claims.schema import (EQUAL, HBARS, SCHEMA, WITHOUT, OctaveCell, OctavePair, OctaveProduct, Rate,
                                    SampleCell, Settings, ThreadCell)
 from studies.tables import judge as claims
 
-STEP, STEPS, TOLERANCE = 0.1, 50, 1e-13
-SIZES, QUICK_SIZES = (17, 33, 65, 129), (17, 33)
-SEVERAL_UP_TO = 33  # the n up to which a process runs a cell more than once
-REPETITIONS = 2  # of which the least counts
-SAMPLES, QUICK_SAMPLES = 5, 2  # with each ħ
-SAMPLE_SIZES, QUICK_SAMPLE_SIZES = (17, 33, 65), (17,)
-# n of the runs by threads, with their h and number of steps: h‖B(W₀)‖₂ is that of n = 129 in Table 1 from there on.
-THREAD_RUNS = {65: (0.1, 20), 129: (0.1, 10), 257: (0.05, 5)}
-QUICK_THREAD_SIZES = (65,)
-THREAD_STAGES, THREADS = (2, 3), (1, 2)
 PRODUCT, PASS = "product", "pass"  # rows of what is timed beside cells
 SECONDS_OF_PASSES = 0.02
 NOT_RUN = "not run"  # in place of Octave's version
@@ -60,10 +49,11 @@ def octave_answers(job):
     with tempfile.TemporaryDirectory(prefix="isosyrk-") as folder:
         initial = os.path.join(folder, "initial.npy")
         np.save(initial, scene.initial)
-        for cell in octave_cells.run(initial, job["cells"], STEP, STEPS, folder=folder)["cells"]:
+        for cell in octave_cells.run(initial, job["cells"], plan.STEP, plan.STEPS, folder=folder)["cells"]:
             name = cell["cell"]
             answers[name] = np.load(os.path.join(folder, f"{name}.npy"))
-            ours, _ = isosyrk.integrator(scene, name, tolerance=TOLERANCE).run(scene.initial, STEP, STEPS)
+            published = isosyrk.integrator(scene, name, tolerance=plan.TOLERANCE)
+            ours, _ = published.run(scene.initial, plan.STEP, plan.STEPS)
             cells[name] = {"sweeps": cell["sweeps"], "products": cell["products"],
                            "difference": largest_entry(answers[name] - ours)}
     return {"cells": cells, "pairs": [{"row": row, "other": other,
@@ -82,7 +72,7 @@ def time_octave(block):
     with tempfile.TemporaryDirectory(prefix="isosyrk-") as folder:
         initial = os.path.join(folder, "initial.npy")
         np.save(initial, isosyrk.scene("smooth", n=block["n"]).initial)
-        found = octave_cells.run(initial, cells, STEP, STEPS, block["repetitions"])
+        found = octave_cells.run(initial, cells, plan.STEP, plan.STEPS, block["repetitions"])
     require_same_kernels(found["blas"], block["kernels"])
     seconds = {cell["cell"]: cell["seconds"] for cell in found["cells"]}
     return [{**seconds, PRODUCT: found["product_seconds"]}[row] for row in block["rows"]]
@@ -114,8 +104,8 @@ def time_sample(block):
         for row in shuffled.sample(block["rows"], len(block["rows"])):
             solver, name = row.split()
             products = {} if solver == FAST else {"products": block["products"]}
-            method = isosyrk.integrator(scene, name, solver=solver, tolerance=TOLERANCE, **products)
-            found[row].append(timed.seconds_of(method, scene.initial, STEP, STEPS))
+            method = isosyrk.integrator(scene, name, solver=solver, tolerance=plan.TOLERANCE, **products)
+            found[row].append(timed.seconds_of(method, scene.initial, plan.STEP, plan.STEPS))
     return [min(each) for each in found.values()]
 
 
@@ -123,7 +113,8 @@ def time_sample(block):
 
 
 def fast_form(scene, name, code, threads):
-    return isosyrk.integrator(scene, name, solver=FAST, tolerance=TOLERANCE, threads=threads, without=WITHOUT[code])
+    return isosyrk.integrator(scene, name, solver=FAST, tolerance=plan.TOLERANCE, threads=threads,
+                              without=WITHOUT[code])
 
 
 def count_threads(job):
@@ -241,7 +232,7 @@ def octave_tables(options, sizes, names, checkpoint):
                              other=formulation_of(pair["other"]), difference=pair["difference"])
                   for pair in each["pairs"]]
     blocks = [{"what": "octave", "n": n, "rows": [*names, PRODUCT], "kernels": checkpoint.context["blas_kernels"],
-               "repetitions": REPETITIONS if n <= SEVERAL_UP_TO else 1} for n in sizes]
+               "repetitions": plan.REPETITIONS if n <= plan.SEVERAL_UP_TO else 1} for n in sizes]
     seconds = times_of(blocks, of_octave, checkpoint, options, "timing Octave")
     cells = [OctaveCell(**row_of(name), n=block["n"], **counted[block["n"], name], seconds=found[name])
              for block, found in zip(blocks, seconds) for name in names]
@@ -249,10 +240,10 @@ def octave_tables(options, sizes, names, checkpoint):
     return {"octave": cells, "octave_pairs": pairs, "octave_products": products}
 
 
-def draw_table(options, sizes, names, checkpoint):
-    samples = QUICK_SAMPLES if options.quick else SAMPLES
+def sample_table(options, sizes, names, checkpoint):
+    samples = plan.QUICK_SAMPLES if options.quick else plan.SAMPLES
     blocks = [{"what": "samples", "n": n, "hbar": hbar, "sample": sample, "products": checkpoint.products(n),
-               "repetitions": REPETITIONS if n <= SEVERAL_UP_TO else 1,
+               "repetitions": plan.REPETITIONS if n <= plan.SEVERAL_UP_TO else 1,
                "rows": [f"{solver} {name}" for solver in SOLVERS for name in names]}
               for n in sizes for hbar in HBARS for sample in range(samples)]
     seconds = times_of(blocks, of_samples, checkpoint, options, "timing samples")
@@ -268,11 +259,11 @@ def thread_tables(options, sizes, names, checkpoint):
     each other by looking or asleep, and asleep a run at n = 65 takes up to five times as long.
     """
     cores = os.sched_getaffinity(0)
-    threads = [each for each in THREADS if each <= len(cores)]
+    threads = [each for each in plan.THREADS if each <= len(cores)]
     checkpoint.context["cores"] = f"{len(cores)}"
-    names = [name for name in names if stages_of(name) in THREAD_STAGES]
+    names = [name for name in names if stages_of(name) in plan.THREAD_STAGES]
     sizes = sizes if names else ()
-    runs = {n: dict(zip(("step", "steps"), THREAD_RUNS[n])) for n in sizes}
+    runs = {n: dict(zip(("step", "steps"), plan.THREAD_RUNS[n])) for n in sizes}
     jobs = [{"n": n, "name": name, "code": code, **runs[n]} for n in sizes for name in names for code in WITHOUT]
     counts = untimed.results(jobs, count_threads, checkpoint, options, "counting for threads") if jobs else []
     counted = {(job["n"], job["name"], job["code"]): each for job, each in zip(jobs, counts)}
@@ -287,11 +278,6 @@ def thread_tables(options, sizes, names, checkpoint):
             "rates": [Rate(block["n"], found[PRODUCT], found[PASS]) for block, found in zip(blocks, seconds)]}
 
 
-def chosen(sizes, wanted):
-    """Returns those of some sizes that --n names; all of them without it."""
-    return [n for n in sizes if not wanted or n in wanted]
-
-
 def main(arguments):
     parser = program.parser("claims", __doc__.splitlines()[0])
     parser.add_argument("--processes", type=whole_number(1, 100), default=None, help="that time a block at most; with"
@@ -299,25 +285,15 @@ def main(arguments):
                         f" {verdicts.FEWEST})")
     options = parser.parse_args(arguments)
     options.processes = options.processes or (verdicts.FEWEST if options.quick else verdicts.MAXIMUM)
-    names = [name for name in TABLE1_CELLS if not options.integrator or name in options.integrator]
-    for name in options.integrator or ():
-        if name not in TABLE1_CELLS:
-            raise Stop(f"--integrator {one_line(name)!r}: must be one of {', '.join(TABLE1_CELLS)}")
-    full = (SIZES, SAMPLE_SIZES, tuple(THREAD_RUNS))
-    sizes = [chosen(each, options.n) for each in
-             ((QUICK_SIZES, QUICK_SAMPLE_SIZES, QUICK_THREAD_SIZES) if options.quick and not options.n else full)]
-    known = sorted({n for each in full for n in each})
-    for n in options.n or ():
-        if n not in known:
-            raise Stop(f"--n {n}: must be one of {', '.join(map(str, known))}")
-
+    names, sizes = plan.cells_of(options), plan.sizes_of(options)
     checkpoint = Checkpoint("claims", options, partial(isosyrk.conditions, products="fastest",
-                                                      sizes=sorted({*sizes[0], *sizes[1]})))
-    tables = octave_tables(options, sizes[0], names, checkpoint)
-    tables |= thread_tables(options, sizes[2], names, checkpoint)
-    tables |= {"samples": draw_table(options, sizes[1], names, checkpoint), INTEGRATORS: built.entries(names)}
-    octave = {"octave": octave_cells.version(), "octave_kernels": checkpoint.context["blas_kernels"]} if sizes[0] else \
-        {"octave": NOT_RUN, "octave_kernels": NOT_RUN}
-    settings = Settings(step=STEP, steps=STEPS, tolerance=TOLERANCE, **octave)
+                                                      sizes=sorted({*sizes.octave, *sizes.samples})))
+    tables = octave_tables(options, sizes.octave, names, checkpoint)
+    tables |= thread_tables(options, sizes.threads, names, checkpoint)
+    tables |= {"samples": sample_table(options, sizes.samples, names, checkpoint), INTEGRATORS: built.entries(names)}
+    octave = {"octave": NOT_RUN, "octave_kernels": NOT_RUN}
+    if sizes.octave:
+        octave = {"octave": octave_cells.version(), "octave_kernels": checkpoint.context["blas_kernels"]}
+    settings = Settings(step=plan.STEP, steps=plan.STEPS, tolerance=plan.TOLERANCE, **octave)
     formats.write_study(options.out, SCHEMA, checkpoint.context, settings, tables)
     checkpoint.remove()
