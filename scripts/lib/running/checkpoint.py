@@ -1,6 +1,8 @@
 """What a study has done so far, in a file beside its raw file: an interrupted study goes on from there."""
 
 import contextlib
+import glob
+import hashlib
 import json
 import os
 import re
@@ -8,6 +10,7 @@ import re
 from lib.programs.command_line import Stop, say
 from lib.programs.messages import one_line
 from lib.programs.output import replace_file
+from lib.programs.places import ROOT
 
 FORMAT = "isosyrk checkpoint 1"
 RESULTS_DEPEND_ON = ("commit", "dirty")  # conditions, of all work
@@ -18,9 +21,10 @@ NOT_OF_THE_STUDY = ("out", "scheduler", "workers", "repetitions", "processes")  
 class Checkpoint:
     """Finished work of an unfinished study, as JSON lines: what it belongs to, then a key and a result each.
 
-    One that belongs to anything else, as another commit, is begun anew, and that is told. On another processor untimed
-    work is kept and timed work is done again. `context` holds the conditions of the first start on this processor.
-    `processes` and `disturbed` count those that timed, over all timed parts of the study.
+    One that belongs to anything else, as another commit or another text of the studies, is begun anew, and that is
+    told. On another processor untimed work is kept and timed work is done again. `context` holds the conditions of the
+    first start on this processor. `processes` and `disturbed` count those that timed, over all timed parts of the
+    study.
     """
 
     def __init__(self, study, options, conditions):
@@ -33,7 +37,7 @@ class Checkpoint:
         now = conditions()
         arguments = {name: value for name, value in vars(options).items() if name not in NOT_OF_THE_STUDY}
         head = {"format": FORMAT, "study": study, "arguments": arguments,
-                "conditions": {name: now.get(name) for name in RESULTS_DEPEND_ON}}
+                "conditions": {name: now.get(name) for name in RESULTS_DEPEND_ON}, "scripts": text_of_studies()}
         begun, *results = self._lines() or [{}]
         goes_on = {**begun, "context": None} == {**head, "context": None}
         same_processor = goes_on and all(begun["context"].get(name) == now.get(name) for name in TIMES_DEPEND_ON)
@@ -79,6 +83,15 @@ class Checkpoint:
         return key_of(f"{what} on {', '.join(str(self.context.get(name)) for name in TIMES_DEPEND_ON)}", job)
 
 
+def text_of_studies():
+    """Returns a hash of the modules that studies are made of. The commit does not tell them: it is the build's."""
+    found = hashlib.sha256()
+    for path in sorted(glob.glob(os.path.join(ROOT, "scripts", "**", "*.py"), recursive=True)):
+        with open(path, "rb") as file:
+            found.update(file.read())
+    return found.hexdigest()
+
+
 def key_of(what, job):
     """Returns the key of the result of a job, which is what JSON can hold."""
     return json.dumps([what, job], sort_keys=True)
@@ -87,5 +100,7 @@ def key_of(what, job):
 def require_writable(path):
     """Throws Stop unless a file can be written at a path."""
     folder = os.path.dirname(os.path.abspath(path))
-    if os.path.isdir(path) or not os.path.isdir(folder) or not os.access(folder, os.W_OK):
-        raise Stop(f"--out {one_line(path)}: cannot be written")
+    for holds, why in ((os.path.isdir(path), "is a folder"), (not os.path.isdir(folder), "its folder does not exist"),
+                       (not os.access(folder, os.W_OK), "its folder is not writable")):
+        if holds:
+            raise Stop(f"--out {one_line(path)}: cannot be written, {why}")
