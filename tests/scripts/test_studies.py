@@ -146,22 +146,25 @@ class Work(SquaresTest):
 
     def test_an_interrupted_study_goes_on_and_leaves_no_process(self):
         """Ctrl-C, SIGTERM and kill -9, among untimed work and while a fresh process is timed."""
-        for sent, status, told, after, commit in (
-                (signal.SIGINT, INTERRUPTED, "interrupted", 4, "1"), (signal.SIGKILL, -signal.SIGKILL, "", 4, "1"),
-                (signal.SIGTERM, TERMINATED, "terminated", 4, "of another program"),
-                (signal.SIGTERM, TERMINATED, "terminated", UNTIMED + TIMED - 2, "1"),
-                (signal.SIGKILL, -signal.SIGKILL, "", UNTIMED + TIMED - 1, "1")):
+        for sent, status, told, after, other in (
+                (signal.SIGINT, INTERRUPTED, "interrupted", 4, ""), (signal.SIGKILL, -signal.SIGKILL, "", 4, ""),
+                (signal.SIGTERM, TERMINATED, "terminated", 4, "commit"),  # of another program
+                (signal.SIGTERM, TERMINATED, "terminated", 4, "scripts"),  # of other studies
+                (signal.SIGTERM, TERMINATED, "terminated", UNTIMED + TIMED - 2, ""),
+                (signal.SIGKILL, -signal.SIGKILL, "", UNTIMED + TIMED - 1, "")):
             with self.subTest(signal=sent, after=after):
                 finished = self.interrupted(sent, status, told, after)
                 begun, *results = finished
                 self.assertLess(len(results), UNTIMED + TIMED)
                 os.unlink(self.log)
                 # A last line that was cut does no harm.
-                lines = [begun.replace('"commit": "1"', f'"commit": "{commit}"'), *results, '["squa']
+                begun, changed = re.subn(f'"{other}": "[0-9a-f]+"', f'"{other}": "0"', begun)
+                self.assertEqual(bool(changed), bool(other))
+                lines = [begun, *results, '["squa']
                 self.write("raw.json.checkpoint", "\n".join(lines))
                 done = self.squares()
                 self.assert_result(done)
-                kept = len(results) if commit == "1" else 0
+                kept = 0 if other else len(results)
                 self.assertIn(f"going on after {kept} results" if kept else "belongs to something else", done.stderr)
                 timed = sum(json.loads(json.loads(line)[0])[0].startswith("turns") for line in results) if kept else 0
                 self.assertEqual(sum(self.begun().values()), UNTIMED + 3 - (kept - timed))
