@@ -12,7 +12,7 @@ from scaling_documents import NOISE, failed, line, point, write_scaling, write_t
 
 from lib.pages.figures import read_figures
 from lib.records.formats import listed
-from studies.scaling.schema import RUNGS, Memory, Rate, TwoThreads, read_scaling, rungs_of, without
+from studies.scaling.schema import RUNGS, Rate, TwoThreads, read_scaling, rungs_of, without
 from studies.scaling.judge import figures
 
 RENDERING = RENDER, "scaling"
@@ -35,11 +35,6 @@ class ScalingTest(drawing.DrawingTest):
 
 
 class Report(ScalingTest):
-    def test_ratios_are_of_the_same_round(self):
-        # However much slower a round was, both forms were so.
-        lines = self.report(points=[point(rung=rung) for rung in RUNGS])
-        self.assertIn(["5", "17", "group2", "12.0", "20.0", "–", "0.00374 ±6.8 %", "5.00 ±0.0 %", "2.50 ±0.0 %"], lines)
-
     def test_what_failed_has_no_figures(self):
         lines = self.report(points=[point(rung="without bands"), failed(rung="fast")])
         self.assertIn(["5", "17", "group2", *"––––––"], lines)
@@ -56,33 +51,11 @@ class Report(ScalingTest):
         found = read_figures(self.path("out", "figures.json"))
         self.assertEqual((found["single"], found["points"]), (2, 3))
 
-    def test_the_two_starts_stand_apart(self):
-        slow = [4 * second for second in point(rung="published").seconds]
-        lines = self.report(points=[point(), point(rung="published"), point(start=50.0),
-                                    point(start=50.0, rung="published", seconds=slow)])
-        self.assertIn(["form", "t = 5, n = 17", "t = 50, n = 17"], lines)
-        self.assertIn(["published", "5.00", "20.0"], lines)
-        found = read_figures(self.path("out", "figures.json"))
-        self.assertEqual([found[f"published.n17.t{start}{form}"] for start in (5, 50) for form in ("", ".group")],
-                         [5, 5, 20, 20])
-        self.assertNotIn("published.n17.t5.algebra", found)  # it was not timed
-
     def test_the_costliest_idea(self):
         for newton, expected in ((2.0, 0.0), (5.5, 0.1)):
             seconds = [noise * 17e-6 / newton for noise in NOISE]
             study = self.study(points=[point(), point(rung="without newton", seconds=seconds)])
             self.assertAlmostEqual(figures(study)["costliest_idea"], expected)
-
-    def test_exponential_methods_have_a_table_of_their_own(self):
-        lines = self.report(points=[point(name, n, rung) for name in ("elp2", "elp4", "rkmk4") for n in (17, 33)
-                                    for rung in rungs_of(listed(name)) if (name, n) != ("elp2", 33)])
-        self.assertIn(["elp2", "without explicit start", "2.50 ±0.0 %", "–"], lines)
-        self.assertIn(["rkmk4", "without graded series", "2.50 ±0.0 %", "2.50 ±0.0 %"], lines)
-        found = read_figures(self.path("out", "figures.json"))
-        self.assertEqual(found["exponential.published.n33.t5"], 5)
-        self.assertEqual(found["exponential.without_graded_series.n33.t5.rkmk4"], 2.5)
-        self.assertNotIn("published.n17.t5", found)  # no cell of Table 1
-        self.assertNotIn("costliest_idea", found)
 
     def test_shares_of_products(self):
         rates = [Rate(17, "fast", [4e-8] * 3), Rate(17, "published", [1e-7] * 3)]
@@ -118,13 +91,6 @@ class Report(ScalingTest):
         self.assertEqual([key for key in found if key.startswith("slope.rk4")], [])
         self.assertIn(["group2\\_frame", "fast", "5", "65 to 513", "3.00¹"], self.report(points=points))
 
-    def test_bands_on_and_off(self):
-        points = [each for n in (17, 33) for rung in ("fast", "without bands")
-                  for each in (point("elp4_frame", n, rung), point("group1", n, rung))]
-        lines = self.report(points=points)
-        self.assertIn(["elp4\\_frame", "2.50 ±0.0 %", "2.50 ±0.0 %"], lines)
-        self.assertIn(["cells of Table 1", "2.50", "2.50"], lines)
-
     def test_two_threads_of_older_files_have_an_interval_and_undecided_ones_a_mark(self):
         one = [1.8e-3, 1.82e-3, 1.78e-3, 1.8e-3, 1.81e-3, 1.79e-3]
         rows = [TwoThreads(50.0, 129, "group2_frame", 0.1, 1e-13, one, [1e-3] * 6),
@@ -145,10 +111,6 @@ class Report(ScalingTest):
         found = run([sys.executable, "-B", *RENDERING, write_scaling(self.folder)],
                     env=environment(PYTHONPATH=self.path("without"), ISOSYRK_PYTHON=None))
         self.assert_refused(found, "render scaling: no Python with scipy found", "install python3-scipy")
-
-    def test_memory(self):
-        self.assertIn(["1025", "3.9"], self.report(points=[point()], memory=[Memory(1025, 3.9e9)]))
-        self.assertAlmostEqual(read_figures(self.path("out", "figures.json"))["memory.n1025"], 3.9)
 
     def test_repetitions_with_a_trend_are_caught(self):
         level = [1.0, 1.02, 0.99, 1.01, 0.98, 1.03, 1.0]
