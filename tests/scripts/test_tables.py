@@ -1,4 +1,4 @@
-"""Tests of scripts/render_table1 on made-up raw files: what it shows in this process, refusals as a user meets them."""
+"""Tests of what is rendered of Tables 1 and 2, on made-up raw files; what is refused as a user meets it."""
 
 import itertools
 import json
@@ -8,11 +8,12 @@ import re
 import sys
 import unittest
 
-from programs import DONE, FORMULATIONS, ROOT, FolderTest, environment, run, run_script, strict_json, text_of
+from programs import (DONE, FORMULATIONS, RENDER, ROOT, FolderTest, environment, run, run_script, strict_json,
+                      text_of)
 
 from lib.pages import document
 from lib.pages.numbers import three_digits
-from studies.tables.report import table1
+from studies.tables.report import table1, table2
 from test_reproduce import HOST_NAME, raw_file
 
 SCRIPT = os.path.join(ROOT, "scripts", "render_table1")
@@ -304,6 +305,48 @@ class Refusals(TableTest):
         run_script(SCRIPT, self.path("raw.json"), "--output", output)
         self.assertEqual(text_of(output), expected)
         self.assertEqual(sorted(os.listdir(self.folder)), ["raw.json", "table.txt"])
+
+
+class Table2(TableTest):
+    def raw_of_both(self):
+        return raw_file(tables=("table2", "table1"))
+
+    def text(self, data):
+        return document.as_text(table2(self.put(data)))
+
+    def gains(self, data):
+        """Returns the rows of n = 17 in "Table 1 over Table 2": {row: three texts}."""
+        part = self.text(data).split("Table 1 over Table 2\n")[1].split("Ratios to the fastest")[0]
+        lines = [re.sub(r" \([^ ]*\)", "", line).split() for line in part.splitlines()]  # without the intervals
+        start = next(index for index, words in enumerate(lines) if words[:1] == ["17"])
+        return {" ".join(words[:-3]).removeprefix("17 "): words[-3:] for words in lines[start:start + 4]}
+
+    def test_the_last_row_compares_the_fastest_of_each_side_and_a_failed_cell_has_no_gain(self):
+        data = self.raw_of_both()
+        for row in data["benchmarks"]:
+            table, formulation, n, stages = row["run_name"].split("/")
+            milliseconds = 2.0 * int(stages[-1]) + FORMULATIONS.index(formulation)
+            row["cpu_time"] = milliseconds / (2 if table == "table2" else 1)
+            if row["run_name"] == "table2/algebra/n:17/s:1":
+                row["cpu_time"] = 0.5  # cotangent, the fastest published row, takes 2
+            if row["run_name"] == "table1/group/n:17/s:2":
+                row.update(error_occurred=True, error_message="diverged at step 3")
+        self.assertEqual(self.gains(data), {"cotangent": ["2.00"] * 3, "group": ["2.00", "–", "2.00"],
+                                            "algebra": ["8.00", "2.00", "2.00"],
+                                            "fastest row": ["4.00*", "2.00*", "2.00*"]})
+
+    def test_rows_of_two_threads_do_not_enter_the_table(self):
+        data = self.raw_of_both()
+        alone = self.text(data)
+        data["benchmarks"] += [{**row, "run_name": f"{row['run_name']}/threads:2", "cpu_time": 2 * row["cpu_time"]}
+                               for row in data["benchmarks"]]
+        self.assertEqual(self.text(data), alone)
+
+    def test_foreign_files_are_refused(self):
+        one = self.write("one.json", json.dumps(raw_file(tables=("table2",))))
+        other = self.write("table1.json", json.dumps(raw_file()))
+        for path, *parts in ((one, "one.json", "table1/"), (other, "table1.json", "table1", "table2")):
+            self.assert_refused(run_script(RENDER, "table2", path), *parts)
 
 
 class Numbers(unittest.TestCase):
