@@ -28,11 +28,6 @@ def failed(**values):
     return point(**values, seconds=[], sweeps=None, equivalent_products=None)
 
 
-def line(name, rung, start, seconds):
-    """Returns points of a line; `seconds` are the times by n."""
-    return [point(name, n, rung, start, each if isinstance(each, list) else [each]) for n, each in seconds.items()]
-
-
 def write_tables(path, scene="smooth", **tables):
     """Writes a raw file with these tables, and that of the integrators of its points, and returns its path."""
     names = dict.fromkeys(each.integrator for each in tables.get("points", ()))

@@ -4,16 +4,14 @@ import os
 import sys
 import unittest
 
-from scipy.stats import spearmanr
 
 import drawing
 from programs import DONE, RENDER, environment, run, run_script
-from scaling_documents import NOISE, failed, line, point, write_scaling, write_tables
+from scaling_documents import failed, point, write_scaling, write_tables
 
 from lib.pages.figures import read_figures
 from lib.records.formats import listed
 from studies.scaling.schema import RUNGS, Rate, TwoThreads, read_scaling, rungs_of, without
-from studies.scaling.judge import figures
 
 RENDERING = RENDER, "scaling"
 
@@ -51,20 +49,6 @@ class Report(ScalingTest):
         found = read_figures(self.path("out", "figures.json"))
         self.assertEqual((found["single"], found["points"]), (2, 3))
 
-    def test_the_costliest_idea(self):
-        for newton, expected in ((2.0, 0.0), (5.5, 0.1)):
-            seconds = [noise * 17e-6 / newton for noise in NOISE]
-            study = self.study(points=[point(), point(rung="without newton", seconds=seconds)])
-            self.assertAlmostEqual(figures(study)["costliest_idea"], expected)
-
-    def test_shares_of_products(self):
-        rates = [Rate(17, "fast", [4e-8] * 3), Rate(17, "published", [1e-7] * 3)]
-        found = figures(self.study(points=[point("group2_frame"), point("group2_frame", rung="published")],
-                                   rates=rates))
-        # 20 products in 3.74 µs, and 100 in 18.7 µs.
-        self.assertAlmostEqual(found["share.group2_frame.fast.n17.t5"], 20 * 4e-8 / 3.74e-6)
-        self.assertAlmostEqual(found["share.group2_frame.published.n17.t5"], 100 * 1e-7 / 18.7e-6)
-
     def test_the_rough_scene_beside_the_smooth_one(self):
         times = {"smooth": 2e-6, "rough": 3e-6}
         paths = {scene: write_tables(self.path(f"{scene}.json"), scene, rates=[Rate(257, "fast", [1e-8])],
@@ -82,14 +66,6 @@ class Report(ScalingTest):
         self.report(points=[point("elp4_frame", 129)])
         self.assertNotIn("rough scene", self.text())
         self.assertFalse({key for key in read_figures(self.path("out", "figures.json")) if "products." in key})
-
-    def test_slopes(self):
-        cube = {n: 1e-9 * n**3 for n in (17, 65, 129, 513)}
-        points = [*line("group2_frame", "fast", 5.0, {**cube, 17: 1.0}), *line("rk4_frame", "fast", 5.0, {65: 1.0})]
-        found = figures(self.study(points=points))
-        self.assertAlmostEqual(found["slope.group2_frame.fast.n65_n513.t5"], 3)
-        self.assertEqual([key for key in found if key.startswith("slope.rk4")], [])
-        self.assertIn(["group2\\_frame", "fast", "5", "65 to 513", "3.00¹"], self.report(points=points))
 
     def test_two_threads_of_older_files_have_an_interval_and_undecided_ones_a_mark(self):
         one = [1.8e-3, 1.82e-3, 1.78e-3, 1.8e-3, 1.81e-3, 1.79e-3]
@@ -111,17 +87,6 @@ class Report(ScalingTest):
         found = run([sys.executable, "-B", *RENDERING, write_scaling(self.folder)],
                     env=environment(PYTHONPATH=self.path("without"), ISOSYRK_PYTHON=None))
         self.assert_refused(found, "render scaling: no Python with scipy found", "install python3-scipy")
-
-    def test_repetitions_with_a_trend_are_caught(self):
-        level = [1.0, 1.02, 0.99, 1.01, 0.98, 1.03, 1.0]
-        for times, shown in ((level, False), (sorted(level), True), (sorted(level, reverse=True), True)):
-            study = self.study(points=[point(n=n, seconds=[1e-6 * n * each for each in times]) for n in (9, 17, 33)])
-            with self.subTest(times=times):
-                self.assertEqual(study.trend().is_shown(), shown)
-                self.assertEqual(figures(study)["trend.series"], 3)
-                expected = spearmanr(times, range(len(times)))[0]  # the correlation
-                self.assertAlmostEqual(figures(study)["trend.correlation"], expected)
-        self.assertNotIn("trend.series", figures(self.study(points=[point()])))
 
     def test_rungs(self):
         self.assertEqual(rungs_of(listed("group2")), ("published", "without any", "without newton", "without predictor",
