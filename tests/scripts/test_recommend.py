@@ -466,38 +466,6 @@ class Pilots(FolderTest):
             self.assertAlmostEqual(pilot.growth, power, 5)
             self.assertAlmostEqual(pilot.error / 1.1e-6, 1, 5)
 
-    def test_what_does_not_follow_from_a_shorter_time(self):
-        _, search, rkmk4, pilot = self.search()
-        offer = replace(pilot, time=8.0)
-        disagree = recommendation.Outcome(rkmk4, 9, 8.0, 80, 1e-3, 1.0)
-        for growth, unsettled, refuted in ((2.0, None, False), (3.5, None, True), (2.0, disagree, True),
-                                           (2.0, replace(disagree, steps=20), False),  # longer steps than those offered
-                                           (2.0, replace(disagree, time=4.0, steps=40), False)):
-            search.unsettled = unsettled
-            self.assertEqual(search.is_refuted(offer, replace(pilot, growth=growth)), refuted)
-        self.assertFalse(search.is_refuted(offer, replace(offer, growth=9.0)))  # over the whole time it was seen
-        self.assertTrue(search.is_refuted(offer, replace(pilot, time=3.0, growth=2.0)))  # too short
-        # An exponential that doubles the error as the halves of the pilot show grows more than a power.
-        self.assertEqual(search.growth(pilot, 8.0), 2.0**4)
-        self.assertEqual(search.growth(pilot, 8.0, cautious=False), 2.0**2)
-        self.assertLess(search.growth(pilot, 1e9), math.inf)
-        # Then energy and spectrum are judged, by what the pilots kept of them.
-        search.unsettled, search.good = None, {rkmk4: replace(pilot, time=2.0)}
-        search.pilots = [replace(pilot, time=2.0, status=CONVERGED, kept=kept, seconds=seconds)
-                         for kept, seconds in ((1e-4, 1.0), (1e-8, 2.0))]
-        search.settle()
-        self.assertFalse(search.trajectory)
-        self.assertEqual((search.good[rkmk4].error, search.good[rkmk4].seconds), (1e-8, 2.0))
-        self.assertIn("they end at T = 2", search.why)
-        # So they are where the budget ended before any was finished over a longer time.
-        search.good, search.why = {}, "two references differ"
-        search.settle()
-        self.assertEqual((search.good[rkmk4].error, search.why), (1e-8, "two references differ"))
-        # The energy of some is not extrapolated.
-        allowed = {each.name: search.error_of_energy(each, 4.0) for each in search.candidates}
-        self.assertEqual([allowed[f"{name}_frame"] for name in ("elp4", "elp6", "magnus5", "rk4_projected")], [0.0] * 4)
-        self.assertAlmostEqual(allowed["rkmk4_frame"], 1e-6 / 4)
-
     def test_what_cannot_be_used_or_answered(self):
         modes = {"empty": "", "header": "l,m\n1,0\n", "fields": "l,m,re,im\n1,0,1\n", "more": "l,m,re,im\n2,1,1,0,0\n",
                  "number": "l,m,re,im\n2,1,x,0\n", "infinite": "l,m,re,im\n2,1,nan,0\n",
