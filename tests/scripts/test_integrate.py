@@ -406,7 +406,6 @@ class Threads(IntegrateTest):
         # thread that is held up, is in tests/parallel_test.cpp.
 
 
-
 class FailedRuns(IntegrateTest):
     """Exit 3, one line on stderr that says which step and how, one JSON object, and no output file.
 
