@@ -128,8 +128,9 @@ def noisy(ratio, spread, count=FEWEST):
 class FurtherProcesses(unittest.TestCase):
     """Rows of one method stop together, and those of others go on without them."""
 
-    def further(self, most=MOST, **seconds):
-        return theorem.further_processes(most, seconds)
+    @staticmethod
+    def further(**seconds):
+        return theorem.further_processes(MOST, seconds)
 
     def test_decided_and_undecided(self):
         level, close = noisy(1, 0), noisy(1.05, 0.05)
@@ -138,17 +139,6 @@ class FurtherProcesses(unittest.TestCase):
                 self.assertEqual(self.further(group1=level, algebra1=others), {"group1": wanted, "algebra1": wanted})
         self.assertEqual(self.further(group1=level, algebra1=close, group2=level, algebra2=level),
                          {"group1": MORE, "algebra1": MORE, "group2": 0, "algebra2": 0})
-
-    def test_the_first_and_the_last(self):
-        self.assertEqual(self.further(group1=[], algebra1=[]), {"group1": FEWEST, "algebra1": FEWEST})
-        self.assertEqual(self.further(group1=[1.0] * 4), {"group1": FEWEST - 4})
-        self.assertEqual(self.further(group1=[1.0] * FEWEST), {"group1": 0})  # a lone row has nothing to decide
-        self.assertEqual(self.further(most=2, group1=[], algebra1=[]), {"group1": 2, "algebra1": 2})
-        close = noisy(1.05, 0.05, MOST)
-        self.assertEqual(self.further(group1=[1.0] * MOST, algebra1=close), {"group1": 0, "algebra1": 0})
-        self.assertEqual(self.further(most=MOST + 1, group1=[1.0] * FEWEST, algebra1=noisy(1.05, 0.05)),
-                         {"group1": MORE, "algebra1": MORE})
-        self.assertEqual(self.further(), {})
 
 
 class ByProcesses(FolderTest):
