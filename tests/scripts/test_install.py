@@ -144,7 +144,8 @@ class OwnMethod(FolderTest):
         self.assertGreaterEqual(count, 5)
         self.assertEqual(self.ran("core_tests", f"*EachListedFastForm*{self.NAME}*")[1], 0)
         if not SANITIZED:
-            self.assertEqual(self.ran("allocation_tests", "Step.*BackendAndSize:Memory.*PublishedForm*")[:2], (0, 2))
+            tests = f"*BackendAndSize/{self.NAME}:Memory.*PublishedForm*"
+            self.assertEqual(self.ran("allocation_tests", tests)[:2], (0, 2))
 
     def test_what_an_entry_says_falsely_is_seen(self):
         code, _, printed = self.ran("core_tests", "*EachIntegrator.*/misjudged")
