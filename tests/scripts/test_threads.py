@@ -145,6 +145,10 @@ class Study(FolderTest):
             self.assertIn(part, done.stderr.splitlines()[-1])
             self.assertFalse(os.path.exists(self.out))
 
+    def test_a_program_that_is_not_built(self):
+        os.unlink(self.path("build", "benchmarks", "threads"))
+        self.assert_refused(self.study("--quick"), "threads: ", "benchmarks/threads: is not built")
+
     def test_the_plan(self):
         blocks = self.threads.blocks_of([listed("elp4_frame"), listed("group2")], self.threads.SIZES, (1, 2))
         found = {(block["n"], block["integrator"]): (block["step"], block["tolerance"], block["warmup"], block["steps"])

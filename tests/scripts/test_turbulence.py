@@ -374,6 +374,19 @@ class Report(DrawingTest):
         self.assertEqual(found["n33.cheapest_of.elp4.step"], 1)
         self.assertNotIn("n33.cheapest_of.rk4.step", found)
 
+    def test_costs_within_5_percent_tie(self):
+        def group2(share, spread=1.0):
+            """Gives group2 a cost that is a share of that of elp4 with h = 1, with another spread over processes."""
+            return lambda rows: [row._replace(seconds=[share * 5e-5 * 1.01 ** (-1) ** k * spread ** (k % 3 - 1)
+                                                       for k in range(6)])
+                                 if row.integrator == "group2" else row for row in rows]
+
+        for costs, ties, undecided in ((group2(1.03), 1, 0), (group2(1.2), 0, 0), (group2(1.04, spread=1.1), 0, 1)):
+            found = self.figures(costs=costs)
+            self.assertEqual((found["n33.cheapest.nothing.ties"], found["n33.cheapest.nothing.undecided"]),
+                             (ties, undecided))
+            self.assertEqual("n33.cheapest.nothing.tie.group2.h0.5.over_practice" in found, bool(ties))
+
     def test_what_is_faithful(self):
         found = self.figures()
         self.assertEqual([found[f"n33.{key}.faithful"] for key in (
@@ -450,6 +463,16 @@ class Report(DrawingTest):
         for heading in ("The cheapest faithful settings", "Gauss methods by order"):
             self.assertIn("T = 100", report.split(f"## {heading}\n")[1].split("\n|")[0])
         self.assertIn("## Every setting, n = 33, T = 100", report)
+
+    def test_a_method_without_a_faithful_setting_is_named_and_where_there_is_none_there_is_no_chart(self):
+        (axes,), = self.panels("studies.turbulence.charts", "cheapest_faithful", *self.judgements()).values()
+        labels = [text.get_text() for text in axes.texts]
+        for method in ("rk4", "rkmk4"):  # which loses the enstrophy, the energy
+            self.assertIn(f"{method}: no setting that was tried is faithful", labels)
+        none = {"runs": lambda rows: [row for row in rows if row.integrator not in ("elp4", "group2")]}
+        self.assertIsNone(turbulence_chart.cheapest_faithful(*self.judgements(**none)))
+        self.assertIn("Draws that were lost", self.report())
+        self.assertNotIn("Draws that were lost", self.report(**none))
 
     def test_the_title_names_the_cheapest(self):
         study, found = self.judgements()
