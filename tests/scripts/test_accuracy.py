@@ -1,4 +1,4 @@
-"""Tests of the study of accuracy on a made-up one: floors, orders and costs of lines, duels, figures, the report."""
+"""Tests of the study of accuracy on a made-up one: ends of lines, methods that stand for a class, figures by hand."""
 
 import unittest
 

@@ -1,4 +1,4 @@
-"""Tests of the study of the paper's claims, of its model of threads, and of its rendering."""
+"""Tests of the study of the paper's claims, of its model of threads, and of what changes its findings."""
 
 import argparse
 import json
